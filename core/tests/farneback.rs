@@ -72,7 +72,7 @@ fn farneback_agrees_with_a_plain_one() {
     let (clip, _) = linear_motion([[0.0, -0.02], [0.02, 0.0]], [1.3, -0.8]);
     let of = |iterations| {
         let settings = [
-            ("neighborhood", "7"),
+            ("poly-n", "7"),
             ("sigma", "1.1"),
             ("window", "9"),
             ("weights", "gaussian"),

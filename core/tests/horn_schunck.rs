@@ -39,7 +39,7 @@ fn plain_horn_schunck(clip: &Clip, alpha: f64, iterations: usize) -> Vec<[f64; 2
 }
 
 const PAPER: [(&str, &str); 5] =
-    [("levels", "1"), ("warps", "1"), ("smoothing", "0"), ("derivatives", "central"), ("alpha", "10")];
+    [("levels", "1"), ("warps", "1"), ("sigma", "0"), ("derivatives", "central"), ("alpha", "10")];
 
 #[test]
 fn horn_schunck_agrees_with_a_plain_one() {
@@ -79,7 +79,7 @@ fn energy_never_rises_and_the_error_falls() {
         let energy = plotted(&*estimator, &clip, "Energy per pixel", "energy");
         assert_eq!(energy.len(), 60);
         assert!(energy.windows(2).all(|pair| pair[1] <= pair[0] * (1.0 + 1e-6)), "{solver}: {energy:?}");
-        let error = plotted(&*estimator, &clip, "Mean endpoint error", "error");
+        let error = plotted(&*estimator, &clip, "Mean endpoint error", "mean endpoint error");
         assert!(error[59] < 0.5 * error[0], "{solver}: {} px, then {}", error[0], error[59]);
     }
 }
@@ -94,7 +94,7 @@ fn horn_schunck_stops_when_little_changes() {
     let units = walk.units().expect("the end is reached");
     assert!((5..400).contains(&units), "{units} iterations");
     assert_eq!(walk.output(), estimator.run(&clip, 0, &Threads::new(2).unwrap()).unwrap());
-    let change = plotted(&*estimator, &clip, "Mean change", "change");
+    let change = plotted(&*estimator, &clip, "Mean change", "mean change");
     assert!(change[units - 1] < 0.002 && change[units - 2] >= 0.002);
 }
 
@@ -108,7 +108,7 @@ fn the_update_that_is_told_is_the_one_that_is_done() {
         let focus = [40.0, 30.0];
         let Some(field) = walk.output().get::<DenseField>().cloned() else { panic!("a dense field") };
         let step = walk.step(Some(Focus::current(focus)));
-        let [before, mean, after] = ["before", "average", "after"].map(|name| point(&step, name));
+        let [before, mean, after] = ["before", "neighbourhood mean", "after"].map(|name| point(&step, name));
         assert_eq!(after, field.flow.at(40, 30).unwrap());
         let [a, b, c] = plane(&step).lines[0].factors;
         let off = (a * mean[0] + b * mean[1] + c) / (100.0 + a * a + b * b);
@@ -119,7 +119,7 @@ fn the_update_that_is_told_is_the_one_that_is_done() {
         let last = equation(&step).pop().unwrap();
         assert!((numbers(&last).pop().unwrap() - f64::from(after[1])).abs() < 2e-3, "{last}");
         let said = step.sentence.plain();
-        assert_eq!(said.contains("SOR goes 1.90 times as far from where it was"), solver == "sor", "{said}");
+        assert_eq!(said.contains("SOR extrapolates this step by ω = 1.90"), solver == "sor", "{said}");
         if let [.., result] = &numbers(&said)[..] {
             assert!((result - f64::from(after[1])).abs() < 2e-3, "{said}");
         }
@@ -132,13 +132,13 @@ fn the_update_that_is_told_is_the_one_that_is_done() {
 fn what_a_later_warp_tells_of_a_pixel_can_be_recomputed() {
     let (clip, _) = linear_motion([[0.0; 2]; 2], [1.3, -0.6]);
     for id in ["horn-schunck", "clg", "tv-l1"] {
-        let estimator = set(id, &[("levels", "1"), ("warps", "2"), ("iterations", "30"), ("smoothing", "0")]);
+        let estimator = set(id, &[("levels", "1"), ("warps", "2"), ("iterations", "30"), ("sigma", "0")]);
         let mut walk = estimator.walk(&clip, 0).unwrap();
         // The first event of an iteration in the middle of the second warp.
         walk.jump(Move::To(Cursor { unit: 40, event: 1 }));
         let step = walk.step(Some(Focus::current([40.0, 30.0])));
         let [x, y, t] = numbers(&fact(&step, "I_x, I_y, I_t").unwrap())[..] else { panic!("three") };
-        let [u, v] = numbers(&fact(&step, "Warp (u₀, v₀)").unwrap())[..] else { panic!("two") };
+        let [u, v] = numbers(&fact(&step, "Linearised at (u₀, v₀)").unwrap())[..] else { panic!("two") };
         assert!(t.abs() < 2.0 && (u - 1.3).abs() < 0.2 && (v + 0.6).abs() < 0.2, "{id}: little is left to find");
         if id != "clg" {
             let lines = equation(&step);
@@ -155,15 +155,15 @@ fn displacements_on_a_level_are_told_in_its_px_and_as_on_the_picture() {
     for id in ["horn-schunck", "clg", "tv-l1"] {
         let estimator = set(id, &[("levels", "2"), ("warps", "1"), ("iterations", "20")]);
         let coarse = told(&*estimator, &clip, 19, [40.0, 30.0]);
-        assert!(fact(&coarse, "Before").is_some_and(|value| value.ends_with("px of level 1")), "{id}");
-        let (on_level, on_picture) = (point(&coarse, "after"), numbers(&fact(&coarse, "On the picture").unwrap()));
+        assert!(fact(&coarse, "Flow before").is_some_and(|value| value.ends_with("px of level 1")), "{id}");
+        let (on_level, on_picture) = (point(&coarse, "after"), numbers(&fact(&coarse, "At full resolution").unwrap()));
         for i in 0..2 {
             assert!((2.0 * f64::from(on_level[i]) - on_picture[i]).abs() < 0.01, "{id}: {on_level:?}, {on_picture:?}");
         }
         let fine = told(&*estimator, &clip, 39, [40.0, 30.0]);
         assert!(
-            fact(&fine, "Before").is_some_and(|value| value.ends_with(" px"))
-                && fact(&fine, "On the picture").is_none()
+            fact(&fine, "Flow before").is_some_and(|value| value.ends_with(" px"))
+                && fact(&fine, "At full resolution").is_none()
         );
     }
 }
@@ -180,12 +180,12 @@ fn medians_are_told_where_they_are_taken() {
             (step.line.as_str(), step.sentence.plain())
         };
         let first = at(0, 1);
-        assert!(first.1.contains("nothing was found yet") && first.0 == "warp", "{id}: {first:?}");
+        assert!(first.1.contains("the flow is still 0") && first.0 == "warp", "{id}: {first:?}");
         for (unit, is_enlarged) in [(3, false), (6, true), (9, false)] {
             let (line, said) = at(unit, 1);
             assert!(line == "take-medians" && said.contains("median"), "{id}: {line}: {said}");
-            assert_eq!(said.contains("enlarged"), is_enlarged, "{id}: {said}");
-            assert!(at(unit, 2).1.contains("brought back by what was found"), "{id}");
+            assert_eq!(said.contains("upsampled"), is_enlarged, "{id}: {said}");
+            assert!(at(unit, 2).1.contains("warped toward frame t by the current flow"), "{id}");
         }
     }
 }
@@ -197,7 +197,7 @@ fn the_tolerance_is_in_px_of_the_picture_on_every_level() {
     let estimator = set("horn-schunck", &settings);
     let mut walk = estimator.walk(&clip, 0).unwrap();
     walk.jump(Move::End);
-    let change = plotted(&*estimator, &clip, "Mean change", "change");
+    let change = plotted(&*estimator, &clip, "Mean change", "mean change");
     let mut ends = 0;
     for (unit, change) in change.iter().enumerate() {
         walk.jump(Move::To(Cursor { unit: unit + 1, event: 1 }));

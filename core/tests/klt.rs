@@ -91,7 +91,7 @@ fn what_is_lost_is_replaced_if_that_is_asked_for() {
     // All goes to the right by 9 px a frame: in five frames a third has left.
     let clip = clip(5, |t, [x, y]| [x - 9.0 * t, y]);
     let alive = |field: &TrackField| field.tracks.iter().filter(|track| track.is_alive()).count();
-    let settings = [("max-points", "40"), ("max-change", "0")];
+    let settings = [("max-points", "40"), ("max-dissimilarity", "0")];
     let [with, without] = ["on", "off"].map(|on| tracks(&[&settings[..], &[("replenish", on)]].concat(), &clip));
     assert!(without.tracks.iter().all(|track| track.first == 0) && without.tracks.len() == 40);
     assert!(alive(&without) < 38, "{} are left", alive(&without));
@@ -126,7 +126,7 @@ fn what_looks_different_from_its_first_view_is_lost() {
     let changed = |statuses: &[Status]| statuses.iter().filter(|status| **status == Status::Changed).count();
     let checked = statuses(&[]);
     assert!(changed(&checked) * 10 > checked.len() * 9, "{} of {}: {checked:?}", changed(&checked), checked.len());
-    assert_eq!(changed(&statuses(&[("max-change", "0")])), 0);
+    assert_eq!(changed(&statuses(&[("max-dissimilarity", "0")])), 0);
 }
 
 #[test]
@@ -139,8 +139,8 @@ fn what_does_not_come_back_is_lost() {
         }))
     };
     let clip = Clip::from_frames("halves", vec![frame(0), frame(1)]).expect("frames of one size");
-    let settings = [("max-residual", "255"), ("max-change", "0"), ("max-points", "80")];
-    let [checked, not] = ["1", "0"].map(|most| tracks(&[&settings[..], &[("max-return", most)]].concat(), &clip));
+    let settings = [("max-residual", "255"), ("max-dissimilarity", "0"), ("max-points", "80")];
+    let [checked, not] = ["1", "0"].map(|most| tracks(&[&settings[..], &[("max-fb-error", most)]].concat(), &clip));
     let wrong = |field: &TrackField| {
         let of_right = field.tracks.iter().filter(|track| track.points[0].at[0] > 68.0);
         of_right.filter(|track| track.is_alive()).count()
@@ -248,14 +248,14 @@ fn features_are_kept_where_the_light_changes() {
         };
         Clip::from_frames("dusk", (0..9).map(frame).collect()).expect("frames of one size")
     };
-    let lost = |any_light: &str, fades: f64| {
-        let settings = [("any-light", any_light), ("replenish", "off"), ("max-points", "60")];
+    let lost = |illumination: &str, fades: f64| {
+        let settings = [("illumination", illumination), ("replenish", "off"), ("max-points", "60")];
         let field = tracks(&settings, &moving(fades));
         let last = field.tracks.iter().filter_map(|track| track.points.last());
         last.filter(|point| point.status == Status::Changed).count()
     };
     assert_eq!([lost("on", 0.0), lost("off", 0.0)], [0, 0], "nothing changes");
-    let [with, without] = ["on", "off"].map(|any_light| lost(any_light, 1.0));
+    let [with, without] = ["on", "off"].map(|illumination| lost(illumination, 1.0));
     // Tracking from frame to frame takes fading for motion: a few drift off, and are rightly lost.
     assert!(without > 30 && 10 * with < without, "{with} with any light, {without} without");
 }

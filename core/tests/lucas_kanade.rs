@@ -36,9 +36,9 @@ fn lucas_kanade_agrees_with_a_plain_one() {
             ("window", window),
             ("weights", "box"),
             ("iterations", "1"),
-            ("smoothing", "0"),
+            ("sigma", "0"),
             ("derivatives", "central"),
-            ("threshold", "0"),
+            ("min-eigenvalue", "0"),
         ];
         let output = set("lucas-kanade", &settings).run(&clip, 0, &Threads::single()).unwrap();
         let Some(field) = output.get::<DenseField>().cloned() else { panic!("a dense field") };
@@ -62,8 +62,8 @@ fn slope() -> Clip {
 #[test]
 fn a_slope_is_told_alike_at_the_edge_and_inside() {
     for scheme in ["central", "sobel", "scharr", "cube", "five-point"] {
-        for smoothing in ["0", "1"] {
-            let estimator = set("normal-flow", &[("smoothing", smoothing), ("derivatives", scheme)]);
+        for sigma in ["0", "1"] {
+            let estimator = set("normal-flow", &[("sigma", sigma), ("derivatives", scheme)]);
             for x in [0.0, 1.0, 20.0, 38.0, 39.0] {
                 let step = told(&*estimator, &slope(), 4, [x, 4.0]);
                 let derivatives = numbers(&fact(&step, "I_x, I_y, I_t").expect("derivatives"));
@@ -77,31 +77,30 @@ fn a_slope_is_told_alike_at_the_edge_and_inside() {
 
 #[test]
 fn the_tensor_of_a_slope_is_the_square_of_it() {
-    let step = told(&*set("lucas-kanade", &[("smoothing", "0")]), &slope(), 4, [20.0, 4.0]);
-    assert_eq!(fact(&step, "Eigenvalues").as_deref(), Some("16.0 and 0.00: edge"));
-    let without = told(&*set("lucas-kanade", &[("smoothing", "0"), ("threshold", "0")]), &slope(), 4, [20.0, 4.0]);
+    let step = told(&*set("lucas-kanade", &[("sigma", "0")]), &slope(), 4, [20.0, 4.0]);
+    assert_eq!(fact(&step, "Eigenvalues λ₁, λ₂").as_deref(), Some("16.00 and 0.00: edge"));
+    let without = told(&*set("lucas-kanade", &[("sigma", "0"), ("min-eigenvalue", "0")]), &slope(), 4, [20.0, 4.0]);
     let said = without.sentence.plain();
-    assert!(said.contains("the other 0.00, nearly 0 beside it"), "{said}");
+    assert!(said.contains("λ₂ = 0.00 is 0 up to rounding, an edge"), "{said}");
     let flat = Clip::from_frames("flat", vec![Frame::gray(Grid::new(40, 12, 77)); 2]).unwrap();
-    for (threshold, why) in [("0", "nearly 0"), ("0.5", "below the threshold of 0.500")] {
-        let step = told(&*set("lucas-kanade", &[("threshold", threshold)]), &flat, 4, [20.0, 4.0]);
+    for (threshold, why) in [("0", "0 up to rounding"), ("0.5", "below the threshold of 0.50")] {
+        let step = told(&*set("lucas-kanade", &[("min-eigenvalue", threshold)]), &flat, 4, [20.0, 4.0]);
         assert!(step.sentence.plain().contains(why), "{}", step.sentence.plain());
-        assert!(fact(&step, "Eigenvalues").is_some_and(|value| value.ends_with("flat")));
+        assert!(fact(&step, "Eigenvalues λ₁, λ₂").is_some_and(|value| value.ends_with("flat")));
     }
 }
 
 #[test]
 fn what_left_the_picture_does_not_count() {
     let (clip, _) = linear_motion([[0.0; 2]; 2], [1.5, 0.0]);
-    let estimator =
-        set("lucas-kanade", &[("window", "15"), ("weights", "box"), ("iterations", "2"), ("smoothing", "0")]);
+    let estimator = set("lucas-kanade", &[("window", "15"), ("weights", "box"), ("iterations", "2"), ("sigma", "0")]);
     let height = SIZE.1;
     // The windows in the last column see less of the picture in the second iteration, but what they see is as it was.
     let [before, after] = [30, height + 30].map(|unit| told(&*estimator, &clip, unit, [95.0, 30.0]));
-    let larger = |step: &scene::Step| numbers(&fact(step, "Eigenvalues").expect("eigenvalues"))[0];
+    let larger = |step: &scene::Step| numbers(&fact(step, "Eigenvalues λ₁, λ₂").expect("eigenvalues"))[0];
     assert!(larger(&after) > 0.5 * larger(&before), "{} was {}", larger(&after), larger(&before));
-    assert!(fact(&before, "Left the picture").is_none());
-    let left = numbers(&fact(&after, "Left the picture").expect("some left"));
+    assert!(fact(&before, "Outside frame t+1").is_none());
+    let left = numbers(&fact(&after, "Outside frame t+1").expect("some left"));
     assert!(left[0] >= 30.0 && left[1] == 120.0, "{left:?}");
     // All goes far beyond the edge: nothing is left, and it is said why.
     let (clip, _) = linear_motion([[0.0; 2]; 2], [1.0, 0.0]);
@@ -115,23 +114,22 @@ fn what_left_the_picture_does_not_count() {
             .into(),
     )
     .unwrap();
-    let thin = set("lucas-kanade", &[("window", "3"), ("iterations", "2"), ("smoothing", "0"), ("threshold", "0")]);
+    let thin = set("lucas-kanade", &[("window", "3"), ("iterations", "2"), ("sigma", "0"), ("min-eigenvalue", "0")]);
     let mut walk = thin.walk(&narrow, 0).unwrap();
     walk.jump(Move::End);
     let told = (0..40).map(|y| walk.step(Some(Focus::current([4.0, y as f32]))).sentence.plain());
-    let gone: Vec<_> = told.filter(|said| said.contains("all pixels of the window left the picture")).collect();
+    let gone: Vec<_> = told.filter(|said| said.contains("leads all its pixels out of frame t+1")).collect();
     assert!(!gone.is_empty());
 }
 
 #[test]
 fn what_a_later_iteration_tells_of_a_pixel_can_be_recomputed() {
     let (clip, _) = linear_motion([[0.0; 2]; 2], [1.3, -0.6]);
-    let step =
-        told(&*set("lucas-kanade", &[("iterations", "2"), ("smoothing", "0")]), &clip, SIZE.1 + 30, [40.0, 30.0]);
+    let step = told(&*set("lucas-kanade", &[("iterations", "2"), ("sigma", "0")]), &clip, SIZE.1 + 30, [40.0, 30.0]);
     let [x, y, t] = numbers(&fact(&step, "I_x, I_y, I_t").unwrap())[..] else { panic!("three") };
-    let [u, v] = numbers(&fact(&step, "Before, (u₀, v₀)").unwrap())[..] else { panic!("two") };
+    let [u, v] = numbers(&fact(&step, "Linearised at (u₀, v₀)").unwrap())[..] else { panic!("two") };
     // What is told of time is the difference of the pictures that are shown.
-    let [current, back, change] = ["Frame t", "Brought back", "I_t"].map(|label| tile(&step, label));
+    let [current, back, change] = ["Frame t", "Warped t+1", "I_t"].map(|label| tile(&step, label));
     for (i, difference) in change.cells().iter().enumerate() {
         assert!((back.cells()[i] - current.cells()[i] - difference).abs() < 0.16, "{i}");
     }
@@ -187,7 +185,7 @@ fn a_bar_is_an_edge_a_wall_is_flat_and_both_say_nothing() {
     walk.jump(Move::End);
     for (place, told) in [([48.0, 25.0], "edge"), ([15.0, 25.0], "flat"), ([48.0, 60.0], "corner")] {
         let facts = walk.step(Some(Focus::current(place))).readouts.into_iter().find_map(|readout| match readout {
-            scene::Readout::Facts(facts) => facts.into_iter().find(|fact| fact.label == "Eigenvalues"),
+            scene::Readout::Facts(facts) => facts.into_iter().find(|fact| fact.label == "Eigenvalues λ₁, λ₂"),
             _ => None,
         });
         assert!(facts.expect("eigenvalues").value.ends_with(told), "{told} at {place:?}");
@@ -218,7 +216,7 @@ impl Random {
 fn the_spread_that_is_told_is_that_of_many_noisy_pairs() {
     let (clean, _) = linear_motion([[0.0; 2]; 2], [0.3, 0.2]);
     let place = (48, 40);
-    let settings = [("iterations", "1"), ("smoothing", "0"), ("window", "11"), ("weights", "box")];
+    let settings = [("iterations", "1"), ("sigma", "0"), ("window", "11"), ("weights", "box")];
     let (mut found, mut told) = (Vec::new(), Vec::new());
     for seed in 0..60 {
         let noisy = |t: usize| {

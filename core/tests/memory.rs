@@ -88,10 +88,10 @@ fn all() -> Vec<(Box<dyn AnyEstimator>, String)> {
         ("harris", &[("min-distance", "0"), ("threshold", "0"), ("max-points", "5000")]),
         ("shi-tomasi", &[("min-distance", "2"), ("threshold", "0"), ("window", "31")]),
         ("horn-schunck", &[("levels", "1"), ("solver", "sor")]),
-        ("clg", &[("rho", "10"), ("solver", "sor"), ("smoothing", "5")]),
-        ("farneback", &[("neighborhood", "15"), ("window", "63"), ("levels", "1")]),
+        ("clg", &[("rho", "10"), ("solver", "sor"), ("sigma", "5")]),
+        ("farneback", &[("poly-n", "15"), ("window", "63"), ("levels", "1")]),
         ("point-trajectories", &[("method", "farneback")]),
-        ("point-trajectories", &[("method", "tv-l1"), ("spacing", "5"), ("structure", "0")]),
+        ("point-trajectories", &[("method", "tv-l1"), ("spacing", "5"), ("min-eigenvalue", "0")]),
         ("mixture-of-gaussians", &[("modes", "1")]),
         (
             "mixture-of-gaussians",
@@ -234,7 +234,7 @@ fn what_is_found_ends_a_run_where_there_is_no_room_for_more() {
     for (id, settings) in [
         ("frame-difference", &[("opening", "0"), ("closing", "0"), ("threshold", "110"), ("min-area", "1")][..]),
         ("connected-components", &[("closing", "0"), ("threshold", "150"), ("pixels", "bright"), ("min-area", "1")]),
-        ("point-trajectories", &[("spacing", "4"), ("structure", "0"), ("method", "farneback"), ("frames", "10000")]),
+        ("point-trajectories", &[("spacing", "4"), ("min-eigenvalue", "0"), ("method", "farneback"), ("frames", "10000")]),
         ("klt", &[("max-points", "100"), ("window", "3"), ("frames", "10000")]),
         ("kalman-tracker", &[("frames", "400")]),
         ("blob-tracker", &[("frames", "400")]),

@@ -161,11 +161,11 @@ fn what_is_told_of_the_errors_is_what_the_truth_says() {
         field.tracks.iter().filter_map(|track| Some(distance(track.at(field.last)?.at, true_end(track.points[0].at)?)));
     let off: Vec<f32> = off.collect();
     let mean = off.iter().sum::<f32>() / off.len() as f32;
-    let told = ends(&walk.step(None).readouts, "Mean distance from the truth");
+    let told = ends(&walk.step(None).readouts, "Mean distance from the true position");
     assert!(off.len() > 100 && (told[0].1 - mean).abs() < 1e-3, "{told:?}, not {mean}");
     // Windows that turn and grow are followed by a shift alone: that drifts more.
     assert!(told[0].1 < 0.4 && told[1].1 > told[0].1, "{told:?}");
-    let apart = ends(&walk.step(None).readouts, "Drifted apart, mean");
+    let apart = ends(&walk.step(None).readouts, "Mean drift");
     assert!(apart[0].1 > 0.1 && apart[0].1 < told[0].1 + told[1].1 + 0.1, "{apart:?} apart, {told:?} off");
 }
 
@@ -184,8 +184,8 @@ fn the_point_that_is_pointed_at_is_told_of() {
         .position(|track| track.at(1).is_some_and(|point| distance(point.at, [66.0, 55.0]) < 0.2));
     let step = walk.step(Some(Focus::current([67.0, 54.0])));
     let sentence = step.sentence.plain();
-    let name = format!("Point {} is carried to (6", nearest.expect("one on the grid") + 1);
-    assert!(sentence.starts_with(&name) && sentence.contains("apart"), "{sentence}, not {name}");
+    let name = format!("Point {} is advected to (6", nearest.expect("one on the grid") + 1);
+    assert!(sentence.starts_with(&name) && sentence.contains("Drift between both"), "{sentence}, not {name}");
     let has_tiles = step.readouts.iter().any(|readout| matches!(readout, Readout::Tiles(tiles) if tiles.len() == 3));
     assert!(has_tiles && walk.scene(None).marks.iter().all(|mark| mark.shape.is_finite()));
 }

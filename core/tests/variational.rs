@@ -32,7 +32,7 @@ fn even(motion: [f32; 2]) -> Flow {
 }
 
 /// One level, one warp, derivatives that are easily written down.
-const PLAIN: [(&str, &str); 4] = [("levels", "1"), ("warps", "1"), ("smoothing", "0"), ("derivatives", "central")];
+const PLAIN: [(&str, &str); 4] = [("levels", "1"), ("warps", "1"), ("sigma", "0"), ("derivatives", "central")];
 
 /// Plain pictures: a value for each place, beyond the edge that at the edge.
 struct Plain {
@@ -159,7 +159,7 @@ fn all_solvers_of_clg_come_to_the_same_field() {
 fn a_window_takes_noise_away() {
     let clip = moving(|x, y| (x - 0.4, y + 0.3), 12.0);
     let truth = even([0.4, -0.3]);
-    let settings = [("alpha", "4"), ("smoothing", "0")];
+    let settings = [("alpha", "4"), ("sigma", "0")];
     let [alone, together] =
         ["0", "2"].map(|rho| error(&flow("clg", &[&settings[..], &[("rho", rho)]].concat(), &clip), &truth, 8));
     assert!(together < 0.7 * alone, "{together} px off with a window, {alone} without");
@@ -253,7 +253,8 @@ fn what_fits_is_the_best_that_the_data_and_the_field_allow() {
                 step(&*estimator, &clip, Cursor { unit, event: 1 + usize::from(unit == 0) }, place.map(|c| c as f32));
             let plane = plane(&step);
             let point = |name: &str| plane.points.iter().find(|(known, ..)| *known == name).expect("a point").2;
-            let ([u, v], [fit_u, fit_v], [a, b, c]) = (point("before"), point("fits"), plane.lines[0].factors);
+            let ([u, v], [fit_u, fit_v], [a, b, c]) =
+                (point("before"), point("auxiliary flow f"), plane.lines[0].factors);
             let coupled = |x: f32, y: f32| {
                 lambda * (a * x + b * y + c).abs() + ((x - u).powi(2) + (y - v).powi(2)) / (2.0 * theta)
             };
@@ -265,7 +266,7 @@ fn what_fits_is_the_best_that_the_data_and_the_field_allow() {
             // What is said of the pixel is what happens to it.
             let is_near = (a * fit_u + b * fit_v + c).abs() < 1e-2;
             let said = step.sentence.plain();
-            assert_eq!(said.contains("all the way to the line"), is_near, "{said}");
+            assert_eq!(said.contains("all the way to the constraint line"), is_near, "{said}");
             *(if is_near { &mut near } else { &mut far }) += 1;
         }
     }
@@ -319,11 +320,11 @@ fn pixels_of_unknown_truth_are_left_out_of_the_error() {
     let clip = moving(|x, y| (x - 0.4, y + 0.3), 0.0).with_truth(Arc::new(Holes));
     for id in ["horn-schunck", "clg", "tv-l1"] {
         let estimator = set(id, &[("levels", "2"), ("warps", "2"), ("iterations", "20")]);
-        let error = plotted(&*estimator, &clip, "Mean endpoint error", "error");
+        let error = plotted(&*estimator, &clip, "Mean endpoint error", "mean endpoint error");
         assert_eq!(error.len(), 80);
         assert!(error.iter().all(|e| e.is_finite()) && error[79] < 0.3 * error[0], "{id}: {error:?}");
         let step = step(&*estimator, &clip, Cursor { unit: 70, event: usize::MAX }, [3.0, 0.0]);
-        assert!(plane(&step).points.iter().all(|(name, ..)| *name != "truth"), "{id} knows what nobody knows");
+        assert!(plane(&step).points.iter().all(|(name, ..)| *name != "true flow"), "{id} knows what nobody knows");
     }
 }
 

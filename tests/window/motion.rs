@@ -113,7 +113,7 @@ fn streaklines_move_while_they_are_seen_and_only_then() {
     window.settle();
     window.key(Key::S);
     assert!(window.shown().pictures.streaks.is_none());
-    assert!(window.harness.query_by_label_contains("displacements found").is_some());
+    assert!(window.harness.query_by_label_contains("estimated flow").is_some());
 }
 
 #[test]

@@ -1,27 +1,27 @@
 //! Harris and Stephens' corner detector.
 
-use crate::base::{Threads, words};
+use crate::base::Threads;
 use crate::geometry::{Gray, Grid};
 use crate::methods::{
-    differential::Tensor,
-    features::{Corners, Measure, Settings, corner_pseudocode},
+    differential::{Tensor, numbers},
+    features::{Corners, FLAT_AREA, Measure, Settings, corner_pseudocode},
 };
 use crate::params;
 use crate::run::Info;
 use crate::scene::{Math, Role};
 
 params! {
-    /// Harris and Stephens' corners: where det T − k (tr T)² of the structure tensor T is largest.
+    /// Harris and Stephens' corners: local maxima of R = det T − k (tr T)², where T is the structure tensor.
     pub struct Harris {
-        /// How much the trace counts against the determinant: the larger, the less an edge passes for a corner.
+        /// Harris constant k. Larger values reject more edges: R is positive only where λ₁ λ₂ > k (λ₁ + λ₂)².
         k: f32 = 0.04, 0.0..=0.25;
-        /// What all corner detectors have.
+        /// Parameters that all corner detectors share.
         settings: Settings = Settings::default();
     }
 }
 
 impl Harris {
-    /// The responses of all pixels of a picture.
+    /// Returns the response map of an image.
     pub fn responses(&self, picture: &Gray, threads: &Threads) -> Grid<f32> {
         Corners(self.clone()).map(picture, threads)
     }
@@ -34,7 +34,7 @@ impl Measure for Harris {
         id: "harris",
         name: "Harris corners",
         family: "Interest points",
-        summary: "Finds the places where gradients point in several directions, without asking for eigenvalues.",
+        summary: "Corner detection by determinant and trace of the structure tensor, without computing its eigenvalues.",
         source: "C. Harris and M. Stephens, A combined corner and edge detector, Proc. 4th Alvey Vision Conference, 1988",
         pseudocode: line::ALL,
         granularities: &["frame", "stage", "row", "step"],
@@ -51,7 +51,7 @@ impl Measure for Harris {
         xx * yy - xy * xy - self.k * trace * trace
     }
 
-    const SHOWN: &'static str = "fourth root of |R|, with its sign";
+    const SHOWN: &'static str = "sign(R) · ⁴√|R|";
 
     fn shown(response: f32) -> f32 {
         response.signum() * response.abs().powf(0.25)
@@ -70,12 +70,21 @@ impl Measure for Harris {
         ]);
         let numbers = Math::Row(vec![
             Math::text(" = "),
-            Math::ink(Role::Reference, words::fine(xx * yy - xy * xy)),
+            Math::ink(Role::Reference, numbers::gray(xx * yy - xy * xy)),
             Math::text(format!(" − {} · ", self.k)),
-            Math::power(Math::ink(Role::Reference, words::fine(xx + yy)), Math::text("2")),
+            Math::power(Math::ink(Role::Reference, numbers::gray(xx + yy)), Math::text("2")),
             Math::text(" = "),
-            Math::ink(Role::Result, words::fine(self.response([xx, xy, yy]))),
+            Math::ink(Role::Result, numbers::gray(self.response([xx, xy, yy]))),
         ]);
         [symbols, numbers]
+    }
+
+    fn meaning(&self, [large, _]: [f32; 2], response: f32) -> String {
+        let value = format!("R = det T − k (tr T)² = {}", numbers::gray(response));
+        match () {
+            () if large < FLAT_AREA => format!("{value}: hardly any gradient, a flat area."),
+            () if response > 0.0 => format!("{value} is positive: gradients in two directions, a corner candidate."),
+            () => format!("{value} is not positive: gradients in one direction only, an edge."),
+        }
     }
 }

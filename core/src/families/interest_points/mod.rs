@@ -1,4 +1,4 @@
-//! Interest points: places that can be found again. One file per detector; the shared parts are in `features`.
+//! Interest point detectors, one file each; the shared parts are in `methods/features`.
 
 mod harris;
 mod shi_tomasi;

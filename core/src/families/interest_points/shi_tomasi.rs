@@ -1,30 +1,32 @@
 //! Shi and Tomasi's good features to track.
 
-use crate::base::words;
 use crate::methods::{
-    differential::Tensor,
-    features::{Measure, Settings, corner_pseudocode},
+    differential::{Tensor, numbers},
+    features::{FLAT_AREA, Measure, Settings, corner_pseudocode},
 };
 use crate::params;
 use crate::run::Info;
 use crate::scene::{Math, Role};
 
 params! {
-    /// Shi and Tomasi's corners: where the smaller eigenvalue of the structure tensor is largest.
+    /// Shi and Tomasi's corners: local maxima of R = λ₂, the smaller eigenvalue of the structure tensor T.
     pub struct ShiTomasi {
-        /// What all corner detectors have.
+        /// Parameters that all corner detectors share.
         settings: Settings = Settings::default();
     }
 }
 
-corner_pseudocode!("  R ← the smaller eigenvalue of T");
+/// λ₂ / λ₁ below which a pixel is called an edge.
+const EDGE_RATIO: f32 = 0.1;
+
+corner_pseudocode!("  R ← λ₂, the smaller eigenvalue of T");
 
 impl Measure for ShiTomasi {
     const INFO: Info = Info {
         id: "shi-tomasi",
         name: "Shi–Tomasi corners",
         family: "Interest points",
-        summary: "Finds the places that can be tracked best: where even the weaker direction has much gradient.",
+        summary: "Corner detection by the smaller eigenvalue of the structure tensor, which measures how well a window can be tracked.",
         source: "J. Shi and C. Tomasi, Good features to track, CVPR 1994",
         pseudocode: line::ALL,
         granularities: &["frame", "stage", "row", "step"],
@@ -40,7 +42,7 @@ impl Measure for ShiTomasi {
         Tensor { xx, xy, yy, ..Tensor::default() }.eigenvalues()[1]
     }
 
-    const SHOWN: &'static str = "square root of R";
+    const SHOWN: &'static str = "√R";
 
     fn shown(response: f32) -> f32 {
         response.sqrt()
@@ -50,6 +52,8 @@ impl Measure for ShiTomasi {
         let Tensor { xx, xy, yy, .. } = *tensor;
         let symbols = Math::Row(vec![
             Math::Var("R"),
+            Math::text(" = "),
+            Math::indexed(Math::Var("λ"), Math::text("2")),
             Math::text(" = ½ tr "),
             Math::Var("T"),
             Math::text(" − √((½ tr "),
@@ -61,14 +65,25 @@ impl Measure for ShiTomasi {
         let half = (xx + yy) / 2.0;
         let numbers = Math::Row(vec![
             Math::text(" = "),
-            Math::ink(Role::Reference, words::fine(half)),
+            Math::ink(Role::Reference, numbers::gray(half)),
             Math::text(" − √("),
-            Math::power(Math::ink(Role::Reference, words::fine(half)), Math::text("2")),
+            Math::power(Math::ink(Role::Reference, numbers::gray(half)), Math::text("2")),
             Math::text(" − "),
-            Math::ink(Role::Reference, words::fine(xx * yy - xy * xy)),
+            Math::ink(Role::Reference, numbers::gray(xx * yy - xy * xy)),
             Math::text(") = "),
-            Math::ink(Role::Result, words::fine(self.response([xx, xy, yy]))),
+            Math::ink(Role::Result, numbers::gray(self.response([xx, xy, yy]))),
         ]);
         [symbols, numbers]
+    }
+
+    fn meaning(&self, [large, small]: [f32; 2], response: f32) -> String {
+        let value = format!("R = λ₂ = {}", numbers::gray(response));
+        match () {
+            () if large < FLAT_AREA => format!("{value}: hardly any gradient, a flat area."),
+            () if small < EDGE_RATIO * large => {
+                format!("{value}, less than a tenth of λ₁: gradients in one direction only, an edge.")
+            }
+            () => format!("{value}, at least a tenth of λ₁: gradients in two directions, a corner candidate."),
+        }
     }
 }

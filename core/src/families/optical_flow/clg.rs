@@ -1,53 +1,54 @@
-//! The combined local-global method: the smoothest field that the constraints around every pixel allow together.
+//! The combined local-global method (CLG): a windowed data term with a global smoothness term.
 
 use std::sync::OnceLock;
 
-use crate::base::{Threads, words};
+use crate::base::Threads;
 use crate::geometry::filter;
 use crate::methods::{
-    differential::{Field, Linear, explain, relax},
-    variational::{Local, Looked, Model, MotionTensor, Settings, Solver, Told, Warp},
+    differential::{Advice, Field, Linear, explain, numbers, relax},
+    variational::{Explanation, Local, Model, MotionTensor, Probe, Settings, Solver, Warp},
 };
 use crate::run::{Guarantee, Info};
 use crate::scene::{Constraint, Fact, Math, Name, Role, Sentence};
 use crate::{params, pseudocode};
 
 params! {
-    /// The combined local-global method. The energy ∫∫ (w, 1) · T (w, 1) + α² (|∇u|² + |∇v|²), w = (u, v), is made as small as can
-    /// be, where T is the motion tensor over a window: Lucas and Kanade's where α is 0, Horn and Schunck's where ρ is 0.
+    /// The combined local-global method (CLG), which minimises the energy ∫∫ (w, 1) · T (w, 1) + α² (|∇u|² + |∇v|²), w = (u, v).
+    /// T is the motion tensor, smoothed by a Gaussian of ρ px: α = 0 gives Lucas–Kanade, ρ = 0 gives Horn–Schunck.
     pub struct Clg {
-        /// Weight α of smoothness: the larger, the smoother the field; about the gradient, in gray levels per px, that counts as much.
+        /// Regularisation weight α, in gray levels per px. Larger values give smoother flow and fill areas without texture; where |∇I| = α, data term and smoothness term weigh equally.
         alpha: f32 = 8.0, 0.1..=1000.0;
-        /// Standard deviation ρ of the Gaussian window over which constraints are taken together; 0 leaves each pixel to itself.
+        /// Standard deviation ρ of the Gaussian window that averages the gradient constraints around each pixel. Larger values suppress noise but blur motion boundaries; 0 is Horn–Schunck. The image border is mirrored.
         rho: f32 = 1.0, 0.0..=10.0, "px";
-        /// How the equations are solved.
+        /// Iterative solver of the linear system.
         solver: Solver = Solver::Jacobi;
-        /// How far SOR goes beyond Gauss and Seidel: 1 is theirs, from 2 on nothing converges.
+        /// Relaxation factor ω of SOR; the other solvers ignore it. 1 is Gauss–Seidel, and SOR diverges from 2 on.
         relaxation: f32 = 1.9, 1.0..=1.99;
-        /// What all variational methods have.
-        settings: Settings = Settings { iterations: 100, levels: 4, warps: 3, smoothing: 0.5, ..Settings::default() };
+        /// Parameters that all variational methods share.
+        settings: Settings = Settings { iterations: 100, levels: 4, warps: 3, sigma: 0.5, ..Settings::default() };
     }
+    renamed { "smoothing" => "sigma" }
 }
 
-/// The step of an iteration that is told first.
+/// The first step of an iteration: the neighbourhood mean.
 const AVERAGED: usize = 0;
 
-/// What the iterations of a warp need.
+/// The coefficients of a warp.
 pub struct System {
     solutions: Local,
-    /// The tensors, for whoever looks.
+    /// The motion tensors, computed when they are explained.
     tensor: OnceLock<MotionTensor>,
 }
 
 pseudocode! {
     ENERGY: "E(u, v) = ∫∫ (w, 1) · T (w, 1) + α² (|∇u|² + |∇v|²), where w = (u, v)",
-    EACH_LEVEL: "(u, v) ← 0; for each level, from the coarsest to the picture itself",
+    EACH_LEVEL: "(u, v) ← 0; for each pyramid level, from the coarsest to full resolution",
     EACH_WARP: "  for each warp",
-    TAKE_MEDIANS: "    (u₀, v₀) ← medians of 3×3 px of (u, v), but for the first warp of all",
-    WARP: "    bring frame t+1 back along (u₀, v₀), take I_x, I_y, I_t; T ← Gaussian of ρ px over their products",
+    TAKE_MEDIANS: "    (u₀, v₀) ← 3×3 median filter of (u, v); not before the very first warp",
+    WARP: "    warp frame t+1 toward frame t by (u₀, v₀); I_x, I_y, I_t ← derivatives; T ← their products, smoothed by a Gaussian of ρ px",
     EACH_ITERATION: "    for each iteration",
-    AVERAGE: "      (u_m, v_m) ← mean of the neighbours, for each pixel",
-    SOLVE: "      (u, v) ← solution of (T + α²) (u, v) = α² (u_m, v_m) + T (u₀, v₀) − (T_xt, T_yt)",
+    AVERAGE: "      for each pixel: (ū, v̄) ← weighted mean of its eight neighbours",
+    SOLVE: "      (u, v) ← solution of (T + α² I) (u, v) = α² (ū, v̄) + T (u₀, v₀) − (T_xt, T_yt)",
 }
 
 impl Model for Clg {
@@ -55,7 +56,7 @@ impl Model for Clg {
         id: "clg",
         name: "Combined local-global",
         family: "Optical flow",
-        summary: "Finds the smoothest field that fits the gradient constraints of a window around every pixel.",
+        summary: "Dense optical flow from windowed gradient constraints, as in Lucas–Kanade, and a global smoothness term, as in Horn–Schunck.",
         source: "A. Bruhn, J. Weickert and C. Schnörr, Lucas/Kanade meets Horn/Schunck: combining local and global optic flow \
                  methods, International Journal of Computer Vision 61(3), 2005; medians: D. Sun, S. Roth and M. J. Black, \
                  Secrets of optical flow estimation and their principles, CVPR 2010",
@@ -66,9 +67,14 @@ impl Model for Clg {
     const GUARANTEE: Guarantee = Guarantee::SubPixel { off_centi_px: 5 };
     const STEPS: &'static [Name] = &[line::AVERAGE, line::SOLVE];
     const ENERGY_UNIT: &'static str = "gray levels²";
-    const OPENING: &'static str = "The energy to be made small has two parts: how far the gradient constraints of a window \
-                                   around each pixel are off, which makes the field proof against noise, and α² times how \
-                                   unlike neighbours move, which fills in where a window says too little.";
+    const OPENING: &'static str = "The energy sums a data term, the squared gradient constraints averaged over a Gaussian \
+                                   window of standard deviation ρ, and α² times a smoothness term, the squared gradients of u \
+                                   and v. The window suppresses noise; the smoothness term fills areas without texture.";
+    const ADVICE: Advice = Advice {
+        texture: "A larger α and more iterations carry flow in from textured neighbours.",
+        boundary: "Window and smoothness term blur it; smaller ρ and α or TV-L1 keep it sharper.",
+        motion: "More levels would reach it.",
+    };
     const SYSTEM_PARTS: usize = 5;
     const NEED: [f64; 2] = [112.0, 220.0];
     type System = System;
@@ -97,24 +103,28 @@ impl Model for Clg {
         [self.tensor(warp).energy(at), smoothness]
     }
 
-    fn told(&self, step: usize, looked: &Looked<Self>) -> Told {
-        let mean = self.solver.mean_of(looked);
-        let tensor = self.tensor(&looked.iteration.warp).at(looked.place);
-        let mut points = vec![("average", Role::Predicted, mean), ("after", Role::Result, looked.to())];
+    fn explanation(&self, step: usize, probe: &Probe<Self>) -> Explanation {
+        let mean = self.solver.mean_of(probe);
+        let tensor = self.tensor(&probe.iteration.warp).at(probe.place);
+        let mut points = vec![("neighbourhood mean", Role::Predicted, mean), ("after", Role::Result, probe.to())];
         if step == AVERAGED {
             points.pop();
         }
         let update = solution(tensor, self.alpha * self.alpha, mean);
-        let [xx, xy, yy, xt, yt] = about_zero(tensor, looked.start().unwrap_or_default()).map(words::number);
-        Told {
-            sentence: if step == AVERAGED { looked.averaged(mean) } else { self.updated(looked, update) },
+        let [xx, xy, yy, xt, yt] = about_zero(tensor, probe.start().unwrap_or_default()).map(numbers::gray);
+        Explanation {
+            sentence: if step == AVERAGED {
+                probe.averaged(mean)
+            } else {
+                self.updated(probe, tensor[0] + tensor[2], update)
+            },
             facts: vec![
                 Fact { label: "T_xx, T_xy, T_yy", value: format!("{xx}, {xy}, {yy}"), role: None },
                 Fact { label: "T_xt, T_yt", value: format!("{xt}, {yt}"), role: None },
             ],
-            equation: self.equation(tensor, (mean, update), looked),
+            equation: self.equation(tensor, (mean, update), probe),
             points,
-            lines: self.lines(looked),
+            lines: self.lines(probe),
         }
     }
 }
@@ -124,44 +134,45 @@ impl Clg {
         warp.system.tensor.get_or_init(|| MotionTensor::new(&warp.linear, self.rho, &Threads::single()))
     }
 
-    fn updated(&self, looked: &Looked<Self>, update: [f32; 2]) -> Sentence {
+    fn updated(&self, probe: &Probe<Self>, trace: f32, update: [f32; 2]) -> Sentence {
+        let weight = self.alpha * self.alpha;
         let window = if self.rho > 0.0 {
-            format!("The constraints within about {} px of ", words::number(2.0 * self.rho))
+            format!(
+                "Least squares of the gradient constraints in the Gaussian window (ρ = {} px) of ",
+                numbers::gray(self.rho)
+            )
         } else {
-            "The constraint of ".into()
+            "Least squares of the gradient constraint of ".into()
         };
         let beyond = self.solver.beyond(self.relaxation);
-        let said = Sentence::default()
-            .text(window)
-            .ink(Role::Reference, looked.pixel())
-            .text(" and the average of its neighbours are weighed against each other: it goes to ");
-        match beyond {
-            Some(_) => looked.goes(said, update, beyond).text("."),
-            None => looked
-                .goes(said, update, beyond)
-                .text(", the nearer to where the lines of the window cross, the larger their gradients are beside α."),
-        }
+        let said = Sentence::default().text(window).ink(Role::Reference, probe.pixel()).text(format!(
+            " and the neighbourhood mean: tr T = {} against α² = {}, so the {} dominates. (u, v) = ",
+            numbers::gray(trace),
+            numbers::gray(weight),
+            if trace > weight { "data term" } else { "smoothness term" }
+        ));
+        probe.goes(said, update, beyond).text(".")
     }
 
-    /// The two equations of the pixel in symbols, and with its numbers.
-    fn equation(&self, tensor: [f32; 6], (mean, update): ([f32; 2], [f32; 2]), looked: &Looked<Self>) -> Vec<Math> {
+    /// Returns the normal equations of the pixel, in symbols and with numbers.
+    fn equation(&self, tensor: [f32; 6], (mean, update): ([f32; 2], [f32; 2]), probe: &Probe<Self>) -> Vec<Math> {
         let (weight, [xx, xy, yy, xt, yt, _]) = (self.alpha * self.alpha, tensor);
         let beyond = self.solver.beyond(self.relaxation);
-        let mut lines = looked.start().map(|start| definitions(tensor, start).to_vec()).unwrap_or_default();
-        lines.extend(symbols(looked.start().is_some()));
+        let mut lines = probe.start().map(|start| definitions(tensor, start).to_vec()).unwrap_or_default();
+        lines.extend(symbols(probe.start().is_some()));
         lines.push(numbers([xx + weight, xy], weight, mean[0], xt));
         lines.push(numbers([xy, yy + weight], weight, mean[1], yt));
-        let named = if beyond.is_some() { "(u, v) of GS = " } else { "(u, v) = " };
-        lines.push(Math::Row(vec![Math::text(named), Math::ink(Role::Result, words::vector(update))]));
-        lines.extend(beyond.into_iter().flat_map(|relaxation| looked.relaxed(update, relaxation)));
+        let named = if beyond.is_some() { "(u, v) by Gauss–Seidel = " } else { "(u, v) = " };
+        lines.push(Math::Row(vec![Math::text(named), Math::ink(Role::Result, numbers::vector(update))]));
+        lines.extend(beyond.into_iter().flat_map(|relaxation| probe.relaxed(update, relaxation)));
         lines
     }
 
-    /// What the pixels of the window say of this one, each as strongly as it counts; of a large window only some.
-    fn lines(&self, looked: &Looked<Self>) -> Vec<Constraint> {
-        let Linear { factors, start } = &looked.iteration.warp.linear;
+    /// Returns the constraint lines of the window by their weights; a subset for large windows.
+    fn lines(&self, probe: &Probe<Self>) -> Vec<Constraint> {
+        let Linear { factors, start } = &probe.iteration.warp.linear;
         let (width, height) = start.u.size();
-        let (x, y) = looked.place;
+        let (x, y) = probe.place;
         let [u, v] = start.at(x, y);
         let weights = filter::gaussian(self.rho);
         let reach = weights.len() as isize / 2;
@@ -174,22 +185,21 @@ impl Clg {
         });
         let line = |(place, weight): ((usize, usize), f32)| {
             let ([a, b, c], [other_u, other_v]) = (factors.at(place), start.at(place.0, place.1));
-            // What is left to find there, of the displacement here.
+            // The increment there, added to the flow here.
             explain::line([a, b, c + a * (other_u - u) + b * (other_v - v)], weight, Role::Candidate)
         };
         places.filter_map(line).collect()
     }
 }
 
-/// What solves (T + α²) (u, v) = α² (u_m, v_m) − (xt, yt).
+/// The solution of (T + α² I) (u, v) = α² (ū, v̄) − (xt, yt).
 fn solution([xx, xy, yy, xt, yt, _]: [f32; 6], weight: f32, mean: [f32; 2]) -> [f32; 2] {
     let (a, d, e, f) = (xx + weight, yy + weight, weight * mean[0] - xt, weight * mean[1] - yt);
     let det = a * d - xy * xy;
     [(e * d - xy * f) / det, (a * f - xy * e) / det]
 }
 
-/// T_xx, T_xy, T_yy, T_xt and T_yt as they are taken about a field that is `start` at the pixel; those of a [`MotionTensor`] are
-/// about the whole displacement.
+/// T_xx, T_xy, T_yy, T_xt and T_yt for the increment to `start`; those of a [`MotionTensor`] are for the whole flow.
 fn about_zero([xx, xy, yy, xt, yt, _]: [f32; 6], [u, v]: [f32; 2]) -> [f32; 5] {
     [xx, xy, yy, xt + xx * u + xy * v, yt + xy * u + yy * v]
 }
@@ -198,10 +208,10 @@ fn part(along: &'static str) -> Math {
     Math::indexed(Math::Var("T"), Math::Var(along))
 }
 
-/// What stands for T_xt and T_yt where frame t + 1 was brought back by `start`, in symbols and numbers.
+/// c_x and c_y, which replace T_xt and T_yt after warping by `start`, in symbols and numbers.
 fn definitions(tensor: [f32; 6], start: [f32; 2]) -> [Math; 2] {
     let [xx, xy, yy, xt, yt] = about_zero(tensor, start);
-    let [u, v] = start.map(words::factor);
+    let [u, v] = start.map(|component| numbers::factor(numbers::px(component)));
     let zero = |name| Math::indexed(Math::Var(name), Math::text("0"));
     let line = |[to, t, first, second]: [&'static str; 4], [total, a, b, rest]: [f32; 4]| {
         Math::Row(vec![
@@ -218,24 +228,24 @@ fn definitions(tensor: [f32; 6], start: [f32; 2]) -> [Math; 2] {
             zero("v"),
             Math::text(format!(
                 " = {} − {} · {u} − {} · {v} = ",
-                words::number(total),
-                words::factor(a),
-                words::factor(b)
+                numbers::gray(total),
+                numbers::factor(numbers::gray(a)),
+                numbers::factor(numbers::gray(b))
             )),
-            Math::ink(Role::Reference, words::number(rest)),
+            Math::ink(Role::Reference, numbers::gray(rest)),
         ])
     };
     [line(["x", "xt", "xx", "xy"], [xt, xx, xy, tensor[3]]), line(["y", "yt", "xy", "yy"], [yt, xy, yy, tensor[4]])]
 }
 
-/// The two equations of a pixel in symbols; where frame t + 1 was brought back (`is_about`), c stands for what T has of time.
+/// The normal equations in symbols; after warping (`is_about`), c_x and c_y replace T_xt and T_yt.
 fn symbols(is_about: bool) -> [Math; 2] {
     let squared = || Math::power(Math::Var("α"), Math::text("2"));
     let time = |t: &'static str, c: &'static str| {
         if is_about { Math::indexed(Math::Var("c"), Math::Var(c)) } else { part(t) }
     };
     let right = |name: &'static str, time: Math| {
-        let mean = Math::indexed(Math::Var(name), Math::Var("m"));
+        let mean = explain::mean(name);
         Math::Row(vec![Math::text(" = "), squared(), Math::text(" "), mean, Math::text(" − "), time])
     };
     let with_weight = |along: &'static str| {
@@ -250,15 +260,15 @@ fn symbols(is_about: bool) -> [Math; 2] {
     ]
 }
 
-/// One of them in numbers.
+/// One normal equation in numbers.
 fn numbers([a, b]: [f32; 2], weight: f32, mean: f32, t: f32) -> Math {
     Math::Row(vec![
-        Math::text(format!("{} ", words::number(a))),
+        Math::text(format!("{} ", numbers::gray(a))),
         Math::Var("u"),
-        Math::text(format!(" {} ", words::plus(b))),
+        Math::text(format!(" {} ", numbers::summand(numbers::gray(b)))),
         Math::Var("v"),
-        Math::text(format!(" = {} · ", words::number(weight))),
-        Math::ink(Role::Predicted, words::factor(mean)),
-        Math::text(format!(" {}", words::plus(-t))),
+        Math::text(format!(" = {} · ", numbers::gray(weight))),
+        Math::ink(Role::Predicted, numbers::factor(numbers::px(mean))),
+        Math::text(format!(" {}", numbers::summand(numbers::gray(-t)))),
     ])
 }

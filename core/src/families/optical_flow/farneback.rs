@@ -1,4 +1,4 @@
-//! Farnebäck's method: neighbourhoods are polynomials, and how these change tells how far they have moved.
+//! Farnebäck's method: displacement estimation from polynomial expansions of both frames.
 
 use std::sync::Arc;
 
@@ -6,8 +6,8 @@ use crate::base::{Error, Observer, Threads, words};
 use crate::data::Clip;
 use crate::geometry::Grid;
 use crate::methods::{
-    differential::{Field, Multiscale, Weights, Window, explain, field, relax},
-    polynomial::{Agreed, Agreement, Applicability, Expander, Looked, Moved, Packed, Part},
+    differential::{Advice, Conclusion, Field, Multiscale, Weights, Window, explain, field, numbers, relax},
+    polynomial::{Applicability, Estimate, Expander, ExpansionPair, Packed, Part, Probe, WindowSolver},
 };
 use crate::products::{Confidence, DenseField, Output, Product, ProductKind};
 use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
@@ -15,66 +15,74 @@ use crate::scene::{Chart, Fact, Focus, Readout, Role, Scene, Sentence, Series, S
 use crate::{params, pseudocode};
 
 params! {
-    /// Farnebäck's method: the neighbourhood of each pixel becomes a polynomial of the second degree. Where the picture moves
-    /// by d, so does the polynomial, and its gradient changes from b to b − 2 A d.
+    /// Farnebäck's method: a quadratic polynomial approximates the neighbourhood of each pixel. A shift of the image by d
+    /// changes the linear term of the polynomial from b to b − 2 A d.
     pub struct Farneback {
-        /// Side of the neighbourhood that becomes a polynomial; an even one reaches as far as the next odd one.
-        neighborhood: usize = 9, 3..=15, "px";
-        /// Standard deviation of the Gaussian by which the pixels of a neighbourhood count.
-        sigma: f32 = 1.2, 0.6..=5.0, "px";
-        /// Side of the window whose pixels agree on a displacement; an even one reaches as far as the next odd one.
+        /// Side of the neighbourhood of the polynomial expansion; an even side is rounded up. Larger ones are smoother and more robust to noise.
+        poly_n: usize = 9, 3..=15, "px";
+        /// Standard deviation σ of the Gaussian weights of that neighbourhood.
+        poly_sigma: f32 = 1.2, 0.6..=5.0, "px";
+        /// Side of the averaging window; an even side is rounded up. Larger windows suppress noise but blur motion boundaries.
         window: usize = 13, 1..=63, "px";
-        /// How much the pixels of the window count.
+        /// Weights w of the pixels in the window.
         weights: Weights = Weights::Gaussian;
-        /// Weight λ of the displacement found before, in the square of A's gray levels per px²: windows that say less than that leave it as it is.
+        /// Damping λ (Levenberg), in (gray levels per px²)²: weight of the prior displacement. Windows with less curvature keep their prior displacement.
         damping: f32 = 0.02, 0.0001..=10.0;
-        /// How often on each level displacements are found anew, from where the ones before lead to.
+        /// Number of iterations per level; each starts from the previous displacements.
         iterations: usize = 3, 1..=20;
-        /// Levels of the pyramid, each half as large as the one before; fewer where a side would be less than 16 px.
+        /// Number of pyramid levels, each half the size of the one below, down to 16 px per side. More levels reach larger motion.
         levels: usize = 5, 1..=10;
     }
+    renamed { "neighborhood" => "poly-n", "sigma" => "poly-sigma" }
 }
 
-/// What a run reads and writes.
+/// What would help where Farnebäck's method fails.
+const ADVICE: Advice = Advice {
+    texture: "A larger window may contain other gradients; the smoothness term of Horn–Schunck fills such areas.",
+    boundary: "The window mixes both motions; a smaller one or TV-L1 mixes less.",
+    motion: "More levels would reach it.",
+};
+
+/// The state of a run.
 #[derive(Clone)]
 pub struct State {
     frames: Arc<Multiscale>,
-    /// What comes next: the level, 0 being the picture itself, and the iteration on it.
+    /// The next level (0 is full resolution) and iteration.
     level: usize,
     iteration: usize,
-    /// What was found by now, on the level of the last iteration, and how certain it is.
+    /// The current displacements, on the level of the last iteration, with their confidence.
     field: Arc<Field>,
     certainty: Arc<Grid<f32>>,
-    /// The polynomials of the level at hand; they are made where they are missing.
+    /// The polynomial expansions of the current level, computed on demand.
     polynomials: Option<Arc<[Grid<Packed>; 2]>>,
-    /// The iterations before the eyes of someone.
+    /// Change and error of each stepped iteration.
     notes: Vec<Note>,
     is_done: bool,
 }
 
-/// An iteration in numbers, in px of the picture.
+/// Change and error of an iteration, in px of level 0.
 #[derive(Clone, Copy, Debug)]
 struct Note {
     level: usize,
     /// Mean change of the displacements.
     change: f32,
-    /// Mean endpoint error; NaN where there is no truth.
+    /// Mean endpoint error; NaN without truth.
     error: f32,
 }
 
-/// What has happened in an iteration.
+/// An event of an iteration.
 #[derive(Clone)]
 pub struct Event {
     part: Part,
     iteration: Arc<Iteration>,
 }
 
-/// An iteration that was done.
+/// A completed iteration.
 struct Iteration {
     polynomials: Arc<[Grid<Packed>; 2]>,
     from: Arc<Field>,
     to: Arc<Field>,
-    /// The pixel that changes most.
+    /// The pixel with the largest change.
     most: (usize, usize),
 }
 
@@ -96,20 +104,20 @@ impl Farneback {
     }
 
     fn applicability(&self) -> Applicability {
-        Applicability::new(self.sigma, self.neighborhood / 2)
+        Applicability::new(self.poly_sigma, self.poly_n / 2)
     }
 
     fn window(&self) -> Window {
         self.weights.window(self.window / 2)
     }
 
-    /// The polynomials of a level.
+    /// Returns the polynomial expansions of a level.
     fn expand(&self, frames: &Multiscale, level: usize, threads: &Threads) -> [Grid<Packed>; 2] {
         let expander = Expander::new(self.applicability(), frames.size(level));
         frames.pair(level).map(|picture| expander.expand(picture, threads))
     }
 
-    /// Does an iteration, and takes the place of the next. What it began with, and the polynomials that it compared.
+    /// Does an iteration and moves on. Returns the prior displacements and the polynomial expansions.
     fn work(&self, state: &mut State, threads: &Threads) -> (Arc<Field>, Arc<[Grid<Packed>; 2]>) {
         let size = state.frames.size(state.level);
         let from = match state.field.u.size() == size {
@@ -120,9 +128,9 @@ impl Farneback {
             Some(polynomials) => polynomials,
             None => Arc::new(self.expand(&state.frames, state.level, threads)),
         };
-        let moved = Moved { pair: polynomials.each_ref(), from: &from };
-        let agreement = Agreement { window: self.window(), damping: self.damping };
-        let Agreed { field, certainty } = agreement.on(&moved, threads);
+        let expansions = ExpansionPair { pair: polynomials.each_ref(), from: &from };
+        let solver = WindowSolver { window: self.window(), damping: self.damping };
+        let Estimate { field, certainty } = solver.solve(&expansions, threads);
         (state.field, state.certainty) = (Arc::new(field), Arc::new(certainty));
         state.iteration += 1;
         if state.iteration < self.iterations {
@@ -140,16 +148,16 @@ impl Farneback {
 
 pseudocode! {
     START_AT_ZERO: "(u, v) ← 0 on the coarsest level",
-    EACH_LEVEL: "for each level, from the coarsest to the picture itself",
-    EACH_NEIGHBORHOOD: "  for each pixel of frames t and t+1, over the neighbourhood around it",
-    EXPAND: "    A, b, c ← the polynomial x · A x + b · x + c that fits best",
+    EACH_LEVEL: "for each pyramid level, from the coarsest to full resolution",
+    EACH_NEIGHBORHOOD: "  for each pixel of frames t and t+1, over its Gaussian-weighted neighbourhood",
+    EXPAND: "    A, b, c ← least-squares fit of x · A x + b · x + c",
     EACH_ITERATION: "  for each iteration",
     EACH_PIXEL: "    for each pixel of frame t, with A₁ and b₁",
-    PAIR: "      (m, n) ← (u, v) in whole px; A₂, b₂ ← those of frame t+1 as far away",
+    PAIR: "      (m, n) ← (u, v), rounded to whole px; A₂, b₂ ← those of frame t+1, (m, n) px away",
     COMPARE: "      A ← ½ (A₁ + A₂), Δb ← A (m, n) − ½ (b₂ − b₁)",
     EACH_WINDOW: "    for each pixel, over the window around it",
-    AVERAGE: "      T ← Σ w A A, h ← Σ w A Δb",
-    SOLVE: "      (u, v) ← (T + λ 1)⁻¹ (h + λ (u, v))",
+    AVERAGE: "      T ← Σ w AᵀA, h ← Σ w AᵀΔb, Σ w = 1",
+    SOLVE: "      (u, v) ← (T + λ I)⁻¹ (h + λ (u, v))",
 }
 
 impl Estimator for Farneback {
@@ -157,7 +165,7 @@ impl Estimator for Farneback {
         id: "farneback",
         name: "Farnebäck",
         family: "Optical flow",
-        summary: "Describes neighbourhoods by polynomials, and finds how far these have moved.",
+        summary: "Dense optical flow from quadratic polynomial expansions of both frames, solved over a window around each pixel.",
         source: "G. Farnebäck, Two-frame motion estimation based on polynomial expansion, SCIA 2003; expansion: G. Farnebäck, \
                  Polynomial expansion for orientation and motion estimation, dissertation, Linköping 2002; damping: \
                  K. Levenberg, A method for the solution of certain non-linear problems in least squares, Quarterly of \
@@ -183,7 +191,7 @@ impl Estimator for Farneback {
         let change = relax::change(&from, &state.field) as f32 * state.frames.scale(level)[0];
         state.notes.push(Note { level, change, error: state.frames.error(level, &state.field) });
         let mut iteration = None;
-        for part in [Part::Expanded, Part::Paired, Part::Compared, Part::Averaged, Part::Moved] {
+        for part in [Part::Expanded, Part::Paired, Part::Compared, Part::Averaged, Part::Solved] {
             if part == Part::Expanded && !is_first {
                 continue;
             }
@@ -218,31 +226,30 @@ impl Estimator for Farneback {
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
-        let Some(looked) = self.look(seen) else {
-            let sentence = "A neighbourhood is described by the polynomial x · A x + b · x + c that fits it best. If the picture \
-                            moves by d, the polynomial becomes that of x − d, and its b becomes b − 2 A d: what b has \
-                            changed by tells d.";
+        let Some(probe) = self.probe(seen) else {
+            let sentence = "Polynomial expansion approximates each neighbourhood by x · A x + b · x + c. If the image shifts by d, \
+                            the linear term becomes b − 2 A d, so the change of b determines d where A is invertible.";
             return Step {
                 line: line::START_AT_ZERO,
                 sentence: Sentence::default().text(sentence),
                 readouts: Vec::new(),
             };
         };
-        let line = match looked.part {
+        let line = match probe.part {
             Part::Expanded => line::EXPAND,
             Part::Paired => line::PAIR,
             Part::Compared => line::COMPARE,
             Part::Averaged => line::AVERAGE,
-            Part::Moved => line::SOLVE,
+            Part::Solved => line::SOLVE,
         };
-        Step { line, sentence: looked.sentence(), readouts: self.readouts(seen, &looked) }
+        Step { line, sentence: self.concluded(seen, probe.sentence()), readouts: self.readouts(seen, &probe) }
     }
 
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
         let state = seen.after.unwrap_or(seen.before);
         field::draw(state.frames.flow(&state.field).0, scene);
-        if let Some(looked) = self.look(seen) {
-            looked.draw(scene);
+        if let Some(probe) = self.probe(seen) {
+            probe.draw(scene);
         }
     }
 
@@ -268,7 +275,7 @@ impl Footprint<State> for Farneback {
         Need::per_pixel(clip, [130.0, 240.0])
     }
 
-    /// The polynomials are made again.
+    /// The polynomial expansions are recomputed.
     fn at_rest(&self, state: &State) -> State {
         State { polynomials: None, ..state.clone() }
     }
@@ -279,7 +286,7 @@ impl Footprint<State> for Farneback {
 
     fn memory_bytes(&self, state: &State) -> usize {
         let (width, height) = state.frames.size(0);
-        // Two polynomials, five products, the field before and the one after with its certainty.
+        // Two expansions, five products, and the displacements before and after with their confidence.
         let working = width * height * (2 * size_of::<Packed>() + (5 + 2 + 3) * size_of::<f32>());
         state.frames.bytes() + working
     }
@@ -292,52 +299,63 @@ impl Pointed<State> for Farneback {
 }
 
 impl Farneback {
-    /// The iteration at the pixel pointed at, or else at the one that changes most.
-    fn look<'a>(&self, seen: &Seen<'a, Self>) -> Option<Looked<'a>> {
+    /// Returns the iteration at the pixel pointed at, or else at the one with the largest change.
+    fn probe<'a>(&self, seen: &Seen<'a, Self>) -> Option<Probe<'a>> {
         let Event { part, iteration } = seen.events.last()?;
         let (frames, level) = (&*seen.before.frames, seen.before.level);
         let pointed_at = seen.point().and_then(|point| frames.pixel_at(level, point));
         let place = pointed_at.unwrap_or(iteration.most);
-        let moved = Moved { pair: iteration.polynomials.each_ref(), from: &iteration.from };
-        let agreement = Agreement { window: self.window(), damping: self.damping };
-        Some(Looked::new(*part, (frames, level), (moved, &iteration.to, place), agreement, self.neighborhood / 2))
+        let expansions = ExpansionPair { pair: iteration.polynomials.each_ref(), from: &iteration.from };
+        let solver = WindowSolver { window: self.window(), damping: self.damping };
+        Some(Probe::new(*part, (frames, level), (expansions, &iteration.to, place), solver, self.poly_n / 2))
     }
 
-    fn readouts(&self, seen: &Seen<Self>, looked: &Looked) -> Vec<Readout> {
-        let facts = Readout::Facts(self.facts(seen, looked));
+    /// Adds the conclusion of an iteration and of the run, at the end of each.
+    fn concluded(&self, seen: &Seen<Self>, sentence: Sentence) -> Sentence {
+        let (Some(after), None) = (seen.after, seen.point()) else { return sentence };
+        let Some(note) = after.notes.last() else { return sentence };
+        let sentence = sentence.text(format!(" Mean change of the iteration: {} px.", numbers::px(note.change)));
+        if !after.is_done {
+            return sentence;
+        }
+        let conclusion = Conclusion::new(&after.frames.frame_pair, &after.frames.flow(&after.field));
+        sentence.text(conclusion.sentence(&ADVICE))
+    }
+
+    fn readouts(&self, seen: &Seen<Self>, probe: &Probe) -> Vec<Readout> {
+        let facts = Readout::Facts(self.facts(seen, probe));
         let series = self.series(seen).into_iter().map(Readout::Series);
-        [facts].into_iter().chain(looked.readouts()).chain(series).collect()
+        [facts].into_iter().chain(probe.readouts()).chain(series).collect()
     }
 
-    fn facts(&self, seen: &Seen<Self>, looked: &Looked) -> Vec<Fact> {
+    fn facts(&self, seen: &Seen<Self>, probe: &Probe) -> Vec<Fact> {
         let state = seen.before;
         let fact = |label, value, role| Fact { label, value, role };
-        let px = |uv: [f32; 2]| format!("{} {}", words::vector(uv), looked.unit());
-        let (width, height) = state.frames.size(looked.level);
+        let px = |uv: [f32; 2]| format!("{} {}", numbers::vector(uv), probe.unit());
+        let (width, height) = state.frames.size(probe.level);
         let of = state.frames.count() - 1;
-        let (x, y) = looked.place;
         let mut facts = vec![
-            fact("Level", format!("{}, from {of} down to 0, {width}×{height} px", looked.level), None),
+            fact("Level", format!("{} ({of} is the coarsest), {width}×{height} px", probe.level), None),
             fact("Iteration", format!("{} of {}", state.iteration + 1, self.iterations), None),
-            fact("Pixel", format!("({x}, {y}) of the level"), Some(Role::Reference)),
-            fact("Before", px(looked.from()), Some(Role::Best)),
+            fact("Pixel", words::pixel(probe.place), Some(Role::Reference)),
+            fact("Prior displacement", px(probe.from()), Some(Role::Best)),
         ];
-        if looked.part == Part::Moved {
-            let off = words::number(looked.off());
-            facts.push(fact("Displacement", px(looked.to()), Some(Role::Result)));
-            facts.push(fact("Off by", format!("{off} gray levels per px (root mean square of A d − Δb)"), None));
+        if probe.part == Part::Solved {
+            let off = numbers::gray(probe.off());
+            facts.push(fact("Displacement", px(probe.to()), Some(Role::Result)));
+            facts.push(fact("RMS residual of A d − Δb", format!("{off} gray levels per px"), None));
         }
-        facts.extend(looked.truth().map(|truth| fact("Truth", px(truth), Some(Role::Truth))));
+        facts.extend(probe.truth().map(|truth| fact("True displacement", px(truth), Some(Role::Truth))));
         if let Some(note) = seen.after.and_then(|after| after.notes.last()) {
-            facts.push(fact("Mean change", format!("{:.4} px", note.change), None));
+            facts.push(fact("Mean change", format!("{} px", numbers::px(note.change)), None));
             if note.error.is_finite() {
-                facts.push(fact("Mean error", format!("{:.3} px", note.error), Some(Role::Error)));
+                facts.push(fact("Mean endpoint error", format!("{} px", numbers::px(note.error)), Some(Role::Error)));
             }
         }
         facts
     }
 
-    /// What became of the change and of the error, iteration by iteration.
+    /// Returns the plots of mean change and endpoint error over iterations.
     fn series(&self, seen: &Seen<Self>) -> Vec<Series> {
         let notes = &seen.after.unwrap_or(seen.before).notes;
         let line = |of: fn(&Note) -> f32| -> Vec<[f32; 2]> {
@@ -352,9 +370,12 @@ impl Farneback {
         };
         let mut all = Vec::new();
         if !notes.is_empty() {
-            all.push(series("Mean change", vec![("change", Role::Best, line(|note| note.change))]));
+            all.push(series("Mean change", vec![("mean change", Role::Best, line(|note| note.change))]));
             if notes.iter().all(|note| note.error.is_finite()) {
-                all.push(series("Mean endpoint error", vec![("error", Role::Error, line(|note| note.error))]));
+                all.push(series(
+                    "Mean endpoint error",
+                    vec![("mean endpoint error", Role::Error, line(|note| note.error))],
+                ));
             }
         }
         all

@@ -1,44 +1,44 @@
-//! Horn and Schunck's method: the smoothest field that the gradient constraints allow.
+//! Horn and Schunck's method: gradient constraints with a global smoothness term.
 
-use crate::base::{Threads, words};
+use crate::base::Threads;
 use crate::methods::{
-    differential::{FLAT, Field, Linear, explain, relax},
-    variational::{Looked, Model, Settings, Solver, Told, Warp},
+    differential::{Advice, FLAT, Field, Linear, explain, numbers, relax},
+    variational::{Explanation, Model, Probe, Settings, Solver, Warp},
 };
 use crate::run::{Guarantee, Info};
 use crate::scene::{Math, Name, Role, Sentence};
 use crate::{params, pseudocode};
 
 params! {
-    /// Horn and Schunck's method. The energy ∫∫ (I_x u + I_y v + I_t)² + α² (|∇u|² + |∇v|²) is made as small as can be.
-    /// Where course notes multiply the second part by (I_x² + I_y²) as well, that is a misprint: smoothness counts
-    /// everywhere alike, and most of all where there is no gradient.
-    /// Between pixels, |∇u|² is three times what the weights of the average make of the differences to the eight neighbours: as in
-    /// the paper, that 3 is left out, so that α² counts as α²/3 would. One level and warp, no smoothing and the 2×2×2 cube make it the paper's.
+    /// Horn and Schunck's method, which minimises the energy ∫∫ (I_x u + I_y v + I_t)² + α² (|∇u|² + |∇v|²).
+    /// Course notes that multiply the smoothness term by (I_x² + I_y²) are misprinted: it has the same weight everywhere.
+    /// Discretised by the weighted differences to the eight neighbours, |∇u|² is three times as large; as in the paper the factor 3
+    /// is absorbed, so α² acts as α²/3. One level, one warp, sigma 0 and the 2×2×2 cube give the method of the paper.
     pub struct HornSchunck {
-        /// Weight α of smoothness: the larger, the smoother the field; about the gradient, in gray levels per px, that counts as much.
+        /// Regularisation weight α, in gray levels per px. Larger values give smoother flow and fill areas without texture; where |∇I| = α, data term and smoothness term weigh equally.
         alpha: f32 = 8.0, 0.1..=1000.0;
-        /// How the equations are solved.
+        /// Iterative solver of the linear system.
         solver: Solver = Solver::Jacobi;
-        /// How far SOR goes beyond Gauss and Seidel: 1 is theirs, from 2 on nothing converges.
+        /// Relaxation factor ω of SOR; the other solvers ignore it. 1 is Gauss–Seidel, and SOR diverges from 2 on.
         relaxation: f32 = 1.9, 1.0..=1.99;
-        /// What all variational methods have.
-        settings: Settings = Settings { iterations: 100, levels: 4, warps: 3, smoothing: 0.5, ..Settings::default() };
+        /// Parameters that all variational methods share.
+        settings: Settings = Settings { iterations: 100, levels: 4, warps: 3, sigma: 0.5, ..Settings::default() };
     }
+    renamed { "smoothing" => "sigma" }
 }
 
-/// The steps in which an iteration is told.
+/// The first step of an iteration: the neighbourhood mean.
 const AVERAGED: usize = 0;
 
 pseudocode! {
     ENERGY: "E(u, v) = ∫∫ (I_x u + I_y v + I_t)² + α² (|∇u|² + |∇v|²)",
-    EACH_LEVEL: "(u, v) ← 0; for each level, from the coarsest to the picture itself",
+    EACH_LEVEL: "(u, v) ← 0; for each pyramid level, from the coarsest to full resolution",
     EACH_WARP: "  for each warp",
-    TAKE_MEDIANS: "    (u₀, v₀) ← medians of 3×3 px of (u, v), but for the first warp of all",
-    WARP: "    bring frame t+1 back along (u₀, v₀), take I_x, I_y, I_t; c ← I_t − I_x u₀ − I_y v₀",
+    TAKE_MEDIANS: "    (u₀, v₀) ← 3×3 median filter of (u, v); not before the very first warp",
+    WARP: "    warp frame t+1 toward frame t by (u₀, v₀); I_x, I_y, I_t ← derivatives; c ← I_t − I_x u₀ − I_y v₀",
     EACH_ITERATION: "    for each iteration",
-    AVERAGE: "      (u_m, v_m) ← mean of the neighbours, for each pixel",
-    UPDATE: "      (u, v) ← (u_m, v_m) − ∇I (I_x u_m + I_y v_m + c) / (α² + |∇I|²)",
+    AVERAGE: "      for each pixel: (ū, v̄) ← weighted mean of its eight neighbours",
+    UPDATE: "      (u, v) ← (ū, v̄) − ∇I (I_x ū + I_y v̄ + c) / (α² + |∇I|²)",
 }
 
 impl Model for HornSchunck {
@@ -46,7 +46,7 @@ impl Model for HornSchunck {
         id: "horn-schunck",
         name: "Horn–Schunck",
         family: "Optical flow",
-        summary: "Finds the field that fits the gradient constraints of all pixels and is as smooth as can be.",
+        summary: "Dense optical flow from gradient constraints and a quadratic smoothness term, minimised over the whole image.",
         source: "B. K. P. Horn and B. G. Schunck, Determining optical flow, Artificial Intelligence 17, 1981; pyramid and \
                  warping: E. Meinhardt-Llopis, J. Sánchez and D. Kondermann, Horn–Schunck optical flow with a multi-scale \
                  strategy, Image Processing On Line 3, 2013; medians: D. Sun, S. Roth and M. J. Black, Secrets of optical flow \
@@ -58,9 +58,14 @@ impl Model for HornSchunck {
     const GUARANTEE: Guarantee = Guarantee::SubPixel { off_centi_px: 5 };
     const STEPS: &'static [Name] = &[line::AVERAGE, line::UPDATE];
     const ENERGY_UNIT: &'static str = "gray levels²";
-    const OPENING: &'static str = "The energy to be made small has two parts: how far the gradient constraints are off, and α² \
-                                   times how unlike neighbours move. (In some course notes the second part is multiplied by \
-                                   I_x² + I_y² as well: a misprint, for where there is no gradient, smoothness is all there is.)";
+    const OPENING: &'static str = "The energy sums a data term, the squared violation of the gradient constraint, and α² times a \
+                                   smoothness term, the squared gradients of u and v. (Course notes that multiply the \
+                                   smoothness term by I_x² + I_y² are misprinted: without gradient, it alone determines the flow.)";
+    const ADVICE: Advice = Advice {
+        texture: "A larger α and more iterations carry flow in from textured neighbours.",
+        boundary: "The quadratic smoothness term blurs it; a smaller α or TV-L1 keeps it sharper.",
+        motion: "More levels would reach it.",
+    };
     const SYSTEM_PARTS: usize = 3;
     const NEED: [f64; 2] = [76.0, 150.0];
     type System = relax::System;
@@ -87,119 +92,125 @@ impl Model for HornSchunck {
         relax::energy(&warp.linear, self.alpha, at)
     }
 
-    fn told(&self, step: usize, looked: &Looked<Self>) -> Told {
-        let update = Update::of(self, looked);
-        let mut points = vec![("average", Role::Predicted, update.mean), ("after", Role::Result, looked.to())];
+    fn explanation(&self, step: usize, probe: &Probe<Self>) -> Explanation {
+        let update = Update::of(self, probe);
+        let mut points =
+            vec![("neighbourhood mean", Role::Predicted, update.mean), ("after", Role::Result, probe.to())];
         if step == AVERAGED {
             points.pop();
         }
-        Told {
-            sentence: if step == AVERAGED { looked.averaged(update.mean) } else { update.sentence(self, looked) },
+        Explanation {
+            sentence: if step == AVERAGED { probe.averaged(update.mean) } else { update.sentence(self, probe) },
             facts: Vec::new(),
-            equation: update.equation(self, looked),
+            equation: update.equation(self, probe),
             points,
-            lines: explain::line(looked.factors(), 1.0, Role::Candidate).into_iter().collect(),
+            lines: explain::line(probe.factors(), 1.0, Role::Candidate).into_iter().collect(),
         }
     }
 }
 
-/// An iteration at a pixel in numbers.
+/// The update of a pixel in numbers.
 struct Update {
-    /// The average of its neighbours.
+    /// The neighbourhood mean (ū, v̄).
     mean: [f32; 2],
-    /// By how much the constraint is off there.
+    /// The violation of the constraint by the mean, in gray levels.
     off: f32,
     /// α² + |∇I|².
     weight: f32,
-    /// What fits the pixel and that average.
+    /// The result, before over-relaxation.
     to: [f32; 2],
 }
 
 impl Update {
-    fn of(model: &HornSchunck, looked: &Looked<HornSchunck>) -> Self {
-        let (mean, [a, b, c]) = (model.solver.mean_of(looked), looked.factors());
+    fn of(model: &HornSchunck, probe: &Probe<HornSchunck>) -> Self {
+        let (mean, [a, b, c]) = (model.solver.mean_of(probe), probe.factors());
         let (off, weight) = (a * mean[0] + b * mean[1] + c, model.alpha * model.alpha + a * a + b * b);
         Self { mean, off, weight, to: [mean[0] - a * off / weight, mean[1] - b * off / weight] }
     }
 
-    fn sentence(&self, model: &HornSchunck, looked: &Looked<HornSchunck>) -> Sentence {
-        let (said, pixel) = (Sentence::default(), looked.pixel());
+    fn sentence(&self, model: &HornSchunck, probe: &Probe<HornSchunck>) -> Sentence {
+        let (said, pixel) = (Sentence::default(), probe.pixel());
         let beyond = model.solver.beyond(model.relaxation);
-        let [a, b, _] = looked.factors();
-        if a * a + b * b <= FLAT {
-            let why = if looked.is_known() { "has no gradient" } else { "has left the picture" };
+        let [a, b, _] = probe.factors();
+        let squared = a * a + b * b;
+        if squared <= FLAT {
+            let why = match probe.is_known() {
+                true => "has no gradient, so any flow satisfies its constraint",
+                false => "has no constraint, because (u₀, v₀) leads out of frame t+1",
+            };
             let said = said
+                .text("Only the smoothness term counts: ")
                 .ink(Role::Reference, pixel)
-                .text(format!(" {why}: no constraint holds it. It takes the average, "));
-            return looked.goes(said, self.to, beyond).text(".");
+                .text(format!(" {why}. The update takes the neighbourhood mean: (u, v) = "));
+            return probe.goes(said, self.to, beyond).text(".");
         }
-        let off = words::number(self.off);
-        if off.chars().all(|letter| "−0.".contains(letter)) {
+        let off = numbers::gray(self.off.abs());
+        if off == "0.00" {
             let said = said
-                .text("With the average, the constraint of ")
+                .text("The neighbourhood mean satisfies the gradient constraint of ")
                 .ink(Role::Reference, pixel)
-                .text(" holds already: it moves as its neighbours do, to ");
-            return looked.goes(said, self.to, beyond).text(".");
+                .text(" to within 0.01 gray levels, so the update keeps it: (u, v) = ");
+            return probe.goes(said, self.to, beyond).text(".");
         }
         let said = said
-            .text(format!("With the average, the constraint is off by {off} gray levels at "))
+            .text("The neighbourhood mean violates the gradient constraint of ")
             .ink(Role::Reference, pixel)
-            .text(". From the average it is moved along its gradient towards the line, to ");
-        match beyond {
-            Some(_) => looked.goes(said, self.to, beyond).text("."),
-            None => looked.goes(said, self.to, beyond).text(
-                ". Where the gradient is large beside α, it comes near the line; where it is small, the average stays.",
-            ),
-        }
+            .text(format!(
+                " by {off} gray levels. With |∇I|² = {} against α² = {}, the update covers {:.0} % of the way to the constraint \
+                 line: (u, v) = ",
+                numbers::gray(squared),
+                numbers::gray(model.alpha * model.alpha),
+                100.0 * squared / self.weight
+            ));
+        probe.goes(said, self.to, beyond).text(".")
     }
 
-    /// The update in symbols, and with the numbers of the pixel.
-    fn equation(&self, model: &HornSchunck, looked: &Looked<HornSchunck>) -> Vec<Math> {
+    /// Returns the update in symbols, and with the numbers of the pixel.
+    fn equation(&self, model: &HornSchunck, probe: &Probe<HornSchunck>) -> Vec<Math> {
         let beyond = model.solver.beyond(model.relaxation);
         let name = |name: &'static str| match beyond {
             Some(_) => Math::indexed(Math::Var(name), Math::text("GS")),
             None => Math::Var(name),
         };
-        let [a, b, _] = looked.factors();
-        let mut lines = looked.definition();
+        let [a, b, _] = probe.factors();
+        let mut lines = probe.definition();
         lines.extend([
-            symbols(name("u"), ("u", "x"), looked.rest()),
+            symbols(name("u"), ("u", "x"), probe.rest()),
             self.numbers(a, self.mean[0], self.to[0]),
-            symbols(name("v"), ("v", "y"), looked.rest()),
+            symbols(name("v"), ("v", "y"), probe.rest()),
             self.numbers(b, self.mean[1], self.to[1]),
         ]);
-        lines.extend(beyond.into_iter().flat_map(|relaxation| looked.relaxed(self.to, relaxation)));
+        lines.extend(beyond.into_iter().flat_map(|relaxation| probe.relaxed(self.to, relaxation)));
         lines
     }
 
     fn numbers(&self, gradient: f32, mean: f32, to: f32) -> Math {
         let share =
-            Math::Frac(Box::new(Math::text(words::number(self.off))), Box::new(Math::text(words::number(self.weight))));
+            Math::Frac(Box::new(Math::text(numbers::gray(self.off))), Box::new(Math::text(numbers::gray(self.weight))));
         Math::Row(vec![
             Math::text("= "),
-            Math::ink(Role::Predicted, words::number(mean)),
+            Math::ink(Role::Predicted, numbers::px(mean)),
             Math::text(" − "),
-            Math::ink(Role::Reference, words::factor(gradient)),
+            Math::ink(Role::Reference, numbers::factor(numbers::gray(gradient))),
             Math::text(" · "),
             share,
             Math::text(" = "),
-            Math::ink(Role::Result, words::number(to)),
+            Math::ink(Role::Result, numbers::px(to)),
         ])
     }
 }
 
-/// The update of one part of the displacement in symbols; `rest` is what stands for I_t.
+/// The update of one flow component in symbols; `rest` is the constant term, c or I_t.
 fn symbols(to: Math, (part, along): (&'static str, &'static str), rest: Math) -> Math {
     let squared = |base: Math| Math::power(base, Math::text("2"));
-    let mean_of = |name: &'static str| Math::indexed(Math::Var(name), Math::Var("m"));
     let top = vec![
         explain::derivative("x"),
         Math::text(" "),
-        mean_of("u"),
+        explain::mean("u"),
         Math::text(" + "),
         explain::derivative("y"),
         Math::text(" "),
-        mean_of("v"),
+        explain::mean("v"),
         Math::text(" + "),
         rest,
     ];
@@ -213,7 +224,7 @@ fn symbols(to: Math, (part, along): (&'static str, &'static str), rest: Math) ->
     Math::Row(vec![
         to,
         Math::text(" = "),
-        mean_of(part),
+        explain::mean(part),
         Math::text(" − "),
         explain::derivative(along),
         Math::text(" "),

@@ -1,4 +1,4 @@
-//! The Kanade-Lucas-Tomasi tracker: features are found, followed through the clip, checked and replaced.
+//! The Kanade–Lucas–Tomasi tracker: detection, tracking through the clip, validation and replacement of features.
 
 mod explain;
 
@@ -9,7 +9,7 @@ use crate::data::{Clip, Flow, Frame};
 use crate::methods::{
     differential::truth,
     features::{
-        affine::{Fit, IDENTITY, SAME_LIGHT, Start, Unfit, View},
+        affine::{Fit, FitFailure, IDENTITY, SAME_LIGHT, Start, View},
         follow::{self, Follow},
         spread,
         tracker::Level,
@@ -23,87 +23,93 @@ use crate::scene::{Chart, Focus, Role, Scene, Step};
 use crate::{params, pseudocode};
 
 params! {
-    /// The Kanade–Lucas–Tomasi tracker.
+    /// The Kanade–Lucas–Tomasi (KLT) tracker.
     pub struct Klt {
-        /// At most so many frames are tracked through, the first one counted; fewer where the clip ends.
+        /// Number of frames, including the first; fewer at the end of the clip.
         frames: usize = 30, 2..=10_000;
-        /// Detector of the keypoints that become features. It gives all that it finds, and the tracker chooses.
+        /// Detector of the keypoints that become features.
         detector: Stage<Keypoints> = Stage::named("shi-tomasi");
-        /// At most so many features are tracked at once.
+        /// Largest number of features tracked at once.
         max_points: usize = 200, 1..=5000;
-        /// From one feature to the next it is at least this far where a feature begins.
+        /// Smallest distance of a new feature to all others.
         min_distance: usize = 7, 0..=100, "px";
-        /// Look for new features in each frame, in place of those that were lost.
+        /// Detect new features in each frame to replace lost ones.
         replenish: bool = true;
-        /// Side of the window around each feature, on every level; an even one reaches as far as the next odd one.
+        /// Side of the window around each feature, on every level; an even side is rounded up. Larger windows are more robust but mix different motions.
         window: usize = 15, 3..=31, "px";
-        /// Levels of the pyramid with the picture itself, each half as wide and high; fewer where a side would be less than 16 px.
+        /// Number of pyramid levels including full resolution, each half the size of the one below, down to 16 px per side. More levels reach larger motion.
         levels: usize = 4, 1..=8;
-        /// At most so many updates of a displacement on each level.
+        /// Largest number of iterations per level.
         iterations: usize = 30, 1..=100;
-        /// An update shorter than this, in px of its level, is the last there.
+        /// Stopping criterion: the iterations of a level end with an increment shorter than this, in px of the level.
         epsilon: f32 = 0.01, 0.0..=1.0, "px";
-        /// A feature is lost where the smaller eigenvalue of its window's tensor, in (gray levels per px)² for a pixel, is less.
-        threshold: f32 = 0.5, 0.0..=100.0;
-        /// A feature is lost where its window differs by more than this on average from that in the frame before, in gray levels.
+        /// Smallest accepted eigenvalue λ₂ of the window's structure tensor, in (gray levels per px)². Features below it are ill-conditioned and lost.
+        min_eigenvalue: f32 = 0.5, 0.0..=100.0;
+        /// Largest accepted mean absolute difference between the windows of consecutive frames, in gray levels. Features above it are lost.
         max_residual: f32 = 20.0, 0.0..=255.0;
-        /// A feature is lost where tracking it back leads farther than this from where it came from; 0 leaves the check out.
-        max_return: f32 = 1.0, 0.0..=100.0, "px";
-        /// A feature is lost where it differs by more than this on average from its first view, turned and stretched to fit, in gray levels; 0 leaves the check out.
-        max_change: f32 = 12.0, 0.0..=255.0;
-        /// Let the light of that first view fit as well: a gain and an offset of its gray values.
-        any_light: bool = true;
+        /// Largest accepted forward–backward error: distance between a feature and the result of tracking it back. 0 disables the check.
+        max_fb_error: f32 = 1.0, 0.0..=100.0, "px";
+        /// Largest accepted dissimilarity from the first view after an affine fit (Shi–Tomasi), a mean absolute difference in gray levels. 0 disables the check.
+        max_dissimilarity: f32 = 12.0, 0.0..=255.0;
+        /// Fit gain and offset of the gray values as well, so that changes in illumination do not count as dissimilarity.
+        illumination: bool = true;
     }
-    renamed { "quality" => "detector.threshold" }
+    renamed {
+        "quality" => "detector.threshold",
+        "threshold" => "min-eigenvalue",
+        "max-return" => "max-fb-error",
+        "max-change" => "max-dissimilarity",
+        "any-light" => "illumination",
+    }
 }
 
-/// What a run reads and writes.
+/// The state of a run.
 #[derive(Clone)]
 pub struct State {
     span: Span,
-    /// The first frame of the pair at hand.
+    /// The first frame of the current pair.
     frame: usize,
-    /// The feature whose turn it is, an index of `live`; `None` while features are looked for.
+    /// The current feature, an index of `live`; `None` during detection.
     turn: Option<usize>,
-    /// The units that were done before this pair.
+    /// Number of units before this pair.
     begun: usize,
-    /// All tracks, in the order in which they began.
+    /// All tracks, in order of their start.
     tracks: Vec<Arc<Track>>,
     /// The features in the first frame of the pair.
     live: Vec<Live>,
-    /// Those that were found again in the second by now.
+    /// The features tracked to the second frame so far.
     next: Vec<Live>,
-    /// How many features each pair before this one began with.
+    /// Number of features at the start of each earlier pair.
     counts: Arc<Vec<u32>>,
-    /// Width and height of the picture in px.
+    /// Width and height of the frame in px.
     picture: (usize, usize),
-    /// Memory of one pyramid.
+    /// Size of one pyramid in memory, in bytes.
     pyramid_bytes: usize,
-    /// What is made again where it is missing: both frames, and before that the pyramid of the first.
+    /// Recomputed on demand: both frames, and the pyramid of the first.
     pair: Option<Arc<Pair>>,
     pyramid: Option<Arc<Vec<Level>>>,
 }
 
-/// A feature that is not lost.
+/// A live feature.
 #[derive(Clone)]
 struct Live {
     track: u32,
-    /// Its place in px.
+    /// Its position in px.
     at: [f32; 2],
-    /// What it looked like at first, and how that lies now.
+    /// Its first view, with the affine map into the current frame.
     view: Arc<View>,
     matrix: [[f32; 2]; 2],
     light: [f32; 2],
 }
 
 impl Live {
-    /// The same where the fit of its first view has come to.
+    /// Returns the feature with an updated affine fit.
     fn seen_as(self, fit: &Fit) -> Self {
         Self { matrix: fit.matrix, light: fit.light, ..self }
     }
 }
 
-/// Two frames and their pyramids.
+/// The pyramids of a pair of frames.
 pub struct Pair {
     pyramids: [Arc<Vec<Level>>; 2],
     truth: Option<Arc<Flow>>,
@@ -115,38 +121,38 @@ impl Pair {
     }
 }
 
-/// What the detector finds in a frame, and what is taken of it.
+/// The keypoints of a frame, and the new features among them.
 pub struct Found {
     keypoints: PointField,
     taken: Vec<[f32; 2]>,
 }
 
-/// What happens inside a unit: features are looked for, or one is tracked to the next frame.
+/// An event of a unit: detection, or the tracking of one feature to the next frame.
 #[derive(Clone)]
 pub enum Event {
-    /// There are features enough.
+    /// No detection: max-points is reached, or replenish is off.
     Enough,
-    /// The detector has found keypoints.
+    /// The keypoints of the detector.
     Found(Arc<Found>),
-    /// Some of them are taken.
+    /// The new features among them.
     Taken(Arc<Found>),
-    /// A step of following the feature between two frames, on this level.
+    /// A step of forward tracking, on this level.
     Forward(Arc<Pair>, usize, follow::Event),
-    /// Where tracking back from there leads to, or why it does not.
+    /// The position after tracking back, or why it failed.
     Back(Result<[f32; 2], Status>),
-    /// A step of fitting the first view.
+    /// An iteration of the affine fit.
     Fit(Fit),
-    /// What has become of the feature.
+    /// The result of the feature.
     Verdict(Feature),
 }
 
 impl Klt {
     fn follow(&self) -> Follow {
-        let Self { window, iterations, epsilon, threshold, max_residual, .. } = *self;
-        Follow { reach: window / 2, iterations, epsilon, threshold, max_residual }
+        let Self { window, iterations, epsilon, min_eigenvalue, max_residual, .. } = *self;
+        Follow { reach: window / 2, iterations, epsilon, threshold: min_eigenvalue, max_residual }
     }
 
-    /// The frames at hand; the pyramid of the first is that of the second before.
+    /// Returns the current pair; the pyramid of its first frame is reused from the previous pair.
     fn pair(&self, clip: &Clip, state: &mut State) -> Result<Arc<Pair>, Error> {
         if let Some(pair) = &state.pair {
             return Ok(Arc::clone(pair));
@@ -161,8 +167,8 @@ impl Klt {
         Ok(pair)
     }
 
-    /// Looks for features in the first frame of the pair, if there is room for more.
-    fn look(&self, clip: &Clip, state: &State, threads: &Threads) -> Result<Option<Found>, Error> {
+    /// Detects features in the first frame of the pair, if fewer than max-points are tracked.
+    fn detect(&self, clip: &Clip, state: &State, threads: &Threads) -> Result<Option<Found>, Error> {
         let room = self.max_points.saturating_sub(state.live.len());
         if room == 0 || (state.frame > state.span.first && !self.replenish) {
             return Ok(None);
@@ -172,7 +178,7 @@ impl Klt {
         Ok(Some(Found { keypoints, taken }))
     }
 
-    /// Begins the tracks of the features found.
+    /// Starts tracks at new features.
     fn begin(&self, state: &mut State, pair: &Pair, found: &[[f32; 2]]) {
         for at in found.iter().copied() {
             let track = state.tracks.len() as u32;
@@ -184,7 +190,7 @@ impl Klt {
         state.turn = Some(0);
     }
 
-    /// Tracks a feature to the second frame of the pair: what became of it, and how its first view is seen there.
+    /// Tracks a feature to the second frame of the pair, with all checks.
     fn track(&self, pair: &Arc<Pair>, live: &Live, observer: &mut impl Observer<Event>) -> (Feature, Live) {
         let (displacement, result) = self.moved(pair, live, observer);
         let to = [0, 1].map(|i| live.at[i] + displacement[i]);
@@ -206,7 +212,7 @@ impl Klt {
         (feature, next)
     }
 
-    /// Follows a feature, and back from where that leads to.
+    /// Tracks a feature forward, and back for the forward–backward check.
     fn moved(
         &self,
         pair: &Arc<Pair>,
@@ -217,7 +223,7 @@ impl Klt {
         let mut forward =
             Mapped { observer: &mut *observer, map: |(level, event)| Event::Forward(Arc::clone(pair), level, event) };
         let (displacement, result) = self.follow().through([first, second], live.at, &mut forward);
-        if result.is_err() || self.max_return == 0.0 {
+        if result.is_err() || self.max_fb_error == 0.0 {
             return (displacement, result);
         }
         let to = [0, 1].map(|i| live.at[i] + displacement[i]);
@@ -225,10 +231,10 @@ impl Klt {
         let place = [0, 1].map(|i| to[i] + back[i]);
         observer.see(|| Event::Back(returned.map(|_| place)));
         let off_px = (place[0] - live.at[0]).hypot(place[1] - live.at[1]);
-        (displacement, if returned.is_err() || off_px > self.max_return { Err(Status::Astray) } else { result })
+        (displacement, if returned.is_err() || off_px > self.max_fb_error { Err(Status::Astray) } else { result })
     }
 
-    /// The feature at the place that it was tracked to, as its first view is seen there, unless it has changed too much.
+    /// Fits the first view at the tracked position; an error if the dissimilarity is too large.
     fn changed(
         &self,
         pair: &Pair,
@@ -236,20 +242,20 @@ impl Klt {
         observer: &mut impl Observer<Event>,
     ) -> Result<Live, Status> {
         let next = Live { at: to, ..live.clone() };
-        if self.max_change == 0.0 {
+        if self.max_dissimilarity == 0.0 {
             return Ok(next);
         }
-        let start = Start { matrix: live.matrix, light: self.any_light.then_some(live.light) };
+        let start = Start { matrix: live.matrix, light: self.illumination.then_some(live.light) };
         match live.view.fit(&pair.pyramids[1][0], to, start, &mut Mapped { observer, map: Event::Fit }) {
-            // At the edge too little of it is left to tell.
-            Err(Unfit::Unknown) => Ok(next),
-            Err(Unfit::Astray) => Err(Status::Changed),
-            Ok(fit) if fit.difference > self.max_change => Err(Status::Changed),
+            // Near the border too little of the view is visible.
+            Err(FitFailure::Undetermined) => Ok(next),
+            Err(FitFailure::Diverged) => Err(Status::Changed),
+            Ok(fit) if fit.difference > self.max_dissimilarity => Err(Status::Changed),
             Ok(fit) => Ok(next.seen_as(&fit)),
         }
     }
 
-    /// Writes down what has become of the feature whose turn it was.
+    /// Stores the result of the current feature.
     fn note(state: &mut State, (feature, next): (Feature, Live)) {
         let track = Arc::make_mut(&mut state.tracks[next.track as usize]);
         if let Some(last) = track.points.last_mut() {
@@ -261,7 +267,7 @@ impl Klt {
         }
     }
 
-    /// Goes on to the next pair if every feature had its turn.
+    /// Moves on to the next pair after the last feature.
     fn go_on(&self, clip: &Clip, state: &mut State) -> Progress {
         if state.turn.is_none_or(|turn| turn < state.live.len()) {
             return Progress::More;
@@ -272,21 +278,21 @@ impl Klt {
         state.live = std::mem::take(&mut state.next);
         state.pyramid = state.pair.take().map(|pair| Arc::clone(&pair.pyramids[1]));
         (state.frame, state.turn) = (state.frame + 1, None);
-        // A pair has a frame to go on to.
+        // A pair needs a next frame.
         let is_over = state.span.is_over(clip, state.frame + 1);
         if is_over { Progress::Done } else { Progress::More }
     }
 }
 
 pseudocode! {
-    EACH_FRAME: "for each frame t, up to the last but one",
-    DETECT: "  if there is room: K ← keypoints of frame t, by the detector",
-    TAKE_STRONGEST: "    take the strongest of K that keep their distance; remember how each looks",
+    EACH_FRAME: "for each pair of frames t, t+1",
+    DETECT: "  if fewer than max-points features: K ← keypoints of frame t, by the detector",
+    TAKE_STRONGEST: "    add the strongest of K at min-distance from all features; store the first view of each",
     EACH_FEATURE: "  for each feature x",
     TRACK: "    d ← displacement to frame t+1, by pyramidal Lucas–Kanade",
-    TRACK_BACK: "    b ← displacement back to frame t; lost if |d + b| > max-return",
-    FIT_FIRST_VIEW: "    (A, s, λ, δ) ← how its first view lies in frame t+1, and in what light",
-    IS_CHANGED: "    lost if that differs by more than max-change",
+    TRACK_BACK: "    b ← displacement back to frame t; lost if |d + b| > max-fb-error",
+    FIT_FIRST_VIEW: "    (A, s, λ, δ) ← affine fit of the first view to frame t+1, with gain and offset",
+    IS_CHANGED: "    lost if the dissimilarity of the fit > max-dissimilarity",
     MOVE: "    else x ← x + d",
 }
 
@@ -295,7 +301,7 @@ impl Estimator for Klt {
         id: "klt",
         name: "KLT tracker",
         family: "Optical flow",
-        summary: "Finds features, tracks them from frame to frame, checks each, and finds new ones for those that are lost.",
+        summary: "Detects features, tracks them through the clip, validates each track, and replaces lost ones.",
         source: "C. Tomasi and T. Kanade, Detection and tracking of point features, CMU-CS-91-132, 1991; J. Shi and C. Tomasi, \
                  Good features to track, CVPR 1994; tracking: J.-Y. Bouguet, Intel Corporation, 2000; the way back: Z. Kalal, \
                  K. Mikolajczyk and J. Matas, Forward-backward error, ICPR 2010; other light: H. Jin, P. Favaro and S. Soatto, \
@@ -331,7 +337,7 @@ impl Estimator for Klt {
         let pair = self.pair(clip, state)?;
         match state.turn {
             None => {
-                let found = self.look(clip, state, &Threads::single())?.map(Arc::new);
+                let found = self.detect(clip, state, &Threads::single())?.map(Arc::new);
                 match &found {
                     None => observer.see(|| Event::Enough),
                     Some(found) => {
@@ -360,7 +366,7 @@ impl Estimator for Klt {
         vec![
             Granularity { index: 0, of: Some(1) },
             Granularity { index: state.frame - state.span.first, of: pairs },
-            // Looking for features counts with the first of them.
+            // Detection counts with the first feature.
             Granularity { index: state.turn.unwrap_or(0), of: state.turn.map(|_| state.live.len()) },
         ]
     }
@@ -381,11 +387,11 @@ impl Estimator for Klt {
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
-        self.told(seen)
+        self.explanation(seen)
     }
 
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        self.drawn(seen, scene);
+        self.draw_step(seen, scene);
     }
 
     fn output(&self, state: &State) -> Output {
@@ -398,7 +404,7 @@ impl Estimator for Klt {
         loop {
             clip.wanted()?;
             let pair = self.pair(clip, &mut state)?;
-            let found = self.look(clip, &state, threads)?.map(Arc::new);
+            let found = self.detect(clip, &state, threads)?.map(Arc::new);
             self.begin(&mut state, &pair, found.as_ref().map_or(&[], |found| &found.taken));
             let live = std::mem::take(&mut state.live);
             let became = threads.map_while(live.len(), || clip.wanted(), |i| self.track(&pair, &live[i], &mut ()))?;
@@ -413,7 +419,7 @@ impl Estimator for Klt {
 
 impl Footprint<State> for Klt {
     fn need(&self, clip: &Clip) -> Need {
-        // The first view of each point, its derivatives, and its track.
+        // The first view of each feature, its derivatives, and its track.
         let points = self.max_points as f64 * (20.0 * (self.window * self.window) as f64 + 1000.0);
         let Need { run, .. } = self.detector.need(clip);
         Need::per_pixel(clip, [14.0, 20.0]).and([points, 4.0 * points]).and([run as f64; 2])
@@ -435,7 +441,7 @@ impl Footprint<State> for Klt {
 }
 
 impl Pointed<State> for Klt {
-    /// The unit that tracks the feature of this pair that is nearest to a place.
+    /// Returns the unit that tracks the feature of this pair nearest to a position.
     fn unit_at(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<usize> {
         state.turn?;
         let far = |live: &Live| (live.at[0] - point[0]).hypot(live.at[1] - point[1]);

@@ -1,4 +1,4 @@
-//! Lucas and Kanade's method: the displacement on which the pixels of a window agree best.
+//! Lucas and Kanade's method: least squares over the gradient constraints of a window.
 
 mod explain;
 
@@ -7,7 +7,9 @@ use std::sync::{Arc, OnceLock};
 use crate::base::{Error, Mapped, Observer, Threads};
 use crate::data::{Clip, Flow};
 use crate::geometry::Grid;
-use crate::methods::differential::{Constraints, Field, Given, Linear, Scheme, Sums, Tensor, Texture, Weights, Window};
+use crate::methods::differential::{
+    Advice, Constraints, Field, FramePair, Linear, Scheme, Sums, Tensor, Texture, Weights, Window,
+};
 use crate::products::{Confidence, DenseField, Output, Product, ProductKind};
 use crate::run::{
     Cursor, Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen,
@@ -16,61 +18,62 @@ use crate::scene::{Chart, Focus, Scene, Step};
 use crate::{params, pseudocode};
 
 params! {
-    /// Lucas and Kanade's method for every pixel. Its system is Σ w I_x² u + Σ w I_x I_y v = −Σ w I_x I_t and
-    /// Σ w I_x I_y u + Σ w I_y² v = −Σ w I_y I_t, the weights w summing to 1. Course notes that have
-    /// (I_x, I_y; I_t, I_y) (u, v) = −(I_t, I_x) are misprinted: I_t does not belong into the matrix, nor I_x to the right, and
-    /// without products summed over a window there is nothing that fits best.
+    /// Lucas and Kanade's method for every pixel. Its normal equations are Σ w I_x² u + Σ w I_x I_y v = −Σ w I_x I_t and
+    /// Σ w I_x I_y u + Σ w I_y² v = −Σ w I_y I_t, with weights w that sum to 1. Course notes with
+    /// (I_x, I_y; I_t, I_y) (u, v) = −(I_t, I_x) are misprinted: I_t does not belong in the matrix nor I_x on the right, and
+    /// without sums of products over a window there is no least-squares problem.
     pub struct LucasKanade {
-        /// Side of the window around each pixel; an even one reaches as far as the next odd one.
+        /// Side of the window of the least-squares fit; an even side is rounded up. Larger windows suppress noise but mix different motions.
         window: usize = 15, 3..=31, "px";
-        /// How much the pixels of the window count.
+        /// Weights w of the pixels in the window.
         weights: Weights = Weights::Gaussian;
-        /// Where the smaller eigenvalue of the structure tensor, in (gray levels per px)² for a pixel, is less, nothing is said.
-        threshold: f32 = 0.5, 0.0..=100.0;
-        /// How often the displacements are found; each time frame t+1 is first brought back by those of the time before.
+        /// Smallest accepted eigenvalue λ₂ of the structure tensor, in (gray levels per px)². Windows below it are ill-conditioned and get no flow.
+        min_eigenvalue: f32 = 0.5, 0.0..=100.0;
+        /// Number of linearisations: each warps frame t+1 toward frame t by the current flow and solves again.
         iterations: usize = 2, 1..=20;
-        /// How derivatives are estimated from pixels.
+        /// Kernel that estimates the derivatives I_x and I_y.
         derivatives: Scheme = Scheme::FivePoint;
-        /// Standard deviation of the Gaussian that smooths both frames first; 0 leaves them as they are.
-        smoothing: f32 = 0.5, 0.0..=5.0, "px";
+        /// Standard deviation σ of the Gaussian that smooths both frames before derivatives are taken. 0 does not smooth.
+        sigma: f32 = 0.5, 0.0..=5.0, "px";
     }
+    renamed { "smoothing" => "sigma", "threshold" => "min-eigenvalue" }
 }
 
-/// What a run reads and writes.
+/// The state of a run.
 #[derive(Clone)]
 pub struct State {
-    given: Arc<Given>,
-    /// The displacements about which the iteration at hand is linear.
+    frame_pair: Arc<FramePair>,
+    /// The flow of the current linearisation.
     start: Arc<Field>,
-    /// Its constraints, once they are needed.
+    /// Its constraints, computed on demand.
     linear: Arc<OnceLock<Linear>>,
     iteration: usize,
-    /// The row that comes next.
+    /// The next row.
     y: usize,
-    /// What was found row by row: before row `y` in this iteration, from there on in the one before.
+    /// The solutions, row by row: of this iteration before row `y`, of the previous one from there on.
     found: Vec<Solution>,
 }
 
-/// What a window says.
+/// The least-squares solution of a window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solution {
-    /// The displacement in px/frame; NaN where the window does not tell.
+    /// The flow in px/frame; NaN where the window is ill-conditioned.
     displacement: [f32; 2],
     /// The eigenvalues of the structure tensor, the larger first.
     eigenvalues: [f32; 2],
     texture: Texture,
 }
 
-/// What happens in a row.
+/// An event in a row.
 #[derive(Clone, Copy, Debug)]
 pub enum Event {
-    /// Frame t + 1 is brought back and the constraints are taken: before the first row of an iteration.
+    /// Frame t + 1 was warped and the constraints were linearised, before the first row of an iteration.
     Linearized,
-    /// The next pixel of the row has this solution.
+    /// The solution of the next pixel of the row.
     Solved(Solution),
 }
 
-/// The solutions of a row among its events.
+/// The events of a row that are solutions.
 fn solved(events: &[Event]) -> &[Event] {
     match events {
         [Event::Linearized, solved @ ..] => solved,
@@ -84,27 +87,27 @@ impl LucasKanade {
     }
 
     fn prepare(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
-        let given = Arc::new(Given::new(clip, frame, self.smoothing, threads)?);
-        let start = Arc::new(Field::new(given.size(), [0.0; 2]));
-        Ok(State { given, start, linear: Arc::default(), iteration: 0, y: 0, found: Vec::new() })
+        let frame_pair = Arc::new(FramePair::new(clip, frame, self.sigma, threads)?);
+        let start = Arc::new(Field::new(frame_pair.size(), [0.0; 2]));
+        Ok(State { frame_pair, start, linear: Arc::default(), iteration: 0, y: 0, found: Vec::new() })
     }
 
-    /// The constraints of the iteration at hand.
+    /// Returns the constraints of the current iteration.
     fn linear<'a>(&self, state: &'a State, threads: &Threads) -> &'a Linear {
         state.linear.get_or_init(|| {
-            let [current, next] = &state.given.pictures;
+            let [current, next] = &state.frame_pair.pictures;
             Linear::about(Arc::clone(&state.start), [current, next], self.derivatives, threads)
         })
     }
 
     fn solve(&self, tensor: &Tensor) -> Solution {
-        let (texture, solution) = (tensor.texture(self.threshold), tensor.solution());
-        let is_told = texture == Texture::Corner && solution.iter().all(|c| c.is_finite());
-        let displacement = if is_told { solution } else { Flow::UNKNOWN };
+        let (texture, solution) = (tensor.texture(self.min_eigenvalue), tensor.solution());
+        let is_solvable = texture == Texture::Corner && solution.iter().all(|c| c.is_finite());
+        let displacement = if is_solvable { solution } else { Flow::UNKNOWN };
         Solution { displacement, eigenvalues: tensor.eigenvalues(), texture }
     }
 
-    /// Asks the windows of row `y`.
+    /// Solves the windows of row `y`.
     fn row(&self, sums: &mut Sums, y: usize, row: &mut [Solution], observer: &mut impl Observer<Solution>) {
         sums.row(y, |x, tensor| {
             row[x] = self.solve(&tensor);
@@ -112,36 +115,36 @@ impl LucasKanade {
         });
     }
 
-    /// Asks all windows of an iteration.
+    /// Solves all windows of an iteration.
     ///
     /// # Errors
     /// If the work is cancelled.
     fn all(&self, clip: &Clip, of: &Constraints, threads: &Threads) -> Result<Vec<Solution>, Error> {
         let ((width, height), window) = (of.a.size(), self.window());
         let rows = threads.rows_at_once(height);
-        let (mut found, given_up) = (vec![NOTHING; width * height], OnceLock::new());
+        let (mut found, cancelled) = (vec![NOTHING; width * height], OnceLock::new());
         let bands = found.chunks_mut(rows * width).enumerate().collect();
         threads.each(bands, |(band, found): (usize, &mut [Solution])| {
             let mut sums = window.sums(of);
             for (y, row) in found.chunks_mut(width).enumerate() {
                 if let Err(error) = clip.wanted() {
-                    // The first that notices says so for all.
-                    let _ = given_up.set(error);
+                    // The first thread that notices reports it.
+                    let _ = cancelled.set(error);
                     return;
                 }
                 self.row(&mut sums, band * rows + y, row, &mut ());
             }
         });
-        given_up.into_inner().map_or(Ok(found), Err)
+        cancelled.into_inner().map_or(Ok(found), Err)
     }
 
-    /// Goes on after the last row of an iteration.
+    /// Ends an iteration after its last row.
     fn next_iteration(&self, state: &mut State, threads: &Threads) -> Progress {
         (state.iteration, state.y) = (state.iteration + 1, 0);
         if state.iteration == self.iterations {
             return Progress::Done;
         }
-        // A pixel that nobody answered for is looked for where it was before.
+        // A pixel without solution keeps its previous flow.
         let Field { u, v } = Arc::make_mut(&mut state.start);
         let width = u.width();
         threads.rows_of([u, v], |y, [u, v]| {
@@ -156,10 +159,11 @@ impl LucasKanade {
     }
 }
 
-const NOTHING: Solution = Solution { displacement: Flow::UNKNOWN, eigenvalues: [0.0; 2], texture: Texture::Gone };
+/// No solution.
+const NOTHING: Solution = Solution { displacement: Flow::UNKNOWN, eigenvalues: [0.0; 2], texture: Texture::Unknown };
 
 impl State {
-    /// Notes what was found in the next row.
+    /// Stores the solutions of the next row.
     fn take(&mut self, row: &[Solution]) {
         let begin = self.y * row.len();
         match self.found.get_mut(begin..begin + row.len()) {
@@ -169,9 +173,9 @@ impl State {
         self.y += 1;
     }
 
-    /// `f` of what was found by now, with `more` of the next row; where this iteration has not come yet, in the one before.
+    /// Maps the solutions so far, with `more` of the next row; beyond that, those of the previous iteration.
     fn solutions<T>(&self, more: &[Event], f: impl Fn(Option<&Solution>) -> T) -> Grid<T> {
-        let (width, height) = self.given.size();
+        let (width, height) = self.frame_pair.size();
         Grid::from_fn(width, height, |x, y| {
             let of_row = solved(more).get(x).filter(|_| y == self.y).and_then(|event| match event {
                 Event::Solved(solution) => Some(solution),
@@ -186,12 +190,19 @@ impl State {
     }
 }
 
+/// What would help where Lucas–Kanade fails.
+const ADVICE: Advice = Advice {
+    texture: "A larger window may contain other gradients; the smoothness term of Horn–Schunck fills such areas.",
+    boundary: "The window mixes both motions; a smaller one or TV-L1 mixes less.",
+    motion: "A pyramid, as in pyramidal Lucas–Kanade, would reach it.",
+};
+
 pseudocode! {
     START_AT_ZERO: "(u, v) ← 0 for each pixel",
     EACH_ITERATION: "for each iteration",
-    LINEARIZE: "  (u₀, v₀) ← (u, v) where known; bring frame t+1 back along it, take I_x, I_y, I_t; c ← I_t − I_x u₀ − I_y v₀, unknown where a pixel left the picture",
-    EACH_PIXEL: "  for each pixel: T ← Σ w (I_x², I_x I_y; I_x I_y, I_y²) over what is known of the window around it, Σ w = 1",
-    IS_SINGULAR: "    if the smaller eigenvalue of T < threshold, then unknown",
+    LINEARIZE: "  (u₀, v₀) ← (u, v) where known; warp frame t+1 toward frame t by it; I_x, I_y, I_t ← derivatives; c ← I_t − I_x u₀ − I_y v₀",
+    EACH_PIXEL: "  for each pixel: T ← Σ w (I_x², I_x I_y; I_x I_y, I_y²) over the known pixels of the window around it, Σ w = 1",
+    IS_SINGULAR: "    if λ₂ of T < min-eigenvalue: flow unknown (aperture problem)",
     SOLVE: "    else (u, v) ← −T⁻¹ Σ w c (I_x, I_y)",
 }
 
@@ -200,7 +211,7 @@ impl Estimator for LucasKanade {
         id: "lucas-kanade",
         name: "Lucas–Kanade",
         family: "Optical flow",
-        summary: "Finds for every pixel the displacement that fits the gradient constraints of a window best.",
+        summary: "Dense optical flow by least squares over the gradient constraints of a window around each pixel.",
         source: "B. D. Lucas and T. Kanade, An iterative image registration technique with an application to stereo vision, \
                  IJCAI 1981; uncertainty: E. P. Simoncelli, E. H. Adelson and D. J. Heeger, Probability distributions of \
                  optical flow, CVPR 1991",
@@ -220,7 +231,7 @@ impl Estimator for LucasKanade {
     }
 
     fn advance(&self, _: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
-        let (width, height) = state.given.size();
+        let (width, height) = state.frame_pair.size();
         let mut row = vec![NOTHING; width];
         let linear = self.linear(state, &Threads::single());
         if state.y == 0 {
@@ -233,7 +244,7 @@ impl Estimator for LucasKanade {
     }
 
     fn units(&self, state: &State) -> Option<usize> {
-        Some(self.iterations * state.given.size().1)
+        Some(self.iterations * state.frame_pair.size().1)
     }
 
     fn place(&self, state: &State) -> Vec<Granularity> {
@@ -241,7 +252,7 @@ impl Estimator for LucasKanade {
         vec![
             granularity(0, 1),
             granularity(state.iteration, self.iterations),
-            granularity(state.y, state.given.size().1),
+            granularity(state.y, state.frame_pair.size().1),
         ]
     }
 
@@ -250,11 +261,11 @@ impl Estimator for LucasKanade {
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
-        self.told(seen)
+        self.explanation(seen)
     }
 
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        self.drawn(seen, scene);
+        self.draw_step(seen, scene);
     }
 
     fn output(&self, state: &State) -> Output {
@@ -290,19 +301,19 @@ impl Footprint<State> for LucasKanade {
 
     fn memory_bytes(&self, state: &State) -> usize {
         let constraints = state.linear.get().map_or(0, |linear| linear.factors.bytes());
-        self.state_bytes(state) + state.given.bytes() + constraints
+        self.state_bytes(state) + state.frame_pair.bytes() + constraints
     }
 }
 
 impl Pointed<State> for LucasKanade {
     fn unit_at(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<usize> {
         let iteration = state.iteration.min(self.iterations - 1);
-        state.given.pixel_at(point).map(|(_, y)| iteration * state.given.size().1 + y)
+        state.frame_pair.pixel_at(point).map(|(_, y)| iteration * state.frame_pair.size().1 + y)
     }
 
     fn explained(&self, state: &State, focus: Focus) -> Option<Explained> {
-        let (x, y) = state.given.pixel_at(focus.at)?;
-        // The first row of an iteration begins with its constraints.
+        let (x, y) = state.frame_pair.pixel_at(focus.at)?;
+        // The first row of an iteration begins with the linearisation.
         let event = x + 1 + usize::from(y == 0);
         Some(Explained::From(Cursor { unit: self.unit_at(state, focus)?, event }))
     }

@@ -1,10 +1,10 @@
-//! Normal flow: what a single pixel says about its motion.
+//! Normal flow: the flow component along the gradient, from single pixels.
 //!
 //! ```text
 //!     v
 //!     ↑   ╲  I_x u + I_y v + I_t = 0
-//!     │    ╲        every (u, v) on the line explains what the pixel sees;
-//!     │   ↗ ╲       the shortest of them lies along the gradient: the normal flow
+//!     │    ╲        every (u, v) on the constraint line satisfies brightness constancy;
+//!     │   ↗ ╲       the shortest lies along the gradient: the normal flow
 //!     └──────╲──→ u
 //! ```
 
@@ -13,7 +13,7 @@ use std::sync::Arc;
 use crate::base::{Error, Observer, Threads, words};
 use crate::data::{Clip, Flow};
 use crate::geometry::Grid;
-use crate::methods::differential::{Derivatives, FLAT, Given, Scheme, explain, field};
+use crate::methods::differential::{Advice, Conclusion, Derivatives, FLAT, FramePair, Scheme, explain, field, numbers};
 use crate::products::{Confidence, DenseField, Output, Product, ProductKind};
 use crate::run::{
     Cursor, Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen,
@@ -22,53 +22,61 @@ use crate::scene::{Chart, Fact, Focus, Math, Picture, Plane, Readout, Role, Scen
 use crate::{params, pseudocode};
 
 params! {
-    /// Normal flow: the part of the motion along the gradient, which is all that one pixel can tell.
+    /// Normal flow: the flow component along the gradient, which a single pixel determines (aperture problem).
     pub struct NormalFlow {
-        /// How derivatives are estimated from pixels.
+        /// Kernel that estimates the derivatives I_x and I_y.
         derivatives: Scheme = Scheme::Central;
-        /// Standard deviation of the Gaussian that smooths both frames first; 0 leaves them as they are.
-        smoothing: f32 = 1.0, 0.0..=5.0, "px";
-        /// Where the gradient is smaller, in gray levels per px, nothing is said: noise would decide.
-        threshold: f32 = 3.0, 0.0..=50.0;
+        /// Standard deviation σ of the Gaussian that smooths both frames before derivatives are taken. 0 does not smooth.
+        sigma: f32 = 1.0, 0.0..=5.0, "px";
+        /// Smallest gradient magnitude |∇I| with flow, in gray levels per px. Higher values suppress noise but leave more pixels without flow.
+        min_gradient: f32 = 3.0, 0.0..=50.0;
     }
+    renamed { "smoothing" => "sigma", "threshold" => "min-gradient" }
 }
 
-/// What a run reads and writes.
+/// What would help where normal flow fails.
+const ADVICE: Advice = Advice {
+    texture: "Lucas–Kanade combines the constraints of a window and finds both components where their gradients differ.",
+    boundary: "The temporal derivative mixes both motions there; a smaller sigma mixes less.",
+    motion: "A pyramid, as in Horn–Schunck with several levels, would reach it.",
+};
+
+/// The state of a run.
 #[derive(Clone)]
 pub struct State {
     fixed: Arc<Fixed>,
-    /// The displacements of the rows that are done.
+    /// The flow of the completed rows.
     found: Vec<[f32; 2]>,
 }
 
-/// What stays the same all along.
+/// The constant part of a run.
 struct Fixed {
-    given: Given,
+    frame_pair: FramePair,
     derivatives: Derivatives,
 }
 
-/// The next pixel of the row has this displacement; NaN where nothing is said.
+/// The normal flow of the next pixel of the row; NaN below the threshold.
 pub type Event = [f32; 2];
 
 impl NormalFlow {
     fn prepare(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
-        let given = Given::new(clip, frame, self.smoothing, threads)?;
-        let derivatives = self.derivatives.of(&given.pictures[0], &given.pictures[1], threads);
-        Ok(State { fixed: Arc::new(Fixed { given, derivatives }), found: Vec::new() })
+        let frame_pair = FramePair::new(clip, frame, self.sigma, threads)?;
+        let derivatives = self.derivatives.of(&frame_pair.pictures[0], &frame_pair.pictures[1], threads);
+        Ok(State { fixed: Arc::new(Fixed { frame_pair, derivatives }), found: Vec::new() })
     }
 
-    /// The point of the line a u + b v + c = 0 that is nearest to zero, if the gradient (a, b) is large enough.
+    /// Returns the point of the line a u + b v + c = 0 nearest to the origin, if the gradient (a, b) is large enough.
     #[inline(always)]
     fn nearest(&self, [a, b, c]: [f32; 3]) -> [f32; 2] {
         let squared = a * a + b * b;
-        if squared > FLAT && squared >= self.threshold * self.threshold {
+        if squared > FLAT && squared >= self.min_gradient * self.min_gradient {
             [-c * a / squared, -c * b / squared]
         } else {
             Flow::UNKNOWN
         }
     }
 
-    /// Works out the displacements of row `y`.
+    /// Computes the flow of row `y`.
     fn row(&self, of: &Derivatives, y: usize, row: &mut [[f32; 2]], observer: &mut impl Observer<Event>) {
         let gradients = of.x.row(y).iter().zip(of.y.row(y));
         for (found, ((&a, &b), &c)) in row.iter_mut().zip(gradients.zip(of.t.row(y))) {
@@ -80,17 +88,17 @@ impl NormalFlow {
 
 impl State {
     fn width(&self) -> usize {
-        self.fixed.given.size().0
+        self.fixed.frame_pair.size().0
     }
 
-    /// The row that comes next.
+    /// Returns the next row.
     fn y(&self) -> usize {
         self.found.len() / self.width()
     }
 
-    /// What was found by now, with `more` of the next row.
+    /// Returns the flow so far, with `more` of the next row.
     fn flow(&self, more: &[Event]) -> Grid<[f32; 2]> {
-        let (width, height) = self.fixed.given.size();
+        let (width, height) = self.fixed.frame_pair.size();
         let mut flow = Grid::new(width, height, Flow::UNKNOWN);
         let (done, rest) = flow.cells_mut().split_at_mut(self.found.len());
         done.copy_from_slice(&self.found);
@@ -100,10 +108,10 @@ impl State {
 }
 
 pseudocode! {
-    TAKE_DERIVATIVES: "smooth both frames; I_x, I_y ← derivatives of their mean; I_t ← their difference",
-    EACH_PIXEL: "for each pixel, whose gradient constraint I_x u + I_y v + I_t = 0 is a line in (u, v)",
-    IS_FLAT: "  if |∇I| < threshold, then nothing can be said",
-    TAKE_NEAREST: "  else (u, v) ← the point of the line nearest to (0, 0)",
+    TAKE_DERIVATIVES: "smooth both frames by a Gaussian of σ px; I_x, I_y ← derivatives of their mean; I_t ← their difference",
+    EACH_PIXEL: "for each pixel with the gradient constraint I_x u + I_y v + I_t = 0, a line in the (u, v) plane",
+    IS_FLAT: "  if |∇I| < min-gradient: flow unknown",
+    TAKE_NEAREST: "  else (u, v) ← −I_t ∇I / |∇I|², the point of the line nearest to (0, 0)",
 }
 
 impl Estimator for NormalFlow {
@@ -111,7 +119,7 @@ impl Estimator for NormalFlow {
         id: "normal-flow",
         name: "Normal flow",
         family: "Optical flow",
-        summary: "Takes from every pixel what it can tell alone: the motion along its gradient.",
+        summary: "The flow component along the gradient of each pixel; the component along the edge is unknown (aperture problem).",
         source: "C. L. Fennema and W. B. Thompson, Velocity determination in scenes containing several moving objects, \
                  Computer Graphics and Image Processing 9(4), 1979; aperture problem: S. Ullman, The Interpretation of \
                  Visual Motion, MIT Press 1979",
@@ -134,11 +142,11 @@ impl Estimator for NormalFlow {
         let mut row = vec![Flow::UNKNOWN; state.width()];
         self.row(&state.fixed.derivatives, state.y(), &mut row, observer);
         state.found.extend(row);
-        Ok(if state.y() == state.fixed.given.size().1 { Progress::Done } else { Progress::More })
+        Ok(if state.y() == state.fixed.frame_pair.size().1 { Progress::Done } else { Progress::More })
     }
 
     fn units(&self, state: &State) -> Option<usize> {
-        Some(state.fixed.given.size().1)
+        Some(state.fixed.frame_pair.size().1)
     }
 
     fn place(&self, state: &State) -> Vec<Granularity> {
@@ -151,7 +159,8 @@ impl Estimator for NormalFlow {
 
     fn step(&self, seen: &Seen<Self>) -> Step {
         let Some(pixel) = pixel(seen) else {
-            let sentence = "Both frames are smoothed and their derivatives taken. Each pixel is asked by itself.";
+            let sentence = "Brightness constancy gives one equation per pixel for two unknowns, so a single pixel determines only the flow along \
+                            its gradient. Both frames are smoothed first, because derivatives amplify noise.";
             return Step {
                 line: line::TAKE_DERIVATIVES,
                 sentence: Sentence::default().text(sentence),
@@ -163,7 +172,7 @@ impl Estimator for NormalFlow {
         let is_known = found[0].is_finite();
         Step {
             line: if is_known { line::TAKE_NEAREST } else { line::IS_FLAT },
-            sentence: self.sentence(pixel, of.at(pixel), found),
+            sentence: self.concluded(seen, self.sentence(pixel, of.at(pixel), found)),
             readouts: self.readouts(&seen.before.fixed, pixel, found),
         }
     }
@@ -172,7 +181,7 @@ impl Estimator for NormalFlow {
         field::draw(seen.before.flow(seen.events), scene);
         if let Some((x, y)) = pixel(seen) {
             scene.mark(Picture::CURRENT, Role::Reference, Shape::pixels(x as i32, y as i32, 1, 1));
-            scene.legend(Role::Reference, "pixel");
+            scene.legend(Role::Reference, "inspected pixel");
         }
     }
 
@@ -180,7 +189,7 @@ impl Estimator for NormalFlow {
         let Derivatives { x, y, .. } = &state.fixed.derivatives;
         let mut values = x.clone();
         for (value, &y) in values.cells_mut().iter_mut().zip(y.cells()) {
-            // What hypot gives, in a loop that becomes vector instructions.
+            // The same as hypot, but vectorised.
             *value = (f64::from(*value).powi(2) + f64::from(y).powi(2)).sqrt() as f32;
         }
         let confidence = Some(Confidence { name: "gradient", values });
@@ -190,7 +199,7 @@ impl Estimator for NormalFlow {
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
         let mut state = self.prepare(clip, frame, threads)?;
         clip.wanted()?;
-        let (width, height) = state.fixed.given.size();
+        let (width, height) = state.fixed.frame_pair.size();
         let mut flow = Grid::new(width, height, [0.0; 2]);
         threads.rows(&mut flow, |y, row| self.row(&state.fixed.derivatives, y, row, &mut ()));
         state.found = flow.into_cells();
@@ -208,80 +217,98 @@ impl Footprint<State> for NormalFlow {
     }
 
     fn memory_bytes(&self, state: &State) -> usize {
-        let Fixed { given, derivatives } = &*state.fixed;
-        self.state_bytes(state) + given.bytes() + derivatives.bytes()
+        let Fixed { frame_pair, derivatives } = &*state.fixed;
+        self.state_bytes(state) + frame_pair.bytes() + derivatives.bytes()
     }
 }
 
 impl Pointed<State> for NormalFlow {
     fn unit_at(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<usize> {
-        state.fixed.given.pixel_at(point).map(|(_, y)| y)
+        state.fixed.frame_pair.pixel_at(point).map(|(_, y)| y)
     }
 
     fn explained(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<Explained> {
-        let (x, y) = state.fixed.given.pixel_at(point)?;
+        let (x, y) = state.fixed.frame_pair.pixel_at(point)?;
         Some(Explained::From(Cursor { unit: y, event: x + 1 }))
     }
 }
 
-/// The pixel that is explained: the one pointed at, else the one at work.
+/// The inspected pixel: the one pointed at, else the current one.
 fn pixel(seen: &Seen<NormalFlow>) -> Option<(usize, usize)> {
     let last = seen.events.len().checked_sub(1)?;
-    let pointed_at = seen.point().and_then(|point| seen.before.fixed.given.pixel_at(point));
+    let pointed_at = seen.point().and_then(|point| seen.before.fixed.frame_pair.pixel_at(point));
     Some(pointed_at.unwrap_or((last, seen.before.y())))
 }
 
 impl NormalFlow {
     fn sentence(&self, (x, y): (usize, usize), [a, b, c]: [f32; 3], found: [f32; 2]) -> Sentence {
-        let said = Sentence::default().ink(Role::Reference, format!("Pixel ({x}, {y})"));
-        let size = words::number(a.hypot(b));
+        let said = Sentence::default().ink(Role::Reference, format!("Pixel {}", words::pixel((x, y))));
+        let size = numbers::gray(a.hypot(b));
         if !found[0].is_finite() {
-            let why = match a.hypot(b) < self.threshold {
-                true => format!("below the threshold of {}", words::number(self.threshold)),
-                false => "which is but rounding".into(),
+            let why = match a.hypot(b) < self.min_gradient {
+                true => format!(
+                    "below the threshold of {}: noise would dominate, so the flow is unknown",
+                    numbers::gray(self.min_gradient)
+                ),
+                false => "no more than rounding error, so the flow is unknown".into(),
             };
-            return said.text(format!(" has a gradient of {size} gray levels per px, {why}: it says nothing."));
+            return said.text(format!(": |∇I| = {size} gray levels per px is {why}."));
         }
-        let change = match words::number(c.abs()) {
-            none if none.chars().all(|digit| "0.".contains(digit)) => "stays as bright from frame to frame".to_owned(),
-            by => format!("grows {} by {by} per frame", if c > 0.0 { "brighter" } else { "darker" }),
+        let change = match numbers::gray(c.abs()) {
+            none if none == "0.00" => "the brightness does not change".to_owned(),
+            by => format!("it gets {} by {by} gray levels per frame", if c > 0.0 { "brighter" } else { "darker" }),
         };
-        said.text(format!(" is brighter by {size} gray levels for each px along its gradient, and {change}"))
-            .text(": the pattern moves by ")
-        .ink(Role::Result, format!("{} px", words::vector(found)))
-        .text(" across the edge. How far it moves along the edge cannot be seen through one pixel (aperture problem).")
+        said.text(format!(": |∇I| = {size} gray levels per px, and {change}. The normal flow is "))
+            .ink(Role::Result, format!("{} px", numbers::vector(found)))
+            .text(", across the edge; the component along it is unknown (aperture problem).")
     }
 
-    fn readouts(&self, Fixed { given, derivatives }: &Fixed, pixel: (usize, usize), found: [f32; 2]) -> Vec<Readout> {
+    /// Adds the conclusion at the end of a run.
+    fn concluded(&self, seen: &Seen<Self>, sentence: Sentence) -> Sentence {
+        let (Some(after), None) = (seen.after, seen.point()) else { return sentence };
+        let frames = &after.fixed.frame_pair;
+        if after.y() < frames.size().1 {
+            return sentence;
+        }
+        let conclusion = Conclusion::new(frames, &Flow(after.flow(&[])));
+        sentence.text(conclusion.sentence(&ADVICE))
+    }
+
+    fn readouts(
+        &self,
+        Fixed { frame_pair, derivatives }: &Fixed,
+        pixel: (usize, usize),
+        found: [f32; 2],
+    ) -> Vec<Readout> {
         let factors = derivatives.at(pixel);
-        let truth = given.true_displacement(pixel);
+        let truth = frame_pair.true_displacement(pixel);
         let is_known = found[0].is_finite();
         let fact = |label, value, role| Fact { label, value, role };
         let mut facts = vec![
-            fact("Pixel", format!("({}, {})", pixel.0, pixel.1), Some(Role::Reference)),
+            fact("Pixel", words::pixel(pixel), Some(Role::Reference)),
             derivatives.fact(pixel),
-            fact("Gradient", format!("{} gray levels per px", words::number(factors[0].hypot(factors[1]))), None),
+            fact("Gradient |∇I|", format!("{} gray levels per px", numbers::gray(factors[0].hypot(factors[1]))), None),
         ];
         if is_known {
-            facts.push(fact("Normal flow", format!("{} px", words::vector(found)), Some(Role::Result)));
+            facts.push(fact("Normal flow", format!("{} px", numbers::vector(found)), Some(Role::Result)));
         }
-        facts.extend(truth.map(|truth| fact("Truth", format!("{} px", words::vector(truth)), Some(Role::Truth))));
+        facts.extend(truth.map(|truth| fact("True flow", format!("{} px", numbers::vector(truth)), Some(Role::Truth))));
         let mut equation = explain::constraint_equation(factors, Role::Reference).to_vec();
         if is_known {
             equation.push(nearest_equation(found));
         }
-        let mut points = vec![("zero", Role::Reference, [0.0; 2])];
+        let mut points = vec![("zero flow", Role::Reference, [0.0; 2])];
         points.extend(is_known.then_some(("normal flow", Role::Result, found)));
-        points.extend(truth.map(|truth| ("truth", Role::Truth, truth)));
+        points.extend(truth.map(|truth| ("true flow", Role::Truth, truth)));
         let plane = Plane {
-            title: "Gradient constraint",
+            title: "Constraint line",
             unit: "px".into(),
             reach: explain::reach(points.iter().map(|(.., point)| *point)),
             lines: explain::line(factors, 1.0, Role::Candidate).into_iter().collect(),
             points,
             ellipse: None,
         };
-        let [current, next] = &given.pictures;
+        let [current, next] = &frame_pair.pictures;
         vec![
             Readout::Facts(facts),
             Readout::Equation(equation),
@@ -291,7 +318,7 @@ impl NormalFlow {
     }
 }
 
-/// (u, v) = −I_t ∇I / |∇I|², and what it is here.
+/// (u, v) = −I_t ∇I / |∇I|², with numbers.
 fn nearest_equation(found: [f32; 2]) -> Math {
     let gradient = || Math::Row(vec![Math::text("∇"), Math::Var("I")]);
     let top = Math::Row(vec![explain::derivative("t"), Math::text(" "), gradient()]);
@@ -304,6 +331,6 @@ fn nearest_equation(found: [f32; 2]) -> Math {
         Math::text(") = − "),
         Math::Frac(Box::new(top), Box::new(bottom)),
         Math::text(" = "),
-        Math::ink(Role::Result, words::vector(found)),
+        Math::ink(Role::Result, numbers::vector(found)),
     ])
 }

@@ -1,4 +1,4 @@
-//! Point trajectories: points of a grid are carried along by dense flow, and beside that followed as features.
+//! Point trajectories: points of a grid, advected by dense flow, compared with feature tracks.
 
 mod explain;
 
@@ -23,119 +23,124 @@ use crate::scene::{Chart, Focus, Role, Scene, Step};
 use crate::{params, pseudocode};
 
 params! {
-    /// Points of a grid, carried along by dense optical flow.
+    /// Trajectories of grid points, advected by dense optical flow.
     pub struct PointTrajectories {
-        /// At most so many frames are gone through, the first one counted; fewer where the clip ends.
+        /// Number of frames, including the first; fewer at the end of the clip.
         frames: usize = 30, 2..=10_000;
-        /// Method that estimates the optical flow.
+        /// Method of the dense optical flow.
         method: Stage<DenseFlow> = Stage::named("horn-schunck");
-        /// From one point of the grid to the next.
+        /// Distance of the grid points.
         spacing: usize = 10, 1..=100, "px";
-        /// Begin points in each frame in the cells of the grid that have become empty.
+        /// Start new points in empty grid cells of each frame.
         replenish: bool = true;
-        /// A point is lost where going along the flow and back leads off by more, squared, than this and a share of both displacements.
-        tolerance: f32 = 0.5, 0.0..=1000.0, "px²";
-        /// That share of the squares of both displacements, there and back.
-        share: f32 = 0.01, 0.0..=1.0;
-        /// A point is lost, or does not begin, where the smaller eigenvalue of its window's tensor, in (gray levels per px)² for a pixel, is less.
-        structure: f32 = 0.5, 0.0..=100.0;
-        /// Side of the window around each point that is asked for structure and followed as a feature; an even one reaches as far as the next odd one.
+        /// Absolute tolerance of the forward–backward check: the largest accepted squared error at zero motion.
+        absolute_tolerance: f32 = 0.5, 0.0..=1000.0, "px²";
+        /// Relative tolerance of the forward–backward check, as a fraction of the squared forward and backward flow.
+        relative_tolerance: f32 = 0.01, 0.0..=1.0;
+        /// Smallest accepted eigenvalue λ₂ of the window's structure tensor, in (gray levels per px)². Points below it are not started, and lost.
+        min_eigenvalue: f32 = 0.5, 0.0..=100.0;
+        /// Side of the window of the structure tensor and of feature tracking; an even side is rounded up.
         window: usize = 15, 3..=31, "px";
-        /// Levels of the pyramid through which features are followed; fewer where a side would be less than 16 px.
+        /// Number of pyramid levels of feature tracking, each half the size of the one below, down to 16 px per side.
         levels: usize = 4, 1..=8;
+    }
+    renamed {
+        "tolerance" => "absolute-tolerance",
+        "share" => "relative-tolerance",
+        "structure" => "min-eigenvalue",
     }
 }
 
-/// As features, points are followed as the KLT tracker does it by default.
+/// Feature tracking uses the default parameters of the KLT tracker.
 const ITERATIONS: usize = 30;
 const EPSILON_PX: f32 = 0.01;
 const MAX_RESIDUAL: f32 = 20.0;
 
-/// What a run reads and writes.
+/// The state of a run.
 #[derive(Clone)]
 pub struct State {
     span: Span,
-    /// The first frame of the pair at hand.
+    /// The first frame of the current pair.
     frame: usize,
-    /// All points, as the flow carries them and as features, in the order in which they began.
+    /// All tracks, by flow and by feature tracking, in order of their start.
     tracks: Vec<Arc<Track>>,
     twins: Vec<Arc<Track>>,
-    /// Those that are not lost.
+    /// The live points.
     live: Vec<Live>,
-    /// The pairs so far.
+    /// Statistics of the pairs so far.
     notes: Arc<Vec<Note>>,
-    /// Width and height of the picture in px.
+    /// Width and height of the frame in px.
     picture: (usize, usize),
-    /// Memory that a pair takes.
+    /// Size of a pair in memory, in bytes.
     pair_bytes: usize,
 }
 
-/// A point that is not lost.
+/// A live point.
 #[derive(Clone, Copy, Debug)]
 struct Live {
     track: u32,
-    /// Where the flow has carried it, in px.
+    /// Its position by flow, in px.
     at: [f32; 2],
-    /// Where it is as a feature, unless that is lost.
+    /// Its position by feature tracking, unless lost.
     twin: Option<[f32; 2]>,
-    /// Where it truly is, as far as that is known.
+    /// Its true position, if known.
     truth: Option<[f32; 2]>,
 }
 
-/// A pair in numbers; means in px, NaN of nothing.
+/// Statistics of a pair; means in px, NaN without points.
 #[derive(Clone, Copy, Debug)]
 struct Note {
-    /// Points that it begins with.
+    /// Number of points at its start.
     points: u32,
-    /// From where the flow has carried points to where they are as features.
+    /// Mean drift between flow and feature tracks.
     apart: f32,
-    /// From where they truly are to both.
+    /// Mean distances of flow and feature tracks from the truth.
     errors: [f32; 2],
 }
 
-/// Two frames and what is known of them.
+/// Pyramids, flow and ground truth of a pair of frames.
 struct Pair {
     pyramids: [Vec<Level>; 2],
-    /// The flow, and that of the reverse pair.
+    /// Forward and backward flow.
     flows: [Flow; 2],
     truth: Option<Arc<Flow>>,
     hidden: Option<Arc<Grid<bool>>>,
 }
 
-/// What becomes of a point.
+/// The result of a point in a pair.
 #[derive(Clone, Copy, Debug)]
 struct Moved {
     live: Live,
-    /// The smaller eigenvalue of its window's tensor, in (gray levels per px)² for a pixel.
+    /// λ₂ of its structure tensor, in (gray levels per px)².
     structure: f32,
-    /// Where the flow leads from it, and that of the reverse pair back from there.
+    /// The forward flow at the point, and the backward flow at its end.
     there: Option<[f32; 2]>,
     back: Option<[f32; 2]>,
-    /// What has become of it, and of it as a feature.
+    /// The result by flow and by feature tracking.
     feature: Feature,
     twin: Option<Feature>,
-    /// Where it truly goes.
+    /// Its true end position.
     truth: Option<[f32; 2]>,
 }
 
-/// What happens in a pair.
+/// An event of a pair.
 #[derive(Clone)]
 pub struct Event(What);
 
 #[derive(Clone)]
 enum What {
-    /// The flow was found, forward and back.
+    /// Forward and backward flow are estimated.
     Flow(Arc<Pair>),
-    /// So many points begin.
+    /// New points start.
     Begun(usize),
-    /// What becomes of a point.
+    /// The result of a point.
     Moved(Arc<Pair>, Moved),
-    /// The pair is over.
+    /// The end of the pair.
     Done(Note),
 }
 
 impl Moved {
-    /// Where the flow carries it, unless it is lost.
+    /// Returns its end position by flow, unless lost.
     fn to(&self) -> Option<[f32; 2]> {
         end(&self.feature)
     }
@@ -144,7 +149,7 @@ impl Moved {
         end(&self.twin?)
     }
 
-    /// How far both are apart by now, in px.
+    /// Returns the drift between both tracks, in px.
     fn apart(&self) -> Option<f32> {
         Some(distance(self.to()?, self.twin_to()?))
     }
@@ -178,17 +183,17 @@ impl Note {
 }
 
 impl Pair {
-    /// The smaller eigenvalue of the tensor of a window, in (gray levels per px)² for a pixel.
+    /// Returns λ₂ of the structure tensor of a window, in (gray levels per px)².
     fn structure(&self, at: [f32; 2], reach: usize) -> f32 {
         Template::new(&self.pyramids[0][0], at, reach).tensor.eigenvalues()[1]
     }
 
-    /// Mean absolute difference of the windows around a place and around the one that it goes to, in gray levels.
+    /// Returns the mean absolute difference of the windows at two positions, in gray levels.
     fn residual(&self, (at, to): ([f32; 2], [f32; 2]), reach: usize) -> f32 {
         Template::new(&self.pyramids[0][0], at, reach).mismatch(&self.pyramids[1][0], to).residual
     }
 
-    /// Where a place truly goes, if that is known and can be seen.
+    /// Returns the true end position, if it is known and not occluded.
     fn true_end(&self, at: [f32; 2]) -> Option<[f32; 2]> {
         let pixel = at.map(|c| c.round() as usize);
         let is_hidden = self.hidden.as_ref().is_some_and(|hidden| hidden.get(pixel[0], pixel[1]) == Some(&true));
@@ -211,12 +216,12 @@ impl PointTrajectories {
         let frames = clip.pair(t)?;
         let pyramids = frames.each_ref().map(|frame| Level::pyramid(frame.luma(), self.levels, self.reach()));
         let flows = [self.method.flow(clip, t, threads)?, self.method.flow(&clip.reversed(t)?, 0, threads)?];
-        // A truth that cannot be read is told where errors are; a run needs none.
+        // A run needs no truth; unreadable truth is reported where errors are computed.
         let hidden = clip.truth().and_then(|truth| truth.occlusion(t).ok().flatten());
         Ok(Pair { pyramids, flows, truth: truth(clip, t), hidden })
     }
 
-    /// Begins points in the cells of the grid in which there is none, where there is structure; how many.
+    /// Starts points in empty grid cells with texture; returns their number.
     fn begin(&self, state: &mut State, pair: &Pair) -> usize {
         if state.frame > state.span.first && !self.replenish {
             return 0;
@@ -233,7 +238,7 @@ impl PointTrajectories {
         for (x, y) in along(height).flat_map(|y| along(width).map(move |x| (x, y))) {
             let at = [x as f32, y as f32];
             let [column, row] = cell(at);
-            if is_taken[(column, row)] || pair.structure(at, self.reach()) < self.structure {
+            if is_taken[(column, row)] || pair.structure(at, self.reach()) < self.min_eigenvalue {
                 continue;
             }
             state.live.push(Live { track: state.tracks.len() as u32, at, twin: Some(at), truth: Some(at) });
@@ -245,7 +250,7 @@ impl PointTrajectories {
         state.live.len() - before
     }
 
-    /// Carries a point along, and follows it as a feature.
+    /// Advects a point, and tracks it as a feature.
     fn moved(&self, pair: &Pair, live: Live) -> Moved {
         let structure = pair.structure(live.at, self.reach());
         let [flow, reverse] = &pair.flows;
@@ -254,10 +259,10 @@ impl PointTrajectories {
         let is_inside = |place: &[f32; 2]| pair.pyramids[1][0].holds(*place);
         let back = to.filter(is_inside).and_then(|to| reverse.sample(to));
         let result = match (there, to, back) {
-            _ if structure < self.structure => Err(Status::Flat),
+            _ if structure < self.min_eigenvalue => Err(Status::Flat),
             (_, Some(to), _) if !is_inside(&to) => Err(Status::Outside),
             (Some(there), Some(to), Some(back)) => {
-                let [off, limit] = returned(there, back, (self.share, self.tolerance));
+                let [off, limit] = returned(there, back, (self.relative_tolerance, self.absolute_tolerance));
                 if off <= limit { Ok((there, pair.residual((live.at, to), self.reach()))) } else { Err(Status::Astray) }
             }
             _ => Err(Status::Astray),
@@ -268,13 +273,13 @@ impl PointTrajectories {
         Moved { live, structure, there, back, feature, twin, truth }
     }
 
-    /// Follows a point as a feature.
+    /// Tracks a point as a feature.
     fn followed(&self, pair: &Pair, at: [f32; 2]) -> Feature {
         let follow = Follow {
             reach: self.reach(),
             iterations: ITERATIONS,
             epsilon: EPSILON_PX,
-            threshold: self.structure,
+            threshold: self.min_eigenvalue,
             max_residual: MAX_RESIDUAL,
         };
         let pyramids = pair.pyramids.each_ref().map(|levels| levels.as_slice());
@@ -282,7 +287,7 @@ impl PointTrajectories {
         feature(at, result.map(|residual| (displacement, residual)))
     }
 
-    /// Works on one pair.
+    /// Processes one pair.
     fn work(
         &self,
         (clip, threads): (&Clip, &Threads),
@@ -310,13 +315,13 @@ impl PointTrajectories {
         Arc::make_mut(&mut state.notes).push(numbers);
         observer.see(|| Event(What::Done(numbers)));
         state.frame += 1;
-        // A pair has a frame to go on to.
+        // A pair needs a next frame.
         let is_over = state.span.is_over(clip, state.frame + 1);
         Ok(if is_over { Progress::Done } else { Progress::More })
     }
 }
 
-/// A point that was tracked by this displacement and with this residual, or why it was not.
+/// A feature with displacement and residual, or the reason of its loss.
 fn feature(at: [f32; 2], result: Result<([f32; 2], f32), Status>) -> Feature {
     match result {
         Ok((uv, residual)) => Feature { at, displacement: Some(uv), status: Status::Tracked, residual: Some(residual) },
@@ -324,7 +329,7 @@ fn feature(at: [f32; 2], result: Result<([f32; 2], f32), Status>) -> Feature {
     }
 }
 
-/// Writes down what has become of a point.
+/// Stores the result of a point in its track.
 fn note(track: &mut Arc<Track>, feature: Option<Feature>) {
     let Some(feature) = feature else { return };
     let track = Arc::make_mut(track);
@@ -336,15 +341,15 @@ fn note(track: &mut Arc<Track>, feature: Option<Feature>) {
 }
 
 pseudocode! {
-    EACH_FRAME: "for each frame t, up to the last but one",
-    FIND_FLOW: "  w ← dense flow from frame t to t+1, w′ ← that back",
-    BEGIN_POINTS: "  begin a point in each empty cell of the grid, where λ₂ ≥ structure",
+    EACH_FRAME: "for each pair of frames t, t+1",
+    FIND_FLOW: "  w ← dense flow from frame t to t+1, w′ ← dense flow from t+1 to t",
+    BEGIN_POINTS: "  start a point in each empty grid cell with λ₂ ≥ min-eigenvalue",
     EACH_POINT: "  for each point x",
-    IS_FLAT: "    lost if λ₂(x) < structure",
-    IS_OUTSIDE: "    lost if x + w(x) lies outside the picture",
-    IS_ASTRAY: "    lost if |w(x) + w′(x + w(x))|² > share · (|w|² + |w′|²) + tolerance",
-    CARRY: "    else x ← x + w(x), between pixels bilinearly",
-    COMPARE_FEATURES: "  y ← the same points as features, by pyramidal Lucas–Kanade; drift ← mean of |x − y|",
+    IS_FLAT: "    lost if λ₂(x) < min-eigenvalue",
+    IS_OUTSIDE: "    lost if x + w(x) is outside the frame",
+    IS_ASTRAY: "    lost if |w(x) + w′(x + w(x))|² > relative-tolerance · (|w|² + |w′|²) + absolute-tolerance",
+    CARRY: "    else x ← x + w(x), w interpolated bilinearly",
+    COMPARE_FEATURES: "  y ← the same points, tracked by pyramidal Lucas–Kanade; drift ← mean of |x − y|",
 }
 
 impl Estimator for PointTrajectories {
@@ -352,8 +357,8 @@ impl Estimator for PointTrajectories {
         id: "point-trajectories",
         name: "Point trajectories",
         family: "Optical flow",
-        summary: "Carries points along by dense flow from frame to frame, and tells how far they drift from the same points \
-                  followed as features.",
+        summary: "Long-term trajectories of grid points by dense flow, with a forward–backward check, compared with feature \
+                  tracks of the same points.",
         source: "N. Sundaram, T. Brox and K. Keutzer, Dense point trajectories by GPU-accelerated large displacement optical \
                  flow, ECCV 2010; P. Sand and S. Teller, Particle video: long-range motion estimation using point trajectories, \
                  CVPR 2006; features: J.-Y. Bouguet, Intel Corporation, 2000",
@@ -409,11 +414,11 @@ impl Estimator for PointTrajectories {
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
-        self.told(seen)
+        self.explanation(seen)
     }
 
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        self.drawn(seen, scene);
+        self.draw_step(seen, scene);
     }
 
     fn output(&self, state: &State) -> Output {
@@ -432,7 +437,7 @@ impl Footprint<State> for PointTrajectories {
     fn need(&self, clip: &Clip) -> Need {
         let (width, height) = clip.size();
         let points = (width.div_ceil(self.spacing) * height.div_ceil(self.spacing)) as f64;
-        // The flow there and back and both pyramids beside the method; each point has two tracks.
+        // Forward and backward flow and both pyramids beside the method; each point has two tracks.
         self.method.need(clip).and([28.0 * (width * height) as f64; 2]).and([1500.0 * points, 3000.0 * points])
     }
 
@@ -459,7 +464,7 @@ mod tests {
 
     const SIZE: usize = 61;
 
-    /// The flow of a turn by so many degrees about the middle, whose displacements between pixels are those of the formula.
+    /// The flow of a rotation about the centre; it is linear, so bilinear interpolation is exact.
     fn turn(degrees: f32) -> Flow {
         let (sin, cos) = degrees.to_radians().sin_cos();
         let middle = (SIZE / 2) as f32;
@@ -477,8 +482,8 @@ mod tests {
     }
 
     #[test]
-    fn a_point_that_is_turned_by_a_whole_turn_comes_back() {
-        let method = PointTrajectories { structure: 0.0, ..PointTrajectories::default() };
+    fn a_full_turn_returns_to_the_start() {
+        let method = PointTrajectories { min_eigenvalue: 0.0, ..PointTrajectories::default() };
         let pair = pair([turn(3.0), turn(-3.0)]);
         for start in [[50.0, 30.0], [30.0, 12.5], [22.25, 41.75], [30.0, 30.0f32]] {
             let mut live = Live { track: 0, at: start, twin: None, truth: Some(start) };
@@ -498,8 +503,8 @@ mod tests {
     }
 
     #[test]
-    fn a_point_is_lost_for_the_reason_that_is_told() {
-        let method = PointTrajectories { structure: 0.0, ..PointTrajectories::default() };
+    fn a_point_is_lost_for_the_right_reason() {
+        let method = PointTrajectories { min_eigenvalue: 0.0, ..PointTrajectories::default() };
         let status = |method: &PointTrajectories, flows: [[f32; 2]; 2], at: [f32; 2]| {
             let pair = pair(flows.map(|uv| Flow(Grid::new(SIZE, SIZE, uv))));
             method.moved(&pair, Live { track: 0, at, twin: None, truth: None }).feature.status
@@ -511,7 +516,7 @@ mod tests {
         assert_eq!(status(&method, [[2.0, 0.0], [-1.265, 0.0]], middle), Status::Tracked);
         assert_eq!(status(&method, [[2.0, 0.0], [-1.24, 0.0]], middle), Status::Astray);
         assert_eq!(status(&method, [[2.0, 0.0], Flow::UNKNOWN], middle), Status::Astray);
-        let strict = PointTrajectories { structure: 100_000.0, ..method };
+        let strict = PointTrajectories { min_eigenvalue: 100_000.0, ..method };
         assert_eq!(status(&strict, [[0.0; 2]; 2], middle), Status::Flat);
     }
 }

@@ -1,4 +1,4 @@
-//! Pyramidal Lucas-Kanade: features are tracked from coarse to fine.
+//! Pyramidal Lucas–Kanade: sparse optical flow, coarse to fine.
 
 use std::sync::{Arc, OnceLock};
 
@@ -6,10 +6,10 @@ use crate::base::{Error, Mapped, Observer, Threads, words};
 use crate::data::{Clip, Flow, Frame};
 use crate::geometry::{Grid, pyramid::halvings};
 use crate::methods::{
-    differential::{field, truth},
+    differential::{field, numbers, truth},
     features::{
-        Account, Trace,
-        follow::{self, Follow, Followed},
+        LevelTrace, Trace, conclusion,
+        follow::{self, Follow, LevelResult},
         tracker::Level,
     },
 };
@@ -20,74 +20,75 @@ use crate::scene::{Arrow, Chart, Fact, Focus, Levels, Picture, Readout, Role, Sc
 use crate::{choices, params, pseudocode};
 
 choices! {
-    /// Which points are tracked.
+    /// Selection of the points to track.
     pub enum Points {
-        /// The keypoints that the detector finds, the strongest first.
+        /// Keypoints of the detector, the strongest first.
         Detect = "detect" "Detected keypoints",
-        /// Those of an even grid.
+        /// Points of a regular grid.
         Grid = "grid" "Grid",
-        /// Those that were clicked in the frame.
+        /// Points clicked in the frame.
         Clicks = "clicks" "Clicked points",
-        /// Every pixel: a dense field, which is not known where a pixel is lost.
+        /// Every pixel: dense flow, unknown where a pixel is lost.
         Dense = "dense" "Every pixel",
     }
 }
 
 params! {
-    /// Lucas and Kanade's method for single points, from a coarse level of a pyramid to the picture itself.
+    /// Lucas and Kanade's method for single points, coarse to fine on a pyramid.
     pub struct PyramidalLucasKanade {
-        /// Which points are tracked.
+        /// Selection of the points to track.
         points: Points = Points::Detect;
-        /// Detector of the points where keypoints are tracked.
+        /// Detector of the keypoints to track.
         detector: Stage<Keypoints> = Stage::named("shi-tomasi").with("min-distance", "7");
-        /// Places in frames, clicked on the picture, where clicked points are tracked.
+        /// Clicked points, by frame.
         clicks: Spots = Spots::default();
-        /// At most so many points, of corners the strongest; not where every pixel is tracked.
+        /// Largest number of points; of keypoints the strongest are tracked. Without effect for every pixel.
         max_points: usize = 500, 1..=5000;
-        /// Side of the window around each point, on every level; an even one reaches as far as the next odd one.
+        /// Side of the window around each point, on every level; an even side is rounded up. Larger windows are more robust but mix different motions.
         window: usize = 21, 3..=31, "px";
-        /// Levels of the pyramid with the picture itself, each half as wide and high; fewer where a side would be less than 16 px.
+        /// Number of pyramid levels including full resolution, each half the size of the one below, down to 16 px per side. More levels reach larger motion.
         levels: usize = 4, 1..=8;
-        /// At most so many updates of a displacement on each level.
+        /// Largest number of iterations per level.
         iterations: usize = 30, 1..=100;
-        /// An update shorter than this, in px of its level, is the last there.
+        /// Stopping criterion: the iterations of a level end with an increment shorter than this, in px of the level.
         epsilon: f32 = 0.01, 0.0..=1.0, "px";
-        /// A point is lost where the smaller eigenvalue of its window's tensor, in (gray levels per px)² for a pixel, is less.
-        threshold: f32 = 0.5, 0.0..=100.0;
-        /// A point is lost where its window differs by more than this on average where it led to, in gray levels.
+        /// Smallest accepted eigenvalue λ₂ of the window's structure tensor, in (gray levels per px)². Points below it are ill-conditioned and lost.
+        min_eigenvalue: f32 = 0.5, 0.0..=100.0;
+        /// Largest accepted mean absolute difference between the windows of both frames, in gray levels. Points above it are lost.
         max_residual: f32 = 20.0, 0.0..=255.0;
     }
+    renamed { "threshold" => "min-eigenvalue" }
 }
 
-/// What a run reads and writes.
+/// The state of a run.
 #[derive(Clone)]
 pub struct State {
     fixed: Arc<Fixed>,
-    /// What became of the points that are done, group by group.
+    /// The results of the completed points, group by group.
     found: Vec<Arc<[Found]>>,
-    /// The level at hand.
+    /// The current level.
     level: usize,
-    /// The displacements with which it begins for each point of the group at hand, in px of the level.
+    /// The initial guess of each point of the current group, in px of the level.
     guesses: Vec<[f32; 2]>,
 }
 
-/// What became of a point.
+/// The result of a point.
 #[derive(Clone, Copy, Debug)]
 struct Found {
     feature: Feature,
-    /// The smaller eigenvalue of its window's tensor on the picture.
+    /// The smaller eigenvalue of its structure tensor on level 0.
     certainty: f32,
 }
 
-/// What stays the same all along.
+/// The constant part of a run.
 struct Fixed {
-    /// The levels of both frames, the picture itself first.
+    /// The pyramids of both frames, level 0 first.
     levels: [Vec<Level>; 2],
     points: Vec<[f32; 2]>,
-    /// Points that are followed together in one unit: a single one, or of all pixels a row.
+    /// Points per unit: one, or a row of pixels.
     group: usize,
     truth: Option<Arc<Flow>>,
-    /// The frames, and their levels as pictures once somebody looks at them.
+    /// The frames, and their levels as pictures, made on demand.
     pair: [Arc<Frame>; 2],
     pictures: OnceLock<Arc<[crate::scene::Level]>>,
 }
@@ -101,29 +102,29 @@ impl Fixed {
         self.levels[0].len() - 1
     }
 
-    /// How many groups of points there are.
+    /// Returns the number of groups.
     fn groups(&self) -> usize {
         self.points.len() / self.group
     }
 
-    /// The points of a group.
+    /// Returns the points of a group.
     fn group(&self, index: usize) -> &[[f32; 2]] {
         self.points.chunks_exact(self.group).nth(index).unwrap_or_default()
     }
 }
 
-/// What happens to a point on one level.
+/// An event of a point on one level.
 #[derive(Clone, Copy, Debug)]
 pub enum Event {
-    /// There is no point at all.
+    /// There is no point.
     Nothing,
-    /// A step of following it.
+    /// A step of the tracking.
     Of(follow::Event),
-    /// The next pixel of the row has been followed on this level.
+    /// The next pixel of the row was tracked on this level.
     Pixel,
 }
 
-/// Keeps the smaller eigenvalue of the last window that was seen.
+/// An observer that keeps λ₂ of the last window.
 #[derive(Default)]
 struct Smaller(f32);
 
@@ -161,17 +162,17 @@ impl PyramidalLucasKanade {
     }
 
     fn follow(&self) -> Follow {
-        let Self { iterations, epsilon, threshold, max_residual, .. } = *self;
-        Follow { reach: self.reach(), iterations, epsilon, threshold, max_residual }
+        let Self { iterations, epsilon, min_eigenvalue, max_residual, .. } = *self;
+        Follow { reach: self.reach(), iterations, epsilon, threshold: min_eigenvalue, max_residual }
     }
 }
 
-/// Whether a place lies in a picture.
+/// Whether a position lies in the frame.
 fn is_in([x, y]: [f32; 2], (width, height): (usize, usize)) -> bool {
     (-0.5..width as f32 - 0.5).contains(&x) && (-0.5..height as f32 - 0.5).contains(&y)
 }
 
-/// The points of an even grid on a picture of a `size`, at most `most` of them.
+/// At most `most` points of a regular grid on a frame of this size.
 fn grid((width, height): (usize, usize), most: usize) -> Vec<[f32; 2]> {
     let mut spacing = ((width * height) as f64 / most as f64).sqrt().ceil().max(1.0) as usize;
     let along = |extent: usize, spacing: usize| ((spacing.min(extent) - 1) / 2..extent).step_by(spacing);
@@ -182,7 +183,7 @@ fn grid((width, height): (usize, usize), most: usize) -> Vec<[f32; 2]> {
     along(height, spacing).flat_map(row).collect()
 }
 
-/// What a point has come to, as others know it.
+/// The result of a point as a feature.
 fn feature(at: [f32; 2], (displacement, result): ([f32; 2], Result<f32, Status>)) -> Feature {
     match result {
         Ok(residual) => {
@@ -193,16 +194,16 @@ fn feature(at: [f32; 2], (displacement, result): ([f32; 2], Result<f32, Status>)
 }
 
 pseudocode! {
-    MAKE_PYRAMIDS: "make a pyramid of frame t and one of frame t+1; choose points",
+    MAKE_PYRAMIDS: "build the pyramids of frames t and t+1; select points",
     EACH_POINT: "for each point x: g ← 0",
-    EACH_LEVEL: "  for each level, from the coarsest to the picture itself",
+    EACH_LEVEL: "  for each pyramid level, from the coarsest to full resolution",
     TAKE_TENSOR: "    T ← mean of (I_x², I_x I_y; I_x I_y, I_y²) over the window at x in frame t",
-    IS_SINGULAR: "    if the smaller eigenvalue of T < threshold, then hand g on, or lost on the picture",
+    IS_SINGULAR: "    if λ₂ of T < min-eigenvalue: pass g on, or lost on level 0",
     REPEAT: "    d ← g; repeat",
-    UPDATE: "      d ← d + T⁻¹ b, b ← mean of δI (I_x, I_y), δI = frame t at x − frame t+1 at x + d",
-    UNTIL_CONVERGED: "    until |T⁻¹ b| < epsilon, or iterations are done",
+    UPDATE: "      δI ← I(x, t) − I(x + d, t+1), b ← mean of δI (I_x, I_y), η ← T⁻¹ b, d ← d + η",
+    UNTIL_CONVERGED: "    until |η| < epsilon, or iterations are done",
     HAND_ON: "    g ← 2 d",
-    CHECK: "  lost if x + d is outside or the window differs too much there, else x moves by d",
+    CHECK: "  lost if x + d is outside the frame or mean |δI| > max-residual; else x moves by d",
 }
 
 impl Estimator for PyramidalLucasKanade {
@@ -210,7 +211,7 @@ impl Estimator for PyramidalLucasKanade {
         id: "pyramidal-lucas-kanade",
         name: "Pyramidal Lucas–Kanade",
         family: "Optical flow",
-        summary: "Tracks single points from a coarse level of a pyramid to the picture, window by window.",
+        summary: "Sparse optical flow: least-squares tracking of single points, coarse to fine on a pyramid.",
         source: "J.-Y. Bouguet, Pyramidal implementation of the Lucas Kanade feature tracker: description of the algorithm, \
                  Intel Corporation, Microprocessor Research Labs, 2000",
         pseudocode: line::ALL,
@@ -252,8 +253,8 @@ impl Estimator for PyramidalLucasKanade {
                 observer.see(|| Event::Pixel);
             }
             match followed {
-                Followed::Guess(finer) => *guess = finer,
-                Followed::Done(displacement, result) => {
+                LevelResult::Guess(finer) => *guess = finer,
+                LevelResult::Done(displacement, result) => {
                     done.push(Found { feature: feature(*at, (displacement, result)), certainty: smaller.0 });
                     *guess = [0.0; 2];
                 }
@@ -294,19 +295,19 @@ impl Estimator for PyramidalLucasKanade {
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
-        let looked = self.look(seen);
-        let line = match looked.as_ref().and_then(|looked| looked.trace.last()) {
+        let probe = self.probe(seen);
+        let line = match probe.as_ref().and_then(|probe| probe.trace.last()) {
             None => line::MAKE_PYRAMIDS,
             Some(follow::Event::Window(_)) => line::TAKE_TENSOR,
             Some(follow::Event::Iteration { update, .. }) if self.follow().converges(*update) => line::UNTIL_CONVERGED,
             Some(follow::Event::Iteration { .. }) => line::UPDATE,
-            Some(follow::Event::Handed(_, Some(Status::Flat)) | follow::Event::End(_, Err(Status::Flat))) => {
+            Some(follow::Event::PassedDown(_, Some(Status::Flat)) | follow::Event::End(_, Err(Status::Flat))) => {
                 line::IS_SINGULAR
             }
-            Some(follow::Event::Handed(..)) => line::HAND_ON,
+            Some(follow::Event::PassedDown(..)) => line::HAND_ON,
             Some(follow::Event::End(..)) => line::CHECK,
         };
-        Step { line, sentence: self.sentence(seen, looked.as_ref()), readouts: self.readouts(seen, looked.as_ref()) }
+        Step { line, sentence: self.sentence(seen, probe.as_ref()), readouts: self.readouts(seen, probe.as_ref()) }
     }
 
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
@@ -315,11 +316,11 @@ impl Estimator for PyramidalLucasKanade {
             Points::Dense => field::draw(state.field().flow.0, scene),
             _ => draw_points(state, scene),
         }
-        let looked = self.look(seen);
-        if let Some(looked) = &looked {
-            looked.account().draw([Picture::CURRENT, Picture::NEXT], scene);
+        let probe = self.probe(seen);
+        if let Some(probe) = &probe {
+            probe.level_trace().draw([Picture::CURRENT, Picture::NEXT], scene);
         }
-        scene.levels = Some(state.fixed.shown(looked.map_or(0, |looked| looked.trace.level())));
+        scene.levels = Some(state.fixed.shown(probe.map_or(0, |probe| probe.trace.level())));
     }
 
     fn output(&self, state: &State) -> Output {
@@ -374,14 +375,14 @@ impl Footprint<State> for PyramidalLucasKanade {
 }
 
 impl Pointed<State> for PyramidalLucasKanade {
-    /// The unit that finds the point nearest to a place.
+    /// Returns the unit that tracks the point nearest to a position.
     fn unit_at(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<usize> {
         let index = nearest(&state.fixed.points, point)?;
         Some((index / state.fixed.group + 1) * state.fixed.levels[0].len() - 1)
     }
 }
 
-/// The point nearest to a place.
+/// The point nearest to a position.
 fn nearest(points: &[[f32; 2]], place: [f32; 2]) -> Option<usize> {
     let far = |at: &[f32; 2]| (at[0] - place[0]).hypot(at[1] - place[1]);
     let nearest = points.iter().enumerate().min_by(|(_, a), (_, b)| far(a).total_cmp(&far(b)));
@@ -389,7 +390,7 @@ fn nearest(points: &[[f32; 2]], place: [f32; 2]) -> Option<usize> {
 }
 
 impl Fixed {
-    /// The pyramid as pictures, with the level at work.
+    /// Returns the pyramid as pictures, with the current level.
     fn shown(&self, at_work: usize) -> Levels {
         let all = self.pictures.get_or_init(|| {
             let [current, next] = self.pair.each_ref().map(|frame| {
@@ -408,7 +409,7 @@ impl State {
         self.found.iter().flat_map(|group| group.iter().map(|found| found.feature))
     }
 
-    /// What was found of all pixels, row by row.
+    /// Returns the dense flow of all pixels so far.
     fn field(&self) -> DenseField {
         let (width, height) = self.fixed.pair[0].size();
         let of = |x: usize, y: usize| self.found.get(y).map(|row| row[x]);
@@ -420,22 +421,22 @@ impl State {
     }
 }
 
-/// The point that is explained: the one pointed at if it is known, else the one at work.
-struct Looked<'a> {
-    /// Which one, and what it is called.
+/// The inspected point: the one pointed at, else the current one.
+struct Probe<'a> {
+    /// Its index and its name.
     index: usize,
     name: String,
     trace: Trace<'a>,
 }
 
-impl<'a> Looked<'a> {
-    fn account(&self) -> Account<'a> {
-        self.trace.account(self.name.clone())
+impl<'a> Probe<'a> {
+    fn level_trace(&self) -> LevelTrace<'a> {
+        self.trace.level_trace(self.name.clone())
     }
 }
 
 impl PyramidalLucasKanade {
-    fn look<'a>(&self, seen: &Seen<'a, Self>) -> Option<Looked<'a>> {
+    fn probe<'a>(&self, seen: &Seen<'a, Self>) -> Option<Probe<'a>> {
         let (state, fixed) = (seen.before, &*seen.before.fixed);
         let first = state.found.len() * fixed.group;
         let at_work = match seen.events.last()? {
@@ -443,7 +444,7 @@ impl PyramidalLucasKanade {
             Event::Of(_) => first,
             Event::Pixel => first + seen.events.len() - 1,
         };
-        // Every point up to the one at work is known, as far as it was followed.
+        // Every point up to the current one can be inspected.
         let pointed_at = seen.point().and_then(|place| {
             let index = nearest(&fixed.points[..=at_work], place)?;
             let reach = if self.points == Points::Dense { 0.5 } else { self.reach() as f32 + 0.5 };
@@ -457,55 +458,77 @@ impl PyramidalLucasKanade {
         let is_in_steps = index == at_work && self.points != Points::Dense;
         let trace = if is_in_steps { trace.until(seen.events.len()) } else { trace };
         let name = match self.points {
-            Points::Dense => format!("Pixel ({}, {})", at[0], at[1]),
+            Points::Dense => format!("Pixel {}", words::pixel((at[0] as usize, at[1] as usize))),
             _ => format!("Point {}", index + 1),
         };
-        Some(Looked { index, name, trace })
+        Some(Probe { index, name, trace })
     }
 
-    fn sentence(&self, seen: &Seen<Self>, looked: Option<&Looked>) -> Sentence {
+    /// Adds the conclusion at the end of a run.
+    fn concluded(&self, seen: &Seen<Self>, sentence: Sentence) -> Sentence {
+        let (Some(after), None) = (seen.after, seen.point()) else { return sentence };
+        if after.found.len() < after.fixed.groups() {
+            return sentence;
+        }
+        let name = if self.points == Points::Dense { "pixels" } else { "points" };
+        let conclusion = conclusion(name, after.features(), after.fixed.truth.as_deref());
+        sentence.text(format!(" End of the run: {conclusion}"))
+    }
+
+    fn sentence(&self, seen: &Seen<Self>, probe: Option<&Probe>) -> Sentence {
         let fixed = &seen.before.fixed;
-        match (looked, seen.events.is_empty()) {
-            (Some(looked), _) => looked.account().sentence(),
+        match (probe, seen.events.is_empty()) {
+            (Some(probe), _) => self.concluded(seen, probe.level_trace().sentence()),
             (None, false) => Sentence::default().text(match self.points {
-                Points::Clicks => "No point was clicked in this frame: there is nothing to track.",
-                _ => "The picture has no corner: there is nothing to track.",
+                Points::Clicks => {
+                    "No clicked points in this frame, so nothing to track. Click on the frame to add points."
+                }
+                _ => "The detector finds no keypoints in this frame, so nothing to track. Lower its threshold.",
             }),
             (None, true) => {
                 let said = Sentence::default().text(match self.points {
-                    Points::Dense => "Every pixel is tracked, row by row".into(),
-                    _ => format!("{} points are tracked", fixed.points.len()),
+                    Points::Dense => "Every pixel is tracked, row by row".to_owned(),
+                    _ => format!(
+                        "{} tracked",
+                        match fixed.points.len() {
+                            1 => "1 point is".to_owned(),
+                            count => format!("{count} points are"),
+                        }
+                    ),
                 });
                 match fixed.levels[0].len() {
-                    1 => said.text(", each on the picture itself."),
+                    1 => said.text(" at full resolution only, so only small motion is within reach of the linearisation."),
                     levels => said.text(format!(
-                        ", each from the coarsest of {levels} levels, where its way is short, to the picture."
+                        " from the coarsest of {levels} levels to full resolution: motion that is too large for the linearisation is \
+                         short on coarse levels."
                     )),
                 }
             }
         }
     }
 
-    fn readouts(&self, seen: &Seen<Self>, looked: Option<&Looked>) -> Vec<Readout> {
+    fn readouts(&self, seen: &Seen<Self>, probe: Option<&Probe>) -> Vec<Readout> {
         let (fixed, count) = (&seen.before.fixed, seen.before.fixed.points.len());
         let fact = |label, value: String, role| Fact { label, value, role };
-        let Some(looked) = looked else {
+        let Some(probe) = probe else {
             let points = || vec![Readout::Facts(vec![fact("Points", count.to_string(), None)])];
             return if seen.events.is_empty() { Vec::new() } else { points() };
         };
-        let (point, account) = (looked.trace.at, looked.account());
+        let (point, level_trace) = (probe.trace.at, probe.level_trace());
         let mut facts = vec![match self.points {
-            Points::Dense => fact("Pixel", format!("({}, {})", point[0], point[1]), Some(Role::Reference)),
+            Points::Dense => fact("Pixel", words::pixel((point[0] as usize, point[1] as usize)), Some(Role::Reference)),
             _ => {
-                let place = format!("{} of {count} at {}", looked.index + 1, words::vector(point));
+                let place = format!("{} of {count} at {}", probe.index + 1, numbers::vector(point));
                 fact("Point", place, Some(Role::Reference))
             }
         }];
-        facts.extend(account.facts());
+        facts.extend(level_trace.facts());
         let truth = fixed.truth.as_ref().and_then(|truth| truth.at(point[0] as usize, point[1] as usize));
-        facts.extend(truth.map(|truth| fact("Truth", format!("{} px", words::vector(truth)), Some(Role::Truth))));
-        let stack = Stack { levels: fixed.shown(looked.trace.level()), floors: looked.trace.floors() };
-        [vec![Readout::Facts(facts)], account.readouts(), vec![Readout::Stack(stack)]].concat()
+        facts.extend(
+            truth.map(|truth| fact("True displacement", format!("{} px", numbers::vector(truth)), Some(Role::Truth))),
+        );
+        let stack = Stack { levels: fixed.shown(probe.trace.level()), floors: probe.trace.floors() };
+        [vec![Readout::Facts(facts)], level_trace.readouts(), vec![Readout::Stack(stack)]].concat()
     }
 }
 
@@ -521,12 +544,12 @@ fn draw_points(state: &State, scene: &mut Scene) {
             scene.legend(role, meaning);
         }
     };
-    points(Role::Measured, "point that waits", state.fixed.points[state.found.len()..].to_vec());
+    points(Role::Measured, "point, not yet tracked", state.fixed.points[state.found.len()..].to_vec());
     points(Role::Rejected, "lost", lost.collect());
     let tracked: Vec<_> = tracked.collect();
     if !tracked.is_empty() {
         scene.mark(Picture::CURRENT, Role::Result, Shape::Arrows(tracked));
-        scene.legend(Role::Result, "displacements found");
+        scene.legend(Role::Result, "displacement to frame t+1");
     }
     if state.fixed.points.is_empty() {
         scene.legend(Role::Rejected, "no points");

@@ -1,43 +1,44 @@
-//! TV-L1: a field that may jump, and constraints that may be broken here and there.
+//! TV-L1: an L1 data term, robust to outliers, with total variation, which allows flow discontinuities.
 
-use crate::base::{Threads, words};
+use crate::base::Threads;
 use crate::methods::{
-    differential::{Linear, explain},
-    variational::{Dual, Looked, Model, Settings, Told, Warp, primal_dual},
+    differential::{Advice, Linear, explain, numbers},
+    variational::{Dual, Explanation, Model, Probe, Settings, Warp, primal_dual},
 };
 use crate::run::{Guarantee, Info};
 use crate::scene::{Fact, Math, Name, Role, Sentence};
 use crate::{params, pseudocode};
 
 params! {
-    /// TV-L1. The energy ∫∫ λ |I_x u + I_y v + I_t| + |∇u| + |∇v| is made as small as can be. Nothing is squared, so a constraint
-    /// that is far off and a border at which motion jumps cost no more than in proportion.
+    /// TV-L1, which minimises the energy ∫∫ λ |I_x u + I_y v + I_t| + |∇u| + |∇v|. Neither term is squared, so outliers of the
+    /// gradient constraint and flow discontinuities are penalised only linearly.
     pub struct TvL1 {
-        /// Weight λ of the constraints: the smaller, the smoother the field. For gray levels 0 to 255; where they are 0 to 1, as in the paper, it is 255 times as large.
+        /// Weight λ of the data term (attachment). Smaller values give smoother flow. For gray levels 0 to 255; the paper's values for 0 to 1 are 255 times as large.
         lambda: f32 = 0.2, 0.001..=10.0;
-        /// How tightly, by θ, the field is tied to the one that fits the constraints: the smaller, the tighter, and the slower.
+        /// Coupling θ (tightness) between the flow and the auxiliary flow of the data term. Smaller values couple them more tightly but converge more slowly.
         theta: f32 = 0.3, 0.01..=2.0;
-        /// Step size τ of the dual variables; up to 0.25 the iterations converge.
+        /// Step size τ of the dual update. The iterations converge for τ ≤ 0.25.
         tau: f32 = 0.25, 0.01..=0.25;
-        /// What all variational methods have.
-        settings: Settings = Settings { iterations: 40, levels: 5, warps: 5, smoothing: 0.0, ..Settings::default() };
+        /// Parameters that all variational methods share.
+        settings: Settings = Settings { iterations: 40, levels: 5, warps: 5, sigma: 0.0, ..Settings::default() };
     }
+    renamed { "smoothing" => "sigma" }
 }
 
-/// The steps in which an iteration is told.
-const FITTED: usize = 0;
-const SMOOTHED: usize = 1;
+/// The steps of an iteration: thresholding of the data term, then the update of the flow.
+const THRESHOLDED: usize = 0;
+const UPDATED: usize = 1;
 
 pseudocode! {
     ENERGY: "E(u, v) = ∫∫ λ |ρ| + |∇u| + |∇v|, where ρ = I_x u + I_y v + I_t",
-    EACH_LEVEL: "(u, v) ← 0; for each level, from the coarsest to the picture itself; p ← 0",
+    EACH_LEVEL: "(u, v) ← 0; for each pyramid level, from the coarsest to full resolution; p ← 0",
     EACH_WARP: "  for each warp",
-    TAKE_MEDIANS: "    (u₀, v₀) ← medians of 3×3 px of (u, v), but for the first warp of all",
-    WARP: "    bring frame t+1 back along (u₀, v₀), take I_x, I_y, I_t; c ← I_t − I_x u₀ − I_y v₀",
+    TAKE_MEDIANS: "    (u₀, v₀) ← 3×3 median filter of (u, v); not before the very first warp",
+    WARP: "    warp frame t+1 toward frame t by (u₀, v₀); I_x, I_y, I_t ← derivatives; c ← I_t − I_x u₀ − I_y v₀",
     EACH_ITERATION: "    for each iteration",
-    FIT_DATA: "      (u_f, v_f) ← (u, v) − ∇I · (ρ / |∇I|², but at most λ θ either way), ρ = I_x u + I_y v + c",
+    FIT_DATA: "      f = (u_f, v_f) ← (u, v) − s ∇I, s = ρ / |∇I|² clipped to ±λ θ, ρ = I_x u + I_y v + c",
     SMOOTH: "      (u, v) ← (u_f, v_f) + θ (div p_u, div p_v)",
-    UPDATE_DUAL: "      p ← (p + τ/θ ∇) / (1 + τ/θ |∇|), with ∇u for p_u and ∇v for p_v",
+    UPDATE_DUAL: "      p_u ← (p_u + τ/θ ∇u) / (1 + τ/θ |∇u|), p_v ← (p_v + τ/θ ∇v) / (1 + τ/θ |∇v|)",
 }
 
 impl Model for TvL1 {
@@ -45,7 +46,7 @@ impl Model for TvL1 {
         id: "tv-l1",
         name: "TV-L1",
         family: "Optical flow",
-        summary: "Finds a field that may jump at borders, from constraints of which some may be far off.",
+        summary: "Dense optical flow with an L1 data term, robust to occlusions, and total variation, which keeps motion boundaries sharp.",
         source: "C. Zach, T. Pock and H. Bischof, A duality based approach for realtime TV-L1 optical flow, DAGM 2007; \
                  J. Sánchez, E. Meinhardt-Llopis and G. Facciolo, TV-L1 optical flow estimation, Image Processing On Line 3, \
                  2013; medians: D. Sun, S. Roth and M. J. Black, Secrets of optical flow estimation and their principles, \
@@ -57,9 +58,14 @@ impl Model for TvL1 {
     const GUARANTEE: Guarantee = Guarantee::SubPixel { off_centi_px: 5 };
     const STEPS: &'static [Name] = &[line::FIT_DATA, line::SMOOTH, line::UPDATE_DUAL];
     const ENERGY_UNIT: &'static str = "px";
-    const OPENING: &'static str = "The energy to be made small has two parts: λ times how far the gradient constraints are \
-                                   off, and how much the field varies (total variation). Neither is squared: a border at \
-                                   which motion jumps costs no more than a slow change from one side to the other.";
+    const OPENING: &'static str = "The energy sums λ times the absolute residual of the gradient constraint (L1 data term) and \
+                                   the total variation of u and v. Neither is squared, so outliers such as occlusions lose \
+                                   influence, and a sharp motion boundary costs no more than a gradual one.";
+    const ADVICE: Advice = Advice {
+        texture: "A smaller λ and more iterations carry flow in from textured neighbours.",
+        boundary: "More warps and iterations sharpen it; occluded pixels have no match, which the forward–backward check shows.",
+        motion: "More levels would reach it.",
+    };
     const SYSTEM_PARTS: usize = 0;
     const NEED: [f64; 2] = [122.0, 275.0];
     type System = ();
@@ -81,18 +87,18 @@ impl Model for TvL1 {
         primal_dual::energy(&warp.linear, self.lambda, &at.field)
     }
 
-    fn told(&self, step: usize, looked: &Looked<Self>) -> Told {
-        let pixel = Pixel::of(self, looked);
-        let mut points = vec![("fits", Role::Predicted, pixel.fitted), ("after", Role::Result, looked.to())];
-        if step == FITTED {
+    fn explanation(&self, step: usize, probe: &Probe<Self>) -> Explanation {
+        let pixel = Pixel::of(self, probe);
+        let mut points = vec![("auxiliary flow f", Role::Predicted, pixel.fitted), ("after", Role::Result, probe.to())];
+        if step == THRESHOLDED {
             points.pop();
         }
-        Told {
-            sentence: pixel.sentence(self, step, looked),
+        Explanation {
+            sentence: pixel.sentence(self, step, probe),
             facts: pixel.facts(step),
-            equation: pixel.equation(self, step, looked),
+            equation: pixel.equation(self, step, probe),
             points,
-            lines: explain::line(looked.factors(), 1.0, Role::Candidate).into_iter().collect(),
+            lines: explain::line(probe.factors(), 1.0, Role::Candidate).into_iter().collect(),
         }
     }
 }
@@ -103,29 +109,37 @@ impl TvL1 {
     }
 }
 
-/// An iteration at a pixel in numbers.
+/// |p| from which a dual variable counts as saturated.
+const DISCONTINUITY: f32 = 0.95;
+
+/// A multiple of the gradient, in px² per gray level.
+fn multiple(value: f32) -> String {
+    numbers::fixed(value, 4)
+}
+
+/// An iteration at a pixel, in numbers.
 struct Pixel {
-    /// ρ, how far the constraint is off at first.
+    /// The residual ρ of the gradient constraint before the iteration.
     off: f32,
-    /// ρ / |∇I|²: how many times its gradient the pixel would have to go to fulfil it.
+    /// ρ / |∇I|²: the step onto the constraint line, in multiples of the gradient.
     whole: f32,
-    /// Whether there is no gradient to go along.
+    /// Whether the gradient is 0.
     is_flat: bool,
-    /// How many times it goes.
+    /// The step s, clipped to ±λ θ.
     step: f32,
     fitted: [f32; 2],
-    /// div p of both parts.
+    /// div p_u and div p_v.
     divergence: [f32; 2],
-    /// The gradients of u and of v after the step.
+    /// ∇u and ∇v after the step.
     gradients: [[f32; 2]; 2],
-    /// p of both parts before and after.
+    /// p_u and p_v before and after.
     p: [[[f32; 2]; 2]; 2],
 }
 
 impl Pixel {
-    fn of(model: &TvL1, looked: &Looked<TvL1>) -> Self {
-        let ([a, b, c], [u, v]) = (looked.factors(), looked.from());
-        let (from, to, place) = (&looked.iteration.from, &looked.iteration.to, looked.place);
+    fn of(model: &TvL1, probe: &Probe<TvL1>) -> Self {
+        let ([a, b, c], [u, v]) = (probe.factors(), probe.from());
+        let (from, to, place) = (&probe.iteration.from, &probe.iteration.to, probe.place);
         let off = a * u + b * v + c;
         let step = primal_dual::step(off, a * a + b * b, model.weights().most);
         Self {
@@ -140,49 +154,55 @@ impl Pixel {
         }
     }
 
-    fn sentence(&self, model: &TvL1, step: usize, looked: &Looked<TvL1>) -> Sentence {
+    fn sentence(&self, model: &TvL1, step: usize, probe: &Probe<TvL1>) -> Sentence {
         let said = Sentence::default();
-        let off = words::number(self.off);
+        let off = numbers::gray(self.off);
         match step {
-            FITTED => {
-                let most = words::number(model.weights().most);
-                let said = said.text("At ").ink(Role::Reference, looked.pixel());
-                let why = if !looked.is_known() {
-                    " nothing is known: it has left the picture. The pixel stays at ".to_owned()
-                } else if self.is_flat || self.off == 0.0 {
-                    " the constraint asks for nothing: it holds, or there is no gradient. The pixel stays at ".to_owned()
+            THRESHOLDED => {
+                let (most, whole) = (multiple(model.weights().most), multiple(self.whole.abs()));
+                let said = said.text("Thresholding at ").ink(Role::Reference, probe.pixel());
+                let why = if !probe.is_known() {
+                    ": (u₀, v₀) leads out of frame t+1, so there is no constraint and the auxiliary flow stays at f = "
+                        .to_owned()
+                } else if self.is_flat {
+                    ": without gradient the constraint allows any flow, so the auxiliary flow stays at f = ".to_owned()
+                } else if self.off == 0.0 {
+                    ": the flow satisfies the constraint exactly, so the auxiliary flow stays at f = ".to_owned()
                 } else if self.step == self.whole {
                     format!(
-                        " the constraint is off by {off} gray levels. {} times the gradient makes it hold, and that is no \
-                         more than λ θ = {most}: the pixel goes all the way to the line, to ",
-                        words::number(self.step.abs())
+                        ": ρ = {off} gray levels. |ρ| / |∇I|² = {whole} is within λ θ = {most}, so the auxiliary flow moves all \
+                         the way to the constraint line: f = "
                     )
                 } else {
                     format!(
-                        " the constraint is off by {off} gray levels, {}. {} times the gradient would make it hold, but \
-                         the pixel goes only λ θ = {most} times: what is far off has no more say. It goes to ",
-                        if self.off > 0.0 { "too bright" } else { "too dark" },
-                        words::number(self.whole.abs())
+                        ": ρ = {off} gray levels. |ρ| / |∇I|² = {whole} exceeds λ θ = {most}, so the step is clipped there, as \
+                         for an outlier of the L1 data term: f = "
                     )
                 };
-                said.text(why).ink(Role::Predicted, looked.px(self.fitted)).text(".")
+                said.text(why).ink(Role::Predicted, probe.px(self.fitted)).text(".")
             }
-            SMOOTHED => said
-                .text("From there ")
-                .ink(Role::Reference, looked.pixel())
+            UPDATED => said
+                .text("Update of ")
+                .ink(Role::Reference, probe.pixel())
                 .text(format!(
-                    " is pulled towards its neighbours by θ times the divergence {} of p, to ",
-                    words::vector(self.divergence)
+                    ": (u, v) = f + θ (div p_u, div p_v), with divergences {}, gives ",
+                    numbers::vector(self.divergence)
                 ))
-                .ink(Role::Result, looked.px(looked.to()))
-                .text(": p points to where the field grows, and is never longer than 1, so that no jump pulls harder than another."),
+                .ink(Role::Result, probe.px(probe.to()))
+                .text(". This step smooths the flow; |p| ≤ 1 bounds the pull, however large the flow difference."),
             _ => {
-                let [u, v] = self.gradients.map(|g| words::number(g[0].hypot(g[1])));
-                let [long_u, long_v] = self.p[1].map(|p| words::number(p[0].hypot(p[1])));
-                said.text("Now the field differs at ").ink(Role::Reference, looked.pixel()).text(format!(
-                    " by {u} (u) and {v} (v) {} from its neighbours to the right and below. p turns towards that, and is \
-                     {long_u} and {long_v} long: near 1 there is a jump, or a slope that stays.",
-                    looked.unit()
+                let [u, v] = self.gradients.map(|g| numbers::px(g[0].hypot(g[1])));
+                let lengths = self.p[1].map(|p| p[0].hypot(p[1]));
+                let [long_u, long_v] = lengths.map(numbers::px);
+                let meaning = match lengths.iter().any(|length| *length >= DISCONTINUITY) {
+                    true => "close to 1, where total variation accepts a flow discontinuity",
+                    false => {
+                        "inside the unit ball, so total variation still smooths here; |p| = 1 marks a flow discontinuity"
+                    }
+                };
+                said.text("Dual update at ").ink(Role::Reference, probe.pixel()).text(format!(
+                    ": p_u follows |∇u| = {u} and p_v follows |∇v| = {v} {}. |p_u| = {long_u} and |p_v| = {long_v}: {meaning}.",
+                    probe.unit()
                 ))
             }
         }
@@ -191,36 +211,36 @@ impl Pixel {
     fn facts(&self, step: usize) -> Vec<Fact> {
         let fact = |label, value, role| Fact { label, value, role };
         let case = match self.step {
-            _ if self.is_flat => "no gradient, or left the picture: stays",
-            step if step == self.whole => "near: to the line",
-            step if step > 0.0 => "too bright: as far as λ θ allows",
-            _ => "too dark: as far as λ θ allows",
+            _ if self.is_flat => "no constraint",
+            step if step == self.whole => "step to the constraint line",
+            step if step > 0.0 => "step clipped at λ θ",
+            _ => "step clipped at −λ θ",
         };
-        let [u, v] = self.p[usize::from(step > SMOOTHED)].map(words::vector);
+        let [u, v] = self.p[usize::from(step > UPDATED)].map(numbers::vector);
         vec![
-            fact("ρ", format!("{} gray levels; {case}", words::number(self.off)), None),
-            fact("p of u, of v", format!("{u}, {v}"), None),
+            fact("Residual ρ", format!("{} gray levels, {case}", numbers::gray(self.off)), None),
+            fact("p_u, p_v", format!("{u}, {v}"), None),
         ]
     }
 
-    fn equation(&self, model: &TvL1, step: usize, looked: &Looked<TvL1>) -> Vec<Math> {
-        let to = looked.to();
+    fn equation(&self, model: &TvL1, step: usize, probe: &Probe<TvL1>) -> Vec<Math> {
+        let to = probe.to();
         match step {
-            FITTED => self.fitting(model, looked),
-            SMOOTHED => [("u", 0), ("v", 1)]
+            THRESHOLDED => self.fitting(model, probe),
+            UPDATED => [("u", 0), ("v", 1)]
                 .into_iter()
                 .flat_map(|(name, i)| smoothing(model, name, (self.fitted[i], self.divergence[i], to[i])))
                 .collect(),
             _ => [("u", 0), ("v", 1)]
                 .into_iter()
-                .flat_map(|(name, i)| turning(model, name, (self.p[0][i], self.gradients[i], self.p[1][i])))
+                .flat_map(|(name, i)| dual_update(model, name, (self.p[0][i], self.gradients[i], self.p[1][i])))
                 .collect(),
         }
     }
 
-    /// (u_f, v_f) = (u, v) − s ∇I, in symbols and numbers.
-    fn fitting(&self, model: &TvL1, looked: &Looked<TvL1>) -> Vec<Math> {
-        let ([a, b, _], [u, v]) = (looked.factors(), looked.from());
+    /// Returns (u_f, v_f) = (u, v) − s ∇I, in symbols and numbers.
+    fn fitting(&self, model: &TvL1, probe: &Probe<TvL1>) -> Vec<Math> {
+        let ([a, b, _], [u, v]) = (probe.factors(), probe.from());
         let fitted = |name| Math::indexed(Math::Var(name), Math::Var("f"));
         let gradient = || Math::Row(vec![Math::text("∇"), Math::Var("I")]);
         let share = Math::Frac(
@@ -238,15 +258,15 @@ impl Pixel {
             Math::text(" "),
             Math::Var("v"),
             Math::text(" + "),
-            looked.rest(),
-            Math::text(format!(" = {}", words::number(self.off))),
+            probe.rest(),
+            Math::text(format!(" = {}", numbers::gray(self.off))),
         ]);
         let step = Math::Row(vec![
             Math::Var("s"),
             Math::text(" = "),
             share,
-            Math::text(format!(" within ±{} = ", words::number(model.weights().most))),
-            Math::text(words::number(self.step)),
+            Math::text(format!(" clipped to ±{} = ", multiple(model.weights().most))),
+            Math::text(multiple(self.step)),
         ]);
         let line = |name: &'static str, from: f32, along: &'static str, gradient: f32, to: f32| {
             Math::Row(vec![
@@ -258,19 +278,19 @@ impl Pixel {
                 Math::text(" "),
                 explain::derivative(along),
                 Math::text(" = "),
-                Math::ink(Role::Best, words::number(from)),
-                Math::text(format!(" − {} · ", words::factor(self.step))),
-                Math::ink(Role::Reference, words::number(gradient)),
+                Math::ink(Role::Best, numbers::px(from)),
+                Math::text(format!(" − {} · ", numbers::factor(multiple(self.step)))),
+                Math::ink(Role::Reference, numbers::factor(numbers::gray(gradient))),
                 Math::text(" = "),
-                Math::ink(Role::Predicted, words::number(to)),
+                Math::ink(Role::Predicted, numbers::px(to)),
             ])
         };
         let lines = [line("u", u, "x", a, self.fitted[0]), line("v", v, "y", b, self.fitted[1])];
-        looked.definition().into_iter().chain([off, step]).chain(lines).collect()
+        probe.definition().into_iter().chain([off, step]).chain(lines).collect()
     }
 }
 
-/// The dual variable of u or v.
+/// The dual variable p_u or p_v.
 fn dual(name: &'static str) -> Math {
     Math::indexed(Math::Var("p"), Math::Var(name))
 }
@@ -286,21 +306,21 @@ fn smoothing(model: &TvL1, name: &'static str, (fitted, div, to): (f32, f32, f32
         Math::text(" div "),
         dual(name),
         Math::text(" = "),
-        Math::ink(Role::Predicted, words::number(fitted)),
-        Math::text(format!(" + {} · {} = ", words::number(model.theta), words::factor(div))),
-        Math::ink(Role::Result, words::number(to)),
+        Math::ink(Role::Predicted, numbers::px(fitted)),
+        Math::text(format!(" + {} · {} = ", numbers::gray(model.theta), numbers::factor(numbers::px(div)))),
+        Math::ink(Role::Result, numbers::px(to)),
     ])]
 }
 
-/// The new p of one part of the field, in symbols and numbers.
-fn turning(model: &TvL1, name: &'static str, (from, gradient, to): ([f32; 2], [f32; 2], [f32; 2])) -> [Math; 2] {
+/// The dual update of one flow component, in symbols and numbers.
+fn dual_update(model: &TvL1, name: &'static str, (from, gradient, to): ([f32; 2], [f32; 2], [f32; 2])) -> [Math; 2] {
     let rate = || Math::Frac(Box::new(Math::Var("τ")), Box::new(Math::Var("θ")));
     let gradient_of = || Math::Row(vec![Math::text("∇"), Math::Var(name)]);
     let top = vec![dual(name), Math::text(" + "), rate(), Math::text(" "), gradient_of()];
     let bottom = vec![Math::text("1 + "), rate(), Math::text(" "), Math::Abs(Box::new(gradient_of()))];
-    let times = words::number(model.tau / model.theta);
-    let top_numbers = format!("{} + {times} · {}", words::vector(from), words::vector(gradient));
-    let bottom_numbers = format!("1 + {times} · {}", words::number(gradient[0].hypot(gradient[1])));
+    let times = numbers::px(model.tau / model.theta);
+    let top_numbers = format!("{} + {times} · {}", numbers::vector(from), numbers::vector(gradient));
+    let bottom_numbers = format!("1 + {times} · {}", numbers::px(gradient[0].hypot(gradient[1])));
     [
         Math::Row(vec![
             dual(name),
@@ -311,7 +331,7 @@ fn turning(model: &TvL1, name: &'static str, (from, gradient, to): ([f32; 2], [f
             Math::text("= "),
             Math::Frac(Box::new(Math::text(top_numbers)), Box::new(Math::text(bottom_numbers))),
             Math::text(" = "),
-            Math::text(words::vector(to)),
+            Math::text(numbers::vector(to)),
         ]),
     ]
 }

@@ -1,33 +1,32 @@
-//! The derivatives of a pair of pictures.
+//! Spatial and temporal derivatives of a pair of frames.
 
 use crate::base::{Threads, wide::wide};
 use crate::choices;
 use crate::geometry::{Beyond, Grid, Numbers, filter::filtered_row};
 
 choices! {
-    /// How derivatives are estimated from pixels.
+    /// Kernel that estimates the derivatives I_x and I_y.
     pub enum Scheme {
-        /// Half the difference of the two neighbours.
+        /// Half the difference of the two neighbours: (−1, 0, 1) / 2.
         Central = "central" "Central difference",
-        /// Central differences of three rows (columns), weighted 1 : 2 : 1.
+        /// Central difference, smoothed across by (1, 2, 1) / 4.
         Sobel = "sobel" "Sobel",
-        /// Central differences of three rows (columns), weighted 3 : 10 : 3, which depends less on the direction of an edge.
+        /// Central difference, smoothed across by (3, 10, 3) / 16: less dependent on the orientation of an edge than Sobel.
         Scharr = "scharr" "Scharr",
-        /// The mean of the four differences along the edges of a cube of 2×2×2 pixels, as in the paper of Horn and
-        /// Schunck. It stands for the middle of the cube, half a pixel to the right of and below the pixel, and so does what
-        /// is found from it: a corner, or the displacement of a window.
+        /// Mean of the four differences along the edges of a 2×2×2 cube, as in Horn and Schunck (1981). It holds for the
+        /// centre of the cube, so corners and flow are shifted by half a pixel to the right and down.
         Cube = "cube" "2×2×2 cube",
-        /// (1, −8, 0, 8, −1) / 12, exact up to the fourth power.
+        /// Fourth-order central difference: (1, −8, 0, 8, −1) / 12.
         FivePoint = "five-point" "Five-point",
     }
 }
 
-/// The square of a gradient that comes from rounding alone, in (gray levels per px)².
+/// Squared gradient magnitude up to which a gradient is rounding error, in (gray levels per px)².
 pub const FLAT: f32 = 1e-6;
 
-/// The derivatives of the gray values along x, y and time, in gray levels per px and per frame.
+/// Derivatives of the gray values along x, y and time, in gray levels per px and per frame.
 ///
-/// At the edge they are differences to one side. A pixel of which one is not known holds NaN there.
+/// At the image border they are one-sided differences. Unknown derivatives are NaN.
 #[derive(Clone, Debug)]
 pub struct Derivatives {
     /// I_x.
@@ -39,7 +38,7 @@ pub struct Derivatives {
 }
 
 impl Scheme {
-    /// The weights of a derivative along its axis, and of the mean across it.
+    /// Returns the kernel of the derivative along its axis, and of the smoothing across it.
     pub fn weights(self) -> (&'static [f32], &'static [f32]) {
         match self {
             Scheme::Central => (&[-0.5, 0.0, 0.5], &[1.0]),
@@ -50,7 +49,7 @@ impl Scheme {
         }
     }
 
-    /// The derivatives of a pair of pictures of one size. Those along x and y are of the mean of both, halfway in time.
+    /// Returns the derivatives of two frames of equal size. I_x and I_y are those of the mean of both frames.
     pub fn of(self, current: &Grid<f32>, next: &Grid<f32>, threads: &Threads) -> Derivatives {
         let (width, height) = current.size();
         let [mut x, mut y, mut t] = [(); 3].map(|()| Grid::new(width, height, 0.0));
@@ -58,7 +57,7 @@ impl Scheme {
         Derivatives { x, y, t }
     }
 
-    /// Row `y` of the derivatives along x, y and time.
+    /// Computes row `y` of I_x, I_y and I_t.
     pub fn row(self, pictures: [&Grid<f32>; 2], y: usize, targets: [&mut [f32]; 3]) {
         wide! {
             fn wide(by: Scheme, pictures: [&Grid<f32>; 2], y: usize, targets: [&mut [f32]; 3]) = Scheme::row_anyhow
@@ -79,7 +78,7 @@ impl Scheme {
     }
 }
 
-/// What `f` makes of each number of two rows.
+/// Two rows combined by `f`, element by element.
 #[derive(Clone, Copy)]
 struct Both<'a, F> {
     rows: [&'a [f32]; 2],
@@ -99,7 +98,7 @@ impl<F: Fn(f32, f32) -> f32 + Copy> Numbers for Both<'_, F> {
 }
 
 impl Derivatives {
-    /// Memory that they take, in bytes.
+    /// Returns the size in memory, in bytes.
     pub fn bytes(&self) -> usize {
         [&self.x, &self.y, &self.t].map(|part| size_of_val(part.cells())).iter().sum()
     }
@@ -111,7 +110,7 @@ mod tests {
 
     const ALL: [Scheme; 5] = [Scheme::Central, Scheme::Sobel, Scheme::Scharr, Scheme::Cube, Scheme::FivePoint];
 
-    /// Derivatives at pixel (4, 5) of `f(x, y, t)`.
+    /// Returns the derivatives of `f(x, y, t)` at pixel (4, 5).
     fn at(scheme: Scheme, f: impl Fn(f64, f64, f64) -> f64) -> [f64; 3] {
         let frame = |t: f64| Grid::from_fn(9, 11, |x, y| f(x as f64, y as f64, t) as f32);
         let Derivatives { x, y, t } = scheme.of(&frame(0.0), &frame(1.0), &Threads::single());

@@ -1,16 +1,21 @@
-//! How derivatives and displacements are told.
+//! Formulas, facts and image patches that explain derivatives and gradient constraints.
 
+use super::numbers::{factor, gray, px, summand};
 use super::{Derivatives, Linear};
-use crate::base::words::{factor, number, plus};
 use crate::geometry::{Grid, Sampling};
 use crate::scene::{Constraint, Fact, Math, Role, Section, Tile};
 
-/// I_x, I_y or I_t.
+/// I_x, I_y or I_t as a formula.
 pub fn derivative(along: &'static str) -> Math {
     Math::indexed(Math::Var("I"), Math::Var(along))
 }
 
-/// The gradient constraint: in symbols, and with the derivatives of one pixel.
+/// The mean of a flow component over the neighbours: ū or v̄.
+pub fn mean(component: &'static str) -> Math {
+    Math::Var(if component == "u" { "ū" } else { "v̄" })
+}
+
+/// The gradient constraint, in symbols and with the derivatives of one pixel.
 pub fn constraint_equation([a, b, c]: [f32; 3], role: Role) -> [Math; 2] {
     let symbols = Math::Row(vec![
         derivative("x"),
@@ -25,30 +30,30 @@ pub fn constraint_equation([a, b, c]: [f32; 3], role: Role) -> [Math; 2] {
         Math::text(" = 0"),
     ]);
     let numbers = Math::Row(vec![
-        Math::ink(role, number(a)),
+        Math::ink(role, gray(a)),
         Math::text(" "),
         Math::Var("u"),
         Math::text(" "),
-        Math::ink(role, plus(b)),
+        Math::ink(role, summand(gray(b))),
         Math::text(" "),
         Math::Var("v"),
         Math::text(" "),
-        Math::ink(role, plus(c)),
+        Math::ink(role, summand(gray(c))),
         Math::text(" = 0"),
     ]);
     [symbols, numbers]
 }
 
-/// The constraint of a pixel as a line of the plane of displacements; a flat one allows any.
+/// The constraint line of a pixel in the (u, v) plane; `None` without gradient, which allows any flow.
 pub fn line(factors: [f32; 3], weight: f32, role: Role) -> Option<Constraint> {
     let is_line = factors.iter().all(|f| f.is_finite()) && factors[0].hypot(factors[1]) > 1e-3;
     is_line.then_some(Constraint { factors, weight, role })
 }
 
-/// Displacements up to here are shown in a plane so that `points` are well inside.
+/// Half the side of the (u, v) plane that shows `points` with some margin.
 pub fn reach(points: impl IntoIterator<Item = [f32; 2]>) -> f32 {
     let most = points.into_iter().flatten().filter(|c| c.is_finite()).fold(0.0f32, |most, c| most.max(c.abs()));
-    // By powers of two, so that it stays the same from step to step.
+    // Powers of two keep it constant from step to step.
     let mut reach = 1.0;
     while reach < 1.25 * most && reach < 1024.0 {
         reach *= 2.0;
@@ -56,8 +61,8 @@ pub fn reach(points: impl IntoIterator<Item = [f32; 2]>) -> f32 {
     reach
 }
 
-/// Where levels, and warps on them, begin among iterations that are plotted from x = 1 on; each iteration has its level and its
-/// warp, from 0. Of `levels` or `warps` that there is only one of, nothing is said.
+/// The sections of a plot over iterations, from x = 1 on: one for each level and each warp. `places` gives level and warp of each
+/// iteration, from 0. A single level or warp has no section.
 pub fn sections(
     places: impl Iterator<Item = (usize, usize)>,
     (levels, warps): (usize, usize),
@@ -76,17 +81,17 @@ pub fn sections(
 }
 
 impl Derivatives {
-    /// I_x, I_y and I_t of a pixel.
+    /// Returns I_x, I_y and I_t of a pixel.
     pub fn at(&self, place: (usize, usize)) -> [f32; 3] {
         [self.x[place], self.y[place], self.t[place]]
     }
 
-    /// A table's row with them.
+    /// Returns a fact with I_x, I_y and I_t of a pixel.
     pub fn fact(&self, place: (usize, usize)) -> Fact {
         derivatives_fact(self.at(place))
     }
 
-    /// Frame t, frame t + 1 and their derivatives around a pixel, as far as `radius` px.
+    /// Returns patches of both frames and their derivatives within `radius` px of a pixel.
     pub fn tiles(&self, pictures: [&Grid<f32>; 2], place: (usize, usize), radius: usize) -> Vec<Tile> {
         let [current, next] = pictures.map(|picture| around(picture, place, radius));
         let parts = [&self.x, &self.y, &self.t].map(|part| around(part, place, radius));
@@ -95,25 +100,25 @@ impl Derivatives {
 }
 
 impl Linear {
-    /// A table's row with I_x, I_y and I_t of a pixel.
+    /// Returns a fact with I_x, I_y and I_t of a pixel.
     pub fn fact(&self, place: (usize, usize)) -> Fact {
         derivatives_fact(self.derivatives(place))
     }
 
-    /// Frame t, frame t + 1 as it is brought back, and their derivatives around a pixel, as far as `radius` px.
+    /// Returns patches of frame t, the warped frame t + 1 and their derivatives within `radius` px of a pixel.
     pub fn tiles(&self, [current, next]: [&Grid<f32>; 2], place: (usize, usize), radius: usize) -> Vec<Tile> {
         let back = |(x, y): (usize, usize)| {
             let [u, v] = self.start.at(x, y);
             Sampling::Bicubic.sample_inside(next, x as f32 + u, y as f32 + v)
         };
         let part = |i: usize| around_with(next.size(), place, radius, |place| self.derivatives(place)[i]);
-        let label = if self.start.is_zero() { "Frame t+1" } else { "Brought back" };
+        let label = if self.start.is_zero() { "Frame t+1" } else { "Warped t+1" };
         let pictures =
             [("Frame t", around(current, place, radius)), (label, around_with(next.size(), place, radius, back))];
         derivative_tiles(pictures, [0, 1, 2].map(part))
     }
 
-    /// What stands for I_t where frame t + 1 was brought back: in symbols, and with the numbers of a pixel.
+    /// Returns c, which replaces I_t after warping: in symbols, and with the numbers of a pixel.
     pub fn definition(&self, place: (usize, usize), role: Role) -> [Math; 2] {
         let ([x, y, t], [u, v]) = (self.derivatives(place), self.start.at(place.0, place.1));
         let zero = |name| Math::indexed(Math::Var(name), Math::text("0"));
@@ -131,27 +136,27 @@ impl Linear {
             zero("v"),
         ]);
         if !t.is_finite() {
-            return [symbols, Math::text("is not known: the pixel left the picture")];
+            return [symbols, Math::text("unknown: (u₀, v₀) leads out of frame t+1")];
         }
-        let times = |a: f32, b: f32| Math::ink(role, format!("{} · {}", factor(a), factor(b)));
+        let times = |a: f32, b: f32| Math::ink(role, format!("{} · {}", factor(gray(a)), factor(px(b))));
         let numbers = Math::Row(vec![
             Math::text("= "),
-            Math::ink(role, number(t)),
+            Math::ink(role, gray(t)),
             Math::text(" − "),
             times(x, u),
             Math::text(" − "),
             times(y, v),
             Math::text(" = "),
-            Math::ink(role, number(self.factors.at(place)[2])),
+            Math::ink(role, gray(self.factors.at(place)[2])),
         ]);
         [symbols, numbers]
     }
 }
 
 fn derivatives_fact(derivatives: [f32; 3]) -> Fact {
-    let [x, y, t] = derivatives.map(number);
+    let [x, y, t] = derivatives.map(gray);
     let is_known = derivatives.iter().all(|d| d.is_finite());
-    let value = if is_known { format!("{x}, {y}, {t}") } else { "none: it left the picture".into() };
+    let value = if is_known { format!("{x}, {y}, {t}") } else { "unknown: the flow leads out of frame t+1".into() };
     Fact { label: "I_x, I_y, I_t", value, role: None }
 }
 
@@ -171,12 +176,12 @@ fn derivative_tiles(pictures: [(&'static str, Grid<f32>); 2], [x, y, t]: [Grid<f
     ]
 }
 
-/// The values of `grid` around a place; NaN outside it. Rounded to a tenth, as they are read.
+/// The values of `grid` around a place, rounded to a tenth; NaN outside the grid.
 pub fn around<T: Copy + Into<f32>>(grid: &Grid<T>, place: (usize, usize), radius: usize) -> Grid<f32> {
     around_with(grid.size(), place, radius, |place| grid[place].into())
 }
 
-/// As [`around`], of values that `of` gives for the pixels of a picture of a `size`.
+/// The values of `of` around a place of a grid of this size, rounded to a tenth; NaN outside the grid.
 pub fn around_with(
     (width, height): (usize, usize),
     (x, y): (usize, usize),
@@ -197,7 +202,7 @@ mod tests {
 
     #[test]
     fn levels_and_warps_begin_where_they_do() {
-        let told = |places: &[(usize, usize)], of| -> Vec<_> {
+        let begins = |places: &[(usize, usize)], of| -> Vec<_> {
             sections(places.iter().copied(), of).map(|s| (s.from, s.label, s.is_part)).collect()
         };
         let run = [(1, 0), (1, 0), (1, 1), (0, 0), (0, 0), (0, 1)];
@@ -205,10 +210,10 @@ mod tests {
         let level = |from, label| section(from, label, false);
         let all =
             [level(0.5, "level 1"), section(2.5, "warp 2", true), level(3.5, "level 0"), section(5.5, "warp 2", true)];
-        assert_eq!(told(&run, (2, 2)), all);
-        assert_eq!(told(&run[..2], (2, 1)), [level(0.5, "level 1")]);
-        assert_eq!(told(&run[3..], (1, 2)), [level(0.5, "warp 1"), level(2.5, "warp 2")]);
-        assert_eq!(told(&run[3..5], (1, 1)), []);
+        assert_eq!(begins(&run, (2, 2)), all);
+        assert_eq!(begins(&run[..2], (2, 1)), [level(0.5, "level 1")]);
+        assert_eq!(begins(&run[3..], (1, 2)), [level(0.5, "warp 1"), level(2.5, "warp 2")]);
+        assert_eq!(begins(&run[3..5], (1, 1)), []);
     }
 
     #[test]

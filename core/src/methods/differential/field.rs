@@ -1,43 +1,43 @@
-//! A displacement for every pixel, its two parts apart so that loops over rows stay plain.
+//! Dense flow fields with separate components, so that loops over rows vectorise.
 
 use crate::base::Threads;
 use crate::data::Flow;
 use crate::geometry::{Grid, Sampling, pyramid::resampled};
 use crate::scene::{Picture, Role, Scene, Shape};
 
-/// Displacements (u, v) in px/frame; NaN where they are not known.
+/// A dense flow field (u, v) in px/frame; NaN where it is unknown.
 #[derive(Clone, Debug)]
 pub struct Field {
-    /// To the right.
+    /// Horizontal component, positive to the right.
     pub u: Grid<f32>,
-    /// Down.
+    /// Vertical component, positive downwards.
     pub v: Grid<f32>,
 }
 
 impl Field {
-    /// `value` for each of `width × height` pixels.
+    /// Returns a constant field of `width × height` pixels.
     pub fn new((width, height): (usize, usize), [u, v]: [f32; 2]) -> Self {
         Self { u: Grid::new(width, height, u), v: Grid::new(width, height, v) }
     }
 
-    /// The displacement at `(x, y)`, NaN where it is not known.
+    /// Returns the flow at `(x, y)`; NaN where it is unknown.
     pub fn at(&self, x: usize, y: usize) -> [f32; 2] {
         [self.u[(x, y)], self.v[(x, y)]]
     }
 
-    /// Whether nothing moves.
+    /// Whether the field is 0 everywhere.
     pub fn is_zero(&self) -> bool {
-        // Stretches without a way out become vector instructions.
+        // Chunks without early exit become vector instructions.
         let is_zero = |cells: &[f32]| cells.iter().fold(true, |all, cell| all & (*cell == 0.0));
         [&self.u, &self.v].into_iter().flat_map(|part| part.cells().chunks(1024)).all(is_zero)
     }
 
-    /// Memory that it takes, in bytes.
+    /// Returns the size in memory, in bytes.
     pub fn bytes(&self) -> usize {
         2 * size_of_val(self.u.cells())
     }
 
-    /// The same field on a picture of another `size`, displacements longer or shorter by as much.
+    /// Returns the field resampled to another `size`, its vectors scaled accordingly.
     pub fn resized(&self, size: (usize, usize), threads: &Threads) -> Self {
         let part = |grid: &Grid<f32>, times: f32| {
             let mut part = resampled(grid, size, Sampling::Bilinear, threads);
@@ -48,7 +48,7 @@ impl Field {
         Self { u: part(&self.u, size.0 as f32 / width as f32), v: part(&self.v, size.1 as f32 / height as f32) }
     }
 
-    /// The field as others know it.
+    /// Returns the field as a [`Flow`].
     pub fn flow(&self) -> Flow {
         let (width, height) = self.u.size();
         let mut flow = Grid::new(width, height, [0.0; 2]);
@@ -60,7 +60,7 @@ impl Field {
     }
 }
 
-/// The pixel whose displacement changes most from one field to the other; the first of several.
+/// The pixel whose flow changes most from one field to the other; the first of several.
 pub fn most_changed(from: &Field, to: &Field) -> (usize, usize) {
     let squared = |place: (usize, usize)| (to.u[place] - from.u[place]).powi(2) + (to.v[place] - from.v[place]).powi(2);
     let (width, height) = from.u.size();
@@ -68,10 +68,10 @@ pub fn most_changed(from: &Field, to: &Field) -> (usize, usize) {
     places.fold((0, 0), |most, place| if squared(place) > squared(most) { place } else { most })
 }
 
-/// Draws a dense field.
+/// Draws a dense flow field.
 pub fn draw(values: Grid<[f32; 2]>, scene: &mut Scene) {
     scene.mark(Picture::CURRENT, Role::Result, Shape::Flow { origin: [0.0; 2], values });
-    scene.legend(Role::Result, "displacements found");
+    scene.legend(Role::Result, "estimated flow");
 }
 
 #[cfg(test)]

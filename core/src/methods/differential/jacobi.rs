@@ -1,46 +1,46 @@
-//! Jacobi's iterations, several close behind each other through rows that stay in the cache.
+//! Jacobi iterations with temporal blocking: several iterations follow each other through rows that stay in the cache.
 
 use super::Field;
 use super::stencil::{BESIDE, update};
 use crate::base::{Threads, wide::widest};
 
-/// Iterations that are done while the rows are in the cache.
+/// Iterations in one pass over the rows.
 pub const DEPTH: usize = 16;
 
-/// Numbers in a line of the cache.
+/// Values in a cache line.
 const LINE: usize = 16;
 
-/// Rows that each begin where a line of the cache does, so that no wide load lies across two.
+/// Rows aligned to cache lines, so that no wide load crosses two lines.
 pub struct Rows {
     cells: Vec<f32>,
     first: usize,
-    /// From one row to the next.
+    /// Distance between rows, in values.
     pub stride: usize,
 }
 
 impl Rows {
-    /// `count` rows of at least `width` zeros.
+    /// Returns `count` rows of at least `width` zeros.
     pub fn new(width: usize, count: usize) -> Self {
         let stride = width.next_multiple_of(LINE);
         let cells = vec![0.0; stride * count + LINE];
-        // Where that is not known, rows are as good, only slower.
+        // Without a known alignment rows are only slower.
         let first = cells.as_ptr().align_offset(LINE * size_of::<f32>()).min(LINE);
         Self { cells, first, stride }
     }
 
-    /// All rows, one behind the other.
+    /// Returns all rows, one after the other.
     pub fn cells(&self) -> &[f32] {
         &self.cells[self.first..]
     }
 
-    /// All rows, to be written.
+    /// Returns all rows for writing.
     pub fn cells_mut(&mut self) -> &mut [f32] {
         let end = self.cells.len() - LINE + self.first;
         &mut self.cells[self.first..end]
     }
 }
 
-/// `depth` iterations from `from` to `to`, a band of rows for each thread. `factors` has three rows for each of the picture.
+/// Does `depth` iterations from `from` to `to`, a band of rows per thread. `factors` has three rows for each image row.
 pub fn iterate(factors: &Rows, from: &Field, to: &mut Field, depth: usize, threads: &Threads) {
     let (width, height) = from.u.size();
     let rows = height.div_ceil(threads.count()).max(1);
@@ -51,18 +51,18 @@ pub fn iterate(factors: &Rows, from: &Field, to: &mut Field, depth: usize, threa
     });
 }
 
-/// Some rows through which several iterations go one close behind the other, so that what one writes the next reads while
-/// it is in the cache. Beyond the rows as many more are worked out as their neighbours need.
+/// A band of rows through which several iterations pass in a wavefront: each reads what the one before has just written.
+/// Rows beyond the band are computed as far as their neighbours need them.
 struct Band<'a> {
     factors: &'a Rows,
     from: &'a Field,
-    /// First row, and the one after the last.
+    /// First row and the row after the last.
     rows: (usize, usize),
     depth: usize,
 }
 
 impl Band<'_> {
-    /// The rows that iteration `k` must work out.
+    /// Returns the rows that iteration `k` must compute.
     fn range(&self, k: usize) -> std::ops::Range<usize> {
         let more = self.depth - k;
         self.rows.0.saturating_sub(more)..(self.rows.1 + more).min(self.from.u.height())
@@ -70,7 +70,7 @@ impl Band<'_> {
 
     fn run(&self, mut to: [&mut [f32]; 2]) {
         let (width, height) = self.from.u.size();
-        // Of each iteration but the last, the last three rows of u and v.
+        // The last three rows of u and v of each iteration but the last.
         let mut rings = Rows::new(width, 6 * (self.depth - 1));
         let stride = rings.stride;
         let place = |y: usize, part: usize| (2 * (y % 3) + part) * stride;
@@ -99,11 +99,11 @@ impl Band<'_> {
     }
 }
 
-/// Pixels of a row that are worked out in one go; more would not stay in the innermost cache.
+/// Pixels of a row in one pass; more would not fit the level-1 cache.
 const STRETCH: usize = 640;
 
-/// Of a stretch of u and of v, with a line before it and one behind: the sums of the neighbours above and below, and half
-/// of these with the pixel itself.
+/// Column sums of a stretch of u and v with a cache line of margin: the neighbours above and below, and half of these plus the
+/// pixel itself.
 #[repr(align(64))]
 struct RowSums {
     beside: [[f32; STRETCH + 2 * LINE]; 2],
@@ -116,15 +116,15 @@ impl Default for RowSums {
     }
 }
 
-/// Three rows of the iteration before.
+/// Three rows of the previous iteration.
 type Around<'a> = [&'a [f32]; 3];
 
 widest! {
     fn kernel(around: [Around; 2], factors: [&[f32]; 3], to: [&mut [f32]; 2], sums: &mut RowSums) = row
 }
 
-/// Beyond the edge the pixel at the edge is repeated. With w the weight beside, the mean around a pixel is w (beside +
-/// column to the left + column to the right), since those across the corners count half.
+/// Computes a row of an iteration. The image border is replicated. With w = 1/6, the neighbourhood mean is w (beside + left
+/// column + right column), since diagonal neighbours have half the weight.
 #[inline(always)]
 fn row(around: [Around; 2], factors: [&[f32]; 3], [to_u, to_v]: [&mut [f32]; 2], sums: &mut RowSums) {
     let width = to_u.len();
@@ -154,7 +154,7 @@ fn row(around: [Around; 2], factors: [&[f32]; 3], [to_u, to_v]: [&mut [f32]; 2],
     }
 }
 
-/// Column by column what a [`RowSums`] holds.
+/// Computes the column sums of a [`RowSums`].
 #[inline(always)]
 fn columns([above, here, below]: Around, beside: &mut [f32], column: &mut [f32]) {
     let count = above.len();

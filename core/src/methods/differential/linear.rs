@@ -1,4 +1,4 @@
-//! The data term of differential methods: the gradient constraint about a field that was found so far.
+//! The data term: gradient constraints, linearised about the current flow.
 
 use std::sync::Arc;
 
@@ -6,22 +6,22 @@ use super::{Field, Scheme};
 use crate::base::Threads;
 use crate::geometry::{Grid, Sampling, warp::backward};
 
-/// A constraint a u + b v + c = 0 for every pixel, in gray levels. One that is not known is 0, 0, 0 and says nothing.
+/// The gradient constraint a u + b v + c = 0 of every pixel, in gray levels. Unknown constraints are 0, 0, 0.
 #[derive(Clone, Debug)]
 pub struct Constraints {
-    /// The derivative along x.
+    /// I_x.
     pub a: Grid<f32>,
-    /// The derivative along y.
+    /// I_y.
     pub b: Grid<f32>,
-    /// What is left where nothing moves.
+    /// The residual at zero flow: I_t, or c after warping.
     pub c: Grid<f32>,
-    /// The pixels of which it is not known, counted row by row, in order.
+    /// The pixels with unknown constraint, as sorted row-major indices.
     unknown: Vec<u32>,
 }
 
 impl Constraints {
-    /// The constraints of a picture of a `size` whose factors `write` works out row by row; one of which a factor is not
-    /// finite is not known.
+    /// Returns the constraints of an image of this size, whose coefficients `write` computes row by row. A coefficient that is
+    /// not finite makes the constraint unknown.
     pub fn new(
         (width, height): (usize, usize),
         write: impl Fn(usize, [&mut [f32]; 3]) + Send + Sync,
@@ -30,12 +30,12 @@ impl Constraints {
         let [mut a, mut b, mut c] = [(); 3].map(|()| Grid::new(width, height, 0.0));
         let unknown = threads.rows_of([&mut a, &mut b, &mut c], |y, mut row| {
             write(y, row.each_mut().map(|part| &mut **part));
-            silenced(row).into_iter().map(|x| (y * width + x) as u32).collect::<Vec<_>>()
+            cleared(row).into_iter().map(|x| (y * width + x) as u32).collect::<Vec<_>>()
         });
         Self { a, b, c, unknown: unknown.concat() }
     }
 
-    /// a, b and c of a pixel.
+    /// Returns a, b and c of a pixel.
     pub fn at(&self, place: (usize, usize)) -> [f32; 3] {
         [self.a[place], self.b[place], self.c[place]]
     }
@@ -45,24 +45,24 @@ impl Constraints {
         self.unknown_in_row(y).all(|unknown| unknown != x)
     }
 
-    /// The pixels of row `y` of which it is not known.
+    /// Returns the columns of row `y` with unknown constraint.
     pub fn unknown_in_row(&self, y: usize) -> impl Iterator<Item = usize> {
         let width = self.a.width();
         let before = |y: usize| self.unknown.partition_point(|i| (*i as usize) < y * width);
         self.unknown[before(y)..before(y + 1)].iter().map(move |i| *i as usize % width)
     }
 
-    /// Memory that they take, in bytes.
+    /// Returns the size in memory, in bytes.
     pub fn bytes(&self) -> usize {
         3 * size_of_val(self.a.cells()) + size_of_val(&self.unknown[..])
     }
 }
 
-/// Sets those of a row of factors to 0 of which one is not finite; the pixels whose they are.
-fn silenced([a, b, c]: [&mut [f32]; 3]) -> Vec<usize> {
+/// Sets the unknown constraints of a row to 0 and returns their columns.
+fn cleared([a, b, c]: [&mut [f32]; 3]) -> Vec<usize> {
     let is_unknown = |a: f32, b: f32, c: f32| !(a + b + c).is_finite();
     let of_row = a.iter().zip(&*b).zip(&*c);
-    // Most often all are finite: looked at without a way out, that becomes vector instructions.
+    // Mostly all are finite; without early exit the test becomes vector instructions.
     if !of_row.fold(false, |any, ((a, b), c)| any | is_unknown(*a, *b, *c)) {
         return Vec::new();
     }
@@ -71,22 +71,22 @@ fn silenced([a, b, c]: [&mut [f32]; 3]) -> Vec<usize> {
     unknown
 }
 
-/// The constraint of every pixel, linear about the displacements `start`.
+/// The gradient constraints of all pixels, linearised about the flow `start`.
 ///
-/// Frame t + 1 is brought back along `start`, so that its derivatives (a, b, I_t) are of what is left to find; then
-/// c = I_t − a u₀ − b v₀, so that (u, v) is the whole displacement. Of a pixel that leaves the picture nothing is known.
+/// Frame t + 1 is warped toward frame t by `start`, so that (a, b, I_t) constrain the increment; with
+/// c = I_t − a u₀ − b v₀ the unknown is the whole flow (u, v). Where `start` leads out of frame t + 1 the constraint is unknown.
 pub struct Linear {
     /// a, b and c.
     pub factors: Constraints,
-    /// The displacements (u₀, v₀) about which they are linear.
+    /// The flow (u₀, v₀) of the linearisation.
     pub start: Arc<Field>,
 }
 
 impl Linear {
-    /// The constraints of a pair of `pictures` about `start`.
+    /// Linearises the constraints of two frames about `start`.
     pub fn about(start: impl Into<Arc<Field>>, pictures: [&Grid<f32>; 2], scheme: Scheme, threads: &Threads) -> Self {
         let (start, [current, next]) = (start.into(), pictures);
-        // Where nothing was found yet there is nothing to bring back, and all that changes is left to find.
+        // At zero flow no warping is needed.
         if start.is_zero() {
             let write = |y, factors: [&mut [f32]; 3]| scheme.row([current, next], y, factors);
             return Self { factors: Constraints::new(current.size(), write, threads), start };
@@ -102,7 +102,7 @@ impl Linear {
         Self { factors: Constraints::new(current.size(), write, threads), start }
     }
 
-    /// I_x, I_y and I_t of a pixel, NaN where they are not known.
+    /// Returns I_x, I_y and I_t of a pixel; NaN where they are unknown.
     pub fn derivatives(&self, place: (usize, usize)) -> [f32; 3] {
         if !self.factors.is_known(place) {
             return [f32::NAN; 3];
@@ -111,7 +111,7 @@ impl Linear {
         [a, b, c + a * u + b * v]
     }
 
-    /// Memory that it takes, in bytes.
+    /// Returns the size in memory, in bytes.
     pub fn bytes(&self) -> usize {
         self.factors.bytes() + self.start.bytes()
     }
@@ -122,13 +122,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn derivatives_are_told_as_they_are_about_any_field() {
+    fn derivatives_are_those_of_the_warped_frame() {
         let value = |x: f32, y: f32| 3.0 * x - 2.0 * y + 0.25 * x * y;
         let current = Grid::from_fn(12, 9, |x, y| value(x as f32, y as f32));
         let next = Grid::from_fn(12, 9, |x, y| value(x as f32 - 1.5, y as f32 + 0.5) + 1.0);
         let start = Field::new((12, 9), [1.0, -0.5]);
         let linear = Linear::about(start, [&current, &next], Scheme::Central, &Threads::single());
-        // At (6, 4) frame t + 1 brought back shows what lies at (7, 3.5) of frame t + 1, which is (5.5, 4) of frame t.
+        // At (6, 4) the warped frame shows (7, 3.5) of frame t + 1, which is (5.5, 4) of frame t.
         let [a, b, t] = linear.derivatives((6, 4));
         assert!((t - (value(5.5, 4.0) + 1.0 - value(6.0, 4.0))).abs() < 1e-4, "I_t is {t}");
         let c = linear.factors.at((6, 4))[2];

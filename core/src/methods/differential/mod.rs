@@ -1,20 +1,23 @@
-//! What the methods that work on derivatives share: derivatives of a pair of pictures, smoothing, reading between pixels
-//! and warping, fields of displacements, and how a gradient constraint is told and drawn.
+//! Common parts of differential methods: derivatives of a pair of frames, gradient constraints, image warping, structure
+//! tensors, relaxation, flow fields, and how these are explained.
 
+mod conclusion;
 mod derivatives;
 pub mod explain;
 pub mod field;
-mod given;
+mod frame_pair;
 mod jacobi;
 mod linear;
 mod multiscale;
+pub mod numbers;
 pub mod relax;
 pub mod stencil;
 mod tensor;
 
+pub use conclusion::{Advice, Conclusion};
 pub use derivatives::{Derivatives, FLAT, Scheme};
 pub use field::Field;
-pub use given::{Given, truth};
+pub use frame_pair::{FramePair, truth};
 pub use linear::{Constraints, Linear};
 pub use multiscale::Multiscale;
 pub use tensor::{Sums, Tensor, Texture, Weights, Window};

@@ -1,9 +1,9 @@
-//! Relaxation: each pixel is set to what fits it and the average of its neighbours, again and again.
+//! Relaxation: iterative solution of Horn and Schunck's linear system, one pixel from the mean of its neighbours.
 //!
-//! All solvers lessen the energy Σ (a u + b v + c)² + α² Σ w_n |(u, v) − (u, v)_n|², the second sum over the pairs of
-//! neighbours n with the weights of the paper's average: 1/6 beside, above and below, 1/12 across the corners; beyond the
-//! edge the pixel at the edge is repeated. Of a slope the second sum is a third of its square for each pixel, so that α² stands
-//! for α²/3 in the integral: the paper takes the 3 of its Laplacian, 3 (mean − value), into α² as well.
+//! All solvers minimise the energy Σ (a u + b v + c)² + α² Σ w_n |(u, v) − (u, v)_n|², the second sum over the pairs of
+//! neighbours n with the paper's weights: 1/6 horizontally and vertically, 1/12 diagonally; the image border is replicated.
+//! For a linear field the second sum is a third of the squared slope per pixel, so α² stands for α²/3 in the integral: the paper
+//! absorbs the factor 3 of its Laplacian, 3 (mean − value), into α² as well.
 
 use super::jacobi::{self, DEPTH, Rows};
 use super::stencil::{BESIDE, CORNER, update};
@@ -11,15 +11,15 @@ use super::{Field, Linear};
 use crate::base::Threads;
 use crate::geometry::{Border, Grid};
 
-/// The constraints of a picture, divided by the root of α² + a² + b². From the mean (u, v) around a pixel its update is then
+/// The constraints, divided by the root of α² + a² + b²: from the neighbourhood mean (u, v) the update is then
 /// (u, v) − (a, b) (a u + b v + c).
 pub struct System {
-    /// Of each row those of a, of b and of c.
+    /// Rows of a, b and c, interleaved.
     factors: Rows,
 }
 
 impl System {
-    /// The system of `linear` for a weight `alpha` of smoothness.
+    /// Returns the system of `linear` for the regularisation weight `alpha`.
     pub fn new(linear: &Linear, alpha: f32, threads: &Threads) -> Self {
         let parts = [&linear.factors.a, &linear.factors.b, &linear.factors.c];
         let (width, height) = parts[0].size();
@@ -42,7 +42,7 @@ impl System {
         [0, 1, 2].map(|i| &self.factors.cells()[(3 * y + i) * self.factors.stride..])
     }
 
-    /// `iterations` of Jacobi's method from `field` on: all pixels at once, from the averages of the iteration before.
+    /// Does `iterations` Jacobi iterations from `field`: all pixels from the means of the previous iteration.
     pub fn jacobi(&self, field: &Field, iterations: usize, threads: &Threads) -> Field {
         let (mut from, mut spare) = (None, None);
         for done in (0..iterations).step_by(DEPTH) {
@@ -54,8 +54,8 @@ impl System {
         from.unwrap_or_else(|| field.clone())
     }
 
-    /// An iteration in place, pixel by pixel along the rows, from the newest values of the neighbours; `relaxation` is 1 in
-    /// Gauss and Seidel's method, and how far beyond that it goes in successive over-relaxation.
+    /// Does one iteration in place, in raster order, from the newest values of the neighbours. `relaxation` is the factor ω of
+    /// successive over-relaxation; 1 is Gauss–Seidel.
     pub fn sweep(&self, field: &mut Field, relaxation: f32) {
         let (width, height) = field.u.size();
         let mut above = [vec![0.0; width + 2], vec![0.0; width + 2]];
@@ -75,12 +75,12 @@ impl System {
                 }
             }
             for x in 0..width {
-                let mean = [0, 1].map(|i| average([&above[i], &here[i], &below[i]], x));
+                let mean = [0, 1].map(|i| neighbor_mean([&above[i], &here[i], &below[i]], x));
                 let new = update(mean, [a[x], b[x], c[x]]);
                 for i in 0..2 {
                     let value = here[i][x + 1] + relaxation * (new[i] - here[i][x + 1]);
                     here[i][x + 1] = value;
-                    // The rows beyond the edge repeat it.
+                    // Replicate the border.
                     if y == 0 {
                         above[i][x + 1] = value;
                     }
@@ -95,7 +95,7 @@ impl System {
     }
 }
 
-/// Copies `row` between two more pixels, the edge repeated.
+/// Copies `row` with one replicated border pixel on either side.
 fn pad(target: &mut [f32], row: &[f32]) {
     let width = row.len();
     target[1..=width].copy_from_slice(row);
@@ -103,14 +103,14 @@ fn pad(target: &mut [f32], row: &[f32]) {
     target[width + 1] = row[width - 1];
 }
 
-/// The average around pixel `x` of three padded rows.
+/// The mean of the neighbours of pixel `x` in three padded rows.
 #[inline(always)]
-fn average([above, here, below]: [&[f32]; 3], x: usize) -> f32 {
+fn neighbor_mean([above, here, below]: [&[f32]; 3], x: usize) -> f32 {
     BESIDE * ((above[x + 1] + below[x + 1]) + (here[x] + here[x + 2]))
         + CORNER * ((above[x] + above[x + 2]) + (below[x] + below[x + 2]))
 }
 
-/// The two parts of the energy, on average over the pixels: how far the constraints are off, and how far neighbours differ.
+/// The data term and the smoothness term, on average per pixel.
 pub fn energy(linear: &Linear, alpha: f32, field: &Field) -> [f64; 2] {
     let (width, height) = field.u.size();
     let (mut data, mut smoothness) = (0.0, 0.0);
@@ -126,7 +126,7 @@ pub fn energy(linear: &Linear, alpha: f32, field: &Field) -> [f64; 2] {
                 let squared = |i: usize, j: usize| (f64::from(rows[j][columns[i]]) - value).powi(2);
                 let beside = squared(0, 1) + squared(2, 1) + squared(1, 0) + squared(1, 2);
                 let corner = squared(0, 0) + squared(2, 0) + squared(0, 2) + squared(2, 2);
-                // Each pair is met twice.
+                // Each pair is visited twice.
                 smoothness += 0.5 * (f64::from(BESIDE) * beside + f64::from(CORNER) * corner);
             }
         }
@@ -135,7 +135,7 @@ pub fn energy(linear: &Linear, alpha: f32, field: &Field) -> [f64; 2] {
     [data / pixels, f64::from(alpha).powi(2) * smoothness / pixels]
 }
 
-/// How far displacements change from one field to the other, in px on average.
+/// The mean change between two fields, in px.
 pub fn change(from: &Field, to: &Field) -> f64 {
     let parts = from.u.cells().iter().zip(to.u.cells()).zip(from.v.cells().iter().zip(to.v.cells()));
     let sum: f64 =
@@ -143,7 +143,7 @@ pub fn change(from: &Field, to: &Field) -> f64 {
     sum / from.u.cells().len() as f64
 }
 
-/// The average of the neighbours of a pixel, those before it in the order of the rows from `earlier`, the others from `later`.
+/// The mean of the neighbours of a pixel: those before it in raster order from `earlier`, the others from `later`.
 pub fn mean_around(earlier: &Field, later: &Field, (x, y): (usize, usize)) -> [f32; 2] {
     let (width, height) = later.u.size();
     let mean = |earlier: &Grid<f32>, later: &Grid<f32>| {
@@ -172,7 +172,7 @@ mod tests {
         let factors = Constraints::new((200, 200), |_, _| (), &Threads::single());
         let linear = Linear { factors, start: Arc::new(field.clone()) };
         let [data, smoothness] = energy(&linear, 5.0, &field);
-        // A little less, for the last column has no neighbour.
+        // A little less, because the last column has no right neighbour.
         assert!(data == 0.0 && (smoothness - 25.0 / 3.0).abs() < 0.01 * 25.0, "{smoothness}");
     }
 }

@@ -1,4 +1,4 @@
-//! The structure tensor: what the gradients in a window say together.
+//! The structure tensor: windowed means of the products of the derivatives.
 
 use super::{Constraints, FLAT};
 use crate::base::wide::wide;
@@ -7,17 +7,17 @@ use crate::geometry::filter::{gaussian_within, weigh};
 use crate::scene::Spread;
 
 choices! {
-    /// How much the pixels of a window count.
+    /// Weights w of the pixels in a window.
     pub enum Weights {
-        /// All alike.
+        /// Equal weights.
         Box = "box" "Box",
-        /// The less the farther from the middle, by a Gaussian that falls to two standard deviations at the edge.
+        /// Gaussian whose standard deviation σ is a quarter of the window: it is cut off at 2 σ, the edge of the window.
         Gaussian = "gaussian" "Gaussian",
     }
 }
 
 impl Weights {
-    /// A window that reaches `reach` px each way.
+    /// Returns the window with a radius of `reach` px.
     pub fn window(self, reach: usize) -> Window {
         match self {
             Weights::Box => Window::even(reach),
@@ -26,40 +26,40 @@ impl Weights {
     }
 }
 
-/// What the gradients of a window are like.
+/// The texture of a window, by the eigenvalues of its structure tensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Texture {
-    /// No pixel of it is known.
-    Gone,
-    /// There are hardly any.
+    /// No pixel with a known constraint.
+    Unknown,
+    /// Both eigenvalues small.
     Flat,
-    /// They are all in one direction.
+    /// One eigenvalue large, one small.
     Edge,
-    /// They are in several directions.
+    /// Both eigenvalues large.
     Corner,
 }
 
-/// The weighted means over a window of the products of the derivatives: sums whose weights sum to 1.
+/// The weighted means over a window of the products of the derivatives; the weights sum to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tensor {
-    /// Of I_x².
+    /// Mean of I_x².
     pub xx: f32,
-    /// Of I_x I_y.
+    /// Mean of I_x I_y.
     pub xy: f32,
-    /// Of I_y².
+    /// Mean of I_y².
     pub yy: f32,
-    /// Of I_x I_t.
+    /// Mean of I_x I_t.
     pub xt: f32,
-    /// Of I_y I_t.
+    /// Mean of I_y I_t.
     pub yt: f32,
-    /// Of I_t².
+    /// Mean of I_t².
     pub tt: f32,
-    /// How many pixels count, those of less weight less.
+    /// Effective number of pixels, (Σ w)² / Σ w².
     pub pixels: f32,
 }
 
 impl Tensor {
-    /// The eigenvalues of its spatial part, the larger first.
+    /// Returns the eigenvalues λ₁ ≥ λ₂ of its spatial part.
     #[inline(always)]
     pub fn eigenvalues(&self) -> [f32; 2] {
         let (mean, half) = ((self.xx + self.yy) / 2.0, (self.xx - self.yy) / 2.0);
@@ -67,39 +67,39 @@ impl Tensor {
         [mean + apart, (mean - apart).max(0.0)]
     }
 
-    /// What the gradients are like, where eigenvalues count from `threshold` on.
+    /// Classifies the window; an eigenvalue is large from `threshold` on.
     #[inline(always)]
     pub fn texture(&self, threshold: f32) -> Texture {
         let [large, small] = self.eigenvalues();
-        // Even without a threshold rounding is no gradient, and two lines that are one do not cross.
+        // Even without a threshold, rounding errors are no gradient and a singular tensor is no corner.
         let counts = |eigenvalue: f32| eigenvalue >= threshold && eigenvalue > FLAT;
         match () {
-            () if self.pixels == 0.0 => Texture::Gone,
+            () if self.pixels == 0.0 => Texture::Unknown,
             () if counts(small) && small > 1e-5 * large => Texture::Corner,
             () if counts(large) => Texture::Edge,
             () => Texture::Flat,
         }
     }
 
-    /// The displacement that fits all constraints of the window best, in the mean square. Not finite where the smaller
-    /// eigenvalue is 0.
+    /// Returns the least-squares solution of the gradient constraints of the window. Not finite where the smaller eigenvalue
+    /// is 0.
     #[inline(always)]
     pub fn solution(&self) -> [f32; 2] {
         let det = self.xx * self.yy - self.xy * self.xy;
         [(self.xy * self.yt - self.yy * self.xt) / det, (self.xy * self.xt - self.xx * self.yt) / det]
     }
 
-    /// The mean square by which the constraints are off at a displacement, in gray levels².
+    /// Returns the mean squared residual of the constraints at a displacement, in gray levels².
     pub fn residual(&self, [u, v]: [f32; 2]) -> f32 {
         let squares = self.xx * u * u + 2.0 * self.xy * u * v + self.yy * v * v;
         (squares + 2.0 * (self.xt * u + self.yt * v) + self.tt).max(0.0)
     }
 
-    /// The standard deviations of the displacement `uv` along the axes of the tensor, if each constraint is off by chance
-    /// and by itself; `None` where that is not known, or there are too few to tell.
+    /// Returns the standard deviations of the least-squares solution `uv` along the eigenvectors, for independent residuals;
+    /// `None` with no more than two constraints.
     pub fn spread(&self, uv: [f32; 2]) -> Option<Spread> {
         let [large, small] = self.eigenvalues();
-        // Two of the pixels were needed for the displacement itself.
+        // The solution takes two degrees of freedom.
         let variance = self.residual(uv) / (self.pixels - 2.0);
         let radii = [variance / large, variance / small].map(f32::sqrt);
         let angle_rad = 0.5 * (2.0 * self.xy).atan2(self.xx - self.yy);
@@ -118,37 +118,37 @@ pub struct Window {
     weights: Vec<f32>,
 }
 
-/// The products of the derivatives: which two of x, y and t.
+/// The factors of each product: indices into x, y, t.
 const PRODUCTS: [[usize; 2]; 6] = [[0, 0], [0, 1], [1, 1], [0, 2], [1, 2], [2, 2]];
 
-/// The tensors of a picture, row by row, each over as much of the window as lies in the picture and is known.
+/// The structure tensors of an image, row by row, over the known pixels of each window.
 pub struct Sums<'a> {
     window: &'a Window,
     of: &'a Constraints,
-    /// The rows of products that were met last, each with its number: row y is number y % (side of the window).
+    /// A ring buffer of the latest rows of products with their row numbers.
     products: Vec<Option<(usize, [Vec<f32>; 6])>>,
-    /// Room for the sums down the columns, with nothing beyond the edge.
+    /// The column sums, padded with zeros.
     down: Vec<f32>,
     means: [Vec<f32>; 6],
-    /// For each column the weights of the window that lie inside, and the sum of their squares.
+    /// For each column the sum of the window's weights inside the image, and of their squares.
     columns: Vec<[f32; 2]>,
-    /// For each pixel of the row the weight under its window that is known, and how many pixels count.
+    /// For each pixel of the row the known weight in its window, and the effective number of pixels.
     weights: Vec<f32>,
     pixels: Vec<f32>,
     unknown: Unknown,
 }
 
-/// How much of the weights under a window belongs to pixels of which nothing is known.
+/// The weight of the unknown pixels in each window.
 #[derive(Default)]
 struct Unknown {
-    /// The sums of weights and of their squares, down each column.
+    /// Sums of the weights and of their squares, down each column.
     down: Vec<[f32; 2]>,
-    /// The same under the whole window; nothing where all is known.
+    /// The same over the whole window; empty where all pixels are known.
     across: Vec<[f32; 2]>,
 }
 
 impl Unknown {
-    /// Adds up what is not known under the window of each pixel of a row.
+    /// Sums the weights of the unknown pixels in the window of each pixel of a row.
     fn sum_up(&mut self, window: &Window, of: &Constraints, (top, weights): (usize, &[f32])) {
         let width = of.a.width();
         self.across.clear();
@@ -162,7 +162,7 @@ impl Unknown {
         for (x, down) in self.down.iter().enumerate().filter(|(_, down)| down[0] > 0.0) {
             self.across.resize(width, [0.0; 2]);
             let (first, weights) = window.inside(x, width);
-            // Windows are symmetric: what a column is to a pixel, the pixel is to the column.
+            // The window is symmetric, so the roles of pixel and column can be swapped.
             for (target, weight) in self.across[first..].iter_mut().zip(weights) {
                 add(target, [weight * down[0], weight * weight * down[1]]);
             }
@@ -178,38 +178,38 @@ fn add(sums: &mut [f32; 2], more: [f32; 2]) {
     *sums = [sums[0] + more[0], sums[1] + more[1]];
 }
 
-/// A window in which less weight is known has no known pixel: the smallest weight of one is larger.
+/// A window with less known weight has no known pixel: the smallest single weight is larger.
 const LEAST_WEIGHT: f32 = 1e-3;
 
 impl Window {
-    /// A window that reaches `reach` px each way, all pixels alike.
+    /// Returns a box window with a radius of `reach` px.
     pub fn even(reach: usize) -> Self {
         Self { weights: vec![1.0; 2 * reach + 1] }
     }
 
-    /// A window that reaches `reach` px each way, by when a Gaussian has fallen to two standard deviations.
+    /// Returns a Gaussian window with a radius of `reach` px = 2 σ.
     pub fn gaussian(reach: usize) -> Self {
         let weights = gaussian_within(reach as f32 / 2.0, reach);
         Self { weights: weights.iter().map(|weight| weight / weights[reach]).collect() }
     }
 
-    /// How far it reaches, in px.
+    /// Returns its radius in px.
     pub fn reach(&self) -> usize {
         self.weights.len() / 2
     }
 
-    /// The weight of a pixel `x` and `y` px from the middle, up to 1.
+    /// Returns the weight of a pixel `x` and `y` px from the centre, at most 1.
     pub fn weight(&self, [x, y]: [isize; 2]) -> f32 {
         let along = |c: isize| self.weights[(c + self.reach() as isize) as usize];
         along(x) * along(y)
     }
 
-    /// The weights along each axis.
+    /// Returns the weights along each axis.
     pub fn weights(&self) -> &[f32] {
         &self.weights
     }
 
-    /// The weights around `at` that lie inside an `extent`, with the first place that they are for.
+    /// Returns the weights around `at` inside an `extent`, with the position of the first.
     pub fn inside(&self, at: usize, extent: usize) -> (usize, &[f32]) {
         let first = at.saturating_sub(self.reach());
         let last = (at + self.reach()).min(extent - 1);
@@ -217,7 +217,7 @@ impl Window {
         (first, &self.weights[skip..skip + last + 1 - first])
     }
 
-    /// The tensors of a picture with these constraints.
+    /// Returns the structure tensors of an image with these constraints.
     pub fn sums<'a>(&'a self, of: &'a Constraints) -> Sums<'a> {
         let width = of.a.width();
         let whole = counts(&self.weights);
@@ -245,12 +245,12 @@ fn counts(weights: &[f32]) -> [f32; 2] {
 }
 
 impl Sums<'_> {
-    /// Tells of each pixel of row `y` its column and its tensor.
+    /// Calls `tell` with column and tensor of each pixel of row `y`.
     pub fn row(&mut self, y: usize, mut tell: impl FnMut(usize, Tensor)) {
         wide! {
-            fn work_out(sums: &mut Sums, y: usize) = Sums::work_out
+            fn compute(sums: &mut Sums, y: usize) = Sums::compute
         }
-        work_out(self, y);
+        compute(self, y);
         let width = self.columns.len();
         let [xx, xy, yy, xt, yt, tt] = self.means.each_ref().map(|means| &means[..width]);
         for (x, (&weight, &pixels)) in self.weights.iter().zip(&self.pixels).enumerate() {
@@ -259,9 +259,9 @@ impl Sums<'_> {
         }
     }
 
-    /// Works out the means and the known weights of row `y`.
+    /// Computes the means and the known weights of row `y`.
     #[inline(always)]
-    fn work_out(&mut self, y: usize) {
+    fn compute(&mut self, y: usize) {
         let (width, height) = self.of.a.size();
         let (top, down) = self.window.inside(y, height);
         self.unknown.sum_up(self.window, self.of, (top, down));
@@ -276,7 +276,7 @@ impl Sums<'_> {
         }
     }
 
-    /// Counts what is known under the windows of a row, of which each column has this weight and sum of squares.
+    /// Computes the known weight and the effective number of pixels of each window of a row.
     #[inline(always)]
     fn count(&mut self, [weight, squares]: [f32; 2]) {
         let counted = self.weights.iter_mut().zip(&mut self.pixels);
@@ -287,7 +287,7 @@ impl Sums<'_> {
         }
     }
 
-    /// Has the products of a row at hand.
+    /// Computes the products of a row, unless they are in the ring buffer.
     #[inline(always)]
     fn multiply(&mut self, row: usize) {
         let side = self.products.len();
@@ -359,7 +359,7 @@ mod tests {
     }
 
     #[test]
-    fn a_texture_is_told_by_its_eigenvalues() {
+    fn texture_follows_from_the_eigenvalues() {
         let texture = |xx, yy, threshold| Tensor { xx, yy, pixels: 9.0, ..Tensor::default() }.texture(threshold);
         assert_eq!(texture(4.0, 3.0, 0.5), Texture::Corner);
         assert_eq!((texture(4.0, 0.4, 0.5), texture(0.4, 0.4, 0.5)), (Texture::Edge, Texture::Flat));
@@ -367,7 +367,7 @@ mod tests {
         assert_eq!((texture(4.0, 2e-5, 0.0), texture(1e-3, 1e-7, 0.0)), (Texture::Edge, Texture::Edge));
         assert_eq!((texture(1e-9, 0.0, 0.0), texture(1e-9, 1e-9, 0.0)), (Texture::Flat, Texture::Flat));
         assert_eq!(texture(0.4, 0.3, 0.0), Texture::Corner);
-        assert_eq!(Tensor::default().texture(0.0), Texture::Gone);
+        assert_eq!(Tensor::default().texture(0.0), Texture::Unknown);
     }
 
     #[test]

@@ -1,75 +1,74 @@
-//! Whether a feature still looks as in its first view, turned, stretched and sheared as it may be: J. Shi and C. Tomasi, Good
-//! features to track, CVPR 1994; in other light: H. Jin, P. Favaro and S. Soatto, Real-time feature tracking and outlier
-//! rejection with changes in illumination, ICCV 2001.
+//! Dissimilarity of a feature from its first view under an affine map: J. Shi and C. Tomasi, Good features to track, CVPR 1994;
+//! with gain and offset: H. Jin, P. Favaro and S. Soatto, Real-time feature tracking and outlier rejection with changes in
+//! illumination, ICCV 2001.
 
 use super::tracker::Level;
 use crate::base::Observer;
 
-/// What a feature looked like where it was first seen.
+/// The first view of a feature: its window where it was detected.
 #[derive(Debug, PartialEq)]
 pub struct View {
     reach: usize,
-    /// The gray values around it, row by row; NaN outside the picture.
+    /// The gray values, row by row; NaN outside the frame.
     values: Vec<f32>,
     /// Their mean.
     mean: f32,
 }
 
-/// How a view lay before, and what may have become of it since.
+/// The initial values of a fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Start {
-    /// Its matrix.
+    /// The affine matrix A.
     pub matrix: [[f32; 2]; 2],
-    /// Its light; `None` where that does not change.
+    /// Gain and offset; `None` for constant illumination.
     pub light: Option<[f32; 2]>,
 }
 
-/// How a first view lies in a later picture: the pixel at `o` px from its middle lies at A o + d from where the feature was
-/// tracked to.
+/// The affine map of a first view into a later frame: the pixel at offset `o` from the centre maps to the tracked position plus
+/// A o + d.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fit {
     /// The matrix A, row by row.
     pub matrix: [[f32; 2]; 2],
-    /// The displacement d from where it was tracked to, in px.
+    /// The shift d from the tracked position, in px.
     pub shift: [f32; 2],
-    /// The light λ and δ: a gray value I of the view is λ I + δ now.
+    /// Gain λ and offset δ: a gray value I of the view becomes λ I + δ.
     pub light: [f32; 2],
-    /// The mean of the absolute differences, in gray levels.
+    /// The dissimilarity: the mean absolute difference, in gray levels.
     pub difference: f32,
-    /// The share of its pixels that lie in the picture.
+    /// The share of its pixels inside the frame.
     pub share: f32,
 }
 
-/// No turn and no stretch.
+/// The identity matrix.
 pub const IDENTITY: [[f32; 2]; 2] = [[1.0, 0.0], [0.0, 1.0]];
-/// The light of the first view.
+/// Unit gain, zero offset.
 pub const SAME_LIGHT: [f32; 2] = [1.0, 0.0];
 
-/// An update that moves no pixel of the window by more than this is the last.
+/// Stopping criterion: the fit ends when no pixel of the window moves farther, in px.
 const EPSILON_PX: f32 = 0.02;
-/// At most so many updates.
+/// Largest number of iterations.
 const ITERATIONS: usize = 10;
 
-/// Why a first view could not be fitted.
+/// Why an affine fit failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Unfit {
-    /// It cannot be told how it lies: too little of it is in the picture, or its gradients do not say.
-    Unknown,
-    /// It would have to be stretched or shifted beyond reason.
-    Astray,
+pub enum FitFailure {
+    /// The system is singular, or less than half of the view lies in the frame.
+    Undetermined,
+    /// The fit diverged beyond plausible stretch, shift or gain.
+    Diverged,
 }
 
-/// A view that is stretched or squeezed by more than this in any direction fits anything.
+/// Largest plausible stretch or compression in any direction.
 const STRETCH: f32 = 2.0;
-/// Light of which more than this, or less than its inverse, is left is no light but another thing: contrast that is taken away
-/// altogether fits anything flat.
+/// Largest plausible gain, or inverse gain: without contrast a view fits any flat window.
 const GAIN: f32 = 2.0;
-/// Where the tracked place and the fit differ by more, in px, one of them is wrong: a tracker drifts by less in a long clip.
+/// Largest plausible shift from the tracked position, in px.
 const SHIFT_PX: f32 = 4.0;
 
 impl Fit {
-    /// Whether the view is neither squeezed nor shifted nor lit beyond reason.
-    fn is_sound(&self) -> bool {
+    /// Whether stretch, shift and gain are plausible.
+    fn is_plausible(&self) -> bool {
         let [[a, b], [c, d]] = self.matrix;
         // The singular values of A: the roots of s² − t s + det².
         let (t, det) = (a * a + b * b + c * c + d * d, a * d - b * c);
@@ -81,10 +80,10 @@ impl Fit {
     }
 }
 
-/// How much an update changes: the matrix, the displacement, and the light if that may change.
+/// The unknowns of an update: matrix, shift, and gain and offset if these are fitted.
 const UNKNOWNS: usize = 8;
 
-/// The equations of an update: T z = a for z = (D₁₁, D₁₂, D₂₁, D₂₂, d₁, d₂, λ, δ), where δ is taken at the view's mean.
+/// The normal equations of an update: T z = a for z = (D₁₁, D₁₂, D₂₁, D₂₂, d₁, d₂, λ, δ), with δ at the view's mean.
 #[derive(Default)]
 struct Normal {
     matrix: [[f64; UNKNOWNS]; UNKNOWNS],
@@ -94,7 +93,7 @@ struct Normal {
 }
 
 impl View {
-    /// What `level` looks like around a place, `reach` px each way.
+    /// Samples the window of radius `reach` px around a position of `level`.
     pub fn new(level: &Level, at: [f32; 2], reach: usize) -> Self {
         let value = |[i, j]: [f32; 2]| {
             let place = [at[0] + i, at[1] + j];
@@ -106,22 +105,22 @@ impl View {
         Self { reach, values, mean }
     }
 
-    /// Side in px.
+    /// Returns the side in px.
     pub fn side(&self) -> usize {
         2 * self.reach + 1
     }
 
-    /// The gray values, row by row; NaN outside the picture.
+    /// Returns the gray values, row by row; NaN outside the frame.
     pub fn values(&self) -> &[f32] {
         &self.values
     }
 
-    /// Memory that it takes, in bytes.
+    /// Returns the size in memory, in bytes.
     pub fn bytes(&self) -> usize {
         size_of_val(&self.values[..])
     }
 
-    /// Fits the view to `next` around a place, from `start` on, by Gauss and Newton's method; tells each fit on the way.
+    /// Fits the view to `next` around a position by the Gauss–Newton method, and reports each iteration.
     ///
     /// # Errors
     /// Why it cannot be fitted.
@@ -131,11 +130,11 @@ impl View {
         at: [f32; 2],
         start: Start,
         observer: &mut impl Observer<Fit>,
-    ) -> Result<Fit, Unfit> {
+    ) -> Result<Fit, FitFailure> {
         let light = start.light.unwrap_or(SAME_LIGHT);
         let mut fit = Fit { matrix: start.matrix, shift: [0.0; 2], light, difference: 0.0, share: 0.0 };
         for iteration in 0..ITERATIONS {
-            let lost = if iteration == 0 { Unfit::Unknown } else { Unfit::Astray };
+            let lost = if iteration == 0 { FitFailure::Undetermined } else { FitFailure::Diverged };
             let normal = self.normal(next, at, &fit);
             (fit.difference, fit.share) = (normal.mean(), normal.pixels as f32 / self.values.len() as f32);
             observer.see(|| fit);
@@ -150,8 +149,8 @@ impl View {
             fit.light = [fit.light[0] + update[6], fit.light[1] + update[7] - update[6] * self.mean];
             let reach = self.reach as f32;
             let moved = [0, 1].map(|i| (update[2 * i].abs() + update[2 * i + 1].abs()) * reach + update[4 + i].abs());
-            if !fit.is_sound() {
-                return Err(Unfit::Astray);
+            if !fit.is_plausible() {
+                return Err(FitFailure::Diverged);
             }
             if moved[0].max(moved[1]) < EPSILON_PX {
                 break;
@@ -160,10 +159,10 @@ impl View {
         let normal = self.normal(next, at, &fit);
         (fit.difference, fit.share) = (normal.mean(), normal.pixels as f32 / self.values.len() as f32);
         observer.see(|| fit);
-        if fit.share < 0.5 { Err(Unfit::Astray) } else { Ok(fit) }
+        if fit.share < 0.5 { Err(FitFailure::Diverged) } else { Ok(fit) }
     }
 
-    /// What the pixels of the view say where it lies as `fit` says.
+    /// Returns the normal equations at `fit`.
     fn normal(&self, next: &Level, at: [f32; 2], fit: &Fit) -> Normal {
         let mut normal = Normal::default();
         for (offset, value) in offsets(self.reach).zip(&self.values) {
@@ -178,7 +177,7 @@ impl View {
         normal
     }
 
-    /// The view as it lies in `next`, in its own light, row by row; NaN outside the picture.
+    /// Returns the window of `next` warped to the view, with its illumination; NaN outside the frame.
     pub fn warped(&self, next: &Level, at: [f32; 2], fit: &Fit) -> Vec<f32> {
         let value = |offset| {
             let place = place(at, fit, offset);
@@ -189,7 +188,7 @@ impl View {
 }
 
 impl Normal {
-    /// Adds a pixel: the gradient where it lies, its place in the view, its gray value there off the mean, and how far off it is.
+    /// Adds a pixel: its gradient, its offset in the view, its gray value minus the mean, and its residual.
     fn add(&mut self, [gx, gy]: [f64; 2], [i, j]: [f64; 2], value: f64, off: f64) {
         let row = [gx * i, gx * j, gy * i, gy * j, gx, gy, -value, -1.0];
         for (sums, a) in self.matrix.iter_mut().zip(row) {
@@ -200,7 +199,7 @@ impl Normal {
         self.pixels += 1;
     }
 
-    /// What the pixels say to change; no light unless that may change.
+    /// Solves for the update; without gain and offset unless `changes_light`.
     fn update(&self, changes_light: bool) -> Option<[f64; UNKNOWNS]> {
         if changes_light {
             return solve(self.matrix, self.right);
@@ -216,18 +215,18 @@ impl Normal {
     }
 }
 
-/// The pixels of a window, from its middle.
+/// The offsets of the pixels of a window from its centre.
 fn offsets(reach: usize) -> impl Iterator<Item = [f32; 2]> {
     let reach = reach as i32;
     (-reach..=reach).flat_map(move |j| (-reach..=reach).map(move |i| [i as f32, j as f32]))
 }
 
-/// Where a pixel of the view lies.
+/// The position to which a pixel of the view maps.
 pub fn place(at: [f32; 2], fit: &Fit, [i, j]: [f32; 2]) -> [f32; 2] {
     [0, 1].map(|k| at[k] + fit.shift[k] + fit.matrix[k][0] * i + fit.matrix[k][1] * j)
 }
 
-/// The solution of symmetric equations by Cholesky's method; `None` if they do not determine it.
+/// The solution of a symmetric system by Cholesky decomposition; `None` if it is singular.
 fn solve<const N: usize>(mut a: [[f64; N]; N], mut b: [f64; N]) -> Option<[f64; N]> {
     let largest = (0..N).map(|i| a[i][i]).fold(0.0, f64::max);
     for i in 0..N {
@@ -266,7 +265,7 @@ mod tests {
     const AS_IT_WAS: Start = Start { matrix: IDENTITY, light: None };
     const IN_ANY_LIGHT: Start = Start { matrix: IDENTITY, light: Some(SAME_LIGHT) };
 
-    /// Waves that are seen as `matrix` says around (40, 30), and `shift` px farther.
+    /// Waves mapped by `matrix` around (40, 30) and shifted by `shift` px.
     fn picture(matrix: [[f64; 2]; 2], shift: [f64; 2]) -> Gray {
         let det = matrix[0][0] * matrix[1][1] - matrix[0][1] * matrix[1][0];
         Grid::from_fn(80, 60, |x, y| {
@@ -288,8 +287,8 @@ mod tests {
         ] {
             let next = Level::new(&picture(matrix, shift), 10);
             for start in [AS_IT_WAS, IN_ANY_LIGHT] {
-                let mut told = Vec::new();
-                let fit = view.fit(&next, [40.0, 30.0], start, &mut told).expect("a fit");
+                let mut fits = Vec::new();
+                let fit = view.fit(&next, [40.0, 30.0], start, &mut fits).expect("a fit");
                 assert!((fit.light[0] - 1.0).abs() < 0.01 && fit.light[1].abs() < 1.5, "{fit:?}");
                 for i in 0..2 {
                     assert!((f64::from(fit.shift[i]) - shift[i]).abs() < 0.03, "{fit:?}, not {shift:?}");
@@ -298,8 +297,8 @@ mod tests {
                     }
                 }
                 assert!(fit.difference < 1.0, "{fit:?}");
-                assert_eq!(told.last(), Some(&fit));
-                assert!(told.first().is_some_and(|first| first.difference >= fit.difference - 0.05));
+                assert_eq!(fits.last(), Some(&fit));
+                assert!(fits.first().is_some_and(|first| first.difference >= fit.difference - 0.05));
             }
         }
     }
@@ -324,37 +323,37 @@ mod tests {
         }
         let flat = Level::new(&turned.map(|v| 100 + v / 10), 10);
         let found = view.fit(&flat, [40.0, 30.0], IN_ANY_LIGHT, &mut ());
-        assert_eq!(found, Err(Unfit::Astray), "what has lost its contrast is another thing");
+        assert_eq!(found, Err(FitFailure::Diverged), "what has lost its contrast is another thing");
     }
 
     #[test]
-    fn what_cannot_be_told_is_not() {
+    fn a_singular_fit_fails() {
         let flat = Level::new(&Grid::new(40, 40, 9), 10);
         assert_eq!(
             View::new(&flat, [20.0, 20.0], 10).fit(&flat, [20.0, 20.0], AS_IT_WAS, &mut ()),
-            Err(Unfit::Unknown)
+            Err(FitFailure::Undetermined)
         );
         let first = Level::new(&picture([[1.0, 0.0], [0.0, 1.0]], [0.0; 2]), 10);
         let view = View::new(&first, [40.0, 30.0], 10);
         assert_eq!(
             view.fit(&first, [0.0, 0.0], IN_ANY_LIGHT, &mut ()),
-            Err(Unfit::Unknown),
+            Err(FitFailure::Undetermined),
             "three quarters lie outside"
         );
         let dot = Level::new(&Grid::new(1, 1, 9), 3);
-        assert_eq!(View::new(&dot, [0.0; 2], 3).fit(&dot, [0.0; 2], AS_IT_WAS, &mut ()), Err(Unfit::Unknown));
+        assert_eq!(View::new(&dot, [0.0; 2], 3).fit(&dot, [0.0; 2], AS_IT_WAS, &mut ()), Err(FitFailure::Undetermined));
     }
 
     #[test]
-    fn a_fit_beyond_reason_is_none() {
+    fn an_implausible_fit_is_rejected() {
         let fit = |matrix, shift| Fit { matrix, shift, light: SAME_LIGHT, difference: 0.0, share: 1.0 };
-        assert!(fit([[1.3, 0.2], [-0.2, 0.8]], [1.0, -1.0]).is_sound());
-        let lit = |gain| Fit { light: [gain, 9.0], ..fit(IDENTITY, [0.0; 2]) }.is_sound();
+        assert!(fit([[1.3, 0.2], [-0.2, 0.8]], [1.0, -1.0]).is_plausible());
+        let lit = |gain| Fit { light: [gain, 9.0], ..fit(IDENTITY, [0.0; 2]) }.is_plausible();
         assert!(lit(0.6) && lit(1.9) && !lit(0.4) && !lit(2.1) && !lit(-1.0));
-        assert!(!fit(IDENTITY, [4.0, 1.0]).is_sound(), "shifted");
-        assert!(!fit([[1.0, 0.95], [0.95, 1.0]], [0.0; 2]).is_sound(), "squeezed to a line");
-        assert!(!fit([[1.0, 0.0], [0.0, -1.0]], [0.0; 2]).is_sound(), "turned over");
-        assert!(!fit([[2.1, 0.0], [0.0, 1.0]], [0.0; 2]).is_sound(), "stretched");
+        assert!(!fit(IDENTITY, [4.0, 1.0]).is_plausible(), "shifted");
+        assert!(!fit([[1.0, 0.95], [0.95, 1.0]], [0.0; 2]).is_plausible(), "squeezed to a line");
+        assert!(!fit([[1.0, 0.0], [0.0, -1.0]], [0.0; 2]).is_plausible(), "turned over");
+        assert!(!fit([[2.1, 0.0], [0.0, 1.0]], [0.0; 2]).is_plausible(), "stretched");
     }
 
     #[test]

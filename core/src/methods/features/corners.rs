@@ -1,4 +1,4 @@
-//! Corner detection: a map of responses, a threshold, the suppression of all but peaks, and a choice among these.
+//! Corner detection: response map, threshold, non-maximum suppression, and selection by response and distance.
 
 use std::sync::Arc;
 
@@ -15,72 +15,78 @@ use crate::run::{
 };
 use crate::scene::{Chart, Focus, Math, Scene, Step};
 
-/// What makes a pixel a corner.
+/// A corner measure: the response as a function of the structure tensor.
 pub trait Measure: Params + Default + Clone + Send + Sync + 'static {
-    /// What there is to say about the detector.
+    /// The detector's name, source and pseudocode.
     const INFO: Info;
 
-    /// The parameters that all corner detectors have.
+    /// Returns the parameters that all corner detectors share.
     fn settings(&self) -> Settings;
 
-    /// How much of a corner a pixel is, from the means of I_x², I_x I_y and I_y² around it.
+    /// Returns the corner response from the windowed means of I_x², I_x I_y and I_y².
     fn response(&self, tensor: [f32; 3]) -> f32;
 
-    /// What is painted of a response, for the legend.
+    /// The displayed function of the response, for the legend.
     const SHOWN: &'static str;
 
-    /// A response as it is painted, in gray levels per px, so that more than the strongest few can be told apart.
+    /// Returns the displayed value of a response, compressed so that weak responses stay visible.
     fn shown(response: f32) -> f32;
 
-    /// The response in symbols and in numbers.
+    /// Returns the response in symbols and in numbers.
     fn equation(&self, tensor: &Tensor) -> [Math; 2];
+
+    /// Explains sign and size of a response by the eigenvalues, as a whole sentence.
+    fn meaning(&self, eigenvalues: [f32; 2], response: f32) -> String;
 }
 
-/// The corners that `M` measures.
+/// The corner detector with the measure `M`.
 #[derive(Clone, Debug, Default)]
 pub struct Corners<M>(pub M);
 
 inner_params!(Corners<M: Measure>);
 
-/// What a run reads and writes.
+/// Both eigenvalues below this are a flat area, in (gray levels per px)².
+pub const FLAT_AREA: f32 = 0.05;
+
+/// The state of a run.
 #[derive(Clone)]
 pub struct State {
     /// Frame t.
     pub(super) picture: Arc<Frame>,
-    /// The responses; of rows that have not come yet, 0.
+    /// The response map; 0 in rows not yet computed.
     pub(super) map: Arc<Grid<f32>>,
     pub(super) largest: f32,
     pub(super) stage: Stage,
-    /// The row that comes next in this stage.
+    /// The next row of this stage.
     pub(super) row: usize,
-    /// The local maxima over the threshold, later the strongest first.
+    /// The local maxima; once ranked, in order of decreasing response.
     pub(super) peaks: Vec<u32>,
     pub(super) kept: Vec<u32>,
 }
 
-/// What is done.
+/// The stages of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Stage {
-    /// The map of responses, a row each unit.
+    /// The response map, a row per unit.
     Response,
-    /// All but the local maxima over the threshold are suppressed, a row each unit.
+    /// Threshold and non-maximum suppression, a row per unit.
     Suppression,
-    /// The strongest are kept at their distance, in one unit.
+    /// Selection by response and distance, in one unit.
     Choice,
 }
 
-/// What happens inside a unit.
+/// An event of a unit.
 #[derive(Clone, Copy, Debug)]
 pub enum Event {
-    /// The next pixel of the row has this response.
+    /// The response of the next pixel of the row.
     Response(f32),
-    /// A row is looked through for responses over the threshold.
+    /// The threshold is applied to a row.
     Row,
-    /// A pixel of it that is over the threshold, and the neighbour that suppresses it, if one does.
+    /// A pixel that reaches the threshold, and the neighbour that suppresses it, if one does.
     Over((usize, usize), Option<(usize, usize)>),
-    /// The peaks are in order.
+    /// The local maxima are ranked.
     Ranked,
-    /// The next peak, and the one kept before that it is too near to, if there is one.
+    /// The next local maximum, and the corner within min-distance that rejects it, if there is one.
     Peak(u32, Option<u32>),
 }
 
@@ -95,7 +101,7 @@ impl State {
         Self { picture, map, largest: 0.0, stage: Stage::Response, row: 0, peaks: Vec::new(), kept: Vec::new() }
     }
 
-    /// The place of a pixel that is counted row by row.
+    /// Returns the position of a row-major index.
     pub(super) fn place(&self, index: u32) -> (usize, usize) {
         let width = self.map.width();
         (index as usize % width, index as usize / width)
@@ -109,7 +115,7 @@ impl State {
         Progress::More
     }
 
-    /// The features as others know them.
+    /// Returns the corners as features.
     fn features(&self) -> PointField {
         let feature = |&index: &u32| {
             let (x, y) = self.place(index);
@@ -134,7 +140,7 @@ impl<M: Measure> Corners<M> {
         Tensors { picture, scheme: derivatives, window: weights.window(window / 2) }
     }
 
-    /// The responses of all pixels of a picture.
+    /// Returns the response map of an image.
     pub(crate) fn map(&self, picture: &Gray, threads: &Threads) -> Grid<f32> {
         let (width, height) = picture.size();
         let rows = threads.rows_at_once(height);
@@ -149,7 +155,7 @@ impl<M: Measure> Corners<M> {
         Peaks { map: &state.map, limit: self.0.settings().threshold * state.largest }
     }
 
-    /// Works out the responses of the rows from `first` on, as many as `responses` has room for.
+    /// Computes the responses of the rows from `first`, as many as `responses` holds.
     fn respond(&self, tensors: &Tensors<'_>, first: usize, responses: &mut [f32]) {
         let width = tensors.picture.width();
         tensors.rows(first..first + responses.len() / width, |y, [xx, xy, yy]| {
@@ -160,7 +166,7 @@ impl<M: Measure> Corners<M> {
         });
     }
 
-    /// Looks through row `y` for peaks.
+    /// Finds the local maxima of row `y`.
     fn suppress(&self, peaks: Peaks<'_>, y: usize, found: &mut Vec<u32>, observer: &mut impl Observer<Event>) {
         observer.see(|| Event::Row);
         for x in peaks.over(y) {
@@ -169,12 +175,12 @@ impl<M: Measure> Corners<M> {
         peaks.peaks(y, |x| found.push((y * peaks.map.width() + x) as u32));
     }
 
-    /// Keeps the strongest peaks at their distance.
+    /// Selects the strongest local maxima with the minimum distance.
     fn choose(&self, state: &mut State, observer: &mut impl Observer<Event>) {
         let Settings { min_distance, max_points, .. } = self.0.settings();
         state.peaks = rank(&state.map, &state.peaks);
         observer.see(|| Event::Ranked);
-        // Peaks are apart by themselves.
+        // Local maxima are at least 2 px apart anyway.
         let mut chosen = (min_distance > 1).then(|| Chosen::new(state.map.size(), min_distance));
         for &peak in &state.peaks {
             if state.kept.len() == max_points {
@@ -188,7 +194,7 @@ impl<M: Measure> Corners<M> {
         }
     }
 
-    /// Runs to the end from the start.
+    /// Runs from start to end.
     fn whole(&self, mut state: State, threads: &Threads) -> State {
         let height = state.map.height();
         let map = self.map(state.picture.luma(), threads);
@@ -207,7 +213,7 @@ impl<M: Measure> Corners<M> {
     }
 }
 
-/// Memory that corners take which keep a distance from each other: the map of responses and the peaks, ranked and by place.
+/// The memory of the response map and the local maxima, ranked and in buckets.
 fn need_of_corners(clip: &Clip, min_distance: usize) -> [f64; 2] {
     let (width, height) = clip.size();
     let pixels = (width * height) as f64;
@@ -265,11 +271,11 @@ impl<M: Measure> Estimator for Corners<M> {
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
-        self.told(seen)
+        self.explanation(seen)
     }
 
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        self.drawn(seen, scene);
+        self.draw_step(seen, scene);
     }
 
     fn output(&self, state: &State) -> Output {

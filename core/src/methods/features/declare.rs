@@ -1,22 +1,22 @@
-//! The pseudocode that every corner detector has, declared once.
+//! The pseudocode that all corner detectors share.
 
-/// The lines that all corner detectors have.
+/// The lines that all corner detectors share.
 pub(super) mod line {
     crate::line_names!(TAKE_DERIVATIVES, RESPOND, EACH_STRONG, SUPPRESS, EACH_PEAK, DROP_NEAR, KEEP);
 }
 
-/// The pseudocode of a corner detector, of which `response` is the line that gives the response R of a pixel.
+/// The pseudocode of a corner detector; `response` is the line that defines the response R.
 macro_rules! corner_pseudocode {
     ($response:literal) => {
         $crate::pseudocode! {
             TAKE_DERIVATIVES: "I_x, I_y ← derivatives of frame t",
             EACH_PIXEL: "for each pixel: T ← Σ w (I_x², I_x I_y; I_x I_y, I_y²) over the window around it, Σ w = 1",
             RESPOND: $response,
-            EACH_STRONG: "for each pixel with R ≥ threshold · largest R",
-            SUPPRESS: "  if a neighbour is stronger, then suppress it",
-            EACH_PEAK: "for each that is left, the strongest first",
-            DROP_NEAR: "  if one nearer than min-distance was kept, then drop it",
-            KEEP: "  else keep it, until there are max-points",
+            EACH_STRONG: "for each pixel with R ≥ threshold · max R",
+            SUPPRESS: "  suppress it unless R is the maximum of its 3×3 neighbourhood",
+            EACH_PEAK: "for each local maximum, in order of decreasing R",
+            DROP_NEAR: "  reject it if a corner was kept within min-distance",
+            KEEP: "  else keep it as a corner, up to max-points",
         }
     };
 }

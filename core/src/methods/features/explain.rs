@@ -1,11 +1,11 @@
-//! How corner detection is told and drawn.
+//! The explanation and the drawing of corner detection.
 
 use super::corners::{Corners, Event, Measure, Stage, State};
 use super::declare::line;
 use super::select::{Peaks, Settings};
 use crate::base::words::{self, pixel};
 use crate::geometry::Grid;
-use crate::methods::differential::{Tensor, explain};
+use crate::methods::differential::{Tensor, explain, numbers};
 use crate::run::Seen;
 use crate::scene::{Fact, Math, Name, Picture, Readout, Role, Scene, Sentence, Shape, Step, Tile};
 
@@ -13,18 +13,18 @@ fn point((x, y): (usize, usize)) -> [f32; 2] {
     [x as f32, y as f32]
 }
 
-/// The pixel that is explained and what is known of it.
-struct Looked {
+/// The inspected pixel with its structure tensor and response.
+struct Probe {
     place: (usize, usize),
-    /// Whether it is not the pixel at work but the one pointed at.
+    /// Whether it is the pixel pointed at rather than the current one.
     is_pointed_at: bool,
     tensor: Tensor,
     response: f32,
 }
 
 impl<M: Measure> Corners<M> {
-    /// The pixel pointed at, or else the one at work.
-    fn look(&self, seen: &Seen<Self>) -> Option<Looked> {
+    /// Returns the pixel pointed at, or else the current one.
+    fn probe(&self, seen: &Seen<Self>) -> Option<Probe> {
         let state = seen.before;
         let at_work = match seen.events.last()? {
             Event::Response(_) => (seen.events.len() - 1, state.row),
@@ -36,13 +36,14 @@ impl<M: Measure> Corners<M> {
         let place = seen.point().and_then(|point| state.map.cell_at(point)).unwrap_or(at_work);
         let is_pointed_at = place != at_work;
         let tensor = self.tensors(state).at(place);
-        Some(Looked { place, is_pointed_at, tensor, response: self.0.response([tensor.xx, tensor.xy, tensor.yy]) })
+        Some(Probe { place, is_pointed_at, tensor, response: self.0.response([tensor.xx, tensor.xy, tensor.yy]) })
     }
 
-    pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
+    pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
         let Some(last) = seen.events.last() else {
-            let sentence = "A place can be found again if gradients around it point in several directions. How much of a \
-                            corner each pixel is, its structure tensor tells.";
+            let sentence = "A corner has gradients in two directions, so it can be located and tracked without the aperture \
+                            problem. The eigenvalues λ₁ ≥ λ₂ of the structure tensor measure this: both large means corner, \
+                            one large means edge, none means flat.";
             return Step {
                 line: line::TAKE_DERIVATIVES,
                 sentence: Sentence::default().text(sentence),
@@ -57,96 +58,146 @@ impl<M: Measure> Corners<M> {
             Event::Peak(_, Some(_)) => line::DROP_NEAR,
             Event::Peak(_, None) => line::KEEP,
         };
-        let looked = self.look(seen);
-        // Words, numbers and the line speak of one pixel.
-        let (line, sentence) = match &looked {
-            Some(looked) if looked.is_pointed_at && seen.before.stage == Stage::Response => {
-                (line::RESPOND, responds(looked))
+        let probe = self.probe(seen);
+        // Sentence, numbers and line refer to one pixel.
+        let (line, sentence) = match &probe {
+            Some(probe) if probe.is_pointed_at && seen.before.stage == Stage::Response => {
+                (line::RESPOND, self.responds(probe))
             }
-            Some(looked) if looked.is_pointed_at => {
-                let (line, verdict) = self.verdict(seen, looked);
-                (line, responds(looked).text(format!(" So far: {verdict}.")))
+            Some(probe) if probe.is_pointed_at => {
+                let (line, verdict) = self.verdict(seen, probe);
+                (line, self.responds(probe).text(format!(" Status: {verdict}.")))
             }
-            looked => (at_work, self.sentence(seen, *last, looked.as_ref())),
+            probe => (at_work, self.concluded(seen, self.sentence(seen, *last, probe.as_ref()))),
         };
-        let readouts = looked.map_or_else(
-            || vec![Readout::Facts(vec![Fact { label: "Peaks", value: "none".into(), role: None }])],
-            |looked| self.readouts(seen, &looked),
+        let readouts = probe.map_or_else(
+            || vec![Readout::Facts(vec![Fact { label: "Local maxima", value: "none".into(), role: None }])],
+            |probe| self.readouts(seen, &probe),
         );
         Step { line, sentence, readouts }
     }
 
-    fn sentence(&self, seen: &Seen<Self>, event: Event, looked: Option<&Looked>) -> Sentence {
+    /// Explains eigenvalues and response of a pixel.
+    fn responds(&self, probe: &Probe) -> Sentence {
+        let eigenvalues = probe.tensor.eigenvalues();
+        let [large, small] = eigenvalues.map(numbers::gray);
+        Sentence::default()
+            .ink(Role::Reference, format!("Pixel {}", pixel(probe.place)))
+            .text(format!(": eigenvalues λ₁ = {large} and λ₂ = {small}. "))
+            .ink(Role::Result, self.0.meaning(eigenvalues, probe.response))
+    }
+
+    /// Adds the conclusion at the end of a run.
+    fn concluded(&self, seen: &Seen<Self>, sentence: Sentence) -> Sentence {
+        let Some(after) = seen.after.filter(|_| seen.before.stage == Stage::Choice) else { return sentence };
+        let (Some(first), Some(last)) = (after.kept.first(), after.kept.last()) else { return sentence };
+        let Settings { max_points, .. } = self.0.settings();
+        let response = |index: u32| numbers::gray(after.map[after.place(index)]);
+        let kept = words::counted(after.kept.len(), "corner");
+        let maxima = match after.peaks.len() {
+            1 => "1 local maximum".to_owned(),
+            count => format!("{count} local maxima"),
+        };
+        let help = match after.kept.len() == max_points {
+            true => "max-points is reached; a larger value keeps weaker corners.",
+            false => "A lower threshold or min-distance keeps more.",
+        };
+        sentence.text(format!(
+            " End of the run: {kept} from {maxima}, responses {} to {}. {help}",
+            response(*first),
+            response(*last)
+        ))
+    }
+
+    fn sentence(&self, seen: &Seen<Self>, event: Event, probe: Option<&Probe>) -> Sentence {
         let (state, peaks, said) = (seen.before, self.peaks(seen.before), Sentence::default());
         let Settings { threshold, max_points, min_distance, .. } = self.0.settings();
         match event {
-            Event::Response(_) => match looked {
-                Some(looked) => responds(looked),
-                None => said.text("The response of each pixel follows from its structure tensor."),
+            Event::Response(_) => match probe {
+                Some(probe) => self.responds(probe),
+                None => said.text("The response of each pixel is a function of its structure tensor."),
             },
-            Event::Row if peaks.over(state.row).next().is_none() => said.text(format!(
-                "No pixel of row {} can be a peak: {}.",
-                state.row,
+            Event::Row if peaks.over(state.row).next().is_none() => said.text(
                 match state.row == 0 || state.row + 1 == state.map.height() {
-                    true => "at the border, neighbours are missing".to_owned(),
-                    false => format!(
-                        "each response is below {}, which is {} % of the largest",
-                        words::number(peaks.limit),
-                        words::number(100.0 * threshold)
+                    true => format!(
+                        "Row {} is the image border: without all eight neighbours no pixel can be a local maximum.",
+                        state.row
                     ),
-                }
-            )),
+                    false => format!(
+                        "Row {}: no response reaches the threshold R = {}, {} of the largest response {}.",
+                        state.row,
+                        numbers::gray(peaks.limit),
+                        words::percent(threshold),
+                        numbers::gray(state.largest)
+                    ),
+                },
+            ),
             Event::Row => said.text(format!(
-                "The largest response is {}. Pixels of row {} that reach {} % of it, {}: {}. Each is a corner only if it is a peak.",
-                words::number(state.largest),
+                "Row {}: {} at least the threshold R = {}, {} of the largest response {}. Non-maximum suppression follows.",
                 state.row,
-                words::number(100.0 * threshold),
-                words::number(peaks.limit),
-                peaks.over(state.row).count()
+                match peaks.over(state.row).count() {
+                    1 => "1 response is".to_owned(),
+                    count => format!("{count} responses are"),
+                },
+                numbers::gray(peaks.limit),
+                words::percent(threshold),
+                numbers::gray(state.largest)
             )),
             Event::Over(place, by) => over(&peaks, place, by),
-            Event::Ranked if state.peaks.is_empty() => said.text("There is no peak, and so no corner."),
+            Event::Ranked if state.peaks.is_empty() => said.text(
+                "No response is a local maximum above the threshold, so there are no corners: the frame has no texture, \
+                 or only edges.",
+            ),
             Event::Ranked => said.text(format!(
-                "The peaks, {} in all, are put in order of strength. At most {max_points} are kept, each at least {min_distance} px \
-                 from those before.",
-                state.peaks.len()
+                "{} ranked by response. In this order at most max-points = {max_points} become corners, each at least \
+                 min-distance = {min_distance} px from those kept before.",
+                match state.peaks.len() {
+                    1 => "1 local maximum is".to_owned(),
+                    count => format!("{count} local maxima are"),
+                }
             )),
             Event::Peak(peak, near) => self.chosen(seen, peak, near),
         }
     }
 
-    /// What becomes of a peak.
+    /// Explains the selection of a local maximum.
     fn chosen(&self, seen: &Seen<Self>, peak: u32, near: Option<u32>) -> Sentence {
         let state = seen.before;
         let response = |peak: u32| state.map[state.place(peak)];
-        let with = format!(" with {}", words::number(response(peak)));
-        let said = Sentence::default().text("Peak ");
+        let with = format!(", R = {},", numbers::gray(response(peak)));
+        let said = Sentence::default().text("Local maximum ");
         let Some(near) = near else {
             let count = seen.events.iter().filter(|event| matches!(event, Event::Peak(_, None))).count();
-            return said.ink(Role::Result, pixel(state.place(peak))).text(format!("{with} is kept: corner {count}."));
+            return said
+                .ink(Role::Result, pixel(state.place(peak)))
+                .text(format!("{with} has no stronger corner within min-distance: kept as corner {count}."));
         };
-        let why = if response(near) > response(peak) { "is stronger" } else { "is as strong and comes first" };
+        let why = if response(near) > response(peak) {
+            format!("has the larger response {}", numbers::gray(response(near)))
+        } else {
+            "has an equal response and comes first".into()
+        };
         said.ink(Role::Rejected, pixel(state.place(peak)))
-            .text(format!("{with} is nearer than {} px to ", self.0.settings().min_distance))
+            .text(format!("{with} is closer than min-distance = {} px to corner ", self.0.settings().min_distance))
             .ink(Role::Result, pixel(state.place(near)))
-            .text(format!(", which {why}: dropped."))
+            .text(format!(", which {why}: rejected."))
     }
 
-    fn readouts(&self, seen: &Seen<Self>, looked: &Looked) -> Vec<Readout> {
-        let (state, Looked { place, tensor, response, .. }) = (seen.before, looked);
+    fn readouts(&self, seen: &Seen<Self>, probe: &Probe) -> Vec<Readout> {
+        let (state, Probe { place, tensor, response, .. }) = (seen.before, probe);
         let fact = |label, value: String, role| Fact { label, value, role };
-        let [large, small] = tensor.eigenvalues().map(words::number);
+        let [large, small] = tensor.eigenvalues().map(numbers::gray);
         let Tensor { xx, xy, yy, .. } = *tensor;
-        let [a, b, c] = [xx, xy, yy].map(words::number);
+        let [a, b, c] = [xx, xy, yy].map(numbers::gray);
         let mut facts = vec![
             fact("Pixel", pixel(*place), Some(Role::Reference)),
-            fact("Tensor, Σ w = 1", format!("I_x² {a}, I_x I_y {b}, I_y² {c}"), None),
-            fact("Eigenvalues", format!("{large} and {small}"), None),
-            fact("Response", words::number(*response), Some(Role::Result)),
+            fact("Σ w I_x², Σ w I_x I_y, Σ w I_y²", format!("{a}, {b}, {c} (Σ w = 1)"), None),
+            fact("Eigenvalues λ₁, λ₂", format!("{large} and {small}"), None),
+            fact("Response R", numbers::gray(*response), Some(Role::Result)),
         ];
         if state.stage != Stage::Response {
-            facts.push(fact("Threshold", words::number(self.peaks(state).limit), None));
-            facts.push(fact("Verdict", self.verdict(seen, looked).1, None));
+            facts.push(fact("Threshold", numbers::gray(self.peaks(state).limit), None));
+            facts.push(fact("Status", self.verdict(seen, probe).1, None));
         }
         let tile = |label, values: Grid<f32>, range| Tile { label, role: None, values, range };
         let radius = (self.0.settings().window / 2 + 1).min(5);
@@ -155,18 +206,18 @@ impl<M: Measure> Corners<M> {
         if state.stage != Stage::Response {
             let shown = explain::around(&state.map.map(|response| M::shown(*response)), *place, radius);
             let most = shown.cells().iter().filter(|v| v.is_finite()).fold(1.0f32, |most, v| most.max(*v));
-            tiles.push(tile("Response, as painted", shown, [0.0, most]));
+            tiles.push(tile("Response, compressed", shown, [0.0, most]));
         }
         vec![Readout::Facts(facts), Readout::Equation(vec![matrix(), symbols, numbers]), Readout::Tiles(tiles)]
     }
 
-    /// What has become of a pixel by now, once all responses are known, and the line that decided it.
-    fn verdict(&self, seen: &Seen<Self>, looked: &Looked) -> (Name, String) {
-        let (state, peaks, place) = (seen.before, self.peaks(seen.before), looked.place);
+    /// Returns the status of a pixel after the response stage, and the line that decided it.
+    fn verdict(&self, seen: &Seen<Self>, probe: &Probe) -> (Name, String) {
+        let (state, peaks, place) = (seen.before, self.peaks(seen.before), probe.place);
         if !peaks.is_over(place.0, place.1) {
             let (width, height) = state.map.size();
             let is_border = place.0 == 0 || place.1 == 0 || place.0 + 1 == width || place.1 + 1 == height;
-            let why = if is_border { "at the border" } else { "below the threshold" };
+            let why = if is_border { "image border, no local maximum" } else { "below the threshold" };
             return (line::EACH_STRONG, why.into());
         }
         if let Some(by) = peaks.suppressed_by(place) {
@@ -179,18 +230,19 @@ impl<M: Measure> Corners<M> {
             _ => None,
         });
         match choice {
-            Some(None) => (line::KEEP, "corner, kept".into()),
-            Some(Some(near)) => {
-                (line::DROP_NEAR, format!("peak, nearer than {min_distance} px to {}", pixel(state.place(near))))
-            }
+            Some(None) => (line::KEEP, "corner".into()),
+            Some(Some(near)) => (
+                line::DROP_NEAR,
+                format!("local maximum, rejected within {min_distance} px of {}", pixel(state.place(near))),
+            ),
             None if seen.after.is_some() && state.stage == Stage::Choice => {
-                (line::KEEP, format!("peak, not among the {max_points} strongest"))
+                (line::KEEP, format!("local maximum, not among the {max_points} strongest"))
             }
-            None => (line::SUPPRESS, "peak".into()),
+            None => (line::SUPPRESS, "local maximum".into()),
         }
     }
 
-    pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
+    pub(super) fn draw_step(&self, seen: &Seen<Self>, scene: &mut Scene) {
         let state = seen.before;
         self.draw_map(seen, scene);
         let mut points = |role, meaning, places: Vec<(usize, usize)>| {
@@ -210,8 +262,8 @@ impl<M: Measure> Corners<M> {
                     });
                     of_row.collect::<Vec<_>>()
                 };
-                points(Role::Rejected, "suppressed by a neighbour", over(false));
-                points(Role::Best, "peak", [places(&state.peaks), over(true)].concat());
+                points(Role::Rejected, "suppressed (non-maximum)", over(false));
+                points(Role::Best, "local maximum", [places(&state.peaks), over(true)].concat());
             }
             Stage::Choice => {
                 let looked_at = |is_kept: bool| {
@@ -223,19 +275,19 @@ impl<M: Measure> Corners<M> {
                 };
                 let (kept, dropped) = (looked_at(true), looked_at(false));
                 let done: Vec<_> = kept.iter().chain(&dropped).copied().collect();
-                // What the last step left was not asked for.
+                // Beyond max-points nothing was tested.
                 let mut is_done = Grid::new(state.map.width(), state.map.height(), seen.after.is_some());
                 done.iter().for_each(|place| is_done[*place] = true);
                 let waiting = places(&state.peaks).into_iter().filter(|place| !is_done[*place]).collect();
-                points(Role::Candidate, "peak that waits", waiting);
-                points(Role::Rejected, "too near to one kept before", dropped);
+                points(Role::Candidate, "local maximum, not yet tested", waiting);
+                points(Role::Rejected, "rejected by min-distance", dropped);
                 points(Role::Result, "corner", kept);
             }
         }
         self.draw_pixel(seen, scene);
     }
 
-    /// The responses so far; in later stages only those over the threshold.
+    /// Draws the responses so far; in later stages only those that reach the threshold.
     fn draw_map(&self, seen: &Seen<Self>, scene: &mut Scene) {
         let (state, peaks) = (seen.before, self.peaks(seen.before));
         let (width, height) = state.map.size();
@@ -252,14 +304,14 @@ impl<M: Measure> Corners<M> {
     }
 
     fn draw_pixel(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        let Some(looked) = self.look(seen) else { return };
-        let (x, y) = (looked.place.0 as i32, looked.place.1 as i32);
+        let Some(probe) = self.probe(seen) else { return };
+        let (x, y) = (probe.place.0 as i32, probe.place.1 as i32);
         let Settings { window, min_distance, .. } = self.0.settings();
         if let (Some(Event::Peak(..)), None) = (seen.events.last(), seen.point()) {
             let radius = min_distance as f32;
-            let shape = Shape::Ellipse { center: point(looked.place), radii: [radius; 2], angle_rad: 0.0 };
+            let shape = Shape::Ellipse { center: point(probe.place), radii: [radius; 2], angle_rad: 0.0 };
             scene.mark(Picture::CURRENT, Role::Window, shape);
-            scene.legend(Role::Window, "least distance");
+            scene.legend(Role::Window, "min-distance");
         } else {
             let reach = (window / 2) as i32;
             let side = 2 * reach as usize + 1;
@@ -267,45 +319,35 @@ impl<M: Measure> Corners<M> {
             scene.legend(Role::Window, "window");
         }
         scene.mark(Picture::CURRENT, Role::Reference, Shape::pixels(x, y, 1, 1));
-        scene.legend(Role::Reference, "pixel");
+        scene.legend(Role::Reference, "inspected pixel");
     }
 }
 
 impl State {
-    /// The place of the strongest peak.
+    /// Returns the position of the strongest local maximum.
     fn strongest(&self) -> Option<(usize, usize)> {
         let better = |a: u32, b: u32| if self.map[self.place(b)] > self.map[self.place(a)] { b } else { a };
         self.peaks.iter().copied().reduce(better).map(|peak| self.place(peak))
     }
 }
 
-/// How much of a corner a pixel is.
-fn responds(looked: &Looked) -> Sentence {
-    let [large, small] = looked.tensor.eigenvalues().map(words::number);
-    Sentence::default()
-        .ink(Role::Reference, format!("Pixel {}", pixel(looked.place)))
-        .text(format!(" has a tensor with eigenvalues {large} and {small}. Its response is "))
-        .ink(Role::Result, words::number(looked.response))
-        .text(".")
-}
-
-/// What becomes of a pixel over the threshold, which `by` suppresses, if there is such a neighbour.
+/// Non-maximum suppression of a pixel that reaches the threshold; `by` is the neighbour that suppresses it.
 fn over(peaks: &Peaks<'_>, place: (usize, usize), by: Option<(usize, usize)>) -> Sentence {
-    let (said, response) = (Sentence::default(), |place| words::number(peaks.map[place]));
+    let (said, response) = (Sentence::default(), |place| numbers::gray(peaks.map[place]));
+    let limit = numbers::gray(peaks.limit);
     let Some(by) = by else {
-        let limit = words::number(peaks.limit);
         return said.ink(Role::Best, format!("Pixel {}", pixel(place))).text(format!(
-            " has {}, over the threshold of {limit}, and no neighbour is stronger: a peak.",
+            ": R = {} reaches the threshold of {limit} and no neighbour has a larger response: a local maximum.",
             response(place)
         ));
     };
     said.ink(Role::Rejected, format!("Pixel {}", pixel(place)))
-        .text(format!(" is over the threshold with {}, but its neighbour ", response(place)))
+        .text(format!(": R = {} reaches the threshold of {limit}, but neighbour ", response(place)))
         .ink(Role::Best, pixel(by))
         .text(if peaks.map[by] > peaks.map[place] {
-            format!(" has {}: suppressed.", response(by))
+            format!(" has the larger response {}: suppressed.", response(by))
         } else {
-            " is as strong and comes first: suppressed.".into()
+            " has an equal response and comes first: suppressed.".into()
         })
 }
 

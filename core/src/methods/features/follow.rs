@@ -1,92 +1,92 @@
-//! Following one point from the coarsest level of a pyramid to the picture: J.-Y. Bouguet's algorithm.
+//! Pyramidal Lucas–Kanade for one point, coarse to fine: J.-Y. Bouguet's algorithm.
 
 use super::tracker::{Level, Mismatch, Template};
 use crate::base::{Mapped, Observer};
 use crate::methods::differential::{Tensor, Texture};
 use crate::products::Status;
 
-/// How points are followed.
+/// The parameters of the tracking.
 #[derive(Clone, Copy, Debug)]
 pub struct Follow {
-    /// How far a window reaches from its middle, in px of any level.
+    /// Radius of the window, in px of any level.
     pub reach: usize,
-    /// At most so many updates on each level.
+    /// Largest number of iterations per level.
     pub iterations: usize,
-    /// An update shorter than this, in px of its level, is the last there.
+    /// Stopping criterion: the iterations end with a shorter increment, in px of the level.
     pub epsilon: f32,
-    /// The least that the smaller eigenvalue of a window's tensor must be, in (gray levels per px)².
+    /// Smallest accepted eigenvalue λ₂ of the window's structure tensor, in (gray levels per px)².
     pub threshold: f32,
-    /// How much a window may differ on average where it led to, in gray levels.
+    /// Largest accepted mean absolute difference of the windows, in gray levels.
     pub max_residual: f32,
 }
 
-/// What happens to a point on one level; displacements are in px of the level.
+/// An event of the tracking on one level; displacements are in px of the level.
 #[derive(Clone, Copy, Debug)]
 pub enum Event {
-    /// Its window in frame t has this tensor.
+    /// The structure tensor of its window in frame t.
     Window(Tensor),
-    /// Its window was laid at `from` in frame t + 1, and moves by `update`.
+    /// An iteration at displacement `from` with the increment `update`.
     Iteration {
         /// The displacement before.
         from: [f32; 2],
-        /// How the window fits there.
+        /// The mismatch of the windows there.
         mismatch: Mismatch,
-        /// What is added to the displacement.
+        /// The increment.
         update: [f32; 2],
     },
-    /// A coarse level is done: with this displacement, which is the guess where the level can say nothing, and why it cannot.
-    Handed([f32; 2], Option<Status>),
-    /// The picture itself is done: with this displacement, and with the residual or why the point is lost.
+    /// The end of a coarse level: the displacement, or the unchanged guess with the reason.
+    PassedDown([f32; 2], Option<Status>),
+    /// The end of level 0: the displacement, with the residual or the reason of the loss.
     End([f32; 2], Result<f32, Status>),
 }
 
-/// What a point has come to on a level.
+/// The result of a level.
 #[derive(Clone, Copy, Debug)]
-pub enum Followed {
-    /// On a coarse one: the guess for the next finer, in px of that.
+pub enum LevelResult {
+    /// Of a coarse level: the initial guess of the next finer, in its px.
     Guess([f32; 2]),
-    /// On the picture itself: the displacement, and the residual or why the point is lost.
+    /// Of level 0: the displacement, with the residual or the reason of the loss.
     Done([f32; 2], Result<f32, Status>),
 }
 
 impl Follow {
-    /// Whether an update is so short that it is the last one on its level.
+    /// Whether an increment meets the stopping criterion.
     pub fn converges(&self, update: [f32; 2]) -> bool {
         update[0].hypot(update[1]) < self.epsilon
     }
 
-    /// Follows the point at `at`, in px of the picture, on one level of both frames, beginning with a guess.
+    /// Tracks the point at `at`, in px of level 0, on one level, from an initial guess.
     pub fn on_level(
         &self,
         pyramids: [&[Level]; 2],
         level: usize,
         (at, guess): ([f32; 2], [f32; 2]),
         observer: &mut impl Observer<Event>,
-    ) -> Followed {
+    ) -> LevelResult {
         let [current, next] = pyramids.map(|levels| &levels[level]);
         let at = at.map(|c| c / (1u32 << level) as f32);
         let template = Template::new(current, at, self.reach);
         observer.see(|| Event::Window(template.tensor));
-        let (displacement, is_told) = self.iterate((&template, next), (at, guess), observer);
+        let (displacement, outcome) = self.iterate((&template, next), (at, guess), observer);
         if level > 0 {
-            let displacement = if is_told.is_ok() { displacement } else { guess };
-            observer.see(|| Event::Handed(displacement, is_told.err()));
-            return Followed::Guess(displacement.map(|c| 2.0 * c));
+            let displacement = if outcome.is_ok() { displacement } else { guess };
+            observer.see(|| Event::PassedDown(displacement, outcome.err()));
+            return LevelResult::Guess(displacement.map(|c| 2.0 * c));
         }
-        let result = is_told.and_then(|()| {
+        let result = outcome.and_then(|()| {
             let residual = template.mismatch(next, [0, 1].map(|i| at[i] + displacement[i])).residual;
             if residual > self.max_residual { Err(Status::Unlike) } else { Ok(residual) }
         });
         observer.see(|| Event::End(displacement, result));
-        Followed::Done(displacement, result)
+        LevelResult::Done(displacement, result)
     }
 
-    /// Whether the gradients of a window say too little in one direction.
-    fn is_flat(&self, tensor: &Tensor) -> bool {
+    /// Whether a window is ill-conditioned: λ₂ below the threshold.
+    pub fn is_flat(&self, tensor: &Tensor) -> bool {
         tensor.texture(self.threshold) != Texture::Corner
     }
 
-    /// Moves the window until it fits.
+    /// Iterates until convergence.
     fn iterate(
         &self,
         (template, next): (&Template, &Level),
@@ -103,7 +103,7 @@ impl Follow {
                 return (displacement, Err(Status::Outside));
             }
             let mismatch = template.mismatch(next, place);
-            // What is left of a window that lies partly outside may say too little.
+            // The part of the window inside the frame may be ill-conditioned.
             if self.is_flat(&mismatch.tensor) {
                 return (displacement, Err(Status::Outside));
             }
@@ -119,7 +119,7 @@ impl Follow {
         (displacement, if is_inside { Ok(()) } else { Err(Status::Outside) })
     }
 
-    /// Follows the point at `at` through all levels before the eyes of `observer`, beginning without a guess.
+    /// Tracks the point at `at` through all levels, from zero displacement.
     pub fn through(
         &self,
         pyramids: [&[Level]; 2],
@@ -130,11 +130,11 @@ impl Follow {
         for level in (0..pyramids[0].len()).rev() {
             let mut on_level = Mapped { observer: &mut *observer, map: |event| (level, event) };
             match self.on_level(pyramids, level, (at, guess), &mut on_level) {
-                Followed::Guess(finer) => guess = finer,
-                Followed::Done(displacement, result) => return (displacement, result),
+                LevelResult::Guess(finer) => guess = finer,
+                LevelResult::Done(displacement, result) => return (displacement, result),
             }
         }
-        // A pyramid has at least the picture.
+        // A pyramid has at least level 0.
         (guess, Err(Status::Flat))
     }
 }

@@ -1,20 +1,21 @@
-//! What is done with features: places of a picture that can be told from all around them. They are found by their structure
-//! tensors and tracked by Lucas and Kanade's method.
+//! Feature detection by structure tensors, and feature tracking by Lucas and Kanade's method.
 
-mod account;
 pub mod affine;
+mod conclusion;
 mod corners;
 mod declare;
 mod explain;
 pub mod follow;
+mod level_trace;
 mod response;
 mod select;
 mod trace;
 pub mod tracker;
 pub(crate) mod trails;
 
-pub use account::{Account, why};
-pub use corners::{Corners, Measure};
+pub use conclusion::conclusion;
+pub use corners::{Corners, FLAT_AREA, Measure};
 pub(crate) use declare::corner_pseudocode;
+pub use level_trace::{LevelTrace, why};
 pub use select::{Settings, spread};
 pub use trace::Trace;

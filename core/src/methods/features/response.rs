@@ -1,4 +1,4 @@
-//! The structure tensors of one picture, row by row.
+//! Structure tensors of one image, row by row.
 
 use std::ops::Range;
 
@@ -9,13 +9,13 @@ use crate::geometry::{
 };
 use crate::methods::differential::{Scheme, Tensor, Window};
 
-/// The structure tensors of a picture.
+/// The structure tensors of an image.
 pub struct Tensors<'a> {
-    /// The picture.
+    /// The image.
     pub picture: &'a Gray,
-    /// How derivatives are taken.
+    /// The derivative kernel.
     pub scheme: Scheme,
-    /// The window under which their products are averaged, as far as it lies in the picture.
+    /// The averaging window; its part outside the image has weight 0.
     pub window: Window,
 }
 
@@ -23,8 +23,8 @@ pub struct Tensors<'a> {
 type Products = [Vec<f32>; 3];
 
 impl Tensors<'_> {
-    /// Tells of each of `rows` its number and the means of I_x², I_x I_y and I_y² of its pixels, with the widest registers
-    /// there are; all give the same.
+    /// Calls `tell` with the number of each of `rows` and the windowed means of I_x², I_x I_y and I_y² of its pixels, with the widest
+    /// registers available; all give the same result.
     pub fn rows(&self, rows: Range<usize>, tell: impl FnMut(usize, [&[f32]; 3])) {
         wide! {
             fn wide(of: &Tensors, rows: Range<usize>, tell: impl FnMut(usize, [&[f32]; 3])) = Tensors::rows_anyhow
@@ -36,7 +36,7 @@ impl Tensors<'_> {
     fn rows_anyhow(&self, rows: Range<usize>, mut tell: impl FnMut(usize, [&[f32]; 3])) {
         let ((width, height), reach) = (self.picture.size(), self.window.reach());
         let side = 2 * reach + 1;
-        // The rows under the window, of which the oldest gives way to the next.
+        // A ring buffer of the rows in the window.
         let mut ring: Vec<Products> = vec![[const { Vec::new() }; 3]; side];
         let (mut next, mut control) = (rows.start.saturating_sub(reach), [const { Vec::new() }; 3]);
         let share = |at: usize, extent: usize| 1.0 / self.window.inside(at, extent).1.iter().sum::<f32>();
@@ -60,14 +60,14 @@ impl Tensors<'_> {
         }
     }
 
-    /// Memory that the rows under the window take while they are worked out, in bytes.
+    /// Returns the working memory of the rows in the window, in bytes.
     pub fn bytes(&self) -> usize {
-        // Of each row three products; and the means of one, with what they are made from.
+        // Three products per row; the means of one row, and their intermediate results.
         let rows = 3 * (2 * self.window.reach() + 1) + 3 + 3;
         rows * self.picture.width() * size_of::<f32>()
     }
 
-    /// The products of row `y`.
+    /// Computes the products of row `y`.
     #[inline(always)]
     fn products(&self, y: usize, products: &mut Products, [row, x, across]: &mut [Vec<f32>; 3]) {
         let (width, height) = self.picture.size();
@@ -83,7 +83,7 @@ impl Tensors<'_> {
         }
     }
 
-    /// The tensor of one pixel.
+    /// Returns the tensor of one pixel.
     pub fn at(&self, (x, y): (usize, usize)) -> Tensor {
         let mut tensor = Tensor::default();
         self.rows(y..y + 1, |_, [xx, xy, yy]| tensor = Tensor { xx: xx[x], xy: xy[x], yy: yy[x], ..Tensor::default() });

@@ -1,4 +1,4 @@
-//! Which places of a map of responses are features.
+//! Selection of features from a response map: threshold, non-maximum suppression, minimum distance.
 
 use crate::geometry::Grid;
 use crate::methods::differential::{Scheme, Weights};
@@ -6,35 +6,35 @@ use crate::params;
 use crate::products::PointField;
 
 params! {
-    /// How corners are found, whatever measures them.
+    /// Parameters that all corner detectors share.
     #[derive(Copy)]
     pub struct Settings {
-        /// Side of the window of the structure tensor; an even one reaches as far as the next odd one.
+        /// Side of the window of the structure tensor; an even side is rounded up.
         window: usize = 5, 3..=31, "px";
-        /// How much the pixels of the window count.
+        /// Weights w of the pixels in the window.
         weights: Weights = Weights::Gaussian;
-        /// How derivatives are estimated from pixels.
+        /// Kernel that estimates the derivatives I_x and I_y.
         derivatives: Scheme = Scheme::Sobel;
-        /// The least response of a corner, as a share of the largest in the picture.
+        /// Smallest response of a corner, relative to the largest response in the frame (quality level). Lower values find more and weaker corners.
         threshold: f32 = 0.01, 0.0..=1.0;
-        /// From a corner to the next stronger one it is at least this far; 0 allows any distance.
+        /// Smallest distance between two corners; the stronger one is kept. 0 allows any distance.
         min_distance: usize = 7, 0..=100, "px";
-        /// At most so many corners are kept, the strongest.
+        /// Largest number of corners; the strongest are kept.
         max_points: usize = 500, 1..=100_000;
     }
 }
 
-/// A map of responses with a response below which there is no corner.
+/// A response map with its threshold.
 #[derive(Clone, Copy)]
 pub struct Peaks<'a> {
     /// The responses.
     pub map: &'a Grid<f32>,
-    /// The least that counts.
+    /// The threshold.
     pub limit: f32,
 }
 
 impl Peaks<'_> {
-    /// Whether `(x, y)` is over the threshold. A pixel at the border has no neighbours on one side: it is none.
+    /// Whether `(x, y)` reaches the threshold. Border pixels lack neighbours and never do.
     #[inline(always)]
     pub fn is_over(&self, x: usize, y: usize) -> bool {
         let (width, height) = self.map.size();
@@ -47,15 +47,15 @@ impl Peaks<'_> {
         (response > 0.0) & (response >= self.limit)
     }
 
-    /// The pixels of row `y` that are over the threshold.
+    /// Returns the pixels of row `y` that reach the threshold.
     pub fn over(&self, y: usize) -> impl Iterator<Item = usize> {
         let (width, height) = self.map.size();
         let inner = if y > 0 && y + 1 < height && width > 2 { &self.map.row(y)[1..width - 1] } else { &[] };
         inner.iter().enumerate().filter(|(_, response)| self.reaches(**response)).map(|(i, _)| i + 1)
     }
 
-    /// Tells of each peak of row `y`: those over the threshold of whose eight neighbours none is stronger, or as strong and
-    /// first.
+    /// Calls `tell` with each local maximum of row `y`: pixels that reach the threshold and have no larger neighbour, nor an equal
+    /// one earlier in raster order.
     #[inline(always)]
     pub fn peaks(&self, y: usize, mut tell: impl FnMut(usize)) {
         const LANES: usize = 16;
@@ -66,7 +66,7 @@ impl Peaks<'_> {
         let rows = [y - 1, y, y + 1].map(|y| self.map.row(y));
         let mut start = 1;
         while start + LANES < width {
-            // Whole chunks, so that the compiler makes vector instructions of it.
+            // Whole chunks become vector instructions.
             let lanes = |row: usize, x: usize| &rows[row][x..x + LANES];
             let [above, here, below] = [0, 1, 2].map(|row| [start - 1, start, start + 1].map(|x| lanes(row, x)));
             let mut is_peak = [false; LANES];
@@ -84,7 +84,7 @@ impl Peaks<'_> {
         (start..width - 1).filter(|&x| self.reaches(rows[1][x]) && self.is_peak((x, y))).for_each(tell);
     }
 
-    /// Whether none of the eight neighbours of `(x, y)` is stronger, or as strong and first.
+    /// Whether `(x, y)` is a local maximum of its 3×3 neighbourhood; of equal neighbours the first in raster order is.
     #[inline(always)]
     pub fn is_peak(&self, (x, y): (usize, usize)) -> bool {
         let [above, here, below] = [y - 1, y, y + 1].map(|y| &self.map.row(y)[x - 1..x + 2]);
@@ -93,7 +93,7 @@ impl Peaks<'_> {
         beats_earlier && response >= here[2] && below.iter().all(|other| response >= *other)
     }
 
-    /// The neighbour that suppresses `(x, y)`, if it is no peak: the strongest of those that keep it from being one.
+    /// Returns the largest neighbour that suppresses `(x, y)`, if it is no local maximum.
     pub fn suppressed_by(&self, (x, y): (usize, usize)) -> Option<(usize, usize)> {
         let here = self.map[(x, y)];
         let around = (y - 1..=y + 1).flat_map(|j| (x - 1..=x + 1).map(move |i| (i, j)));
@@ -106,38 +106,38 @@ impl Peaks<'_> {
     }
 }
 
-/// Peaks in the order in which they are chosen: the strongest first, then row by row.
+/// Local maxima in order of decreasing response, equal ones in raster order.
 pub fn rank(map: &Grid<f32>, peaks: &[u32]) -> Vec<u32> {
     let mut ranked: Vec<(f32, u32)> = peaks.iter().map(|&peak| (map.cells()[peak as usize], peak)).collect();
     ranked.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
     ranked.into_iter().map(|(_, peak)| peak).collect()
 }
 
-/// Those that were chosen, by place, so that one too near is found at once.
+/// The chosen points in a grid of buckets, for fast distance tests.
 pub struct Chosen {
     min_distance: usize,
     width: usize,
-    /// The chosen ones in squares as wide as the least distance.
+    /// The chosen points in buckets as wide as the minimum distance.
     squares: Grid<Vec<u32>>,
 }
 
 impl Chosen {
-    /// None so far, in a picture of a `size`.
+    /// Returns no points, for an image of this size.
     pub fn new((width, height): (usize, usize), min_distance: usize) -> Self {
         let side = min_distance.max(1);
         let squares = Grid::new(width.div_ceil(side), height.div_ceil(side), Vec::new());
         Self { min_distance, width, squares }
     }
 
-    /// Holds a place, however near others are.
+    /// Adds a point regardless of its distance to others.
     pub fn hold(&mut self, place: u32) {
         let (side, place_of) = (self.min_distance.max(1), place as usize);
         self.squares[(place_of % self.width / side, place_of / self.width / side)].push(place);
     }
 
-    /// Takes `peak` unless one that was taken before is too near: then gives that.
+    /// Adds `peak`, or returns a chosen point within the minimum distance.
     pub fn take(&mut self, peak: u32) -> Option<u32> {
-        // Even where any distance is allowed, a place is taken once.
+        // Even without a minimum distance each position is taken once.
         let side = self.min_distance.max(1);
         let place = |peak: u32| (peak as usize % self.width, peak as usize / self.width);
         let (x, y) = place(peak);
@@ -157,7 +157,7 @@ impl Chosen {
     }
 }
 
-/// The first `most` of `points` that keep their distance, in px, from those before them and from the places `taken`.
+/// The first `most` of `points` with a minimum distance, in px, from each other and from the positions `taken`.
 pub fn spread(
     points: &PointField,
     taken: impl Iterator<Item = [f32; 2]>,
@@ -175,7 +175,7 @@ pub fn spread(
     places.filter(|at| chosen.take(nearest(*at)).is_none()).take(most).collect()
 }
 
-/// The largest of `values`, 0 if there is none.
+/// The largest of `values`; 0 if there is none.
 pub fn largest(values: &[f32]) -> f32 {
     const LANES: usize = 8;
     let (chunks, rest) = values.as_chunks::<LANES>();

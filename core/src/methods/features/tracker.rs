@@ -1,4 +1,4 @@
-//! Windows of a frame and how they fit to places of the next, to a fraction of a pixel (J.-Y. Bouguet, 2000).
+//! Templates and their mismatch with windows of the next frame, with sub-pixel accuracy (J.-Y. Bouguet, 2000).
 
 #[cfg(target_arch = "x86_64")]
 mod x86;
@@ -9,24 +9,24 @@ use crate::base::wide::wide;
 use crate::geometry::{Gray, Grid, pyramid::halvings};
 use crate::methods::differential::Tensor;
 
-/// Pixels that are worked on at once.
+/// Pixels per vector.
 const LANES: usize = 8;
 type Lanes = [f32; LANES];
-/// A row of the longest window, with a px more on either side and what fills its last lanes.
+/// A row of the largest window with 1 px of margin on either side, padded to whole vectors.
 type Row = [Lanes; 5];
 
-/// A picture whose edge is repeated around it, as far as windows reach.
+/// A pyramid level with a replicated border as wide as the window radius.
 pub struct Level {
     size: (usize, usize),
-    /// The last column and row that it stands for; of a coarse level they lie between its last pixel and the next.
+    /// The last column and row of level 0, in px of this level.
     last: [f32; 2],
     margin: usize,
     pixels: Gray,
 }
 
 impl Level {
-    /// The levels of a pyramid over `picture`, itself first, for windows that reach `reach` px each way: `count` of them, or
-    /// as many as leave no side of less than 16 px.
+    /// Returns the pyramid of `picture`, level 0 first, for windows of radius `reach` px: `count` levels, or as many as leave at
+    /// least 16 px per side.
     pub fn pyramid(picture: &Gray, count: usize, reach: usize) -> Vec<Self> {
         let (width, height) = picture.size();
         let level = |(n, level): (usize, &Gray)| {
@@ -36,10 +36,10 @@ impl Level {
         halvings(picture, count).iter().enumerate().map(level).collect()
     }
 
-    /// `picture`, for windows that reach `reach` px each way.
+    /// Returns `picture` as a level for windows of radius `reach` px.
     pub fn new(picture: &Gray, reach: usize) -> Self {
         let (width, height) = picture.size();
-        // One px more for differences, one for what lies between pixels, and the lanes that hang over.
+        // One px for differences, one for interpolation, and the overhang of the last vector.
         let (margin, beyond) = (reach + 2, reach + 2 + LANES);
         let mut pixels = Grid::new(width + margin + beyond, height + 2 * margin, 0);
         for y in 0..pixels.height() {
@@ -52,22 +52,22 @@ impl Level {
         Self { size: (width, height), last: [width, height].map(|side| (side - 1) as f32), margin, pixels }
     }
 
-    /// Width and height in px.
+    /// Returns width and height in px.
     pub fn size(&self) -> (usize, usize) {
         self.size
     }
 
-    /// Memory that it takes, in bytes.
+    /// Returns the size in memory, in bytes.
     pub fn bytes(&self) -> usize {
         size_of_val(self.pixels.cells())
     }
 
-    /// Whether a place lies in the picture.
+    /// Whether a position lies in the frame.
     pub fn holds(&self, at: [f32; 2]) -> bool {
         at.iter().zip(self.last).all(|(c, last)| (0.0..=last).contains(c))
     }
 
-    /// Which columns and rows of a window around a place that reaches `reach` px each way lie between pixels of the picture.
+    /// Returns the columns and rows of a window of radius `reach` around a position that lie in the frame.
     fn within(&self, at: [f32; 2], reach: usize) -> [Range<usize>; 2] {
         let side = 2 * reach + 1;
         let span = |c: f32, extent: usize| {
@@ -78,17 +78,16 @@ impl Level {
         [span(at[0], self.size.0), span(at[1], self.size.1)]
     }
 
-    /// The gray value at a place, as far as the margin goes.
+    /// Returns the interpolated gray value at a position, within the margin.
     pub fn sample(&self, [x, y]: [f32; 2]) -> f32 {
         self.pixels.sample(x + self.margin as f32, y + self.margin as f32)
     }
 
-    /// The gray value at a place, and half of what it changes by from a px before to a px after, along x and y; the place lies
-    /// a px or more inside the picture.
+    /// Returns the gray value and its gradient by central differences at a position at least 1 px inside the frame.
     pub fn slope(&self, [x, y]: [f32; 2]) -> (f32, [f32; 2]) {
         let ([i, j], [fx, fy]) = self.corner([x, y], 1);
         let mix = |a: f32, b: f32, share: f32| a + (b - a) * share;
-        // Rows from the one above to the second below, and in each what lies between its pixels.
+        // The four rows around the position, each interpolated horizontally.
         let rows: [&[u8]; 4] = [0, 1, 2, 3].map(|k| &self.pixels.row(j + k)[i..i + 4]);
         let between = |k: usize, c: usize| mix(f32::from(rows[k][c]), f32::from(rows[k][c + 1]), fx);
         let [above, top, bottom, below] = [0, 1, 2, 3].map(|k| between(k, 1));
@@ -97,19 +96,19 @@ impl Level {
         (mix(top, bottom, fy), [(beside(2) - beside(0)) / 2.0, down / 2.0])
     }
 
-    /// Whether a place lies a px or more inside the picture.
+    /// Whether a position lies at least 1 px inside the frame.
     pub fn holds_around(&self, at: [f32; 2]) -> bool {
         at.iter().zip(self.last).all(|(c, last)| (1.0..=last - 1.0).contains(c))
     }
 
-    /// The first pixel under a window around a place that reaches `reach` px, and how far the place lies beyond it.
+    /// Returns the first pixel of a window of radius `reach` around a position, and the fractional offset.
     #[inline(always)]
     fn corner(&self, at: [f32; 2], reach: usize) -> ([usize; 2], [f32; 2]) {
         let whole = at.map(|c| c as usize);
         ([0, 1].map(|i| whole[i] + self.margin - reach), [0, 1].map(|i| at[i] - whole[i] as f32))
     }
 
-    /// The gray values of row `y` of the padded picture from `x` on, `fraction` px further to the right each.
+    /// Interpolates row `y` of the padded image from `x`, `fraction` px to the right.
     #[inline(always)]
     fn between(&self, [x, y]: [usize; 2], fraction: f32, values: &mut [Lanes]) {
         let row = &self.pixels.row(y)[x..x + LANES * values.len() + 1];
@@ -123,18 +122,18 @@ impl Level {
     }
 }
 
-/// Pixels of a window beside each other. Those beyond its last column do not count.
+/// A vector of neighbouring pixels of a window, masked beyond its last column.
 struct Strip {
     values: Lanes,
-    /// Their gradients along x and y, 0 where they do not count.
+    /// Their gradients along x and y; 0 where masked.
     across: Lanes,
     down: Lanes,
-    /// 1 where there is a pixel of the picture that has neighbours on all sides, else 0.
+    /// The mask: 1 for pixels of the frame with neighbours on all sides, else 0.
     counts: Lanes,
 }
 
 impl Strip {
-    /// The pixels from column `first` on of the middle one of three rows, which begin a px before the window.
+    /// Returns the pixels from column `first` of the middle of three rows, which begin 1 px before the window.
     #[inline(always)]
     fn new([top, middle, bottom]: [&Row; 3], first: usize, counts: Lanes) -> Self {
         let from = |row: &Row, x: usize| -> Lanes { std::array::from_fn(|i| row.as_flattened()[first + x + i]) };
@@ -146,7 +145,7 @@ impl Strip {
         Self { values: from(middle, 1), across, down, counts }
     }
 
-    /// What they have more than pixels `fraction` px below the row `above`.
+    /// Returns δI: the difference from the pixels `fraction` px below the row `above`.
     #[inline(always)]
     fn off(&self, [above, below]: [&Lanes; 2], fraction: f32) -> Lanes {
         std::array::from_fn(|i| self.values[i] - (above[i] + (below[i] - above[i]) * fraction))
@@ -156,27 +155,27 @@ impl Strip {
 /// A window of frame t with its gradients.
 pub struct Template {
     reach: usize,
-    /// Row by row, `strips_in_row` of each.
+    /// The strips, row by row, `strips_in_row` in each.
     strips: Vec<Strip>,
     strips_in_row: usize,
-    /// The means of the products of its gradients; those with time are not known yet.
+    /// The structure tensor; its temporal part is 0.
     pub tensor: Tensor,
 }
 
-/// How a window fits to a place of frame t + 1.
+/// The mismatch of a template at a position in frame t + 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mismatch {
-    /// The tensor of that part of the window that lies in frame t + 1 there.
+    /// The structure tensor of the part of the window inside frame t + 1.
     pub tensor: Tensor,
-    /// The means over that part of δI I_x and δI I_y, where δI is what frame t has more.
+    /// b: the means of δI I_x and δI I_y over that part, where δI = frame t − frame t + 1.
     pub vector: [f32; 2],
-    /// The mean of |δI| in gray levels.
+    /// The mean absolute difference |δI|, in gray levels.
     pub residual: f32,
 }
 
 impl Template {
-    /// The window around a place of `level` that reaches `reach` px each way. Pixels outside the picture do not
-    /// count, and neither do those at its edge: their gradients are not known.
+    /// Returns the window of radius `reach` px around a position of `level`. Pixels outside the frame and on its border, without
+    /// gradient, are masked.
     pub fn new(level: &Level, at: [f32; 2], reach: usize) -> Self {
         wide! {
             fn wide(level: &Level, at: [f32; 2], reach: usize) -> Template = Template::new_anyhow
@@ -189,7 +188,7 @@ impl Template {
         let side = 2 * reach + 1;
         let strips_in_row = side.div_ceil(LANES);
         let ([x, y], [fx, fy]) = level.corner(at, reach + 1);
-        // Three rows of the window with a px more on either side, each from the two between which it lies.
+        // Three interpolated rows of the window with 1 px of margin.
         let wide = (side + 2).div_ceil(LANES);
         let mut rows: [Row; 3] = Default::default();
         let [mut above, mut below, mut columns]: [Row; 3] = Default::default();
@@ -215,7 +214,7 @@ impl Template {
         Self { reach, tensor: sums.tensor(), strips, strips_in_row }
     }
 
-    /// How the window fits to a place in `next`, which lies in that picture.
+    /// Returns the mismatch at a position inside `next`.
     pub fn mismatch(&self, next: &Level, at: [f32; 2]) -> Mismatch {
         #[cfg(target_arch = "x86_64")]
         if let Some(mismatch) = x86::mismatch(self, next, at) {
@@ -224,7 +223,7 @@ impl Template {
         self.plain_mismatch(next, at)
     }
 
-    /// The same on any processor.
+    /// The portable version.
     fn plain_mismatch(&self, next: &Level, at: [f32; 2]) -> Mismatch {
         wide! {
             fn wide(of: &Template, next: &Level, at: [f32; 2]) -> Mismatch = Template::mismatch_anyhow
@@ -244,7 +243,7 @@ impl Template {
         differences.mismatch(self.tensor)
     }
 
-    /// The same where only some `columns` and `rows` of the window lie in `next`.
+    /// The mismatch where only some `columns` and `rows` of the window lie in `next`.
     #[inline(always)]
     fn partial_mismatch(&self, next: &Level, at: [f32; 2], [columns, rows]: [Range<usize>; 2]) -> Mismatch {
         let mut is_in = Row::default();
@@ -258,8 +257,7 @@ impl Template {
         differences.mismatch(sums.tensor())
     }
 
-    /// Lays `rows` of the window at a place in `next`, and tells of each strip how much more it has there, and which one of
-    /// its row it is.
+    /// Calls `tell` with each strip of `rows` of the window, its δI at a position in `next`, and its index in the row.
     #[inline(always)]
     fn lay(&self, next: &Level, at: [f32; 2], rows: Range<usize>, mut tell: impl FnMut(&Strip, Lanes, usize)) {
         let ([x, y], [fx, fy]) = next.corner(at, self.reach);
@@ -276,12 +274,12 @@ impl Template {
     }
 }
 
-/// The sums over a window of I_x², I_x I_y and I_y², and how many pixels count.
+/// The sums of I_x², I_x I_y, I_y² and the number of pixels.
 #[derive(Default)]
 struct Sums([Lanes; 4]);
 
 impl Sums {
-    /// Adds those pixels that `counts`, all of which count in the strip as well.
+    /// Adds the pixels of a strip under the mask `counts`.
     #[inline(always)]
     fn add(&mut self, Strip { across, down, .. }: &Strip, counts: Lanes) {
         let Self([xx, xy, yy, pixels]) = self;
@@ -294,7 +292,7 @@ impl Sums {
         }
     }
 
-    /// The means.
+    /// Returns the means.
     fn tensor(&self) -> Tensor {
         let [xx, xy, yy, pixels] = self.0.map(|sums| sums.iter().sum::<f32>());
         let mean = |sum: f32| sum / pixels.max(1.0);
@@ -302,12 +300,12 @@ impl Sums {
     }
 }
 
-/// The sums over a window of δI I_x, δI I_y and |δI|.
+/// The sums of δI I_x, δI I_y and |δI|.
 #[derive(Default)]
 struct Differences([Lanes; 3]);
 
 impl Differences {
-    /// Adds those pixels that `counts`, all of which count in the strip as well.
+    /// Adds the pixels of a strip under the mask `counts`.
     #[inline(always)]
     fn add(&mut self, strip: &Strip, off: Lanes, counts: Lanes) {
         let Self([across, down, size]) = self;
@@ -319,7 +317,7 @@ impl Differences {
         }
     }
 
-    /// The means over the pixels of a tensor.
+    /// Returns the means over the pixels of a tensor.
     fn mismatch(&self, tensor: Tensor) -> Mismatch {
         let [x, y, residual] = self.0.map(|sums| sums.iter().sum::<f32>() / tensor.pixels.max(1.0));
         Mismatch { tensor, vector: [x, y], residual }
@@ -327,14 +325,14 @@ impl Differences {
 }
 
 impl Mismatch {
-    /// The displacement that would take it away if gray values changed evenly: T⁻¹ of its vector.
+    /// Returns the increment η = T⁻¹ b.
     pub fn update(&self) -> [f32; 2] {
         let [x, y] = self.vector;
         Tensor { xt: -x, yt: -y, ..self.tensor }.solution()
     }
 }
 
-/// 1 if a coordinate lies a px or more inside a picture of that extent, else 0.
+/// 1 if a coordinate lies at least 1 px inside an image of this extent, else 0.
 #[inline(always)]
 fn inside(c: f32, extent: usize) -> f32 {
     if (1.0..=extent as f32 - 2.0).contains(&c) { 1.0 } else { 0.0 }

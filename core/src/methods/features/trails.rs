@@ -1,4 +1,4 @@
-//! How points that go through a clip are drawn, and how many there are from pair to pair.
+//! The drawing of point tracks through a clip, and the plot of their number.
 
 use std::sync::Arc;
 
@@ -6,10 +6,10 @@ use crate::products::Track;
 use crate::run::Span;
 use crate::scene::{Arrow, Picture, Readout, Role, Scene, Series, Shape};
 
-/// So many frames back a trail reaches.
+/// Length of a trail, in frames.
 const TRAIL_FRAMES: usize = 20;
 
-/// Marks places of frame t, if there are any.
+/// Marks positions in frame t, if there are any.
 pub(crate) fn points(scene: &mut Scene, role: Role, meaning: &'static str, places: Vec<[f32; 2]>) {
     if !places.is_empty() {
         scene.mark(Picture::CURRENT, role, Shape::Points(places));
@@ -17,15 +17,15 @@ pub(crate) fn points(scene: &mut Scene, role: Role, meaning: &'static str, place
     }
 }
 
-/// Marks the displacements that were found, if there are any.
+/// Draws displacements, if there are any.
 pub(crate) fn displacements(scene: &mut Scene, arrows: Vec<Arrow>) {
     if !arrows.is_empty() {
         scene.mark(Picture::CURRENT, Role::Result, Shape::Arrows(arrows));
-        scene.legend(Role::Result, "displacements found");
+        scene.legend(Role::Result, "displacement to frame t+1");
     }
 }
 
-/// Where a point was in the frames up to `frame`.
+/// Draws the positions of a point in the frames up to `frame`.
 pub(crate) fn trail(scene: &mut Scene, (role, meaning): (Role, &'static str), track: &Track, frame: usize) {
     let first = frame.saturating_sub(TRAIL_FRAMES);
     let points: Vec<_> = (first..=frame).filter_map(|t| track.at(t)).map(|feature| feature.at).collect();
@@ -35,7 +35,7 @@ pub(crate) fn trail(scene: &mut Scene, (role, meaning): (Role, &'static str), tr
     }
 }
 
-/// How many points were tracked in each pair, as `counts` says, how many of them were new there, and how many were lost.
+/// Plots the number of tracked, new and lost points in each pair.
 pub(crate) fn turnover(title: &'static str, counts: &[u32], tracks: &[Arc<Track>], span: &Span) -> Option<Readout> {
     let line: Vec<_> = counts.iter().enumerate().map(|(i, count)| [(i + 1) as f32, *count as f32]).collect();
     let tally = |frame: &dyn Fn(&Track) -> usize| {
@@ -48,12 +48,12 @@ pub(crate) fn turnover(title: &'static str, counts: &[u32], tracks: &[Arc<Track>
         counts.iter().enumerate().map(|(i, count)| [(i + 1) as f32, *count]).collect()
     };
     let new = tally(&|track| track.first);
-    // What is not lost has its last point in a frame that no pair before begins with.
+    // A track that is not lost ends in a frame with which no earlier pair begins.
     let lost = tally(&|track| track.first + track.points.len() - 1);
     let series = Series {
         title,
         x_label: "pair",
-        y_label: "how many",
+        y_label: "number of points",
         x_max: span.frames().map_or(line.len(), |frames| frames - 1),
         events: Vec::new(),
         sections: Vec::new(),

@@ -1,4 +1,4 @@
-//! Polynomial expansion: each neighbourhood of a picture as a polynomial of the second degree (G. Farnebäck, Polynomial
+//! Polynomial expansion: a quadratic polynomial for the neighbourhood of each pixel (G. Farnebäck, Polynomial
 //! expansion for orientation and motion estimation, Linköping 2002, chapter 4).
 
 use crate::base::{Threads, wide::wide};
@@ -11,19 +11,19 @@ use crate::geometry::{
 /// memory in the order of [`Polynomial`]'s accessors, eight numbers so that they fit a register.
 pub type Packed = [f32; 8];
 
-/// A polynomial as people read it.
+/// A quadratic polynomial with named coefficients.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Polynomial {
-    /// The value at the pixel.
+    /// The constant term: the value at the pixel.
     pub c: f32,
-    /// The gradient there.
+    /// The linear term: the gradient at the pixel.
     pub b: [f32; 2],
     /// a_xx, a_xy and a_yy: half the second derivatives.
     pub a: [f32; 3],
 }
 
 impl Polynomial {
-    /// The value `x`, `y` px from its pixel.
+    /// Returns the value `x`, `y` px from its pixel.
     pub fn at(&self, [x, y]: [f32; 2]) -> f32 {
         let Self { c, b, a } = self;
         c + b[0] * x + b[1] * y + a[0] * x * x + 2.0 * a[1] * x * y + a[2] * y * y
@@ -36,31 +36,31 @@ impl From<Packed> for Polynomial {
     }
 }
 
-/// How much the pixels around one count, the applicability: a Gaussian, cut at the edge of the neighbourhood. What lies
-/// outside the picture does not count.
+/// The applicability: the Gaussian weights of a neighbourhood, cut off at its edge. Pixels outside the image have weight 0
+/// (normalised convolution).
 #[derive(Clone, Debug)]
 pub struct Applicability {
-    /// Along each axis; they sum to 1.
+    /// The weights along each axis; they sum to 1.
     weights: Vec<f32>,
 }
 
-/// The products of 1, x, y, x², y² and xy, the powers of x and y in each.
+/// The powers of x and y in the basis functions 1, x, y, x², y² and xy.
 const BASIS: [[i32; 2]; 6] = [[0, 0], [1, 0], [0, 1], [2, 0], [0, 2], [1, 1]];
 
 type Matrix = [[f64; 6]; 6];
 
 impl Applicability {
-    /// A Gaussian of `sigma_px` that reaches `reach` px each way.
+    /// Returns a Gaussian of standard deviation `sigma_px` with a radius of `reach` px.
     pub fn new(sigma_px: f32, reach: usize) -> Self {
         Self { weights: gaussian_within(sigma_px, reach) }
     }
 
-    /// How far it reaches, in px.
+    /// Returns its radius in px.
     pub fn reach(&self) -> usize {
         self.weights.len() / 2
     }
 
-    /// The sums of w, w x, … w x⁴ over the pixels from −`before` to `after`.
+    /// Returns the sums of w, w x, … w x⁴ over the pixels from −`before` to `after`.
     fn moments(&self, [before, after]: [usize; 2]) -> [f64; 5] {
         let reach = self.reach();
         let inside = &self.weights[reach - before..=reach + after];
@@ -72,7 +72,7 @@ impl Applicability {
         moments
     }
 
-    /// The products of the basis with itself, under as much of the neighbourhood as there is across and down.
+    /// Returns the Gram matrix of the basis over the part of the neighbourhood inside the image.
     fn metric(&self, across: [usize; 2], down: [usize; 2]) -> Matrix {
         let (across, down) = (self.moments(across), self.moments(down));
         let product = |i: usize, j: usize| {
@@ -83,14 +83,14 @@ impl Applicability {
     }
 }
 
-/// The solution of `metric` · s = `right` for several right sides. Where pixels do not tell a polynomial from simpler ones,
-/// as in a picture one pixel wide, the simplest: its highest terms are 0.
+/// The solution of `metric` · s = `right` for several right-hand sides. Undetermined coefficients, as in an image one pixel
+/// wide, are 0.
 fn solve(mut metric: Matrix, mut right: Matrix) -> Matrix {
-    let mut is_told = [true; 6];
+    let mut is_determined = [true; 6];
     for i in 0..6 {
-        // What is left of a basis function when the simpler ones are taken out of it.
-        is_told[i] = metric[i][i] > 1e-9;
-        if !is_told[i] {
+        // The squared norm of the basis function, orthogonalised against the simpler ones.
+        is_determined[i] = metric[i][i] > 1e-9;
+        if !is_determined[i] {
             continue;
         }
         for row in (0..6).filter(|row| *row != i) {
@@ -103,27 +103,27 @@ fn solve(mut metric: Matrix, mut right: Matrix) -> Matrix {
     }
     for i in 0..6 {
         let row = right[i];
-        right[i] = if is_told[i] { row.map(|v| v / metric[i][i]) } else { [0.0; 6] };
+        right[i] = if is_determined[i] { row.map(|v| v / metric[i][i]) } else { [0.0; 6] };
     }
     right
 }
 
-/// What makes polynomials of a picture, row by row.
+/// Polynomial expansion of an image, row by row.
 pub struct Expander {
     applicability: Applicability,
     size: (usize, usize),
-    /// What gives the parts of the polynomial along one axis in the middle of a picture: the mean, the slope, the bend.
+    /// The separable kernels inside an image: mean, slope and curvature.
     kernels: [Vec<f32>; 3],
-    /// Of the mean of w x², by which the bend raises the mean.
+    /// The mean of w x², which corrects the constant term for the curvature.
     second_moment: f32,
-    /// Where the neighbourhood is cut by the edge: how many px it has to either side.
+    /// The extents of the neighbourhood to either side, near the image border.
     cuts: [Vec<[usize; 2]>; 2],
-    /// What takes polynomials that were found as if the picture were black outside to those that the pixels inside tell.
+    /// The matrices that correct the coefficients near the border from zero padding to normalised convolution.
     corrections: Vec<[[f32; 6]; 6]>,
 }
 
 impl Expander {
-    /// For pictures of a `size`.
+    /// Prepares the expansion of images of this size.
     pub fn new(applicability: Applicability, size: (usize, usize)) -> Self {
         let reach = applicability.reach();
         let [_, _, second, _, fourth] = applicability.moments([reach; 2]);
@@ -147,14 +147,14 @@ impl Expander {
         Self { size, kernels, second_moment: second as f32, cuts, corrections, applicability }
     }
 
-    /// Which of the cuts along an axis place `at` has; all in the middle have the same one.
+    /// Returns the index of the cut of position `at` along an axis; all inner positions share one.
     fn cut(&self, axis: usize, at: usize) -> usize {
         let extent = [self.size.0, self.size.1][axis];
         let from_last = (self.cuts[axis].len() - 1).saturating_sub(extent - 1 - at);
         at.min(self.applicability.reach()).max(from_last)
     }
 
-    /// The polynomials of all pixels of `picture`.
+    /// Returns the polynomials of all pixels of `picture`.
     pub fn expand(&self, picture: &Grid<f32>, threads: &Threads) -> Grid<Packed> {
         let (width, height) = self.size;
         let mut polynomials = Grid::new(width, height, [0.0; 8]);
@@ -162,7 +162,7 @@ impl Expander {
         polynomials
     }
 
-    /// The polynomials of row `y`, with the widest registers there are; all give the same.
+    /// Computes the polynomials of row `y`, with the widest registers available; all give the same result.
     fn row(&self, picture: &Grid<f32>, y: usize, row: &mut [Packed]) {
         wide! {
             fn wide(by: &Expander, picture: &Grid<f32>, y: usize, row: &mut [Packed]) = Expander::row_anyhow
@@ -176,7 +176,7 @@ impl Expander {
         let (top, bottom) = (y.saturating_sub(reach), (y + reach).min(height - 1));
         let mut padded = vec![0.0; width + 2 * reach];
         let mut parts: [Vec<f32>; 6] = std::array::from_fn(|_| vec![0.0; width]);
-        // Which kernels go along the rows, for each that goes down.
+        // The horizontal kernels for each vertical one.
         for (down, across) in [(0, &[(1, 0), (2, 2), (0, 5)][..]), (1, &[(0, 1), (1, 3)]), (2, &[(0, 4)])] {
             let inside = &self.kernels[down][top + reach - y..=bottom + reach - y];
             weigh(&mut padded[reach..reach + width], inside, |k| picture.row(top + k));
@@ -192,7 +192,7 @@ impl Expander {
         self.correct(y, row);
     }
 
-    /// Mends the polynomials of a row whose neighbourhoods stick out.
+    /// Corrects the polynomials of a row whose neighbourhoods extend beyond the border.
     fn correct(&self, y: usize, row: &mut [Packed]) {
         let ((width, height), reach) = (self.size, self.applicability.reach());
         let is_inner = |at: usize, extent: usize| at >= reach && at + reach < extent;
@@ -215,7 +215,7 @@ impl Expander {
 mod tests {
     use super::*;
 
-    /// Pixels without any order.
+    /// Pixels without structure.
     fn texture(width: usize, height: usize) -> Grid<f32> {
         Grid::from_fn(width, height, |x, y| ((x * 37 + y * 101 + x * x * y * 13) % 251) as f32)
     }
@@ -243,7 +243,7 @@ mod tests {
             let pixels = || (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y)));
             for (x, y) in pixels() {
                 let polynomial = Polynomial::from(found[(x, y)]);
-                // What is left has nothing of the basis any more.
+                // The residual is orthogonal to the basis.
                 let (mut left, mut total) = ([0.0; 6], 0.0);
                 for (px, py) in pixels().filter(|(px, py)| near(*px, x) && near(*py, y)) {
                     let place = [px as f64 - x as f64, py as f64 - y as f64];

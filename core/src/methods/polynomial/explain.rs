@@ -1,91 +1,91 @@
-//! How an iteration of Farnebäck's method is told and drawn at one pixel.
+//! The explanation and the drawing of an iteration of Farnebäck's method at one pixel.
 
 use super::shift::in_effect;
-use super::{Agreement, Moved, Polynomial, Shift};
+use super::{DisplacementEquation, ExpansionPair, Polynomial, WindowSolver};
 use crate::base::words;
 use crate::geometry::Grid;
-use crate::methods::differential::{Field, Multiscale, Tensor, explain};
+use crate::methods::differential::{Field, Multiscale, Tensor, explain, numbers};
 use crate::scene::{Constraint, Math, Picture, Plane, Readout, Role, Scene, Sentence, Shape, Tile};
 
-/// The parts of an iteration.
+/// The steps of an iteration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Part {
-    /// All neighbourhoods of both frames have become polynomials: before the first iteration of a level.
+    /// Polynomial expansion of both frames, before the first iteration of a level.
     Expanded,
-    /// Each pixel has the polynomial of frame t + 1 to which its displacement leads.
+    /// Each pixel is paired with the polynomial of frame t + 1 at its prior displacement.
     Paired,
-    /// Each pixel says what its two polynomials make of its displacement.
+    /// The displacement equation of each pixel.
     Compared,
-    /// The pixels of each window are put together.
+    /// The windowed means of the normal equations.
     Averaged,
-    /// Each pixel has the displacement on which its window agrees.
-    Moved,
+    /// The solution of each window.
+    Solved,
 }
 
 /// An iteration at one pixel of a level.
-pub struct Looked<'a> {
-    /// What of it has happened.
+pub struct Probe<'a> {
+    /// The current step.
     pub part: Part,
     frames: &'a Multiscale,
     /// The level.
     pub level: usize,
-    moved: Moved<'a>,
-    /// The displacements after it.
+    expansions: ExpansionPair<'a>,
+    /// The displacements after the iteration.
     to: &'a Field,
     /// The pixel.
     pub place: (usize, usize),
-    agreement: Agreement,
-    /// How far neighbourhoods reach, in px.
+    solver: WindowSolver,
+    /// The radius of the neighbourhoods, in px.
     reach: usize,
-    /// What the pixel says, and to which of frame t + 1 it goes; `None` where that is outside.
-    shift: Option<(Shift, (usize, usize))>,
-    /// What the window says.
+    /// The displacement equation and the partner pixel in frame t + 1; `None` outside.
+    shift: Option<(DisplacementEquation, (usize, usize))>,
+    /// The normal equations of the window.
     tensor: Tensor,
 }
 
-impl<'a> Looked<'a> {
-    /// The iteration on a level of `frames` that found the displacements `to`, at `place`, with neighbourhoods that reach
-    /// `reach` px.
+impl<'a> Probe<'a> {
+    /// Inspects pixel `place` in the iteration with the result `to`, on a level of `frames`, with neighbourhoods of radius `reach`
+    /// px.
     pub fn new(
         part: Part,
         (frames, level): (&'a Multiscale, usize),
-        (moved, to, place): (Moved<'a>, &'a Field, (usize, usize)),
-        agreement: Agreement,
+        (expansions, to, place): (ExpansionPair<'a>, &'a Field, (usize, usize)),
+        solver: WindowSolver,
         reach: usize,
     ) -> Self {
-        let (shift, tensor) = (moved.shift(place), moved.tensor(place, &agreement.window));
-        Self { part, frames, level, moved, to, place, agreement, reach, shift, tensor }
+        let (shift, tensor) = (expansions.shift(place), expansions.tensor(place, &solver.window));
+        Self { part, frames, level, expansions, to, place, solver, reach, shift, tensor }
     }
 
-    /// The displacement before, in px of the level.
+    /// Returns the prior displacement, in px of the level.
     pub fn from(&self) -> [f32; 2] {
-        self.moved.from.at(self.place.0, self.place.1)
+        self.expansions.from.at(self.place.0, self.place.1)
     }
 
-    /// The displacement after it, in px of the level.
+    /// Returns the displacement after the iteration, in px of the level.
     pub fn to(&self) -> [f32; 2] {
         self.to.at(self.place.0, self.place.1)
     }
 
     fn pixel(&self) -> String {
-        format!("pixel ({}, {})", self.place.0, self.place.1)
+        format!("pixel {}", words::pixel(self.place))
     }
 
-    /// The displacement in whole px, as far as the polynomials compared are apart.
+    /// Returns the prior displacement, rounded to whole px.
     fn whole(&self) -> Option<[f32; 2]> {
         let (_, to) = self.shift?;
         Some([to.0 as f32 - self.place.0 as f32, to.1 as f32 - self.place.1 as f32])
     }
 
-    /// The polynomials of frame t, and of frame t + 1 where the pixel goes.
+    /// Returns the polynomials of frame t and of frame t + 1 at the prior displacement.
     fn polynomials(&self) -> (Polynomial, Option<Polynomial>) {
-        let [first, second] = self.moved.pair;
+        let [first, second] = self.expansions.pair;
         (first[self.place].into(), self.shift.map(|(_, to)| second[to].into()))
     }
 }
 
-impl Looked<'_> {
-    /// The pixel, its neighbourhood in both frames, and the window.
+impl Probe<'_> {
+    /// Draws the pixel, its neighbourhood in both frames, and the window.
     pub fn draw(&self, scene: &mut Scene) {
         let mut square = |on, role, (x, y): (usize, usize), reach: usize, meaning| {
             let reach = reach as f32;
@@ -95,97 +95,114 @@ impl Looked<'_> {
             scene.legend(role, meaning);
         };
         if self.part >= Part::Averaged {
-            square(Picture::CURRENT, Role::Window, self.place, self.agreement.window.reach(), "window");
+            square(Picture::CURRENT, Role::Window, self.place, self.solver.window.reach(), "window");
         } else {
-            square(Picture::CURRENT, Role::Best, self.place, self.reach, "neighbourhood");
+            square(Picture::CURRENT, Role::Best, self.place, self.reach, "neighbourhood of the expansion");
             if let Some((_, to)) = self.shift {
-                square(Picture::NEXT, Role::Candidate, to, self.reach, "the one it is compared with");
+                square(Picture::NEXT, Role::Candidate, to, self.reach, "neighbourhood at the prior displacement");
             }
         }
-        square(Picture::CURRENT, Role::Reference, self.place, 0, "pixel that is explained");
+        square(Picture::CURRENT, Role::Reference, self.place, 0, "inspected pixel");
     }
 
-    /// What displacements are told in.
+    /// Returns the unit of displacements on the level.
     pub fn unit(&self) -> String {
         if self.level == 0 { "px".into() } else { format!("px of level {}", self.level) }
     }
 
-    /// What has happened, in words.
+    /// Explains the step in words.
     pub fn sentence(&self) -> Sentence {
         let (said, pixel) = (Sentence::default(), self.pixel());
-        let px = |uv: [f32; 2]| format!("{} {}", words::vector(uv), self.unit());
+        let px = |uv: [f32; 2]| format!("{} {}", numbers::vector(uv), self.unit());
         match self.part {
             Part::Expanded => {
                 let (width, height) = self.frames.size(self.level);
                 let (polynomial, _) = self.polynomials();
                 said.text(format!(
-                    "Level {} of the pyramid is {width}×{height} px large. All neighbourhoods of both frames become \
-                     polynomials. That of ",
+                    "Level {} ({width}×{height} px): polynomial expansion fits x · A x + b · x + c to the Gaussian-weighted \
+                     neighbourhood of every pixel in both frames. At ",
                     self.level
                 ))
                 .ink(Role::Reference, pixel)
-                .text(format!(" has the gradient b₁ = {}.", words::vector(polynomial.b)))
+                .text(format!(" the gradient is b₁ = {} gray levels per px.", gray_vector(polynomial.b)))
             }
             Part::Paired => {
                 let said = said
-                    .text("By now ")
+                    .text("Prior displacement of ")
                     .ink(Role::Reference, pixel)
-                    .text(" moves by ")
+                    .text(": ")
                     .ink(Role::Best, px(self.from()));
                 said.text(match self.whole() {
-                    Some(whole) => {
-                        format!(", so it is compared with the polynomial {} whole px away.", words::vector(whole))
-                    }
-                    None => ". That leads out of the picture: there is no polynomial to compare it with.".into(),
+                    Some([m, n]) => format!(
+                        ". Rounded to whole px, it selects the polynomial ({}, {}) px away in frame t+1.",
+                        numbers::fixed(m, 0),
+                        numbers::fixed(n, 0)
+                    ),
+                    None => ". It leads out of frame t+1, so there is no second polynomial.".into(),
                 })
             }
             Part::Compared => match self.shift {
                 Some((shift, _)) => said
-                    .text("What b has changed by from one polynomial of ")
+                    .text("A shift by d changes the gradient from b₁ to b₂ = b₁ − 2 A d. At ")
                     .ink(Role::Reference, pixel)
-                    .text(format!(" to the other, and the way between them, say A d = {}.", words::vector(shift.b))),
+                    .text(format!(" this gives the two equations A d = Δb = {}.", gray_vector(shift.b))),
                 None => said
-                    .text("There is no second polynomial for ")
+                    .text("Without a second polynomial, ")
                     .ink(Role::Reference, pixel)
-                    .text(", so it says nothing."),
+                    .text(" has no displacement equation and does not enter any window."),
             },
             Part::Averaged => {
-                let [large, small] = self.tensor.eigenvalues().map(words::number);
-                let damping = words::number(self.agreement.damping);
-                said.text("One pixel says too little where the picture bends one way only. Over the window around ")
-                    .ink(Role::Reference, pixel)
-                    .text(format!(" the eigenvalues of the mean of A A are {large} and {small}, beside λ = {damping}."))
-            }
-            Part::Moved => said
-                .text("The window around ")
+                let [large, small] = self.tensor.eigenvalues();
+                let damping = self.solver.damping;
+                let verdict = match small > damping {
+                    true => "so the window determines both components",
+                    false => "so the damping keeps the weakly determined component at its prior value",
+                };
+                said.text(
+                    "Where the image curves in one direction only, A is singular. Mean of AᵀA over the window of ",
+                )
                 .ink(Role::Reference, pixel)
-                .text(" agrees best on ")
+                .text(format!(
+                    ": eigenvalues {} and {} against the damping λ = {}, {verdict}.",
+                    numbers::fixed(large, 4),
+                    numbers::fixed(small, 4),
+                    numbers::fixed(damping, 4)
+                ))
+            }
+            Part::Solved => said
+                .text("Damped least squares over the window of ")
+                .ink(Role::Reference, pixel)
+                .text(" gives (u, v) = ")
                 .ink(Role::Result, px(self.to()))
-                .text(format!(": {} from before.", px([0, 1].map(|i| self.to()[i] - self.from()[i])))),
+                .text(format!(
+                    ", an increment of {}. RMS residual of A d − Δb: {} gray levels per px.",
+                    px([0, 1].map(|i| self.to()[i] - self.from()[i])),
+                    numbers::gray(self.off())
+                )),
         }
     }
 
-    /// What has happened, in symbols and with the pixel's numbers.
+    /// Explains the step by formulas and charts.
     pub fn readouts(&self) -> Vec<Readout> {
         let (equation, picture) = match self.part {
             Part::Expanded | Part::Paired => (expansion_equation(self), Readout::Tiles(self.tiles())),
             Part::Compared => (shift_equation(self), Readout::Plane(self.plane())),
-            Part::Averaged | Part::Moved => (self.mean_equation(), Readout::Plane(self.plane())),
+            Part::Averaged | Part::Solved => (self.mean_equation(), Readout::Plane(self.plane())),
         };
         vec![Readout::Equation(equation), picture]
     }
 
-    /// How much the constraints of the window are off at the displacement found, in gray levels per px: the root mean square.
+    /// Returns the RMS residual of the window's displacement equations, in gray levels per px.
     pub fn off(&self) -> f32 {
         (self.tensor.residual(self.to()) / self.tensor.pixels.max(f32::MIN_POSITIVE)).sqrt()
     }
 
-    /// The true displacement, in px of the level, if it is known.
+    /// Returns the true displacement, in px of the level, if it is known.
     pub fn truth(&self) -> Option<[f32; 2]> {
         self.frames.truth(self.level, self.place)
     }
 
-    /// The neighbourhood in both frames, its polynomial, and what that leaves.
+    /// Returns the neighbourhood in both frames, its polynomial, and the residual.
     fn tiles(&self) -> Vec<Tile> {
         let reach = self.reach;
         let (first, second) = self.polynomials();
@@ -213,21 +230,25 @@ impl Looked<'_> {
         tiles
     }
 
-    /// The lines of the pixel, or of the window, and where they lead.
+    /// Returns the (u, v) plane with the equations of the pixel or of the window.
     fn plane(&self) -> Plane {
-        let mut points = vec![("before", Role::Best, self.from())];
-        if self.part == Part::Moved {
+        let mut points = vec![("prior", Role::Best, self.from())];
+        if self.part == Part::Solved {
             points.push(("displacement", Role::Result, self.to()));
         }
         let truth = self.truth();
-        points.extend(truth.map(|truth| ("truth", Role::Truth, truth)));
+        points.extend(truth.map(|truth| ("true flow", Role::Truth, truth)));
         let of_pixel = || {
             let lines = self.shift.into_iter().flat_map(|(shift, _)| shift.lines());
             lines.filter_map(|line| explain::line(line, 1.0, Role::Candidate)).collect()
         };
         let is_pixel = self.part == Part::Compared;
         Plane {
-            title: if is_pixel { "What the pixel says: A d = Δb" } else { "What the window says: A d = Δb" },
+            title: if is_pixel {
+                "Displacement equations of the pixel: A d = Δb"
+            } else {
+                "Displacement equations of the window: A d = Δb"
+            },
             unit: self.unit(),
             reach: explain::reach(points.iter().map(|(.., point)| *point)),
             lines: if is_pixel { of_pixel() } else { self.window_lines() },
@@ -236,16 +257,16 @@ impl Looked<'_> {
         }
     }
 
-    /// The lines of the window's pixels, of a large one only of every few; the more one counts, the stronger.
+    /// Returns the lines of the window's pixels by their weights; a subset for large windows.
     fn window_lines(&self) -> Vec<Constraint> {
-        let (window, size) = (&self.agreement.window, self.frames.size(self.level));
+        let (window, size) = (&self.solver.window, self.frames.size(self.level));
         let step = (2 * window.reach() + 1) / 7 + 1;
         let (left, across) = window.inside(self.place.0, size.0);
         let (top, down) = window.inside(self.place.1, size.1);
         let columns = (left..).zip(across).step_by(step);
         let pixels = (top..).zip(down).step_by(step).flat_map(|row| columns.clone().map(move |column| (column, row)));
         let lines = pixels.filter_map(|((x, across), (y, down))| {
-            let (shift, _) = self.moved.shift((x, y))?;
+            let (shift, _) = self.expansions.shift((x, y))?;
             Some(shift.lines().map(|line| (line, across * down * line[0].hypot(line[1]))))
         });
         let lines: Vec<_> = lines.flatten().collect();
@@ -253,7 +274,7 @@ impl Looked<'_> {
         lines.into_iter().filter_map(|(line, weight)| explain::line(line, weight / most, Role::Candidate)).collect()
     }
 
-    /// (T + λ 1) d = h + λ d₀ in symbols, and with the means over the window.
+    /// Returns (T + λ I) d = h + λ d₀ in symbols, and with the means over the window.
     fn mean_equation(&self) -> Vec<Math> {
         let Tensor { xx, xy, yy, xt, yt, .. } = self.tensor;
         let (from, to) = (self.from(), self.to());
@@ -273,7 +294,9 @@ impl Looked<'_> {
             transposed(Math::Var("A")),
             Math::text(" + "),
             lambda(),
-            Math::text(" 1) "),
+            Math::text(" "),
+            Math::Var("I"),
+            Math::text(") "),
             Math::Var("d"),
             Math::text(" = "),
             transposed(delta_b()),
@@ -282,20 +305,34 @@ impl Looked<'_> {
             Math::text(" "),
             Math::indexed(Math::Var("d"), Math::text("0")),
         ]);
-        let damping = in_effect(self.agreement.damping, [xx, yy]);
+        let damping = in_effect(self.solver.damping, [xx, yy]);
         let row = |[a, b]: [f32; 2], right: f32| {
-            linear_row([a, b].map(words::number), Math::ink(Role::Candidate, words::number(right)))
+            linear_row([a, b].map(coefficient), Math::ink(Role::Candidate, coefficient(right)))
         };
         let mut lines = vec![
             symbols,
             row([xx + damping, xy], damping * from[0] - xt),
             row([xy, yy + damping], damping * from[1] - yt),
         ];
-        if self.part == Part::Moved {
-            lines.push(Math::Row(vec![Math::Var("d"), Math::text(" = "), Math::ink(Role::Result, words::vector(to))]));
+        if self.part == Part::Solved {
+            lines.push(Math::Row(vec![
+                Math::Var("d"),
+                Math::text(" = "),
+                Math::ink(Role::Result, numbers::vector(to)),
+            ]));
         }
         lines
     }
+}
+
+/// A coefficient of the normal equations.
+fn coefficient(value: f32) -> String {
+    numbers::fixed(value, 4)
+}
+
+/// A vector of gray levels per px.
+fn gray_vector([x, y]: [f32; 2]) -> String {
+    format!("({},\u{a0}{})", numbers::gray(x), numbers::gray(y))
 }
 
 /// `a u + b v = right`.
@@ -313,8 +350,8 @@ fn linear_row([a, b]: [String; 2], right: Math) -> Math {
     ])
 }
 
-/// The polynomial in symbols, and those of both frames in numbers.
-fn expansion_equation(looked: &Looked) -> Vec<Math> {
+/// The polynomial in symbols, and the polynomials of both frames in numbers.
+fn expansion_equation(probe: &Probe) -> Vec<Math> {
     let index = |of: &'static str, by: &'static str| Math::indexed(Math::Var(of), Math::Var(by));
     let term = |before: &'static str, factor: Math, after: &[(&'static str, bool)]| {
         let mut row = vec![Math::text(before), factor];
@@ -342,23 +379,25 @@ fn expansion_equation(looked: &Looked) -> Vec<Math> {
         [" + ", " + ", " + ", " + 2 ", " + "],
     );
     let numbers = |Polynomial { c, b, a }: Polynomial, role, name: &'static str| {
-        let ink = |v: f32| Math::ink(role, words::plus(v));
+        let ink = |v: f32| Math::ink(role, numbers::summand(numbers::gray(v)));
         let [xx, xy, yy] = a;
-        let first = Math::ink(role, words::number(c));
+        let first = Math::ink(role, numbers::gray(c));
         let row = polynomial(first, b.map(ink), [ink(xx), ink(2.0 * xy), ink(yy)], [" "; 5]);
         Math::Row(vec![Math::text(name), row])
     };
-    let (first, second) = looked.polynomials();
+    let (first, second) = probe.polynomials();
     let mut lines = vec![symbols, numbers(first, Role::Reference, "t: ")];
     lines.extend(second.map(|second| numbers(second, Role::Candidate, "t+1: ")));
     lines
 }
 
-/// How Δb comes about, in symbols and in numbers, and the two equations that it gives.
-fn shift_equation(looked: &Looked) -> Vec<Math> {
+/// Δb in symbols and in numbers, and the two displacement equations.
+fn shift_equation(probe: &Probe) -> Vec<Math> {
     let index = |of: &'static str, by: &'static str| Math::indexed(Math::Var(of), Math::text(by));
     let symbols = Math::Row(vec![
-        Math::Var("A d"),
+        Math::Var("A"),
+        Math::text(" "),
+        Math::Var("d"),
         Math::text(" = Δ"),
         Math::Var("b"),
         Math::text(" = "),
@@ -373,21 +412,23 @@ fn shift_equation(looked: &Looked) -> Vec<Math> {
         index("b", "1"),
         Math::text(")"),
     ]);
-    let (Some((shift, _)), (first, Some(second)), Some(whole)) = (looked.shift, looked.polynomials(), looked.whole())
+    let (Some((shift, _)), (first, Some(second)), Some(whole)) = (probe.shift, probe.polynomials(), probe.whole())
     else {
         return vec![symbols];
     };
-    let Shift { a: [xx, xy, yy], b } = shift;
+    let DisplacementEquation { a: [xx, xy, yy], b } = shift;
     let come_about = Math::Row(vec![
         Math::text("Δ"),
         Math::Var("b"),
-        Math::text(format!(" = A {} − ½ (", words::vector(whole))),
-        Math::ink(Role::Candidate, words::vector(second.b)),
+        Math::text(" = "),
+        Math::Var("A"),
+        Math::text(format!(" ({}, {}) − ½ (", numbers::fixed(whole[0], 0), numbers::fixed(whole[1], 0))),
+        Math::ink(Role::Candidate, gray_vector(second.b)),
         Math::text(" − "),
-        Math::ink(Role::Reference, words::vector(first.b)),
-        Math::text(format!(") = {}", words::vector(b))),
+        Math::ink(Role::Reference, gray_vector(first.b)),
+        Math::text(format!(") = {}", gray_vector(b))),
     ]);
     let row =
-        |a: [f32; 2], right: f32| linear_row(a.map(words::number), Math::ink(Role::Candidate, words::number(right)));
+        |a: [f32; 2], right: f32| linear_row(a.map(numbers::gray), Math::ink(Role::Candidate, numbers::gray(right)));
     vec![symbols, come_about, row([xx, xy], b[0]), row([xy, yy], b[1])]
 }

@@ -1,10 +1,9 @@
-//! What Farnebäck's method stands on: pictures as polynomials around each pixel, and how those that have moved tell by how
-//! much.
+//! Farnebäck's method: polynomial expansion, and displacement estimation from the expansions of two frames.
 
 mod expansion;
 mod explain;
 mod shift;
 
 pub use expansion::{Applicability, Expander, Packed, Polynomial};
-pub use explain::{Looked, Part};
-pub use shift::{Agreed, Agreement, Moved, Shift};
+pub use explain::{Part, Probe};
+pub use shift::{DisplacementEquation, Estimate, ExpansionPair, WindowSolver};

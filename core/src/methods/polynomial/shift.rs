@@ -1,31 +1,31 @@
-//! How polynomials that have moved tell by how much (G. Farnebäck, Two-frame motion estimation based on polynomial
-//! expansion, SCIA 2003): for each pixel A d = Δb, and over a window the displacement d that fits best.
+//! Displacement estimation from polynomial expansions (G. Farnebäck, Two-frame motion estimation based on polynomial
+//! expansion, SCIA 2003): A d = Δb for each pixel, solved by least squares over a window.
 
 use super::Packed;
 use crate::base::{Threads, wide::wide};
 use crate::geometry::{Grid, filter::weigh};
 use crate::methods::differential::{Field, Tensor, Window};
 
-/// The polynomials of frames t and t + 1, and the displacements found so far.
+/// The polynomial expansions of frames t and t + 1, and the prior displacements.
 #[derive(Clone, Copy)]
-pub struct Moved<'a> {
-    /// The polynomials.
+pub struct ExpansionPair<'a> {
+    /// The polynomial expansions.
     pub pair: [&'a Grid<Packed>; 2],
-    /// The displacements.
+    /// The prior displacements.
     pub from: &'a Field,
 }
 
-/// What a pixel says of its displacement d: A d = Δb.
+/// The displacement equation A d = Δb of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shift {
-    /// a_xx, a_xy and a_yy of the mean of both polynomials.
+pub struct DisplacementEquation {
+    /// a_xx, a_xy and a_yy of A, the mean of both polynomials.
     pub a: [f32; 3],
     /// Δb.
     pub b: [f32; 2],
 }
 
-impl Shift {
-    /// What the polynomials at a pixel and at the one `by` px further on in frame t + 1 say.
+impl DisplacementEquation {
+    /// Returns the equation of a pixel's polynomial and the one `by` px away in frame t + 1.
     #[inline(always)]
     fn between(here: &Packed, there: &Packed, by: [f32; 2]) -> Self {
         let [xx, xy, yy] = [2, 3, 4].map(|i| 0.5 * (here[i] + there[i]));
@@ -33,34 +33,34 @@ impl Shift {
         Self { a: [xx, xy, yy], b: [x + xx * by[0] + xy * by[1], y + xy * by[0] + yy * by[1]] }
     }
 
-    /// Its two equations as lines a u + b v + c = 0.
+    /// Returns its two rows as lines a u + b v + c = 0.
     pub fn lines(&self) -> [[f32; 3]; 2] {
         let Self { a: [xx, xy, yy], b: [x, y] } = *self;
         [[xx, xy, -x], [xy, yy, -y]]
     }
 }
 
-/// The displacements that windows agree on, and how certain they are.
-pub struct Agreed {
+/// The least-squares displacements of all windows, with their confidence.
+pub struct Estimate {
     /// The displacements.
     pub field: Field,
-    /// The smaller eigenvalue of the means of AᵀA.
+    /// The smaller eigenvalue of the windowed mean of AᵀA.
     pub certainty: Grid<f32>,
 }
 
-/// How the parts of a product row follow each other: AᵀA, and AᵀΔb.
+/// The parts of a product row: three of AᵀA, two of AᵀΔb.
 const PARTS: usize = 5;
 
-/// How pixels agree on a displacement.
-pub struct Agreement {
-    /// The window over which they are asked.
+/// Regularised least squares over a window.
+pub struct WindowSolver {
+    /// The window.
     pub window: Window,
-    /// λ: how much the displacement found before counts, in the square of what A is in.
+    /// The regularisation weight λ of the prior displacement, in the squared unit of A.
     pub damping: f32,
 }
 
-impl Moved<'_> {
-    /// The pixel of frame t + 1 to which a pixel goes by now; `None` where that is outside.
+impl ExpansionPair<'_> {
+    /// Returns the pixel of frame t + 1 at the prior displacement; `None` outside.
     #[inline(always)]
     fn landing(&self, (x, y): (usize, usize), [u, v]: [f32; 2]) -> Option<(usize, usize)> {
         let (width, height) = self.from.u.size();
@@ -70,20 +70,25 @@ impl Moved<'_> {
         is_inside.then_some((x as u32 as usize, y as u32 as usize))
     }
 
-    /// What a pixel says, and to which pixel of frame t + 1 it goes by now; `None` where that is outside.
-    pub fn shift(&self, (x, y): (usize, usize)) -> Option<(Shift, (usize, usize))> {
+    /// Returns the displacement equation of a pixel and its partner in frame t + 1; `None` outside.
+    pub fn shift(&self, (x, y): (usize, usize)) -> Option<(DisplacementEquation, (usize, usize))> {
         self.shift_of(&self.pair[0][(x, y)], (x, y), self.from.at(x, y))
     }
 
-    /// As [`Moved::shift`], of the pixel with this polynomial and this displacement.
+    /// Returns the same for a pixel with this polynomial and this prior displacement.
     #[inline(always)]
-    fn shift_of(&self, here: &Packed, (x, y): (usize, usize), uv: [f32; 2]) -> Option<(Shift, (usize, usize))> {
+    fn shift_of(
+        &self,
+        here: &Packed,
+        (x, y): (usize, usize),
+        uv: [f32; 2],
+    ) -> Option<(DisplacementEquation, (usize, usize))> {
         let to = self.landing((x, y), uv)?;
         let by = [to.0 as f32 - x as f32, to.1 as f32 - y as f32];
-        Some((Shift::between(here, &self.pair[1][to], by), to))
+        Some((DisplacementEquation::between(here, &self.pair[1][to], by), to))
     }
 
-    /// What each pixel says, as rows of AᵀA and AᵀΔb.
+    /// Returns AᵀA and AᵀΔb of each pixel.
     fn products(&self, threads: &Threads) -> Grid<f32> {
         let (width, height) = self.from.u.size();
         let mut products = Grid::new(PARTS * width, height, 0.0);
@@ -91,10 +96,10 @@ impl Moved<'_> {
         products
     }
 
-    /// A row of the products, with the widest registers there are; all give the same.
+    /// Computes a row of products, with the widest registers available; all give the same result.
     fn product_row(&self, y: usize, row: &mut [f32]) {
         wide! {
-            fn wide(of: &Moved, y: usize, row: &mut [f32]) = Moved::product_row_anyhow
+            fn wide(of: &ExpansionPair, y: usize, row: &mut [f32]) = ExpansionPair::product_row_anyhow
         }
         wide(self, y, row);
     }
@@ -104,9 +109,11 @@ impl Moved<'_> {
         let width = self.from.u.width();
         let [a, b, c, d, e] = parts(row, width);
         let (here, u, v) = (self.pair[0].row(y), self.from.u.row(y), self.from.v.row(y));
-        // What lies outside stays 0, and says nothing.
+        // Pixels that lead outside stay 0.
         for (x, (here, (u, v))) in here.iter().zip(u.iter().zip(v)).enumerate() {
-            if let Some((Shift { a: [xx, xy, yy], b: [bx, by] }, _)) = self.shift_of(here, (x, y), [*u, *v]) {
+            if let Some((DisplacementEquation { a: [xx, xy, yy], b: [bx, by] }, _)) =
+                self.shift_of(here, (x, y), [*u, *v])
+            {
                 (a[x], b[x], c[x], d[x], e[x]) = (xx, xy, yy, bx, by);
             }
         }
@@ -117,8 +124,8 @@ impl Moved<'_> {
         }
     }
 
-    /// The means over the window around a pixel of AᵀA and AᵀΔb, the latter with its sign turned, as of gradient constraints;
-    /// and the share of the window of which something is known.
+    /// Returns the windowed means of AᵀA and −AᵀΔb around a pixel, in the form of a structure tensor, with the known share of
+    /// the window.
     pub fn tensor(&self, (x, y): (usize, usize), window: &Window) -> Tensor {
         let (width, height) = self.from.u.size();
         let ((left, across), (top, down)) = (window.inside(x, width), window.inside(y, height));
@@ -126,7 +133,9 @@ impl Moved<'_> {
         let mut mean = Tensor::default();
         for (y, along) in (top..).zip(down) {
             for (x, weight) in (left..).zip(across) {
-                let Some((Shift { a: [xx, xy, yy], b: [bx, by] }, _)) = self.shift((x, y)) else { continue };
+                let Some((DisplacementEquation { a: [xx, xy, yy], b: [bx, by] }, _)) = self.shift((x, y)) else {
+                    continue;
+                };
                 let weight = along * weight / total;
                 mean.pixels += weight;
                 mean.xx += weight * (xx * xx + xy * xy);
@@ -141,33 +150,33 @@ impl Moved<'_> {
     }
 }
 
-/// The parts of a product row.
+/// Splits a product row into its parts.
 #[inline(always)]
 fn parts(row: &mut [f32], width: usize) -> [&mut [f32]; PARTS] {
     let mut rest = row;
     std::array::from_fn(|_| rest.split_off_mut(..width).unwrap_or_default())
 }
 
-impl Agreement {
-    /// The displacements on which windows of pixels agree.
-    pub fn on(&self, moved: &Moved, threads: &Threads) -> Agreed {
-        let products = moved.products(threads);
-        let size = moved.from.u.size();
-        let mut agreed = Agreed { field: Field::new(size, [0.0; 2]), certainty: Grid::new(size.0, size.1, 0.0) };
-        let Agreed { field: Field { u, v }, certainty } = &mut agreed;
+impl WindowSolver {
+    /// Solves the windows of all pixels.
+    pub fn solve(&self, expansions: &ExpansionPair, threads: &Threads) -> Estimate {
+        let products = expansions.products(threads);
+        let size = expansions.from.u.size();
+        let mut estimate = Estimate { field: Field::new(size, [0.0; 2]), certainty: Grid::new(size.0, size.1, 0.0) };
+        let Estimate { field: Field { u, v }, certainty } = &mut estimate;
         let [u, v, c] = [u, v, certainty].map(|grid| grid.cells_mut().chunks_mut(size.0));
         let rows = u.zip(v).zip(c).map(|((u, v), c)| [u, v, c]);
         let total: f32 = self.window.weights().iter().sum();
         let weights: Vec<_> = self.window.weights().iter().map(|weight| weight / total).collect();
-        threads.each(rows.enumerate().collect(), |(y, row)| self.row((&products, &weights), (moved.from, y), row));
-        agreed
+        threads.each(rows.enumerate().collect(), |(y, row)| self.row((&products, &weights), (expansions.from, y), row));
+        estimate
     }
 
-    /// A row of displacements, with the widest registers there are; all give the same.
+    /// Computes a row of displacements, with the widest registers available; all give the same result.
     fn row(&self, products: (&Grid<f32>, &[f32]), from: (&Field, usize), row: [&mut [f32]; 3]) {
         wide! {
-            fn wide(by: &Agreement, products: (&Grid<f32>, &[f32]), from: (&Field, usize), row: [&mut [f32]; 3])
-                = Agreement::row_anyhow
+            fn wide(by: &WindowSolver, products: (&Grid<f32>, &[f32]), from: (&Field, usize), row: [&mut [f32]; 3])
+                = WindowSolver::row_anyhow
         }
         wide(self, products, from, row);
     }
@@ -198,14 +207,13 @@ impl Agreement {
     }
 }
 
-/// The weight λ that counts where the means of A A have this diagonal: however little is asked for, two lines that are one do
-/// not cross.
+/// The effective weight λ where the mean of AᵀA has this diagonal: a relative minimum keeps singular systems solvable.
 #[inline(always)]
 pub fn in_effect(damping: f32, [xx, yy]: [f32; 2]) -> f32 {
     damping + 1e-5 * (xx + yy)
 }
 
-/// The displacement d at which the mean of |A d − Δb|² and λ |d − from|² are least together.
+/// The displacement d that minimises the mean of |A d − Δb|² plus λ |d − from|².
 #[inline(always)]
 fn damped([xx, xy, yy]: [f32; 3], [x, y]: [f32; 2], [u, v]: [f32; 2], damping: f32) -> [f32; 2] {
     let damping = in_effect(damping, [xx, yy]);

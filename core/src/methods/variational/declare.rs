@@ -1,23 +1,23 @@
-//! What every variational method declares, once.
+//! Parameters that all variational methods share.
 
 use crate::methods::differential::Scheme;
 use crate::params;
 
 params! {
-    /// The parameters that all variational methods have.
+    /// Parameters that all variational methods share.
     #[derive(Copy)]
     pub struct Settings {
-        /// Iterations for each level and warp.
+        /// Number of iterations per warp.
         iterations: usize = 100, 1..=1000;
-        /// Go on to the next warp when an iteration changes displacements by less on average, in px of the picture; 0 does all iterations.
+        /// Stopping criterion: the iterations of a warp end when the mean change of the flow is smaller, in px of level 0. 0 does all iterations.
         tolerance: f32 = 0.0, 0.0..=1.0, "px";
-        /// Levels of the pyramid, each half as large as the one before; fewer where a side would be less than 16 px. 1 works on the picture alone.
+        /// Number of pyramid levels, each half the size of the one below, down to 16 px per side. More levels reach larger motion; 1 uses full resolution only.
         levels: usize = 4, 1..=10;
-        /// How often on each level frame t+1 is brought back by what was found, and its derivatives taken anew.
+        /// Number of warps per level: each warps frame t+1 toward frame t by the current flow and linearises again.
         warps: usize = 3, 1..=20;
-        /// How derivatives are estimated from pixels.
+        /// Kernel that estimates the derivatives I_x and I_y.
         derivatives: Scheme = Scheme::FivePoint;
-        /// Standard deviation of the Gaussian that smooths both frames first; 0 leaves them as they are.
-        smoothing: f32 = 0.0, 0.0..=5.0, "px";
+        /// Standard deviation σ of the Gaussian that smooths both frames before derivatives are taken. 0 does not smooth.
+        sigma: f32 = 0.0, 0.0..=5.0, "px";
     }
 }

@@ -1,30 +1,32 @@
-//! How an iteration of a variational method is told and drawn.
+//! The explanation and the drawing of an iteration of a variational method.
 
-use super::model::{Looked, Model, Told};
+use super::Settings;
+use super::model::{Explanation, Model, Probe};
 use super::run::{Event, Note, State, Variational};
 use crate::base::words;
-use crate::methods::differential::explain;
+use crate::methods::differential::{Conclusion, explain, numbers};
 use crate::run::{Estimator, Seen};
 use crate::scene::{Fact, Floor, Levels, Picture, Plane, Readout, Role, Scene, Sentence, Series, Shape, Stack, Step};
 
-/// The lines that all methods have.
+/// The pseudocode lines that all methods share.
 mod line {
     crate::line_names!(ENERGY, TAKE_MEDIANS, WARP);
 }
 
-impl<M: Model> Looked<'_, M> {
-    /// The iteration at a cursor, at the pixel pointed at, or else the one that changes most; `None` before its first step.
-    fn at<'a>(seen: &'a Seen<Variational<M>>) -> Option<Looked<'a, M>> {
+impl<M: Model> Probe<'_, M> {
+    /// Returns the iteration at the cursor, at the pixel pointed at or else the one with the largest change; `None` before its
+    /// first step.
+    fn at<'a>(seen: &'a Seen<Variational<M>>) -> Option<Probe<'a, M>> {
         let Some(Event::Step(_, iteration)) = seen.events.last() else { return None };
         let (frames, level) = (&seen.before.fixed.frames, seen.before.level);
         let pointed_at = seen.point().and_then(|point| frames.pixel_at(level, point));
-        Some(Looked { iteration, place: pointed_at.unwrap_or(iteration.most), level, scale: frames.scale(level) })
+        Some(Probe { iteration, place: pointed_at.unwrap_or(iteration.most), level, scale: frames.scale(level) })
     }
 }
 
 impl<M: Model> Variational<M> {
-    pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
-        let (line, sentence, mut readouts) = match (seen.events.last(), Looked::at(seen)) {
+    pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
+        let (line, sentence, mut readouts) = match (seen.events.last(), Probe::at(seen)) {
             (None, _) => {
                 return Step {
                     line: line::ENERGY,
@@ -32,11 +34,15 @@ impl<M: Model> Variational<M> {
                     readouts: Vec::new(),
                 };
             }
-            (Some(Event::Step(step, _)), Some(looked)) => {
-                let Told { sentence, facts, equation, points, lines } = self.0.told(*step, &looked);
-                let facts = self.facts(seen, Some((&looked, facts)));
-                let plane = plane(seen.before, &looked, points, lines);
-                (M::STEPS[*step], sentence, vec![Readout::Facts(facts), Readout::Equation(equation), plane])
+            (Some(Event::Step(step, _)), Some(probe)) => {
+                let Explanation { sentence, facts, equation, points, lines } = self.0.explanation(*step, &probe);
+                let facts = self.facts(seen, Some((&probe, facts)));
+                let plane = plane(seen.before, &probe, points, lines);
+                (
+                    M::STEPS[*step],
+                    self.concluded(seen, sentence),
+                    vec![Readout::Facts(facts), Readout::Equation(equation), plane],
+                )
             }
             (Some(Event::Medians), _) => {
                 (line::TAKE_MEDIANS, medians(seen.before), vec![Readout::Facts(self.facts(seen, None))])
@@ -48,62 +54,87 @@ impl<M: Model> Variational<M> {
         Step { line, sentence, readouts }
     }
 
-    /// What is said when a warp begins.
+    /// Adds the conclusion of an iteration and of the run, at the end of each.
+    fn concluded(&self, seen: &Seen<Self>, sentence: Sentence) -> Sentence {
+        let (Some(after), None) = (seen.after, seen.point()) else { return sentence };
+        let Settings { iterations, tolerance, .. } = self.settings();
+        let Some(note) = after.notes.last() else { return sentence };
+        let change = numbers::px(note.change);
+        let said = match note.change < tolerance {
+            true => format!(" Mean change {change} px < tolerance {} px: converged.", numbers::fixed(tolerance, 4)),
+            false if seen.before.iteration + 1 == iterations => {
+                format!(" Mean change {change} px at iteration {iterations}, the last of this warp.")
+            }
+            false if tolerance > 0.0 => format!(
+                " Mean change {change} px, not below the tolerance of {} px: next iteration.",
+                numbers::fixed(tolerance, 4)
+            ),
+            false => format!(" Mean change {change} px."),
+        };
+        let sentence = sentence.text(said);
+        if !after.is_done {
+            return sentence;
+        }
+        let conclusion = Conclusion::new(&after.fixed.frames.frame_pair, &after.flow());
+        sentence.text(conclusion.sentence(&M::ADVICE))
+    }
+
+    /// The sentence at the start of a warp.
     fn warped(&self, state: &State<M>) -> Sentence {
         let (width, height) = state.fixed.frames.size(state.level);
         let warp = format!("{} of {}", state.warp + 1, self.settings().warps);
         let what = if state.is_first_warp() {
-            "nothing was found yet, so the derivatives are taken of both frames as they are."
+            "the flow is still 0, so I_x, I_y and I_t are taken from both frames without warping."
         } else {
-            "frame t+1 is brought back by what was found so far, and the derivatives are taken of what is left."
+            "frame t+1 is warped toward frame t by the current flow (u₀, v₀), and brightness constancy is linearised again. \
+             I_t now measures what the current flow leaves unexplained."
         };
-        Sentence::default()
-            .text(format!("Level {} of the pyramid is {width}×{height} px large. Warp {warp}: {what}", state.level))
+        Sentence::default().text(format!("Level {} ({width}×{height} px), warp {warp}: {what}", state.level))
     }
 
-    fn facts(&self, seen: &Seen<Self>, looked: Option<(&Looked<M>, Vec<Fact>)>) -> Vec<Fact> {
+    fn facts(&self, seen: &Seen<Self>, probe: Option<(&Probe<M>, Vec<Fact>)>) -> Vec<Fact> {
         let state = seen.before;
         let fact = |label, value, role| Fact { label, value, role };
         let (width, height) = state.fixed.frames.size(state.level);
         let of = state.fixed.frames.count() - 1;
         let mut facts = vec![
-            fact("Level", format!("{}, from {of} down to 0, {width}×{height} px", state.level), None),
+            fact("Level", format!("{} ({of} is the coarsest), {width}×{height} px", state.level), None),
             fact("Iteration", format!("{} of {}", state.iteration + 1, self.settings().iterations), None),
         ];
-        if let Some((looked, more)) = looked {
-            let (x, y) = looked.place;
-            facts.push(fact("Pixel", format!("({x}, {y}) of the level"), Some(Role::Reference)));
-            facts.push(looked.iteration.warp.linear.fact(looked.place));
-            facts.extend(looked.start().map(|start| fact("Warp (u₀, v₀)", looked.px(start), None)));
-            facts.push(fact("Before", looked.px(looked.from()), Some(Role::Best)));
+        if let Some((probe, more)) = probe {
+            let (x, y) = probe.place;
+            facts.push(fact("Pixel", words::pixel((x, y)), Some(Role::Reference)));
+            facts.push(probe.iteration.warp.linear.fact(probe.place));
+            facts.extend(probe.start().map(|start| fact("Linearised at (u₀, v₀)", probe.px(start), None)));
+            facts.push(fact("Flow before", probe.px(probe.from()), Some(Role::Best)));
             facts.extend(more);
-            if seen.after.is_some() && looked.level > 0 {
-                let ([u, v], [across, down]) = (looked.to(), looked.scale);
-                let value = format!("{} px", words::vector([u * across, v * down]));
-                facts.push(fact("On the picture", value, Some(Role::Result)));
+            if seen.after.is_some() && probe.level > 0 {
+                let ([u, v], [across, down]) = (probe.to(), probe.scale);
+                let value = format!("{} px", numbers::vector([u * across, v * down]));
+                facts.push(fact("At full resolution", value, Some(Role::Result)));
             }
         }
         if let Some(note) = seen.after.and_then(|after| after.notes.last()) {
-            let [data, smoothness] = [note.data, note.smoothness].map(words::number);
-            facts.push(fact("Energy per pixel", format!("{data} data + {smoothness} smoothness"), None));
-            facts.push(fact("Mean change", format!("{:.5} px", note.change), None));
+            let [data, smoothness] = [note.data, note.smoothness].map(numbers::gray);
+            facts.push(fact("Energy per pixel", format!("{data} data term + {smoothness} smoothness term"), None));
+            facts.push(fact("Mean change", format!("{} px", numbers::px(note.change)), None));
             if note.error.is_finite() {
-                facts.push(fact("Mean error", format!("{:.3} px", note.error), Some(Role::Truth)));
+                facts.push(fact("Mean endpoint error", format!("{} px", numbers::px(note.error)), Some(Role::Truth)));
             }
         }
         facts
     }
 
-    /// The pyramid, if it has more levels than the picture itself; that is what there is before anything was done.
+    /// Returns the pyramid, if it has several levels.
     pub(super) fn levels(&self, seen: &Seen<Self>) -> Option<Levels> {
         let at_work = if seen.events.is_empty() { 0 } else { seen.before.level };
         (seen.before.fixed.frames.count() > 1).then(|| Levels { all: seen.before.fixed.pictures(), at_work })
     }
 
-    /// The pyramid with the pixel that is explained, and with those of the other levels that lie where it does.
+    /// Returns the pyramid with the inspected pixel and the pixels at the same position on the other levels.
     fn stack(&self, seen: &Seen<Self>) -> Option<Stack> {
         let (levels, state) = (self.levels(seen)?, seen.before);
-        let Some(looked) = Looked::at(seen) else {
+        let Some(probe) = Probe::at(seen) else {
             return Some(Stack { floors: vec![Floor::default(); levels.all.len()], levels });
         };
         let frames = &state.fixed.frames;
@@ -112,10 +143,10 @@ impl<M: Model> Variational<M> {
             let ((width, height), scale) = (frames.size(level), frames.scale(level));
             let on_level =
                 |c: usize, i: usize, extent: usize| (((c as f32 + 0.5) * here[i] / scale[i]) as usize).min(extent - 1);
-            let (x, y) = (on_level(looked.place.0, 0, width), on_level(looked.place.1, 1, height));
+            let (x, y) = (on_level(probe.place.0, 0, width), on_level(probe.place.1, 1, height));
             let min = [x as f32 - 0.5, y as f32 - 0.5];
             let vector = match level == state.level {
-                true => Some((if seen.after.is_some() { looked.to() } else { looked.from() }, Role::Best)),
+                true => Some((if seen.after.is_some() { probe.to() } else { probe.from() }, Role::Best)),
                 false => state.found(level).map(|found| (found.at(x, y), Role::Result)),
             };
             Floor { at_hand: Some([min, [min[0] + 1.0, min[1] + 1.0]]), vector }
@@ -123,16 +154,16 @@ impl<M: Model> Variational<M> {
         Some(Stack { floors: (0..levels.all.len()).map(floor).collect(), levels })
     }
 
-    /// Marks the pixel that is explained.
+    /// Marks the inspected pixel.
     pub(super) fn draw_pixel(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        let Some(Looked { place: (x, y), level, .. }) = Looked::at(seen) else { return };
+        let Some(Probe { place: (x, y), level, .. }) = Probe::at(seen) else { return };
         let [x, y] = [x, y].map(|c| c as f32);
         let [min, max] = seen.before.fixed.frames.on_picture(level, [x, y], [x + 1.0, y + 1.0]);
         scene.mark(Picture::CURRENT, Role::Reference, Shape::Rect { min, max });
-        scene.legend(Role::Reference, "pixel that is explained");
+        scene.legend(Role::Reference, "inspected pixel");
     }
 
-    /// What became of the energy, of the change and of the error, iteration by iteration.
+    /// Returns the plots of energy, mean change and endpoint error over iterations.
     fn series(&self, seen: &Seen<Self>) -> Vec<Series> {
         let notes = &seen.after.unwrap_or(seen.before).notes;
         if notes.is_empty() {
@@ -141,7 +172,7 @@ impl<M: Model> Variational<M> {
         let line = |of: fn(&Note) -> f32| -> Vec<[f32; 2]> {
             notes.iter().enumerate().map(|(i, note)| [(i + 1) as f32, of(note)]).collect()
         };
-        // Twice as far at most as the run has come, so that the beginning can be read as well.
+        // The axis ends at a power of two, so that the beginning stays readable.
         let near = std::iter::successors(Some(16), |end| Some(2 * end)).find(|end| *end >= notes.len()).unwrap_or(16);
         let x_max = self.units(seen.before).unwrap_or(notes.len()).min(near);
         let counts = (seen.before.fixed.frames.count(), self.settings().warps);
@@ -152,43 +183,49 @@ impl<M: Model> Variational<M> {
         };
         let energy = vec![
             ("energy", Role::Result, line(|note| note.data + note.smoothness)),
-            ("data", Role::Reference, line(|note| note.data)),
-            ("smoothness", Role::Predicted, line(|note| note.smoothness)),
+            ("data term", Role::Reference, line(|note| note.data)),
+            ("smoothness term", Role::Predicted, line(|note| note.smoothness)),
         ];
         let mut all = vec![
             series("Energy per pixel", M::ENERGY_UNIT, energy),
-            series("Mean change", "px", vec![("change", Role::Measured, line(|note| note.change))]),
+            series("Mean change", "px", vec![("mean change", Role::Measured, line(|note| note.change))]),
         ];
         if notes.iter().all(|note| note.error.is_finite()) {
-            all.push(series("Mean endpoint error", "px", vec![("error", Role::Error, line(|note| note.error))]));
+            all.push(series(
+                "Mean endpoint error",
+                "px",
+                vec![("mean endpoint error", Role::Error, line(|note| note.error))],
+            ));
         }
         all
     }
 }
 
-/// What is said before a warp that begins with what was found.
+/// The sentence of the median filter, before every warp but the first.
 fn medians<M: Model>(state: &State<M>) -> Sentence {
-    let from = if state.warp == 0 { "The field of the coarser level is enlarged to this one. " } else { "" };
+    let from = match state.warp {
+        0 => "The flow of the coarser level is upsampled to this one, its vectors scaled with it. ",
+        _ => "",
+    };
     Sentence::default().text(format!(
-        "{from}Each displacement becomes the median of those of the 3×3 px around it, u and v by themselves, so that nothing \
-         astray is carried on."
+        "{from}A 3×3 median filter on u and v removes outliers, so that they do not enter the next linearisation."
     ))
 }
 
-/// The constraint of the pixel, where the iteration takes it, and where it truly goes.
+/// The (u, v) plane: constraint lines, the flow before and after the step, and the true flow.
 fn plane<M: Model>(
     state: &State<M>,
-    looked: &Looked<M>,
+    probe: &Probe<M>,
     points: Vec<(&'static str, Role, [f32; 2])>,
     lines: Vec<crate::scene::Constraint>,
 ) -> Readout {
-    let mut all = vec![("before", Role::Best, looked.from())];
+    let mut all = vec![("before", Role::Best, probe.from())];
     all.extend(points);
-    let truth = state.fixed.frames.truth(looked.level, looked.place);
-    all.extend(truth.map(|truth| ("truth", Role::Truth, truth)));
+    let truth = state.fixed.frames.truth(probe.level, probe.place);
+    all.extend(truth.map(|truth| ("true flow", Role::Truth, truth)));
     Readout::Plane(Plane {
-        title: "Constraint and smoothness",
-        unit: looked.unit(),
+        title: "Constraint line and neighbourhood mean",
+        unit: probe.unit(),
         reach: explain::reach(all.iter().map(|(.., point)| *point)),
         lines,
         points: all,

@@ -1,6 +1,6 @@
-//! Relaxation where the constraints around a pixel count as well as its own.
+//! Relaxation with a windowed data term, as in the combined local-global method.
 //!
-//! Both solvers lessen the energy Σ (w, 1)ᵀ T (w, 1) + α² Σ w_n |w − w_n|² over the displacements w = (u, v), the second sum as in
+//! Both solvers minimise the energy Σ (w, 1)ᵀ T (w, 1) + α² Σ w_n |w − w_n|² over the displacements w = (u, v), the second sum as in
 //! [`relax`](crate::methods::differential::relax).
 
 use crate::base::{
@@ -10,19 +10,19 @@ use crate::base::{
 use crate::geometry::{Border, Grid, filter};
 use crate::methods::differential::{Field, Linear, stencil};
 
-/// The motion tensor of every pixel: the products of the factors of the constraints, smoothed.
+/// The motion tensor of every pixel: the Gaussian-smoothed products of the constraint coefficients.
 ///
-/// Those about the displacement that is left to find are smoothed, so that around a pixel all ask for more of the same; then
-/// xt, yt and tt are made to be about the whole displacement.
+/// The products for the increment are smoothed, because neighbours share it; then xt, yt and tt are converted to the whole
+/// flow.
 pub struct MotionTensor {
-    /// xx, xy, yy, xt, yt and tt, in (gray levels)² per px², per px, and by themselves.
+    /// xx, xy, yy in (gray levels/px)², xt, yt in (gray levels)²/px, tt in (gray levels)².
     parts: [Grid<f32>; 6],
 }
 
 impl MotionTensor {
-    /// The tensors of `linear` over a Gaussian of `sigma_px`.
+    /// Returns the tensors of `linear`, smoothed by a Gaussian of standard deviation `sigma_px`; the border is mirrored.
     pub fn new(linear: &Linear, sigma_px: f32, threads: &Threads) -> Self {
-        let left = left(linear);
+        let left = temporal(linear);
         let [x, y, t] = [&linear.factors.a, &linear.factors.b, &left];
         let smoothed = |a: &Grid<f32>, b: &Grid<f32>| {
             let mut product = a.clone();
@@ -43,12 +43,12 @@ impl MotionTensor {
         Self { parts }
     }
 
-    /// xx, xy, yy, xt, yt and tt of a pixel.
+    /// Returns xx, xy, yy, xt, yt and tt of a pixel.
     pub fn at(&self, place: (usize, usize)) -> [f32; 6] {
         self.parts.each_ref().map(|part| part[place])
     }
 
-    /// How far the constraints are off at a field, on average over the pixels.
+    /// Returns the data term at a flow field, per pixel.
     pub fn energy(&self, field: &Field) -> f64 {
         let (width, height) = field.u.size();
         let mut sum = 0.0;
@@ -61,8 +61,8 @@ impl MotionTensor {
     }
 }
 
-/// I_t of what is left to find beside the field about which the constraints are linear.
-fn left(linear: &Linear) -> Grid<f32> {
+/// I_t of the warped frame: the constant term for the increment.
+fn temporal(linear: &Linear) -> Grid<f32> {
     let mut left = linear.factors.c.clone();
     let gradients = linear.factors.a.cells().iter().zip(linear.factors.b.cells());
     let start = linear.start.u.cells().iter().zip(linear.start.v.cells());
@@ -72,15 +72,15 @@ fn left(linear: &Linear) -> Grid<f32> {
     left
 }
 
-/// What a pixel is set to from the mean (u, v) around it: the solution of (T + α²) w = α² (u, v) − (xt, yt), as the factors A
-/// and b of A (u, v) + b.
+/// The update of a pixel from its neighbourhood mean (u, v): the solution of (T + α² I) w = α² (u, v) − (xt, yt), as A and b of
+/// A (u, v) + b.
 pub struct Local {
     /// A: uu, uv, vv; then b: u, v.
     factors: [Grid<f32>; 5],
 }
 
 impl Local {
-    /// The solutions for a weight `alpha` of smoothness.
+    /// Solves for the regularisation weight `alpha`.
     pub fn new(tensor: &MotionTensor, alpha: f32) -> Self {
         let (width, height) = tensor.parts[0].size();
         let mut factors = std::array::from_fn(|_| Grid::new(width, height, 0.0));
@@ -107,7 +107,7 @@ impl Local {
         self.factors.each_ref().map(|part| part.row(y))
     }
 
-    /// `iterations` of Jacobi's method from `field` on: all pixels at once, from the averages of the iteration before.
+    /// Does `iterations` Jacobi iterations from `field`: all pixels from the means of the previous iteration.
     pub fn jacobi(&self, field: &Field, iterations: usize, threads: &Threads) -> Field {
         let (mut field, mut to) = (field.clone(), field.clone());
         let (width, height) = field.u.size();
@@ -127,7 +127,7 @@ impl Local {
         field
     }
 
-    /// An iteration in place, pixel by pixel along the rows, from the newest values of the neighbours; `relaxation` as in
+    /// Does one iteration in place, in raster order, from the newest values of the neighbours; `relaxation` as in
     /// [`System::sweep`](crate::methods::differential::relax::System::sweep).
     pub fn sweep(&self, field: &mut Field, relaxation: f32) {
         let (width, height) = field.u.size();
@@ -146,7 +146,7 @@ impl Local {
     }
 }
 
-/// The mean around pixel `x` of three rows, the columns to its left and right given.
+/// The mean of the neighbours of pixel `x` in three rows, with the columns to its left and right.
 #[inline(always)]
 fn mean([above, here, below]: [&[f32]; 3], x: usize, [left, right]: [usize; 2]) -> f32 {
     stencil::BESIDE * ((above[x] + below[x]) + (here[left] + here[right]))
@@ -162,13 +162,13 @@ widest! {
     fn row_widest(around: [[&[f32]; 3]; 2], factors: [&[f32]; 5], to: [&mut [f32]; 2]) = row
 }
 
-/// A row of an iteration from three rows of the one before.
+/// Computes a row of an iteration from three rows of the previous one.
 #[inline(always)]
 fn row(around: [[&[f32]; 3]; 2], factors: [&[f32]; 5], [u, v]: [&mut [f32]; 2]) {
     let width = u.len();
     let mut x = 0;
     while x < width {
-        // What is written next is not seen to be what is read, so it goes through arrays of its own.
+        // Separate output arrays let the compiler vectorise.
         match lanes(around, factors, x) {
             Some(to) => {
                 u[x..x + LANES].copy_from_slice(&to[0]);
@@ -184,7 +184,7 @@ fn row(around: [[&[f32]; 3]; 2], factors: [&[f32]; 5], [u, v]: [&mut [f32]; 2]) 
     }
 }
 
-/// The displacements of the pixels from `start` on, where there are so many, and one on either side.
+/// The flow of a vector of pixels from `start`, if it fits into the row with a pixel on either side.
 #[inline(always)]
 fn lanes(around: [[&[f32]; 3]; 2], factors: [&[f32]; 5], start: usize) -> Option<[[f32; LANES]; 2]> {
     let [u, v] = [around_lanes(around[0], start)?, around_lanes(around[1], start)?];
@@ -202,7 +202,7 @@ fn lanes(around: [[&[f32]; 3]; 2], factors: [&[f32]; 5], start: usize) -> Option
     Some(to)
 }
 
-/// Of each of three rows the pixels to the left of those from `start` on, they themselves, and those to the right.
+/// For each of three rows: the pixels from `start`, and those one px to the left and right.
 #[inline(always)]
 fn around_lanes(rows: [&[f32]; 3], start: usize) -> Option<[[&[f32; LANES]; 3]; 3]> {
     let left = start.checked_sub(1)?;

@@ -1,7 +1,6 @@
-//! What the methods share that make an energy of the whole field small: from the coarsest level of a pyramid to the picture,
-//! in warps, frame t + 1 is brought back by what was found, and iterations go on from there.
+//! Variational methods: minimisation of an energy of the whole flow field, coarse to fine, with image warping.
 //!
-//! A method is a [`Model`]: what an iteration is, what its energy is, and how both are told. One blanket implementation makes
+//! A method is a [`Model`]: its iteration, its energy, and the explanation of both. One blanket implementation makes
 //! every [`Model`] an estimator, [`Variational`].
 
 mod declare;
@@ -14,7 +13,7 @@ mod solver;
 
 pub use declare::Settings;
 pub use local::{Local, MotionTensor};
-pub use model::{Looked, Model, Told, Warp};
+pub use model::{Explanation, Model, Probe, Warp};
 pub use primal_dual::Dual;
 pub use run::Variational;
 pub use solver::Solver;

@@ -1,23 +1,23 @@
-//! What makes a variational method.
+//! The interface of a variational method.
 
 use std::sync::Arc;
 
 use super::Settings;
 use crate::base::{Threads, words};
-use crate::methods::differential::{Field, Linear, explain};
+use crate::methods::differential::{Advice, Field, Linear, explain, numbers};
 use crate::params::Params;
 use crate::run::{Guarantee, Info};
 use crate::scene::{Constraint, Fact, Math, Name, Role, Sentence};
 
-/// What iterations change: a field, and whatever else goes with it.
+/// The unknowns of the minimisation: the flow field and any auxiliary variables.
 pub trait Unknowns: Clone + Send + Sync + 'static {
-    /// Those with which a warp begins at `start`; `last` are those of the warp before on the same level.
+    /// Initialises a warp at the flow `start`; `last` are the unknowns of the previous warp on the same level.
     fn begin(start: &Field, last: Option<&Self>) -> Self;
 
-    /// The displacements.
+    /// Returns the flow field.
     fn field(&self) -> &Field;
 
-    /// Memory that they take, in bytes.
+    /// Returns the size in memory, in bytes.
     fn bytes(&self) -> usize;
 }
 
@@ -35,139 +35,141 @@ impl Unknowns for Field {
     }
 }
 
-/// A method that makes an energy of the whole field small.
+/// A method that minimises an energy of the whole flow field.
 pub trait Model: Params + Default + Clone + Send + Sync + 'static {
-    /// What there is to say about the method.
+    /// The method's name, source and pseudocode.
     const INFO: Info;
-    /// What it can be relied on to find.
+    /// The guaranteed accuracy.
     const GUARANTEE: Guarantee;
-    /// The lines of the pseudocode in whose steps an iteration is told.
+    /// The pseudocode lines of the steps of an iteration.
     const STEPS: &'static [Name];
-    /// What the energy is measured in.
+    /// The unit of the energy.
     const ENERGY_UNIT: &'static str;
-    /// What is said before anything was done.
+    /// The explanation of the energy, at the start of a run.
     const OPENING: &'static str;
-    /// How many numbers for each pixel [`Model::System`] holds.
+    /// What would help where the method fails.
+    const ADVICE: Advice;
+    /// Numbers per pixel in [`Model::System`].
     const SYSTEM_PARTS: usize;
-    /// Memory that a run takes for each pixel at most, in bytes, and one that is walked through.
+    /// Upper bound of the memory per pixel of a run and of a stepped run, in bytes.
     const NEED: [f64; 2];
-    /// What is worked out from the constraints once for all iterations of a warp.
+    /// Coefficients that all iterations of a warp share.
     type System: Send + Sync + 'static;
-    /// What iterations change.
+    /// The unknowns of the minimisation.
     type Unknowns: Unknowns;
 
-    /// The parameters that all variational methods have.
+    /// Returns the parameters that all variational methods share.
     fn settings(&self) -> Settings;
 
-    /// What all iterations of a warp need.
+    /// Computes the coefficients of a warp.
     fn system(&self, linear: &Linear, threads: &Threads) -> Self::System;
 
-    /// `count` iterations of a warp from `from` on.
+    /// Does `count` iterations of a warp, starting at `from`.
     fn iterate(&self, warp: &Warp<Self>, from: &Self::Unknowns, count: usize, threads: &Threads) -> Self::Unknowns;
 
-    /// The parts of the energy for data and for smoothness, on average over the pixels.
+    /// Returns the data term and the smoothness term of the energy, per pixel.
     fn energy(&self, warp: &Warp<Self>, at: &Self::Unknowns) -> [f64; 2];
 
-    /// How step `step` of an iteration is told at a pixel.
-    fn told(&self, step: usize, looked: &Looked<Self>) -> Told;
+    /// Explains step `step` of an iteration at a pixel.
+    fn explanation(&self, step: usize, probe: &Probe<Self>) -> Explanation;
 }
 
-/// The constraints of a warp.
+/// A linearisation: the constraints of one warp.
 pub struct Warp<M: Model> {
-    /// Those of the pixels.
+    /// The gradient constraints.
     pub linear: Linear,
-    /// What the method makes of them.
+    /// The method's coefficients.
     pub system: M::System,
 }
 
-/// An iteration that was done.
+/// A completed iteration.
 pub struct Iteration<M: Model> {
-    /// The warp it belongs to.
+    /// Its warp.
     pub warp: Arc<Warp<M>>,
-    /// What it went from.
+    /// The unknowns before it.
     pub from: Arc<M::Unknowns>,
-    /// What it came to.
+    /// The unknowns after it.
     pub to: Arc<M::Unknowns>,
-    /// The pixel that changes most; the first of several.
+    /// The pixel with the largest change; the first of several.
     pub most: (usize, usize),
 }
 
 /// An iteration at one pixel of its level.
-pub struct Looked<'a, M: Model> {
+pub struct Probe<'a, M: Model> {
     /// The iteration.
     pub iteration: &'a Iteration<M>,
     /// The pixel.
     pub place: (usize, usize),
-    /// The level, 0 being the picture itself.
+    /// The level; 0 is full resolution.
     pub level: usize,
-    /// How many px of the picture one of the level is, across and down.
+    /// Size of a pixel of the level in px of level 0, horizontally and vertically.
     pub scale: [f32; 2],
 }
 
-impl<M: Model> Looked<'_, M> {
-    /// Its derivatives a and b, and c of the constraint a u + b v + c = 0.
+impl<M: Model> Probe<'_, M> {
+    /// Returns a, b and c of the constraint a u + b v + c = 0.
     pub fn factors(&self) -> [f32; 3] {
         self.iteration.warp.linear.factors.at(self.place)
     }
 
-    /// Its displacement before the iteration, in px of the level.
+    /// Returns the flow before the iteration, in px of the level.
     pub fn from(&self) -> [f32; 2] {
         self.iteration.from.field().at(self.place.0, self.place.1)
     }
 
-    /// Its displacement after the iteration, in px of the level.
+    /// Returns the flow after the iteration, in px of the level.
     pub fn to(&self) -> [f32; 2] {
         self.iteration.to.field().at(self.place.0, self.place.1)
     }
 
-    /// Whether the constraint of the pixel is known, and not that of one that left the picture.
+    /// Whether the constraint is known: (u₀, v₀) stays within frame t + 1.
     pub fn is_known(&self) -> bool {
         self.iteration.warp.linear.factors.is_known(self.place)
     }
 
-    /// The displacement (u₀, v₀) by which frame t + 1 was brought back to the pixel, if it was brought back.
+    /// Returns the flow (u₀, v₀) of the linearisation, if frame t + 1 was warped.
     pub fn start(&self) -> Option<[f32; 2]> {
         let start = &self.iteration.warp.linear.start;
         (!start.is_zero()).then(|| start.at(self.place.0, self.place.1))
     }
 
-    /// What stands for I_t in the constraint.
+    /// Returns the constant term of the constraint: c after warping, else I_t.
     pub fn rest(&self) -> Math {
         if self.start().is_some() { Math::Var("c") } else { explain::derivative("t") }
     }
 
-    /// What that is, where it is not I_t.
+    /// Returns the definition of c, after warping.
     pub fn definition(&self) -> Vec<Math> {
         let definition = || self.iteration.warp.linear.definition(self.place, Role::Reference);
         self.start().map(|_| definition().to_vec()).unwrap_or_default()
     }
 
-    /// A displacement in px of the level as it is told.
+    /// Returns a flow vector with its unit as text.
     pub fn px(&self, uv: [f32; 2]) -> String {
-        format!("{} {}", words::vector(uv), self.unit())
+        format!("{} {}", numbers::vector(uv), self.unit())
     }
 
-    /// What displacements on the level are measured in.
+    /// Returns the unit of flow on the level.
     pub fn unit(&self) -> String {
         if self.level == 0 { "px".into() } else { format!("px of level {}", self.level) }
     }
 
-    /// What the pixel is called.
+    /// Returns the pixel's name: `pixel (3, 4)`.
     pub fn pixel(&self) -> String {
-        format!("pixel ({}, {})", self.place.0, self.place.1)
+        format!("pixel {}", words::pixel(self.place))
     }
 }
 
-/// How a step of an iteration is told.
-pub struct Told {
+/// The explanation of one step of an iteration.
+pub struct Explanation {
     /// What happens to the pixel, and why.
     pub sentence: Sentence,
-    /// What there is to say about it beside its derivatives and its displacement before.
+    /// Facts beyond the derivatives and the flow before the step.
     pub facts: Vec<Fact>,
-    /// What is done, in symbols and with its numbers.
+    /// The formula, in symbols and with numbers.
     pub equation: Vec<Math>,
-    /// Displacements to be shown beside the one before and the true one.
+    /// Points of the (u, v) plane beside the flow before the step and the true flow.
     pub points: Vec<(&'static str, Role, [f32; 2])>,
-    /// What is shown of the constraints.
+    /// Constraint lines.
     pub lines: Vec<Constraint>,
 }

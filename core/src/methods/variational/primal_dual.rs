@@ -1,7 +1,7 @@
-//! The iterations of TV-L1, by A. Chambolle's dual of the total variation.
+//! The iterations of TV-L1, with Chambolle's dual formulation of the total variation.
 //!
-//! They lessen λ |ρ(f)| + |f − w|² / 2θ + |∇u| + |∇v|, summed over the pixels, where w = (u, v) is the field, f is the one
-//! that fits, and ∇ are differences to the next pixel, 0 at the last one.
+//! They minimise λ |ρ(f)| + |f − w|² / 2θ + |∇u| + |∇v|, summed over the pixels, where w = (u, v) is the flow, f the auxiliary
+//! flow of the data term, and ∇ forward differences, 0 at the image border.
 
 use super::model::Unknowns;
 use crate::base::{
@@ -11,12 +11,12 @@ use crate::base::{
 use crate::geometry::Grid;
 use crate::methods::differential::{Field, Linear};
 
-/// A field and its dual variables.
+/// The flow field and its dual variables.
 #[derive(Clone)]
 pub struct Dual {
-    /// The displacements.
+    /// The flow field.
     pub field: Field,
-    /// p of u along x and y, then p of v.
+    /// The dual variables: x and y of p_u, then of p_v.
     p: [Grid<f32>; 4],
 }
 
@@ -36,34 +36,34 @@ impl Unknowns for Dual {
     }
 }
 
-/// What an iteration weighs by.
+/// The constants of an iteration.
 #[derive(Clone, Copy, Debug)]
 pub struct Weights {
-    /// λ θ: how many times its gradient a pixel moves at most to fit.
+    /// λ θ: the threshold of the step along the gradient.
     pub most: f32,
     /// θ.
     pub theta: f32,
-    /// τ / θ.
+    /// τ / θ: the step size of the dual update.
     pub rate: f32,
 }
 
-/// A gradient whose square is smaller comes from rounding alone.
+/// Squared gradient magnitude up to which a gradient is rounding error.
 const FLAT: f32 = 1e-10;
 
-/// How many times its gradient a pixel moves to fit a constraint that is `off` by so much.
+/// The thresholded step s along the gradient, for a residual `off` and |∇I|².
 #[inline(always)]
 pub fn step(off: f32, squared_gradient: f32, most: f32) -> f32 {
-    // A picture without gradient is off by whatever it is: there the move is nothing, however often it is taken.
+    // Without gradient the step is multiplied by 0.
     (off / squared_gradient.max(FLAT)).max(-most).min(most)
 }
 
 impl Dual {
-    /// p of u and of v at a pixel.
+    /// Returns p_u and p_v of a pixel.
     pub fn p(&self, place: (usize, usize)) -> [[f32; 2]; 2] {
         [[self.p[0][place], self.p[1][place]], [self.p[2][place], self.p[3][place]]]
     }
 
-    /// div p of u and of v at a pixel.
+    /// Returns div p_u and div p_v of a pixel.
     pub fn divergence(&self, (x, y): (usize, usize)) -> [f32; 2] {
         let left = |p: &Grid<f32>| if x > 0 { p[(x - 1, y)] } else { 0.0 };
         let above = |p: &Grid<f32>| if y > 0 { p[(x, y - 1)] } else { 0.0 };
@@ -73,7 +73,7 @@ impl Dual {
         })
     }
 
-    /// The gradients of u and of v at a pixel.
+    /// Returns ∇u and ∇v of a pixel.
     pub fn gradients(&self, (x, y): (usize, usize)) -> [[f32; 2]; 2] {
         let (width, height) = self.field.u.size();
         [&self.field.u, &self.field.v].map(|part| {
@@ -82,7 +82,7 @@ impl Dual {
         })
     }
 
-    /// An iteration: every pixel fits its constraint, is smoothed by p, and p follows.
+    /// Does one iteration: thresholding of the data term, update of the flow, dual update.
     pub fn iterate(&mut self, linear: &Linear, weights: Weights, threads: &Threads) {
         let height = self.field.u.height();
         let rows = height.div_ceil(threads.count()).max(1);
@@ -94,13 +94,13 @@ impl Dual {
                 let width = part.width();
                 for (i, (along, down)) in along.chunks_exact_mut(width).zip(down.chunks_exact_mut(width)).enumerate() {
                     let y = band * rows + i;
-                    turn_widest([along, down], [part.row(y), part.row((y + 1).min(height - 1))], weights.rate);
+                    dual_widest([along, down], [part.row(y), part.row((y + 1).min(height - 1))], weights.rate);
                 }
             });
         }
     }
 
-    /// The first half of an iteration, by which the field changes.
+    /// The thresholding and the update of the flow.
     fn fit_and_smooth(&mut self, linear: &Linear, weights: Weights, (rows, threads): (usize, &Threads)) {
         let Self { field, p } = self;
         let width = field.u.width();
@@ -118,7 +118,7 @@ impl Dual {
     }
 }
 
-/// `grid` cut into bands of so many rows.
+/// Splits `grid` into bands of `rows` rows.
 fn bands(grid: &mut Grid<f32>, rows: usize) -> std::slice::ChunksMut<'_, f32> {
     let width = grid.width();
     grid.cells_mut().chunks_mut(rows * width)
@@ -129,15 +129,15 @@ widest! {
 }
 
 widest! {
-    fn turn_widest(p: [&mut [f32]; 2], field: [&[f32]; 2], rate: f32) = turn
+    fn dual_widest(p: [&mut [f32]; 2], field: [&[f32]; 2], rate: f32) = dual_row
 }
 
-/// A row of the field, fitted to its constraints and smoothed by p, of which the rows along x and y and the one above are given.
+/// Updates a row of the flow from its constraints and from p: its row along x, its row along y and the one above.
 #[inline(always)]
 fn smoothed([u, v]: [&mut [f32]; 2], factors: [&[f32]; 3], p: [[&[f32]; 3]; 2], weights: Weights) {
     let mut x = 0;
     while x < u.len() {
-        // What is written next is not seen to be what is read, so it goes through arrays of its own.
+        // Separate output arrays let the compiler vectorise.
         match smoothed_lanes([u, v], factors, p, (x, weights)) {
             Some(to) => {
                 u[x..x + LANES].copy_from_slice(&to[0]);
@@ -154,7 +154,7 @@ fn smoothed([u, v]: [&mut [f32]; 2], factors: [&[f32]; 3], p: [[&[f32]; 3]; 2], 
     }
 }
 
-/// The displacements of the pixels from `start` on, where there are so many, and one to the left.
+/// The flow of a vector of pixels from `start`, if it fits into the row with a pixel to the left.
 #[inline(always)]
 fn smoothed_lanes<'a>(
     field: [&[f32]; 2],
@@ -177,8 +177,8 @@ fn smoothed_lanes<'a>(
     Some(to)
 }
 
-/// A pixel (u, v) fitted to its constraint and smoothed by p, of which that along x, the one to the left of it, that along y and
-/// the one above it are given.
+/// The update of a pixel (u, v) from its constraint and from p: its x component here and to the left, its y component here and
+/// above.
 #[inline(always)]
 fn smoothed_pixel([u, v]: [f32; 2], [a, b, c]: [f32; 3], p: [[f32; 4]; 2], weights: Weights) -> [f32; 2] {
     let step = step(a * u + b * v + c, a * a + b * b, weights.most);
@@ -186,13 +186,13 @@ fn smoothed_pixel([u, v]: [f32; 2], [a, b, c]: [f32; 3], p: [[f32; 4]; 2], weigh
     [(u - step * a) + weights.theta * divergence(p[0]), (v - step * b) + weights.theta * divergence(p[1])]
 }
 
-/// A row of p, turned towards the gradient of a part of the field, of which this row and the one below are given.
+/// The dual update of a row of p from this row of a flow component and the one below.
 #[inline(always)]
-fn turn([along, down]: [&mut [f32]; 2], [here, below]: [&[f32]; 2], rate: f32) {
+fn dual_row([along, down]: [&mut [f32]; 2], [here, below]: [&[f32]; 2], rate: f32) {
     let width = along.len();
     let mut x = 0;
     while x < width {
-        match turned_lanes([along, down], [here, below], (x, rate)) {
+        match dual_lanes([along, down], [here, below], (x, rate)) {
             Some(to) => {
                 along[x..x + LANES].copy_from_slice(&to[0]);
                 down[x..x + LANES].copy_from_slice(&to[1]);
@@ -200,33 +200,33 @@ fn turn([along, down]: [&mut [f32]; 2], [here, below]: [&[f32]; 2], rate: f32) {
             }
             None => {
                 let gradient = [here[(x + 1).min(width - 1)] - here[x], below[x] - here[x]];
-                [along[x], down[x]] = turned_pixel([along[x], down[x]], gradient, rate);
+                [along[x], down[x]] = dual_pixel([along[x], down[x]], gradient, rate);
                 x += 1;
             }
         }
     }
 }
 
-/// p of the pixels from `start` on, where there are so many and one more.
+/// p of a vector of pixels from `start`, if it fits into the row with one more pixel.
 #[inline(always)]
-fn turned_lanes(p: [&[f32]; 2], [here, below]: [&[f32]; 2], (start, rate): (usize, f32)) -> Option<[[f32; LANES]; 2]> {
+fn dual_lanes(p: [&[f32]; 2], [here, below]: [&[f32]; 2], (start, rate): (usize, f32)) -> Option<[[f32; LANES]; 2]> {
     let [along, down] = [lane(p[0], start)?, lane(p[1], start)?];
     let (right, here, below) = (lane(here, start + 1)?, lane(here, start)?, lane(below, start)?);
     let mut to = [[0.0; LANES]; 2];
     for x in 0..LANES {
         let gradient = [right[x] - here[x], below[x] - here[x]];
-        [to[0][x], to[1][x]] = turned_pixel([along[x], down[x]], gradient, rate);
+        [to[0][x], to[1][x]] = dual_pixel([along[x], down[x]], gradient, rate);
     }
     Some(to)
 }
 
 #[inline(always)]
-fn turned_pixel([along, down]: [f32; 2], [x, y]: [f32; 2], rate: f32) -> [f32; 2] {
+fn dual_pixel([along, down]: [f32; 2], [x, y]: [f32; 2], rate: f32) -> [f32; 2] {
     let shorter = 1.0 / (1.0 + rate * (x * x + y * y).sqrt());
     [(along + rate * x) * shorter, (down + rate * y) * shorter]
 }
 
-/// The two parts of the energy, on average over the pixels: λ times how far the constraints are off, and the total variation.
+/// The data term λ |ρ| and the total variation, per pixel.
 pub fn energy(linear: &Linear, lambda: f32, field: &Field) -> [f64; 2] {
     let (width, height) = field.u.size();
     let (mut data, mut variation) = (0.0, 0.0);

@@ -1,4 +1,4 @@
-//! How a variational method runs: levels, warps and iterations.
+//! The run of a variational method: levels, warps and iterations.
 
 use std::sync::{Arc, OnceLock};
 
@@ -13,45 +13,44 @@ use crate::products::{DenseField, Output, Product, ProductKind};
 use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
 use crate::scene::{Chart, Focus, Level, Scene, Step};
 
-/// How many numbers for each pixel [`Linear`] holds.
+/// Numbers per pixel in [`Linear`].
 const LINEAR_PARTS: usize = 5;
 
-/// At most so many iterations are done before it is asked whether anybody still wants them, and over all of them at most so many
-/// pixels: some hundredths of a second.
+/// Iterations between two tests for cancellation, and their limit in pixels: some hundredths of a second.
 const BATCH: usize = 128;
 const BATCH_PIXELS: usize = 40_000_000;
 
-/// The estimator that `M` makes.
+/// The estimator of the model `M`.
 #[derive(Clone, Debug, Default)]
 pub struct Variational<M>(pub M);
 
 inner_params!(Variational<M: Model>);
 
-/// What a run reads and writes.
+/// The state of a run.
 pub struct State<M: Model> {
     pub(super) fixed: Arc<Fixed>,
-    /// What comes next: the level, 0 being the picture itself, the warp on it, and the iteration for that.
+    /// The next level (0 is full resolution), warp and iteration.
     pub(super) level: usize,
     pub(super) warp: usize,
     pub(super) iteration: usize,
-    /// What was found by now, on the level of the last iteration.
+    /// The current unknowns, on the level of the last iteration.
     unknowns: Arc<M::Unknowns>,
-    /// What was found on the levels that are done, the coarsest first.
+    /// The results of the completed levels, the coarsest first.
     coarser: Vec<Arc<M::Unknowns>>,
     /// The constraints of the last iteration.
     constraints: Constraints<M>,
-    /// The iterations before the eyes of someone.
+    /// Energy, change and error of each stepped iteration.
     pub(super) notes: Vec<Note>,
-    is_done: bool,
+    pub(super) is_done: bool,
 }
 
-/// The constraints of a warp, or what they are made from.
+/// The constraints of a warp, or what they are computed from.
 enum Constraints<M: Model> {
-    /// The next iteration begins a warp: they come from what was found.
+    /// The next iteration begins a warp, from the current flow.
     Next,
-    /// They are about this field.
+    /// To be linearised about this flow.
     About(Arc<Field>),
-    /// They are made.
+    /// Computed.
     Made(Arc<Warp<M>>),
 }
 
@@ -78,17 +77,17 @@ impl<M: Model> Clone for State<M> {
     }
 }
 
-/// What stays the same all along.
+/// The constant part of a run.
 pub(super) struct Fixed {
     pub(super) frames: Multiscale,
     /// Frames t and t + 1.
     pair: [Arc<Frame>; 2],
-    /// The levels as pictures, for whoever looks.
+    /// The levels as pictures, made on demand.
     pictures: OnceLock<Arc<[Level]>>,
 }
 
 impl Fixed {
-    /// The levels as pictures to be looked at.
+    /// Returns the levels as pictures.
     pub(super) fn pictures(&self) -> Arc<[Level]> {
         let seen = |level: &Grid<f32>| Arc::new(Frame::gray(level.map(|v| v.round().clamp(0.0, 255.0) as u8)));
         let coarser = |level: usize| Level::covering(self.frames.pair(level).map(seen));
@@ -100,27 +99,27 @@ impl Fixed {
     }
 }
 
-/// An iteration in numbers.
+/// Energy, change and error of an iteration.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Note {
     /// Its level and its warp, from 0.
     pub(super) place: (usize, usize),
-    /// The parts of the energy, on average over the pixels.
+    /// Data term and smoothness term, per pixel.
     pub(super) data: f32,
     pub(super) smoothness: f32,
-    /// Mean change of the displacements, in px of the picture.
+    /// Mean change of the flow, in px of level 0.
     pub(super) change: f32,
-    /// Mean endpoint error in px of the picture; NaN where there is no truth.
+    /// Mean endpoint error in px of level 0; NaN without truth.
     pub(super) error: f32,
 }
 
-/// What happens in an iteration.
+/// An event of an iteration.
 pub enum Event<M: Model> {
-    /// What was found by now is cleared of what is astray.
+    /// The median filter has removed outliers.
     Medians,
-    /// Frame t + 1 is brought back, and the constraints are taken anew.
+    /// Frame t + 1 was warped, and the constraints were linearised.
     Warped,
-    /// Step so many of the iteration is done.
+    /// A step of the iteration is done.
     Step(usize, Arc<Iteration<M>>),
 }
 
@@ -140,8 +139,8 @@ impl<M: Model> Variational<M> {
     }
 
     fn prepare(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State<M>, Error> {
-        let Settings { levels, smoothing, .. } = self.settings();
-        let frames = Multiscale::new((clip, frame), smoothing, levels, threads)?;
+        let Settings { levels, sigma, .. } = self.settings();
+        let frames = Multiscale::new((clip, frame), sigma, levels, threads)?;
         let level = frames.count() - 1;
         let start = Field::new(frames.size(level), [0.0; 2]);
         Ok(State {
@@ -157,7 +156,7 @@ impl<M: Model> Variational<M> {
         })
     }
 
-    /// The constraints of the warp at hand; those that there are, unless it begins.
+    /// Returns the constraints of the current warp, linearised anew where it begins.
     fn constraints(&self, state: &State<M>, threads: &Threads) -> Arc<Warp<M>> {
         let start = match &state.constraints {
             Constraints::Made(warp) => return Arc::clone(warp),
@@ -170,8 +169,8 @@ impl<M: Model> Variational<M> {
         Arc::new(Warp { linear, system })
     }
 
-    /// Does `count` iterations of the warp at hand, and takes the place of the next. How far displacements changed on average,
-    /// in px of the picture, is known where that is one.
+    /// Does `count` iterations of the current warp and moves on. The mean change in px of level 0 is known for a single
+    /// iteration.
     fn work(&self, state: &mut State<M>, count: usize, threads: &Threads) -> (Done<M>, f64) {
         let Settings { iterations, tolerance, warps, .. } = self.settings();
         let warp = self.constraints(state, threads);
@@ -203,7 +202,7 @@ impl<M: Model> Variational<M> {
         (Done { warp, from, to }, change)
     }
 
-    /// An iteration of a level and a warp in numbers.
+    /// Returns energy, change and error of an iteration.
     fn note(&self, state: &State<M>, place: (usize, usize), done: &Iteration<M>, change: f64) -> Note {
         let [data, smoothness] = self.0.energy(&done.warp, &done.to).map(|part| part as f32);
         let error = state.fixed.frames.error(place.0, state.unknowns.field());
@@ -211,7 +210,7 @@ impl<M: Model> Variational<M> {
     }
 }
 
-/// What some iterations went from and came to.
+/// The unknowns before and after some iterations.
 struct Done<M: Model> {
     warp: Arc<Warp<M>>,
     from: Arc<M::Unknowns>,
@@ -219,7 +218,7 @@ struct Done<M: Model> {
 }
 
 impl<M: Model> State<M> {
-    /// The field at which the next warp begins.
+    /// Returns the initial flow of the next warp.
     fn next_start(&self, threads: &Threads) -> Field {
         let (found, size) = (self.unknowns.field(), self.fixed.frames.size(self.level));
         let start = if found.u.size() == size { found.clone() } else { found.resized(size, threads) };
@@ -229,18 +228,18 @@ impl<M: Model> State<M> {
         Field { u: filter::median(&start.u, threads), v: filter::median(&start.v, threads) }
     }
 
-    /// Whether nothing was found before the warp at hand.
+    /// Whether this is the first warp of the run, at zero flow.
     pub(super) fn is_first_warp(&self) -> bool {
         self.warp == 0 && self.level + 1 == self.fixed.frames.count()
     }
 
-    /// What was found on `level`, if that is done.
+    /// Returns the flow of `level`, if that is completed.
     pub(super) fn found(&self, level: usize) -> Option<&Field> {
         self.coarser.get(self.fixed.frames.count() - 1 - level).map(|found| found.field())
     }
 
-    /// What was found by now, on the picture.
-    fn flow(&self) -> Flow {
+    /// Returns the current flow at full resolution.
+    pub(super) fn flow(&self) -> Flow {
         self.fixed.frames.flow(self.unknowns.field())
     }
 }
@@ -301,7 +300,7 @@ impl<M: Model> Estimator for Variational<M> {
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
-        self.told(seen)
+        self.explanation(seen)
     }
 
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
@@ -322,7 +321,7 @@ impl<M: Model> Estimator for Variational<M> {
             clip.wanted()?;
             let (width, height) = state.fixed.frames.size(state.level);
             let at_once = (BATCH_PIXELS / (width * height)).clamp(1, BATCH);
-            // Where each change decides whether to go on, iterations come one by one.
+            // A stopping criterion needs the change of each iteration.
             let count = if tolerance > 0.0 { 1 } else { at_once.min(iterations - state.iteration) };
             self.work(&mut state, count, threads);
         }
@@ -335,7 +334,7 @@ impl<M: Model> Footprint<State<M>> for Variational<M> {
         Need::per_pixel(clip, M::NEED)
     }
 
-    /// The constraints of a warp are made again from the field at which it began.
+    /// The constraints of a warp are recomputed from its initial flow.
     fn at_rest(&self, state: &State<M>) -> State<M> {
         let constraints = match &state.constraints {
             Constraints::Made(warp) => Constraints::About(Arc::clone(&warp.linear.start)),
@@ -344,7 +343,7 @@ impl<M: Model> Footprint<State<M>> for Variational<M> {
         State { constraints, ..state.clone() }
     }
 
-    /// What was found on coarser levels is shared by all states of a run.
+    /// The results of coarser levels are shared by all states of a run.
     fn state_bytes(&self, state: &State<M>) -> usize {
         let constraints = match &state.constraints {
             Constraints::Next => 0,
@@ -356,16 +355,16 @@ impl<M: Model> Footprint<State<M>> for Variational<M> {
 
     fn memory_bytes(&self, state: &State<M>) -> usize {
         let frames = &state.fixed.frames;
-        let given = size_of_val(frames.given.pictures[0].cells());
-        let constraints = given * (LINEAR_PARTS + M::SYSTEM_PARTS);
+        let grid = size_of_val(frames.frame_pair.pictures[0].cells());
+        let constraints = grid * (LINEAR_PARTS + M::SYSTEM_PARTS);
         let coarser: usize = state.coarser.iter().map(|unknowns| unknowns.bytes()).sum();
-        // What an iteration goes from, and what it comes to.
+        // The unknowns before and after an iteration.
         self.state_bytes(state) + frames.bytes() + constraints + coarser + 2 * state.unknowns.bytes()
     }
 }
 
 impl<M: Model> Pointed<State<M>> for Variational<M> {
     fn explained(&self, state: &State<M>, Focus { at: point, .. }: Focus) -> Option<Explained> {
-        state.fixed.frames.given.pixel_at(point).map(|_| Explained::Always)
+        state.fixed.frames.frame_pair.pixel_at(point).map(|_| Explained::Always)
     }
 }

@@ -1,25 +1,24 @@
-//! How the linear equations of a quadratic energy are solved.
+//! Iterative solvers of the linear system of a quadratic energy.
 
-use super::model::{Looked, Model};
-use crate::base::words;
+use super::model::{Model, Probe};
 use crate::choices;
-use crate::methods::differential::{Field, relax};
+use crate::methods::differential::{Field, numbers, relax};
 use crate::scene::{Math, Role, Sentence};
 
 choices! {
-    /// How the equations are solved. All methods come to the same field in the end.
+    /// Iterative solver of the linear system. All of them converge to the same flow.
     pub enum Solver {
-        /// All pixels at once, from the averages of the iteration before, as in the paper.
+        /// All pixels from the neighbourhood means of the previous iteration, as in Horn and Schunck (1981).
         Jacobi = "jacobi" "Jacobi",
-        /// Pixel by pixel along the rows, from the newest values: about twice as fast to converge.
+        /// In raster order, from the newest values: converges in about half as many iterations as Jacobi.
         GaussSeidel = "gauss-seidel" "Gauss–Seidel",
-        /// As Gauss–Seidel, but each pixel goes farther than it should (successive over-relaxation): much faster.
+        /// Successive over-relaxation: Gauss–Seidel steps, extrapolated by the factor ω. Fastest to converge.
         Sor = "sor" "SOR",
     }
 }
 
 impl Solver {
-    /// How far beyond Gauss and Seidel's value a pixel goes, 1 being theirs; `None` where all pixels go at once.
+    /// Returns the relaxation factor ω, 1 for Gauss–Seidel; `None` for Jacobi.
     pub fn relaxation(self, over: f32) -> Option<f32> {
         match self {
             Solver::Jacobi => None,
@@ -28,42 +27,43 @@ impl Solver {
         }
     }
 
-    /// `over` where pixels are taken beyond Gauss and Seidel's value by it.
+    /// Returns the relaxation factor ω of SOR; `None` for the others.
     pub fn beyond(self, over: f32) -> Option<f32> {
         (self == Solver::Sor).then_some(over)
     }
 
-    /// The average of the neighbours from which a pixel was set.
-    pub fn mean_of<M: Model<Unknowns = Field>>(self, looked: &Looked<M>) -> [f32; 2] {
-        let iteration = looked.iteration;
+    /// Returns the neighbourhood mean that the update of a pixel used.
+    pub fn mean_of<M: Model<Unknowns = Field>>(self, probe: &Probe<M>) -> [f32; 2] {
+        let iteration = probe.iteration;
         let earlier = if self == Solver::Jacobi { &iteration.from } else { &iteration.to };
-        relax::mean_around(earlier, &iteration.from, looked.place)
+        relax::mean_around(earlier, &iteration.from, probe.place)
     }
 }
 
-impl<M: Model<Unknowns = Field>> Looked<'_, M> {
-    /// What is said when the average of the neighbours is taken.
+impl<M: Model<Unknowns = Field>> Probe<'_, M> {
+    /// Explains the neighbourhood mean.
     pub fn averaged(&self, mean: [f32; 2]) -> Sentence {
         Sentence::default()
-            .text("The neighbours of ")
+            .text("Neighbourhood mean at ")
             .ink(Role::Reference, self.pixel())
-            .text(" move by ")
+            .text(": (ū, v̄) = ")
             .ink(Role::Predicted, self.px(mean))
-            .text(" on average. If smoothness alone counted, so would the pixel.")
+            .text(". It minimises the smoothness term: the four nearest neighbours weigh 1/6 each, the diagonal ones 1/12, \
+                 and the image border is replicated.")
     }
 
-    /// The end of what is said of an update: where the pixel goes, with SOR `beyond` that.
+    /// Ends the explanation of an update with its result; SOR extrapolates it by `beyond`.
     pub fn goes(&self, said: Sentence, update: [f32; 2], beyond: Option<f32>) -> Sentence {
         let to = self.px(self.to());
         let Some(relaxation) = beyond else { return said.ink(Role::Result, to) };
         said.ink(Role::Predicted, self.px(update))
-            .text(format!(". SOR goes {} times as far from where it was, ", words::number(relaxation)))
+            .text(format!(". SOR extrapolates this step by ω = {} from ", numbers::gray(relaxation)))
             .ink(Role::Best, self.px(self.from()))
-            .text(", to ")
+            .text(" to ")
             .ink(Role::Result, to)
     }
 
-    /// How SOR goes beyond an update, in symbols and in numbers.
+    /// Returns the extrapolation of SOR, in symbols and in numbers.
     pub fn relaxed(&self, update: [f32; 2], relaxation: f32) -> Vec<Math> {
         let (from, to) = (self.from(), self.to());
         let line = |i: usize, name: &'static str| {
@@ -71,21 +71,21 @@ impl<M: Model<Unknowns = Field>> Looked<'_, M> {
             Math::Row(vec![
                 Math::Var(name),
                 Math::text(" = "),
-                indexed("before"),
+                indexed("old"),
                 Math::text(" + "),
                 Math::Var("ω"),
                 Math::text(" ("),
                 indexed("GS"),
                 Math::text(" − "),
-                indexed("before"),
+                indexed("old"),
                 Math::text(") = "),
-                Math::ink(Role::Best, words::number(from[i])),
-                Math::text(format!(" + {} · (", words::number(relaxation))),
-                Math::ink(Role::Predicted, words::number(update[i])),
+                Math::ink(Role::Best, numbers::px(from[i])),
+                Math::text(format!(" + {} · (", numbers::gray(relaxation))),
+                Math::ink(Role::Predicted, numbers::px(update[i])),
                 Math::text(" − "),
-                Math::ink(Role::Best, words::factor(from[i])),
+                Math::ink(Role::Best, numbers::factor(numbers::px(from[i]))),
                 Math::text(") = "),
-                Math::ink(Role::Result, words::number(to[i])),
+                Math::ink(Role::Result, numbers::px(to[i])),
             ])
         };
         vec![line(0, "u"), line(1, "v")]

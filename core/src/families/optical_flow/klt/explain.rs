@@ -1,14 +1,15 @@
-//! How the tracker is told and drawn.
+//! The explanation and the drawing of the KLT tracker.
 
 use std::collections::BTreeMap;
 
 use super::{Event, Klt, Live, State, line};
 use crate::base::words;
 use crate::geometry::Grid;
+use crate::methods::differential::numbers;
 use crate::methods::features::{
-    Account,
+    LevelTrace,
     affine::{Fit, place},
-    follow,
+    conclusion, follow,
     trails::{self, points},
     why,
 };
@@ -17,29 +18,29 @@ use crate::run::Seen;
 use crate::scene::{Arrow, Fact, Math, Picture, Readout, Role, Scene, Sentence, Shape, Step, Tile};
 
 fn px(uv: [f32; 2]) -> String {
-    format!("{} px", words::vector(uv))
+    format!("{} px", numbers::vector(uv))
 }
 
 fn grays(difference: f32) -> String {
-    format!("{} gray levels", words::number(difference))
+    format!("{} gray levels", numbers::gray(difference))
 }
 
-/// The feature whose turn it is.
+/// The current feature.
 fn live<'a>(seen: &Seen<'a, Klt>) -> Option<&'a Live> {
     seen.before.live.get(seen.before.turn?)
 }
 
-/// The last of the events that `of` knows.
+/// The last event that `of` accepts.
 fn last<T>(events: &[Event], of: impl Fn(&Event) -> Option<T>) -> Option<T> {
     events.iter().rev().find_map(of)
 }
 
-/// How far from where a feature came tracking it back leads, in px.
-fn off_px(live: &Live, place: [f32; 2]) -> f32 {
+/// The forward–backward error of a feature, in px.
+fn fb_error(live: &Live, place: [f32; 2]) -> f32 {
     (place[0] - live.at[0]).hypot(place[1] - live.at[1])
 }
 
-/// Where tracking back leads, if it does.
+/// The position after tracking back, if it succeeded.
 fn back(events: &[Event]) -> Option<[f32; 2]> {
     last(events, |event| if let Event::Back(back) = event { back.ok() } else { None })
 }
@@ -49,7 +50,7 @@ fn fit(events: &[Event]) -> Option<Fit> {
 }
 
 impl Klt {
-    pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
+    pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
         let line = match seen.events.last() {
             None => line::EACH_FRAME,
             Some(Event::Enough | Event::Found(_)) => line::DETECT,
@@ -67,8 +68,8 @@ impl Klt {
         Step { line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
     }
 
-    /// What has happened to the feature on the level at hand.
-    fn account<'a>(&self, seen: &Seen<'a, Self>) -> Option<Account<'a>> {
+    /// Returns the tracking of the feature on the current level.
+    fn level_trace<'a>(&self, seen: &Seen<'a, Self>) -> Option<LevelTrace<'a>> {
         let (pair, level) = last_forward(seen.events).map(|(pair, level)| (pair, *level))?;
         let of_level = |wanted: usize| {
             seen.events.iter().filter_map(move |event| match event {
@@ -77,10 +78,10 @@ impl Klt {
             })
         };
         let guess = of_level(level + 1).find_map(|event| match event {
-            follow::Event::Handed(displacement, _) => Some(displacement.map(|c| 2.0 * c)),
+            follow::Event::PassedDown(displacement, _) => Some(displacement.map(|c| 2.0 * c)),
             _ => None,
         });
-        Some(Account {
+        Some(LevelTrace {
             follow: self.follow(),
             pyramids: pair.pyramids(),
             level,
@@ -100,79 +101,88 @@ impl Klt {
         let frame = state.frame;
         let Some(event) = seen.events.last() else {
             return said.text(format!(
-                "Features are found in frame {frame} and tracked from frame to frame, through at most {} frames.",
+                "KLT detects features in frame {frame} and tracks them from frame to frame, through at most {} frames. Checks \
+                 end tracks that drift or are occluded.",
                 self.frames
             ));
         };
         match event {
             Event::Enough if self.replenish => said.text(format!(
-                "{} tracked already: there is no room for more.",
+                "No detection in frame {frame}: {} tracked, and max-points = {} is reached.",
                 match state.live.len() {
-                    1 => "1 feature is".into(),
+                    1 => "1 feature is".to_owned(),
                     count => format!("{count} features are"),
-                }
+                },
+                self.max_points
             )),
-            Event::Enough => said.text("Features that were lost are not replaced."),
+            Event::Enough => said.text(format!(
+                "No detection in frame {frame}: replenish is off, so lost features are not replaced."
+            )),
             Event::Found(found) => said
                 .text(format!(
-                    "{} features may be added. {}: ",
-                    self.max_points - state.live.len(),
+                    "{} of max-points = {} features are tracked. Detector {}: ",
+                    state.live.len(),
+                    self.max_points,
                     self.detector.estimator().info().name
                 ))
                 .ink(Role::Best, words::counted(found.keypoints.points.len(), "keypoint"))
                 .text(format!(
                     " in frame {frame}{}.",
                     match found.keypoints.keypoints.first().map(|keypoint| keypoint.response) {
-                        Some(most) => format!(", the strongest with a response of {}", words::number(most)),
+                        Some(most) => format!(", the strongest with response {}", numbers::gray(most)),
                         None => String::new(),
                     }
                 )),
-            Event::Taken(found) => said.ink(Role::Result, format!("{} new features", found.taken.len())).text(format!(
-                " are taken, the strongest first, each at least {} px from the others{}.",
-                self.min_distance,
-                match state.live.len() {
-                    0 => String::new(),
-                    count => format!(" and from the {count} that are tracked"),
-                }
+            Event::Taken(found) => said.ink(Role::Result, words::counted(found.taken.len(), "new feature")).text(format!(
+                ", in order of decreasing response, each at least min-distance = {} px from all others. Their first views are \
+                 stored for the affine check.",
+                self.min_distance
             )),
-            Event::Forward(..) => self.account(seen).map_or(said, |account| account.sentence()),
-            Event::Back(result) => self.way_back(seen, *result),
+            Event::Forward(..) => self.level_trace(seen).map_or(said, |level_trace| level_trace.sentence()),
+            Event::Back(result) => self.backward(seen, *result),
             Event::Fit(fit) => {
                 let since = live(seen).map_or(0, |live| state.tracks[live.track as usize].first);
-                said.text("As ")
+                said.text("Affine fit of the first view (frame ")
+                    .text(format!("{since}) of "))
                     .ink(Role::Reference, self.name(seen))
-                    .text(format!(" was first seen, in frame {since}, turned and stretched by "))
+                    .text(": ")
                     .ink(Role::Estimate, matrix(fit))
                     .text(format!(
-                        " and shifted by {} px{}, it differs by {} on average.",
-                        words::number(fit.shift[0].hypot(fit.shift[1])),
-                        if self.any_light { format!(", in {}", light(fit)) } else { String::new() },
-                        grays(fit.difference)
+                        ", shift {} px{}. Dissimilarity: {} against max-dissimilarity = {}.",
+                        numbers::px(fit.shift[0].hypot(fit.shift[1])),
+                        if self.illumination { format!(", {}", light(fit)) } else { String::new() },
+                        grays(fit.difference),
+                        numbers::gray(self.max_dissimilarity)
                     ))
             }
-            Event::Verdict(feature) => self.verdict(seen, feature),
+            Event::Verdict(feature) => self.concluded(seen, self.verdict(seen, feature)),
         }
     }
 
-    fn way_back(&self, seen: &Seen<Self>, result: Result<[f32; 2], Status>) -> Sentence {
+    fn backward(&self, seen: &Seen<Self>, result: Result<[f32; 2], Status>) -> Sentence {
         let said = Sentence::default();
         match (live(seen), result) {
             (Some(live), Ok(place)) => {
-                let off_px = off_px(live, place);
+                let off_px = fb_error(live, place);
                 let (role, verdict) =
-                    if off_px > self.max_return { (Role::Rejected, "too far") } else { (Role::Best, "near enough") };
-                said.text("Tracked back to frame t, ")
+                    if off_px > self.max_fb_error { (Role::Rejected, "rejected") } else { (Role::Best, "accepted") };
+                said.text("Forward–backward check of ")
                     .ink(Role::Reference, self.name(seen))
-                    .text(" comes to ")
-                    .ink(Role::Predicted, words::vector(place))
-                    .text(format!(", {} px from where it was: ", words::number(off_px)))
+                    .text(": tracking back ends at ")
+                    .ink(Role::Predicted, numbers::vector(place))
+                    .text(format!(
+                        ". The error of {} px is {} max-fb-error = {} px: ",
+                        numbers::px(off_px),
+                        if off_px > self.max_fb_error { "above" } else { "not above" },
+                        numbers::px(self.max_fb_error)
+                    ))
                     .ink(role, verdict)
                     .text(".")
             }
             _ => said
                 .ink(Role::Reference, self.name(seen))
-                .text(" cannot be tracked back: ")
-                .ink(Role::Rejected, "the flow back is unknown there")
+                .text(": tracking back fails, so the forward–backward check is ")
+                .ink(Role::Rejected, "not passed")
                 .text("."),
         }
     }
@@ -181,12 +191,24 @@ impl Klt {
         let said = Sentence::default().ink(Role::Reference, self.name(seen));
         let frames = live(seen).map_or(0, |live| seen.before.tracks[live.track as usize].points.len());
         let Some(displacement) = feature.displacement else {
-            let after = if frames == 1 { "at once".into() } else { format!("after {frames} frames") };
+            let after = if frames == 1 { "in its first pair".into() } else { format!("after {frames} frames") };
             return said.text(" is ").ink(Role::Rejected, format!("lost {after}")).text(why(feature.status));
         };
-        said.text(" moves by ")
+        said.text(" passes all checks: displacement ")
             .ink(Role::Result, px(displacement))
-            .text(format!(" and has been seen in {} frames by now.", frames + 1))
+            .text(format!(", track length {} frames.", frames + 1))
+    }
+
+    /// Adds the conclusion of a pair and of the run, at the end of each.
+    fn concluded(&self, seen: &Seen<Self>, sentence: Sentence) -> Sentence {
+        let frame = seen.before.frame;
+        let (Some(after), Some((pair, _))) = (seen.after, last_forward(seen.events)) else { return sentence };
+        if after.frame == frame {
+            return sentence;
+        }
+        let features = after.tracks.iter().filter_map(|track| track.at(frame)).copied();
+        let conclusion = conclusion("features", features, pair.truth.as_deref());
+        sentence.text(format!(" End of the pair of frames {frame} and {}: {conclusion}", after.frame))
     }
 
     fn readouts(&self, seen: &Seen<Self>) -> Vec<Readout> {
@@ -195,13 +217,13 @@ impl Klt {
                 Event::Found(found) | Event::Taken(found) => Some(found),
                 _ => None,
             });
-            let mut facts = vec![Fact::new("Tracked", format!("{} features", seen.before.live.len()), None)];
+            let mut facts = vec![Fact::new("Tracked features", seen.before.live.len().to_string(), None)];
             facts.extend(lost(seen.before).map(|lost| Fact::new("Lost so far", lost, Some(Role::Rejected))));
-            // Each number from the step on that finds it.
+            // Each number from the step that determines it.
             let stage = seen.events.len();
             facts.extend(found.map(|found| Fact::new("Keypoints", found.keypoints.points.len().to_string(), None)));
             let taken = found.filter(|_| stage > 1);
-            facts.extend(taken.map(|found| Fact::new("New", found.taken.len().to_string(), None)));
+            facts.extend(taken.map(|found| Fact::new("New features", found.taken.len().to_string(), None)));
             let plots = plots(seen.before).into_iter();
             return if seen.events.is_empty() {
                 Vec::new()
@@ -209,44 +231,48 @@ impl Klt {
                 [Readout::Facts(facts)].into_iter().chain(plots).collect()
             };
         };
-        let account = self.account(seen);
-        let mut readouts = vec![Readout::Facts(self.facts(seen, live, account.as_ref()))];
-        match (seen.events.last(), account, fit(seen.events)) {
-            (Some(Event::Fit(_) | Event::Verdict(_)), Some(account), Some(fit)) => {
-                readouts.push(Readout::Equation(equation(&fit, self.any_light)));
-                readouts.push(Readout::Tiles(views(&account, live, &fit)));
+        let level_trace = self.level_trace(seen);
+        let mut readouts = vec![Readout::Facts(self.facts(seen, live, level_trace.as_ref()))];
+        match (seen.events.last(), level_trace, fit(seen.events)) {
+            (Some(Event::Fit(_) | Event::Verdict(_)), Some(level_trace), Some(fit)) => {
+                readouts.push(Readout::Equation(equation(&fit, self.illumination)));
+                readouts.push(Readout::Tiles(views(&level_trace, live, &fit)));
             }
-            (_, Some(account), _) => readouts.extend(account.readouts()),
+            (_, Some(level_trace), _) => readouts.extend(level_trace.readouts()),
             _ => {}
         }
         readouts.extend(plots(seen.before));
         readouts
     }
 
-    fn facts(&self, seen: &Seen<Self>, live: &Live, account: Option<&Account>) -> Vec<Fact> {
+    fn facts(&self, seen: &Seen<Self>, live: &Live, level_trace: Option<&LevelTrace>) -> Vec<Fact> {
         let track = &seen.before.tracks[live.track as usize];
         let mut facts = vec![
-            Fact::new("Feature", format!("{} at {}", live.track + 1, words::vector(live.at)), Some(Role::Reference)),
-            Fact::new("Seen since", format!("frame {}", track.first), None),
+            Fact::new("Feature", format!("{} at {}", live.track + 1, numbers::vector(live.at)), Some(Role::Reference)),
+            Fact::new("Detected in", format!("frame {}", track.first), None),
         ];
-        facts.extend(account.map(Account::facts).unwrap_or_default());
+        facts.extend(level_trace.map(LevelTrace::facts).unwrap_or_default());
         if let Some(place) = back(seen.events) {
-            let off_px = off_px(live, place);
-            facts.push(Fact::new("Direction back", format!("{} px off", words::number(off_px)), Some(Role::Predicted)));
+            let off_px = fb_error(live, place);
+            facts.push(Fact::new(
+                "Forward–backward error",
+                format!("{} px", numbers::px(off_px)),
+                Some(Role::Predicted),
+            ));
         }
         if let Some(fit) = fit(seen.events) {
-            facts.push(Fact::new("From first view", grays(fit.difference), Some(Role::Estimate)));
-            facts.extend(self.any_light.then(|| Fact::new("Light", light(&fit), None)));
+            facts.push(Fact::new("Dissimilarity", grays(fit.difference), Some(Role::Estimate)));
+            facts.extend(self.illumination.then(|| Fact::new("Gain λ, offset δ", light(&fit), None)));
         }
         let truth = last_forward(seen.events).and_then(|(pair, _)| {
             let [x, y] = live.at.map(|c| c.round() as usize);
             pair.truth.as_ref().filter(|truth| truth.0.get(x, y).is_some())?.at(x, y)
         });
-        facts.extend(truth.map(|truth| Fact::new("Truth", px(truth), Some(Role::Truth))));
+        facts.extend(truth.map(|truth| Fact::new("True displacement", px(truth), Some(Role::Truth))));
         facts
     }
 
-    pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
+    pub(super) fn draw_step(&self, seen: &Seen<Self>, scene: &mut Scene) {
         draw_features(seen, scene);
         match seen.events.last() {
             Some(Event::Found(found)) => {
@@ -255,16 +281,16 @@ impl Klt {
             Some(Event::Taken(found)) => points(scene, Role::Result, "new feature", found.taken.clone()),
             _ => {}
         }
-        let Some(account) = self.account(seen) else { return };
+        let Some(level_trace) = self.level_trace(seen) else { return };
         match (seen.events.last(), fit(seen.events)) {
             (Some(event @ (Event::Fit(_) | Event::Verdict(_))), Some(fit)) => {
                 let is_refused = matches!(event, Event::Verdict(feature) if feature.displacement.is_none());
-                draw_view(&account, &fit, is_refused, scene);
+                draw_view(&level_trace, &fit, is_refused, scene);
             }
-            _ => account.draw([Picture::CURRENT, Picture::NEXT], scene),
+            _ => level_trace.draw([Picture::CURRENT, Picture::NEXT], scene),
         }
         if let Some(place) = back(seen.events) {
-            points(scene, Role::Predicted, "where tracking back leads", vec![place]);
+            points(scene, Role::Predicted, "position after tracking back", vec![place]);
         }
     }
 }
@@ -276,7 +302,7 @@ fn last_forward(events: &[Event]) -> Option<(&super::Pair, &usize)> {
     })
 }
 
-/// The features of the pair: their trails, where those that had their turn have gone, and those that wait.
+/// Draws the features of the pair: trails, displacements of tracked ones, lost ones, and those still to be tracked.
 fn draw_features(seen: &Seen<Klt>, scene: &mut Scene) {
     let (before, after) = (seen.before, seen.after.unwrap_or(seen.before));
     let is_looking = before.turn.is_none();
@@ -294,7 +320,7 @@ fn draw_features(seen: &Seen<Klt>, scene: &mut Scene) {
             (None, _) => lost.push(feature.at),
         }
     }
-    points(scene, Role::Measured, if is_looking { "feature" } else { "feature that waits" }, waiting);
+    points(scene, Role::Measured, if is_looking { "feature" } else { "feature, not yet tracked" }, waiting);
     if live.is_empty() {
         scene.legend(Role::Measured, "no features yet");
     }
@@ -302,39 +328,39 @@ fn draw_features(seen: &Seen<Klt>, scene: &mut Scene) {
     trails::displacements(scene, arrows);
 }
 
-/// The outline of the first view as it lies in the second frame.
-fn draw_view(account: &Account, fit: &Fit, is_refused: bool, scene: &mut Scene) {
-    let half = account.follow.reach as f32 + 0.5;
+/// Draws the outline of the first view, mapped to the second frame.
+fn draw_view(level_trace: &LevelTrace, fit: &Fit, is_refused: bool, scene: &mut Scene) {
+    let half = level_trace.follow.reach as f32 + 0.5;
     let corners = [[-half, -half], [half, -half], [half, half], [-half, half]];
-    let [x, y] = account.at;
+    let [x, y] = level_trace.at;
     let window = Shape::Rect { min: [x - half, y - half], max: [x + half, y + half] };
     scene.mark(Picture::CURRENT, Role::Reference, window);
     scene.legend(Role::Reference, "window");
-    let to = [0, 1].map(|i| account.at[i] + account.on_picture()[i]);
+    let to = [0, 1].map(|i| level_trace.at[i] + level_trace.on_picture()[i]);
     let outline = corners.map(|corner| place(to, fit, corner)).to_vec();
     let role = if is_refused { Role::Rejected } else { Role::Best };
     scene.mark(Picture::NEXT, role, Shape::Path { points: outline, closed: true });
-    scene.legend(role, "its first view, turned and stretched");
+    scene.legend(role, "first view, mapped by the affine fit");
 }
 
 fn matrix(fit: &Fit) -> String {
-    let [[a, b], [c, d]] = fit.matrix.map(|row| row.map(words::number));
+    let [[a, b], [c, d]] = fit.matrix.map(|row| row.map(numbers::px));
     format!("A\u{a0}= ({a},\u{a0}{b}; {c},\u{a0}{d})")
 }
 
-/// The light of a fit: `λ = 0.92, δ = −3.1`.
+/// Gain and offset of a fit: `λ = 0.920, δ = −3.10`.
 fn light(Fit { light: [gain, offset], .. }: &Fit) -> String {
-    format!("λ\u{a0}= {}, δ\u{a0}= {}", words::number(*gain), words::number(*offset))
+    format!("λ\u{a0}= {}, δ\u{a0}= {}", numbers::px(*gain), numbers::gray(*offset))
 }
 
-/// What the fit makes least, and what it has come to.
-fn equation(fit: &Fit, in_any_light: bool) -> Vec<Math> {
+/// The objective of the fit and its result.
+fn equation(fit: &Fit, with_illumination: bool) -> Vec<Math> {
     let (text, var) = (|text: &str| Math::text(text), Math::Var);
     let mut symbols = vec![text("Σ ("), var("J"), text("("), var("A"), text(" "), var("o"), text(" + "), var("s")];
     symbols.push(text(") − "));
-    symbols.extend(in_any_light.then(|| var("λ")));
+    symbols.extend(with_illumination.then(|| var("λ")));
     symbols.extend([var("I"), text("("), var("o"), text(")")]);
-    if in_any_light {
+    if with_illumination {
         symbols.extend([text(" − "), var("δ")]);
     }
     symbols.extend([Math::power(text(")"), text("2")), text(" → min")]);
@@ -343,31 +369,31 @@ fn equation(fit: &Fit, in_any_light: bool) -> Vec<Math> {
         text(", "),
         var("s"),
         text(" = "),
-        Math::ink(Role::Estimate, words::vector(fit.shift)),
+        Math::ink(Role::Estimate, numbers::vector(fit.shift)),
     ]);
     let mut lines = vec![Math::Row(symbols), numbers];
-    lines.extend(in_any_light.then(|| Math::ink(Role::Estimate, light(fit))));
+    lines.extend(with_illumination.then(|| Math::ink(Role::Estimate, light(fit))));
     lines
 }
 
-/// The first view, how it lies now, and what differs.
-fn views(account: &Account, live: &Live, fit: &Fit) -> Vec<Tile> {
+/// The first view, the mapped window, and their difference.
+fn views(level_trace: &LevelTrace, live: &Live, fit: &Fit) -> Vec<Tile> {
     let side = live.view.side();
     let round = |v: &f32| (v * 10.0).round() / 10.0;
     let grid = |values: &[f32]| Grid::from_fn(side, side, |x, y| round(&values[y * side + x]));
-    let to = [0, 1].map(|i| account.at[i] + account.on_picture()[i]);
-    let (first, now) = (grid(live.view.values()), grid(&live.view.warped(&account.pyramids[1][0], to, fit)));
+    let to = [0, 1].map(|i| level_trace.at[i] + level_trace.on_picture()[i]);
+    let (first, now) = (grid(live.view.values()), grid(&live.view.warped(&level_trace.pyramids[1][0], to, fit)));
     let difference = Grid::from_fn(side, side, |x, y| first[(x, y)] - now[(x, y)]);
     let most = difference.cells().iter().filter(|v| v.is_finite()).fold(1.0f32, |most, v| most.max(v.abs()));
     let tile = |label, role, values, range| Tile { label, role, values, range };
     vec![
         tile("First view", Some(Role::Reference), first, [0.0, 255.0]),
-        tile("Now", Some(Role::Best), now, [0.0, 255.0]),
+        tile("Mapped window", Some(Role::Best), now, [0.0, 255.0]),
         tile("Difference", None, difference, [-most, most]),
     ]
 }
 
-/// How many features were lost so far, by reason.
+/// The number of lost features, by reason.
 fn lost(state: &State) -> Option<String> {
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     let last = state.tracks.iter().filter_map(|track| track.points.last());

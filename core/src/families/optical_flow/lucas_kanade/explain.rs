@@ -1,15 +1,16 @@
-//! How Lucas and Kanade's method is told and drawn.
+//! The explanation and the drawing of Lucas and Kanade's method.
 
-use super::{Event, LucasKanade, Solution, line, solved};
+use super::{ADVICE, Event, LucasKanade, Solution, line, solved};
 use crate::base::{Threads, words};
-use crate::methods::differential::{Constraints, Linear, Tensor, Texture, explain, field};
+use crate::data::Flow;
+use crate::methods::differential::{Conclusion, Constraints, Linear, Tensor, Texture, explain, field, numbers};
 use crate::run::Seen;
 use crate::scene::{
     Constraint, Fact, Math, Picture, Plane, Readout, Role, Scene, Sentence, Shape, Spread, Step, arrow_spacing,
 };
 
-/// The pixel that is explained, the one pointed at or else the one at work, and what its window says.
-struct Looked<'a> {
+/// The inspected pixel, the one pointed at or else the current one, with the solution of its window.
+struct Probe<'a> {
     pixel: (usize, usize),
     linear: &'a Linear,
     tensor: Tensor,
@@ -17,21 +18,21 @@ struct Looked<'a> {
     spread: Option<Spread>,
 }
 
-impl Looked<'_> {
-    fn is_told(&self) -> bool {
+impl Probe<'_> {
+    fn is_solved(&self) -> bool {
         self.solution.displacement[0].is_finite()
     }
 }
 
 fn px(uv: [f32; 2]) -> String {
-    format!("{} px", words::vector(uv))
+    format!("{} px", numbers::vector(uv))
 }
 
 impl LucasKanade {
-    fn look<'a>(&self, seen: &Seen<'a, Self>) -> Option<Looked<'a>> {
+    fn probe<'a>(&self, seen: &Seen<'a, Self>) -> Option<Probe<'a>> {
         let state = seen.before;
         let last = solved(seen.events).len().checked_sub(1)?;
-        let pointed_at = seen.point().and_then(|point| state.given.pixel_at(point));
+        let pointed_at = seen.point().and_then(|point| state.frame_pair.pixel_at(point));
         let pixel = pointed_at.unwrap_or((last, state.y));
         let linear = self.linear(state, &Threads::single());
         let mut tensor = Tensor::default();
@@ -41,35 +42,35 @@ impl LucasKanade {
             }
         });
         let solution = self.solve(&tensor);
-        Some(Looked { pixel, linear, tensor, solution, spread: tensor.spread(solution.displacement) })
+        Some(Probe { pixel, linear, tensor, solution, spread: tensor.spread(solution.displacement) })
     }
 
-    pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
+    pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
         if let [Event::Linearized] = seen.events {
             return self.linearized(seen.before.iteration);
         }
-        let Some(looked) = self.look(seen) else {
-            let sentence = "One pixel says too little, so those of a window are asked together: T (u, v) = −Σ w ∇I I_t, where \
-                            T holds the products of I_x and I_y alone, summed over the window. (In some course notes it reads \
-                            (I_x, I_y; I_t, I_y) (u, v) = −(I_t, I_x): a misprint.)";
+        let Some(probe) = self.probe(seen) else {
+            let sentence = "One gradient constraint has two unknowns, so Lucas and Kanade assume constant flow in a window and \
+                            solve T (u, v) = −Σ w ∇I I_t in the least-squares sense; T is the structure tensor. (Course \
+                            notes with (I_x, I_y; I_t, I_y) (u, v) = −(I_t, I_x) are misprinted.)";
             return Step {
                 line: line::START_AT_ZERO,
                 sentence: Sentence::default().text(sentence),
                 readouts: Vec::new(),
             };
         };
-        let line = if looked.is_told() { line::SOLVE } else { line::IS_SINGULAR };
-        Step { line, sentence: self.sentence(&looked), readouts: self.readouts(seen, &looked) }
+        let line = if probe.is_solved() { line::SOLVE } else { line::IS_SINGULAR };
+        Step { line, sentence: self.concluded(seen, self.sentence(&probe)), readouts: self.readouts(seen, &probe) }
     }
 
-    /// What is told before the first row of an iteration.
+    /// Explains the linearisation before the first row of an iteration.
     fn linearized(&self, iteration: usize) -> Step {
         let number = format!("Iteration {} of {}", iteration + 1, self.iterations);
         let what = match iteration {
-            0 => ": the gradient constraint of each pixel is taken from both frames as they are.",
+            0 => ": the flow is still 0, so the gradient constraints are taken from both frames without warping.",
             _ => {
-                ": frame t+1 is brought back along the displacements found so far, and the gradient constraints are taken \
-                 anew."
+                ": frame t+1 is warped toward frame t by the current flow (u₀, v₀), and brightness constancy is linearised \
+                 again. This reduces the linearisation error of large motion."
             }
         };
         let facts = vec![Fact::new("Iteration", format!("{} of {}", iteration + 1, self.iterations), None)];
@@ -77,114 +78,142 @@ impl LucasKanade {
         Step { line: line::LINEARIZE, sentence, readouts: vec![Readout::Facts(facts)] }
     }
 
-    pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
+    pub(super) fn draw_step(&self, seen: &Seen<Self>, scene: &mut Scene) {
         field::draw(seen.before.flow(seen.events), scene);
         draw_textures(seen, scene);
-        let Some(looked) = self.look(seen) else { return };
-        let ((x, y), reach) = (looked.pixel, self.window as i32 / 2);
+        let Some(probe) = self.probe(seen) else { return };
+        let ((x, y), reach) = (probe.pixel, self.window as i32 / 2);
         let (left, top, side) = (x as i32 - reach, y as i32 - reach, 2 * reach as usize + 1);
         scene.mark(Picture::CURRENT, Role::Window, Shape::pixels(left, top, side, side));
         scene.legend(Role::Window, "window");
         scene.mark(Picture::CURRENT, Role::Reference, Shape::pixels(x as i32, y as i32, 1, 1));
-        scene.legend(Role::Reference, "pixel");
-        if let Some(spread) = looked.spread {
+        scene.legend(Role::Reference, "inspected pixel");
+        if let Some(spread) = probe.spread {
             let center = [x as f32 + spread.center[0], y as f32 + spread.center[1]];
             let shape = Shape::Ellipse { center, radii: spread.radii, angle_rad: spread.angle_rad };
             scene.mark(Picture::CURRENT, Role::Measured, shape);
-            scene.legend(Role::Measured, "one standard deviation");
+            scene.legend(Role::Measured, "standard deviation of the flow (1 σ)");
         }
     }
 
-    fn sentence(&self, looked: &Looked) -> Sentence {
-        let Solution { displacement, eigenvalues, texture } = looked.solution;
-        let (x, y) = looked.pixel;
-        let [large, small] = eigenvalues.map(words::number);
-        let said = Sentence::default().text("Around ").ink(Role::Reference, format!("pixel ({x}, {y})"));
-        // Where the threshold is not the reason, it is that there is nothing but rounding.
-        let why = |eigenvalue: f32, otherwise: &str| match eigenvalue < self.threshold {
-            true => format!("below the threshold of {}", words::number(self.threshold)),
+    /// Adds the conclusion of an iteration and of the run, at the end of each.
+    fn concluded(&self, seen: &Seen<Self>, sentence: Sentence) -> Sentence {
+        let (Some(after), None) = (seen.after, seen.point()) else { return sentence };
+        if after.iteration == seen.before.iteration {
+            return sentence;
+        }
+        if after.iteration == self.iterations {
+            let conclusion = Conclusion::new(&after.frame_pair, &Flow(after.flow(&[])));
+            return sentence.text(conclusion.sentence(&ADVICE));
+        }
+        let count = |wanted: Texture| after.found.iter().filter(|solution| solution.texture == wanted).count();
+        let percent = |count: usize| format!("{:.0} %", 100.0 * count as f32 / after.found.len().max(1) as f32);
+        sentence.text(format!(
+            " End of the iteration: {} of the windows are corners with flow, {} edges, {} flat.",
+            percent(count(Texture::Corner)),
+            percent(count(Texture::Edge)),
+            percent(count(Texture::Flat))
+        ))
+    }
+
+    fn sentence(&self, probe: &Probe) -> Sentence {
+        let Solution { displacement, eigenvalues, texture } = probe.solution;
+        let (x, y) = probe.pixel;
+        let [large, small] = eigenvalues.map(numbers::gray);
+        let said =
+            Sentence::default().text("Window of ").ink(Role::Reference, format!("pixel {}", words::pixel((x, y))));
+        // An eigenvalue above the threshold is refused only for rounding errors.
+        let why = |eigenvalue: f32, otherwise: &str| match eigenvalue < self.min_eigenvalue {
+            true => format!("below the threshold of {}", numbers::gray(self.min_eigenvalue)),
             false => otherwise.to_owned(),
         };
         match texture {
-            Texture::Gone => said.text(" all pixels of the window left the picture. It says nothing."),
+            Texture::Unknown => {
+                said.text(": the flow leads all its pixels out of frame t+1. Without constraints the flow is unknown.")
+            }
             Texture::Flat => said.text(format!(
-                " there is hardly any gradient: both eigenvalues, {large} and {small}, are {}. The window says nothing.",
-                why(eigenvalues[0], "nearly 0")
+                ": λ₁ = {large} and λ₂ = {small} are both {}, a flat window. Noise would determine the solution, so the flow is \
+                 unknown.",
+                why(eigenvalues[0], "0 up to rounding")
             )),
             Texture::Edge => said.text(format!(
-                " all gradients point the same way: one eigenvalue is {large}, but the other {small}, {}. The lines of the \
-                 window are all but parallel, and cross nowhere for certain.",
-                why(eigenvalues[1], "nearly 0 beside it")
+                ": λ₁ = {large}, but λ₂ = {small} is {}, an edge. The constraint lines are nearly parallel (aperture problem), so \
+                 the flow is unknown.",
+                why(eigenvalues[1], "0 up to rounding")
             )),
             Texture::Corner => said
                 .text(format!(
-                    " gradients point in several directions: the eigenvalues are {large} and {small}. The lines of the \
-                     window cross near "
+                    ": λ₁ = {large} and λ₂ = {small}, not below the threshold of {}, so the constraint lines intersect well. \
+                     Least squares gives (u, v) = ",
+                    numbers::gray(self.min_eigenvalue)
                 ))
                 .ink(Role::Result, px(displacement))
-                .text(", which fits them best in the mean square."),
+                .text("."),
         }
     }
 
-    fn facts(&self, seen: &Seen<Self>, looked: &Looked) -> Vec<Fact> {
-        let Looked { pixel, linear, tensor, solution, spread } = looked;
+    fn facts(&self, seen: &Seen<Self>, probe: &Probe) -> Vec<Fact> {
+        let Probe { pixel, linear, tensor, solution, spread } = probe;
         let fact = |label, value, role| Fact { label, value, role };
-        let mut facts =
-            vec![fact("Pixel", format!("({}, {})", pixel.0, pixel.1), Some(Role::Reference)), linear.fact(*pixel)];
+        let mut facts = vec![fact("Pixel", words::pixel(*pixel), Some(Role::Reference)), linear.fact(*pixel)];
         if seen.before.iteration > 0 {
-            facts.push(fact("Before, (u₀, v₀)", px(linear.start.at(pixel.0, pixel.1)), Some(Role::Best)));
+            facts.push(fact("Linearised at (u₀, v₀)", px(linear.start.at(pixel.0, pixel.1)), Some(Role::Best)));
         }
         let [gone, all] = self.left(&linear.factors, *pixel);
         if gone > 0 {
-            facts.push(fact("Left the picture", format!("{gone} of {all} pixels of the window"), None));
+            facts.push(fact("Outside frame t+1", format!("{gone} of {all} pixels of the window"), None));
         }
-        let [large, small] = solution.eigenvalues.map(words::number);
+        let [large, small] = solution.eigenvalues.map(numbers::gray);
         let texture = match solution.texture {
-            Texture::Gone => "gone",
+            Texture::Unknown => "unknown",
             Texture::Flat => "flat",
             Texture::Edge => "edge",
             Texture::Corner => "corner",
         };
-        facts.push(fact("Eigenvalues", format!("{large} and {small}: {texture}"), None));
-        if looked.is_told() {
-            let off = words::number(tensor.residual(solution.displacement).sqrt());
-            facts.push(fact("Displacement", px(solution.displacement), Some(Role::Result)));
-            facts.push(fact("Constraints off by", format!("{off} gray levels (root mean square)"), None));
+        facts.push(fact("Eigenvalues λ₁, λ₂", format!("{large} and {small}: {texture}"), None));
+        if probe.is_solved() {
+            let off = numbers::gray(tensor.residual(solution.displacement).sqrt());
+            facts.push(fact("Flow (u, v)", px(solution.displacement), Some(Role::Result)));
+            facts.push(fact("RMS residual of the constraints", format!("{off} gray levels"), None));
         }
         if let Some(spread) = spread {
-            let [a, b] = spread.radii.map(words::number);
-            facts.push(fact("Standard deviation", format!("{a} to {b} px"), None));
+            let [a, b] = spread.radii.map(numbers::px);
+            facts.push(fact(
+                "Standard deviation of the flow",
+                format!("{a} px along the gradient, {b} px across"),
+                None,
+            ));
         }
-        let truth = seen.before.given.true_displacement(*pixel);
-        facts.extend(truth.map(|truth| fact("Truth", px(truth), Some(Role::Truth))));
+        let truth = seen.before.frame_pair.true_displacement(*pixel);
+        facts.extend(truth.map(|truth| fact("True flow", px(truth), Some(Role::Truth))));
         facts
     }
 
-    fn readouts(&self, seen: &Seen<Self>, looked: &Looked) -> Vec<Readout> {
-        let (given, displacement) = (&seen.before.given, looked.solution.displacement);
-        let mut points = vec![("zero", Role::Reference, [0.0; 2])];
-        points.extend(looked.is_told().then_some(("displacement", Role::Result, displacement)));
-        let truth = given.true_displacement(looked.pixel);
-        points.extend(truth.map(|truth| ("truth", Role::Truth, truth)));
+    fn readouts(&self, seen: &Seen<Self>, probe: &Probe) -> Vec<Readout> {
+        let (frame_pair, displacement) = (&seen.before.frame_pair, probe.solution.displacement);
+        let mut points = vec![("zero flow", Role::Reference, [0.0; 2])];
+        points.extend(probe.is_solved().then_some(("least squares", Role::Result, displacement)));
+        let truth = frame_pair.true_displacement(probe.pixel);
+        points.extend(truth.map(|truth| ("true flow", Role::Truth, truth)));
         let plane = Plane {
-            title: "Gradient constraints of the window",
+            title: "Constraint lines of the window",
             unit: "px".into(),
             reach: explain::reach(points.iter().map(|(.., point)| *point)),
-            lines: self.lines(&looked.linear.factors, looked.pixel),
+            lines: self.lines(&probe.linear.factors, probe.pixel),
             points,
-            ellipse: looked.spread,
+            ellipse: probe.spread,
         };
-        let [current, next] = &given.pictures;
+        let [current, next] = &frame_pair.pictures;
         let radius = (self.window / 2).min(5);
         vec![
-            Readout::Facts(self.facts(seen, looked)),
-            Readout::Equation(equation(looked, seen.before.iteration > 0)),
+            Readout::Facts(self.facts(seen, probe)),
+            Readout::Equation(equation(probe, seen.before.iteration > 0)),
             Readout::Plane(plane),
-            Readout::Tiles(looked.linear.tiles([current, next], looked.pixel, radius)),
+            Readout::Tiles(probe.linear.tiles([current, next], probe.pixel, radius)),
         ]
     }
 
-    /// How many pixels of the window around a pixel left the picture, and how many it has in frame t.
+    /// Returns the number of pixels of a window that lead out of frame t + 1, and their number in frame t.
     fn left(&self, of: &Constraints, (x, y): (usize, usize)) -> [usize; 2] {
         let (window, (width, height)) = (self.window(), of.a.size());
         let ((left, across), (top, down)) = (window.inside(x, width), window.inside(y, height));
@@ -194,7 +223,7 @@ impl LucasKanade {
         [rows.map(gone).sum(), all]
     }
 
-    /// The lines of the window's pixels, of a large one only of every few; the more a pixel counts, the stronger.
+    /// Returns the constraint lines of the window by their weights; a subset for large windows.
     fn lines(&self, of: &Constraints, (x, y): (usize, usize)) -> Vec<Constraint> {
         let (window, reach) = (self.window(), self.window as isize / 2);
         let step = self.window / 12 + 1;
@@ -212,16 +241,16 @@ impl LucasKanade {
     }
 }
 
-/// Marks where windows say nothing: at the places where arrows would stand.
+/// Marks windows without flow on the grid of the arrows.
 fn draw_textures(seen: &Seen<LucasKanade>, scene: &mut Scene) {
     let textures = seen.before.solutions(seen.events, |solution| solution.map(|solution| solution.texture));
-    // At every other place of an arrow, so that the edge itself is seen between the marks.
+    // Every other grid point, so that the edge itself stays visible.
     let spacing = 2 * arrow_spacing(textures.size());
     let along = |extent: usize| (spacing / 2..extent).step_by(spacing);
     let places: Vec<_> = along(textures.height()).flat_map(|y| along(textures.width()).map(move |x| (x, y))).collect();
     for (texture, role, meaning) in [
-        (Texture::Edge, Role::Rejected, "edge: only the motion across it is seen"),
-        (Texture::Flat, Role::Predicted, "flat: no motion is seen"),
+        (Texture::Edge, Role::Rejected, "edge: only normal flow determined"),
+        (Texture::Flat, Role::Predicted, "flat: no flow determined"),
     ] {
         let is_so = |place: &&(usize, usize)| textures[**place] == Some(texture);
         let points: Vec<_> = places.iter().filter(is_so).map(|(x, y)| [*x as f32, *y as f32]).collect();
@@ -232,10 +261,10 @@ fn draw_textures(seen: &Seen<LucasKanade>, scene: &mut Scene) {
     }
 }
 
-/// The two equations of the window, in symbols and with its means. Once frame t + 1 is brought back (`is_about`), c stands for
-/// I_t; what that is, is told of the pixel itself.
-fn equation(looked: &Looked, is_about: bool) -> Vec<Math> {
-    let Looked { pixel, linear, tensor, .. } = looked;
+/// The normal equations of the window, in symbols and with numbers. After warping (`is_about`), c replaces I_t; its definition is
+/// that of the inspected pixel.
+fn equation(probe: &Probe, is_about: bool) -> Vec<Math> {
+    let Probe { pixel, linear, tensor, .. } = probe;
     let right = || if is_about { Math::Var("c") } else { explain::derivative("t") };
     let mut lines = if is_about { linear.definition(*pixel, Role::Reference).to_vec() } else { Vec::new() };
     let squared = |along| Math::power(explain::derivative(along), Math::text("2"));
@@ -244,18 +273,18 @@ fn equation(looked: &Looked, is_about: bool) -> Vec<Math> {
     lines.extend([
         symbols([squared("x"), mixed(), equal("x")], ""),
         symbols([mixed(), squared("y"), equal("y")], ",  Σ w = 1"),
-        numbers(tensor.xx, tensor.xy, tensor.xt),
-        numbers(tensor.xy, tensor.yy, tensor.yt),
+        row(tensor.xx, tensor.xy, tensor.xt),
+        row(tensor.xy, tensor.yy, tensor.yt),
     ]);
-    if looked.is_told() {
-        let found = Math::ink(Role::Result, words::vector(looked.solution.displacement));
+    if probe.is_solved() {
+        let found = Math::ink(Role::Result, numbers::vector(probe.solution.displacement));
         let parts = [Math::text("("), Math::Var("u"), Math::text(", "), Math::Var("v"), Math::text(") = "), found];
         lines.push(Math::Row(parts.to_vec()));
     }
     lines
 }
 
-/// An equation of the window in symbols: the products whose means it has.
+/// A normal equation in symbols.
 fn symbols([first, second, right]: [Math; 3], after: &str) -> Math {
     let sum = |product| Math::Row(vec![Math::text("Σ "), Math::Var("w"), Math::text(" "), product]);
     Math::Row(vec![
@@ -272,17 +301,17 @@ fn symbols([first, second, right]: [Math; 3], after: &str) -> Math {
     ])
 }
 
-/// An equation of the window with its means.
-fn numbers(a: f32, b: f32, c: f32) -> Math {
+/// A normal equation in numbers.
+fn row(a: f32, b: f32, c: f32) -> Math {
     Math::Row(vec![
-        Math::ink(Role::Reference, words::number(a)),
+        Math::ink(Role::Reference, numbers::gray(a)),
         Math::text(" "),
         Math::Var("u"),
         Math::text(" "),
-        Math::ink(Role::Reference, words::plus(b)),
+        Math::ink(Role::Reference, numbers::summand(numbers::gray(b))),
         Math::text(" "),
         Math::Var("v"),
         Math::text(" = "),
-        Math::ink(Role::Reference, words::number(-c)),
+        Math::ink(Role::Reference, numbers::gray(-c)),
     ])
 }

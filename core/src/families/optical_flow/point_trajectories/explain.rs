@@ -1,28 +1,31 @@
-//! How point trajectories are told and drawn.
+//! The explanation and the drawing of point trajectories.
 
 use super::{Event, Moved, Note, Pair, PointTrajectories, State, What, distance, end, line};
 use crate::base::words;
 use crate::geometry::Grid;
-use crate::methods::{differential::field, features::trails};
+use crate::methods::{
+    differential::{field, numbers},
+    features::{conclusion, trails},
+};
 use crate::products::{Status, consistency::returned};
 use crate::run::Seen;
 use crate::scene::{Arrow, Fact, Math, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step, Tile};
 
-/// How far tiles reach around a point, in px.
+/// Radius of the image patches, in px.
 const TILE_REACH_PX: isize = 4;
 
-/// What the trail and the place are that a point has as a feature.
-const AS_FEATURE: &str = "as a feature";
+/// The legend of trail and position by feature tracking.
+const AS_FEATURE: &str = "feature track";
 
 fn px(length: f32) -> String {
-    format!("{} px", words::number(length))
+    format!("{} px", numbers::px(length))
 }
 
 fn last(events: &[Event]) -> Option<&What> {
     events.last().map(|event| &event.0)
 }
 
-/// The points that had their turn.
+/// The results of the points so far.
 fn moved(events: &[Event]) -> impl Iterator<Item = (&Pair, &Moved)> {
     events
         .iter()
@@ -30,8 +33,8 @@ fn moved(events: &[Event]) -> impl Iterator<Item = (&Pair, &Moved)> {
 }
 
 impl PointTrajectories {
-    /// Of the points that had their turn, the one that the person points at, or else the last one if it has it now.
-    fn looked<'a>(&self, seen: &Seen<'a, Self>) -> Option<(&'a Pair, &'a Moved)> {
+    /// Returns the processed point pointed at, or else the current one.
+    fn probe<'a>(&self, seen: &Seen<'a, Self>) -> Option<(&'a Pair, &'a Moved)> {
         let far = |moved: &Moved| seen.point().map_or(f32::INFINITY, |point| distance(moved.live.at, point));
         let nearest = moved(seen.events).min_by(|(_, a), (_, b)| far(a).total_cmp(&far(b)));
         nearest.filter(|(_, moved)| far(moved) <= self.spacing as f32).or(match last(seen.events)? {
@@ -40,8 +43,8 @@ impl PointTrajectories {
         })
     }
 
-    pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
-        let line = match (last(seen.events), self.looked(seen)) {
+    pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
+        let line = match (last(seen.events), self.probe(seen)) {
             (Some(What::Flow(_)), _) => line::FIND_FLOW,
             (Some(What::Begun(_)), _) => line::BEGIN_POINTS,
             (Some(_), Some((_, moved))) => match moved.feature.status {
@@ -59,97 +62,113 @@ impl PointTrajectories {
     fn sentence(&self, seen: &Seen<Self>) -> Sentence {
         let (said, state) = (Sentence::default(), seen.before);
         let (here, next) = (state.frame, state.frame + 1);
-        if let Some((_, moved)) = self.looked(seen) {
+        if let Some((_, moved)) = self.probe(seen) {
             return self.point(moved);
         }
         match last(seen.events) {
             None | Some(What::Moved(..)) => said
-                .text("Points of a grid are ")
-                .ink(Role::Result, "carried along")
-                .text(" by dense optical flow from frame to frame. The same points are ")
-                .ink(Role::Predicted, "followed as features")
-                .text(": how far both drift apart tells how far either is to be trusted."),
+                .text("Grid points are ")
+                .ink(Role::Result, "advected by dense flow")
+                .text(" from frame to frame, x ← x + w(x), so errors of the flow accumulate to drift. The same points are ")
+                .ink(Role::Predicted, "tracked as features")
+                .text("; their distance measures the drift without ground truth."),
             Some(What::Flow(_)) => said.text(format!(
-                "{} finds where each pixel of frame {here} goes in frame {next}, and where each pixel of that comes from.",
+                "{} estimates the flow w from frame {here} to {next} and the backward flow w′ for the forward–backward check.",
                 self.method.estimator().info().name
             )),
-            Some(What::Begun(0)) => said.text(format!("No new point begins: {} go on.", state.live.len())),
-            Some(What::Begun(count)) => said.ink(Role::Measured, format!("{count} points")).text(format!(
-                " begin, {} px apart, where the smaller eigenvalue is at least {}; {} go on.",
+            Some(What::Begun(0)) => said.text(match self.replenish || here == state.span.first {
+                true => format!(
+                    "No new points: all grid cells with λ₂ ≥ {} are occupied. {} continue.",
+                    numbers::gray(self.min_eigenvalue),
+                    words::counted(state.live.len(), "point")
+                ),
+                false => {
+                    format!("No new points: replenish is off. {} continue.", words::counted(state.live.len(), "point"))
+                }
+            }),
+            Some(What::Begun(count)) => said.ink(Role::Measured, words::counted(*count, "new point")).text(format!(
+                " in empty grid cells of {} px with λ₂ ≥ min-eigenvalue = {}; {} continue.",
                 self.spacing,
-                words::number(self.structure),
-                state.live.len()
+                numbers::gray(self.min_eigenvalue),
+                words::counted(state.live.len(), "point")
             )),
             Some(What::Done(note)) => {
                 let left = seen.after.map_or(0, |after| after.live.len());
                 let said = said
-                    .text(format!("Of {} points ", note.points))
-                    .ink(Role::Result, format!("{left} go on"))
-                    .text(" in ")
-                    .text(format!("frame {next}"));
-                if note.apart.is_finite() {
-                    return said
-                        .text(". As features they are ")
-                        .ink(Role::Error, px(note.apart))
-                        .text(" away by now, on average.");
-                }
-                said.text(". None of them is tracked as a feature, so there is no drift to tell.")
+                    .text(format!("Of {} ", words::counted(note.points as usize, "point")))
+                    .ink(Role::Result, format!("{left} continue"))
+                    .text(format!(" in frame {next}. "));
+                let said = match note.apart.is_finite() {
+                    true => {
+                        said.text("Mean drift between flow and feature tracks: ").ink(Role::Error, px(note.apart)).text(".")
+                    }
+                    false => said.text("No feature track is left, so the drift is unknown."),
+                };
+                self.concluded(seen, said)
             }
         }
     }
 
-    /// What becomes of a point.
+    /// Explains the result of a point.
     fn point(&self, moved: &Moved) -> Sentence {
         let said = Sentence::default().ink(Role::Reference, format!("Point {}", moved.live.track + 1));
         let Some(to) = moved.to() else {
             let why = match (moved.feature.status, moved.check(self)) {
                 (Status::Flat, _) => format!(
-                    ": the smaller eigenvalue around it is {}, less than {}.",
-                    words::number(moved.structure),
-                    words::number(self.structure)
+                    ": λ₂ = {} is below min-eigenvalue = {}, so the window has no texture or only an edge.",
+                    numbers::gray(moved.structure),
+                    numbers::gray(self.min_eigenvalue)
                 ),
-                (Status::Outside, _) => ": the flow carries it out of the picture.".into(),
+                (Status::Outside, _) => ": the flow leads out of the frame.".into(),
                 (_, Some([off, limit])) => format!(
-                    ": along the flow and back leads {} off, more than {}. Either it is hidden, or the flow is wrong.",
+                    ": forward–backward error {} exceeds the tolerance of {}, a sign of occlusion or wrong flow.",
                     px(off.sqrt()),
                     px(limit.sqrt())
                 ),
-                _ => ": the flow is unknown there.".into(),
+                _ => ": the flow is unknown at this position.".into(),
             };
             return said.text(" is ").ink(Role::Rejected, "lost").text(why);
         };
-        let said = said.text(" is carried to ").ink(Role::Result, words::place(to));
+        let said = said.text(" is advected to ").ink(Role::Result, numbers::vector(to));
         let said = match (moved.twin_to(), moved.apart()) {
             (Some(twin), Some(apart)) => said
-                .text(". As a feature it comes to ")
-                .ink(Role::Predicted, words::place(twin))
-                .text(": since it began, both have drifted ")
+                .text(", its feature track to ")
+                .ink(Role::Predicted, numbers::vector(twin))
+                .text(". Drift between both since the start: ")
                 .ink(Role::Error, px(apart))
-                .text(" apart."),
-            _ => said.text(". As a feature it is ").ink(Role::Rejected, "lost").text("."),
+                .text("."),
+            _ => said.text("; its feature track is ").ink(Role::Rejected, "lost").text("."),
         };
         match moved.truth {
             Some(truth) => said
-                .text(" It truly is at ")
-                .ink(Role::Truth, words::place(truth))
-                .text(format!(", {} from where the flow has carried it.", px(distance(to, truth)))),
+                .text(" True position: ")
+                .ink(Role::Truth, numbers::vector(truth))
+                .text(format!(", so the flow trajectory has an error of {}.", px(distance(to, truth)))),
             None => said,
         }
+    }
+
+    /// Adds the conclusion of a pair.
+    fn concluded(&self, seen: &Seen<Self>, sentence: Sentence) -> Sentence {
+        let Some((pair, _)) = moved(seen.events).next() else { return sentence };
+        let features = moved(seen.events).map(|(_, moved)| moved.feature);
+        let conclusion = conclusion("points", features, pair.truth.as_deref());
+        sentence.text(format!(" End of the pair: {conclusion}"))
     }
 
     fn readouts(&self, seen: &Seen<Self>) -> Vec<Readout> {
         let Some(event) = last(seen.events) else { return Vec::new() };
         let mut facts =
             vec![Fact::new("Pair", format!("frames {} and {}", seen.before.frame, seen.before.frame + 1), None)];
-        let looked = self.looked(seen);
-        match (event, looked) {
+        let probe = self.probe(seen);
+        match (event, probe) {
             (_, Some((_, moved))) => facts.extend(self.facts(moved)),
             (What::Done(note), None) => facts.extend(note.facts()),
-            (What::Begun(count), None) => facts.push(Fact::new("New", count.to_string(), Some(Role::Measured))),
+            (What::Begun(count), None) => facts.push(Fact::new("New points", count.to_string(), Some(Role::Measured))),
             _ => facts.push(Fact::new("Points", seen.before.live.len().to_string(), None)),
         }
         let mut readouts = vec![Readout::Facts(facts)];
-        if let Some((pair, moved)) = looked {
+        if let Some((pair, moved)) = probe {
             readouts.extend(self.equation(moved).map(Readout::Equation));
             readouts.push(Readout::Tiles(tiles(pair, moved)));
         }
@@ -158,34 +177,44 @@ impl PointTrajectories {
     }
 
     fn facts(&self, moved: &Moved) -> Vec<Fact> {
-        let at = words::place(moved.live.at);
+        let at = numbers::vector(moved.live.at);
         let mut facts = vec![
             Fact::new("Point", format!("{} at {at}", moved.live.track + 1), Some(Role::Reference)),
-            Fact::new("Smaller eigenvalue", format!("{} (gray levels per px)²", words::number(moved.structure)), None),
+            Fact::new(
+                "Smaller eigenvalue λ₂",
+                format!("{} (gray levels per px)²", numbers::gray(moved.structure)),
+                None,
+            ),
         ];
-        facts.extend(moved.there.map(|uv| Fact::new("Flow", format!("{} px", words::vector(uv)), Some(Role::Result))));
-        facts.extend(moved.back.map(|uv| Fact::new("Flow back", format!("{} px", words::vector(uv)), None)));
+        facts.extend(
+            moved
+                .there
+                .map(|uv| Fact::new("Forward flow w", format!("{} px", numbers::vector(uv)), Some(Role::Result))),
+        );
+        facts.extend(moved.back.map(|uv| Fact::new("Backward flow w′", format!("{} px", numbers::vector(uv)), None)));
         if let Some([off, limit]) = moved.check(self) {
             facts.push(Fact::new(
-                "There and back",
-                format!("{} px² off, at most {}", words::number(off), words::number(limit)),
+                "Squared forward–backward error",
+                format!("{} px², tolerance {} px²", numbers::px(off), numbers::px(limit)),
                 None,
             ));
         }
         if let Some(twin) = moved.twin {
-            let value = end(&twin).map_or(twin.status.name().into(), |to| format!("at {}", words::place(to)));
-            facts.push(Fact::new("As a feature", value, Some(Role::Predicted)));
+            let value = end(&twin).map_or(twin.status.name().into(), |to| format!("at {}", numbers::vector(to)));
+            facts.push(Fact::new("Feature track", value, Some(Role::Predicted)));
         }
-        facts.extend(moved.apart().map(|apart| Fact::new("Drifted apart", px(apart), Some(Role::Error))));
+        facts.extend(moved.apart().map(|apart| Fact::new("Drift", px(apart), Some(Role::Error))));
         if let Some(truth) = moved.truth {
-            facts.push(Fact::new("Truth", format!("at {}", words::place(truth)), Some(Role::Truth)));
-            facts.extend(moved.to().map(|to| Fact::new("Flow off by", px(distance(to, truth)), None)));
-            facts.extend(moved.twin_to().map(|to| Fact::new("Feature off by", px(distance(to, truth)), None)));
+            facts.push(Fact::new("True position", format!("at {}", numbers::vector(truth)), Some(Role::Truth)));
+            facts.extend(moved.to().map(|to| Fact::new("Error of the flow track", px(distance(to, truth)), None)));
+            facts.extend(
+                moved.twin_to().map(|to| Fact::new("Error of the feature track", px(distance(to, truth)), None)),
+            );
         }
         facts
     }
 
-    /// Where the point goes, and whether the way back leads there.
+    /// Returns the advection step and the forward–backward check as formulas.
     fn equation(&self, moved: &Moved) -> Option<Vec<Math>> {
         let (there, at) = (moved.there?, moved.live.at);
         let to = [0, 1].map(|i| at[i] + there[i]);
@@ -194,10 +223,10 @@ impl PointTrajectories {
             Math::text(" + "),
             Math::Var("w"),
             Math::text(" = "),
-            Math::ink(Role::Reference, words::place(at)),
+            Math::ink(Role::Reference, numbers::vector(at)),
             Math::text(" + "),
-            Math::ink(Role::Result, words::vector(there)),
-            Math::text(format!(" = {}", words::place(to))),
+            Math::ink(Role::Result, numbers::vector(there)),
+            Math::text(format!(" = {}", numbers::vector(to))),
         ]);
         let Some([off, limit]) = moved.check(self) else { return Some(vec![step]) };
         let is_near = off <= limit;
@@ -206,13 +235,13 @@ impl PointTrajectories {
         let check = Math::Row(vec![
             Math::power(Math::Abs(Box::new(sum)), Math::text("2")),
             Math::text(" = "),
-            Math::ink(role, words::number(off)),
-            Math::text(format!("{}{} px²", if is_near { " ≤ " } else { " > " }, words::number(limit))),
+            Math::ink(role, numbers::px(off)),
+            Math::text(format!("{}{} px²", if is_near { " ≤ " } else { " > " }, numbers::px(limit))),
         ]);
         Some(vec![step, check])
     }
 
-    pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
+    pub(super) fn draw_step(&self, seen: &Seen<Self>, scene: &mut Scene) {
         if let Some(What::Flow(pair)) = last(seen.events) {
             field::draw(pair.flows[0].0.clone(), scene);
         }
@@ -220,15 +249,15 @@ impl PointTrajectories {
         let frame = seen.before.frame;
         let done: Vec<&Moved> = moved(seen.events).map(|(_, moved)| moved).collect();
         let is_over = seen.after.is_some();
-        // They have their turns in their order.
+        // Points are processed in order.
         let waits = if is_over { &[][..] } else { seen.before.live.get(done.len()..).unwrap_or_default() };
         trails::points(scene, Role::Measured, "point", waits.iter().map(|live| live.at).collect());
         for live in done.iter().map(|moved| &moved.live).chain(waits) {
-            // What begins in this frame has no trail yet.
+            // A new point has no trail yet.
             let tracks = [&state.tracks, &state.twins].map(|all| all.get(live.track as usize));
             if let [Some(track), Some(twin)] = tracks {
                 trails::trail(scene, (Role::Predicted, AS_FEATURE), twin, frame);
-                trails::trail(scene, (Role::Estimate, "trail by dense flow"), track, frame);
+                trails::trail(scene, (Role::Estimate, "trajectory by dense flow"), track, frame);
             }
         }
         let lost = done.iter().filter(|moved| moved.to().is_none());
@@ -236,14 +265,14 @@ impl PointTrajectories {
         let arrow = |moved: &&Moved| Some(Arrow { from: moved.live.at, to: moved.to()? });
         trails::displacements(scene, done.iter().filter_map(arrow).collect());
         draw_ends(scene, &done);
-        if let Some((_, moved)) = self.looked(seen) {
-            trails::points(scene, Role::Reference, "point that is told of", vec![moved.live.at]);
+        if let Some((_, moved)) = self.probe(seen) {
+            trails::points(scene, Role::Reference, "inspected point", vec![moved.live.at]);
         }
-        scene.legend(Role::Result, "displacements found");
+        scene.legend(Role::Result, "displacement to frame t+1");
     }
 }
 
-/// Where points are in frame t + 1: by the flow, as features and truly, and what lies between the first two.
+/// Draws the positions in frame t + 1 by flow, by feature tracking and in truth, and the drift between the first two.
 fn draw_ends(scene: &mut Scene, done: &[&Moved]) {
     let mut mark = |role, meaning, places: Vec<[f32; 2]>| {
         if !places.is_empty() {
@@ -252,19 +281,19 @@ fn draw_ends(scene: &mut Scene, done: &[&Moved]) {
         }
     };
     let known = |of: &dyn Fn(&Moved) -> Option<[f32; 2]>| done.iter().filter_map(|moved| of(moved)).collect();
-    mark(Role::Truth, "true place", known(&|moved| moved.to().and(moved.truth)));
+    mark(Role::Truth, "true position", known(&|moved| moved.to().and(moved.truth)));
     mark(Role::Predicted, AS_FEATURE, known(&|moved| moved.to().and(moved.twin_to())));
-    mark(Role::Result, "displacements found", known(&Moved::to));
+    mark(Role::Result, "displacement to frame t+1", known(&Moved::to));
     for (to, twin) in done.iter().filter_map(|moved| Some((moved.to()?, moved.twin_to()?))) {
         scene.mark(Picture::NEXT, Role::Error, Shape::Path { points: vec![to, twin], closed: false });
-        scene.legend(Role::Error, "drifted apart");
+        scene.legend(Role::Error, "drift");
     }
 }
 
 impl Moved {
-    /// How far going there and back leads off, squared, and the limit of that, in px²; `None` where it is not known.
+    /// Returns the squared forward–backward error and its tolerance, in px²; `None` where flow is unknown.
     fn check(&self, by: &PointTrajectories) -> Option<[f32; 2]> {
-        Some(returned(self.there?, self.back?, (by.share, by.tolerance)))
+        Some(returned(self.there?, self.back?, (by.relative_tolerance, by.absolute_tolerance)))
     }
 }
 
@@ -274,9 +303,9 @@ impl Note {
         let [flow, feature] = self.errors;
         [
             Some(Fact::new("Points", self.points.to_string(), None)),
-            known("Drifted apart, mean", self.apart, Role::Error),
-            known("Flow off by, mean", flow, Role::Result),
-            known("Features off by, mean", feature, Role::Predicted),
+            known("Mean drift", self.apart, Role::Error),
+            known("Mean error of flow tracks", flow, Role::Result),
+            known("Mean error of feature tracks", feature, Role::Predicted),
         ]
         .into_iter()
         .flatten()
@@ -284,24 +313,24 @@ impl Note {
     }
 }
 
-/// What lies around the point in frame t, and in frame t + 1 where the flow and where the feature lead.
+/// Patches around the point in frame t, and in frame t + 1 at its positions by flow and by feature tracking.
 fn tiles(pair: &Pair, moved: &Moved) -> Vec<Tile> {
     let side = (2 * TILE_REACH_PX + 1) as usize;
     let around = |frame: usize, [x, y]: [f32; 2]| {
         let level = &pair.pyramids[frame][0];
         let off = |c: usize| c as f32 - TILE_REACH_PX as f32;
-        // A tenth of a gray level is as much as anybody reads.
+        // Rounded to a tenth of a gray level for display.
         let value = |i, j| (level.sample([x + off(i), y + off(j)]) * 10.0).round() / 10.0;
         Grid::from_fn(side, side, value)
     };
     let tile = |label, role, values| Tile { label, role: Some(role), values, range: [0.0, 255.0] };
     let mut all = vec![tile("Frame t", Role::Reference, around(0, moved.live.at))];
     all.extend(moved.to().map(|to| tile("Frame t+1, by flow", Role::Result, around(1, to))));
-    all.extend(moved.twin_to().map(|to| tile("Frame t+1, as a feature", Role::Predicted, around(1, to))));
+    all.extend(moved.twin_to().map(|to| tile("Frame t+1, by feature track", Role::Predicted, around(1, to))));
     all
 }
 
-/// How many points there are, and how far they have drifted, from pair to pair.
+/// The plots of the number of points, of the drift and of the errors over pairs.
 fn plots(state: &State) -> Vec<Readout> {
     let notes = &state.notes;
     let line = |of: &dyn Fn(&Note) -> f32| -> Vec<[f32; 2]> {
@@ -322,12 +351,12 @@ fn plots(state: &State) -> Vec<Readout> {
         has_line.then_some(Readout::Series(series))
     };
     let counts: Vec<u32> = notes.iter().map(|note| note.points).collect();
-    let drift = series("Drifted apart, mean", vec![("flow and feature", Role::Error, line(&|note| note.apart))]);
+    let drift = series("Mean drift", vec![("flow to feature track", Role::Error, line(&|note| note.apart))]);
     let errors = series(
-        "Mean distance from the truth",
+        "Mean distance from the true position",
         vec![
-            ("flow", Role::Result, line(&|note| note.errors[0])),
-            ("feature", Role::Predicted, line(&|note| note.errors[1])),
+            ("flow track", Role::Result, line(&|note| note.errors[0])),
+            ("feature track", Role::Predicted, line(&|note| note.errors[1])),
         ],
     );
     let points = trails::turnover("Points", &counts, &state.tracks, &state.span);

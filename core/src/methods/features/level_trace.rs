@@ -1,28 +1,27 @@
-//! How the following of one point is told and drawn, one level at a time.
+//! The explanation and the drawing of the tracking of one point on one pyramid level.
 
 use super::follow::{Event, Follow};
 use super::tracker::{Level, Mismatch};
-use crate::base::words;
 use crate::geometry::Grid;
-use crate::methods::differential::{Tensor, explain};
+use crate::methods::differential::{Tensor, explain, numbers};
 use crate::products::Status;
 use crate::scene::{Fact, Math, Picture, Readout, Role, Scene, Sentence, Shape, Tile};
 
-/// What has happened to a point on a level by now.
-pub struct Account<'a> {
-    /// How it is followed.
+/// The tracking of a point on one level, up to the current event.
+pub struct LevelTrace<'a> {
+    /// The parameters of the tracking.
     pub follow: Follow,
-    /// The levels of the picture that it is in, and of that in which it is looked for.
+    /// The pyramids of both frames.
     pub pyramids: [&'a [Level]; 2],
-    /// The level at hand.
+    /// The level.
     pub level: usize,
-    /// Its place in px of the picture.
+    /// Its position in px of level 0.
     pub at: [f32; 2],
-    /// The displacement with which the level begins, in px of the level.
+    /// The initial guess, in px of the level.
     pub guess: [f32; 2],
     /// The events on this level; at least one.
     pub events: Vec<Event>,
-    /// What it is called: `Point 7`.
+    /// Its name: `Point 7`.
     pub name: String,
 }
 
@@ -33,15 +32,15 @@ fn px(uv: [f32; 2]) -> String {
 /// A displacement in px of a level.
 fn in_px(uv: [f32; 2], level: usize) -> String {
     let of = if level == 0 { String::new() } else { format!(" of level {level}") };
-    format!("{} px{of}", words::vector(uv))
+    format!("{} px{of}", numbers::vector(uv))
 }
 
 fn after(from: [f32; 2], update: [f32; 2]) -> [f32; 2] {
     [0, 1].map(|i| from[i] + update[i])
 }
 
-impl Account<'_> {
-    /// A displacement on the level at hand.
+impl LevelTrace<'_> {
+    /// Returns a displacement on this level as text.
     fn px(&self, uv: [f32; 2]) -> String {
         in_px(uv, self.level)
     }
@@ -50,16 +49,16 @@ impl Account<'_> {
         (1u32 << self.level) as f32
     }
 
-    /// The displacement by now, in px of the level.
+    /// Returns the current displacement, in px of the level.
     pub fn displacement(&self) -> [f32; 2] {
         match self.events.last() {
             None | Some(Event::Window(_)) => self.guess,
             Some(Event::Iteration { from, update, .. }) => after(*from, *update),
-            Some(Event::Handed(displacement, _) | Event::End(displacement, _)) => *displacement,
+            Some(Event::PassedDown(displacement, _) | Event::End(displacement, _)) => *displacement,
         }
     }
 
-    /// The displacement by now, in px of the picture.
+    /// Returns the current displacement, in px of level 0.
     pub fn on_picture(&self) -> [f32; 2] {
         self.displacement().map(|c| c * self.scale())
     }
@@ -68,7 +67,7 @@ impl Account<'_> {
         self.events.iter().find_map(|event| if let Event::Window(tensor) = event { Some(*tensor) } else { None })
     }
 
-    /// The last update and the mismatch that led to it.
+    /// Returns the last increment and its mismatch.
     fn last(&self) -> Option<(Mismatch, [f32; 2])> {
         self.events.iter().rev().find_map(|event| match event {
             Event::Iteration { mismatch, update, .. } => Some((*mismatch, *update)),
@@ -76,7 +75,7 @@ impl Account<'_> {
         })
     }
 
-    /// The window in the first picture, its guess and its places in the second.
+    /// Draws the window in the first frame, the initial guess and the iterations in the second.
     pub fn draw(&self, [from, to]: [Picture; 2], scene: &mut Scene) {
         let half = (self.follow.reach as f32 + 0.5) * self.scale();
         let place = |by: [f32; 2]| [0, 1].map(|i| self.at[i] + by[i] * self.scale());
@@ -86,10 +85,10 @@ impl Account<'_> {
             scene.legend(role, meaning);
         };
         mark(from, Role::Reference, rect(self.at), "window");
-        mark(to, Role::Predicted, rect(place(self.guess)), "guess from the coarser level");
-        let is_done = matches!(self.events.last(), Some(Event::Handed(..) | Event::End(..)));
+        mark(to, Role::Predicted, rect(place(self.guess)), "initial guess");
+        let is_done = matches!(self.events.last(), Some(Event::PassedDown(..) | Event::End(..)));
         let role = if is_done { Role::Best } else { Role::Candidate };
-        mark(to, role, rect(place(self.displacement())), "its place in the other frame");
+        mark(to, role, rect(place(self.displacement())), "window in the other frame");
         let steps = self.events.iter().filter_map(|event| match event {
             Event::Iteration { from, update, .. } => Some([*from, after(*from, *update)]),
             _ => None,
@@ -101,91 +100,104 @@ impl Account<'_> {
                 to,
                 Role::Estimate,
                 Shape::Path { points: trail.map(place).collect(), closed: false },
-                "path of its centre",
+                "iterations of the window centre",
             );
         }
     }
 
-    /// The last event in words.
+    /// Explains the last event in words.
     pub fn sentence(&self) -> Sentence {
         let said = Sentence::default().ink(Role::Reference, self.name.clone());
         let (width, height) = self.pyramids[0][self.level].size();
         match self.events.last() {
             None => said,
             Some(Event::Window(tensor)) => {
-                let [large, small] = tensor.eigenvalues().map(words::number);
-                let told = format!(
-                    " on level {}, {width}×{height} px: the tensor of its window has the eigenvalues {large} and {small}. It \
-                     begins at ",
+                let [large, small] = tensor.eigenvalues().map(numbers::gray);
+                let threshold = numbers::gray(self.follow.threshold);
+                let verdict = match self.follow.is_flat(tensor) {
+                    true => format!("below min-eigenvalue = {threshold}, so the window is ill-conditioned"),
+                    false => format!("not below min-eigenvalue = {threshold}, so the window can be tracked"),
+                };
+                let explanation = format!(
+                    " on level {} ({width}×{height} px): λ₁ = {large}, and λ₂ = {small} is {verdict}. Initial guess: ",
                     self.level
                 );
-                said.text(told).ink(Role::Predicted, self.px(self.guess)).text(".")
+                said.text(explanation).ink(Role::Predicted, self.px(self.guess)).text(".")
             }
             Some(Event::Iteration { from, mismatch, update }) => {
-                let end = if self.follow.converges(*update) { ", less than epsilon: that was the last" } else { "" };
+                let epsilon = numbers::px(self.follow.epsilon);
+                let end = match self.follow.converges(*update) {
+                    true => format!(", shorter than ε = {epsilon} px: converged at "),
+                    false => format!(", not yet shorter than ε = {epsilon} px; the displacement is now "),
+                };
                 Sentence::default()
-                    .text("At ")
-                    .ink(Role::Candidate, words::vector(*from))
+                    .text("Mean absolute difference of the windows at ")
+                    .ink(Role::Candidate, self.px(*from))
                     .text(format!(
-                        " the windows differ by {} gray levels on average. The mismatch says to move by {}{end}: now ",
-                        words::number(mismatch.residual),
+                        ": {} gray levels. Solving T η = b gives the increment {}{end}",
+                        numbers::gray(mismatch.residual),
                         self.px(*update)
                     ))
                     .ink(Role::Candidate, self.px(after(*from, *update)))
                     .text(".")
             }
-            Some(Event::Handed(displacement, reason)) => {
-                let told = match reason {
-                    None => format!(" leaves level {} with {}.", self.level, self.px(*displacement)),
+            Some(Event::PassedDown(displacement, reason)) => {
+                let explanation = match reason {
+                    None => format!(" on level {}: displacement {}.", self.level, self.px(*displacement)),
                     Some(status) => format!(
-                        " finds nothing on level {}{} The guess of {} is handed on.",
+                        " has no estimate on level {}{} The guess {} is passed on.",
                         self.level,
                         why(*status),
                         self.px(*displacement)
                     ),
                 };
-                let told = format!("{told} The finer level begins with twice that, ");
-                said.text(told).ink(Role::Predicted, in_px(displacement.map(|c| 2.0 * c), self.level - 1)).text(".")
+                let explanation = format!("{explanation} The initial guess of the next finer level is twice that, ");
+                said.text(explanation)
+                    .ink(Role::Predicted, in_px(displacement.map(|c| 2.0 * c), self.level - 1))
+                    .text(".")
             }
             Some(Event::End(displacement, Ok(residual))) => {
-                let differs =
-                    format!(": its window differs by {} gray levels on average there.", words::number(*residual));
-                said.text(" moves by ").ink(Role::Result, px(*displacement)).text(differs)
+                let residual = format!(
+                    ". Mean absolute difference of the windows: {} gray levels, within max-residual = {}.",
+                    numbers::gray(*residual),
+                    numbers::gray(self.follow.max_residual)
+                );
+                said.text(": displacement ").ink(Role::Result, px(*displacement)).text(residual)
             }
             Some(Event::End(_, Err(status))) => said.text(" is ").ink(Role::Rejected, "lost").text(why(*status)),
         }
     }
 
-    /// The level in numbers.
+    /// Returns the facts of this level.
     pub fn facts(&self) -> Vec<Fact> {
         let fact = |label, value: String, role| Fact { label, value, role };
         let mut facts = vec![
-            fact("Level", format!("{}, from {} down to 0", self.level, self.pyramids[0].len() - 1), None),
-            fact("Guess", self.px(self.guess), Some(Role::Predicted)),
+            fact("Level", format!("{} ({} is the coarsest)", self.level, self.pyramids[0].len() - 1), None),
+            fact("Initial guess", self.px(self.guess), Some(Role::Predicted)),
         ];
         if let Some(tensor) = self.tensor() {
-            let [large, small] = tensor.eigenvalues().map(words::number);
-            facts.push(fact("Eigenvalues", format!("{large} and {small}"), None));
+            let [large, small] = tensor.eigenvalues().map(numbers::gray);
+            facts.push(fact("Eigenvalues λ₁, λ₂", format!("{large} and {small}"), None));
         }
         if let Some((mismatch, update)) = self.last() {
-            facts.push(fact("Update", self.px(update), Some(Role::Candidate)));
-            facts.push(fact("Residual", format!("{} gray levels before it", words::number(mismatch.residual)), None));
+            facts.push(fact("Increment η", self.px(update), Some(Role::Candidate)));
+            facts.push(fact("Mean |δI| before it", format!("{} gray levels", numbers::gray(mismatch.residual)), None));
         }
         let role = if self.level == 0 { Role::Result } else { Role::Best };
         facts.push(fact("Displacement", self.px(self.displacement()), Some(role)));
         if self.level > 0 {
-            facts.push(fact("On the picture", px(self.on_picture()), None));
+            facts.push(fact("At full resolution", px(self.on_picture()), None));
         }
         facts
     }
 
-    /// The equation of the last update, and the windows.
+    /// Returns the equations of the last increment, and the windows.
     pub fn readouts(&self) -> Vec<Readout> {
         let equation = self.tensor().map(|tensor| Readout::Equation(equation(&tensor, self.last())));
         equation.into_iter().chain([Readout::Tiles(self.tiles())]).collect()
     }
 
-    /// The window, where it lies in the other picture, and what differs.
+    /// Returns the window, its position in the other frame, and their difference δI.
     fn tiles(&self) -> Vec<Tile> {
         let [current, next] = self.pyramids.map(|levels| &levels[self.level]);
         let (reach, side) = (self.follow.reach as f32, 2 * self.follow.reach + 1);
@@ -201,28 +213,28 @@ impl Account<'_> {
         let most = difference.cells().iter().filter(|v| v.is_finite()).fold(1.0f32, |most, v| most.max(v.abs()));
         let tile = |label, role, values, range| Tile { label, role, values, range };
         vec![
-            tile("Window", Some(Role::Reference), window, [0.0, 255.0]),
-            tile("Its place", Some(Role::Candidate), there, [0.0, 255.0]),
+            tile("Window in frame t", Some(Role::Reference), window, [0.0, 255.0]),
+            tile("Window in frame t+1", Some(Role::Candidate), there, [0.0, 255.0]),
             tile("δI", None, difference, [-most, most]),
         ]
     }
 }
 
-/// Why nothing is found, or a feature is lost, as the end of a sentence.
+/// Why a feature is lost, or has no estimate on a level, as the end of a sentence.
 pub fn why(status: Status) -> &'static str {
     match status {
-        Status::Outside => ": it leaves the picture.",
-        Status::Flat => ": its window has too little gradient in one direction, or in both.",
-        Status::Astray => ": it does not come back to where it was.",
-        Status::Changed => ": it does not look like its first view any more, however that is turned.",
-        Status::Unlike => ": what it led to looks too different from the frame before.",
+        Status::Outside => ": its window leaves the frame.",
+        Status::Flat => ": λ₂ is below min-eigenvalue, so its displacement is ill-conditioned (aperture problem).",
+        Status::Astray => ": the forward–backward error exceeds max-fb-error, a sign of occlusion or a wrong match.",
+        Status::Changed => ": its dissimilarity from the first view exceeds max-dissimilarity, or no affine map fits.",
+        Status::Unlike => ": the residual exceeds max-residual, a sign of occlusion or a wrong match.",
         Status::Found | Status::Tracked => ".",
     }
 }
 
-/// T η = b in symbols, and with the means over the window.
+/// T η = b in symbols and in numbers.
 fn equation(window: &Tensor, last: Option<(Mismatch, [f32; 2])>) -> Vec<Math> {
-    // Of a window that lies partly outside the other picture only the rest counts.
+    // Only the part of the window inside the other frame counts.
     let tensor = last.as_ref().map_or(window, |(mismatch, _)| &mismatch.tensor);
 
     let eta = |index| Math::indexed(Math::Var("η"), Math::Var(index));
@@ -243,22 +255,22 @@ fn equation(window: &Tensor, last: Option<(Mismatch, [f32; 2])>) -> Vec<Math> {
     ]);
     let row = |a: f32, b: f32, right: Option<f32>| {
         Math::Row(vec![
-            Math::ink(Role::Reference, words::number(a)),
+            Math::ink(Role::Reference, numbers::gray(a)),
             Math::text(" "),
             eta("u"),
             Math::text(" "),
-            Math::ink(Role::Reference, words::plus(b)),
+            Math::ink(Role::Reference, numbers::summand(numbers::gray(b))),
             Math::text(" "),
             eta("v"),
             Math::text(" = "),
-            Math::ink(Role::Candidate, right.map_or_else(|| "?".into(), words::number)),
+            Math::ink(Role::Candidate, right.map_or_else(|| "?".into(), numbers::gray)),
         ])
     };
     let vector = last.map(|(mismatch, _)| mismatch.vector);
     let mut lines =
         vec![symbols, row(tensor.xx, tensor.xy, vector.map(|b| b[0])), row(tensor.xy, tensor.yy, vector.map(|b| b[1]))];
     lines.extend(last.map(|(_, update)| {
-        Math::Row(vec![Math::Var("η"), Math::text(" = "), Math::ink(Role::Result, words::vector(update))])
+        Math::Row(vec![Math::Var("η"), Math::text(" = "), Math::ink(Role::Result, numbers::vector(update))])
     }));
     lines
 }

@@ -1,0 +1,235 @@
+//! The conclusion at the end of a run: how good a dense flow field is, where it is worst, and why there.
+
+use super::{FramePair, Tensor, numbers};
+use crate::base::words;
+use crate::data::Flow;
+use crate::geometry::Sampling;
+
+/// What would help where a method fails, as whole sentences.
+pub struct Advice {
+    /// Where the window or pixel has too little texture, or only an edge.
+    pub texture: &'static str,
+    /// At motion boundaries.
+    pub boundary: &'static str,
+    /// Where the motion is larger than the linearisation reaches.
+    pub motion: &'static str,
+}
+
+/// The quality of a flow field: its endpoint error where the true flow is known, else its residual.
+pub struct Conclusion {
+    has_truth: bool,
+    /// Share of the pixels with flow, 0 to 1.
+    density: f32,
+    /// Pixels that were judged.
+    pixels: usize,
+    /// Mean error in px, or mean residual in gray levels.
+    mean: f32,
+    worst: Option<Worst>,
+}
+
+/// The pixel with the largest error or residual.
+struct Worst {
+    place: (usize, usize),
+    size: f32,
+    cause: Cause,
+}
+
+/// Why flow is wrong at a pixel.
+enum Cause {
+    /// The motion leads out of frame t + 1.
+    Outside,
+    /// Both eigenvalues of the structure tensor are small.
+    Flat([f32; 2]),
+    /// The smaller eigenvalue is small.
+    Edge([f32; 2]),
+    /// Neighbours within 2 px move differently, by up to so many px.
+    Boundary(f32),
+    /// The true motion, in px, is more than twice the estimate.
+    Large(f32),
+    /// None of these.
+    Unknown,
+}
+
+/// Eigenvalues below this are no texture, in (gray levels per px)².
+const TEXTURE: f32 = 1.0;
+/// Neighbours that differ by more are a motion boundary, in px.
+const BOUNDARY_PX: f32 = 1.0;
+/// A motion larger than this may be out of reach, in px.
+const LARGE_PX: f32 = 2.0;
+/// Half the side of the neighbourhood that is looked at around the worst pixel, in px.
+const REACH: usize = 2;
+
+impl Conclusion {
+    /// Judges `flow` between two frames.
+    pub fn new(frames: &FramePair, flow: &Flow) -> Self {
+        let (width, height) = frames.size();
+        let places = || (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        let has_truth = places().any(|place| frames.true_displacement(place).is_some());
+        let (mut sum, mut pixels, mut known, mut worst) = (0.0, 0usize, 0usize, None);
+        for place in places() {
+            let Some(found) = flow.at(place.0, place.1) else { continue };
+            known += 1;
+            let Some(size) = deviation(frames, place, found, has_truth) else { continue };
+            (sum, pixels) = (sum + f64::from(size), pixels + 1);
+            if worst.is_none_or(|(_, most)| size > most) {
+                worst = Some((place, size));
+            }
+        }
+        let worst = worst.filter(|(_, size)| *size > 0.0);
+        let worst = worst.map(|(place, size)| Worst { place, size, cause: cause(frames, flow, place, has_truth) });
+        let density = known as f32 / (width * height).max(1) as f32;
+        Self { has_truth, density, pixels, mean: (sum / pixels.max(1) as f64) as f32, worst }
+    }
+
+    /// The conclusion in words, after what was said before.
+    pub fn sentence(&self, advice: &Advice) -> String {
+        let unit = if self.has_truth { "px" } else { "gray levels" };
+        let number = |value: f32| if self.has_truth { numbers::px(value) } else { numbers::gray(value) };
+        let density = format!("{:.0}", 100.0 * self.density);
+        if self.pixels == 0 {
+            return format!(" End of the run: flow at {density} % of the pixels, none of which can be judged.");
+        }
+        let quality = match self.has_truth {
+            true => format!("mean endpoint error {} px", number(self.mean)),
+            false => format!(
+                "mean residual |I(x + w, t+1) − I(x, t)| = {} gray levels, as no true flow is loaded",
+                number(self.mean)
+            ),
+        };
+        let said = format!(" End of the run: {quality}; flow at {density} % of the pixels.");
+        match &self.worst {
+            Some(Worst { place, size, cause }) => format!(
+                "{said} The largest {}, {} {unit}, is at pixel {}{}",
+                if self.has_truth { "error" } else { "residual" },
+                number(*size),
+                words::pixel(*place),
+                cause.sentence(advice)
+            ),
+            None => said,
+        }
+    }
+}
+
+/// The endpoint error of a pixel in px, or without truth its residual in gray levels.
+fn deviation(frames: &FramePair, (x, y): (usize, usize), [u, v]: [f32; 2], has_truth: bool) -> Option<f32> {
+    if has_truth {
+        let truth = frames.true_displacement((x, y))?;
+        return Some((u - truth[0]).hypot(v - truth[1]));
+    }
+    let [current, next] = &frames.pictures;
+    let there = Sampling::Bilinear.sample_inside(next, x as f32 + u, y as f32 + v);
+    there.is_finite().then(|| (there - current[(x, y)]).abs())
+}
+
+/// Why flow is wrong at a pixel.
+fn cause(frames: &FramePair, flow: &Flow, place: (usize, usize), has_truth: bool) -> Cause {
+    let motion = |(x, y)| if has_truth { frames.true_displacement((x, y)) } else { flow.at(x, y) };
+    let (Some([u, v]), Some(found)) = (motion(place), flow.at(place.0, place.1)) else { return Cause::Unknown };
+    let (width, height) = frames.size();
+    let to = [place.0 as f32 + u, place.1 as f32 + v];
+    let is_inside = (0.0..=width as f32 - 1.0).contains(&to[0]) && (0.0..=height as f32 - 1.0).contains(&to[1]);
+    let near = |at: usize, extent: usize| at.saturating_sub(REACH)..(at + REACH + 1).min(extent);
+    let around = near(place.1, height).flat_map(|y| near(place.0, width).map(move |x| (x, y)));
+    let others = around.clone().filter_map(motion);
+    let differs = others.fold(0.0f32, |most, other| most.max((other[0] - u).hypot(other[1] - v)));
+    let eigenvalues = tensor(frames, around).eigenvalues();
+    let (true_px, found_px) = (u.hypot(v), found[0].hypot(found[1]));
+    match () {
+        () if !is_inside => Cause::Outside,
+        () if eigenvalues[0] < TEXTURE => Cause::Flat(eigenvalues),
+        () if differs > BOUNDARY_PX => Cause::Boundary(differs),
+        () if eigenvalues[1] < TEXTURE => Cause::Edge(eigenvalues),
+        () if has_truth && true_px > LARGE_PX && 2.0 * found_px < true_px => Cause::Large(true_px),
+        () => Cause::Unknown,
+    }
+}
+
+/// The structure tensor of frame t over some pixels, by central differences.
+fn tensor(frames: &FramePair, places: impl Iterator<Item = (usize, usize)>) -> Tensor {
+    let (picture, (width, height)) = (&frames.pictures[0], frames.size());
+    let mut tensor = Tensor::default();
+    for (x, y) in places {
+        let gx = 0.5 * (picture[((x + 1).min(width - 1), y)] - picture[(x.saturating_sub(1), y)]);
+        let gy = 0.5 * (picture[(x, (y + 1).min(height - 1))] - picture[(x, y.saturating_sub(1))]);
+        tensor.xx += gx * gx;
+        tensor.xy += gx * gy;
+        tensor.yy += gy * gy;
+        tensor.pixels += 1.0;
+    }
+    let mean = |sum: f32| sum / tensor.pixels.max(1.0);
+    Tensor { xx: mean(tensor.xx), xy: mean(tensor.xy), yy: mean(tensor.yy), ..tensor }
+}
+
+impl Cause {
+    fn sentence(&self, advice: &Advice) -> String {
+        let eigenvalues =
+            |[large, small]: [f32; 2]| format!("λ₁ = {}, λ₂ = {}", numbers::gray(large), numbers::gray(small));
+        match self {
+            Cause::Outside => ": its motion leads out of frame t+1, so nothing can match it.".into(),
+            Cause::Flat(pair) => {
+                format!(": no texture there ({}), so no constraint. {}", eigenvalues(*pair), advice.texture)
+            }
+            Cause::Edge(pair) => format!(
+                ": an edge ({}), so only the normal component is constrained. {}",
+                eigenvalues(*pair),
+                advice.texture
+            ),
+            Cause::Boundary(px) => format!(
+                ": a motion boundary, beside which motion differs by {} px. {}",
+                numbers::px(*px),
+                advice.boundary
+            ),
+            Cause::Large(px) => format!(
+                ": its true motion of {} px is larger than the linearisation reaches. {}",
+                numbers::px(*px),
+                advice.motion
+            ),
+            Cause::Unknown => ".".into(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::geometry::Grid;
+
+    const ADVICE: Advice = Advice { texture: "T.", boundary: "B.", motion: "M." };
+
+    fn pair(truth: Option<[f32; 2]>, value: impl Fn(usize, usize) -> f32) -> FramePair {
+        let picture = || Grid::from_fn(20, 16, &value);
+        let truth = truth.map(|uv| Arc::new(Flow(Grid::new(20, 16, uv))));
+        FramePair { pictures: [picture(), picture()], truth }
+    }
+
+    fn waves(x: usize, y: usize) -> f32 {
+        128.0 + 40.0 * (0.9 * x as f32).sin() + 40.0 * (0.8 * y as f32).cos()
+    }
+
+    fn said(frames: &FramePair, flow: impl Fn(usize, usize) -> [f32; 2]) -> String {
+        Conclusion::new(frames, &Flow(Grid::from_fn(20, 16, flow))).sentence(&ADVICE)
+    }
+
+    #[test]
+    fn the_reason_is_that_of_the_worst_pixel() {
+        let truth = Some([3.0, 0.0]);
+        let large = said(&pair(truth, waves), |x, y| if (x, y) == (8, 8) { [0.0; 2] } else { [3.0, 0.0] });
+        assert!(large.contains("3.000 px, is at pixel (8,\u{a0}8): its true motion of 3.000 px is larger"), "{large}");
+        let outside = said(&pair(truth, waves), |x, _| if x == 19 { [0.0; 2] } else { [3.0, 0.0] });
+        assert!(outside.contains("leads out of frame t+1"), "{outside}");
+        let flat = said(&pair(truth, |_, _| 90.0), |_, _| [0.0; 2]);
+        assert!(flat.contains("mean endpoint error 3.000 px") && flat.contains("no texture"), "{flat}");
+        let edge = said(&pair(truth, |x, _| waves(x, 0)), |_, _| [2.0, 1.0]);
+        assert!(edge.contains("normal component is constrained. T."), "{edge}");
+    }
+
+    #[test]
+    fn without_truth_the_residual_is_judged() {
+        let boundary = said(&pair(None, waves), |x, y| if (x, y) == (8, 8) { [2.0, 0.0] } else { [0.0; 2] });
+        assert!(boundary.contains("a motion boundary") && boundary.contains("no true flow is loaded"), "{boundary}");
+        let none = said(&pair(None, waves), |_, _| Flow::UNKNOWN);
+        assert!(none.contains("flow at 0 % of the pixels, none of which"), "{none}");
+    }
+}
