@@ -714,9 +714,38 @@ fn an_export_that_is_refused_makes_no_folder() {
 }
 
 #[test]
+fn glossary_defines_the_terms_of_the_course() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let all = stdout(here, "glossary");
+    let chapters = ["Dynamic scene analysis\n", "Estimating motion vectors\n", "Kalman filters\n", "Evaluation\n"];
+    let places: Vec<_> = chapters.iter().map(|chapter| all.find(chapter).expect("a chapter")).collect();
+    assert!(places.is_sorted(), "{places:?}");
+    assert!(all.contains("\n  aperture problem\n      The ambiguity"));
+    let one = stdout(here, "glossary structure tensor");
+    assert!(one.starts_with("structure tensor  [G]\n  The 2×2 matrix"), "{one}");
+    assert!(one.contains("\n  Chapter: Differential motion analysis\n  Also: ") && one.contains("second-moment matrix"));
+    assert!(stdout(here, "glossary sequential search").starts_with("full search\n"));
+}
+
+#[test]
+fn glossary_answers_scripts_and_slips() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let all = json(here, "glossary --json");
+    assert!(all.as_array().unwrap().len() >= 140);
+    let keys = ["term", "aliases", "symbol", "definition", "chapter"];
+    assert!(all.as_array().unwrap().iter().all(|term| keys.iter().all(|key| term.get(key).is_some())));
+    let one = json(here, "glossary SAD --json");
+    assert_eq!((&one["term"], &one["symbol"]), (&"sum of absolute differences".into(), &Value::Null));
+    assert!(refusal(here, "glossary eigenvalu").contains("the nearest is eigenvalue"));
+    assert!(refusal(here, "glossary Kalman").contains("Kalman gain"));
+}
+
+#[test]
 fn help_has_examples() {
     let folder = tempfile::tempdir().unwrap();
-    for command in ["", "list", "info", "synth", "run", "compare", "export"] {
+    for command in ["", "list", "glossary", "info", "synth", "run", "compare", "export"] {
         assert!(stdout(folder.path(), &format!("{command} --help")).contains("Examples:"));
     }
 }

@@ -33,6 +33,16 @@ pub enum Command {
         #[arg(long)]
         json: bool,
     },
+    /// Defines the terms of the course.
+    #[command(after_help = examples::GLOSSARY)]
+    Glossary {
+        /// The term to define; without one, all terms are listed by chapter.
+        #[arg(value_name = "TERM")]
+        term: Vec<String>,
+        /// Prints JSON.
+        #[arg(long)]
+        json: bool,
+    },
     /// What a clip is: size, frames, rate, codec, truth.
     #[command(after_help = examples::INFO)]
     Info {

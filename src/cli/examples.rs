@@ -20,6 +20,13 @@ Examples:
   motionscope list                               for a person
   motionscope list --json                        for a script: ids, parameters, ranges, defaults, units";
 
+/// Of `glossary`.
+pub const GLOSSARY: &str = "\
+Examples:
+  motionscope glossary                           all terms, by chapter
+  motionscope glossary structure tensor          one definition
+  motionscope glossary NIS --json                for a script: term, aliases, symbol, definition, chapter";
+
 /// Of `info`.
 pub const INFO: &str = "\
 Examples:

@@ -5,6 +5,7 @@ mod compare;
 mod examples;
 mod export;
 mod free_memory;
+mod glossary;
 mod list;
 mod look;
 mod outputs;
@@ -63,6 +64,7 @@ fn run(args: Args) -> Result<(), Error> {
     match args.command {
         None => window(args.clip),
         Some(Command::List { json }) => say(&if json { list::json() } else { list::text() }),
+        Some(Command::Glossary { term, json }) => say(&glossary(&term.join(" "), json)?),
         Some(Command::Info { clip, json, count, truth }) => {
             let Named { source, given, .. } = Named::find(&clip, Given { truth, detections: None })?;
             let info = Info::of(&source.open(&Open { count, given, ..Open::default() })?);
@@ -80,6 +82,15 @@ fn run(args: Args) -> Result<(), Error> {
 
 fn window(clip: Option<OsString>) -> Result<(), Error> {
     ui::run(ui::Start { open: clip })
+}
+
+fn glossary(term: &str, json: bool) -> Result<String, Error> {
+    match (term.is_empty(), json) {
+        (true, true) => Ok(glossary::json()),
+        (true, false) => Ok(glossary::text()),
+        (false, true) => glossary::json_entry(term),
+        (false, false) => glossary::entry(term),
+    }
 }
 
 fn synth(name: &str, out: &Path, settings: &[String]) -> Result<(), Error> {

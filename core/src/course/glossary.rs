@@ -7,6 +7,8 @@ use std::fmt;
 use std::ops::Range;
 use std::sync::OnceLock;
 
+use crate::base::{Error, words};
+
 pub use terms::GLOSSARY;
 
 /// A term of the field, with the definition that a reader sees on hover.
@@ -99,6 +101,28 @@ impl fmt::Display for Chapter {
 /// ```
 pub fn find(word: &str) -> Option<&'static Term> {
     index().terms.get(&Normal::new(word.trim()).text).copied()
+}
+
+/// The term with this name or alias, as [`find`] finds it.
+///
+/// # Errors
+/// If there is none: a sentence with the nearest spelling, or with the terms that contain the word.
+pub fn lookup(word: &str) -> Result<&'static Term, Error> {
+    find(word).ok_or_else(|| Error::new(unknown(word.trim())))
+}
+
+fn unknown(word: &str) -> String {
+    let normal = Normal::new(word).text;
+    if let Some(nearest) = words::nearest(&normal, index().terms.keys().map(String::as_str)).and_then(find) {
+        return format!("there is no term {word} in the glossary; the nearest is {}", nearest.name);
+    }
+    let has_it = |term: &&Term| {
+        !normal.is_empty() && term.spellings().any(|written| Normal::new(written).text.contains(&normal))
+    };
+    match GLOSSARY.iter().filter(has_it).map(|term| term.name).take(8).collect::<Vec<_>>().join(", ") {
+        names if names.is_empty() => format!("there is no term {word} in the glossary; without a term, all are listed"),
+        names => format!("there is no term {word} in the glossary; terms that contain it: {names}"),
+    }
 }
 
 /// Where terms occur in `text`: byte ranges in ascending order, each term at its first occurrence only.
@@ -276,6 +300,15 @@ mod tests {
         for term in GLOSSARY {
             assert!(term.spellings().all(|written| find(written) == Some(term)), "{}", term.name);
         }
+    }
+
+    #[test]
+    fn an_unknown_term_is_answered_with_similar_ones() {
+        let refused = |word: &str| lookup(word).expect_err("it is no term").to_string();
+        assert!(refused("eigenvalu").ends_with("; the nearest is eigenvalue"), "{}", refused("eigenvalu"));
+        assert!(refused("Kalman").contains("Kalman filter") && refused("Kalman").contains("contain it"));
+        assert!(refused("quark").ends_with("; without a term, all are listed"));
+        assert!(refused("").ends_with("; without a term, all are listed"));
     }
 
     #[test]
