@@ -162,7 +162,7 @@ fn a_layer_that_cannot_be_is_refused_with_its_reason() {
     for (line, reason) in [
         ("--estimator horn-schunck --layer heat", "layer can be none, wheel"),
         ("--estimator horn-schunck --layer error --step 1.1", "the end of a run"),
-        ("--estimator horn-schunck --layer confidence", "tells no confidence"),
+        ("--estimator horn-schunck --layer confidence", "reports no confidence"),
         ("--estimator harris --layer wheel", "single points"),
         ("--estimator horn-schunck --arrow-spacing 0", "1 to 256 px"),
         ("--estimator horn-schunck --layer-opacity 1.5", "0 to 1 or auto, not 1.5"),
@@ -987,7 +987,7 @@ fn a_pane_that_is_not_there_is_told_in_one_sentence() {
         (format!("{run} plane"), "full-search never has the pane plane; its panes are stage"),
         (
             format!("{run} stage,surface --step 0"),
-            "full-search has nothing for the pane surface at this step: it shows the cost",
+            "full-search has no content for the pane surface at this step: it shows the cost",
         ),
         (format!("run {SMALL} --estimator full-search --panes stage"), "give --overlay FILE as well"),
         (format!("run {SMALL} --estimator full-search --overlay a.txt"), ".png, .svg or .pdf"),

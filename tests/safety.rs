@@ -320,7 +320,7 @@ fn a_layer_that_steps_lack_is_told() {
     let export = |estimator: &str, rest: &str| format!("export {SMALL} --estimator {estimator} {rest} --out steps");
     for (estimator, rest, why) in [
         ("full-search", "--steps 2.1..2.4 --layer error", "the end of a run"),
-        ("full-search", "--steps 2..5 --every block --layer confidence", "tells no confidence"),
+        ("full-search", "--steps 2..5 --every block --layer confidence", "reports no confidence"),
         ("harris", "--steps 2..5 --layer wheel", "single points"),
     ] {
         let told = refusal(here, &export(estimator, rest));
@@ -330,7 +330,7 @@ fn a_layer_that_steps_lack_is_told() {
     let told = stdout(here, &export("full-search", "--steps 10..99 --every block --layer error"));
     assert_eq!(
         told.trim(),
-        "3 pictures in steps, 2 of them without the layer error: it needs the whole field, which is there at the end of a run"
+        "3 pictures in steps, 2 of them without the layer error: it needs the complete flow field, at the end of the run"
     );
     let told = stdout(here, &export("full-search", "--steps 10..99 --every block --layer wheel"));
     assert_eq!(told.trim(), "3 pictures in steps");

@@ -1,7 +1,7 @@
-//! Any clip in: one function opens whatever a teacher has.
+//! Input: videos, animations, image sequences, ground truth and detections.
 //!
-//! [`open`] looks at the content, picks the reader, and wraps it in the one frame cache. A reader is a `Decoder`:
-//! it knows one format and nothing about caching, threads or truth.
+//! [`open`] detects the format from the content, chooses the decoder and puts the frame cache in front of it. A `Decoder`
+//! handles one format and nothing of caching, threads or ground truth.
 
 mod animation;
 mod cache;
@@ -33,44 +33,44 @@ use input::{Input, Node};
 use sequence::Sequence;
 use sniff::Kind;
 
-/// How long work tells how far it is, and learns that it was cancelled.
+/// The progress of a long computation, and its cancellation.
 pub trait Progress: Send + Sync {
-    /// A share from 0 to 1 of the work is done.
+    /// Reports the fraction done, from 0 to 1.
     fn report(&self, fraction: f32);
 
-    /// Whether the work should stop.
+    /// Whether the computation was cancelled.
     fn cancelled(&self) -> bool;
 }
 
-/// What is given for a clip by hand, in the place of what lies beside it.
+/// Ground truth and detections given explicitly for a clip, instead of files found beside it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Given {
-    /// Its truth.
+    /// The ground truth.
     pub truth: Option<PathBuf>,
-    /// What was detected in it, as MOTChallenge rows.
+    /// The detections, as MOTChallenge rows.
     pub detections: Option<PathBuf>,
 }
 
 impl Given {
-    /// The same, with what `later` gives in the place of it.
+    /// Returns these files with those of `later` in their place.
     #[must_use]
     pub fn then(self, later: Self) -> Self {
         Self { truth: later.truth.or(self.truth), detections: later.detections.or(self.detections) }
     }
 }
 
-/// How to open a clip.
+/// Options for opening a clip.
 #[derive(Clone)]
 pub struct Open {
-    /// Bound on the memory that decoded frames take, in bytes; the frame that was asked for last is always kept.
+    /// Limit of the frame cache in bytes; the frame requested last is always kept.
     pub cache_bytes: usize,
-    /// Whether to decode the whole file where nothing else tells how many frames there are.
+    /// Whether to decode the whole file to count its frames where the container does not say.
     pub count: bool,
-    /// Whether the ffmpeg of this computer may be asked for what cannot be decoded here.
+    /// Whether formats without a built-in decoder may be decoded by an installed ffmpeg.
     pub ffmpeg: bool,
-    /// What is given for it by hand.
+    /// Files given explicitly.
     pub given: Given,
-    /// Where long work tells how far it is.
+    /// Receives the progress.
     pub progress: Option<Arc<dyn Progress>>,
 }
 
@@ -87,10 +87,10 @@ impl From<Given> for Open {
 }
 
 impl Open {
-    /// Tells how far the work is.
+    /// Reports the progress.
     ///
     /// # Errors
-    /// If the work was cancelled.
+    /// If the operation was cancelled.
     pub(crate) fn report(&self, fraction: f32) -> Result<(), Error> {
         match &self.progress {
             Some(progress) if progress.cancelled() => Err(Error::new("opening was cancelled")),
@@ -103,7 +103,7 @@ impl Open {
     }
 }
 
-/// One format's reader. It need not remember frames: the cache does.
+/// The decoder of one format. It caches nothing: the frame cache does.
 pub(crate) trait Decoder: Send {
     /// Decodes frame `index` and gives `keep` every frame that is met on the way, by number; the wanted one comes last.
     ///
@@ -148,7 +148,7 @@ pub(crate) fn check_size(width: usize, height: usize) -> Result<(), Error> {
     }
     if width > MAX_SIDE_PX || height > MAX_SIDE_PX || width.saturating_mul(height) > MAX_AREA_PX {
         return Err(Error::new(format!(
-            "its header course_table pictures of {width}×{height} px; up to {MAX_SIDE_PX} px a side and 128 megapixels can \
+            "its header claims pictures of {width}×{height} px; up to {MAX_SIDE_PX} px a side and 128 megapixels can \
              be opened, so the file is damaged or must be scaled down first"
         )));
     }

@@ -26,7 +26,7 @@ const JPEG: &[u8] = &[0xFF, 0xD8, 0xFF];
 /// Reads the header of the picture at `path`.
 ///
 /// # Errors
-/// A sentence, without the file's name, if it is no picture or course_table a size that none can have.
+/// A sentence, without the file's name, if it is no picture or its header claims an impossible size.
 pub(crate) fn open(path: &Path) -> Result<Picture<impl ImageDecoder + use<>>, Error> {
     let mut file = File::open(path).map_err(|e| cannot_read(&e))?;
     if is_cut_jpeg(&mut file).map_err(|e| cannot_read(&e))? {
@@ -136,7 +136,7 @@ pub(crate) fn damaged(error: &ImageError) -> Error {
     Error::new(match error {
         ImageError::Limits(_) => {
             format!(
-                "its header course_table more than {MAX_SIDE_PX} px a side, so it is damaged or must be scaled down first"
+                "its header claims more than {MAX_SIDE_PX} px a side, so it is damaged or must be scaled down first"
             )
         }
         ImageError::Unsupported(_) => "it uses a rare variant that cannot be read; save it again as a plain PNG".into(),

@@ -94,7 +94,7 @@ fn flo_size(reader: &mut impl Read, path: &Path) -> Result<(usize, usize), Error
     let side = |at: usize| {
         let value = i32::from_le_bytes([head[at], head[at + 1], head[at + 2], head[at + 3]]);
         usize::try_from(value)
-            .map_err(|_| file_error(path, format!("its header course_table a side of {value} pixels")))
+            .map_err(|_| file_error(path, format!("its header claims a side of {value} pixels")))
     };
     Ok((side(4)?, side(8)?))
 }
@@ -152,7 +152,7 @@ impl<R: BufRead + Seek> Picture<R> {
     /// All samples. The size must have been checked.
     fn samples(&mut self, path: &Path) -> Result<Vec<u8>, Error> {
         let length =
-            self.reader.output_buffer_size().ok_or_else(|| file_error(path, "its header course_table too much"))?;
+            self.reader.output_buffer_size().ok_or_else(|| file_error(path, "its header claims too large an image"))?;
         let mut samples = vec![0; length];
         self.reader.next_frame(&mut samples).map_err(|e| file_error(path, format!("the PNG is damaged ({e})")))?;
         Ok(samples)

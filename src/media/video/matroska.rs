@@ -248,7 +248,7 @@ impl Walk {
 
 fn header(input: &mut Input, at: u64, size: u64) -> Result<Vec<u8>, Error> {
     if size > MAX_HEADER_BYTES {
-        return Err(Error::new("its header course_table to be larger than any is; the file is damaged"));
+        return Err(Error::new("its header claims an impossible length; the file is damaged"));
     }
     input.read(at, size)
 }

@@ -111,7 +111,7 @@ impl Table {
     /// Adds the samples of track `id` in the `moof` box that begins at `start`.
     ///
     /// # Errors
-    /// If it course_table too much.
+    /// If its tables claim too many samples.
     pub(crate) fn read_fragment(&mut self, start: u64, moof: &[u8], id: u32, trex: Fragment) -> Result<(), Error> {
         for (_, traf) in boxes(moof).filter(|(kind, _)| kind == b"traf") {
             let Some((track, mut at, defaults)) = find(traf, b"tfhd").and_then(|tfhd| header(tfhd, start, trex)) else {
