@@ -319,7 +319,7 @@ fn a_layer_that_steps_lack_is_told() {
     let here = folder.path();
     let export = |estimator: &str, rest: &str| format!("export {SMALL} --estimator {estimator} {rest} --out steps");
     for (estimator, rest, why) in [
-        ("full-search", "--steps 2.1..2.4 --layer error", "the end of a run"),
+        ("full-search", "--steps 2.1..2.4 --layer error", "the end of the run"),
         ("full-search", "--steps 2..5 --every block --layer confidence", "reports no confidence"),
         ("harris", "--steps 2..5 --layer wheel", "single points"),
     ] {

@@ -8,9 +8,9 @@ use crate::media::export::{flo, kitti_result, npy};
 pub const EXPORT: Export = Export {
     flag: "flow",
     value: "FILE",
-    help: "Writes the dense flow: Middlebury .flo, KITTI .png or .npy; `-` is a .flo on standard output",
+    help: "Save the dense flow as Middlebury .flo, KITTI .png or .npy; `-` is a .flo on standard output",
     name: "Flow",
-    explained: "As a field with one displacement for each pixel.",
+    explained: "The flow field: one displacement per pixel.",
     takes: &[BlockField::KIND, DenseField::KIND, PointField::KIND, TrackField::KIND],
     folder: None,
     formats: &[
@@ -34,14 +34,14 @@ pub const EXPORT: Export = Export {
 /// If it has none: features that were only found move nowhere.
 fn field(output: &Output) -> Result<Flow, Error> {
     output.flow().ok_or_else(|| {
-        Error::new("features that are found and not tracked have no flow; write them as a table, or track them")
+        Error::new("features that are detected but not tracked have no flow; save them as a table, or track them")
     })
 }
 
 fn as_kitti(output: &Output) -> Result<Made, Error> {
     let made = kitti_result(&field(output)?)?;
     let lost = made.out_of_range;
-    let told = format!("{lost} pixels move farther than the ±512 px of a KITTI flow and are marked unknown");
+    let told = format!("{lost} pixels exceed the ±512 px of a KITTI flow and are marked as unknown");
     Ok(Made { lost: (lost > 0).then_some(told), ..Made::file(made.bytes) })
 }
 

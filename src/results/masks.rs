@@ -11,12 +11,12 @@ const MASK: &str = "mask_";
 pub const EXPORT: Export = Export {
     flag: "masks",
     value: "DIR",
-    help: "Folder for a mask of each frame as PNG, white where something moves",
+    help: "Save the foreground mask of each frame as PNG in this folder, foreground white",
     name: "Masks",
-    explained: "One picture for each frame, white where something moves, into a folder.",
+    explained: "The foreground masks: one PNG per frame in a folder, foreground white.",
     takes: &[MaskField::KIND],
     folder: Some(MASK),
-    formats: &[Format { ending: "png", doc: "PNG, pixels", encode }],
+    formats: &[Format { ending: "png", doc: "PNG", encode }],
 };
 
 /// The mask of each frame that has one: `mask_0007.png`.
@@ -24,7 +24,7 @@ pub const EXPORT: Export = Export {
 /// # Errors
 /// If there are no masks.
 fn encode(output: &Output) -> Result<Made, Error> {
-    let missing = || Error::new("no frame has a mask yet; go on to the end of a frame, or choose a background model");
+    let missing = || Error::new("no frame has a mask yet; step to the end of a frame, or choose a background model");
     let field: &MaskField = output.get().ok_or_else(missing)?;
     let picture = |(t, mask): (usize, &PackedMask)| {
         let mask = mask.unpacked();

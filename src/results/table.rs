@@ -10,9 +10,9 @@ use super::{Export, Format, Made};
 pub const EXPORT: Export = Export {
     flag: "table",
     value: "FILE.csv",
-    help: "Writes vectors, points, objects or detections as CSV; `-` is standard output",
+    help: "Save motion vectors, features, objects or detections as CSV; `-` is standard output",
     name: "Table",
-    explained: "As a table with units in its headings.",
+    explained: "A table with units in its headings.",
     takes: &[
         BlockField::KIND,
         DenseField::KIND,
@@ -22,11 +22,11 @@ pub const EXPORT: Export = Export {
         MaskField::KIND,
     ],
     folder: None,
-    formats: &[Format { ending: "csv", doc: "CSV, a table", encode }],
+    formats: &[Format { ending: "csv", doc: "CSV", encode }],
 };
 
 fn encode(output: &Output) -> Result<Made, Error> {
-    let table = output.table().ok_or_else(|| Error::new("this result is no table; write it as pictures"))?;
+    let table = output.table().ok_or_else(|| Error::new("this result has no table; save it as pictures"))?;
     Ok(Made::file(csv(&table)))
 }
 

@@ -8,18 +8,18 @@ use crate::media::export::{mot_rect, npy_of};
 pub const EXPORT: Export = Export {
     flag: "tracks",
     value: "FILE",
-    help: "Writes the objects that were tracked: .txt as MOTChallenge rows, .csv with units, .npy; `-` is standard output",
+    help: "Save the tracks: .txt as MOTChallenge rows, .csv with units, or .npy; `-` is standard output",
     name: "Tracks",
-    explained: "Where each object was in each frame.",
+    explained: "The tracks: position and box of each object in each frame.",
     takes: &[ObjectField::KIND],
     folder: None,
     formats: &[
         Format {
             ending: "txt",
-            doc: "MOTChallenge rows, for scores by other programs",
+            doc: "MOTChallenge rows, for other evaluation programs",
             encode: |output| mot(field(output)?).map(Made::file),
         },
-        Format { ending: "csv", doc: "CSV, a row for each object in each frame", encode: as_csv },
+        Format { ending: "csv", doc: "CSV, one row per object and frame", encode: as_csv },
         Format {
             ending: "npy",
             doc: "NPY, an array for NumPy",
@@ -50,7 +50,7 @@ fn as_csv(output: &Output) -> Result<Made, Error> {
 fn mot(field: &ObjectField) -> Result<String, Error> {
     if field.followed == Followed::Nobody {
         return Err(Error::new(
-            "each frame was looked at by itself, so there are no tracks; choose a tracker, or --table",
+            "each frame was processed by itself, so there are no tracks; choose a tracker, or --table",
         ));
     }
     let seen = |object: &&Object| object.life == TrackStatus::Confirmed;
