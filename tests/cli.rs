@@ -533,7 +533,10 @@ fn what_is_wrong_is_one_sentence_and_leaves_no_file() {
             format!("run {SMALL} --estimator normal-flow --step 3.7 --pixel 7,9 --overlay o.png"),
             "is processed at step 10.8, but this is step 3.7",
         ),
-        (format!("export {SMALL} --estimator horn-schunck --steps 1..2 --pixel 7,48 --out o"), "pixel (7, 48) is outside"),
+        (
+            format!("export {SMALL} --estimator horn-schunck --steps 1..2 --pixel 7,48 --out o"),
+            "pixel (7, 48) is outside",
+        ),
         (format!("export {SMALL} --estimator normal-flow --steps 3..11 --pixel 7,9 --out o"), "is processed at step"),
         (run(SMALL, "--pace budget"), "--beside"),
         (run(SMALL, "--beside diamond --step 13"), "ends at 12"),
@@ -724,7 +727,9 @@ fn glossary_defines_the_terms_of_the_course() {
     assert!(all.contains("\n  aperture problem\n      The ambiguity"));
     let one = stdout(here, "glossary structure tensor");
     assert!(one.starts_with("structure tensor  [G]\n  The 2×2 matrix"), "{one}");
-    assert!(one.contains("\n  Chapter: Differential motion analysis\n  Also: ") && one.contains("second-moment matrix"));
+    assert!(
+        one.contains("\n  Chapter: Differential motion analysis\n  Also: ") && one.contains("second-moment matrix")
+    );
     assert!(stdout(here, "glossary sequential search").starts_with("full search\n"));
 }
 

@@ -90,7 +90,14 @@ pub struct CompareArgs {
     /// Clip or session.
     pub clip: OsString,
     /// Ids of the estimators, separated by commas; see `motionscope list`.
-    #[arg(long, help_heading = "Estimation", value_name = "A,B,..", required_unless_present = "course", value_delimiter = ',', num_args = 1)]
+    #[arg(
+        long,
+        help_heading = "Estimation",
+        value_name = "A,B,..",
+        required_unless_present = "course",
+        value_delimiter = ',',
+        num_args = 1
+    )]
     pub estimators: Vec<String>,
     /// Measure the course's table of sequential, logarithmic and hierarchical search instead, and check its statements.
     #[arg(long, help_heading = "Estimation", conflicts_with_all = ["estimators", "set", "sweep", "csv", "truth"])]

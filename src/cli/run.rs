@@ -221,9 +221,7 @@ impl Overlay<'_> {
 fn check_level(level: usize, levels: Option<&Levels>, id: &str) -> Result<(), Error> {
     match levels.map_or(0, |levels| levels.all.len()) {
         0 => Err(Error::new(format!("{id} uses no pyramid; omit --level"))),
-        count if level >= count => {
-            Err(Error::new(format!("the pyramid has levels 0 to {}, not {level}", count - 1)))
-        }
+        count if level >= count => Err(Error::new(format!("the pyramid has levels 0 to {}, not {level}", count - 1))),
         _ => Ok(()),
     }
 }

@@ -391,7 +391,9 @@ mod tests {
     #[test]
     fn every_column_has_a_definition_with_the_settings_of_its_measurement() {
         let doc = |name: &str| all_columns().into_iter().find(|column| column.name == name).map(|column| column.doc);
-        assert!(doc("kept_in_noise_percent").is_some_and(|doc| doc.contains(&format!("σ = {NOISE_SIGMA} gray levels"))));
+        assert!(
+            doc("kept_in_noise_percent").is_some_and(|doc| doc.contains(&format!("σ = {NOISE_SIGMA} gray levels")))
+        );
         let (gain, offset) = LIGHT;
         assert!(doc("kept_in_light_percent").is_some_and(|doc| doc.contains(&format!("{gain} I + {offset}"))));
         for Column { heading, doc, .. } in all_columns() {

@@ -118,7 +118,8 @@ fn of_one_window(rows: &[Row; 3]) -> Vec<CourseRow> {
             measured: shown(noise, 1),
         },
         CourseRow {
-            feature: "light: blocks in % whose displacement changes by at most 1 px under a change of illumination".into(),
+            feature: "light: blocks in % whose displacement changes by at most 1 px under a change of illumination"
+                .into(),
             said: "sequential search is sensitive, logarithmic search less so, hierarchical search robust",
             holds: rising(light),
             measured: shown(light, 1),

@@ -121,7 +121,9 @@ pub fn kept_in_pan(
 ) -> Result<(f64, f64), Error> {
     let [current, next] = clip.pair(frame)?;
     if current.size() != next.size() || current.size().0 <= pan_px {
-        return Err(Error::new(format!("the picture is not wider than the camera pan of {pan_px} px; choose a larger clip")));
+        return Err(Error::new(format!(
+            "the picture is not wider than the camera pan of {pan_px} px; choose a larger clip"
+        )));
     }
     let run = |estimator: &dyn AnyEstimator, pair: [&Gray; 2]| {
         let pair = pair.map(|picture| Frame::gray(picture.clone()));
@@ -134,7 +136,10 @@ pub fn kept_in_pan(
     let (still, moved) = (run(&*full, [&here, &still])?, run(estimator, [&here, &panned])?);
     let candidates = moved.tested().map_or(0.0, |tested| candidates_mean(&tested));
     let kept = kept(&still, &moved, [pan_px as f32, 0.0]).ok_or_else(|| {
-        Error::new(format!("{} tracks features, which have no displacements of blocks or pixels to compare", estimator.info().id))
+        Error::new(format!(
+            "{} tracks features, which have no displacements of blocks or pixels to compare",
+            estimator.info().id
+        ))
     })?;
     Ok((kept, candidates))
 }

@@ -20,7 +20,8 @@ pub(super) const MEASURES: [Measure; 9] = [
     Measure::new("r1.0", "Share of the pixels whose endpoint error exceeds 1 px."),
     Measure::new("r2.0", "Share of the pixels whose endpoint error exceeds 2 px."),
     Measure::new("aae_deg", "Mean angular error in degrees."),
-    Measure::new("known", "Pixels over which errors are averaged: those with true and with estimated motion.").in_column("EPE pixels", 0),
+    Measure::new("known", "Pixels over which errors are averaged: those with true and with estimated motion.")
+        .in_column("EPE pixels", 0),
     Measure::new("coverage", "Share of the pixels with true motion that were estimated; dense flow only."),
 ];
 

@@ -131,7 +131,8 @@ impl PointField {
 }
 
 pub(super) const MEASURES: [Measure; 2] = [
-    Measure::new("points", "Number of features, or of feature tracks in a run over several frames.").in_column("features", 0),
+    Measure::new("points", "Number of features, or of feature tracks in a run over several frames.")
+        .in_column("features", 0),
     Measure::new("tracked", "Number of features that were tracked and not lost."),
 ];
 

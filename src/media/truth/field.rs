@@ -93,8 +93,7 @@ fn flo_size(reader: &mut impl Read, path: &Path) -> Result<(usize, usize), Error
     reader.read_exact(&mut head).map_err(|_| file_error(path, "the file ends within its header"))?;
     let side = |at: usize| {
         let value = i32::from_le_bytes([head[at], head[at + 1], head[at + 2], head[at + 3]]);
-        usize::try_from(value)
-            .map_err(|_| file_error(path, format!("its header claims a side of {value} pixels")))
+        usize::try_from(value).map_err(|_| file_error(path, format!("its header claims a side of {value} pixels")))
     };
     Ok((side(4)?, side(8)?))
 }

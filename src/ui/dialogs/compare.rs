@@ -100,7 +100,9 @@ pub fn show(ctx: &egui::Context, state: &mut State, document: &Document, theme: 
         let bottom = ui.cursor().min.y + tall;
         ui.heading("Compare estimators");
         let on = match state.course {
-            Some(_) => "The course's table of search algorithms, measured on this pair of frames with default parameters.",
+            Some(_) => {
+                "The course's table of search algorithms, measured on this pair of frames with default parameters."
+            }
             None => "All estimators run on this pair of frames, with the current parameters.",
         };
         ui.label(RichText::new(on).weak());
@@ -264,7 +266,8 @@ fn step_by_step(ui: &mut Ui, state: &State, actions: &mut Actions) -> bool {
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
         let enough = lockstep::MEMBERS.contains(&state.chosen.len());
         let button = ui.add_enabled(enough, Button::new("Side by side, step by step"));
-        let tip = Command::Lockstep.with_key("Step the estimators through the same block in lockstep, one candidate each.");
+        let tip =
+            Command::Lockstep.with_key("Step the estimators through the same block in lockstep, one candidate each.");
         taken = button.on_hover_text(tip).on_disabled_hover_text("Lockstep needs two to four estimators.").clicked();
     });
     if taken {
@@ -324,7 +327,9 @@ fn results(ui: &mut Ui, state: &mut State, theme: Theme, actions: &mut Actions) 
     }
     let visited = table(ui, &rows, state, actions);
     ui.add_space(8.0);
-    if !rows.is_empty() && ui.button("Copy as CSV").on_hover_text("Copy all rows so far as CSV, for a spreadsheet.").clicked() {
+    if !rows.is_empty()
+        && ui.button("Copy as CSV").on_hover_text("Copy all rows so far as CSV, for a spreadsheet.").clicked()
+    {
         ui.copy_text(comparison::csv(&rows));
     }
     visited

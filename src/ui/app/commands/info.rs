@@ -62,13 +62,9 @@ impl Command {
                 const { &[ctrl(Key::S)] },
             ),
             C::Quit => (Menu::File, Icon::LogOut, "Quit", "Close Motionscope.", const { &[ctrl(Key::Q)] }),
-            C::Undo => (
-                Menu::Edit,
-                Icon::Undo2,
-                "Undo",
-                "Undo the last change of a parameter.",
-                const { &[ctrl(Key::Z)] },
-            ),
+            C::Undo => {
+                (Menu::Edit, Icon::Undo2, "Undo", "Undo the last change of a parameter.", const { &[ctrl(Key::Z)] })
+            }
             C::Redo => (
                 Menu::Edit,
                 Icon::Redo2,
@@ -94,12 +90,14 @@ impl Command {
                 "Enlarge the picture around the pointer or the current block; the mouse wheel does the same.",
                 const { &[key(Key::Plus), key(Key::Equals)] },
             ),
-            C::ZoomOut => {
-                (Menu::View, Icon::ZoomOut, "Zoom out", "Reduce the picture.", const { &[key(Key::Minus)] })
-            }
-            C::Fit => {
-                (Menu::View, Icon::Maximize, "Fit picture", "Zoom so that the whole picture fits.", const { &[key(Key::Num0)] })
-            }
+            C::ZoomOut => (Menu::View, Icon::ZoomOut, "Zoom out", "Reduce the picture.", const { &[key(Key::Minus)] }),
+            C::Fit => (
+                Menu::View,
+                Icon::Maximize,
+                "Fit picture",
+                "Zoom so that the whole picture fits.",
+                const { &[key(Key::Num0)] },
+            ),
             C::ActualSize => (
                 Menu::View,
                 Icon::Scan,
@@ -170,13 +168,9 @@ impl Command {
             C::DoubleArrows => {
                 (Menu::View, Icon::MoveUpRight, "Arrows at 2×", "Draw displacements at twice their length.", &[])
             }
-            C::FourfoldArrows => (
-                Menu::View,
-                Icon::MoveUpRight,
-                "Arrows at 4×",
-                "Draw displacements at four times their length.",
-                &[],
-            ),
+            C::FourfoldArrows => {
+                (Menu::View, Icon::MoveUpRight, "Arrows at 4×", "Draw displacements at four times their length.", &[])
+            }
             C::LargerInterface => (
                 Menu::View,
                 Icon::AArrowUp,
@@ -233,12 +227,14 @@ impl Command {
                 "Switch full screen on or off.",
                 const { &[key(Key::F), key(Key::F11)] },
             ),
-            C::ReducedMotion => {
-                (Menu::View, Icon::Snail, "Reduced motion", "Show each step without animation.", &[])
-            }
-            C::ResetLayout => {
-                (Menu::View, Icon::LayoutDashboard, "Reset layout", "Restore the default arrangement of the panes.", &[])
-            }
+            C::ReducedMotion => (Menu::View, Icon::Snail, "Reduced motion", "Show each step without animation.", &[]),
+            C::ResetLayout => (
+                Menu::View,
+                Icon::LayoutDashboard,
+                "Reset layout",
+                "Restore the default arrangement of the panes.",
+                &[],
+            ),
             C::Play => (
                 Menu::Walk,
                 Icon::Play,
@@ -309,7 +305,9 @@ impl Command {
                 "Go back to step 0, before the first {over}.",
                 const { &[key(Key::Home)] },
             ),
-            C::End => (Menu::Walk, Icon::SkipForward, "End of the run", "Go to the last step.", const { &[key(Key::End)] }),
+            C::End => {
+                (Menu::Walk, Icon::SkipForward, "End of the run", "Go to the last step.", const { &[key(Key::End)] })
+            }
             C::Compare => (
                 Menu::Walk,
                 Icon::ChartColumn,
@@ -331,9 +329,13 @@ impl Command {
                 "Cancel the computation in progress.",
                 const { &[key(Key::Escape)] },
             ),
-            C::Slower => {
-                (Menu::Walk, Icon::Rewind, "Play slower", "Reduce the playback speed.", const { &[key(Key::OpenBracket)] })
-            }
+            C::Slower => (
+                Menu::Walk,
+                Icon::Rewind,
+                "Play slower",
+                "Reduce the playback speed.",
+                const { &[key(Key::OpenBracket)] },
+            ),
             C::Faster => (
                 Menu::Walk,
                 Icon::FastForward,
@@ -390,9 +392,7 @@ impl Command {
                 "List all shortcuts.",
                 const { &[key(Key::Questionmark), key(Key::F1)] },
             ),
-            C::About => {
-                (Menu::Help, Icon::Info, "About Motionscope", "Version, licences and sources.", &[])
-            }
+            C::About => (Menu::Help, Icon::Info, "About Motionscope", "Version, licences and sources.", &[]),
         };
         CommandInfo { menu, icon, text, tip, keys }
     }
