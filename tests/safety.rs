@@ -241,7 +241,7 @@ fn two_results_have_two_names() {
     ] {
         let told = refusal(here, &format!("run {SMALL} --estimator full-search {outputs}"));
         let flags: Vec<_> = outputs.split(' ').filter(|word| word.starts_with("--") && *word != "--force").collect();
-        assert!(flags.iter().all(|flag| told.contains(flag)) && told.contains("same place"), "{outputs}: {told}");
+        assert!(flags.iter().all(|flag| told.contains(flag)) && told.contains("same file"), "{outputs}: {told}");
         assert_eq!((fs::read_dir(here).unwrap().count(), fs::read_dir(here.join("masks")).unwrap().count()), (1, 0));
     }
     #[cfg(unix)]
@@ -250,7 +250,7 @@ fn two_results_have_two_names() {
         put(here, "a.csv", "");
         link("a.csv", "b.csv");
         let told = refusal(here, &format!("run {SMALL} --estimator full-search --table a.csv --tracks b.csv"));
-        assert!(told.contains("same place"), "{told}");
+        assert!(told.contains("same file"), "{told}");
         // Nothing is lost where nothing is kept.
         link("/dev/null", "none.csv");
         link("/dev/null", "none.flo");

@@ -547,7 +547,7 @@ fn what_is_still_being_written_is_not_cut_short_by_the_next() {
     let steps = What::Steps { from, to, granularity: 2, format: Format::Png };
     window.harness.state_mut().write(order(steps, "steps"));
     window.harness.state_mut().write(order(What::Picture, "one.png"));
-    assert!(window.app().message().is_some_and(|text| text.contains("still being written")));
+    assert!(window.app().message().is_some_and(|text| text.contains("still being saved")));
     let begun = Instant::now();
     while window.app().written().expect("it is being written") < 1.0 {
         std::thread::sleep(Duration::from_millis(1));

@@ -94,7 +94,7 @@ impl Lazy {
     }
 
     fn given_up(&self, index: usize) -> Error {
-        Error::new(format!("frame {index} of {} was given up; ask for it again", self.name))
+        Error::new(format!("frame {index} of {} was cancelled; request it again", self.name))
     }
 
     fn refuse(&self, index: usize, why: &str) -> Error {
@@ -302,10 +302,10 @@ mod tests {
         let (waits, in_line) = wait_for(&clip, 51);
         // Only the one that is stopped gives up.
         waits.set(true);
-        assert!(in_line.join().unwrap().unwrap_err().to_string().contains("frame 51 of tens was given up"));
+        assert!(in_line.join().unwrap().unwrap_err().to_string().contains("frame 51 of tens was cancelled"));
         assert!(!at_work.is_finished());
         decodes.set(true);
-        assert!(at_work.join().unwrap().unwrap_err().to_string().contains("frame 50 of tens was given up"));
+        assert!(at_work.join().unwrap().unwrap_err().to_string().contains("frame 50 of tens was cancelled"));
         assert!(frame(&clip, 0).is_ok());
     }
 

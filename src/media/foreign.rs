@@ -30,7 +30,7 @@ pub(crate) fn refusal(head: &[u8]) -> Option<Error> {
             ("text", CLIP)
         }
     };
-    Some(Error::new(format!("it is {is}, no clip; {hint}")))
+    Some(Error::new(format!("it is {is}, not a clip; {hint}")))
 }
 
 const TRUTH: &str = "open the clip beside it, or give it with --truth";

@@ -173,7 +173,7 @@ impl Input {
 
     fn check(&self, offset: u64, count: u64) -> Result<(), Error> {
         if offset.checked_add(count).is_none_or(|end| end > self.len) {
-            return Err(Error::new("the file is cut off; copy it again from where it came, or record it to its end"));
+            return Err(Error::new("the file is cut off; copy it again from its source, or record it completely"));
         }
         Ok(())
     }

@@ -144,7 +144,7 @@ const MAX_AREA_PX: usize = 128 << 20;
 /// A sentence, without the file's name, that tells the size and what is allowed.
 pub(crate) fn check_size(width: usize, height: usize) -> Result<(), Error> {
     if width == 0 || height == 0 {
-        return Err(Error::new(format!("its pictures are {width}×{height} px, so there is nothing to see")));
+        return Err(Error::new(format!("its pictures are {width}×{height} px, so it shows nothing")));
     }
     if width > MAX_SIDE_PX || height > MAX_SIDE_PX || width.saturating_mul(height) > MAX_AREA_PX {
         return Err(Error::new(format!(
@@ -191,11 +191,11 @@ fn open_clip(path: &Path, options: &Open) -> Result<Clip, Error> {
     }
     let mut source = contain::contain(|| open_source(path, options))
         .unwrap_or_else(|panic| {
-            Err(Error::new(format!("it is damaged in a way that cannot be read{}", reason::bracketed(&panic))))
+            Err(Error::new(format!("it is damaged and cannot be decoded{}", reason::bracketed(&panic))))
         })
         .map_err(|error| about(path, &error))?;
     let truth = contain::contain(|| find_truth(path, options, &mut source)).unwrap_or_else(|panic| {
-        let why = format!("its truth is damaged in a way that cannot be read{}", reason::bracketed(&panic));
+        let why = format!("its ground truth is damaged and cannot be decoded{}", reason::bracketed(&panic));
         Err(about(path, &Error::new(why)))
     })?;
     let info = source.info.clone();
@@ -218,7 +218,7 @@ fn with_detections_beside(clip: Clip, path: &Path) -> Clip {
         Ok(found) => clip.with_detections(found),
         Err(error) => {
             let mut info = clip.info().clone();
-            info.warnings.push(format!("detections beside the clip are not used: {error}"));
+            info.warnings.push(format!("detections beside the clip are ignored: {error}"));
             clip.with_info(info)
         }
     }
@@ -334,7 +334,7 @@ pub(crate) fn cannot_read(error: &io::Error) -> Error {
     Error::new(match error.kind() {
         io::ErrorKind::NotFound => "there is no such file; check the path".into(),
         io::ErrorKind::PermissionDenied => "you may not read this file; ask its owner".into(),
-        io::ErrorKind::InvalidData => "it is no text; give another file".into(),
+        io::ErrorKind::InvalidData => "it is not a text file; give another file".into(),
         _ => format!("it cannot be read ({error})"),
     })
 }

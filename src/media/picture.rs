@@ -67,7 +67,7 @@ fn is_cut_jpeg(file: &mut File) -> io::Result<bool> {
 fn read<'a>(input: impl BufRead + Seek + 'a) -> Result<Picture<impl ImageDecoder + 'a>, Error> {
     let mut reader = ImageReader::new(input).with_guessed_format().map_err(|e| cannot_read(&e))?;
     let codec = reader.format().map(codec).ok_or_else(|| {
-        Error::new("it holds no picture that can be read; give PNG, JPEG, TIFF, BMP, PNM, WebP or GIF")
+        Error::new("it holds no readable image; give PNG, JPEG, TIFF, BMP, PNM, WebP or GIF")
     })?;
     reader.limits(limits(MAX_AREA_PX as u64));
     let mut decoder = reader.into_decoder().map_err(|e| damaged(&e))?;
@@ -85,7 +85,7 @@ impl<D: ImageDecoder> Picture<D> {
         let color = self.decoder.color_type();
         let bits = u16::from(color.bytes_per_pixel()) * 8 / u16::from(color.channel_count());
         let deep = (bits > 8).then(|| format!("{bits} bits per channel are reduced to 8"));
-        let clear = color.has_alpha().then(|| "what is transparent is shown on black".to_owned());
+        let clear = color.has_alpha().then(|| "transparent pixels are shown on black".to_owned());
         deep.into_iter().chain(clear).collect()
     }
 
@@ -141,11 +141,11 @@ pub(crate) fn damaged(error: &ImageError) -> Error {
         }
         ImageError::Unsupported(_) => "it uses a rare variant that cannot be read; save it again as a plain PNG".into(),
         ImageError::IoError(e) if e.kind() == io::ErrorKind::UnexpectedEof => CUT_SHORT.into(),
-        _ => format!("it is damaged{}; copy it again from where it came", words(error)),
+        _ => format!("it is damaged{}; copy it again from its source", words(error)),
     })
 }
 
-pub(crate) const CUT_SHORT: &str = "it is cut short; copy it again from where it came";
+pub(crate) const CUT_SHORT: &str = "it is cut short; copy it again from its source";
 
 /// The decoder's own words, without those around them.
 fn words(error: &ImageError) -> String {

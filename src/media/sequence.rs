@@ -118,8 +118,8 @@ fn folder(path: &Path, added: Option<&str>) -> Result<Sequence, Error> {
     };
     let warning = match all - pictures.len() {
         0 => None,
-        1 => Some(format!("1 picture of the folder is left out, because it is not named like {first}")),
-        n => Some(format!("{n} pictures of the folder are left out, because they are not named like {first}")),
+        1 => Some(format!("1 picture of the folder is ignored, because its name does not match {first}")),
+        n => Some(format!("{n} pictures of the folder are ignored, because their names do not match {first}")),
     };
     Ok(Sequence::of_pictures(pictures, warning.into_iter().collect()))
 }
@@ -179,7 +179,7 @@ fn numbered(path: &Path, added: Option<&str>) -> Result<Sequence, Error> {
     };
     let warning = match start {
         0 => None,
-        n => Some(format!("the clip starts at {name}; open {} to have the {n} before it too", pictures[0].name)),
+        n => Some(format!("the clip starts at {name}; open {} to include the {n} before it", pictures[0].name)),
     };
     Ok(Sequence::of_pictures(pictures.split_off(start), warning.into_iter().collect()))
 }
@@ -271,7 +271,7 @@ mod tests {
         assert_eq!(found(folder.path(), "f9.png"), (vec!["f9.png".into(), "f10.png".into(), "f11.png".into()], vec![]));
         let (names, warnings) = found(folder.path(), "f10.png");
         assert_eq!(names, ["f10.png", "f11.png"]);
-        assert_eq!(warnings, ["the clip starts at f10.png; open f9.png to have the 1 before it too"]);
+        assert_eq!(warnings, ["the clip starts at f10.png; open f9.png to include the 1 before it"]);
         assert_eq!(found(folder.path(), "cat.png"), (vec!["cat.png".into()], vec![]));
     }
 
@@ -280,7 +280,7 @@ mod tests {
         let folder = with_files(&["f1.png", "f2.png", "f3.png", "occ_1.png", "occ_2.png", "a.jpg", "b.txt", ".f4.png"]);
         let (names, warnings) = found(folder.path(), "");
         assert_eq!(names, ["f1.png", "f2.png", "f3.png"]);
-        assert_eq!(warnings, ["3 pictures of the folder are left out, because they are not named like f1.png"]);
+        assert_eq!(warnings, ["3 pictures of the folder are ignored, because their names do not match f1.png"]);
         let holiday = with_files(&["zoo.JPG", "beach.jpeg", "IMG_7.jpg"]);
         assert_eq!(found(holiday.path(), "").0, ["IMG_7.jpg", "beach.jpeg", "zoo.JPG"]);
         assert!(Sequence::find(with_files(&["a.txt"]).path()).unwrap_err().to_string().contains("no pictures"));
@@ -291,7 +291,7 @@ mod tests {
         let stereo = with_files(&["disp2.png", "disp6.png", "im2.png", "im6.png"]);
         let (names, warnings) = found(stereo.path(), "");
         assert_eq!(names, ["im2.png", "im6.png"]);
-        assert_eq!(warnings[0], "2 pictures of the folder are left out, because they are not named like im2.png");
+        assert_eq!(warnings[0], "2 pictures of the folder are ignored, because their names do not match im2.png");
         let (names, _) = found(with_files(&["b1.png", "b2.png", "b3.png", "a1.png", "a2.png", "x.png"]).path(), "");
         assert_eq!(names, ["b1.png", "b2.png", "b3.png"]);
         // One series whose clips are numbered too, and pictures of a holiday.

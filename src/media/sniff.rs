@@ -43,7 +43,7 @@ const HEAD_BYTES: u64 = 64 << 10;
 /// A sentence, without the file's name, if it cannot be read, is empty, or is known to be no clip.
 pub(crate) fn kind(input: &mut Input) -> Result<Kind, Error> {
     if input.len() == 0 {
-        return Err(Error::new("the file is empty; copy it again from where it came"));
+        return Err(Error::new("the file is empty; copy it again from its source"));
     }
     let head = input.read_up_to(0, HEAD_BYTES)?;
     match (kind_of(&head), foreign::refusal(&head)) {

@@ -159,7 +159,7 @@ impl Run {
 fn log_left(folder: &Path, is_clean: bool) {
     if !is_clean {
         // The next start tries again.
-        eprintln!("something unfinished is left in {}", folder.display());
+        eprintln!("temporary files are left in {}", folder.display());
     }
 }
 

@@ -187,5 +187,5 @@ fn travel(walk: &mut dyn Walk, to: Move, written: usize, progress: Option<&dyn P
             return Ok(());
         }
     }
-    Err(Error::new(format!("writing was cancelled after {written} pictures")))
+    Err(Error::new(format!("saving was cancelled after {written} pictures")))
 }

@@ -34,7 +34,7 @@ impl Format {
             b"GIF8" => Ok(Format::Gif),
             b"\x89PNG" => Ok(Format::Png),
             b"RIFF" => Ok(Format::WebP),
-            _ => Err(Error::new("it is no animated GIF, PNG or WebP")),
+            _ => Err(Error::new("it is not an animated GIF, PNG or WebP")),
         }
     }
 
@@ -62,13 +62,13 @@ pub(crate) fn open(path: &Path, options: &Open) -> Result<Source, Error> {
     let (width, height) = scan.size;
     check_size(width, height)?;
     if scan.delays_ms.is_empty() {
-        return Err(Error::new("it is cut short within its first picture; copy it again from where it came"));
+        return Err(Error::new("it is cut short within its first picture; copy it again from its source"));
     }
     let mut warnings = warnings(&scan);
     let (frames, fps) = (scan.delays_ms.len(), fps(&scan.delays_ms));
     let (decoder, is_clear) = decoder(path, format, scan)?;
     if is_clear {
-        warnings.push("what is transparent is shown on black".into());
+        warnings.push("transparent pixels are shown on black".into());
     }
     let (container, codec) = format.names();
     let info = ClipInfo {
@@ -135,7 +135,7 @@ impl Animation {
         stream
             .pictures
             .recv()
-            .unwrap_or_else(|_| Err(Error::new("it holds no picture; copy it again from where it came")))
+            .unwrap_or_else(|_| Err(Error::new("it holds no picture; copy it again from its source")))
     }
 }
 

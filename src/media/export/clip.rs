@@ -33,7 +33,7 @@ pub fn clip(clip: &Clip, folder: &Path, progress: Option<&dyn Progress>) -> Resu
     for t in 0..frames {
         if let Some(progress) = progress {
             if progress.cancelled() {
-                return Err(Error::new(format!("writing {name} was cancelled after {t} of {frames} frames")));
+                return Err(Error::new(format!("saving {name} was cancelled after {t} of {frames} frames")));
             }
             progress.report(t as f32 / frames as f32);
         }
@@ -120,7 +120,7 @@ fn refuse_foreign(folder: &Path, before: &Ledger, frames: usize) -> Result<(), E
     let mut names = (0..frames).flat_map(names).chain([TRACKS.to_owned()]);
     match names.find(|name| before.is_foreign(folder, name)) {
         Some(name) => Err(Error::new(format!(
-            "{} already holds {name}, which Motionscope did not write so; choose an empty folder",
+            "{} already holds {name}, which is not part of an earlier synthetic clip; choose an empty folder",
             folder.display()
         ))),
         None => Ok(()),

@@ -29,7 +29,7 @@ impl What {
         match self {
             Self::Clip => "the clip",
             Self::Frame => "a frame of the clip",
-            Self::Truth => "the truth of the clip",
+            Self::Truth => "the ground truth of the clip",
             Self::Detections => "the detections",
             Self::Session => "the session",
         }
@@ -144,7 +144,7 @@ pub fn check(inputs: &Inputs, targets: &[Target<'_>]) -> Result<(), Clash> {
     let kept: Vec<_> = targets.iter().copied().enumerate().filter(|(_, target)| target.is_kept()).collect();
     for (i, &(also, first)) in kept.iter().enumerate() {
         if let Some(&(at, _)) = kept[i + 1..].iter().find(|(_, second)| first.meets(*second)) {
-            return Err(Clash { at, also: Some(also), why: "would be written to the same place".into() });
+            return Err(Clash { at, also: Some(also), why: "would be saved to the same file".into() });
         }
     }
     let mut known = None;

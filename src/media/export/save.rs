@@ -92,7 +92,7 @@ fn reason(path: &Path, error: &io::Error) -> String {
         io::ErrorKind::PermissionDenied => {
             format!("no permission to write to {}; choose another folder", folder.display())
         }
-        io::ErrorKind::BrokenPipe => "whoever was to read it has stopped reading".into(),
+        io::ErrorKind::BrokenPipe => "the reader of the pipe has closed it".into(),
         io::ErrorKind::StorageFull => "the disk is full; make room or choose another one".into(),
         io::ErrorKind::IsADirectory => "it is a folder; give a file name".into(),
         _ => format!("{error}; choose another place"),

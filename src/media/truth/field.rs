@@ -77,7 +77,7 @@ fn sniff(reader: &mut BufReader<File>, path: &Path) -> Result<Format, Error> {
     } else if head.starts_with(b"\x89PNG") {
         Ok(Format::Png)
     } else {
-        Err(file_error(path, "this is no truth; give a Middlebury .flo, a KITTI 16-bit PNG, or a MOTChallenge gt.txt"))
+        Err(file_error(path, "this is not ground truth; give a Middlebury .flo, a KITTI 16-bit PNG, or a MOTChallenge gt.txt"))
     }
 }
 
@@ -134,7 +134,7 @@ impl<R: BufRead + Seek> Picture<R> {
     fn open(input: R, path: &Path, transformations: Transformations) -> Result<Self, Error> {
         let mut decoder = png::Decoder::new(input);
         decoder.set_transformations(transformations);
-        let reader = decoder.read_info().map_err(|e| file_error(path, format!("this is no sound PNG ({e})")))?;
+        let reader = decoder.read_info().map_err(|e| file_error(path, format!("this is not a valid PNG ({e})")))?;
         let (width, height) = reader.info().size();
         Ok(Self { reader, size: (width as usize, height as usize) })
     }

@@ -32,7 +32,7 @@ pub(crate) fn beside(subject: &Subject) -> Found {
     let mut files = Files::new(subject.size);
     let mut accept = |sound: Result<(), Error>| {
         let is_sound = sound.is_ok();
-        found.warnings.extend(sound.err().map(|why| format!("truth beside the clip is not used: {why}")));
+        found.warnings.extend(sound.err().map(|why| format!("ground truth beside the clip is ignored: {why}")));
         is_sound
     };
     if accept(check(&flows, field::check_flow, subject)) {
@@ -85,7 +85,7 @@ pub(crate) fn open(path: &Path, subject: &Subject) -> Result<Arc<dyn Truth>, Err
     let objects = objects.map(read).transpose()?;
     let mut files = Files { flows, masks, objects, ..Files::new(subject.size) };
     if files.is_empty() {
-        return Err(file_error(path, "the folder holds no truth: no gt.txt, and no flow with the number of a frame"));
+        return Err(file_error(path, "the folder holds no ground truth: no gt.txt, and no flow numbered like a frame"));
     }
     check(&files.flows, field::check_flow, subject)?;
     check(&files.masks, field::check_mask, subject)?;

@@ -30,7 +30,7 @@ pub(crate) struct Table {
 }
 
 fn damaged() -> Error {
-    Error::new("the index of its video track is damaged; copy it again from where it came")
+    Error::new("the index of its video track is damaged; copy it again from its source")
 }
 
 /// The numbers of a table box: version and flags, a count, then `columns` numbers in each row.

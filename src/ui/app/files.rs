@@ -62,7 +62,7 @@ impl App {
                     self.folder = folder;
                     self.toasts.tell(text);
                 }
-                Err(error) => self.toasts.fail(format!("Not written: {error}.")),
+                Err(error) => self.toasts.fail(format!("Not saved: {error}.")),
             }
         }
         self.browsed();
@@ -82,7 +82,7 @@ impl App {
             (Ok(Some(path)), Overlay::Save(state)) => state.path = path.display().to_string(),
             (Ok(_), _) => {}
             (Err(_), _) => {
-                self.toasts.fail("The system offers no file dialog. Type or paste the path instead.");
+                self.toasts.fail("The system has no file dialog. Type or paste the path instead.");
                 if opens {
                     self.overlay = Overlay::Open(open_dialog::State::default());
                 }
@@ -172,7 +172,7 @@ impl App {
         if now != frame {
             let name = &clip.info().name;
             self.toasts.fail(format!(
-                "The session is about frame {frame}, and the last pair of {name} starts at frame {now}: that is shown."
+                "The session refers to frame {frame}, but the last pair of {name} starts at frame {now}, which is shown instead."
             ));
         }
     }
@@ -194,7 +194,7 @@ impl App {
     fn begin(&mut self, left: Option<&Info>) {
         self.error = None;
         if let Some(Info { name, .. }) = left {
-            self.toasts.tell(format!("Another clip is open: back out of the stage, {name} runs on it."));
+            self.toasts.tell(format!("Another clip is open, so the stage was closed; {name} runs on the new clip."));
         }
         self.states.stage.fit();
         self.settings.leave_end();
@@ -229,8 +229,8 @@ impl App {
         self.player.pause();
         let Some(shown) = self.view.shown.as_deref() else { return };
         if kind == Kind::Session && self.document.has_own_clip() {
-            let why = "This stage looks at pictures that only its parent makes: a session cannot name them.";
-            self.toasts.fail(format!("{why} Step out of the stage first (Shift+I), then save."));
+            let why = "This stage works on pictures that its parent computes, which a session cannot store.";
+            self.toasts.fail(format!("{why} Close the stage (Shift+I), then save."));
             return;
         }
         let name = self.document.clip().map_or_else(String::new, |clip| clip.info().name.clone());
@@ -248,7 +248,7 @@ impl App {
     pub fn write(&mut self, order: Order) {
         let Some(shown) = self.view.shown.clone() else { return };
         if self.writing.is_some() {
-            self.toasts.fail("Something else is still being written. Wait for it or cancel it, then write this again.");
+            self.toasts.fail("Another file is still being saved. Wait or cancel it, then save again.");
             return;
         }
         let folder = order.path.parent().map(Path::to_owned);
@@ -301,8 +301,8 @@ fn ask_system(wanted: Browse) -> Option<PathBuf> {
     let dialog = rfd::FileDialog::new();
     match wanted {
         Browse::File => dialog.set_title("Open a clip or a session").pick_file(),
-        Browse::Folder => dialog.set_title("Open a folder of pictures").pick_folder(),
-        Browse::SaveFile => dialog.set_title("Write to").save_file(),
-        Browse::SaveFolder => dialog.set_title("Write into a folder").pick_folder(),
+        Browse::Folder => dialog.set_title("Open a folder of images").pick_folder(),
+        Browse::SaveFile => dialog.set_title("Save as").save_file(),
+        Browse::SaveFolder => dialog.set_title("Save in a folder").pick_folder(),
     }
 }

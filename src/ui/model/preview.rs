@@ -20,7 +20,7 @@ pub fn preview(subject: &Arc<Prepared>, clip: &Clip) -> Result<Snapshot, Error> 
         frame: experiment.frame,
         cursor: Cursor::default(),
         at_end: false,
-        step: Arc::new(step(subject, "The first step is still being worked out.")),
+        step: Arc::new(step(subject, "Computing the first step.")),
         scene: Arc::new(detected(subject)),
         pictures: moment::pair(clip, experiment.frame)?,
         tiles: Vec::new(),
@@ -46,7 +46,7 @@ pub fn preview(subject: &Arc<Prepared>, clip: &Clip) -> Result<Snapshot, Error> 
 /// The same, stopped there for good.
 pub fn stopped(preview: &Snapshot) -> Snapshot {
     let step =
-        step(&preview.subject, "The run was stopped before its first step was there. A step forward starts it again.");
+        step(&preview.subject, "The run was cancelled before its first step. Step forward to restart it.");
     let moment = Moment { step: Arc::new(step), ..preview.moment.clone() };
     Snapshot { moment, ..preview.clone() }
 }

@@ -148,12 +148,12 @@ pub fn result(
 fn come(output: &Receiver<Output>, progress: &dyn Progress) -> Result<Output, Error> {
     loop {
         if progress.cancelled() {
-            return Err(Error::new("writing was cancelled"));
+            return Err(Error::new("saving was cancelled"));
         }
         match output.recv_timeout(POLL) {
             Ok(output) => return Ok(output),
             Err(RecvTimeoutError::Timeout) => {}
-            Err(_) => return Err(Error::new("the run went on meanwhile; stop it and write again")),
+            Err(_) => return Err(Error::new("the run has moved on since; pause it and save again")),
         }
     }
 }
