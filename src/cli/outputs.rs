@@ -16,10 +16,10 @@ pub type Place<'a> = (&'static str, Target<'a>);
 pub fn refuse_losses(inputs: &Inputs, places: &[Place<'_>], force: bool) -> Result<(), Error> {
     let targets: Vec<_> = places.iter().map(|(_, target)| *target).collect();
     let inputs = if force { &Inputs::default() } else { inputs };
-    check(inputs, &targets).map_err(|clash| {
-        let (flag, target) = places[clash.at];
-        let (path, why, other) = (target.path().display(), clash.why, target.other());
-        Error::new(match clash.also {
+    check(inputs, &targets).map_err(|conflict| {
+        let (flag, target) = places[conflict.at];
+        let (path, why, other) = (target.path().display(), conflict.why, target.other());
+        Error::new(match conflict.also {
             Some(also) => format!("--{} and --{flag} {why}, {path}; give each its own name", places[also].0),
             None => format!("--{flag} {path} {why}; choose {other}, or add --force to overwrite"),
         })

@@ -9,7 +9,7 @@ use std::time::Duration;
 use motionscope_core::{Error, Frame, FrameSource, Stop};
 
 use super::names::file_name;
-use super::{Decoder, Source, contain, reason};
+use super::{Decoder, Source, catch_panic, reason};
 
 /// How often a thread that waits for the decoder asks whether it should stop.
 const POLL: Duration = Duration::from_millis(2);
@@ -78,7 +78,7 @@ impl Lazy {
             }
             lock(&self.cache).insert(number, frame);
         };
-        let result = contain::contain(|| decoder.decode(index, stop, &mut keep))
+        let result = catch_panic::catch_panic(|| decoder.decode(index, stop, &mut keep))
             .unwrap_or_else(|panic| Err(Error::new(format!("its data are damaged{}", reason::bracketed(&panic)))));
         stop.tell(0, 0);
         match (wanted, misfit, result) {

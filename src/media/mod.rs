@@ -5,20 +5,20 @@
 
 mod animation;
 mod cache;
-mod contain;
+mod catch_panic;
+mod detect_format;
 mod detections;
 pub mod export;
-mod foreign;
 mod info;
 pub(crate) mod input;
 pub(crate) mod names;
 mod picture;
 mod reason;
 mod sequence;
-mod sniff;
 mod stills;
+pub mod temporary;
 mod truth;
-pub mod unfinished;
+mod unsupported;
 mod video;
 
 use std::io;
@@ -27,11 +27,11 @@ use std::sync::Arc;
 
 use motionscope_core::{Clip, ClipInfo, Error, Frame, Stop, Truth};
 
+use detect_format::Kind;
 use export::{Inputs, What};
 pub use info::Info;
 use input::{Input, Node};
 use sequence::Sequence;
-use sniff::Kind;
 
 /// The progress of a long computation, and its cancellation.
 pub trait Progress: Send + Sync {
@@ -189,12 +189,12 @@ fn open_clip(path: &Path, options: &Open) -> Result<Clip, Error> {
             None => clip,
         });
     }
-    let mut source = contain::contain(|| open_source(path, options))
+    let mut source = catch_panic::catch_panic(|| open_source(path, options))
         .unwrap_or_else(|panic| {
             Err(Error::new(format!("it is damaged and cannot be decoded{}", reason::bracketed(&panic))))
         })
         .map_err(|error| about(path, &error))?;
-    let truth = contain::contain(|| find_truth(path, options, &mut source)).unwrap_or_else(|panic| {
+    let truth = catch_panic::catch_panic(|| find_truth(path, options, &mut source)).unwrap_or_else(|panic| {
         let why = format!("its ground truth is damaged and cannot be decoded{}", reason::bracketed(&panic));
         Err(about(path, &Error::new(why)))
     })?;
@@ -246,9 +246,9 @@ pub fn inputs(path: Option<&Path>, clip: &Clip, options: &Open) -> Inputs {
     let pictures = pictures.and_then(Result::ok).map(|found| found.files).unwrap_or_default();
     let subject = truth::Subject::new(path.unwrap_or(Path::new(&clip.info().name)), clip.info(), &pictures);
     let truth = match &options.given.truth {
-        Some(given) => truth::Lying::given(given, &subject),
-        None if path.is_some() => truth::Lying::beside(&subject),
-        None => truth::Lying::default(),
+        Some(given) => truth::TruthFiles::given(given, &subject),
+        None if path.is_some() => truth::TruthFiles::beside(&subject),
+        None => truth::TruthFiles::default(),
     };
     truth.into_files().for_each(|file| inputs.add(What::Truth, file));
     let beside = || path.filter(|path| path.is_dir()).and_then(detections::beside);
@@ -300,7 +300,7 @@ fn open_source(path: &Path, options: &Open) -> Result<Source, Error> {
         return stills::open(path, options);
     }
     let mut input = Input::open(path)?;
-    let kind = sniff::kind(&mut input)?;
+    let kind = detect_format::kind(&mut input)?;
     let mut source = match kind {
         Kind::Still | Kind::Animation if path == Path::new("-") || Node::of(path) == Ok(Node::Stream) => {
             return Err(Error::new("pictures cannot come from a pipe; save them to files and open those"));
@@ -309,7 +309,7 @@ fn open_source(path: &Path, options: &Open) -> Result<Source, Error> {
         Kind::Animation => animation::open(path, options)?,
         Kind::Video(format) => video::open(path, format, input, options)?,
     };
-    source.info.warnings.extend(sniff::mislabelled(path, kind));
+    source.info.warnings.extend(detect_format::mislabelled(path, kind));
     Ok(source)
 }
 

@@ -66,9 +66,10 @@ fn is_cut_jpeg(file: &mut File) -> io::Result<bool> {
 
 fn read<'a>(input: impl BufRead + Seek + 'a) -> Result<Picture<impl ImageDecoder + 'a>, Error> {
     let mut reader = ImageReader::new(input).with_guessed_format().map_err(|e| cannot_read(&e))?;
-    let codec = reader.format().map(codec).ok_or_else(|| {
-        Error::new("it holds no readable image; give PNG, JPEG, TIFF, BMP, PNM, WebP or GIF")
-    })?;
+    let codec = reader
+        .format()
+        .map(codec)
+        .ok_or_else(|| Error::new("it holds no readable image; give PNG, JPEG, TIFF, BMP, PNM, WebP or GIF"))?;
     reader.limits(limits(MAX_AREA_PX as u64));
     let mut decoder = reader.into_decoder().map_err(|e| damaged(&e))?;
     let (width, height) = decoder.dimensions();

@@ -16,7 +16,7 @@ use image::{AnimationDecoder, Frames, ImageDecoder, ImageResult, RgbaImage};
 use motionscope_core::{ClipInfo, Error, Frame, Stop};
 
 use self::scan::Scan;
-use super::{Decoder, Open, Source, cannot_read, check_size, contain, name_of, picture, reason, stills};
+use super::{Decoder, Open, Source, cannot_read, catch_panic, check_size, name_of, picture, reason, stills};
 
 /// What can be animated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -132,10 +132,7 @@ struct Animation {
 impl Animation {
     fn first(&self) -> Result<RgbaImage, Error> {
         let stream = Stream::start(&self.path, self.format)?;
-        stream
-            .pictures
-            .recv()
-            .unwrap_or_else(|_| Err(Error::new("it holds no picture; copy it again from its source")))
+        stream.pictures.recv().unwrap_or_else(|_| Err(Error::new("it holds no picture; copy it again from its source")))
     }
 }
 
@@ -172,7 +169,7 @@ impl Stream {
         let (sender, pictures) = sync_channel(1);
         let path = path.to_path_buf();
         let work = move || {
-            let done = contain::contain(|| pour(&path, format, &sender))
+            let done = catch_panic::catch_panic(|| pour(&path, format, &sender))
                 .unwrap_or_else(|panic| Err(Error::new(format!("its data are damaged{}", reason::bracketed(&panic)))));
             if let Err(error) = done {
                 // Nobody may be listening any more.

@@ -9,9 +9,9 @@ use std::path::Path;
 
 use motionscope_core::Error;
 
-use super::ledger::hash;
 use super::save::{cannot_write, save};
-use crate::media::contain::contain;
+use super::written_files::hash;
+use crate::media::catch_panic::catch_panic;
 use crate::media::names::extension;
 use crate::media::sequence::parent;
 use crate::media::truth;
@@ -76,7 +76,7 @@ fn says_so(path: &Path) -> bool {
         Some(reader.info().uncompressed_latin1_text.clone())
     };
     let [keyword, text] = SOFTWARE;
-    let texts = contain(texts).ok().flatten().unwrap_or_default();
+    let texts = catch_panic(texts).ok().flatten().unwrap_or_default();
     texts.iter().any(|said| said.keyword == keyword && said.text == text)
 }
 

@@ -4,16 +4,16 @@ mod clip;
 mod flo;
 mod guard;
 mod kitti;
-mod ledger;
 mod mark;
 mod mot;
 mod npy;
 mod picture;
 mod save;
+mod written_files;
 
 pub use clip::{clip, frame};
 pub use flo::flo;
-pub use guard::{Clash, Inputs, Target, What, check};
+pub use guard::{Conflict, Inputs, Target, What, check};
 pub use kitti::{Kitti, kitti, kitti_result};
 pub(crate) use mark::is_result;
 pub use mark::save_result;

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use motionscope_core::Error;
 
-use crate::media::unfinished;
+use crate::media::temporary;
 
 /// Writes `bytes` to the file at `path`, whole or not at all; `-` is the standard output.
 ///
@@ -52,8 +52,8 @@ fn pour(to: &mut impl Write, bytes: &[u8]) -> io::Result<()> {
 
 /// Writes beside `path`, then renames.
 fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let _at_work = unfinished::at_work();
-    let prefix = unfinished::prefix(&folder(path));
+    let _at_work = temporary::at_work();
+    let prefix = temporary::prefix(&folder(path));
     let mut builder = tempfile::Builder::new();
     builder.prefix(&prefix);
     if let Some(permissions) = permissions(path) {

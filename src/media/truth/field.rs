@@ -19,7 +19,7 @@ const UNKNOWN_ABOVE: f32 = 1e9;
 /// If it cannot be read, is damaged or has another size.
 pub fn flow(path: &Path, size: (usize, usize)) -> Result<Flow, Error> {
     let mut reader = start(path)?;
-    match sniff(&mut reader, path)? {
+    match detect(&mut reader, path)? {
         Format::Flo => flo(reader, path, size),
         Format::Png => kitti(reader, path, size),
     }
@@ -31,7 +31,7 @@ pub fn flow(path: &Path, size: (usize, usize)) -> Result<Flow, Error> {
 /// If it cannot be read, is no flow or has another size.
 pub fn check_flow(path: &Path, size: (usize, usize)) -> Result<(), Error> {
     let mut reader = start(path)?;
-    let found = match sniff(&mut reader, path)? {
+    let found = match detect(&mut reader, path)? {
         Format::Flo => flo_size(&mut reader, path)?,
         Format::Png => Picture::open(reader, path, Transformations::IDENTITY)?.flow_size(path)?,
     };
@@ -70,14 +70,17 @@ fn start(path: &Path) -> Result<BufReader<File>, Error> {
     File::open(path).map(BufReader::new).map_err(|e| file_error(path, cannot_read(&e)))
 }
 
-fn sniff(reader: &mut BufReader<File>, path: &Path) -> Result<Format, Error> {
+fn detect(reader: &mut BufReader<File>, path: &Path) -> Result<Format, Error> {
     let head = reader.fill_buf().map_err(|e| file_error(path, cannot_read(&e)))?;
     if head.starts_with(b"PIEH") {
         Ok(Format::Flo)
     } else if head.starts_with(b"\x89PNG") {
         Ok(Format::Png)
     } else {
-        Err(file_error(path, "this is not ground truth; give a Middlebury .flo, a KITTI 16-bit PNG, or a MOTChallenge gt.txt"))
+        Err(file_error(
+            path,
+            "this is not ground truth; give a Middlebury .flo, a KITTI 16-bit PNG, or a MOTChallenge gt.txt",
+        ))
     }
 }
 

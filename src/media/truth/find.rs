@@ -28,7 +28,7 @@ pub(crate) fn beside(subject: &Subject) -> Found {
     if subject.path == Path::new("-") {
         return found;
     }
-    let Lying { flows, masks, objects, results } = Lying::beside(subject);
+    let TruthFiles { flows, masks, objects, results } = TruthFiles::beside(subject);
     let mut files = Files::new(subject.size);
     let mut accept = |sound: Result<(), Error>| {
         let is_sound = sound.is_ok();
@@ -72,7 +72,7 @@ fn not_truth(results: &[PathBuf]) -> Option<String> {
 /// One sentence that names the file if it is no truth, or not that of this clip.
 pub(crate) fn open(path: &Path, subject: &Subject) -> Result<Arc<dyn Truth>, Error> {
     let node = Node::of(path).map_err(|why| file_error(path, why))?;
-    let Lying { flows, masks, objects, .. } = Lying::given(path, subject);
+    let TruthFiles { flows, masks, objects, .. } = TruthFiles::given(path, subject);
     if node == Node::Stream && objects.is_none() {
         let why = "it is a pipe, and a flow is read more than once; save it to a file and give that";
         return Err(file_error(path, why));
@@ -104,7 +104,7 @@ fn check(
 
 /// The files of truth of a clip, by the frame that they belong to; none of them was read.
 #[derive(Default)]
-pub(crate) struct Lying {
+pub(crate) struct TruthFiles {
     flows: BTreeMap<usize, PathBuf>,
     masks: BTreeMap<usize, PathBuf>,
     objects: Option<PathBuf>,
@@ -112,7 +112,7 @@ pub(crate) struct Lying {
     results: Vec<PathBuf>,
 }
 
-impl Lying {
+impl TruthFiles {
     /// What lies beside the clip, by the names and in the places of the benchmarks and of `motionscope synth`.
     pub(crate) fn beside(subject: &Subject) -> Self {
         let mut search = Search { subject, results: Vec::new() };

@@ -15,7 +15,7 @@ use motionscope_core::{Error, Flow, Grid, ObjectBox, Truth};
 use super::names::file_name;
 use super::sequence::parent;
 
-pub(crate) use find::{Found, Lying, beside, is_place, open};
+pub(crate) use find::{Found, TruthFiles, beside, is_place, open};
 pub(crate) use subject::Subject;
 
 /// Truth in files: a field is read when it is asked for, and the last few are kept.

@@ -210,9 +210,7 @@ fn walk(
         Some(how) if offsets.is_empty() => Err(Error::new(format!(
             "its first frame {how}, so there is nothing to show; copy it again from its source"
         ))),
-        None if offsets.is_empty() => {
-            Err(Error::new("it has a header but no frames; copy it again from its source"))
-        }
+        None if offsets.is_empty() => Err(Error::new("it has a header but no frames; copy it again from its source")),
         Some(how) => {
             warnings.push(format!("frame {} {how}; it and what follows are left out", offsets.len()));
             Ok(offsets)

@@ -60,8 +60,7 @@ impl App {
                 let shown = self.view.shown.as_ref();
                 if let Some(first) = shown.and_then(|shown| shown.elsewhere(focus.on)) {
                     let (clicked, first) = (focus.on.title(None), first.title(None).to_lowercase());
-                    self.toasts
-                        .tell(format!("{clicked} has no pixels to explain at this step: click on {first}."));
+                    self.toasts.tell(format!("{clicked} has no pixels to explain at this step: click on {first}."));
                     return;
                 }
                 self.walker.go_at(focus, side);
@@ -248,7 +247,8 @@ impl App {
                 let was_by_frame = self.document.estimator().is_by_frame();
                 self.states.stage.placing = None;
                 if self.document.parents().len() > 0 {
-                    self.toasts.tell(format!("{} runs on the clip itself, so the stage was closed.", chosen.info().name));
+                    self.toasts
+                        .tell(format!("{} runs on the clip itself, so the stage was closed.", chosen.info().name));
                 }
                 self.document.choose(changed_alike(self.document.estimator(), chosen));
                 self.suit_view(was_single);

@@ -71,7 +71,9 @@ pub fn about(ctx: &egui::Context) -> bool {
         ui.label(RichText::new("Motionscope").family(style::bold()).size(1.6 * size));
         ui.label(RichText::new(concat!("Version ", env!("CARGO_PKG_VERSION"))).weak());
         ui.add_space(8.0);
-        ui.label("Step through the motion estimators of a computer-vision course, forwards and backwards, on your own clip.");
+        ui.label(
+            "Step through the motion estimators of a computer-vision course, forwards and backwards, on your own clip.",
+        );
         ui.add_space(8.0);
         ui.label(
             RichText::new("Fonts: Inter and JetBrains Mono (OFL). Icons: Lucide (ISC). Colours: Okabe and Ito.").weak(),

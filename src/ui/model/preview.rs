@@ -45,8 +45,7 @@ pub fn preview(subject: &Arc<Prepared>, clip: &Clip) -> Result<Snapshot, Error> 
 
 /// The same, stopped there for good.
 pub fn stopped(preview: &Snapshot) -> Snapshot {
-    let step =
-        step(&preview.subject, "The run was cancelled before its first step. Step forward to restart it.");
+    let step = step(&preview.subject, "The run was cancelled before its first step. Step forward to restart it.");
     let moment = Moment { step: Arc::new(step), ..preview.moment.clone() };
     Snapshot { moment, ..preview.clone() }
 }

@@ -75,9 +75,9 @@ impl What {
 pub fn refuse_losses(order: &Order, inputs: &Inputs) -> Result<(), Error> {
     let inputs = if order.what == What::Session { &inputs.clone().without(export::What::Session) } else { inputs };
     let target = order.what.target(&order.path);
-    export::check(inputs, &[target]).map_err(|clash| {
+    export::check(inputs, &[target]).map_err(|conflict| {
         let name = order.path.file_name().unwrap_or(order.path.as_os_str()).to_string_lossy();
-        Error::new(format!("{name} {}; choose {}", clash.why, target.other()))
+        Error::new(format!("{name} {}; choose {}", conflict.why, target.other()))
     })
 }
 
