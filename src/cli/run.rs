@@ -19,7 +19,7 @@ use crate::view::look::Look;
 use crate::view::moment::Viewer;
 use crate::view::motion::{Check, Reverse};
 use crate::view::panes::Selection;
-use crate::view::shot::{Format, Shot};
+use crate::view::shot::{Format, StepPicture};
 
 /// Runs the estimator of `args`. All results are encoded before the first file is saved.
 ///
@@ -213,7 +213,8 @@ impl Overlay<'_> {
         }
         let panes = Selection::of(&args.sheet.panes);
         panes.check_step(experiment.estimator.info(), &moment.step)?;
-        Shot { moment: &moment, estimator: &*experiment.estimator, look, panes: &panes }.encode(format, picture.scale)
+        StepPicture { moment: &moment, estimator: &*experiment.estimator, look, panes: &panes }
+            .encode(format, picture.scale)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use motionscope_core::{Error, Grid, MaskField, Output, PackedMask, Product};
 
-use super::{Export, Format, Made};
+use super::{EncodedFiles, Export, Format};
 use crate::media::export::{Pixels, png_result};
 
 /// What the names of all masks begin with.
@@ -23,7 +23,7 @@ pub const EXPORT: Export = Export {
 ///
 /// # Errors
 /// If there are no masks.
-fn encode(output: &Output) -> Result<Made, Error> {
+fn encode(output: &Output) -> Result<EncodedFiles, Error> {
     let missing = || Error::new("no frame has a mask yet; step to the end of a frame, or choose a background model");
     let field: &MaskField = output.get().ok_or_else(missing)?;
     let picture = |(t, mask): (usize, &PackedMask)| {
@@ -33,5 +33,5 @@ fn encode(output: &Output) -> Result<Made, Error> {
         Ok((format!("{MASK}{t:04}.png"), png_result(width, height, Pixels::Gray(pixels.cells()))?))
     };
     let files = field.masks().map(picture).collect::<Result<Vec<_>, Error>>()?;
-    if files.is_empty() { Err(missing()) } else { Ok(Made { files, lost: None }) }
+    if files.is_empty() { Err(missing()) } else { Ok(EncodedFiles { files, lost: None }) }
 }

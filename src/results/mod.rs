@@ -53,19 +53,19 @@ pub struct Format {
     /// The name of the format.
     pub doc: &'static str,
     /// Encodes the file, or the files of a folder.
-    pub encode: fn(&Output) -> Result<Made, Error>,
+    pub encode: fn(&Output) -> Result<EncodedFiles, Error>,
 }
 
 /// The encoded files.
 #[derive(Debug, Default, PartialEq)]
-pub struct Made {
+pub struct EncodedFiles {
     /// The bytes of each file, with its name where it goes into a folder.
     pub files: Vec<(String, Vec<u8>)>,
     /// Information that the format cannot hold, if any, as a clause.
     pub lost: Option<String>,
 }
 
-impl Made {
+impl EncodedFiles {
     /// Returns one file without loss.
     fn file(bytes: impl Into<Vec<u8>>) -> Self {
         Self { files: vec![(String::new(), bytes.into())], lost: None }
@@ -118,7 +118,7 @@ impl Export {
     ///
     /// # Errors
     /// If a file cannot be written.
-    pub fn save(&self, path: &Path, made: &Made) -> Result<String, Error> {
+    pub fn save(&self, path: &Path, made: &EncodedFiles) -> Result<String, Error> {
         if self.folder.is_none() {
             made.files.iter().try_for_each(|(_, bytes)| export::save_result(path, bytes))?;
             return Ok(path.display().to_string());

@@ -5,7 +5,7 @@ use motionscope_core::{
     BlockField, DenseField, Error, MaskField, ObjectField, Output, PointField, Product, TrackField,
 };
 
-use super::{Export, Format, Made};
+use super::{EncodedFiles, Export, Format};
 
 pub const EXPORT: Export = Export {
     flag: "table",
@@ -25,9 +25,9 @@ pub const EXPORT: Export = Export {
     formats: &[Format { ending: "csv", doc: "CSV", encode }],
 };
 
-fn encode(output: &Output) -> Result<Made, Error> {
+fn encode(output: &Output) -> Result<EncodedFiles, Error> {
     let table = output.table().ok_or_else(|| Error::new("this result has no table; save it as pictures"))?;
-    Ok(Made::file(csv(&table)))
+    Ok(EncodedFiles::file(csv(&table)))
 }
 
 /// `table` as CSV: commas, points for decimals, one line of names, lines that end in a newline.

@@ -2,7 +2,7 @@
 
 use motionscope_core::{Error, Followed, Object, ObjectField, Output, Product, TrackStatus};
 
-use super::{Export, Format, Made, table};
+use super::{EncodedFiles, Export, Format, table};
 use crate::media::export::{mot_rect, npy_of};
 
 pub const EXPORT: Export = Export {
@@ -17,13 +17,13 @@ pub const EXPORT: Export = Export {
         Format {
             ending: "txt",
             doc: "MOTChallenge rows, for other evaluation programs",
-            encode: |output| mot(field(output)?).map(Made::file),
+            encode: |output| mot(field(output)?).map(EncodedFiles::file),
         },
         Format { ending: "csv", doc: "CSV, one row per object and frame", encode: as_csv },
         Format {
             ending: "npy",
             doc: "NPY, an array for NumPy",
-            encode: |output| tracked(output).map(|field| Made::file(npy(field))),
+            encode: |output| tracked(output).map(|field| EncodedFiles::file(npy(field))),
         },
     ],
 };
@@ -38,8 +38,8 @@ fn tracked(output: &Output) -> Result<&ObjectField, Error> {
     mot(field).map(|_| field)
 }
 
-fn as_csv(output: &Output) -> Result<Made, Error> {
-    Ok(Made::file(table::csv(&tracked(output)?.object_table())))
+fn as_csv(output: &Output) -> Result<EncodedFiles, Error> {
+    Ok(EncodedFiles::file(table::csv(&tracked(output)?.object_table())))
 }
 
 /// The objects seen in each frame as MOTChallenge's results: frame, id, left, top, width, height, 1, −1, −1, −1; frames and

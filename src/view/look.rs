@@ -45,7 +45,7 @@ params! {
 
 /// The state of a run on which the automatic choice of a view depends.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Stands {
+pub struct RunState {
     /// Whether the estimator works on single frames.
     pub is_of_single_frames: bool,
     /// Whether the run is at its end.
@@ -75,8 +75,8 @@ impl Look {
 
     /// Returns the chosen view of `pictures`, or the automatic one: frame t for a finished field or an estimator of single frames,
     /// both frames during a search, and one picture for each estimator in lockstep.
-    pub fn view_of(&self, pictures: &Pictures, stands: Stands) -> View {
-        let Stands { is_of_single_frames, at_end, is_lockstep } = stands;
+    pub fn view_of(&self, pictures: &Pictures, stands: RunState) -> View {
+        let RunState { is_of_single_frames, at_end, is_lockstep } = stands;
         let fitting = if at_end || is_of_single_frames { View::Current } else { View::SideBySide };
         let view = self.view.unwrap_or(fitting).or_current(pictures);
         if is_lockstep { view.alone(at_end) } else { view }

@@ -31,7 +31,7 @@ impl Default for Angles {
 
 /// The content of a step from which panes are drawn.
 #[derive(Clone, Copy)]
-pub struct Told<'a> {
+pub struct PaneContent<'a> {
     /// The estimator.
     pub info: &'a Info,
     /// The step.
@@ -60,9 +60,9 @@ pub struct Pane {
     /// Whether a step has content for it.
     pub is_told: fn(&Step) -> bool,
     /// How well the content fits a size in points; 1 is just enough.
-    pub room: fn(Told<'_>, [f32; 2], ChartStyle) -> f32,
+    pub room: fn(PaneContent<'_>, [f32; 2], ChartStyle) -> f32,
     /// Draws the content in a rectangle; nothing if the step has none.
-    pub draw: fn(Told<'_>, Rect, ChartStyle) -> Vec<Layer>,
+    pub draw: fn(PaneContent<'_>, Rect, ChartStyle) -> Vec<Layer>,
 }
 
 impl PartialEq for Pane {
@@ -371,11 +371,11 @@ fn a_stack(readout: &Readout) -> Option<&motionscope_core::Stack> {
     if let Readout::Stack(stack) = readout { Some(stack) } else { None }
 }
 
-fn whole<'a>(told: Told<'_>, tiles: &'a [motionscope_core::scene::Tile]) -> tiles::Tiles<'a> {
+fn whole<'a>(told: PaneContent<'_>, tiles: &'a [motionscope_core::scene::Tile]) -> tiles::Tiles<'a> {
     tiles::Tiles { tiles, is_centered: told.is_centered, closeness: tiles::Closeness::Whole }
 }
 
-fn explained(told: Told<'_>) -> explanation::Explained<'_> {
+fn explained(told: PaneContent<'_>) -> explanation::Explained<'_> {
     explanation::Explained { info: told.info, step: told.step }
 }
 
@@ -385,7 +385,7 @@ fn letters(size: [f32; 2], least: [f32; 2], style: ChartStyle) -> f32 {
     fits[0].min(fits[1])
 }
 
-fn explanation_room(told: Told<'_>, [width, height]: [f32; 2], style: ChartStyle) -> f32 {
+fn explanation_room(told: PaneContent<'_>, [width, height]: [f32; 2], style: ChartStyle) -> f32 {
     let across = width / (21.0 * style.theme.sizes().body);
     let [least, whole] = explanation::heights(explained(told), width, style);
     let down = match height {

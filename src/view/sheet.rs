@@ -8,8 +8,8 @@ use crate::paint::charts::{Canvas, ChartStyle};
 use crate::paint::primitive::Rect;
 use crate::paint::{Caption, Figure, Layer, heading, paragraph};
 
-use super::panes::{EXPLANATION, Pane, STAGE, Told};
-use super::shot::{Around, Shot};
+use super::panes::{EXPLANATION, Pane, PaneContent, STAGE};
+use super::shot::{Around, StepPicture};
 
 /// Width and height of a sheet in points, unless its panes need more.
 const SIZE: [f32; 2] = [1280.0, 720.0];
@@ -28,7 +28,7 @@ const BELOW: [f32; 5] = [0.3, 0.36, 0.42, 0.48, 0.54];
 /// What is arranged.
 pub struct Contents<'a> {
     /// What the panes are made of.
-    pub told: Told<'a>,
+    pub told: PaneContent<'a>,
     /// Which, in this order; the stage wherever it stands.
     pub panes: &'a [&'static Pane],
     /// Words above, and below unless there is an explanation.
@@ -84,7 +84,7 @@ impl Pictures<'_> {
     }
 }
 
-impl Shot<'_> {
+impl StepPicture<'_> {
     /// The panes of the step on one sheet, with the marks that `scale` pixels for each point have room for; where several
     /// steps share a layout, the first of them makes it.
     pub(super) fn sheet(&self, scale: u32, shared: Option<&mut Option<Layout>>) -> Figure {
@@ -94,7 +94,7 @@ impl Shot<'_> {
             None => (self.estimator.info(), &*moment.step),
         };
         let is_centered = !self.estimator.tests_candidates();
-        let told = Told { info, step, is_centered, level: look.level, angles: panes.angles };
+        let told = PaneContent { info, step, is_centered, level: look.level, angles: panes.angles };
         let figure = |zoom: f32| self.figure(Around { zoom, titles: true, caption: None }, scale);
         let across = self.view().panels(&moment.pictures).len();
         let [columns, rows] = match (moment.tiles.len(), across) {

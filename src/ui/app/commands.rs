@@ -110,11 +110,11 @@ commands! {
     NormalInterface,
     /// Show or hide the parameters.
     ShowParameters,
-    /// Show or hide the explanation.
+    /// The explanation's pane.
     ShowWhy,
-    /// Show or hide the charts.
+    /// The panes below the stage.
     ShowCharts,
-    /// Restore the default layout.
+    /// Panes where they were at first.
     ResetLayout,
     /// The lecture layout.
     Lecture,

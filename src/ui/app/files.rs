@@ -1,4 +1,4 @@
-//! What the window does with files: opening, browsing, writing.
+//! File operations of the window: opening, browsing, saving.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -26,13 +26,13 @@ use crate::ui::model::writer::{self, Order, What, Work, Writing};
 use crate::ui::panes::status;
 use crate::ui::stage::Zoom;
 
-/// Events that are seen of the first unit shown of a sample.
+/// Events of the first shown unit of a sample.
 const FIRST_LOOK: usize = 640;
-/// Where in the picture a sample is looked at first, as a share of its width and height.
+/// The first position in the picture of a sample, as a fraction of width and height.
 const FIRST_PLACE: [f32; 2] = [0.19, 0.57];
 
 impl App {
-    /// Takes in what other threads have done.
+    /// Receives the results of other threads.
     pub(super) fn receive(&mut self) {
         if let Some(outcome) = self.loading.as_ref().and_then(|loading| loading.work.take()) {
             let name = self.loading.take().map(|loading| loading.name).unwrap_or_default();
@@ -68,7 +68,7 @@ impl App {
         self.browsed();
     }
 
-    /// Takes in the path that the system's dialog delivers.
+    /// Receives the path from the system's file dialog.
     fn browsed(&mut self) {
         let Some((wanted, delivery)) = &self.browsing else { return };
         let (wanted, path) = (*wanted, delivery.try_recv());
@@ -90,7 +90,7 @@ impl App {
         }
     }
 
-    /// Opens a file, a folder, a session or `synth:` and a scene, on another thread; or the truth of the clip that is open.
+    /// Opens a file, a folder, a session or a `synth:` scene on another thread, or ground truth for the open clip.
     pub fn open(&mut self, name: impl Into<OsString>) {
         self.player.pause();
         self.error = None;
@@ -100,7 +100,7 @@ impl App {
         self.loading = Some(Loading::new(name.into(), beside, move || ctx.request_repaint()));
     }
 
-    /// Opens a bundled sample in the middle of a search, so that there is something to see.
+    /// Opens a bundled sample in the middle of a search.
     pub fn open_sample(&mut self, sample: &'static Sample) {
         self.player.pause();
         self.loading = None;
@@ -152,7 +152,7 @@ impl App {
         self.walk_from(Place { hold: Hold::Set(pixel), ..place });
     }
 
-    /// Takes a tracker where there are no pictures to be looked at.
+    /// Chooses a tracker for a clip of detections without images.
     fn choose_tracker(&mut self) {
         let is_blank = self.document.clip().is_some_and(Clip::is_blank);
         let Some(tracker) =
@@ -166,7 +166,7 @@ impl App {
         self.suit_view(was_single);
     }
 
-    /// Tells if the clip has no pair that starts at `frame`, as a session wants it.
+    /// Reports if the clip has no pair that starts at the session's `frame`.
     fn tell_of_frame(&mut self, frame: usize) {
         let (Some(clip), now) = (self.document.clip(), self.document.frame()) else { return };
         if now != frame {
@@ -190,7 +190,7 @@ impl App {
         self.error = Some(error);
     }
 
-    /// Another clip is open; for it a stage was left, which its estimator is told of.
+    /// Reports that opening another clip has closed a stage.
     fn begin(&mut self, left: Option<&Info>) {
         self.error = None;
         if let Some(Info { name, .. }) = left {
@@ -202,7 +202,7 @@ impl App {
         self.ctx.send_viewport_cmd(ViewportCommand::Title(title(&self.document)));
     }
 
-    /// Asks the system for a path, off the window's thread.
+    /// Opens the system's file dialog on another thread.
     pub(super) fn browse(&mut self, wanted: Browse) {
         let (sender, receiver) = channel();
         let ctx = self.ctx.clone();
@@ -223,7 +223,7 @@ impl App {
         }
     }
 
-    /// Opens the dialog that writes `kind`.
+    /// Opens the dialog that saves `kind`.
     pub(super) fn save_as(&mut self, kind: Kind) {
         // What is written is what is shown: it stays as long as the dialog asks.
         self.player.pause();
@@ -244,7 +244,7 @@ impl App {
         self.overlay = Overlay::Save(Box::new(state));
     }
 
-    /// Writes on another thread; a message tells the outcome.
+    /// Saves on another thread and reports the outcome.
     pub fn write(&mut self, order: Order) {
         let Some(shown) = self.view.shown.clone() else { return };
         if self.writing.is_some() {

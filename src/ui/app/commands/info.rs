@@ -217,7 +217,7 @@ impl Command {
                 Menu::View,
                 Icon::Presentation,
                 "Lecture",
-                "Show the stage, one chart and the explanation as large as possible.",
+                "Stage and chart large, with sentence and formula below; everything else in drawers.",
                 const { &[key(Key::L)] },
             ),
             C::FullScreen => (
