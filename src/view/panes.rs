@@ -253,7 +253,7 @@ pub const PYRAMID: Pane = Pane {
 pub static PANES: [&Pane; 11] =
     [&STAGE, &EXPLANATION, &SURFACE, &SURFACE_3D, &PLANE, &SERIES, &TILES, &MATRICES, &HISTOGRAM, &ERRORS, &PYRAMID];
 
-/// The panes of a sheet with their viewpoints; empty for the stage alone.
+/// The panes that stand on a picture, and from where they are looked at; without any, the stage stands alone.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Selection {
     /// The panes, in the order in which they are arranged.
