@@ -994,7 +994,7 @@ fn a_pane_that_is_not_there_is_told_in_one_sentence() {
             format!("{run} stage,surface --step 0"),
             "full-search has no content for the pane surface at this step: it shows the cost",
         ),
-        (format!("run {SMALL} --estimator full-search --panes stage"), "give --overlay FILE as well"),
+        (format!("run {SMALL} --estimator full-search --panes stage"), "add --overlay FILE"),
         (format!("run {SMALL} --estimator full-search --overlay a.txt"), ".png, .svg or .pdf"),
         (format!("run {SMALL} --estimator full-search --overlay a --format tiff"), "png, svg or pdf, and not tiff"),
         (
