@@ -377,6 +377,9 @@ fn a_switch_of_a_session_can_be_taken_back_by_its_flag() {
     for entry in ["--view <NAME>", "--layer-opacity <NUMBER>", "--arrow-spacing <PX>", "--legend[=<on|off>]"] {
         assert!(help.contains(entry), "{entry}: {help}");
     }
+    for heading in ["Estimation:", "Clip:", "Picture:", "Output:", "Execution:"] {
+        assert!(help.lines().any(|line| line == heading), "{heading} {help}");
+    }
 }
 
 #[test]
