@@ -50,7 +50,7 @@ fn flag(spec: &'static Spec) -> Arg {
     }
 }
 
-/// Returns the help: definition, allowed values and default.
+/// What it does, what may be given, and what counts where nothing is.
 fn help(spec: &Spec) -> String {
     let doc = spec.doc.trim_end_matches('.');
     match spec.kind {

@@ -19,7 +19,7 @@ use crate::view::look::Look;
 use crate::view::moment::Viewer;
 use crate::view::motion::{Check, Reverse};
 use crate::view::panes::Selection;
-use crate::view::shot::{Format, StepPicture};
+use crate::view::shot::{Format, Shot};
 
 /// Runs the estimator of `args`. All results are encoded before the first file is saved.
 ///
@@ -147,7 +147,7 @@ fn timed(
     Ok((output, [vec![first], rest].concat()))
 }
 
-/// Assesses the causal variant of the estimator, if it uses later frames and can be scored.
+/// What the same estimator comes to without hindsight, where it looks back in time as it is set and is scored.
 fn live(Prepared { experiment, clip, .. }: &Prepared, threads: &Threads) -> Result<Option<Assessment>, Error> {
     let Some(causal) = experiment.estimator.causal().filter(|_| clip.truth().is_some()) else { return Ok(None) };
     let output = causal.run(clip, experiment.frame, threads)?;
@@ -155,7 +155,7 @@ fn live(Prepared { experiment, clip, .. }: &Prepared, threads: &Threads) -> Resu
     Ok(Some(assessment).filter(|assessment| !assessment.headline.is_empty()))
 }
 
-/// Returns the view options of the flags alone; those of a session may be unavailable at some steps.
+/// What `args` ask for themselves of how the picture looks: what a session asks for may be missing at some steps.
 fn asked(args: &RunArgs) -> Look {
     args.picture.look.0.over(Look::default())
 }
@@ -213,8 +213,7 @@ impl Overlay<'_> {
         }
         let panes = Selection::of(&args.sheet.panes);
         panes.check_step(experiment.estimator.info(), &moment.step)?;
-        StepPicture { moment: &moment, estimator: &*experiment.estimator, look, panes: &panes }
-            .encode(format, picture.scale)
+        Shot { moment: &moment, estimator: &*experiment.estimator, look, panes: &panes }.encode(format, picture.scale)
     }
 }
 

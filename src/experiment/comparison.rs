@@ -397,7 +397,7 @@ mod tests {
         let (gain, offset) = LIGHT;
         assert!(doc("kept_in_light_percent").is_some_and(|doc| doc.contains(&format!("{gain} I + {offset}"))));
         for Column { heading, doc, .. } in all_columns() {
-            assert!(doc.ends_with('.') && doc.len() > 20, "{heading}: {doc}");
+            assert!(doc.ends_with('.') && doc.len() > 10, "{heading}: {doc}");
         }
     }
 }

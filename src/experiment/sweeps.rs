@@ -6,9 +6,9 @@ use motionscope_core::{AnyEstimator, Params, Spec, Value};
 /// A parameter and the values it takes in a sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sweep {
-    /// The setting: `range=4,8,16`.
+    /// What is set, and to what: `range=4,8,16`.
     pub setting: String,
-    /// The setting as shown: `Range: 4 to 16 px`.
+    /// The same for a person: `Range: 4 to 16 px`.
     pub title: String,
     /// The label of the plot's x axis.
     pub axis: &'static str,

@@ -38,7 +38,7 @@ params! {
         streaks: Option<Phase> = None;
         /// Legend of the marks below the pictures.
         legend: bool = false;
-        /// Caption with estimator, parameters and the sentence of the step.
+        /// Estimator, parameters and the sentence of the step, around the pictures.
         caption: bool = false;
     }
 }

@@ -16,7 +16,7 @@ use crate::paint::{FlowLayer, Pictures};
 /// Everything that a run shows at its cursor.
 #[derive(Clone)]
 pub struct Moment {
-    /// Frame t of the current pair.
+    /// Frame t of the pair at hand.
     pub frame: usize,
     /// The cursor.
     pub cursor: Cursor,
@@ -38,7 +38,7 @@ pub struct Moment {
 
 /// A run at its cursor, and what is to be shown of it.
 #[derive(Clone, Copy)]
-pub struct MomentInput<'a> {
+pub struct Standing<'a> {
     /// The run.
     pub walk: &'a dyn Walk,
     /// The clip.
@@ -61,14 +61,14 @@ pub struct End {
     prediction: Option<Arc<Frame>>,
     /// The assessment of the result.
     assessment: Option<Assessment>,
-    /// The histogram of displacements, if there is one.
+    /// How often each displacement was found, where they are counted.
     histogram: Option<Histogram>,
     /// The results of the estimators in lockstep.
     beside: Vec<Ending>,
 }
 
 impl End {
-    /// Computes the results of `walk` on `clip`, whose last frames are `pair`; `None` before the end of the run.
+    /// That of `walk` on `clip`, whose last frames are `pair`; `None` where the run is not at its end.
     pub fn of(walk: &dyn Walk, clip: &Clip, pair: &Pictures) -> Option<Self> {
         walk.at_end().then(|| {
             let output = walk.output();
@@ -83,18 +83,18 @@ impl End {
 }
 
 impl Moment {
-    /// What is shown at `input`, with what `motion` makes of the motion there.
+    /// What is shown at `standing`, with what `motion` makes of the motion there.
     ///
     /// # Errors
     /// Whatever `motion` fails with.
-    pub fn of<E>(input: MomentInput<'_>, motion: impl FnOnce(Site<'_>) -> Result<Motion, E>) -> Result<Self, E> {
-        let MomentInput { walk, clip, pair, focus, beside, end, .. } = input;
+    pub fn of<E>(standing: Standing<'_>, motion: impl FnOnce(Site<'_>) -> Result<Motion, E>) -> Result<Self, E> {
+        let Standing { walk, clip, pair, focus, beside, end, .. } = standing;
         let mut tiles = tiles(walk, focus, end.map_or(&[], |end| &end.beside));
         let scene = tile::scene(walk, focus, &tiles);
         let mut pictures = Pictures { prediction: end.and_then(|end| end.prediction.clone()), ..pair.clone() };
         let motion = motion(Site { walk, clip, scene: &scene })?;
         motion.put(&mut pictures, &mut tiles);
-        let Named { frames, missing } = if beside { named(&scene, input) } else { Named::default() };
+        let Named { frames, missing } = if beside { named(&scene, standing) } else { Named::default() };
         pictures.beside = frames;
         let missing = missing.map(|(picture, error)| {
             Error::new(format!("{} is not shown: {error}", picture.title(Some(walk.at_frame()))))
@@ -103,7 +103,7 @@ impl Moment {
             frame: walk.at_frame(),
             cursor: walk.cursor(),
             at_end: walk.at_end(),
-            step: Arc::new(told(input, &motion, missing.as_ref())),
+            step: Arc::new(told(standing, &motion, missing.as_ref())),
             scene: Arc::new(scene),
             pictures,
             tiles,
@@ -131,7 +131,7 @@ impl Moment {
 }
 
 /// The pictures that `scene` is about, where those are not frames t and t + 1.
-fn named(scene: &Scene, MomentInput { walk, clip, pair, named, .. }: MomentInput<'_>) -> Named {
+fn named(scene: &Scene, Standing { walk, clip, pair, named, .. }: Standing<'_>) -> Named {
     let read = |picture: Picture| {
         if [Picture::CURRENT, Picture::NEXT].contains(&picture) {
             return Ok(Arc::clone(pair.frame_of(picture)));
@@ -143,7 +143,7 @@ fn named(scene: &Scene, MomentInput { walk, clip, pair, named, .. }: MomentInput
 }
 
 /// What the step tells; at the end, also how good the estimate is.
-fn told(MomentInput { walk, focus, end, .. }: MomentInput<'_>, motion: &Motion, missing: Option<&Error>) -> Step {
+fn told(Standing { walk, focus, end, .. }: Standing<'_>, motion: &Motion, missing: Option<&Error>) -> Step {
     let mut step = walk.step(focus);
     if let Some(missing) = missing {
         add_facts(&mut step, vec![Fact::new("Missing picture", missing.to_string(), Some(Role::Rejected))]);
@@ -231,8 +231,8 @@ impl<'a> Viewer<'a> {
         let (walk, clip) = (&**walk, *clip);
         let pair = pairs.of(walk, clip)?;
         let end = End::of(walk, clip, pair);
-        let input = MomentInput { walk, clip, pair, focus, beside: *beside, end: end.as_ref(), named };
-        let moment = Moment::of(input, |site| Motion::of(site, look, || reverse.flow().map(Some)))?;
+        let standing = Standing { walk, clip, pair, focus, beside: *beside, end: end.as_ref(), named };
+        let moment = Moment::of(standing, |site| Motion::of(site, look, || reverse.flow().map(Some)))?;
         moment.missing.clone().map_or(Ok(moment), Err)
     }
 }

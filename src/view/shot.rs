@@ -18,7 +18,7 @@ const SVG_SCALE: u32 = 2;
 
 /// A moment with its view options, ready to be rendered.
 #[derive(Clone, Copy)]
-pub struct StepPicture<'a> {
+pub struct Shot<'a> {
     /// The moment.
     pub moment: &'a Moment,
     /// The estimator with its parameters.
@@ -39,7 +39,7 @@ pub(super) struct Around {
     pub caption: Option<Caption>,
 }
 
-impl StepPicture<'_> {
+impl Shot<'_> {
     /// Encodes the picture; a PNG has `scale` pixels for each pixel of the clip.
     ///
     /// # Errors
@@ -51,7 +51,7 @@ impl StepPicture<'_> {
     /// Encodes one of several pictures whose sheets share a `layout`, made by the first of them.
     ///
     /// # Errors
-    /// As [`StepPicture::encode`].
+    /// As [`Shot::encode`].
     pub fn encode_in(&self, layout: &mut Option<Layout>, format: Format, scale: u32) -> Result<Vec<u8>, Error> {
         self.encode_with(format, scale, Some(layout))
     }

@@ -37,18 +37,12 @@ pub fn counted(count: usize, one: &str) -> String {
     if count == 1 { format!("1 {one}") } else { format!("{count} {one}s") }
 }
 
-/// The sentence that there is no `kind` called `given`, with the nearest of `names`, or with all of them where none is near.
+/// That there is no `kind` called `given`, with the one of `names` that was probably meant, or else with all of them.
 pub fn there_is_no(kind: &str, given: &str, names: &[&str]) -> String {
     match nearest(given, names.iter().copied()) {
         Some(name) => format!("there is no {kind} {given}; the nearest is {name}"),
         None => format!("there is no {kind} {given}; there are {}", names.join(", ")),
     }
-}
-
-/// The one of `names` that `given` is probably a misspelling of: at most two edits, and no more than a third of the letters.
-pub fn nearest<'a>(given: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-    let (edits, name) = names.map(|name| (edits(given, name), name)).min()?;
-    (edits <= 2 && 3 * edits <= given.len()).then_some(name)
 }
 
 /// How many letters must be put in, left out, replaced or swapped with the next to make `a` of `b`: the distance of Damerau and
@@ -146,6 +140,12 @@ pub fn capital(words: &str) -> String {
 pub fn percent(share: f32) -> String {
     let digits = format!("{:.4}", 100.0 * share);
     format!("{} %", digits.trim_end_matches('0').trim_end_matches('.'))
+}
+
+/// The one of `names` that `given` is probably a misspelling of: at most two edits, and no more than a third of the letters.
+pub fn nearest<'a>(given: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let (edits, name) = names.map(|name| (edits(given, name), name)).min()?;
+    (edits <= 2 && 3 * edits <= given.len()).then_some(name)
 }
 
 #[cfg(test)]

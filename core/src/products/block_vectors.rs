@@ -132,7 +132,7 @@ impl BlockField {
     }
 }
 
-const MEASURES: [Measure; 1] = [Measure::new("candidates", "Candidates tested in all blocks.")];
+const MEASURES: [Measure; 1] = [Measure::new("candidates", "Candidates that were tested in all.")];
 
 impl Product for BlockField {
     const KIND: &'static ProductKind = &ProductKind {

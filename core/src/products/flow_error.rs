@@ -9,7 +9,7 @@ use crate::data::{Flow, Truth};
 use crate::geometry::Grid;
 
 pub(super) const MEASURES: [Measure; 9] = [
-    Measure::new("epe_px", "Mean endpoint error in px, over the pixels with true and with estimated motion.")
+    Measure::new("epe_px", "Mean endpoint error in px over the pixels whose true motion is known and was estimated.")
         .in_column("EPE px", 3),
     Measure::new("epe_median_px", "Median endpoint error in px."),
     Measure::new("epe_p95_px", "The endpoint error in px that 95 % of the pixels do not exceed."),
@@ -20,9 +20,8 @@ pub(super) const MEASURES: [Measure; 9] = [
     Measure::new("r1.0", "Share of the pixels whose endpoint error exceeds 1 px."),
     Measure::new("r2.0", "Share of the pixels whose endpoint error exceeds 2 px."),
     Measure::new("aae_deg", "Mean angular error in degrees."),
-    Measure::new("known", "Pixels over which errors are averaged: those with true and with estimated motion.")
-        .in_column("EPE pixels", 0),
-    Measure::new("coverage", "Share of the pixels with true motion that were estimated; dense flow only."),
+    Measure::new("known", "Pixels compared: those whose motion is known and was estimated.").in_column("EPE of", 0),
+    Measure::new("coverage", "Share of the pixels of known motion that were compared; of fields."),
 ];
 
 /// What errors are of.

@@ -131,9 +131,8 @@ impl PointField {
 }
 
 pub(super) const MEASURES: [Measure; 2] = [
-    Measure::new("points", "Number of features, or of feature tracks in a run over several frames.")
-        .in_column("features", 0),
-    Measure::new("tracked", "Number of features that were tracked and not lost."),
+    Measure::new("points", "Features; of a run through several frames, tracks.").in_column("features", 0),
+    Measure::new("tracked", "Features that were tracked; of tracks, those that were not lost."),
 ];
 
 /// How many features there are, and how many of them were tracked, if any were to be.

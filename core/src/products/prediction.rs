@@ -33,17 +33,17 @@ const fn in_kilobytes(measure: Measure, heading: &'static str, name: &'static st
 pub(super) const MEASURES: [Measure; 4] = [
     PSNR,
     in_kilobytes(
-        Measure::new("residual_bits", "Zero-order entropy of the prediction residual, in bits."),
+        Measure::new("residual_bits", "Zero-order entropy of the residual that the prediction leaves, in bits."),
         "residual kB",
         "residual_kb",
     ),
     in_kilobytes(
-        Measure::new("vector_bits", "Zero-order entropy of the motion vectors, in bits."),
+        Measure::new("vector_bits", "Zero-order entropy of the motion vectors of blocks, in bits."),
         "vectors kB",
         "vectors_kb",
     ),
     in_kilobytes(
-        Measure::new("frame_bits", "Zero-order entropy of the frame without prediction, in bits."),
+        Measure::new("frame_bits", "Zero-order entropy of the frame sent without motion, in bits."),
         "frame kB",
         "frame_kb",
     ),

@@ -205,7 +205,7 @@ impl App {
         }
     }
 
-    /// Switches to the next flow layer that is available now or at the end of the run.
+    /// Takes the next of the layers that there are, or will be at the end of the run.
     fn next_layer(&mut self) {
         let Some(shown) = self.view.shown.as_deref() else { return };
         let look = &mut self.settings.look;

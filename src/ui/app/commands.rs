@@ -66,7 +66,7 @@ commands! {
     Fit,
     /// Zoom to one screen pixel per image pixel.
     ActualSize,
-    /// The next theme: dark, light, projector.
+    /// Dark, light, projector.
     NextTheme,
     /// Light on dark.
     DarkTheme,
@@ -94,7 +94,7 @@ commands! {
     ConsistencyLayer,
     /// Streaklines instead of arrows.
     Streaks,
-    /// Arrows scaled to the space between them.
+    /// Arrows as long as there is room.
     FittingArrows,
     /// Arrows to scale.
     TrueArrows,

@@ -26,9 +26,9 @@ use crate::ui::model::writer::{self, Order, What, Work, Writing};
 use crate::ui::panes::status;
 use crate::ui::stage::Zoom;
 
-/// Events of the first shown unit of a sample.
+/// Events that are seen of the first unit shown of a sample.
 const FIRST_LOOK: usize = 640;
-/// The first position in the picture of a sample, as a fraction of width and height.
+/// Where in the picture a sample is looked at first, as a share of its width and height.
 const FIRST_PLACE: [f32; 2] = [0.19, 0.57];
 
 impl App {
@@ -100,7 +100,7 @@ impl App {
         self.loading = Some(Loading::new(name.into(), beside, move || ctx.request_repaint()));
     }
 
-    /// Opens a bundled sample in the middle of a search.
+    /// Opens a bundled sample in the middle of a search, so that there is something to see.
     pub fn open_sample(&mut self, sample: &'static Sample) {
         self.player.pause();
         self.loading = None;
@@ -152,7 +152,7 @@ impl App {
         self.walk_from(Place { hold: Hold::Set(pixel), ..place });
     }
 
-    /// Chooses a tracker for a clip of detections without images.
+    /// Takes a tracker where there are no pictures to be looked at.
     fn choose_tracker(&mut self) {
         let is_blank = self.document.clip().is_some_and(Clip::is_blank);
         let Some(tracker) =

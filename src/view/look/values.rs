@@ -45,7 +45,7 @@ macro_rules! share {
 }
 share!(Share = "auto", Opacity = "auto", Phase = "off");
 
-/// The word for the level at work.
+/// The level at work, as it is written.
 const AT_WORK: &str = "at-work";
 /// Pyramid levels that can be asked for.
 const LEVELS: std::ops::RangeInclusive<usize> = 0..=99;

@@ -18,16 +18,16 @@ use crate::products::{
 
 const COUNTS: [Measure; 3] = [
     Measure::new("frames", "Frames that were processed."),
-    Measure::new("detections", "Number of detections, summed over the frames.").in_column("detections", 0),
-    Measure::new("objects", "Number of confirmed tracks.").in_column("objects", 0),
+    Measure::new("detections", "Detections, counted in each frame.").in_column("detections", 0),
+    Measure::new("objects", "Confirmed tracks.").in_column("objects", 0),
 ];
 
 const WAYS: [Measure; 5] = [
     Measure::new("crossed_right", "Crossings of the line to its right."),
     Measure::new("crossed_left", "Crossings of the line to its left."),
-    Measure::new("in_zone", "Number of objects that entered the zone."),
+    Measure::new("in_zone", "Objects that were in the zone."),
     Measure::new("dwell_frames", "Mean dwell time in the zone in frames."),
-    Measure::new("unusual", "Number of objects with an unusual direction of motion."),
+    Measure::new("unusual", "Objects with an unusual direction of motion."),
 ];
 
 const TRACKING: [Measure; 8] = [
@@ -36,9 +36,9 @@ const TRACKING: [Measure; 8] = [
     Measure::new("idf1", "F₁ score of identities.").in_column("IDF1", 3),
     Measure::new("hota", "Higher order tracking accuracy.").in_column("HOTA", 3),
     Measure::new("switches", "Identity switches.").in_column("switches", 0),
-    Measure::new("precision", "Share of the estimated boxes that match a true box at an IoU of at least 0.5."),
-    Measure::new("recall", "Share of the true boxes that were matched at an IoU of at least 0.5."),
-    Measure::new("true_objects", "Number of true boxes, summed over the frames."),
+    Measure::new("precision", "Share of the estimated boxes that match a true one at an IoU of 0.5."),
+    Measure::new("recall", "Share of the true boxes that were matched at an IoU of 0.5."),
+    Measure::new("true_objects", "True boxes, counted in each frame."),
 ];
 
 impl Product for ObjectField {
