@@ -1,4 +1,4 @@
-//! One picture file, whatever its format.
+//! Decoding of a single image file of any format.
 
 use std::error::Error as _;
 use std::fs::File;
@@ -10,13 +10,13 @@ use motionscope_core::{Error, Frame, Grid};
 
 use super::{MAX_AREA_PX, MAX_SIDE_PX, cannot_read, check_size, reason};
 
-/// A picture whose header was read and whose pixels were not.
+/// An image whose header was read but not its pixels.
 pub(crate) struct Picture<D> {
     decoder: D,
     upright: image::metadata::Orientation,
     /// `png`, `jpeg` …
     pub codec: &'static str,
-    /// Width and height in pixels as a person sees it.
+    /// Width and height in px, after applying the orientation.
     pub size: (usize, usize),
 }
 
@@ -35,7 +35,7 @@ pub(crate) fn open(path: &Path) -> Result<Picture<impl ImageDecoder + use<>>, Er
     read(BufReader::new(file))
 }
 
-/// Width and height in pixels of the picture at `path` as a person sees it, as far as its header tells.
+/// Returns width and height in px of the image at `path`, after applying the orientation, from its header.
 pub(crate) fn size(path: &Path) -> Option<(usize, usize)> {
     /// A JPEG's decoder reads all it is given, so it is given no more than headers take.
     const HEAD_BYTES: u64 = 64 << 10;
@@ -81,7 +81,7 @@ fn read<'a>(input: impl BufRead + Seek + 'a) -> Result<Picture<impl ImageDecoder
 }
 
 impl<D: ImageDecoder> Picture<D> {
-    /// What is not shown as the file has it.
+    /// Warnings about changes: reduced bit depth, transparency.
     pub(crate) fn warnings(&self) -> Vec<String> {
         let color = self.decoder.color_type();
         let bits = u16::from(color.bytes_per_pixel()) * 8 / u16::from(color.channel_count());
@@ -122,7 +122,7 @@ fn on_black(value: u8, alpha: u8) -> u8 {
     ((u32::from(value) * u32::from(alpha) + 127) / 255) as u8
 }
 
-/// What a decoder of pictures of `bytes` may claim and allocate.
+/// Returns the size and allocation limits for decoding an image of `bytes`.
 pub(crate) fn limits(bytes: u64) -> Limits {
     let mut limits = Limits::default();
     limits.max_image_width = Some(MAX_SIDE_PX as u32);

@@ -14,12 +14,12 @@ use super::names::{Numbered, extension, file_name, natural_order, stem};
 pub(crate) struct Sequence {
     /// One file per frame.
     pub files: Vec<PathBuf>,
-    /// What was left out, and why.
+    /// Warnings about ignored files.
     pub warnings: Vec<String>,
 }
 
 impl Sequence {
-    /// The pictures that `path` stands for: a folder, a pattern like `frame%02d.png`, or the first of numbered files.
+    /// Returns the images of `path`: a folder, a pattern like `frame%02d.png`, or the first of numbered files.
     ///
     /// # Errors
     /// A sentence, without the path, if there are none or the folder cannot be read.
@@ -74,7 +74,7 @@ fn kind(name: &str) -> Option<usize> {
     KINDS.iter().position(|kind| kind.contains(&extension.as_str()))
 }
 
-/// A file with its name as text, of which something may be lost where the file's own is no Unicode.
+/// A file with its name as text, which is lossy if the name is not Unicode.
 struct Picture {
     name: String,
     file: PathBuf,
@@ -149,7 +149,7 @@ fn series_of(name: &str) -> Option<String> {
     Some(format!("{prefix}0{suffix}.{extension}"))
 }
 
-/// What the pictures of truth are called in benchmarks, which keep them beside those of the clip.
+/// Names of ground-truth images in benchmarks that keep them beside the frames.
 const TRUTH: [&str; 6] = ["disp", "flow", "occ", "mask", "depth", "gt"];
 
 /// The series with the most pictures, if there are several; of equals one that is not called like truth.
@@ -166,7 +166,7 @@ fn one_of_several(pictures: &[Picture]) -> Option<String> {
     best.map(|(series, _)| series).filter(|_| several)
 }
 
-/// The picture at `path` and those whose number comes after its.
+/// Returns the image at `path` and those with larger numbers.
 fn numbered(path: &Path, added: Option<&str>) -> Result<Sequence, Error> {
     let name = file_name(path);
     let Some(wanted) = shape(&name) else {

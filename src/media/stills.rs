@@ -33,7 +33,7 @@ pub(crate) fn open(path: &Path, options: &Open) -> Result<Source, Error> {
     Ok(Source { info, decoder: Box::new(Stills { files: Arc::clone(&files), size }), files })
 }
 
-/// What clips of pictures are told to be contained in.
+/// The container name of image sequences.
 pub(crate) const CONTAINER: &str = "images";
 
 /// Most headers that are read when a folder is opened; the other pictures are measured when they are shown.

@@ -1,4 +1,4 @@
-//! A whole clip as numbered pictures with its truth beside them.
+//! Export of a clip as numbered images with its ground truth.
 
 use std::fs;
 use std::path::Path;
@@ -115,7 +115,7 @@ pub fn frame(frame: &Frame) -> Result<Vec<u8>, Error> {
     png(width, height, pixels)
 }
 
-/// What is there by the names of this clip's files, and is not of the clip `before`, would be lost.
+/// Refuses to overwrite files with the names of this clip's files that are not part of the clip `before`.
 fn refuse_foreign(folder: &Path, before: &WrittenFiles, frames: usize) -> Result<(), Error> {
     let mut names = (0..frames).flat_map(names).chain([TRACKS.to_owned()]);
     match names.find(|name| before.is_foreign(folder, name)) {

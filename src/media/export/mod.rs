@@ -1,4 +1,4 @@
-//! What leaves the program as a file: flow, tables, pictures, tracks. Encoders make bytes; [`save`] alone writes them.
+//! Encoding and saving of flow, tables, pictures and tracks. Encoders return bytes; only [`save`] writes files.
 
 mod clip;
 mod flo;

@@ -1,4 +1,4 @@
-//! Files are written whole or not at all.
+//! Atomic saving of files.
 
 use std::fs::{self, OpenOptions, Permissions};
 use std::io::{self, Write};
@@ -8,7 +8,7 @@ use motionscope_core::Error;
 
 use crate::media::temporary;
 
-/// Writes `bytes` to the file at `path`, whole or not at all; `-` is the standard output.
+/// Saves `bytes` to `path` atomically; `-` is standard output.
 ///
 /// # Errors
 /// If the folder does not exist or cannot be written to, the disk is full, or the reader of a pipe is gone. A file

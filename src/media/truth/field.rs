@@ -25,7 +25,7 @@ pub fn flow(path: &Path, size: (usize, usize)) -> Result<Flow, Error> {
     }
 }
 
-/// Whether the header of the flow at `path` tells of `size` pixels.
+/// Whether the header of the flow at `path` states this `size`.
 ///
 /// # Errors
 /// If it cannot be read, is no flow or has another size.
@@ -38,7 +38,7 @@ pub fn check_flow(path: &Path, size: (usize, usize)) -> Result<(), Error> {
     must_fit(path, found, size)
 }
 
-/// Whether the header of the mask at `path` tells of `size` pixels.
+/// Whether the header of the mask at `path` states this `size`.
 ///
 /// # Errors
 /// If it cannot be read, is no PNG or has another size.
@@ -127,7 +127,7 @@ fn kitti(reader: BufReader<File>, path: &Path, size: (usize, usize)) -> Result<F
     Grid::from_vec(size.0, size.1, samples.chunks_exact(6).map(pixel).collect()).map(Flow)
 }
 
-/// A PNG whose header was read and whose pixels were not.
+/// A PNG whose header was read but not its pixels.
 struct Picture<R: BufRead + Seek> {
     reader: png::Reader<R>,
     size: (usize, usize),
