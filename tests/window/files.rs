@@ -150,7 +150,9 @@ fn what_the_clip_is_read_from_is_not_written_over() {
     };
     window.harness.state_mut().write(order);
     window.settle();
-    assert!(window.app().message().is_some_and(|message| message.contains("would replace the ground truth of the clip")));
+    assert!(
+        window.app().message().is_some_and(|message| message.contains("would replace the ground truth of the clip"))
+    );
     assert!(before == [&picture, &flow, &lesson].map(|path| fs::read(path).expect("a file")));
     // The session is there to be saved again.
     window.command(Command::SaveSession);

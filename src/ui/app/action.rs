@@ -81,7 +81,7 @@ pub enum Action {
     Frame(usize),
     /// Play at this speed.
     Speed(usize),
-    /// Dismiss the error.
+    /// The error was read.
     Dismiss,
 }
 
