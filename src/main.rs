@@ -8,6 +8,6 @@ use std::process::ExitCode;
 
 fn main() -> ExitCode {
     env_logger::init();
-    let _run = motionscope::media::unfinished::begin();
+    let _run = motionscope::media::temporary::begin();
     motionscope::cli::main(std::env::args_os())
 }

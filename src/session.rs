@@ -1,26 +1,26 @@
-//! The session file, `*.motionscope`: a small text that reopens exactly what was on the screen.
+//! The session file, `*.motionscope`: a small text file that restores clip, estimator, parameters, step and view.
 //!
 //! ```toml
 //! motionscope = 1
 //! clip = "clips/ball.mp4"          # beside the session file, or synth:NAME,SLIDER=VALUE
-//! truth = "truth.flo"              # what is given for the clip by hand, beside the session file as well
+//! truth = "truth.flo"              # ground truth given explicitly, relative to the session file as well
 //! detections = "det.txt"
 //! estimator = "full-search"
-//! pace = "block"                   # of those in lockstep: the same block, or the same budget
+//! pace = "block"                   # of the lockstep: the same block, or the same budget of candidates
 //! frame = 12
 //! step = "35.412"
-//! pixel = "303,202"                # the one that is held to be explained by itself
+//! pixel = "303,202"                # the held pixel to explain
 //!
 //! [set]
 //! block = 8
 //!
-//! [[beside]]                       # up to three more, which go in lockstep with it
+//! [[beside]]                       # up to three more estimators in lockstep
 //! estimator = "hierarchical"
-//! set = { levels = 4 }             # what it does not share with the first
+//! set = { levels = 4 }             # parameters that the first does not have
 //!
-//! [picture]                        # the entries of a look
+//! [picture]                        # the view options
 //! view = "side-by-side"
-//! layer = "error"                  # the colours that tell of motion
+//! layer = "error"                  # the flow layer
 //! ```
 
 mod read;
@@ -39,36 +39,36 @@ use crate::experiment::{Experiment, Position};
 use crate::media::{self, Given, export};
 use crate::view::look::Changes;
 
-/// The version of the format that is written.
+/// The version of the format.
 const VERSION: u32 = 1;
-/// The ending of a session file's name.
+/// The file extension of a session.
 pub const EXTENSION: &str = "motionscope";
 
-/// Everything that a session keeps: what is run, where in it one is, and how it is looked at.
+/// A session: an experiment, the position in it, and the view options.
 #[derive(Clone, PartialEq)]
 pub struct Session {
-    /// What is run.
+    /// The experiment.
     pub experiment: Experiment,
-    /// Where in the run one is.
+    /// The position in the run.
     pub position: Position,
-    /// How it is looked at; what it does not set is left as it is where it is opened.
+    /// The view options that it sets; the others keep their values.
     pub look: Changes,
-    /// Which part of the picture is seen, if not all of it.
+    /// The visible part of the picture, if not all of it.
     pub sight: Option<Sight>,
 }
 
-/// What a person called a clip: the clip itself, or a session that leads to it.
+/// A clip as named by the user: the clip itself, or a session with a clip.
 pub struct Named {
-    /// Where the clip comes from.
+    /// The source of the clip.
     pub source: Source,
-    /// What is given for it by hand.
+    /// Ground truth and detections given explicitly.
     pub given: Given,
     /// The session, if one was named.
     pub session: Option<Session>,
 }
 
 impl Named {
-    /// What `name` stands for; what is `given` overrides what a session gives.
+    /// Resolves `name`; files in `given` override those of a session.
     ///
     /// # Errors
     /// If it is a session that cannot be read, or a scene that does not exist.
@@ -84,10 +84,10 @@ impl Named {
     }
 }
 
-/// The part of the picture that is seen on the stage.
+/// The visible part of the picture on the stage.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Sight {
-    /// The pixel in the middle of the stage.
+    /// The pixel at the center of the stage.
     pub center: [f32; 2],
     /// Points per pixel.
     pub zoom: f32,
@@ -100,7 +100,7 @@ impl Sight {
 }
 
 impl Session {
-    /// Whether `path` is called like a session.
+    /// Whether `path` has the extension of a session.
     pub fn is_named(path: &Path) -> bool {
         path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(EXTENSION))
     }
@@ -108,7 +108,7 @@ impl Session {
     /// Reads the session in `path`; the clip is not opened.
     ///
     /// # Errors
-    /// One sentence that names the file, tells what is wrong and what to do.
+    /// One sentence that names the file, the reason and a remedy.
     pub fn load(path: &Path) -> Result<Self, Error> {
         let name = Error::short_name(&path.display().to_string());
         let about = |error: String| Error::new(format!("cannot open the session {name}: {error}"));
@@ -116,15 +116,15 @@ impl Session {
         Self::parse(&text, folder_of(path)).map_err(|error| about(error.to_string()))
     }
 
-    /// Reads a session whose paths are told from `folder`.
+    /// Parses a session whose paths are relative to `folder`.
     ///
     /// # Errors
-    /// If the text is no session, or names what does not exist.
+    /// If the text is no session, or names an unknown estimator, parameter or scene.
     pub fn parse(text: &str, folder: &Path) -> Result<Self, Error> {
         read::session(text, folder)
     }
 
-    /// Writes the session to `path`, whole or not at all.
+    /// Saves the session to `path` atomically.
     ///
     /// # Errors
     /// If the file cannot be written.
@@ -132,24 +132,24 @@ impl Session {
         export::save(path, self.text(folder_of(path))?.as_bytes())
     }
 
-    /// The text of a session file in `folder`.
+    /// Returns the text of a session file in `folder`.
     ///
     /// # Errors
-    /// If it cannot be told as TOML, or the name of the clip, its truth or its detections is no Unicode.
+    /// If it cannot be written as TOML, or a path is not Unicode.
     pub fn text(&self, folder: &Path) -> Result<String, Error> {
         write::text(self, folder)
     }
 }
 
-/// What a session calls an entry of a look that is called `name` elsewhere.
+/// Returns the session key of the view option `name`.
 fn key(name: &'static str) -> &'static str {
     if name == "arrow-scale" { "arrows" } else { name }
 }
 
-/// The pace called `id`.
+/// Returns the pace `id`.
 ///
 /// # Errors
-/// A sentence with the paces there are.
+/// A sentence with the known paces.
 pub fn pace(id: &str) -> Result<Pace, Error> {
     let all = [Pace::Block, Pace::Budget];
     let name = |pace: &Pace| pace.to_value().to_string();

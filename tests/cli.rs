@@ -56,7 +56,7 @@ fn list_names_every_estimator_with_its_parameters() {
     let best = serde_json::json!({ "name": "keep-best", "text": "      minimum ← c; best ← (u, v)" });
     assert!(full["pseudocode"].as_array().unwrap().contains(&best), "{}", full["pseudocode"]);
     let text = stdout(folder.path(), "list");
-    assert!(text.contains("full-search") && text.contains("4 to 64 px; 16 unless set"));
+    assert!(text.contains("full-search") && text.contains("4 to 64 px; default 16"));
 }
 
 #[test]
@@ -161,8 +161,8 @@ fn a_layer_that_cannot_be_is_refused_with_its_reason() {
     let refused = |line: &str| refusal(folder.path(), &format!("run {SMALL} --overlay a.png {line}"));
     for (line, reason) in [
         ("--estimator horn-schunck --layer heat", "layer must be none, wheel"),
-        ("--estimator horn-schunck --layer error --step 1.1", "the end of a run"),
-        ("--estimator horn-schunck --layer confidence", "tells no confidence"),
+        ("--estimator horn-schunck --layer error --step 1.1", "the end of the run"),
+        ("--estimator horn-schunck --layer confidence", "reports no confidence"),
         ("--estimator harris --layer wheel", "single points"),
         ("--estimator horn-schunck --arrow-spacing 0", "1 to 256 px"),
         ("--estimator horn-schunck --layer-opacity 1.5", "0 to 1 or auto, not 1.5"),
@@ -173,7 +173,7 @@ fn a_layer_that_cannot_be_is_refused_with_its_reason() {
         let told = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(!output.status.success() && told.contains(reason), "{line}: {told}");
     }
-    assert!(refused("--estimator full-search --beside diamond --layer consistency").contains("by itself"));
+    assert!(refused("--estimator full-search --beside diamond --layer consistency").contains("single estimator"));
 }
 
 #[test]
@@ -189,7 +189,7 @@ fn the_check_with_the_reverse_pair_is_told_in_numbers() {
     for share in ["precision", "recall"] {
         assert!((0.0..=1.0).contains(&check[share].as_f64().unwrap()), "{check}");
     }
-    assert!(stdout(folder.path(), line).contains("pixels fail the check"));
+    assert!(stdout(folder.path(), line).contains("inconsistent pixels"));
     let other = json(folder.path(), &format!("{} --json", line.replace("consistency", "wheel")));
     assert!(other.get("consistency").is_none());
     let metrics = &other["metrics"];
@@ -377,6 +377,9 @@ fn a_switch_of_a_session_can_be_taken_back_by_its_flag() {
     for entry in ["--view <NAME>", "--layer-opacity <NUMBER>", "--arrow-spacing <PX>", "--legend[=<on|off>]"] {
         assert!(help.contains(entry), "{entry}: {help}");
     }
+    for heading in ["Estimation:", "Clip:", "Picture:", "Output:", "Execution:"] {
+        assert!(help.lines().any(|line| line == heading), "{heading} {help}");
+    }
 }
 
 #[test]
@@ -511,35 +514,38 @@ fn what_is_wrong_is_one_sentence_and_leaves_no_file() {
         (run(SMALL, "--level top"), "0 to 99 or at-work, not top"),
         (
             format!("run {SMALL} --estimator hierarchical --set levels=2 --level 2 --overlay o.png"),
-            "levels 0 to 1, and not 2",
+            "levels 0 to 1, not 2",
         ),
         (run(SMALL, "--pixel 7"), "X,Y"),
         (run(SMALL, "--pixel frame:7,9"), "a picture must be t, t+1"),
-        (run(SMALL, "--pixel t+1:7,9"), "explains no pixels of the picture t+1"),
-        (run(SMALL, "--step 3.7 --pixel 7,9"), "full-search does not explain pixel (7, 9) by itself at step 3.7"),
-        (run(SMALL, "--beside diamond --pixel 7,9"), "by itself"),
-        (run(SMALL, "--pixel 64,9"), "no pixel (64, 9): the picture has 64×48 px"),
-        (run(SMALL, "--pixel template:5,5"), "the step shows no template; it shows t and t+1"),
+        (run(SMALL, "--pixel t+1:7,9"), "cannot explain pixels of the picture t+1"),
+        (run(SMALL, "--step 3.7 --pixel 7,9"), "full-search cannot explain pixel (7, 9) at step 3.7"),
+        (run(SMALL, "--beside diamond --pixel 7,9"), "cannot explain pixel"),
+        (run(SMALL, "--pixel 64,9"), "pixel (64, 9) is outside the picture of 64×48 px"),
+        (run(SMALL, "--pixel template:5,5"), "this step does not show the picture template; it shows t and t+1"),
         (
             format!("run {SMALL} --estimator running-average --pixel template:5,5 --overlay o.png"),
-            "the step shows no template; it shows t and reference",
+            "this step does not show the picture template; it shows t and reference",
         ),
         (
             format!("run {SMALL} --estimator running-average --pixel reference:64,5 --overlay o.png"),
-            "no pixel (64, 5): the picture has 64×48 px",
+            "pixel (64, 5) is outside the picture of 64×48 px",
         ),
         (format!("run {SMALL} --estimator horn-schunck --pixel 7,9"), "--overlay"),
         (
             format!("run {SMALL} --estimator normal-flow --step 3.7 --pixel 7,9 --overlay o.png"),
-            "its turn at step 10.8, and this is step 3.7",
+            "is processed at step 10.8, but this is step 3.7",
         ),
-        (format!("export {SMALL} --estimator horn-schunck --steps 1..2 --pixel 7,48 --out o"), "no pixel (7, 48)"),
-        (format!("export {SMALL} --estimator normal-flow --steps 3..11 --pixel 7,9 --out o"), "its turn"),
+        (
+            format!("export {SMALL} --estimator horn-schunck --steps 1..2 --pixel 7,48 --out o"),
+            "pixel (7, 48) is outside",
+        ),
+        (format!("export {SMALL} --estimator normal-flow --steps 3..11 --pixel 7,9 --out o"), "is processed at step"),
         (run(SMALL, "--pace budget"), "--beside"),
         (run(SMALL, "--beside diamond --step 13"), "ends at 12"),
         (format!("run {SMALL} --estimator full-search --beside diamond"), "--overlay"),
         (format!("run {SMALL}"), "--estimator"),
-        (format!("export {SMALL} --estimator full-search --steps 5..2 --out o"), "forwards"),
+        (format!("export {SMALL} --estimator full-search --steps 5..2 --out o"), "needs A ≤ B"),
         (format!("export {SMALL} --estimator full-search --steps 99..100 --out o"), "ends"),
         ("synth nowhere --out o".into(), "translation"),
         ("synth translation --out mine".into(), "already holds gt.txt"),
@@ -714,9 +720,40 @@ fn an_export_that_is_refused_makes_no_folder() {
 }
 
 #[test]
+fn glossary_defines_the_terms_of_the_course() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let all = stdout(here, "glossary");
+    let chapters = ["Dynamic scene analysis\n", "Estimating motion vectors\n", "Kalman filters\n", "Evaluation\n"];
+    let places: Vec<_> = chapters.iter().map(|chapter| all.find(chapter).expect("a chapter")).collect();
+    assert!(places.is_sorted(), "{places:?}");
+    assert!(all.contains("\n  aperture problem\n      The ambiguity"));
+    let one = stdout(here, "glossary structure tensor");
+    assert!(one.starts_with("structure tensor  [G]\n  The 2×2 matrix"), "{one}");
+    assert!(
+        one.contains("\n  Chapter: Differential motion analysis\n  Also: ") && one.contains("second-moment matrix")
+    );
+    assert!(stdout(here, "glossary sequential search").starts_with("full search\n"));
+}
+
+#[test]
+fn glossary_answers_scripts_and_slips() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let all = json(here, "glossary --json");
+    assert!(all.as_array().unwrap().len() >= 140);
+    let keys = ["term", "aliases", "symbol", "definition", "chapter"];
+    assert!(all.as_array().unwrap().iter().all(|term| keys.iter().all(|key| term.get(key).is_some())));
+    let one = json(here, "glossary SAD --json");
+    assert_eq!((&one["term"], &one["symbol"]), (&"sum of absolute differences".into(), &Value::Null));
+    assert!(refusal(here, "glossary eigenvalu").contains("the nearest is eigenvalue"));
+    assert!(refusal(here, "glossary Kalman").contains("Kalman gain"));
+}
+
+#[test]
 fn help_has_examples() {
     let folder = tempfile::tempdir().unwrap();
-    for command in ["", "list", "info", "synth", "run", "compare", "export"] {
+    for command in ["", "list", "glossary", "info", "synth", "run", "compare", "export"] {
         assert!(stdout(folder.path(), &format!("{command} --help")).contains("Examples:"));
     }
 }
@@ -878,8 +915,8 @@ fn what_is_wrong_with_detections_is_told() {
         ("run det.txt --estimator kalman-tracker --masks m", "makes objects"),
         ("run alone/det.txt --estimator kalman-tracker --set source=truth", "no true objects"),
         ("run alone/det.txt --estimator kalman-filter --set sensors=two-positions", "no true objects"),
-        ("run det.txt --estimator kalman-tracker --frames 5..5", "forwards"),
-        ("run det.txt --estimator kalman-tracker --frames 5..99", "beyond 11, the last frame"),
+        ("run det.txt --estimator kalman-tracker --frames 5..5", "needs A < B"),
+        ("run det.txt --estimator kalman-tracker --frames 5..99", "exceeds the last frame, 11"),
     ] {
         let output = motionscope(folder.path(), line);
         let error = String::from_utf8(output.stderr).unwrap();
@@ -958,9 +995,9 @@ fn a_pane_that_is_not_there_is_told_in_one_sentence() {
         (format!("{run} plane"), "full-search never has the pane plane; its panes are stage"),
         (
             format!("{run} stage,surface --step 0"),
-            "full-search has nothing for the pane surface at this step: it shows the cost",
+            "full-search has no content for the pane surface at this step: it shows the cost",
         ),
-        (format!("run {SMALL} --estimator full-search --panes stage"), "give --overlay FILE as well"),
+        (format!("run {SMALL} --estimator full-search --panes stage"), "add --overlay FILE"),
         (format!("run {SMALL} --estimator full-search --overlay a.txt"), ".png, .svg or .pdf"),
         (format!("run {SMALL} --estimator full-search --overlay a --format tiff"), "png, svg or pdf, and not tiff"),
         (

@@ -155,7 +155,7 @@ fn the_courses_table_is_measured_cell_by_cell() {
         assert_eq!(row("noise")[name], percent, "{name}");
     }
     let table = stdout(&format!("compare {clip} --course --repeat 1"));
-    assert!(table.contains("the course says") || !table.contains("does not hold"), "{table}");
+    assert!(table.contains("The course says") || !table.contains("does not hold"), "{table}");
     // A picture that is too small for any pyramid is refused with what to do.
     let refused = motionscope("compare synth:pillar,width=32,height=32 --course");
     let told = String::from_utf8(refused.stderr).unwrap();

@@ -241,7 +241,7 @@ fn two_results_have_two_names() {
     ] {
         let told = refusal(here, &format!("run {SMALL} --estimator full-search {outputs}"));
         let flags: Vec<_> = outputs.split(' ').filter(|word| word.starts_with("--") && *word != "--force").collect();
-        assert!(flags.iter().all(|flag| told.contains(flag)) && told.contains("same place"), "{outputs}: {told}");
+        assert!(flags.iter().all(|flag| told.contains(flag)) && told.contains("same file"), "{outputs}: {told}");
         assert_eq!((fs::read_dir(here).unwrap().count(), fs::read_dir(here.join("masks")).unwrap().count()), (1, 0));
     }
     #[cfg(unix)]
@@ -250,7 +250,7 @@ fn two_results_have_two_names() {
         put(here, "a.csv", "");
         link("a.csv", "b.csv");
         let told = refusal(here, &format!("run {SMALL} --estimator full-search --table a.csv --tracks b.csv"));
-        assert!(told.contains("same place"), "{told}");
+        assert!(told.contains("same file"), "{told}");
         // Nothing is lost where nothing is kept.
         link("/dev/null", "none.csv");
         link("/dev/null", "none.flo");
@@ -319,8 +319,8 @@ fn a_layer_that_steps_lack_is_told() {
     let here = folder.path();
     let export = |estimator: &str, rest: &str| format!("export {SMALL} --estimator {estimator} {rest} --out steps");
     for (estimator, rest, why) in [
-        ("full-search", "--steps 2.1..2.4 --layer error", "the end of a run"),
-        ("full-search", "--steps 2..5 --every block --layer confidence", "tells no confidence"),
+        ("full-search", "--steps 2.1..2.4 --layer error", "the end of the run"),
+        ("full-search", "--steps 2..5 --every block --layer confidence", "reports no confidence"),
         ("harris", "--steps 2..5 --layer wheel", "single points"),
     ] {
         let told = refusal(here, &export(estimator, rest));
@@ -330,7 +330,7 @@ fn a_layer_that_steps_lack_is_told() {
     let told = stdout(here, &export("full-search", "--steps 10..99 --every block --layer error"));
     assert_eq!(
         told.trim(),
-        "3 pictures in steps, 2 of them without the layer error: it needs the whole field, which is there at the end of a run"
+        "3 pictures in steps, 2 of them without the layer error: it needs the complete flow field, at the end of the run"
     );
     let told = stdout(here, &export("full-search", "--steps 10..99 --every block --layer wheel"));
     assert_eq!(told.trim(), "3 pictures in steps");

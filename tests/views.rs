@@ -19,7 +19,7 @@ use motionscope::ui::drawing::primitives::shapes;
 use motionscope::ui::drawing::style;
 use motionscope::ui::panes::explanation;
 use motionscope::ui::stage::{self, Zoom};
-use motionscope::view::look::{Look, Stands};
+use motionscope::view::look::{Look, RunState};
 use motionscope::view::motion::AvailableLayers;
 use motionscope_core::block_matching::FullSearch;
 use motionscope_core::scene::{Focus, Picture, Readout, Surface, Tile};
@@ -69,7 +69,7 @@ impl Fixture {
             frame: 12,
             scene: &self.scene,
             lockstep: None,
-            stands: Stands::default(),
+            stands: RunState::default(),
             look: Look::of_window(),
             heat: "SAD",
             gpu: None,

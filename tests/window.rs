@@ -278,7 +278,7 @@ fn the_ladder_has_buttons_with_the_estimators_names() {
     assert_eq!(window.cursor(), Cursor { event: before.event + 1, ..before });
     window.click(&format!("Previous {event}"));
     assert_eq!(window.cursor(), before);
-    window.click("To the end of the block");
+    window.click("Finish this block");
     assert_eq!((window.cursor().unit, window.cursor().event), (before.unit, window.shown().events));
 }
 
@@ -432,8 +432,8 @@ fn what_cannot_be_done_is_announced_so() {
         let item = window.harness.get_by_role_and_label(Role::MenuItem, label);
         item.accesskit_node().is_disabled()
     };
-    assert!(state("Previous block") && !state("Next block"));
-    assert!(window.harness.query_all_by_label("To the end of the run").next().is_none(), "the end is listed once");
+    assert!(state("Result of the previous block") && !state("Result of the next block"));
+    assert!(window.harness.query_all_by_label("Finish the run").next().is_none(), "the end is listed once");
 }
 
 #[test]
@@ -597,7 +597,7 @@ fn what_is_still_being_written_is_not_cut_short_by_the_next() {
     let steps = What::Steps { from, to, granularity: 2, format: Format::Png };
     window.harness.state_mut().write(order(steps, "steps"));
     window.harness.state_mut().write(order(What::Picture, "one.png"));
-    assert!(window.app().message().is_some_and(|text| text.contains("still being written")));
+    assert!(window.app().message().is_some_and(|text| text.contains("still being saved")));
     let begun = Instant::now();
     while window.app().written().expect("it is being written") < 1.0 {
         std::thread::sleep(Duration::from_millis(1));

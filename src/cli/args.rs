@@ -1,4 +1,4 @@
-//! What can be asked for, as clap reads it. Names are stable: scripts depend on them.
+//! The commands and options, as clap parses them. Names are stable: scripts depend on them.
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -14,11 +14,11 @@ use crate::session;
 use crate::view::panes::Named;
 use crate::view::shot::Format;
 
-/// Walk through any motion estimator of a computer-vision course, step by step, forwards and backwards.
+/// Step through the motion estimators of a computer-vision course, forwards and backwards.
 #[derive(Parser)]
 #[command(name = "motionscope", version, after_help = examples::ALL, args_conflicts_with_subcommands = true)]
 pub struct Args {
-    /// What to open in the window: a clip or a session; without it, a bundled clip.
+    /// Clip or session to open in the window; a bundled clip by default.
     pub clip: Option<OsString>,
     #[command(subcommand)]
     pub command: Option<Command>,
@@ -26,149 +26,166 @@ pub struct Args {
 
 #[derive(Subcommand)]
 pub enum Command {
-    /// Estimators with their parameters, ranges, defaults, units and source.
+    /// List the estimators with parameters, ranges, defaults, units and source.
     #[command(after_help = examples::LIST)]
     List {
-        /// As JSON.
+        /// Print JSON.
         #[arg(long)]
         json: bool,
     },
-    /// What a clip is: size, frames, rate, codec, truth.
-    #[command(after_help = examples::INFO)]
-    Info {
-        /// The clip.
-        clip: OsString,
-        /// As JSON.
+    /// Define the terms of the course.
+    #[command(after_help = examples::GLOSSARY)]
+    Glossary {
+        /// Term to define; by default all terms are listed by chapter.
+        #[arg(value_name = "TERM")]
+        term: Vec<String>,
+        /// Print JSON.
         #[arg(long)]
         json: bool,
-        /// Decode the whole file where nothing else tells how many frames there are.
+    },
+    /// Describe a clip: size, frames, frame rate, codec, ground truth.
+    #[command(after_help = examples::INFO)]
+    Info {
+        /// Clip to describe.
+        clip: OsString,
+        /// Print JSON.
+        #[arg(long)]
+        json: bool,
+        /// Count the frames by decoding the whole file if the container does not say.
         #[arg(long)]
         count: bool,
-        /// Truth given by hand: .flo, KITTI .png, a folder of them, or a MOTChallenge gt.txt.
+        /// Ground truth: .flo, KITTI .png, a folder of them, or a MOTChallenge gt.txt.
         #[arg(long, value_name = "FILE")]
         truth: Option<PathBuf>,
     },
-    /// Writes a synthetic clip: frames as PNG, truth as .flo, occlusion masks and gt.txt.
+    /// Render a synthetic clip: frames as PNG, true flow as .flo, occlusion masks and gt.txt.
     #[command(after_help = examples::SYNTH)]
     Synth {
-        /// The scene; --list names them.
+        /// Scene to render; see --list.
         #[arg(required_unless_present = "list")]
         name: Option<String>,
-        /// Folder to write to; of what is in it, only a synthetic clip written earlier is replaced.
+        /// Output folder; only a synthetic clip rendered there earlier is replaced.
         #[arg(long, value_name = "DIR", required_unless_present = "list")]
         out: Option<PathBuf>,
-        /// Sets a slider, e.g. noise=5; may be repeated.
+        /// Set a slider, e.g. noise=5; may be repeated.
         #[arg(long, value_name = "K=V")]
         set: Vec<String>,
-        /// Names the scenes, their sliders and what they teach.
+        /// List the scenes, their sliders and what they teach.
         #[arg(long)]
         list: bool,
     },
-    /// Runs an estimator on a pair of frames, or through several, and tells its time and errors.
+    /// Run an estimator on a pair of frames, or through a clip, and report time and errors.
     #[command(after_help = examples::RUN)]
     Run(RunArgs),
-    /// Writes pictures of a range of steps.
+    /// Save pictures of a range of steps.
     #[command(after_help = examples::EXPORT)]
     Export(ExportArgs),
-    /// Several estimators on the same pair of frames, in one table.
+    /// Compare estimators on the same pair of frames in one table.
     #[command(after_help = examples::COMPARE)]
     Compare(CompareArgs),
 }
 
 #[derive(Group)]
 pub struct CompareArgs {
-    /// The clip or session.
+    /// Clip or session.
     pub clip: OsString,
-    /// Ids of estimators, with commas between them; `motionscope list` names them.
-    #[arg(long, value_name = "A,B,..", required_unless_present = "course", value_delimiter = ',', num_args = 1)]
+    /// Ids of the estimators, separated by commas; see `motionscope list`.
+    #[arg(
+        long,
+        help_heading = "Estimation",
+        value_name = "A,B,..",
+        required_unless_present = "course",
+        value_delimiter = ',',
+        num_args = 1
+    )]
     pub estimators: Vec<String>,
-    /// Measures the course's table of sequential, logarithmic and hierarchical search instead, and says what of it holds.
-    #[arg(long, conflicts_with_all = ["estimators", "set", "sweep", "csv", "truth"])]
+    /// Measure the course's table of sequential, logarithmic and hierarchical search instead, and check its statements.
+    #[arg(long, help_heading = "Estimation", conflicts_with_all = ["estimators", "set", "sweep", "csv", "truth"])]
     pub course: bool,
-    /// Sets a parameter of one, e.g. diamond.block=8, or of all that have it, e.g. block=8; may be repeated.
-    #[arg(long, value_name = "A.K=V")]
+    /// Set a parameter of one estimator, e.g. diamond.block=8, or of all that have it, e.g. block=8; may be repeated.
+    #[arg(long, help_heading = "Estimation", value_name = "A.K=V")]
     pub set: Vec<String>,
-    /// Runs all with each of these values of a parameter, or of a slider of a synthetic clip.
-    #[arg(long, value_name = "K=V1,V2,..")]
+    /// Run all estimators with each of these values of a parameter, or of a slider of a synthetic clip.
+    #[arg(long, help_heading = "Estimation", value_name = "K=V1,V2,..")]
     pub sweep: Option<String>,
     /// Frame t, from 0.
-    #[arg(long, value_name = "N")]
+    #[arg(long, help_heading = "Estimation", value_name = "N")]
     pub frame: Option<usize>,
-    /// Truth given by hand; otherwise it is looked for beside the clip.
-    #[arg(long, value_name = "FILE")]
+    /// Ground truth; by default it is searched for beside the clip.
+    #[arg(long, help_heading = "Clip", value_name = "FILE")]
     pub truth: Option<PathBuf>,
-    /// How often to run each, for the time; the least counts.
-    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    /// Runs of each estimator; the shortest time counts.
+    #[arg(long, help_heading = "Execution", value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub repeat: u32,
-    /// Threads to run on.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=Threads::MAX as i64))]
+    /// Number of threads.
+    #[arg(long, help_heading = "Execution", value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=Threads::MAX as i64))]
     pub threads: u32,
-    /// Prints a JSON array with an object for each row.
-    #[arg(long, conflicts_with = "markdown")]
+    /// Print a JSON array with one object per row.
+    #[arg(long, help_heading = "Output", conflicts_with = "markdown")]
     pub json: bool,
-    /// Writes the table as CSV; `-` is standard output.
-    #[arg(long, value_name = "FILE.csv")]
+    /// Save the table as CSV; `-` is standard output.
+    #[arg(long, help_heading = "Output", value_name = "FILE.csv")]
     pub csv: Option<PathBuf>,
-    /// Writes the table even over a file that is read.
-    #[arg(long)]
+    /// Overwrite input files.
+    #[arg(long, help_heading = "Output")]
     pub force: bool,
-    /// Prints the table as Markdown.
-    #[arg(long)]
+    /// Print the table as Markdown.
+    #[arg(long, help_heading = "Output")]
     pub markdown: bool,
 }
 
-/// What is estimated.
+/// What to estimate: clip, estimator, parameters and frames.
 #[derive(Group)]
 pub struct TaskArgs {
-    /// The clip or session; may be left out where --detections are given.
+    /// Clip or session; optional with --detections.
     #[arg(required_unless_present = "detections")]
     pub clip: Option<OsString>,
-    /// The estimator's id; `motionscope list` names them. A session brings its own.
-    #[arg(long, value_name = "ID")]
+    /// Id of the estimator; see `motionscope list`. A session has its own.
+    #[arg(long, help_heading = "Estimation", value_name = "ID")]
     pub estimator: Option<String>,
     /// Frame t, from 0.
-    #[arg(long, value_name = "N")]
+    #[arg(long, help_heading = "Estimation", value_name = "N")]
     pub frame: Option<usize>,
-    /// Up to three more estimators that go in lockstep with it, with commas between them; each has its own picture.
-    #[arg(long, value_name = "B,C,..", value_delimiter = ',', num_args = 1)]
+    /// Up to three more estimators in lockstep, separated by commas; each has its own picture.
+    #[arg(long, help_heading = "Estimation", value_name = "B,C,..", value_delimiter = ',', num_args = 1)]
     pub beside: Vec<String>,
-    /// What they have in common at every step: block (the same block, one candidate each) or budget (as many candidates in all).
-    #[arg(long, value_parser = pace)]
+    /// Pace of the lockstep: block (same block, one candidate each) or budget (same number of candidates in total).
+    #[arg(long, help_heading = "Estimation", value_parser = pace)]
     pub pace: Option<Pace>,
-    /// Sets a parameter, e.g. block=8, for all that have it; of one beside it, e.g. hierarchical.levels=4; may be repeated.
-    #[arg(long, value_name = "K=V")]
+    /// Set a parameter, e.g. block=8, or that of one estimator in lockstep, e.g. hierarchical.levels=4; may be repeated.
+    #[arg(long, help_heading = "Estimation", value_name = "K=V")]
     pub set: Vec<String>,
-    /// Truth given by hand; otherwise it is looked for beside the clip.
-    #[arg(long, value_name = "FILE")]
+    /// Ground truth; by default it is searched for beside the clip.
+    #[arg(long, help_heading = "Clip", value_name = "FILE")]
     pub truth: Option<PathBuf>,
-    /// The detections in the clip: MOTChallenge rows, as det.txt.
-    #[arg(long, value_name = "FILE.txt")]
+    /// Detections as MOTChallenge rows, as in det.txt.
+    #[arg(long, help_heading = "Clip", value_name = "FILE.txt")]
     pub detections: Option<PathBuf>,
-    /// First and last frame of a run through the clip, from 0, in the place of --frame and --set frames.
-    #[arg(long, value_name = "A..B", value_parser = frames, conflicts_with = "frame")]
+    /// First and last frame of a run through the clip, from 0; replaces --frame and --set frames.
+    #[arg(long, help_heading = "Estimation", value_name = "A..B", value_parser = frames, conflicts_with = "frame")]
     pub frames: Option<(usize, usize)>,
 }
 
-/// How a picture looks.
+/// The view options of pictures.
 #[derive(Group)]
 pub struct PictureArgs {
-    /// Pixels of the picture for each pixel of the clip.
-    #[arg(long, value_name = "S", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=8))]
+    /// Pixels of the picture per pixel of the clip.
+    #[arg(long, help_heading = "Picture", value_name = "S", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=8))]
     pub scale: u32,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Picture")]
     pub look: LookFlags,
-    /// The pixel that is explained, from 0, in the place of the one at work, by estimators that explain single pixels; of another
-    /// picture than frame t as t-1:X,Y or reference:X,Y.
-    #[arg(long, value_name = "X,Y", value_parser = pixel)]
+    /// Pixel to explain instead of the current one, from 0, for estimators that explain single pixels; in another picture
+    /// than frame t as t-1:X,Y or reference:X,Y.
+    #[arg(long, help_heading = "Picture", value_name = "X,Y", value_parser = pixel)]
     pub pixel: Option<Pixel>,
 }
 
-/// What stands on a picture.
+/// The panes of a picture.
 #[derive(Group)]
 pub struct SheetArgs {
-    /// Panes that are arranged on one sheet, the stage largest, with commas between them: stage, explanation, surface,
-    /// surface-3d, plane, series, tiles, matrices, histogram, errors or pyramid; --scale is then pixels per point of the sheet.
-    #[arg(long, value_name = "A,B,..", value_delimiter = ',', num_args = 1, value_parser = pane)]
+    /// Panes to arrange on one sheet, separated by commas: stage, explanation, surface, surface-3d, plane, series, tiles,
+    /// matrices, histogram, errors or pyramid; --scale then counts pixels per point of the sheet.
+    #[arg(long, help_heading = "Picture", value_name = "A,B,..", value_delimiter = ',', num_args = 1, value_parser = pane)]
     pub panes: Vec<Named>,
 }
 
@@ -180,28 +197,28 @@ pub struct RunArgs {
     pub picture: PictureArgs,
     #[command(flatten)]
     pub sheet: SheetArgs,
-    /// The step that the overlay shows: UNIT.EVENT as in 35.412, UNIT for its end, or 0 for the start; the end of the run unless given.
-    #[arg(long, value_name = "CURSOR", value_parser = cursor)]
+    /// Step of the overlay: UNIT.EVENT as in 35.412, UNIT for its end, or 0 for the start; the end of the run by default.
+    #[arg(long, help_heading = "Picture", value_name = "CURSOR", value_parser = cursor)]
     pub step: Option<Cursor>,
-    /// How often to run, for the time.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    /// Number of runs, for the timing.
+    #[arg(long, help_heading = "Execution", value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub repeat: u32,
-    /// Threads to run on; all cores unless given.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=Threads::MAX as i64))]
+    /// Number of threads; all cores by default.
+    #[arg(long, help_heading = "Execution", value_name = "N", value_parser = clap::value_parser!(u32).range(1..=Threads::MAX as i64))]
     pub threads: Option<u32>,
-    /// Writes the picture of the step, .png, .svg or .pdf; `-` is standard output, a PNG unless --format says otherwise.
-    #[arg(long, value_name = "FILE")]
+    /// Save the picture of the step as .png, .svg or .pdf; `-` is standard output, a PNG unless --format is given.
+    #[arg(long, help_heading = "Picture", value_name = "FILE")]
     pub overlay: Option<PathBuf>,
-    /// What the overlay is written as, png, svg or pdf; as its ending says unless given.
-    #[arg(long, value_parser = format, requires = "overlay")]
+    /// Format of the overlay: png, svg or pdf; by its file extension by default.
+    #[arg(long, help_heading = "Picture", value_parser = format, requires = "overlay")]
     pub format: Option<Format>,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Output")]
     pub results: Asked,
-    /// Writes results even over files that the run reads, or among the frames.
-    #[arg(long)]
+    /// Overwrite input files, or save among the frames of the clip.
+    #[arg(long, help_heading = "Output")]
     pub force: bool,
-    /// Prints one JSON object.
-    #[arg(long)]
+    /// Print one JSON object.
+    #[arg(long, help_heading = "Output")]
     pub json: bool,
 }
 
@@ -213,24 +230,24 @@ pub struct ExportArgs {
     pub picture: PictureArgs,
     #[command(flatten)]
     pub sheet: SheetArgs,
-    /// First and last step, both written.
-    #[arg(long, value_name = "A..B", value_parser = steps)]
+    /// First and last step, inclusive.
+    #[arg(long, help_heading = "Output", value_name = "A..B", value_parser = steps)]
     pub steps: (Cursor, Cursor),
-    /// Folder to write to.
-    #[arg(long, value_name = "DIR")]
+    /// Output folder.
+    #[arg(long, help_heading = "Output", value_name = "DIR")]
     pub out: PathBuf,
-    /// Writes pictures even over files that the run reads, or among the frames.
-    #[arg(long)]
+    /// Overwrite input files, or save among the frames of the clip.
+    #[arg(long, help_heading = "Output")]
     pub force: bool,
-    /// The granularity whose stops are written, by the estimator's own name, e.g. block; every event unless given.
-    #[arg(long, value_name = "RUNG")]
+    /// Save one picture per granularity of the estimator, e.g. block; one per event by default.
+    #[arg(long, help_heading = "Output", value_name = "GRANULARITY")]
     pub every: Option<String>,
-    /// png, svg or pdf.
-    #[arg(long, default_value = "png", value_parser = format)]
+    /// Format: png, svg or pdf.
+    #[arg(long, help_heading = "Output", default_value = "png", value_parser = format)]
     pub format: Format,
 }
 
-// What clap calls may fail with any error; the sentence is what counts.
+// clap shows the error of a value parser as text.
 
 fn pixel(text: &str) -> Result<Pixel, String> {
     text.parse().map_err(|error: motionscope_core::Error| error.to_string())
@@ -253,25 +270,25 @@ fn cursor(text: &str) -> Result<Cursor, String> {
 }
 
 fn frames(text: &str) -> Result<(usize, usize), String> {
-    let told = || format!("a range of frames is written A..B, as in 0..99, and not {text}");
+    let told = || format!("a range of frames has the form A..B, as in 0..99, not {text}");
     let (first, last) = text.split_once("..").ok_or_else(told)?;
     let number = |text: &str| text.trim().parse::<usize>().map_err(|_| told());
     let (first, last) = (number(first)?, number(last)?);
     if last <= first {
-        return Err(format!("a range of frames has two at least and runs forwards, and {text} does not"));
+        return Err(format!("a range of frames A..B needs A < B, unlike {text}"));
     }
     Ok((first, last))
 }
 
 fn steps(text: &str) -> Result<(Cursor, Cursor), String> {
-    let (from, to) = text.split_once("..").ok_or("a range of steps is written A..B, as in 35..36 or 35.1..35.412")?;
+    let (from, to) = text.split_once("..").ok_or("a range of steps has the form A..B, as in 35..36 or 35.1..35.412")?;
     let from = match cursor(from)? {
         Cursor { unit, event: usize::MAX } => Cursor { unit, event: 1 },
         from => from,
     };
     let to = cursor(to)?;
     if to < from {
-        return Err(format!("a range of steps runs forwards, and {text} does not"));
+        return Err(format!("a range of steps A..B needs A ≤ B, unlike {text}"));
     }
     Ok((from, to))
 }

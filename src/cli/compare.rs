@@ -1,4 +1,4 @@
-//! `motionscope compare`: several estimators on one pair of frames, in one table.
+//! `motionscope compare`: compares estimators on one pair of frames in one table.
 
 use std::path::Path;
 
@@ -14,7 +14,7 @@ use crate::media::export::{self, Inputs, Target, What};
 use crate::media::{Given, Open};
 use crate::session::{Named, Session};
 
-/// Compares what `args` name.
+/// Runs the comparison that `args` describe.
 ///
 /// # Errors
 /// One sentence if anything named does not exist, cannot run or cannot be written.
@@ -58,12 +58,12 @@ pub fn compare(args: &CompareArgs) -> Result<(), Error> {
     }
 }
 
-/// Where `args` want the table.
+/// Returns the output files of `args`.
 fn places(args: &CompareArgs) -> Vec<Place<'_>> {
     args.csv.iter().map(|path| ("csv", Target::File(path))).collect()
 }
 
-/// All files that the comparison reads.
+/// Returns all files that the comparison reads.
 fn inputs(args: &CompareArgs, source: &Source, clip: &Clip, given: &Open) -> Inputs {
     let mut inputs = source.inputs(clip, given);
     if Session::is_named(Path::new(&args.clip)) {
@@ -72,7 +72,7 @@ fn inputs(args: &CompareArgs, source: &Source, clip: &Clip, given: &Open) -> Inp
     inputs
 }
 
-/// Names the files that errors are measured against, beside the table.
+/// Prints the ground-truth files to standard error.
 fn tell_truth(clip: &Clip) {
     let names = clip.truth().map(|truth| truth.names()).unwrap_or_default();
     if !names.is_empty() {
@@ -80,7 +80,7 @@ fn tell_truth(clip: &Clip) {
     }
 }
 
-/// The course's table, measured.
+/// Measures and prints the course's table.
 fn course(args: &CompareArgs, source: &Source, frame: usize) -> Result<(), Error> {
     let clip = source.open(&Open::default())?;
     let threads = Threads::new(args.threads as usize)?;

@@ -1,37 +1,44 @@
-//! The examples of the command line's help: what a person would type, with estimators, scenes and parameters by their names.
+//! The examples in the help of the command line.
 
 /// Of the command itself.
 pub const ALL: &str = "\
 Examples:
-  motionscope                                    the window, with a bundled clip
-  motionscope ball.mp4                           the window, with a clip of yours
-  motionscope list                               estimators and their parameters
+  motionscope                                    open the window with a bundled clip
+  motionscope ball.mp4                           open the window with your clip
+  motionscope list                               list estimators and their parameters
   motionscope run ball.mp4 --estimator full-search --frame 3 --set range=8 --overlay ball.png
   motionscope run synth:pillar --estimator full-search --json
   motionscope export synth:pillar --estimator full-search --steps 35..36 --out steps
 
-A CLIP is a video, an animation, a picture of a numbered sequence, a folder of pictures, a printf
-pattern such as frame%02d.png, a session (*.motionscope), `-` for a Y4M on standard input, or
-synth:NAME[,SLIDER=VALUE]... for a synthetic clip; `motionscope synth --list` names them.";
+A CLIP is a video, an animation, an image of a numbered sequence, a folder of images, a printf
+pattern such as frame%02d.png, a session (*.motionscope), `-` for Y4M on standard input, or
+synth:NAME[,SLIDER=VALUE]... for a synthetic clip; see `motionscope synth --list`.";
 
 /// Of `list`.
 pub const LIST: &str = "\
 Examples:
-  motionscope list                               for a person
-  motionscope list --json                        for a script: ids, parameters, ranges, defaults, units";
+  motionscope list                               as text
+  motionscope list --json                        as JSON: ids, parameters, ranges, defaults, units";
+
+/// Of `glossary`.
+pub const GLOSSARY: &str = "\
+Examples:
+  motionscope glossary                           all terms, by chapter
+  motionscope glossary structure tensor          one definition
+  motionscope glossary NIS --json                as JSON: term, aliases, symbol, definition, chapter";
 
 /// Of `info`.
 pub const INFO: &str = "\
 Examples:
   motionscope info ball.mp4
   motionscope info frames/ball%03d.png --json
-  motionscope info ball.webm --count             decodes the whole file to count its frames
+  motionscope info ball.webm --count             count frames by decoding the whole file
   motionscope info frame10.png --truth flow10.flo";
 
 /// Of `synth`.
 pub const SYNTH: &str = "\
 Examples:
-  motionscope synth --list                       the scenes, their sliders and what they teach
+  motionscope synth --list                       list scenes, sliders and what they teach
   motionscope synth pillar --out pillar
   motionscope synth translation --out noisy --set noise=8 --set speed=2 --set frames=5";
 

@@ -1,4 +1,4 @@
-//! `motionscope export`: pictures of a range of steps.
+//! `motionscope export`: saves pictures of a range of steps.
 
 use motionscope_core::{Error, Info};
 
@@ -10,7 +10,7 @@ use crate::media::export::Target;
 use crate::view::panes::Selection;
 use crate::view::steps::{self, Steps};
 
-/// Writes what `args` ask for; each file whole or not at all.
+/// Saves the pictures that `args` ask for, each file atomically.
 ///
 /// # Errors
 /// One sentence if anything named does not exist, cannot run or cannot be written.
@@ -37,11 +37,10 @@ pub fn export(args: &ExportArgs) -> Result<(), Error> {
     say(&format!("{} in {}{}", written.pictures(), args.out.display(), written.without()))
 }
 
-/// The granularity called `name`; the run as a whole has but one stop.
+/// Returns the index of the granularity `name`; the run as a whole is none.
 fn granularity(info: &Info, name: &str) -> Result<usize, Error> {
     let granularities = &info.granularities[1..];
     let found = granularities.iter().position(|granularity| *granularity == name);
-    let told =
-        || Error::new(format!("{} has no granularity {name}; its steps are {}", info.id, granularities.join(", ")));
+    let told = || Error::new(format!("{} has no granularity {name}; it has {}", info.id, granularities.join(", ")));
     found.map(|index| index + 1).ok_or_else(told)
 }

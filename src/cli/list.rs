@@ -1,4 +1,4 @@
-//! What there is: estimators with their parameters, and synthetic scenes with their sliders.
+//! The lists of estimators with their parameters, and of synthetic scenes with their sliders.
 
 use motionscope_core::params::Kind;
 use motionscope_core::pseudocode::Line;
@@ -6,7 +6,7 @@ use motionscope_core::synth::{Difficulty, SCENES};
 use motionscope_core::{Params, Spec, Value, estimators};
 use serde_json::{Map, json};
 
-/// Estimators for a person.
+/// Returns the list of estimators as text.
 pub fn text() -> String {
     let mut text = String::new();
     for estimator in estimators() {
@@ -22,22 +22,22 @@ fn parameters(specs: &[Spec]) -> String {
     let width = specs.iter().map(|spec| spec.name.len()).max().unwrap_or(0);
     let line = |spec: &Spec| {
         let Spec { name, doc, default, .. } = spec;
-        format!("  {name:width$}  {doc}\n  {:width$}  {}; {default} unless set\n", "", spec.allowed())
+        format!("  {name:width$}  {doc}\n  {:width$}  {}; default {default}\n", "", spec.allowed())
     };
     specs.iter().map(line).collect()
 }
 
-/// Synthetic scenes for a person.
+/// Returns the list of synthetic scenes as text.
 pub fn scenes() -> String {
     let width = SCENES.iter().map(|scene| scene.id.len()).max().unwrap_or(0);
     let scenes = SCENES.iter().map(|scene| format!("{:width$}  {}\n", scene.id, scene.teaches)).collect::<String>();
     format!(
-        "{scenes}\nSliders, set as NAME=VALUE; a scene sets some of its own:\n\n{}",
+        "{scenes}\nSliders, set by NAME=VALUE; a scene has defaults of its own for some:\n\n{}",
         parameters(Difficulty::default().specs())
     )
 }
 
-/// Estimators for a script.
+/// Returns the list of estimators as JSON.
 pub fn json() -> String {
     let all: Vec<_> = estimators()
         .iter()
@@ -100,7 +100,7 @@ fn spec(spec: &Spec) -> serde_json::Value {
     told.into()
 }
 
-/// A value as JSON has it.
+/// Returns a value as JSON.
 pub fn value(value: Value) -> serde_json::Value {
     match value {
         Value::Int(v) => json!(v),

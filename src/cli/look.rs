@@ -1,4 +1,4 @@
-//! The flags of pictures: one for each entry of a look, made from its declaration.
+//! The flags of the view options, generated from their declaration.
 
 use clap::builder::Str;
 use clap::{Arg, ArgMatches, Command};
@@ -7,7 +7,7 @@ use motionscope_core::params::Kind;
 
 use crate::view::look::{Changes, Look};
 
-/// The entries of a look that were set by flags.
+/// The view options that were set by flags.
 #[derive(Debug, Default)]
 pub struct LookFlags(pub Changes);
 
@@ -55,11 +55,11 @@ fn help(spec: &Spec) -> String {
     let doc = spec.doc.trim_end_matches('.');
     match spec.kind {
         Kind::Switch => doc.to_owned(),
-        _ => format!("{doc} ({}; {} unless given)", spec.allowed(), spec.default),
+        _ => format!("{doc} ({}; default {})", spec.allowed(), spec.default),
     }
 }
 
-/// What stands for the value in the help.
+/// Returns the placeholder of the value in the help.
 fn value(spec: &Spec) -> &'static str {
     let kind = match &spec.kind {
         Kind::Optional { of, .. } => of,

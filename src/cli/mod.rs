@@ -1,10 +1,11 @@
-//! The command line: every estimator, without a window.
+//! The command line: all functions without a window.
 
 mod args;
 mod compare;
 mod examples;
 mod export;
 mod free_memory;
+mod glossary;
 mod list;
 mod look;
 mod outputs;
@@ -27,7 +28,7 @@ use crate::session::Named;
 use crate::ui;
 use args::{Args, Command};
 
-/// Does what the arguments say; errors are told on standard error in one sentence.
+/// Runs the command; errors go to standard error as one sentence.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let args = match Args::try_parse_from(arguments) {
         Ok(args) => args,
@@ -43,7 +44,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     }
 }
 
-/// Help and version as asked for; anything else in one sentence.
+/// Prints help or version; any other error as one sentence.
 fn usage(error: &clap::Error) -> ExitCode {
     if matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) {
         return match error.print() {
@@ -55,7 +56,7 @@ fn usage(error: &clap::Error) -> ExitCode {
     let sentence: Vec<_> = told.lines().map(str::trim).take_while(|line| !line.is_empty()).collect();
     let sentence = sentence.join(" ");
     let why = sentence.strip_prefix("error: ").unwrap_or(&sentence);
-    eprintln!("error: {}", Error::new(format!("{why} (motionscope --help tells what there is)")));
+    eprintln!("error: {}", Error::new(format!("{why} (see motionscope --help)")));
     ExitCode::from(2)
 }
 
@@ -63,6 +64,7 @@ fn run(args: Args) -> Result<(), Error> {
     match args.command {
         None => window(args.clip),
         Some(Command::List { json }) => say(&if json { list::json() } else { list::text() }),
+        Some(Command::Glossary { term, json }) => say(&glossary(&term.join(" "), json)?),
         Some(Command::Info { clip, json, count, truth }) => {
             let Named { source, given, .. } = Named::find(&clip, Given { truth, detections: None })?;
             let info = Info::of(&source.open(&Open { count, given, ..Open::default() })?);
@@ -82,16 +84,25 @@ fn window(clip: Option<OsString>) -> Result<(), Error> {
     ui::run(ui::Start { open: clip })
 }
 
+fn glossary(term: &str, json: bool) -> Result<String, Error> {
+    match (term.is_empty(), json) {
+        (true, true) => Ok(glossary::json()),
+        (true, false) => Ok(glossary::text()),
+        (false, true) => glossary::json_entry(term),
+        (false, false) => glossary::entry(term),
+    }
+}
+
 fn synth(name: &str, out: &Path, settings: &[String]) -> Result<(), Error> {
     let mut source = Source::parse(format!("synth:{}", name.trim_start_matches("synth:")))?;
     settings.iter().try_for_each(|setting| source.set(setting))?;
     let clip = source.open(&Open::default())?;
     media::export::clip(&clip, out, None)?;
     let frames = clip.info().frames.unwrap_or_default();
-    say(&format!("{}: {frames} frames and their truth in {}", clip.info().name, out.display()))
+    say(&format!("{}: {frames} frames with ground truth in {}", clip.info().name, out.display()))
 }
 
-/// Writes `text` to standard output; a reader that has gone away is no error.
+/// Writes `text` to standard output; a closed pipe is no error.
 fn say(text: &str) -> Result<(), Error> {
     let end = if text.ends_with('\n') { "" } else { "\n" };
     match write!(io::stdout().lock(), "{text}{end}") {

@@ -1,4 +1,4 @@
-//! Where results go, checked before anything runs.
+//! The checks of output paths before anything runs.
 
 use std::path::Path;
 
@@ -6,28 +6,27 @@ use motionscope_core::Error;
 
 use crate::media::export::{Inputs, Target, check};
 
-/// Something that is written: the flag that asks for it, without dashes, and where to.
+/// An output: its flag without dashes, and its target.
 pub type Place<'a> = (&'static str, Target<'a>);
 
-/// Refuses places where results would be lost to each other, or, unless `force` says that it is meant, destroy something of
-/// `inputs`.
+/// Refuses outputs that would overwrite each other or, without `force`, a file of `inputs`.
 ///
 /// # Errors
 /// One sentence that names the flag and the file.
 pub fn refuse_losses(inputs: &Inputs, places: &[Place<'_>], force: bool) -> Result<(), Error> {
     let targets: Vec<_> = places.iter().map(|(_, target)| *target).collect();
     let inputs = if force { &Inputs::default() } else { inputs };
-    check(inputs, &targets).map_err(|clash| {
-        let (flag, target) = places[clash.at];
-        let (path, why, other) = (target.path().display(), clash.why, target.other());
-        Error::new(match clash.also {
+    check(inputs, &targets).map_err(|conflict| {
+        let (flag, target) = places[conflict.at];
+        let (path, why, other) = (target.path().display(), conflict.why, target.other());
+        Error::new(match conflict.also {
             Some(also) => format!("--{} and --{flag} {why}, {path}; give each its own name", places[also].0),
-            None => format!("--{flag} {path} {why}; choose {other}, or add --force if that is meant"),
+            None => format!("--{flag} {path} {why}; choose {other}, or add --force to overwrite"),
         })
     })
 }
 
-/// Refuses a file in a folder that does not exist.
+/// Refuses an output file in a folder that does not exist.
 ///
 /// # Errors
 /// One sentence.

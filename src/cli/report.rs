@@ -1,4 +1,4 @@
-//! What a run tells of itself, for a person and for a script.
+//! The report of a run, as text and as JSON.
 
 use std::time::Duration;
 
@@ -31,18 +31,18 @@ pub struct Report {
     metrics: Assessment,
     #[serde(skip_serializing_if = "Option::is_none")]
     consistency: Option<Checked>,
-    /// The scores of the same estimator without hindsight.
+    /// The scores of the causal variant, without later frames.
     #[serde(serialize_with = "live_figures", skip_serializing_if = "Option::is_none")]
     live: Option<Assessment>,
 }
 
-/// What a run has found beside its output.
+/// The evaluation of a run's output.
 pub struct Findings {
-    /// How good the output is.
+    /// The assessment of the output.
     pub assessment: Assessment,
-    /// The check with the reverse pair, where it was asked for.
+    /// The forward–backward check, if requested.
     pub check: Option<Check>,
-    /// How good the same estimator is without hindsight, where it has any.
+    /// The assessment of the causal variant, if the estimator uses later frames.
     pub live: Option<Assessment>,
 }
 
@@ -77,16 +77,16 @@ impl From<Figure> for Value {
     }
 }
 
-/// The check with the reverse pair in numbers.
+/// The result of the forward–backward check.
 #[derive(Serialize)]
 struct Checked {
-    /// Pixels that fail it.
+    /// Number of inconsistent pixels.
     inconsistent: usize,
-    /// Their share of all.
+    /// Their share of all pixels.
     share: f64,
-    /// Share of them that are truly hidden, where that is known.
+    /// Share of the inconsistent pixels that are occluded, if the true occlusions are known.
     precision: Option<f64>,
-    /// Share of the truly hidden that are among them.
+    /// Share of the occluded pixels that are inconsistent.
     recall: Option<f64>,
 }
 
@@ -102,23 +102,23 @@ impl Checked {
     }
 }
 
-/// Time of the estimation alone: no decoding, no drawing.
+/// Time of the estimation without decoding and drawing.
 #[derive(Serialize)]
 struct Milliseconds {
     median: f64,
     min: f64,
 }
 
-/// How a run went.
+/// The threads and times of a run.
 pub struct Timing {
-    /// Threads that it ran on.
+    /// Number of threads.
     pub threads: usize,
     /// The time of each repetition; at least one.
     pub times: Vec<Duration>,
 }
 
 impl Report {
-    /// What the run of `prepared` led to, in numbers.
+    /// Creates the report of a run of `prepared`.
     pub fn new(
         Prepared { experiment, clip, .. }: &Prepared,
         output: &Output,
@@ -148,7 +148,7 @@ impl Report {
         }
     }
 
-    /// The same for a person.
+    /// Returns the report as text.
     pub fn text(&self) -> String {
         let Self { clip, estimator, params, frame, last_frame, units, events, threads, ms, .. } = self;
         let Self { truth_files, metrics, consistency, live, .. } = self;
@@ -156,7 +156,7 @@ impl Report {
         let mut text = format!("{estimator} on {clip}, frame {frame} to {last_frame}\n");
         text += &format!("parameters  {}\n", params.join(" "));
         text += &format!("work        {units} units, {events} events\n");
-        text += &format!("time        {:.3} ms (median), {:.3} ms (least), threads: {threads}\n", ms.median, ms.min);
+        text += &format!("time        {:.3} ms (median), {:.3} ms (minimum), threads: {threads}\n", ms.median, ms.min);
         if !truth_files.is_empty() {
             text += &format!("truth       {}\n", truth_files.join(", "));
         }
@@ -165,15 +165,15 @@ impl Report {
             text += &format!("{:<width$}  {value}\n", label.to_lowercase());
         }
         if let Some(live) = live {
-            text += &format!("live        {}: the same without hindsight, as on a live camera\n", live.headline);
+            text += &format!("live        {}: causal, without hindsight, as on a live camera\n", live.headline);
         }
         if let Some(Checked { inconsistent, share, precision, recall }) = consistency {
             let percent =
                 |share: Option<f64>| share.map_or("unknown".into(), |share| format!("{:.1} %", 100.0 * share));
             let (precision, recall) = (percent(*precision), percent(*recall));
             text += &format!(
-                "consistency {inconsistent} pixels fail the check, {:.1} %; of those truly hidden: precision {precision}, recall \
-                 {recall}\n",
+                "consistency {inconsistent} inconsistent pixels, {:.1} %; as a detector of occlusion: precision {precision}, \
+                 recall {recall}\n",
                 100.0 * share
             );
         }
@@ -181,7 +181,7 @@ impl Report {
     }
 }
 
-/// A JSON value as a person would type it.
+/// Returns a JSON value as typed on the command line.
 fn bare(value: &serde_json::Value) -> String {
     match value {
         serde_json::Value::Bool(on) => if *on { "on" } else { "off" }.into(),
@@ -190,10 +190,10 @@ fn bare(value: &serde_json::Value) -> String {
     }
 }
 
-/// `value` as one line of JSON.
+/// Returns `value` as one line of JSON.
 ///
 /// # Errors
-/// If it cannot be told as JSON.
+/// If it cannot be written as JSON.
 pub fn to_json(value: &impl Serialize) -> Result<String, Error> {
-    serde_json::to_string(value).map_err(|error| Error::new(format!("the result cannot be told as JSON: {error}")))
+    serde_json::to_string(value).map_err(|error| Error::new(format!("the result cannot be written as JSON: {error}")))
 }

@@ -1,4 +1,4 @@
-//! `motionscope run`: one run, its numbers, and what it leaves behind.
+//! `motionscope run`: runs an estimator, prints its report and saves its results.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -21,7 +21,7 @@ use crate::view::motion::{Check, Reverse};
 use crate::view::panes::Selection;
 use crate::view::shot::{Format, Shot};
 
-/// Runs what `args` ask for. Files are made in full before the first is written.
+/// Runs the estimator of `args`. All results are encoded before the first file is saved.
 ///
 /// # Errors
 /// One sentence if anything named does not exist, cannot run or cannot be written.
@@ -36,16 +36,16 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
     outputs.check(estimator)?;
     Selection::of(&args.sheet.panes).check(estimator)?;
     if !args.task.beside.is_empty() && outputs.overlay.is_none() {
-        return Err(Error::new("--beside is for the picture; give --overlay FILE, or use motionscope compare"));
+        return Err(Error::new("--beside affects only the picture; add --overlay FILE, or use motionscope compare"));
     }
     if !args.sheet.panes.is_empty() && outputs.overlay.is_none() {
-        return Err(Error::new("--panes is for the picture; give --overlay FILE as well"));
+        return Err(Error::new("--panes affects only the picture; add --overlay FILE"));
     }
     if args.picture.pixel.is_some() && outputs.overlay.is_none() {
-        return Err(Error::new("--pixel is for the picture; give --overlay FILE as well"));
+        return Err(Error::new("--pixel affects only the picture; add --overlay FILE"));
     }
     let threads = args.threads.map_or_else(Threads::all, |n| Threads::new(n as usize))?;
-    // Decoded here, so that the time is of the estimation alone.
+    // Decoded here, so that the timing covers the estimation alone.
     clip.pair_or_last(frame)?;
     let (output, times) = timed(&prepared, &threads, args.repeat)?;
     let extent = estimator.extent(clip, frame)?;
@@ -95,7 +95,7 @@ fn places(args: &RunArgs) -> Vec<Place<'_>> {
     overlay.chain(results).collect()
 }
 
-/// The formats of results, told from their names.
+/// The outputs of a run with their formats.
 struct Outputs<'a> {
     overlay: Option<(&'a PathBuf, Format)>,
     results: Vec<(&'static Export, &'a PathBuf, &'static results::Format)>,
@@ -110,7 +110,7 @@ impl<'a> Outputs<'a> {
         let files: Vec<_> = args.overlay.iter().chain(files).collect();
         let pipes = files.iter().filter(|path| path.as_path() == Path::new("-")).count();
         if pipes + usize::from(args.json) > 1 {
-            return Err(Error::new("only one result fits into standard output; give the others a file"));
+            return Err(Error::new("only one result can go to standard output; save the others to files"));
         }
         files.iter().try_for_each(|path| check_folder(path))?;
         let formats = asked.iter().map(|(export, path)| Ok((*export, path, export.format(path)?)));
@@ -121,12 +121,12 @@ impl<'a> Outputs<'a> {
         })
     }
 
-    /// What the overlay is written as.
+    /// Returns the format of the overlay.
     fn format(args: &RunArgs, path: &Path) -> Result<Format, Error> {
         args.format.map_or_else(|| Format::of(path), Ok)
     }
 
-    /// Refuses what `estimator` does not make.
+    /// Refuses results that `estimator` does not produce.
     fn check(&self, estimator: &dyn AnyEstimator) -> Result<(), Error> {
         self.results.iter().try_for_each(|(export, ..)| export.check(estimator.info().id, estimator.produces()))
     }
@@ -160,7 +160,7 @@ fn asked(args: &RunArgs) -> Look {
     args.picture.look.0.over(Look::default())
 }
 
-/// The check with the reverse pair, if it is asked for of a flow that has one.
+/// Computes the forward–backward check, if requested and possible.
 fn check(
     Prepared { experiment, clip, .. }: &Prepared,
     args: &RunArgs,
@@ -173,11 +173,11 @@ fn check(
     Check::of(&consistency, clip, experiment.frame).map(Some)
 }
 
-/// The picture of a step that is asked for.
+/// The picture of the requested step.
 struct Overlay<'a> {
     args: &'a RunArgs,
     look: Look,
-    /// Where a session stands.
+    /// The position in the session.
     position: Position,
 }
 
@@ -199,7 +199,7 @@ impl Overlay<'_> {
         if let Some(view) = look.view.filter(|view| view.is_of_the_end() && !walk.at_end()) {
             let view = view.id();
             return Err(Error::new(format!(
-                "the {view} is made at the end of the run; leave --step away or choose another --view"
+                "the {view} exists only at the end of the run; omit --step or choose another --view"
             )));
         }
         let focus = task::pixel(*position, picture).map_or(Ok(None), |pixel| pixel.here(walk, clip))?;
@@ -217,13 +217,11 @@ impl Overlay<'_> {
     }
 }
 
-/// Refuses a level that there is not.
+/// Refuses a pyramid level that does not exist.
 fn check_level(level: usize, levels: Option<&Levels>, id: &str) -> Result<(), Error> {
     match levels.map_or(0, |levels| levels.all.len()) {
-        0 => Err(Error::new(format!("{id} works on no pyramid; leave --level away"))),
-        count if level >= count => {
-            Err(Error::new(format!("the pyramid has levels 0 to {}, and not {level}", count - 1)))
-        }
+        0 => Err(Error::new(format!("{id} uses no pyramid; omit --level"))),
+        count if level >= count => Err(Error::new(format!("the pyramid has levels 0 to {}, not {level}", count - 1))),
         _ => Ok(()),
     }
 }

@@ -1,4 +1,4 @@
-//! What a run or an export is about: a session that is named, or one that is put together from flags.
+//! The task of a run or an export: a session from a file, or one put together from flags.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -21,7 +21,7 @@ use crate::view::look::{Changes, Look};
 /// If a session, an estimator or a parameter that is named does not exist.
 pub fn session(args: &TaskArgs, picture: &PictureArgs) -> Result<Session, Error> {
     let Named { source, given, session } = named(args)?;
-    let missing = || Error::new("which estimator? Give --estimator ID; `motionscope list` names them");
+    let missing = || Error::new("no estimator is given; choose one with --estimator ID, see `motionscope list`");
     let chosen = args.estimator.as_deref().map(estimator).transpose()?;
     let mut session = match (session, &chosen) {
         (Some(session), _) => session,
@@ -41,12 +41,12 @@ pub fn session(args: &TaskArgs, picture: &PictureArgs) -> Result<Session, Error>
     *frame = args.frame.unwrap_or(*frame);
     session.look = session.look.then(&picture.look.0);
     if picture.look.0.has("blend") && look(&session).view != Some(View::Blend) {
-        return Err(Error::new("--blend is the share of frame t+1 in a blend; give --view blend as well"));
+        return Err(Error::new("--blend needs --view blend"));
     }
     Ok(session)
 }
 
-/// The clip or the session that `args` name.
+/// Returns the clip or the session that `args` name.
 fn named(args: &TaskArgs) -> Result<Named, Error> {
     let given = Given { truth: args.truth.clone(), detections: args.detections.clone() };
     match (&args.clip, &args.detections) {
@@ -57,34 +57,34 @@ fn named(args: &TaskArgs) -> Result<Named, Error> {
             media::check_detections(detections)?;
             Named::find(detections.as_os_str(), Given { detections: None, ..given })
         }
-        (None, None) => Err(Error::new("what clip? Name one, or give --detections FILE")),
+        (None, None) => Err(Error::new("no clip is given; name one, or give --detections FILE")),
     }
 }
 
-/// Has those go in lockstep with `leader` that `args` name.
+/// Adds the estimators of --beside in lockstep with `leader`.
 fn keep_company(args: &TaskArgs, leader: &dyn AnyEstimator, side_by_side: &mut SideBySide) -> Result<(), Error> {
     let pace = args.pace.unwrap_or(side_by_side.pace);
     if !args.beside.is_empty() {
         *side_by_side = SideBySide::of(leader, &args.beside, pace)?;
     }
     if args.pace.is_some() && side_by_side.is_empty() {
-        return Err(Error::new("--pace is that of several estimators in lockstep; give --beside as well"));
+        return Err(Error::new("--pace needs several estimators in lockstep; add --beside"));
     }
     side_by_side.pace = pace;
     Ok(())
 }
 
-/// How `session` is looked at without a window.
+/// Returns the view options of `session` for the command line.
 pub fn look(session: &Session) -> Look {
     session.look.over(Look::default())
 }
 
-/// The pixel that `picture` asks for, or else that which a session holds.
+/// Returns the pixel of --pixel, or the one held in the session.
 pub fn pixel(position: Position, picture: &PictureArgs) -> Option<Chosen> {
     picture.pixel.map(Chosen::Asked).or(position.pixel.map(Chosen::Held))
 }
 
-/// `experiment` as `args` set it, with its clip open.
+/// Returns `experiment` with the settings of `args` and its clip open.
 ///
 /// # Errors
 /// If the clip cannot be opened, or a parameter or a frame is out of range.
@@ -99,12 +99,12 @@ pub fn prepare(args: &TaskArgs, experiment: Experiment) -> Result<Prepared, Erro
     if let Some((first, last)) = args.frames {
         if let Some(count) = clip.info().frames.filter(|&count| last >= count) {
             let end = count.saturating_sub(1);
-            return Err(Error::new(format!("--frames {first}..{last} goes beyond {end}, the last frame")));
+            return Err(Error::new(format!("--frames {first}..{last} exceeds the last frame, {end}")));
         }
         *frame = first;
         if !estimator.values().iter().any(|(name, _)| *name == FRAMES) {
             return Err(Error::new(format!(
-                "{} works on one pair of frames; give --frame in the place of --frames",
+                "{} works on one pair of frames; use --frame instead of --frames",
                 estimator.info().id
             )));
         }

@@ -1,32 +1,32 @@
-//! Estimators beside each other: the table of a comparison, as text, Markdown, CSV and JSON.
+//! The comparison of estimators: its rows, its columns, and the table as text, Markdown, CSV and JSON.
 
 use std::borrow::Borrow;
 use std::time::{Duration, Instant};
 
-use motionscope_core::compare::{Figures, LIGHT, NOISE_SIGMA};
+use motionscope_core::compare::Figures;
 use motionscope_core::products::{self, Assessment, KINDS, Measure, Reference};
 use motionscope_core::{AnyEstimator, Clip, Error, Threads, estimator};
 use serde_json::{Map, Value, json};
 
 use crate::experiment::source::Source;
 
-/// One estimator with the parameters that it is to be compared with.
+/// One estimator of a comparison, with its parameters.
 pub struct Contender {
     /// The estimator.
     pub estimator: Box<dyn AnyEstimator>,
-    /// The parameter or slider that is swept, and its value here.
+    /// The swept parameter or slider, and its value here.
     pub swept: Option<(String, String)>,
 }
 
 /// Contenders that run on the same clip.
 pub struct Round {
-    /// Where the clip comes from.
+    /// The source of the clip.
     pub source: Source,
-    /// What runs on it.
+    /// The estimators that run on it.
     pub contenders: Vec<Contender>,
 }
 
-/// Where estimators are compared, and how often each is run for its time.
+/// The conditions of a comparison: clip, frame, threads and repetitions.
 pub struct Arena<'a> {
     /// The clip.
     pub clip: &'a Clip,
@@ -34,21 +34,21 @@ pub struct Arena<'a> {
     pub frame: usize,
     /// The threads to run on.
     pub threads: &'a Threads,
-    /// How often each is run; the least time counts.
+    /// Runs of each estimator; the shortest time counts.
     pub repeat: u32,
 }
 
-/// One line of the table.
+/// One row of the table.
 pub struct Row {
-    /// The estimator, as it was run.
+    /// The estimator with the parameters of this run.
     pub estimator: Box<dyn AnyEstimator>,
-    /// What was swept, and its value here.
+    /// The swept parameter or slider, and its value here.
     pub swept: Option<(String, String)>,
-    /// The least time of a run.
+    /// The shortest time of a run.
     pub time: Duration,
-    /// How good the result is, as a single run tells it.
+    /// The assessment of the result, as for a single run.
     pub assessment: Assessment,
-    /// What only a comparison has.
+    /// The figures that only a comparison has.
     pub figures: Figures,
 }
 
@@ -82,21 +82,21 @@ impl Row {
     }
 }
 
-/// A column of numbers: one that only a comparison has, or one that a product is assessed by.
+/// A column of numbers: a figure of the comparison, or a measure of a product.
 #[derive(Clone, Copy)]
 pub struct Column {
-    /// Its heading, for a person.
+    /// The heading, with the unit.
     pub heading: &'static str,
-    /// Its name with the unit, for a script.
+    /// The key in CSV and JSON, with the unit.
     pub name: &'static str,
-    /// What it is, in one sentence.
+    /// The definition, in one sentence.
     pub doc: &'static str,
-    /// Digits behind the point, for a person.
+    /// Decimals shown.
     digits: usize,
     from: From,
 }
 
-/// Where the numbers of a column come from.
+/// The source of a column's numbers.
 #[derive(Clone, Copy)]
 enum From {
     Row(fn(&Row) -> Option<f64>),
@@ -104,7 +104,7 @@ enum From {
 }
 
 impl Column {
-    /// The number in `row`, if there is one.
+    /// Returns the number in `row`, if there is one.
     pub fn value(&self, row: &Row) -> Option<f64> {
         match self.from {
             From::Row(value) => value(row),
@@ -112,7 +112,7 @@ impl Column {
         }
     }
 
-    /// The number in `row` for a person, or the word for what is no number.
+    /// Returns the number in `row` as shown, or the word that stands for it.
     pub fn text(&self, row: &Row) -> String {
         match (self.value(row), self.from) {
             (Some(value), _) => format!("{value:.*}", self.digits),
@@ -141,53 +141,53 @@ impl Column {
     }
 }
 
-/// What only a comparison has: before the figures of products.
+/// Figures of the comparison, before the measures of products.
 const COSTS: [Column; 4] = [
     Column::of_row(
         ("candidates", "candidates_mean"),
         1,
         |r| r.figures.blocks.as_ref().map(|blocks| blocks.candidates_mean),
-        "Candidates tested for a block on average; those of a coarser level count once.",
+        "Mean number of candidates per block; a candidate on a coarser level counts once.",
     ),
     Column::of_row(
-        ("most", "candidates_most"),
+        ("max candidates", "candidates_most"),
         0,
         |r| r.figures.blocks.as_ref().map(|blocks| blocks.candidates_most.into()),
-        "Candidates tested for the block that took most.",
+        "Largest number of candidates of a block.",
     ),
-    Column::of_row(("ms", "ms"), 2, |r| Some(r.time.as_secs_f64() * 1e3), "Least time of a run in ms."),
+    Column::of_row(("time ms", "ms"), 2, |r| Some(r.time.as_secs_f64() * 1e3), "Shortest time of a run, in ms."),
     Column::of_row(
-        ("kB", "memory_kb"),
+        ("memory kB", "memory_kb"),
         1,
         |r| Some(r.figures.memory_bytes as f64 / 1e3),
-        "Memory that the run needs beside the frames in kB.",
+        "Memory of the run without the frames, in kB.",
     ),
 ];
 
-/// What only a comparison has: behind the figures of products.
+/// Figures of the comparison, after the measures of products.
 const ROBUSTNESS: [Column; 3] = [
     Column::of_row(
-        ("missed %", "missed_percent"),
+        ("minimum missed %", "missed_percent"),
         1,
         |r| r.figures.blocks.as_ref().and_then(|blocks| percent(blocks.missed_share()?)),
-        "Share of the blocks for which full search with the same parameters finds a lower cost; not told with lambda.",
+        "Share of the blocks whose cost is higher than the global minimum that full search finds; undefined with λ > 0.",
     ),
     Column::of_row(
-        ("noise %", "kept_in_noise_percent"),
+        ("stable in noise %", "kept_in_noise_percent"),
         1,
         |r| r.figures.kept_in_noise.and_then(percent),
-        "Share of the blocks or pixels that keep their displacement within 1 px under noise.",
+        "Share of the displacements that change by at most 1 px when Gaussian noise of σ = 10 gray levels is added to both frames.",
     ),
     Column::of_row(
-        ("light %", "kept_in_light_percent"),
+        ("stable in light %", "kept_in_light_percent"),
         1,
         |r| r.figures.kept_in_light.and_then(percent),
-        "Share of the blocks or pixels that keep their displacement within 1 px where the light changes.",
+        "Share of the displacements that change by at most 1 px when the gray levels I of frame t + 1 become 1.1 I + 8.",
     ),
 ];
 
-/// The columns behind the estimator's name and what is swept: every figure that some kind of product is assessed by has its
-/// own where it declares one.
+/// Returns all columns after the estimator and the swept value: the figures of a comparison, and every measure of a product that
+/// declares a column.
 pub fn all_columns() -> Vec<Column> {
     let mut columns = COSTS.to_vec();
     for measure in KINDS.iter().flat_map(|kind| kind.measures.iter().copied().flatten()) {
@@ -199,13 +199,13 @@ pub fn all_columns() -> Vec<Column> {
     columns
 }
 
-/// The columns in which at least one row has something, with their places among all: what a person looks at.
+/// Returns the columns in which at least one row has a number, with their indices among all columns.
 pub fn columns_of<R: Borrow<Row>>(rows: &[R]) -> Vec<(usize, Column)> {
     let has_some = |column: &Column| rows.iter().any(|row| column.text(row.borrow()) != NOTHING);
     all_columns().into_iter().enumerate().filter(|(_, column)| rows.is_empty() || has_some(column)).collect()
 }
 
-/// What stands where there is no number.
+/// Stands for a missing number.
 const NOTHING: &str = "–";
 
 fn finite(value: f64) -> Option<f64> {
@@ -216,20 +216,16 @@ fn percent(share: f64) -> Option<f64> {
     finite(100.0 * share)
 }
 
-/// What the columns that `rows` have something in mean, a line for each.
+/// Returns the definitions of the columns shown, one per line.
 fn key(rows: &[Row]) -> String {
     let mut text = String::new();
     for (_, Column { heading, doc, .. }) in columns_of(rows) {
-        text += &format!("{heading:<12}  {doc}\n");
+        text += &format!("{heading:<18}  {doc}\n");
     }
-    let (gain, offset) = LIGHT;
-    text + &format!(
-        "Noise has a standard deviation of {NOISE_SIGMA} gray levels; light changes by a gain of {gain} and an offset of {offset}. \
-         {NOTHING} stands for what an estimator does not have, or what is not known.\n"
-    )
+    text
 }
 
-/// Heading and cells of a table for a person.
+/// Returns the headings and cells of the table.
 fn cells(rows: &[Row]) -> Vec<Vec<String>> {
     let swept = rows.first().and_then(|row| row.swept.as_ref()).map(|(name, _)| name.clone());
     let mut heading = vec!["estimator".to_owned()];
@@ -245,12 +241,12 @@ fn cells(rows: &[Row]) -> Vec<Vec<String>> {
     std::iter::once(heading).chain(rows.iter().map(line)).collect()
 }
 
-/// The table in columns, and what they mean.
+/// Returns the table as text, followed by the definitions of its columns.
 pub fn text(rows: &[Row]) -> String {
     columns(&cells(rows)) + "\n" + &key(rows)
 }
 
-/// Lines of cells in columns, the first to the left, the others to the right.
+/// Returns `lines` aligned in columns: the first left-aligned, the others right-aligned.
 pub fn columns(lines: &[Vec<String>]) -> String {
     let width = |i: usize| lines.iter().map(|line| line[i].chars().count()).max().unwrap_or(0);
     let mut text = String::new();
@@ -263,12 +259,12 @@ pub fn columns(lines: &[Vec<String>]) -> String {
     text
 }
 
-/// The table as Markdown.
+/// Returns the table as Markdown.
 pub fn markdown(rows: &[Row]) -> String {
     markdown_table(&cells(rows))
 }
 
-/// Lines of cells as a table of Markdown, the first line its heading.
+/// Returns `lines` as a Markdown table; the first line is the heading.
 pub fn markdown_table(lines: &[Vec<String>]) -> String {
     let row = |line: &Vec<String>| format!("| {} |\n", line.join(" | "));
     let rule = lines.first().map_or(String::new(), |line| format!("| --- |{}\n", " ---: |".repeat(line.len() - 1)));
@@ -276,7 +272,7 @@ pub fn markdown_table(lines: &[Vec<String>]) -> String {
     table.next().unwrap_or_default() + &rule + &table.collect::<String>()
 }
 
-/// The table as CSV; what is not known is left empty.
+/// Returns the table as CSV; missing numbers are empty.
 pub fn csv<R: Borrow<Row>>(rows: &[R]) -> String {
     let all = all_columns();
     let rows = || rows.iter().map(Borrow::borrow);
@@ -291,7 +287,7 @@ pub fn csv<R: Borrow<Row>>(rows: &[R]) -> String {
     names.join(",") + "\n" + &rows().map(line).collect::<String>()
 }
 
-/// The table as JSON: an array of one object per row, with the blocks that were missed where there are blocks.
+/// Returns the table as JSON: one object per row, with the numbers of the blocks whose minimum was missed.
 pub fn json(rows: &[Row]) -> Value {
     let all = all_columns();
     let object = |row: &Row| {
@@ -314,11 +310,11 @@ pub fn json(rows: &[Row]) -> Value {
     rows.iter().map(object).collect()
 }
 
-/// Each clip with what runs on it: one round, or one for each value that is swept. `sweep` is written `NAME=V1,V2,..`
-/// and names a parameter of the estimators or of one of them, or a slider of the synthetic clip.
+/// Returns the rounds of a comparison: one, or one for each value of `sweep`. `sweep` has the form `NAME=V1,V2,..` and names a
+/// parameter of the estimators or of one of them, or a slider of the synthetic clip.
 ///
 /// # Errors
-/// If it is not written so, there is no such parameter or slider, or a value is out of range.
+/// If `sweep` has another form, there is no such parameter or slider, or a value is out of range.
 pub fn rounds(source: &Source, estimators: &[Box<dyn AnyEstimator>], sweep: Option<&str>) -> Result<Vec<Round>, Error> {
     let copies = || estimators.iter().map(|estimator| estimator.boxed_clone()).collect::<Vec<_>>();
     let round = |source: Source, estimators: Vec<Box<dyn AnyEstimator>>, swept: Option<(String, String)>| {
@@ -328,7 +324,7 @@ pub fn rounds(source: &Source, estimators: &[Box<dyn AnyEstimator>], sweep: Opti
     let Some(sweep) = sweep else { return Ok(vec![round(source.clone(), copies(), None)]) };
     let (name, values) = sweep
         .split_once('=')
-        .ok_or_else(|| Error::new(format!("a sweep is written NAME=V1,V2,.. as in range=4,8,16, not {sweep}")))?;
+        .ok_or_else(|| Error::new(format!("a sweep has the form NAME=V1,V2,.. as in range=4,8,16, not {sweep}")))?;
     let is_parameter = name.contains('.') || estimators.iter().any(|estimator| estimator.get(name).is_ok());
     let one = |value: &str| {
         let (mut source, mut estimators) = (source.clone(), copies());
@@ -342,7 +338,7 @@ pub fn rounds(source: &Source, estimators: &[Box<dyn AnyEstimator>], sweep: Opti
     values.split(',').map(|value| one(value.trim())).collect()
 }
 
-/// The estimators called `ids`, with `settings` of the form `ESTIMATOR.NAME=VALUE`, or `NAME=VALUE` for all that have
+/// Returns the estimators `ids`, with `settings` of the form `ESTIMATOR.NAME=VALUE`, or `NAME=VALUE` for all that have
 /// such a parameter.
 ///
 /// # Errors
@@ -351,7 +347,7 @@ pub fn contenders(ids: &[String], settings: &[String]) -> Result<Vec<Box<dyn Any
     let mut estimators = ids.iter().map(|id| estimator(id)).collect::<Result<Vec<_>, _>>()?;
     for setting in settings {
         let (name, value) = setting.split_once('=').ok_or_else(|| {
-            Error::new(format!("a parameter is set as NAME=VALUE or ESTIMATOR.NAME=VALUE, not as {setting}"))
+            Error::new(format!("a parameter is set by NAME=VALUE or ESTIMATOR.NAME=VALUE, not by {setting}"))
         })?;
         set(&mut estimators, name, value)?;
     }
@@ -368,7 +364,7 @@ fn set(estimators: &mut [Box<dyn AnyEstimator>], name: &str, value: &str) -> Res
     let ids = estimators.iter().map(|estimator| estimator.info().id).collect::<Vec<_>>().join(", ");
     let mut found = estimators.iter_mut().filter(|estimator| estimator.info().id == id).peekable();
     if found.peek().is_none() {
-        return Err(Error::new(format!("{id} is not compared; there are {ids}")));
+        return Err(Error::new(format!("{id} is not compared; the estimators of this comparison are {ids}")));
     }
     found.try_for_each(|estimator| estimator.set(name, value))
 }
@@ -384,4 +380,24 @@ pub fn set_all(estimators: &mut [Box<dyn AnyEstimator>], name: &str, value: &str
         set = true;
     }
     if set { Ok(()) } else { Err(Error::new(format!("none of these estimators has a parameter {name}"))) }
+}
+
+#[cfg(test)]
+mod tests {
+    use motionscope_core::compare::{LIGHT, NOISE_SIGMA};
+
+    use super::*;
+
+    #[test]
+    fn every_column_has_a_definition_with_the_settings_of_its_measurement() {
+        let doc = |name: &str| all_columns().into_iter().find(|column| column.name == name).map(|column| column.doc);
+        assert!(
+            doc("kept_in_noise_percent").is_some_and(|doc| doc.contains(&format!("σ = {NOISE_SIGMA} gray levels")))
+        );
+        let (gain, offset) = LIGHT;
+        assert!(doc("kept_in_light_percent").is_some_and(|doc| doc.contains(&format!("{gain} I + {offset}"))));
+        for Column { heading, doc, .. } in all_columns() {
+            assert!(doc.ends_with('.') && doc.len() > 10, "{heading}: {doc}");
+        }
+    }
 }

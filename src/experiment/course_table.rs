@@ -7,36 +7,36 @@ use serde_json::{Value, json};
 
 use crate::experiment::comparison::{Arena, Contender, Row, columns, markdown_table};
 
-/// The three searches, in the order of the course.
+/// The three searches, in the order of the course's table.
 const IDS: [&str; 3] = ["full-search", "quadrant-search", "hierarchical"];
-/// What the course calls them.
+/// The names by which the course calls them.
 const NAMES: [&str; 3] = ["sequential", "logarithmic", "hierarchical"];
-/// Ranges in px over which the window grows.
+/// Search ranges in px over which the growth of the candidates is measured.
 const RANGES: [&str; 3] = ["8", "16", "32"];
-/// Side of a block in px: their default.
+/// Side of a block in px, the default of all three.
 const BLOCK: usize = 16;
-/// How far the camera pans where motion is large, in px, and how far all three then look.
+/// The camera pan of the large-motion row in px, and the search range used for it.
 const PAN: (usize, &str) = (48, "64");
-/// Frames a second from which one speaks of real time.
+/// Frame rate that counts as real time, in Hz.
 const REAL_TIME_HZ: f64 = 25.0;
-/// Share of the blocks in % that one may miss and still be called very accurate.
+/// Largest share of missed minima in % that counts as very accurate.
 const HARDLY_PERCENT: f64 = 5.0;
-/// So many times the candidates of another search are called inefficient.
+/// Ratio of candidates above which a search counts as inefficient.
 const INEFFICIENT: f64 = 10.0;
 
-/// One feature of the course's table.
+/// One row of the course's table.
 pub struct CourseRow {
-    /// What is compared, with its unit.
+    /// The feature that is compared, with its unit.
     pub feature: String,
-    /// What the course says of it.
+    /// The statement of the course.
     pub said: &'static str,
-    /// What was measured for each of the three.
+    /// The measured values of the three searches.
     pub measured: [String; 3],
-    /// Whether that bears it out here.
+    /// Whether the measurement confirms the statement on this clip.
     pub holds: bool,
 }
 
-/// The three in one set of circumstances.
+/// Returns the three searches with the same settings.
 fn three(set: &[(&str, &str)]) -> Result<[Box<dyn AnyEstimator>; 3], Error> {
     let one = |id: &str| {
         let mut search = estimator(id)?;
@@ -47,13 +47,13 @@ fn three(set: &[(&str, &str)]) -> Result<[Box<dyn AnyEstimator>; 3], Error> {
     Ok([a?, b?, c?])
 }
 
-/// `f` of each of three.
+/// Applies `f` to each of three values.
 fn each<A, B>(all: &[A; 3], f: impl Fn(&A) -> Result<B, Error>) -> Result<[B; 3], Error> {
     let [a, b, c] = all.each_ref().map(f);
     Ok([a?, b?, c?])
 }
 
-/// What the course says of the three searches, beside what they do in `arena`, until `stop` says that nobody wants to know.
+/// Measures the course's table in `arena`, until `stop` cancels it.
 ///
 /// # Errors
 /// If one of them cannot run there.
@@ -68,7 +68,7 @@ pub fn course_table(arena: &Arena<'_>, stop: &Stop) -> Result<Vec<CourseRow>, Er
     Ok(course_table)
 }
 
-/// Those that need no more than one run of each.
+/// Returns the rows that need one run of each search.
 fn of_one_window(rows: &[Row; 3]) -> Vec<CourseRow> {
     let all = |of: &dyn Fn(&Row) -> f64| rows.each_ref().map(of);
     let shown = |values: [f64; 3], digits: usize| values.map(|value| format!("{value:.digits$}"));
@@ -88,43 +88,44 @@ fn of_one_window(rows: &[Row; 3]) -> Vec<CourseRow> {
     let with = |values: [String; 3], other: [String; 3]| [0, 1, 2].map(|i| format!("{}, {}", values[i], other[i]));
     vec![
         CourseRow {
-            feature: "search space: candidates for a block within ±16 px".into(),
+            feature: "search space: candidates per block, search range ±16 px".into(),
             said: "sequential search tests every candidate, the other two reduce the search space",
             holds: candidates[1] < candidates[0] && candidates[2] < candidates[0],
             measured: shown(candidates, 1),
         },
         CourseRow {
-            feature: "speed: ms for a frame".into(),
+            feature: "speed: time per frame in ms".into(),
             said: "sequential search is slow, logarithmic search fastest, hierarchical search between them",
             holds: ms[1] < ms[2] && ms[2] < ms[0],
             measured: shown(ms, 2),
         },
         CourseRow {
-            feature: "accuracy: blocks in % whose smallest cost was missed, and PSNR".into(),
+            feature: "accuracy: blocks in % whose global minimum was missed, and PSNR".into(),
             said: "sequential search misses none, logarithmic search may, hierarchical search hardly does",
             holds: missed[0] == 0.0 && missed[2] <= missed[1] && missed[2] <= HARDLY_PERCENT,
             measured: with(shown(missed, 1), db),
         },
         CourseRow {
-            feature: "memory: kB beside the frames".into(),
+            feature: "memory: kB without the frames".into(),
             said: "little for sequential and logarithmic search, more for the pyramid",
             holds: kilobytes[2] > kilobytes[0] && kilobytes[2] > kilobytes[1],
             measured: shown(kilobytes, 1),
         },
         CourseRow {
-            feature: "noise: blocks in % that keep their displacement".into(),
+            feature: "noise: blocks in % whose displacement changes by at most 1 px under Gaussian noise".into(),
             said: "sequential search is sensitive, logarithmic search less so, hierarchical search robust",
             holds: rising(noise),
             measured: shown(noise, 1),
         },
         CourseRow {
-            feature: "light: blocks in % that keep their displacement".into(),
+            feature: "light: blocks in % whose displacement changes by at most 1 px under a change of illumination"
+                .into(),
             said: "sequential search is sensitive, logarithmic search less so, hierarchical search robust",
             holds: rising(light),
             measured: shown(light, 1),
         },
         CourseRow {
-            feature: "real time: frames a second".into(),
+            feature: "real time: frames per second".into(),
             said: "not for sequential search, for logarithmic search, perhaps not for the pyramid",
             holds: hertz[0] < REAL_TIME_HZ && hertz[1] >= REAL_TIME_HZ,
             measured: shown(hertz, 0),
@@ -132,7 +133,7 @@ fn of_one_window(rows: &[Row; 3]) -> Vec<CourseRow> {
     ]
 }
 
-/// How the most candidates for a block grow with the window.
+/// Measures how the largest number of candidates per block grows with the search range.
 fn growth(arena: &Arena<'_>, stop: &Stop) -> Result<CourseRow, Error> {
     let most = |search: &dyn AnyEstimator| {
         stop.check()?;
@@ -152,14 +153,14 @@ fn growth(arena: &Arena<'_>, stop: &Stop) -> Result<CourseRow, Error> {
     let is_logarithmic = logarithmic.1 <= logarithmic.0 + 8;
     let is_between = (logarithmic.1..=sequential.1).contains(&hierarchical.1);
     Ok(CourseRow {
-        feature: "complexity: most candidates within ±8, ±16 and ±32 px".into(),
+        feature: "complexity: largest number of candidates for search ranges ±8, ±16 and ±32 px".into(),
         said: "O(N²) for sequential search, O(log N) for logarithmic search, between them for the pyramid",
         holds: is_quadratic && is_logarithmic && is_between,
         measured: counts.map(|counts| counts.map(|count| count.to_string()).join(" → ")),
     })
 }
 
-/// How many blocks each finds when the camera pans far, and with how many candidates.
+/// Measures the share of blocks found under a long camera pan, and the candidates needed.
 fn large_motion(arena: &Arena<'_>, stop: &Stop) -> Result<CourseRow, Error> {
     let (clip, frame) = (arena.clip, arena.frame);
     let (width, height) = clip.pair(frame)?[0].size();
@@ -175,7 +176,7 @@ fn large_motion(arena: &Arena<'_>, stop: &Stop) -> Result<CourseRow, Error> {
     let [(sequential, many), (logarithmic, _), (hierarchical, few)] = found;
     Ok(CourseRow {
         feature: format!(
-            "large motion: blocks in % found under a pan of {pan_px} px, and candidates for one, within ±{} px; {levels} levels",
+            "large motion: blocks in % found under a camera pan of {pan_px} px, and candidates per block; search range ±{} px, {levels} levels",
             PAN.1
         ),
         said: "sequential search is inefficient, logarithmic search struggles, hierarchical search is excellent",
@@ -185,13 +186,13 @@ fn large_motion(arena: &Arena<'_>, stop: &Stop) -> Result<CourseRow, Error> {
 }
 
 impl CourseRow {
-    /// Whether it holds, in a word.
+    /// Returns whether the statement holds, as shown.
     pub fn verdict(&self) -> &'static str {
         if self.holds { "holds" } else { "does not hold here" }
     }
 }
 
-/// Heading and lines of the table.
+/// Returns the headings and cells of the table.
 fn cells(course_table: &[CourseRow]) -> Vec<Vec<String>> {
     let heading = ["measured"].iter().chain(&NAMES).chain(&["the course"]).map(|&name| name.to_owned()).collect();
     let line = |row: &CourseRow| {
@@ -203,35 +204,35 @@ fn cells(course_table: &[CourseRow]) -> Vec<Vec<String>> {
     std::iter::once(heading).chain(course_table.iter().map(line)).collect()
 }
 
-/// The table in columns, and below it what the course says where it does not hold.
+/// Returns the table as text, followed by the statements of the course that do not hold.
 pub fn text(course_table: &[CourseRow]) -> String {
     let fails: String = course_table
         .iter()
         .filter(|c| !c.holds)
-        .map(|c| format!("{}: the course says: {}\n", c.feature, c.said))
+        .map(|c| format!("{}. The course says: {}.\n", c.feature, c.said))
         .collect();
     format!("{}\n{fails}\n{}", columns(&cells(course_table)), key())
 }
 
-/// What the numbers mean.
+/// Returns the conditions under which the table was measured.
 pub fn key() -> String {
     format!(
-        "Default parameters unless others are named. Noise: {NOISE_SIGMA} gray levels in both frames; light: frame t+1 is \
-         {} times as bright plus {}; kept: within 1 px.\n",
+        "Default parameters except where stated. Noise: Gaussian, σ = {NOISE_SIGMA} gray levels, in both frames. Light: gray levels I of \
+         frame t + 1 become {} I + {}.\n",
         LIGHT.0, LIGHT.1
     )
 }
 
-/// The table as Markdown, with what the course says.
+/// Returns the table as Markdown, with the statements of the course.
 pub fn markdown(course_table: &[CourseRow]) -> String {
     let mut lines = cells(course_table);
-    for (line, said) in lines.iter_mut().zip(std::iter::once("it says").chain(course_table.iter().map(|c| c.said))) {
+    for (line, said) in lines.iter_mut().zip(std::iter::once("statement").chain(course_table.iter().map(|c| c.said))) {
         line.push(said.to_owned());
     }
     markdown_table(&lines)
 }
 
-/// The table as JSON: an array of one object per feature.
+/// Returns the table as JSON: one object per row.
 pub fn json(course_table: &[CourseRow]) -> Value {
     let object = |row: &CourseRow| {
         let [sequential, logarithmic, hierarchical] = &row.measured;

@@ -1,4 +1,4 @@
-//! What is run: a clip by its name, the estimators, a pixel to be explained, and estimators compared on one pair.
+//! Experiments: the source of a clip, the estimators, the pixel to explain, and comparisons.
 
 pub mod comparison;
 pub mod course_table;
@@ -18,46 +18,46 @@ use pixel::Pixel;
 use side_by_side::SideBySide;
 use source::Source;
 
-/// What is run: the same in the window, on the command line, in a session and beside others in a comparison.
+/// An experiment: clip, estimators and frame, shared by window, command line, sessions and comparisons.
 pub struct Experiment {
-    /// Where the clip comes from.
+    /// The source of the clip.
     pub source: Source,
-    /// What is given for the clip by hand.
+    /// Ground truth and detections given explicitly.
     pub given: Given,
     /// The estimator with its parameters and its stages.
     pub estimator: Box<dyn AnyEstimator>,
-    /// Those that go in lockstep with it.
+    /// The estimators in lockstep with it.
     pub side_by_side: SideBySide,
     /// Frame t, on which the run begins.
     pub frame: usize,
 }
 
-/// Where in a run one is.
+/// A position in a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Position {
     /// The step; `None` for the end of the run.
     pub cursor: Option<Cursor>,
-    /// The pixel that is held to be explained by itself.
+    /// The held pixel to explain.
     pub pixel: Option<Pixel>,
 }
 
 impl Experiment {
-    /// The estimator by itself on `source`, from its first frame on, with nothing given by hand.
+    /// Returns `estimator` alone on `source`, from the first frame.
     pub fn new(source: Source, estimator: Box<dyn AnyEstimator>) -> Self {
         Self { source, given: Given::default(), estimator, side_by_side: SideBySide::default(), frame: 0 }
     }
 
-    /// The first estimator of the course on `source`.
+    /// Returns the first estimator of the course on `source`.
     pub fn first(source: Source) -> Self {
         Self::new(source, estimators().swap_remove(0))
     }
 
-    /// What there is to say about the run.
+    /// Returns the description of the run.
     pub fn info(&self) -> &'static Info {
         self.side_by_side.info(&*self.estimator)
     }
 
-    /// The run on `clip`, which is the one that the source names.
+    /// Starts the run on `clip`, opened from the source.
     ///
     /// # Errors
     /// If an estimator cannot run there.
@@ -90,18 +90,18 @@ pub fn is_same(a: &dyn AnyEstimator, b: &dyn AnyEstimator) -> bool {
     a.info().id == b.info().id && a.values() == b.values()
 }
 
-/// An experiment whose clip is open. A run never changes it, so a picture of the run can always tell what it is a picture of.
+/// An experiment with its clip open. A run never changes it, so every picture can name its clip and parameters.
 pub struct Prepared {
-    /// What is run.
+    /// The experiment.
     pub experiment: Experiment,
     /// The clip.
     pub clip: Clip,
-    /// All files that the clip is read from, and the session that named it.
+    /// All input files, including the session.
     pub inputs: Arc<Inputs>,
 }
 
 impl Prepared {
-    /// Opens the clip of `experiment` with what is given for it; of `options` the rest counts.
+    /// Opens the clip of `experiment` with its own ground truth and detections and the other `options`.
     ///
     /// # Errors
     /// As [`Source::open`].

@@ -1,4 +1,4 @@
-//! A pixel that is chosen to be explained by itself: held in the window, kept in a session, or named on the command line.
+//! The pixel to explain: held in the window, stored in a session, or given on the command line.
 
 use std::fmt;
 use std::str::FromStr;
@@ -6,10 +6,10 @@ use std::str::FromStr;
 use motionscope_core::scene::{Canvas, Focus, Picture, Pixels};
 use motionscope_core::{Clip, Error, Explained, Walk};
 
-/// A pixel by its column and row from 0, written `X,Y`, or `t+1:X,Y` where it is one of another picture than frame t.
+/// A pixel by column and row from 0: `X,Y`, or `t+1:X,Y` in another picture than frame t.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pixel {
-    /// The picture that it lies on.
+    /// The picture.
     pub on: Picture,
     /// The column.
     pub x: u32,
@@ -50,25 +50,25 @@ impl FromStr for Pixel {
         let whole = |part: &str| part.trim().parse().ok();
         let parts = place.split_once(',').and_then(|(x, y)| Some(Self { on, x: whole(x)?, y: whole(y)? }));
         parts.ok_or_else(|| {
-            Error::new(format!("a pixel is written X,Y in whole px from 0, as in 303,202, and not {text}"))
+            Error::new(format!("a pixel has the form X,Y in whole px from 0, as in 303,202, not {text}"))
         })
     }
 }
 
-/// Which pixel is to be explained, and how much that matters.
+/// The pixel to explain, and whether failure is an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Chosen {
-    /// It was held: where it cannot be explained by itself, it is not.
+    /// Held: ignored at steps that cannot explain it.
     Held(Pixel),
-    /// It is asked for: it is an error if it cannot be explained by itself.
+    /// Requested: an error at steps that cannot explain it.
     Asked(Pixel),
 }
 
 impl Chosen {
-    /// The place that `walk` explains where it stands in `clip`, if not the pixel at work.
+    /// Returns the place that `walk` explains at its cursor, or `None` for the current pixel.
     ///
     /// # Errors
-    /// A sentence that tells why a pixel that is asked for cannot be explained there.
+    /// A sentence that says why a requested pixel cannot be explained.
     pub fn here(self, walk: &dyn Walk, clip: &Clip) -> Result<Option<Focus>, Error> {
         match self {
             Self::Held(pixel) => Ok(Some(pixel.focus()).filter(|at| is_explained(walk, *at))),
@@ -76,7 +76,7 @@ impl Chosen {
         }
     }
 
-    /// The same while `walk` goes from step to step: a pixel that was held is let go where each step is about another one.
+    /// Returns the place while `walk` steps: a held pixel is ignored where each step explains another one.
     pub fn on_the_way(self, walk: &dyn Walk) -> Option<Focus> {
         let at = match self {
             Self::Held(pixel) => Some(pixel.focus()).filter(|at| !walks_pixels(walk, *at)),
@@ -86,13 +86,12 @@ impl Chosen {
     }
 }
 
-/// Whether the pixel at `focus` can be explained by itself where `walk` stands.
+/// Whether `walk` can explain the pixel at `focus` at its cursor.
 pub fn is_explained(walk: &dyn Walk, focus: Focus) -> bool {
     walk.explained(focus).is_some_and(|explained| explained.at(walk.cursor()))
 }
 
-/// Whether `walk` goes from pixel to pixel, so that who steps wants to hear of the next one; where all change at once, of the
-/// same.
+/// Whether each step of `walk` processes another pixel, rather than all pixels at once.
 pub fn walks_pixels(walk: &dyn Walk, focus: Focus) -> bool {
     matches!(walk.explained(focus), Some(Explained::From(_)))
 }
@@ -106,7 +105,7 @@ fn explain(pixel: Pixel, walk: &dyn Walk, clip: &Clip) -> Result<Focus, Error> {
         return Err(not_shown(on, &canvases));
     }
     if !walk.takes(on) {
-        let told = format!("{} explains no pixels of the picture {on}; name one of frame t as {x},{y}", walk.info().id);
+        let told = format!("{} cannot explain pixels of the picture {on}; for frame t, write {x},{y}", walk.info().id);
         return Err(Error::new(told));
     }
     let (width, height) = match canvas.map(|canvas| &canvas.pixels) {
@@ -114,22 +113,22 @@ fn explain(pixel: Pixel, walk: &dyn Walk, clip: &Clip) -> Result<Focus, Error> {
         _ => clip.size(),
     };
     if x as usize >= width || y as usize >= height {
-        let told = format!("there is no pixel ({x}, {y}): the picture has {width}×{height} px, counted from 0");
+        let told = format!("pixel ({x}, {y}) is outside the picture of {width}×{height} px, counted from 0");
         return Err(Error::new(told));
     }
     match walk.explained(pixel.focus()) {
         Some(explained) if explained.at(here) => Ok(pixel.focus()),
         Some(Explained::From(turn)) => Err(Error::new(format!(
-            "pixel ({x}, {y}) has its turn at step {turn}, and this is step {here}; choose a later step or another --pixel"
+            "pixel ({x}, {y}) is processed at step {turn}, but this is step {here}; choose a later step or another --pixel"
         ))),
         _ => Err(Error::new(format!(
-            "{} does not explain pixel ({x}, {y}) by itself at step {here}; leave --pixel away, or name another",
+            "{} cannot explain pixel ({x}, {y}) at step {here}; omit --pixel, or choose another",
             walk.info().id
         ))),
     }
 }
 
-/// Why no pixel of the picture `on` can be pointed at where a step shows `canvases`; of none, frames t and t + 1.
+/// Returns the error that a step with `canvases` (frames t and t + 1 if empty) does not show the picture `on`.
 fn not_shown(on: Picture, canvases: &[Canvas]) -> Error {
     let mut shown: Vec<String> = canvases.iter().map(|canvas| canvas.picture.to_string()).collect();
     if shown.is_empty() {
@@ -137,7 +136,7 @@ fn not_shown(on: Picture, canvases: &[Canvas]) -> Error {
     }
     let last = shown.pop().unwrap_or_default();
     let all = if shown.is_empty() { last } else { format!("{} and {last}", shown.join(", ")) };
-    Error::new(format!("the step shows no {on}; it shows {all}"))
+    Error::new(format!("this step does not show the picture {on}; it shows {all}"))
 }
 
 #[cfg(test)]

@@ -1,17 +1,17 @@
-//! Who stands beside an estimator in lockstep, for the window, the command line and sessions alike.
+//! The estimators in lockstep, shared by window, command line and sessions.
 
 use motionscope_core::compare::alike;
 use motionscope_core::{AnyEstimator, Clip, Error, Info, Lockstep, Pace, Threads, Walk, estimator, lockstep};
 
 use crate::experiment::{comparison, first, source};
 
-/// The estimators beside the one that leads; none unless some were named.
+/// The estimators in lockstep with the leader; empty for a single estimator.
 ///
-/// They have the parameters of the leader as far as they have the same, so that all work under the same conditions.
+/// They take over the leader's values of the parameters that they share, so that all run under the same conditions.
 pub struct SideBySide {
-    /// The others, from left to right.
+    /// The other estimators, from left to right.
     pub beside: Vec<Box<dyn AnyEstimator>>,
-    /// What all have in common at every step.
+    /// What the steps have in common.
     pub pace: Pace,
 }
 
@@ -37,10 +37,10 @@ impl PartialEq for SideBySide {
 }
 
 impl SideBySide {
-    /// The estimators called `ids` beside `leader`.
+    /// Returns the estimators `ids` in lockstep with `leader`.
     ///
     /// # Errors
-    /// If there is no such estimator, one is there twice, or there are too many.
+    /// If there is no such estimator, one is named twice, or there are too many.
     pub fn of(leader: &dyn AnyEstimator, ids: &[impl AsRef<str>], pace: Pace) -> Result<Self, Error> {
         let beside = ids.iter().map(|id| estimator(id.as_ref())).collect::<Result<_, _>>()?;
         let mut side_by_side = Self { beside, pace };
@@ -49,7 +49,7 @@ impl SideBySide {
         Ok(side_by_side)
     }
 
-    /// Those that stand beside `leader` unless others are named.
+    /// Returns the default estimators in lockstep with `leader`.
     pub fn usual(leader: &str) -> Vec<&'static str> {
         first::BESIDE.into_iter().filter(|id| *id != leader).collect()
     }
@@ -59,14 +59,14 @@ impl SideBySide {
         self.beside.is_empty()
     }
 
-    /// Takes over what the others have in common with `leader`.
+    /// Sets the shared parameters of the others to those of `leader`.
     pub fn follow(&mut self, leader: &dyn AnyEstimator) {
         for estimator in &mut self.beside {
             *estimator = alike(leader, estimator.boxed_clone());
         }
     }
 
-    /// Another estimator leads: where it stood among the others, `before` stands from now on.
+    /// Makes `leader` lead; if it was among the others, `before` takes its place.
     pub fn relieve(&mut self, before: &dyn AnyEstimator, leader: &dyn AnyEstimator) {
         if let Some(place) = self.beside.iter_mut().find(|estimator| estimator.info().id == leader.info().id) {
             *place = before.boxed_clone();
@@ -85,10 +85,10 @@ impl SideBySide {
         match name.trim().split_once('.').filter(is_estimator) {
             Some((id, _)) if id == leader.info().id => source::set(leader, &setting.trim()[id.len() + 1..])?,
             Some((_, name)) if leader.get(name).is_ok() => {
-                return Err(Error::new(format!("{name} is the same for all that go in lockstep; set {name}={value}")));
+                return Err(Error::new(format!("{name} is shared by all estimators in lockstep; set {name}={value}")));
             }
             Some((id, name)) => {
-                let told = || Error::new(format!("{id} does not go in lockstep here; name it with --beside"));
+                let told = || Error::new(format!("{id} is not in lockstep; add it with --beside"));
                 self.beside.iter_mut().find(|e| e.info().id == id).ok_or_else(told)?.set(name, value)?;
             }
             None if !self.is_empty() && leader.get(name.trim()).is_err() && setting.contains('=') => {
@@ -100,12 +100,12 @@ impl SideBySide {
         Ok(())
     }
 
-    /// What there is to say about the run of `leader` with its the estimators side by side.
+    /// Returns the description of the run of `leader` with the estimators in lockstep.
     pub fn info(&self, leader: &dyn AnyEstimator) -> &'static Info {
         if self.is_empty() { leader.info() } else { const { &Lockstep::INFO } }
     }
 
-    /// The run of `leader`, or that of all in lockstep.
+    /// Starts the run of `leader`, or of all in lockstep.
     ///
     /// # Errors
     /// If one of them cannot run there.
@@ -155,7 +155,7 @@ mod tests {
         let mut told = |setting: &str| side_by_side.set(&mut *leader, setting).unwrap_err().to_string();
         assert!(told("hierarchical.block=4").contains("set block=4"));
         assert!(told("hexagon.levels=4").contains("--beside"));
-        assert!(told("coarse.order=spiral").contains("coarse does not go in lockstep"));
+        assert!(told("coarse.order=spiral").contains("coarse is not in lockstep"));
         assert!(told("magic=4").contains("magic") && told("block").contains("NAME=VALUE"));
     }
 

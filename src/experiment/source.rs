@@ -1,4 +1,4 @@
-//! What a clip is called: a file, or a synthetic scene with its sliders.
+//! The source of a clip: a file, or a synthetic scene with its sliders.
 
 use std::ffi::OsStr;
 use std::fmt;
@@ -10,10 +10,10 @@ use motionscope_core::{Clip, Error, Params};
 use crate::media::export::Inputs;
 use crate::media::{self, Open};
 
-/// What a synthetic scene's name begins with: `synth:pillar`, `synth:pillar,noise=5,speed=2`.
+/// The prefix of a synthetic scene: `synth:pillar`, `synth:pillar,noise=5,speed=2`.
 const SYNTH: &str = "synth:";
 
-/// Where a clip comes from.
+/// The source of a clip.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Source {
     /// A file or folder, or `-` for standard input.
@@ -28,7 +28,7 @@ pub enum Source {
 }
 
 impl Source {
-    /// What `name` stands for: a path, or `synth:` and a scene with its sliders.
+    /// Parses a path, or `synth:` with a scene and its sliders.
     ///
     /// # Errors
     /// If there is no such scene or slider, or a value is out of range.
@@ -45,7 +45,7 @@ impl Source {
         Ok(source)
     }
 
-    /// The scene called `id`, as it is meant to be seen first.
+    /// Returns the scene `id` with its default sliders.
     ///
     /// # Errors
     /// If there is no such scene.
@@ -60,7 +60,7 @@ impl Source {
     /// If this is a file, or there is no such slider, or the value is out of range.
     pub fn set(&mut self, setting: &str) -> Result<(), Error> {
         match self {
-            Self::File(path) => Err(Error::new(format!("{} is a file, which has no sliders to set", path.display()))),
+            Self::File(path) => Err(Error::new(format!("{} is a file and has no sliders", path.display()))),
             Self::Synth { difficulty, .. } => set(difficulty, setting),
         }
     }
@@ -68,7 +68,7 @@ impl Source {
     /// Opens the clip. Call it off the window's thread.
     ///
     /// # Errors
-    /// One sentence that names the file, tells what is wrong and what to do.
+    /// One sentence that names the file, the reason and a remedy.
     pub fn open(&self, options: &Open) -> Result<Clip, Error> {
         match self {
             Self::File(path) => media::open(path, options),
@@ -83,7 +83,7 @@ impl Source {
         }
     }
 
-    /// The files that `clip` is read from, which was opened from here with `options`.
+    /// Returns the files from which `clip`, opened with `options`, is read.
     pub fn inputs(&self, clip: &Clip, options: &Open) -> Inputs {
         let path = match self {
             Self::File(path) => Some(path.as_path()),
@@ -92,7 +92,7 @@ impl Source {
         media::inputs(path, clip, options)
     }
 
-    /// The same source with a file's path told from `folder`, or a path told from it made whole again.
+    /// Returns the same source with `f` applied to the path of a file.
     #[must_use]
     pub fn map_path(self, f: impl FnOnce(&Path) -> PathBuf) -> Self {
         match self {
@@ -119,11 +119,11 @@ impl fmt::Display for Source {
 /// Sets a parameter from `NAME=VALUE`.
 ///
 /// # Errors
-/// If it is not written so, there is no such parameter, or the value is out of range.
+/// If `setting` has another form, there is no such parameter, or the value is out of range.
 pub fn set<P: Params + ?Sized>(params: &mut P, setting: &str) -> Result<(), Error> {
     let (name, value) = setting
         .split_once('=')
-        .ok_or_else(|| Error::new(format!("a parameter is set as NAME=VALUE, not as {setting}")))?;
+        .ok_or_else(|| Error::new(format!("a parameter is set by NAME=VALUE, not by {setting}")))?;
     params.set(name.trim(), value)
 }
 

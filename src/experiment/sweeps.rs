@@ -1,27 +1,27 @@
-//! What a comparison can sweep: each number that the estimators or the clip declare, over values around its default.
+//! The sweeps of a comparison: every numeric parameter of the estimators or slider of the clip, over values around its default.
 
 use motionscope_core::params::Kind;
 use motionscope_core::{AnyEstimator, Params, Spec, Value};
 
-/// A parameter with the values that it goes through.
+/// A parameter and the values it takes in a sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sweep {
     /// What is set, and to what: `search-range=4,8,16`.
     pub setting: String,
     /// The same for a person: `Search range: 4 to 16 px`.
     pub title: String,
-    /// What stands along the plot.
+    /// The label of the plot's x axis.
     pub axis: &'static str,
 }
 
-/// Shares of the default that are tried.
+/// Factors of the default.
 const AROUND: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
-/// Shares of the whole range that are tried where the default is 0 or too close to an end.
+/// Fractions of the range, used where the default is 0 or too close to an end.
 const ACROSS: [f64; 5] = [0.0, 0.125, 0.25, 0.5, 1.0];
-/// A plot of fewer values shows no course.
+/// The smallest number of values of a sweep.
 const FEWEST: usize = 4;
 
-/// What `estimators` can sweep: each number that one of them declares, where all that have it take all values.
+/// Returns the sweeps of `estimators`: each numeric parameter whose values all estimators that have it accept.
 pub fn of_estimators(estimators: &[Box<dyn AnyEstimator>]) -> Vec<Sweep> {
     let mut all: Vec<Sweep> = Vec::new();
     for spec in estimators.iter().flat_map(|estimator| estimator.specs()) {
@@ -35,14 +35,14 @@ pub fn of_estimators(estimators: &[Box<dyn AnyEstimator>]) -> Vec<Sweep> {
     all
 }
 
-/// What a synthetic clip with these sliders can sweep.
+/// Returns the sweeps of a synthetic clip with these sliders.
 pub fn of_sliders<P: Params + Clone>(sliders: &P) -> Vec<Sweep> {
     let takes = |name: &str, text: &str| sliders.clone().set(name, text).is_ok();
     sliders.specs().iter().filter_map(|spec| sweep(spec, |text| takes(&spec.name, text))).collect()
 }
 
 impl Sweep {
-    /// The parameter's name.
+    /// The name of the parameter.
     pub fn name(&self) -> &str {
         self.setting.split_once('=').map_or(&self.setting, |(name, _)| name)
     }

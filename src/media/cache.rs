@@ -9,7 +9,7 @@ use std::time::Duration;
 use motionscope_core::{Error, Frame, FrameSource, Stop};
 
 use super::names::file_name;
-use super::{Decoder, Source, contain, reason};
+use super::{Decoder, Source, catch_panic, reason};
 
 /// How often a thread that waits for the decoder asks whether it should stop.
 const POLL: Duration = Duration::from_millis(2);
@@ -78,7 +78,7 @@ impl Lazy {
             }
             lock(&self.cache).insert(number, frame);
         };
-        let result = contain::contain(|| decoder.decode(index, stop, &mut keep))
+        let result = catch_panic::catch_panic(|| decoder.decode(index, stop, &mut keep))
             .unwrap_or_else(|panic| Err(Error::new(format!("its data are damaged{}", reason::bracketed(&panic)))));
         stop.tell(0, 0);
         match (wanted, misfit, result) {
@@ -94,7 +94,7 @@ impl Lazy {
     }
 
     fn given_up(&self, index: usize) -> Error {
-        Error::new(format!("frame {index} of {} was given up; ask for it again", self.name))
+        Error::new(format!("frame {index} of {} was cancelled; request it again", self.name))
     }
 
     fn refuse(&self, index: usize, why: &str) -> Error {
@@ -302,10 +302,10 @@ mod tests {
         let (waits, in_line) = wait_for(&clip, 51);
         // Only the one that is stopped gives up.
         waits.set(true);
-        assert!(in_line.join().unwrap().unwrap_err().to_string().contains("frame 51 of tens was given up"));
+        assert!(in_line.join().unwrap().unwrap_err().to_string().contains("frame 51 of tens was cancelled"));
         assert!(!at_work.is_finished());
         decodes.set(true);
-        assert!(at_work.join().unwrap().unwrap_err().to_string().contains("frame 50 of tens was given up"));
+        assert!(at_work.join().unwrap().unwrap_err().to_string().contains("frame 50 of tens was cancelled"));
         assert!(frame(&clip, 0).is_ok());
     }
 

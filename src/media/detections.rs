@@ -11,12 +11,12 @@ use super::names::{extension, file_name};
 use super::truth::mot;
 use super::{about, check_size};
 
-/// What lies around boxes where there are no pictures, in px.
+/// Margin around the boxes of a clip without images, in px.
 const MARGIN_PX: f32 = 16.0;
 /// More detections in a frame are not shared out among objects in any sensible time.
 const MOST_IN_A_FRAME: usize = 5_000;
 
-/// What was detected in each frame, from frame 0 on, by the `det.txt` at `path`.
+/// Returns the detections of each frame, from frame 0 on, in the `det.txt` at `path`.
 ///
 /// # Errors
 /// A sentence that names the line if a row cannot be understood.

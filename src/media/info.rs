@@ -1,32 +1,32 @@
-//! What a clip is, for a person and for a script.
+//! The description of a clip, as text and as JSON.
 
 use std::fmt;
 
 use motionscope_core::Clip;
 use serde::Serialize;
 
-/// Facts about a clip, as `motionscope info` tells them.
+/// The description of a clip that `motionscope info` prints.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Info {
     /// Width in pixels.
     pub width: usize,
     /// Height in pixels.
     pub height: usize,
-    /// Number of frames; `None` where counting would need decoding the whole file.
+    /// Number of frames; `None` if counting requires decoding the whole file.
     pub frames: Option<usize>,
     /// Mean frames per second, if the clip says.
     pub fps: Option<f64>,
     /// Duration in seconds, if frames and rate are known.
     pub seconds: Option<f64>,
-    /// What holds the frames.
+    /// The container format.
     pub container: String,
     /// How the frames are coded.
     pub codec: String,
     /// Kinds of truth that come with the clip.
     pub truth: Vec<&'static str>,
-    /// What each of these was read from, if it was not computed.
+    /// The files of each kind of ground truth, unless computed.
     pub truth_files: Vec<String>,
-    /// What a person should know.
+    /// Warnings.
     pub warnings: Vec<String>,
 }
 

@@ -13,7 +13,7 @@ const MAX_PIPE_BYTES: u64 = 1 << 30;
 /// Largest text that is read, in bytes.
 const MAX_TEXT_BYTES: u64 = 16 << 20;
 
-/// What a path leads to that can be read.
+/// The kind of readable object at a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Node {
     /// A file with a length and a way back.
@@ -25,7 +25,7 @@ pub(crate) enum Node {
 }
 
 impl Node {
-    /// What `path` leads to. Nothing is opened, so that nothing is waited for.
+    /// Returns the kind of `path` without opening it, which could block.
     ///
     /// # Errors
     /// A sentence, without the path, if nothing is there, or if it is a device, a socket, or a virtual file as in `/proc`.
@@ -173,7 +173,7 @@ impl Input {
 
     fn check(&self, offset: u64, count: u64) -> Result<(), Error> {
         if offset.checked_add(count).is_none_or(|end| end > self.len) {
-            return Err(Error::new("the file is cut off; copy it again from where it came, or record it to its end"));
+            return Err(Error::new("the file is cut off; copy it again from its source, or record it completely"));
         }
         Ok(())
     }

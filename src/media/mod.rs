@@ -1,24 +1,24 @@
-//! Any clip in: one function opens whatever a teacher has.
+//! Input: videos, animations, image sequences, ground truth and detections.
 //!
-//! [`open`] looks at the content, picks the reader, and wraps it in the one frame cache. A reader is a `Decoder`:
-//! it knows one format and nothing about caching, threads or truth.
+//! [`open`] detects the format from the content, chooses the decoder and puts the frame cache in front of it. A `Decoder`
+//! handles one format and nothing of caching, threads or ground truth.
 
 mod animation;
 mod cache;
-mod contain;
+mod catch_panic;
+mod detect_format;
 mod detections;
 pub mod export;
-mod foreign;
 mod info;
 pub(crate) mod input;
 pub(crate) mod names;
 mod picture;
 mod reason;
 mod sequence;
-mod sniff;
 mod stills;
+pub mod temporary;
 mod truth;
-pub mod unfinished;
+mod unsupported;
 mod video;
 
 use std::io;
@@ -27,50 +27,50 @@ use std::sync::Arc;
 
 use motionscope_core::{Clip, ClipInfo, Error, Frame, Stop, Truth};
 
+use detect_format::Kind;
 use export::{Inputs, What};
 pub use info::Info;
 use input::{Input, Node};
 use sequence::Sequence;
-use sniff::Kind;
 
-/// How long work tells how far it is, and learns that it was cancelled.
+/// The progress of a long computation, and its cancellation.
 pub trait Progress: Send + Sync {
-    /// A share from 0 to 1 of the work is done.
+    /// Reports the fraction done, from 0 to 1.
     fn report(&self, fraction: f32);
 
-    /// Whether the work should stop.
+    /// Whether the computation was cancelled.
     fn cancelled(&self) -> bool;
 }
 
-/// What is given for a clip by hand, in the place of what lies beside it.
+/// Ground truth and detections given explicitly for a clip, instead of files found beside it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Given {
-    /// Its truth.
+    /// The ground truth.
     pub truth: Option<PathBuf>,
-    /// What was detected in it, as MOTChallenge rows.
+    /// The detections, as MOTChallenge rows.
     pub detections: Option<PathBuf>,
 }
 
 impl Given {
-    /// The same, with what `later` gives in the place of it.
+    /// Returns these files with those of `later` in their place.
     #[must_use]
     pub fn then(self, later: Self) -> Self {
         Self { truth: later.truth.or(self.truth), detections: later.detections.or(self.detections) }
     }
 }
 
-/// How to open a clip.
+/// Options for opening a clip.
 #[derive(Clone)]
 pub struct Open {
-    /// Bound on the memory that decoded frames take, in bytes; the frame that was asked for last is always kept.
+    /// Limit of the frame cache in bytes; the frame requested last is always kept.
     pub cache_bytes: usize,
-    /// Whether to decode the whole file where nothing else tells how many frames there are.
+    /// Whether to decode the whole file to count its frames where the container does not say.
     pub count: bool,
-    /// Whether the ffmpeg of this computer may be asked for what cannot be decoded here.
+    /// Whether formats without a built-in decoder may be decoded by an installed ffmpeg.
     pub ffmpeg: bool,
-    /// What is given for it by hand.
+    /// Files given explicitly.
     pub given: Given,
-    /// Where long work tells how far it is.
+    /// Receives the progress.
     pub progress: Option<Arc<dyn Progress>>,
 }
 
@@ -87,10 +87,10 @@ impl From<Given> for Open {
 }
 
 impl Open {
-    /// Tells how far the work is.
+    /// Reports the progress.
     ///
     /// # Errors
-    /// If the work was cancelled.
+    /// If the operation was cancelled.
     pub(crate) fn report(&self, fraction: f32) -> Result<(), Error> {
         match &self.progress {
             Some(progress) if progress.cancelled() => Err(Error::new("opening was cancelled")),
@@ -103,7 +103,7 @@ impl Open {
     }
 }
 
-/// One format's reader. It need not remember frames: the cache does.
+/// The decoder of one format. It caches nothing: the frame cache does.
 pub(crate) trait Decoder: Send {
     /// Decodes frame `index` and gives `keep` every frame that is met on the way, by number; the wanted one comes last.
     ///
@@ -144,11 +144,11 @@ const MAX_AREA_PX: usize = 128 << 20;
 /// A sentence, without the file's name, that tells the size and what is allowed.
 pub(crate) fn check_size(width: usize, height: usize) -> Result<(), Error> {
     if width == 0 || height == 0 {
-        return Err(Error::new(format!("its pictures are {width}×{height} px, so there is nothing to see")));
+        return Err(Error::new(format!("its pictures are {width}×{height} px, so it shows nothing")));
     }
     if width > MAX_SIDE_PX || height > MAX_SIDE_PX || width.saturating_mul(height) > MAX_AREA_PX {
         return Err(Error::new(format!(
-            "its header course_table pictures of {width}×{height} px; up to {MAX_SIDE_PX} px a side and 128 megapixels can \
+            "its header claims pictures of {width}×{height} px; up to {MAX_SIDE_PX} px a side and 128 megapixels can \
              be opened, so the file is damaged or must be scaled down first"
         )));
     }
@@ -189,13 +189,13 @@ fn open_clip(path: &Path, options: &Open) -> Result<Clip, Error> {
             None => clip,
         });
     }
-    let mut source = contain::contain(|| open_source(path, options))
+    let mut source = catch_panic::catch_panic(|| open_source(path, options))
         .unwrap_or_else(|panic| {
-            Err(Error::new(format!("it is damaged in a way that cannot be read{}", reason::bracketed(&panic))))
+            Err(Error::new(format!("it is damaged and cannot be decoded{}", reason::bracketed(&panic))))
         })
         .map_err(|error| about(path, &error))?;
-    let truth = contain::contain(|| find_truth(path, options, &mut source)).unwrap_or_else(|panic| {
-        let why = format!("its truth is damaged in a way that cannot be read{}", reason::bracketed(&panic));
+    let truth = catch_panic::catch_panic(|| find_truth(path, options, &mut source)).unwrap_or_else(|panic| {
+        let why = format!("its ground truth is damaged and cannot be decoded{}", reason::bracketed(&panic));
         Err(about(path, &Error::new(why)))
     })?;
     let info = source.info.clone();
@@ -218,7 +218,7 @@ fn with_detections_beside(clip: Clip, path: &Path) -> Clip {
         Ok(found) => clip.with_detections(found),
         Err(error) => {
             let mut info = clip.info().clone();
-            info.warnings.push(format!("detections beside the clip are not used: {error}"));
+            info.warnings.push(format!("detections beside the clip are ignored: {error}"));
             clip.with_info(info)
         }
     }
@@ -246,9 +246,9 @@ pub fn inputs(path: Option<&Path>, clip: &Clip, options: &Open) -> Inputs {
     let pictures = pictures.and_then(Result::ok).map(|found| found.files).unwrap_or_default();
     let subject = truth::Subject::new(path.unwrap_or(Path::new(&clip.info().name)), clip.info(), &pictures);
     let truth = match &options.given.truth {
-        Some(given) => truth::Lying::given(given, &subject),
-        None if path.is_some() => truth::Lying::beside(&subject),
-        None => truth::Lying::default(),
+        Some(given) => truth::TruthFiles::given(given, &subject),
+        None if path.is_some() => truth::TruthFiles::beside(&subject),
+        None => truth::TruthFiles::default(),
     };
     truth.into_files().for_each(|file| inputs.add(What::Truth, file));
     let beside = || path.filter(|path| path.is_dir()).and_then(detections::beside);
@@ -300,7 +300,7 @@ fn open_source(path: &Path, options: &Open) -> Result<Source, Error> {
         return stills::open(path, options);
     }
     let mut input = Input::open(path)?;
-    let kind = sniff::kind(&mut input)?;
+    let kind = detect_format::kind(&mut input)?;
     let mut source = match kind {
         Kind::Still | Kind::Animation if path == Path::new("-") || Node::of(path) == Ok(Node::Stream) => {
             return Err(Error::new("pictures cannot come from a pipe; save them to files and open those"));
@@ -309,7 +309,7 @@ fn open_source(path: &Path, options: &Open) -> Result<Source, Error> {
         Kind::Animation => animation::open(path, options)?,
         Kind::Video(format) => video::open(path, format, input, options)?,
     };
-    source.info.warnings.extend(sniff::mislabelled(path, kind));
+    source.info.warnings.extend(detect_format::mislabelled(path, kind));
     Ok(source)
 }
 
@@ -334,7 +334,7 @@ pub(crate) fn cannot_read(error: &io::Error) -> Error {
     Error::new(match error.kind() {
         io::ErrorKind::NotFound => "there is no such file; check the path".into(),
         io::ErrorKind::PermissionDenied => "you may not read this file; ask its owner".into(),
-        io::ErrorKind::InvalidData => "it is no text; give another file".into(),
+        io::ErrorKind::InvalidData => "it is not a text file; give another file".into(),
         _ => format!("it cannot be read ({error})"),
     })
 }

@@ -7,11 +7,11 @@ use std::path::Path;
 /// A name cut at its last number: `frame_0007` is `frame_`, 7 and nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Numbered<'a> {
-    /// What stands before the number.
+    /// The part before the number.
     pub prefix: &'a str,
     /// The number as it is written.
     pub digits: &'a str,
-    /// What stands after the number.
+    /// The part after the number.
     pub suffix: &'a str,
     /// The number.
     pub number: u64,
@@ -47,7 +47,7 @@ pub fn extension(path: &Path) -> String {
     path.extension().map(|s| s.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
 }
 
-/// Orders names as a person does: `frame9` before `frame10`.
+/// Natural order of names: `frame9` before `frame10`.
 pub fn natural_order(a: &str, b: &str) -> Ordering {
     let parts = pieces(a).map(Some).chain(iter::repeat(None)).zip(pieces(b).map(Some).chain(iter::repeat(None)));
     for pair in parts {

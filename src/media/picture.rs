@@ -1,4 +1,4 @@
-//! One picture file, whatever its format.
+//! Decoding of a single image file of any format.
 
 use std::error::Error as _;
 use std::fs::File;
@@ -10,13 +10,13 @@ use motionscope_core::{Error, Frame, Grid};
 
 use super::{MAX_AREA_PX, MAX_SIDE_PX, cannot_read, check_size, reason};
 
-/// A picture whose header was read and whose pixels were not.
+/// An image whose header was read but not its pixels.
 pub(crate) struct Picture<D> {
     decoder: D,
     upright: image::metadata::Orientation,
     /// `png`, `jpeg` …
     pub codec: &'static str,
-    /// Width and height in pixels as a person sees it.
+    /// Width and height in px, after applying the orientation.
     pub size: (usize, usize),
 }
 
@@ -26,7 +26,7 @@ const JPEG: &[u8] = &[0xFF, 0xD8, 0xFF];
 /// Reads the header of the picture at `path`.
 ///
 /// # Errors
-/// A sentence, without the file's name, if it is no picture or course_table a size that none can have.
+/// A sentence, without the file's name, if it is no picture or its header claims an impossible size.
 pub(crate) fn open(path: &Path) -> Result<Picture<impl ImageDecoder + use<>>, Error> {
     let mut file = File::open(path).map_err(|e| cannot_read(&e))?;
     if is_cut_jpeg(&mut file).map_err(|e| cannot_read(&e))? {
@@ -35,7 +35,7 @@ pub(crate) fn open(path: &Path) -> Result<Picture<impl ImageDecoder + use<>>, Er
     read(BufReader::new(file))
 }
 
-/// Width and height in pixels of the picture at `path` as a person sees it, as far as its header tells.
+/// Returns width and height in px of the image at `path`, after applying the orientation, from its header.
 pub(crate) fn size(path: &Path) -> Option<(usize, usize)> {
     /// A JPEG's decoder reads all it is given, so it is given no more than headers take.
     const HEAD_BYTES: u64 = 64 << 10;
@@ -66,9 +66,10 @@ fn is_cut_jpeg(file: &mut File) -> io::Result<bool> {
 
 fn read<'a>(input: impl BufRead + Seek + 'a) -> Result<Picture<impl ImageDecoder + 'a>, Error> {
     let mut reader = ImageReader::new(input).with_guessed_format().map_err(|e| cannot_read(&e))?;
-    let codec = reader.format().map(codec).ok_or_else(|| {
-        Error::new("it holds no picture that can be read; give PNG, JPEG, TIFF, BMP, PNM, WebP or GIF")
-    })?;
+    let codec = reader
+        .format()
+        .map(codec)
+        .ok_or_else(|| Error::new("it holds no readable image; give PNG, JPEG, TIFF, BMP, PNM, WebP or GIF"))?;
     reader.limits(limits(MAX_AREA_PX as u64));
     let mut decoder = reader.into_decoder().map_err(|e| damaged(&e))?;
     let (width, height) = decoder.dimensions();
@@ -80,12 +81,12 @@ fn read<'a>(input: impl BufRead + Seek + 'a) -> Result<Picture<impl ImageDecoder
 }
 
 impl<D: ImageDecoder> Picture<D> {
-    /// What is not shown as the file has it.
+    /// Warnings about changes: reduced bit depth, transparency.
     pub(crate) fn warnings(&self) -> Vec<String> {
         let color = self.decoder.color_type();
         let bits = u16::from(color.bytes_per_pixel()) * 8 / u16::from(color.channel_count());
         let deep = (bits > 8).then(|| format!("{bits} bits per channel are reduced to 8"));
-        let clear = color.has_alpha().then(|| "what is transparent is shown on black".to_owned());
+        let clear = color.has_alpha().then(|| "transparent pixels are shown on black".to_owned());
         deep.into_iter().chain(clear).collect()
     }
 
@@ -121,7 +122,7 @@ fn on_black(value: u8, alpha: u8) -> u8 {
     ((u32::from(value) * u32::from(alpha) + 127) / 255) as u8
 }
 
-/// What a decoder of pictures of `bytes` may claim and allocate.
+/// Returns the size and allocation limits for decoding an image of `bytes`.
 pub(crate) fn limits(bytes: u64) -> Limits {
     let mut limits = Limits::default();
     limits.max_image_width = Some(MAX_SIDE_PX as u32);
@@ -136,16 +137,16 @@ pub(crate) fn damaged(error: &ImageError) -> Error {
     Error::new(match error {
         ImageError::Limits(_) => {
             format!(
-                "its header course_table more than {MAX_SIDE_PX} px a side, so it is damaged or must be scaled down first"
+                "its header claims more than {MAX_SIDE_PX} px a side, so it is damaged or must be scaled down first"
             )
         }
         ImageError::Unsupported(_) => "it uses a rare variant that cannot be read; save it again as a plain PNG".into(),
         ImageError::IoError(e) if e.kind() == io::ErrorKind::UnexpectedEof => CUT_SHORT.into(),
-        _ => format!("it is damaged{}; copy it again from where it came", words(error)),
+        _ => format!("it is damaged{}; copy it again from its source", words(error)),
     })
 }
 
-pub(crate) const CUT_SHORT: &str = "it is cut short; copy it again from where it came";
+pub(crate) const CUT_SHORT: &str = "it is cut short; copy it again from its source";
 
 /// The decoder's own words, without those around them.
 fn words(error: &ImageError) -> String {

@@ -1,4 +1,4 @@
-//! The words of others' decoders, as far as a person can read them.
+//! Readable error messages of decoders of other crates.
 
 /// The most characters of such words.
 const MOST: usize = 90;

@@ -14,12 +14,12 @@ use super::names::{Numbered, extension, file_name, natural_order, stem};
 pub(crate) struct Sequence {
     /// One file per frame.
     pub files: Vec<PathBuf>,
-    /// What was left out, and why.
+    /// Warnings about ignored files.
     pub warnings: Vec<String>,
 }
 
 impl Sequence {
-    /// The pictures that `path` stands for: a folder, a pattern like `frame%02d.png`, or the first of numbered files.
+    /// Returns the images of `path`: a folder, a pattern like `frame%02d.png`, or the first of numbered files.
     ///
     /// # Errors
     /// A sentence, without the path, if there are none or the folder cannot be read.
@@ -74,7 +74,7 @@ fn kind(name: &str) -> Option<usize> {
     KINDS.iter().position(|kind| kind.contains(&extension.as_str()))
 }
 
-/// A file with its name as text, of which something may be lost where the file's own is no Unicode.
+/// A file with its name as text, which is lossy if the name is not Unicode.
 struct Picture {
     name: String,
     file: PathBuf,
@@ -118,8 +118,8 @@ fn folder(path: &Path, added: Option<&str>) -> Result<Sequence, Error> {
     };
     let warning = match all - pictures.len() {
         0 => None,
-        1 => Some(format!("1 picture of the folder is left out, because it is not named like {first}")),
-        n => Some(format!("{n} pictures of the folder are left out, because they are not named like {first}")),
+        1 => Some(format!("1 picture of the folder is ignored, because its name does not match {first}")),
+        n => Some(format!("{n} pictures of the folder are ignored, because their names do not match {first}")),
     };
     Ok(Sequence::of_pictures(pictures, warning.into_iter().collect()))
 }
@@ -149,7 +149,7 @@ fn series_of(name: &str) -> Option<String> {
     Some(format!("{prefix}0{suffix}.{extension}"))
 }
 
-/// What the pictures of truth are called in benchmarks, which keep them beside those of the clip.
+/// Names of ground-truth images in benchmarks that keep them beside the frames.
 const TRUTH: [&str; 6] = ["disp", "flow", "occ", "mask", "depth", "gt"];
 
 /// The series with the most pictures, if there are several; of equals one that is not called like truth.
@@ -166,7 +166,7 @@ fn one_of_several(pictures: &[Picture]) -> Option<String> {
     best.map(|(series, _)| series).filter(|_| several)
 }
 
-/// The picture at `path` and those whose number comes after its.
+/// Returns the image at `path` and those with larger numbers.
 fn numbered(path: &Path, added: Option<&str>) -> Result<Sequence, Error> {
     let name = file_name(path);
     let Some(wanted) = shape(&name) else {
@@ -179,7 +179,7 @@ fn numbered(path: &Path, added: Option<&str>) -> Result<Sequence, Error> {
     };
     let warning = match start {
         0 => None,
-        n => Some(format!("the clip starts at {name}; open {} to have the {n} before it too", pictures[0].name)),
+        n => Some(format!("the clip starts at {name}; open {} to include the {n} before it", pictures[0].name)),
     };
     Ok(Sequence::of_pictures(pictures.split_off(start), warning.into_iter().collect()))
 }
@@ -271,7 +271,7 @@ mod tests {
         assert_eq!(found(folder.path(), "f9.png"), (vec!["f9.png".into(), "f10.png".into(), "f11.png".into()], vec![]));
         let (names, warnings) = found(folder.path(), "f10.png");
         assert_eq!(names, ["f10.png", "f11.png"]);
-        assert_eq!(warnings, ["the clip starts at f10.png; open f9.png to have the 1 before it too"]);
+        assert_eq!(warnings, ["the clip starts at f10.png; open f9.png to include the 1 before it"]);
         assert_eq!(found(folder.path(), "cat.png"), (vec!["cat.png".into()], vec![]));
     }
 
@@ -280,7 +280,7 @@ mod tests {
         let folder = with_files(&["f1.png", "f2.png", "f3.png", "occ_1.png", "occ_2.png", "a.jpg", "b.txt", ".f4.png"]);
         let (names, warnings) = found(folder.path(), "");
         assert_eq!(names, ["f1.png", "f2.png", "f3.png"]);
-        assert_eq!(warnings, ["3 pictures of the folder are left out, because they are not named like f1.png"]);
+        assert_eq!(warnings, ["3 pictures of the folder are ignored, because their names do not match f1.png"]);
         let holiday = with_files(&["zoo.JPG", "beach.jpeg", "IMG_7.jpg"]);
         assert_eq!(found(holiday.path(), "").0, ["IMG_7.jpg", "beach.jpeg", "zoo.JPG"]);
         assert!(Sequence::find(with_files(&["a.txt"]).path()).unwrap_err().to_string().contains("no pictures"));
@@ -291,7 +291,7 @@ mod tests {
         let stereo = with_files(&["disp2.png", "disp6.png", "im2.png", "im6.png"]);
         let (names, warnings) = found(stereo.path(), "");
         assert_eq!(names, ["im2.png", "im6.png"]);
-        assert_eq!(warnings[0], "2 pictures of the folder are left out, because they are not named like im2.png");
+        assert_eq!(warnings[0], "2 pictures of the folder are ignored, because their names do not match im2.png");
         let (names, _) = found(with_files(&["b1.png", "b2.png", "b3.png", "a1.png", "a2.png", "x.png"]).path(), "");
         assert_eq!(names, ["b1.png", "b2.png", "b3.png"]);
         // One series whose clips are numbered too, and pictures of a holiday.

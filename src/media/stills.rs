@@ -33,7 +33,7 @@ pub(crate) fn open(path: &Path, options: &Open) -> Result<Source, Error> {
     Ok(Source { info, decoder: Box::new(Stills { files: Arc::clone(&files), size }), files })
 }
 
-/// What clips of pictures are told to be contained in.
+/// The container name of image sequences.
 pub(crate) const CONTAINER: &str = "images";
 
 /// Most headers that are read when a folder is opened; the other pictures are measured when they are shown.
@@ -54,7 +54,7 @@ fn misfits(files: &[PathBuf], size: (usize, usize), options: &Open) -> Result<Op
     Ok(odd.map(|(file, (w, h))| {
         let others = match count - 1 {
             0 => String::new(),
-            n => format!(", and {n} more are not either"),
+            n => format!(", and {n} more differ as well"),
         };
         let (name, (width, height)) = (file_name(file), size);
         format!("{name} cannot be shown: it is {w}×{h} px, not {width}×{height} px as the first picture{others}")
@@ -172,7 +172,7 @@ mod tests {
         assert_eq!(deep.frame(0).unwrap().luma()[(0, 0)], 0x80);
         assert!(deep.frame(0).unwrap().color().is_none());
         let clear = open(&folder.path().join("clear.png")).unwrap();
-        assert_eq!(clear.info().warnings, ["what is transparent is shown on black"]);
+        assert_eq!(clear.info().warnings, ["transparent pixels are shown on black"]);
         assert_eq!(clear.frame(0).unwrap().color().unwrap()[(1, 1)], [100, 50, 25]);
         assert!(clear.pair(0).unwrap_err().to_string().contains("single frame"));
     }
@@ -221,7 +221,7 @@ mod tests {
             let told = format!("f2.{extension} cannot be shown: it is 9×6 px");
             let warnings = &clip.info().warnings;
             assert!(
-                warnings[0].starts_with(&told) && warnings[0].ends_with("and 2 more are not either"),
+                warnings[0].starts_with(&told) && warnings[0].ends_with("and 2 more differ as well"),
                 "{warnings:?}"
             );
             assert!((0..6).all(|t| clip.frame(t).is_ok() == [0, 1, 3].contains(&t)), "{extension}");

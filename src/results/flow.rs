@@ -2,27 +2,27 @@
 
 use motionscope_core::{BlockField, DenseField, Error, Flow, Output, PointField, Product, TrackField};
 
-use super::{Export, Format, Made};
+use super::{EncodedFiles, Export, Format};
 use crate::media::export::{flo, kitti_result, npy};
 
 pub const EXPORT: Export = Export {
     flag: "flow",
     value: "FILE",
-    help: "Writes the dense flow: Middlebury .flo, KITTI .png or .npy; `-` is a .flo on standard output",
+    help: "Save the dense flow as Middlebury .flo, KITTI .png or .npy; `-` is a .flo on standard output",
     name: "Flow",
-    explained: "As a field with one displacement for each pixel.",
+    explained: "The flow field: one displacement per pixel.",
     takes: &[BlockField::KIND, DenseField::KIND, PointField::KIND, TrackField::KIND],
     folder: None,
     formats: &[
         Format {
             ending: "flo",
             doc: "Middlebury .flo",
-            encode: |output| field(output).map(|field| Made::file(flo(&field))),
+            encode: |output| field(output).map(|field| EncodedFiles::file(flo(&field))),
         },
         Format {
             ending: "npy",
             doc: "NPY, an array for NumPy",
-            encode: |output| field(output).map(|field| Made::file(npy(&field))),
+            encode: |output| field(output).map(|field| EncodedFiles::file(npy(&field))),
         },
         Format { ending: "png", doc: "KITTI 16-bit PNG", encode: as_kitti },
     ],
@@ -34,15 +34,15 @@ pub const EXPORT: Export = Export {
 /// If it has none: features that were only found move nowhere.
 fn field(output: &Output) -> Result<Flow, Error> {
     output.flow().ok_or_else(|| {
-        Error::new("features that are found and not tracked have no flow; write them as a table, or track them")
+        Error::new("features that are detected but not tracked have no flow; save them as a table, or track them")
     })
 }
 
-fn as_kitti(output: &Output) -> Result<Made, Error> {
+fn as_kitti(output: &Output) -> Result<EncodedFiles, Error> {
     let made = kitti_result(&field(output)?)?;
     let lost = made.out_of_range;
-    let told = format!("{lost} pixels move farther than the ±512 px of a KITTI flow and are marked unknown");
-    Ok(Made { lost: (lost > 0).then_some(told), ..Made::file(made.bytes) })
+    let told = format!("{lost} pixels exceed the ±512 px of a KITTI flow and are marked as unknown");
+    Ok(EncodedFiles { lost: (lost > 0).then_some(told), ..EncodedFiles::file(made.bytes) })
 }
 
 #[cfg(test)]
@@ -56,7 +56,7 @@ mod tests {
         let output = Output::of(DenseField { flow: Flow(Grid::new(2, 2, [600.0, 0.0])), confidence: None });
         for (ending, start, is_told) in [("flo", "PIEH", false), ("png", "PNG", true), ("npy", "NUMPY", false)] {
             let format = EXPORT.formats.iter().find(|format| format.ending == ending).unwrap();
-            let Made { files, lost } = (format.encode)(&output).unwrap();
+            let EncodedFiles { files, lost } = (format.encode)(&output).unwrap();
             assert!(String::from_utf8_lossy(&files[0].1[..6]).contains(start));
             assert_eq!(lost.is_some_and(|lost| lost.starts_with("4 pixels")), is_told);
         }

@@ -2,7 +2,7 @@
 
 use motionscope_core::{Error, Grid, MaskField, Output, PackedMask, Product};
 
-use super::{Export, Format, Made};
+use super::{EncodedFiles, Export, Format};
 use crate::media::export::{Pixels, png_result};
 
 /// What the names of all masks begin with.
@@ -11,20 +11,20 @@ const MASK: &str = "mask_";
 pub const EXPORT: Export = Export {
     flag: "masks",
     value: "DIR",
-    help: "Folder for a mask of each frame as PNG, white where something moves",
+    help: "Save the foreground mask of each frame as PNG in this folder, foreground white",
     name: "Masks",
-    explained: "One picture for each frame, white where something moves, into a folder.",
+    explained: "The foreground masks: one PNG per frame in a folder, foreground white.",
     takes: &[MaskField::KIND],
     folder: Some(MASK),
-    formats: &[Format { ending: "png", doc: "PNG, pixels", encode }],
+    formats: &[Format { ending: "png", doc: "PNG", encode }],
 };
 
 /// The mask of each frame that has one: `mask_0007.png`.
 ///
 /// # Errors
 /// If there are no masks.
-fn encode(output: &Output) -> Result<Made, Error> {
-    let missing = || Error::new("no frame has a mask yet; go on to the end of a frame, or choose a background model");
+fn encode(output: &Output) -> Result<EncodedFiles, Error> {
+    let missing = || Error::new("no frame has a mask yet; step to the end of a frame, or choose a background model");
     let field: &MaskField = output.get().ok_or_else(missing)?;
     let picture = |(t, mask): (usize, &PackedMask)| {
         let mask = mask.unpacked();
@@ -33,5 +33,5 @@ fn encode(output: &Output) -> Result<Made, Error> {
         Ok((format!("{MASK}{t:04}.png"), png_result(width, height, Pixels::Gray(pixels.cells()))?))
     };
     let files = field.masks().map(picture).collect::<Result<Vec<_>, Error>>()?;
-    if files.is_empty() { Err(missing()) } else { Ok(Made { files, lost: None }) }
+    if files.is_empty() { Err(missing()) } else { Ok(EncodedFiles { files, lost: None }) }
 }

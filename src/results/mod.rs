@@ -1,6 +1,6 @@
-//! What the products of a run are written as: a module for each way of writing, and [`EXPORTS`], the one list of them.
+//! The export of results: a module for each kind of file, and [`EXPORTS`], their list.
 //!
-//! The flags of `motionscope run`, the window's dialogs and what is written follow from it.
+//! The flags of `motionscope run`, the window's dialogs and the files follow from it.
 
 mod flow;
 mod masks;
@@ -14,59 +14,59 @@ use motionscope_core::{Error, Output, ProductKind};
 use crate::media::export::{self, Target};
 use crate::media::names::extension;
 
-/// Every way of writing a product; where two have a format of one ending, the window offers the first.
+/// All exports; where two share a file extension, the window offers the first.
 pub const EXPORTS: &[&Export] = &[&flow::EXPORT, &table::EXPORT, &tracks::EXPORT, &masks::EXPORT];
 
-/// A way of writing a product.
+/// An export of a product to files.
 #[derive(Debug)]
 pub struct Export {
-    /// Its flag on the command line, without dashes.
+    /// The flag on the command line, without dashes.
     pub flag: &'static str,
-    /// What stands for its value in the help.
+    /// The placeholder of the value in the help.
     pub value: &'static str,
-    /// What it does, for the help.
+    /// The help text.
     pub help: &'static str,
-    /// What it is called in the window: `Masks`.
+    /// The name in the window: `Masks`.
     pub name: &'static str,
-    /// What is written, in one sentence.
+    /// The content of the files, in one sentence.
     pub explained: &'static str,
-    /// The kinds of products that can be written so.
+    /// The kinds of products that can be exported so.
     pub takes: &'static [&'static ProductKind],
-    /// Whether several files are written into a folder, and how their names begin.
+    /// The prefix of the file names, if several files are saved in a folder.
     pub folder: Option<&'static str>,
-    /// What it may be written as; the first is that of standard output.
+    /// The formats; the first is used for standard output.
     pub formats: &'static [Format],
 }
 
-/// Two are the same where they have the same flag.
+/// Exports are equal if they have the same flag.
 impl PartialEq for Export {
     fn eq(&self, other: &Self) -> bool {
         self.flag == other.flag
     }
 }
 
-/// What a file is written as.
+/// A file format.
 #[derive(Debug)]
 pub struct Format {
-    /// The ending of its name, in lower case.
+    /// The file extension, in lower case.
     pub ending: &'static str,
-    /// What it is, for a person.
+    /// The name of the format.
     pub doc: &'static str,
-    /// Makes the file, or the files of a folder.
-    pub encode: fn(&Output) -> Result<Made, Error>,
+    /// Encodes the file, or the files of a folder.
+    pub encode: fn(&Output) -> Result<EncodedFiles, Error>,
 }
 
-/// What was made to be written.
+/// The encoded files.
 #[derive(Debug, Default, PartialEq)]
-pub struct Made {
+pub struct EncodedFiles {
     /// The bytes of each file, with its name where it goes into a folder.
     pub files: Vec<(String, Vec<u8>)>,
-    /// What could not be kept, if anything, as a clause.
+    /// Information that the format cannot hold, if any, as a clause.
     pub lost: Option<String>,
 }
 
-impl Made {
-    /// One file that keeps all.
+impl EncodedFiles {
+    /// Returns one file without loss.
     fn file(bytes: impl Into<Vec<u8>>) -> Self {
         Self { files: vec![(String::new(), bytes.into())], lost: None }
     }
@@ -92,7 +92,7 @@ impl Export {
             return Ok(());
         }
         let made: Vec<_> = kinds.iter().map(|kind| kind.name.to_lowercase()).collect();
-        Err(Error::new(format!("{id} makes {}, which --{} cannot write; leave it out", made.join(" and "), self.flag)))
+        Err(Error::new(format!("{id} makes {}, which --{} cannot save; omit it", made.join(" and "), self.flag)))
     }
 
     /// The format that the ending of `path` asks for; the first for `-` and for a folder.
@@ -106,7 +106,7 @@ impl Export {
         found.ok_or_else(|| {
             let endings: Vec<_> = self.formats.iter().map(|format| format!(".{}", format.ending)).collect();
             Error::new(format!(
-                "{}: --{} writes {}, and - is standard output",
+                "{}: --{} saves {}; - is standard output",
                 path.display(),
                 self.flag,
                 endings.join(" or ")
@@ -118,7 +118,7 @@ impl Export {
     ///
     /// # Errors
     /// If a file cannot be written.
-    pub fn save(&self, path: &Path, made: &Made) -> Result<String, Error> {
+    pub fn save(&self, path: &Path, made: &EncodedFiles) -> Result<String, Error> {
         if self.folder.is_none() {
             made.files.iter().try_for_each(|(_, bytes)| export::save_result(path, bytes))?;
             return Ok(path.display().to_string());

@@ -5,14 +5,14 @@ use motionscope_core::{
     BlockField, DenseField, Error, MaskField, ObjectField, Output, PointField, Product, TrackField,
 };
 
-use super::{Export, Format, Made};
+use super::{EncodedFiles, Export, Format};
 
 pub const EXPORT: Export = Export {
     flag: "table",
     value: "FILE.csv",
-    help: "Writes vectors, points, objects or detections as CSV; `-` is standard output",
+    help: "Save motion vectors, features, objects or detections as CSV; `-` is standard output",
     name: "Table",
-    explained: "As a table with units in its headings.",
+    explained: "A table with units in its headings.",
     takes: &[
         BlockField::KIND,
         DenseField::KIND,
@@ -22,12 +22,12 @@ pub const EXPORT: Export = Export {
         MaskField::KIND,
     ],
     folder: None,
-    formats: &[Format { ending: "csv", doc: "CSV, a table", encode }],
+    formats: &[Format { ending: "csv", doc: "CSV", encode }],
 };
 
-fn encode(output: &Output) -> Result<Made, Error> {
-    let table = output.table().ok_or_else(|| Error::new("this result is no table; write it as pictures"))?;
-    Ok(Made::file(csv(&table)))
+fn encode(output: &Output) -> Result<EncodedFiles, Error> {
+    let table = output.table().ok_or_else(|| Error::new("this result has no table; save it as pictures"))?;
+    Ok(EncodedFiles::file(csv(&table)))
 }
 
 /// `table` as CSV: commas, points for decimals, one line of names, lines that end in a newline.

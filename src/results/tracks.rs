@@ -2,28 +2,28 @@
 
 use motionscope_core::{Error, Followed, Object, ObjectField, Output, Product, TrackStatus};
 
-use super::{Export, Format, Made, table};
+use super::{EncodedFiles, Export, Format, table};
 use crate::media::export::{mot_rect, npy_of};
 
 pub const EXPORT: Export = Export {
     flag: "tracks",
     value: "FILE",
-    help: "Writes the objects that were tracked: .txt as MOTChallenge rows, .csv with units, .npy; `-` is standard output",
+    help: "Save the tracks: .txt as MOTChallenge rows, .csv with units, or .npy; `-` is standard output",
     name: "Tracks",
-    explained: "Where each object was in each frame.",
+    explained: "The tracks: position and box of each object in each frame.",
     takes: &[ObjectField::KIND],
     folder: None,
     formats: &[
         Format {
             ending: "txt",
-            doc: "MOTChallenge rows, for scores by other programs",
-            encode: |output| mot(field(output)?).map(Made::file),
+            doc: "MOTChallenge rows, for other evaluation programs",
+            encode: |output| mot(field(output)?).map(EncodedFiles::file),
         },
-        Format { ending: "csv", doc: "CSV, a row for each object in each frame", encode: as_csv },
+        Format { ending: "csv", doc: "CSV, one row per object and frame", encode: as_csv },
         Format {
             ending: "npy",
             doc: "NPY, an array for NumPy",
-            encode: |output| tracked(output).map(|field| Made::file(npy(field))),
+            encode: |output| tracked(output).map(|field| EncodedFiles::file(npy(field))),
         },
     ],
 };
@@ -38,8 +38,8 @@ fn tracked(output: &Output) -> Result<&ObjectField, Error> {
     mot(field).map(|_| field)
 }
 
-fn as_csv(output: &Output) -> Result<Made, Error> {
-    Ok(Made::file(table::csv(&tracked(output)?.object_table())))
+fn as_csv(output: &Output) -> Result<EncodedFiles, Error> {
+    Ok(EncodedFiles::file(table::csv(&tracked(output)?.object_table())))
 }
 
 /// The objects seen in each frame as MOTChallenge's results: frame, id, left, top, width, height, 1, −1, −1, −1; frames and
@@ -50,7 +50,7 @@ fn as_csv(output: &Output) -> Result<Made, Error> {
 fn mot(field: &ObjectField) -> Result<String, Error> {
     if field.followed == Followed::Nothing {
         return Err(Error::new(
-            "each frame was looked at by itself, so there are no tracks; choose a tracker, or --table",
+            "each frame was processed by itself, so there are no tracks; choose a tracker, or --table",
         ));
     }
     let seen = |object: &&Object| object.status == TrackStatus::Confirmed;

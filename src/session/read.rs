@@ -1,4 +1,4 @@
-//! Reads a session, and says by line and key what is wrong in it.
+//! The parser of sessions; errors name line and key.
 
 use std::path::Path;
 
@@ -12,17 +12,17 @@ use crate::experiment::{Experiment, Position};
 use crate::media::Given;
 use crate::view::look::{Changes, Look};
 
-/// The session in `text`, whose paths are told from `folder`.
+/// Parses the session in `text`, whose paths are relative to `folder`.
 ///
 /// # Errors
-/// A sentence that names line and key if the text is no session, or names what does not exist.
+/// A sentence with line and key if the text is no session, or names an unknown estimator, parameter or scene.
 pub(super) fn session(text: &str, folder: &Path) -> Result<Session, Error> {
-    let none = || Error::new(format!("it is no session of Motionscope, which has a line motionscope = {VERSION}"));
+    let none = || Error::new(format!("it is no Motionscope session: the line motionscope = {VERSION} is missing"));
     let mut top = Section::parse(text).map_err(|why| if text.lines().any(is_version) { why } else { none() })?;
     let version = top.take("motionscope").ok_or_else(none)?;
     if version.count()? != VERSION as usize {
         let told = format!(
-            "its format is {}, and this Motionscope reads {VERSION}; open it with its own version",
+            "its format version is {}, but this Motionscope reads version {VERSION}; open it with the version that wrote it",
             version.plain()?
         );
         return Err(Error::new(told));
@@ -53,7 +53,7 @@ pub(super) fn session(text: &str, folder: &Path) -> Result<Session, Error> {
     Ok(session)
 }
 
-/// Whether this line says which format a session has.
+/// Whether this line states the version of the format.
 fn is_version(line: &str) -> bool {
     line.trim_start().strip_prefix("motionscope").is_some_and(|rest| rest.trim_start().starts_with('='))
 }
@@ -62,14 +62,14 @@ fn section<'a>(of: &mut Section<'a>, key: &'static str) -> Result<Section<'a>, E
     of.take(key).map_or_else(|| Ok(Section::empty()), Entry::section)
 }
 
-/// Those that go in lockstep with `leader`.
+/// Parses the estimators in lockstep with `leader`.
 fn side_by_side(top: &mut Section<'_>, leader: &mut dyn AnyEstimator, pace: Pace) -> Result<SideBySide, Error> {
     let Some(entry) = top.take("beside") else { return Ok(SideBySide::default()) };
     let (mut ids, mut settings) = (Vec::new(), Vec::new());
     for mut one in entry.sections()? {
         let id = one.need("estimator")?;
         ids.push(id.text()?.to_owned());
-        // One after the other, so that the line of the one that cannot be is known.
+        // One after the other, so that an error names the line of the estimator that is wrong.
         SideBySide::of(leader, &ids, pace).map_err(|why| id.wrong(why))?;
         settings.push(section(&mut one, "set")?.all());
         one.end()?;
@@ -83,7 +83,7 @@ fn side_by_side(top: &mut Section<'_>, leader: &mut dyn AnyEstimator, pace: Pace
     Ok(side_by_side)
 }
 
-/// The entries of a look that `picture` sets.
+/// Parses the view options that `picture` sets.
 fn look(mut picture: Section<'_>) -> Result<Changes, Error> {
     let mut look = Changes::default();
     for (index, spec) in Look::entries().iter().enumerate() {

@@ -151,8 +151,8 @@ fn what_is_no_session_is_told_in_a_sentence() {
     for (text, told) in [
         ("\u{0}PNG", "no session"),
         ("clip = 3", "no session"),
-        ("motionscope = 2\nclip = \"a\"\nestimator = \"full-search\"", "its format is 2"),
-        ("motionscope = 0\nfilm = \"a\"", "its format is 0"),
+        ("motionscope = 2\nclip = \"a\"\nestimator = \"full-search\"", "its format version is 2"),
+        ("motionscope = 0\nfilm = \"a\"", "its format version is 0"),
         (&format!("{start}estimator = \"magic\""), "full-search"),
         (&format!("{start}estimator = \"full-search\"\nstep = \"x\""), "UNIT.EVENT"),
         (&format!("{start}estimator = \"full-search\"\npixel = \"303\""), "X,Y"),

@@ -1,4 +1,4 @@
-//! Writes a session as text.
+//! The writer of sessions.
 
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
@@ -14,7 +14,7 @@ use crate::experiment::{Experiment, Position};
 use crate::media::Given;
 use crate::view::look::Changes;
 
-/// The file as it is written.
+/// The session file.
 #[derive(Serialize)]
 struct Text<'a> {
     motionscope: u32,
@@ -39,7 +39,7 @@ struct Text<'a> {
     sight: Option<Sight>,
 }
 
-/// An estimator in lockstep with the first, and what it does not share with that.
+/// An estimator in lockstep with the first, and the parameters that the first does not have.
 #[derive(Serialize)]
 struct Companion {
     estimator: String,
@@ -54,7 +54,7 @@ impl Companion {
     }
 }
 
-/// The entries of a look, in the order in which they are declared.
+/// The view options, in the order of declaration.
 struct Picture<'a>(&'a Changes);
 
 impl Serialize for Picture<'_> {
@@ -65,7 +65,7 @@ impl Serialize for Picture<'_> {
     }
 }
 
-/// The text of `session` in a file in `folder`.
+/// Returns the text of `session` for a file in `folder`.
 pub(super) fn text(session: &Session, folder: &Path) -> Result<String, Error> {
     let Session { experiment, position: Position { cursor, pixel }, look, sight } = session;
     let Experiment { source, given: Given { truth, detections }, estimator, side_by_side, frame } = experiment;
@@ -91,7 +91,7 @@ pub(super) fn text(session: &Session, folder: &Path) -> Result<String, Error> {
     toml::to_string(&text).map_err(|error| Error::new(format!("the session cannot be written: {error}")))
 }
 
-/// `path` as told from `folder`: with `..` where needed, whole where the two have nothing in common.
+/// Returns `path` relative to `folder`, with `..` where needed; absolute if they have no common root.
 pub(super) fn relative(path: &Path, folder: &Path) -> PathBuf {
     // What exists is looked up, so that links and `..` lead where they lead; the rest is told by its parts.
     let whole = |path: &Path| {
@@ -115,10 +115,10 @@ pub(super) fn relative(path: &Path, folder: &Path) -> PathBuf {
     up.chain(parts[common..].iter().copied()).collect()
 }
 
-/// Written alike on every system.
+/// Returns the path with forward slashes on every system.
 pub(super) fn slashed(path: &Path) -> Result<String, Error> {
     let text = path.to_str().ok_or_else(|| {
-        Error::new(format!("a session cannot name {}, which is no Unicode; rename the file", path.display()))
+        Error::new(format!("a session cannot hold the path {}, which is not Unicode; rename the file", path.display()))
     })?;
     Ok(if std::path::MAIN_SEPARATOR == '\\' { text.replace('\\', "/") } else { text.into() })
 }

@@ -56,7 +56,7 @@ pub fn begin(app: &mut app::App, start: Start) {
 fn explain(error: &eframe::Error) -> Error {
     let example = first::EXAMPLE;
     let instead =
-        format!("pictures need no window: try `motionscope run CLIP --estimator {example} --overlay FILE.png`");
+        format!("pictures need no window; try `motionscope run CLIP --estimator {example} --overlay FILE.png`");
     Error::new(match error {
         eframe::Error::WinitEventLoop(_) | eframe::Error::Winit(_) => format!(
             "no window can be opened here; start Motionscope on a desktop, or set DISPLAY or WAYLAND_DISPLAY to one; \

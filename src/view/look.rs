@@ -1,5 +1,5 @@
-//! How a step is looked at, declared once: the flags of pictures, the `[picture]` of a session and what the window chooses
-//! follow from the entries of [`Look`].
+//! The view options, declared once: flags of the command line, the `[picture]` section of a session and the settings of the window
+//! all follow from the entries of [`Look`].
 
 mod values;
 
@@ -13,59 +13,59 @@ use crate::paint::{
 };
 
 params! {
-    /// How a step is looked at, in the window and in pictures.
+    /// The view options of the window and of pictures.
     #[derive(Copy, PartialEq)]
     pub struct Look {
-        /// Which pictures are shown, those of the prediction only at the end of a run; auto is what suits the step.
+        /// Which pictures are shown; prediction and residual exist at the end of a run, auto chooses by the step.
         view: Option<View> = None;
-        /// The level of a pyramid that is shown, 0 for the picture itself.
+        /// Pyramid level to show; level 0 is the full-resolution frame.
         level: LevelShown = LevelShown::AtWork;
-        /// The share of frame t+1 in a blend.
+        /// Weight of frame t + 1 in the blend.
         blend: Share = Share::default();
-        /// Colours and sizes of marks and type.
+        /// Colours and sizes of marks and text.
         theme: Theme = Theme::Dark;
-        /// The colours of costs and other numbers.
+        /// Colour map of costs and other scalars.
         colors: ColorMap = ColorMap::Viridis;
-        /// The colours that tell of the motion of every pixel; auto is what suits the estimator.
+        /// Flow colours over the picture; auto chooses by the estimator.
         layer: Option<FlowLayer> = None;
-        /// How far the colours of motion hide the picture; auto is what suits the layer.
+        /// Opacity of the flow colours; auto chooses by the layer.
         layer_opacity: Option<Opacity> = None;
-        /// From one arrow, or one particle, to the next, in px of the clip; auto is as many as there is room for.
+        /// Spacing of arrows or particles in px of the clip; auto chooses by the size of the picture.
         arrow_spacing: Option<u16> = None, 1..=256, "px";
-        /// How many times their length displacements are drawn, which the legend says; auto is as long as fits.
+        /// Scale factor of arrows, shown in the legend; auto fills the space between them.
         arrow_scale: Lengthen = Lengthen::Auto;
-        /// Streaklines in the place of arrows, at this moment of a particle's life.
+        /// Streaklines instead of arrows, at this phase of the particles' life.
         streaks: Option<Phase> = None;
-        /// What the marks mean, below the pictures.
+        /// Legend of the marks below the pictures.
         legend: bool = false;
         /// Estimator, parameters and the sentence of the step, around the pictures.
         caption: bool = false;
     }
 }
 
-/// Where a run stands, as far as the choice of a view depends on it.
+/// The state of a run on which the automatic choice of a view depends.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Stands {
-    /// Whether its estimator looks at single frames.
+pub struct RunState {
+    /// Whether the estimator works on single frames.
     pub is_of_single_frames: bool,
-    /// Whether it is at its end.
+    /// Whether the run is at its end.
     pub at_end: bool,
-    /// Whether it is one of several in lockstep.
+    /// Whether several estimators run in lockstep.
     pub is_lockstep: bool,
 }
 
 impl Look {
-    /// What there is to choose, in the order in which a person reads it.
+    /// Returns the options, in the order in which they are shown.
     pub fn entries() -> &'static [Spec] {
         Self::default().specs()
     }
 
-    /// How the window looks until something else is chosen.
+    /// Returns the defaults of the window.
     pub fn of_window() -> Self {
         Self { view: Some(View::default()), legend: true, ..Self::default() }
     }
 
-    /// How `pictures` are drawn.
+    /// Returns the style in which `pictures` are drawn.
     pub fn style(&self, pictures: &Pictures) -> Style {
         let Self { theme, colors, arrow_scale, arrow_spacing, streaks, .. } = *self;
         let streak_frames = pictures.streaks.as_ref().filter(|_| streaks.is_some()).map(|all| all.life_frames());
@@ -73,16 +73,16 @@ impl Look {
         Style { theme, colors, arrows }
     }
 
-    /// The view that it chooses of `pictures`, or what suits the step: a finished field needs only frame t, as an estimator of
-    /// single frames does; a search needs both. Each of several in lockstep has one picture.
-    pub fn view_of(&self, pictures: &Pictures, stands: Stands) -> View {
-        let Stands { is_of_single_frames, at_end, is_lockstep } = stands;
+    /// Returns the chosen view of `pictures`, or the automatic one: frame t for a finished field or an estimator of single frames,
+    /// both frames during a search, and one picture for each estimator in lockstep.
+    pub fn view_of(&self, pictures: &Pictures, stands: RunState) -> View {
+        let RunState { is_of_single_frames, at_end, is_lockstep } = stands;
         let fitting = if at_end || is_of_single_frames { View::Current } else { View::SideBySide };
         let view = self.view.unwrap_or(fitting).or_current(pictures);
         if is_lockstep { view.alone(at_end) } else { view }
     }
 
-    /// Whether the pictures of a step stand side by side, one by one or in turn, unless something else is chosen.
+    /// Whether the pictures of a step are shown side by side or in turn.
     pub fn shows_beside(&self, is_of_single_frames: bool) -> bool {
         match self.view {
             None => !is_of_single_frames,
@@ -90,13 +90,13 @@ impl Look {
         }
     }
 
-    /// Whether `other` shows the same of a step, as far as that is worked out before it is drawn.
+    /// Whether `other` shares everything of a step that is computed before drawing.
     pub fn shows_same_step(&self, other: &Self) -> bool {
         let beside = |look: &Self| [false, true].map(|is_single| look.shows_beside(is_single));
         self.shows_same_motion(other) && beside(self) == beside(other)
     }
 
-    /// Whether `other` shows the same of motion, so that nothing of it has to be worked out anew.
+    /// Whether `other` shares the flow layer, so that it need not be recomputed.
     pub fn shows_same_motion(&self, other: &Self) -> bool {
         let motion = |look: &Self| {
             let Self { layer, layer_opacity, colors, arrow_spacing, streaks, .. } = *look;
@@ -106,10 +106,10 @@ impl Look {
     }
 }
 
-/// Entries of a look that are set; the others are left as they are where it is laid [over](Changes::over) a look.
+/// Options that are set explicitly; the others stay when [applied](Changes::over) to a look.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Changes {
-    /// One for each entry, in order; a value is one that the entry may have.
+    /// One valid value or `None` for each option, in order.
     values: Vec<Option<Value>>,
 }
 
@@ -126,39 +126,39 @@ impl From<Look> for Changes {
 }
 
 impl Changes {
-    /// Sets entry `index` of [`Look::entries`] from what a person typed.
+    /// Sets option `index` of [`Look::entries`] from text.
     ///
     /// # Errors
-    /// A sentence with what may be given.
+    /// A sentence with the allowed values.
     ///
     /// # Panics
-    /// If there is no such entry.
+    /// If there is no such option.
     pub fn set(&mut self, index: usize, text: &str) -> Result<(), Error> {
         self.values[index] = Some(Look::entries()[index].parse(text)?);
         Ok(())
     }
 
-    /// Whether the entry called `name` is set.
+    /// Whether the option `name` is set.
     pub fn has(&self, name: &str) -> bool {
         self.entries().any(|(spec, _)| spec.name == name)
     }
 
-    /// The entries that are set, with their values.
+    /// Returns the options that are set, with their values.
     pub fn entries(&self) -> impl Iterator<Item = (&'static Spec, &Value)> {
         Look::entries().iter().zip(&self.values).filter_map(|(spec, value)| Some((spec, value.as_ref()?)))
     }
 
-    /// `look` with the entries that are set.
+    /// Returns `look` with these options set.
     #[must_use]
     pub fn over(&self, mut look: Look) -> Look {
         for (index, value) in self.values.iter().enumerate() {
-            // What stands here was checked when it was set.
+            // The values were checked when they were set.
             value.iter().for_each(|value| look.set_value(index, value.clone()).unwrap_or_default());
         }
         look
     }
 
-    /// The same, with what `later` sets in the place of it.
+    /// Returns these options with those of `later` in their place.
     #[must_use]
     pub fn then(self, later: &Self) -> Self {
         let values = self.values.into_iter().zip(&later.values).map(|(then, now)| now.clone().or(then));
@@ -174,7 +174,7 @@ impl Serialize for Look {
 }
 
 impl<'de> Deserialize<'de> for Look {
-    /// What is not known, as another version may have written it, is left as the window has it at first.
+    /// Unknown options or values, as another version may have written them, keep the defaults of the window.
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
         let mut look = Self::of_window();
         for (name, text) in BTreeMap::<String, String>::deserialize(from)? {

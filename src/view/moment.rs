@@ -1,4 +1,4 @@
-//! Everything that a step shows, made in one place for the window, for pictures and for sessions.
+//! Everything that a step shows, computed in one place for the window, for pictures and for sessions.
 
 use std::sync::Arc;
 
@@ -6,64 +6,64 @@ use motionscope_core::products::{Assessment, Reference};
 use motionscope_core::scene::{Fact, Focus, Picture, Readout};
 use motionscope_core::{Clip, Cursor, Error, Frame, Histogram, Levels, Role, Scene, Step, Walk};
 
-use super::look::{Look, Stands};
+use super::look::{Look, RunState};
 use super::motion::{AvailableLayers, Motion, Reverse, Site};
 use super::named::{LastNamed, Named};
 use super::tile::{self, Ending, Tile, add_assessment, add_facts, endings, predicted, tiles};
 use crate::experiment::Experiment;
 use crate::paint::{FlowLayer, Pictures};
 
-/// What a run shows where it stands.
+/// Everything that a run shows at its cursor.
 #[derive(Clone)]
 pub struct Moment {
     /// Frame t of the pair at hand.
     pub frame: usize,
-    /// Where the run stands.
+    /// The cursor.
     pub cursor: Cursor,
-    /// Whether that is its end.
+    /// Whether the cursor is at the end of the run.
     pub at_end: bool,
-    /// What the step tells; at the end also how good the estimate is.
+    /// The step; at the end with the assessment of the result.
     pub step: Arc<Step>,
-    /// What it shows.
+    /// The marks to draw.
     pub scene: Arc<Scene>,
-    /// Frames t and t + 1, and at the end what the run has made of them.
+    /// Frames t and t + 1; at the end also prediction and residual.
     pub pictures: Pictures,
-    /// Each of those that go in lockstep; none where there is but one.
+    /// The estimators in lockstep; empty for a single one.
     pub tiles: Vec<Tile>,
-    /// Which layers tell of motion.
+    /// The available flow layers.
     pub available: AvailableLayers,
-    /// Why a picture that the step names is not among them, if one is not.
+    /// The error of a picture that the step asks for and that cannot be shown.
     pub missing: Option<Error>,
 }
 
-/// A run where it stands, and what is asked of it there.
+/// A run at its cursor, and what is to be shown of it.
 #[derive(Clone, Copy)]
 pub struct Standing<'a> {
     /// The run.
     pub walk: &'a dyn Walk,
-    /// What it runs on.
+    /// The clip.
     pub clip: &'a Clip,
-    /// The frames of the unit at hand.
+    /// The frames of the current unit.
     pub pair: &'a Pictures,
-    /// The pixel that is explained in the place of the one at work.
+    /// The pixel that is explained instead of the current one.
     pub focus: Option<Focus>,
-    /// Whether the pictures of the step stand side by side.
+    /// Whether the pictures of the step are shown side by side.
     pub beside: bool,
-    /// What the end of the run has come to, where that is reached and worked out.
+    /// The results at the end of the run, once computed.
     pub end: Option<&'a End>,
-    /// The pictures of the step that was looked at last.
+    /// The pictures of the step shown last.
     pub named: &'a LastNamed,
 }
 
-/// What the end of a run shows beside its last step.
+/// The results shown at the end of a run.
 pub struct End {
-    /// The motion-compensated prediction of frame t, where there is one.
+    /// The motion-compensated prediction of frame t, if there is one.
     prediction: Option<Arc<Frame>>,
-    /// How good the estimate is.
+    /// The assessment of the result.
     assessment: Option<Assessment>,
     /// How often each displacement was found, where they are counted.
     histogram: Option<Histogram>,
-    /// The same of each of those in lockstep.
+    /// The results of the estimators in lockstep.
     beside: Vec<Ending>,
 }
 
@@ -113,18 +113,18 @@ impl Moment {
     }
 
     /// Where the run of an estimator that looks at single frames, or at pairs, stands for the choice of a view.
-    pub fn stands(&self, is_of_single_frames: bool) -> Stands {
-        Stands { is_of_single_frames, at_end: self.at_end, is_lockstep: !self.tiles.is_empty() }
+    pub fn stands(&self, is_of_single_frames: bool) -> RunState {
+        RunState { is_of_single_frames, at_end: self.at_end, is_lockstep: !self.tiles.is_empty() }
     }
 
-    /// Why it does not show `layer`, as part of a sentence; `None` if it does.
+    /// Returns why `layer` is not shown, as part of a sentence; `None` if it is.
     pub fn why_without(&self, layer: FlowLayer) -> Option<&'static str> {
         let mut shown = self.pictures.layer.iter().chain(self.tiles.iter().filter_map(|tile| tile.layer.as_ref()));
         let is_shown = shown.any(|tint| tint.kind == layer);
-        (!is_shown).then(|| self.available.why_not(layer).unwrap_or("nothing has moved there yet"))
+        (!is_shown).then(|| self.available.why_not(layer).unwrap_or("no motion is estimated yet"))
     }
 
-    /// The pyramid on which the step works, if it does.
+    /// Returns the pyramid of the step, if there is one.
     pub fn levels(&self) -> Option<&Levels> {
         tile::levels(&self.scene, &self.tiles)
     }

@@ -1,6 +1,6 @@
-//! What a run says of the motion of every pixel: layers of colours, streaklines, and the check with the reverse pair.
+//! The motion of every pixel as shown: flow layers, streaklines, and the forward–backward check.
 //!
-//! The window, exported pictures and the command line show the same, made here.
+//! The window, exported pictures and the command line share this code.
 
 use std::cell::OnceCell;
 use std::sync::Arc;
@@ -16,107 +16,107 @@ use crate::paint::{FlowLayer, Pictures, Scalars, Tint, grouped};
 use crate::view::look::Look;
 use crate::view::tile::Tile;
 
-/// Which layers there are where a run stands.
+/// The flow layers that are available at a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct AvailableLayers {
     known: Known,
     at_end: bool,
-    /// Whether there are several estimators.
+    /// Whether several estimators run in lockstep.
     several: bool,
-    /// Whether the run looks at two frames and no more.
+    /// Whether the run uses exactly two frames.
     is_pair: bool,
-    /// Whether the end of the run tells how far its field is trusted.
+    /// Whether the result has a confidence.
     has_confidence: bool,
     has_truth: bool,
 }
 
 impl AvailableLayers {
-    /// Which there are at `site`.
+    /// Returns the layers available at `site`.
     pub fn at(site: Site<'_>) -> Self {
         Found::at(site).available(site)
     }
 
-    /// Whether there is a field at all.
+    /// Whether there is a dense flow.
     pub fn has_field(&self) -> bool {
         self.known.is_field()
     }
 
-    /// Whether the end of the run knows how far off it is.
+    /// Whether the true flow is known.
     pub fn has_errors(&self) -> bool {
         self.has_truth
     }
 
-    /// Why there is no such layer at any step of this run, as part of a sentence; `None` if there is.
+    /// Returns why no step of this run has the layer, as part of a sentence; `None` if some step has it.
     pub fn why_never(&self, layer: FlowLayer) -> Option<&'static str> {
         match layer {
             FlowLayer::None => None,
-            _ if !self.has_field() => Some("only single points are known to move here"),
-            FlowLayer::Error if !self.has_truth => Some("no true flow is known for this clip"),
-            FlowLayer::Consistency if self.several => Some("only an estimator by itself is run on the reverse pair"),
-            FlowLayer::Consistency if !self.is_pair => Some("this estimator looks at more than two frames"),
-            FlowLayer::Confidence if self.several => Some("these estimators tell no confidence"),
-            FlowLayer::Confidence if !self.has_confidence => Some("this estimator tells no confidence"),
+            _ if !self.has_field() => Some("this estimator tracks single points, so there is no dense flow to colour"),
+            FlowLayer::Error if !self.has_truth => Some("there is no true flow for this clip"),
+            FlowLayer::Consistency if self.several => Some("the forward–backward check needs a single estimator"),
+            FlowLayer::Consistency if !self.is_pair => Some("this estimator uses more than two frames"),
+            FlowLayer::Confidence if self.several => Some("these estimators report no confidence"),
+            FlowLayer::Confidence if !self.has_confidence => Some("this estimator reports no confidence"),
             _ => None,
         }
     }
 
-    /// Why there is no such layer here, as part of a sentence; `None` if there is.
+    /// Returns why this step does not have the layer, as part of a sentence; `None` if it has.
     pub fn why_not(&self, layer: FlowLayer) -> Option<&'static str> {
-        let of_the_end = "it needs the whole field, which is there at the end of a run";
+        let of_the_end = "it needs the complete flow field, at the end of the run";
         self.why_never(layer).or((layer.is_of_the_end() && !self.at_end).then_some(of_the_end))
     }
 
-    /// What is wanted and comes with the end of the run, where that is not reached.
+    /// Returns the requested layer if it appears only at the end of the run and the end is not reached.
     pub fn awaited(&self, wanted: Option<FlowLayer>) -> Option<FlowLayer> {
         wanted.filter(|layer| self.why_never(*layer).is_none() && self.why_not(*layer).is_some())
     }
 
-    /// The layer that is chosen where `wanted` is wanted: the one that is shown, or awaited.
+    /// Returns the layer that is selected for the request `wanted`: the shown or the awaited one.
     pub fn chosen(&self, wanted: Option<FlowLayer>) -> FlowLayer {
         self.awaited(wanted).unwrap_or(self.layer(wanted))
     }
 
-    /// The layer that is shown where `wanted` is wanted: that, or what suits the estimator.
+    /// Returns the layer that is shown for the request `wanted`, or the estimator's default.
     pub fn layer(&self, wanted: Option<FlowLayer>) -> FlowLayer {
         let usual = if self.known == Known::Pixels { FlowLayer::Wheel } else { FlowLayer::None };
         wanted.filter(|layer| self.why_not(*layer).is_none()).unwrap_or(usual)
     }
 }
 
-/// A run where it stands.
+/// A run at its cursor.
 #[derive(Clone, Copy)]
 pub struct Site<'a> {
     /// The run.
     pub walk: &'a dyn Walk,
-    /// What it runs on.
+    /// The clip.
     pub clip: &'a Clip,
-    /// What it shows there.
+    /// The marks of the step.
     pub scene: &'a Scene,
 }
 
-/// What is seen of motion.
+/// The flow layers, streaklines and checks of a step.
 #[derive(Clone, Debug, Default)]
 pub struct Motion {
-    /// Which layers there are.
+    /// The available layers.
     pub available: AvailableLayers,
-    /// The layer of colours: one, or one for each of several estimators.
+    /// The flow layer: one, or one for each estimator in lockstep.
     pub layers: Vec<Arc<Tint>>,
-    /// What is wanted in their place and comes with the end of the run.
+    /// The requested layer that appears at the end of the run.
     pub awaited: Option<FlowLayer>,
-    /// The particles of each.
+    /// The streaklines of each.
     pub streaks: Vec<Arc<Streaks>>,
-    /// What the check with the reverse pair has found.
+    /// The result of the forward–backward check.
     pub check: Option<Check>,
-    /// Why there is none, if the flow of the reverse pair could not be had.
+    /// The error if the backward flow could not be computed.
     pub unchecked: Option<Error>,
 }
 
 impl Motion {
-    /// What `look` shows of it at `site`. Where the check is to be seen, `backward` is asked for the flow of the reverse
-    /// pair; without it there is none.
+    /// Computes what `look` shows at `site`. For the forward–backward check, `backward` returns the flow from frame t + 1 to t, or
+    /// `None` while it is not computed.
     ///
     /// # Errors
-    /// If the truth or the reverse pair that it needs cannot be had.
+    /// If the true flow or the backward flow cannot be read or computed.
     pub fn of<'a>(
         site: Site<'_>,
         look: &Look,
@@ -201,7 +201,7 @@ impl Motion {
     }
 }
 
-/// The particles of streaklines stand closer than arrows: only some are seen at any moment.
+/// The spacing of streakline particles, denser than arrows because only some are visible at a time.
 fn usual_spacing(flow: &Flow) -> usize {
     (scene::arrow_spacing(flow.0.size()) * 3 / 4).max(4)
 }
@@ -213,18 +213,18 @@ fn true_flow(site: Site<'_>) -> Result<Arc<Flow>, Error> {
     match truth.0.cells().iter().any(|uv| uv.iter().all(|c| c.is_finite())) {
         true => Ok(truth),
         false => {
-            Err(Error::new("nothing is known of the true flow of this frame; choose another frame or another layer"))
+            Err(Error::new("the true flow of this frame has no valid pixel; choose another frame or another layer"))
         }
     }
 }
 
-/// What is known of motion where a run stands.
+/// The motion known at a step.
 enum Found<'a> {
-    /// A field that is drawn, and at the end all that is known of it.
+    /// The flow that the step draws, and at the end the output.
     Drawn(&'a Grid<[f32; 2]>, Option<Output>),
-    /// What the run amounts to.
+    /// The output so far.
     Output(Output),
-    /// What each of several amounts to.
+    /// The outputs of several estimators.
     Several(Vec<Output>),
 }
 
@@ -280,16 +280,16 @@ impl<'a> Found<'a> {
     }
 }
 
-/// The flow that the same estimator finds on frames `t + 1` and `t` of `clip`, in this order.
+/// Returns the backward flow: the same estimator on frames `t + 1` and `t` of `clip`, in this order.
 ///
 /// # Errors
 /// If a frame cannot be read, or the estimator cannot run.
 pub fn backward(estimator: &dyn AnyEstimator, clip: &Clip, t: usize) -> Result<Flow, Error> {
     let flow = estimator.run(&clip.reversed(t)?, 0, &Threads::all()?)?.flow();
-    flow.ok_or_else(|| Error::new(format!("{} makes no flow that could be checked", estimator.info().id)))
+    flow.ok_or_else(|| Error::new(format!("{} produces no flow for the forward–backward check", estimator.info().id)))
 }
 
-/// The same, worked out when it is first asked for.
+/// The backward flow, computed on first use.
 pub struct Reverse<'a> {
     estimator: &'a dyn AnyEstimator,
     clip: &'a Clip,
@@ -298,12 +298,12 @@ pub struct Reverse<'a> {
 }
 
 impl<'a> Reverse<'a> {
-    /// That of a pair whose first frame is `t`.
+    /// The backward flow of the pair whose first frame is `t`.
     pub fn new(estimator: &'a dyn AnyEstimator, clip: &'a Clip, t: usize) -> Self {
         Self { estimator, clip, t, flow: OnceCell::new() }
     }
 
-    /// The flow.
+    /// Returns the flow.
     ///
     /// # Errors
     /// As [`backward`].
@@ -316,19 +316,19 @@ impl<'a> Reverse<'a> {
     }
 }
 
-/// What the check with the reverse pair has found, in numbers.
+/// The result of the forward–backward check.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Check {
-    /// Pixels that fail it.
+    /// Number of inconsistent pixels.
     pub inconsistent: usize,
-    /// All pixels.
+    /// Number of pixels.
     pub pixels: usize,
-    /// How well they are those that are truly hidden, where that is known.
+    /// Precision and recall of the inconsistent pixels as a detector of occlusion, if the true occlusions are known.
     pub agreement: Option<Agreement>,
 }
 
 impl Check {
-    /// The numbers of `check` on the pair of `clip` whose first frame is `t`.
+    /// Evaluates `check` on the pair of `clip` whose first frame is `t`.
     ///
     /// # Errors
     /// If the truth cannot be read.
@@ -338,16 +338,16 @@ impl Check {
         Ok(Self { inconsistent: check.count(), pixels: check.inconsistent.cells().len(), agreement })
     }
 
-    /// The same for a person.
+    /// Returns the result as facts.
     pub fn facts(&self) -> Vec<Fact> {
         let fact = |label, value| Fact { label, value, role: None };
         let percent = 100.0 * self.inconsistent as f64 / self.pixels.max(1) as f64;
-        let mut facts = vec![fact("Fail the check", format!("{} pixels, {percent:.1} %", grouped(self.inconsistent)))];
-        facts.push(fact("They fail where", Consistency::criterion()));
+        let mut facts = vec![fact("Inconsistent", format!("{} pixels, {percent:.1} %", grouped(self.inconsistent)))];
+        facts.push(fact("Criterion", Consistency::criterion()));
         if let Some(Agreement { precision, recall }) = self.agreement {
             let share = |share: Option<f64>| share.map_or("–".into(), |share| format!("{:.0} %", 100.0 * share));
             let told = format!("precision {}, recall {}", share(precision), share(recall));
-            facts.push(fact("Truly hidden", told));
+            facts.push(fact("Occlusion", told));
         }
         facts
     }
@@ -364,7 +364,7 @@ mod tests {
         assert_eq!((dense.layer(None), dense.layer(Some(FlowLayer::Error))), (FlowLayer::Wheel, FlowLayer::Wheel));
         assert!(why(dense, FlowLayer::Error).contains("no true flow"));
         let known = AvailableLayers { has_truth: true, ..dense };
-        assert!(why(known, FlowLayer::Error).contains("end of a run"));
+        assert!(why(known, FlowLayer::Error).contains("end of the run"));
         let ended = AvailableLayers { at_end: true, ..known };
         assert_eq!(ended.layer(Some(FlowLayer::Error)), FlowLayer::Error);
         for (available, awaited) in [(dense, None), (known, Some(FlowLayer::Error)), (ended, None)] {
@@ -376,8 +376,8 @@ mod tests {
             [dense.chosen(Some(FlowLayer::Error)), known.awaited(wheel).unwrap_or_default()],
             [FlowLayer::Wheel, FlowLayer::None]
         );
-        assert!(why(ended, FlowLayer::Confidence).contains("tells no confidence"));
-        assert!(why(AvailableLayers { several: true, ..ended }, FlowLayer::Consistency).contains("by itself"));
+        assert!(why(ended, FlowLayer::Confidence).contains("reports no confidence"));
+        assert!(why(AvailableLayers { several: true, ..ended }, FlowLayer::Consistency).contains("single estimator"));
         assert!(
             why(AvailableLayers { is_pair: false, ..ended }, FlowLayer::Consistency).contains("more than two frames")
         );

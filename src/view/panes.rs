@@ -1,4 +1,4 @@
-//! The panes of a step that a picture can hold: what each is called, what it shows, and when it has something to show.
+//! The panes of a step: id, title, content, and the condition under which each has content.
 
 use std::fmt;
 use std::str::FromStr;
@@ -12,14 +12,14 @@ use crate::paint::charts::{
 use crate::paint::primitive::Rect;
 use crate::paint::{Layer, LevelShown};
 
-/// From where the things in space are looked at, and which part of the plane of displacements.
+/// The viewpoints of the 3-D charts, and the section of the displacement plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Angles {
     /// The cost surface.
     pub surface: Orbit,
     /// The pyramid.
     pub pyramid: Orbit,
-    /// The plane of displacements; all of it unless one came nearer.
+    /// The section of the displacement plane; all of it unless zoomed.
     pub plane: Option<plane::Window>,
 }
 
@@ -29,40 +29,40 @@ impl Default for Angles {
     }
 }
 
-/// What the panes of a step are made of.
+/// The content of a step from which panes are drawn.
 #[derive(Clone, Copy)]
-pub struct Told<'a> {
+pub struct PaneContent<'a> {
     /// The estimator.
     pub info: &'a Info,
-    /// What its step tells.
+    /// The step.
     pub step: &'a Step,
-    /// Whether the pixel that is explained lies in the middle of its tiles.
+    /// Whether the explained pixel lies at the centre of its tiles.
     pub is_centered: bool,
-    /// The level of a pyramid that stands on the stage.
+    /// The pyramid level shown on the stage.
     pub level: LevelShown,
-    /// From where the things in space are looked at.
+    /// The viewpoints of the 3-D charts.
     pub angles: Angles,
 }
 
-/// What can stand on a picture of a step.
+/// A pane of the window or of a sheet.
 #[derive(Debug)]
 pub struct Pane {
-    /// What it is called in commands and files.
+    /// The id in commands and files.
     pub id: &'static str,
-    /// What it is called on the screen.
+    /// The title on the screen.
     pub title: &'static str,
-    /// What it shows.
+    /// The content, as part of a sentence.
     pub doc: &'static str,
-    /// Which steps have something to show in it.
+    /// When it has content, as part of a sentence.
     pub when: &'static str,
-    /// The chart that an estimator declares which has something to show in it; any may have where there is none.
+    /// The chart that an estimator must declare to fill it; `None` if any estimator may.
     pub chart: Option<Chart>,
-    /// Whether a step has something to show in it.
+    /// Whether a step has content for it.
     pub is_told: fn(&Step) -> bool,
-    /// How well it has room in so many points, where 1 is just enough.
-    pub room: fn(Told<'_>, [f32; 2], ChartStyle) -> f32,
-    /// What is painted in a rectangle; nothing where the step tells nothing.
-    pub draw: fn(Told<'_>, Rect, ChartStyle) -> Vec<Layer>,
+    /// How well the content fits a size in points; 1 is just enough.
+    pub room: fn(PaneContent<'_>, [f32; 2], ChartStyle) -> f32,
+    /// Draws the content in a rectangle; nothing if the step has none.
+    pub draw: fn(PaneContent<'_>, Rect, ChartStyle) -> Vec<Layer>,
 }
 
 impl PartialEq for Pane {
@@ -71,11 +71,11 @@ impl PartialEq for Pane {
     }
 }
 
-/// The pictures and the marks over them; it is painted with the figure.
+/// The frames with the marks of the step, painted with the figure.
 pub const STAGE: Pane = Pane {
     id: "stage",
     title: "Stage",
-    doc: "the pictures and the marks over them",
+    doc: "the frames with the marks of the step",
     when: "at every step",
     chart: None,
     is_told: |_| true,
@@ -83,11 +83,11 @@ pub const STAGE: Pane = Pane {
     draw: |_, _, _| Vec::new(),
 };
 
-/// Why the last step happened.
+/// The explanation of the step.
 pub const EXPLANATION: Pane = Pane {
     id: "explanation",
     title: "Explanation",
-    doc: "why the step happened: sentence, formulas, numbers and pseudocode",
+    doc: "the explanation of the step: sentence, formulas, numbers and pseudocode",
     when: "at every step",
     chart: None,
     is_told: |_| true,
@@ -95,11 +95,11 @@ pub const EXPLANATION: Pane = Pane {
     draw: |told, area, style| explanation::draw(explained(told), area, style).into_layers(),
 };
 
-/// The cost surface as a map.
+/// The cost surface as a heat map.
 pub const SURFACE: Pane = Pane {
     id: "surface",
     title: "Cost surface",
-    doc: "the cost of every displacement tested, as a map of colors",
+    doc: "the cost of every tested candidate (u, v), as a heat map",
     when: "once a candidate is tested",
     chart: Some(Chart::Surface),
     is_told: |step| find(step, surface).is_some(),
@@ -110,11 +110,11 @@ pub const SURFACE: Pane = Pane {
     },
 };
 
-/// The cost surface in space.
+/// The cost surface in 3-D.
 pub const SURFACE_3D: Pane = Pane {
     id: "surface-3d",
     title: "3-D",
-    doc: "the cost of every displacement tested, as a surface in space",
+    doc: "the cost of every tested candidate (u, v), as a 3-D surface",
     when: "once a candidate is tested",
     chart: Some(Chart::Surface),
     is_told: |step| find(step, surface).is_some(),
@@ -125,12 +125,12 @@ pub const SURFACE_3D: Pane = Pane {
     },
 };
 
-/// Lines and points in the plane of displacements.
+/// Constraint lines and estimates in the displacement plane.
 pub const PLANE: Pane = Pane {
     id: "plane",
     title: "Displacements",
-    doc: "what pixels say of their displacement (u, v), as lines and points",
-    when: "once a pixel or a window is explained",
+    doc: "constraint lines and estimates in the (u, v) plane",
+    when: "when a pixel or a window is explained",
     chart: Some(Chart::Plane),
     is_told: |step| find(step, a_plane).is_some(),
     room: |_, size, style| letters(size, [31.0, 19.0], style),
@@ -140,12 +140,12 @@ pub const PLANE: Pane = Pane {
     },
 };
 
-/// Quantities over steps.
+/// Plots of quantities over the steps.
 pub const SERIES: Pane = Pane {
     id: "series",
     title: "Plot",
-    doc: "how quantities go from step to step",
-    when: "once there are some values",
+    doc: "quantities over the steps, such as energy, change and error",
+    when: "after the first values",
     chart: Some(Chart::Series),
     is_told: |step| all_series(step).next().is_some(),
     room: |told, size, style| series_room(all_series(told.step).count(), size, style).1,
@@ -161,12 +161,12 @@ pub const SERIES: Pane = Pane {
     },
 };
 
-/// Small pictures with their numbers.
+/// Small windows of pixels with their gray levels.
 pub const TILES: Pane = Pane {
     id: "tiles",
     title: "Pixels",
-    doc: "the pixels that are compared, as small pictures with numbers",
-    when: "once pixels are compared, or one of them is explained",
+    doc: "the compared pixels with their gray levels",
+    when: "when windows of pixels are compared or a pixel is explained",
     chart: Some(Chart::Tiles),
     is_told: |step| find(step, some_tiles).is_some(),
     room: |told, size, style| {
@@ -181,12 +181,12 @@ pub const TILES: Pane = Pane {
     },
 };
 
-/// Matrices with their numbers.
+/// The matrices of a filter.
 pub const MATRICES: Pane = Pane {
     id: "matrices",
     title: "Matrices",
-    doc: "the matrices of the step, with the entries that it changed",
-    when: "once the filter has worked with them",
+    doc: "state, covariances and gain of the step, with the entries that changed",
+    when: "after the first step of the filter",
     chart: Some(Chart::Matrices),
     is_told: |step| find(step, some_matrices).is_some(),
     room: |told, size, style| {
@@ -199,12 +199,12 @@ pub const MATRICES: Pane = Pane {
     },
 };
 
-/// How often each displacement was found.
+/// The histogram of displacements.
 pub const HISTOGRAM: Pane = Pane {
     id: "histogram",
     title: "Histogram",
-    doc: "how often each displacement was found",
-    when: "once the first block is done, or at the end of the run",
+    doc: "the number of blocks or pixels with each displacement",
+    when: "after the first block, or at the end of the run",
     // At the end of a run, the displacements of pixels are counted as well.
     chart: None,
     is_told: |step| find(step, a_histogram).is_some(),
@@ -215,12 +215,12 @@ pub const HISTOGRAM: Pane = Pane {
     },
 };
 
-/// How large errors are.
+/// The distribution of the endpoint error.
 pub const ERRORS: Pane = Pane {
     id: "errors",
     title: "Errors",
-    doc: "how far displacements are from the true ones",
-    when: "at the end of the run, where the truth is known",
+    doc: "the distribution of the endpoint error",
+    when: "at the end of the run, if the true flow is known",
     chart: None,
     is_told: |step| find(step, errors).is_some(),
     room: |_, size, style| letters(size, [30.0, 15.0], style),
@@ -236,8 +236,8 @@ pub const ERRORS: Pane = Pane {
 pub const PYRAMID: Pane = Pane {
     id: "pyramid",
     title: "Pyramid",
-    doc: "the levels of the pyramid, with what was found on each",
-    when: "once a level is worked on",
+    doc: "the levels of the pyramid with the vectors found on each",
+    when: "after the first level is built",
     chart: Some(Chart::Stack),
     is_told: |step| find(step, a_stack).is_some(),
     room: |_, size, style| letters(size, [30.0, 19.0], style),
@@ -249,7 +249,7 @@ pub const PYRAMID: Pane = Pane {
     },
 };
 
-/// Every pane, in the order in which they are offered.
+/// All panes, in the order in which they are offered.
 pub static PANES: [&Pane; 11] =
     [&STAGE, &EXPLANATION, &SURFACE, &SURFACE_3D, &PLANE, &SERIES, &TILES, &MATRICES, &HISTOGRAM, &ERRORS, &PYRAMID];
 
@@ -267,12 +267,12 @@ pub fn charts(step: &Step, order: &[Chart]) -> Vec<&'static Pane> {
 pub struct Selection {
     /// The panes, in the order in which they are arranged.
     pub panes: Vec<&'static Pane>,
-    /// From where the things in space are looked at.
+    /// The viewpoints of the 3-D charts.
     pub angles: Angles,
 }
 
 impl Selection {
-    /// These panes, each once, looked at as at first.
+    /// Returns these panes, each once, with default viewpoints.
     pub fn of(named: &[Named]) -> Self {
         let mut panes: Vec<&'static Pane> = Vec::new();
         for Named(pane) in named {
@@ -283,7 +283,7 @@ impl Selection {
         Self { panes, angles: Angles::default() }
     }
 
-    /// Refuses panes in which `estimator` never has something to show.
+    /// Refuses panes for which `estimator` never has content.
     ///
     /// # Errors
     /// As [`Pane::check`].
@@ -291,14 +291,14 @@ impl Selection {
         self.panes.iter().try_for_each(|pane| pane.check(estimator.info(), estimator.charts()))
     }
 
-    /// Refuses panes in which a step has nothing to show.
+    /// Refuses panes for which a step has no content.
     ///
     /// # Errors
     /// As [`Pane::absent`].
     pub fn check_step(&self, info: &Info, step: &Step) -> Result<(), Error> {
         let absent = self.panes.iter().find(|pane| !(pane.is_told)(step));
         absent.map_or(Ok(()), |pane| {
-            Err(Error::new(format!("{}; choose another --step, or leave it out of --panes", pane.absent(info.id))))
+            Err(Error::new(format!("{}; choose another --step, or remove it from --panes", pane.absent(info.id))))
         })
     }
 }
@@ -319,12 +319,12 @@ impl FromStr for Named {
 }
 
 impl Pane {
-    /// Why a step has nothing to show in it, and when one has.
+    /// Returns why the pane is empty at a step, and when it is not.
     pub fn absent(&self, whose: &str) -> String {
-        format!("{whose} has nothing for the pane {} at this step: it shows {}, {}", self.id, self.doc, self.when)
+        format!("{whose} has no content for the pane {} at this step: it shows {}, {}", self.id, self.doc, self.when)
     }
 
-    /// Refuses what an estimator of these `charts` never shows.
+    /// Refuses the pane for an estimator that declares only these `charts`.
     ///
     /// # Errors
     /// A sentence that names the panes that it has.
@@ -380,21 +380,21 @@ fn a_stack(readout: &Readout) -> Option<&motionscope_core::Stack> {
     if let Readout::Stack(stack) = readout { Some(stack) } else { None }
 }
 
-fn whole<'a>(told: Told<'_>, tiles: &'a [motionscope_core::scene::Tile]) -> tiles::Tiles<'a> {
+fn whole<'a>(told: PaneContent<'_>, tiles: &'a [motionscope_core::scene::Tile]) -> tiles::Tiles<'a> {
     tiles::Tiles { tiles, is_centered: told.is_centered, closeness: tiles::Closeness::Whole }
 }
 
-fn explained(told: Told<'_>) -> explanation::Explained<'_> {
+fn explained(told: PaneContent<'_>) -> explanation::Explained<'_> {
     explanation::Explained { info: told.info, step: told.step }
 }
 
-/// Letters of small type that a chart needs across and down.
+/// Returns how well a chart of `least` letters of small type across and down fits.
 fn letters(size: [f32; 2], least: [f32; 2], style: ChartStyle) -> f32 {
     let fits = [0, 1].map(|i| size[i] / (least[i] * style.small()));
     fits[0].min(fits[1])
 }
 
-fn explanation_room(told: Told<'_>, [width, height]: [f32; 2], style: ChartStyle) -> f32 {
+fn explanation_room(told: PaneContent<'_>, [width, height]: [f32; 2], style: ChartStyle) -> f32 {
     let across = width / (21.0 * style.theme.sizes().body);
     let [least, whole] = explanation::heights(explained(told), width, style);
     let down = match height {
@@ -405,7 +405,7 @@ fn explanation_room(told: Told<'_>, [width, height]: [f32; 2], style: ChartStyle
     across.min(down)
 }
 
-/// In how many columns plots have most room, and how much.
+/// Returns the number of columns in which plots fit best, and how well.
 fn series_room(count: usize, [width, height]: [f32; 2], style: ChartStyle) -> (usize, f32) {
     let count = count.max(1);
     let rated = (1..=count).map(|columns| {
@@ -415,7 +415,7 @@ fn series_room(count: usize, [width, height]: [f32; 2], style: ChartStyle) -> (u
     rated.reduce(|best, other| if other.1 > best.1 { other } else { best }).unwrap_or((1, 1.0))
 }
 
-/// Equal parts of a rectangle, row by row.
+/// Divides a rectangle into equal cells, row by row.
 fn cells(area: Rect, (count, columns): (usize, usize), style: ChartStyle) -> Vec<Rect> {
     let (gap, rows) = (0.6 * style.small(), count.div_ceil(columns.max(1)));
     let share = |i: usize, parts: usize| (area.size()[i] - gap * parts.saturating_sub(1) as f32) / parts.max(1) as f32;

@@ -8,7 +8,7 @@ use crate::paint::charts::{Canvas, ChartStyle};
 use crate::paint::primitive::Rect;
 use crate::paint::{Caption, Figure, Layer, heading, paragraph};
 
-use super::panes::{EXPLANATION, Pane, STAGE, Told};
+use super::panes::{EXPLANATION, Pane, PaneContent, STAGE};
 use super::shot::{Around, Shot};
 
 /// Width and height of a sheet in points, unless its panes need more.
@@ -28,7 +28,7 @@ const BELOW: [f32; 5] = [0.3, 0.36, 0.42, 0.48, 0.54];
 /// What is arranged.
 pub struct Contents<'a> {
     /// What the panes are made of.
-    pub told: Told<'a>,
+    pub told: PaneContent<'a>,
     /// Which, in this order; the stage wherever it stands.
     pub panes: &'a [&'static Pane],
     /// Words above, and below unless there is an explanation.
@@ -94,7 +94,7 @@ impl Shot<'_> {
             None => (self.estimator.info(), &*moment.step),
         };
         let is_centered = !self.estimator.tests_candidates();
-        let told = Told { info, step, is_centered, level: look.level, angles: panes.angles };
+        let told = PaneContent { info, step, is_centered, level: look.level, angles: panes.angles };
         let figure = |zoom: f32| self.figure(Around { zoom, titles: true, caption: None }, scale);
         let across = self.view().panels(&moment.pictures).len();
         let [columns, rows] = match (moment.tiles.len(), across) {

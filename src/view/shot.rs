@@ -1,4 +1,4 @@
-//! A picture of one step: the same pixels for the window and for the command line.
+//! Rendering of a step as a picture, identical in the window and on the command line.
 
 use std::path::Path;
 use std::str::FromStr;
@@ -13,34 +13,34 @@ use super::panes::Selection;
 use super::sheet::Layout;
 use crate::paint::{Caption, Figure, FigureOptions, Part, View, export_pdf, export_png, export_svg};
 
-/// An SVG can be looked at from near: it has the marks of a PNG of this scale.
+/// The scale of marks in SVG and PDF, as in a PNG of this scale.
 const SVG_SCALE: u32 = 2;
 
-/// A moment that is made into a picture.
+/// A moment with its view options, ready to be rendered.
 #[derive(Clone, Copy)]
 pub struct Shot<'a> {
-    /// What is shown.
+    /// The moment.
     pub moment: &'a Moment,
     /// The estimator with its parameters.
     pub estimator: &'a dyn AnyEstimator,
-    /// How it looks.
+    /// The view options.
     pub look: &'a Look,
-    /// The panes that stand on it; none for the stage alone.
+    /// The panes of the sheet; none for the stage alone.
     pub panes: &'a Selection,
 }
 
-/// What stands around pictures.
+/// Zoom, titles and caption of a figure.
 pub(super) struct Around {
     /// Points per pixel of the clip.
     pub zoom: f32,
-    /// Whether titles stand above them.
+    /// Whether pictures have titles.
     pub titles: bool,
-    /// Words above and below.
+    /// The caption above and below.
     pub caption: Option<Caption>,
 }
 
 impl Shot<'_> {
-    /// The picture as a file; a PNG has `scale` pixels for each pixel of the clip.
+    /// Encodes the picture; a PNG has `scale` pixels for each pixel of the clip.
     ///
     /// # Errors
     /// If the picture would be larger than can be written.
@@ -48,7 +48,7 @@ impl Shot<'_> {
         self.encode_with(format, scale, None)
     }
 
-    /// The same as one of several whose sheets share a `layout`, which the first of them makes.
+    /// Encodes one of several pictures whose sheets share a `layout`, made by the first of them.
     ///
     /// # Errors
     /// As [`Shot::encode`].
@@ -64,7 +64,7 @@ impl Shot<'_> {
         }
     }
 
-    /// The stage alone, or a sheet of the panes that are selected.
+    /// Returns the stage alone, or a sheet of the selected panes.
     fn picture(&self, scale: u32, layout: Option<&mut Option<Layout>>) -> Figure {
         if !self.panes.panes.is_empty() {
             return self.sheet(scale, layout);
@@ -73,13 +73,13 @@ impl Shot<'_> {
         self.figure(Around { zoom: 1.0, titles: false, caption }, scale)
     }
 
-    /// How the step is looked at.
+    /// Returns the view of the step.
     pub(super) fn view(&self) -> View {
         let Self { moment, estimator, look, .. } = *self;
         look.view_of(&moment.pictures, moment.stands(estimator.is_of_single_frames()))
     }
 
-    /// The pictures of the step, with the marks that `scale` pixels for each point have room for.
+    /// Returns the figure of the step, with the marks that fit at `scale` pixels per point.
     pub(super) fn figure(&self, around: Around, scale: u32) -> Figure {
         let Self { moment, look, .. } = *self;
         let Moment { scene, pictures, tiles, .. } = moment;
@@ -134,19 +134,19 @@ impl Shot<'_> {
     }
 }
 
-/// So many parameters are told all; of more only those that are not as declared.
+/// Largest number of parameters listed completely; of more, only those that differ from their defaults.
 const ALL_TOLD: usize = 11;
 
-/// The parameters of an estimator with their values.
+/// Returns the parameters of an estimator with their values.
 fn told(estimator: &dyn AnyEstimator) -> String {
     let specs = estimator.specs();
     let all = specs.iter().zip(estimator.values());
     let chosen = all.filter(|(spec, (_, value))| specs.len() <= ALL_TOLD || spec.default != *value);
     let words: Vec<String> = chosen.map(|(spec, (_, value))| said(spec, value)).collect();
-    if words.is_empty() { "parameters as they are at first".into() } else { words.join(" · ") }
+    if words.is_empty() { "default parameters".into() } else { words.join(" · ") }
 }
 
-/// A parameter with its value: `block 16 px`.
+/// Returns a parameter with its value: `block 16 px`.
 pub fn said(spec: &Spec, value: Value) -> String {
     let shown = match (&spec.kind, value) {
         (Kind::Choice(all), Value::Choice(name)) => {
@@ -159,14 +159,14 @@ pub fn said(spec: &Spec, value: Value) -> String {
     format!("{} {shown}{unit}", spec.label.to_lowercase())
 }
 
-/// What a picture is written as.
+/// The file format of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
-    /// Pixels.
+    /// A bitmap.
     Png,
-    /// Lines that stay sharp at any size.
+    /// Vector graphics.
     Svg,
-    /// A page with lines that stay sharp and words that stay words.
+    /// A page of vector graphics with text that can be searched.
     Pdf,
 }
 
@@ -175,26 +175,26 @@ impl FromStr for Format {
 
     fn from_str(ending: &str) -> Result<Self, Error> {
         let all = [Self::Png, Self::Svg, Self::Pdf];
-        let told = || Error::new(format!("a picture is written as png, svg or pdf, and not {ending}"));
+        let told = || Error::new(format!("the formats of pictures are png, svg and pdf, not {ending}"));
         all.into_iter().find(|format| format.extension() == ending.to_lowercase()).ok_or_else(told)
     }
 }
 
 impl Format {
-    /// The format that the ending of `path` asks for; `-` is a PNG.
+    /// Returns the format by the extension of `path`; `-` is a PNG.
     ///
     /// # Errors
-    /// A sentence that tells which endings there are.
+    /// A sentence with the extensions.
     pub fn of(path: &Path) -> Result<Self, Error> {
         let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
-        let told = || Error::new(format!("{}: a picture is written as .png, .svg or .pdf", path.display()));
+        let told = || Error::new(format!("{}: the name of a picture must end in .png, .svg or .pdf", path.display()));
         match extension {
             None if path == Path::new("-") => Ok(Self::Png),
             extension => extension.and_then(|ending| ending.parse().ok()).ok_or_else(told),
         }
     }
 
-    /// The ending of a file's name.
+    /// Returns the file extension.
     pub fn extension(self) -> &'static str {
         match self {
             Self::Png => "png",

@@ -1,4 +1,4 @@
-//! A range of steps as numbered pictures.
+//! Export of a range of steps as numbered pictures.
 
 use std::path::Path;
 
@@ -15,7 +15,7 @@ use crate::experiment::pixel::Chosen;
 use crate::media::{Progress, export};
 use crate::paint::FlowLayer;
 
-/// A range of steps to be written as numbered pictures.
+/// A range of steps to be saved as numbered pictures.
 pub struct Steps {
     /// The first step.
     pub from: Cursor,
@@ -23,29 +23,29 @@ pub struct Steps {
     pub to: Cursor,
     /// The granularity whose stops are written.
     pub granularity: usize,
-    /// What they are written as.
+    /// The file format.
     pub format: Format,
     /// Pixels for each pixel of the clip.
     pub scale: u32,
-    /// How they look.
+    /// The view options.
     pub look: Look,
-    /// The panes that stand on each; none for the stage alone.
+    /// The panes of each sheet; none for the stage alone.
     pub panes: Selection,
-    /// The pixel that is explained wherever it can be, in the place of the one at work.
+    /// The pixel that is explained where possible, instead of the current one.
     pub pixel: Option<Chosen>,
-    /// Whether a layer that none of the steps has is refused.
+    /// Whether a layer that no step has is an error.
     pub must_have_layer: bool,
 }
 
-/// What the names of all pictures of steps begin with.
+/// The prefix of the file names.
 pub const STEP: &str = "step_";
 
-/// Pictures of steps that were written.
+/// The pictures that were saved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Written {
-    /// How many.
+    /// Their number.
     pub count: usize,
-    /// How many of them are without the layer that is wanted, which that is, and why the first has none.
+    /// The number of pictures without the requested layer, the layer, and why the first has none.
     bare: Option<(usize, FlowLayer, &'static str)>,
 }
 
@@ -59,12 +59,12 @@ impl Written {
         }
     }
 
-    /// How many, in words.
+    /// Returns the number in words.
     pub fn pictures(&self) -> String {
         if self.count == 1 { "1 picture".into() } else { format!("{} pictures", self.count) }
     }
 
-    /// What is missing in them, as the end of a sentence.
+    /// Returns what is missing, as the end of a sentence.
     pub fn without(&self) -> String {
         match self.bare {
             None => String::new(),
@@ -77,12 +77,12 @@ impl Written {
 }
 
 impl Steps {
-    /// What picture number `index` is called.
+    /// Returns the file name of picture number `index`.
     pub fn file_name(index: usize, format: Format) -> String {
         format!("{STEP}{index:05}.{}", format.extension())
     }
 
-    /// How much of the way from the first step to the last is done where `walk` stands, from 0 to 1.
+    /// Returns the progress at the cursor of `walk`, from 0 to 1.
     fn share(&self, walk: &dyn Walk) -> f32 {
         let place = |cursor: Cursor| cursor.unit as f32 + cursor.event.min(walk.events()) as f32 / walk.events() as f32;
         let (from, to) = (place(self.from), place(self.to));
@@ -187,5 +187,5 @@ fn travel(walk: &mut dyn Walk, to: Move, written: usize, progress: Option<&dyn P
             return Ok(());
         }
     }
-    Err(Error::new(format!("writing was cancelled after {written} pictures")))
+    Err(Error::new(format!("saving was cancelled after {written} pictures")))
 }

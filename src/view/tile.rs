@@ -1,4 +1,4 @@
-//! Estimators in lockstep as they are shown: a picture for each, and a line of numbers above it.
+//! The tiles of estimators in lockstep: a picture for each, with a line of numbers above it.
 
 use std::sync::Arc;
 
@@ -8,34 +8,34 @@ use motionscope_core::{Beside, Clip, Cursor, Frame, Info, Levels, Output, Role, 
 
 use crate::paint::{LevelShown, Pictures, Tint, View, grouped};
 
-/// One of several estimators, where it stands.
+/// One of several estimators in lockstep.
 #[derive(Clone)]
 pub struct Tile {
-    /// What there is to say about it.
+    /// The estimator.
     pub info: &'static Info,
-    /// Where its own run stands.
+    /// The cursor of its own run.
     pub cursor: Cursor,
-    /// What it tells.
+    /// The step.
     pub step: Arc<Step>,
-    /// What it shows.
+    /// The marks to draw.
     pub scene: Arc<Scene>,
     /// Whether it waits for the others.
     pub is_done: bool,
-    /// What its run has made of the frames, at the end of them all.
+    /// Its motion-compensated prediction, at the end of all runs.
     pub prediction: Option<Arc<Frame>>,
-    /// The colours that tell of its motion.
+    /// Its flow layer.
     pub layer: Option<Arc<Tint>>,
-    /// Particles carried along by it.
+    /// Its streaklines.
     pub streaks: Option<Arc<Streaks>>,
-    /// What it has come to: the first that there is room for is told.
+    /// The numbers above the picture, longest first; the first that fits is shown.
     pub words: Vec<Sentence>,
 }
 
-/// What a run amounts to where all end: where the budget counts, it may not have come to its own end.
+/// The result of one run when all end; with a common budget it may be incomplete.
 pub struct Ending {
     /// The motion-compensated prediction of frame t, where there is one.
     pub prediction: Option<Arc<Frame>>,
-    /// How good that is.
+    /// Its assessment.
     pub assessment: Option<Assessment>,
 }
 

@@ -31,7 +31,7 @@ fn the_step_is_exported_as_it_is_shown() {
     window.command(Command::ExportPicture);
     write_to(&mut window, &folder.path().join("no/such/folder/step.png"));
     let message = window.app().message().unwrap_or_default().to_owned();
-    assert!(message.contains("Not written"), "{message}");
+    assert!(message.contains("Not saved"), "{message}");
     // The folder that was wrong is not offered again.
     window.command(Command::ExportPicture);
     let offered = window.harness.query_all_by_role(Role::TextInput).find_map(|node| node.accesskit_node().value());
@@ -132,7 +132,7 @@ fn what_the_clip_is_read_from_is_not_written_over() {
     let before = [&picture, &flow, &lesson].map(|path| fs::read(path).expect("a file"));
     refused(&mut window, Command::ExportPicture, &picture, "would replace a frame of the clip; choose another name");
     refused(&mut window, Command::ExportPicture, &clip.join("frame_0003.png"), "would become a frame of the clip");
-    refused(&mut window, Command::ExportResult, &flow, "would replace the truth of the clip");
+    refused(&mut window, Command::ExportResult, &flow, "would replace the ground truth of the clip");
     refused(&mut window, Command::ExportSteps, &clip, "would mix its pictures with the frames of the clip");
     #[cfg(unix)]
     {
@@ -150,7 +150,9 @@ fn what_the_clip_is_read_from_is_not_written_over() {
     };
     window.harness.state_mut().write(order);
     window.settle();
-    assert!(window.app().message().is_some_and(|message| message.contains("would replace the truth of the clip")));
+    assert!(
+        window.app().message().is_some_and(|message| message.contains("would replace the ground truth of the clip"))
+    );
     assert!(before == [&picture, &flow, &lesson].map(|path| fs::read(path).expect("a file")));
     // The session is there to be saved again.
     window.command(Command::SaveSession);

@@ -68,10 +68,10 @@ fn the_reverse_pair_is_checked_in_the_background() {
     window.command(Command::ConsistencyLayer);
     assert!(matches!(tint(&window).map(|tint| &tint.key), Some(TintKey::Scale { has_marks: true, .. })));
     assert!(!window.app().view().checking);
-    assert!(window.harness.query_by_label_contains("Fail the check: ").is_some());
-    let criterion = "They fail where: |w + w′|² ≥ 0.01 (|w|² + |w′|²) + 0.5 px²";
+    assert!(window.harness.query_by_label_contains("Inconsistent: ").is_some());
+    let criterion = "Criterion: |w + w′|² ≥ 0.01 (|w|² + |w′|²) + 0.5 px²";
     assert!(window.harness.query_by_label_contains(criterion).is_some());
-    assert!(window.harness.query_by_label_contains("Truly hidden: precision ").is_some());
+    assert!(window.harness.query_by_label_contains("Occlusion: precision ").is_some());
     let shown = window.shown().pictures.layer.clone().expect("a layer");
     // Pointing at a pixel explains it; the colours stay the very same.
     window.harness.get_by_label("Stage: Frame t = 0").hover();

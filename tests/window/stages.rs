@@ -127,7 +127,7 @@ fn a_session_is_not_saved_on_pictures_that_it_cannot_name() {
     window.command(Command::IntoStage);
     window.press(Modifiers::COMMAND, Key::S);
     let message = window.app().message().unwrap_or_default();
-    assert!(message.contains("Step out of the stage first"), "{message}");
+    assert!(message.contains("Close the stage (Shift+I)"), "{message}");
     window.command(Command::OutOfStage);
     window.press(Modifiers::COMMAND, Key::S);
     assert!(window.harness.query_by_label_contains("Save the session").is_some());

@@ -60,13 +60,9 @@ pub fn counted(count: usize, one: &str) -> String {
 
 /// The message for an unknown name: the nearest of `names` if `given` looks like a misspelling of it, else all of them.
 pub fn there_is_no(kind: &str, given: &str, names: &[&str]) -> String {
-    let nearest = names.iter().map(|name| (edits(given, name), *name)).min();
-    match nearest {
-        // Two slips, but no more than a third of the letters.
-        Some((edits, name)) if edits <= 2 && 3 * edits <= given.len() => {
-            format!("there is no {kind} {given}; the nearest is {name}")
-        }
-        _ => format!("there is no {kind} {given}; there are {}", names.join(", ")),
+    match nearest(given, names.iter().copied()) {
+        Some(name) => format!("there is no {kind} {given}; the nearest is {name}"),
+        None => format!("there is no {kind} {given}; there are {}", names.join(", ")),
     }
 }
 
@@ -165,6 +161,12 @@ pub fn capital(words: &str) -> String {
 pub fn percent(share: f32) -> String {
     let digits = format!("{:.4}", 100.0 * share);
     format!("{} %", digits.trim_end_matches('0').trim_end_matches('.'))
+}
+
+/// The one of `names` that `given` is probably a misspelling of: at most two edits, and no more than a third of the letters.
+pub fn nearest<'a>(given: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let (edits, name) = names.map(|name| (edits(given, name), name)).min()?;
+    (edits <= 2 && 3 * edits <= given.len()).then_some(name)
 }
 
 #[cfg(test)]

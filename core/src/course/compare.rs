@@ -1,4 +1,4 @@
-//! Estimators beside each other on one pair of frames: what each needs and misses, and what of it withstands.
+//! The figures of a comparison of estimators on one pair of frames: memory, candidates, missed minima and robustness.
 
 use std::sync::Arc;
 
@@ -11,43 +11,43 @@ use crate::products::{Output, Tested};
 use crate::run::AnyEstimator;
 use crate::synth::disturb;
 
-/// Standard deviation of the noise under which an estimator is tried, in gray levels.
+/// Standard deviation of the noise in the robustness test, in gray levels.
 pub const NOISE_SIGMA: f64 = 10.0;
-/// The change of light from frame t to t + 1 under which an estimator is tried: gain, and offset in gray levels.
+/// The change of illumination of frame t + 1 in the robustness test: gain, and offset in gray levels.
 pub const LIGHT: (f64, f64) = (1.1, 8.0);
 
-/// One estimator in the numbers that only a comparison has; how good its result is, is told elsewhere.
+/// The figures that only a comparison has; the assessment of the result is part of a single run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figures {
-    /// Memory that the run needs beside the two frames, in bytes.
+    /// Memory of the run without the two frames, in bytes.
     pub memory_bytes: usize,
-    /// Share of the blocks, or of the pixels of known motion, that keep their displacement, within 1 px, under noise of
-    /// [`NOISE_SIGMA`] in both frames. `None` for single features: in noise others are found.
+    /// Share of the displacements that change by at most 1 px under noise of [`NOISE_SIGMA`] in both frames. `None` for features,
+    /// because noise changes which are detected.
     pub kept_in_noise: Option<f64>,
-    /// The same under the change of light of [`LIGHT`].
+    /// The same share under the change of illumination [`LIGHT`].
     pub kept_in_light: Option<f64>,
-    /// Units of the run: blocks, and those of coarser levels before them; rows; iterations.
+    /// Number of units of the run: blocks of all levels, rows, or iterations.
     pub units: usize,
-    /// What is known only of displacements of blocks.
+    /// The figures of a block search; `None` for other estimators.
     pub blocks: Option<BlockFigures>,
 }
 
-/// A block search in numbers.
+/// The figures of a block search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BlockFigures {
-    /// Candidates for a block, on average.
+    /// Mean number of candidates per block.
     pub candidates_mean: f64,
-    /// Candidates for the block that took most.
+    /// Largest number of candidates of a block.
     pub candidates_most: u32,
-    /// Blocks for which full search, with the same parameters, finds a smaller cost. `None` where a cost has the price
-    /// of its displacement in it, which depends on what the neighbours found: such costs cannot be compared.
+    /// Blocks for which full search with the same parameters finds a lower cost. `None` for rate–distortion costs, which depend on
+    /// the vectors of the neighbors and cannot be compared.
     pub missed: Option<Vec<usize>>,
-    /// Blocks.
+    /// Number of blocks.
     pub count: usize,
 }
 
 impl Figures {
-    /// The figures of `estimator`, which made `output` of frames `frame` and `frame + 1` of `clip`.
+    /// Computes the figures of `estimator`, whose run on frames `frame` and `frame + 1` of `clip` gave `output`.
     ///
     /// # Errors
     /// If the estimator cannot run there, or a frame cannot be read.
@@ -73,7 +73,7 @@ impl Figures {
         })
     }
 
-    /// The unit that missed the smallest cost of a block first. The blocks of the picture are the last units of a run.
+    /// Returns the first unit that missed a global minimum. The blocks of level 0 are the last units of a run.
     pub fn first_missed_unit(&self) -> Option<usize> {
         let blocks = self.blocks.as_ref()?;
         blocks.missed.as_ref()?.first().map(|block| self.units - blocks.count + block)
@@ -101,15 +101,15 @@ impl BlockFigures {
         })
     }
 
-    /// Share of the blocks for which the smallest cost was missed.
+    /// Returns the share of the blocks whose global minimum was missed.
     pub fn missed_share(&self) -> Option<f64> {
         self.missed.as_ref().map(|missed| missed.len() as f64 / self.count.max(1) as f64)
     }
 }
 
-/// Share of the blocks that `estimator` finds within 1 px although the camera pans by `pan_px` on top of what moves
-/// between frames `frame` and `frame + 1` of `clip`, and how many candidates a block takes. What moves there is what full
-/// search finds within ±16 px.
+/// Returns the share of the blocks that `estimator` finds within 1 px under an additional camera pan of `pan_px` between frames
+/// `frame` and `frame + 1` of `clip`, and the mean number of candidates per block. The reference is full search within ±16 px
+/// without the pan.
 ///
 /// # Errors
 /// If the picture is not wider than the pan, or the estimator cannot run there.
@@ -121,7 +121,9 @@ pub fn kept_in_pan(
 ) -> Result<(f64, f64), Error> {
     let [current, next] = clip.pair(frame)?;
     if current.size() != next.size() || current.size().0 <= pan_px {
-        return Err(Error::new(format!("a pan by {pan_px} px leaves nothing of this picture")));
+        return Err(Error::new(format!(
+            "the picture is not wider than the camera pan of {pan_px} px; choose a larger clip"
+        )));
     }
     let run = |estimator: &dyn AnyEstimator, pair: [&Gray; 2]| {
         let pair = pair.map(|picture| Frame::gray(picture.clone()));
@@ -134,25 +136,28 @@ pub fn kept_in_pan(
     let (still, moved) = (run(&*full, [&here, &still])?, run(estimator, [&here, &panned])?);
     let candidates = moved.tested().map_or(0.0, |tested| candidates_mean(&tested));
     let kept = kept(&still, &moved, [pan_px as f32, 0.0]).ok_or_else(|| {
-        Error::new(format!("{} finds single features, not blocks or pixels that keep", estimator.info().id))
+        Error::new(format!(
+            "{} tracks features, which have no displacements of blocks or pixels to compare",
+            estimator.info().id
+        ))
     })?;
     Ok((kept, candidates))
 }
 
-/// `estimator` with all parameters that it has in common with `other`, as far as their values are allowed.
+/// Returns `estimator` with the values of `other` for all parameters that both have and that allow them.
 #[must_use]
 pub fn alike(other: &dyn AnyEstimator, mut estimator: Box<dyn AnyEstimator>) -> Box<dyn AnyEstimator> {
     for (index, (name, _)) in estimator.values().into_iter().enumerate() {
         if let Ok(value) = other.get(name) {
-            // One that means something else here stays as it is.
+            // A value that is not allowed here is skipped.
             estimator.set_value(index, value).ok();
         }
     }
     estimator
 }
 
-/// `estimator` with what was changed in `other`, as far as that means the same: both are of one family and declare a
-/// parameter alike. What `other` has by default says nothing about `estimator`, which has a default of its own.
+/// Returns `estimator` with the changed parameters of `other`, if both are of one family and declare the parameter alike.
+/// Defaults of `other` are not taken over: `estimator` has its own.
 pub fn changed_alike(other: &dyn AnyEstimator, mut estimator: Box<dyn AnyEstimator>) -> Box<dyn AnyEstimator> {
     if other.info().family != estimator.info().family {
         return estimator;
@@ -167,7 +172,7 @@ pub fn changed_alike(other: &dyn AnyEstimator, mut estimator: Box<dyn AnyEstimat
     estimator
 }
 
-/// Whether the price of a displacement is part of its cost.
+/// Whether the cost includes the rate of the motion vector.
 fn has_price(estimator: &dyn AnyEstimator) -> bool {
     matches!(estimator.get("lambda"), Ok(Value::Real(lambda)) if lambda > 0.0)
 }
@@ -176,20 +181,20 @@ fn full_search_like(other: &dyn AnyEstimator) -> Result<Box<dyn AnyEstimator>, E
     Ok(alike(other, estimator("full-search")?))
 }
 
-/// Candidates tested for each part, on average.
+/// Returns the mean number of candidates per part.
 fn candidates_mean(tested: &[Option<Tested>]) -> f64 {
     let all: u64 = tested.iter().flatten().map(|part| u64::from(part.candidates)).sum();
     all as f64 / tested.len() as f64
 }
 
-/// Parts whose cost in `found` is larger than in `best`.
+/// Returns the parts whose cost in `found` is higher than in `best`.
 fn missed(found: &[Option<Tested>], best: &[Option<Tested>]) -> Vec<usize> {
     let pairs = found.iter().zip(best).enumerate();
     let is_worse = |found: &Option<Tested>, best: &Option<Tested>| matches!((found, best), (Some(found), Some(best)) if found.cost > best.cost);
     pairs.filter(|(_, (found, best))| is_worse(found, best)).map(|(index, _)| index).collect()
 }
 
-/// Share of the displacements of `a` that are in `b` what they are there plus `shift`, within 1 px.
+/// Returns the share of the displacements of `a` that plus `shift` agree with `b` within 1 px.
 fn kept(a: &Output, b: &Output, shift: [f32; 2]) -> Option<f64> {
     let (a, b) = (a.displacements()?, b.displacements()?);
     let close = |a: [f32; 2], b: [f32; 2]| (a[0] + shift[0] - b[0]).hypot(a[1] + shift[1] - b[1]) <= 1.0;

@@ -1,4 +1,4 @@
-//! Every estimator there is, in the order of the course.
+//! The registry of all estimators, in the order of the course.
 
 use crate::base::Error;
 use crate::families::{
@@ -57,15 +57,15 @@ impl Entries for Course {
     ];
 }
 
-/// Every estimator with its default parameters, in the order of the course.
+/// Returns all estimators with default parameters, in the order of the course.
 pub fn estimators() -> Vec<Box<dyn AnyEstimator>> {
     Course::ENTRIES.iter().map(|entry| (entry.make)()).collect()
 }
 
-/// The estimator called `id`, with its default parameters.
+/// Returns the estimator `id` with default parameters.
 ///
 /// # Errors
-/// A sentence with the ids there are.
+/// A sentence with the known ids.
 pub fn estimator(id: &str) -> Result<Box<dyn AnyEstimator>, Error> {
     Course::entry(id).map(|entry| (entry.make)())
 }

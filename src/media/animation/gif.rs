@@ -179,7 +179,7 @@ impl Position {
     /// Draws the next picture; gives what is to become of it.
     fn draw(&mut self) -> Result<Disposal, Error> {
         let info = self.decoder.next_frame_info().map_err(|e| damaged(&e))?;
-        let info = info.ok_or_else(|| Error::new("it is cut short; copy it again from where it came"))?;
+        let info = info.ok_or_else(|| Error::new("it is cut short; copy it again from its source"))?;
         let [left, top, width, height] = [info.left, info.top, info.width, info.height].map(usize::from);
         let (clear, disposal) = (info.transparent, info.dispose);
         let (columns, rows) = self.canvas.size();
@@ -328,7 +328,7 @@ fn damaged(error: &DecodingError) -> Error {
         DecodingError::Io(error) => cannot_read(error),
         _ => {
             let words = reason::bracketed(&error.to_string());
-            Error::new(format!("it is damaged{words}; copy it again from where it came"))
+            Error::new(format!("it is damaged{words}; copy it again from its source"))
         }
     }
 }

@@ -16,7 +16,7 @@ use image::{AnimationDecoder, Frames, ImageDecoder, ImageResult, RgbaImage};
 use motionscope_core::{ClipInfo, Error, Frame, Stop};
 
 use self::scan::Scan;
-use super::{Decoder, Open, Source, cannot_read, check_size, contain, name_of, picture, reason, stills};
+use super::{Decoder, Open, Source, cannot_read, catch_panic, check_size, name_of, picture, reason, stills};
 
 /// What can be animated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,7 +34,7 @@ impl Format {
             b"GIF8" => Ok(Format::Gif),
             b"\x89PNG" => Ok(Format::Png),
             b"RIFF" => Ok(Format::WebP),
-            _ => Err(Error::new("it is no animated GIF, PNG or WebP")),
+            _ => Err(Error::new("it is not an animated GIF, PNG or WebP")),
         }
     }
 
@@ -62,13 +62,13 @@ pub(crate) fn open(path: &Path, options: &Open) -> Result<Source, Error> {
     let (width, height) = scan.size;
     check_size(width, height)?;
     if scan.delays_ms.is_empty() {
-        return Err(Error::new("it is cut short within its first picture; copy it again from where it came"));
+        return Err(Error::new("it is cut short within its first picture; copy it again from its source"));
     }
     let mut warnings = warnings(&scan);
     let (frames, fps) = (scan.delays_ms.len(), fps(&scan.delays_ms));
     let (decoder, is_clear) = decoder(path, format, scan)?;
     if is_clear {
-        warnings.push("what is transparent is shown on black".into());
+        warnings.push("transparent pixels are shown on black".into());
     }
     let (container, codec) = format.names();
     let info = ClipInfo {
@@ -132,10 +132,7 @@ struct Animation {
 impl Animation {
     fn first(&self) -> Result<RgbaImage, Error> {
         let stream = Stream::start(&self.path, self.format)?;
-        stream
-            .pictures
-            .recv()
-            .unwrap_or_else(|_| Err(Error::new("it holds no picture; copy it again from where it came")))
+        stream.pictures.recv().unwrap_or_else(|_| Err(Error::new("it holds no picture; copy it again from its source")))
     }
 }
 
@@ -172,7 +169,7 @@ impl Stream {
         let (sender, pictures) = sync_channel(1);
         let path = path.to_path_buf();
         let work = move || {
-            let done = contain::contain(|| pour(&path, format, &sender))
+            let done = catch_panic::catch_panic(|| pour(&path, format, &sender))
                 .unwrap_or_else(|panic| Err(Error::new(format!("its data are damaged{}", reason::bracketed(&panic)))));
             if let Err(error) = done {
                 // Nobody may be listening any more.

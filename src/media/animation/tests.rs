@@ -178,7 +178,7 @@ fn transparency_is_told() {
     GifEncoder::new(&mut bytes).encode_frame(clear).unwrap();
     let (_folder, path) = write(&bytes, "gif");
     let clip = open(&path, 0).unwrap();
-    assert_eq!(clip.info().warnings, ["what is transparent is shown on black"]);
+    assert_eq!(clip.info().warnings, ["transparent pixels are shown on black"]);
     assert_eq!(clip.frame(0).unwrap().luma()[(0, 0)], 0);
 }
 

@@ -1,17 +1,17 @@
-//! A whole clip as numbered pictures with its truth beside them.
+//! Export of a clip as numbered images with its ground truth.
 
 use std::fs;
 use std::path::Path;
 
 use motionscope_core::{Clip, Error, Frame, Grid, Truth};
 
-use super::ledger::Ledger;
 use super::save::not_made;
+use super::written_files::WrittenFiles;
 use super::{Pixels, flo, make_folder, mot, png, save};
 use crate::media::Progress;
 use crate::media::names::file_name;
 use crate::media::sequence::{Sequence, number};
-use crate::media::unfinished;
+use crate::media::temporary;
 
 /// Writes `clip` into `folder`: `frame_0000.png` …, and what is known about it as `flow/frame_0000.flo` …,
 /// `occ/frame_0000.png` … and `gt.txt`, so that opening the folder finds all of it again. A clip that was written there
@@ -27,13 +27,13 @@ pub fn clip(clip: &Clip, folder: &Path, progress: Option<&dyn Progress>) -> Resu
     };
     make_folder(folder)?;
     refuse_other_pictures(folder, frames)?;
-    let before = Ledger::read(folder);
+    let before = WrittenFiles::read(folder);
     refuse_foreign(folder, &before, frames)?;
     let mut draft = Draft::new(folder)?;
     for t in 0..frames {
         if let Some(progress) = progress {
             if progress.cancelled() {
-                return Err(Error::new(format!("writing {name} was cancelled after {t} of {frames} frames")));
+                return Err(Error::new(format!("saving {name} was cancelled after {t} of {frames} frames")));
             }
             progress.report(t as f32 / frames as f32);
         }
@@ -62,18 +62,18 @@ fn names(t: usize) -> [String; 3] {
 /// A clip in a folder of its own beside the place where it goes; gone if it does not get there.
 struct Draft {
     folder: tempfile::TempDir,
-    written: Ledger,
+    written: WrittenFiles,
 }
 
 impl Draft {
     fn new(folder: &Path) -> Result<Self, Error> {
-        let _at_work = unfinished::at_work();
-        let made = tempfile::Builder::new().prefix(&unfinished::prefix(folder)).tempdir_in(folder);
-        Ok(Self { folder: made.map_err(|e| not_made(folder, &e))?, written: Ledger::default() })
+        let _at_work = temporary::at_work();
+        let made = tempfile::Builder::new().prefix(&temporary::prefix(folder)).tempdir_in(folder);
+        Ok(Self { folder: made.map_err(|e| not_made(folder, &e))?, written: WrittenFiles::default() })
     }
 
     fn put(&mut self, name: &str, bytes: &[u8]) -> Result<(), Error> {
-        let _at_work = unfinished::at_work();
+        let _at_work = temporary::at_work();
         let path = self.folder.path().join(name);
         path.parent().map_or(Ok(()), make_folder)?;
         save(&path, bytes)?;
@@ -82,8 +82,8 @@ impl Draft {
     }
 
     /// Takes the place of the clip `before` in `folder`.
-    fn settle(self, folder: &Path, before: &Ledger) -> Result<(), Error> {
-        let _at_work = unfinished::at_work();
+    fn settle(self, folder: &Path, before: &WrittenFiles) -> Result<(), Error> {
+        let _at_work = temporary::at_work();
         let places = || self.written.names().map(|name| (name, folder.join(name)));
         // Where a folder cannot be made, nothing is lost yet.
         places().try_for_each(|(_, path)| path.parent().map_or(Ok(()), make_folder))?;
@@ -115,12 +115,12 @@ pub fn frame(frame: &Frame) -> Result<Vec<u8>, Error> {
     png(width, height, pixels)
 }
 
-/// What is there by the names of this clip's files, and is not of the clip `before`, would be lost.
-fn refuse_foreign(folder: &Path, before: &Ledger, frames: usize) -> Result<(), Error> {
+/// Refuses to overwrite files with the names of this clip's files that are not part of the clip `before`.
+fn refuse_foreign(folder: &Path, before: &WrittenFiles, frames: usize) -> Result<(), Error> {
     let mut names = (0..frames).flat_map(names).chain([TRACKS.to_owned()]);
     match names.find(|name| before.is_foreign(folder, name)) {
         Some(name) => Err(Error::new(format!(
-            "{} already holds {name}, which Motionscope did not write so; choose an empty folder",
+            "{} already holds {name}, which is not part of an earlier synthetic clip; choose an empty folder",
             folder.display()
         ))),
         None => Ok(()),

@@ -1,6 +1,6 @@
-//! What must not be written over: whatever a run reads, and another result of the same run.
+//! The protection of inputs, and of results of the same run, against being overwritten.
 //!
-//! Files are compared by what they are, so that a link hides nothing. Command line and window ask here before anything runs.
+//! Files are compared by identity, not by name, so links are recognized. Command line and window check before anything runs.
 
 use std::collections::HashMap;
 use std::fs;
@@ -9,18 +9,18 @@ use std::path::{Path, PathBuf};
 use crate::media::names::file_name;
 use crate::media::sequence::{parent, would_join};
 
-/// What of a clip a file is.
+/// The role of an input file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum What {
-    /// The clip, all of it.
+    /// The whole clip.
     Clip,
-    /// One picture of it.
+    /// A frame of the clip.
     Frame,
-    /// Truth.
+    /// Ground truth.
     Truth,
     /// Detections.
     Detections,
-    /// The session that names it.
+    /// The session.
     Session,
 }
 
@@ -29,18 +29,18 @@ impl What {
         match self {
             Self::Clip => "the clip",
             Self::Frame => "a frame of the clip",
-            Self::Truth => "the truth of the clip",
+            Self::Truth => "the ground truth of the clip",
             Self::Detections => "the detections",
             Self::Session => "the session",
         }
     }
 }
 
-/// All files that a run reads.
+/// All input files of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Inputs {
     files: Vec<(What, PathBuf)>,
-    /// What was opened, if that is made of pictures.
+    /// The opened path, if the clip consists of images.
     pictures: Option<PathBuf>,
 }
 
@@ -50,13 +50,13 @@ impl Inputs {
         self.files.push((what, file.into()));
     }
 
-    /// Adds the pictures that `opened` stands for: a folder, a pattern, or the first of them.
+    /// Adds the images of `opened`: a folder, a pattern, or the first image.
     pub fn add_pictures(&mut self, opened: &Path, files: impl IntoIterator<Item = PathBuf>) {
         self.files.extend(files.into_iter().map(|file| (What::Frame, file)));
         self.pictures = Some(opened.into());
     }
 
-    /// The same without files that are `what`.
+    /// Returns the inputs without those of role `what`.
     #[must_use]
     pub fn without(mut self, what: What) -> Self {
         self.files.retain(|(other, _)| *other != what);
@@ -68,29 +68,29 @@ impl Inputs {
     }
 }
 
-/// Where something is to be written.
+/// The target of a result.
 #[derive(Clone, Copy, Debug)]
 pub enum Target<'a> {
-    /// A file; `-` is the standard output.
+    /// A file; `-` is standard output.
     File(&'a Path),
-    /// Numbered files in a folder, whose names begin with this.
+    /// Numbered files in a folder, with this prefix.
     Numbered(&'a Path, &'static str),
 }
 
 impl<'a> Target<'a> {
-    /// The file or the folder.
+    /// Returns the file or the folder.
     pub fn path(self) -> &'a Path {
         match self {
             Self::File(path) | Self::Numbered(path, _) => path,
         }
     }
 
-    /// What to choose instead.
+    /// Returns what to choose instead.
     pub fn other(self) -> &'static str {
         if matches!(self, Self::File(_)) { "another name" } else { "another folder" }
     }
 
-    /// Whether this is a file that can be lost: no pipe, and no device.
+    /// Whether this is a regular file or folder, rather than a pipe or device.
     fn is_kept(self) -> bool {
         match self {
             Self::File(path) => path != Path::new("-") && fs::metadata(path).map_or(true, |facts| facts.is_file()),
@@ -98,7 +98,7 @@ impl<'a> Target<'a> {
         }
     }
 
-    /// Whether both would write the same file, or a file where the other needs a folder.
+    /// Whether both would write the same file, or one a file where the other needs a folder.
     fn meets(self, other: Self) -> bool {
         let is_in = |file: &Path, folder: &Path, begin: &str| {
             file_name(file).starts_with(begin) && Identity::of(parent(file)) == Identity::of(folder)
@@ -112,7 +112,7 @@ impl<'a> Target<'a> {
             }
     }
 
-    /// The files that are there and would be replaced.
+    /// Returns the existing files that would be replaced.
     fn replaced(self) -> Vec<PathBuf> {
         match self {
             Self::File(path) => vec![path.into()],
@@ -125,35 +125,35 @@ impl<'a> Target<'a> {
     }
 }
 
-/// Why something must not be written where it is wanted.
+/// A conflict of a target with an input or with another target.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Clash {
-    /// The place among those that were asked about.
+pub struct Conflict {
+    /// Index of the target.
     pub at: usize,
-    /// The other place that is written to, where two are the same.
+    /// Index of the other target, if two are the same.
     pub also: Option<usize>,
-    /// What would happen, said of what is written: `would replace a.png, a frame of the clip`.
+    /// The consequence, as part of a sentence: `would replace a.png, a frame of the clip`.
     pub why: String,
 }
 
-/// Whether all `targets` can be written without a loss.
+/// Checks that all `targets` can be written without overwriting an input or each other.
 ///
 /// # Errors
-/// The first that cannot be.
-pub fn check(inputs: &Inputs, targets: &[Target<'_>]) -> Result<(), Clash> {
+/// The first conflict.
+pub fn check(inputs: &Inputs, targets: &[Target<'_>]) -> Result<(), Conflict> {
     let kept: Vec<_> = targets.iter().copied().enumerate().filter(|(_, target)| target.is_kept()).collect();
     for (i, &(also, first)) in kept.iter().enumerate() {
         if let Some(&(at, _)) = kept[i + 1..].iter().find(|(_, second)| first.meets(*second)) {
-            return Err(Clash { at, also: Some(also), why: "would be written to the same place".into() });
+            return Err(Conflict { at, also: Some(also), why: "would be saved to the same file".into() });
         }
     }
     let mut known = None;
     kept.iter().try_for_each(|&(at, target)| {
-        refuse(inputs, target, &mut known).map_or(Ok(()), |why| Err(Clash { at, also: None, why }))
+        refuse(inputs, target, &mut known).map_or(Ok(()), |why| Err(Conflict { at, also: None, why }))
     })
 }
 
-/// Why `target` must not be written; the files of `inputs` are looked at once, and only if need be.
+/// Returns why `target` must not be written; the identities of `inputs` are read once, on demand.
 fn refuse(inputs: &Inputs, target: Target<'_>, known: &mut Option<HashMap<Identity, usize>>) -> Option<String> {
     for file in target.replaced() {
         let Some(identity) = Identity::of_file(&file) else { continue };
@@ -186,41 +186,41 @@ fn refuse(inputs: &Inputs, target: Target<'_>, known: &mut Option<HashMap<Identi
     }
 }
 
-/// What a file is, by whatever name.
+/// The identity of a file, independent of its name.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 enum Identity {
-    /// Its device and its number there.
+    /// Device and inode.
     #[cfg(unix)]
     Node(u64, u64),
-    /// Where it is, or will be.
+    /// Canonical path.
     Place(PathBuf),
 }
 
 impl Identity {
-    /// The file or folder at `path`, which need not be there yet.
+    /// Returns the identity of `path`, which need not exist.
     fn of(path: &Path) -> Self {
         Self::of_file(path).unwrap_or_else(|| Self::Place(place(path)))
     }
 
-    /// The file or folder at `path`, if it is there.
+    /// Returns the identity of `path`, if it exists.
     #[cfg(unix)]
     fn of_file(path: &Path) -> Option<Self> {
         use std::os::unix::fs::MetadataExt;
         fs::metadata(path).ok().map(|facts| Self::Node(facts.dev(), facts.ino()))
     }
 
-    /// The file or folder at `path`, if it is there.
+    /// Returns the identity of `path`, if it exists.
     #[cfg(not(unix))]
     fn of_file(path: &Path) -> Option<Self> {
         path.exists().then(|| Self::Place(place(path)))
     }
 }
 
-/// Where `path` leads in the end.
+/// Returns the canonical form of `path`.
 fn place(path: &Path) -> PathBuf {
     let whole = |path: &Path| fs::canonicalize(path).ok();
     let beside = || Some(whole(parent(path))?.join(path.file_name()?));
     let place = whole(path).or_else(beside).or_else(|| std::path::absolute(path).ok()).unwrap_or_else(|| path.into());
-    // Their file systems take both cases for one.
+    // These file systems ignore case.
     if cfg!(any(windows, target_os = "macos")) { place.to_string_lossy().to_lowercase().into() } else { place }
 }

@@ -1,4 +1,4 @@
-//! Results are told from truth: what an estimator found must never be what it is measured against.
+//! Marks that distinguish saved results from ground truth, so that no estimator is compared with its own result.
 //!
 //! A PNG says so itself, in a text chunk. A `.flo` and MOTChallenge rows have no room for it (Middlebury's own reader refuses a
 //! byte too many), so where their name is one of truth, a hidden list beside them does.
@@ -9,14 +9,14 @@ use std::path::Path;
 
 use motionscope_core::Error;
 
-use super::ledger::hash;
 use super::save::{cannot_write, save};
-use crate::media::contain::contain;
+use super::written_files::hash;
+use crate::media::catch_panic::catch_panic;
 use crate::media::names::extension;
 use crate::media::sequence::parent;
 use crate::media::truth;
 
-/// What a PNG of ours says of itself. Truth says nothing of the kind.
+/// The mark in saved PNG files; ground truth has none.
 pub(super) const SOFTWARE: [&str; 2] = ["Software", "Motionscope"];
 /// The file in which results are listed, a line for each; hidden, so that it is no part of a clip.
 const LIST: &str = ".motionscope-results";
@@ -62,21 +62,21 @@ fn is_on_list(path: &Path) -> bool {
     parent(path).join(LIST).is_file() && fs::read(path).is_ok_and(|bytes| lists(path, &bytes))
 }
 
-/// Whether the list in the folder of `path` has `bytes`, whatever they are called by now.
+/// Whether the list in the folder of `path` contains the hash of `bytes`, under any name.
 fn lists(path: &Path, bytes: &[u8]) -> bool {
     let Ok(list) = fs::read_to_string(parent(path).join(LIST)) else { return false };
     let wanted = format!("{:016x} ", hash(bytes));
     list.lines().any(|line| line.starts_with(&wanted))
 }
 
-/// Whether the PNG at `path` says that it is ours; only what stands before its pixels is read.
+/// Whether the PNG at `path` is marked as a result; only its header is read.
 fn says_so(path: &Path) -> bool {
     let texts = || {
         let reader = png::Decoder::new(BufReader::new(File::open(path).ok()?)).read_info().ok()?;
         Some(reader.info().uncompressed_latin1_text.clone())
     };
     let [keyword, text] = SOFTWARE;
-    let texts = contain(texts).ok().flatten().unwrap_or_default();
+    let texts = catch_panic(texts).ok().flatten().unwrap_or_default();
     texts.iter().any(|said| said.keyword == keyword && said.text == text)
 }
 

@@ -1,19 +1,19 @@
-//! What leaves the program as a file: flow, tables, pictures, tracks. Encoders make bytes; [`save`] alone writes them.
+//! Encoding and saving of flow, tables, pictures and tracks. Encoders return bytes; only [`save`] writes files.
 
 mod clip;
 mod flo;
 mod guard;
 mod kitti;
-mod ledger;
 mod mark;
 mod mot;
 mod npy;
 mod picture;
 mod save;
+mod written_files;
 
 pub use clip::{clip, frame};
 pub use flo::flo;
-pub use guard::{Clash, Inputs, Target, What, check};
+pub use guard::{Conflict, Inputs, Target, What, check};
 pub use kitti::{Kitti, kitti, kitti_result};
 pub(crate) use mark::is_result;
 pub use mark::save_result;

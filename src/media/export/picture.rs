@@ -41,7 +41,7 @@ fn encode(width: usize, height: usize, pixels: Pixels, says: Option<[&str; 2]>) 
         Pixels::Rgba(samples) => (samples, ColorType::Rgba, BitDepth::Eight),
         Pixels::Rgb16(samples) => (samples, ColorType::Rgb, BitDepth::Sixteen),
     };
-    let refused = |why: String| Error::new(format!("a {width}×{height} picture cannot be made a PNG: {why}"));
+    let refused = |why: String| Error::new(format!("a picture of {width}×{height} px cannot be saved as PNG: {why}"));
     let side = |n: usize| u32::try_from(n).map_err(|e| refused(e.to_string()));
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, side(width)?, side(height)?);

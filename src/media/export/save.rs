@@ -1,4 +1,4 @@
-//! Files are written whole or not at all.
+//! Atomic saving of files.
 
 use std::fs::{self, OpenOptions, Permissions};
 use std::io::{self, Write};
@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 
 use motionscope_core::Error;
 
-use crate::media::unfinished;
+use crate::media::temporary;
 
-/// Writes `bytes` to the file at `path`, whole or not at all; `-` is the standard output.
+/// Saves `bytes` to `path` atomically; `-` is standard output.
 ///
 /// # Errors
 /// If the folder does not exist or cannot be written to, the disk is full, or the reader of a pipe is gone. A file
@@ -52,8 +52,8 @@ fn pour(to: &mut impl Write, bytes: &[u8]) -> io::Result<()> {
 
 /// Writes beside `path`, then renames.
 fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let _at_work = unfinished::at_work();
-    let prefix = unfinished::prefix(&folder(path));
+    let _at_work = temporary::at_work();
+    let prefix = temporary::prefix(&folder(path));
     let mut builder = tempfile::Builder::new();
     builder.prefix(&prefix);
     if let Some(permissions) = permissions(path) {
@@ -92,7 +92,7 @@ fn reason(path: &Path, error: &io::Error) -> String {
         io::ErrorKind::PermissionDenied => {
             format!("no permission to write to {}; choose another folder", folder.display())
         }
-        io::ErrorKind::BrokenPipe => "whoever was to read it has stopped reading".into(),
+        io::ErrorKind::BrokenPipe => "the reader of the pipe has closed it".into(),
         io::ErrorKind::StorageFull => "the disk is full; make room or choose another one".into(),
         io::ErrorKind::IsADirectory => "it is a folder; give a file name".into(),
         _ => format!("{error}; choose another place"),

@@ -19,26 +19,26 @@ const UNKNOWN_ABOVE: f32 = 1e9;
 /// If it cannot be read, is damaged or has another size.
 pub fn flow(path: &Path, size: (usize, usize)) -> Result<Flow, Error> {
     let mut reader = start(path)?;
-    match sniff(&mut reader, path)? {
+    match detect(&mut reader, path)? {
         Format::Flo => flo(reader, path, size),
         Format::Png => kitti(reader, path, size),
     }
 }
 
-/// Whether the header of the flow at `path` tells of `size` pixels.
+/// Whether the header of the flow at `path` states this `size`.
 ///
 /// # Errors
 /// If it cannot be read, is no flow or has another size.
 pub fn check_flow(path: &Path, size: (usize, usize)) -> Result<(), Error> {
     let mut reader = start(path)?;
-    let found = match sniff(&mut reader, path)? {
+    let found = match detect(&mut reader, path)? {
         Format::Flo => flo_size(&mut reader, path)?,
         Format::Png => Picture::open(reader, path, Transformations::IDENTITY)?.flow_size(path)?,
     };
     must_fit(path, found, size)
 }
 
-/// Whether the header of the mask at `path` tells of `size` pixels.
+/// Whether the header of the mask at `path` states this `size`.
 ///
 /// # Errors
 /// If it cannot be read, is no PNG or has another size.
@@ -70,14 +70,17 @@ fn start(path: &Path) -> Result<BufReader<File>, Error> {
     File::open(path).map(BufReader::new).map_err(|e| file_error(path, cannot_read(&e)))
 }
 
-fn sniff(reader: &mut BufReader<File>, path: &Path) -> Result<Format, Error> {
+fn detect(reader: &mut BufReader<File>, path: &Path) -> Result<Format, Error> {
     let head = reader.fill_buf().map_err(|e| file_error(path, cannot_read(&e)))?;
     if head.starts_with(b"PIEH") {
         Ok(Format::Flo)
     } else if head.starts_with(b"\x89PNG") {
         Ok(Format::Png)
     } else {
-        Err(file_error(path, "this is no truth; give a Middlebury .flo, a KITTI 16-bit PNG, or a MOTChallenge gt.txt"))
+        Err(file_error(
+            path,
+            "this is not ground truth; give a Middlebury .flo, a KITTI 16-bit PNG, or a MOTChallenge gt.txt",
+        ))
     }
 }
 
@@ -93,8 +96,7 @@ fn flo_size(reader: &mut impl Read, path: &Path) -> Result<(usize, usize), Error
     reader.read_exact(&mut head).map_err(|_| file_error(path, "the file ends within its header"))?;
     let side = |at: usize| {
         let value = i32::from_le_bytes([head[at], head[at + 1], head[at + 2], head[at + 3]]);
-        usize::try_from(value)
-            .map_err(|_| file_error(path, format!("its header course_table a side of {value} pixels")))
+        usize::try_from(value).map_err(|_| file_error(path, format!("its header claims a side of {value} pixels")))
     };
     Ok((side(4)?, side(8)?))
 }
@@ -125,7 +127,7 @@ fn kitti(reader: BufReader<File>, path: &Path, size: (usize, usize)) -> Result<F
     Grid::from_vec(size.0, size.1, samples.chunks_exact(6).map(pixel).collect()).map(Flow)
 }
 
-/// A PNG whose header was read and whose pixels were not.
+/// A PNG whose header was read but not its pixels.
 struct Picture<R: BufRead + Seek> {
     reader: png::Reader<R>,
     size: (usize, usize),
@@ -135,7 +137,7 @@ impl<R: BufRead + Seek> Picture<R> {
     fn open(input: R, path: &Path, transformations: Transformations) -> Result<Self, Error> {
         let mut decoder = png::Decoder::new(input);
         decoder.set_transformations(transformations);
-        let reader = decoder.read_info().map_err(|e| file_error(path, format!("this is no sound PNG ({e})")))?;
+        let reader = decoder.read_info().map_err(|e| file_error(path, format!("this is not a valid PNG ({e})")))?;
         let (width, height) = reader.info().size();
         Ok(Self { reader, size: (width as usize, height as usize) })
     }
@@ -152,7 +154,7 @@ impl<R: BufRead + Seek> Picture<R> {
     /// All samples. The size must have been checked.
     fn samples(&mut self, path: &Path) -> Result<Vec<u8>, Error> {
         let length =
-            self.reader.output_buffer_size().ok_or_else(|| file_error(path, "its header course_table too much"))?;
+            self.reader.output_buffer_size().ok_or_else(|| file_error(path, "its header claims too large an image"))?;
         let mut samples = vec![0; length];
         self.reader.next_frame(&mut samples).map_err(|e| file_error(path, format!("the PNG is damaged ({e})")))?;
         Ok(samples)

@@ -1,4 +1,4 @@
-//! Where truth lies: beside the clip, or where a person says.
+//! The search for ground truth: beside the clip, or at a given path.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -13,12 +13,12 @@ use crate::media::input::Node;
 use crate::media::names::{Numbered, extension, file_name, natural_order, stem};
 use crate::media::sequence::parent;
 
-/// What lay beside a clip.
+/// Ground truth found beside a clip.
 #[derive(Default)]
 pub(crate) struct Found {
     /// The truth, if there is any.
     pub truth: Option<Arc<dyn Truth>>,
-    /// What was there but cannot be used.
+    /// Warnings about files that cannot be used.
     pub warnings: Vec<String>,
 }
 
@@ -28,11 +28,11 @@ pub(crate) fn beside(subject: &Subject) -> Found {
     if subject.path == Path::new("-") {
         return found;
     }
-    let Lying { flows, masks, objects, results } = Lying::beside(subject);
+    let TruthFiles { flows, masks, objects, results } = TruthFiles::beside(subject);
     let mut files = Files::new(subject.size);
     let mut accept = |sound: Result<(), Error>| {
         let is_sound = sound.is_ok();
-        found.warnings.extend(sound.err().map(|why| format!("truth beside the clip is not used: {why}")));
+        found.warnings.extend(sound.err().map(|why| format!("ground truth beside the clip is ignored: {why}")));
         is_sound
     };
     if accept(check(&flows, field::check_flow, subject)) {
@@ -64,7 +64,7 @@ fn not_truth(results: &[PathBuf]) -> Option<String> {
     })
 }
 
-/// Opens truth that a person points to: a flow, a `gt.txt`, a folder of flows, or one that `motionscope synth` wrote.
+/// Opens ground truth at a given path: a flow, a `gt.txt`, a folder of flows, or a folder written by `motionscope synth`.
 ///
 /// A single flow whose name fits no frame belongs to the first.
 ///
@@ -72,7 +72,7 @@ fn not_truth(results: &[PathBuf]) -> Option<String> {
 /// One sentence that names the file if it is no truth, or not that of this clip.
 pub(crate) fn open(path: &Path, subject: &Subject) -> Result<Arc<dyn Truth>, Error> {
     let node = Node::of(path).map_err(|why| file_error(path, why))?;
-    let Lying { flows, masks, objects, .. } = Lying::given(path, subject);
+    let TruthFiles { flows, masks, objects, .. } = TruthFiles::given(path, subject);
     if node == Node::Stream && objects.is_none() {
         let why = "it is a pipe, and a flow is read more than once; save it to a file and give that";
         return Err(file_error(path, why));
@@ -85,7 +85,7 @@ pub(crate) fn open(path: &Path, subject: &Subject) -> Result<Arc<dyn Truth>, Err
     let objects = objects.map(read).transpose()?;
     let mut files = Files { flows, masks, objects, ..Files::new(subject.size) };
     if files.is_empty() {
-        return Err(file_error(path, "the folder holds no truth: no gt.txt, and no flow with the number of a frame"));
+        return Err(file_error(path, "the folder holds no ground truth: no gt.txt, and no flow numbered like a frame"));
     }
     check(&files.flows, field::check_flow, subject)?;
     check(&files.masks, field::check_mask, subject)?;
@@ -93,7 +93,7 @@ pub(crate) fn open(path: &Path, subject: &Subject) -> Result<Arc<dyn Truth>, Err
     Ok(Arc::new(files))
 }
 
-/// Whether the first of `files` belongs to this clip, told from its header.
+/// Whether the header of the first of `files` fits this clip.
 fn check(
     files: &BTreeMap<usize, PathBuf>,
     header: fn(&Path, (usize, usize)) -> Result<(), Error>,
@@ -104,16 +104,16 @@ fn check(
 
 /// The files of truth of a clip, by the frame that they belong to; none of them was read.
 #[derive(Default)]
-pub(crate) struct Lying {
+pub(crate) struct TruthFiles {
     flows: BTreeMap<usize, PathBuf>,
     masks: BTreeMap<usize, PathBuf>,
     objects: Option<PathBuf>,
-    /// What lies among them, but was written as the result of an estimator.
+    /// Files among them that are saved results.
     results: Vec<PathBuf>,
 }
 
-impl Lying {
-    /// What lies beside the clip, by the names and in the places of the benchmarks and of `motionscope synth`.
+impl TruthFiles {
+    /// Finds the files beside the clip, by the names and folders of the benchmarks and of `motionscope synth`.
     pub(crate) fn beside(subject: &Subject) -> Self {
         let mut search = Search { subject, results: Vec::new() };
         let folder = subject.folder();
@@ -121,7 +121,7 @@ impl Lying {
         Self { flows, masks, objects, results: search.results }
     }
 
-    /// What a person points to with `path`.
+    /// Finds the files at the given `path`.
     pub(crate) fn given(path: &Path, subject: &Subject) -> Self {
         let mut search = Search { subject, results: Vec::new() };
         if path.is_dir() {
@@ -156,7 +156,7 @@ struct Places {
     /// Folders two above it that hold one of its name, as Sintel and Middlebury have them: `clean/alley_1` and
     /// `flow/alley_1`.
     across: &'static [&'static str],
-    /// What its files in the folder itself are called, before the number of the frame.
+    /// Prefixes of its files in the folder itself, before the frame number.
     word: &'static str,
 }
 
@@ -189,7 +189,7 @@ fn is_numbered(file: &Path, word: &str) -> bool {
 /// The search for truth of one clip.
 struct Search<'a> {
     subject: &'a Subject,
-    /// What was met on the way and is no truth, because it was written as a result.
+    /// Files that were skipped because they are saved results.
     results: Vec<PathBuf>,
 }
 

@@ -15,7 +15,7 @@ use motionscope_core::{Error, Flow, Grid, ObjectBox, Truth};
 use super::names::file_name;
 use super::sequence::parent;
 
-pub(crate) use find::{Found, Lying, beside, is_place, open};
+pub(crate) use find::{Found, TruthFiles, beside, is_place, open};
 pub(crate) use subject::Subject;
 
 /// Truth in files: a field is read when it is asked for, and the last few are kept.
@@ -24,7 +24,7 @@ struct Files {
     flows: BTreeMap<usize, PathBuf>,
     masks: BTreeMap<usize, PathBuf>,
     objects: Option<Objects>,
-    /// What the files of each kind are called.
+    /// The file names of each kind.
     names: Vec<String>,
     last_flows: Mutex<Last<Flow>>,
     last_masks: Mutex<Last<Grid<bool>>>,
@@ -90,7 +90,7 @@ impl Truth for Files {
     }
 }
 
-/// What `file` is called from `folder`: its name, and where it lies elsewhere, the folders that lead to it.
+/// Returns `file` relative to `folder`: its name, with folders if it lies elsewhere.
 fn name_from(folder: &Path, file: &Path) -> String {
     /// Truth lies two folders up at most.
     const UP: usize = 3;
@@ -125,7 +125,7 @@ fn keep<T>(
     Ok(Some(field))
 }
 
-/// What is wrong with the truth at `path`.
+/// Returns the error about the ground truth at `path`.
 fn file_error(path: &Path, why: impl Display) -> Error {
     Error::new(format!("{}: {why}", path.display()))
 }

@@ -14,7 +14,7 @@ use crate::media::input::Node;
 /// More than any sequence of the benchmark by a factor of ten.
 const MOST_BYTES: u64 = 256 << 20;
 
-/// No picture is so large, in px: whatever is larger or farther away is a slip.
+/// Largest coordinate and size of a box in px; larger values are errors.
 const FARTHEST_PX: f64 = 1e6;
 /// Frames beyond these cannot be shown.
 const MOST_FRAMES: u32 = 1_000_000;
@@ -58,12 +58,12 @@ pub(crate) fn rows(path: &Path) -> Result<Vec<Row>, Error> {
     parse(&text(path)?).map_err(|why| file_error(path, why))
 }
 
-/// Whether a line is a row of such a table that tells of a detection, which has no identity.
+/// Whether a line is a MOTChallenge row of a detection, which has no identity.
 pub(crate) fn is_detection(line: &str) -> bool {
     row(1, line).is_ok_and(|row| row.id.is_none())
 }
 
-/// Whether a line is a row of such a table that tells of an object with an identity.
+/// Whether a line is a MOTChallenge row of an object with an identity.
 pub(crate) fn is_object(line: &str) -> bool {
     row(1, line).is_ok_and(|row| row.id.is_some())
 }

@@ -10,7 +10,7 @@ use crate::media::sequence::{number, parent};
 
 /// The clip that truth is sought for.
 pub(crate) struct Subject {
-    /// What was opened.
+    /// The opened path.
     pub(super) path: PathBuf,
     /// Width and height in pixels.
     pub(super) size: (usize, usize),
@@ -23,7 +23,7 @@ pub(crate) struct Subject {
 }
 
 impl Subject {
-    /// The clip at `path` that `info` tells about; `pictures` are its files, if it is made of pictures.
+    /// Describes the clip at `path` with `info`; `pictures` are its files, if it is an image sequence.
     pub(crate) fn new(path: &Path, info: &ClipInfo, pictures: &[PathBuf]) -> Self {
         let mut subject = Self {
             path: path.into(),
@@ -54,17 +54,17 @@ impl Subject {
         self.first.is_some()
     }
 
-    /// The frame whose picture has the name of `file`.
+    /// Returns the frame whose image has the name of `file`.
     pub(super) fn named(&self, file: &Path) -> Option<usize> {
         self.called(&stem(file))
     }
 
-    /// The frame whose picture is called `name`, without its ending.
+    /// Returns the frame whose image has the name `name` without extension.
     pub(super) fn called(&self, name: &str) -> Option<usize> {
         self.by_name.get(name).copied()
     }
 
-    /// The frame whose picture has the number of `file`; in a video the number counts frames from 0.
+    /// Returns the frame with the number of `file`; in a video the number counts frames from 0.
     pub(super) fn numbered(&self, file: &Path) -> Option<usize> {
         let number = number(&file_name(file))?;
         if self.has_pictures() { self.by_number.get(&number).copied() } else { usize::try_from(number).ok() }

@@ -51,7 +51,7 @@ pub(crate) fn open(input: &mut Input, options: &Open) -> Result<Track, Error> {
         at += 8 + u64::from(size) + u64::from(size & 1);
     }
     let Some((_, mut track)) = found else {
-        return Err(Error::new("its header is missing; copy it again from where it came"));
+        return Err(Error::new("its header is missing; copy it again from its source"));
     };
     track.samples = chunks.samples;
     track.order = chunks.order;
@@ -117,7 +117,7 @@ fn stream(header: &[u8]) -> Result<(usize, Track), Error> {
         return find(stream, b"strf")
             .and_then(|strf| describe(strh, strf))
             .map(|track| (number, track))
-            .ok_or_else(|| Error::new("the header of its video is damaged; copy it again from where it came"));
+            .ok_or_else(|| Error::new("the header of its video is damaged; copy it again from its source"));
     }
     Err(Error::new("it holds no video; open a clip with pictures"))
 }
@@ -281,7 +281,7 @@ mod tests {
     fn hostile_headers_are_refused() {
         let one = [gray(1)];
         let cases = [
-            (header((0, 4), 8, b"Y800", &[]), "nothing to see"),
+            (header((0, 4), 8, b"Y800", &[]), "shows nothing"),
             (header((70_000, 70_000), 8, b"Y800", &[]), "70000×70000"),
             (header((4, i32::MIN), 8, b"Y800", &[]), "2147483648"),
             (header((400, 400), 8, b"Y800", &[]), "160000 are needed"),

@@ -75,7 +75,7 @@ impl Track {
         });
         if self.order.is_empty() {
             return Err(Error::new(
-                "it is cut off or damaged before its first complete frame; copy it again from where it came",
+                "it is cut off or damaged before its first complete frame; copy it again from its source",
             ));
         }
         if self.order.len() < all {

@@ -228,7 +228,7 @@ impl Walk {
         let Some((_, mut track)) = self.track else {
             return Err(Error::new(match (self.sound, self.damaged || self.end > input.len()) {
                 (true, _) => "it holds sound but no video; open a clip with pictures",
-                (false, true) => "it is cut off or damaged before its first frame; copy it again from where it came",
+                (false, true) => "it is cut off or damaged before its first frame; copy it again from its source",
                 (false, false) => "it holds no video track; open a clip with pictures",
             }));
         };
@@ -248,7 +248,7 @@ impl Walk {
 
 fn header(input: &mut Input, at: u64, size: u64) -> Result<Vec<u8>, Error> {
     if size > MAX_HEADER_BYTES {
-        return Err(Error::new("its header course_table to be larger than any is; the file is damaged"));
+        return Err(Error::new("its header claims an impossible length; the file is damaged"));
     }
     input.read(at, size)
 }

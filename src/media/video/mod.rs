@@ -19,7 +19,7 @@ use std::path::Path;
 
 use motionscope_core::{ClipInfo, Error};
 
-use super::contain::contain;
+use super::catch_panic::catch_panic;
 use super::input::Input;
 use super::{Open, Source, reason};
 use coded::{Codec, Coded, Track};
@@ -94,7 +94,7 @@ fn decode(input: Input, mut track: Track) -> Result<Source, Error> {
         warnings: std::mem::take(&mut track.warnings),
     };
     let mut coded = Coded::new(input, track, codec);
-    let (size, warnings) = contain(|| coded.look()).unwrap_or_else(|panic| {
+    let (size, warnings) = catch_panic(|| coded.look()).unwrap_or_else(|panic| {
         Err(Error::new(format!("its first picture is damaged{}", reason::bracketed(&panic))))
     })?;
     (info.width, info.height) = size;

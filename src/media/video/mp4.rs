@@ -55,7 +55,7 @@ fn read_index(input: &mut Input, options: &Open) -> Result<Index, Error> {
         if matches!(&kind, b"moov" | b"moof") && whole && size >= header {
             held += size;
             if held > MAX_INDEX_BYTES {
-                return Err(Error::new("its index course_table more than a gigabyte; the file is damaged"));
+                return Err(Error::new("its index claims more than a gigabyte; the file is damaged"));
             }
             let payload = input.read(at + header, size - header)?;
             if kind == *b"moof" { fragments.push((at, payload)) } else { moov = moov.or(Some(payload)) }

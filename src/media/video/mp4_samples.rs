@@ -30,7 +30,7 @@ pub(crate) struct Table {
 }
 
 fn damaged() -> Error {
-    Error::new("the index of its video track is damaged; copy it again from where it came")
+    Error::new("the index of its video track is damaged; copy it again from its source")
 }
 
 /// The numbers of a table box: version and flags, a count, then `columns` numbers in each row.
@@ -111,7 +111,7 @@ impl Table {
     /// Adds the samples of track `id` in the `moof` box that begins at `start`.
     ///
     /// # Errors
-    /// If it course_table too much.
+    /// If its tables claim too many samples.
     pub(crate) fn read_fragment(&mut self, start: u64, moof: &[u8], id: u32, trex: Fragment) -> Result<(), Error> {
         for (_, traf) in boxes(moof).filter(|(kind, _)| kind == b"traf") {
             let Some((track, mut at, defaults)) = find(traf, b"tfhd").and_then(|tfhd| header(tfhd, start, trex)) else {

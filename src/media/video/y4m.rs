@@ -208,11 +208,9 @@ fn walk(
     };
     match lost {
         Some(how) if offsets.is_empty() => Err(Error::new(format!(
-            "its first frame {how}, so there is nothing to show; copy it again from where it came"
+            "its first frame {how}, so there is nothing to show; copy it again from its source"
         ))),
-        None if offsets.is_empty() => {
-            Err(Error::new("it has a header but no frames; copy it again from where it came"))
-        }
+        None if offsets.is_empty() => Err(Error::new("it has a header but no frames; copy it again from its source")),
         Some(how) => {
             warnings.push(format!("frame {} {how}; it and what follows are left out", offsets.len()));
             Ok(offsets)
@@ -314,7 +312,7 @@ mod tests {
         let cases = [
             ("YUV4MPEG2 W100000 H100000\nFRAME\n", "100000×100000"),
             ("YUV4MPEG2 W16384 H16384\nFRAME\n", "128 megapixels"),
-            ("YUV4MPEG2 W0 H5\nFRAME\n", "nothing to see"),
+            ("YUV4MPEG2 W0 H5\nFRAME\n", "shows nothing"),
             ("YUV4MPEG2 W4294967296 H99999999999999999999\nFRAME\n", "does not tell"),
             ("YUV4MPEG2 H5\nFRAME\n", "does not tell"),
             ("YUV4MPEG2 W4 H4 C999\nFRAME\n", "999"),

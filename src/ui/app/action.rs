@@ -1,4 +1,4 @@
-//! What the parts of the window ask for while they are drawn; it is done after the frame.
+//! Actions requested while the window is drawn, executed after the frame.
 
 use std::ffi::OsString;
 use std::sync::Arc;
@@ -12,72 +12,72 @@ use crate::ui::app::commands::Command;
 use crate::ui::model::document::Owner;
 use crate::ui::model::writer::Order;
 
-/// What the system's dialog is asked for.
+/// The purpose of a system file dialog.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Browse {
     /// A file to open.
     File,
     /// A folder to open.
     Folder,
-    /// A file to write.
+    /// A file to save.
     SaveFile,
-    /// A folder to write into.
+    /// A folder to save in.
     SaveFolder,
 }
 
-/// Which side of a unit is gone to.
+/// The target within a unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
-    /// Before its first event.
+    /// The start, before its first event.
     Start,
-    /// Its result.
+    /// The end, with its result.
     End,
 }
 
-/// Something asked for.
+/// An action.
 #[derive(Clone)]
 pub enum Action {
-    /// A command.
+    /// Execute a command.
     Command(Command),
     /// Open a clip or a session by its path, or a scene as `synth:pillar,noise=5`.
     Open(OsString),
     /// Open a bundled sample.
     OpenSample(&'static Sample),
-    /// Give up opening a clip.
+    /// Cancel opening a clip.
     CancelOpening,
-    /// Ask the system for a path.
+    /// Open the system's file dialog.
     Browse(Browse),
-    /// Write a file.
+    /// Save a file.
     Write(Box<Order>),
-    /// Give up writing.
+    /// Cancel saving.
     CancelWriting,
-    /// Take the estimator of this id.
+    /// Choose the estimator of this id.
     Choose(&'static str),
-    /// Go to the first block that an estimator of a comparison missed, with that estimator.
+    /// Go to the first block whose global minimum an estimator of a comparison missed.
     Visit(Arc<Row>),
-    /// Have these estimators go in lockstep.
+    /// Run these estimators in lockstep.
     Lockstep(Vec<&'static str>),
-    /// What estimators in lockstep have in common.
+    /// Set the pace of the lockstep.
     Pace(Pace),
     /// Set a parameter.
     Set(Owner, usize, Value),
-    /// Walk the stage by itself that is this parameter of the estimator.
+    /// Open the stage that is this parameter.
     Enter(usize),
-    /// A drag of a slider is over.
+    /// End a slider drag.
     Settle,
-    /// Place a parameter of the estimator on the picture, or no more.
+    /// Start or stop placing a parameter on the picture.
     Place(Option<usize>),
-    /// Set all parameters as they were at first.
+    /// Set all parameters to their defaults.
     ResetAll(Owner),
-    /// Go to a place of the run.
+    /// Go to a position in the run.
     Seek(Cursor),
-    /// Go to the end or to the start of what lies at a pixel, or explain that pixel from now on.
+    /// Go to the unit at a pixel, or hold that pixel to explain it.
     SeekAt(Focus, Side),
     /// Explain a pixel.
     Focus(Option<Focus>),
-    /// Explain the pixel that was clicked no longer.
+    /// Release the held pixel.
     Release,
-    /// Run on the pair that starts with this frame.
+    /// Choose the pair that starts with this frame.
     Frame(usize),
     /// Play at this speed.
     Speed(usize),
@@ -87,17 +87,17 @@ pub enum Action {
     Dismiss,
 }
 
-/// Everything asked for in a frame, in order.
+/// The actions of a frame, in order.
 #[derive(Default)]
 pub struct Actions(pub Vec<Action>);
 
 impl Actions {
-    /// Asks for something.
+    /// Requests an action.
     pub fn ask(&mut self, action: Action) {
         self.0.push(action);
     }
 
-    /// Asks for a command.
+    /// Requests a command.
     pub fn command(&mut self, command: Command) {
         self.ask(Action::Command(command));
     }

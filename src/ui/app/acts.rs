@@ -1,4 +1,4 @@
-//! What the window does when it is told to.
+//! The execution of commands and actions.
 
 use eframe::egui::ViewportCommand;
 use motionscope_core::compare::changed_alike;
@@ -17,11 +17,11 @@ use crate::ui::model::document::Owner;
 use crate::ui::model::snapshot::Place;
 use crate::ui::panes::layout;
 
-/// How much larger the picture gets at each press of a key.
+/// Zoom factor of a key press.
 const ZOOM_STEP: f32 = 1.5;
 
 impl App {
-    /// Does what was asked for.
+    /// Executes an action.
     pub(super) fn act(&mut self, action: Action) {
         match action {
             Action::Command(command) => self.command(command),
@@ -60,8 +60,7 @@ impl App {
                 let shown = self.view.shown.as_ref();
                 if let Some(first) = shown.and_then(|shown| shown.elsewhere(focus.on)) {
                     let (clicked, first) = (focus.on.title(None), first.title(None).to_lowercase());
-                    self.toasts
-                        .hint(format!("{clicked} has no pixels to be explained at this step: click on {first}."));
+                    self.toasts.hint(format!("{clicked} has no pixels to explain at this step: click on {first}."));
                     return;
                 }
                 self.walker.go_at(focus, side);
@@ -78,7 +77,7 @@ impl App {
         }
     }
 
-    /// Does what a command says, if it makes sense just now.
+    /// Executes a command if it is enabled.
     pub fn command(&mut self, command: Command) {
         use Command as C;
         if !command.enabled(&self.now()) {
@@ -185,15 +184,15 @@ impl App {
         self.restart();
     }
 
-    /// Sets the entry of the look that is called `name`, from what a person would type.
+    /// Sets the view option `name` from text.
     ///
     /// # Errors
-    /// A sentence with what may be given; then nothing changes.
+    /// A sentence with the allowed values; nothing changes then.
     pub fn set_look(&mut self, name: &str, value: &str) -> Result<(), Error> {
         self.settings.look.set(name, value)
     }
 
-    /// Sets that entry of the look which `command` is for.
+    /// Sets the view option of `command`.
     fn choose_look(&mut self, command: Command) {
         let set = command.look().map_or(Ok(()), |(name, value)| self.set_look(name, value));
         set.unwrap_or_else(|error| self.toasts.fail(error.to_string()));
@@ -270,7 +269,8 @@ impl App {
                 let was_by_frame = self.document.estimator().is_by_frame();
                 self.states.stage.placing = None;
                 if self.document.parents().len() > 0 {
-                    self.toasts.hint(format!("{} runs on the clip itself: the stage was left.", chosen.info().name));
+                    self.toasts
+                        .hint(format!("{} runs on the clip itself, so the stage was closed.", chosen.info().name));
                 }
                 self.document.choose(changed_alike(self.document.estimator(), chosen));
                 self.suit_view(was_single);
@@ -280,8 +280,7 @@ impl App {
         }
     }
 
-    /// Runs another estimator, from where that before it stands if its units are such as well: where they are frames, from the
-    /// frame that is shown.
+    /// Switches the estimator and keeps the position if both have the same units; for units that are frames, the shown frame.
     fn restart_from(&mut self, was_by_frame: bool) {
         let place = match (was_by_frame, self.document.estimator().is_by_frame(), &self.view.shown) {
             (true, true, _) | (false, false, _) => return self.restart(),
@@ -296,7 +295,7 @@ impl App {
         }
     }
 
-    /// Walks a stage of the estimator by itself, where that stands.
+    /// Opens a stage of the estimator at the current position.
     fn enter(&mut self, index: usize) {
         let Some(shown) = self.view.shown.clone().filter(|_| self.document.side_by_side().is_empty()) else { return };
         let was_single = self.is_of_single_frames();
@@ -306,7 +305,7 @@ impl App {
         }
     }
 
-    /// Goes back to the estimator of which the one at work is a stage.
+    /// Closes the stage and returns to its parent.
     fn leave(&mut self) {
         let was_single = self.is_of_single_frames();
         let place = self.document.leave();
@@ -324,13 +323,12 @@ impl App {
         }
     }
 
-    /// Whether the estimator looks at single frames.
+    /// Whether the estimator works on single frames.
     pub(super) fn is_of_single_frames(&self) -> bool {
         self.document.estimator().is_of_single_frames()
     }
 
-    /// Shows as many frames as the estimator speaks of, where another has taken the place of one that was of another kind:
-    /// what looks at single frames has nothing to say of the next, all others need both.
+    /// Adapts the view after a change between estimators of single frames, which show frame t, and of pairs, which show both.
     pub(super) fn suit_view(&mut self, was_single: bool) {
         let is_single = self.is_of_single_frames();
         let view = &mut self.settings.look.view;
@@ -341,7 +339,7 @@ impl App {
         }
     }
 
-    /// Has the estimators called `ids` go in lockstep: that which is chosen leads if it is among them, else the first.
+    /// Starts the estimators `ids` in lockstep, led by the chosen one if it is among them, else by the first.
     fn lockstep(&mut self, ids: &[&str]) {
         let now = self.document.estimator();
         let pace = self.document.side_by_side().pace;
@@ -358,7 +356,7 @@ impl App {
         }
     }
 
-    /// Goes on with one estimator alone, or in lockstep with those of the last time.
+    /// Toggles between one estimator and lockstep with those used last.
     fn toggle_lockstep(&mut self) {
         let leader = self.document.estimator().boxed_clone();
         if !self.document.side_by_side().is_empty() {
@@ -380,14 +378,14 @@ impl App {
         }
     }
 
-    /// Has `leader` go on with `the estimators side by side`, or alone, from where it stands.
+    /// Continues `leader` in lockstep with others, or alone, from its position.
     fn keep_company(&mut self, leader: Box<dyn AnyEstimator>, side_by_side: SideBySide) {
         self.document.keep_company(leader, side_by_side);
         self.states.explained = 0;
         self.restart();
     }
 
-    /// Goes to the first block that was missed, with the estimator that missed it.
+    /// Goes to the first block whose global minimum an estimator missed, with that estimator.
     fn visit(&mut self, row: &Row) {
         if !self.document.side_by_side().is_empty() {
             self.side_by_side = self.document.side_by_side().clone();
@@ -407,7 +405,7 @@ impl App {
         }
     }
 
-    /// Runs again with what is set now, at the place that is shown.
+    /// Restarts the run with the current settings at the shown position.
     fn restart(&mut self) {
         if let Some(job) = self.document.job(self.view.shown.as_deref()) {
             self.walker.start(job);

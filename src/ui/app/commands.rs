@@ -1,6 +1,6 @@
-//! Everything that a person can tell the window to do, declared once.
+//! The commands of the window, declared once.
 //!
-//! Menus, toolbar, tooltips, the palette, the shortcut sheet and the keyboard all read [`Command::face`].
+//! Menus, toolbar, tooltips, the palette, the shortcut sheet and the keyboard all read [`Command::info`].
 
 use eframe::egui::{Key, KeyboardShortcut, Modifiers};
 use lucide_icons::Icon;
@@ -14,7 +14,7 @@ pub use crate::ui::panes::granularities::Granularities;
 
 macro_rules! commands {
     ($( $(#[doc = $doc:literal])+ $name:ident, )+) => {
-        /// Something that the window can be told to do.
+        /// A command of the window.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         pub enum Command { $( $(#[doc = $doc])+ $name, )+ }
 
@@ -26,45 +26,45 @@ macro_rules! commands {
 }
 
 commands! {
-    /// Choose a clip or a session with the system's dialog, or type its path.
+    /// Open a clip or a session, chosen in the system's dialog or by its path.
     Open,
     /// Open the path in the clipboard.
     PastePath,
     /// Show the bundled samples.
     Samples,
-    /// Write the session file.
+    /// Save the session file.
     SaveSession,
-    /// Leave.
+    /// Close the window.
     Quit,
-    /// Take back the last change of a parameter.
+    /// Undo the last change of a parameter.
     Undo,
-    /// Take back taking back.
+    /// Redo the change that was undone last.
     Redo,
-    /// Every parameter as declared.
+    /// Set every parameter to its default.
     ResetParameters,
-    /// Both frames.
+    /// Frames t and t + 1 side by side.
     SideBySide,
-    /// The first frame alone.
+    /// Frame t alone.
     FrameT,
-    /// The second frame alone.
+    /// Frame t + 1 alone.
     FrameNext,
-    /// How they differ.
+    /// The difference image.
     Difference,
-    /// One over the other.
+    /// A blend of both frames.
     Blend,
-    /// One after the other.
+    /// Both frames in turn.
     Blink,
-    /// What the run makes of the second frame.
+    /// The motion-compensated prediction of frame t.
     Prediction,
-    /// What that lacks.
+    /// The residual of the prediction.
     Residual,
-    /// The picture larger.
+    /// Zoom in.
     ZoomIn,
-    /// The picture smaller.
+    /// Zoom out.
     ZoomOut,
-    /// The whole picture.
+    /// Zoom so that the whole picture fits.
     Fit,
-    /// One pixel of the picture to one of the screen.
+    /// Zoom to one screen pixel per image pixel.
     ActualSize,
     /// Dark, light, projector.
     NextTheme,
@@ -74,41 +74,41 @@ commands! {
     LightTheme,
     /// Large type and thick lines.
     ProjectorTheme,
-    /// Heat from violet to yellow.
+    /// The Viridis color map for costs.
     ViridisColors,
-    /// Heat from blue to red.
+    /// The Turbo color map for costs.
     TurboColors,
-    /// Other colours that tell of motion.
+    /// The next layer of flow colors.
     NextLayer,
-    /// No colours that tell of motion.
+    /// No flow colors.
     NoLayer,
-    /// Directions.
+    /// The flow wheel: direction and magnitude.
     WheelLayer,
-    /// Lengths.
+    /// The magnitude of the flow.
     MagnitudeLayer,
-    /// Errors against the truth.
+    /// The endpoint error.
     ErrorLayer,
-    /// What the estimator trusts.
+    /// The confidence that the estimator reports.
     ConfidenceLayer,
-    /// The check with the reverse pair.
+    /// The forward–backward error.
     ConsistencyLayer,
-    /// Particles in the place of arrows.
+    /// Streaklines instead of arrows.
     Streaks,
     /// Arrows as long as there is room.
     FittingArrows,
-    /// Arrows as long as the motion.
+    /// Arrows to scale.
     TrueArrows,
-    /// Arrows of twice that length.
+    /// Arrows at twice their length.
     DoubleArrows,
-    /// Arrows of four times that length.
+    /// Arrows at four times their length.
     FourfoldArrows,
-    /// Everything larger.
+    /// A larger interface.
     LargerInterface,
-    /// Everything smaller.
+    /// A smaller interface.
     SmallerInterface,
-    /// As large as the system says.
+    /// The interface scale of the operating system.
     NormalInterface,
-    /// The parameters' pane.
+    /// Show or hide the parameters.
     ShowParameters,
     /// The explanation's pane.
     ShowExplanation,
@@ -122,11 +122,11 @@ commands! {
     PreviousChart,
     /// Panes where they were at first.
     ResetLayout,
-    /// Only stage, explanation and transport.
+    /// The lecture layout.
     Lecture,
-    /// The whole screen.
+    /// Full screen.
     FullScreen,
-    /// Animations off.
+    /// Switch animations off.
     ReducedMotion,
     /// Play or pause.
     Play,
@@ -138,27 +138,27 @@ commands! {
     Over,
     /// End of the previous unit.
     OverBack,
-    /// End of the granularity further out.
+    /// End of the current group of units.
     Out,
-    /// The same backwards.
+    /// Start of the current group of units.
     OutBack,
-    /// As over; a clicker sends its key.
+    /// End of the next unit; a presenter's clicker sends its key.
     NextUnit,
-    /// As over, backwards.
+    /// End of the previous unit.
     PreviousUnit,
     /// Start of the run.
     Start,
     /// End of the run.
     End,
-    /// Estimators beside each other, in numbers.
+    /// The comparison table of several estimators.
     Compare,
-    /// Estimators beside each other, step by step.
+    /// Several estimators in lockstep.
     Lockstep,
-    /// The estimator's stage by itself.
+    /// Walk the stage of the estimator by itself.
     IntoStage,
-    /// The estimator of which it is a stage.
+    /// Return to the estimator that uses the stage.
     OutOfStage,
-    /// Give up a long move.
+    /// Cancel the computation in progress.
     Stop,
     /// Play slower.
     Slower,
@@ -168,34 +168,34 @@ commands! {
     NextFrame,
     /// Previous pair of frames.
     PreviousFrame,
-    /// Write the step as a picture.
+    /// Save the step as a picture.
     ExportPicture,
-    /// Write a range of steps as pictures.
+    /// Save a range of steps as pictures.
     ExportSteps,
-    /// Write what the run has made so far.
+    /// Save the result so far.
     ExportResult,
     /// Find a command by name.
     Palette,
-    /// Every key on one page.
+    /// List all shortcuts.
     Shortcuts,
-    /// What this is.
+    /// Version, licences and sources.
     About,
 }
 
-/// The menu that a command lies in.
+/// A menu of the window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Menu {
     /// Clips and sessions.
     File,
     /// Parameters.
     Edit,
-    /// How it looks.
+    /// Themes, zoom, layers and panes.
     View,
-    /// The ladder.
+    /// Moves through the run.
     Walk,
-    /// Pictures and numbers out.
+    /// Pictures and results as files.
     Export,
-    /// Keys and names.
+    /// The palette, shortcuts and version.
     Help,
 }
 
@@ -219,21 +219,21 @@ impl Menu {
 /// A menu within a menu.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Submenu {
-    /// What of the two frames is seen.
+    /// Which pictures the stage shows.
     Pictures,
-    /// How closely.
+    /// Zoom.
     Zoom,
-    /// Dark, light, projector.
+    /// The themes.
     Theme,
-    /// Colours of heat.
+    /// Color maps for costs.
     Colours,
-    /// Colours that tell of motion, and particles.
+    /// Flow colors and streaklines.
     Motion,
-    /// How long displacements are drawn.
+    /// The scale of arrows.
     ArrowLength,
-    /// How large everything is.
+    /// The interface scale.
     InterfaceSize,
-    /// What stands around the stage.
+    /// The panes around the stage.
     Panes,
 }
 
@@ -253,7 +253,7 @@ impl Submenu {
     }
 }
 
-/// How a command is shown and called.
+/// The name, tooltip, icon and shortcuts of a command.
 pub struct CommandInfo {
     /// The menu that it lies in.
     pub menu: Menu,

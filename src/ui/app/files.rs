@@ -1,4 +1,4 @@
-//! What the window does with files: opening, browsing, writing.
+//! File operations of the window: opening, browsing, saving.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -32,7 +32,7 @@ const FIRST_LOOK: usize = 640;
 const FIRST_PLACE: [f32; 2] = [0.19, 0.57];
 
 impl App {
-    /// Takes in what other threads have done.
+    /// Receives the results of other threads.
     pub(super) fn receive(&mut self) {
         if let Some(outcome) = self.loading.as_ref().and_then(|loading| loading.work.take()) {
             let name = self.loading.take().map(|loading| loading.name).unwrap_or_default();
@@ -62,13 +62,13 @@ impl App {
                     self.folder = folder;
                     self.toasts.tell(text);
                 }
-                Err(error) => self.toasts.fail(format!("Not written: {error}.")),
+                Err(error) => self.toasts.fail(format!("Not saved: {error}.")),
             }
         }
         self.browsed();
     }
 
-    /// Takes in the path that the system's dialog delivers.
+    /// Receives the path from the system's file dialog.
     fn browsed(&mut self) {
         let Some((wanted, delivery)) = &self.browsing else { return };
         let (wanted, path) = (*wanted, delivery.try_recv());
@@ -82,7 +82,7 @@ impl App {
             (Ok(Some(path)), Overlay::Save(state)) => state.path = path.display().to_string(),
             (Ok(_), _) => {}
             (Err(_), _) => {
-                self.toasts.fail("The system offers no file dialog. Type or paste the path instead.");
+                self.toasts.fail("The system has no file dialog. Type or paste the path instead.");
                 if opens {
                     self.overlay = Overlay::Open(open_dialog::State::default());
                 }
@@ -90,7 +90,7 @@ impl App {
         }
     }
 
-    /// Opens a file, a folder, a session or `synth:` and a scene, on another thread; or the truth of the clip that is open.
+    /// Opens a file, a folder, a session or a `synth:` scene on another thread, or ground truth for the open clip.
     pub fn open(&mut self, name: impl Into<OsString>) {
         self.player.pause();
         self.error = None;
@@ -166,13 +166,13 @@ impl App {
         self.suit_view(was_single);
     }
 
-    /// Tells if the clip has no pair that starts at `frame`, as a session wants it.
+    /// Reports if the clip has no pair that starts at the session's `frame`.
     fn tell_of_frame(&mut self, frame: usize) {
         let (Some(clip), now) = (self.document.clip(), self.document.frame()) else { return };
         if now != frame {
             let name = &clip.info().name;
             self.toasts.fail(format!(
-                "The session is about frame {frame}, and the last pair of {name} starts at frame {now}: that is shown."
+                "The session refers to frame {frame}, but the last pair of {name} starts at frame {now}, which is shown instead."
             ));
         }
     }
@@ -190,11 +190,11 @@ impl App {
         self.error = Some(error);
     }
 
-    /// Another clip is open; for it a stage was left, which its estimator is told of.
+    /// Reports that opening another clip has closed a stage.
     fn begin(&mut self, left: Option<&Info>) {
         self.error = None;
         if let Some(Info { name, .. }) = left {
-            self.toasts.hint(format!("Another clip is open: back out of the stage, {name} runs on it."));
+            self.toasts.hint(format!("Another clip is open, so the stage was closed; {name} runs on the new clip."));
         }
         self.states.stage.fit();
         self.settings.leave_end();
@@ -202,7 +202,7 @@ impl App {
         self.ctx.send_viewport_cmd(ViewportCommand::Title(title(&self.document)));
     }
 
-    /// Asks the system for a path, off the window's thread.
+    /// Opens the system's file dialog on another thread.
     pub(super) fn browse(&mut self, wanted: Browse) {
         let (sender, receiver) = channel();
         let ctx = self.ctx.clone();
@@ -223,14 +223,14 @@ impl App {
         }
     }
 
-    /// Opens the dialog that writes `kind`.
+    /// Opens the dialog that saves `kind`.
     pub(super) fn save_as(&mut self, kind: Kind) {
         // What is written is what is shown: it stays as long as the dialog asks.
         self.player.pause();
         let Some(shown) = self.view.shown.as_deref() else { return };
         if kind == Kind::Session && self.document.has_own_clip() {
-            let why = "This stage looks at pictures that only its parent makes: a session cannot name them.";
-            self.toasts.fail(format!("{why} Step out of the stage first (Shift+I), then save."));
+            let why = "This stage works on pictures that its parent computes, which a session cannot store.";
+            self.toasts.fail(format!("{why} Close the stage (Shift+I), then save."));
             return;
         }
         let name = self.document.clip().map_or_else(String::new, |clip| clip.info().name.clone());
@@ -244,11 +244,11 @@ impl App {
         self.overlay = Overlay::Save(Box::new(state));
     }
 
-    /// Writes on another thread; a message tells the outcome.
+    /// Saves on another thread and reports the outcome.
     pub fn write(&mut self, order: Order) {
         let Some(shown) = self.view.shown.clone() else { return };
         if self.writing.is_some() {
-            self.toasts.fail("Something else is still being written. Wait for it or cancel it, then write this again.");
+            self.toasts.fail("Another file is still being saved. Wait or cancel it, then save again.");
             return;
         }
         let folder = order.path.parent().map(Path::to_owned);
@@ -301,8 +301,8 @@ fn ask_system(wanted: Browse) -> Option<PathBuf> {
     let dialog = rfd::FileDialog::new();
     match wanted {
         Browse::File => dialog.set_title("Open a clip or a session").pick_file(),
-        Browse::Folder => dialog.set_title("Open a folder of pictures").pick_folder(),
-        Browse::SaveFile => dialog.set_title("Write to").save_file(),
-        Browse::SaveFolder => dialog.set_title("Write into a folder").pick_folder(),
+        Browse::Folder => dialog.set_title("Open a folder of images").pick_folder(),
+        Browse::SaveFile => dialog.set_title("Save as").save_file(),
+        Browse::SaveFolder => dialog.set_title("Save in a folder").pick_folder(),
     }
 }

@@ -36,7 +36,7 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) {
     let Input { plane, subject } = input;
     let size = ui.available_size().max(vec2(80.0, 80.0));
     let (area, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
-    let name = || format!("{}. Wheel to come nearer, drag to move, double click to see all.", summary(plane));
+    let name = || format!("{}. Scroll to zoom, drag to pan, double-click to reset.", summary(plane));
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, name()));
     let painter = ui.painter_at(area);
     let lay_out = |state: &mut State| {

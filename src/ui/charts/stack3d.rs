@@ -50,7 +50,7 @@ pub struct Response {
 pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
     let Input { stack, on_stage, subject } = input;
     let (area, sensed) = ui.allocate_exact_size(ui.available_size().max(vec2(80.0, 80.0)), Sense::click_and_drag());
-    let name = || format!("{}. Drag to turn, wheel to come nearer, click a level to see it.", summary(stack));
+    let name = || format!("{}. Drag to rotate, scroll to zoom, click a level to show it.", summary(stack));
     sensed.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, name()));
     turn(ui, &sensed, &mut state.orbit, USUAL);
     let painter = ui.painter_at(area);

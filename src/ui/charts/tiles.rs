@@ -44,7 +44,7 @@ pub struct Response {
 impl State {
     /// What a click does.
     fn hint(&self) -> &'static str {
-        if self.is_close { " Click to see all." } else { " Click to read all." }
+        if self.is_close { " Click to show the whole tiles." } else { " Click to read the numbers." }
     }
 }
 

@@ -1,4 +1,4 @@
-//! Estimators beside each other, in numbers: a table, and a plot of what is swept.
+//! The comparison of estimators: a table, and a plot of a sweep.
 
 use std::sync::Arc;
 
@@ -23,34 +23,34 @@ use crate::ui::model::comparing::{Comparing, Plan};
 use crate::ui::model::document::Document;
 use crate::ui::parts::widgets;
 
-/// As many are compared at once: a table that a class can read.
+/// The largest number of estimators in a comparison.
 const MOST: usize = *lockstep::MEMBERS.end();
-/// The colours of the plot's lines.
+/// The roles of the plot's lines, one per estimator.
 const ROLES: [Role; MOST] = [Role::Reference, Role::Result, Role::Predicted, Role::Candidate];
 
-/// From so many times the smallest value on, a plot goes by powers of ten.
+/// The ratio of largest to smallest value from which a plot has a logarithmic axis.
 const WIDE: f64 = 30.0;
-/// The comparison while it is open.
+/// The state of the open dialog.
 pub struct State {
     chosen: Vec<&'static str>,
     sweep: Option<Sweep>,
-    /// The column that is plotted.
+    /// Index of the plotted column.
     plotted: usize,
-    /// The plot as it is shown.
+    /// The state of the plot.
     plot: series::State,
-    /// What is compared now: the estimators and the sweep.
+    /// The estimators and the sweep of the running comparison.
     begun: Option<(Vec<&'static str>, Option<Sweep>)>,
     comparing: Option<Comparing>,
-    /// Why nothing can be compared so.
+    /// The error if this selection cannot be compared.
     refused: Option<Error>,
     /// The course's own table, while it is shown.
     course: Option<Background<Vec<CourseRow>>>,
-    /// Rows that the table was laid out for.
+    /// The number of rows of the last layout.
     laid_out: usize,
 }
 
 impl State {
-    /// A comparison of the estimator `id` with the best known ones, or with those of its own family.
+    /// Compares the estimator `id` with the usual ones, or with others of its family.
     pub fn new(id: &'static str) -> Self {
         let estimators = estimators();
         let all: Vec<&'static str> = estimators.iter().map(|estimator| estimator.info().id).collect();
@@ -77,7 +77,7 @@ impl State {
         }
     }
 
-    /// Whether nothing is being worked on.
+    /// Whether no computation is in progress.
     pub fn is_settled(&self) -> bool {
         match &self.course {
             Some(course) => course.look(|course_table| course_table.is_some()),
@@ -100,8 +100,10 @@ pub fn show(ctx: &egui::Context, state: &mut State, document: &Document, theme: 
         let bottom = ui.cursor().min.y + tall;
         ui.heading("Compare estimators");
         let on = match state.course {
-            Some(_) => "The course's table of searches, measured on this pair of frames with default parameters.",
-            None => "On this pair of frames, with the parameters that are set.",
+            Some(_) => {
+                "The course's table of search algorithms, measured on this pair of frames with default parameters."
+            }
+            None => "All estimators run on this pair of frames, with the current parameters.",
         };
         ui.label(RichText::new(on).weak());
         ui.add_space(8.0);
@@ -128,15 +130,16 @@ pub fn show(ctx: &egui::Context, state: &mut State, document: &Document, theme: 
     !(modal.should_close() || visited)
 }
 
-/// What is compared: estimators of one's own choice, or those of the course's table.
+/// Chooses between a comparison of estimators and the course's table.
 fn subject(ui: &mut Ui, state: &mut State, document: &Document) {
     ui.horizontal(|ui| {
         if ui.selectable_label(state.course.is_none(), "Estimators").clicked() {
             state.course = None;
         }
         let tip =
-            "Sequential, logarithmic and hierarchical search, and whether what the course says of them holds here.";
-        let label = ui.selectable_label(state.course.is_some(), "The course's table").on_hover_text(tip);
+            "Sequential (full), logarithmic and hierarchical search: each statement of the course is measured on this clip.";
+        let label = ui.selectable_label(state.course.is_some(), "The course's table");
+        let label = label.on_hover_text(format!("{tip} {}", course_table::key().trim_end()));
         if let (true, None, Some(prepared)) = (label.clicked(), &state.course, document.prepared_alone()) {
             // Two measurements at once would spoil each other's times.
             (state.comparing, state.begun) = (None, None);
@@ -157,7 +160,7 @@ fn subject(ui: &mut Ui, state: &mut State, document: &Document) {
     ui.add_space(4.0);
 }
 
-/// The course's table, as far as it was measured.
+/// Shows the course's table once it is measured.
 fn measured(ui: &mut Ui, course: &Background<Vec<CourseRow>>) {
     course.look(|outcome| match outcome {
         None => drop(ui.spinner()),
@@ -170,13 +173,11 @@ fn measured(ui: &mut Ui, course: &Background<Vec<CourseRow>>) {
                 ui.end_row();
                 course_table.iter().for_each(|row| line(ui, row));
             });
-            ui.add_space(8.0);
-            ui.label(RichText::new(course_table::key()).small().weak());
         }
     });
 }
 
-/// One feature: what is measured, three numbers, and whether the course is right.
+/// Shows a row: the feature, the three measurements, and whether the statement holds.
 fn line(ui: &mut Ui, row: &CourseRow) {
     ui.vertical(|ui| {
         ui.set_max_width(24.0 * TextStyle::Body.resolve(ui.style()).size);
@@ -196,9 +197,9 @@ fn line(ui: &mut Ui, row: &CourseRow) {
     ui.end_row();
 }
 
-/// Which estimators.
+/// Chooses the estimators.
 fn choice(ui: &mut Ui, state: &mut State) {
-    let full = if state.chosen.len() < MOST { "" } else { ": take one out to choose another" };
+    let full = if state.chosen.len() < MOST { "" } else { ": deselect one to choose another" };
     ui.label(RichText::new(format!("{} of at most {MOST}{full}", state.chosen.len())).small().weak());
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = vec2(4.0, 4.0);
@@ -207,7 +208,7 @@ fn choice(ui: &mut Ui, state: &mut State) {
             let at = state.chosen.iter().position(|id| *id == info.id);
             let enabled = at.is_some() || state.chosen.len() < MOST;
             let button = ui.add_enabled(enabled, Button::selectable(at.is_some(), info.name));
-            let full = format!("Up to {MOST} are compared; take one out first.");
+            let full = format!("At most {MOST} estimators can be compared; deselect one first.");
             if button.on_hover_text(info.summary).on_disabled_hover_text(full).clicked() {
                 match at {
                     Some(at) => drop(state.chosen.remove(at)),
@@ -218,7 +219,7 @@ fn choice(ui: &mut Ui, state: &mut State) {
     });
 }
 
-/// What is swept, and how far the comparison has come.
+/// Chooses the sweep and shows the progress of the comparison.
 fn sweep(ui: &mut Ui, state: &mut State, document: &Document) {
     let label = ui.label("Sweep");
     let chosen = chosen(state);
@@ -227,7 +228,7 @@ fn sweep(ui: &mut Ui, state: &mut State, document: &Document) {
         _ => Vec::new(),
     };
     let title = |sweep: &Option<Sweep>| sweep.as_ref().map_or("nothing".to_owned(), |sweep| sweep.title.clone());
-    let all = [("of the estimators", sweeps::of_estimators(&chosen)), ("of the clip", of_clip)];
+    let all = [("parameters", sweeps::of_estimators(&chosen)), ("sliders of the clip", of_clip)];
     if state.sweep.as_ref().is_some_and(|sweep| all.iter().all(|(_, some)| !some.contains(sweep))) {
         state.sweep = None;
     }
@@ -259,14 +260,15 @@ fn chosen(state: &State) -> Vec<Box<dyn AnyEstimator>> {
     estimators().into_iter().filter(|estimator| state.chosen.contains(&estimator.info().id)).collect()
 }
 
-/// The way to seeing them step by step; gives whether it is taken.
+/// Shows the button for lockstep; returns whether it was clicked.
 fn step_by_step(ui: &mut Ui, state: &State, actions: &mut Actions) -> bool {
     let mut taken = false;
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
         let enough = lockstep::MEMBERS.contains(&state.chosen.len());
         let button = ui.add_enabled(enough, Button::new("Side by side, step by step"));
-        let tip = Command::Lockstep.with_key("See them search the same block in lockstep, one candidate each.");
-        taken = button.on_hover_text(tip).on_disabled_hover_text("Choose two to four estimators.").clicked();
+        let tip =
+            Command::Lockstep.with_key("Step the estimators through the same block in lockstep, one candidate each.");
+        taken = button.on_hover_text(tip).on_disabled_hover_text("Lockstep needs two to four estimators.").clicked();
     });
     if taken {
         actions.ask(Action::Lockstep(state.chosen.clone()));
@@ -274,7 +276,7 @@ fn step_by_step(ui: &mut Ui, state: &State, actions: &mut Actions) -> bool {
     taken
 }
 
-/// Compares anew where something else is chosen.
+/// Restarts the comparison after a change of the selection.
 fn start(ui: &Ui, state: &mut State, document: &Document) {
     let wanted = (state.chosen.clone(), state.sweep.clone());
     if state.begun.as_ref() != Some(&wanted) {
@@ -287,7 +289,7 @@ fn start(ui: &Ui, state: &mut State, document: &Document) {
     }
 }
 
-/// The chosen estimators with what was changed of the one that is open, where they have the same.
+/// Returns the chosen estimators with the changed parameters of the open one, where they have the same.
 fn plan(state: &State, document: &Document) -> Result<Option<Plan>, Error> {
     let Some(prepared) = document.prepared_alone() else { return Ok(None) };
     let alike =
@@ -300,7 +302,7 @@ fn plan(state: &State, document: &Document) -> Result<Option<Plan>, Error> {
     Ok(Some(Plan { prepared, rounds }))
 }
 
-/// The table and the plot; gives whether a block is to be visited.
+/// Shows plot and table; returns whether a block is to be visited.
 fn results(ui: &mut Ui, state: &mut State, theme: Theme, actions: &mut Actions) -> bool {
     let rows = state.comparing.as_ref().map_or_else(Vec::new, Comparing::rows);
     if std::mem::replace(&mut state.laid_out, rows.len()) != rows.len() {
@@ -325,7 +327,9 @@ fn results(ui: &mut Ui, state: &mut State, theme: Theme, actions: &mut Actions) 
     }
     let visited = table(ui, &rows, state, actions);
     ui.add_space(8.0);
-    if !rows.is_empty() && ui.button("Copy as CSV").on_hover_text("For a spreadsheet: all rows so far.").clicked() {
+    if !rows.is_empty()
+        && ui.button("Copy as CSV").on_hover_text("Copy all rows so far as CSV, for a spreadsheet.").clicked()
+    {
         ui.copy_text(comparison::csv(&rows));
     }
     visited
@@ -369,7 +373,7 @@ fn table(ui: &mut Ui, rows: &[Arc<Row>], state: &mut State, actions: &mut Action
     visited
 }
 
-/// One number; that of missed blocks leads to the first of them.
+/// Shows a number; the share of missed minima links to the first such block.
 fn cell(ui: &mut Ui, column: &Column, row: &Arc<Row>, actions: &mut Actions) -> bool {
     let text = RichText::new(column.text(row)).monospace();
     // Where the clip itself was swept, the block is missed in another clip.
@@ -379,7 +383,7 @@ fn cell(ui: &mut Ui, column: &Column, row: &Arc<Row>, actions: &mut Actions) -> 
         ui.label(text);
         return false;
     };
-    let tip = format!("Go to block {}, whose smallest cost was missed.", first + 1);
+    let tip = format!("Go to block {}, the first whose global minimum was missed.", first + 1);
     let clicked = ui.link(text).on_hover_text(tip).clicked();
     if clicked {
         actions.ask(Action::Visit(Arc::clone(row)));
@@ -387,7 +391,7 @@ fn cell(ui: &mut Ui, column: &Column, row: &Arc<Row>, actions: &mut Actions) -> 
     clicked
 }
 
-/// A column over what is swept, a line for each estimator.
+/// Returns a column over the swept values, one line per estimator.
 fn plot(rows: &[Arc<Row>], column: &Column, x_label: &'static str) -> Series {
     let mut lines: Vec<(&'static str, Role, Vec<[f32; 2]>)> = Vec::new();
     for row in rows {
@@ -404,7 +408,7 @@ fn plot(rows: &[Arc<Row>], column: &Column, x_label: &'static str) -> Series {
     Series {
         title: column.heading,
         x_label,
-        y_label: "by what is swept",
+        y_label: "over the swept parameter",
         x_max,
         events: Vec::new(),
         sections: Vec::new(),
@@ -412,7 +416,7 @@ fn plot(rows: &[Arc<Row>], column: &Column, x_label: &'static str) -> Series {
     }
 }
 
-/// Whether the values go over so wide a range that small ones would lie on the axis.
+/// Whether the ratio of largest to smallest value asks for a logarithmic axis.
 fn is_wide(series: &Series) -> bool {
     let values = series.lines.iter().flat_map(|(.., points)| points).map(|point| f64::from(point[1]));
     let (low, high) = (values.clone().fold(f64::INFINITY, f64::min), values.fold(0.0, f64::max));

@@ -84,7 +84,7 @@ pub fn show(ctx: &egui::Context, state: &mut State, theme: Theme, actions: &mut 
     let modal = widgets::modal(ctx, "samples", vec2(70.0 * size, 60.0 * size)).show(ctx, |ui| {
         ui.set_width((70.0 * size).min(room.x));
         ui.heading("Samples");
-        ui.label(RichText::new("Made on the fly, with exact truth. Each is named for what it teaches.").weak());
+        ui.label(RichText::new("Synthetic clips with exact ground truth. Each shows one effect.").weak());
         ui.add_space(8.0);
         let height = room.y.min(44.0 * size);
         ScrollArea::vertical().max_height(height).min_scrolled_height(height).show(ui, |ui| {

@@ -71,10 +71,12 @@ pub fn about(ctx: &egui::Context) -> bool {
         ui.label(RichText::new("Motionscope").family(style::bold()).size(1.6 * size));
         ui.label(RichText::new(concat!("Version ", env!("CARGO_PKG_VERSION"))).weak());
         ui.add_space(8.0);
-        ui.label("Opens a clip and walks through any motion estimator step by step, forwards and backwards.");
+        ui.label(
+            "Step through the motion estimators of a computer-vision course, forwards and backwards, on your own clip.",
+        );
         ui.add_space(8.0);
         ui.label(
-            RichText::new("Type: Inter and JetBrains Mono (OFL). Icons: Lucide (ISC). Colours: Okabe and Ito.").weak(),
+            RichText::new("Fonts: Inter and JetBrains Mono (OFL). Icons: Lucide (ISC). Colours: Okabe and Ito.").weak(),
         );
         ui.add_space(12.0);
         ui.button("Close").clicked()

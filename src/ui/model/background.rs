@@ -53,7 +53,9 @@ impl<T: Send + 'static> Background<T> {
             (control.changed)();
         };
         if let Err(error) = std::thread::Builder::new().name(purpose.to_owned()).spawn(run) {
-            *lock(&new.outcome) = Some(Err(Error::new(format!("no thread could be started to {purpose}: {error}"))));
+            *lock(&new.outcome) = Some(Err(Error::new(format!(
+                "no thread could be started to {purpose} ({error}); close other programs and try again"
+            ))));
             (new.control.changed)();
         }
         new

@@ -1,4 +1,4 @@
-//! A comparison at work on a thread of its own: rows come one by one.
+//! A comparison on a thread of its own, which delivers rows one by one.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -9,24 +9,24 @@ use crate::experiment::Prepared;
 use crate::experiment::comparison::{Arena, Round, Row};
 use crate::media::{Open, Progress};
 
-/// What is compared, and where.
+/// The plan of a comparison.
 pub struct Plan {
-    /// The clip that is open, what is given for it, and frame t.
+    /// The open clip with its files, and frame t.
     pub prepared: Prepared,
-    /// Each clip with what runs on it.
+    /// The clips with the estimators that run on them.
     pub rounds: Vec<Round>,
 }
 
-/// A comparison at work, or done.
+/// A running or finished comparison.
 pub struct Comparing {
     rows: Arc<Mutex<Vec<Arc<Row>>>>,
     work: Background<()>,
-    /// Rows that there will be.
+    /// Number of rows when finished.
     pub total: usize,
 }
 
 impl Comparing {
-    /// Begins; `changed` is called from another thread whenever there is a row more.
+    /// Starts the comparison; `changed` is called from another thread after each row.
     pub fn new(plan: Plan, changed: impl Fn() + Send + Sync + 'static) -> Self {
         let total = plan.rounds.iter().map(|round| round.contenders.len()).sum();
         let rows = Arc::<Mutex<Vec<_>>>::default();
@@ -42,17 +42,17 @@ impl Comparing {
         Self { rows, work, total }
     }
 
-    /// The rows so far.
+    /// Returns the rows so far.
     pub fn rows(&self) -> Vec<Arc<Row>> {
         self.rows.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Why it ended early, if it did.
+    /// Returns the error that ended it early, if any.
     pub fn failure(&self) -> Option<Error> {
         self.work.look(|outcome| outcome.and_then(|outcome| outcome.as_ref().err().cloned()))
     }
 
-    /// Whether there is more to come.
+    /// Whether it is running.
     pub fn is_busy(&self) -> bool {
         self.work.look(|outcome| outcome.is_none())
     }

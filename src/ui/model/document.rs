@@ -379,7 +379,8 @@ impl Document {
         match synth::make(sample.id, &difficulty) {
             Ok(made) if given.is_some() && made.size() != clip.size() => {
                 let (width, height) = clip.size();
-                let error = format!("the truth given for this clip is for {width}×{height} px; set that size again");
+                let error =
+                    format!("the ground truth given for this clip has {width}×{height} px; set this size again");
                 self.refused = Some(Error::new(error));
             }
             Ok(mut made) => {

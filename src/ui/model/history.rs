@@ -1,29 +1,29 @@
-//! Undo and redo of one value; changes of one gesture count as one.
+//! Undo and redo of a value; the changes of one gesture are one entry.
 
-/// A value with its past and its future.
+/// A value with its undo and redo stacks.
 pub struct History<T> {
     now: T,
     past: Vec<T>,
     future: Vec<T>,
-    /// What the gesture at work changes; the same key again does not make another entry.
+    /// The key of the current gesture; changes with the same key do not add an entry.
     gesture: Option<String>,
 }
 
-/// Changes that are remembered.
+/// Largest number of undo entries.
 const DEPTH: usize = 200;
 
 impl<T: Clone + PartialEq> History<T> {
-    /// A value without a past.
+    /// Returns a value without history.
     pub fn new(now: T) -> Self {
         Self { now, past: Vec::new(), future: Vec::new(), gesture: None }
     }
 
-    /// The value.
+    /// Returns the value.
     pub fn now(&self) -> &T {
         &self.now
     }
 
-    /// The value, to be changed in a way that is no change to take back.
+    /// Returns the value for a change that is not undoable.
     pub fn now_mut(&mut self) -> &mut T {
         &mut self.now
     }
@@ -44,12 +44,12 @@ impl<T: Clone + PartialEq> History<T> {
         }
     }
 
-    /// The gesture is over: the next change is another one.
+    /// Ends the gesture: the next change is a new entry.
     pub fn settle(&mut self) {
         self.gesture = None;
     }
 
-    /// Takes the last change back; gives whether there was one.
+    /// Undoes the last change; returns whether there was one.
     pub fn undo(&mut self) -> bool {
         self.settle();
         let Some(before) = self.past.pop() else { return false };
@@ -57,7 +57,7 @@ impl<T: Clone + PartialEq> History<T> {
         true
     }
 
-    /// Makes the change again that was taken back; gives whether there was one.
+    /// Redoes the change undone last; returns whether there was one.
     pub fn redo(&mut self) -> bool {
         self.settle();
         let Some(after) = self.future.pop() else { return false };
@@ -65,12 +65,12 @@ impl<T: Clone + PartialEq> History<T> {
         true
     }
 
-    /// Whether there is a change to take back.
+    /// Whether there is a change to undo.
     pub fn can_undo(&self) -> bool {
         !self.past.is_empty()
     }
 
-    /// Whether there is a change to make again.
+    /// Whether there is a change to redo.
     pub fn can_redo(&self) -> bool {
         !self.future.is_empty()
     }

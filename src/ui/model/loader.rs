@@ -1,4 +1,4 @@
-//! Opens a clip or a session on a thread of its own, with progress and cancel.
+//! Opening of clips and sessions on a thread of its own, with progress and cancellation.
 
 use std::ffi::{OsStr, OsString};
 use std::path::Path;
@@ -12,39 +12,39 @@ use crate::media::export::{Inputs, What};
 use crate::media::{self, Given, Open, Progress};
 use crate::session::{Named, Session};
 
-/// A clip that was opened.
+/// An opened clip.
 pub struct Opened {
     /// The clip.
     pub clip: Clip,
-    /// Where it comes from.
+    /// The source of the clip.
     pub source: Source,
-    /// What was given for it by hand.
+    /// Files given explicitly.
     pub given: Given,
-    /// The session that named it, if one did.
+    /// The session, if it was opened from one.
     pub session: Option<Session>,
-    /// All files that it is read from.
+    /// All input files.
     pub inputs: Inputs,
 }
 
-/// The clip that is open while another name is.
+/// The clip that is open while another one is being opened.
 pub struct Beside {
-    /// Where it comes from.
+    /// The source of the clip.
     pub source: Source,
-    /// What was given for it by hand.
+    /// Files given explicitly.
     pub given: Given,
 }
 
-/// A clip that is being opened.
+/// A clip being opened.
 pub struct Loading {
-    /// What was asked for: a file, a folder, a session, or `synth:` and a scene.
+    /// The requested file, folder, session or `synth:` scene.
     pub name: OsString,
-    /// The work.
+    /// The background task.
     pub work: Background<Opened>,
 }
 
 impl Loading {
-    /// Begins to open `name`: a clip or a session, or what is true of the clip that is open, `beside`, which is opened with it once more.
-    /// `changed` is called from another thread whenever there is news.
+    /// Starts opening `name`: a clip, a session, or ground truth for the open clip `beside`, which is reopened with it. `changed` is
+    /// called from another thread on progress.
     pub fn new(name: OsString, beside: Option<Beside>, changed: impl Fn() + Send + Sync + 'static) -> Self {
         let wanted = name.clone();
         let work = Background::new("open the clip", changed, move |control| {

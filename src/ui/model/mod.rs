@@ -1,4 +1,4 @@
-//! What the window knows and does without drawing: the document, the run on its thread, files in and out.
+//! The model of the window: the document, the run on its thread, opening and saving.
 
 pub mod background;
 pub mod comparing;

@@ -1,4 +1,4 @@
-//! What is run, and the experiments that wait while a stage of one of them is run by itself.
+//! The current experiment, and the experiments that wait while one of their stages is open.
 
 use motionscope_core::stage::{self, Opened};
 use motionscope_core::{AnyEstimator, Clip, Cursor, Error};
@@ -7,29 +7,29 @@ use super::snapshot::{Place, Snapshot};
 use crate::experiment::side_by_side::SideBySide;
 use crate::experiment::{Experiment, is_same};
 
-/// Everything that undo takes back: an experiment, and those that wait while one of their stages is run by itself.
+/// The undoable state: an experiment, and those that wait while one of their stages is open.
 #[derive(Clone)]
 pub struct Nested {
-    /// What is run.
+    /// The current experiment.
     pub experiment: Experiment,
-    /// The experiments of whose estimators it is a stage, one of the other: the outermost first.
+    /// The waiting experiments, each using the next as a stage; the outermost first.
     pub parents: Vec<Parent>,
     /// The clip that it looks at, where that is not the one that is open.
     pub clip: Option<Clip>,
 }
 
-/// An experiment that waits while a stage of its estimator is run by itself.
+/// An experiment that waits while a stage of its estimator is open.
 #[derive(Clone)]
 pub struct Parent {
-    /// What waits.
+    /// The waiting experiment.
     pub experiment: Experiment,
-    /// The parameter that the stage is.
+    /// The parameter of the stage.
     index: usize,
-    /// The frame that its run began on, and that which it stands at.
+    /// The first frame of its run, and the current one.
     frames: (usize, usize),
-    /// Where its run stands.
+    /// The position of its run.
     pub cursor: Cursor,
-    /// The stage as it was opened, and where it stood then.
+    /// The stage as it was opened, with its position.
     opened: (Experiment, Cursor),
     /// The clip that it looks at, where that is not the one that is open.
     clip: Option<Clip>,
@@ -53,17 +53,17 @@ impl PartialEq for Parent {
 }
 
 impl Nested {
-    /// An experiment that is a stage of no other.
+    /// Returns an experiment that is not a stage.
     pub fn alone(experiment: Experiment) -> Self {
         Self { experiment, parents: Vec::new(), clip: None }
     }
 
-    /// The outermost experiment.
+    /// Returns the outermost experiment.
     pub fn outermost(&self) -> &Experiment {
         self.parents.first().map_or(&self.experiment, |parent| &parent.experiment)
     }
 
-    /// Where the stage at work stood when it was opened.
+    /// Returns the position of the current stage when it was opened.
     pub fn opened_at(&self) -> Option<Cursor> {
         self.parents.last().map(|parent| parent.opened.1)
     }
@@ -86,7 +86,7 @@ impl Nested {
         Ok(Some((Self { experiment, parents, clip: own }, Place::at(cursor))))
     }
 
-    /// Goes back to the parent of the stage at work, which has become what it is now; gives where the parent stands.
+    /// Closes the current stage, keeps its changes, and returns the position of the parent.
     pub fn leave(&mut self) -> Option<Cursor> {
         let Parent { mut experiment, index, cursor, opened: (opened, _), clip, .. } = self.parents.pop()?;
         // How many frames it goes through is its parent's to say.
@@ -100,7 +100,7 @@ impl Nested {
         Some(cursor)
     }
 
-    /// Looks at `open`, which is another clip than before, from each of the estimators.
+    /// Applies all experiments to `open`, another clip.
     pub fn look_at(&mut self, open: &Clip) {
         let mut seen: Option<Clip> = None;
         for parent in &mut self.parents {
@@ -114,7 +114,7 @@ impl Nested {
     }
 }
 
-/// The last frame of `clip` that a run of `estimator` can start on.
+/// Returns the last frame of `clip` on which a run of `estimator` can start.
 fn last_frame(clip: &Clip, estimator: &dyn AnyEstimator) -> usize {
     let frames = clip.info().frames;
     frames.map_or(usize::MAX, |frames| frames.saturating_sub(estimator.info().frames))

@@ -1,22 +1,22 @@
-//! Playing a run: how many steps are due, and where they lead.
+//! Playback of a run: the number of steps due, and the cursor they lead to.
 
 use motionscope_core::{Cursor, Move};
 
-/// What is counted per second.
+/// The unit of playback speed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pace {
-    /// Events: every probe is seen.
+    /// Events: every candidate is shown.
     Events,
-    /// Units: every block is seen when it is done.
+    /// Units: every block is shown when it is finished.
     Units,
 }
 
-/// A speed that can be chosen.
+/// A playback speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Speed {
-    /// What is counted.
+    /// The unit.
     pub pace: Pace,
-    /// How many of them per second.
+    /// Steps per second.
     pub per_second: u32,
 }
 
@@ -24,7 +24,7 @@ const fn speed(pace: Pace, per_second: u32) -> Speed {
     Speed { pace, per_second }
 }
 
-/// Every speed, from slow to fast.
+/// All speeds, from slow to fast.
 pub const SPEEDS: [Speed; 12] = [
     speed(Pace::Events, 1),
     speed(Pace::Events, 3),
@@ -41,7 +41,7 @@ pub const SPEEDS: [Speed; 12] = [
 ];
 
 impl Speed {
-    /// As words, with the estimator's names for an event and a unit: `10 probes/s`.
+    /// Returns the speed with the estimator's names of event and unit: `10 candidates/s`.
     pub fn text(self, event: &str, unit: &str) -> String {
         let name = match self.pace {
             Pace::Events => event,
@@ -58,7 +58,7 @@ pub struct Player {
     /// Index into [`SPEEDS`].
     pub speed: usize,
     playing: bool,
-    /// Steps that are due, and a part of one.
+    /// Steps due, with a fraction.
     due: f64,
 }
 
@@ -69,7 +69,7 @@ impl Default for Player {
 }
 
 impl Player {
-    /// A player that stands still, with speed number `speed`.
+    /// Returns a paused player with speed number `speed`.
     pub fn at_speed(speed: usize) -> Self {
         Self { speed: speed.min(SPEEDS.len() - 1), ..Self::default() }
     }
@@ -79,28 +79,28 @@ impl Player {
         self.playing
     }
 
-    /// Plays from now on, the first step at once.
+    /// Starts playback, with the first step at once.
     pub fn play(&mut self) {
         (self.playing, self.due) = (true, 1.0);
     }
 
-    /// Stays where it is.
+    /// Pauses playback.
     pub fn pause(&mut self) {
         self.playing = false;
     }
 
-    /// The speed.
+    /// Returns the speed.
     pub fn speed(&self) -> Speed {
         SPEEDS[self.speed.min(SPEEDS.len() - 1)]
     }
 
-    /// One speed up or down.
+    /// Changes the speed by one level.
     pub fn shift(&mut self, up: bool) {
         let next = if up { self.speed.saturating_add(1) } else { self.speed.saturating_sub(1) };
         self.speed = next.min(SPEEDS.len() - 1);
     }
 
-    /// Lets `seconds` pass.
+    /// Advances the clock by `seconds`.
     pub fn pass(&mut self, seconds: f64) {
         if self.playing {
             let rate = f64::from(self.speed().per_second);
@@ -109,7 +109,7 @@ impl Player {
         }
     }
 
-    /// The move that is due at `cursor` in a unit of `events` events.
+    /// Returns the move that is due at `cursor` in a unit of `events` events.
     pub fn due(&mut self, cursor: Cursor, events: usize) -> Option<Move> {
         if !self.playing {
             return None;
@@ -119,13 +119,13 @@ impl Player {
         (steps > 0).then(|| Move::To(ahead(self.speed().pace, cursor, events, steps)))
     }
 
-    /// Seconds until the next step is due.
+    /// Returns the seconds until the next step is due.
     pub fn wait_secs(&self) -> f64 {
         ((1.0 - self.due) / f64::from(self.speed().per_second)).max(0.0)
     }
 }
 
-/// The cursor `steps` further on; it shows the end of every unit that it comes to.
+/// Returns the cursor `steps` further on, stopping at the end of every unit.
 fn ahead(pace: Pace, cursor: Cursor, events: usize, steps: usize) -> Cursor {
     let Cursor { unit, event } = cursor;
     let left = events.saturating_sub(event);

@@ -1,4 +1,4 @@
-//! What is known of a run before its first step is there: its frames and its detections.
+//! The preview of a run before its first step is computed: its frames and detections.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use crate::experiment::Prepared;
 use crate::view::moment::{self, Moment};
 use crate::view::motion::AvailableLayers;
 
-/// The run of `subject` before its first step, with frames of `clip`, which is that of the subject.
+/// Returns the preview of the run of `subject` on its `clip`.
 ///
 /// # Errors
 /// If its frames cannot be read.
@@ -20,7 +20,7 @@ pub fn preview(subject: &Arc<Prepared>, clip: &Clip) -> Result<Snapshot, Error> 
         frame: experiment.frame,
         cursor: Cursor::default(),
         at_end: false,
-        step: Arc::new(step(subject, "The first step is still being worked out.")),
+        step: Arc::new(step(subject, "Computing the first step.")),
         scene: Arc::new(detected(subject)),
         pictures: moment::pair(clip, experiment.frame)?,
         tiles: Vec::new(),
@@ -43,21 +43,20 @@ pub fn preview(subject: &Arc<Prepared>, clip: &Clip) -> Result<Snapshot, Error> 
     })
 }
 
-/// The same, stopped there for good.
+/// Returns the preview of a run that was cancelled before its first step.
 pub fn stopped(preview: &Snapshot) -> Snapshot {
-    let step =
-        step(&preview.subject, "The run was stopped before its first step was there. A step forward starts it again.");
+    let step = step(&preview.subject, "The run was cancelled before its first step. Step forward to restart it.");
     let moment = Moment { step: Arc::new(step), ..preview.moment.clone() };
     Snapshot { moment, ..preview.clone() }
 }
 
-/// A step before the first: the algorithm is about to begin.
+/// Returns the step before the first.
 fn step(subject: &Prepared, sentence: &str) -> Step {
     let line = subject.experiment.estimator.info().pseudocode[0].name;
     Step { line, sentence: Sentence::default().text(sentence), readouts: Vec::new() }
 }
 
-/// The boxes of the detections that come with the clip.
+/// Returns the boxes of the clip's detections.
 fn detected(subject: &Prepared) -> Scene {
     let mut scene = Scene::default();
     let found = subject.clip.detections(subject.experiment.frame).unwrap_or_default();

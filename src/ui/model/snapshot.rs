@@ -1,4 +1,4 @@
-//! What a run is a run of, where to go in it, and everything there is to see at one place of it.
+//! The subject of a run, positions in it, and snapshots of one cursor.
 
 use std::ops::Deref;
 use std::sync::Arc;
@@ -10,24 +10,24 @@ use crate::experiment::Prepared;
 use crate::experiment::pixel::Pixel;
 use crate::view::moment::Moment;
 
-/// Which pixel is held where a run begins.
+/// The held pixel at the start of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Hold {
-    /// The one that was held before, in the same clip.
+    /// The pixel held before, in the same clip.
     #[default]
     Kept,
-    /// This one, or none, as a session has it.
+    /// The pixel of a session, if any.
     Set(Option<Pixel>),
 }
 
-/// A place in a run that is there in runs with other parameters as well.
+/// A position that is valid in runs with other parameters as well.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Place {
-    /// Where to go.
+    /// The target of the move.
     pub cursor: Cursor,
-    /// The pixel whose unit is meant, if that is known better than its number.
+    /// The pixel whose unit is meant, if known.
     pub near: Option<Focus>,
-    /// The pixel that is held there.
+    /// The held pixel.
     pub hold: Hold,
 }
 
@@ -40,7 +40,7 @@ impl Place {
         Self { cursor, ..Self::default() }
     }
 
-    /// Where `shown` stands: the end of the run or of a unit stays one.
+    /// Returns the position of `shown`; the end of the run or of a unit stays an end.
     pub fn of(shown: &Snapshot) -> Self {
         if let Some(cursor) = shown.bound_for {
             return Self::at(cursor);
@@ -55,7 +55,7 @@ impl Place {
         Self { cursor: Cursor { unit, event }, near, ..Self::default() }
     }
 
-    /// Where several go on in lockstep from what is `shown`: as many candidates into the same block.
+    /// Returns the position in lockstep that corresponds to `shown`: the same candidate of the same block.
     pub fn in_lockstep(shown: &Snapshot, pace: Pace) -> Self {
         let place = Self::of(shown);
         if place == Self::END {
@@ -70,55 +70,55 @@ impl Place {
         Self { cursor: Cursor { unit: shown.leader().unit, event }, near, ..Self::default() }
     }
 
-    /// Where the leader goes on alone from what is `shown` of several.
+    /// Returns the position of the leader alone that corresponds to `shown` in lockstep.
     pub fn alone(shown: &Snapshot) -> Self {
         if shown.at_end { Self::END } else { Self { cursor: shown.leader(), ..Self::default() } }
     }
 }
 
-/// What to walk through, and where to begin.
+/// The subject of a walk, and its first position.
 pub struct Job {
     /// What is run.
     pub subject: Arc<Prepared>,
-    /// Where to go at once.
+    /// The first position.
     pub place: Place,
 }
 
-/// A pixel that is explained in place of the one at work.
+/// A pixel that is explained instead of the current one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pointed {
     /// The pixel.
     pub at: Focus,
-    /// Whether it was clicked, and stays explained when the pointer leaves it.
+    /// Whether it is held by a click.
     pub is_held: bool,
 }
 
-/// Everything there is to see at one cursor: a moment of the run, which it is read like, and what the window has around it.
+/// A snapshot of one cursor: the moment of the run, and what the window shows around it.
 #[derive(Clone)]
 pub struct Snapshot {
     /// What is run.
     pub subject: Arc<Prepared>,
-    /// What there is to say about the estimator.
+    /// The description of the estimator.
     pub info: &'static Info,
-    /// What the run shows.
+    /// The moment shown.
     pub moment: Moment,
-    /// Events of the unit at hand.
+    /// Number of events of the current unit.
     pub events: usize,
-    /// Units of the run, if that is known by now.
+    /// Number of units of the run, if known.
     pub units: Option<usize>,
-    /// Where the unit stands on each granularity but the innermost.
+    /// The index of the unit on each granularity but the innermost.
     pub place: Vec<Granularity>,
-    /// Events worth a mark, and their role.
+    /// Events marked on the timeline, with their roles.
     pub landmarks: Vec<(usize, Role)>,
-    /// What ended the run early, if anything did.
+    /// The error that ended the run early, if any.
     pub failure: Option<Error>,
-    /// The pixel that is explained, where that is not the one at work.
+    /// The explained pixel, if not the current one.
     pub pointed: Option<Pointed>,
-    /// The pictures of the step whose pixels can be pointed at.
+    /// The pictures of the step whose pixels can be explained.
     pub clickable: Vec<Picture>,
-    /// Candidates of the unit that were tested.
+    /// Number of tested candidates of the unit.
     pub tested: usize,
-    /// Where the run is on its way to, while it is shown how far it has come.
+    /// The target of a long move in progress.
     pub bound_for: Option<Cursor>,
 }
 
@@ -131,7 +131,7 @@ impl Deref for Snapshot {
 }
 
 impl Snapshot {
-    /// The centre of what is being matched in frame t; of several in lockstep, by the first.
+    /// Returns the center of the block or window in frame t; in lockstep, that of the first estimator.
     pub fn reference(&self) -> Option<Focus> {
         let scene = self.tiles.first().map_or(&self.scene, |tile| &tile.scene);
         let mut marks = scene.marks.iter().rev();
@@ -143,22 +143,22 @@ impl Snapshot {
         })
     }
 
-    /// Where to click in the place of `picture`, whose pixels cannot be pointed at.
+    /// Returns the picture to click instead of `picture`, whose pixels cannot be explained.
     pub fn elsewhere(&self, picture: Picture) -> Option<Picture> {
         if self.clickable.contains(&picture) { None } else { self.clickable.first().copied() }
     }
 
-    /// The pixel that was clicked and is explained.
+    /// Returns the held pixel that is explained.
     pub fn held(&self) -> Option<Pixel> {
         self.pointed.filter(|pointed| pointed.is_held).map(|pointed| Pixel::of(pointed.at))
     }
 
-    /// Where the run of the estimator itself stands: the same place unless several go in lockstep.
+    /// Returns the cursor of the estimator's own run, which differs only in lockstep.
     pub fn leader(&self) -> Cursor {
         self.tiles.first().map_or(self.cursor, |tile| tile.cursor)
     }
 
-    /// Share of the work that was done, from 0 to 1, if the number of units is known.
+    /// Returns the progress from 0 to 1, if the number of units is known.
     pub fn share(&self) -> Option<f32> {
         let inside = if self.events == 0 { 0.0 } else { self.cursor.event as f32 / self.events as f32 };
         self.units.map(|units| ((self.cursor.unit as f32 + inside) / units.max(1) as f32).min(1.0))

@@ -224,7 +224,7 @@ impl Walker {
         (mailbox.focus, mailbox.look, mailbox.subject) = (old_desk.focus, old_desk.look, subject);
         let refused = (shown.is_none() && mailbox.job.is_none()).then(|| {
             Error::new(
-                "the run was stopped before its frames were there; change a parameter or the frame to start it again",
+                "the run was cancelled before its frames were decoded; change a parameter or the frame to restart it",
             )
         });
         mailbox.view = View { shown, refused, busy: mailbox.job.is_some(), ..View::default() };
@@ -861,7 +861,7 @@ fn panicked(panic: &(dyn std::any::Any + Send)) -> Error {
     let said = panic.downcast_ref::<String>().map(String::as_str);
     let said = said.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no reason given");
     Error::new(format!(
-        "the run broke off ({said}); change a parameter or the clip to start it again, and please report it"
+        "the run failed ({said}); change a parameter or the clip to restart it, and please report this error"
     ))
 }
 

@@ -75,9 +75,9 @@ impl What {
 pub fn refuse_losses(order: &Order, inputs: &Inputs) -> Result<(), Error> {
     let inputs = if order.what == What::Session { &inputs.clone().without(export::What::Session) } else { inputs };
     let target = order.what.target(&order.path);
-    export::check(inputs, &[target]).map_err(|clash| {
+    export::check(inputs, &[target]).map_err(|conflict| {
         let name = order.path.file_name().unwrap_or(order.path.as_os_str()).to_string_lossy();
-        Error::new(format!("{name} {}; choose {}", clash.why, target.other()))
+        Error::new(format!("{name} {}; choose {}", conflict.why, target.other()))
     })
 }
 
@@ -148,12 +148,12 @@ pub fn result(
 fn come(output: &Receiver<Output>, progress: &dyn Progress) -> Result<Output, Error> {
     loop {
         if progress.cancelled() {
-            return Err(Error::new("writing was cancelled"));
+            return Err(Error::new("saving was cancelled"));
         }
         match output.recv_timeout(POLL) {
             Ok(output) => return Ok(output),
             Err(RecvTimeoutError::Timeout) => {}
-            Err(_) => return Err(Error::new("the run went on meanwhile; stop it and write again")),
+            Err(_) => return Err(Error::new("the run has moved on since; pause it and save again")),
         }
     }
 }

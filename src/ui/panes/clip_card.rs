@@ -57,7 +57,7 @@ pub fn facts(document: &Document) -> String {
     }
     facts.push(match info.container.as_str() {
         "synthetic" => "synthetic".to_owned(),
-        _ if clip.is_blank() => "detections, no pictures".to_owned(),
+        _ if clip.is_blank() => "detections without images".to_owned(),
         container if container == info.codec => container.to_owned(),
         container => format!("{} in {container}", info.codec),
     });
@@ -83,7 +83,7 @@ fn to_frame(ui: &mut Ui, glyph: Icon, command: Command, actions: &mut Actions) {
 fn frame(ui: &mut Ui, document: &Document, actions: &mut Actions) {
     let now = document.frame();
     let last = document.last_frame().unwrap_or(usize::MAX >> 12);
-    let tip = "The first frame of the pair; the second is the next one.";
+    let tip = "Frame t, the first of the pair; frame t + 1 is the second.";
     // A narrow pane has the name on a line of its own.
     let narrow = ui.available_width() < 7.5 * ui.spacing().interact_size.y;
     let above = narrow.then(|| ui.label("Frame").on_hover_text(tip));
@@ -100,7 +100,7 @@ fn frame(ui: &mut Ui, document: &Document, actions: &mut Actions) {
             let field = field.custom_parser(|text| text.split('→').next().and_then(|t| t.trim().parse().ok()));
             let size = eframe::egui::vec2(ui.spacing().interact_size.y * 3.0, ui.spacing().interact_size.y);
             let typed = ui.add_sized(size, field).labelled_by(label.id);
-            typed.on_hover_text("The pair of frames that is run on; drag or type.");
+            typed.on_hover_text("Frame t of the pair on which the estimator runs; drag or type.");
             ui.add_enabled_ui(now > 0, |ui| {
                 to_frame(ui, Icon::ChevronLeft, Command::PreviousFrame, actions);
             });

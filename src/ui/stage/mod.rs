@@ -28,7 +28,7 @@ pub use placing::{Gesture, Placing};
 
 use crate::paint::{self, Face, Panel, Placement, Shown, Theme, View};
 use crate::ui::drawing::{ink, primitives};
-use crate::view::look::{Look, Stands};
+use crate::view::look::{Look, RunState};
 use crate::view::motion::AvailableLayers;
 use crate::view::tile::Tile;
 use glide::Glide;
@@ -58,7 +58,7 @@ pub struct Input<'a> {
     /// Several estimators, if there are.
     pub lockstep: Option<Lockstep<'a>>,
     /// Where the run stands, which decides the view where a look leaves it open.
-    pub stands: Stands,
+    pub stands: RunState,
     /// How they look.
     pub look: Look,
     /// What the colours of heat stand for, for the legend: `SAD`.

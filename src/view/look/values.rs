@@ -1,11 +1,11 @@
-//! What the entries of a look may be: each type of the painters as the value of a parameter.
+//! The types of the view options as parameter values.
 
 use motionscope_core::Value;
 use motionscope_core::params::{Choice, Kind, Parameter};
 
 use crate::paint::{ColorMap, FlowLayer, Lengthen, LevelShown, Opacity, Phase, Share, Theme, View};
 
-/// One of a few, each with a stable name, a label and a sentence.
+/// A choice, each value with a stable name, a label and a sentence.
 macro_rules! named {
     ($($name:ident),+) => {$(
         impl Parameter for $name {
@@ -25,7 +25,7 @@ macro_rules! named {
 }
 named!(View, Theme, ColorMap, FlowLayer);
 
-/// A share from 0 to 1, and what stands for none of it.
+/// A fraction from 0 to 1, and the word for none.
 macro_rules! share {
     ($($name:ident = $none:literal),+) => {$(
         impl Parameter for $name {
@@ -47,7 +47,7 @@ share!(Share = "auto", Opacity = "auto", Phase = "off");
 
 /// The level at work, as it is written.
 const AT_WORK: &str = "at-work";
-/// No pyramid has more levels: pictures are not that large.
+/// Pyramid levels that can be asked for.
 const LEVELS: std::ops::RangeInclusive<usize> = 0..=99;
 
 impl Parameter for LevelShown {
@@ -66,7 +66,7 @@ impl Parameter for LevelShown {
     }
 }
 
-/// What displacements can be lengthened by: beyond, nothing is left to see.
+/// The range of arrow scale factors.
 const TIMES: std::ops::RangeInclusive<f32> = 0.01..=100.0;
 
 impl Parameter for Lengthen {

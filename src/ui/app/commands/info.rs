@@ -1,4 +1,4 @@
-//! Every command's face: its menu, icon, name, tip and keys, in one table.
+//! The menu, icon, name, tooltip and shortcuts of every command, in one table.
 
 use eframe::egui::{Key, KeyboardShortcut, Modifiers};
 use lucide_icons::Icon;
@@ -23,7 +23,7 @@ const fn ctrl_shift(key: Key) -> KeyboardShortcut {
 }
 
 impl Command {
-    /// How it is shown and called.
+    /// How the command is shown and called.
     pub fn info(self) -> CommandInfo {
         use Command as C;
         let view =
@@ -37,47 +37,43 @@ impl Command {
                 Menu::File,
                 Icon::FolderOpen,
                 "Open…",
-                "Open a video, a folder of pictures or a session; a path can be typed as well.",
+                "Open a video, an image sequence, a folder or a session; a path can be typed as well.",
                 const { &[ctrl(Key::O)] },
             ),
             C::PastePath => (
                 Menu::File,
                 Icon::ClipboardPaste,
-                "Open the path in the clipboard",
-                "Open the clip whose path was copied.",
+                "Open path from clipboard",
+                "Open the clip whose path is in the clipboard.",
                 const { &[ctrl_shift(Key::V)] },
             ),
             C::Samples => (
                 Menu::File,
                 Icon::LayoutGrid,
                 "Samples…",
-                "Choose among the bundled clips, each named for what it teaches.",
+                "Choose a bundled clip; each shows one effect, such as occlusion or the aperture problem.",
                 const { &[ctrl(Key::N)] },
             ),
             C::SaveSession => (
                 Menu::File,
                 Icon::Save,
                 "Save session…",
-                "Write clip, estimator, parameters, place and view into a small text file that reopens exactly.",
+                "Save clip, estimator, parameters, current step and view as a small text file (*.motionscope).",
                 const { &[ctrl(Key::S)] },
             ),
-            C::Quit => (Menu::File, Icon::LogOut, "Quit", "Leave Motionscope.", const { &[ctrl(Key::Q)] }),
-            C::Undo => (
-                Menu::Edit,
-                Icon::Undo2,
-                "Undo",
-                "Take back the last change of a parameter.",
-                const { &[ctrl(Key::Z)] },
-            ),
+            C::Quit => (Menu::File, Icon::LogOut, "Quit", "Close Motionscope.", const { &[ctrl(Key::Q)] }),
+            C::Undo => {
+                (Menu::Edit, Icon::Undo2, "Undo", "Undo the last change of a parameter.", const { &[ctrl(Key::Z)] })
+            }
             C::Redo => (
                 Menu::Edit,
                 Icon::Redo2,
                 "Redo",
-                "Make the change again that was taken back.",
+                "Redo the change that was undone last.",
                 const { &[ctrl_shift(Key::Z), ctrl(Key::Y)] },
             ),
             C::ResetParameters => {
-                (Menu::Edit, Icon::RotateCcw, "Reset parameters", "Set every parameter as it was declared.", &[])
+                (Menu::Edit, Icon::RotateCcw, "Reset parameters", "Set every parameter to its default.", &[])
             }
             C::SideBySide => view(Icon::Columns2, View::SideBySide, const { &[key(Key::Num1)] }),
             C::FrameT => view(Icon::Square, View::Current, const { &[key(Key::Num2)] }),
@@ -91,27 +87,29 @@ impl Command {
                 Menu::View,
                 Icon::ZoomIn,
                 "Zoom in",
-                "Show the picture larger, around the pointer or the block at hand; the wheel does the same.",
+                "Enlarge the picture around the pointer or the current block; the mouse wheel does the same.",
                 const { &[key(Key::Plus), key(Key::Equals)] },
             ),
-            C::ZoomOut => {
-                (Menu::View, Icon::ZoomOut, "Zoom out", "Show the picture smaller.", const { &[key(Key::Minus)] })
-            }
-            C::Fit => {
-                (Menu::View, Icon::Maximize, "Fit picture", "Show the whole picture.", const { &[key(Key::Num0)] })
-            }
+            C::ZoomOut => (Menu::View, Icon::ZoomOut, "Zoom out", "Reduce the picture.", const { &[key(Key::Minus)] }),
+            C::Fit => (
+                Menu::View,
+                Icon::Maximize,
+                "Fit picture",
+                "Zoom so that the whole picture fits.",
+                const { &[key(Key::Num0)] },
+            ),
             C::ActualSize => (
                 Menu::View,
                 Icon::Scan,
                 "Actual size",
-                "One pixel of the picture to one pixel of the screen.",
+                "Zoom to one screen pixel per image pixel.",
                 const { &[key(Key::Num9)] },
             ),
             C::NextTheme => (
                 Menu::View,
                 Icon::Contrast,
                 "Next theme",
-                "Dark, light, and projector with large type and thick lines.",
+                "Switch between dark, light, and projector (large type, thick lines).",
                 const { &[key(Key::T)] },
             ),
             C::DarkTheme => (Menu::View, Icon::Moon, "Dark theme", Theme::Dark.tip(), &[]),
@@ -122,22 +120,22 @@ impl Command {
             C::IntoStage => (
                 Menu::Walk,
                 Icon::LogIn,
-                "Into the stage",
-                "Step through this estimator's stage on its own, on the same frame.",
+                "Open the stage",
+                "Step through the estimator that this one uses as a stage, on the same frame.",
                 const { &[key(Key::I)] },
             ),
             C::OutOfStage => (
                 Menu::Walk,
                 Icon::LogOut,
-                "Back out of the stage",
-                "Go back to the estimator that this stage works for.",
+                "Close the stage",
+                "Return to the estimator that uses this stage.",
                 const { &[shift(Key::I)] },
             ),
             C::NextLayer => (
                 Menu::View,
                 Icon::SwatchBook,
-                "Next colours of motion",
-                "Other colours over the picture: none, directions, lengths, and at the end errors and checks.",
+                "Next flow colours",
+                "Switch the layer over the picture: none, flow wheel, magnitude; at the end of the run also error, confidence and forward–backward check.",
                 const { &[key(Key::M)] },
             ),
             C::NoLayer => layer(Icon::CircleOff, FlowLayer::None),
@@ -150,73 +148,69 @@ impl Command {
                 Menu::View,
                 Icon::Wind,
                 "Streaklines",
-                "Particles carried along by the motion, in the place of arrows.",
+                "Show the flow as moving particles instead of arrows.",
                 const { &[key(Key::S)] },
             ),
             C::FittingArrows => (
                 Menu::View,
                 Icon::MoveUpRight,
-                "Arrows as long as fits",
-                "Lengthen displacements as far as there is room between the blocks.",
+                "Arrows scaled to fit",
+                "Scale the arrows so that they fill the space between them; the legend shows the factor.",
                 &[],
             ),
             C::TrueArrows => (
                 Menu::View,
                 Icon::MoveUpRight,
                 "Arrows at 1×",
-                "Draw displacements as long as they are, so that each arrow ends where its block went.",
+                "Draw displacements to scale: each arrow ends at the matching position in frame t + 1.",
                 &[],
             ),
             C::DoubleArrows => {
-                (Menu::View, Icon::MoveUpRight, "Arrows at 2×", "Draw displacements twice as long as they are.", &[])
+                (Menu::View, Icon::MoveUpRight, "Arrows at 2×", "Draw displacements at twice their length.", &[])
             }
-            C::FourfoldArrows => (
-                Menu::View,
-                Icon::MoveUpRight,
-                "Arrows at 4×",
-                "Draw displacements four times as long as they are.",
-                &[],
-            ),
+            C::FourfoldArrows => {
+                (Menu::View, Icon::MoveUpRight, "Arrows at 4×", "Draw displacements at four times their length.", &[])
+            }
             C::LargerInterface => (
                 Menu::View,
                 Icon::AArrowUp,
                 "Larger interface",
-                "Make everything larger.",
+                "Enlarge text, buttons and charts.",
                 const { &[ctrl(Key::Plus), ctrl(Key::Equals)] },
             ),
             C::SmallerInterface => (
                 Menu::View,
                 Icon::AArrowDown,
                 "Smaller interface",
-                "Make everything smaller.",
+                "Reduce text, buttons and charts.",
                 const { &[ctrl(Key::Minus)] },
             ),
             C::NormalInterface => (
                 Menu::View,
                 Icon::CaseSensitive,
                 "Normal interface size",
-                "As large as the system says.",
+                "Use the scale of the operating system.",
                 const { &[ctrl(Key::Num0)] },
             ),
             C::ShowParameters => (
                 Menu::View,
                 Icon::PanelLeft,
                 "Parameters",
-                "Show or fold away the parameters.",
+                "Show or hide the parameters.",
                 const { &[ctrl(Key::Num1)] },
             ),
             C::ShowCharts => (
                 Menu::View,
                 Icon::PanelBottom,
                 "Charts",
-                "Show or fold away the cost surface, the numbers and the plots.",
+                "Show or hide the charts: cost surface, pixels, matrices, plots.",
                 const { &[ctrl(Key::Num2)] },
             ),
             C::ShowExplanation => (
                 Menu::View,
                 Icon::PanelRight,
                 "Explanation",
-                "Show or fold away the explanation of the step.",
+                "Show or hide the explanation of the step.",
                 const { &[ctrl(Key::Num3)] },
             ),
             C::EnlargeChart => (
@@ -251,169 +245,175 @@ impl Command {
                 Menu::View,
                 Icon::Fullscreen,
                 "Full screen",
-                "Use the whole screen.",
+                "Switch full screen on or off.",
                 const { &[key(Key::F), key(Key::F11)] },
             ),
-            C::ReducedMotion => {
-                (Menu::View, Icon::Snail, "Reduced motion", "Show each step at once, without animation.", &[])
-            }
-            C::ResetLayout => {
-                (Menu::View, Icon::LayoutDashboard, "Reset layout", "Put every pane back where it was at first.", &[])
-            }
+            C::ReducedMotion => (Menu::View, Icon::Snail, "Reduced motion", "Show each step without animation.", &[]),
+            C::ResetLayout => (
+                Menu::View,
+                Icon::LayoutDashboard,
+                "Reset layout",
+                "Restore the default arrangement of the panes.",
+                &[],
+            ),
             C::Play => (
                 Menu::Walk,
                 Icon::Play,
                 "Play",
-                "Play the run, or pause it; at its end, play it again from the start.",
+                "Play or pause the run; at the end, play it again from the start.",
                 const { &[key(Key::Space)] },
             ),
             C::Into => (
                 Menu::Walk,
                 Icon::ChevronRight,
                 "Next {into}",
-                "Step into: see the next {into}.",
+                "Step forward one {into}.",
                 const { &[key(Key::ArrowRight)] },
             ),
             C::IntoBack => (
                 Menu::Walk,
                 Icon::ChevronLeft,
                 "Previous {into}",
-                "Step back to the previous {into}.",
+                "Step back one {into}.",
                 const { &[key(Key::ArrowLeft)] },
             ),
             C::Over => (
                 Menu::Walk,
                 Icon::ChevronsRight,
-                "To the end of the {over}",
-                "Step over: finish this {over}, or do the next one whole.",
+                "Finish this {over}",
+                "Go to the end of the current {over}; from there, to the end of the next one.",
                 const { &[shift(Key::ArrowRight)] },
             ),
             C::OverBack => (
                 Menu::Walk,
                 Icon::ChevronsLeft,
-                "Back to the {over} before",
-                "Go back to the end of the {over} before.",
+                "Back to the end of the previous {over}",
+                "Go back to the last step of the previous {over}.",
                 const { &[shift(Key::ArrowLeft)] },
             ),
             C::Out => (
                 Menu::Walk,
                 Icon::ArrowRightToLine,
-                "To the end of the {out}",
-                "Step out: finish this {out}.",
+                "Finish the {out}",
+                "Go to the end of the current {out}.",
                 const { &[key(Key::U)] },
             ),
             C::OutBack => (
                 Menu::Walk,
                 Icon::ArrowLeftToLine,
                 "Back to the start of the {out}",
-                "Step out backwards, to where this {out} began.",
+                "Go back to the first step of the current {out}.",
                 const { &[shift(Key::U)] },
             ),
             C::NextUnit => (
                 Menu::Walk,
                 Icon::ArrowRight,
-                "Next {over}",
-                "Go to the end of the next {over}; a presenter's clicker does this.",
+                "Result of the next {over}",
+                "Skip to the end of the {over} after this one; a presenter's clicker sends this key.",
                 const { &[key(Key::PageDown)] },
             ),
             C::PreviousUnit => (
                 Menu::Walk,
                 Icon::ArrowLeft,
-                "Previous {over}",
-                "Go to the end of the previous {over}; a presenter's clicker does this.",
+                "Result of the previous {over}",
+                "Skip back to the end of the {over} before this one; a presenter's clicker sends this key.",
                 const { &[key(Key::PageUp)] },
             ),
             C::Start => (
                 Menu::Walk,
                 Icon::SkipBack,
                 "Start of the run",
-                "Go back to where nothing has been done yet.",
+                "Go back to step 0, before the first {over}.",
                 const { &[key(Key::Home)] },
             ),
-            C::End => (Menu::Walk, Icon::SkipForward, "End of the run", "Run to the end.", const { &[key(Key::End)] }),
+            C::End => {
+                (Menu::Walk, Icon::SkipForward, "End of the run", "Go to the last step.", const { &[key(Key::End)] })
+            }
             C::Compare => (
                 Menu::Walk,
                 Icon::ChartColumn,
                 "Compare estimators…",
-                "Run several estimators on this pair of frames, and see what each costs, finds and misses.",
+                "Run several estimators on this pair of frames and compare time, candidates and errors in a table.",
                 const { &[key(Key::C)] },
             ),
             C::Lockstep => (
                 Menu::Walk,
                 Icon::Grid2x2,
                 "Estimators in lockstep",
-                "Have several estimators search the same block side by side, or go on with one alone.",
+                "Step several estimators through the same block side by side, or continue with one.",
                 const { &[key(Key::B)] },
             ),
             C::Stop => (
                 Menu::Walk,
                 Icon::OctagonX,
                 "Stop",
-                "Give up a move or a check that takes long.",
+                "Cancel the computation in progress.",
                 const { &[key(Key::Escape)] },
             ),
-            C::Slower => {
-                (Menu::Walk, Icon::Rewind, "Play slower", "Play at a lower speed.", const { &[key(Key::OpenBracket)] })
-            }
+            C::Slower => (
+                Menu::Walk,
+                Icon::Rewind,
+                "Play slower",
+                "Reduce the playback speed.",
+                const { &[key(Key::OpenBracket)] },
+            ),
             C::Faster => (
                 Menu::Walk,
                 Icon::FastForward,
                 "Play faster",
-                "Play at a higher speed.",
+                "Increase the playback speed.",
                 const { &[key(Key::CloseBracket)] },
             ),
             C::NextFrame => (
                 Menu::Walk,
                 Icon::Film,
                 "Next video frame",
-                "Run on the next pair of frames.",
+                "Estimate on the next pair of frames.",
                 const { &[key(Key::Period)] },
             ),
             C::PreviousFrame => (
                 Menu::Walk,
                 Icon::Film,
                 "Previous video frame",
-                "Run on the previous pair of frames.",
+                "Estimate on the previous pair of frames.",
                 const { &[key(Key::Comma)] },
             ),
             C::ExportPicture => (
                 Menu::Export,
                 Icon::ImageDown,
                 "Picture of this step…",
-                "Write what the stage shows as PNG or SVG, at any scale.",
+                "Save what the stage shows, with panes of your choice, as PNG, SVG or PDF.",
                 const { &[ctrl(Key::E)] },
             ),
             C::ExportSteps => (
                 Menu::Export,
                 Icon::Images,
                 "Pictures of several steps…",
-                "Write a range of steps as numbered PNGs.",
+                "Save a range of steps as numbered pictures.",
                 const { &[ctrl_shift(Key::E)] },
             ),
             C::ExportResult => (
                 Menu::Export,
                 Icon::FileDown,
                 "Result…",
-                "Write the result so far: vectors, flow, features, tracks, objects or masks, in their formats.",
+                "Save the result so far: motion vectors, flow, features, tracks, objects or masks.",
                 &[],
             ),
             C::Palette => (
                 Menu::Help,
                 Icon::Search,
                 "Find a command…",
-                "Type a few letters of any command.",
+                "Find a command or setting by a few letters.",
                 const { &[ctrl(Key::K)] },
             ),
             C::Shortcuts => (
                 Menu::Help,
                 Icon::Keyboard,
                 "Keyboard shortcuts",
-                "Every key on one page.",
+                "List all shortcuts.",
                 const { &[key(Key::Questionmark), key(Key::F1)] },
             ),
-            C::About => {
-                (Menu::Help, Icon::Info, "About Motionscope", "What this program is and where it comes from.", &[])
-            }
+            C::About => (Menu::Help, Icon::Info, "About Motionscope", "Version, licences and sources.", &[]),
         };
         CommandInfo { menu, icon, text, tip, keys }
     }

@@ -54,7 +54,7 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) {
     let Input { surface, subject, gpu } = input;
     let size = ui.available_size().max(vec2(80.0, 80.0));
     let (area, sensed) = ui.allocate_exact_size(size, Sense::click_and_drag());
-    let name = || format!("{} in three dimensions. Drag to turn, wheel to come nearer.", heat_map::summary(surface));
+    let name = || format!("{} in three dimensions. Drag to rotate, scroll to zoom.", heat_map::summary(surface));
     sensed.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, name()));
     turn(ui, &sensed, &mut state.orbit, Orbit::default());
     if !ui.is_rect_visible(area) {

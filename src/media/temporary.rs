@@ -1,11 +1,9 @@
-//! What is not finished yet: files and folders that are made beside the place where they go, and gone if they do not get there.
+//! Temporary files and folders, from which results are moved into place.
 //!
-//! Their names begin with `.motionscope-`, the mark of the run that makes them, and `-`. Whoever makes one removes it, unless
-//! the run ends before: a signal that ends it has them removed first. What is left by a crash, or by a computer that was
-//! switched off, is swept at the next start. So that this never takes anything from a run that is still at work, each run notes
-//! the folders in which it makes such things in a file of its own, and keeps that file locked. The system gives the lock back
-//! when the run ends, however it ends: a note that can be locked is that of a run which is no more, and only things with the
-//! mark of that run are removed.
+//! Their names begin with `.motionscope-`, the id of the process, and `-`. The code that creates one removes it; a signal that
+//! ends the process removes all of them first. After a crash or a power failure they are removed at the next start. To spare the
+//! files of running processes, each process lists the folders it uses in a note that it keeps locked. The system releases the lock
+//! when the process ends: a note that can be locked belongs to a process that has ended, and only files with its id are removed.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions};
@@ -16,13 +14,13 @@ use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError, RwLock, RwLockReadGuar
 use std::thread;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-/// How the name of everything begins that is not finished.
+/// The prefix of temporary files.
 const PREFIX: &str = ".motionscope-";
-/// How the name of a note ends.
+/// The extension of notes.
 const NOTE: &str = "unfinished";
-/// How long the end of a run waits for the sweep that it began with.
+/// How long the end of the process waits for the removal started at its beginning.
 const SWEEP: Duration = Duration::from_secs(1);
-/// How long a signal waits until what is being written, or moved into place, is there.
+/// How long a signal waits for files that are being written or moved into place.
 const WRITE: Duration = Duration::from_secs(2);
 
 /// The run of this process, if one was begun.
@@ -51,10 +49,10 @@ pub fn at_work() -> RwLockReadGuard<'static, ()> {
 }
 
 /// A run, until it is dropped.
-pub struct Begun(Receiver<()>);
+pub struct Cleanup(Receiver<()>);
 
 /// Begins the run of this process: sweeps what earlier ones have left, and cleans up when a signal ends this one.
-pub fn begin() -> Begun {
+pub fn begin() -> Cleanup {
     let notes = eframe::storage_dir("motionscope").map(|folder| folder.join("unfinished"));
     let (done, swept) = channel();
     if let Some(notes) = notes.clone() {
@@ -68,10 +66,10 @@ pub fn begin() -> Begun {
     if RUN.set(Run::new(notes)).is_ok() {
         listen();
     }
-    Begun(swept)
+    Cleanup(swept)
 }
 
-impl Drop for Begun {
+impl Drop for Cleanup {
     fn drop(&mut self) {
         let _at_work = at_work();
         // Hanging up says that it is swept.
@@ -159,7 +157,7 @@ impl Run {
 fn log_left(folder: &Path, is_clean: bool) {
     if !is_clean {
         // The next start tries again.
-        eprintln!("something unfinished is left in {}", folder.display());
+        eprintln!("temporary files are left in {}", folder.display());
     }
 }
 

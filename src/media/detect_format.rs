@@ -1,26 +1,26 @@
-//! What a file holds, told from its first bytes.
+//! Format detection from the first bytes of a file.
 
 use std::path::Path;
 
 use motionscope_core::Error;
 
-use super::foreign;
 use super::input::Input;
+use super::unsupported;
 use super::video::Format;
 
-/// Which reader a file needs.
+/// The kind of decoder that a file needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
-    /// A single picture, perhaps of a numbered sequence.
+    /// A still image, possibly of a numbered sequence.
     Still,
-    /// GIF, and PNG and WebP that move.
+    /// GIF, animated PNG or animated WebP.
     Animation,
-    /// Video, or something that another program may know as such.
+    /// Video, or an unknown format that ffmpeg may decode.
     Video(Format),
 }
 
 impl Kind {
-    /// What such a file holds, in words.
+    /// Returns the content in words.
     fn words(self) -> &'static str {
         match self {
             Kind::Still => "a picture",
@@ -43,10 +43,10 @@ const HEAD_BYTES: u64 = 64 << 10;
 /// A sentence, without the file's name, if it cannot be read, is empty, or is known to be no clip.
 pub(crate) fn kind(input: &mut Input) -> Result<Kind, Error> {
     if input.len() == 0 {
-        return Err(Error::new("the file is empty; copy it again from where it came"));
+        return Err(Error::new("the file is empty; copy it again from its source"));
     }
     let head = input.read_up_to(0, HEAD_BYTES)?;
-    match (kind_of(&head), foreign::refusal(&head)) {
+    match (kind_of(&head), unsupported::refusal(&head)) {
         (Kind::Video(Format::Other), Some(refusal)) => Err(refusal),
         (kind, _) => Ok(kind),
     }

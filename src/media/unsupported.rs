@@ -1,10 +1,10 @@
-//! Files that are no clips, told from their first bytes, so that nobody makes a video of them.
+//! Files that are not clips, detected by their first bytes.
 
 use motionscope_core::Error;
 
-/// What a file is that begins with `head`, and what to do with it, if it is known to be no clip.
+/// Returns the error for a file that begins with `head` and is known not to be a clip: what it is, and what to do with it.
 ///
-/// ffmpeg would show text as the screen of an old terminal.
+/// Without this check, ffmpeg would render text files as video.
 pub(crate) fn refusal(head: &[u8]) -> Option<Error> {
     let starts = |magics: &[&[u8]]| magics.iter().any(|magic| head.starts_with(magic));
     let (is, hint) = if starts(&[b"PIEH"]) {
@@ -30,7 +30,7 @@ pub(crate) fn refusal(head: &[u8]) -> Option<Error> {
             ("text", CLIP)
         }
     };
-    Some(Error::new(format!("it is {is}, no clip; {hint}")))
+    Some(Error::new(format!("it is {is}, not a clip; {hint}")))
 }
 
 const TRUTH: &str = "open the clip beside it, or give it with --truth";

@@ -1,4 +1,4 @@
-//! Keeps a decoder's panic from reaching the program.
+//! Turns the panics of decoders into errors.
 
 use std::any::Any;
 use std::cell::Cell;
@@ -9,10 +9,10 @@ thread_local! {
     static CONTAINED: Cell<bool> = const { Cell::new(false) };
 }
 
-/// What `f` returns, or the message of its panic, of which nothing is printed.
+/// Returns the result of `f`, or the message of its panic, which is not printed.
 ///
-/// Decoders of others' making meet damaged files here; what `f` leaves behind must not be relied on after a panic.
-pub(crate) fn contain<T>(f: impl FnOnce() -> T) -> Result<T, String> {
+/// Decoders of other crates may panic on damaged files. After a panic, data that `f` has changed must not be used.
+pub(crate) fn catch_panic<T>(f: impl FnOnce() -> T) -> Result<T, String> {
     silence();
     let outer = CONTAINED.replace(true);
     let result = panic::catch_unwind(AssertUnwindSafe(f));
@@ -20,7 +20,7 @@ pub(crate) fn contain<T>(f: impl FnOnce() -> T) -> Result<T, String> {
     result.map_err(|panic| message(panic.as_ref()))
 }
 
-/// Keeps panics on a contained thread off standard error; all others are told as before.
+/// Suppresses the output of caught panics; other panics are printed as before.
 fn silence() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
@@ -44,8 +44,8 @@ mod tests {
 
     #[test]
     fn a_panic_becomes_its_message() {
-        assert_eq!(contain(|| 7), Ok(7));
-        assert_eq!(contain(|| -> u8 { panic!("index {}", 3) }), Err("index 3".into()));
-        assert_eq!(contain(|| contain(|| -> u8 { panic!("inner") })), Ok(Err("inner".into())));
+        assert_eq!(catch_panic(|| 7), Ok(7));
+        assert_eq!(catch_panic(|| -> u8 { panic!("index {}", 3) }), Err("index 3".into()));
+        assert_eq!(catch_panic(|| catch_panic(|| -> u8 { panic!("inner") })), Ok(Err("inner".into())));
     }
 }

@@ -1,4 +1,4 @@
-//! Which files of a folder were written by this program and are still as they were written.
+//! The list of files in a folder that Motionscope wrote and that are unchanged since.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -8,15 +8,15 @@ use motionscope_core::Error;
 
 use super::save;
 
-/// The file in which the others are listed; hidden, so that it is no part of the clip.
+/// The file with the list; hidden, so that it is not part of the clip.
 const NAME: &str = ".motionscope-clip";
 
-/// The files of one folder, by their names in it with `/` between the parts, and a hash of what is in them.
+/// The files of a folder: relative paths with `/`, and a hash of their content.
 #[derive(Debug, Default, PartialEq)]
-pub(super) struct Ledger(BTreeMap<String, u64>);
+pub(super) struct WrittenFiles(BTreeMap<String, u64>);
 
-impl Ledger {
-    /// What was written into `folder` earlier: nothing if that is not known.
+impl WrittenFiles {
+    /// Reads the list in `folder`; empty if there is none.
     pub(super) fn read(folder: &Path) -> Self {
         let text = fs::read_to_string(folder.join(NAME)).unwrap_or_default();
         let entry = |line: &str| {
@@ -72,7 +72,7 @@ mod tests {
     #[test]
     fn what_was_changed_or_made_by_hand_is_foreign() {
         let folder = tempfile::tempdir().unwrap();
-        let mut written = Ledger::default();
+        let mut written = WrittenFiles::default();
         for name in ["gt.txt", "flow/a.flo", "b.png"] {
             fs::create_dir_all(folder.path().join(name).parent().unwrap()).unwrap();
             fs::write(folder.path().join(name), name).unwrap();
@@ -81,13 +81,13 @@ mod tests {
         fs::write(folder.path().join("other"), "x").unwrap();
         fs::write(folder.path().join("b.png"), "changed").unwrap();
         written.save(folder.path()).unwrap();
-        let read = Ledger::read(folder.path());
+        let read = WrittenFiles::read(folder.path());
         assert_eq!(read, written);
         let foreign =
             ["gt.txt", "flow/a.flo", "b.png", "other", "flow", "gone"].map(|name| read.is_foreign(folder.path(), name));
         assert_eq!(foreign, [false, false, true, true, true, false]);
         fs::write(folder.path().join("flow").join(NAME), "0 ../gt.txt\n0 /gt.txt\nx gt.txt\ngt.txt\n").unwrap();
-        assert_eq!(Ledger::read(&folder.path().join("flow")), Ledger::default());
+        assert_eq!(WrittenFiles::read(&folder.path().join("flow")), WrittenFiles::default());
         // The reference vector of FNV-1a.
         assert_eq!(hash(b"foobar"), 0x8594_4171_F739_67E8);
     }
