@@ -234,7 +234,10 @@ fn what_is_found_ends_a_run_where_there_is_no_room_for_more() {
     for (id, settings) in [
         ("frame-difference", &[("opening", "0"), ("closing", "0"), ("threshold", "110"), ("min-area", "1")][..]),
         ("connected-components", &[("closing", "0"), ("threshold", "150"), ("pixels", "bright"), ("min-area", "1")]),
-        ("point-trajectories", &[("spacing", "4"), ("min-eigenvalue", "0"), ("method", "farneback"), ("frames", "10000")]),
+        (
+            "point-trajectories",
+            &[("spacing", "4"), ("min-eigenvalue", "0"), ("method", "farneback"), ("frames", "10000")],
+        ),
         ("klt", &[("max-points", "100"), ("window", "3"), ("frames", "10000")]),
         ("kalman-tracker", &[("frames", "400")]),
         ("blob-tracker", &[("frames", "400")]),

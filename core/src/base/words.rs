@@ -2,13 +2,8 @@
 //! `I_x, I_y, I_t`, since there is no subscript y; digits are true subscripts, as in `u₀`. [`crate::scene::Math`] typesets
 //! all of them.
 //!
-//! A quantity has a fixed number of decimals, whatever its size: [`px`], [`subpixel`], [`gray`], [`cost`].
+//! A quantity has a fixed number of decimals, whatever its size: [`px`], [`gray`], [`cost`].
 //! All have a true minus sign, and thin spaces between thousands from 10 000 on.
-
-/// A real number of a quantity that has no function of its own: three decimals, none from 1000 on.
-pub fn number(v: f32) -> String {
-    fixed(v.into(), if v.abs() < 999.9995 { 3 } else { 0 })
-}
 
 /// A number with this many decimals, a true minus sign, and thin spaces from 10 000 on.
 pub fn fixed(v: f64, decimals: usize) -> String {
@@ -17,20 +12,15 @@ pub fn fixed(v: f64, decimals: usize) -> String {
     let sign = if is_negative { "−" } else { "" };
     match digits.split_once('.') {
         Some((whole, rest)) => format!("{sign}{}.{rest}", spaced(whole)),
-        // Infinity and NaN are words.
         None if v.is_finite() => format!("{sign}{}", spaced(&digits)),
-        None => format!("{sign}{digits}"),
+        None if v.is_nan() => "undefined".into(),
+        None => format!("{sign}∞"),
     }
 }
 
 /// A position or displacement in px: two decimals, none where it is whole.
 pub fn px(v: f32) -> String {
     fixed(v.into(), if v.fract() == 0.0 { 0 } else { 2 })
-}
-
-/// A position or displacement of a sub-pixel method in px: three decimals.
-pub fn subpixel(v: f32) -> String {
-    fixed(v.into(), 3)
 }
 
 /// A difference or standard deviation in gray levels: two decimals.
@@ -46,11 +36,6 @@ pub fn cost(v: f64) -> String {
 /// A number with two decimals.
 pub fn fine(v: f32) -> String {
     fixed(v.into(), 2)
-}
-
-/// As [`number`], of a number of double precision.
-pub fn number_64(v: f64) -> String {
-    number(v as f32)
 }
 
 /// A count with its noun: `1 frame`, `3 frames`.
@@ -120,29 +105,11 @@ pub fn heading([u, v]: [f64; 2]) -> String {
     format!("{degrees}°").replace('-', "−")
 }
 
-/// A displacement of a sub-pixel method in px as text.
-pub fn vector([u, v]: [f32; 2]) -> String {
-    // A no-break space.
-    format!("({},\u{a0}{})", subpixel(u), subpixel(v))
-}
-
 /// A position in px as text, to a hundredth of a px.
 pub fn place(at: [f32; 2]) -> String {
     let [x, y] = at.map(fine);
     // A no-break space.
     format!("({x},\u{a0}{y})")
-}
-
-/// A signed term of a sum: `+ 3.100` or `− 3.100`.
-pub fn plus(v: f32) -> String {
-    let number = number(v);
-    number.strip_prefix('−').map_or_else(|| format!("+ {number}"), |size| format!("− {size}"))
-}
-
-/// A factor of a product: in parentheses if it is negative.
-pub fn factor(v: f32) -> String {
-    let number = number(v);
-    if number.starts_with('−') { format!("({number})") } else { number }
 }
 
 /// A pixel's coordinates as text.
@@ -188,16 +155,13 @@ mod tests {
     }
 
     #[test]
-    fn numbers_have_fixed_decimals_and_a_true_minus_sign() {
-        let told = [0.0, -1e-7, -0.00123, 0.01234, 12.34, -255.0, -1403.2].map(number);
-        assert_eq!(told, ["0.000", "0.000", "−0.001", "0.012", "12.340", "−255.000", "−1403"]);
+    fn decimals_are_those_of_the_quantity() {
+        assert_eq!([px(3.0), px(-0.25), px(-0.001), gray(-0.0625)], ["3", "−0.25", "0.00", "−0.06"]);
+        assert_eq!([cost(12_345.0), fixed(-0.00056, 3), fixed(0.0098, 3)], ["12\u{202f}345", "0.000", "0.010"]);
+        assert_eq!([fixed(f64::NEG_INFINITY, 2), fixed(f64::NAN, 2)], ["−∞", "undefined"]);
         assert_eq!([fine(1403.247), fine(-0.001), fine(-12.0)], ["1403.25", "0.00", "−12.00"]);
-        assert_eq!([px(3.0), px(-0.25), px(-0.001), subpixel(-0.0625)], ["3", "−0.25", "0.00", "−0.062"]);
-        assert_eq!([cost(812.0), cost(-1e6), gray(5.531)], ["812", "−1\u{202f}000\u{202f}000", "5.53"]);
-        assert_eq!(fixed(f64::INFINITY, 2), "inf");
         let headings = [[2.0, 0.0], [0.0, -3.0], [-1.0, 0.0], [0.0, 4.0], [-9.0, 0.01]].map(heading);
         assert_eq!(headings, ["0°", "90°", "180°", "−90°", "180°"]);
-        assert_eq!((plus(-2.0), plus(0.5)), ("− 2.000".into(), "+ 0.500".into()));
         assert_eq!(place([126.737, -3.0]), "(126.74,\u{a0}−3.00)");
         assert_eq!([0.9999, 0.99, 0.5].map(percent), ["99.99 %", "99 %", "50 %"]);
     }

@@ -1,28 +1,10 @@
 //! Numbers of background models, filters and tracks as text: each quantity with a fixed number of decimals.
 
-use crate::base::words::spaced;
-
-/// A number with this many decimals, a true minus sign, and thin spaces from 10 000 on.
-pub(crate) fn fixed(value: f64, decimals: usize) -> String {
-    let digits = format!("{:.decimals$}", value.abs());
-    let is_negative = value < 0.0 && digits.bytes().any(|digit| (b'1'..=b'9').contains(&digit));
-    let sign = if is_negative { "−" } else { "" };
-    match digits.split_once('.') {
-        Some((whole, rest)) => format!("{sign}{}.{rest}", spaced(whole)),
-        None if value.is_finite() => format!("{sign}{}", spaced(&digits)),
-        None if value.is_nan() => "undefined".into(),
-        None => format!("{sign}∞"),
-    }
-}
+pub(crate) use crate::base::words::{fixed, gray};
 
 /// A length in px or a velocity in px/frame: two decimals.
 pub(crate) fn px(value: f64) -> String {
     fixed(value, 2)
-}
-
-/// A gray level of a model, a difference from it or its standard deviation: two decimals.
-pub(crate) fn gray(value: f32) -> String {
-    fixed(value.into(), 2)
 }
 
 /// The gray level of a pixel: a whole number.

@@ -1,23 +1,16 @@
 //! Numbers of optical flow in text: each quantity with its own fixed decimals.
 
 use crate::base::words;
+pub use crate::base::words::gray;
 
 /// A number with `decimals` decimals, a true minus sign, and thin spaces from 10 000 on.
 pub fn fixed(value: f32, decimals: usize) -> String {
-    let digits = format!("{:.decimals$}", value.abs());
-    let is_negative = value < 0.0 && digits.bytes().any(|digit| (b'1'..=b'9').contains(&digit));
-    let (whole, fraction) = digits.split_at(digits.find('.').unwrap_or(digits.len()));
-    format!("{}{}{fraction}", if is_negative { "−" } else { "" }, words::spaced(whole))
+    words::fixed(value.into(), decimals)
 }
 
 /// A length in px, to a thousandth.
 pub fn px(length: f32) -> String {
     fixed(length, 3)
-}
-
-/// Gray levels, derivatives, eigenvalues and responses, to a hundredth.
-pub fn gray(value: f32) -> String {
-    fixed(value, 2)
 }
 
 /// A displacement or a position of a method with sub-pixel accuracy, in px.
