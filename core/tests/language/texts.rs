@@ -1,26 +1,50 @@
 //! Everything that an estimator says: its steps, its parameters, its declaration.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use motionscope_core::params::{Kind, Spec};
 use motionscope_core::scene::{Readout, Scene, Shape};
 use motionscope_core::{AnyEstimator, Step};
 
-/// Texts by where they stand (`sentence`, `fact`, `parameter`), each once: without its numbers, and as it was first seen.
+/// Texts by where they stand (`sentence`, `fact`, `parameter`), each once: without its numbers.
 #[derive(Default)]
-pub struct Texts(BTreeMap<&'static str, BTreeMap<String, String>>);
+pub struct Texts(BTreeMap<&'static str, BTreeMap<String, Seen>>);
+
+/// A text as it was seen.
+#[derive(Default)]
+struct Seen {
+    /// As it was seen first.
+    first: String,
+    /// How many decimals each of its numbers had at any time, from left to right.
+    decimals: Vec<BTreeSet<usize>>,
+}
 
 impl Texts {
     /// Adds a text that stands at `place`.
     pub fn add(&mut self, place: &'static str, text: &str) {
         if !text.is_empty() {
-            self.0.entry(place).or_default().entry(stripped(text)).or_insert_with(|| text.to_owned());
+            let seen = self.0.entry(place).or_default().entry(stripped(text)).or_default();
+            if seen.first.is_empty() {
+                seen.first = text.to_owned();
+            }
+            for (i, decimals) in decimals(text).into_iter().enumerate() {
+                if seen.decimals.len() <= i {
+                    seen.decimals.push(BTreeSet::new());
+                }
+                seen.decimals[i].insert(decimals);
+            }
         }
     }
 
     /// Each text with its place.
     pub fn iter(&self) -> impl Iterator<Item = (&'static str, &str)> {
-        self.0.iter().flat_map(|(place, texts)| texts.values().map(move |text| (*place, text.as_str())))
+        self.0.iter().flat_map(|(place, texts)| texts.values().map(move |text| (*place, text.first.as_str())))
+    }
+
+    /// Texts of which one number has different decimals at different times. Whole numbers may stand without any.
+    pub fn with_changing_decimals(&self) -> impl Iterator<Item = &str> {
+        let changes = |seen: &&Seen| seen.decimals.iter().any(|of| of.iter().filter(|count| **count > 0).count() > 1);
+        self.0.values().flat_map(BTreeMap::values).filter(changes).map(|seen| seen.first.as_str())
     }
 
     /// Adds what an estimator says before it runs.
@@ -96,6 +120,37 @@ impl Texts {
             }
         }
     }
+}
+
+/// How many decimals each number of a text has, from left to right.
+pub fn decimals(text: &str) -> Vec<usize> {
+    let mut all = Vec::new();
+    let letters: Vec<char> = text.chars().collect();
+    let is_digit = |i: usize| letters.get(i).is_some_and(char::is_ascii_digit);
+    let mut i = 0;
+    while i < letters.len() {
+        if !is_digit(i) {
+            i += 1;
+            continue;
+        }
+        while is_digit(i) || ",\u{2009}\u{202f}".contains(*letters.get(i).unwrap_or(&'x')) && is_digit(i + 1) {
+            i += 1;
+        }
+        let mut count = 0;
+        if letters.get(i) == Some(&'.') && is_digit(i + 1) {
+            i += 1;
+            while is_digit(i) {
+                (i, count) = (i + 1, count + 1);
+            }
+        }
+        all.push(count);
+    }
+    all
+}
+
+#[test]
+fn decimals_are_counted() {
+    assert_eq!(decimals("At (−3.5, 2) px: 12\u{202f}345.25 of 5."), [1, 0, 2, 0]);
 }
 
 /// A sentence without its numbers.
