@@ -6,6 +6,7 @@ use motionscope_core::scene::{Mark, Shape};
 use motionscope_core::{Grid, Role};
 
 use super::primitive::{Anchor, Arrows, Line, Pen, Point, Primitive, Rect, Run, Stroke};
+use super::wrap::wrap;
 use super::{Color, ColorMap, Face, Ink, Look, Theme, flow_color, fonts, layer, marks, number};
 
 /// Width and height of a swatch.
@@ -14,6 +15,10 @@ const BAR: [f32; 2] = [128.0, 8.0];
 /// Width of a bar that has little room, at least.
 const SHORTEST_BAR: f32 = 48.0;
 const GAP: f32 = 8.0;
+/// Length of the arrow in a swatch, by which the scale of the others is told.
+const ARROW: f32 = 24.0;
+/// Diameter of the wheel in the legend of a figure.
+const WHEEL: f32 = 96.0;
 
 /// One line of a legend.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,6 +66,7 @@ impl Bar {
     pub fn heat(label: &str, range: [f32; 2], colors: ColorMap) -> Self {
         let [low, high] = range.map(number);
         let low = format!("{label} {low}").trim_start().to_owned();
+        let high = if colors == ColorMap::Diverging { format!("{high} (gray: 0)") } else { high };
         Self { ends: [low, if range[0] == range[1] { String::new() } else { high }], colors }
     }
 
@@ -102,9 +108,7 @@ pub fn entries<'a>(
         }
         let long = match look.lengthen {
             _ if sample != Sample::Arrow || !marks::is_lengthened(role) => String::new(),
-            1.0 => String::new(),
-            0.5 => ", drawn at half length".to_owned(),
-            times => format!(", drawn ×{times}"),
+            times => format!("{} ({ARROW:.0} pt = {} px)", drawn(times), measure(ARROW / (times * zoom))),
         };
         let is_thinned = marks.clone().any(|mark| match &mark.shape {
             Shape::Arrows(arrows) => mark.role == role && marks::is_thinned(arrows, zoom * look.density, look.spacing),
@@ -118,6 +122,25 @@ pub fn entries<'a>(
         Some(Entry { role, sample, meaning: format!("{meaning}{long}{thinned}") })
     };
     meanings.iter().filter_map(entry).collect()
+}
+
+/// How many times their length displacements are drawn, where that is another.
+fn drawn(times: f32) -> String {
+    match times {
+        1.0 => String::new(),
+        0.5 => ", drawn at half length".to_owned(),
+        times => format!(", drawn ×{times}"),
+    }
+}
+
+/// A length in px with two digits that count.
+fn measure(px: f32) -> String {
+    match px {
+        px if !px.is_finite() => "–".into(),
+        px if px < 1.0 => format!("{px:.2}"),
+        px if px < 10.0 => format!("{px:.1}"),
+        px => format!("{px:.0}"),
+    }
 }
 
 /// `sample` in the ink of `role`, [`SWATCH`] large, with its upper left corner at `min`.
@@ -160,14 +183,17 @@ pub fn swatch(role: Role, sample: Sample, theme: Theme, min: Point) -> Vec<Primi
         Sample::Arrow => {
             let Ink { color, halo, halo_width, .. } = ink;
             let width = ink.width.min(theme.ink(Role::Result).width);
-            let (from, to) = ([x0 + width, middle], [rect.max[0], middle]);
+            let (from, to) = ([rect.max[0] - ARROW, middle], [rect.max[0], middle]);
             out.push(Primitive::Arrows(Arrows::one(from, to, Pen { width, color, halo, halo_width })));
         }
     }
     out
 }
 
-/// The wheel of colours in rings, white in the middle: where a colour lies there, its displacement leads.
+/// What lies under the wheel, as a dimmed picture under the colours of motion.
+const GROUND: Color = Color([60, 60, 60, 255]);
+
+/// The wheel of colours in rings, clear in the middle: where a colour lies there, its displacement leads.
 pub fn wheel(center: Point, radius: f32) -> Vec<Primitive> {
     const SLICES: usize = 48;
     // As fine as it is large.
@@ -180,7 +206,8 @@ pub fn wheel(center: Point, radius: f32) -> Vec<Primitive> {
         let (inner, outer) = (ring as f32 / rings as f32, (ring + 1) as f32 / rings as f32);
         let points = vec![at(slice, inner), at(slice, outer), at(slice + 1, outer), at(slice + 1, inner)];
         let angle = (slice as f32 + 0.5) / SLICES as f32 * std::f32::consts::TAU;
-        let color = flow_color([angle.cos() * outer, angle.sin() * outer], 1.0);
+        // As over a dimmed picture, where little motion is hardly any colour.
+        let color = GROUND.mix(flow_color([angle.cos() * outer, angle.sin() * outer], 1.0), layer::veil(outer));
         Primitive::Polygon { points, color }
     };
     (0..rings)
@@ -212,8 +239,11 @@ pub(super) fn strip(
 ) -> (Vec<Primitive>, f32) {
     let size = theme.sizes().small;
     let mut strip = Strip { theme, min, width, at: min, height: line_height(size), size, out: Vec::new() };
-    entries.iter().for_each(|entry| strip.entry(entry));
+    let (wheels, signs): (Vec<_>, Vec<_>) = entries.iter().partition(|entry| entry.sample == Sample::Wheel);
+    signs.into_iter().for_each(|entry| strip.entry(entry));
     bars.iter().for_each(|bar| strip.bar(bar));
+    // Last, on a line of its own: large enough to find a direction in it.
+    wheels.into_iter().for_each(|entry| strip.wheel(entry));
     let height = if strip.out.is_empty() { 0.0 } else { strip.at[1] + strip.height - min[1] };
     (strip.out, height)
 }
@@ -260,6 +290,23 @@ impl Strip {
         let swatch = swatch(entry.role, entry.sample, self.theme, [x, y + (self.height - high) / 2.0]);
         self.out.extend(swatch);
         self.words(&entry.meaning, [x + wide + GAP, y]);
+    }
+
+    fn wheel(&mut self, entry: &Entry) {
+        if !self.out.is_empty() {
+            self.at = [self.min[0], self.at[1] + self.height + 4.0];
+        }
+        let [x, y] = self.at;
+        self.out.extend(wheel([x + WHEEL / 2.0, y + WHEEL / 2.0], WHEEL / 2.0));
+        let runs = vec![Run::new(&entry.meaning, self.theme.chrome().text)];
+        let lines = wrap(&runs, self.size, (self.width - WHEEL - GAP).max(GAP));
+        let top = y + (WHEEL - self.height * lines.len() as f32) / 2.0;
+        for (i, runs) in lines.into_iter().enumerate() {
+            let baseline = (top + self.height * (i as f32 + 0.5) + self.size * 0.365).round();
+            let at = [x + WHEEL + GAP, baseline];
+            self.out.push(Primitive::Text(Line { at, anchor: Anchor::Start, size: self.size, runs, halo: None }));
+        }
+        self.at = [self.min[0], y + WHEEL - self.height];
     }
 
     fn bar(&mut self, bar: &Bar) {

@@ -82,7 +82,14 @@ impl Look {
             Lengthen::Times(factor) if factor.is_finite() && factor > 0.0 => factor,
             Lengthen::Times(_) => 1.0,
         };
-        Self { theme, colors, heat: heat_range(scene), lengthen, spacing, streak_frames, density: 1.0 }
+        let heat = heat_range(scene);
+        // Numbers of both signs have 0 in the middle of their own colours.
+        let signed = heat.filter(|[low, high]| *low < 0.0 && *high > 0.0).map(|[low, high]| high.max(-low));
+        let (heat, colors) = match signed {
+            Some(most) => (Some([-most, most]), ColorMap::Diverging),
+            None => (heat, colors),
+        };
+        Self { theme, colors, heat, lengthen, spacing, streak_frames, density: 1.0 }
     }
 }
 
@@ -428,7 +435,7 @@ fn heat_range(scene: &Scene) -> Option<[f32; 2]> {
     })
 }
 
-/// The power of two, ½ to 4, by which displacements are drawn so that few are longer than a step between them.
+/// The power of two, ½ to 8, by which displacements are drawn so that few are longer than a step between them.
 ///
 /// Where a window is searched its range decides, which stays the same from block to block; else what was found does.
 fn fitting(scene: &Scene, wanted: Option<f32>) -> Option<f32> {
@@ -455,8 +462,8 @@ fn fitting(scene: &Scene, wanted: Option<f32>) -> Option<f32> {
 }
 
 fn times(room: f32) -> f32 {
-    // A little beyond the neighbour is better than half the length.
-    if room < 0.75 { 0.5 } else { [4.0, 2.0].into_iter().find(|times| *times <= room).unwrap_or(1.0) }
+    // A little beyond the neighbour is better than half the length; what is lengthened leaves room before it.
+    if room < 0.75 { 0.5 } else { [8.0, 4.0, 2.0].into_iter().find(|times| *times <= 0.75 * room).unwrap_or(1.0) }
 }
 
 /// Side of the block and range of the search in px, if a block is searched for in a window.
@@ -516,7 +523,8 @@ mod tests {
     #[test]
     fn small_motions_are_lengthened_and_large_ones_shortened() {
         let factor = |step, motion| Look::new(&field(step, motion), Style::default()).lengthen;
-        assert_eq!(factor(16.0, 1.0), 4.0);
+        assert_eq!(factor(16.0, 1.0), 8.0);
+        assert_eq!(factor(16.0, 2.0), 4.0);
         assert_eq!(factor(16.0, 5.0), 2.0);
         assert_eq!(factor(16.0, 15.0), 1.0);
         assert_eq!(factor(16.0, 30.0), 0.5);
@@ -556,6 +564,19 @@ mod tests {
         let primitives = resolve(&scene.marks, &look, Placement::new([0.0; 2], 2.0));
         let Some(Primitive::Polyline { stroke, .. }) = primitives.last() else { panic!("{primitives:?}") };
         assert_eq!(stroke.color, Theme::Dark.ink(Role::Candidate).color);
+    }
+
+    #[test]
+    fn numbers_of_both_signs_have_zero_in_the_middle() {
+        let heat = |values: [f32; 2]| {
+            let mut scene = Scene::default();
+            let values = Grid::from_fn(2, 1, |x, _| values[x]);
+            scene.mark(Picture::CURRENT, Role::Candidate, Shape::Heat { origin: [0.0; 2], values });
+            let look = Look::new(&scene, Style::default());
+            (look.heat, look.colors)
+        };
+        assert_eq!(heat([-2.0, 8.0]), (Some([-8.0, 8.0]), ColorMap::Diverging));
+        assert_eq!(heat([0.0, 8.0]), (Some([0.0, 8.0]), ColorMap::Viridis));
     }
 
     #[test]

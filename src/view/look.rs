@@ -9,7 +9,7 @@ use motionscope_core::{Error, Params, Spec, Value, params};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::paint::{
-    ArrowStyle, ColorMap, FlowLayer, Lengthen, LevelShown, Opacity, Phase, Pictures, Share, Style, Theme, View,
+    ArrowStyle, Backdrop, ColorMap, FlowLayer, FocusMode, Lengthen, LevelShown, Opacity, Phase, Pictures, Share, Style, Theme, View,
 };
 
 params! {
@@ -20,6 +20,8 @@ params! {
         view: Option<View> = None;
         /// The level of a pyramid that is shown, 0 for the picture itself.
         level: LevelShown = LevelShown::AtWork;
+        /// Whether the part in which a step works is shown magnified, with the whole picture as a small map.
+        focus: FocusMode = FocusMode::Auto;
         /// The share of frame t+1 in a blend.
         blend: Share = Share::default();
         /// Colours and sizes of marks and type.
@@ -30,6 +32,10 @@ params! {
         layer: Option<FlowLayer> = None;
         /// How far the colours of motion hide the picture; auto is what suits the layer.
         layer_opacity: Option<Opacity> = None;
+        /// The motion or error in px at the end of the scale of these colours, the same at every step; auto is what is found.
+        color_scale: Option<f32> = None, 0.01..=1000.0, "px";
+        /// How the picture under these colours is shown.
+        backdrop: Backdrop = Backdrop::Dimmed;
         /// From one arrow, or one particle, to the next, in px of the clip; auto is as many as there is room for.
         arrow_spacing: Option<u16> = None, 1..=256, "px";
         /// How many times their length displacements are drawn, which the legend says; auto is as long as fits.
@@ -99,8 +105,8 @@ impl Look {
     /// Whether `other` shows the same of motion, so that nothing of it has to be worked out anew.
     pub fn shows_same_motion(&self, other: &Self) -> bool {
         let motion = |look: &Self| {
-            let Self { layer, layer_opacity, colors, arrow_spacing, streaks, .. } = *look;
-            (layer, layer_opacity, colors, arrow_spacing, streaks.is_some())
+            let Self { layer, layer_opacity, color_scale, colors, arrow_spacing, streaks, .. } = *look;
+            (layer, layer_opacity, color_scale, colors, arrow_spacing, streaks.is_some())
         };
         motion(self) == motion(other)
     }
@@ -225,10 +231,10 @@ mod tests {
     #[test]
     fn what_is_not_set_is_left_as_it_is() {
         let mut file = Changes::default();
-        file.set(3, "light").unwrap();
-        file.set(10, "on").unwrap();
+        file.set(4, "light").unwrap();
+        file.set(13, "on").unwrap();
         let mut flags = Changes::default();
-        flags.set(3, "projector").unwrap();
+        flags.set(4, "projector").unwrap();
         let before = Look { arrow_spacing: Some(9), ..Look::default() };
         let after = file.then(&flags).over(before);
         assert_eq!(after, Look { theme: Theme::Projector, legend: true, ..before });

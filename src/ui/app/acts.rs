@@ -120,6 +120,11 @@ impl App {
                 look.streaks = look.streaks.is_none().then(Phase::default);
             }
             C::ZoomIn | C::ZoomOut | C::Fit | C::ActualSize => self.zoom(command),
+            C::Focus => {
+                let look = &mut self.settings.look;
+                look.focus = self.states.stage.toggle_focus(look.focus);
+            }
+            C::FocusWhereSmall | C::FocusAlways | C::FocusNever => self.choose_look(command),
             C::LargerInterface | C::SmallerInterface | C::NormalInterface => self.resize(command),
             C::ShowParameters | C::ShowWhy | C::ShowCharts | C::Lecture | C::ResetLayout => self.arrange(command),
             C::FullScreen => {
@@ -247,6 +252,7 @@ impl App {
                 let was_single = self.is_of_single_frames();
                 let was_by_frame = self.document.estimator().is_by_frame();
                 self.states.stage.placing = None;
+                self.states.stage.follow_again();
                 if self.document.parents().len() > 0 {
                     self.toasts.tell(format!("{} runs on the clip itself: the stage was left.", chosen.info().name));
                 }

@@ -5,7 +5,7 @@
 use eframe::egui::{Key, KeyboardShortcut, Modifiers};
 use lucide_icons::Icon;
 
-use crate::paint::{ColorMap, FlowLayer, Theme, View};
+use crate::paint::{ColorMap, FlowLayer, FocusMode, Theme, View};
 use crate::view::motion::AvailableLayers;
 
 mod info;
@@ -66,6 +66,14 @@ commands! {
     Fit,
     /// One pixel of the picture to one of the screen.
     ActualSize,
+    /// The part at work, or the whole.
+    Focus,
+    /// The part at work where it is small.
+    FocusWhereSmall,
+    /// The part at work at every step.
+    FocusAlways,
+    /// The whole at every step.
+    FocusNever,
     /// Dark, light, projector.
     NextTheme,
     /// Light on dark.
@@ -308,6 +316,7 @@ impl Command {
             C::SideBySide | C::FrameT | C::FrameNext | C::Difference => Some(Submenu::Pictures),
             C::Blend | C::Blink | C::Prediction | C::Residual => Some(Submenu::Pictures),
             C::ZoomIn | C::ZoomOut | C::Fit | C::ActualSize => Some(Submenu::Zoom),
+            C::Focus | C::FocusWhereSmall | C::FocusAlways | C::FocusNever => Some(Submenu::Zoom),
             C::NextTheme | C::DarkTheme | C::LightTheme | C::ProjectorTheme => Some(Submenu::Theme),
             C::ViridisColors | C::TurboColors => Some(Submenu::Colours),
             C::NextLayer | C::Streaks => Some(Submenu::Motion),
@@ -331,6 +340,9 @@ impl Command {
             C::Blink => ("view", View::Blink.id()),
             C::Prediction => ("view", View::Prediction.id()),
             C::Residual => ("view", View::Residual.id()),
+            C::FocusWhereSmall => ("focus", FocusMode::Auto.id()),
+            C::FocusAlways => ("focus", FocusMode::On.id()),
+            C::FocusNever => ("focus", FocusMode::Off.id()),
             C::DarkTheme => ("theme", Theme::Dark.id()),
             C::LightTheme => ("theme", Theme::Light.id()),
             C::ProjectorTheme => ("theme", Theme::Projector.id()),
@@ -378,6 +390,7 @@ impl Command {
             C::SideBySide | C::FrameT | C::FrameNext | C::Difference | C::Blend | C::Blink => now.has_run,
             C::Prediction | C::Residual => now.has_run && now.at_end,
             C::ZoomIn | C::ZoomOut | C::Fit | C::ActualSize => now.has_run,
+            C::Focus | C::FocusWhereSmall | C::FocusAlways | C::FocusNever => now.has_run,
             C::NextLayer | C::Streaks => now.has_run && now.available.has_field(),
             C::NoLayer
             | C::WheelLayer

@@ -3,7 +3,7 @@
 use motionscope_core::Value;
 use motionscope_core::params::{Choice, Kind, Parameter};
 
-use crate::paint::{ColorMap, FlowLayer, Lengthen, LevelShown, Opacity, Phase, Share, Theme, View};
+use crate::paint::{Backdrop, ColorMap, FlowLayer, FocusMode, Lengthen, LevelShown, Opacity, Phase, Share, Theme, View};
 
 /// One of a few, each with a stable name, a label and a sentence.
 macro_rules! named {
@@ -23,7 +23,7 @@ macro_rules! named {
         }
     )+};
 }
-named!(View, Theme, ColorMap, FlowLayer);
+named!(View, Theme, ColorMap, FlowLayer, FocusMode, Backdrop);
 
 /// A share from 0 to 1, and what stands for none of it.
 macro_rules! share {

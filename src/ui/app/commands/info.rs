@@ -3,7 +3,7 @@
 use eframe::egui::{Key, KeyboardShortcut, Modifiers};
 use lucide_icons::Icon;
 
-use crate::paint::{ColorMap, FlowLayer, Theme, View};
+use crate::paint::{ColorMap, FlowLayer, FocusMode, Theme, View};
 use crate::ui::app::commands::{Command, CommandInfo, Menu};
 
 const fn key(key: Key) -> KeyboardShortcut {
@@ -107,6 +107,16 @@ impl Command {
                 "One pixel of the picture to one pixel of the screen.",
                 const { &[key(Key::Num9)] },
             ),
+            C::Focus => (
+                Menu::View,
+                Icon::Focus,
+                "Focus on the work",
+                "Magnify the block, window or ellipse of the step and follow it from step to step, or show the whole picture again.",
+                const { &[key(Key::G)] },
+            ),
+            C::FocusWhereSmall => (Menu::View, Icon::ZoomIn, FocusMode::Auto.name(), FocusMode::Auto.tip(), &[]),
+            C::FocusAlways => (Menu::View, Icon::ZoomIn, FocusMode::On.name(), FocusMode::On.tip(), &[]),
+            C::FocusNever => (Menu::View, Icon::Maximize, FocusMode::Off.name(), FocusMode::Off.tip(), &[]),
             C::NextTheme => (
                 Menu::View,
                 Icon::Contrast,
