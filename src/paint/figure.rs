@@ -21,7 +21,7 @@ const GAP: f32 = 8.0;
 /// How far marks may reach beyond a picture where there is room, so that a frame at its edge stays whole.
 const BEYOND: f32 = 4.0;
 /// Words are given at least this many times their size to run in.
-const LEAST_WIDTH: f32 = 26.0;
+const LEAST_WIDTH: f32 = 20.0;
 
 /// What a figure shows and how.
 #[derive(Clone, Debug, Default)]

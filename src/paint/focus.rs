@@ -78,6 +78,8 @@ pub struct Work {
     pub bounds: Rect,
     /// Whether the step works on all pixels at once, or builds a map of them all; then a pixel is only an example.
     pub is_picture_wide: bool,
+    /// Whether there are only several of a kind, as all detections of a frame: then the step is about none of them alone.
+    pub is_of_many: bool,
 }
 
 impl Work {
@@ -85,7 +87,16 @@ impl Work {
     pub fn of(scene: &Scene, size: (usize, usize)) -> Option<Self> {
         let picture = [size.0 as f32, size.1 as f32];
         let marks = || scene.marks.iter().filter(|mark| mark.on.is_aligned_with(Picture::CURRENT));
-        let bounds = marks().filter_map(bounds_at_work).reduce(union)?;
+        let own = marks().filter(|mark| !has_twin(mark, scene)).filter_map(bounds_at_work).collect::<Vec<_>>();
+        // An ellipse says how well a place is known: it is looked at by itself, with its points, and not the object around it.
+        let has_ellipse = marks().any(|mark| matches!(mark.shape, Shape::Ellipse { .. }) && !has_twin(mark, scene));
+        let is_frame = |mark: &&Mark| matches!(mark.shape, Shape::Rect { .. });
+        let places = marks().filter(|mark| !is_frame(mark) && !has_twin(mark, scene)).filter_map(bounds_at_work);
+        let bounds = match (has_ellipse, own.is_empty()) {
+            (true, _) => places.reduce(union),
+            (false, false) => own.iter().copied().reduce(union),
+            (false, true) => marks().filter_map(bounds_at_work).reduce(union),
+        }?;
         let inside = Rect {
             min: [0, 1].map(|i| bounds.min[i].clamp(-0.5, picture[i] - 0.5)),
             max: [0, 1].map(|i| bounds.max[i].clamp(-0.5, picture[i] - 0.5)),
@@ -98,7 +109,7 @@ impl Work {
             Shape::Flow { .. } => !has_window,
             _ => false,
         };
-        Some(Self { bounds: inside, is_picture_wide: marks().any(is_map) })
+        Some(Self { bounds: inside, is_picture_wide: marks().any(is_map), is_of_many: own.is_empty() })
     }
 
     /// Its longer side in px.
@@ -119,6 +130,20 @@ impl Work {
         };
         STEPS.into_iter().rev().find(fits).unwrap_or(1.0)
     }
+}
+
+/// Whether `scene` has another frame or ellipse of the same role on the same picture.
+fn has_twin(mark: &Mark, scene: &Scene) -> bool {
+    let kind = |shape: &Shape| match shape {
+        Shape::Rect { .. } => Some(0),
+        Shape::Ellipse { .. } => Some(1),
+        _ => None,
+    };
+    let is_alike = |other: &Mark| {
+        let has_place = mark.role != Role::Window || mark.shape == other.shape;
+        (other.on, other.role, kind(&other.shape)) == (mark.on, mark.role, kind(&mark.shape)) && has_place
+    };
+    kind(&mark.shape).is_some() && scene.marks.iter().filter(|other| is_alike(other)).count() > 1
 }
 
 /// The bounds of a mark, if it belongs to the work of a step: results, truth, trails and layers do not.
@@ -169,12 +194,16 @@ impl CloseUp {
         let known: Vec<&Work> = works.iter().flatten().collect();
         let whole = || vec![None; works.len()];
         let Some(all) = known.iter().map(|work| work.bounds).reduce(union) else { return whole() };
+        if known.iter().all(|work| work.is_of_many) && mode != FocusMode::Off && !at_end && before.len() == works.len() {
+            // What was looked at goes on in a moment.
+            return before.to_vec();
+        }
         if known.iter().any(|work| !mode.wants(work, picture, at_end)) {
             return whole();
         }
         let least = known.iter().map(|work| work.times(room)).fold(f32::INFINITY, f32::min);
         // Pictures of one and the same block are looked at in one and the same place.
-        let together = Work { bounds: all, is_picture_wide: false };
+        let together = Work { bounds: all, is_picture_wide: false, is_of_many: false };
         let is_shared = together.times(room) >= least;
         let kept = before.iter().flatten().next().map(|one| one.times);
         let times = kept.filter(|kept| *kept <= least && 2.0 * kept >= least).unwrap_or(least);
@@ -339,6 +368,22 @@ mod tests {
         let bounds = Work::of(&scene, SIZE).unwrap().bounds;
         let off = |a: [f32; 2], b: [f32; 2]| (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
         assert!(off(bounds.min, [96.0, 70.0]) < 1e-3 && off(bounds.max, [104.0, 110.0]) < 1e-3, "{bounds:?}");
+    }
+
+    #[test]
+    fn of_many_detections_none_is_the_work_and_an_ellipse_is() {
+        let mut scene = Scene::default();
+        for x in [40, 220] {
+            scene.mark(Picture::CURRENT, Role::Reference, Shape::pixels(x, 60, 50, 50));
+        }
+        assert_eq!(one(FocusMode::Auto, &scene), None, "they lie all over the picture");
+        let before = [Some(CloseUp { center: [60.0, 80.0], times: 4.0 })];
+        assert_eq!(of(FocusMode::Auto, std::slice::from_ref(&scene), &before), before, "the view stays where it was");
+        let ellipse = Shape::Ellipse { center: [65.0, 85.0], radii: [4.0, 3.0], angle_rad: 0.0 };
+        scene.mark(Picture::CURRENT, Role::Predicted, ellipse);
+        scene.mark(Picture::CURRENT, Role::Measured, Shape::Points(vec![[69.0, 88.0]]));
+        let close = one(FocusMode::Auto, &scene).unwrap();
+        assert!(close.times >= 8.0 && close.center[0] > 60.0 && close.center[0] < 70.0, "{close:?}");
     }
 
     #[test]

@@ -108,7 +108,7 @@ pub fn entries<'a>(
         }
         let long = match look.lengthen {
             _ if sample != Sample::Arrow || !marks::is_lengthened(role) => String::new(),
-            times => format!("{} ({ARROW:.0} pt = {} px)", drawn(times), measure(ARROW / (times * zoom))),
+            times => format!("{} (arrow of {ARROW:.0} pt = {} px)", drawn(times), measure(ARROW / (times * zoom))),
         };
         let is_thinned = marks.clone().any(|mark| match &mark.shape {
             Shape::Arrows(arrows) => mark.role == role && marks::is_thinned(arrows, zoom * look.density, look.spacing),
@@ -138,7 +138,7 @@ fn measure(px: f32) -> String {
     match px {
         px if !px.is_finite() => "–".into(),
         px if px < 1.0 => format!("{px:.2}"),
-        px if px < 10.0 => format!("{px:.1}"),
+        px if px < 10.0 => format!("{px:.1}").trim_end_matches(".0").to_owned(),
         px => format!("{px:.0}"),
     }
 }
@@ -214,6 +214,20 @@ pub fn wheel(center: Point, radius: f32) -> Vec<Primitive> {
         .flat_map(|ring| (0..SLICES).map(move |slice| (ring, slice)))
         .map(|(ring, slice)| cell(ring, slice))
         .collect()
+}
+
+/// The same as pixels, without the seams of its cells.
+fn wheel_image(rect: Rect) -> Primitive {
+    let side = (4.0 * rect.size()[0]) as usize;
+    let half = side as f32 / 2.0;
+    let color = |x: usize, y: usize| {
+        let uv = [x, y].map(|c| (c as f32 + 0.5) / half - 1.0);
+        let length = uv[0].hypot(uv[1]);
+        let color = GROUND.mix(flow_color(uv, 1.0f32.max(length)), layer::veil(length));
+        // The rim is soft over a pixel.
+        color.alpha((255.0 * ((1.0 - length) * half + 0.5).clamp(0.0, 1.0)) as u8).0
+    };
+    Primitive::Image { pixels: Arc::new(Grid::from_fn(side, side, color)), rect }
 }
 
 /// A point in the ink of `role` at `at`.
@@ -297,7 +311,7 @@ impl Strip {
             self.at = [self.min[0], self.at[1] + self.height + 4.0];
         }
         let [x, y] = self.at;
-        self.out.extend(wheel([x + WHEEL / 2.0, y + WHEEL / 2.0], WHEEL / 2.0));
+        self.out.push(wheel_image(Rect::new([x, y], [WHEEL; 2])));
         let runs = vec![Run::new(&entry.meaning, self.theme.chrome().text)];
         let lines = wrap(&runs, self.size, (self.width - WHEEL - GAP).max(GAP));
         let top = y + (WHEEL - self.height * lines.len() as f32) / 2.0;

@@ -330,6 +330,6 @@ fn an_old_session_opens_unchanged() {
         legend: false,
         caption: true,
     };
-    assert_eq!(look, Changes::from(expected));
+    assert_eq!(look.over(Look::default()), expected);
     assert_eq!(sight, None);
 }

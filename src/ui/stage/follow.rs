@@ -143,10 +143,13 @@ impl State {
         let size = input.pictures.pair[0].size();
         let is_by_hand = self.zoom != Zoom::Fit || self.follow.is_paused;
         let last = self.follow.last.take();
-        let before = last.as_ref().map_or(&[][..], |last| &last.close_ups);
+        // In another pane there is another room.
+        let is_same_pane = |last: &&Followed| (last.pane, last.size) == (pane.size(), size);
+        let before = last.as_ref().filter(is_same_pane).map_or(&[][..], |last| &last.close_ups);
         // Under the pointer another pixel is explained: the view must not run after it.
         let is_held = self.hovered.is_some()
-            && last.as_ref().is_some_and(|last| (last.cursor, last.mode) == (input.cursor, mode) && last.close_ups.len() == scenes.len());
+            && before.len() == scenes.len()
+            && last.as_ref().is_some_and(|last| (last.cursor, last.mode) == (input.cursor, mode));
         let close_ups = if is_by_hand || is_held {
             before.to_vec()
         } else {

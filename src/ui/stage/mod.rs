@@ -404,12 +404,15 @@ fn paint(ui: &Ui, spot: &Spot<'_>, input: &Input<'_>, state: &mut State) {
         state.pictures.colors(&painter, layer, lens);
     }
     pixels::grid(&painter, lens);
-    pixels::numbers(&painter, shown, lens, pictures);
+    let on_panel = || scene.marks.iter().filter(|mark| panel.shows(mark.on));
+    pixels::numbers(&painter, shown, lens, pictures, on_panel());
     let time = ui.input(|i| i.time);
     let moving = state.glides[member].marks(time);
     // A frame at the edge of the picture stays whole, all else ends with the picture.
     let marks = painter.with_clip_rect(lens.picture_rect().expand(BEYOND).intersect(lens.pane));
     state.marks.paint(&marks, ((member, panel), lens), scene, input, &moving);
+    let scene_look = state.marks.look(input);
+    pixels::costs(&marks, on_panel(), lens, &scene_look);
     if let Some(streaks) = pictures.streaks.as_ref().filter(|_| of_frame_t) {
         let phase = if input.flows { (time / LIFE_SECS).rem_euclid(1.0) as f32 } else { 0.0 };
         let place = Placement::new(lens.picture_rect().min.into(), lens.scale);
