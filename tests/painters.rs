@@ -4,8 +4,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use motionscope::paint::{
-    ArrowStyle, Caption, ColorMap, Face, Figure, FigureOptions, FlowLayer, LayerStyle, Lengthen, Pictures, Primitive, Scalars,
-    Style, Theme, Tint, View, export_png, export_svg, primitive,
+    ArrowStyle, Caption, ColorMap, Face, Figure, FigureOptions, FlowLayer, LayerStyle, Lengthen, Pictures, Primitive,
+    Scalars, Style, Theme, Tint, View, export_png, export_svg, primitive,
 };
 use motionscope_core::scene::{Arrow, Picture, Sentence, Shape};
 use motionscope_core::{Clip, Cursor, Flow, Frame, Grid, Move, Role, Scene, Streaks, estimator};

@@ -64,9 +64,8 @@ impl ColorMap {
 }
 
 // Evenly spaced colours of the published map; the middle is a gray of the same lightness as its neighbours.
-const DIVERGING: [u32; 9] = [
-    0x3b_4cc0, 0x62_82ea, 0x8d_b0fe, 0xb8_d0f9, 0xdd_dddd, 0xf5_c4ad, 0xf4_9a7b, 0xde_604d, 0xb4_0426,
-];
+const DIVERGING: [u32; 9] =
+    [0x3b_4cc0, 0x62_82ea, 0x8d_b0fe, 0xb8_d0f9, 0xdd_dddd, 0xf5_c4ad, 0xf4_9a7b, 0xde_604d, 0xb4_0426];
 // Every eighth colour of the published tables of 256; in between they are within 3/255 of them.
 const VIRIDIS: [u32; 33] = [
     0x44_0154, 0x47_0d60, 0x48_186a, 0x48_2374, 0x47_2d7b, 0x45_3681, 0x42_4086, 0x3f_4989, 0x3b_528b, 0x37_5a8d,

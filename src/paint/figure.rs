@@ -11,7 +11,8 @@ use super::primitive::{Anchor, Line, Point, Primitive, Rect, Run, Stroke};
 use super::reduced::reduced;
 use super::wrap::{brevity, inked, wrap};
 use super::{
-    Backdrop, Color, Face, FlowLayer, Look, Panel, Pictures, Placement, Share, Shown, Style, Theme, TypeSizes, View, dimmed, fonts, marks,
+    Backdrop, Color, Face, FlowLayer, Look, Panel, Pictures, Placement, Share, Shown, Style, Theme, TypeSizes, View,
+    dimmed, fonts, marks,
 };
 
 /// Space around everything.
@@ -332,7 +333,8 @@ impl Layout<'_> {
     /// The whole picture as a small map in a corner of what is magnified, with a frame around what is seen.
     fn map(&mut self, (pane, placement): (Rect, Placement), pixels: &Arc<Grid<[u8; 4]>>, work: Option<Work>) {
         let picture = [pixels.width() as f32, pixels.height() as f32];
-        let work = work.map(|Work { bounds, .. }| Rect { min: placement.at(bounds.min), max: placement.at(bounds.max) });
+        let work =
+            work.map(|Work { bounds, .. }| Rect { min: placement.at(bounds.min), max: placement.at(bounds.max) });
         let Some(rect) = focus::map_rect(pane, picture, work) else { return };
         let scale = rect.size()[0] / picture[0];
         let factor = (1.0 / (scale * self.look.density)).floor().max(1.0) as usize;
@@ -408,7 +410,9 @@ fn cut(pixels: &Grid<[u8; 4]>, place: Placement, seen: Rect) -> Primitive {
     let last = [pixels.width(), pixels.height()];
     let from = [0, 1].map(|i| (((seen.min[i] - place.origin[i]) / place.zoom).floor().max(0.0) as usize).min(last[i]));
     let to = [0, 1].map(|i| (((seen.max[i] - place.origin[i]) / place.zoom).ceil().max(0.0) as usize).min(last[i]));
-    let part = Grid::from_fn(to[0] - from[0].min(to[0]), to[1] - from[1].min(to[1]), |x, y| pixels[(from[0] + x, from[1] + y)]);
+    let part = Grid::from_fn(to[0] - from[0].min(to[0]), to[1] - from[1].min(to[1]), |x, y| {
+        pixels[(from[0] + x, from[1] + y)]
+    });
     let at = |pixel: [usize; 2]| [0, 1].map(|i| place.origin[i] + pixel[i] as f32 * place.zoom);
     Primitive::Image { pixels: Arc::new(part), rect: Rect::between(at(from), at(to)) }
 }

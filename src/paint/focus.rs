@@ -44,7 +44,9 @@ impl FocusMode {
     /// What it shows, in one sentence.
     pub fn tip(self) -> &'static str {
         match self {
-            FocusMode::Auto => "Magnify the block, window or ellipse of the step where it takes less than 1/6 of the picture.",
+            FocusMode::Auto => {
+                "Magnify the block, window or ellipse of the step where it takes less than 1/6 of the picture."
+            }
             FocusMode::On => "Magnify the block, window, ellipse or pixel of every step that has one.",
             FocusMode::Off => "Show the whole picture at every step.",
         }
@@ -107,6 +109,8 @@ impl Work {
             Shape::Mask(_) | Shape::Labels(_) => true,
             // A window over a field says for which pixel it is solved; without one all pixels are relaxed together.
             Shape::Flow { .. } => !has_window,
+            // Frames of results are what all of the picture amounts to.
+            Shape::Rect { .. } => mark.role == Role::Result,
             _ => false,
         };
         Some(Self { bounds: inside, is_picture_wide: marks().any(is_map), is_of_many: own.is_empty() })
@@ -194,7 +198,8 @@ impl CloseUp {
         let known: Vec<&Work> = works.iter().flatten().collect();
         let whole = || vec![None; works.len()];
         let Some(all) = known.iter().map(|work| work.bounds).reduce(union) else { return whole() };
-        if known.iter().all(|work| work.is_of_many) && mode != FocusMode::Off && !at_end && before.len() == works.len() {
+        if known.iter().all(|work| work.is_of_many) && mode != FocusMode::Off && !at_end && before.len() == works.len()
+        {
             // What was looked at goes on in a moment.
             return before.to_vec();
         }
@@ -344,7 +349,11 @@ mod tests {
         large.mark(Picture::CURRENT, Role::Window, Shape::pixels(0, 40, 320, 1));
         assert_eq!(one(FocusMode::Auto, &large), None, "a row is as long as the picture is wide");
         let mut relaxed = Scene::default();
-        relaxed.mark(Picture::CURRENT, Role::Result, Shape::Flow { origin: [0.0; 2], values: Grid::new(320, 240, [1.0; 2]) });
+        relaxed.mark(
+            Picture::CURRENT,
+            Role::Result,
+            Shape::Flow { origin: [0.0; 2], values: Grid::new(320, 240, [1.0; 2]) },
+        );
         assert_eq!(one(FocusMode::On, &relaxed), None, "no mark is at work");
         relaxed.mark(Picture::CURRENT, Role::Reference, Shape::pixels(50, 60, 1, 1));
         assert_eq!(one(FocusMode::Auto, &relaxed), None, "all pixels are relaxed, this is an example");
@@ -363,7 +372,8 @@ mod tests {
     #[test]
     fn an_ellipse_is_bounded_whatever_its_angle() {
         let mut scene = Scene::default();
-        let shape = Shape::Ellipse { center: [100.0, 90.0], radii: [20.0, 4.0], angle_rad: std::f32::consts::FRAC_PI_2 };
+        let shape =
+            Shape::Ellipse { center: [100.0, 90.0], radii: [20.0, 4.0], angle_rad: std::f32::consts::FRAC_PI_2 };
         scene.mark(Picture::CURRENT, Role::Predicted, shape);
         let bounds = Work::of(&scene, SIZE).unwrap().bounds;
         let off = |a: [f32; 2], b: [f32; 2]| (a[0] - b[0]).abs().max((a[1] - b[1]).abs());

@@ -299,6 +299,11 @@ impl Tint {
         }
     }
 
+    /// Whether its scale is one of px.
+    pub fn has_unit(&self) -> bool {
+        !matches!(self.key, TintKey::Scale { unit: "", .. })
+    }
+
     /// What stands in the legend for it: signs with their meaning, and a bar of colours.
     pub fn legend(&self) -> (Vec<Entry>, Option<Bar>) {
         match &self.key {
@@ -442,7 +447,8 @@ mod tests {
     #[test]
     fn what_does_not_move_is_no_veil_unless_its_opacity_is_chosen() {
         let flow = Arc::new(Flow(Grid::from_fn(40, 1, |x, _| [if x < 8 { 0.0 } else { 2.0 }, 0.0])));
-        let wheel = |opacity| Tint::wheel(std::slice::from_ref(&flow), LayerStyle { opacity, high: None }).remove(0).pixels;
+        let wheel =
+            |opacity| Tint::wheel(std::slice::from_ref(&flow), LayerStyle { opacity, high: None }).remove(0).pixels;
         assert_eq!(wheel(None)[(0, 0)][3], 0);
         assert_eq!(wheel(None)[(20, 0)][3], Opacity::WHEEL.alpha());
         assert_eq!(wheel(Opacity::new(1.0).ok())[(0, 0)], [255; 4], "white by choice");

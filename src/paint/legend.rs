@@ -46,6 +46,8 @@ pub enum Sample {
     Line,
     /// The wheel of colours.
     Wheel,
+    /// Pixels that are covered.
+    Area,
     /// Stripes.
     Hatch,
     /// Dots: what is not there yet.
@@ -87,7 +89,7 @@ impl Sample {
             Shape::Arrows(_) | Shape::Flow { .. } => Some(Sample::Arrow),
             Shape::Points(_) => Some(Sample::Point),
             Shape::Path { .. } => Some(Sample::Line),
-            Shape::Mask(_) => Some(Sample::Point),
+            Shape::Mask(_) => Some(Sample::Area),
             Shape::Text { .. } | Shape::Heat { .. } | Shape::Labels(_) => None,
         }
     }
@@ -163,6 +165,10 @@ pub fn swatch(role: Role, sample: Sample, theme: Theme, min: Point) -> Vec<Primi
         Sample::Ellipse => {
             let radii = [(x1 - x0) / 2.0, (y1 - y0) / 2.0];
             marks::line(&mut out, &ink, marks::ellipse([x0 + radii[0], middle], radii, 0.0), true);
+        }
+        Sample::Area => {
+            let points = inner.corners();
+            out.push(Primitive::Polygon { points, color: ink.color.alpha(marks::HEAT_ALPHA) });
         }
         Sample::Hatch => {
             let stripe = |i: usize, color: Color| {
@@ -312,8 +318,9 @@ impl Strip {
         }
         let [x, y] = self.at;
         self.out.push(wheel_image(Rect::new([x, y], [WHEEL; 2])));
-        let runs = vec![Run::new(&entry.meaning, self.theme.chrome().text)];
-        let lines = wrap(&runs, self.size, (self.width - WHEEL - GAP).max(GAP));
+        let (color, room) = (self.theme.chrome().text, (self.width - WHEEL - GAP).max(GAP));
+        let parts = entry.meaning.split_inclusive(", ").map(|part| vec![Run::new(part.trim_end(), color)]);
+        let lines: Vec<_> = parts.flat_map(|runs| wrap(&runs, self.size, room)).collect();
         let top = y + (WHEEL - self.height * lines.len() as f32) / 2.0;
         for (i, runs) in lines.into_iter().enumerate() {
             let baseline = (top + self.height * (i as f32 + 0.5) + self.size * 0.365).round();
@@ -382,6 +389,7 @@ mod tests {
             Sample::Point,
             Sample::Line,
             Sample::Wheel,
+            Sample::Area,
             Sample::Hatch,
             Sample::Awaited,
         ];

@@ -15,7 +15,7 @@ const CLOSEST: f32 = 5.0;
 /// The same where it is chosen: closer, nobody can see one from the next.
 const DISTINCT: f32 = 1.0;
 /// Opacity of heat over footage.
-const HEAT_ALPHA: u8 = 0xb8;
+pub(super) const HEAT_ALPHA: u8 = 0xb8;
 /// How near to each other the arrows of a dense field are drawn unless it is chosen, in points of the window and pixels of a file.
 const AIRY: f32 = 9.0;
 /// Where the arrows of a dense field stand this far apart on the screen, in points, there is room for one more between two.
@@ -168,7 +168,7 @@ impl Painter<'_> {
             Shape::Arrows(arrows) => self.arrows(role, arrows),
             Shape::Points(points) => {
                 // Neighbours that are tested one after the other must not merge into a blob.
-                let reach = 0.42 * nearest(points) * self.place.zoom;
+                let reach = 0.36 * nearest(points) * self.place.zoom;
                 let ink = self.ink;
                 let radius = (POINT + ink.width).min(reach.max(LEAST_POINT));
                 let thin = radius / (POINT + ink.width);
@@ -612,7 +612,9 @@ mod tests {
             let look = Look::new(&scene, Style::default());
             let all = resolve(&scene.marks, &look, Placement::new([0.0; 2], zoom));
             let ends = all.iter().filter_map(|primitive| match primitive {
-                Primitive::Polyline { points, .. } => Some([points[0][0].min(points[1][0]), points[0][0].max(points[1][0])]),
+                Primitive::Polyline { points, .. } => {
+                    Some([points[0][0].min(points[1][0]), points[0][0].max(points[1][0])])
+                }
                 _ => None,
             });
             ends.map(|[from, to]| to - from).fold(0.0, f32::max)

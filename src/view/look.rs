@@ -9,7 +9,8 @@ use motionscope_core::{Error, Params, Spec, Value, params};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::paint::{
-    ArrowStyle, Backdrop, ColorMap, FlowLayer, FocusMode, Lengthen, LevelShown, Opacity, Phase, Pictures, Share, Style, Theme, View,
+    ArrowStyle, Backdrop, ColorMap, FlowLayer, FocusMode, Lengthen, LevelShown, Opacity, Phase, Pictures, Share, Style,
+    Theme, View,
 };
 
 params! {

@@ -119,6 +119,7 @@ impl App {
                 let look = &mut self.settings.look;
                 look.streaks = look.streaks.is_none().then(Phase::default);
             }
+            C::LockScale => self.lock_scale(),
             C::ZoomIn | C::ZoomOut | C::Fit | C::ActualSize => self.zoom(command),
             C::Focus => {
                 let look = &mut self.settings.look;
@@ -208,6 +209,23 @@ impl App {
             Command::ZoomOut => stage.magnify(1.0 / ZOOM_STEP, at_hand),
             Command::Fit => stage.fit(),
             _ => stage.one_to_one(self.ctx.pixels_per_point()),
+        }
+    }
+
+    /// Keeps the scale of the colours as it is here at every step, or lets it follow what is found again.
+    fn lock_scale(&mut self) {
+        let Some(shown) = self.view.shown.as_deref() else { return };
+        let tiles = shown.tiles.iter().filter_map(|tile| tile.layer.as_ref());
+        let layer = shown.pictures.layer.iter().chain(tiles).find(|layer| layer.has_unit());
+        let look = &mut self.settings.look;
+        match (look.color_scale, layer) {
+            (Some(_), _) => look.color_scale = None,
+            (None, Some(layer)) => {
+                let end = layer.end();
+                let set = look.set("color-scale", &end.to_string());
+                set.unwrap_or_else(|error| self.toasts.fail(error.to_string()));
+            }
+            (None, None) => self.toasts.tell("No colours with a scale in px are shown here.".to_owned()),
         }
     }
 

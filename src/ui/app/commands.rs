@@ -102,6 +102,8 @@ commands! {
     ConsistencyLayer,
     /// Particles in the place of arrows.
     Streaks,
+    /// The scale of the colours stays, or follows what is found.
+    LockScale,
     /// Arrows as long as there is room.
     FittingArrows,
     /// Arrows as long as the motion.
@@ -319,7 +321,7 @@ impl Command {
             C::Focus | C::FocusWhereSmall | C::FocusAlways | C::FocusNever => Some(Submenu::Zoom),
             C::NextTheme | C::DarkTheme | C::LightTheme | C::ProjectorTheme => Some(Submenu::Theme),
             C::ViridisColors | C::TurboColors => Some(Submenu::Colours),
-            C::NextLayer | C::Streaks => Some(Submenu::Motion),
+            C::NextLayer | C::Streaks | C::LockScale => Some(Submenu::Motion),
             _ if self.layer().is_some() => Some(Submenu::Motion),
             C::FittingArrows | C::TrueArrows | C::DoubleArrows | C::FourfoldArrows => Some(Submenu::ArrowLength),
             C::LargerInterface | C::SmallerInterface | C::NormalInterface => Some(Submenu::InterfaceSize),
@@ -391,7 +393,7 @@ impl Command {
             C::Prediction | C::Residual => now.has_run && now.at_end,
             C::ZoomIn | C::ZoomOut | C::Fit | C::ActualSize => now.has_run,
             C::Focus | C::FocusWhereSmall | C::FocusAlways | C::FocusNever => now.has_run,
-            C::NextLayer | C::Streaks => now.has_run && now.available.has_field(),
+            C::NextLayer | C::Streaks | C::LockScale => now.has_run && now.available.has_field(),
             C::NoLayer
             | C::WheelLayer
             | C::MagnitudeLayer

@@ -34,7 +34,9 @@ impl Way {
         let scale = self.from.scale * (self.to.scale / self.from.scale).powf(done);
         // The middle moves as the scale does, so that the part looked at grows out of its place.
         let share = match self.to.scale - self.from.scale {
-            off if off.abs() > 1e-3 * self.to.scale => (1.0 / self.from.scale - 1.0 / scale) / (1.0 / self.from.scale - 1.0 / self.to.scale),
+            off if off.abs() > 1e-3 * self.to.scale => {
+                (1.0 / self.from.scale - 1.0 / scale) / (1.0 / self.from.scale - 1.0 / self.to.scale)
+            }
             _ => done,
         };
         Sight { center: [0, 1].map(|i| self.from.center[i] + (self.to.center[i] - self.from.center[i]) * share), scale }
@@ -241,7 +243,11 @@ mod tests {
     #[test]
     fn the_view_moves_smoothly_and_arrives() {
         let mut follow = Follow::default();
-        assert_eq!(center(&follow.aim(followed([50.0, 60.0], 4.0), true, 0.0)), [50.0, 60.0], "the first is simply there");
+        assert_eq!(
+            center(&follow.aim(followed([50.0, 60.0], 4.0), true, 0.0)),
+            [50.0, 60.0],
+            "the first is simply there"
+        );
         let start = follow.aim(followed([90.0, 60.0], 4.0), true, 1.0);
         assert_eq!(center(&start), [50.0, 60.0]);
         let half = center(&follow.aim(followed([90.0, 60.0], 4.0), true, 1.0 + SECS / 2.0))[0];

@@ -483,7 +483,10 @@ mod tests {
         let (mut state, near) = (State::default(), Zoom::At { center: [3.0, 4.0], scale: 9.0 });
         let template = Picture { role: PictureRole::Template, ..Picture::CURRENT };
         state.set_zoom(Picture::REFERENCE, near);
-        assert_eq!([Picture::CURRENT, Picture::NEXT, template].map(|p| state.zoom_of(p, state.zoom)), [near, near, Zoom::Fit]);
+        assert_eq!(
+            [Picture::CURRENT, Picture::NEXT, template].map(|p| state.zoom_of(p, state.zoom)),
+            [near, near, Zoom::Fit]
+        );
         state.set_zoom(template, Zoom::At { center: [1.0, 1.0], scale: 2.0 });
         assert_eq!(state.zoom_of(Picture::CURRENT, state.zoom), near);
         state.fit();

@@ -3,7 +3,8 @@
 use std::ops::RangeInclusive;
 
 use eframe::egui::{
-    self, Align, Button, Layout, Popup, PopupCloseBehavior, RichText, Slider, SliderClamping, Ui, WidgetInfo, pos2, vec2,
+    self, Align, Button, Layout, Popup, PopupCloseBehavior, RichText, Slider, SliderClamping, Ui, WidgetInfo, pos2,
+    vec2,
 };
 use lucide_icons::Icon;
 use motionscope_core::params::Kind;
@@ -62,7 +63,13 @@ fn choices(ui: &mut Ui, input: &Input<'_>, state: &mut State, look: &mut Look) {
             Shown { factor: 100.0, suffix: " %", name: "Opacity of the colours in %", ..Shown::new("Opacity") };
         let usual = f64::from(now.usual_opacity().get());
         slider(ui, Entry { name: "layer-opacity", usual, reach: 0.0..=1.0, shown: percent }, look);
-        let px = Shown { suffix: " px", name: "End of the scale in px", is_logarithmic: true, decimals: 2, ..Shown::new("Scale") };
+        let px = Shown {
+            suffix: " px",
+            name: "End of the scale in px",
+            is_logarithmic: true,
+            decimals: 2,
+            ..Shown::new("Scale")
+        };
         let usual = input.pictures.layer.as_deref().map_or(1.0, |layer| f64::from(layer.end()));
         slider(ui, Entry { name: "color-scale", usual, reach: 0.1..=64.0, shown: px }, look);
         let mut is_dimmed = look.backdrop == Backdrop::Dimmed;

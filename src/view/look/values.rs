@@ -3,7 +3,9 @@
 use motionscope_core::Value;
 use motionscope_core::params::{Choice, Kind, Parameter};
 
-use crate::paint::{Backdrop, ColorMap, FlowLayer, FocusMode, Lengthen, LevelShown, Opacity, Phase, Share, Theme, View};
+use crate::paint::{
+    Backdrop, ColorMap, FlowLayer, FocusMode, Lengthen, LevelShown, Opacity, Phase, Share, Theme, View,
+};
 
 /// One of a few, each with a stable name, a label and a sentence.
 macro_rules! named {

@@ -163,6 +163,13 @@ impl Command {
                 "Particles carried along by the motion, in the place of arrows.",
                 const { &[key(Key::S)] },
             ),
+            C::LockScale => (
+                Menu::View,
+                Icon::Lock,
+                "Lock the colour scale",
+                "Keep the scale of the colours of motion as it is here at every step, or let it follow the values again.",
+                &[],
+            ),
             C::FittingArrows => (
                 Menu::View,
                 Icon::MoveUpRight,
