@@ -152,7 +152,10 @@ impl State {
         let is_held = self.hovered.is_some()
             && before.len() == scenes.len()
             && last.as_ref().is_some_and(|last| (last.cursor, last.mode) == (input.cursor, mode));
-        let close_ups = if is_by_hand || is_held {
+        let close_ups = if input.placing.is_some() {
+            // What is placed may lie anywhere, and must not move away under the mouse.
+            vec![None; scenes.len()]
+        } else if is_by_hand || is_held {
             before.to_vec()
         } else {
             let works: Vec<_> = scenes.iter().map(|scene| Work::of(scene, size)).collect();
@@ -176,6 +179,13 @@ impl State {
     }
 }
 
+/// Where the work of the step is on the screen.
+pub fn work_rect(spot: &Spot<'_>) -> Option<Rect> {
+    let picture = spot.lens.picture;
+    let bounds = Work::of(spot.scene, (picture.x as usize, picture.y as usize))?.bounds;
+    Some(Rect::from_min_max(spot.lens.to_screen(bounds.min), spot.lens.to_screen(bounds.max)))
+}
+
 /// Where the map of the whole picture lies over a picture that is not seen whole.
 pub fn map_rect(spot: &Spot<'_>) -> Option<Rect> {
     let Lens { pane, picture, .. } = spot.lens;
@@ -184,11 +194,7 @@ pub fn map_rect(spot: &Spot<'_>) -> Option<Rect> {
     if is_whole || !spot.has_map {
         return None;
     }
-    let work = Work::of(spot.scene, (picture.x as usize, picture.y as usize));
-    let work = work.map(|work| {
-        let [min, max] = [work.bounds.min, work.bounds.max].map(|point| spot.lens.to_screen(point).into());
-        primitive::Rect { min, max }
-    });
+    let work = work_rect(spot).map(|work| primitive::Rect { min: work.min.into(), max: work.max.into() });
     let shown = pane.intersect(whole);
     let shown = primitive::Rect { min: shown.min.into(), max: shown.max.into() };
     let map = focus::map_rect(shown, picture.into(), work)?;

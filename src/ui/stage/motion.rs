@@ -194,9 +194,11 @@ pub fn corner_wheel(painter: &egui::Painter, spot: &Spot<'_>, layer: &Tint, them
     let words = painter.layout_no_wrap(format!("{} px", number(longest)), font, ink::color(Color::WHITE));
     let size = vec2(CORNER_WHEEL.max(words.size().x), CORNER_WHEEL + words.size().y) + vec2(12.0, 10.0);
     let at = |min: egui::Pos2| egui::Rect::from_min_size(min, size);
-    let map = follow::map_rect(spot);
-    let corners = [pos2(seen.min.x, seen.max.y - size.y), seen.min].map(at);
-    let free = corners.into_iter().find(|rect| map.is_none_or(|map| !map.intersects(*rect)));
+    let taken = [follow::map_rect(spot), follow::work_rect(spot)];
+    let (right, low) = (seen.max.x - size.x, seen.max.y - size.y);
+    let corners = [pos2(seen.min.x, low), seen.min, pos2(right, seen.min.y), pos2(right, low)].map(at);
+    let is_free = |rect: &egui::Rect| !taken.iter().flatten().any(|other| other.intersects(*rect));
+    let free = corners.into_iter().find(is_free);
     let rect = free.unwrap_or(corners[0]);
     painter.rect_filled(rect, 6.0, egui::Color32::from_black_alpha(150));
     let center = pos2(rect.center().x, rect.min.y + 5.0 + CORNER_WHEEL / 2.0);
