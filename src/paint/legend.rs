@@ -306,10 +306,20 @@ impl Strip {
     fn entry(&mut self, entry: &Entry) {
         let [wide, high] = SWATCH;
         let width = wide + GAP + fonts::width(&entry.meaning, Face::Sans, self.size);
-        let [x, y] = self.place(width);
+        let [x, y] = self.place(width.min(self.width));
         let swatch = swatch(entry.role, entry.sample, self.theme, [x, y + (self.height - high) / 2.0]);
         self.out.extend(swatch);
-        self.words(&entry.meaning, [x + wide + GAP, y]);
+        if width <= self.width {
+            return self.words(&entry.meaning, [x + wide + GAP, y]);
+        }
+        // Wider than the figure: on as many lines as it takes.
+        let runs = [Run::new(&entry.meaning, self.theme.chrome().text)];
+        let lines = wrap(&runs, self.size, (self.width - wide - GAP).max(wide));
+        for (i, runs) in lines.iter().enumerate() {
+            self.at[1] = y + i as f32 * self.height;
+            let text: String = runs.iter().map(|run| run.text.as_str()).collect();
+            self.words(text.trim_end(), [x + wide + GAP, self.at[1]]);
+        }
     }
 
     fn wheel(&mut self, entry: &Entry) {
@@ -378,6 +388,17 @@ mod tests {
             height
         });
         assert!(heights[0] > heights[3], "the label has a line of its own where there is little room");
+    }
+
+    #[test]
+    fn a_long_meaning_is_wrapped_to_the_width_of_the_figure() {
+        let meaning = "displacements found, drawn ×2 (arrow of 24 pt = 12 px), one about every 16 px drawn".to_owned();
+        let entry = Entry { role: Role::Result, sample: Sample::Arrow, meaning };
+        let (primitives, height) = strip(&[entry.clone(), entry], &[], Theme::Dark, ([0.0; 2], 240.0));
+        let lines = primitives.iter().filter_map(|p| if let Primitive::Text(line) = p { Some(line) } else { None });
+        let lines: Vec<_> = lines.collect();
+        assert!(lines.len() >= 6 && lines.iter().all(|line| line.at[0] + line.width() <= 240.0), "{lines:?}");
+        assert!(lines.windows(2).all(|pair| pair[0].at[1] < pair[1].at[1]) && lines[5].at[1] < height);
     }
 
     #[test]
