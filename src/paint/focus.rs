@@ -153,10 +153,10 @@ fn has_twin(mark: &Mark, scene: &Scene) -> bool {
 /// The bounds of a mark, if it belongs to the work of a step: results, truth, trails and layers do not.
 fn bounds_at_work(mark: &Mark) -> Option<Rect> {
     let is_result = matches!(mark.role, Role::Result | Role::Truth | Role::Error);
-    if is_result || !mark.shape.is_finite() {
+    if is_result {
         return None;
     }
-    match &mark.shape {
+    let bounds = match &mark.shape {
         Shape::Rect { min, max } => Some(Rect::between(*min, *max)),
         Shape::Ellipse { center, radii, angle_rad } => {
             let (sin, cos) = angle_rad.sin_cos();
@@ -167,7 +167,8 @@ fn bounds_at_work(mark: &Mark) -> Option<Rect> {
         Shape::Points(points) if points.len() <= FEW => around(points.iter().copied()),
         Shape::Arrows(arrows) if arrows.len() <= FEW => around(arrows.iter().flat_map(|a| [a.from, a.to])),
         _ => None,
-    }
+    };
+    bounds.filter(|_| mark.shape.is_finite())
 }
 
 fn around(points: impl Iterator<Item = [f32; 2]>) -> Option<Rect> {
