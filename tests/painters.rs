@@ -4,8 +4,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use motionscope::paint::{
-    ArrowStyle, Caption, ColorMap, Face, Figure, FigureOptions, FlowLayer, Lengthen, Pictures, Primitive, Scalars,
-    Style, Theme, Tint, View, export_png, export_svg, primitive,
+    ArrowStyle, Caption, ColorMap, Face, Figure, FigureOptions, FlowLayer, LayerStyle, Lengthen, Pictures, Primitive,
+    Scalars, Style, Theme, Tint, View, export_png, export_svg, primitive,
 };
 use motionscope_core::scene::{Arrow, Picture, Sentence, Shape};
 use motionscope_core::{Clip, Cursor, Flow, Frame, Grid, Move, Role, Scene, Streaks, estimator};
@@ -227,11 +227,11 @@ fn layers_of_motion_look_as_they_did() {
     let (frame, scene, flow, scalars) = turning();
     let framed = FigureOptions { view: View::Current, zoom: 2.0, legend: true, ..FigureOptions::default() };
     let pictures = Pictures::of([frame.clone(), frame]);
-    let wheel = Tint::wheel(std::slice::from_ref(&flow), None).pop().map(Arc::new);
+    let wheel = Tint::wheel(std::slice::from_ref(&flow), LayerStyle::default()).pop().map(Arc::new);
     let figure = Figure::new(&Pictures { layer: wheel, ..pictures.clone() }, &scene, &framed);
     check_png("flow-wheel.png", &figure, 1);
     check_svg("flow-wheel.svg", &figure);
-    let layer = Tint::scale(scalars, ColorMap::Viridis, None).pop().map(Arc::new);
+    let layer = Tint::scale(scalars, ColorMap::Viridis, LayerStyle::default()).pop().map(Arc::new);
     let light = FigureOptions {
         style: Style {
             theme: Theme::Light,

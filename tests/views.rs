@@ -67,6 +67,7 @@ impl Fixture {
         stage::Input {
             pictures: &self.pictures,
             frame: 12,
+            cursor: Cursor::default(),
             scene: &self.scene,
             lockstep: None,
             stands: RunState::default(),

@@ -285,6 +285,7 @@ fn the_ladder_has_buttons_with_the_estimators_names() {
 #[test]
 fn a_click_on_the_stage_goes_to_the_block() {
     let mut window = Window::usual();
+    window.command(Command::FocusNever);
     window.key(Key::Num2);
     let stage = window.harness.get_by_label_contains("Stage: ").rect();
     let (width, height) = window.shown().pictures.pair[0].size();
@@ -656,6 +657,7 @@ fn a_click_on_a_chart_goes_to_the_candidate() {
 #[test]
 fn keys_zoom_the_picture_and_not_the_interface() {
     let mut window = Window::usual();
+    window.command(Command::FocusNever);
     let percent = |window: &Window| {
         let mut told = window.harness.query_all_by_label_contains(" %").filter_map(|node| {
             let node = node.accesskit_node();
@@ -672,6 +674,40 @@ fn keys_zoom_the_picture_and_not_the_interface() {
     window.key(Key::Num0);
     assert_eq!(percent(&window), whole);
     assert_eq!(window.app().settings().zoom(), 1.0);
+}
+
+#[test]
+fn the_view_follows_the_work_until_another_is_chosen_by_hand() {
+    let mut window = Window::usual();
+    let percent = |window: &Window| {
+        let mut told = window.harness.query_all_by_label_contains(" %").filter_map(|node| {
+            let node = node.accesskit_node();
+            node.value().or(node.label())?.strip_suffix(" %")?.parse::<f32>().ok()
+        });
+        told.next_back().expect("the zoom is told")
+    };
+    let close = percent(&window);
+    window.key(Key::PageDown);
+    window.key(Key::PageDown);
+    assert_eq!(percent(&window), close, "from block to block it is magnified alike");
+    window.key(Key::G);
+    let whole = percent(&window);
+    assert!(whole < 0.7 * close, "{whole} of {close}");
+    window.key(Key::G);
+    assert_eq!(percent(&window), close);
+    window.key(Key::Plus);
+    let chosen = percent(&window);
+    window.key(Key::PageDown);
+    assert!(chosen > close && percent(&window) == chosen, "what is chosen by hand is kept");
+    window.key(Key::G);
+    assert_eq!(percent(&window), close, "until the key is pressed");
+    let map = window.harness.get_by_label("Map of the whole picture").rect();
+    window.click_at(map.min + vec2(4.0, 4.0));
+    window.key(Key::PageDown);
+    assert_eq!(percent(&window), close, "the map moves what is seen, and magnifies nothing");
+    window.key(Key::End);
+    window.command(Command::FocusWhereSmall);
+    assert!(percent(&window) < 0.7 * close, "the end is shown whole");
 }
 
 #[test]

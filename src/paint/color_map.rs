@@ -10,10 +10,12 @@ pub enum ColorMap {
     Viridis,
     /// Blue over green to red, for finer steps (Mikhailov 2019).
     Turbo,
+    /// Blue over gray to red, for numbers with a sign: gray is 0 (after Moreland 2009).
+    Diverging,
 }
 
 impl ColorMap {
-    /// Every colour map.
+    /// Every colour map that can be chosen; numbers with a sign have their own.
     pub const ALL: [ColorMap; 2] = [ColorMap::Viridis, ColorMap::Turbo];
 
     /// Stable name, for sessions and the command line.
@@ -21,6 +23,7 @@ impl ColorMap {
         match self {
             ColorMap::Viridis => "viridis",
             ColorMap::Turbo => "turbo",
+            ColorMap::Diverging => "diverging",
         }
     }
 
@@ -31,6 +34,7 @@ impl ColorMap {
                 "Costs from violet to yellow, evenly in lightness: they print well and everyone can tell them apart."
             }
             ColorMap::Turbo => "Costs from blue over green to red: small differences are seen better.",
+            ColorMap::Diverging => "Negative numbers blue, positive red, 0 gray.",
         }
     }
 
@@ -39,6 +43,7 @@ impl ColorMap {
         match self {
             ColorMap::Viridis => "Viridis",
             ColorMap::Turbo => "Turbo",
+            ColorMap::Diverging => "Diverging",
         }
     }
 
@@ -47,9 +52,10 @@ impl ColorMap {
         if t.is_nan() {
             return Color::BLACK.alpha(0);
         }
-        let stops = match self {
+        let stops: &[u32] = match self {
             ColorMap::Viridis => &VIRIDIS,
             ColorMap::Turbo => &TURBO,
+            ColorMap::Diverging => &DIVERGING,
         };
         let place = t.clamp(0.0, 1.0) * (stops.len() - 1) as f32;
         let index = (place as usize).min(stops.len() - 2);
@@ -57,6 +63,9 @@ impl ColorMap {
     }
 }
 
+// Evenly spaced colours of the published map; the middle is a gray of the same lightness as its neighbours.
+const DIVERGING: [u32; 9] =
+    [0x3b_4cc0, 0x62_82ea, 0x8d_b0fe, 0xb8_d0f9, 0xdd_dddd, 0xf5_c4ad, 0xf4_9a7b, 0xde_604d, 0xb4_0426];
 // Every eighth colour of the published tables of 256; in between they are within 3/255 of them.
 const VIRIDIS: [u32; 33] = [
     0x44_0154, 0x47_0d60, 0x48_186a, 0x48_2374, 0x47_2d7b, 0x45_3681, 0x42_4086, 0x3f_4989, 0x3b_528b, 0x37_5a8d,
@@ -88,6 +97,14 @@ mod tests {
                 assert!(off <= Some(3), "{map:?} at {index}: {:?}", map.at(index as f32 / 255.0));
             }
         }
+    }
+
+    #[test]
+    fn zero_is_gray_and_signs_differ() {
+        let Color([r, g, b, _]) = ColorMap::Diverging.at(0.5);
+        assert!(r == g && g == b, "{r} {g} {b}");
+        let (below, above) = (ColorMap::Diverging.at(0.2).0, ColorMap::Diverging.at(0.8).0);
+        assert!(below[2] > below[0] && above[0] > above[2]);
     }
 
     #[test]

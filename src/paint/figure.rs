@@ -5,12 +5,14 @@ use std::sync::Arc;
 use motionscope_core::scene::{Mark, Picture, Sentence, Shape};
 use motionscope_core::{Grid, Scene};
 
+use super::focus::{self, CloseUp, FocusMode, Site, Work};
 use super::legend::{self, Bar, line_height};
 use super::primitive::{Anchor, Line, Point, Primitive, Rect, Run, Stroke};
 use super::reduced::reduced;
 use super::wrap::{brevity, inked, wrap};
 use super::{
-    Color, Face, FlowLayer, Look, Panel, Pictures, Placement, Share, Shown, Style, Theme, TypeSizes, View, fonts, marks,
+    Backdrop, Color, Face, FlowLayer, Look, Panel, Pictures, Placement, Share, Shown, Style, Theme, TypeSizes, View,
+    dimmed, fonts, marks,
 };
 
 /// Space around everything.
@@ -20,7 +22,7 @@ const GAP: f32 = 8.0;
 /// How far marks may reach beyond a picture where there is room, so that a frame at its edge stays whole.
 const BEYOND: f32 = 4.0;
 /// Words are given at least this many times their size to run in.
-const LEAST_WIDTH: f32 = 26.0;
+const LEAST_WIDTH: f32 = 20.0;
 
 /// What a figure shows and how.
 #[derive(Clone, Debug, Default)]
@@ -37,6 +39,12 @@ pub struct FigureOptions {
     pub zoom: f32,
     /// Pixels per point that it will be painted with, at which marks find room; 0 counts as 1.
     pub scale: u32,
+    /// Whether the part at work is magnified.
+    pub focus: FocusMode,
+    /// Whether the run is at its end, where the whole is shown unless focus is chosen.
+    pub at_end: bool,
+    /// How the picture under a layer of colours is shown.
+    pub backdrop: Backdrop,
     /// Number of frame t, for the titles.
     pub frame: Option<usize>,
     /// Whether what the marks mean stands below.
@@ -130,6 +138,7 @@ impl Figure {
             words: Vec::new(),
             pictures: Vec::new(),
             panels: Vec::new(),
+            times: 1.0,
         };
         layout.lay_out(parts, scene, is_framed);
         let description = description(options, parts);
@@ -180,6 +189,8 @@ struct Layout<'a> {
     words: Vec<Primitive>,
     pictures: Vec<Layer>,
     panels: Vec<(Panel, Placement)>,
+    /// How many times as large as in the whole picture the part at work is shown.
+    times: f32,
 }
 
 impl Layout<'_> {
@@ -195,7 +206,7 @@ impl Layout<'_> {
         let pictures: Vec<_> = parts
             .iter()
             .flat_map(|part| panels_of(part).into_iter().map(move |panel| (part, panel)))
-            .map(|(part, panel)| (part, panel, panel.pixels(&part.pictures, self.options.share)))
+            .map(|(part, panel)| (part, panel, self.pixels(part, panel)))
             .collect();
         // Four stand in a square.
         let columns = match (parts.len(), in_a_row) {
@@ -212,6 +223,8 @@ impl Layout<'_> {
         let column = pictures.first().map_or(0.0, |(.., (pixels, _))| pixels.width() as f32 * zoom);
         let said = parts.iter().filter_map(|part| part.heading).map(|(.., words)| words);
         let way = brevity(said, |words| fonts::width(&words.plain(), Face::Sans, self.sizes.small) <= column);
+        let close_ups = close_ups(parts, self.options);
+        self.times = close_ups.iter().flatten().map(|close| close.times).fold(1.0, f32::max);
         let (mut x, mut top, mut bottom) = (self.margin, self.y, self.y);
         for (index, (part, panel, (pixels, gain))) in pictures.into_iter().enumerate() {
             if index > 0 && index % columns == 0 {
@@ -227,8 +240,19 @@ impl Layout<'_> {
                 }
                 self.y += 4.0;
             }
-            let placement = Placement::new([x, self.y], zoom);
-            self.panel((panel, placement), Rect::new(placement.origin, size), Arc::new(pixels), part);
+            let rect = Rect::new([x, self.y], size);
+            let is_first = index % in_a_row.max(1) == 0;
+            let close = close_ups.get(index / in_a_row.max(1)).copied().flatten();
+            let close = close.filter(|_| panel.picture().is_aligned_with(Picture::CURRENT));
+            let placement = match close {
+                Some(close) => magnified(rect, close, zoom),
+                None => Placement::new(rect.min, zoom),
+            };
+            let pixels = Arc::new(pixels);
+            self.panel((panel, placement), rect, &pixels, part);
+            if close.is_some() && is_first {
+                self.map((rect, placement), &pixels, Work::of(part.scene, part.pictures.pair[0].size()));
+            }
             x += size[0] + GAP;
             bottom = bottom.max(self.y + size[1]);
         }
@@ -240,6 +264,13 @@ impl Layout<'_> {
         if self.options.legend {
             self.legend(parts, scene);
         }
+    }
+
+    /// The pixels of a panel, dimmed where a layer of colours is to be read over them.
+    fn pixels(&self, part: &Part<'_>, panel: Panel) -> (Grid<[u8; 4]>, u16) {
+        let (pixels, gain) = panel.pixels(&part.pictures, self.options.share);
+        let is_dimmed = self.options.backdrop == Backdrop::Dimmed && has_colors(panel, &part.pictures, part.scene);
+        (if is_dimmed { dimmed(&pixels) } else { pixels }, gain)
     }
 
     /// What stands above a picture that begins at `x`; without the name of its file where that is too long.
@@ -267,7 +298,7 @@ impl Layout<'_> {
         }
     }
 
-    fn panel(&mut self, at: (Panel, Placement), rect: Rect, pixels: Arc<Grid<[u8; 4]>>, part: &Part<'_>) {
+    fn panel(&mut self, at: (Panel, Placement), rect: Rect, pixels: &Arc<Grid<[u8; 4]>>, part: &Part<'_>) {
         let (panel, placement) = at;
         let Pictures { layer, streaks, .. } = &part.pictures;
         // What is smaller than on the sheet's own pixels is reduced, so that none of it is skipped.
@@ -276,16 +307,20 @@ impl Layout<'_> {
             1 => pixels.clone(),
             factor => Arc::new(reduced(pixels, factor).into_owned()),
         };
-        let mut primitives = vec![Primitive::Image { pixels: fine(&pixels), rect }];
+        let image = |pixels: &Arc<Grid<[u8; 4]>>| match placement.seen {
+            Some(seen) => cut(pixels, placement, seen),
+            None => Primitive::Image { pixels: fine(pixels), rect },
+        };
+        let mut primitives = vec![image(pixels)];
         let of_frame_t = panel.shows(Picture::CURRENT);
         if let Some(layer) = layer.as_ref().filter(|_| panel.is_tinted()) {
-            primitives.push(Primitive::Image { pixels: fine(&layer.pixels), rect });
+            primitives.push(image(&layer.pixels));
         }
         primitives.extend(marks::resolve(shown(panel, part.scene), &self.look, placement));
         if let Some(streaks) = streaks.as_ref().filter(|_| of_frame_t) {
             primitives.push(marks::streaks(&streaks.at(self.options.phase), self.look.theme, placement));
         }
-        let beyond = if self.margin > 0.0 { BEYOND } else { 0.0 };
+        let beyond = if self.margin > 0.0 && placement.seen.is_none() { BEYOND } else { 0.0 };
         let is_arrow = |primitive: &Primitive| matches!(primitive, Primitive::Arrows(_) | Primitive::Trails(_));
         for chunk in primitives.chunk_by(|a, b| is_arrow(a) == is_arrow(b)) {
             // Arrows end with the picture.
@@ -293,6 +328,21 @@ impl Layout<'_> {
             self.pictures.push(Layer { clip: Some(clip), primitives: chunk.to_vec() });
         }
         self.panels.push(at);
+    }
+
+    /// The whole picture as a small map in a corner of what is magnified, with a frame around what is seen.
+    fn map(&mut self, (pane, placement): (Rect, Placement), pixels: &Arc<Grid<[u8; 4]>>, work: Option<Work>) {
+        let picture = [pixels.width() as f32, pixels.height() as f32];
+        let work =
+            work.map(|Work { bounds, .. }| Rect { min: placement.at(bounds.min), max: placement.at(bounds.max) });
+        let Some(rect) = focus::map_rect(pane, picture, work) else { return };
+        let scale = rect.size()[0] / picture[0];
+        let factor = (1.0 / (scale * self.look.density)).floor().max(1.0) as usize;
+        let image = Primitive::Image { pixels: Arc::new(reduced(pixels, factor).into_owned()), rect };
+        let at = |point: Point| [0, 1].map(|i| rect.min[i] + (point[i] - placement.origin[i]) / placement.zoom * scale);
+        let seen = Rect { min: at(pane.min), max: at(pane.max) };
+        let primitives = [vec![image], focus_frames(rect, seen)].concat();
+        self.pictures.push(Layer { clip: Some(rect.grown(2.0)), primitives });
     }
 
     fn header(&mut self, caption: &Caption) {
@@ -305,7 +355,7 @@ impl Layout<'_> {
     fn legend(&mut self, parts: &[Part<'_>], scene: &Scene) {
         let panels: Vec<_> = parts.iter().flat_map(|part| self.options.view.panels(&part.pictures)).collect();
         let marks = scene.marks.iter().filter(|mark| panels.iter().any(|panel| panel.shows(mark.on)));
-        let mut entries = legend::entries(&scene.legend, marks.clone(), &self.look, self.zoom());
+        let mut entries = legend::entries(&scene.legend, marks.clone(), &self.look, self.zoom() * self.times);
         let heat = self.look.heat.filter(|_| has_heat(marks));
         let heat = heat.map(|range| Bar::heat(&self.options.heat, range, self.look.colors));
         // Several have one scale.
@@ -338,6 +388,52 @@ impl Layout<'_> {
         self.words.push(Primitive::Text(Line { at, anchor: Anchor::Start, size, runs, halo: None }));
         self.y += line_height(size);
     }
+}
+
+/// What is magnified of the pictures of each part.
+fn close_ups(parts: &[Part<'_>], options: &FigureOptions) -> Vec<Option<CloseUp>> {
+    let Some(size) = parts.first().map(|part| part.pictures.pair[0].size()) else { return Vec::new() };
+    let works: Vec<_> = parts.iter().map(|part| Work::of(part.scene, size)).collect();
+    let site = Site { size, room: [size.0 as f32, size.1 as f32], at_end: options.at_end, before: &[] };
+    CloseUp::of(options.focus, &works, site)
+}
+
+/// Where a picture lies of which `pane` shows a close-up; `zoom` points are a pixel of the whole.
+fn magnified(pane: Rect, CloseUp { center, times }: CloseUp, zoom: f32) -> Placement {
+    let zoom = zoom * times;
+    let origin = [0, 1].map(|i| (pane.min[i] + pane.max[i]) / 2.0 - (center[i] + 0.5) * zoom);
+    Placement { origin, zoom, seen: Some(pane) }
+}
+
+/// The pixels that are seen at `place` and no others, where they lie.
+fn cut(pixels: &Grid<[u8; 4]>, place: Placement, seen: Rect) -> Primitive {
+    let last = [pixels.width(), pixels.height()];
+    let from = [0, 1].map(|i| (((seen.min[i] - place.origin[i]) / place.zoom).floor().max(0.0) as usize).min(last[i]));
+    let to = [0, 1].map(|i| (((seen.max[i] - place.origin[i]) / place.zoom).ceil().max(0.0) as usize).min(last[i]));
+    let part = Grid::from_fn(to[0] - from[0].min(to[0]), to[1] - from[1].min(to[1]), |x, y| {
+        pixels[(from[0] + x, from[1] + y)]
+    });
+    let at = |pixel: [usize; 2]| [0, 1].map(|i| place.origin[i] + pixel[i] as f32 * place.zoom);
+    Primitive::Image { pixels: Arc::new(part), rect: Rect::between(at(from), at(to)) }
+}
+
+/// The frame of a map of the whole picture, and that of what is seen of it.
+pub fn focus_frames(map: Rect, seen: Rect) -> Vec<Primitive> {
+    let line = |rect: Rect, width: f32, color: Color| {
+        let stroke = Stroke { width, color, dash: &[] };
+        Primitive::Polyline { points: rect.corners(), closed: true, stroke }
+    };
+    // What is seen stays within the map, however small it is.
+    let least = 2.0;
+    let min = [0, 1].map(|i| seen.min[i].max(map.min[i]).min(map.max[i] - least));
+    let max = [0, 1].map(|i| seen.max[i].min(map.max[i]).max(min[i] + least));
+    let seen = Rect { min, max };
+    vec![
+        line(map.grown(0.5), 3.0, Color::BLACK),
+        line(map.grown(0.5), 1.0, Color::WHITE),
+        line(seen, 4.0, Color::BLACK),
+        line(seen, 2.0, Color::WHITE),
+    ]
 }
 
 /// Title and, if it fits on the line, the place in the run, and the parameters below, from a place on in so much width; gives
@@ -388,6 +484,13 @@ fn on_grid(v: f32) -> f32 {
 
 fn shown(panel: Panel, scene: &Scene) -> impl Iterator<Item = &Mark> {
     scene.marks.iter().filter(move |mark| panel.shows(mark.on))
+}
+
+/// Whether colours to be read off a scale cover a panel: a layer of motion, or numbers of all pixels.
+pub fn has_colors(panel: Panel, pictures: &Pictures, scene: &Scene) -> bool {
+    let size = panel.frames(pictures)[0].size();
+    let covers = |mark: &Mark| matches!(&mark.shape, Shape::Heat { values, .. } if values.size() == size);
+    (panel.is_tinted() && pictures.layer.is_some()) || shown(panel, scene).any(covers)
 }
 
 fn has_heat<'a>(mut marks: impl Iterator<Item = &'a Mark>) -> bool {

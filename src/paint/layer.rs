@@ -12,10 +12,10 @@ use super::{Color, ColorMap, Theme, flow_color, number};
 pub struct Opacity(f32);
 
 impl Opacity {
-    /// Of a flow's colours over footage, unless another is chosen: they cover all of it.
-    pub const WHEEL: Self = Self(0.61);
-    /// Of the colours of numbers.
-    pub const SCALE: Self = Self(0.72);
+    /// Of a flow's colours over footage, unless another is chosen; where little moves they are clearer.
+    pub const WHEEL: Self = Self(0.8);
+    /// Of the colours of numbers: so opaque that over a dimmed picture they can be read off their scale.
+    pub const SCALE: Self = Self(0.82);
     /// Of pixels that failed a check.
     const MARKS: Self = Self(0.88);
 
@@ -36,6 +36,74 @@ impl Opacity {
     fn alpha(self) -> u8 {
         (255.0 * self.0).round() as u8
     }
+}
+
+/// How the picture under a layer of colours is shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Backdrop {
+    /// Gray and dark.
+    #[default]
+    Dimmed,
+    /// As it is.
+    Plain,
+}
+
+impl Backdrop {
+    /// Every way.
+    pub const ALL: [Backdrop; 2] = [Backdrop::Dimmed, Backdrop::Plain];
+
+    /// Stable name, for sessions and the command line.
+    pub fn id(self) -> &'static str {
+        match self {
+            Backdrop::Dimmed => "dimmed",
+            Backdrop::Plain => "plain",
+        }
+    }
+
+    /// Name as shown.
+    pub fn name(self) -> &'static str {
+        match self {
+            Backdrop::Dimmed => "Dimmed picture",
+            Backdrop::Plain => "Picture in its own colours",
+        }
+    }
+
+    /// What it shows, in one sentence.
+    pub fn tip(self) -> &'static str {
+        match self {
+            Backdrop::Dimmed => "The picture under colours is gray and dark, so that they can be read off their scale.",
+            Backdrop::Plain => "The picture under colours keeps its own, which mix with them.",
+        }
+    }
+}
+
+/// How bright a dimmed picture is.
+const DIMMED: f32 = 0.45;
+
+/// A picture gray and dark, for colours to lie over.
+pub fn dimmed(pixels: &Grid<[u8; 4]>) -> Grid<[u8; 4]> {
+    colored(pixels, |&[r, g, b, a]| {
+        let gray = 0.299 * f32::from(r) + 0.587 * f32::from(g) + 0.114 * f32::from(b);
+        let gray = (DIMMED * gray).round() as u8;
+        [gray, gray, gray, a]
+    })
+}
+
+/// Up to this share of the scale colours fade, so that what does not move is no veil over the picture.
+const FADED: f32 = 0.2;
+
+/// How much of its opacity a motion of this share of the scale has: none where nothing moves.
+pub(super) fn veil(share: f32) -> f32 {
+    (share / FADED).clamp(0.0, 1.0)
+}
+
+/// What is chosen of a layer.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LayerStyle {
+    /// How opaque it is; `None` for what suits it, and clear where nothing moves.
+    pub opacity: Option<Opacity>,
+    /// The number at the end of its scale; `None` for one that the values have.
+    pub high: Option<f32>,
 }
 
 /// From so many values on, only every few are asked how large they are.
@@ -176,14 +244,16 @@ pub struct Scalars {
 }
 
 impl Tint {
-    /// The colours of the wheel for each of `flows`, which share one scale; as opaque as usual unless told otherwise.
-    pub fn wheel(flows: &[Arc<Flow>], opacity: Option<Opacity>) -> Vec<Self> {
-        let alpha = opacity.unwrap_or(Opacity::WHEEL).alpha();
+    /// The colours of the wheel for each of `flows`, which share one scale. Where an opacity is chosen, all colours have it.
+    pub fn wheel(flows: &[Arc<Flow>], style: LayerStyle) -> Vec<Self> {
+        let alpha = style.opacity.unwrap_or(Opacity::WHEEL).alpha();
         let lengths = flows.iter().flat_map(|flow| flow.0.cells().iter().map(|[u, v]| u.hypot(*v)));
-        let longest = usual_most(lengths, flows.iter().map(|flow| flow.0.cells().len()).sum()).0.max(1e-3);
+        let found = || usual_most(lengths, flows.iter().map(|flow| flow.0.cells().len()).sum()).0;
+        let longest = style.high.unwrap_or_else(found).max(1e-3);
         let color = |uv: &[f32; 2]| match flow_color(*uv, longest) {
-            color if color.0[3] > 0 => color.alpha(alpha).0,
-            _ => [0; 4],
+            color if color.0[3] == 0 => [0; 4],
+            color if style.opacity.is_some() => color.alpha(alpha).0,
+            color => color.alpha((f32::from(alpha) * veil(uv[0].hypot(uv[1]) / longest)).round() as u8).0,
         };
         let layer = |flow: &Arc<Flow>| Self {
             kind: FlowLayer::Wheel,
@@ -193,13 +263,19 @@ impl Tint {
         flows.iter().map(layer).collect()
     }
 
-    /// Numbers in the colours of `colors`; as opaque as usual unless told otherwise.
-    pub fn scale(scalars: Scalars, colors: ColorMap, opacity: Option<Opacity>) -> Vec<Self> {
+    /// Numbers in the colours of `colors`. Lengths of motion are clear where nothing moves, unless an opacity is chosen.
+    pub fn scale(scalars: Scalars, colors: ColorMap, style: LayerStyle) -> Vec<Self> {
+        let LayerStyle { opacity, .. } = style;
         let alpha = opacity.unwrap_or(Opacity::SCALE).alpha();
         let Scalars { kind, label, unit, values, marks } = scalars;
         let all = values.iter().flat_map(|values| values.cells().iter().copied());
-        let (high, is_cut) = usual_most(all, values.iter().map(|values| values.cells().len()).sum());
-        let table: Vec<[u8; 4]> = (0..=255).map(|i| colors.at(i as f32 / 255.0).alpha(alpha).0).collect();
+        let (usual, most) = usual_most(all, values.iter().map(|values| values.cells().len()).sum());
+        let high = style.high.unwrap_or(usual);
+        let is_cut = most > high * 1.001;
+        let is_veiled = opacity.is_none() && kind == FlowLayer::Magnitude;
+        let alpha_at = |share: f32| if is_veiled { (f32::from(alpha) * veil(share)).round() as u8 } else { alpha };
+        let entry = |share: f32| colors.at(share).alpha(alpha_at(share)).0;
+        let table: Vec<[u8; 4]> = (0..=255).map(|i| entry(i as f32 / 255.0)).collect();
         let color = |v: &f32| match v.is_finite() {
             true => table[((v / high.max(f32::MIN_POSITIVE) * 255.0 + 0.5) as usize).min(255)],
             false => [0; 4],
@@ -213,6 +289,19 @@ impl Tint {
             Self { kind, pixels: Arc::new(pixels), key: key.clone() }
         };
         values.iter().map(layer).collect()
+    }
+
+    /// The number at the end of its scale.
+    pub fn end(&self) -> f32 {
+        match &self.key {
+            TintKey::Wheel(longest) => *longest,
+            TintKey::Scale { high, .. } => *high,
+        }
+    }
+
+    /// Whether its scale is one of px.
+    pub fn has_unit(&self) -> bool {
+        !matches!(self.key, TintKey::Scale { unit: "", .. })
     }
 
     /// What stands in the legend for it: signs with their meaning, and a bar of colours.
@@ -239,8 +328,8 @@ impl Tint {
     }
 }
 
-/// The number that one in a hundred exceeds, and whether any does: a few that went astray would pale all others.
-fn usual_most(values: impl Iterator<Item = f32>, count: usize) -> (f32, bool) {
+/// The number that one in a hundred exceeds, and the largest: a few that went astray would pale all others.
+fn usual_most(values: impl Iterator<Item = f32>, count: usize) -> (f32, f32) {
     let every = count.div_ceil(SAMPLE).max(1);
     let mut most = 0.0f32;
     let mut sample = Vec::with_capacity(count / every + 1);
@@ -250,11 +339,11 @@ fn usual_most(values: impl Iterator<Item = f32>, count: usize) -> (f32, bool) {
             sample.push(v);
         }
     }
-    let Some(place) = sample.len().checked_sub(1).map(|last| last * 99 / 100) else { return (most, false) };
+    let Some(place) = sample.len().checked_sub(1).map(|last| last * 99 / 100) else { return (most, most) };
     let usual = *sample.select_nth_unstable_by(place, f32::total_cmp).1;
     // Where all but a few are nothing, these are the scale.
     let usual = if usual > 0.0 { usual } else { most };
-    (usual, most > usual * 1.001)
+    (usual, most)
 }
 
 /// `color` of every value, worked out on all cores; a small picture is done before they would be at hand.
@@ -292,13 +381,13 @@ mod tests {
     fn scalars(values: Grid<f32>, marks: Option<Grid<bool>>) -> Tint {
         let scalars =
             Scalars { kind: FlowLayer::Error, label: "endpoint error".into(), unit: "px", values: vec![values], marks };
-        Tint::scale(scalars, ColorMap::Viridis, None).remove(0)
+        Tint::scale(scalars, ColorMap::Viridis, LayerStyle::default()).remove(0)
     }
 
     #[test]
     fn a_few_astray_do_not_pale_the_wheel() {
         let flow = |odd: f32| Arc::new(Flow(Grid::from_fn(100, 10, |x, y| [if x + y == 0 { odd } else { 2.0 }, 0.0])));
-        let layers = Tint::wheel(&[flow(2.0), flow(90.0)], None);
+        let layers = Tint::wheel(&[flow(2.0), flow(90.0)], LayerStyle::default());
         assert_eq!(layers[0].key, TintKey::Wheel(2.0));
         assert_eq!(layers[0].pixels[(5, 5)], layers[1].pixels[(5, 5)], "several share one scale");
         let said = layers[0].legend().0.remove(0).meaning;
@@ -347,11 +436,51 @@ mod tests {
         let flow = Arc::new(Flow(Grid::from_fn(4, 1, |x, _| if x == 0 { Flow::UNKNOWN } else { [1.0, 0.0] })));
         let alphas = |tint: Vec<Tint>| tint[0].pixels.cells().iter().map(|pixel| pixel[3]).collect::<Vec<_>>();
         for (chosen, alpha) in [(1.0, 255), (0.4, 102), (0.0, 0)] {
-            let opacity = Opacity::new(chosen).ok();
+            let style = LayerStyle { opacity: Opacity::new(chosen).ok(), high: None };
             let known = [0, alpha, alpha, alpha];
-            assert_eq!(alphas(Tint::scale(numbers(), ColorMap::Viridis, opacity)), known);
-            assert_eq!(alphas(Tint::wheel(std::slice::from_ref(&flow), opacity)), known);
+            assert_eq!(alphas(Tint::scale(numbers(), ColorMap::Viridis, style)), known);
+            assert_eq!(alphas(Tint::wheel(std::slice::from_ref(&flow), style)), known);
         }
         assert!(Opacity::new(1.1).is_err() && Opacity::new(f32::NAN).is_err());
+    }
+
+    #[test]
+    fn what_does_not_move_is_no_veil_unless_its_opacity_is_chosen() {
+        let flow = Arc::new(Flow(Grid::from_fn(40, 1, |x, _| [if x < 8 { 0.0 } else { 2.0 }, 0.0])));
+        let wheel =
+            |opacity| Tint::wheel(std::slice::from_ref(&flow), LayerStyle { opacity, high: None }).remove(0).pixels;
+        assert_eq!(wheel(None)[(0, 0)][3], 0);
+        assert_eq!(wheel(None)[(20, 0)][3], Opacity::WHEEL.alpha());
+        assert_eq!(wheel(Opacity::new(1.0).ok())[(0, 0)], [255; 4], "white by choice");
+        let lengths = flow.0.map(|[u, _]| *u);
+        let of = |kind| Scalars { kind, label: String::new(), unit: "px", values: vec![lengths.clone()], marks: None };
+        let alpha = |kind| Tint::scale(of(kind), ColorMap::Viridis, LayerStyle::default()).remove(0).pixels[(0, 0)][3];
+        assert_eq!([alpha(FlowLayer::Magnitude), alpha(FlowLayer::Error)], [0, Opacity::SCALE.alpha()]);
+    }
+
+    #[test]
+    fn a_fixed_scale_is_the_same_whatever_was_found() {
+        let flow = |u: f32| Arc::new(Flow(Grid::from_fn(40, 1, |_, _| [u, 0.0])));
+        let style = LayerStyle { opacity: None, high: Some(8.0) };
+        for found in [1.0, 4.0, 20.0] {
+            let layer = Tint::wheel(&[flow(found)], style).remove(0);
+            assert_eq!(layer.key, TintKey::Wheel(8.0));
+        }
+        let of = |most: f32| Scalars {
+            kind: FlowLayer::Error,
+            label: "endpoint error".into(),
+            unit: "px",
+            values: vec![Grid::new(4, 1, most)],
+            marks: None,
+        };
+        let end = |most| Tint::scale(of(most), ColorMap::Viridis, style).remove(0).legend().1.unwrap().ends[1].clone();
+        assert_eq!([end(2.0), end(9.0)], ["8 px", "≥ 8 px"].map(str::to_owned));
+    }
+
+    #[test]
+    fn a_dimmed_picture_is_gray_and_dark() {
+        let pixels = dimmed(&Grid::new(2, 1, [200, 40, 90, 255]));
+        let [r, g, b, a] = pixels[(0, 0)];
+        assert!(r == g && g == b && r < 60 && a == 255);
     }
 }

@@ -6,6 +6,7 @@ use motionscope_core::scene::{Mark, Shape};
 use motionscope_core::{Grid, Role};
 
 use super::primitive::{Anchor, Arrows, Line, Pen, Point, Primitive, Rect, Run, Stroke};
+use super::wrap::wrap;
 use super::{Color, ColorMap, Face, Ink, Look, Theme, flow_color, fonts, layer, marks, number};
 
 /// Width and height of a swatch.
@@ -14,6 +15,10 @@ const BAR: [f32; 2] = [128.0, 8.0];
 /// Width of a bar that has little room, at least.
 const SHORTEST_BAR: f32 = 48.0;
 const GAP: f32 = 8.0;
+/// Length of the arrow in a swatch, by which the scale of the others is told.
+const ARROW: f32 = 24.0;
+/// Diameter of the wheel in the legend of a figure.
+const WHEEL: f32 = 96.0;
 
 /// One line of a legend.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,6 +46,8 @@ pub enum Sample {
     Line,
     /// The wheel of colours.
     Wheel,
+    /// Pixels that are covered.
+    Area,
     /// Stripes.
     Hatch,
     /// Dots: what is not there yet.
@@ -61,6 +68,7 @@ impl Bar {
     pub fn heat(label: &str, range: [f32; 2], colors: ColorMap) -> Self {
         let [low, high] = range.map(number);
         let low = format!("{label} {low}").trim_start().to_owned();
+        let high = if colors == ColorMap::Diverging { format!("{high} (gray: 0)") } else { high };
         Self { ends: [low, if range[0] == range[1] { String::new() } else { high }], colors }
     }
 
@@ -81,7 +89,7 @@ impl Sample {
             Shape::Arrows(_) | Shape::Flow { .. } => Some(Sample::Arrow),
             Shape::Points(_) => Some(Sample::Point),
             Shape::Path { .. } => Some(Sample::Line),
-            Shape::Mask(_) => Some(Sample::Point),
+            Shape::Mask(_) => Some(Sample::Area),
             Shape::Text { .. } | Shape::Heat { .. } | Shape::Labels(_) => None,
         }
     }
@@ -102,9 +110,7 @@ pub fn entries<'a>(
         }
         let long = match look.lengthen {
             _ if sample != Sample::Arrow || !marks::is_lengthened(role) => String::new(),
-            1.0 => String::new(),
-            0.5 => ", drawn at half length".to_owned(),
-            times => format!(", drawn ×{times}"),
+            times => format!("{} (arrow of {ARROW:.0} pt = {} px)", drawn(times), measure(ARROW / (times * zoom))),
         };
         let is_thinned = marks.clone().any(|mark| match &mark.shape {
             Shape::Arrows(arrows) => mark.role == role && marks::is_thinned(arrows, zoom * look.density, look.spacing),
@@ -118,6 +124,25 @@ pub fn entries<'a>(
         Some(Entry { role, sample, meaning: format!("{meaning}{long}{thinned}") })
     };
     meanings.iter().filter_map(entry).collect()
+}
+
+/// How many times their length displacements are drawn, where that is another.
+fn drawn(times: f32) -> String {
+    match times {
+        1.0 => String::new(),
+        0.5 => ", drawn at half length".to_owned(),
+        times => format!(", drawn ×{times}"),
+    }
+}
+
+/// A length in px with two digits that count.
+fn measure(px: f32) -> String {
+    match px {
+        px if !px.is_finite() => "–".into(),
+        px if px < 1.0 => format!("{px:.2}"),
+        px if px < 10.0 => format!("{px:.1}").trim_end_matches(".0").to_owned(),
+        px => format!("{px:.0}"),
+    }
 }
 
 /// `sample` in the ink of `role`, [`SWATCH`] large, with its upper left corner at `min`.
@@ -141,6 +166,10 @@ pub fn swatch(role: Role, sample: Sample, theme: Theme, min: Point) -> Vec<Primi
             let radii = [(x1 - x0) / 2.0, (y1 - y0) / 2.0];
             marks::line(&mut out, &ink, marks::ellipse([x0 + radii[0], middle], radii, 0.0), true);
         }
+        Sample::Area => {
+            let points = inner.corners();
+            out.push(Primitive::Polygon { points, color: ink.color.alpha(marks::HEAT_ALPHA) });
+        }
         Sample::Hatch => {
             let stripe = |i: usize, color: Color| {
                 let x = rect.min[0] + 4.0 * i as f32;
@@ -160,14 +189,17 @@ pub fn swatch(role: Role, sample: Sample, theme: Theme, min: Point) -> Vec<Primi
         Sample::Arrow => {
             let Ink { color, halo, halo_width, .. } = ink;
             let width = ink.width.min(theme.ink(Role::Result).width);
-            let (from, to) = ([x0 + width, middle], [rect.max[0], middle]);
+            let (from, to) = ([rect.max[0] - ARROW, middle], [rect.max[0], middle]);
             out.push(Primitive::Arrows(Arrows::one(from, to, Pen { width, color, halo, halo_width })));
         }
     }
     out
 }
 
-/// The wheel of colours in rings, white in the middle: where a colour lies there, its displacement leads.
+/// What lies under the wheel, as a dimmed picture under the colours of motion.
+const GROUND: Color = Color([60, 60, 60, 255]);
+
+/// The wheel of colours in rings, clear in the middle: where a colour lies there, its displacement leads.
 pub fn wheel(center: Point, radius: f32) -> Vec<Primitive> {
     const SLICES: usize = 48;
     // As fine as it is large.
@@ -180,13 +212,28 @@ pub fn wheel(center: Point, radius: f32) -> Vec<Primitive> {
         let (inner, outer) = (ring as f32 / rings as f32, (ring + 1) as f32 / rings as f32);
         let points = vec![at(slice, inner), at(slice, outer), at(slice + 1, outer), at(slice + 1, inner)];
         let angle = (slice as f32 + 0.5) / SLICES as f32 * std::f32::consts::TAU;
-        let color = flow_color([angle.cos() * outer, angle.sin() * outer], 1.0);
+        // As over a dimmed picture, where little motion is hardly any colour.
+        let color = GROUND.mix(flow_color([angle.cos() * outer, angle.sin() * outer], 1.0), layer::veil(outer));
         Primitive::Polygon { points, color }
     };
     (0..rings)
         .flat_map(|ring| (0..SLICES).map(move |slice| (ring, slice)))
         .map(|(ring, slice)| cell(ring, slice))
         .collect()
+}
+
+/// The same as pixels, without the seams of its cells.
+fn wheel_image(rect: Rect) -> Primitive {
+    let side = (4.0 * rect.size()[0]) as usize;
+    let half = side as f32 / 2.0;
+    let color = |x: usize, y: usize| {
+        let uv = [x, y].map(|c| (c as f32 + 0.5) / half - 1.0);
+        let length = uv[0].hypot(uv[1]);
+        let color = GROUND.mix(flow_color(uv, 1.0f32.max(length)), layer::veil(length));
+        // The rim is soft over a pixel.
+        color.alpha((255.0 * ((1.0 - length) * half + 0.5).clamp(0.0, 1.0)) as u8).0
+    };
+    Primitive::Image { pixels: Arc::new(Grid::from_fn(side, side, color)), rect }
 }
 
 /// A point in the ink of `role` at `at`.
@@ -212,8 +259,11 @@ pub(super) fn strip(
 ) -> (Vec<Primitive>, f32) {
     let size = theme.sizes().small;
     let mut strip = Strip { theme, min, width, at: min, height: line_height(size), size, out: Vec::new() };
-    entries.iter().for_each(|entry| strip.entry(entry));
+    let (wheels, signs): (Vec<_>, Vec<_>) = entries.iter().partition(|entry| entry.sample == Sample::Wheel);
+    signs.into_iter().for_each(|entry| strip.entry(entry));
     bars.iter().for_each(|bar| strip.bar(bar));
+    // Last, on a line of its own: large enough to find a direction in it.
+    wheels.into_iter().for_each(|entry| strip.wheel(entry));
     let height = if strip.out.is_empty() { 0.0 } else { strip.at[1] + strip.height - min[1] };
     (strip.out, height)
 }
@@ -256,10 +306,38 @@ impl Strip {
     fn entry(&mut self, entry: &Entry) {
         let [wide, high] = SWATCH;
         let width = wide + GAP + fonts::width(&entry.meaning, Face::Sans, self.size);
-        let [x, y] = self.place(width);
+        let [x, y] = self.place(width.min(self.width));
         let swatch = swatch(entry.role, entry.sample, self.theme, [x, y + (self.height - high) / 2.0]);
         self.out.extend(swatch);
-        self.words(&entry.meaning, [x + wide + GAP, y]);
+        if width <= self.width {
+            return self.words(&entry.meaning, [x + wide + GAP, y]);
+        }
+        // Wider than the figure: on as many lines as it takes.
+        let runs = [Run::new(&entry.meaning, self.theme.chrome().text)];
+        let lines = wrap(&runs, self.size, (self.width - wide - GAP).max(wide));
+        for (i, runs) in lines.iter().enumerate() {
+            self.at[1] = y + i as f32 * self.height;
+            let text: String = runs.iter().map(|run| run.text.as_str()).collect();
+            self.words(text.trim_end(), [x + wide + GAP, self.at[1]]);
+        }
+    }
+
+    fn wheel(&mut self, entry: &Entry) {
+        if !self.out.is_empty() {
+            self.at = [self.min[0], self.at[1] + self.height + 4.0];
+        }
+        let [x, y] = self.at;
+        self.out.push(wheel_image(Rect::new([x, y], [WHEEL; 2])));
+        let (color, room) = (self.theme.chrome().text, (self.width - WHEEL - GAP).max(GAP));
+        let parts = entry.meaning.split_inclusive(", ").map(|part| vec![Run::new(part.trim_end(), color)]);
+        let lines: Vec<_> = parts.flat_map(|runs| wrap(&runs, self.size, room)).collect();
+        let top = y + (WHEEL - self.height * lines.len() as f32) / 2.0;
+        for (i, runs) in lines.into_iter().enumerate() {
+            let baseline = (top + self.height * (i as f32 + 0.5) + self.size * 0.365).round();
+            let at = [x + WHEEL + GAP, baseline];
+            self.out.push(Primitive::Text(Line { at, anchor: Anchor::Start, size: self.size, runs, halo: None }));
+        }
+        self.at = [self.min[0], y + WHEEL - self.height];
     }
 
     fn bar(&mut self, bar: &Bar) {
@@ -313,6 +391,17 @@ mod tests {
     }
 
     #[test]
+    fn a_long_meaning_is_wrapped_to_the_width_of_the_figure() {
+        let meaning = "displacements found, drawn ×2 (arrow of 24 pt = 12 px), one about every 16 px drawn".to_owned();
+        let entry = Entry { role: Role::Result, sample: Sample::Arrow, meaning };
+        let (primitives, height) = strip(&[entry.clone(), entry], &[], Theme::Dark, ([0.0; 2], 240.0));
+        let lines = primitives.iter().filter_map(|p| if let Primitive::Text(line) = p { Some(line) } else { None });
+        let lines: Vec<_> = lines.collect();
+        assert!(lines.len() >= 6 && lines.iter().all(|line| line.at[0] + line.width() <= 240.0), "{lines:?}");
+        assert!(lines.windows(2).all(|pair| pair[0].at[1] < pair[1].at[1]) && lines[5].at[1] < height);
+    }
+
+    #[test]
     fn every_swatch_stays_in_its_box() {
         let samples = [
             Sample::Frame,
@@ -321,6 +410,7 @@ mod tests {
             Sample::Point,
             Sample::Line,
             Sample::Wheel,
+            Sample::Area,
             Sample::Hatch,
             Sample::Awaited,
         ];

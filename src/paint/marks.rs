@@ -15,7 +15,7 @@ const CLOSEST: f32 = 5.0;
 /// The same where it is chosen: closer, nobody can see one from the next.
 const DISTINCT: f32 = 1.0;
 /// Opacity of heat over footage.
-const HEAT_ALPHA: u8 = 0xb8;
+pub(super) const HEAT_ALPHA: u8 = 0xb8;
 /// How near to each other the arrows of a dense field are drawn unless it is chosen, in points of the window and pixels of a file.
 const AIRY: f32 = 9.0;
 /// Where the arrows of a dense field stand this far apart on the screen, in points, there is room for one more between two.
@@ -82,7 +82,14 @@ impl Look {
             Lengthen::Times(factor) if factor.is_finite() && factor > 0.0 => factor,
             Lengthen::Times(_) => 1.0,
         };
-        Self { theme, colors, heat: heat_range(scene), lengthen, spacing, streak_frames, density: 1.0 }
+        let heat = heat_range(scene);
+        // Numbers of both signs have 0 in the middle of their own colours.
+        let signed = heat.filter(|[low, high]| *low < 0.0 && *high > 0.0).map(|[low, high]| high.max(-low));
+        let (heat, colors) = match signed {
+            Some(most) => (Some([-most, most]), ColorMap::Diverging),
+            None => (heat, colors),
+        };
+        Self { theme, colors, heat, lengthen, spacing, streak_frames, density: 1.0 }
     }
 }
 
@@ -160,8 +167,14 @@ impl Painter<'_> {
             }
             Shape::Arrows(arrows) => self.arrows(role, arrows),
             Shape::Points(points) => {
+                // Neighbours that are tested one after the other must not merge into a blob.
+                let reach = 0.36 * nearest(points) * self.place.zoom;
+                let ink = self.ink;
+                let radius = (POINT + ink.width).min(reach.max(LEAST_POINT));
+                let thin = radius / (POINT + ink.width);
+                let ink = Ink { width: (ink.width * thin).max(0.8), halo_width: ink.halo_width * thin, ..ink };
                 for &at in points {
-                    point(self.out, &self.ink, self.place.at(at));
+                    sized_point(self.out, &ink, self.place.at(at), radius);
                 }
             }
             Shape::Text { at, text } => self.out.push(Primitive::Text(Line {
@@ -327,9 +340,28 @@ pub(super) fn line(out: &mut Vec<Primitive>, ink: &Ink, points: Vec<Point>, clos
     out.push(Primitive::Polyline { points, closed, stroke });
 }
 
+/// Radius of a point beyond its line, in points.
+const POINT: f32 = 2.0;
+/// Radius of the smallest point, in points.
+const LEAST_POINT: f32 = 1.2;
+/// So many points tell how near they lie to each other.
+const ASKED: usize = 48;
+
+/// Distance of the two nearest of `points`, of the first if there are many.
+fn nearest(points: &[[f32; 2]]) -> f32 {
+    let asked = &points[..points.len().min(ASKED)];
+    let gap = |a: &[f32; 2], b: &[f32; 2]| length([a[0] - b[0], a[1] - b[1]]);
+    let all = asked.iter().enumerate().flat_map(|(i, a)| asked[..i].iter().map(move |b| gap(a, b)));
+    all.filter(|gap| *gap > 0.0).fold(f32::INFINITY, f32::min)
+}
+
 /// A point in `ink` at `at`.
 pub(super) fn point(out: &mut Vec<Primitive>, ink: &Ink, at: Point) {
-    let r = 2.0 + ink.width;
+    sized_point(out, ink, at, POINT + ink.width);
+}
+
+/// The same with a radius in points.
+fn sized_point(out: &mut Vec<Primitive>, ink: &Ink, at: Point, r: f32) {
     let around = |offsets: &[Point]| offsets.iter().map(|o| [at[0] + o[0] * r, at[1] + o[1] * r]).collect::<Vec<_>>();
     match ink.point {
         PointShape::Disc => {
@@ -428,7 +460,7 @@ fn heat_range(scene: &Scene) -> Option<[f32; 2]> {
     })
 }
 
-/// The power of two, ½ to 4, by which displacements are drawn so that few are longer than a step between them.
+/// The power of two, ½ to 8, by which displacements are drawn so that few are longer than a step between them.
 ///
 /// Where a window is searched its range decides, which stays the same from block to block; else what was found does.
 fn fitting(scene: &Scene, wanted: Option<f32>) -> Option<f32> {
@@ -456,7 +488,7 @@ fn fitting(scene: &Scene, wanted: Option<f32>) -> Option<f32> {
 
 fn times(room: f32) -> f32 {
     // A little beyond the neighbour is better than half the length.
-    if room < 0.75 { 0.5 } else { [4.0, 2.0].into_iter().find(|times| *times <= room).unwrap_or(1.0) }
+    if room < 0.75 { 0.5 } else { [8.0, 4.0, 2.0].into_iter().find(|times| *times <= room).unwrap_or(1.0) }
 }
 
 /// Side of the block and range of the search in px, if a block is searched for in a window.
@@ -516,7 +548,8 @@ mod tests {
     #[test]
     fn small_motions_are_lengthened_and_large_ones_shortened() {
         let factor = |step, motion| Look::new(&field(step, motion), Style::default()).lengthen;
-        assert_eq!(factor(16.0, 1.0), 4.0);
+        assert_eq!(factor(16.0, 1.0), 8.0);
+        assert_eq!(factor(16.0, 3.0), 4.0);
         assert_eq!(factor(16.0, 5.0), 2.0);
         assert_eq!(factor(16.0, 15.0), 1.0);
         assert_eq!(factor(16.0, 30.0), 0.5);
@@ -556,6 +589,38 @@ mod tests {
         let primitives = resolve(&scene.marks, &look, Placement::new([0.0; 2], 2.0));
         let Some(Primitive::Polyline { stroke, .. }) = primitives.last() else { panic!("{primitives:?}") };
         assert_eq!(stroke.color, Theme::Dark.ink(Role::Candidate).color);
+    }
+
+    #[test]
+    fn numbers_of_both_signs_have_zero_in_the_middle() {
+        let heat = |values: [f32; 2]| {
+            let mut scene = Scene::default();
+            let values = Grid::from_fn(2, 1, |x, _| values[x]);
+            scene.mark(Picture::CURRENT, Role::Candidate, Shape::Heat { origin: [0.0; 2], values });
+            let look = Look::new(&scene, Style::default());
+            (look.heat, look.colors)
+        };
+        assert_eq!(heat([-2.0, 8.0]), (Some([-8.0, 8.0]), ColorMap::Diverging));
+        assert_eq!(heat([0.0, 8.0]), (Some([0.0, 8.0]), ColorMap::Viridis));
+    }
+
+    #[test]
+    fn points_beside_each_other_do_not_merge() {
+        let bounds = |gap: f32, zoom: f32| {
+            let mut scene = Scene::default();
+            scene.mark(Picture::NEXT, Role::Rejected, Shape::Points(vec![[10.0, 10.0], [10.0 + gap, 10.0]]));
+            let look = Look::new(&scene, Style::default());
+            let all = resolve(&scene.marks, &look, Placement::new([0.0; 2], zoom));
+            let ends = all.iter().filter_map(|primitive| match primitive {
+                Primitive::Polyline { points, .. } => {
+                    Some([points[0][0].min(points[1][0]), points[0][0].max(points[1][0])])
+                }
+                _ => None,
+            });
+            ends.map(|[from, to]| to - from).fold(0.0, f32::max)
+        };
+        assert!(bounds(1.0, 6.0) < 6.0, "{} wide at 6 points", bounds(1.0, 6.0));
+        assert!(bounds(1.0, 30.0) >= 6.0 && bounds(9.0, 6.0) >= 6.0, "as large as ever where there is room");
     }
 
     #[test]

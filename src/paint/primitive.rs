@@ -166,13 +166,13 @@ impl Line {
 /// The form of every arrow, whoever draws it; the window's shader is told the same numbers.
 pub mod form {
     /// Radius of the dot at the origin, in widths.
-    pub const DOT: f32 = 1.1;
-    /// Least length of any displacement at all, in widths: it reaches beyond its dot, so that its direction is seen.
-    pub const REACH: f32 = 2.2;
+    pub const DOT: f32 = 0.9;
+    /// Least length of what points anywhere, in widths; less is nearly nothing, and a dot.
+    pub const REACH: f32 = 1.6;
     /// Length of the head, in widths.
     pub const HEAD: f32 = 4.0;
     /// Most of an arrow's length that is head.
-    pub const HEAD_SHARE: f32 = 0.75;
+    pub const HEAD_SHARE: f32 = 0.45;
     /// Half the width of the head, as a share of its length.
     pub const BARB: f32 = 0.4;
     /// Half the width of the shaft where it meets the head, in widths.
@@ -225,8 +225,8 @@ impl Arrows {
             let from = [0, 1].map(|i| self.origin[i] + ends.from[i] * self.zoom);
             let way = [0, 1].map(|i| (ends.to[i] - ends.from[i]) * self.lengthen * self.zoom);
             let length = way[0].hypot(way[1]);
-            let stretch = if length > 0.0 { (form::REACH * self.pen.width / length).max(1.0) } else { 0.0 };
-            Arrow { from, to: [0, 1].map(|i| from[i] + way[i] * stretch), pen: self.pen }
+            let is_any = length >= form::REACH * self.pen.width;
+            Arrow { from, to: [0, 1].map(|i| if is_any { from[i] + way[i] } else { from[i] }), pen: self.pen }
         })
     }
 }

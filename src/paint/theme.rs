@@ -149,7 +149,8 @@ impl Theme {
             Role::Best => (BLUISH_GREEN, 3.0, SOLID, PointShape::Disc),
             Role::Result => (ORANGE, 2.0, SOLID, PointShape::Disc),
             Role::Predicted => (REDDISH_PURPLE, 2.0, &[5.0, 3.0], PointShape::Ring),
-            Role::Measured => (YELLOW, 2.0, SOLID, PointShape::Plus),
+            // What is measured and what is tentative or under test have one colour: a frame tells them by its dashes.
+            Role::Measured => (YELLOW, 2.0, &[3.0, 2.0], PointShape::Plus),
             Role::Estimate => (BLUISH_GREEN, 2.0, SOLID, PointShape::Diamond),
             Role::Truth => (Color::WHITE, 2.0, &[2.0, 3.0], PointShape::Ring),
             Role::Error => (VERMILION, 2.0, &[10.0, 3.0, 2.0, 3.0], PointShape::Triangle),
@@ -243,6 +244,21 @@ mod tests {
                     .iter()
                     .find(|other| (other.dash, other.width, other.point) == (ink.dash, ink.width, ink.point));
                 assert!(twin.is_none(), "{ink:?} and {twin:?} print alike");
+            }
+        }
+    }
+
+    #[test]
+    fn frames_of_two_roles_never_look_alike() {
+        for theme in Theme::ALL {
+            for (i, role) in Role::ALL.into_iter().enumerate() {
+                for other in &Role::ALL[..i] {
+                    let [a, b] = [role, *other].map(|role| theme.ink(role));
+                    assert!(
+                        (a.color, a.dash, a.width, a.fill) != (b.color, b.dash, b.width, b.fill),
+                        "{role:?} {other:?}"
+                    );
+                }
             }
         }
     }

@@ -8,7 +8,9 @@ use motionscope_core::{Cursor, Pace, Params, Value, estimator, estimators};
 use super::write::{relative, slashed};
 use super::*;
 use crate::experiment::side_by_side::SideBySide;
-use crate::paint::{ColorMap, FlowLayer, Lengthen, LevelShown, Opacity, Phase, Share, Theme, View};
+use crate::paint::{
+    Backdrop, ColorMap, FlowLayer, FocusMode, Lengthen, LevelShown, Opacity, Phase, Share, Theme, View,
+};
 use crate::view::look::Look;
 
 fn session(source: Source) -> Session {
@@ -105,11 +107,14 @@ fn what_a_session_does_not_say_is_left_as_it_is() {
     let usual = Look {
         view: Some(View::Blink),
         level: LevelShown::Number(1),
+        focus: FocusMode::On,
         blend: Share::new(0.2).unwrap(),
         theme: Theme::Projector,
         colors: ColorMap::Turbo,
         layer: Some(FlowLayer::Magnitude),
         layer_opacity: Opacity::new(0.3).ok(),
+        color_scale: Some(4.0),
+        backdrop: Backdrop::Plain,
         arrow_spacing: Some(24),
         arrow_scale: Lengthen::Times(4.0),
         streaks: Some(Phase::default()),
@@ -313,17 +318,20 @@ fn an_old_session_opens_unchanged() {
     let expected = Look {
         view: Some(View::Blend),
         level: LevelShown::AtWork,
+        focus: FocusMode::Auto,
         blend: Share::new(0.8).unwrap(),
         theme: Theme::Light,
         colors: ColorMap::Turbo,
         layer: Some(FlowLayer::Error),
         layer_opacity: Opacity::new(0.5).ok(),
+        color_scale: None,
+        backdrop: Backdrop::Dimmed,
         arrow_spacing: Some(16),
         arrow_scale: Lengthen::Times(2.5),
         streaks: Phase::new(0.25).ok(),
         legend: false,
         caption: true,
     };
-    assert_eq!(look, Changes::from(expected));
+    assert_eq!(look.over(Look::default()), expected);
     assert_eq!(sight, None);
 }

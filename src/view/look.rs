@@ -9,7 +9,8 @@ use motionscope_core::{Error, Params, Spec, Value, params};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::paint::{
-    ArrowStyle, ColorMap, FlowLayer, Lengthen, LevelShown, Opacity, Phase, Pictures, Share, Style, Theme, View,
+    ArrowStyle, Backdrop, ColorMap, FlowLayer, FocusMode, Lengthen, LevelShown, Opacity, Phase, Pictures, Share, Style,
+    Theme, View,
 };
 
 params! {
@@ -20,6 +21,8 @@ params! {
         view: Option<View> = None;
         /// Pyramid level to show; level 0 is the full-resolution frame.
         level: LevelShown = LevelShown::AtWork;
+        /// Whether the part in which a step works is shown magnified, with the whole picture as a small map.
+        focus: FocusMode = FocusMode::Auto;
         /// Weight of frame t + 1 in the blend.
         blend: Share = Share::default();
         /// Colours and sizes of marks and text.
@@ -30,6 +33,10 @@ params! {
         layer: Option<FlowLayer> = None;
         /// Opacity of the flow colours; auto chooses by the layer.
         layer_opacity: Option<Opacity> = None;
+        /// Displacement or error in px at the end of the colour scale, the same at every step; auto is the range of the step.
+        color_scale: Option<f32> = None, 0.01..=1000.0, "px";
+        /// How the picture under the flow colours is shown.
+        backdrop: Backdrop = Backdrop::Dimmed;
         /// Spacing of arrows or particles in px of the clip; auto chooses by the size of the picture.
         arrow_spacing: Option<u16> = None, 1..=256, "px";
         /// Scale factor of arrows, shown in the legend; auto fills the space between them.
@@ -99,8 +106,8 @@ impl Look {
     /// Whether `other` shares the flow layer, so that it need not be recomputed.
     pub fn shows_same_motion(&self, other: &Self) -> bool {
         let motion = |look: &Self| {
-            let Self { layer, layer_opacity, colors, arrow_spacing, streaks, .. } = *look;
-            (layer, layer_opacity, colors, arrow_spacing, streaks.is_some())
+            let Self { layer, layer_opacity, color_scale, colors, arrow_spacing, streaks, .. } = *look;
+            (layer, layer_opacity, color_scale, colors, arrow_spacing, streaks.is_some())
         };
         motion(self) == motion(other)
     }
@@ -225,10 +232,10 @@ mod tests {
     #[test]
     fn what_is_not_set_is_left_as_it_is() {
         let mut file = Changes::default();
-        file.set(3, "light").unwrap();
-        file.set(10, "on").unwrap();
+        file.set(4, "light").unwrap();
+        file.set(13, "on").unwrap();
         let mut flags = Changes::default();
-        flags.set(3, "projector").unwrap();
+        flags.set(4, "projector").unwrap();
         let before = Look { arrow_spacing: Some(9), ..Look::default() };
         let after = file.then(&flags).over(before);
         assert_eq!(after, Look { theme: Theme::Projector, legend: true, ..before });

@@ -16,6 +16,8 @@ use crate::paint::{FlowLayer, Pictures};
 /// Everything that a run shows at its cursor.
 #[derive(Clone)]
 pub struct Moment {
+    /// Name of the clip, as it is shown.
+    pub clip: Arc<str>,
     /// Frame t of the pair at hand.
     pub frame: usize,
     /// The cursor.
@@ -100,6 +102,7 @@ impl Moment {
             Error::new(format!("{} is not shown: {error}", picture.title(Some(walk.at_frame()))))
         });
         Ok(Self {
+            clip: clip.info().name.as_str().into(),
             frame: walk.at_frame(),
             cursor: walk.cursor(),
             at_end: walk.at_end(),

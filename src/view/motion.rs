@@ -12,7 +12,7 @@ use motionscope_core::{
     metrics, scene,
 };
 
-use crate::paint::{FlowLayer, Pictures, Scalars, Tint, grouped};
+use crate::paint::{FlowLayer, LayerStyle, Pictures, Scalars, Tint, grouped};
 use crate::view::look::Look;
 use crate::view::tile::Tile;
 
@@ -141,32 +141,30 @@ impl Motion {
             let spacing = |flow: &Flow| look.arrow_spacing.map_or_else(|| usual_spacing(flow), usize::from);
             motion.streaks = flows.iter().map(|flow| Arc::new(Streaks::new(flow, spacing(flow)))).collect();
         }
-        let Look { colors, layer_opacity: opacity, .. } = *look;
+        let Look { colors, layer_opacity: opacity, color_scale: high, .. } = *look;
+        let style = LayerStyle { opacity, high };
         let scalars =
             |label: &str, unit, values| Scalars { kind: layer, label: label.into(), unit, values, marks: None };
         let shown = match layer {
             FlowLayer::None => return Ok(motion),
-            FlowLayer::Wheel => Tint::wheel(&flows, opacity),
+            FlowLayer::Wheel => Tint::wheel(&flows, style),
             FlowLayer::Magnitude => {
                 let length = |flow: &Arc<Flow>| flow.0.map(|[u, v]| u.hypot(*v));
-                Tint::scale(
-                    scalars("length of motion", "px/frame", flows.iter().map(length).collect()),
-                    colors,
-                    opacity,
-                )
+                Tint::scale(scalars("length of motion", "px/frame", flows.iter().map(length).collect()), colors, style)
             }
             FlowLayer::Error => {
                 let truth = true_flow(site)?;
                 let errors = flows.iter().map(|flow| metrics::endpoint_errors(flow, &truth));
                 let values = errors.collect::<Result<_, _>>()?;
-                Tint::scale(scalars("endpoint error", "px", values), colors, opacity)
+                Tint::scale(scalars("endpoint error", "px", values), colors, style)
             }
             FlowLayer::Confidence => {
                 let Some(Confidence { name, values }) = found.confidence() else { return Ok(motion) };
                 Tint::scale(
                     scalars(&format!("confidence: {}", name.replace('_', " ")), "", vec![values.clone()]),
                     colors,
-                    opacity,
+                    // A scale in px says nothing of it.
+                    LayerStyle { high: None, ..style },
                 )
             }
             FlowLayer::Consistency => {
@@ -175,7 +173,7 @@ impl Motion {
                 motion.check = Some(Check::of(&check, site.clip, site.walk.at_frame())?);
                 let Consistency { distance_px, inconsistent } = check;
                 let scalars = scalars("there and back, off by", "px", vec![distance_px]);
-                Tint::scale(Scalars { marks: Some(inconsistent), ..scalars }, colors, opacity)
+                Tint::scale(Scalars { marks: Some(inconsistent), ..scalars }, colors, style)
             }
         };
         motion.layers = shown.into_iter().map(Arc::new).collect();

@@ -96,6 +96,9 @@ impl Shot<'_> {
             zoom: around.zoom,
             titles: around.titles,
             scale,
+            focus: look.focus,
+            backdrop: look.backdrop,
+            at_end: moment.at_end,
             frame: Some(moment.frame),
             legend: look.legend,
             heat: heat.or(scene.heat.map(str::to_owned)).unwrap_or_default(),
@@ -114,14 +117,14 @@ impl Shot<'_> {
     }
 
     pub(super) fn caption(&self) -> Caption {
-        let Moment { cursor, step, tiles, .. } = self.moment;
+        let Moment { clip, cursor, step, tiles, .. } = self.moment;
         Caption {
             // Each of several has its name above its own picture.
             title: match tiles.len() {
                 0 => self.estimator.info().name.into(),
                 count => format!("{count} estimators in lockstep"),
             },
-            details: told(self.estimator),
+            details: format!("{clip} · {}", told(self.estimator)),
             place: format!("step {cursor}"),
             sentence: match tiles.first() {
                 Some(tile) => {

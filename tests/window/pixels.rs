@@ -242,6 +242,7 @@ fn steps_are_written_about_the_pixel_that_is_held() {
 #[test]
 fn a_click_on_a_block_goes_to_the_block() {
     let mut window = window("full-search", "3.5", "synth:pillar");
+    window.command(Command::FocusNever);
     window.click_at(on_stage(&window, [0.5, 0.5]));
     assert!(window.cursor().unit > 100 && pointed(&window).is_none());
 }

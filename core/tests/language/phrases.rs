@@ -48,7 +48,8 @@ const PHRASES: &[(&str, &str)] = &[
 ];
 
 /// Spellings of the identifiers in what is read.
-const AMERICAN: &[&str] = &["color", "neighbor", "center", "initialize", "minimize", "regulariz", "normalize", "linearize"];
+const AMERICAN: &[&str] =
+    &["color", "neighbor", "center", "initialize", "minimize", "regulariz", "normalize", "linearize"];
 
 /// Whether `text` contains `phrase`, from the start of a word on.
 fn says(text: &str, phrase: &str) -> bool {

@@ -119,7 +119,13 @@ impl App {
                 let look = &mut self.settings.look;
                 look.streaks = look.streaks.is_none().then(Phase::default);
             }
+            C::LockScale => self.lock_scale(),
             C::ZoomIn | C::ZoomOut | C::Fit | C::ActualSize => self.zoom(command),
+            C::Focus => {
+                let look = &mut self.settings.look;
+                look.focus = self.states.stage.toggle_focus(look.focus);
+            }
+            C::FocusWhereSmall | C::FocusAlways | C::FocusNever => self.choose_look(command),
             C::LargerInterface | C::SmallerInterface | C::NormalInterface => self.resize(command),
             C::ShowParameters | C::ShowExplanation | C::ShowCharts | C::Lecture | C::ResetLayout => {
                 self.arrange(command)
@@ -209,6 +215,23 @@ impl App {
         }
     }
 
+    /// Keeps the scale of the colours as it is here at every step, or lets it follow what is found again.
+    fn lock_scale(&mut self) {
+        let Some(shown) = self.view.shown.as_deref() else { return };
+        let tiles = shown.tiles.iter().filter_map(|tile| tile.layer.as_ref());
+        let layer = shown.pictures.layer.iter().chain(tiles).find(|layer| layer.has_unit());
+        let look = &mut self.settings.look;
+        match (look.color_scale, layer) {
+            (Some(_), _) => look.color_scale = None,
+            (None, Some(layer)) => {
+                let end = layer.end();
+                let set = look.set("color-scale", &end.to_string());
+                set.unwrap_or_else(|error| self.toasts.fail(error.to_string()));
+            }
+            (None, None) => self.toasts.tell("No colours with a scale in px are shown here.".to_owned()),
+        }
+    }
+
     /// Takes the next of the layers that there are, or will be at the end of the run.
     fn next_layer(&mut self) {
         let Some(shown) = self.view.shown.as_deref() else { return };
@@ -268,6 +291,7 @@ impl App {
                 let was_single = self.is_of_single_frames();
                 let was_by_frame = self.document.estimator().is_by_frame();
                 self.states.stage.placing = None;
+                self.states.stage.follow_again();
                 if self.document.parents().len() > 0 {
                     self.toasts
                         .hint(format!("{} runs on the clip itself, so the stage was closed.", chosen.info().name));

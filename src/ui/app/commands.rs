@@ -5,7 +5,7 @@
 use eframe::egui::{Key, KeyboardShortcut, Modifiers};
 use lucide_icons::Icon;
 
-use crate::paint::{ColorMap, FlowLayer, Theme, View};
+use crate::paint::{ColorMap, FlowLayer, FocusMode, Theme, View};
 use crate::view::motion::AvailableLayers;
 
 mod info;
@@ -66,6 +66,14 @@ commands! {
     Fit,
     /// Zoom to one screen pixel per image pixel.
     ActualSize,
+    /// The part at work, or the whole.
+    Focus,
+    /// The part at work where it is small.
+    FocusWhereSmall,
+    /// The part at work at every step.
+    FocusAlways,
+    /// The whole at every step.
+    FocusNever,
     /// Dark, light, projector.
     NextTheme,
     /// Light on dark.
@@ -94,6 +102,8 @@ commands! {
     ConsistencyLayer,
     /// Streaklines instead of arrows.
     Streaks,
+    /// The scale of the colours stays, or follows what is found.
+    LockScale,
     /// Arrows as long as there is room.
     FittingArrows,
     /// Arrows to scale.
@@ -314,9 +324,10 @@ impl Command {
             C::SideBySide | C::FrameT | C::FrameNext | C::Difference => Some(Submenu::Pictures),
             C::Blend | C::Blink | C::Prediction | C::Residual => Some(Submenu::Pictures),
             C::ZoomIn | C::ZoomOut | C::Fit | C::ActualSize => Some(Submenu::Zoom),
+            C::Focus | C::FocusWhereSmall | C::FocusAlways | C::FocusNever => Some(Submenu::Zoom),
             C::NextTheme | C::DarkTheme | C::LightTheme | C::ProjectorTheme => Some(Submenu::Theme),
             C::ViridisColors | C::TurboColors => Some(Submenu::Colours),
-            C::NextLayer | C::Streaks => Some(Submenu::Motion),
+            C::NextLayer | C::Streaks | C::LockScale => Some(Submenu::Motion),
             _ if self.layer().is_some() => Some(Submenu::Motion),
             C::FittingArrows | C::TrueArrows | C::DoubleArrows | C::FourfoldArrows => Some(Submenu::ArrowLength),
             C::LargerInterface | C::SmallerInterface | C::NormalInterface => Some(Submenu::InterfaceSize),
@@ -338,6 +349,9 @@ impl Command {
             C::Blink => ("view", View::Blink.id()),
             C::Prediction => ("view", View::Prediction.id()),
             C::Residual => ("view", View::Residual.id()),
+            C::FocusWhereSmall => ("focus", FocusMode::Auto.id()),
+            C::FocusAlways => ("focus", FocusMode::On.id()),
+            C::FocusNever => ("focus", FocusMode::Off.id()),
             C::DarkTheme => ("theme", Theme::Dark.id()),
             C::LightTheme => ("theme", Theme::Light.id()),
             C::ProjectorTheme => ("theme", Theme::Projector.id()),
@@ -385,7 +399,8 @@ impl Command {
             C::SideBySide | C::FrameT | C::FrameNext | C::Difference | C::Blend | C::Blink => now.has_run,
             C::Prediction | C::Residual => now.has_run && now.at_end,
             C::ZoomIn | C::ZoomOut | C::Fit | C::ActualSize => now.has_run,
-            C::NextLayer | C::Streaks => now.has_run && now.available.has_field(),
+            C::Focus | C::FocusWhereSmall | C::FocusAlways | C::FocusNever => now.has_run,
+            C::NextLayer | C::Streaks | C::LockScale => now.has_run && now.available.has_field(),
             C::NoLayer
             | C::WheelLayer
             | C::MagnitudeLayer

@@ -196,7 +196,7 @@ impl App {
         if let Some(Info { name, .. }) = left {
             self.toasts.hint(format!("Another clip is open, so the stage was closed; {name} runs on the new clip."));
         }
-        self.states.stage.fit();
+        self.states.stage.follow_again();
         self.settings.leave_end();
         self.states.stage.placing = None;
         self.ctx.send_viewport_cmd(ViewportCommand::Title(title(&self.document)));

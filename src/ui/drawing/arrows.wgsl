@@ -45,9 +45,9 @@ fn corner(@builtin(vertex_index) index: u32, @location(0) ends: vec4<f32>) -> Co
     let start = view.place.xy + ends.xy * view.place.z;
     let way = (ends.zw - ends.xy) * view.place.w * view.place.z;
     let drawn = length(way);
-    let moves = drawn > 0.0;
+    let moves = drawn >= REACH * view.widths.x;
     let along = select(vec2<f32>(1.0, 0.0), way / max(drawn, 1e-9), moves);
-    let length = select(0.0, max(drawn, REACH * view.widths.x), moves);
+    let length = select(0.0, drawn, moves);
     let rim = outline(length, view.widths.y);
     let margin = 1.0 / view.screen.z;
     let dot = DOT * view.widths.x + view.widths.y;

@@ -17,6 +17,7 @@ use crate::view::motion::AvailableLayers;
 pub fn preview(subject: &Arc<Prepared>, clip: &Clip) -> Result<Snapshot, Error> {
     let experiment = &subject.experiment;
     let moment = Moment {
+        clip: clip.info().name.as_str().into(),
         frame: experiment.frame,
         cursor: Cursor::default(),
         at_end: false,

@@ -250,6 +250,7 @@ impl Panes<'_> {
             pictures: &shown.pictures,
             frame: shown.frame,
             scene: &shown.scene,
+            cursor: shown.cursor,
             lockstep: self.lockstep(shown),
             stands: shown.stands(shown.subject.experiment.estimator.is_of_single_frames()),
             look: *self.look,

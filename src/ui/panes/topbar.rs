@@ -216,6 +216,7 @@ fn is_on(command: Command, input: &Input) -> Option<bool> {
         Command::ReducedMotion => Some(input.reduced_motion),
         Command::Lockstep => Some(input.now.in_lockstep),
         Command::Streaks => Some(input.look.streaks.is_some()),
+        Command::LockScale => Some(input.look.color_scale.is_some()),
         _ if command.layer().is_some() => Some(command.layer() == Some(input.now.available.chosen(input.look.layer))),
         _ => {
             let (name, value) = command.look()?;
@@ -266,7 +267,7 @@ fn section(command: Command) -> u8 {
         C::NextTheme | C::DarkTheme | C::LightTheme | C::ProjectorTheme => 2,
         C::ViridisColors | C::TurboColors => 2,
         C::FittingArrows | C::TrueArrows | C::DoubleArrows | C::FourfoldArrows => 2,
-        C::NextLayer | C::Streaks => 2,
+        C::NextLayer | C::Streaks | C::LockScale => 2,
         _ if command.layer().is_some() => 2,
         C::LargerInterface | C::SmallerInterface | C::NormalInterface => 2,
         C::Quit

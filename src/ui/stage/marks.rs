@@ -72,7 +72,7 @@ impl Marks {
             let kept = at.map(|i| self.slots.swap_remove(i).kept).unwrap_or_default();
             // Where numbers stand in the pixels, a layer of colours would hide them.
             let has_numbers = pixels::has_numbers(lens);
-            let clear = |mark: &Mark| !has_numbers || !mark.shape.is_layer();
+            let clear = |mark: &Mark| !has_numbers || !mark.shape.is_layer() || pixels::tells_costs(mark, lens);
             let shown = |(i, mark): &(usize, &Mark)| panel.shows(mark.on) && clear(mark) && !key.without.contains(i);
             let still = scene.marks.iter().enumerate().filter(shown).map(|(_, mark)| mark);
             let mut maker = Maker::new(painter, input.gpu, kept);

@@ -4,6 +4,7 @@
 //! [`State`]; textures and shapes are kept there too, so that nothing is made twice.
 
 mod bar;
+mod follow;
 mod glide;
 mod lens;
 mod levels;
@@ -20,17 +21,18 @@ use eframe::egui::{self, CursorIcon, Rect, Sense, Ui, Vec2, pos2, vec2};
 use eframe::egui_wgpu::RenderState;
 use motionscope_core::params::Placed;
 use motionscope_core::scene::{Focus, Picture};
-use motionscope_core::{Pace, Scene};
+use motionscope_core::{Cursor, Pace, Scene};
 
 pub use lens::{Lens, Zoom};
 pub use lockstep::Lockstep;
 pub use placing::{Gesture, Placing};
 
-use crate::paint::{self, Face, Panel, Placement, Shown, Theme, View};
+use crate::paint::{self, Backdrop, Face, Panel, Placement, Shown, Theme, View};
 use crate::ui::drawing::{ink, primitives};
 use crate::view::look::{Look, RunState};
 use crate::view::motion::AvailableLayers;
 use crate::view::tile::Tile;
+use follow::Follow;
 use glide::Glide;
 use marks::Marks;
 use pictures::Pictures;
@@ -57,6 +59,8 @@ pub struct Input<'a> {
     pub scene: &'a Arc<Scene>,
     /// Several estimators, if there are.
     pub lockstep: Option<Lockstep<'a>>,
+    /// The step that is shown.
+    pub cursor: Cursor,
     /// Where the run stands, which decides the view where a look leaves it open.
     pub stands: RunState,
     /// How they look.
@@ -86,7 +90,7 @@ impl Input<'_> {
 /// What the stage remembers.
 #[derive(Clone, Default)]
 pub struct State {
-    /// Where and how closely one looks.
+    /// Where and how closely one looks, where that was chosen by hand; else the view follows the work.
     pub zoom: Zoom,
     /// The parameter of the estimator that is being placed on the picture.
     pub placing: Option<usize>,
@@ -102,6 +106,7 @@ pub struct State {
     zooms: Vec<(Picture, Zoom)>,
     /// The pane that was shown last, for zooming without a pointer.
     shown: Option<Lens>,
+    follow: Follow,
 }
 
 impl State {
@@ -126,16 +131,17 @@ impl State {
         self.area.unwrap_or(Rect::ZERO)
     }
 
-    /// The whole picture.
+    /// The whole picture, until focus is asked for again.
     pub fn fit(&mut self) {
         self.zoom = Zoom::Fit;
         self.zooms.clear();
+        self.follow.pause();
     }
 
-    /// How closely one looks at `picture`: all whose pixels are those of frame t are looked at alike.
-    fn zoom_of(&self, picture: Picture) -> Zoom {
+    /// How closely one looks at `picture`: all whose pixels are those of frame t are looked at alike, as `aligned` says.
+    fn zoom_of(&self, picture: Picture, aligned: Zoom) -> Zoom {
         if picture.is_aligned_with(Picture::CURRENT) {
-            return self.zoom;
+            return aligned;
         }
         self.zooms.iter().find(|(other, _)| other.is_aligned_with(picture)).map_or(Zoom::Fit, |(_, zoom)| *zoom)
     }
@@ -225,30 +231,40 @@ struct Spot<'a> {
     lens: Lens,
     scene: &'a Arc<Scene>,
     pictures: paint::Pictures,
+    /// Whether the map of the whole picture lies over it where it is not seen whole: over one of those that are looked at alike.
+    has_map: bool,
 }
 
 /// Every picture in its place.
-fn spots<'a>(area: Rect, panels: &[Panel], input: &Input<'a>, state: &State) -> Vec<Spot<'a>> {
+fn spots<'a>(ui: &Ui, area: Rect, panels: &[Panel], input: &Input<'a>, state: &mut State) -> Vec<Spot<'a>> {
     let size = input.pictures.pair[0].size();
     let Some(Lockstep { tiles, .. }) = input.lockstep else {
         let panes = split(area, panels.len(), size, bar::line_height(input.theme()));
-        let spot = |(panel, pane): (&Panel, Rect)| Spot {
+        let aligned = |panel: &Panel| panel.picture().is_aligned_with(Picture::CURRENT);
+        let first = panels.iter().position(aligned).unwrap_or(0);
+        let pane = panes.get(first).copied().unwrap_or(area);
+        let zoom = state.sights(ui, &[input.scene], pane, input).first().copied().unwrap_or_default();
+        let spot = |(i, (panel, pane)): (usize, (&Panel, Rect))| Spot {
             member: 0,
             panel: *panel,
-            lens: Lens::new(pane, panel.frames(input.pictures)[0].size(), state.zoom_of(panel.picture())),
+            lens: Lens::new(pane, panel.frames(input.pictures)[0].size(), state.zoom_of(panel.picture(), zoom)),
             scene: input.scene,
             pictures: input.pictures.clone(),
+            has_map: i == first || !aligned(panel),
         };
-        return panels.iter().zip(panes).map(spot).collect();
+        return panels.iter().zip(panes).enumerate().map(spot).collect();
     };
     let view = view(input);
     let panes = lockstep::split(area, tiles.len(), size, lockstep::header(input.theme()));
+    let scenes: Vec<&Scene> = tiles.iter().map(|tile| &*tile.scene).collect();
+    let zooms = state.sights(ui, &scenes, panes.first().copied().unwrap_or(area), input);
     let spot = |(member, (tile, pane)): (usize, (&'a Tile, Rect))| Spot {
         member,
         panel: panels.first().copied().unwrap_or(Panel::NEXT),
-        lens: Lens::new(pane, size, state.zoom),
+        lens: Lens::new(pane, size, zooms.get(member).copied().unwrap_or_default()),
         scene: &tile.scene,
         pictures: tile.pictures(input.pictures, input.look.level, view),
+        has_map: true,
     };
     tiles.iter().zip(panes).enumerate().map(spot).collect()
 }
@@ -268,7 +284,7 @@ fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State, response
     let panels = panels(view(input), input.pictures, time);
     ui.painter().rect_filled(area, 0.0, ink::color(input.theme().chrome().background));
     let mut hovered = None;
-    let spots = spots(area, &panels, input, state);
+    let spots = spots(ui, area, &panels, input, state);
     state.glides.resize_with(spots.last().map_or(1, |spot| spot.member + 1), Glide::default);
     for spot in &spots {
         state.glides[spot.member].follow(spot.scene, input.animate, time);
@@ -286,7 +302,8 @@ fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State, response
         state.shown = shown;
         ui.ctx().request_repaint();
     }
-    for Spot { member, panel, lens, pictures, .. } in &spots {
+    for spot in &spots {
+        let Spot { member, panel, lens, pictures, .. } = spot;
         lockstep::heading(ui, input, *member, lens, response);
         let pane = lens.pane;
         let id = ui.scope_id().with(("pane", *member, *panel));
@@ -304,6 +321,11 @@ fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State, response
         let is_gripped =
             placing.as_ref().is_some_and(|placing| placing::act(ui, &sensed, (lens, placing), state, response));
         if let Some(zoom) = looked(ui, &sensed, lens).filter(|_| !is_gripped) {
+            state.set_zoom(panel.picture(), zoom);
+            ui.ctx().request_repaint();
+        }
+        // Above the picture: what happens on the map is no click for a pixel.
+        if let Some(zoom) = follow::act(ui, spot) {
             state.set_zoom(panel.picture(), zoom);
             ui.ctx().request_repaint();
         }
@@ -371,10 +393,13 @@ fn looked(ui: &Ui, sensed: &egui::Response, lens: &Lens) -> Option<Zoom> {
 }
 
 fn paint(ui: &Ui, spot: &Spot<'_>, input: &Input<'_>, state: &mut State) {
-    let Spot { member, panel, ref lens, scene, ref pictures } = *spot;
+    let Spot { member, panel, ref lens, scene, ref pictures, .. } = *spot;
     let painter = ui.painter_at(lens.pane);
     let share = input.look.blend;
-    let gain = state.pictures.paint(&painter, panel, share, lens, pictures);
+    let is_dimmed = input.look.backdrop == Backdrop::Dimmed
+        && !pixels::has_numbers(lens)
+        && paint::has_colors(panel, pictures, scene);
+    let gain = state.pictures.paint(&painter, (panel, share), lens, pictures, is_dimmed);
     let shown = Shown { panel, share, gain };
     let of_frame_t = panel.shows(Picture::CURRENT);
     // Where numbers stand in the pixels, a layer of colours would hide them.
@@ -382,12 +407,15 @@ fn paint(ui: &Ui, spot: &Spot<'_>, input: &Input<'_>, state: &mut State) {
         state.pictures.colors(&painter, layer, lens);
     }
     pixels::grid(&painter, lens);
-    pixels::numbers(&painter, shown, lens, pictures);
+    let on_panel = || scene.marks.iter().filter(|mark| panel.shows(mark.on));
+    pixels::numbers(&painter, shown, lens, pictures, on_panel());
     let time = ui.input(|i| i.time);
     let moving = state.glides[member].marks(time);
     // A frame at the edge of the picture stays whole, all else ends with the picture.
     let marks = painter.with_clip_rect(lens.picture_rect().expand(BEYOND).intersect(lens.pane));
     state.marks.paint(&marks, ((member, panel), lens), scene, input, &moving);
+    let scene_look = state.marks.look(input);
+    pixels::costs(&marks, on_panel(), lens, &scene_look);
     if let Some(streaks) = pictures.streaks.as_ref().filter(|_| of_frame_t) {
         let phase = if input.flows { (time / LIFE_SECS).rem_euclid(1.0) as f32 } else { 0.0 };
         let place = Placement::new(lens.picture_rect().min.into(), lens.scale);
@@ -399,6 +427,10 @@ fn paint(ui: &Ui, spot: &Spot<'_>, input: &Input<'_>, state: &mut State) {
     }
     if let Some(placing) = input.placing.and_then(|placing| placing.on(panel.picture())) {
         placing::paint(&painter, lens, &placing, input.theme());
+    }
+    follow::paint(&painter, spot, share, state);
+    if let Some(layer) = pictures.layer.as_ref().filter(|_| panel.is_tinted() && !pixels::has_numbers(lens)) {
+        motion::corner_wheel(&painter, spot, layer, input.theme());
     }
     if input.lockstep.is_none() {
         caption(ui.painter(), shown, lens, input);
@@ -454,10 +486,13 @@ mod tests {
         let (mut state, near) = (State::default(), Zoom::At { center: [3.0, 4.0], scale: 9.0 });
         let template = Picture { role: PictureRole::Template, ..Picture::CURRENT };
         state.set_zoom(Picture::REFERENCE, near);
-        assert_eq!([Picture::CURRENT, Picture::NEXT, template].map(|p| state.zoom_of(p)), [near, near, Zoom::Fit]);
+        assert_eq!(
+            [Picture::CURRENT, Picture::NEXT, template].map(|p| state.zoom_of(p, state.zoom)),
+            [near, near, Zoom::Fit]
+        );
         state.set_zoom(template, Zoom::At { center: [1.0, 1.0], scale: 2.0 });
-        assert_eq!(state.zoom_of(Picture::CURRENT), near);
+        assert_eq!(state.zoom_of(Picture::CURRENT, state.zoom), near);
         state.fit();
-        assert_eq!([Picture::NEXT, template].map(|p| state.zoom_of(p)), [Zoom::Fit; 2]);
+        assert_eq!([Picture::NEXT, template].map(|p| state.zoom_of(p, state.zoom)), [Zoom::Fit; 2]);
     }
 }

@@ -3,14 +3,15 @@
 use std::ops::RangeInclusive;
 
 use eframe::egui::{
-    self, Align, Button, Layout, Popup, PopupCloseBehavior, RichText, Slider, SliderClamping, Ui, WidgetInfo, vec2,
+    self, Align, Button, Layout, Popup, PopupCloseBehavior, RichText, Slider, SliderClamping, Ui, WidgetInfo, pos2,
+    vec2,
 };
 use lucide_icons::Icon;
 use motionscope_core::params::Kind;
 use motionscope_core::{Params, Spec, Value, scene};
 
-use super::{Input, Response, State};
-use crate::paint::{Face, FlowLayer, Tint, TintKey, legend, number};
+use super::{Input, Response, Spot, State, follow};
+use crate::paint::{Backdrop, Color, Face, FlowLayer, Theme, Tint, TintKey, legend, number};
 use crate::ui::app::commands::Command;
 use crate::ui::drawing::{ink, primitives};
 use crate::ui::parts::widgets;
@@ -18,6 +19,10 @@ use crate::view::look::Look;
 
 /// Diameter of the wheel among the choices, in points.
 const WHEEL: f32 = 88.0;
+/// Diameter of the wheel over a picture, in points.
+const CORNER_WHEEL: f32 = 72.0;
+/// Sides of a picture that has room for a wheel, in wheels.
+const ROOM: f32 = 2.5;
 
 /// The button that unfolds the choices.
 pub fn button(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut Response) {
@@ -58,6 +63,19 @@ fn choices(ui: &mut Ui, input: &Input<'_>, state: &mut State, look: &mut Look) {
             Shown { factor: 100.0, suffix: " %", name: "Opacity of the colours in %", ..Shown::new("Opacity") };
         let usual = f64::from(now.usual_opacity().get());
         slider(ui, Entry { name: "layer-opacity", usual, reach: 0.0..=1.0, shown: percent }, look);
+        let px = Shown {
+            suffix: " px",
+            name: "End of the scale in px",
+            is_logarithmic: true,
+            decimals: 2,
+            ..Shown::new("Scale")
+        };
+        let usual = input.pictures.layer.as_deref().map_or(1.0, |layer| f64::from(layer.end()));
+        slider(ui, Entry { name: "color-scale", usual, reach: 0.1..=64.0, shown: px }, look);
+        let mut is_dimmed = look.backdrop == Backdrop::Dimmed;
+        if ui.checkbox(&mut is_dimmed, "Dim the picture").on_hover_text(Backdrop::Dimmed.tip()).changed() {
+            look.backdrop = if is_dimmed { Backdrop::Dimmed } else { Backdrop::Plain };
+        }
     }
     ui.separator();
     ui.horizontal(|ui| {
@@ -163,6 +181,30 @@ fn slider(ui: &mut Ui, entry: Entry, look: &mut Look) {
 /// The declaration of the entry called `name`.
 fn spec(name: &str) -> Option<&'static Spec> {
     Look::entries().iter().find(|spec| spec.name == name)
+}
+
+/// The wheel in a corner of the picture that has its colours, with how far its rim is.
+pub fn corner_wheel(painter: &egui::Painter, spot: &Spot<'_>, layer: &Tint, theme: Theme) {
+    let TintKey::Wheel(longest) = layer.key else { return };
+    let seen = spot.lens.picture_rect().intersect(spot.lens.pane);
+    if seen.size().min_elem() < ROOM * CORNER_WHEEL {
+        return;
+    }
+    let font = ink::font(Face::Sans, theme.sizes().small);
+    let words = painter.layout_no_wrap(format!("{} px", number(longest)), font, ink::color(Color::WHITE));
+    let size = vec2(CORNER_WHEEL.max(words.size().x), CORNER_WHEEL + words.size().y) + vec2(12.0, 10.0);
+    let at = |min: egui::Pos2| egui::Rect::from_min_size(min, size);
+    let taken = [follow::map_rect(spot), follow::work_rect(spot)];
+    let (right, low) = (seen.max.x - size.x, seen.max.y - size.y);
+    let corners = [pos2(seen.min.x, low), seen.min, pos2(right, seen.min.y), pos2(right, low)].map(at);
+    let is_free = |rect: &egui::Rect| !taken.iter().flatten().any(|other| other.intersects(*rect));
+    let free = corners.into_iter().find(is_free);
+    let rect = free.unwrap_or(corners[0]);
+    painter.rect_filled(rect, 6.0, egui::Color32::from_black_alpha(150));
+    let center = pos2(rect.center().x, rect.min.y + 5.0 + CORNER_WHEEL / 2.0);
+    painter.extend(primitives::shapes(painter, &legend::wheel(center.into(), CORNER_WHEEL / 2.0)));
+    let below = pos2(rect.center().x - words.size().x / 2.0, center.y + CORNER_WHEEL / 2.0 + 2.0);
+    painter.galley(below, words, ink::color(Color::WHITE));
 }
 
 /// The wheel, large enough to find a direction in it, with how far its rim is.

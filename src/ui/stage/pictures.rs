@@ -36,6 +36,8 @@ struct Picture {
 #[derive(Clone)]
 enum Source {
     Frame(Arc<Frame>),
+    /// Gray and dark, under a layer of colours.
+    Dimmed(Arc<Frame>),
     Difference([Arc<Frame>; 2]),
     /// The colours of a layer.
     Layer(Arc<Grid<[u8; 4]>>),
@@ -44,7 +46,7 @@ enum Source {
 impl Source {
     fn same(&self, other: &Source) -> bool {
         match (self, other) {
-            (Source::Frame(a), Source::Frame(b)) => Arc::ptr_eq(a, b),
+            (Source::Frame(a), Source::Frame(b)) | (Source::Dimmed(a), Source::Dimmed(b)) => Arc::ptr_eq(a, b),
             (Source::Difference(a), Source::Difference(b)) => (0..2).all(|i| Arc::ptr_eq(&a[i], &b[i])),
             (Source::Layer(a), Source::Layer(b)) => Arc::ptr_eq(a, b),
             _ => false,
@@ -57,6 +59,10 @@ impl Source {
             Source::Frame(frame) => {
                 Panel::CURRENT.pixels(&paint::Pictures::of([frame.clone(), frame.clone()]), Share::default())
             }
+            Source::Dimmed(frame) => {
+                let pair = paint::Pictures::of([frame.clone(), frame.clone()]);
+                (paint::dimmed(&Panel::CURRENT.pixels(&pair, Share::default()).0), 1)
+            }
             Source::Difference(pair) => Panel::Difference.pixels(&paint::Pictures::of(pair.clone()), Share::default()),
         };
         (Arc::new(pixels), gain)
@@ -68,14 +74,15 @@ impl Pictures {
     pub fn paint(
         &mut self,
         painter: &Painter,
-        panel: Panel,
-        share: Share,
+        (panel, share): (Panel, Share),
         lens: &Lens,
         pictures: &paint::Pictures,
+        is_dimmed: bool,
     ) -> u16 {
         let [frame, other] = panel.frames(pictures).map(Arc::clone);
         let first = match panel {
             Panel::Difference | Panel::Residual => Source::Difference([frame, other.clone()]),
+            _ if is_dimmed => Source::Dimmed(frame),
             _ => Source::Frame(frame),
         };
         let gain = self.layer(painter, first, 1.0, lens);

@@ -1,17 +1,24 @@
 //! What is seen from close up: the grid of pixels, their numbers, and the same pixel in every picture.
 
 use eframe::egui::{Align2, Color32, Painter, Rect, Stroke, StrokeKind};
-use motionscope_core::{Frame, Gray};
+use motionscope_core::scene::{Mark, Shape};
+use motionscope_core::{Frame, Gray, Grid};
 
 use super::Lens;
 use crate::paint::charts::on_gray;
-use crate::paint::{Face, Panel, Pictures, Shown};
+use crate::paint::{Face, Look, Panel, Pictures, Shown, number};
 use crate::ui::drawing::ink;
 
 /// Points per pixel from which the grid is drawn.
 const GRID: f32 = 12.0;
-/// Points per pixel from which numbers fit.
-const NUMBERS: f32 = 26.0;
+/// Points per pixel from which numbers of three digits fit.
+const NUMBERS: f32 = 22.0;
+/// Smallest type of a number in a pixel, in points.
+const LEAST_TYPE: f32 = 9.0;
+/// Width of a digit, as a share of the size of the type.
+const DIGIT: f32 = 0.6;
+/// Share of a pixel that its number takes.
+const FILLED: f32 = 0.92;
 /// More numbers than anyone can read are not written.
 const MOST_NUMBERS: usize = 3000;
 
@@ -37,12 +44,79 @@ pub fn has_numbers(lens: &Lens) -> bool {
     lens.scale >= NUMBERS && lens.visible().is_some_and(few)
 }
 
-/// The gray value in each pixel, where there is room.
-pub fn numbers(painter: &Painter, shown: Shown, lens: &Lens, pictures: &Pictures) {
+/// Costs of displacements, each in the pixel where the middle of its block would lie.
+struct Costs<'a> {
+    origin: [f32; 2],
+    values: &'a Grid<f32>,
+}
+
+impl<'a> Costs<'a> {
+    /// Those of `mark`, if it has some and no map of the whole picture.
+    fn of(mark: &'a Mark, lens: &Lens) -> Option<Self> {
+        match &mark.shape {
+            Shape::Heat { origin, values } if (values.width() as f32) < lens.picture.x => {
+                Some(Self { origin: *origin, values })
+            }
+            _ => None,
+        }
+    }
+
+    /// The size of type in which the longest of its numbers fits into a pixel, if that can be read.
+    fn type_size(&self, lens: &Lens) -> Option<f32> {
+        let finite = self.values.cells().iter().filter(|value| value.is_finite());
+        let digits = finite.map(|value| number(*value).chars().count()).max()?;
+        let size = (FILLED * lens.scale / (DIGIT * digits as f32)).min(0.36 * lens.scale).min(18.0);
+        (size >= LEAST_TYPE).then_some(size)
+    }
+
+    /// Whether a known cost lies over part of pixel `(x, y)`.
+    fn covers(&self, x: usize, y: usize) -> bool {
+        let near = |c: usize, origin: f32| [(c as f32 - origin).floor(), (c as f32 - origin).ceil()];
+        let known = |x: f32, y: f32| {
+            x >= 0.0 && y >= 0.0 && self.values.get(x as usize, y as usize).is_some_and(|value| value.is_finite())
+        };
+        near(y, self.origin[1]).into_iter().any(|y| near(x, self.origin[0]).into_iter().any(|x| known(x, y)))
+    }
+}
+
+/// Whether the numbers of `mark` are costs that fit into their pixels: then its colours stay where numbers are written.
+pub fn tells_costs(mark: &Mark, lens: &Lens) -> bool {
+    Costs::of(mark, lens).is_some_and(|costs| costs.type_size(lens).is_some())
+}
+
+/// The cost in the pixel of each displacement that was tested, where there is room.
+pub fn costs<'a>(painter: &Painter, marks: impl Iterator<Item = &'a Mark>, lens: &Lens, look: &Look) {
+    let Some([low, high]) = look.heat else { return };
+    for costs in marks.filter_map(|mark| Costs::of(mark, lens)) {
+        let Some(size) = costs.type_size(lens) else { continue };
+        let font = ink::font(Face::Sans, size);
+        for y in 0..costs.values.height() {
+            for (x, value) in costs.values.row(y).iter().enumerate().filter(|(_, value)| value.is_finite()) {
+                let at = lens.to_screen([costs.origin[0] + x as f32, costs.origin[1] + y as f32]);
+                let color = look.colors.at((value - low) / (high - low).max(f32::MIN_POSITIVE));
+                let color = on_gray((255.0 * color.luminance().sqrt()) as u8);
+                painter.text(at, Align2::CENTER_CENTER, number(*value), font.clone(), ink::color(color));
+            }
+        }
+    }
+}
+
+/// The gray value in each pixel, where there is room and none of `marks` tells its cost.
+pub fn numbers<'a>(
+    painter: &Painter,
+    shown: Shown,
+    lens: &Lens,
+    pictures: &Pictures,
+    marks: impl Iterator<Item = &'a Mark>,
+) {
     let Some([[left, right], [top, bottom]]) = lens.visible().filter(|_| has_numbers(lens)) else { return };
-    let font = ink::font(Face::Sans, (0.36 * lens.scale).clamp(9.0, 18.0));
+    let font = ink::font(Face::Sans, (0.36 * lens.scale).clamp(LEAST_TYPE, 18.0));
+    let costs: Vec<_> = marks.filter(|mark| tells_costs(mark, lens)).filter_map(|mark| Costs::of(mark, lens)).collect();
     for y in top..=bottom {
         for x in left..=right {
+            if costs.iter().any(|costs| costs.covers(x, y)) {
+                continue;
+            }
             let Some((value, shade)) = value(shown, pictures, x, y) else { continue };
             let at = lens.to_screen([x as f32, y as f32]);
             painter.text(at, Align2::CENTER_CENTER, value.to_string(), font.clone(), ink::color(on_gray(shade)));
@@ -107,7 +181,6 @@ mod tests {
     use super::*;
     use crate::paint::Share;
     use eframe::egui::{Pos2, vec2};
-    use motionscope_core::Grid;
     use std::sync::Arc;
 
     #[test]
@@ -133,6 +206,26 @@ mod tests {
             let shown = [1, 4, 8, 200].map(|gain| value(Shown { panel, share: Share::default(), gain }, &pair, 0, 0));
             assert_eq!(shown, [Some((20, 20)), Some((20, 80)), Some((20, 160)), Some((20, 255))]);
         }
+    }
+
+    #[test]
+    fn costs_are_told_where_all_their_digits_fit() {
+        let at = |scale| {
+            let pane = Rect::from_min_size(Pos2::ZERO, vec2(600.0, 400.0));
+            Lens::new(pane, (320, 240), crate::ui::stage::Zoom::At { center: [99.0; 2], scale })
+        };
+        let mark = |cost: f32| {
+            let mut scene = motionscope_core::Scene::default();
+            let values = Grid::from_fn(9, 9, |x, y| if x + y == 0 { cost } else { f32::NAN });
+            let shape = Shape::Heat { origin: [90.5, 90.5], values };
+            scene.mark(motionscope_core::scene::Picture::NEXT, motionscope_core::Role::Candidate, shape);
+            scene.marks.remove(0)
+        };
+        assert!(tells_costs(&mark(123.0), &at(26.0)) && !tells_costs(&mark(12_345.0), &at(26.0)));
+        assert!(tells_costs(&mark(12_345.0), &at(40.0)) && !tells_costs(&mark(123.0), &at(12.0)));
+        let known = mark(7.0);
+        let costs = Costs::of(&known, &at(30.0)).expect("costs");
+        assert!(costs.covers(90, 90) && costs.covers(91, 91) && !costs.covers(92, 90), "half a pixel off");
     }
 
     #[test]

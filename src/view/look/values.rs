@@ -3,7 +3,9 @@
 use motionscope_core::Value;
 use motionscope_core::params::{Choice, Kind, Parameter};
 
-use crate::paint::{ColorMap, FlowLayer, Lengthen, LevelShown, Opacity, Phase, Share, Theme, View};
+use crate::paint::{
+    Backdrop, ColorMap, FlowLayer, FocusMode, Lengthen, LevelShown, Opacity, Phase, Share, Theme, View,
+};
 
 /// A choice, each value with a stable name, a label and a sentence.
 macro_rules! named {
@@ -23,7 +25,7 @@ macro_rules! named {
         }
     )+};
 }
-named!(View, Theme, ColorMap, FlowLayer);
+named!(View, Theme, ColorMap, FlowLayer, FocusMode, Backdrop);
 
 /// A fraction from 0 to 1, and the word for none.
 macro_rules! share {

@@ -3,7 +3,7 @@
 use eframe::egui::{Key, KeyboardShortcut, Modifiers};
 use lucide_icons::Icon;
 
-use crate::paint::{ColorMap, FlowLayer, Theme, View};
+use crate::paint::{ColorMap, FlowLayer, FocusMode, Theme, View};
 use crate::ui::app::commands::{Command, CommandInfo, Menu};
 
 const fn key(key: Key) -> KeyboardShortcut {
@@ -105,6 +105,16 @@ impl Command {
                 "Zoom to one screen pixel per image pixel.",
                 const { &[key(Key::Num9)] },
             ),
+            C::Focus => (
+                Menu::View,
+                Icon::Focus,
+                "Focus on the work",
+                "Magnify the block, window or ellipse of the step and follow it from step to step, or show the whole picture again.",
+                const { &[key(Key::G)] },
+            ),
+            C::FocusWhereSmall => (Menu::View, Icon::ZoomIn, FocusMode::Auto.name(), FocusMode::Auto.tip(), &[]),
+            C::FocusAlways => (Menu::View, Icon::ZoomIn, FocusMode::On.name(), FocusMode::On.tip(), &[]),
+            C::FocusNever => (Menu::View, Icon::Maximize, FocusMode::Off.name(), FocusMode::Off.tip(), &[]),
             C::NextTheme => (
                 Menu::View,
                 Icon::Contrast,
@@ -150,6 +160,13 @@ impl Command {
                 "Streaklines",
                 "Show the flow as moving particles instead of arrows.",
                 const { &[key(Key::S)] },
+            ),
+            C::LockScale => (
+                Menu::View,
+                Icon::Lock,
+                "Lock the colour scale",
+                "Keep the scale of the colours of motion as it is here at every step, or let it follow the values again.",
+                &[],
             ),
             C::FittingArrows => (
                 Menu::View,

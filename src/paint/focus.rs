@@ -1,0 +1,418 @@
+//! Focus: the part of the picture in which a step works, and how closely it is shown.
+//!
+//! The bounds come from the marks of a scene by their roles, so that every estimator has them and none is named.
+
+use motionscope_core::scene::{Mark, Picture, Shape};
+use motionscope_core::{Role, Scene};
+
+use super::primitive::Rect;
+
+/// When the pictures show the part at work in the place of the whole.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum FocusMode {
+    /// Where the work is small.
+    Auto,
+    /// Wherever a step works on a part.
+    On,
+    /// Never.
+    #[default]
+    Off,
+}
+
+impl FocusMode {
+    /// Every mode.
+    pub const ALL: [FocusMode; 3] = [FocusMode::Auto, FocusMode::On, FocusMode::Off];
+
+    /// Stable name, for sessions and the command line.
+    pub fn id(self) -> &'static str {
+        match self {
+            FocusMode::Auto => "auto",
+            FocusMode::On => "on",
+            FocusMode::Off => "off",
+        }
+    }
+
+    /// Name as shown.
+    pub fn name(self) -> &'static str {
+        match self {
+            FocusMode::Auto => "Focus where the work is small",
+            FocusMode::On => "Focus at every step",
+            FocusMode::Off => "Whole picture",
+        }
+    }
+
+    /// What it shows, in one sentence.
+    pub fn tip(self) -> &'static str {
+        match self {
+            FocusMode::Auto => {
+                "Magnify the block, window or ellipse of the step where it takes less than 1/6 of the picture."
+            }
+            FocusMode::On => "Magnify the block, window, ellipse or pixel of every step that has one.",
+            FocusMode::Off => "Show the whole picture at every step.",
+        }
+    }
+
+    /// Whether `work` on a picture of this size is magnified; `at_end` is the end of the run.
+    fn wants(self, work: &Work, size: [f32; 2], at_end: bool) -> bool {
+        match self {
+            FocusMode::Off => false,
+            FocusMode::On => true,
+            FocusMode::Auto => !at_end && !work.is_picture_wide && work.side().powi(2) < size[0] * size[1] / LARGE,
+        }
+    }
+}
+
+/// Work on less than one part in so many of the picture is small: a square around it is compared with the picture.
+const LARGE: f32 = 6.0;
+/// Side in px of what is shown around a single pixel, so that its neighbourhood is seen.
+const LEAST_SIDE: f32 = 14.0;
+/// Room around the work, as a share of it and in px.
+const MARGIN: (f32, f32) = (0.12, 2.0);
+/// Steps of magnification: coarse, so that a little more or less work does not change it.
+const STEPS: [f32; 13] = [1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0, 64.0, 96.0];
+/// More points or arrows in one mark are a result of many places, not the work of one step.
+const FEW: usize = 24;
+
+/// Where a step works, in image pixels of frame t.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Work {
+    /// Bounds of the marks at work.
+    pub bounds: Rect,
+    /// Whether the step works on all pixels at once, or builds a map of them all; then a pixel is only an example.
+    pub is_picture_wide: bool,
+    /// Whether there are only several of a kind, as all detections of a frame: then the step is about none of them alone.
+    pub is_of_many: bool,
+}
+
+impl Work {
+    /// The work that `scene` shows on a picture of `size` px; `None` where none of its marks is at work.
+    pub fn of(scene: &Scene, size: (usize, usize)) -> Option<Self> {
+        let picture = [size.0 as f32, size.1 as f32];
+        let marks = || scene.marks.iter().filter(|mark| mark.on.is_aligned_with(Picture::CURRENT));
+        let own = marks().filter(|mark| !has_twin(mark, scene)).filter_map(bounds_at_work).collect::<Vec<_>>();
+        // An ellipse says how well a place is known: it is looked at by itself, with its points, and not the object around it.
+        let has_ellipse = marks().any(|mark| matches!(mark.shape, Shape::Ellipse { .. }) && !has_twin(mark, scene));
+        let is_frame = |mark: &&Mark| matches!(mark.shape, Shape::Rect { .. });
+        let places = marks().filter(|mark| !is_frame(mark) && !has_twin(mark, scene)).filter_map(bounds_at_work);
+        let bounds = match (has_ellipse, own.is_empty()) {
+            (true, _) => places.reduce(union),
+            (false, false) => own.iter().copied().reduce(union),
+            (false, true) => marks().filter_map(bounds_at_work).reduce(union),
+        }?;
+        let inside = Rect {
+            min: [0, 1].map(|i| bounds.min[i].clamp(-0.5, picture[i] - 0.5)),
+            max: [0, 1].map(|i| bounds.max[i].clamp(-0.5, picture[i] - 0.5)),
+        };
+        let has_window = marks().any(|mark| mark.role == Role::Window && bounds_at_work(mark).is_some());
+        let is_map = |mark: &Mark| match &mark.shape {
+            Shape::Heat { values, .. } => values.size() == size,
+            Shape::Mask(_) | Shape::Labels(_) => true,
+            // A window over a field says for which pixel it is solved; without one all pixels are relaxed together.
+            Shape::Flow { .. } => !has_window,
+            // Frames of results are what all of the picture amounts to.
+            Shape::Rect { .. } => mark.role == Role::Result,
+            _ => false,
+        };
+        Some(Self { bounds: inside, is_picture_wide: marks().any(is_map), is_of_many: own.is_empty() })
+    }
+
+    /// Its longer side in px.
+    pub fn side(&self) -> f32 {
+        let [width, height] = self.bounds.size();
+        width.max(height)
+    }
+
+    fn center(&self) -> [f32; 2] {
+        [0, 1].map(|i| (self.bounds.min[i] + self.bounds.max[i]) / 2.0)
+    }
+
+    /// The largest magnification at which it is seen with some room around it where `room` px are seen unmagnified.
+    fn times(&self, room: [f32; 2]) -> f32 {
+        let size = self.bounds.size();
+        let fits = |times: &f32| {
+            (0..2).all(|i| (size[i] * (1.0 + 2.0 * MARGIN.0) + 2.0 * MARGIN.1).max(LEAST_SIDE) * times <= room[i])
+        };
+        STEPS.into_iter().rev().find(fits).unwrap_or(1.0)
+    }
+}
+
+/// Whether `scene` has another frame or ellipse of the same role on the same picture.
+fn has_twin(mark: &Mark, scene: &Scene) -> bool {
+    let kind = |shape: &Shape| match shape {
+        Shape::Rect { .. } => Some(0),
+        Shape::Ellipse { .. } => Some(1),
+        _ => None,
+    };
+    let is_alike = |other: &Mark| {
+        let has_place = mark.role != Role::Window || mark.shape == other.shape;
+        (other.on, other.role, kind(&other.shape)) == (mark.on, mark.role, kind(&mark.shape)) && has_place
+    };
+    kind(&mark.shape).is_some() && scene.marks.iter().filter(|other| is_alike(other)).count() > 1
+}
+
+/// The bounds of a mark, if it belongs to the work of a step: results, truth, trails and layers do not.
+fn bounds_at_work(mark: &Mark) -> Option<Rect> {
+    let is_result = matches!(mark.role, Role::Result | Role::Truth | Role::Error);
+    if is_result {
+        return None;
+    }
+    let bounds = match &mark.shape {
+        Shape::Rect { min, max } => Some(Rect::between(*min, *max)),
+        Shape::Ellipse { center, radii, angle_rad } => {
+            let (sin, cos) = angle_rad.sin_cos();
+            let half = [(radii[0] * cos).hypot(radii[1] * sin), (radii[0] * sin).hypot(radii[1] * cos)];
+            Some(Rect { min: [0, 1].map(|i| center[i] - half[i]), max: [0, 1].map(|i| center[i] + half[i]) })
+        }
+        Shape::Path { points, closed: true } if mark.role != Role::Window => around(points.iter().copied()),
+        Shape::Points(points) if points.len() <= FEW => around(points.iter().copied()),
+        Shape::Arrows(arrows) if arrows.len() <= FEW => around(arrows.iter().flat_map(|a| [a.from, a.to])),
+        _ => None,
+    };
+    bounds.filter(|_| mark.shape.is_finite())
+}
+
+fn around(points: impl Iterator<Item = [f32; 2]>) -> Option<Rect> {
+    points.map(|point| Rect { min: point, max: point }).reduce(union)
+}
+
+fn union(a: Rect, b: Rect) -> Rect {
+    Rect { min: [0, 1].map(|i| a.min[i].min(b.min[i])), max: [0, 1].map(|i| a.max[i].max(b.max[i])) }
+}
+
+/// A part of a picture that is shown magnified.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CloseUp {
+    /// The point in its middle, in image pixels.
+    pub center: [f32; 2],
+    /// How many times as large as in the whole picture it is shown.
+    pub times: f32,
+}
+
+impl CloseUp {
+    /// The close-ups of several pictures beside each other, all magnified alike; `None` where the whole is shown.
+    ///
+    /// `room` is how many px of the picture of `size` px are seen unmagnified: as many as it has, or more. `before` holds those of the
+    /// step before, which stay as they are while they serve.
+    pub fn of(mode: FocusMode, works: &[Option<Work>], at: Site<'_>) -> Vec<Option<Self>> {
+        let Site { size, room, at_end, before } = at;
+        let picture = [size.0 as f32, size.1 as f32];
+        let known: Vec<&Work> = works.iter().flatten().collect();
+        let whole = || vec![None; works.len()];
+        let Some(all) = known.iter().map(|work| work.bounds).reduce(union) else { return whole() };
+        if known.iter().all(|work| work.is_of_many) && mode != FocusMode::Off && !at_end && before.len() == works.len()
+        {
+            // What was looked at goes on in a moment.
+            return before.to_vec();
+        }
+        if known.iter().any(|work| !mode.wants(work, picture, at_end)) {
+            return whole();
+        }
+        let least = known.iter().map(|work| work.times(room)).fold(f32::INFINITY, f32::min);
+        // Pictures of one and the same block are looked at in one and the same place.
+        let together = Work { bounds: all, is_picture_wide: false, is_of_many: false };
+        let is_shared = together.times(room) >= least;
+        let kept = before.iter().flatten().next().map(|one| one.times);
+        let times = kept.filter(|kept| *kept <= least && 2.0 * kept >= least).unwrap_or(least);
+        if times <= 1.0 {
+            return whole();
+        }
+        let close_up = |(i, work): (usize, &Option<Work>)| {
+            let work = if is_shared { &together } else { work.as_ref().unwrap_or(&together) };
+            let fresh = Self { center: within(work.center(), times, picture, room), times };
+            let before = before.get(i).copied().flatten().filter(|old| old.times == times);
+            Some(before.filter(|old| old.serves(work, &fresh, room)).unwrap_or(fresh))
+        };
+        works.iter().enumerate().map(close_up).collect()
+    }
+
+    /// Whether it may stay: the work lies in it, and a `fresh` one would lie little further.
+    fn serves(&self, work: &Work, fresh: &Self, room: [f32; 2]) -> bool {
+        let seen = self.seen(room);
+        (0..2).all(|i| {
+            let off = (self.center[i] - fresh.center[i]).abs() * self.times / room[i];
+            off < 0.08 && seen.min[i] <= work.bounds.min[i] && work.bounds.max[i] <= seen.max[i]
+        })
+    }
+
+    /// What is seen of the picture, in image pixels.
+    pub fn seen(&self, room: [f32; 2]) -> Rect {
+        let half = room.map(|c| c / self.times / 2.0);
+        Rect { min: [0, 1].map(|i| self.center[i] - half[i]), max: [0, 1].map(|i| self.center[i] + half[i]) }
+    }
+}
+
+/// Where close-ups are shown.
+#[derive(Clone, Copy, Debug)]
+pub struct Site<'a> {
+    /// Width and height of the picture in px.
+    pub size: (usize, usize),
+    /// How many px are seen across and down where it is not magnified.
+    pub room: [f32; 2],
+    /// Whether the run is at its end.
+    pub at_end: bool,
+    /// The close-ups of the step before.
+    pub before: &'a [Option<CloseUp>],
+}
+
+/// `center`, moved so that nothing beyond the picture is seen where the picture is larger than what is.
+fn within(center: [f32; 2], times: f32, picture: [f32; 2], room: [f32; 2]) -> [f32; 2] {
+    [0, 1].map(|i| {
+        let half = room[i] / times / 2.0;
+        let (low, high) = (half - 0.5, picture[i] - 0.5 - half);
+        if low <= high { center[i].clamp(low, high) } else { (picture[i] - 1.0) / 2.0 }
+    })
+}
+
+/// Where the small map of the whole picture lies in `pane`: in a corner that is free of `work`, if one is; `None` where there is
+/// no room for it.
+pub fn map_rect(pane: Rect, picture: [f32; 2], work: Option<Rect>) -> Option<Rect> {
+    let [width, height] = pane.size();
+    let scale = (MAP_SHARE * width / picture[0]).min(MAP_SHARE * height / picture[1]);
+    let scale = scale.min(LARGEST_MAP / picture[0].max(picture[1]));
+    let size = picture.map(|c| (c * scale).round());
+    if size[0].max(size[1]) < LEAST_MAP || size[0].min(size[1]) < 8.0 {
+        return None;
+    }
+    let (right, bottom) = (pane.max[0] - MAP_GAP - size[0], pane.max[1] - MAP_GAP - size[1]);
+    let (left, top) = (pane.min[0] + MAP_GAP, pane.min[1] + MAP_GAP);
+    let corners = [[right, bottom], [left, bottom], [right, top], [left, top]].map(|min| Rect::new(min, size));
+    let is_free = |rect: &Rect| work.is_none_or(|work| !rect.grown(MAP_GAP).meets(&work));
+    corners.into_iter().find(is_free).or(Some(corners[0]))
+}
+
+/// Most of a pane's width and height that its map takes.
+const MAP_SHARE: f32 = 0.24;
+/// Longer side of a map in points, at most and at least.
+const LARGEST_MAP: f32 = 200.0;
+const LEAST_MAP: f32 = 28.0;
+/// Between a map and the edges of its pane, in points.
+const MAP_GAP: f32 = 6.0;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use motionscope_core::Grid;
+    use motionscope_core::scene::Arrow;
+
+    const SIZE: (usize, usize) = (320, 240);
+    const ROOM: [f32; 2] = [320.0, 240.0];
+
+    fn search(x: i32, y: i32) -> Scene {
+        let mut scene = Scene::default();
+        let far = Arrow { from: [300.0, 200.0], to: [310.0, 210.0] };
+        scene.mark(Picture::CURRENT, Role::Result, Shape::Arrows(vec![far; 3]));
+        scene.mark(Picture::CURRENT, Role::Reference, Shape::pixels(x, y, 16, 16));
+        scene.mark(Picture::NEXT, Role::Window, Shape::pixels(x - 16, y - 16, 48, 48));
+        scene.mark(Picture::NEXT, Role::Candidate, Shape::pixels(x - 3, y + 5, 16, 16));
+        scene
+    }
+
+    fn of(mode: FocusMode, scenes: &[Scene], before: &[Option<CloseUp>]) -> Vec<Option<CloseUp>> {
+        let works: Vec<_> = scenes.iter().map(|scene| Work::of(scene, SIZE)).collect();
+        CloseUp::of(mode, &works, Site { size: SIZE, room: ROOM, at_end: false, before })
+    }
+
+    fn one(mode: FocusMode, scene: &Scene) -> Option<CloseUp> {
+        of(mode, std::slice::from_ref(scene), &[])[0]
+    }
+
+    #[test]
+    fn a_small_search_is_magnified_and_all_of_it_is_seen() {
+        let scene = search(100, 80);
+        let close = one(FocusMode::Auto, &scene).unwrap();
+        assert_eq!(close, CloseUp { center: [107.5, 87.5], times: 3.0 });
+        let (seen, work) = (close.seen(ROOM), Work::of(&scene, SIZE).unwrap());
+        assert_eq!(work.bounds, Rect::new([83.5, 63.5], [48.0, 48.0]), "results elsewhere are no work");
+        assert!((0..2).all(|i| seen.min[i] < work.bounds.min[i] && work.bounds.max[i] < seen.max[i]));
+        assert_eq!(one(FocusMode::Off, &scene), None);
+        let corner = one(FocusMode::Auto, &search(0, 0)).unwrap().seen(ROOM);
+        assert_eq!(corner.min, [-0.5; 2], "nothing beyond the picture is shown");
+    }
+
+    #[test]
+    fn candidates_move_nothing_and_blocks_keep_the_magnification() {
+        let mut scene = search(100, 80);
+        let first = one(FocusMode::Auto, &scene);
+        scene.mark(Picture::NEXT, Role::Candidate, Shape::pixels(110, 90, 16, 16));
+        assert_eq!(one(FocusMode::Auto, &scene), first);
+        let before = [first];
+        for x in (0..300).step_by(16) {
+            let close = of(FocusMode::Auto, &[search(x, 80)], &before)[0].unwrap();
+            assert_eq!(close.times, 3.0, "block at {x}");
+        }
+        let same = of(FocusMode::Auto, &[search(102, 80)], &before)[0];
+        assert_eq!(same, first, "2 px are no reason to move");
+    }
+
+    #[test]
+    fn large_work_and_maps_of_all_pixels_are_shown_whole_unless_focus_is_on() {
+        let mut large = Scene::default();
+        large.mark(Picture::CURRENT, Role::Window, Shape::pixels(0, 40, 320, 1));
+        assert_eq!(one(FocusMode::Auto, &large), None, "a row is as long as the picture is wide");
+        let mut relaxed = Scene::default();
+        relaxed.mark(
+            Picture::CURRENT,
+            Role::Result,
+            Shape::Flow { origin: [0.0; 2], values: Grid::new(320, 240, [1.0; 2]) },
+        );
+        assert_eq!(one(FocusMode::On, &relaxed), None, "no mark is at work");
+        relaxed.mark(Picture::CURRENT, Role::Reference, Shape::pixels(50, 60, 1, 1));
+        assert_eq!(one(FocusMode::Auto, &relaxed), None, "all pixels are relaxed, this is an example");
+        assert!(one(FocusMode::On, &relaxed).is_some_and(|close| close.times >= 12.0));
+        relaxed.mark(Picture::CURRENT, Role::Window, Shape::pixels(46, 56, 9, 9));
+        assert!(one(FocusMode::Auto, &relaxed).is_some(), "a window is solved by itself");
+    }
+
+    #[test]
+    fn the_end_is_shown_whole() {
+        let works = [Work::of(&search(100, 80), SIZE)];
+        let site = Site { size: SIZE, room: ROOM, at_end: true, before: &[] };
+        assert_eq!(CloseUp::of(FocusMode::Auto, &works, site), [None]);
+    }
+
+    #[test]
+    fn an_ellipse_is_bounded_whatever_its_angle() {
+        let mut scene = Scene::default();
+        let shape =
+            Shape::Ellipse { center: [100.0, 90.0], radii: [20.0, 4.0], angle_rad: std::f32::consts::FRAC_PI_2 };
+        scene.mark(Picture::CURRENT, Role::Predicted, shape);
+        let bounds = Work::of(&scene, SIZE).unwrap().bounds;
+        let off = |a: [f32; 2], b: [f32; 2]| (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
+        assert!(off(bounds.min, [96.0, 70.0]) < 1e-3 && off(bounds.max, [104.0, 110.0]) < 1e-3, "{bounds:?}");
+    }
+
+    #[test]
+    fn of_many_detections_none_is_the_work_and_an_ellipse_is() {
+        let mut scene = Scene::default();
+        for x in [40, 220] {
+            scene.mark(Picture::CURRENT, Role::Reference, Shape::pixels(x, 60, 50, 50));
+        }
+        assert_eq!(one(FocusMode::Auto, &scene), None, "they lie all over the picture");
+        let before = [Some(CloseUp { center: [60.0, 80.0], times: 4.0 })];
+        assert_eq!(of(FocusMode::Auto, std::slice::from_ref(&scene), &before), before, "the view stays where it was");
+        let ellipse = Shape::Ellipse { center: [65.0, 85.0], radii: [4.0, 3.0], angle_rad: 0.0 };
+        scene.mark(Picture::CURRENT, Role::Predicted, ellipse);
+        scene.mark(Picture::CURRENT, Role::Measured, Shape::Points(vec![[69.0, 88.0]]));
+        let close = one(FocusMode::Auto, &scene).unwrap();
+        assert!(close.times >= 8.0 && close.center[0] > 60.0 && close.center[0] < 70.0, "{close:?}");
+    }
+
+    #[test]
+    fn several_are_magnified_alike() {
+        let close = of(FocusMode::Auto, &[search(100, 80), search(100, 80)], &[]);
+        assert!(close[0].is_some() && close[0] == close[1]);
+        let apart = of(FocusMode::Auto, &[search(32, 32), search(240, 160)], &[]);
+        let [Some(a), Some(b)] = apart[..] else { panic!("{apart:?}") };
+        assert!(a.times == b.times && a.center != b.center);
+    }
+
+    #[test]
+    fn a_map_lies_in_a_corner_that_is_free() {
+        let pane = Rect::new([10.0, 20.0], [640.0, 480.0]);
+        let corner = map_rect(pane, ROOM, None).unwrap();
+        assert!(corner.max[0] < pane.max[0] && corner.max[1] < pane.max[1] && corner.min[0] > 400.0);
+        let other = map_rect(pane, ROOM, Some(corner)).unwrap();
+        assert!(!other.meets(&corner));
+        assert_eq!(map_rect(Rect::new([0.0; 2], [60.0, 45.0]), ROOM, None), None, "a stamp has no room for one");
+    }
+}
