@@ -221,6 +221,7 @@ macro_rules! block_search_params {
         pub struct $name:ident {
             $($own:tt)*
         }
+        $($behind:tt)*
     ) => {
         $crate::params! {
             $(#[$meta])*
@@ -232,6 +233,7 @@ macro_rules! block_search_params {
                 refinement: $crate::methods::block_search::Refinement =
                     $crate::methods::block_search::Refinement::default();
             }
+            $($behind)*
         }
 
         impl $crate::methods::block_search::HasSettings for $name {
