@@ -43,6 +43,8 @@ use crate::view::panes::{self, Angles, PANES};
 #[derive(Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct States {
+    /// Which parameters are unfolded.
+    pub parameters: parameters::State,
     /// The stage.
     #[serde(skip)]
     pub stage: stage::State,
@@ -529,7 +531,8 @@ impl Behavior<Pane> for Panes<'_> {
                 Pane::Parameters => {
                     let (document, theme) = (self.document, self.look.theme);
                     let placing = self.states.stage.placing;
-                    parameters::show(ui, parameters::Input { document, placing, theme }, self.actions);
+                    let input = parameters::Input { document, placing, theme };
+                    parameters::show(ui, input, &mut self.states.parameters, self.actions);
                 }
                 Pane::Why => self.why(ui),
                 Pane::Surface | Pane::Surface3d | Pane::Plot | Pane::Numbers | Pane::Histogram => self.chart(ui, *pane),
