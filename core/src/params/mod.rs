@@ -363,16 +363,25 @@ fn find(specs: &'static [Spec], name: &str) -> Result<usize, Error> {
     })
 }
 
+/// Old names with new ones.
+type Renamed = [(&'static str, &'static str)];
+
 /// Marks the parameters that are seldom changed.
 #[doc(hidden)]
-pub fn mark_advanced(specs: &mut [Spec], names: &[&str]) {
-    names.iter().for_each(|name| marked(specs, name).advanced = true);
+pub fn mark_advanced(specs: &mut [Spec], names: &[&str], renamed: &Renamed) {
+    names.iter().for_each(|name| marked(specs, name_now(name, renamed)).advanced = true);
 }
 
 /// Notes why parameters have no effect now and then.
 #[doc(hidden)]
-pub fn mark_conditional(specs: &mut [Spec], names: &[(&str, &'static str)]) {
-    names.iter().for_each(|(name, why)| marked(specs, name).idle.push(why));
+pub fn mark_conditional(specs: &mut [Spec], names: &[(&str, &'static str)], renamed: &Renamed) {
+    names.iter().for_each(|(name, why)| marked(specs, name_now(name, renamed)).idle.push(why));
+}
+
+/// The present name of a parameter.
+#[doc(hidden)]
+pub fn name_now<'a>(name: &'a str, renamed: &Renamed) -> &'a str {
+    renamed.iter().find(|(old, _)| *old == name).map_or(name, |(_, new)| new)
 }
 
 /// The declaration called `name`, of which something is said.
@@ -579,6 +588,11 @@ macro_rules! params {
             }
         }
 
+        impl $name {
+            /// Names that parameters had before, with those that they have now.
+            const RENAMED: &'static [(&'static str, &'static str)] = &[$($(($old, $new)),+)?];
+        }
+
         impl $crate::params::Field for $name {
             const COUNT: usize = 0 $(+ <$ty as $crate::params::Field>::COUNT)*;
             type Range = ();
@@ -593,8 +607,8 @@ macro_rules! params {
                     };
                     specs.extend(<$ty as $crate::params::Field>::specs_of(&declared, ($($range)?), &default.$field));
                 )*
-                $crate::params::mark_advanced(&mut specs, &[$($($advanced),+)?]);
-                $crate::params::mark_conditional(&mut specs, &[$($(($conditional, $why)),+)?]);
+                $crate::params::mark_advanced(&mut specs, &[$($($advanced),+)?], Self::RENAMED);
+                $crate::params::mark_conditional(&mut specs, &[$($(($conditional, $why)),+)?], Self::RENAMED);
                 specs
             }
 
@@ -603,7 +617,7 @@ macro_rules! params {
                 $(
                     let name = $crate::params::Params::specs(self)[index].name.as_str();
                     $(
-                        if name == $conditional && !$crate::params::holds(self, $when) {
+                        if name == $crate::params::name_now($conditional, Self::RENAMED) && !$crate::params::holds(self, $when) {
                             return Some($why);
                         }
                     )+
@@ -664,7 +678,7 @@ macro_rules! params {
             }
 
             fn renamed(&self) -> &'static [(&'static str, &'static str)] {
-                &[$($(($old, $new)),+)?]
+                Self::RENAMED
             }
         }
     };

@@ -45,6 +45,10 @@ crate::params! {
         /// Another number gives other textures and other noise; the same number, the same bytes.
         seed: u32 = 1, 0..=999_999;
     }
+    advanced { "width", "height", "seed" }
+    when {
+        "period": |p| p.repeating_texture > 0.0, "The period has no effect without a repeating texture.";
+    }
 }
 
 impl Difficulty {

@@ -43,6 +43,11 @@ params! {
         /// What all background subtractions have.
         settings: Settings = Settings { open: 0, close: 4, ..Settings::default() };
     }
+    when {
+        "mask": |p| p.pixels == Pixels::Foreground, "The detector has no effect unless its foreground is labelled.";
+        "threshold": |p| p.pixels != Pixels::Foreground,
+            "The threshold has no effect on the foreground of a detector.";
+    }
 }
 
 /// What a run reads and writes.

@@ -40,6 +40,10 @@ params! {
         /// What all background subtractions have.
         settings: Settings = Settings::default();
     }
+    advanced { "background", "prune", "first-sigma", "min-sigma", "darkest" }
+    when {
+        "darkest": |p| p.shadows, "The darkest shadow has no effect where shadows are not detected.";
+    }
 }
 
 /// No σ becomes more than so many times that of a new mode.

@@ -30,6 +30,7 @@ params! {
         /// What all background subtractions have.
         settings: Settings = Settings::default();
     }
+    advanced { "first-sigma", "min-sigma" }
 }
 
 /// What is known of a pixel.

@@ -33,6 +33,7 @@ params! {
         /// Levels of the pyramid, each half as large as the one before; fewer where a side would be less than 16 px.
         levels: usize = 5, 1..=10;
     }
+    advanced { "weights", "damping" }
 }
 
 /// What a run reads and writes.

@@ -25,6 +25,9 @@ params! {
         /// What all variational methods have.
         settings: Settings = Settings { iterations: 100, levels: 4, warps: 3, smoothing: 0.5, ..Settings::default() };
     }
+    when {
+        "relaxation": |p| p.solver == Solver::Sor, "Relaxation has no effect unless the solver is SOR.";
+    }
 }
 
 /// The steps in which an iteration is told.

@@ -55,6 +55,11 @@ params! {
         any_light: bool = true;
     }
     renamed { "quality" => "detector.threshold" }
+    advanced { "iterations", "epsilon", "max-residual", "max-return", "max-change", "any-light" }
+    when {
+        "any-light": |p| p.max_change > 0.0,
+            "Gain and offset have no effect without the check against the first view.";
+    }
 }
 
 /// What a run reads and writes.

@@ -34,6 +34,7 @@ params! {
         /// Standard deviation of the Gaussian that smooths both frames first; 0 leaves them as they are.
         smoothing: f32 = 0.5, 0.0..=5.0, "px";
     }
+    advanced { "derivatives" }
 }
 
 /// What a run reads and writes.

@@ -44,6 +44,7 @@ params! {
         /// Levels of the pyramid through which features are followed; fewer where a side would be less than 16 px.
         levels: usize = 4, 1..=8;
     }
+    advanced { "tolerance", "share", "structure", "window", "levels" }
 }
 
 /// As features, points are followed as the KLT tracker does it by default.

@@ -57,6 +57,14 @@ params! {
         /// A point is lost where its window differs by more than this on average where it led to, in gray levels.
         max_residual: f32 = 20.0, 0.0..=255.0;
     }
+    advanced { "iterations", "epsilon", "max-residual" }
+    when {
+        "detector": |p| p.points == Points::Detect,
+            "The detector has no effect unless detected keypoints are tracked.";
+        "clicks": |p| p.points == Points::Clicks, "Clicks have no effect unless clicked points are tracked.";
+        "max-points": |p| p.points != Points::Dense,
+            "The maximum number of points has no effect where every pixel is tracked.";
+    }
 }
 
 /// What a run reads and writes.

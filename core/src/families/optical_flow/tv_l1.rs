@@ -22,6 +22,7 @@ params! {
         /// What all variational methods have.
         settings: Settings = Settings { iterations: 40, levels: 5, warps: 5, smoothing: 0.0, ..Settings::default() };
     }
+    advanced { "tau" }
 }
 
 /// The steps in which an iteration is told.

@@ -52,6 +52,10 @@ params! {
         /// When a track is confirmed, and when it is deleted.
         rules: Rules = Rules::default();
     }
+    advanced { "velocity-frames", "max-distance" }
+    when {
+        "velocity-frames": |p| p.predict, "The frames of the velocity have no effect without prediction.";
+    }
 }
 
 /// A difference of so many gray levels is as unlike as an area twice as large.

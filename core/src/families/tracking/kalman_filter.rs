@@ -94,6 +94,23 @@ params! {
         /// Walk back at the end, so that each frame knows what came later.
         smooth: bool = true;
     }
+    advanced { "seed", "gate", "drop-from", "drop-frames", "patience", "first-speed" }
+    when {
+        "turn-noise": |p| p.motion == MotionModel::Turn,
+            "Turn noise has no effect unless the motion is a coordinated turn.";
+        "detector": |p| matches!(p.source, Source::Auto | Source::Moving),
+            "The detector has no effect with this source of detections.";
+        "added-noise": |p| matches!(p.source, Source::Auto | Source::Truth),
+            "Added noise has no effect unless the source is the truth with noise.";
+        "seed": |p| p.sensors != Sensors::One || matches!(p.source, Source::Auto | Source::Truth),
+            "The seed has no effect unless the truth is measured with noise.";
+        "seed": |p| p.sensors != Sensors::One || p.added_noise > 0.0, "The seed has no effect without added noise.";
+        "second-noise": |p| p.sensors != Sensors::One,
+            "The noise of the second sensor has no effect with one sensor.";
+        "velocity-noise": |p| p.sensors == Sensors::WithVelocity,
+            "Velocity noise has no effect where no sensor measures the velocity.";
+        "drop-from": |p| p.drop_frames > 0, "The first dropped frame has no effect where no frames are dropped.";
+    }
 }
 
 /// What a run reads and writes.

@@ -76,6 +76,15 @@ params! {
         /// When a track is confirmed, and when it is deleted.
         rules: Rules = Rules::default();
     }
+    advanced { "in-turns", "sure-score", "recover" }
+    when {
+        "turn-noise": |p| p.motion == MotionModel::Turn,
+            "Turn noise has no effect unless the motion is a coordinated turn.";
+        "gate": |p| p.cost != PairCost::Overlap,
+            "The gate has no effect where the cost is the overlap of boxes alone.";
+        "sure-score": |p| p.given.may_have_scores(),
+            "The score threshold has no effect on detections without scores.";
+    }
 }
 
 /// What a run reads and writes.

@@ -50,6 +50,7 @@ params! {
         "added-noise" => "tracker.added-noise",
         "seed" => "tracker.seed",
     }
+    advanced { "least-others", "part" }
 }
 
 /// Others have a common heading where their mean of unit vectors is at least so long.

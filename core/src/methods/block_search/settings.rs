@@ -153,6 +153,10 @@ params! {
         /// What happens where the window leaves the picture.
         border: BorderRule = BorderRule::Inside;
     }
+    advanced { "filter", "lambda", "spacing", "border" }
+    when {
+        "filter": |p| p.subpixel != Subpixel::None, "Interpolation has no effect on displacements of whole pixels.";
+    }
 }
 
 /// The values of the parameters that all block searches have.
@@ -221,7 +225,6 @@ macro_rules! block_search_params {
         pub struct $name:ident {
             $($own:tt)*
         }
-        $($behind:tt)*
     ) => {
         $crate::params! {
             $(#[$meta])*
@@ -233,7 +236,6 @@ macro_rules! block_search_params {
                 refinement: $crate::methods::block_search::Refinement =
                     $crate::methods::block_search::Refinement::default();
             }
-            $($behind)*
         }
 
         impl $crate::methods::block_search::HasSettings for $name {

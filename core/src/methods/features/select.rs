@@ -22,6 +22,7 @@ params! {
         /// At most so many corners are kept, the strongest.
         max_points: usize = 500, 1..=100_000;
     }
+    advanced { "weights", "derivatives" }
 }
 
 /// A map of responses with a response below which there is no corner.

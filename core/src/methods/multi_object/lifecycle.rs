@@ -16,6 +16,7 @@ params! {
         /// Frames in which a track coasted are filled in on a straight line once it is matched again. With hindsight: in real time there is a gap.
         bridge: bool = true;
     }
+    advanced { "backdate", "bridge" }
 }
 
 /// How long an object has lived.

@@ -18,6 +18,7 @@ params! {
         /// At most so many frames, the first one counted; fewer where the clip ends.
         frames: usize = 300, 2..=100_000;
     }
+    advanced { "connectivity" }
 }
 
 /// The lines that all background subtractions have; shadows are not looked for by all.

@@ -20,4 +20,5 @@ params! {
         /// Standard deviation of the Gaussian that smooths both frames first; 0 leaves them as they are.
         smoothing: f32 = 0.0, 0.0..=5.0, "px";
     }
+    advanced { "tolerance", "derivatives" }
 }
