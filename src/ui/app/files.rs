@@ -79,7 +79,7 @@ impl App {
         let opens = matches!(wanted, Browse::File | Browse::Folder);
         match (path, &mut self.overlay) {
             (Ok(Some(path)), _) if opens => self.open(path),
-            (Ok(Some(path)), Overlay::Save(state)) => state.path = path.display().to_string(),
+            (Ok(Some(path)), Overlay::Save(state)) => state.path.text = path.display().to_string(),
             (Ok(_), _) => {}
             (Err(_), _) => {
                 self.toasts.fail("The system offers no file dialog. Type or paste the path instead.");
@@ -122,6 +122,10 @@ impl App {
 
     fn opened(&mut self, opened: Opened, path: &Path) {
         let Opened { clip, source, given, session, inputs } = opened;
+        // Whoever asked for it in the dialog is done there.
+        if matches!(&self.overlay, Overlay::Open(state) if state.is_opening()) {
+            self.overlay = Overlay::None;
+        }
         // The truth of a clip is no clip.
         if path.exists() && given.truth.as_deref() != Some(path) {
             self.settings.remember(path);
@@ -187,7 +191,11 @@ impl App {
         if !path.exists() {
             self.settings.forget(path);
         }
-        self.error = Some(error);
+        match &mut self.overlay {
+            // Where it was asked for, it can be asked for again.
+            Overlay::Open(state) if state.is_opening() => state.refuse(&error),
+            _ => self.error = Some(error),
+        }
     }
 
     /// Another clip is open; for it a stage was left, which its estimator is told of.

@@ -412,7 +412,7 @@ impl eframe::App for App {
         self.play(&ctx);
         self.measure(&ctx);
         let overlaid = !matches!(self.overlay, Overlay::None);
-        keys::take(&ctx, overlaid, self.settings.lecture, &self.now(), &mut actions);
+        keys::take(&ctx, overlaid, &self.now(), &mut actions);
         ui.painter().rect_filled(ui.max_rect(), 0.0, ui.visuals().panel_fill);
         self.panels(ui, frame.wgpu_render_state(), &mut actions);
         self.lecture_hint(ui, &mut actions);

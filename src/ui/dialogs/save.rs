@@ -6,6 +6,7 @@ use std::sync::Arc;
 use eframe::egui::{self, Align, Button, Layout, RichText, TextEdit, TextStyle, Ui, vec2};
 use motionscope_core::{Cursor, Params, ProductKind, Value};
 
+use super::path::PathField;
 use crate::media::export::Inputs;
 use crate::results::{self, Export};
 use crate::ui::app::action::{Action, Actions, Browse};
@@ -103,7 +104,7 @@ pub struct Seen {
 pub struct State {
     kind: Kind,
     /// The file, or the folder for several.
-    pub path: String,
+    pub path: PathField,
     choices: Vec<Choice>,
     chosen: usize,
     scale: u32,
@@ -117,7 +118,6 @@ pub struct State {
     from: String,
     to: String,
     granularity: usize,
-    focused: bool,
     /// All files that the clip is read from.
     inputs: Arc<Inputs>,
     /// The target that was looked up, and what was found there.
@@ -145,7 +145,7 @@ impl State {
         let to = if shown.cursor < from { Cursor { event: usize::MAX, ..from } } else { shown.cursor };
         let mut state = Self {
             kind,
-            path: String::new(),
+            path: PathField::default(),
             choices,
             chosen: 0,
             scale: 2,
@@ -156,7 +156,6 @@ impl State {
             from: from.to_string(),
             to: to.to_string(),
             granularity: Granularities::new(shown.info.granularities).event(),
-            focused: false,
             inputs: Arc::clone(&shown.subject.inputs),
             found: None,
         };
@@ -168,7 +167,7 @@ impl State {
             Kind::Result => format!("{stem}_result.{ending}"),
             Kind::Session => format!("{stem}.{ending}"),
         };
-        state.path = folder.join(name).display().to_string();
+        state.path = PathField::new(folder.join(name).display().to_string());
         state
     }
 
@@ -197,7 +196,7 @@ impl State {
 
     /// Where it is written to: a file has one of the endings of its kind.
     fn target(&self) -> Option<PathBuf> {
-        let path = PathBuf::from(super::open::parse(&self.path)?);
+        let path = PathBuf::from(super::open::parse(&self.path.text)?);
         let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
         let is_known = ending.is_some_and(|ending| self.choices.iter().any(|choice| choice.ending == ending));
         if is_known || self.is_folder() {
@@ -273,8 +272,8 @@ impl State {
     fn choose(&mut self, index: usize) {
         let was_folder = self.is_folder();
         self.chosen = index;
-        let path = Path::new(&self.path);
-        self.path = match (was_folder, self.is_folder()) {
+        let path = Path::new(&self.path.text);
+        self.path.text = match (was_folder, self.is_folder()) {
             (_, true) => path.with_extension(""),
             (true, false) | (false, false) => path.with_extension(self.ending()),
         }
@@ -408,16 +407,13 @@ fn path_row(ui: &mut Ui, state: &mut State, actions: &mut Actions) -> bool {
     let several = state.is_folder();
     line(ui, if several { "Folder" } else { "File" }, |ui| {
         let size = TextStyle::Body.resolve(ui.style()).size;
-        let field = TextEdit::singleline(&mut state.path).desired_width(ui.available_width() - 6.5 * size);
-        let response = ui.add(field).accessible_name("Where to write it");
-        if !std::mem::replace(&mut state.focused, true) {
-            response.request_focus();
-        }
-        entered = response.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
+        let width = ui.available_width() - 6.5 * size;
+        entered = state.path.show(ui, "Where to write it", width);
         if ui.button("Browse…").clicked() {
             actions.ask(Action::Browse(if several { Browse::SaveFolder } else { Browse::SaveFile }));
         }
     });
+    state.path.show_found(ui);
     entered
 }
 
