@@ -4,6 +4,8 @@
 mod every;
 #[path = "window/files.rs"]
 mod files;
+#[path = "window/keys.rs"]
+mod keys;
 #[path = "window/levels.rs"]
 mod levels;
 #[path = "window/lockstep.rs"]
@@ -43,14 +45,14 @@ use motionscope::ui::app::App;
 use motionscope::ui::app::commands::{Command, Granularities, Menu};
 use motionscope::ui::charts::heat_map;
 use motionscope::ui::model::document::Owner;
-use motionscope::ui::model::snapshot::Snapshot;
+use motionscope::ui::model::snapshot::{Place, Snapshot};
 use motionscope::ui::model::writer::{Order, What};
 use motionscope::ui::{self, Start};
 use motionscope::view::look::Look;
 use motionscope::view::motion::Reverse;
 use motionscope::view::panes::Selection;
 use motionscope::view::shot::Format;
-use motionscope_core::scene::Readout;
+use motionscope_core::scene::{Focus, Readout};
 use motionscope_core::{Cursor, Value, metrics};
 
 /// The window, and the waiting that a person does not notice.
@@ -65,7 +67,21 @@ impl Window {
     }
 
     fn with(size: Vec2, start: Start) -> Self {
-        Self::remembering(size, start, None)
+        let is_sample = start.open.is_none();
+        let mut window = Self::remembering(size, start, None);
+        if is_sample {
+            window.look_in();
+        }
+        window
+    }
+
+    /// Goes from the start of the bundled sample into the middle of a search, where there is something to see.
+    fn look_in(&mut self) {
+        let (width, height) = self.shown().pictures.pair[0].size();
+        let near = Some(Focus::current([width as f32 * 0.19, height as f32 * 0.57]));
+        let cursor = Cursor { unit: 0, event: 640 };
+        self.harness.state_mut().walk_from(Place { cursor, near, ..Place::default() });
+        self.settle();
     }
 
     fn remembering(size: Vec2, start: Start, memory: Option<Memory>) -> Self {

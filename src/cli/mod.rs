@@ -29,7 +29,7 @@ use args::{Args, Command};
 
 /// Does what the arguments say; errors are told on standard error in one sentence.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
-    let args = match Args::try_parse_from(arguments) {
+    let args = match Args::try_parse_from(look::joined(arguments)) {
         Ok(args) => args,
         Err(error) => return usage(&error),
     };

@@ -112,11 +112,9 @@ impl Steps {
         while viewer.walk.cursor() <= self.to {
             let focus = self.pixel.and_then(|pixel| pixel.on_the_way(&*viewer.walk));
             let moment = viewer.moment(focus)?;
-            let picture = Shot { moment: &moment, estimator, look: &self.look, panes: &self.panes }.encode_in(
-                &mut layout,
-                self.format,
-                self.scale,
-            )?;
+            let (look, panes, clip) = (&self.look, &self.panes, &clip.info().name);
+            let shot = Shot { moment: &moment, estimator, look, panes, clip };
+            let picture = shot.encode_in(&mut layout, self.format, self.scale)?;
             export::save_result(&folder.join(Self::file_name(written.count, self.format)), &picture)?;
             written.add(layer.and_then(|layer| Some((layer, moment.why_without(layer)?))));
             if let Some(progress) = progress {
@@ -133,6 +131,25 @@ impl Steps {
             )?;
         }
         viewer.walk.failure().map_or(Ok(written), |failure| Err(failure.clone()))
+    }
+
+    /// How many pictures [`Steps::write`] writes, found by going through them without drawing any.
+    ///
+    /// # Errors
+    /// If the run cannot start or ends before the first step, or the work was cancelled.
+    pub fn count(&self, prepared: &Prepared, progress: Option<&dyn Progress>) -> Result<usize, Error> {
+        let Prepared { experiment, clip, .. } = prepared;
+        let mut walk = experiment.walk(clip)?;
+        self.begin(&mut *walk, progress)?;
+        let mut count = 0;
+        while walk.cursor() <= self.to {
+            count += 1;
+            if walk.at_end() {
+                break;
+            }
+            travel(&mut *walk, Move::Granularity(self.granularity, Direction::Forward), 0, progress)?;
+        }
+        Ok(count)
     }
 
     /// Goes to the first stop.

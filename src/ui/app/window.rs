@@ -160,6 +160,7 @@ impl App {
         let pictured = match &self.overlay {
             Overlay::Samples => self.gallery.is_complete(),
             Overlay::Compare(state) => state.is_settled(),
+            Overlay::Save(state) => state.is_settled(),
             _ => true,
         };
         pictured && self.loading.is_none() && self.writing.is_none() && !self.view.busy && !self.view.checking
@@ -436,6 +437,7 @@ impl eframe::App for App {
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        self.note_place();
         self.settings.save(storage);
         eframe::set_value(storage, STATES, &self.states);
     }

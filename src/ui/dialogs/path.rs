@@ -218,7 +218,8 @@ impl PathField {
             [] => format!("Nothing in this folder begins with {}.", widgets::elide(&typed.start, 40)),
             [_] => String::new(),
             all => {
-                let more = if all.len() > MOST_TOLD { format!(" and {} more", all.len() - MOST_TOLD) } else { String::new() };
+                let more =
+                    if all.len() > MOST_TOLD { format!(" and {} more", all.len() - MOST_TOLD) } else { String::new() };
                 let first: Vec<String> = all.iter().take(MOST_TOLD).map(|name| widgets::elide(name, 32)).collect();
                 format!("{}{more}. Tab takes the next.", first.join(", "))
             }

@@ -19,6 +19,22 @@ const KEY: &str = "motionscope";
 /// What is folded away at first where there is little room.
 const TIGHT: Folded = Folded { parameters: true, why: false, charts: true, lecture: false };
 
+/// Clips of which is remembered where they were left.
+const LEFT: usize = 40;
+
+/// Where a clip was left.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LeftAt {
+    /// The clip, as a session names it.
+    pub clip: String,
+    /// The estimator with its parameters.
+    pub run: String,
+    /// Frame t of the run, from 0.
+    pub frame: usize,
+    /// The step.
+    pub step: String,
+}
+
 /// What is remembered.
 #[derive(Clone, Serialize, Deserialize)]
 #[serde(default)]
@@ -39,6 +55,8 @@ pub struct Settings {
     pub lecture: bool,
     /// Clips that were open lately, the last one first.
     pub recent: Vec<PathBuf>,
+    /// Where clips were left, the last one first.
+    left: Vec<LeftAt>,
     /// How fast to play.
     pub speed: usize,
     /// Where the panes lie.
@@ -57,6 +75,7 @@ impl Default for Settings {
             folded_tight: TIGHT,
             lecture: false,
             recent: Vec::new(),
+            left: Vec::new(),
             speed: Player::default().speed,
             tree: layout::tree(),
             tight: Tight::default(),
@@ -144,6 +163,18 @@ impl Settings {
         self.recent.retain(|other| *other != path);
         self.recent.insert(0, path);
         self.recent.truncate(RECENT);
+    }
+
+    /// Remembers where a clip was left.
+    pub fn leave(&mut self, at: LeftAt) {
+        self.left.retain(|other| other.clip != at.clip);
+        self.left.insert(0, at);
+        self.left.truncate(LEFT);
+    }
+
+    /// Where `clip` was left, if that is known.
+    pub fn left_at(&self, clip: &str) -> Option<&LeftAt> {
+        self.left.iter().find(|at| at.clip == clip)
     }
 
     /// Forgets a clip that is not there any more.

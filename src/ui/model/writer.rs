@@ -110,7 +110,8 @@ impl Writing {
 pub fn picture(order: &Order, shown: &Snapshot) -> Result<String, Error> {
     let format = Format::of(&order.path)?;
     let estimator = &*shown.subject.experiment.estimator;
-    let shot = Shot { moment: &shown.moment, estimator, look: &order.look, panes: &order.panes };
+    let clip = &shown.subject.clip.info().name;
+    let shot = Shot { moment: &shown.moment, estimator, look: &order.look, panes: &order.panes, clip };
     export::save_result(&order.path, &shot.encode(format, order.scale)?)?;
     Ok(format!("Wrote {}.", order.path.display()))
 }

@@ -1,7 +1,7 @@
 //! What the entries of a look may be: each type of the painters as the value of a parameter.
 
-use motionscope_core::Value;
 use motionscope_core::params::{Choice, Kind, Parameter};
+use motionscope_core::{Value, choices};
 
 use crate::paint::{ColorMap, FlowLayer, Lengthen, LevelShown, Opacity, Phase, Share, Theme, View};
 
@@ -44,6 +44,18 @@ macro_rules! share {
     )+};
 }
 share!(Share = "auto", Opacity = "auto", Phase = "off");
+
+choices! {
+    /// The words around the pictures that are written.
+    pub enum CaptionWords {
+        /// No words.
+        Off = "off" "No caption",
+        /// Clip, estimator, parameters, step and the sentence of the step.
+        On = "on" "Caption",
+        /// The same with the formula of the step and its numbers.
+        Full = "full" "Caption with formula",
+    }
+}
 
 /// The level at work, as it is written.
 const AT_WORK: &str = "at-work";
