@@ -158,6 +158,12 @@ impl Window {
         self.settle();
     }
 
+    /// Unfolds the estimator's advanced parameters, or folds them.
+    fn unfold(&mut self) {
+        self.harness.query_all_by_label_contains("Advanced").next().expect("a fold").click();
+        self.settle();
+    }
+
     fn command(&mut self, command: Command) {
         self.harness.state_mut().command(command);
         self.settle();
@@ -463,7 +469,7 @@ fn the_samples_are_shown_and_opened() {
     let first = &motionscope_core::synth::SCENES[0];
     window.click_role(Role::Button, first.title);
     assert_eq!(window.app().document().sample().map(|sample| sample.id), Some(first.id));
-    assert!(window.shown().cursor.event > 1);
+    assert_eq!(window.cursor(), Cursor::default(), "it begins at its start");
 }
 
 #[test]

@@ -205,8 +205,7 @@ impl Overlay<'_> {
         }
         let panes = Selection::of(&args.sheet.panes);
         panes.check_step(experiment.estimator.info(), &moment.step)?;
-        let (estimator, clip) = (&*experiment.estimator, &clip.info().name);
-        Shot { moment: &moment, estimator, look, panes: &panes, clip }.encode(format, picture.scale)
+        Shot { moment: &moment, estimator: &*experiment.estimator, look, panes: &panes }.encode(format, picture.scale)
     }
 }
 

@@ -28,8 +28,6 @@ pub struct Shot<'a> {
     pub look: &'a Look,
     /// The panes that stand on it; none for the stage alone.
     pub panes: &'a Selection,
-    /// The name of the clip, for the caption.
-    pub clip: &'a str,
 }
 
 /// What stands around pictures.
@@ -125,10 +123,7 @@ impl Shot<'_> {
                 count => format!("{count} estimators in lockstep"),
             },
             details: told(self.estimator),
-            place: match self.clip {
-                "" => format!("step {cursor}"),
-                clip => format!("{clip} · step {cursor}"),
-            },
+            place: format!("step {cursor}"),
             formula: match self.look.caption {
                 CaptionWords::Full => equation_of(step).to_vec(),
                 CaptionWords::Off | CaptionWords::On => Vec::new(),

@@ -112,9 +112,11 @@ impl Steps {
         while viewer.walk.cursor() <= self.to {
             let focus = self.pixel.and_then(|pixel| pixel.on_the_way(&*viewer.walk));
             let moment = viewer.moment(focus)?;
-            let (look, panes, clip) = (&self.look, &self.panes, &clip.info().name);
-            let shot = Shot { moment: &moment, estimator, look, panes, clip };
-            let picture = shot.encode_in(&mut layout, self.format, self.scale)?;
+            let picture = Shot { moment: &moment, estimator, look: &self.look, panes: &self.panes }.encode_in(
+                &mut layout,
+                self.format,
+                self.scale,
+            )?;
             export::save_result(&folder.join(Self::file_name(written.count, self.format)), &picture)?;
             written.add(layer.and_then(|layer| Some((layer, moment.why_without(layer)?))));
             if let Some(progress) = progress {

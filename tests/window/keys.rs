@@ -26,7 +26,8 @@ fn field(window: &Window, name: &str) -> Option<String> {
 /// A folder with a clip of five frames, and the true flow of its fourth pair.
 fn frames(folder: &Path) {
     for index in 0..5u8 {
-        let picture = image::GrayImage::from_fn(64, 48, |x, y| image::Luma([(x * 3 + y * 5) as u8 + index]));
+        let picture =
+            image::GrayImage::from_fn(64, 48, |x, y| image::Luma([((x * 3 + y * 5) as u8).wrapping_add(index)]));
         picture.save(folder.join(format!("frame{index:02}.png"))).expect("a picture");
     }
 }

@@ -151,9 +151,8 @@ fn a_session_keeps_them_and_a_picture_is_what_is_shown() {
     let mut viewer = Viewer::new(&shown.subject.experiment, clip, &look, &reverse).unwrap();
     viewer.walk.jump(motionscope_core::Move::To(here));
     let moment = viewer.moment(None).unwrap();
-    let drawn = Shot { moment: &moment, estimator, look: &look, panes: &Selection::default(), clip: "" }
-        .encode(Format::Png, 1)
-        .unwrap();
+    let drawn =
+        Shot { moment: &moment, estimator, look: &look, panes: &Selection::default() }.encode(Format::Png, 1).unwrap();
     assert!(fs::read(folder.path().join("one.png")).unwrap() == drawn, "the same pixels without the window");
     let path: OsString = folder.path().join("one.motionscope").into();
     let again = Window::with(vec2(1440.0, 900.0), Start { open: Some(path) });
@@ -176,6 +175,7 @@ fn nobody_is_moved_by_undo_or_by_a_parameter() {
     // Where the budget counts, the others are at other blocks by now.
     window.click("same budget");
     let leader = window.shown().leader().unit;
+    window.unfold();
     window.harness.get_by_role_and_label(Role::Slider, "Lambda").set_value_accesskit(1.0);
     window.settle();
     assert_eq!(window.shown().leader().unit, leader);

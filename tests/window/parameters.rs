@@ -118,13 +118,10 @@ fn what_has_no_effect_is_disabled_and_advanced_ones_lie_in_a_fold_that_is_rememb
     };
     assert!(disabled(&window), "relaxation has no effect with Jacobi");
     assert!(!has(&window, "Tolerance"), "it is folded away");
-    window.click("Solver: SOR");
+    window.click_role(Role::ComboBox, "Solver");
+    window.click("SOR");
     assert!(!disabled(&window), "it has one with SOR");
-    let folds = |window: &mut Window| {
-        window.harness.query_all_by_label("Advanced").next().expect("a fold").click();
-        window.settle();
-    };
-    folds(&mut window);
+    window.unfold();
     assert!(has(&window, "Tolerance"), "it is unfolded");
     let mut memory = Memory::default();
     eframe::App::save(window.harness.state_mut(), &mut memory);

@@ -113,9 +113,9 @@ impl PathField {
     /// Shows the field, `width` wide; gives whether Enter was pressed in it.
     pub fn show(&mut self, ui: &mut Ui, name: &str, width: f32) -> bool {
         let id = Id::unique(("path", name));
-        if !std::mem::replace(&mut self.is_focused, true) {
+        self.is_focused |= ui.memory(|memory| memory.has_focus(id));
+        if !self.is_focused {
             widgets::catch_text(ui.ctx(), id, &mut self.text);
-            ui.memory_mut(|memory| memory.request_focus(id));
         }
         let completes = ui.memory(|memory| memory.has_focus(id)) && !self.text.is_empty();
         if completes {
@@ -127,6 +127,10 @@ impl PathField {
         let field = TextEdit::singleline(&mut self.text).id(id).hint_text("Type or paste a path").desired_width(width);
         // Tab is the field's own while there is something to complete.
         let response = ui.add(field.lock_focus(completes)).accessible_name(name);
+        if !self.is_focused {
+            // Behind the field: in its dialog's first pass that cannot have it yet.
+            response.request_focus();
+        }
         if self.text != self.completion.offered {
             self.completion.told.clear();
         }

@@ -110,8 +110,7 @@ impl Writing {
 pub fn picture(order: &Order, shown: &Snapshot) -> Result<String, Error> {
     let format = Format::of(&order.path)?;
     let estimator = &*shown.subject.experiment.estimator;
-    let clip = &shown.subject.clip.info().name;
-    let shot = Shot { moment: &shown.moment, estimator, look: &order.look, panes: &order.panes, clip };
+    let shot = Shot { moment: &shown.moment, estimator, look: &order.look, panes: &order.panes };
     export::save_result(&order.path, &shot.encode(format, order.scale)?)?;
     Ok(format!("Wrote {}.", order.path.display()))
 }
