@@ -180,7 +180,7 @@ pub struct RunArgs {
     pub picture: PictureArgs,
     #[command(flatten)]
     pub sheet: SheetArgs,
-    /// The step that the overlay shows: UNIT.EVENT as in 35.412, units from 0 and events from 1, UNIT for its end, or 0 for the start; the end of the run unless given.
+    /// The step that the overlay shows: UNIT.EVENT as in 35.412, both counted from 1, UNIT for its end, or 0 for the start; the end of the run unless given.
     #[arg(long, value_name = "CURSOR", value_parser = cursor)]
     pub step: Option<Cursor>,
     /// How often to run, for the time.

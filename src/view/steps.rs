@@ -95,6 +95,20 @@ impl Steps {
     /// If the estimator never has one of the panes, the run cannot start or breaks off, a pixel that is asked for cannot be
     /// explained at the first step, no step has the layer that they must have, a file cannot be written, or the work was cancelled.
     pub fn write(&self, prepared: &Prepared, folder: &Path, progress: Option<&dyn Progress>) -> Result<Written, Error> {
+        self.write_counted(prepared, folder, progress, None)
+    }
+
+    /// The same; before the first is written, `tell` hears how many there will be.
+    ///
+    /// # Errors
+    /// As [`Steps::write`].
+    pub fn write_counted(
+        &self,
+        prepared: &Prepared,
+        folder: &Path,
+        progress: Option<&dyn Progress>,
+        tell: Option<&dyn Fn(usize)>,
+    ) -> Result<Written, Error> {
         let Prepared { experiment, clip, .. } = prepared;
         let estimator = &*experiment.estimator;
         self.panes.check(estimator)?;
@@ -106,6 +120,9 @@ impl Steps {
         if let Some(layer) = layer.filter(|_| self.must_have_layer) {
             self.check_layer(layer, &mut *viewer.walk, clip, progress)?;
             self.begin(&mut *viewer.walk, progress)?;
+        }
+        if let Some(tell) = tell {
+            tell(self.count(prepared, progress)?);
         }
         export::make_folder(folder)?;
         let (mut written, mut layout) = (Written::default(), None);

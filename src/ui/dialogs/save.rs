@@ -449,9 +449,9 @@ fn range(ui: &mut Ui, state: &mut State, granularities: Granularities) {
     line(ui, "Steps", |ui| {
         for (text, name) in [(&mut state.from, "First step"), (&mut state.to, "Last step")] {
             let response = ui.add(TextEdit::singleline(text).desired_width(90.0)).accessible_name(name);
-            response.on_hover_text(format!("{name}, as UNIT.EVENT, the step of the status line: units count from 0, events from 1. A unit alone is its end."));
+            response.on_hover_text(format!("{name}, as UNIT.EVENT, the step of the status line: both count from 1, and 0 is the start. A unit alone is its end."));
         }
-        ui.label(RichText::new("as UNIT.EVENT, units from 0").small().weak());
+        ui.label(RichText::new("as UNIT.EVENT").small().weak());
     });
     line(ui, "Every", |ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
