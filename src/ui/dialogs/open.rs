@@ -36,7 +36,10 @@ impl State {
 
     /// Tells why a path was not opened, and gives the field the keyboard again, with its text.
     pub fn refuse(&mut self, why: &Error) {
-        (self.opening, self.error) = (None, Some(format!("{why}.")));
+        let why = why.to_string();
+        let first: String = why.chars().take(1).flat_map(char::to_uppercase).collect();
+        let rest: String = why.chars().skip(1).collect();
+        (self.opening, self.error) = (None, Some(format!("{first}{rest}.")));
         self.path.focus();
     }
 
