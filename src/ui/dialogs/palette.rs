@@ -238,7 +238,8 @@ mod tests {
             ("export", Command::ExportPicture.info().text),
             ("export", Command::ExportResult.info().text),
             ("screenshot", Command::ExportPicture.info().text),
-            ("aperture", "Sample: "),
+            ("aperture", "Estimator: Normal flow"),
+            ("stripes", "Sample: "),
         ] {
             assert!(names(query).iter().any(|found| found.starts_with(text)), "{query}: {:?}", names(query));
         }
