@@ -60,6 +60,43 @@ fn list_names_every_estimator_with_its_parameters() {
 }
 
 #[test]
+fn a_parameter_without_effect_is_told_of_in_the_list_and_where_it_is_set() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let all = json(here, "list --json");
+    let flow = all.as_array().unwrap().iter().find(|e| e["id"] == "horn-schunck").expect("it is there");
+    let param = |name: &str| flow["params"].as_array().unwrap().iter().find(|p| p["name"] == name).cloned().unwrap();
+    assert_eq!((&param("tolerance")["advanced"], &param("alpha")["advanced"]), (&true.into(), &false.into()));
+    assert!(param("relaxation")["no_effect"][0].as_str().is_some_and(|why| why.contains("no effect")));
+    let told = |set: &str| {
+        let output = motionscope(here, &format!("run {SMALL} --estimator horn-schunck --set iterations=2 {set}"));
+        assert!(output.status.success());
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let warned = told("--set relaxation=1.5");
+    assert!(warned.starts_with("warning: --set relaxation=1.5: ") && warned.lines().count() == 1, "{warned}");
+    assert_eq!(told("--set relaxation=1.5 --set solver=sor"), "");
+}
+
+#[test]
+fn a_full_caption_holds_the_formula_and_an_export_says_how_many_files_it_makes() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let size = |caption: &str| {
+        let step = "--estimator horn-schunck --set iterations=2 --step 2.1";
+        stdout(here, &format!("run {SMALL} {step} {caption} --overlay it.png"));
+        image::image_dimensions(here.join("it.png")).unwrap()
+    };
+    let (plain, full) = (size("--caption"), size("--caption full"));
+    assert!(full.0 == plain.0 && full.1 > plain.1, "the formula stands below: {plain:?} {full:?}");
+    assert_eq!((size("--caption=full"), size("--caption=on")), (full, plain));
+    let output = motionscope(here, &format!("export {SMALL} --estimator full-search --steps 2.1..2.5 --out steps"));
+    let told = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(told, "5 pictures are written to steps\n");
+    assert_eq!(fs::read_dir(here.join("steps")).unwrap().count(), 5);
+}
+
+#[test]
 fn whatever_is_typed_is_told_in_one_sentence() {
     let folder = tempfile::tempdir().unwrap();
     let (long, many) = ("x".repeat(5000), "word ".repeat(900));

@@ -135,6 +135,7 @@ fn specimen_plate(theme: Theme) -> Figure {
         details: "block 16 px · range ±16 px · cost SAD".into(),
         place: "step 35.412".into(),
         sentence,
+        formula: Vec::new(),
     };
     let options = FigureOptions {
         view: View::Current,

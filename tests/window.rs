@@ -4,6 +4,8 @@
 mod every;
 #[path = "window/files.rs"]
 mod files;
+#[path = "window/keys.rs"]
+mod keys;
 #[path = "window/layout.rs"]
 mod layout;
 #[path = "window/levels.rs"]
@@ -45,14 +47,14 @@ use motionscope::ui::app::commands::{Command, Granularities, Menu};
 use motionscope::ui::app::{App, Region};
 use motionscope::ui::charts::heat_map;
 use motionscope::ui::model::document::Owner;
-use motionscope::ui::model::snapshot::Snapshot;
+use motionscope::ui::model::snapshot::{Place, Snapshot};
 use motionscope::ui::model::writer::{Order, What};
 use motionscope::ui::{self, Start};
 use motionscope::view::look::Look;
 use motionscope::view::motion::Reverse;
 use motionscope::view::panes::Selection;
 use motionscope::view::shot::Format;
-use motionscope_core::scene::Readout;
+use motionscope_core::scene::{Focus, Readout};
 use motionscope_core::{Cursor, Value, metrics};
 
 /// The window, and the waiting that a person does not notice.
@@ -69,7 +71,21 @@ impl Window {
     }
 
     fn with(size: Vec2, start: Start) -> Self {
-        Self::remembering(size, start, None)
+        let is_sample = start.open.is_none();
+        let mut window = Self::remembering(size, start, None);
+        if is_sample {
+            window.look_in();
+        }
+        window
+    }
+
+    /// Goes from the start of the bundled sample into the middle of a search, where there is something to see.
+    fn look_in(&mut self) {
+        let (width, height) = self.shown().pictures.pair[0].size();
+        let near = Some(Focus::current([width as f32 * 0.19, height as f32 * 0.57]));
+        let cursor = Cursor { unit: 0, event: 640 };
+        self.harness.state_mut().walk_from(Place { cursor, near, ..Place::default() });
+        self.settle();
     }
 
     fn remembering(size: Vec2, start: Start, memory: Option<Memory>) -> Self {
@@ -185,6 +201,12 @@ impl Window {
         let all = named(self, Role::Button).into_iter().filter(|name| !before.contains(name)).collect();
         self.key(Key::Escape);
         all
+    }
+
+    /// Unfolds the estimator's advanced parameters, or folds them.
+    fn unfold(&mut self) {
+        self.harness.query_all_by_label_contains("Advanced").next().expect("a fold").click();
+        self.settle();
     }
 
     fn command(&mut self, command: Command) {
@@ -498,7 +520,7 @@ fn the_samples_are_shown_and_opened() {
     let first = &motionscope_core::synth::SCENES[0];
     window.click_role(Role::Button, first.title);
     assert_eq!(window.app().document().sample().map(|sample| sample.id), Some(first.id));
-    assert!(window.shown().cursor.event > 1);
+    assert_eq!(window.cursor(), Cursor::default(), "it begins at its start");
 }
 
 #[test]

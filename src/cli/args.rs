@@ -197,7 +197,7 @@ pub struct RunArgs {
     pub picture: PictureArgs,
     #[command(flatten)]
     pub sheet: SheetArgs,
-    /// Step of the overlay: UNIT.EVENT as in 35.412, UNIT for its end, or 0 for the start; the end of the run by default.
+    /// Step of the overlay: UNIT.EVENT as in 35.412, both counted from 1, UNIT for its end, or 0 for the start; the end of the run by default.
     #[arg(long, help_heading = "Picture", value_name = "CURSOR", value_parser = cursor)]
     pub step: Option<Cursor>,
     /// Number of runs, for the timing.

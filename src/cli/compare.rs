@@ -6,7 +6,7 @@ use motionscope_core::{Clip, Error, Stop, Threads};
 
 use super::args::CompareArgs;
 use super::outputs::{Place, check_folder, refuse_losses};
-use super::say;
+use super::{say, task};
 use crate::experiment::comparison::{self, Arena, Round, Row};
 use crate::experiment::course_table;
 use crate::experiment::source::Source;
@@ -26,6 +26,7 @@ pub fn compare(args: &CompareArgs) -> Result<(), Error> {
         return course(args, &source, frame);
     }
     let estimators = comparison::contenders(&args.estimators, &args.set)?;
+    task::warn_of_idle(&estimators.iter().map(|estimator| &**estimator).collect::<Vec<_>>(), &args.set);
     let threads = Threads::new(args.threads as usize)?;
     args.csv.as_deref().filter(|path| *path != Path::new("-")).map_or(Ok(()), check_folder)?;
     let mut rows = Vec::new();

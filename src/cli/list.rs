@@ -22,7 +22,9 @@ fn parameters(specs: &[Spec]) -> String {
     let width = specs.iter().map(|spec| spec.name.len()).max().unwrap_or(0);
     let line = |spec: &Spec| {
         let Spec { name, doc, default, .. } = spec;
-        format!("  {name:width$}  {doc}\n  {:width$}  {}; default {default}\n", "", spec.allowed())
+        let advanced = if spec.advanced { "; advanced" } else { "" };
+        let idle: String = spec.idle.iter().map(|why| format!("  {:width$}  {why}\n", "")).collect();
+        format!("  {name:width$}  {doc}\n  {:width$}  {}; default {default}{advanced}\n{idle}", "", spec.allowed())
     };
     specs.iter().map(line).collect()
 }
@@ -71,6 +73,9 @@ fn spec(spec: &Spec) -> serde_json::Value {
     told.insert("doc".into(), json!(spec.doc));
     told.insert("unit".into(), json!(spec.unit));
     told.insert("default".into(), value(spec.default.clone()));
+    told.insert("advanced".into(), json!(spec.advanced));
+    // Why it has no effect with some values of other parameters; nothing where it always has one.
+    told.insert("no_effect".into(), json!(spec.idle));
     let (of, word) = match &spec.kind {
         Kind::Optional { of, word } => (&**of, Some(*word)),
         of => (of, None),

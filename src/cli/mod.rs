@@ -30,7 +30,7 @@ use args::{Args, Command};
 
 /// Runs the command; errors go to standard error as one sentence.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
-    let args = match Args::try_parse_from(arguments) {
+    let args = match Args::try_parse_from(look::joined(arguments)) {
         Ok(args) => args,
         Err(error) => return usage(&error),
     };

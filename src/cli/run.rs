@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use motionscope_core::products::{Assessment, Reference};
+use motionscope_core::products::Reference;
 use motionscope_core::{AnyEstimator, Consistency, Error, Levels, Move, Output, Threads};
 
 use super::args::RunArgs;
@@ -60,7 +60,7 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
     }
     let reverse = Reverse::new(estimator, clip, frame);
     let check = check(&prepared, args, &output, &reverse)?;
-    let live = live(&prepared, &threads)?;
+    let live = experiment.causal(clip, &threads)?;
     let timing = Timing { threads: threads.count(), times };
     let report = Report::new(&prepared, &output, Findings { assessment, check, live }, extent, timing);
     let paint = |(path, format)| Ok((path, overlay.paint(&prepared, format, &reverse)?));
@@ -145,14 +145,6 @@ fn timed(
     let (output, first) = run()?;
     let rest = (1..repeat).map(|_| run().map(|(_, time)| time)).collect::<Result<Vec<_>, Error>>()?;
     Ok((output, [vec![first], rest].concat()))
-}
-
-/// What the same estimator comes to without hindsight, where it looks back in time as it is set and is scored.
-fn live(Prepared { experiment, clip, .. }: &Prepared, threads: &Threads) -> Result<Option<Assessment>, Error> {
-    let Some(causal) = experiment.estimator.causal().filter(|_| clip.truth().is_some()) else { return Ok(None) };
-    let output = causal.run(clip, experiment.frame, threads)?;
-    let assessment = output.assess(&Reference { clip, frame: experiment.frame })?;
-    Ok(Some(assessment).filter(|assessment| !assessment.headline.is_empty()))
 }
 
 /// What `args` ask for themselves of how the picture looks: what a session asks for may be missing at some steps.

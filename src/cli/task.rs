@@ -6,6 +6,7 @@ use std::sync::Arc;
 use motionscope_core::{AnyEstimator, Error, FRAMES, estimator};
 
 use super::args::{PictureArgs, TaskArgs};
+use crate::experiment::comparison;
 use crate::experiment::pixel::Chosen;
 use crate::experiment::side_by_side::SideBySide;
 use crate::experiment::{Experiment, Position, Prepared};
@@ -114,5 +115,15 @@ pub fn prepare(args: &TaskArgs, experiment: Experiment) -> Result<Prepared, Erro
         side_by_side.set(&mut **estimator, setting)?;
     }
     side_by_side.check(&**estimator)?;
+    warn_of_idle(&side_by_side.all(&**estimator), &args.set);
     Ok(prepared)
+}
+
+/// Says of each of `settings` that has no effect on `estimators` why it has none.
+pub fn warn_of_idle(estimators: &[&dyn AnyEstimator], settings: &[String]) {
+    for setting in settings {
+        if let Some(why) = comparison::why_idle(estimators, setting) {
+            eprintln!("warning: --set {setting}: {why}");
+        }
+    }
 }

@@ -369,6 +369,19 @@ fn set(estimators: &mut [Box<dyn AnyEstimator>], name: &str, value: &str) -> Res
     found.try_for_each(|estimator| estimator.set(name, value))
 }
 
+/// Why `setting`, `NAME=VALUE` or `ESTIMATOR.NAME=VALUE`, has no effect on any of `estimators` that has the parameter, once all
+/// is set; `None` where it has one.
+pub fn why_idle(estimators: &[&dyn AnyEstimator], setting: &str) -> Option<&'static str> {
+    let name = setting.split_once('=')?.0.trim();
+    let of = |estimator: &dyn AnyEstimator| match name.split_once('.') {
+        Some((id, inner)) if id == estimator.info().id => inner.to_owned(),
+        _ => name.to_owned(),
+    };
+    let mut having = estimators.iter().filter(|estimator| estimator.get(&of(**estimator)).is_ok()).peekable();
+    let first = having.peek()?.why_idle(&of(**having.peek()?));
+    if having.all(|estimator| estimator.why_idle(&of(*estimator)).is_some()) { first } else { None }
+}
+
 /// Sets `name` in all of `estimators` that have it.
 ///
 /// # Errors

@@ -10,7 +10,8 @@ pub mod sweeps;
 
 use std::sync::Arc;
 
-use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Info, Walk, estimators};
+use motionscope_core::products::{Assessment, Reference};
+use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Info, Threads, Walk, estimators};
 
 use crate::media::export::Inputs;
 use crate::media::{Given, Open};
@@ -63,6 +64,17 @@ impl Experiment {
     /// If an estimator cannot run there.
     pub fn walk(&self, clip: &Clip) -> Result<Box<dyn Walk>, Error> {
         self.side_by_side.walk(&*self.estimator, clip, self.frame)
+    }
+
+    /// How good the same estimator is in real time, where it looks back in time as it is set and is scored.
+    ///
+    /// # Errors
+    /// If it cannot run there, or the truth cannot be read.
+    pub fn causal(&self, clip: &Clip, threads: &Threads) -> Result<Option<Assessment>, Error> {
+        let Some(causal) = self.estimator.causal().filter(|_| clip.truth().is_some()) else { return Ok(None) };
+        let output = causal.run(clip, self.frame, threads)?;
+        let assessment = output.assess(&Reference { clip, frame: self.frame })?;
+        Ok(Some(assessment).filter(|assessment| !assessment.headline.is_empty()))
     }
 }
 

@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
-use motionscope_core::scene::{Mark, Picture, Sentence, Shape};
+use motionscope_core::scene::{Mark, Math, Picture, Sentence, Shape};
 use motionscope_core::{Grid, Scene};
 
+use super::charts::explanation::{Density, equation};
 use super::focus::{self, CloseUp, FocusMode, Site, Work};
 use super::legend::{self, Bar, line_height};
 use super::primitive::{Anchor, Line, Point, Primitive, Rect, Run, Stroke};
@@ -68,6 +69,8 @@ pub struct Caption {
     pub place: String,
     /// Why the last event happened.
     pub sentence: Sentence,
+    /// The formula of the step, a line of it each; none unless it is asked for.
+    pub formula: Vec<Math>,
 }
 
 /// What one estimator shows on a figure.
@@ -261,6 +264,9 @@ impl Layout<'_> {
             self.y += GAP;
             self.paragraph(&inked(&caption.sentence, self.options.style.theme), self.sizes.body);
         }
+        if let Some(formula) = self.options.caption.as_ref().map(|caption| &caption.formula) {
+            self.formula(formula);
+        }
         if self.options.legend {
             self.legend(parts, scene);
         }
@@ -271,6 +277,19 @@ impl Layout<'_> {
         let (pixels, gain) = panel.pixels(&part.pictures, self.options.share);
         let is_dimmed = self.options.backdrop == Backdrop::Dimmed && has_colors(panel, &part.pictures, part.scene);
         (if is_dimmed { dimmed(&pixels) } else { pixels }, gain)
+    }
+
+    /// The formula of the step below its sentence, no wider than the pictures.
+    fn formula(&mut self, lines: &[Math]) {
+        if lines.is_empty() {
+            return;
+        }
+        self.y += GAP;
+        let theme = self.options.style.theme;
+        let block = equation(lines, (self.width, Density::close(theme)), theme);
+        let at = [self.margin, self.y];
+        self.words.extend(block.primitives.into_iter().map(|primitive| primitive.moved(at)));
+        self.y += block.size[1];
     }
 
     /// What stands above a picture that begins at `x`; without the name of its file where that is too long.

@@ -11,7 +11,7 @@ use crate::experiment::side_by_side::SideBySide;
 use crate::paint::{
     Backdrop, ColorMap, FlowLayer, FocusMode, Lengthen, LevelShown, Opacity, Phase, Share, Theme, View,
 };
-use crate::view::look::Look;
+use crate::view::look::{CaptionWords, Look};
 
 fn session(source: Source) -> Session {
     let mut estimator = estimator("full-search").unwrap();
@@ -119,7 +119,7 @@ fn what_a_session_does_not_say_is_left_as_it_is() {
         arrow_scale: Lengthen::Times(4.0),
         streaks: Some(Phase::default()),
         legend: true,
-        caption: true,
+        caption: CaptionWords::On,
     };
     assert_eq!(look("").over(usual), usual);
     assert_eq!(look("arrows = \"auto\"").over(usual), Look { arrow_scale: Lengthen::Auto, ..usual });
@@ -330,7 +330,7 @@ fn an_old_session_opens_unchanged() {
         arrow_scale: Lengthen::Times(2.5),
         streaks: Phase::new(0.25).ok(),
         legend: false,
-        caption: true,
+        caption: CaptionWords::On,
     };
     assert_eq!(look.over(Look::default()), expected);
     assert_eq!(sight, None);

@@ -209,6 +209,10 @@ impl<'a> Entry<'a> {
             Kind::Int { .. } => drop(self.whole()?),
             Kind::Real { .. } => drop(self.number()?),
             Kind::Switch => drop(self.switch()?),
+            // What has more choices than on and off by now was written as a switch before.
+            Kind::Choice(all) if all.iter().any(|choice| choice.name == "on") && self.value.as_bool().is_some() => {
+                return self.switch().map(|on| if on { "on" } else { "off" }.to_owned());
+            }
             Kind::Choice(_) | Kind::Placed(_) | Kind::Stage(_) => drop(self.text()?),
             Kind::Optional { of, .. } => match &**of {
                 Kind::Int { .. } | Kind::Real { .. } => drop(self.number_or_text()?),

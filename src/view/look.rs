@@ -8,6 +8,8 @@ use std::collections::BTreeMap;
 use motionscope_core::{Error, Params, Spec, Value, params};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+pub use values::CaptionWords;
+
 use crate::paint::{
     ArrowStyle, Backdrop, ColorMap, FlowLayer, FocusMode, Lengthen, LevelShown, Opacity, Phase, Pictures, Share, Style,
     Theme, View,
@@ -45,8 +47,8 @@ params! {
         streaks: Option<Phase> = None;
         /// Legend of the marks below the pictures.
         legend: bool = false;
-        /// Estimator, parameters and the sentence of the step, around the pictures.
-        caption: bool = false;
+        /// Clip, estimator, parameters and the sentence of the step, around the pictures; full adds the formula.
+        caption: CaptionWords = CaptionWords::Off;
     }
 }
 

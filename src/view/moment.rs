@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use motionscope_core::products::{Assessment, Reference};
 use motionscope_core::scene::{Fact, Focus, Picture, Readout};
-use motionscope_core::{Clip, Cursor, Error, Frame, Histogram, Levels, Role, Scene, Step, Walk};
+use motionscope_core::{Clip, Cursor, Error, Frame, Histogram, Levels, Role, Scene, Step, Threads, Walk};
 
 use super::look::{Look, RunState};
 use super::motion::{AvailableLayers, Motion, Reverse, Site};
@@ -63,6 +63,8 @@ pub struct End {
     prediction: Option<Arc<Frame>>,
     /// The assessment of the result.
     assessment: Option<Assessment>,
+    /// The score of the same estimator without hindsight, where it has any and the truth is known.
+    causal: Option<String>,
     /// How often each displacement was found, where they are counted.
     histogram: Option<Histogram>,
     /// The results of the estimators in lockstep.
@@ -70,13 +72,19 @@ pub struct End {
 }
 
 impl End {
-    /// That of `walk` on `clip`, whose last frames are `pair`; `None` where the run is not at its end.
-    pub fn of(walk: &dyn Walk, clip: &Clip, pair: &Pictures) -> Option<Self> {
+    /// That of `walk`, the run of `experiment` on `clip`, whose last frames are `pair`; `None` where the run is not at its end.
+    pub fn of(walk: &dyn Walk, experiment: &Experiment, clip: &Clip, pair: &Pictures) -> Option<Self> {
+        let causal = || {
+            let is_alone = experiment.side_by_side.is_empty();
+            let causal = is_alone.then(|| experiment.causal(clip, &Threads::single()).ok().flatten()).flatten();
+            causal.map(|assessment| assessment.headline)
+        };
         walk.at_end().then(|| {
             let output = walk.output();
             Self {
                 prediction: predicted(&output, pair),
                 assessment: output.assess(&Reference { clip, frame: walk.frame() }).ok(),
+                causal: causal(),
                 histogram: output.histogram(),
                 beside: endings(walk, clip, pair),
             }
@@ -155,6 +163,9 @@ fn told(Standing { walk, focus, end, .. }: Standing<'_>, motion: &Motion, missin
     if let Some(assessment) = &end.assessment {
         add_assessment(&mut step, assessment);
     }
+    if let Some(causal) = &end.causal {
+        add_facts(&mut step, vec![Fact::new("In real time", causal.clone(), None)]);
+    }
     let facts = motion.facts();
     if !facts.is_empty() {
         add_facts(&mut step, facts);
@@ -194,6 +205,7 @@ impl LastPair {
 pub struct Viewer<'a> {
     /// The run: it goes wherever it is sent.
     pub walk: Box<dyn Walk>,
+    experiment: &'a Experiment,
     clip: &'a Clip,
     look: &'a Look,
     reverse: &'a Reverse<'a>,
@@ -208,7 +220,7 @@ impl<'a> Viewer<'a> {
     /// # Errors
     /// If it cannot run there.
     pub fn new(
-        experiment: &Experiment,
+        experiment: &'a Experiment,
         clip: &'a Clip,
         look: &'a Look,
         reverse: &'a Reverse<'a>,
@@ -216,6 +228,7 @@ impl<'a> Viewer<'a> {
         let beside = look.shows_beside(experiment.estimator.is_of_single_frames());
         Ok(Self {
             walk: experiment.walk(clip)?,
+            experiment,
             clip,
             look,
             reverse,
@@ -230,10 +243,10 @@ impl<'a> Viewer<'a> {
     /// # Errors
     /// If a frame, a picture that the step names, the truth or the reverse pair that it takes cannot be had.
     pub fn moment(&mut self, focus: Option<Focus>) -> Result<Moment, Error> {
-        let Self { walk, clip, look, reverse, pairs, named, beside } = self;
+        let Self { walk, experiment, clip, look, reverse, pairs, named, beside } = self;
         let (walk, clip) = (&**walk, *clip);
         let pair = pairs.of(walk, clip)?;
-        let end = End::of(walk, clip, pair);
+        let end = End::of(walk, experiment, clip, pair);
         let standing = Standing { walk, clip, pair, focus, beside: *beside, end: end.as_ref(), named };
         let moment = Moment::of(standing, |site| Motion::of(site, look, || reverse.flow().map(Some)))?;
         moment.missing.clone().map_or(Ok(moment), Err)

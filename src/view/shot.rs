@@ -7,10 +7,11 @@ use motionscope_core::params::Kind;
 use motionscope_core::scene::{Readout, Sentence};
 use motionscope_core::{AnyEstimator, Error, Spec, Value};
 
-use super::look::Look;
+use super::look::{CaptionWords, Look};
 use super::moment::Moment;
 use super::panes::Selection;
 use super::sheet::Layout;
+use crate::paint::charts::explanation::equation_of;
 use crate::paint::{Caption, Figure, FigureOptions, Part, View, export_pdf, export_png, export_svg};
 
 /// The scale of marks in SVG and PDF, as in a PNG of this scale.
@@ -69,7 +70,7 @@ impl Shot<'_> {
         if !self.panes.panes.is_empty() {
             return self.sheet(scale, layout);
         }
-        let caption = self.look.caption.then(|| self.caption());
+        let caption = (self.look.caption != CaptionWords::Off).then(|| self.caption());
         self.figure(Around { zoom: 1.0, titles: false, caption }, scale)
     }
 
@@ -126,6 +127,10 @@ impl Shot<'_> {
             },
             details: format!("{clip} · {}", told(self.estimator)),
             place: format!("step {cursor}"),
+            formula: match self.look.caption {
+                CaptionWords::Full => equation_of(step).to_vec(),
+                CaptionWords::Off | CaptionWords::On => Vec::new(),
+            },
             sentence: match tiles.first() {
                 Some(tile) => {
                     let name = (format!("{}: ", tile.info.name), None);

@@ -95,6 +95,20 @@ impl Steps {
     /// If the estimator never has one of the panes, the run cannot start or breaks off, a pixel that is asked for cannot be
     /// explained at the first step, no step has the layer that they must have, a file cannot be written, or the work was cancelled.
     pub fn write(&self, prepared: &Prepared, folder: &Path, progress: Option<&dyn Progress>) -> Result<Written, Error> {
+        self.write_counted(prepared, folder, progress, None)
+    }
+
+    /// The same; before the first is written, `tell` hears how many there will be.
+    ///
+    /// # Errors
+    /// As [`Steps::write`].
+    pub fn write_counted(
+        &self,
+        prepared: &Prepared,
+        folder: &Path,
+        progress: Option<&dyn Progress>,
+        tell: Option<&dyn Fn(usize)>,
+    ) -> Result<Written, Error> {
         let Prepared { experiment, clip, .. } = prepared;
         let estimator = &*experiment.estimator;
         self.panes.check(estimator)?;
@@ -106,6 +120,9 @@ impl Steps {
         if let Some(layer) = layer.filter(|_| self.must_have_layer) {
             self.check_layer(layer, &mut *viewer.walk, clip, progress)?;
             self.begin(&mut *viewer.walk, progress)?;
+        }
+        if let Some(tell) = tell {
+            tell(self.count(prepared, progress)?);
         }
         export::make_folder(folder)?;
         let (mut written, mut layout) = (Written::default(), None);
@@ -133,6 +150,25 @@ impl Steps {
             )?;
         }
         viewer.walk.failure().map_or(Ok(written), |failure| Err(failure.clone()))
+    }
+
+    /// How many pictures [`Steps::write`] writes, found by going through them without drawing any.
+    ///
+    /// # Errors
+    /// If the run cannot start or ends before the first step, or the work was cancelled.
+    pub fn count(&self, prepared: &Prepared, progress: Option<&dyn Progress>) -> Result<usize, Error> {
+        let Prepared { experiment, clip, .. } = prepared;
+        let mut walk = experiment.walk(clip)?;
+        self.begin(&mut *walk, progress)?;
+        let mut count = 0;
+        while walk.cursor() <= self.to {
+            count += 1;
+            if walk.at_end() {
+                break;
+            }
+            travel(&mut *walk, Move::Granularity(self.granularity, Direction::Forward), 0, progress)?;
+        }
+        Ok(count)
     }
 
     /// Goes to the first stop.

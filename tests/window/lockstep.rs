@@ -178,6 +178,7 @@ fn nobody_is_moved_by_undo_or_by_a_parameter() {
     window.click_role(Role::ComboBox, "In lockstep by");
     window.click("same budget");
     let leader = window.shown().leader().unit;
+    window.unfold();
     window.harness.get_by_role_and_label(Role::Slider, "Lambda").set_value_accesskit(1.0);
     window.settle();
     assert_eq!(window.shown().leader().unit, leader);

@@ -102,3 +102,34 @@ fn the_difficulty_of_a_sample_makes_another_clip() {
     window.command(Command::Undo);
     assert_eq!(*window.shown().pictures.pair[0].luma(), before);
 }
+
+#[test]
+fn what_has_no_effect_is_disabled_and_advanced_ones_lie_in_a_fold_that_is_remembered() {
+    let size = vec2(1440.0, 1400.0);
+    let mut window = Window::with(size, Start { open: Some("synth:translation,width=64,height=48,frames=3".into()) });
+    window.command(Command::Palette);
+    window.harness.get_by_label("What to find").set_text_value_accesskit("horn-schunck");
+    window.settle();
+    window.key(Key::Enter);
+    let has = |window: &Window, name: &str| window.harness.query_by_role_and_label(Role::Slider, name).is_some();
+    let disabled = |window: &Window| {
+        let slider = window.harness.get_by_role_and_label(Role::Slider, "Relaxation");
+        slider.accesskit_node().is_disabled()
+    };
+    assert!(disabled(&window), "relaxation has no effect with Jacobi");
+    assert!(!has(&window, "Tolerance"), "it is folded away");
+    window.click_role(Role::ComboBox, "Solver");
+    window.click("SOR");
+    assert!(!disabled(&window), "it has one with SOR");
+    window.unfold();
+    assert!(has(&window, "Tolerance"), "it is unfolded");
+    let mut memory = Memory::default();
+    eframe::App::save(window.harness.state_mut(), &mut memory);
+    let open = Start { open: Some("synth:translation,width=64,height=48,frames=3".into()) };
+    let mut again = Window::remembering(size, open, Some(memory));
+    again.command(Command::Palette);
+    again.harness.get_by_label("What to find").set_text_value_accesskit("horn-schunck");
+    again.settle();
+    again.key(Key::Enter);
+    assert!(has(&again, "Tolerance"), "after the next start");
+}

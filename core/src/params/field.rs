@@ -29,6 +29,12 @@ pub trait Field {
     #[doc(hidden)]
     fn value_of(&self, index: usize) -> Value;
 
+    /// Why one of them has no effect beside the values of the others, or `None` where it has one.
+    #[doc(hidden)]
+    fn idle_of(&self, _index: usize) -> Option<&'static str> {
+        None
+    }
+
     /// Sets one of them to a value that was checked against its declaration.
     #[doc(hidden)]
     fn put(&mut self, index: usize, value: Value);

@@ -170,6 +170,10 @@ pub struct Spec {
     pub kind: Kind,
     /// Default value.
     pub default: Value,
+    /// Whether it is one of those that are seldom changed.
+    pub advanced: bool,
+    /// Why it has no effect where the values of other parameters leave it none: a sentence for each such case.
+    pub idle: Vec<&'static str>,
 }
 
 impl Spec {
@@ -179,7 +183,12 @@ impl Spec {
         let words = field.replace('_', " ").replace("iou", "IoU");
         let label = words.chars().take(1).flat_map(char::to_uppercase).chain(words.chars().skip(1)).collect();
         let doc = docs.iter().map(|line| line.trim()).collect::<Vec<_>>().join(" ");
-        Self { name: field.replace('_', "-"), label, doc, unit, kind, default }
+        Self { name: field.replace('_', "-"), label, doc, unit, kind, default, advanced: false, idle: Vec::new() }
+    }
+
+    /// Whether it has an effect only with some values of other parameters.
+    pub fn is_conditional(&self) -> bool {
+        !self.idle.is_empty()
     }
 
     /// The allowed values in words: `4 to 64 px`, `on or off`, `sad, ssd or mse`.
@@ -244,6 +253,24 @@ pub trait Params {
     /// # Panics
     /// If there is no such parameter.
     fn set_value(&mut self, index: usize, value: Value) -> Result<(), Error>;
+
+    /// Why parameter `index` of [`Params::specs`] has no effect with the values that the others have now, in a sentence;
+    /// `None` where it has one.
+    fn idle(&self, _index: usize) -> Option<&'static str> {
+        None
+    }
+
+    /// Why the parameter called `name` has no effect now, in a sentence; `stage.name` where the stage has none either.
+    /// `None` where it has one, or there is no such parameter.
+    fn why_idle(&self, name: &str) -> Option<&'static str> {
+        let name = &*current_name(self, name);
+        let (head, inner) = name.split_once('.').map_or((name, None), |(head, inner)| (head, Some(inner)));
+        let index = find(self.specs(), head).ok()?;
+        self.idle(index).or_else(|| match self.value(index) {
+            Value::Stage(stage) => stage.part().why_idle(inner?),
+            _ => None,
+        })
+    }
 
     /// Earlier names of parameters with the present ones.
     fn renamed(&self) -> &'static [(&'static str, &'static str)] {
@@ -334,6 +361,39 @@ fn find(specs: &'static [Spec], name: &str) -> Result<usize, Error> {
         let names: Vec<_> = specs.iter().map(|spec| spec.name.as_str()).collect();
         Error::new(words::there_is_no("parameter", name, &names))
     })
+}
+
+/// Old names with new ones.
+type Renamed = [(&'static str, &'static str)];
+
+/// Marks the parameters that are seldom changed.
+#[doc(hidden)]
+pub fn mark_advanced(specs: &mut [Spec], names: &[&str], renamed: &Renamed) {
+    names.iter().for_each(|name| marked(specs, name_now(name, renamed)).advanced = true);
+}
+
+/// Notes why parameters have no effect now and then.
+#[doc(hidden)]
+pub fn mark_conditional(specs: &mut [Spec], names: &[(&str, &'static str)], renamed: &Renamed) {
+    names.iter().for_each(|(name, why)| marked(specs, name_now(name, renamed)).idle.push(why));
+}
+
+/// The present name of a parameter.
+#[doc(hidden)]
+pub fn name_now<'a>(name: &'a str, renamed: &Renamed) -> &'a str {
+    renamed.iter().find(|(old, _)| *old == name).map_or(name, |(_, new)| new)
+}
+
+/// The declaration called `name`, of which something is said.
+fn marked<'a>(specs: &'a mut [Spec], name: &str) -> &'a mut Spec {
+    let found = specs.iter_mut().find(|spec| spec.name == name);
+    found.unwrap_or_else(|| panic!("{name} is said to be advanced or conditional, and is no parameter"))
+}
+
+/// Whether a condition on `params` holds.
+#[doc(hidden)]
+pub fn holds<P>(params: &P, when: impl Fn(&P) -> bool) -> bool {
+    when(params)
 }
 
 /// Ends what asks for a parameter that was not declared.
@@ -435,6 +495,10 @@ macro_rules! inner_params {
                 self.0.set_value(index, value)
             }
 
+            fn idle(&self, index: usize) -> Option<&'static str> {
+                self.0.idle(index)
+            }
+
             fn renamed(&self) -> &'static [(&'static str, &'static str)] {
                 self.0.renamed()
             }
@@ -445,7 +509,9 @@ pub(crate) use inner_params;
 
 /// Declares a struct of parameters with its [`Default`] and [`Params`]. What several structs have in common is declared once
 /// and is a field of each: its parameters stand in the place of that field. `renamed { "old" => "new" }` behind the struct
-/// keeps names that parameters had before.
+/// keeps names that parameters had before, `advanced { "name" }` says which are seldom changed, and
+/// `when { "name": |p| condition, "Sentence."; }` when a parameter has an effect, and why it has none where the condition does
+/// not hold. Both take the parameters of fields that are structs as well, and stages.
 ///
 /// ```
 /// motionscope_core::params! {
@@ -476,6 +542,25 @@ pub(crate) use inner_params;
 /// let names: Vec<_> = edges.specs().iter().map(|spec| spec.name.as_str()).collect();
 /// assert_eq!(names, ["sigma-px", "twice", "least"]);
 /// assert_eq!(edges.specs()[0].default.to_string(), "2");
+///
+/// motionscope_core::params! {
+///     /// What it is.
+///     pub struct Denoised {
+///         /// Whether the picture is smoothed first.
+///         smooth: bool = false;
+///         /// How it is smoothed.
+///         blur: Blur = Blur::default();
+///     }
+///     advanced { "twice" }
+///     when {
+///         "sigma-px": |p| p.smooth, "The standard deviation has no effect without smoothing.";
+///     }
+/// }
+/// let mut denoised = Denoised::default();
+/// assert!(denoised.specs()[2].advanced && denoised.specs()[1].is_conditional());
+/// assert_eq!(denoised.why_idle("sigma-px"), Some("The standard deviation has no effect without smoothing."));
+/// denoised.smooth = true;
+/// assert_eq!(denoised.idle(1), None);
 /// ```
 #[macro_export]
 macro_rules! params {
@@ -488,6 +573,8 @@ macro_rules! params {
             )*
         }
         $(renamed { $($old:literal => $new:literal),+ $(,)? })?
+        $(advanced { $($advanced:literal),+ $(,)? })?
+        $(when { $($conditional:literal: $when:expr, $why:literal;)+ })?
     ) => {
         $(#[$meta])*
         #[derive(Clone, Debug)]
@@ -499,6 +586,11 @@ macro_rules! params {
             fn default() -> Self {
                 Self { $( $field: $default, )* }
             }
+        }
+
+        impl $name {
+            /// Names that parameters had before, with those that they have now.
+            const RENAMED: &'static [(&'static str, &'static str)] = &[$($(($old, $new)),+)?];
         }
 
         impl $crate::params::Field for $name {
@@ -515,7 +607,28 @@ macro_rules! params {
                     };
                     specs.extend(<$ty as $crate::params::Field>::specs_of(&declared, ($($range)?), &default.$field));
                 )*
+                $crate::params::mark_advanced(&mut specs, &[$($($advanced),+)?], Self::RENAMED);
+                $crate::params::mark_conditional(&mut specs, &[$($(($conditional, $why)),+)?], Self::RENAMED);
                 specs
+            }
+
+            #[allow(unused_assignments, unused_mut, reason = "the last field has none behind it")]
+            fn idle_of(&self, mut index: usize) -> Option<&'static str> {
+                $(
+                    let name = $crate::params::Params::specs(self)[index].name.as_str();
+                    $(
+                        if name == $crate::params::name_now($conditional, Self::RENAMED) && !$crate::params::holds(self, $when) {
+                            return Some($why);
+                        }
+                    )+
+                )?
+                $(
+                    if index < <$ty as $crate::params::Field>::COUNT {
+                        return $crate::params::Field::idle_of(&self.$field, index);
+                    }
+                    index -= <$ty as $crate::params::Field>::COUNT;
+                )*
+                $crate::params::no_such_parameter()
             }
 
             #[allow(unused_assignments, reason = "the last field has none behind it")]
@@ -560,8 +673,12 @@ macro_rules! params {
                 Ok(())
             }
 
+            fn idle(&self, index: usize) -> Option<&'static str> {
+                $crate::params::Field::idle_of(self, index)
+            }
+
             fn renamed(&self) -> &'static [(&'static str, &'static str)] {
-                &[$($(($old, $new)),+)?]
+                Self::RENAMED
             }
         }
     };

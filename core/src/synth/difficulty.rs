@@ -45,6 +45,10 @@ crate::params! {
         /// Random seed of textures and noise. The same seed gives the same clip.
         seed: u32 = 1, 0..=999_999;
     }
+    advanced { "width", "height", "seed" }
+    when {
+        "period": |p| p.repeating_texture > 0.0, "The period has no effect without a repeating texture.";
+    }
 }
 
 impl Difficulty {

@@ -63,6 +63,17 @@ impl Inputs {
         self
     }
 
+    /// `folder`, or the folder around it where it holds the frames of the clip.
+    pub fn outside(&self, folder: &Path) -> PathBuf {
+        let frames = self.first_frame().map(|first| Identity::of(parent(first)));
+        let holds_frames = self.pictures.is_some() && frames == Some(Identity::of(folder));
+        let whole = || fs::canonicalize(folder).unwrap_or_else(|_| folder.into());
+        match holds_frames.then(whole).as_deref().and_then(Path::parent) {
+            Some(around) => around.into(),
+            None => folder.into(),
+        }
+    }
+
     fn first_frame(&self) -> Option<&Path> {
         self.files.iter().find(|(what, _)| *what == What::Frame).map(|(_, file)| file.as_path())
     }

@@ -41,6 +41,8 @@ pub enum Action {
     Command(Command),
     /// Open a clip or a session by its path, or a scene as `synth:pillar,noise=5`.
     Open(OsString),
+    /// Open the palette or the dialog that a command stands for, with something typed in it already.
+    Type(Command, String),
     /// Open a bundled sample.
     OpenSample(&'static Sample),
     /// Cancel opening a clip.

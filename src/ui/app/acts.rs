@@ -26,6 +26,8 @@ impl App {
         match action {
             Action::Command(command) => self.command(command),
             Action::Open(name) => self.open(name),
+            Action::Type(Command::Palette, text) => self.overlay = Overlay::Palette(palette::State::asking(text)),
+            Action::Type(_, text) => self.overlay = Overlay::Open(open_dialog::State::asking(text)),
             Action::OpenSample(sample) => self.open_sample(sample),
             Action::CancelOpening => self.loading = None,
             Action::Browse(wanted) => self.browse(wanted),

@@ -7,9 +7,8 @@ use std::sync::mpsc::{TryRecvError, channel};
 use std::time::Instant;
 
 use eframe::egui::ViewportCommand;
-use motionscope_core::scene::Focus;
 use motionscope_core::synth::Sample;
-use motionscope_core::{Clip, Cursor, Error, Info, estimator};
+use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Info, estimator};
 
 use crate::experiment::first;
 use crate::experiment::source::Source;
@@ -21,15 +20,11 @@ use crate::ui::app::window::{App, Overlay, title};
 use crate::ui::dialogs::open as open_dialog;
 use crate::ui::dialogs::save::{self, Kind};
 use crate::ui::model::loader::{Beside, Loading, Opened};
+use crate::ui::model::settings::LeftAt;
 use crate::ui::model::snapshot::{Hold, Place, Snapshot};
 use crate::ui::model::writer::{self, Order, What, Work, Writing};
 use crate::ui::panes::status;
 use crate::ui::stage::Zoom;
-
-/// Events that are seen of the first unit shown of a sample.
-const FIRST_LOOK: usize = 640;
-/// Where in the picture a sample is looked at first, as a share of its width and height.
-const FIRST_PLACE: [f32; 2] = [0.19, 0.57];
 
 impl App {
     /// Receives the results of other threads.
@@ -79,7 +74,7 @@ impl App {
         let opens = matches!(wanted, Browse::File | Browse::Folder);
         match (path, &mut self.overlay) {
             (Ok(Some(path)), _) if opens => self.open(path),
-            (Ok(Some(path)), Overlay::Save(state)) => state.path = path.display().to_string(),
+            (Ok(Some(path)), Overlay::Save(state)) => state.path.text = path.display().to_string(),
             (Ok(_), _) => {}
             (Err(_), _) => {
                 self.toasts.fail("The system has no file dialog. Type or paste the path instead.");
@@ -100,7 +95,7 @@ impl App {
         self.loading = Some(Loading::new(name.into(), beside, move || ctx.request_repaint()));
     }
 
-    /// Opens a bundled sample in the middle of a search, so that there is something to see.
+    /// Opens a bundled sample where it was left, or at its start.
     pub fn open_sample(&mut self, sample: &'static Sample) {
         self.player.pause();
         self.loading = None;
@@ -112,16 +107,54 @@ impl App {
                 return;
             }
         };
-        let (width, height) = clip.size();
+        self.note_place();
         let left = self.document.open(clip, source, Given::default());
         self.begin(left);
-        let near = [width as f32 * FIRST_PLACE[0], height as f32 * FIRST_PLACE[1]];
-        let near = Some(Focus::current(near));
-        self.walk_from(Place { cursor: Cursor { unit: 0, event: FIRST_LOOK }, near, ..Place::default() });
+        self.go_on(Cursor::default());
+    }
+
+    /// Notes where the clip is left that is open.
+    pub(super) fn note_place(&mut self) {
+        let Some(shown) = self.view.shown.as_deref().filter(|shown| self.document.is_of_clip(shown)) else { return };
+        let experiment = &shown.subject.experiment;
+        // A stage has its own place, and several have one that none of them has.
+        if self.document.parents().len() > 0 || !experiment.side_by_side.is_empty() {
+            return;
+        }
+        let whole = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.into());
+        let (source, run) = (experiment.source.clone().map_path(whole), run_of(&*experiment.estimator));
+        self.settings.leave(LeftAt {
+            clip: source.to_string(),
+            run,
+            frame: experiment.frame,
+            step: shown.cursor.to_string(),
+        });
+    }
+
+    /// Goes on where the clip was left that is open now, or else begins at `start`; gives whether it was left anywhere.
+    fn go_on(&mut self, start: Cursor) -> bool {
+        let whole = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.into());
+        let source = self.document.source().cloned().map(|source| source.map_path(whole).to_string());
+        let left = source.and_then(|clip| self.settings.left_at(&clip)).cloned();
+        let mut cursor = start;
+        if let Some(left) = &left {
+            self.document.go_to_frame(left.frame);
+            // With other parameters the same step is another one.
+            if left.run == run_of(self.document.estimator()) {
+                cursor = left.step.parse().unwrap_or(start);
+            }
+        }
+        self.walk_from(Place::at(cursor));
+        left.is_some()
     }
 
     fn opened(&mut self, opened: Opened, path: &Path) {
-        let Opened { clip, source, given, session, inputs } = opened;
+        let Opened { clip, source, given, session, inputs, first_known } = opened;
+        self.note_place();
+        // Whoever asked for it in the dialog is done there.
+        if matches!(&self.overlay, Overlay::Open(state) if state.is_opening()) {
+            self.overlay = Overlay::None;
+        }
         // The truth of a clip is no clip.
         if path.exists() && given.truth.as_deref() != Some(path) {
             self.settings.remember(path);
@@ -133,7 +166,9 @@ impl App {
             self.choose_tracker();
             // Where there are no pictures, what was detected is the first thing to be seen.
             let is_blank = self.document.clip().is_some_and(Clip::is_blank);
-            self.walk_from(Place::at(Cursor { unit: 0, event: usize::from(is_blank) }));
+            if !self.go_on(Cursor { unit: 0, event: usize::from(is_blank) }) {
+                self.begin_where_known(first_known);
+            }
             return;
         };
         let Session { experiment, position, look, sight } = session;
@@ -150,6 +185,19 @@ impl App {
         let Position { cursor, pixel } = position;
         let place = cursor.map_or(Place::END, Place::at);
         self.walk_from(Place { hold: Hold::Set(pixel), ..place });
+    }
+
+    /// Begins with the first pair whose true flow is known, and says so.
+    fn begin_where_known(&mut self, first: Option<usize>) {
+        let by_pair = !self.document.estimator().is_by_frame() && !self.is_of_single_frames();
+        let Some(frame) = first.filter(|_| by_pair) else { return };
+        if self.document.go_to_frame(frame) {
+            self.toasts.tell(format!(
+                "The true flow is known for frames {frame} → {}: the run is on this pair. Choose another one under Clip.",
+                frame + 1
+            ));
+            self.walk_from(Place::default());
+        }
     }
 
     /// Takes a tracker where there are no pictures to be looked at.
@@ -177,7 +225,8 @@ impl App {
         }
     }
 
-    fn walk_from(&mut self, place: Place) {
+    /// Runs what is set, from `place` on.
+    pub fn walk_from(&mut self, place: Place) {
         if let Some(job) = self.document.job_at(place) {
             self.walker.start(job);
         }
@@ -187,7 +236,11 @@ impl App {
         if !path.exists() {
             self.settings.forget(path);
         }
-        self.error = Some(error);
+        match &mut self.overlay {
+            // Where it was asked for, it can be asked for again.
+            Overlay::Open(state) if state.is_opening() => state.refuse(&error),
+            _ => self.error = Some(error),
+        }
     }
 
     /// Reports that opening another clip has closed a stage.
@@ -239,6 +292,8 @@ impl App {
             _ => None,
         };
         let folder = self.folder.clone().or(beside).unwrap_or_else(|| std::env::current_dir().unwrap_or_default());
+        // Results among the frames would become frames, or could not be told from them.
+        let folder = shown.subject.inputs.outside(&folder);
         let seen = save::Seen { look: self.settings.look, angles: self.states.angles(&shown.step) };
         let state = save::State::new(kind, &folder, &save::stem(&name), shown, seen);
         self.overlay = Overlay::Save(Box::new(state));
@@ -289,6 +344,12 @@ impl App {
         let position = Position { cursor: Some(shown.cursor), pixel: shown.held() };
         Session { experiment, position, look: self.settings.look.into(), sight }
     }
+}
+
+/// An estimator with its parameters, as text that says whether another is the same.
+fn run_of(estimator: &dyn AnyEstimator) -> String {
+    let values = estimator.all_values().into_iter().map(|(name, value)| format!(" {name}={value}"));
+    format!("{}{}", estimator.info().id, values.collect::<String>())
 }
 
 fn save_session(session: &Session, path: &Path) -> Result<String, Error> {

@@ -35,10 +35,85 @@ impl Held {
     }
 }
 
+/// What Escape does, one thing at a press. What lies nearest to the person goes first: an open menu or tooltip, then a dialog,
+/// neither of which gets here, then these in order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Escape {
+    /// Gives up a move or a check that takes long.
+    Stop,
+    /// No longer places anything on the picture.
+    Placing,
+    /// Lets the held pixel go.
+    Pixel,
+    /// Gives the stage its place back.
+    Chart,
+    /// Leaves the lecture.
+    Lecture,
+    /// Goes on with one estimator alone.
+    Lockstep,
+}
+
+impl Escape {
+    const ORDER: [Escape; 6] =
+        [Escape::Stop, Escape::Placing, Escape::Pixel, Escape::Chart, Escape::Lecture, Escape::Lockstep];
+
+    /// What it does just now, if anything.
+    fn now(now: &Now) -> Option<Self> {
+        Self::ORDER.into_iter().find(|meaning| meaning.applies(now))
+    }
+
+    fn applies(self, now: &Now) -> bool {
+        match self {
+            Self::Stop => Command::Stop.enabled(now),
+            Self::Placing => now.is_placing,
+            Self::Pixel => now.holds_pixel,
+            Self::Chart => now.has_enlarged,
+            Self::Lecture => now.lecture,
+            Self::Lockstep => now.in_lockstep,
+        }
+    }
+
+    fn action(self) -> Action {
+        match self {
+            Self::Stop => Action::Command(Command::Stop),
+            Self::Placing => Action::Place(None),
+            Self::Pixel => Action::Release,
+            Self::Chart => Action::Command(Command::EnlargeChart),
+            Self::Lecture => Action::Command(Command::Lecture),
+            Self::Lockstep => Action::Command(Command::Lockstep),
+        }
+    }
+}
+
+/// What is typed behind the key that opens a field, before that is there.
+struct Opening {
+    command: Command,
+    typed: String,
+}
+
+impl Opening {
+    /// The field that `command` opens, if it opens one that waits for text.
+    fn of(command: Command) -> Option<Self> {
+        matches!(command, Command::Palette | Command::Open).then(|| Self { command, typed: String::new() })
+    }
+
+    /// Takes what is typed; gives whether `event` is left to others.
+    fn take(&mut self, event: &Event) -> bool {
+        match event {
+            Event::Text(text) => self.typed.push_str(text),
+            Event::Paste(text) => self.typed.push_str(text.trim()),
+            Event::Key { key: Key::Backspace, pressed: true, .. } => drop(self.typed.pop()),
+            Event::Key { .. } => {}
+            _ => return true,
+        }
+        false
+    }
+}
+
 /// Takes what the window understands out of the input, before any widget sees it.
 ///
 /// Keys win over the widget in focus unless text is being typed or something lies over the panes.
-pub fn take(ctx: &egui::Context, overlaid: bool, lecture: bool, now: &Now, actions: &mut Actions) {
+pub fn take(ctx: &egui::Context, overlaid: bool, now: &Now, actions: &mut Actions) {
     let mut held: Held = ctx.data(|data| data.get_temp(Id::NULL)).unwrap_or_default();
     // Also while something lies over the panes: a key that opened it is let go there.
     held.follow(ctx);
@@ -51,29 +126,17 @@ pub fn take(ctx: &egui::Context, overlaid: bool, lecture: bool, now: &Now, actio
         return;
     }
     let popup = Popup::is_any_open(ctx);
-    let mut moved = false;
+    let (mut moved, mut opening, mut escaped) = (false, None::<Opening>, false);
     ctx.input_mut(|input| {
         input.events.retain(|event| match event {
+            _ if opening.is_some() => opening.as_mut().is_none_or(|opening| opening.take(event)),
             // An open menu closes first.
             Event::Key { key: Key::Escape, pressed: true, .. } if popup => true,
-            Event::Key { key: Key::Escape, pressed: true, .. } if now.is_placing && !Command::Stop.enabled(now) => {
-                actions.ask(Action::Place(None));
-                false
-            }
-            Event::Key { key: Key::Escape, pressed: true, .. } if now.holds_pixel && !Command::Stop.enabled(now) => {
-                actions.ask(Action::Release);
-                false
-            }
-            Event::Key { key: Key::Escape, pressed: true, .. } if now.has_enlarged && !Command::Stop.enabled(now) => {
-                actions.command(Command::EnlargeChart);
-                false
-            }
-            Event::Key { key: Key::Escape, pressed: true, .. } if lecture && !Command::Stop.enabled(now) => {
-                actions.command(Command::Lecture);
-                false
-            }
-            Event::Key { key: Key::Escape, pressed: true, .. } if now.in_lockstep && !Command::Stop.enabled(now) => {
-                actions.command(Command::Lockstep);
+            Event::Key { key: Key::Escape, pressed: true, .. } => {
+                // One press, or two in one slow frame, does one thing: what is next shows only in the next frame.
+                if let Some(meaning) = Escape::now(now).filter(|_| !std::mem::replace(&mut escaped, true)) {
+                    actions.ask(meaning.action());
+                }
                 false
             }
             Event::Key { key, physical_key, pressed: true, repeat, modifiers } => {
@@ -84,6 +147,7 @@ pub fn take(ctx: &egui::Context, overlaid: bool, lecture: bool, now: &Now, actio
                 };
                 moved |= matches!(key, Key::ArrowLeft | Key::ArrowRight);
                 if command.enabled(now) {
+                    opening = Opening::of(command);
                     actions.command(command);
                 }
                 false
@@ -97,9 +161,74 @@ pub fn take(ctx: &egui::Context, overlaid: bool, lecture: bool, now: &Now, actio
             _ => true,
         });
     });
+    if let Some(Opening { command, typed }) = opening.filter(|opening| !opening.typed.is_empty()) {
+        actions.ask(Action::Type(command, typed));
+    }
     ctx.data_mut(|data| data.insert_temp(Id::NULL, held));
     if moved {
         // egui has taken the arrow for a wish to move the focus.
         ctx.memory_mut(|memory| memory.move_focus(FocusDirection::None));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whatever is the case, one press undoes the first of it in this order, and nothing else.
+    #[test]
+    fn escape_has_one_meaning_at_a_time() {
+        for bits in 0..1u32 << Escape::ORDER.len() {
+            let is = |index: usize| bits >> index & 1 == 1;
+            let mut now = Now {
+                playing: is(0),
+                is_placing: is(1),
+                holds_pixel: is(2),
+                lecture: is(3),
+                in_lockstep: is(4),
+                ..Now::default()
+            };
+            let expected: Vec<Escape> = Escape::ORDER
+                .into_iter()
+                .enumerate()
+                .filter(|(index, _)| is(*index))
+                .map(|(_, meaning)| meaning)
+                .collect();
+            let mut done = Vec::new();
+            while let Some(meaning) = Escape::now(&now) {
+                done.push(meaning);
+                match meaning {
+                    Escape::Stop => now.playing = false,
+                    Escape::Placing => now.is_placing = false,
+                    Escape::Pixel => now.holds_pixel = false,
+                    Escape::Lecture => now.lecture = false,
+                    Escape::Lockstep => now.in_lockstep = false,
+                }
+            }
+            assert_eq!(done, expected);
+        }
+    }
+
+    #[test]
+    fn what_is_typed_behind_the_key_that_opens_a_field_goes_into_it() {
+        let mut opening = Opening::of(Command::Palette).unwrap();
+        let key = |key, pressed| Event::Key {
+            key,
+            physical_key: None,
+            pressed,
+            repeat: false,
+            modifiers: Default::default(),
+        };
+        let events = [
+            key(Key::P, true),
+            Event::Text("p".into()),
+            key(Key::P, false),
+            Event::Text("yq".into()),
+            key(Key::Backspace, true),
+        ];
+        assert!(events.iter().all(|event| !opening.take(event)));
+        assert!(opening.take(&Event::PointerGone));
+        assert_eq!(opening.typed, "py");
+        assert!(Opening::of(Command::Play).is_none());
     }
 }

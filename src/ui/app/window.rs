@@ -187,6 +187,7 @@ impl App {
         let pictured = match &self.overlay {
             Overlay::Samples => self.gallery.is_complete(),
             Overlay::Compare(state) => state.is_settled(),
+            Overlay::Save(state) => state.is_settled(),
             _ => true,
         };
         pictured && self.loading.is_none() && self.writing.is_none() && !self.view.busy && !self.view.checking
@@ -473,7 +474,7 @@ impl eframe::App for App {
         self.play(&ctx);
         self.measure(&ctx);
         let overlaid = !matches!(self.overlay, Overlay::None);
-        keys::take(&ctx, overlaid, self.settings.lecture, &self.now(), &mut actions);
+        keys::take(&ctx, overlaid, &self.now(), &mut actions);
         ui.painter().rect_filled(ui.max_rect(), 0.0, ui.visuals().panel_fill);
         self.panels(ui, frame.wgpu_render_state(), &mut actions);
         self.overlays(&ctx, &mut actions);
@@ -496,6 +497,7 @@ impl eframe::App for App {
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        self.note_place();
         self.settings.save(storage);
         eframe::set_value(storage, STATES, &self.states);
     }

@@ -15,6 +15,15 @@ pub fn score(query: &str, text: &str) -> Option<i32> {
     Some(scattered + words(query, &text.iter().collect::<String>()))
 }
 
+/// Whether every word of `query` begins a word of `text`: `pyramid` is what a text about pyramids is about.
+pub fn mentions(query: &str, text: &str) -> bool {
+    let (query, text) = (plain(query), plain(text));
+    let begins = |word: &str| {
+        text.match_indices(word).any(|(at, _)| !text[..at].chars().next_back().is_some_and(char::is_alphanumeric))
+    };
+    query.split_whitespace().count() > 0 && query.split_whitespace().all(begins)
+}
+
 /// As a keyboard types it: small letters without marks, and plain hyphens.
 fn plain(text: &str) -> String {
     let letter = |c: char| match c {
@@ -55,7 +64,15 @@ fn from(letters: &[char], text: &[char], start: usize) -> Option<i32> {
 
 #[cfg(test)]
 mod tests {
-    use super::score;
+    use super::{mentions, score};
+
+    #[test]
+    fn a_text_is_about_the_words_that_begin_in_it() {
+        assert!(mentions("pyr lev", "Levels of the pyramid."));
+        assert!(
+            !mentions("evels", "Levels of the pyramid.") && !mentions(" ", "Levels") && !mentions("level up", "Levels")
+        );
+    }
 
     #[test]
     fn initials_and_runs_win() {

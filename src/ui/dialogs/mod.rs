@@ -5,5 +5,6 @@ pub mod fuzzy;
 pub mod gallery;
 pub mod open;
 pub mod palette;
+pub mod path;
 pub mod save;
 pub mod sheet;

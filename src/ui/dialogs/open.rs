@@ -3,9 +3,11 @@
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-use eframe::egui::{self, RichText, TextEdit, TextStyle, Ui, vec2};
+use eframe::egui::{self, RichText, TextStyle, Ui, vec2};
 use lucide_icons::Icon;
+use motionscope_core::Error;
 
+use super::path::PathField;
 use crate::experiment::source::Source;
 use crate::ui::app::action::{Action, Actions, Browse};
 use crate::ui::app::commands::Command;
@@ -14,9 +16,37 @@ use crate::ui::parts::widgets;
 /// The dialog while it is open.
 #[derive(Default)]
 pub struct State {
-    /// What was typed.
-    pub path: String,
-    focused: bool,
+    path: PathField,
+    /// The path that is being opened; the dialog stays until that is done.
+    opening: Option<OsString>,
+    /// Why the last one was not opened.
+    error: Option<String>,
+}
+
+impl State {
+    /// The dialog with something typed in it already.
+    pub fn asking(path: impl Into<String>) -> Self {
+        Self { path: PathField::new(path), ..Self::default() }
+    }
+
+    /// Whether the dialog waits for a path to be opened.
+    pub fn is_opening(&self) -> bool {
+        self.opening.is_some()
+    }
+
+    /// Tells why a path was not opened, and gives the field the keyboard again, with its text.
+    pub fn refuse(&mut self, why: &Error) {
+        let why = why.to_string();
+        let first: String = why.chars().take(1).flat_map(char::to_uppercase).collect();
+        let rest: String = why.chars().skip(1).collect();
+        (self.opening, self.error) = (None, Some(format!("{first}{rest}.")));
+        self.path.focus();
+    }
+
+    fn open(&mut self, path: OsString, actions: &mut Actions) {
+        (self.opening, self.error) = (Some(path.clone()), None);
+        actions.ask(Action::Open(path));
+    }
 }
 
 /// A path as typed or pasted: quotes, a leading `~` and `file://` are understood.
@@ -48,11 +78,15 @@ fn line(text: &str) -> Option<OsString> {
         let path = if cfg!(windows) { path.trim_start_matches('/') } else { path };
         return Some(decoded(path));
     }
-    let home = std::env::var_os("HOME").or_else(|| std::env::var_os("USERPROFILE"));
-    match (text.strip_prefix("~/"), home) {
-        (Some(rest), Some(home)) => Some(PathBuf::from(home).join(rest).into()),
+    match (text.strip_prefix("~/"), home()) {
+        (Some(rest), Some(home)) => Some(home.join(rest).into()),
         _ => Some(text.into()),
     }
+}
+
+/// The person's own folder.
+pub fn home() -> Option<PathBuf> {
+    std::env::var_os("HOME").or_else(|| std::env::var_os("USERPROFILE")).map(PathBuf::from)
 }
 
 /// A path with its `%20`s put back into bytes, as URLs have them.
@@ -85,7 +119,8 @@ pub fn show(ctx: &egui::Context, state: &mut State, recent: &[PathBuf], actions:
             .weak(),
         );
         ui.add_space(8.0);
-        done |= path_row(ui, state, actions);
+        path_row(ui, state, actions);
+        outcome(ui, state, actions);
         ui.add_space(4.0);
         ui.horizontal(|ui| {
             for (glyph, text, wanted) in
@@ -104,33 +139,51 @@ pub fn show(ctx: &egui::Context, state: &mut State, recent: &[PathBuf], actions:
         if !recent.is_empty() {
             ui.add_space(12.0);
             widgets::heading(ui, "Recent");
-            done |= recents(ui, recent, actions);
+            if let Some(path) = chosen_of(ui, recent) {
+                state.open(path.into(), actions);
+            }
         }
     });
     !(modal.should_close() || done)
 }
 
-fn path_row(ui: &mut Ui, state: &mut State, actions: &mut Actions) -> bool {
-    let mut done = false;
+/// The field and the button beside it.
+fn path_row(ui: &mut Ui, state: &mut State, actions: &mut Actions) {
     ui.horizontal(|ui| {
         first_line_only(ui);
         let button = ui.spacing().interact_size.x + 32.0;
-        let field = TextEdit::singleline(&mut state.path)
-            .hint_text("Type or paste a path")
-            .desired_width(ui.available_width() - button - 8.0);
-        let response = ui.add(field).accessible_name("Path of the clip");
-        if !std::mem::replace(&mut state.focused, true) {
-            response.request_focus();
-        }
-        let entered = response.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
-        let wanted = parse(&state.path);
+        let width = ui.available_width() - button - 8.0;
+        let entered = state.path.show(ui, "Path of the clip", width);
+        let wanted = parse(&state.path.text).filter(|_| !state.is_opening());
         let clicked = ui.add_enabled(wanted.is_some(), egui::Button::new("Open")).clicked();
         if let Some(path) = wanted.filter(|_| entered || clicked) {
-            actions.ask(Action::Open(path));
-            done = true;
+            state.open(path, actions);
         }
     });
-    done
+    state.path.show_found(ui);
+}
+
+/// That a path is being opened, or why it was not.
+fn outcome(ui: &mut Ui, state: &mut State, actions: &mut Actions) {
+    if let Some(path) = &state.opening {
+        let name = widgets::elide(&path.to_string_lossy(), 56);
+        let cancelled = ui.horizontal(|ui| {
+            ui.spinner();
+            ui.label(RichText::new(format!("Opening {name}…")).weak());
+            ui.button("Cancel").clicked()
+        });
+        if cancelled.inner {
+            actions.ask(Action::CancelOpening);
+            state.opening = None;
+            state.path.focus();
+        }
+    }
+    if let Some(error) = &state.error {
+        ui.horizontal_wrapped(|ui| {
+            ui.label(widgets::icon(ui, Icon::TriangleAlert).color(ui.visuals().error_fg_color));
+            ui.label(RichText::new(error).color(ui.visuals().error_fg_color));
+        });
+    }
 }
 
 /// The field has one line, and would make one path of several.
@@ -149,16 +202,18 @@ fn first_line_only(ui: &Ui) {
 
 /// Clips that were open lately; gives whether one was chosen.
 pub fn recents(ui: &mut Ui, recent: &[PathBuf], actions: &mut Actions) -> bool {
-    let mut done = false;
-    for path in recent.iter().take(8) {
+    let chosen = chosen_of(ui, recent);
+    chosen.iter().for_each(|path| actions.ask(Action::Open(path.into())));
+    chosen.is_some()
+}
+
+/// That of the clips which was chosen.
+fn chosen_of(ui: &mut Ui, recent: &[PathBuf]) -> Option<PathBuf> {
+    let row = |ui: &mut Ui, path: &PathBuf| {
         let text = widgets::elide(&path.display().to_string(), 64);
-        let row = ui.add(egui::Button::new((widgets::icon(ui, Icon::History), text)).frame_when_inactive(false));
-        if row.clicked() {
-            actions.ask(Action::Open(path.into()));
-            done = true;
-        }
-    }
-    done
+        ui.add(egui::Button::new((widgets::icon(ui, Icon::History), text)).frame_when_inactive(false)).clicked()
+    };
+    recent.iter().take(8).filter(|path| row(ui, path)).last().cloned()
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use eframe::egui::{
     WidgetInfo, vec2,
 };
 use lucide_icons::Icon;
-use motionscope_core::{estimators, synth};
+use motionscope_core::{AnyEstimator, estimators, synth};
 
 use super::fuzzy;
 use crate::paint::Theme;
@@ -23,6 +23,13 @@ pub struct State {
     chosen: usize,
 }
 
+impl State {
+    /// The palette with something typed in it already.
+    pub fn asking(query: impl Into<String>) -> Self {
+        Self { query: query.into(), chosen: 0 }
+    }
+}
+
 /// One line of the palette.
 struct Entry {
     icon: Icon,
@@ -30,6 +37,8 @@ struct Entry {
     tip: String,
     /// What it is called in scripts.
     also: &'static str,
+    /// What it is about: words that count less than names.
+    about: String,
     keys: String,
     action: Action,
 }
@@ -60,7 +69,10 @@ pub fn show(ctx: &egui::Context, state: &mut State, input: &Input) -> (Option<Ac
             let mut hit = |key| i.consume_key(Modifiers::NONE, key);
             (hit(Key::ArrowUp), hit(Key::ArrowDown), hit(Key::Enter))
         });
+        let id = egui::Id::unique("query");
+        widgets::catch_text(ui.ctx(), id, &mut state.query);
         let field = TextEdit::singleline(&mut state.query)
+            .id(id)
             .hint_text("Find a command, an estimator, a sample…")
             .desired_width(f32::INFINITY)
             .margin(egui::Margin::symmetric(8, 8));
@@ -127,9 +139,10 @@ fn found(query: &str, input: &Input) -> Vec<Entry> {
     let mut scored: Vec<(i32, Entry)> = entries(input)
         .into_iter()
         .filter_map(|entry| {
-            // What it is of is worth less than what it is called.
-            let of = || fuzzy::score(query, &format!("{} {}", entry.tip, entry.also)).map(|score| score - 100);
-            fuzzy::score(query, &entry.text).or_else(of).map(|score| (score, entry))
+            // What it is of is worth less than what it is called, and what it is about less than that.
+            let of = fuzzy::score(query, &format!("{} {}", entry.tip, entry.also)).map(|score| score - 100);
+            let about = fuzzy::mentions(query, &entry.about).then_some(ABOUT);
+            fuzzy::score(query, &entry.text).max(of).max(about).map(|score| (score, entry))
         })
         .collect();
     // Equal scores stay in the order of the menus.
@@ -137,27 +150,105 @@ fn found(query: &str, input: &Input) -> Vec<Entry> {
     scored.into_iter().map(|(_, entry)| entry).collect()
 }
 
+/// What a word is worth that something is about: more than letters strewn over a name, less than a word of it.
+const ABOUT: i32 = 100;
+
+/// Words that people look for and that no name has.
+fn tags(command: Command) -> &'static str {
+    use Command as C;
+    match command {
+        C::Open | C::PastePath => "load file video clip movie image folder import detections truth ground",
+        C::Samples => "example synthetic scene demo",
+        C::SaveSession => "file store keep",
+        C::ExportPicture | C::ExportSteps => "export save image screenshot figure png svg pdf slides",
+        C::ExportResult => "export save flow vectors csv table flo kitti mot tracks masks npy",
+        C::Fit | C::ActualSize => "zoom whole scale pixel",
+        C::ZoomIn | C::ZoomOut => "magnify larger smaller",
+        C::LargerInterface | C::SmallerInterface | C::NormalInterface => "font text type size scale zoom",
+        C::DarkTheme | C::LightTheme | C::ProjectorTheme | C::NextTheme => "colours appearance beamer contrast",
+        C::Lecture | C::FullScreen => "presentation projector beamer class",
+        C::ReducedMotion => "animation accessibility",
+        C::Compare | C::Lockstep => "side by side table benchmark versus",
+        C::Play | C::Slower | C::Faster => "speed animate pause",
+        C::NextFrame | C::PreviousFrame => "pair time",
+        C::Undo | C::Redo | C::ResetParameters => "history default change",
+        C::WheelLayer | C::MagnitudeLayer | C::ErrorLayer => "flow colour layer overlay motion",
+        C::ConfidenceLayer | C::ConsistencyLayer => "flow colour layer overlay occlusion forward backward",
+        C::Shortcuts => "keys help",
+        _ => "",
+    }
+}
+
+/// What an estimator is about: what it does, how, and what can be set.
+fn about(estimator: &dyn AnyEstimator) -> String {
+    let info = estimator.info();
+    let parameters = estimator.specs().iter().flat_map(|spec| [spec.label.as_str(), spec.doc.as_str()]);
+    let pseudocode = info.pseudocode.iter().map(|line| line.text);
+    let all = [info.summary, info.family, info.source].into_iter().chain(parameters).chain(pseudocode);
+    all.collect::<Vec<_>>().join(" ")
+}
+
 fn entries(input: &Input) -> Vec<Entry> {
     let wanted = |c: &&Command| **c != Command::Palette && c.is_listed(&input.granularities) && c.enabled(&input.now);
     let commands = Command::ALL.iter().filter(wanted).map(|command| {
         let (text, keys, tip) = (command.text(&input.granularities), command.key(), String::new());
         let face = command.info();
-        Entry { icon: face.icon, text, tip, also: face.menu.name(), keys, action: Action::Command(*command) }
+        let submenu = command.submenu().map_or("", |submenu| submenu.info().0);
+        let about = format!("{} {submenu} {}", command.tip(&input.granularities), tags(*command));
+        Entry { icon: face.icon, text, tip, also: face.menu.name(), about, keys, action: Action::Command(*command) }
     });
     let estimators = estimators().into_iter().map(|estimator| {
         let info = estimator.info();
         let (text, tip) = (format!("Estimator: {}", info.name), info.family.to_owned());
-        Entry { icon: Icon::Grid3x3, text, tip, also: info.id, keys: String::new(), action: Action::Choose(info.id) }
+        let (about, keys) = (about(&*estimator), String::new());
+        Entry { icon: Icon::Grid3x3, text, tip, also: info.id, about, keys, action: Action::Choose(info.id) }
     });
     let samples = synth::SCENES.iter().map(|sample| {
         let text = format!("Sample: {}", sample.title);
         let action = Action::OpenSample(sample);
-        Entry { icon: Icon::Film, text, tip: String::new(), also: sample.id, keys: String::new(), action }
+        let (tip, about, keys) = (String::new(), sample.teaches.to_owned(), String::new());
+        Entry { icon: Icon::Film, text, tip, also: sample.id, about, keys, action }
     });
     let recent = input.recent.iter().map(|path| {
         let text = format!("Open {}", widgets::elide(&path.display().to_string(), 56));
         let action = Action::Open(path.into());
-        Entry { icon: Icon::History, text, tip: String::new(), also: "", keys: String::new(), action }
+        let (tip, about, keys) = (String::new(), "recent file".to_owned(), String::new());
+        Entry { icon: Icon::History, text, tip, also: "", about, keys, action }
     });
     commands.chain(estimators).chain(samples).chain(recent).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a query finds in a window with a run, by name.
+    fn names(query: &str) -> Vec<String> {
+        let now = Now { has_clip: true, has_run: true, ..Now::default() };
+        let granularities = Granularities::new(&["run", "block", "candidate"]);
+        let input = Input { now, granularities, recent: &[], theme: Theme::Dark };
+        found(query, &input).into_iter().map(|entry| entry.text).collect()
+    }
+
+    #[test]
+    fn what_a_thing_is_about_finds_it() {
+        for (query, text) in [
+            ("pyramid", "Estimator: Hierarchical search"),
+            ("zoom", Command::Fit.info().text),
+            ("export", Command::ExportPicture.info().text),
+            ("export", Command::ExportResult.info().text),
+            ("screenshot", Command::ExportPicture.info().text),
+            ("aperture", "Estimator: Normal flow"),
+            ("stripes", "Sample: "),
+        ] {
+            assert!(names(query).iter().any(|found| found.starts_with(text)), "{query}: {:?}", names(query));
+        }
+    }
+
+    #[test]
+    fn names_count_more_than_what_things_are_about() {
+        for (query, first) in [("zoom", "Zoom in"), ("diamond", "Estimator: Diamond search"), ("session", "Save")] {
+            assert!(names(query)[0].starts_with(first), "{query}: {:?}", &names(query)[..3]);
+        }
+    }
 }

@@ -3,23 +3,25 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use eframe::egui::{self, Align, Button, Layout, RichText, TextEdit, TextStyle, Ui, vec2};
+use eframe::egui::{self, Align, Button, Layout, RichText, TextEdit, TextStyle, Ui, WidgetInfo, vec2};
 use motionscope_core::{Cursor, Params, ProductKind, Value};
 
+use super::path::PathField;
+use crate::experiment::Prepared;
 use crate::media::export::Inputs;
+use crate::paint::grouped;
 use crate::results::{self, Export};
 use crate::ui::app::action::{Action, Actions, Browse};
 use crate::ui::app::commands::Granularities;
+use crate::ui::model::background::Background;
 use crate::ui::model::snapshot::Snapshot;
 use crate::ui::model::writer::{self, Order, What};
 use crate::ui::parts::widgets;
-use crate::view::look::Look;
+use crate::view::look::{CaptionWords, Look};
 use crate::view::panes::{Angles, PANES, Pane, STAGE, Selection};
 use crate::view::shot::Format;
 use crate::view::steps::Steps;
 
-/// The entry of a look that a sheet does not have.
-const CAPTION: &str = "caption";
 /// Scales that can be chosen.
 const SCALES: [u32; 4] = [1, 2, 4, 8];
 
@@ -103,7 +105,7 @@ pub struct Seen {
 pub struct State {
     kind: Kind,
     /// The file, or the folder for several.
-    pub path: String,
+    pub path: PathField,
     choices: Vec<Choice>,
     chosen: usize,
     scale: u32,
@@ -117,11 +119,14 @@ pub struct State {
     from: String,
     to: String,
     granularity: usize,
-    focused: bool,
     /// All files that the clip is read from.
     inputs: Arc<Inputs>,
     /// The target that was looked up, and what was found there.
     found: Option<(PathBuf, Found)>,
+    /// The run whose steps are written.
+    subject: Arc<Prepared>,
+    /// The range whose pictures are being counted, or were.
+    counting: Option<((Cursor, Cursor, usize), Background<usize>)>,
 }
 
 /// What lies already where something is to be written.
@@ -145,7 +150,7 @@ impl State {
         let to = if shown.cursor < from { Cursor { event: usize::MAX, ..from } } else { shown.cursor };
         let mut state = Self {
             kind,
-            path: String::new(),
+            path: PathField::default(),
             choices,
             chosen: 0,
             scale: 2,
@@ -156,9 +161,10 @@ impl State {
             from: from.to_string(),
             to: to.to_string(),
             granularity: Granularities::new(shown.info.granularities).event(),
-            focused: false,
             inputs: Arc::clone(&shown.subject.inputs),
             found: None,
+            subject: Arc::clone(&shown.subject),
+            counting: None,
         };
         let ending = state.ending();
         let name = match kind {
@@ -168,7 +174,7 @@ impl State {
             Kind::Result => format!("{stem}_result.{ending}"),
             Kind::Session => format!("{stem}.{ending}"),
         };
-        state.path = folder.join(name).display().to_string();
+        state.path = PathField::new(folder.join(name).display().to_string());
         state
     }
 
@@ -197,7 +203,7 @@ impl State {
 
     /// Where it is written to: a file has one of the endings of its kind.
     fn target(&self) -> Option<PathBuf> {
-        let path = PathBuf::from(super::open::parse(&self.path)?);
+        let path = PathBuf::from(super::open::parse(&self.path.text)?);
         let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
         let is_known = ending.is_some_and(|ending| self.choices.iter().any(|choice| choice.ending == ending));
         if is_known || self.is_folder() {
@@ -228,6 +234,39 @@ impl State {
                 self.found.insert((file, found)).1.clone()
             }
         }
+    }
+
+    /// How many pictures the range comes to, in words; they are counted on a thread of their own.
+    fn counted(&mut self, ctx: &egui::Context) -> Option<String> {
+        let Ok(Order { what: What::Steps { from, to, granularity, format }, scale, look, panes, .. }) = self.order()
+        else {
+            self.counting = None;
+            return None;
+        };
+        let range = (from, to, granularity);
+        if self.counting.as_ref().is_none_or(|(counted, _)| *counted != range) {
+            let steps =
+                Steps { from, to, granularity, format, scale, look, panes, pixel: None, must_have_layer: false };
+            let (subject, ctx) = (Arc::clone(&self.subject), ctx.clone());
+            let work = Background::new(
+                "count the steps",
+                move || ctx.request_repaint(),
+                move |control| steps.count(&subject, Some(&**control)),
+            );
+            self.counting = Some((range, work));
+        }
+        let (_, counting) = self.counting.as_ref()?;
+        Some(counting.look(|outcome| match outcome {
+            None => "Counting the pictures…".to_owned(),
+            Some(Ok(1)) => "Writes 1 file.".to_owned(),
+            Some(Ok(count)) => format!("Writes {} files.", grouped(*count)),
+            Some(Err(error)) => format!("{error}."),
+        }))
+    }
+
+    /// Whether the files of the range are counted, for tests.
+    pub fn is_settled(&self) -> bool {
+        self.counting.as_ref().is_none_or(|(_, counting)| counting.look(|outcome| outcome.is_some()))
     }
 
     fn format(&self) -> Format {
@@ -273,8 +312,8 @@ impl State {
     fn choose(&mut self, index: usize) {
         let was_folder = self.is_folder();
         self.chosen = index;
-        let path = Path::new(&self.path);
-        self.path = match (was_folder, self.is_folder()) {
+        let path = Path::new(&self.path.text);
+        self.path.text = match (was_folder, self.is_folder()) {
             (_, true) => path.with_extension(""),
             (true, false) | (false, false) => path.with_extension(self.ending()),
         }
@@ -350,17 +389,39 @@ fn options(ui: &mut Ui, state: &mut State, granularities: Granularities) {
     }
     panes(ui, state);
     let is_sheet = !state.selection().panes.is_empty();
+    caption(ui, state, is_sheet);
     line(ui, "With", |ui| {
         for (index, spec) in Look::entries().iter().enumerate() {
             if let Value::Switch(mut on) = state.look.value(index) {
-                // A sheet has a heading anyway.
-                let matters = !(is_sheet && spec.name == CAPTION);
                 let switch = egui::Checkbox::new(&mut on, &spec.label);
-                let response = ui.add_enabled(matters, switch).on_hover_text(&spec.doc);
+                let response = ui.add(switch).on_hover_text(&spec.doc);
                 if response.changed() {
                     state.look.set_value(index, Value::Switch(on)).unwrap_or_default();
                 }
                 ui.add_space(8.0);
+            }
+        }
+    });
+}
+
+/// The words around the pictures.
+fn caption(ui: &mut Ui, state: &mut State, is_sheet: bool) {
+    line(ui, "Caption", |ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        for (words, text, tip) in [
+            (CaptionWords::Off, "None", "No words around the pictures."),
+            (CaptionWords::On, "Sentence", "Clip, estimator, parameters, step and its sentence."),
+            (CaptionWords::Full, "With formula", "The same with the formula of the step and its numbers."),
+        ] {
+            let name = format!("Caption: {}", text.to_lowercase());
+            let chosen = state.look.caption == words;
+            // A sheet has a heading and its own panes anyway.
+            let button = ui.add_enabled(!is_sheet, Button::selectable(chosen, text));
+            button.widget_info(|| WidgetInfo::selected(egui::Role::Button, !is_sheet, chosen, &name));
+            let button =
+                button.on_hover_text(tip).on_disabled_hover_text("A sheet has a heading; choose the explanation pane.");
+            if button.clicked() {
+                state.look.caption = words;
             }
         }
     });
@@ -388,7 +449,7 @@ fn range(ui: &mut Ui, state: &mut State, granularities: Granularities) {
     line(ui, "Steps", |ui| {
         for (text, name) in [(&mut state.from, "First step"), (&mut state.to, "Last step")] {
             let response = ui.add(TextEdit::singleline(text).desired_width(90.0)).accessible_name(name);
-            response.on_hover_text(format!("{name}, as UNIT.EVENT; a unit alone is its end."));
+            response.on_hover_text(format!("{name}, as UNIT.EVENT, the step of the status line: both count from 1, and 0 is the start. A unit alone is its end."));
         }
         ui.label(RichText::new("as UNIT.EVENT").small().weak());
     });
@@ -399,6 +460,10 @@ fn range(ui: &mut Ui, state: &mut State, granularities: Granularities) {
                 state.granularity = granularity;
             }
         }
+        if let Some(counted) = state.counted(ui.ctx()) {
+            ui.add_space(8.0);
+            ui.label(RichText::new(counted).weak());
+        }
     });
 }
 
@@ -408,16 +473,13 @@ fn path_row(ui: &mut Ui, state: &mut State, actions: &mut Actions) -> bool {
     let several = state.is_folder();
     line(ui, if several { "Folder" } else { "File" }, |ui| {
         let size = TextStyle::Body.resolve(ui.style()).size;
-        let field = TextEdit::singleline(&mut state.path).desired_width(ui.available_width() - 6.5 * size);
-        let response = ui.add(field).accessible_name("Where to write it");
-        if !std::mem::replace(&mut state.focused, true) {
-            response.request_focus();
-        }
-        entered = response.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
+        let width = ui.available_width() - 6.5 * size;
+        entered = state.path.show(ui, "Where to write it", width);
         if ui.button("Browse…").clicked() {
             actions.ask(Action::Browse(if several { Browse::SaveFolder } else { Browse::SaveFile }));
         }
     });
+    state.path.show_found(ui);
     entered
 }
 

@@ -24,6 +24,8 @@ pub struct Opened {
     pub session: Option<Session>,
     /// All input files.
     pub inputs: Inputs,
+    /// The first pair of frames whose true flow is known, if that of the first pair is not.
+    pub first_known: Option<usize>,
 }
 
 /// The clip that is open while another one is being opened.
@@ -62,13 +64,28 @@ fn open(name: &OsStr, beside: Option<Beside>, progress: Arc<dyn Progress>) -> Re
         None => Named::find(name, Given::default())?,
     };
     let Named { source, given, session } = named;
+    let control = Arc::clone(&progress);
     let options = Open { progress: Some(progress), ..Open::from(given.clone()) };
     let clip = source.open(&options)?;
     let mut inputs = source.inputs(&clip, &options);
     if session.is_some() {
         inputs.add(What::Session, name);
     }
-    Ok(Opened { clip, source, given, session, inputs })
+    let first_known = first_known(&clip, &*control);
+    Ok(Opened { clip, source, given, session, inputs, first_known })
+}
+
+/// Pairs of frames whose truth is looked for.
+const MOST_PAIRS: usize = 1000;
+
+/// The first pair of frames whose true flow is known, if there is one and it is not the first of the clip.
+fn first_known(clip: &Clip, progress: &dyn Progress) -> Option<usize> {
+    let truth = clip.truth().filter(|truth| truth.kinds().contains(&"flow"))?;
+    let pairs = clip.info().frames.unwrap_or(0).saturating_sub(1).min(MOST_PAIRS);
+    // What cannot be read is told where it is needed.
+    let is_known = |t: &usize| truth.flow(*t).map_or(true, |flow| flow.is_some());
+    let first = (0..pairs).take_while(|_| !progress.cancelled()).find(is_known)?;
+    (first > 0).then_some(first)
 }
 
 #[cfg(test)]

@@ -22,6 +22,22 @@ const NARROW: Folded = Folded { parameters: true, explanation: false, charts: fa
 /// What is folded away by default in a lecture: what would lie over the stage.
 const LECTURE: Folded = Folded { parameters: true, explanation: true, charts: false };
 
+/// Clips of which is remembered where they were left.
+const LEFT: usize = 40;
+
+/// Where a clip was left.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LeftAt {
+    /// The clip, as a session names it.
+    pub clip: String,
+    /// The estimator with its parameters.
+    pub run: String,
+    /// Frame t of the run, from 0.
+    pub frame: usize,
+    /// The step.
+    pub step: String,
+}
+
 /// What is remembered.
 #[derive(Clone, Serialize, Deserialize)]
 #[serde(default)]
@@ -44,6 +60,8 @@ pub struct Settings {
     pub lecture: bool,
     /// Clips that were open lately, the last one first.
     pub recent: Vec<PathBuf>,
+    /// Where clips were left, the last one first.
+    left: Vec<LeftAt>,
     /// How fast to play.
     pub speed: usize,
     /// How the person has shared out the room.
@@ -69,6 +87,7 @@ impl Default for Settings {
             folded_lecture: LECTURE,
             lecture: false,
             recent: Vec::new(),
+            left: Vec::new(),
             speed: Player::default().speed,
             shares: Shares::default(),
             charts: Chosen::default(),
@@ -159,6 +178,18 @@ impl Settings {
         self.recent.retain(|other| *other != path);
         self.recent.insert(0, path);
         self.recent.truncate(RECENT);
+    }
+
+    /// Remembers where a clip was left.
+    pub fn leave(&mut self, at: LeftAt) {
+        self.left.retain(|other| other.clip != at.clip);
+        self.left.insert(0, at);
+        self.left.truncate(LEFT);
+    }
+
+    /// Where `clip` was left, if that is known.
+    pub fn left_at(&self, clip: &str) -> Option<&LeftAt> {
+        self.left.iter().find(|at| at.clip == clip)
     }
 
     /// Forgets a clip that is not there any more.

@@ -843,7 +843,7 @@ impl Run {
         if !self.walk.at_end() || self.is_brief.get() && self.end.get().is_none() {
             return None;
         }
-        self.end.get_or_init(|| End::of(&*self.walk, &self.clip, &self.pair)).as_ref()
+        self.end.get_or_init(|| End::of(&*self.walk, &self.subject.experiment, &self.clip, &self.pair)).as_ref()
     }
 }
 

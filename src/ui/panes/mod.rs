@@ -45,6 +45,8 @@ const HINT: &str =
 #[derive(Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct States {
+    /// Which parameters are unfolded.
+    pub parameters: parameters::State,
     /// The stage.
     #[serde(skip)]
     pub stage: stage::State,
@@ -181,7 +183,8 @@ impl Panes<'_> {
         self.within(ui, rect, margin, "parameters", |panes, ui| {
             let (document, theme) = (panes.document, panes.look.theme);
             let placing = panes.states.stage.placing;
-            parameters::show(ui, parameters::Input { document, placing, theme }, panes.actions);
+            let input = parameters::Input { document, placing, theme };
+            parameters::show(ui, input, &mut panes.states.parameters, panes.actions);
         });
     }
 

@@ -1,4 +1,8 @@
 //! The parameters: what the estimator and a synthetic clip declare, as rows that align.
+//!
+//! What matters first stands on top, the rest in a fold below; what has no effect just now is disabled and says why.
+
+use std::collections::BTreeSet;
 
 use eframe::egui::collapsing_header::{self, CollapsingState};
 use eframe::egui::{
@@ -8,6 +12,7 @@ use eframe::egui::{
 use lucide_icons::Icon;
 use motionscope_core::params::{Choice, Kind, PartKind, Placed, Spec, StageValue};
 use motionscope_core::{Info, Value, estimators};
+use serde::{Deserialize, Serialize};
 
 use crate::paint::Theme;
 use crate::ui::app::action::{Action, Actions};
@@ -29,8 +34,15 @@ pub struct Input<'a> {
     pub theme: Theme,
 }
 
+/// Which advanced parameters are unfolded, remembered from one start to the next.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(default)]
+pub struct State {
+    unfolded: BTreeSet<String>,
+}
+
 /// Draws the whole pane.
-pub fn show(ui: &mut Ui, input: Input<'_>, actions: &mut Actions) {
+pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State, actions: &mut Actions) {
     let document = input.document;
     ScrollArea::vertical().id_salt("parameters").auto_shrink(false).show(ui, |ui| {
         ui.set_width(ui.available_width());
@@ -38,11 +50,11 @@ pub fn show(ui: &mut Ui, input: Input<'_>, actions: &mut Actions) {
         ui.add_space(12.0);
         title(ui, "Estimator", Owner::Estimator, document, actions);
         estimator(ui, document, actions);
-        group(ui, Owner::Estimator, input, actions);
+        group(ui, Owner::Estimator, input, state, actions);
         if document.params(Owner::Difficulty).is_some() {
             ui.add_space(16.0);
             title(ui, "Difficulty of the clip", Owner::Difficulty, document, actions);
-            group(ui, Owner::Difficulty, input, actions);
+            group(ui, Owner::Difficulty, input, state, actions);
         }
         ui.add_space(16.0);
     });
@@ -70,7 +82,7 @@ fn estimator(ui: &mut Ui, document: &Document, actions: &mut Actions) {
     // As long as the window allows, so that all of them are seen at once where that can be.
     let room = (ui.content_rect().height() - 2.0 * ui.spacing().interact_size.y).max(ui.spacing().combo_height);
     let combo = ComboBox::from_id_salt("estimator").selected_text(info.name);
-    let combo = combo.width(ui.available_width()).height(room);
+    let combo = combo.width(ui.available_width()).height(room).wrap();
     let shown = combo.show_ui(ui, |ui| estimators_by_family(ui, info.id, actions));
     let name = format!("Estimator: {}", info.name);
     shown.response.widget_info(|| WidgetInfo::labeled(egui::Role::ComboBox, true, &name));
@@ -116,26 +128,74 @@ fn of_family(ui: &mut Ui, family: &[&'static Info], now: &str, actions: &mut Act
     }
 }
 
-fn group(ui: &mut Ui, owner: Owner, input: Input<'_>, actions: &mut Actions) {
+/// The parameters of the estimator or of a synthetic clip.
+fn group(ui: &mut Ui, owner: Owner, input: Input<'_>, state: &mut State, actions: &mut Actions) {
     let Input { document, theme, placing } = input;
     let Some(params) = document.params(owner) else { return };
+    let all = params.specs().iter().enumerate().map(|(index, spec)| {
+        let (value, default) = (params.value(index), document.default_of(owner, index));
+        let is_placing = owner == Owner::Estimator && placing == Some(index);
+        Row {
+            owner,
+            index,
+            within: None,
+            spec,
+            value,
+            default,
+            idle: params.idle(index),
+            open: None,
+            theme,
+            is_placing,
+        }
+    });
+    let section = if owner == Owner::Estimator { "estimator" } else { "clip" };
+    rows(ui, section, all.collect(), state, actions);
+}
+
+/// Rows below each other, those that are advanced in a fold at the end.
+fn rows(ui: &mut Ui, section: &str, all: Vec<Row<'_>>, state: &mut State, actions: &mut Actions) {
+    let (advanced, first): (Vec<_>, Vec<_>) = all.into_iter().partition(|row| row.spec.advanced);
     ui.scope(|ui| {
         ui.spacing_mut().item_spacing.y = 0.0;
-        for (index, spec) in params.specs().iter().enumerate() {
-            let (value, default) = (params.value(index), document.default_of(owner, index));
-            let is_placing = owner == Owner::Estimator && placing == Some(index);
-            let row = Row { owner, index, within: None, spec, value, default, theme, is_placing };
-            row.show(ui, actions);
-            row.space(ui);
-            if let Value::Stage(stage) = &row.value {
-                of_stage(ui, &row, stage, actions);
-            }
+        first.iter().for_each(|row| row.whole(ui, state, actions));
+        if !advanced.is_empty() {
+            fold_advanced(ui, section, &advanced, state, actions);
         }
     });
 }
 
+/// The rows of advanced parameters, folded until they are asked for.
+fn fold_advanced(ui: &mut Ui, section: &str, rows: &[Row<'_>], state: &mut State, actions: &mut Actions) {
+    let was_open = state.unfolded.contains(section);
+    let id = ui.make_persistent_id(("advanced", section));
+    let mut fold = CollapsingState::load_with_default_open(ui.ctx(), id, was_open);
+    fold.set_open(was_open);
+    let changed = rows.iter().filter(|row| row.is_changed()).count();
+    let text = if changed > 0 { format!("Advanced ({changed} changed)") } else { "Advanced".to_owned() };
+    let header = ui.horizontal(|ui| {
+        let pressed = fold.show_toggle_button(ui, collapsing_header::paint_default_icon).clicked();
+        let label = ui.add(egui::Label::new(dim(ui, &text)).wrap().selectable(false).sense(Sense::click()));
+        label.widget_info(|| WidgetInfo::selected(egui::Role::DisclosureTriangle, true, was_open, &text));
+        let tip = "Parameters that are seldom changed.";
+        pressed != label.on_hover_text(tip).clicked()
+    });
+    // A click on the triangle has toggled the fold already.
+    let is_open = was_open != header.inner;
+    fold.set_open(is_open);
+    if is_open != was_open {
+        // Toggled: what was there goes, and what was not comes.
+        if !state.unfolded.remove(section) {
+            state.unfolded.insert(section.to_owned());
+        }
+    }
+    fold.show_body_unindented(ui, |ui| {
+        ui.spacing_mut().item_spacing.y = 0.0;
+        rows.iter().for_each(|row| row.whole(ui, state, actions));
+    });
+}
+
 /// The parameters of a stage, set in below its name.
-fn of_stage(ui: &mut Ui, parent: &Row<'_>, stage: &StageValue, actions: &mut Actions) {
+fn of_stage(ui: &mut Ui, parent: &Row<'_>, stage: &StageValue, state: &mut State, actions: &mut Actions) {
     let &Row { owner, index, theme, .. } = parent;
     // A stage of a stage is walked from there.
     let tip = Command::IntoStage.with_key("Walk this stage by itself.");
@@ -149,32 +209,34 @@ fn of_stage(ui: &mut Ui, parent: &Row<'_>, stage: &StageValue, actions: &mut Act
     let header = ui.horizontal(|ui| {
         fold.show_toggle_button(ui, collapsing_header::paint_default_icon);
         let name = dim(ui, format!("{} in detail", part.name()));
-        let name = egui::Label::new(name).truncate().sense(Sense::click());
+        let name = egui::Label::new(name).wrap().selectable(false).sense(Sense::click());
         if ui.add(name).on_hover_text(part.summary()).clicked() {
             fold.toggle(ui);
         }
     });
     fold.show_body_indented(&header.response, ui, |ui| {
-        for (inner, spec) in part.specs().iter().enumerate() {
-            // What is placed on the picture is set where the stage is opened by itself.
-            if matches!(spec.kind, Kind::Placed(_)) {
-                continue;
-            }
+        let (withins, is_placing) = (withins(parent, stage), false);
+        let all = withins.iter().map(|within| {
+            let (inner, spec) = (within.inner, &part.specs()[within.inner]);
             let usual = match &parent.default {
                 Some(Value::Stage(usual)) if usual.id() == stage.id() => usual.part().value(inner),
                 _ => spec.default.clone(),
             };
             let (value, default) = (part.value(inner), Some(usual));
-            let within = Within { stage, inner, above: parent.within };
-            let row = Row { owner, index, within: Some(&within), spec, value, default, theme, is_placing: false };
-            row.show(ui, actions);
-            row.space(ui);
-            if let Value::Stage(stage) = &row.value {
-                ui.indent(("inner", &spec.name), |ui| of_stage(ui, &row, stage, actions));
-            }
-        }
+            let idle = parent.idle.or_else(|| part.idle(inner));
+            Row { owner, index, within: Some(within), spec, value, default, idle, open: None, theme, is_placing }
+        });
+        rows(ui, "stage", all.collect(), state, actions);
     });
     ui.add_space(4.0);
+}
+
+/// The parameters of `stage` that are shown below its row: what is placed on the picture is set where the stage is opened by
+/// itself.
+fn withins<'a>(parent: &Row<'a>, stage: &'a StageValue) -> Vec<Within<'a>> {
+    let specs = stage.part().specs().iter().enumerate();
+    let shown = specs.filter(|(_, spec)| !matches!(spec.kind, Kind::Placed(_)));
+    shown.map(|(inner, _)| Within { stage, inner, above: parent.within }).collect()
 }
 
 /// A parameter of a stage.
@@ -209,11 +271,34 @@ struct Row<'a> {
     spec: &'a Spec,
     value: Value,
     default: Option<Value>,
+    /// Why it has no effect just now, if it has none.
+    idle: Option<&'static str>,
+    /// The word that leaves its value open, where one may.
+    open: Option<&'static str>,
     theme: Theme,
     is_placing: bool,
 }
 
 impl Row<'_> {
+    /// The row with what belongs to it, disabled where it has no effect.
+    fn whole(&self, ui: &mut Ui, state: &mut State, actions: &mut Actions) {
+        ui.add_enabled_ui(self.idle.is_none(), |ui| {
+            self.show(ui, actions);
+            self.space(ui);
+        });
+        if let Value::Stage(stage) = &self.value {
+            match self.within {
+                None => of_stage(ui, self, stage, state, actions),
+                Some(_) => drop(ui.indent(("inner", &self.spec.name), |ui| of_stage(ui, self, stage, state, actions))),
+            }
+        }
+    }
+
+    /// Whether it is not as it was at first.
+    fn is_changed(&self) -> bool {
+        self.default.as_ref().is_some_and(|default| *default != self.value)
+    }
+
     fn show(&self, ui: &mut Ui, actions: &mut Actions) {
         let (wanted, done) = match (&self.spec.kind, &self.value) {
             (Kind::Int { min, max }, Value::Int(value)) => {
@@ -237,6 +322,7 @@ impl Row<'_> {
                 Some(wanted) => (Value::Stage(wanted), true),
                 None => return,
             },
+            (Kind::Optional { of, word }, _) => return self.optional(ui, of, word, actions),
             _ => return,
         };
         if wanted != self.value {
@@ -244,6 +330,57 @@ impl Row<'_> {
         }
         // The frame that ends a gesture may still change the value: that belongs to the gesture.
         if done {
+            actions.ask(Action::Settle);
+        }
+    }
+
+    /// What may be left open: a button with the word for that stands beside the value, or in its place.
+    fn optional(&self, ui: &mut Ui, of: &Kind, word: &'static str, actions: &mut Actions) {
+        let is_open = self.value == Value::Choice(word);
+        if let Kind::Choice(choices) = of {
+            let open = Choice { name: word, label: word, doc: "Chosen automatically." };
+            let spec = Spec { kind: Kind::Choice([&[open], choices.as_slice()].concat()), ..self.spec.clone() };
+            return self.of(&spec, None).show(ui, actions);
+        }
+        if !is_open {
+            let spec = Spec { kind: of.clone(), ..self.spec.clone() };
+            return self.of(&spec, Some(word)).show(ui, actions);
+        }
+        let needed = text_width(ui, word) + 2.0 * ui.spacing().button_padding.x + 4.0;
+        let pressed = self.line(ui, needed, actions, |ui, _| {
+            let response = ui.selectable_label(true, word);
+            let name = format!("{}: {word}", self.spec.label);
+            response.widget_info(|| WidgetInfo::selected(egui::Role::Button, ui.is_enabled(), true, &name));
+            self.explained(response).clicked()
+        });
+        if let Some(value) = first_value(of).filter(|_| pressed) {
+            self.ask(value, actions);
+            actions.ask(Action::Settle);
+        }
+    }
+
+    /// The same row with another declaration.
+    fn of<'b>(&'b self, spec: &'b Spec, open: Option<&'static str>) -> Row<'b> {
+        let (value, default) = (self.value.clone(), self.default.clone());
+        Row { spec, open, value, default, ..*self }
+    }
+
+    /// `response` with what the parameter does, and why it does nothing, on hover.
+    fn explained(&self, response: Response) -> Response {
+        match self.idle {
+            Some(why) => response.on_disabled_hover_text(format!("{why}\n{}", self.tip())),
+            None => response.on_hover_text(self.tip()),
+        }
+    }
+
+    /// The button that leaves the value open, where one may.
+    fn opener(&self, ui: &mut Ui, actions: &mut Actions) {
+        let Some(word) = self.open else { return };
+        let response = ui.selectable_label(false, word);
+        let name = format!("{}: {word}", self.spec.label);
+        response.widget_info(|| WidgetInfo::selected(egui::Role::Button, ui.is_enabled(), false, &name));
+        if self.explained(response).clicked() {
+            self.ask(Value::Choice(word), actions);
             actions.ask(Action::Settle);
         }
     }
@@ -269,11 +406,12 @@ impl Row<'_> {
     fn stage(&self, ui: &mut Ui, kind: &PartKind, now: &StageValue, actions: &mut Actions) -> Option<StageValue> {
         let mut wanted = None;
         let size = TextStyle::Body.resolve(ui.style()).size;
-        let list = (12.0 * size).min(ui.available_width() - ui.spacing().interact_size.y - 8.0);
+        let chosen = text_width(ui, now.part().name()) + ui.spacing().interact_size.y + 8.0;
+        let list = chosen.max(12.0 * size).min(ui.available_width() - ui.spacing().interact_size.y - 8.0);
         self.line(ui, list, actions, |ui, label| {
             let combo = ComboBox::from_id_salt((self.owner as usize, self.index, &self.spec.name))
                 .selected_text(now.part().name());
-            let response = combo.width(list).truncate().show_ui(ui, |ui| {
+            let response = combo.width(list).wrap().show_ui(ui, |ui| {
                 for part in (kind.all)() {
                     let row = ui.selectable_label(part.id() == now.id(), part.name());
                     if row.on_hover_text(part.summary()).clicked() && part.id() != now.id() {
@@ -284,7 +422,7 @@ impl Row<'_> {
                     }
                 }
             });
-            response.response.labelled_by(label.id).on_hover_text(self.tip());
+            self.explained(response.response.labelled_by(label.id));
         });
         wanted
     }
@@ -300,15 +438,17 @@ impl Row<'_> {
         add: impl FnOnce(&mut Ui, &Response) -> R,
     ) -> R {
         let height = ui.spacing().interact_size.y;
-        let changed = self.default.as_ref().is_some_and(|default| *default != self.value);
-        let back = if changed { height + 8.0 } else { 0.0 };
+        let changed = self.is_changed();
+        let opener = self.open.map_or(0.0, |word| text_width(ui, word) + 2.0 * ui.spacing().button_padding.x + 8.0);
+        let back = opener + if changed { height + 8.0 } else { 0.0 };
         if text_width(ui, &self.spec.label) + 8.0 + back + needed_pt > ui.available_width() {
             let label = ui.add(egui::Label::new(&self.spec.label).wrap().sense(Sense::hover()));
-            let label = label.on_hover_text(self.tip());
+            let label = self.explained(label);
             let row = vec2(ui.available_width(), height);
             return ui
                 .allocate_ui_with_layout(row, Layout::left_to_right(Align::Center), |ui| {
                     let result = add(ui, &label);
+                    self.opener(ui, actions);
                     if changed {
                         self.way_back(ui, actions);
                     }
@@ -318,9 +458,10 @@ impl Row<'_> {
         }
         ui.allocate_ui_with_layout(vec2(ui.available_width(), height), Layout::left_to_right(Align::Center), |ui| {
             let label = ui.add(egui::Label::new(&self.spec.label).truncate().sense(Sense::hover()));
-            let label = label.on_hover_text(self.tip());
+            let label = self.explained(label);
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 let result = add(ui, &label);
+                self.opener(ui, actions);
                 if changed {
                     self.way_back(ui, actions);
                 }
@@ -370,7 +511,7 @@ impl Row<'_> {
             let mut field = DragValue::new(&mut wanted).range(min..=max).suffix(unit).max_decimals(most);
             field = field.speed((max - min) / 200.0);
             let response = ui.add_sized(vec2(width, ui.spacing().interact_size.y), field);
-            response.labelled_by(label.id).on_hover_text(self.tip())
+            self.explained(response.labelled_by(label.id))
         });
         let default = self.default.as_ref().and_then(|default| match *default {
             Value::Int(value) => Some(value as f64),
@@ -380,7 +521,7 @@ impl Row<'_> {
         let step = 10f64.powi(-(decimals as i32));
         let slider = Slider { name: &self.spec.label, range: (min, max), step, default, theme: self.theme };
         let slid = slider.show(ui, &mut wanted);
-        let slid = slid.on_hover_text(self.tip());
+        let slid = self.explained(slid);
         (wanted, [&typed, &slid].iter().any(|r| r.drag_stopped() || r.clicked() || r.lost_focus()))
     }
 
@@ -388,8 +529,9 @@ impl Row<'_> {
         let width = 1.2 * ui.spacing().interact_size.y;
         let response = self.line(ui, width, actions, |ui, _| toggle(ui, on, self.theme));
         let name = &self.spec.label;
-        response.widget_info(|| WidgetInfo::selected(egui::Role::CheckBox, true, on, name));
-        on != response.on_hover_text(self.tip()).clicked()
+        let enabled = ui.is_enabled();
+        response.widget_info(|| WidgetInfo::selected(egui::Role::CheckBox, enabled, on, name));
+        on != self.explained(response).clicked()
     }
 
     /// What is placed on the picture, and the button with which that is done.
@@ -417,7 +559,9 @@ impl Row<'_> {
         let padding = 2.0 * ui.spacing().button_padding.x + 4.0;
         let needed: f32 = choices.iter().map(|choice| text_width(ui, choice.label) + padding).sum();
         let fits = needed + text_width(ui, &self.spec.label) + 16.0 < ui.available_width();
-        let list = (9.5 * size).min(ui.available_width() - ui.spacing().interact_size.y - 8.0);
+        let shown = choices.iter().find(|choice| choice.name == now).map_or(now, |choice| choice.label);
+        let chosen = text_width(ui, shown) + ui.spacing().interact_size.y + 8.0;
+        let list = chosen.max(9.5 * size).min(ui.available_width() - ui.spacing().interact_size.y - 8.0);
         self.line(ui, if fits { needed } else { list }, actions, |ui, label| {
             if fits {
                 ui.spacing_mut().item_spacing.x = 2.0;
@@ -425,16 +569,20 @@ impl Row<'_> {
                     let name = format!("{}: {}", self.spec.label, choice.label);
                     let response = ui.selectable_label(choice.name == now, choice.label);
                     let selected = choice.name == now;
-                    response.widget_info(|| WidgetInfo::selected(egui::Role::RadioButton, true, selected, &name));
-                    if response.on_hover_text(choice.doc).clicked() {
+                    let enabled = ui.is_enabled();
+                    response.widget_info(|| WidgetInfo::selected(egui::Role::RadioButton, enabled, selected, &name));
+                    let response = match self.idle {
+                        Some(_) => self.explained(response),
+                        None => response.on_hover_text(choice.doc),
+                    };
+                    if response.clicked() {
                         wanted = choice.name;
                     }
                 }
                 return;
             }
-            let shown = choices.iter().find(|choice| choice.name == now).map_or(now, |choice| choice.label);
             let combo = ComboBox::from_id_salt((self.owner as usize, self.index, &self.spec.name)).selected_text(shown);
-            let response = combo.width(list).truncate().show_ui(ui, |ui| {
+            let response = combo.width(list).wrap().show_ui(ui, |ui| {
                 for choice in choices {
                     let row = ui.selectable_label(choice.name == now, choice.label);
                     if row.on_hover_text(choice.doc).clicked() {
@@ -442,10 +590,22 @@ impl Row<'_> {
                     }
                 }
             });
-            response.response.labelled_by(label.id).on_hover_text(self.tip());
+            self.explained(response.response.labelled_by(label.id));
         });
         wanted
     }
+}
+
+/// A value to begin with where one was left open: of numbers one in the lower part of their range.
+fn first_value(kind: &Kind) -> Option<Value> {
+    Some(match kind {
+        Kind::Int { min, max } => Value::Int(min + (max - min) / 4),
+        Kind::Real { min, max } => Value::Real((min + (max - min) / 4.0).round().clamp(*min, *max)),
+        Kind::Switch => Value::Switch(true),
+        Kind::Choice(choices) => Value::Choice(choices.first()?.name),
+        Kind::Placed(figure) => Value::Placed(figure.none()),
+        Kind::Stage(_) | Kind::Optional { .. } => return None,
+    })
 }
 
 /// Decimals of a real number that may be typed.

@@ -61,7 +61,7 @@ pub fn progress(ui: &mut Ui, work: &Work, actions: &mut Actions) {
     }
 }
 
-/// Where the run stands: `block 35 of 1200 · probe 412 of 1104 · Best so far 812 at (−3, 2) · 38 % of the work`.
+/// Where the run stands: `block 35 of 1200 · candidate 412 of 1104 · best so far 812 at (−3, 2) · 38 % of the work · step 35.412`.
 pub fn line(shown: &Snapshot) -> String {
     let granularities = shown.info.granularities;
     if shown.cursor == Cursor::default() {
@@ -92,6 +92,8 @@ pub fn line(shown: &Snapshot) -> String {
         parts.push(format!("{} % of the work", percent(share)));
     }
     parts.extend(shown.pointed.map(explained));
+    // As sessions and the command line write it: units and events from 1.
+    parts.push(format!("step {}", shown.cursor));
     parts.join("  ·  ")
 }
 

@@ -39,7 +39,7 @@ impl Slider<'_> {
             *value = scale.nearest(wanted);
         }
         let shown = *value;
-        response.widget_info(|| WidgetInfo::slider(true, shown, self.name));
+        response.widget_info(|| WidgetInfo::slider(ui.is_enabled(), shown, self.name));
         scale.describe(ui, &response, shown);
         let x_of = |value: f64| egui::lerp(f64::from(left)..=f64::from(right), curve.share(value)) as f32;
         self.paint(ui, &response, x_of(shown), self.default.map(x_of), radius);

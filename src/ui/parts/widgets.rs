@@ -80,6 +80,27 @@ pub fn modal(ctx: &egui::Context, name: &str, size: Vec2) -> Modal {
     Modal::new(id).area(area).frame(Frame::window(&ctx.global_style()).inner_margin(20))
 }
 
+/// Puts what is typed into `text` as long as its field `id` has not the keyboard yet: a dialog draws nothing in its first pass,
+/// and its field would lose what is typed just after the key that opened it.
+pub fn catch_text(ctx: &egui::Context, id: Id, text: &mut String) {
+    if ctx.memory(|memory| memory.has_focus(id)) {
+        return;
+    }
+    ctx.input_mut(|input| {
+        input.events.retain(|event| match event {
+            egui::Event::Text(typed) => {
+                text.push_str(typed);
+                false
+            }
+            egui::Event::Key { key: egui::Key::Backspace, pressed: true, .. } => {
+                text.pop();
+                false
+            }
+            _ => true,
+        });
+    });
+}
+
 /// A child of `ui` that fills `rect` and takes no room of its own.
 pub fn inside(ui: &mut Ui, rect: Rect, layout: Layout) -> Ui {
     ui.new_child(UiBuilder::new().max_rect(rect).layout(layout))

@@ -1,7 +1,7 @@
 //! The types of the view options as parameter values.
 
-use motionscope_core::Value;
 use motionscope_core::params::{Choice, Kind, Parameter};
+use motionscope_core::{Value, choices};
 
 use crate::paint::{
     Backdrop, ColorMap, FlowLayer, FocusMode, Lengthen, LevelShown, Opacity, Phase, Share, Theme, View,
@@ -46,6 +46,18 @@ macro_rules! share {
     )+};
 }
 share!(Share = "auto", Opacity = "auto", Phase = "off");
+
+choices! {
+    /// The words around the pictures that are written.
+    pub enum CaptionWords {
+        /// No words.
+        Off = "off" "No caption",
+        /// Clip, estimator, parameters, step and the sentence of the step.
+        On = "on" "Caption",
+        /// The same with the formula of the step and its numbers.
+        Full = "full" "Caption with formula",
+    }
+}
 
 /// The level at work, as it is written.
 const AT_WORK: &str = "at-work";

@@ -44,6 +44,11 @@ params! {
         settings: Settings = Settings { opening: 0, closing: 4, ..Settings::default() };
     }
     renamed { "open" => "opening", "close" => "closing" }
+    when {
+        "mask": |p| p.pixels == Pixels::Foreground, "The detector has no effect unless its foreground is labelled.";
+        "threshold": |p| p.pixels != Pixels::Foreground,
+            "The threshold has no effect on the foreground of a detector.";
+    }
 }
 
 /// The state of a run.

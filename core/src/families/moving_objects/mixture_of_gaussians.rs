@@ -51,6 +51,10 @@ params! {
         "open" => "opening",
         "close" => "closing",
     }
+    advanced { "background-ratio", "complexity-reduction", "initial-sigma", "min-sigma", "shadow-threshold" }
+    when {
+        "shadow-threshold": |p| p.detect_shadows, "The shadow threshold has no effect without shadow detection.";
+    }
 }
 
 /// The maximum σ of a mode, as a multiple of that of a new one.

@@ -37,6 +37,7 @@ params! {
         "open" => "opening",
         "close" => "closing",
     }
+    advanced { "initial-sigma", "min-sigma" }
 }
 
 /// The distribution of a pixel's gray levels.

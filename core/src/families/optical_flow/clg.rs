@@ -28,6 +28,9 @@ params! {
         settings: Settings = Settings { iterations: 100, levels: 4, warps: 3, sigma: 0.5, ..Settings::default() };
     }
     renamed { "smoothing" => "sigma" }
+    when {
+        "relaxation": |p| p.solver == Solver::Sor, "Relaxation has no effect unless the solver is SOR.";
+    }
 }
 
 /// The first step of an iteration: the neighbourhood mean.

@@ -34,6 +34,7 @@ params! {
         levels: usize = 5, 1..=10;
     }
     renamed { "neighborhood" => "poly-n", "sigma" => "poly-sigma" }
+    advanced { "weights", "damping" }
 }
 
 /// What would help where Farnebäck's method fails.

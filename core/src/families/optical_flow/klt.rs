@@ -61,6 +61,10 @@ params! {
         "max-change" => "max-dissimilarity",
         "any-light" => "illumination",
     }
+    advanced { "iterations", "epsilon", "max-residual", "max-fb-error", "max-dissimilarity", "illumination" }
+    when {
+        "illumination": |p| p.max_dissimilarity > 0.0, "Illumination has no effect without the dissimilarity check.";
+    }
 }
 
 /// The state of a run.

@@ -37,6 +37,7 @@ params! {
         sigma: f32 = 0.5, 0.0..=5.0, "px";
     }
     renamed { "smoothing" => "sigma", "threshold" => "min-eigenvalue" }
+    advanced { "derivatives" }
 }
 
 /// The state of a run.

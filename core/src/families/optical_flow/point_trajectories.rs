@@ -49,6 +49,7 @@ params! {
         "share" => "relative-tolerance",
         "structure" => "min-eigenvalue",
     }
+    advanced { "absolute-tolerance", "relative-tolerance", "min-eigenvalue", "window", "levels" }
 }
 
 /// Feature tracking uses the default parameters of the KLT tracker.

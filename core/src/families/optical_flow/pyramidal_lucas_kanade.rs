@@ -58,6 +58,14 @@ params! {
         max_residual: f32 = 20.0, 0.0..=255.0;
     }
     renamed { "threshold" => "min-eigenvalue" }
+    advanced { "iterations", "epsilon", "max-residual" }
+    when {
+        "detector": |p| p.points == Points::Detect,
+            "The detector has no effect unless detected keypoints are tracked.";
+        "clicks": |p| p.points == Points::Clicks, "Clicks have no effect unless clicked points are tracked.";
+        "max-points": |p| p.points != Points::Dense,
+            "The maximum number of points has no effect where every pixel is tracked.";
+    }
 }
 
 /// The state of a run.

@@ -23,6 +23,7 @@ params! {
         settings: Settings = Settings { iterations: 40, levels: 5, warps: 5, sigma: 0.0, ..Settings::default() };
     }
     renamed { "smoothing" => "sigma" }
+    advanced { "tau" }
 }
 
 /// The steps of an iteration: thresholding of the data term, then the update of the flow.

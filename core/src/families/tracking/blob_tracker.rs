@@ -53,6 +53,10 @@ params! {
         rules: Rules = Rules::default();
     }
     renamed { "confirm" => "min-hits", "patience" => "max-age", "bridge" => "interpolate" }
+    advanced { "velocity-frames", "max-distance" }
+    when {
+        "velocity-frames": |p| p.predict, "The frames of the velocity have no effect without prediction.";
+    }
 }
 
 /// The gray level difference that costs as much as a factor of two in area.

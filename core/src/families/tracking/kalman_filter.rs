@@ -100,6 +100,24 @@ params! {
         "drop-from" => "occlusion-start",
         "drop-frames" => "occlusion-frames",
     }
+    advanced { "seed", "gate", "occlusion-start", "occlusion-frames", "max-age", "initial-speed" }
+    when {
+        "turn-noise": |p| p.motion == MotionModel::Turn,
+            "Turn noise has no effect unless the motion is a coordinated turn.";
+        "detector": |p| matches!(p.source, Source::Auto | Source::Moving),
+            "The detector has no effect with this source of detections.";
+        "added-noise": |p| matches!(p.source, Source::Auto | Source::Truth),
+            "Added noise has no effect unless the source is the truth with noise.";
+        "seed": |p| p.sensors != Sensors::One || matches!(p.source, Source::Auto | Source::Truth),
+            "The seed has no effect unless the truth is measured with noise.";
+        "seed": |p| p.sensors != Sensors::One || p.added_noise > 0.0, "The seed has no effect without added noise.";
+        "second-noise": |p| p.sensors != Sensors::One,
+            "The noise of the second sensor has no effect with one sensor.";
+        "velocity-noise": |p| p.sensors == Sensors::WithVelocity,
+            "Velocity noise has no effect where no sensor measures the velocity.";
+        "occlusion-start": |p| p.occlusion_frames > 0,
+            "The start of the occlusion has no effect without occluded frames.";
+    }
 }
 
 /// The state of a run.

@@ -84,6 +84,15 @@ params! {
         "patience" => "max-age",
         "bridge" => "interpolate",
     }
+    advanced { "cascade", "score-threshold", "recover" }
+    when {
+        "turn-noise": |p| p.motion == MotionModel::Turn,
+            "Turn noise has no effect unless the motion is a coordinated turn.";
+        "gate": |p| p.cost != PairCost::Overlap,
+            "The gate has no effect where the cost is the overlap of boxes alone.";
+        "score-threshold": |p| p.settings.may_have_scores(),
+            "The score threshold has no effect on detections without scores.";
+    }
 }
 
 /// The state of a run.

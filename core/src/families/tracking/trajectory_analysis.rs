@@ -52,6 +52,7 @@ params! {
         "added-noise" => "tracker.added-noise",
         "seed" => "tracker.seed",
     }
+    advanced { "min-others", "cell-size" }
 }
 
 /// The minimum mean resultant length of directions with a meaningful mean.

@@ -173,6 +173,11 @@ params! {
         /// Treatment of candidates that reach beyond the picture.
         border: BorderRule = BorderRule::Inside;
     }
+    advanced { "interpolation", "lambda", "spacing", "border" }
+    when {
+        "interpolation": |p| p.subpixel != Subpixel::None,
+            "Interpolation has no effect on displacements of whole pixels.";
+    }
 }
 
 /// The values of the parameters that all block searches have.

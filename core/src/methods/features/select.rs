@@ -22,6 +22,7 @@ params! {
         /// Largest number of corners; the strongest are kept.
         max_points: usize = 500, 1..=100_000;
     }
+    advanced { "weights", "derivatives" }
 }
 
 /// A response map with its threshold.

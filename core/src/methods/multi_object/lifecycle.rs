@@ -16,6 +16,7 @@ params! {
         /// Interpolate the boxes of coasted frames linearly once the track is matched again. With hindsight (non-causal): in real time there is a gap.
         interpolate: bool = true;
     }
+    advanced { "backdate", "interpolate" }
 }
 
 /// The hits and misses of a track, and its status.

@@ -34,6 +34,25 @@ params! {
         /// Random seed. The same seed gives the same noise.
         seed: u32 = 1, 0..=9999;
     }
+    advanced { "seed" }
+    when {
+        "detector": |p| matches!(p.source, Source::Auto | Source::Moving),
+            "The detector has no effect with this source of detections.";
+        "clicks": |p| matches!(p.source, Source::Auto | Source::Clicks),
+            "Clicks have no effect with this source of detections.";
+        "added-noise": |p| matches!(p.source, Source::Auto | Source::Truth),
+            "Added noise has no effect unless the source is the truth with noise.";
+        "seed": |p| matches!(p.source, Source::Auto | Source::Truth),
+            "The seed has no effect unless the source is the truth with noise.";
+        "seed": |p| p.added_noise > 0.0, "The seed has no effect without added noise.";
+    }
+}
+
+impl Settings {
+    /// Whether the source of the detections may have scores.
+    pub fn may_have_scores(&self) -> bool {
+        matches!(self.source, Source::Auto | Source::Detections)
+    }
 }
 
 /// The confirmed tracks of a frame and of the run beside the ground truth.

@@ -18,6 +18,7 @@ params! {
         /// Maximum number of frames, the first included.
         frames: usize = 300, 2..=100_000;
     }
+    advanced { "connectivity" }
 }
 
 /// Names of the lines of the pseudocode. `REMOVE_SHADOWS` exists only where shadows are detected.

@@ -20,4 +20,5 @@ params! {
         /// Standard deviation σ of the Gaussian that smooths both frames before derivatives are taken. 0 does not smooth.
         sigma: f32 = 0.0, 0.0..=5.0, "px";
     }
+    advanced { "tolerance", "derivatives" }
 }

@@ -70,6 +70,10 @@ impl Params for Chosen {
         self.estimator.set_value(index, value)
     }
 
+    fn idle(&self, index: usize) -> Option<&'static str> {
+        self.estimator.idle(self.whole(index))
+    }
+
     fn renamed(&self) -> &'static [(&'static str, &'static str)] {
         self.estimator.renamed()
     }
