@@ -201,6 +201,7 @@ mod tests {
                     Escape::Stop => now.playing = false,
                     Escape::Placing => now.is_placing = false,
                     Escape::Pixel => now.holds_pixel = false,
+                    Escape::Chart => now.has_enlarged = false,
                     Escape::Lecture => now.lecture = false,
                     Escape::Lockstep => now.in_lockstep = false,
                 }
