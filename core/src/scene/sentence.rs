@@ -119,7 +119,10 @@ impl Math {
             Math::Sum(index) => format!("Σ_{} ", index.plain()),
             Math::Abs(inner) => format!("|{}|", inner.plain()),
             Math::Sqrt(inner) => format!("√({})", inner.plain()),
-            Math::Bar(inner) => overlined(&inner.plain()),
+            Math::Bar(inner) => match inner.as_ref() {
+                Math::Sub(base, index) => format!("{}_{}", overlined(&base.plain()), index.plain()),
+                inner => overlined(&inner.plain()),
+            },
             Math::Matrix(rows) => {
                 let row = |row: &Vec<Math>| row.iter().map(Math::plain).collect::<Vec<_>>().join(", ");
                 format!("[{}]", rows.iter().map(row).collect::<Vec<_>>().join("; "))
@@ -146,7 +149,8 @@ mod tests {
         let root = Math::root(Math::Row(vec![Math::squared(u()), Math::text(" + "), Math::squared(Math::Var("v"))]));
         assert_eq!(root.plain(), "√(u^2 + v^2)");
         assert_eq!(Math::mean(u()).plain(), "u\u{304}");
-        assert_eq!(Math::mean(Math::indexed(u(), Math::text("0"))).plain(), "mean(u_0)");
+        assert_eq!(Math::mean(Math::indexed(u(), Math::text("0"))).plain(), "u\u{304}_0");
+        assert_eq!(Math::mean(Math::Row(vec![u(), Math::Var("v")])).plain(), "mean(uv)");
         let entry = |shown: &str| Math::text(shown);
         let matrix = Math::Matrix(vec![vec![entry("a"), entry("b")], vec![entry("c"), entry("d")]]);
         assert_eq!(matrix.plain(), "[a, b; c, d]");

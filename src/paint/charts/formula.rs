@@ -153,7 +153,9 @@ fn units(parts: &[&Math], size: f32, breaks: Breaks, measure: &mut dyn Measure) 
         let at = [unit.width, 0.0];
         unit.put(Setter { measure: &mut *measure }.set(part, size), at);
         depth = (depth + opened(part)).max(0);
-        after_sign = ends_with_sign(part);
+        // Space alone changes nothing.
+        let is_space = matches!(part, Math::Text(text, _) if text.trim().is_empty());
+        after_sign = if is_space { after_sign } else { ends_with_sign(part) };
     }
     units.push(unit);
     units
@@ -172,7 +174,7 @@ fn begins_with_sign(math: &Math) -> bool {
 /// Whether something has to follow `math` on its line.
 fn ends_with_sign(math: &Math) -> bool {
     match math {
-        Math::Text(text, _) => text.trim().is_empty() || text.trim_end().ends_with(|c| SIGNS.contains(c) || c == '('),
+        Math::Text(text, _) => text.trim_end().ends_with(|c| SIGNS.contains(c) || c == '('),
         Math::Sum(_) => true,
         _ => false,
     }
@@ -561,11 +563,12 @@ mod tests {
     #[test]
     fn a_mean_has_its_bar_above_the_letter_and_the_index_beside_it() {
         let mean = set(&Math::mean(Math::indexed(Math::Var("u"), Math::text("0"))), 1000.0);
-        let bars: Vec<_> = mean.pieces.iter().filter_map(|p| if let Piece::Rule(r) = p { Some(r) } else { None }).collect();
+        let bars: Vec<_> =
+            mean.pieces.iter().filter_map(|p| if let Piece::Rule(r) = p { Some(r) } else { None }).collect();
         assert!(bars.len() == 1 && bars[0].max[1] < -0.5 * 20.0 && bars[0].max[0] < 12.0, "{bars:?}");
         let capital = set(&Math::mean(Math::Var("I")), 1000.0);
         assert!(capital.ascent > mean.ascent, "the bar is above the capital as well");
-        assert_eq!(mean.symbols[0].1, "mean(u_0)");
+        assert_eq!(mean.symbols[0].1, "u\u{304}_0");
     }
 
     #[test]
@@ -580,7 +583,8 @@ mod tests {
             _ => panic!("an entry"),
         };
         assert!(right(0) == right(2) && right(1) == right(3) && right(0) < right(1) - 30.0);
-        let rules: Vec<_> = formula.pieces.iter().filter_map(|p| if let Piece::Rule(r) = p { Some(r) } else { None }).collect();
+        let rules: Vec<_> =
+            formula.pieces.iter().filter_map(|p| if let Piece::Rule(r) = p { Some(r) } else { None }).collect();
         assert_eq!(rules.len(), 6, "two brackets of three sides");
         assert!(rules.iter().all(|rule| rule.min[0] >= 0.0 && rule.max[0] <= formula.width));
         // It stands on the axis of its line.

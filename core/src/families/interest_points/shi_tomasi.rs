@@ -51,22 +51,25 @@ impl Measure for ShiTomasi {
         let symbols = Math::Row(vec![
             Math::Var("R"),
             Math::text(" = ½ tr "),
-            Math::Var("T"),
-            Math::text(" − √((½ tr "),
-            Math::Var("T"),
-            Math::text(")² − det "),
-            Math::Var("T"),
-            Math::text(")"),
+            Math::Bold("T"),
+            Math::text(" − "),
+            Math::root(Math::Row(vec![
+                Math::squared(Math::Row(vec![Math::text("(½ tr "), Math::Bold("T"), Math::text(")")])),
+                Math::text(" − det "),
+                Math::Bold("T"),
+            ])),
         ]);
         let half = (xx + yy) / 2.0;
         let numbers = Math::Row(vec![
             Math::text(" = "),
             Math::ink(Role::Reference, words::fine(half)),
-            Math::text(" − √("),
-            Math::power(Math::ink(Role::Reference, words::fine(half)), Math::text("2")),
             Math::text(" − "),
-            Math::ink(Role::Reference, words::fine(xx * yy - xy * xy)),
-            Math::text(") = "),
+            Math::root(Math::Row(vec![
+                Math::squared(Math::ink(Role::Reference, words::fine(half))),
+                Math::text(" − "),
+                Math::ink(Role::Reference, words::fine(xx * yy - xy * xy)),
+            ])),
+            Math::text(" = "),
             Math::ink(Role::Result, words::fine(self.response([xx, xy, yy]))),
         ]);
         [symbols, numbers]

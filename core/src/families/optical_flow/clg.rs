@@ -235,7 +235,7 @@ fn symbols(is_about: bool) -> [Math; 2] {
         if is_about { Math::indexed(Math::Var("c"), Math::Var(c)) } else { part(t) }
     };
     let right = |name: &'static str, time: Math| {
-        let mean = Math::indexed(Math::Var(name), Math::Var("m"));
+        let mean = Math::mean(Math::Var(name));
         Math::Row(vec![Math::text(" = "), squared(), Math::text(" "), mean, Math::text(" − "), time])
     };
     let with_weight = |along: &'static str| {

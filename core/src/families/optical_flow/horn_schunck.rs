@@ -191,7 +191,7 @@ impl Update {
 /// The update of one part of the displacement in symbols; `rest` is what stands for I_t.
 fn symbols(to: Math, (part, along): (&'static str, &'static str), rest: Math) -> Math {
     let squared = |base: Math| Math::power(base, Math::text("2"));
-    let mean_of = |name: &'static str| Math::indexed(Math::Var(name), Math::Var("m"));
+    let mean_of = |name: &'static str| Math::mean(Math::Var(name));
     let top = vec![
         explain::derivative("x"),
         Math::text(" "),

@@ -253,7 +253,7 @@ impl Looked<'_> {
         lines.into_iter().filter_map(|(line, weight)| explain::line(line, weight / most, Role::Candidate)).collect()
     }
 
-    /// (T + λ 1) d = h + λ d₀ in symbols, and with the means over the window.
+    /// (T + λ I) d = h + λ d₀ in symbols, and with the means over the window.
     fn mean_equation(&self) -> Vec<Math> {
         let Tensor { xx, xy, yy, xt, yt, .. } = self.tensor;
         let (from, to) = (self.from(), self.to());
@@ -263,24 +263,25 @@ impl Looked<'_> {
                 Math::text("Σ "),
                 Math::Var("w"),
                 Math::text(" "),
-                Math::power(Math::Var("A"), Math::text("T")),
+                Math::power(Math::Bold("A"), Math::text("T")),
                 right,
             ])
         };
-        let delta_b = || Math::Row(vec![Math::text("Δ"), Math::Var("b")]);
+        let delta_b = || Math::Row(vec![Math::text("Δ"), Math::Bold("b")]);
         let symbols = Math::Row(vec![
             Math::text("("),
-            transposed(Math::Var("A")),
+            transposed(Math::Bold("A")),
             Math::text(" + "),
             lambda(),
-            Math::text(" 1) "),
-            Math::Var("d"),
+            Math::Bold("I"),
+            Math::text(") "),
+            Math::Bold("d"),
             Math::text(" = "),
             transposed(delta_b()),
             Math::text(" + "),
             lambda(),
             Math::text(" "),
-            Math::indexed(Math::Var("d"), Math::text("0")),
+            Math::indexed(Math::Bold("d"), Math::text("0")),
         ]);
         let damping = in_effect(self.agreement.damping, [xx, yy]);
         let row = |[a, b]: [f32; 2], right: f32| {
@@ -292,7 +293,7 @@ impl Looked<'_> {
             row([xy, yy + damping], damping * from[1] - yt),
         ];
         if self.part == Part::Moved {
-            lines.push(Math::Row(vec![Math::Var("d"), Math::text(" = "), Math::ink(Role::Result, words::vector(to))]));
+            lines.push(Math::Row(vec![Math::Bold("d"), Math::text(" = "), Math::ink(Role::Result, words::vector(to))]));
         }
         lines
     }
@@ -356,13 +357,15 @@ fn expansion_equation(looked: &Looked) -> Vec<Math> {
 
 /// How Δb comes about, in symbols and in numbers, and the two equations that it gives.
 fn shift_equation(looked: &Looked) -> Vec<Math> {
-    let index = |of: &'static str, by: &'static str| Math::indexed(Math::Var(of), Math::text(by));
+    let index = |of: &'static str, by: &'static str| Math::indexed(Math::Bold(of), Math::text(by));
     let symbols = Math::Row(vec![
-        Math::Var("A d"),
+        Math::Bold("A"),
+        Math::text(" "),
+        Math::Bold("d"),
         Math::text(" = Δ"),
-        Math::Var("b"),
+        Math::Bold("b"),
         Math::text(" = "),
-        Math::Var("A"),
+        Math::Bold("A"),
         Math::text(" ("),
         Math::Var("m"),
         Math::text(", "),
@@ -380,8 +383,10 @@ fn shift_equation(looked: &Looked) -> Vec<Math> {
     let Shift { a: [xx, xy, yy], b } = shift;
     let come_about = Math::Row(vec![
         Math::text("Δ"),
-        Math::Var("b"),
-        Math::text(format!(" = A {} − ½ (", words::vector(whole))),
+        Math::Bold("b"),
+        Math::text(" = "),
+        Math::Bold("A"),
+        Math::text(format!(" {} − ½ (", words::vector(whole))),
         Math::ink(Role::Candidate, words::vector(second.b)),
         Math::text(" − "),
         Math::ink(Role::Reference, words::vector(first.b)),

@@ -322,6 +322,12 @@ fn matrix(fit: &Fit) -> String {
     format!("A\u{a0}= ({a},\u{a0}{b}; {c},\u{a0}{d})")
 }
 
+/// The entries of A in brackets.
+fn entries(fit: &Fit) -> Math {
+    let entry = |value: &f32| Math::ink(Role::Estimate, words::number(*value));
+    Math::Matrix(fit.matrix.iter().map(|row| row.iter().map(entry).collect()).collect())
+}
+
 /// The light of a fit: `λ = 0.92, δ = −3.1`.
 fn light(Fit { light: [gain, offset], .. }: &Fit) -> String {
     format!("λ\u{a0}= {}, δ\u{a0}= {}", words::number(*gain), words::number(*offset))
@@ -330,7 +336,8 @@ fn light(Fit { light: [gain, offset], .. }: &Fit) -> String {
 /// What the fit makes least, and what it has come to.
 fn equation(fit: &Fit, in_any_light: bool) -> Vec<Math> {
     let (text, var) = (|text: &str| Math::text(text), Math::Var);
-    let mut symbols = vec![text("Σ ("), var("J"), text("("), var("A"), text(" "), var("o"), text(" + "), var("s")];
+    let mut symbols =
+        vec![text("Σ ("), var("J"), text("("), Math::Bold("A"), text(" "), var("o"), text(" + "), var("s")];
     symbols.push(text(") − "));
     symbols.extend(in_any_light.then(|| var("λ")));
     symbols.extend([var("I"), text("("), var("o"), text(")")]);
@@ -339,7 +346,9 @@ fn equation(fit: &Fit, in_any_light: bool) -> Vec<Math> {
     }
     symbols.extend([Math::power(text(")"), text("2")), text(" → min")]);
     let numbers = Math::Row(vec![
-        Math::ink(Role::Estimate, matrix(fit)),
+        Math::Bold("A"),
+        text(" = "),
+        entries(fit),
         text(", "),
         var("s"),
         text(" = "),

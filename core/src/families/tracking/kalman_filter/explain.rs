@@ -239,19 +239,19 @@ impl KalmanFilter {
                 let [x, u] = [before.place()[0], before.velocity()[0]];
                 vec![
                     Math::Row(vec![
-                        var("x"),
+                        Math::Bold("x"),
                         text(" ← "),
                         var("f"),
                         text("("),
-                        var("x"),
-                        text("), "),
-                        var("P"),
+                        Math::Bold("x"),
+                        text("),  "),
+                        Math::Bold("P"),
                         text(" ← "),
-                        var("F"),
-                        var("P"),
-                        Math::power(var("F"), text("T")),
+                        Math::Bold("F"),
+                        Math::Bold("P"),
+                        Math::power(Math::Bold("F"), text("T")),
                         text(" + "),
-                        var("Q"),
+                        Math::Bold("Q"),
                     ]),
                     Math::Row(vec![
                         var("x"),
@@ -263,9 +263,9 @@ impl KalmanFilter {
             Event::Gated(gated) => {
                 let numbers = gated.expected.update_numbers(gated.measurement())?;
                 vec![Math::Row(vec![
-                    Math::power(var("ν"), text("T")),
-                    Math::power(var("S"), text("−1")),
-                    var("ν"),
+                    Math::power(Math::Bold("ν"), text("T")),
+                    Math::power(Math::Bold("S"), text("−1")),
+                    Math::Bold("ν"),
                     text(&format!(
                         " = {} {} {}",
                         short(numbers.squared_distance),
@@ -279,7 +279,10 @@ impl KalmanFilter {
                 let numbers = gated.expected.update_numbers(gated.measurement())?;
                 let (gain, residual) = (numbers.gain[(0, 0)], numbers.residual[0]);
                 vec![
-                    Math::Row(vec![var("x"), text(" ← "), var("x"), text(" + "), var("K"), var("ν")]),
+                    Math::Row(
+                        [Math::Bold("x"), text(" ← "), Math::Bold("x"), text(" + "), Math::Bold("K"), Math::Bold("ν")]
+                            .to_vec(),
+                    ),
                     Math::Row(vec![
                         sub("x", "x"),
                         text(" = "),
