@@ -121,7 +121,7 @@ pub struct Matrix {
 }
 
 /// A quantity over steps.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Series {
     /// What is plotted.
     pub title: &'static str,
@@ -137,6 +137,31 @@ pub struct Series {
     pub sections: Vec<Section>,
     /// The lines: name, role, and `(x, y)` points. A line is broken where y is NaN: nothing is known there.
     pub lines: Vec<(&'static str, Role, Vec<[f32; 2]>)>,
+    /// Ranges in which values are expected.
+    pub bands: Vec<Band>,
+    /// Limits with their names: `99 % gate`.
+    pub thresholds: Vec<(String, f32)>,
+    /// Whether the quantity goes over powers of ten, as what becomes small in an iteration does.
+    pub is_logarithmic: bool,
+    /// Whether x is a value that was varied, and no step: then none is at hand.
+    pub is_sweep: bool,
+}
+
+impl Series {
+    /// The step at hand: the last one with a value on a line.
+    pub fn now(&self) -> Option<f32> {
+        let points = self.lines.iter().flat_map(|(.., points)| points).filter(|point| !point[1].is_nan());
+        points.map(|point| point[0]).filter(|_| !self.is_sweep).reduce(f32::max)
+    }
+}
+
+/// A range in which the values of a [`Series`] are expected.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Band {
+    /// What it is: `95 % band`.
+    pub name: String,
+    /// Its ends.
+    pub values: [f32; 2],
 }
 
 /// A stretch of a [`Series`] that begins anew.

@@ -406,9 +406,9 @@ fn plot(rows: &[Arc<Row>], column: &Column, x_label: &'static str) -> Series {
         x_label,
         y_label: "by what is swept",
         x_max,
-        events: Vec::new(),
-        sections: Vec::new(),
         lines,
+        is_sweep: true,
+        ..Series::default()
     }
 }
 

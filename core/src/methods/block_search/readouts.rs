@@ -320,13 +320,18 @@ impl Probe<'_> {
             title: "Cost by candidate",
             x_label: "candidate",
             y_label: self.settings.label(),
-            // What is tested between pixels comes on top.
-            x_max: self.window.count().max(self.tested()),
+            x_max: if self.is_over() { self.tested() } else { ahead(self.tested()) },
             events,
-            sections: Vec::new(),
             lines: vec![("candidate", Role::Candidate, tested), ("best so far", Role::Best, best)],
+            ..Series::default()
         }
     }
+}
+
+/// The next of 16, 24, 32, 48, 64 and so on: an axis that ends there has room ahead and seldom changes.
+fn ahead(tested: usize) -> usize {
+    let ends = (4..usize::BITS - 1).flat_map(|i| [1usize << i, 3 << (i - 1)]);
+    ends.into_iter().find(|end| *end >= tested).unwrap_or(tested)
 }
 
 /// What is added to a coordinate: ` + 3`.
@@ -345,5 +350,16 @@ fn term(sum: Sum, difference: Math) -> Math {
             let bracketed = Math::Row(vec![Math::text("("), difference, Math::text(")")]);
             Math::power(bracketed, Math::text("2"))
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::ahead;
+
+    #[test]
+    fn the_axis_ends_a_little_after_what_was_tested() {
+        assert_eq!([0, 13, 16, 17, 25, 33, 49, 1089].map(ahead), [16, 16, 16, 24, 32, 48, 64, 1536]);
+        assert!((1..5000).all(|tested| ahead(tested) >= tested && 2 * ahead(tested) <= 3 * tested.max(11)));
     }
 }

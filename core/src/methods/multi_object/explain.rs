@@ -143,15 +143,7 @@ pub(crate) fn series(course: &Course) -> Option<Readout> {
         ("coasting", Role::Predicted, with(TrackStatus::Coasting)),
     ];
     let x_max = course.span.first + course.span.frames().map_or(frames.len(), |frames| frames - 1);
-    let series = Series {
-        title: "Objects",
-        x_label: "frame",
-        y_label: "objects",
-        x_max,
-        events: Vec::new(),
-        sections: Vec::new(),
-        lines,
-    };
+    let series = Series { title: "Objects", x_label: "frame", y_label: "objects", x_max, lines, ..Series::default() };
     (frames.len() > 1).then_some(Readout::Series(series))
 }
 

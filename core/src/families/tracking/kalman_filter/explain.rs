@@ -6,7 +6,7 @@ use super::{Event, Gated, KalmanFilter, Loss, Moment, State, line};
 use crate::base::words::{self, counted as count, fine, number_64 as short, percent};
 use crate::methods::kalman::{Filter, Measurement, chi_square, ellipse};
 use crate::run::Seen;
-use crate::scene::{Arrow, Fact, Math, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step};
+use crate::scene::{Arrow, Band, Fact, Math, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step};
 
 /// A line of a plot: its name, its role and its points.
 type Line = (&'static str, Role, Vec<[f32; 2]>);
@@ -307,25 +307,19 @@ impl KalmanFilter {
         let line = |of: &dyn Fn(&Moment) -> Option<f64>| -> Vec<[f32; 2]> {
             moments().filter_map(|(i, moment)| Some([x(i), of(moment)? as f32])).collect()
         };
-        // Two-sided: a filter that is far too unsure lies below the lower one.
-        let bounds = |dof: usize| -> Vec<Line> {
-            let at = |p: f64| {
-                let value = chi_square::quantile(p, dof) as f32;
-                [0, state.moments.len().saturating_sub(1)].map(|i| [x(i), value]).to_vec()
-            };
-            vec![("95 % lie between", Role::Window, at(0.025)), ("these two", Role::Window, at(0.975))]
+        // Two-sided: a filter that is far too unsure lies below the lower end.
+        let band = |dof: usize| Band {
+            name: "95 % band".into(),
+            values: [0.025, 0.975].map(|p| chi_square::quantile(p, dof) as f32),
         };
         let x_max = state.span.first + state.span.frames().map_or(state.moments.len(), |frames| frames - 1);
-        let series = |title, y_label, lines: Vec<Line>| {
-            Readout::Series(Series {
-                title,
-                x_label: "frame",
-                y_label,
-                x_max,
-                events: Vec::new(),
-                sections: Vec::new(),
-                lines,
-            })
+        let series = |title, y_label, lines: Vec<Line>| Series {
+            title,
+            x_label: "frame",
+            y_label,
+            x_max,
+            lines,
+            ..Series::default()
         };
         if state.moments.len() < 2 {
             return Vec::new();
@@ -356,8 +350,10 @@ impl KalmanFilter {
             if !refused.is_empty() {
                 lines.push(("outside the gate", Role::Rejected, refused));
             }
-            lines.extend(bounds(dof));
-            all.push(series(title, "squared distance", lines));
+            let limit = chi_square::quantile(f64::from(self.gate), dof) as f32;
+            let thresholds = vec![(format!("{} gate", percent(self.gate)), limit)];
+            let nis = series(title, "squared distance", lines);
+            all.push(Series { bands: vec![band(dof)], thresholds, ..nis });
         }
         all.push(series("Standard deviation", "px", deviations));
         let nees = line(&|moment| moment.filtered?.squared_error(moment.truth?));
@@ -365,8 +361,8 @@ impl KalmanFilter {
             let off = |of: fn(&Moment) -> Option<Filter>| {
                 line(&move |moment: &Moment| Some(distance(of(moment)?.place(), moment.truth?)))
             };
-            let lines = [vec![("NEES", Role::Error, nees)], bounds(2)].concat();
-            all.push(series("NEES", "squared distance", lines));
+            let nees = series("NEES", "squared distance", vec![("NEES", Role::Error, nees)]);
+            all.push(Series { bands: vec![band(2)], ..nees });
             let mut errors = vec![("filtered", Role::Estimate, off(|moment| moment.filtered))];
             let measured = line(&|moment| Some(distance(moment.of_sensor(0)?.measurement().place, moment.truth?)));
             errors.push(("measured", Role::Measured, measured));
@@ -375,7 +371,7 @@ impl KalmanFilter {
             }
             all.push(series("Distance from the truth", "px", errors));
         }
-        all
+        all.into_iter().map(Readout::Series).collect()
     }
 
     pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {

@@ -334,9 +334,8 @@ fn series(trajectory: &Trajectory, x_max: usize) -> Vec<Series> {
         x_label: "frame",
         y_label,
         x_max,
-        events: Vec::new(),
-        sections: Vec::new(),
         lines,
+        ..Series::default()
     };
     let speeds = vec![
         ("since seen before", Role::Measured, line(&|seen| seen.step.map(speed))),
