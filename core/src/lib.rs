@@ -80,7 +80,7 @@ pub mod objects {
 
 pub use base::words::{grouped, spaced};
 pub use base::{Count, Error, Observer, Stop, Threads};
-pub use course::{compare, estimator, estimators};
+pub use course::{compare, estimator, estimators, glossary};
 pub use data::{
     Blob, Clip, ClipInfo, Counted, Detection, Flow, Frame, FrameSource, Histogram, Interpolation, Mask, ObjectBox,
     PackedMask, Truth,
