@@ -16,7 +16,7 @@ const PARTS_PT: f32 = 5.0;
 /// From the line where a stretch begins to its name, and from there to what comes next, in points.
 const NAME_PT: f32 = 4.0;
 /// Letters of height that the lines and the numbers below them need at least: only what is more goes to further rows of names.
-const TIGHTEST: f32 = 7.5;
+const TIGHTEST: f32 = 8.5;
 
 /// Nearest that one can come: what is seen at first is at most so many times as wide.
 const NEAREST: f32 = 256.0;

@@ -21,6 +21,7 @@ use crate::ui::drawing::style;
 use crate::ui::model::background::Background;
 use crate::ui::model::comparing::{Comparing, Plan};
 use crate::ui::model::document::Document;
+use crate::ui::panes::glossary;
 use crate::ui::parts::widgets;
 
 /// As many are compared at once: a table that a class can read.
@@ -345,11 +346,11 @@ fn table(ui: &mut Ui, rows: &[Arc<Row>], state: &mut State, actions: &mut Action
                 Some(_) => {
                     let tip = format!("{} Click to plot it.", column.doc);
                     let heading = ui.selectable_label(state.plotted == *i, strong(column.heading));
-                    if heading.on_hover_text(tip).clicked() {
+                    if heading.on_hover_ui(|ui| glossary::tooltip(ui, &tip)).clicked() {
                         state.plotted = *i;
                     }
                 }
-                None => drop(ui.label(strong(column.heading)).on_hover_text(column.doc)),
+                None => drop(ui.label(strong(column.heading)).on_hover_ui(|ui| glossary::tooltip(ui, column.doc))),
             });
         }
         ui.end_row();

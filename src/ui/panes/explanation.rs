@@ -9,6 +9,7 @@ use crate::paint::Theme;
 use crate::paint::charts::explanation::{self, Block, Density, Light};
 use crate::ui::drawing::chart::{rect_from, unclipped};
 use crate::ui::drawing::{ink, primitives};
+use crate::ui::panes::glossary::{self, Link};
 
 /// What is explained.
 #[derive(Clone, Copy)]
@@ -56,14 +57,17 @@ struct Part {
     shapes: Vec<Shape>,
     /// Its lines: where each is and what it says.
     lines: Vec<(Rect, String)>,
+    /// The terms in it, which are defined where they are pointed at.
+    links: Vec<Link>,
 }
 
 impl Part {
-    fn new(painter: &Painter, block: Block) -> Self {
+    fn new(painter: &Painter, block: Block, family: &str) -> Self {
         // What is scrolled out of sight now may come into it later.
         let painter = unclipped(painter);
+        let links = glossary::links(&block, family);
         let lines = block.lines.into_iter().map(|(rect, words)| (rect_from(rect), words)).collect();
-        Self { size: block.size.into(), shapes: primitives::shapes(&painter, &block.primitives), lines }
+        Self { size: block.size.into(), shapes: primitives::shapes(&painter, &block.primitives), lines, links }
     }
 
     /// Shows it, each line with its name; gives where these are.
@@ -83,7 +87,9 @@ impl Part {
             ink::name(&sensed, || words.clone());
             place
         };
-        self.lines.iter().enumerate().map(line).collect()
+        let places = self.lines.iter().enumerate().map(line).collect();
+        glossary::sense(ui, salt, &self.links, by);
+        places
     }
 }
 
@@ -107,7 +113,7 @@ struct Parts {
 impl Parts {
     fn new(painter: &Painter, Input { info, step, theme, .. }: Input<'_>, key: Key) -> Self {
         let (width, density) = (key.width as f32, key.density);
-        let part = |block| Part::new(painter, block);
+        let part = |block| Part::new(painter, block, info.family);
         let line = |text: &str| explanation::code_line(text.trim_start(), Light::AtWork, width, theme);
         let pinned = info.line(step.line).map(|i| line(info.pseudocode[i].text)).unwrap_or_default();
         let highest = info.pseudocode.iter().map(|code| line(code.text).size[1]).fold(0.0, f32::max);

@@ -2,6 +2,7 @@
 
 pub mod clip_card;
 pub mod explanation;
+pub mod glossary;
 pub mod granularities;
 pub mod layout;
 pub mod parameters;

@@ -3,7 +3,7 @@
 use super::explain::{short, signed, vector};
 use super::probe::Probe;
 use super::subpixel::has_lowest;
-use super::{Cost, Event, Fit, Match, Patch, Subpixel, Window};
+use super::{Cost, Event, Fit, Match, Neighbours, Patch, Subpixel, Tester, Window, Workspace};
 use crate::data::{Between, Histogram};
 use crate::geometry::Grid;
 use crate::methods::cost::{Cut, Sum};
@@ -32,6 +32,8 @@ impl Probe<'_> {
         let is_fitted = self.settings.refinement.subpixel == Subpixel::Parabola;
         readouts.push(Readout::Surface(Surface {
             title: self.settings.label(),
+            unit: self.unit(),
+            scale: self.scale(),
             origin: self.window.min,
             values: self.costs(),
             events: self.tests(),
@@ -42,6 +44,36 @@ impl Probe<'_> {
         readouts.push(Readout::Series(self.series()));
         readouts.extend(self.histogram().map(Readout::Histogram));
         readouts
+    }
+
+    /// The unit of the cost; none where the price of the displacement is part of it.
+    fn unit(&self) -> &'static str {
+        match self.settings.matching.cost {
+            _ if self.settings.refinement.lambda != 0.0 => "",
+            Cost::Sad | Cost::Zsad | Cost::Satd => "gray levels",
+            Cost::Ssd | Cost::Mse => "gray levels²",
+            Cost::Ncc => "",
+        }
+    }
+
+    /// A scale of colors for all of the block: from half the smallest to the largest cost of displacements that are spread over
+    /// the window, so that a color means the same at every step and for every search.
+    fn scale(&self) -> Option<[f32; 2]> {
+        /// So many along each side.
+        const SPREAD: usize = 13;
+        if self.settings.refinement.lambda != 0.0 {
+            return None;
+        }
+        let (width, height) = self.window.size;
+        let along = |size: usize| (0..SPREAD.min(size)).map(move |i| i * (size - 1) / (SPREAD.min(size) - 1).max(1));
+        let [left, top] = self.window.min;
+        let spread = along(height).flat_map(|y| along(width).map(move |x| [left + x as i32, top + y as i32]));
+        let (mut work, mut observer) = (Workspace::default(), ());
+        let neighbours = Neighbours::default();
+        let mut tester = Tester::new((self.pair, self.index), self.settings, neighbours, &mut work, &mut observer);
+        let costs = spread.map(|at| tester.distortion(at) as f32).filter(|cost| cost.is_finite());
+        let ends = costs.fold([f32::INFINITY, 0.0], |[low, high], cost| [cost.min(low), cost.max(high)]);
+        (ends[0] < ends[1]).then_some([ends[0] / 2.0, ends[1]])
     }
 
     /// The displacements found, this block's own among them once it is done.
