@@ -248,7 +248,16 @@ mod tests {
     fn surface() -> Surface {
         let values = Grid::from_fn(33, 17, |x, y| if y < 9 { (x + 40 * y) as f32 } else { f32::NAN });
         let events = Grid::from_fn(33, 17, |x, y| (y < 9).then_some(2 + x + 33 * y));
-        Surface { title: "SAD", unit: "gray levels", scale: None, origin: [-16, -8], values, events, probe: Some([0, 0]), best: Some([-16, -8]) }
+        Surface {
+            title: "SAD",
+            unit: "gray levels",
+            scale: None,
+            origin: [-16, -8],
+            values,
+            events,
+            probe: Some([0, 0]),
+            best: Some([-16, -8]),
+        }
     }
 
     fn style() -> ChartStyle {

@@ -334,7 +334,10 @@ mod tests {
 
     #[test]
     fn the_plane_is_told_in_words() {
-        assert_eq!(summary(&plane()), "Gradient constraint: one line, 1 px from the origin, normal flow at (1, −0.250)");
+        assert_eq!(
+            summary(&plane()),
+            "Gradient constraint: one line, 1 px from the origin, normal flow at (1, −0.250)"
+        );
         let spread = Spread { center: [1.0, 0.0], radii: [0.5, 0.25], angle_rad: 0.0 };
         let told = summary(&Plane { ellipse: Some(spread), ..plane() });
         assert!(told.ends_with("one standard deviation 0.500 by 0.250 px"), "{told}");
@@ -373,7 +376,10 @@ mod tests {
             let plane = with_line_at(at);
             let (square, head, _) = drawn(&plane);
             let ends = square.part(&plane.lines[0]).expect("the line is seen");
-            assert!(ends.iter().all(|end| square.displacement(*end).is_some() || square.rect.grown(0.1).meets(&Rect::new(*end, [0.01; 2]))));
+            assert!(
+                ends.iter().all(|end| square.displacement(*end).is_some()
+                    || square.rect.grown(0.1).meets(&Rect::new(*end, [0.01; 2])))
+            );
             assert!(head.ends_with("displacements in px"), "{head}");
         }
         let plane = with_line_at(12.0);
@@ -385,7 +391,10 @@ mod tests {
             _ => None,
         });
         let [x, y] = tip.expect("an arrow at the edge");
-        assert!((y - square.rect.max[1]).abs() < 0.1 && x > square.rect.min[0] + 0.8 * square.rect.size()[0], "{x} {y}");
+        assert!(
+            (y - square.rect.max[1]).abs() < 0.1 && x > square.rect.min[0] + 0.8 * square.rect.size()[0],
+            "{x} {y}"
+        );
         // Coming nearer to another place says so as well.
         let near = Window { center: [0.0; 2], reach: 0.25 };
         let data = Shown { plane: &with_line_at(1.0), whose: "", window: Some(near) };
