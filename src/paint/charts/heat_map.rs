@@ -181,7 +181,7 @@ fn told(surface: &Surface, at: [i32; 2]) -> String {
 }
 
 /// The smallest cost so far with its place, in words: `minimum 812 at (−3, 2)`; or how many displacements have it.
-fn minimum_words(surface: &Surface) -> Option<String> {
+pub fn minimum_words(surface: &Surface) -> Option<String> {
     let (least, at) = surface.minimum()?;
     let least = format!("{} {}", number(least), surface.unit);
     let least = least.trim_end();
@@ -204,7 +204,9 @@ fn minimum(canvas: &mut Canvas, map: &Map, (surface, area): (&Surface, Rect), th
             canvas.disc(middle(&cell), radius, color);
         }
     }
-    let Some(words) = minimum_words(surface).filter(|_| !map.is_tight()) else { return };
+    // The unit stands at the bar of colors.
+    let bare = Surface { unit: "", ..surface.clone() };
+    let Some(words) = minimum_words(&bare).filter(|_| !map.is_tight()) else { return };
     let dim = Type::dim(theme);
     let words = shortened(&words, dim, map.name_left(theme) - map.small - area.min[0]);
     canvas.text([area.min[0], map.below()], (Anchor::Start, Level::Top), &words, dim);
@@ -282,7 +284,7 @@ mod tests {
         }
         assert_eq!(pixels[(3, 12)][3], 0, "what was not tested is clear");
         let words = texts(&primitives);
-        let least = "minimum 0 gray levels at (−16, −8)";
+        let least = "minimum 0 at (−16, −8)";
         for label in ["u, px →", "v, px ↓", "−16", "16", "352", "SAD", "gray levels", least] {
             assert!(words.iter().any(|word| word == label), "{label} is missing in {words:?}");
         }

@@ -75,7 +75,12 @@ pub fn around(data: Relief<'_>, area: Rect, style: ChartStyle) -> Around {
     }
     let words = titled(whose, &format!("{} by displacement", surface.title), (small, area.size()[0]));
     let at = [area.min[0], area.min[1] + 0.8 * small];
-    head.text(at, (Anchor::Start, Level::Middle), &shortened(&words, text, area.size()[0]), text);
+    let words = shortened(&words, text, area.size()[0]);
+    let title = head.text(at, (Anchor::Start, Level::Middle), &words, text);
+    let (dim, room) = (Type::dim(theme), area.max[0] - title.max[0] - 1.4 * small);
+    if let Some(least) = heat_map::minimum_words(surface).filter(|least| dim.width(least) <= room) {
+        head.text([area.max[0], at[1]], (Anchor::End, Level::Middle), &least, dim);
+    }
     let [below, above, head] = [below, above, head].map(Canvas::into_primitives);
     Around { screen, below, above, head }
 }
