@@ -239,7 +239,8 @@ fn color_bar(canvas: &mut Canvas, map: &Map, (surface, area): (&Surface, Rect), 
     // The bar is of the same quantity as the map.
     let above = [bar.min[0], map.rect.min[1] - 0.3 * small];
     canvas.text(above, (Anchor::Start, Level::Bottom), surface.title, Type::text(style.theme));
-    canvas.text([area.max[0], bar.max[1] + 6.0], (Anchor::End, Level::Top), surface.unit, dim);
+    let left = bar.min[0].min(area.max[0] - dim.width(surface.unit));
+    canvas.text([left, bar.max[1] + 6.0], (Anchor::Start, Level::Top), surface.unit, dim);
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use crate::ui::drawing::chart::rect_from;
 /// So many terms of one text are defined at most: more are not read.
 const MOST: usize = 4;
 /// Width of a tooltip, in sizes of its type.
-const WIDTH: f32 = 26.0;
+const WIDTH: f32 = 20.0;
 
 /// A term where it stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -148,10 +148,11 @@ mod tests {
         let context = eframe::egui::Context::default();
         let mut height = [0.0; 2];
         for (i, doc) in ["Side of it.", "The regularisation weight of the smoothness term."].into_iter().enumerate() {
-            let _ = context.run_ui(Default::default(), |ui| {
-                tooltip(ui, doc);
-                height[i] = ui.min_rect().height();
+            let mut output = context.run_ui(Default::default(), |ui| {
+                let shown = ui.scope(|ui| tooltip(ui, doc));
+                height[i] = shown.response.rect.height();
             });
+            output.textures_delta.clear();
         }
         assert!(height[1] > 3.0 * height[0], "{height:?}");
     }

@@ -248,8 +248,16 @@ mod tests {
     fn the_surface_stands_between_its_ground_and_its_words() {
         let values = Grid::from_fn(9, 9, |x, y| (x * x + y) as f32);
         let events = values.map(|v| Some(*v as usize));
-        let surface =
-            Surface { title: "SAD", unit: "gray levels", scale: None, origin: [-4, -4], values, events, probe: Some([2, 1]), best: Some([-4, -4]) };
+        let surface = Surface {
+            title: "SAD",
+            unit: "gray levels",
+            scale: None,
+            origin: [-4, -4],
+            values,
+            events,
+            probe: Some([2, 1]),
+            best: Some([-4, -4]),
+        };
         let style = ChartStyle { theme: Theme::Dark, colors: ColorMap::Viridis, density: 1.0 };
         let area = Rect::new([10.0, 20.0], [420.0, 300.0]);
         let data = Relief { surface: &surface, whose: "Full search", orbit: Orbit::default() };
