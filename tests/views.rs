@@ -406,7 +406,7 @@ fn the_window_shows_the_primitives_that_are_exported() {
                     1 => {
                         let logarithmic = false;
                         series::show(ui, series::Input { series, subject, logarithmic }, &mut plot);
-                        let data = charts::series::Plotted { series, whose, logarithmic };
+                        let data = charts::series::Plotted { series, whose, logarithmic, window: None };
                         charts::series::draw(data, area, style).into_layers()
                     }
                     _ => {

@@ -118,7 +118,7 @@ fn shown(cost: &str, a: fn(usize, usize) -> u8, b: fn(usize, usize) -> u8) -> (V
 #[test]
 fn formulas_have_the_numbers_of_the_block() {
     let (lines, tile) = shown("zsad", |x, _| 10 * x as u8, |x, _| 10 * x as u8 + 5);
-    assert_eq!(lines[0], "ZSAD(0, 0) = Σ_x, y |(I_t(x, y) − m_t) − (I_t+1(x, y) − m_t+1)|");
+    assert_eq!(lines[0], "ZSAD(0, 0) = Σ_x, y |(I_t(x, y) − I\u{304}_t) − (I_t+1(x, y) − I\u{304}_t+1)|");
     assert_eq!(lines[1], "= |(0 − 15.00) − (5 − 20.00)| + … + |(30 − 15.00) − (35 − 20.00)|");
     assert_eq!((lines[2].as_str(), tile), ("= 0.00", Grid::new(4, 4, 0)));
     // A constant difference has one coefficient, 16 times as large.
@@ -126,5 +126,5 @@ fn formulas_have_the_numbers_of_the_block() {
     assert_eq!(lines[1..], ["= (1)/(2) · (32 + 0 + 0 + 0 + …)", "= 16"]);
     assert_eq!(tile.cells().iter().map(|&v| u32::from(v)).sum::<u32>(), 16);
     let (lines, _) = shown("ncc", |x, _| 10 * x as u8, |x, _| 20 * x as u8 + 9);
-    assert_eq!(lines[1..], ["= 1 − (4000)/((2000 · 8000)^1/2)", "= 0.0000"]);
+    assert_eq!(lines[1..], ["= 1 − (4000)/(√(2000 · 8000))", "= 0.0000"]);
 }

@@ -137,15 +137,16 @@ fn one_is_scored_against_the_one_that_it_follows() {
 fn an_inconsistent_filter_shows_in_the_plot() {
     // A thrown ball is not of constant velocity: what is measured falls out of the gate, and counts all the same.
     let (clip, filter) = (scene("fast-ball"), set("kalman-filter", &[("process-noise", "0.1"), ("smooth", "off")]));
-    let Series { lines, .. } = series(&*filter, &clip, "NIS");
+    let Series { lines, bands, thresholds, .. } = series(&*filter, &clip, "NIS");
     let named = |name: &str| lines.iter().find(|(other, ..)| *other == name).map(|(.., points)| points.clone());
     let (all, refused) = (named("NIS").expect("a line"), named("outside the gate").expect("marked"));
     let limit = chi_square::quantile(0.99, 2) as f32;
     assert!(!refused.is_empty() && refused.iter().all(|point| point[1] > limit && all.contains(point)), "{refused:?}");
-    let bounds: Vec<f32> = lines.iter().filter(|(_, role, _)| *role == Role::Window).map(|line| line.2[0][1]).collect();
-    assert_eq!(bounds, [0.025, 0.975].map(|p| chi_square::quantile(p, 2) as f32));
+    let band = [0.025, 0.975].map(|p| chi_square::quantile(p, 2) as f32);
+    assert_eq!(bands.iter().map(|band| band.values).collect::<Vec<_>>(), [band]);
+    assert!(thresholds.len() == 1 && (thresholds[0].1 - limit).abs() < 1e-3, "{thresholds:?}");
     let nees = series(&*filter, &clip, "NEES");
-    assert_eq!(nees.lines.iter().filter(|(_, role, _)| *role == Role::Window).count(), 2);
+    assert_eq!(nees.bands.iter().map(|band| band.values).collect::<Vec<_>>(), [band]);
 }
 
 #[test]
@@ -153,8 +154,8 @@ fn each_sensor_has_its_own_plot() {
     let clip = scene("crossing-stars");
     let filter = set("kalman-filter", &[("sensors", "position-and-velocity"), ("smooth", "off")]);
     for (title, dof) in [("NIS of the first sensor", 2), ("NIS of the second sensor", 4)] {
-        let Series { lines, .. } = series(&*filter, &clip, title);
-        let upper = lines.last().expect("a bound").2[0][1];
+        let Series { lines, bands, .. } = series(&*filter, &clip, title);
+        let upper = bands.last().expect("a bound").values[1];
         assert_eq!(upper, chi_square::quantile(0.975, dof) as f32, "{title}");
         assert!(lines[0].2.len() > 15, "{title}");
     }

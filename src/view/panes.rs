@@ -151,7 +151,12 @@ pub const SERIES: Pane = Pane {
     room: |told, size, style| series_room(all_series(told.step).count(), size, style).1,
     draw: |told, area, style| {
         let all: Vec<&Series> = all_series(told.step).collect();
-        let plotted = |series| series::Plotted { series, whose: told.info.name, logarithmic: false };
+        let plotted = |series| series::Plotted {
+            series,
+            whose: told.info.name,
+            logarithmic: series.is_logarithmic,
+            window: None,
+        };
         let columns = series_room(all.len(), area.size(), style).0;
         let parts = cells(area, (all.len(), columns), style);
         all.into_iter()

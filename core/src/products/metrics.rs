@@ -63,7 +63,7 @@ pub fn distribution(errors: &Grid<f32>, error: &FlowError) -> Distribution {
             None => beyond += 1,
         }
     }
-    let figures = [("mean", error.epe_px), ("median", error.epe_median_px), ("95 %", error.epe_p95_px)]
+    let figures = [("mean", error.epe_px), ("median", error.epe_median_px), ("95th percentile", error.epe_p95_px)]
         .map(|(n, v)| (n, v as f32));
     Distribution {
         title: "Endpoint error",

@@ -121,7 +121,7 @@ pub struct Matrix {
 }
 
 /// A quantity over steps.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Series {
     /// Title: the quantity plotted.
     pub title: &'static str,
@@ -137,6 +137,31 @@ pub struct Series {
     pub sections: Vec<Section>,
     /// The lines: name, role, and `(x, y)` points. A line is broken where y is NaN (unknown).
     pub lines: Vec<(&'static str, Role, Vec<[f32; 2]>)>,
+    /// Ranges in which values are expected.
+    pub bands: Vec<Band>,
+    /// Limits with their names: `99 % gate`.
+    pub thresholds: Vec<(String, f32)>,
+    /// Whether the quantity goes over powers of ten, as what becomes small in an iteration does.
+    pub is_logarithmic: bool,
+    /// Whether x is a value that was varied, and no step: then none is at hand.
+    pub is_sweep: bool,
+}
+
+impl Series {
+    /// The step at hand: the last one with a value on a line.
+    pub fn now(&self) -> Option<f32> {
+        let points = self.lines.iter().flat_map(|(.., points)| points).filter(|point| !point[1].is_nan());
+        points.map(|point| point[0]).filter(|_| !self.is_sweep).reduce(f32::max)
+    }
+}
+
+/// A range in which the values of a [`Series`] are expected.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Band {
+    /// What it is: `95 % band`.
+    pub name: String,
+    /// Its ends.
+    pub values: [f32; 2],
 }
 
 /// A section of a [`Series`].
@@ -174,6 +199,11 @@ pub struct Distribution {
 pub struct Surface {
     /// Name of the cost: `SAD`.
     pub title: &'static str,
+    /// Its unit: `gray levels`; nothing for a pure number.
+    pub unit: &'static str,
+    /// The costs at the ends of the scale of colors, where it stays the same for all of a block; else it goes with what is
+    /// known.
+    pub scale: Option<[f32; 2]>,
     /// Displacement of the first cell, in px.
     pub origin: [i32; 2],
     /// The costs; NaN where not tested.
@@ -194,6 +224,20 @@ impl Surface {
             None => Some([v, v]),
             Some([low, high]) => Some([v.min(low), v.max(high)]),
         })
+    }
+
+    /// The costs at the ends of the scale of colors, or `None` before the first cost.
+    pub fn shades(&self) -> Option<[f32; 2]> {
+        self.range().map(|known| self.scale.unwrap_or(known))
+    }
+
+    /// The smallest cost so far and the displacements that have it, in the order of rows; several are a tie.
+    pub fn minimum(&self) -> Option<(f32, Vec<[i32; 2]>)> {
+        let [low, _] = self.range()?;
+        let (width, height) = self.values.size();
+        let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        let at = places.filter(|place| self.values[*place] == low);
+        Some((low, at.map(|(x, y)| [self.origin[0] + x as i32, self.origin[1] + y as i32]).collect()))
     }
 
     /// The part with all tested displacements and a margin of `margin` px; the whole surface before the first test.
@@ -290,12 +334,27 @@ mod tests {
         let tested = |x: usize, y: usize| (x == 10 && (4..7).contains(&y)).then_some(x + y);
         let events = Grid::from_fn(33, 33, tested);
         let values = events.map(|event| event.map_or(f32::NAN, |event| event as f32));
-        let whole = Surface { title: "SAD", origin: [-16; 2], values, events, probe: None, best: Some([-6, -11]) };
+        let (title, best) = ("SAD", Some([-6, -11]));
+        let whole = Surface { title, unit: "", scale: None, origin: [-16; 2], values, events, probe: None, best };
         let part = whole.around_tested(2);
         assert_eq!((part.origin, part.values.size()), ([-8, -14], (5, 7)));
         assert_eq!((part.range(), part.events[(2, 3)]), (whole.range(), Some(15)));
         let nothing = Surface { events: Grid::new(33, 33, None), ..whole };
         assert_eq!(nothing.around_tested(2).values.size(), (33, 33));
+    }
+
+    #[test]
+    fn ties_are_found_and_the_scale_stays() {
+        let values = Grid::from_fn(3, 2, |x, y| if (x + y) % 2 == 0 { 7.0 } else { 9.0 + y as f32 });
+        let events = Grid::new(3, 2, Some(1));
+        let surface =
+            Surface { title: "SAD", unit: "", scale: None, origin: [-1, 0], values, events, probe: None, best: None };
+        assert_eq!(surface.minimum(), Some((7.0, vec![[-1, 0], [1, 0], [0, 1]])));
+        assert_eq!(surface.shades(), Some([7.0, 10.0]));
+        let fixed = Surface { scale: Some([0.0, 100.0]), ..surface.clone() };
+        assert_eq!(fixed.shades(), Some([0.0, 100.0]));
+        let empty = Surface { values: Grid::new(3, 2, f32::NAN), ..fixed };
+        assert_eq!((empty.shades(), empty.minimum()), (None, None));
     }
 
     #[test]

@@ -34,6 +34,8 @@ pub enum Math {
     Text(String, Option<Role>),
     /// An italic variable.
     Var(&'static str),
+    /// A vector or a matrix, in bold type.
+    Bold(&'static str),
     /// One after the other.
     Row(Vec<Math>),
     /// A base with an index below right.
@@ -46,6 +48,12 @@ pub enum Math {
     Sum(Box<Math>),
     /// Between vertical bars.
     Abs(Box<Math>),
+    /// Under a root whose bar reaches to its end.
+    Sqrt(Box<Math>),
+    /// Under a bar, as the mean of u is written.
+    Bar(Box<Math>),
+    /// A matrix in brackets, row by row; a column vector has rows of one entry.
+    Matrix(Vec<Vec<Math>>),
 }
 
 impl Math {
@@ -69,17 +77,84 @@ impl Math {
         Math::Sup(Box::new(base), Box::new(exponent))
     }
 
+    /// `base` squared.
+    pub fn squared(base: Math) -> Self {
+        Math::power(base, Math::text("2"))
+    }
+
+    /// `top` over `bottom`.
+    pub fn over(top: Math, bottom: Math) -> Self {
+        Math::Frac(Box::new(top), Box::new(bottom))
+    }
+
+    /// `inner` between vertical bars.
+    pub fn abs(inner: Math) -> Self {
+        Math::Abs(Box::new(inner))
+    }
+
+    /// The square root of `inner`.
+    pub fn root(inner: Math) -> Self {
+        Math::Sqrt(Box::new(inner))
+    }
+
+    /// The mean of `inner`, a bar above it.
+    pub fn mean(inner: Math) -> Self {
+        Math::Bar(Box::new(inner))
+    }
+
+    /// A column vector in brackets.
+    pub fn column(entries: impl IntoIterator<Item = Math>) -> Self {
+        Math::Matrix(entries.into_iter().map(|entry| vec![entry]).collect())
+    }
+
     /// The formula on one line, for a screen reader or the clipboard.
     pub fn plain(&self) -> String {
         match self {
             Math::Text(text, _) => text.clone(),
-            Math::Var(name) => (*name).into(),
+            Math::Var(name) | Math::Bold(name) => (*name).into(),
             Math::Row(parts) => parts.iter().map(Math::plain).collect(),
             Math::Sub(base, index) => format!("{}_{}", base.plain(), index.plain()),
             Math::Sup(base, exponent) => format!("{}^{}", base.plain(), exponent.plain()),
             Math::Frac(top, bottom) => format!("({})/({})", top.plain(), bottom.plain()),
             Math::Sum(index) => format!("Σ_{} ", index.plain()),
             Math::Abs(inner) => format!("|{}|", inner.plain()),
+            Math::Sqrt(inner) => format!("√({})", inner.plain()),
+            Math::Bar(inner) => match inner.as_ref() {
+                Math::Sub(base, index) => format!("{}_{}", overlined(&base.plain()), index.plain()),
+                inner => overlined(&inner.plain()),
+            },
+            Math::Matrix(rows) => {
+                let row = |row: &Vec<Math>| row.iter().map(Math::plain).collect::<Vec<_>>().join(", ");
+                format!("[{}]", rows.iter().map(row).collect::<Vec<_>>().join("; "))
+            }
         }
+    }
+}
+
+/// A letter with a macron, `ū`; of more than a letter, the mean in words.
+fn overlined(plain: &str) -> String {
+    match plain.chars().count() {
+        1 => format!("{plain}\u{304}"),
+        _ => format!("mean({plain})"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_formula_is_read_on_one_line() {
+        let u = || Math::Var("u");
+        let root = Math::root(Math::Row(vec![Math::squared(u()), Math::text(" + "), Math::squared(Math::Var("v"))]));
+        assert_eq!(root.plain(), "√(u^2 + v^2)");
+        assert_eq!(Math::mean(u()).plain(), "u\u{304}");
+        assert_eq!(Math::mean(Math::indexed(u(), Math::text("0"))).plain(), "u\u{304}_0");
+        assert_eq!(Math::mean(Math::Row(vec![u(), Math::Var("v")])).plain(), "mean(uv)");
+        let entry = |shown: &str| Math::text(shown);
+        let matrix = Math::Matrix(vec![vec![entry("a"), entry("b")], vec![entry("c"), entry("d")]]);
+        assert_eq!(matrix.plain(), "[a, b; c, d]");
+        assert_eq!(Math::column([u(), Math::Var("v")]).plain(), "[u; v]");
+        assert_eq!(Math::Bold("T").plain(), "T");
     }
 }

@@ -90,6 +90,8 @@ impl Texts {
                 self.add("plot", &format!("{} ({} over {})", series.title, series.y_label, series.x_label));
                 series.lines.iter().for_each(|(name, ..)| self.add("plot", name));
                 series.sections.iter().for_each(|section| self.add("plot", &section.label));
+                series.bands.iter().for_each(|band| self.add("plot", &band.name));
+                series.thresholds.iter().for_each(|(name, _)| self.add("plot", name));
             }
             Readout::Surface(surface) => self.add("plot", surface.title),
             Readout::Plane(plane) => {

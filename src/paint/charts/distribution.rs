@@ -93,7 +93,8 @@ pub fn summary(distribution: &Distribution) -> String {
     let figures: Vec<_> = figures.iter().map(|(name, v)| format!("{name} {} {unit}", short(*v))).collect();
     let shares: Vec<_> =
         shares.iter().map(|(limit, share)| format!("R{limit:.1} {}", percent(f64::from(*share)))).collect();
-    format!("{title}: {}; {}", figures.join(", "), shares.join(", "))
+    let largest = largest(distribution).map_or_else(String::new, |words| format!("; {words}"));
+    format!("{title}: {}; {}{largest}", figures.join(", "), shares.join(", "))
 }
 
 /// The shares that exceed a limit; all else stands in the picture.
@@ -119,6 +120,20 @@ fn percent(share: f64) -> String {
     format!("{:.1} %", 100.0 * share)
 }
 
+/// The bar with the most, in words.
+fn largest(distribution: &Distribution) -> Option<String> {
+    let Distribution { counts, top, unit, .. } = distribution;
+    let most = counts.iter().copied().max().filter(|most| *most > 0)?;
+    let i = counts.iter().position(|count| *count == most)?;
+    let [from, to] = [i, i + 1].map(|i| short_bound(i as f32 * top / counts.len() as f32));
+    Some(format!("largest bar {from} to {to} {unit}, {}", percent(f64::from(most) / total(distribution))))
+}
+
+/// An end of a bar: two decimals at most.
+fn short_bound(v: f32) -> String {
+    number((v * 100.0).round() / 100.0)
+}
+
 /// Three digits that count are enough.
 fn short(v: f32) -> String {
     if v < 1.0 { format!("{v:.3}") } else { format!("{v:.2}") }
@@ -137,9 +152,13 @@ fn axes(canvas: &mut Canvas, bars: &Bars, distribution: &Distribution, theme: Th
     let below = bottom + 6.0 + 1.25 * small;
     let name = format!("{}, {}", distribution.title.to_lowercase(), distribution.unit);
     let name = canvas.text([right, below], (Anchor::End, Level::Top), &name, text);
+    let mut told: Vec<String> = largest(distribution).into_iter().collect();
     if distribution.beyond > 0 {
         let share = percent(f64::from(distribution.beyond) / total(distribution));
-        let words = format!("{share} lie beyond {}", number(distribution.top));
+        told.push(format!("{share} beyond {} {}", number(distribution.top), distribution.unit));
+    }
+    if !told.is_empty() {
+        let words = told.join(" · ");
         let words = shortened(&words, dim, name.min[0] - small - left);
         canvas.text([left, below], (Anchor::Start, Level::Top), &words, dim);
     }
@@ -157,7 +176,7 @@ fn figures(canvas: &mut Canvas, bars: &Bars, distribution: &Distribution, theme:
     for (i, (name, value)) in order {
         let (x, dash): (f32, &'static [f32]) = (bars.x.place(*value), [&[][..], &[4.0, 3.0], &[1.5, 2.5]][i % 3]);
         canvas.line(vec![[x, top], [x, bottom]], false, Stroke { width: 1.5, color: text.color, dash });
-        let words = format!("{name} {}", short(*value));
+        let words = format!("{name} {} {}", short(*value), distribution.unit);
         let width = text.width(&words);
         // On the lower of two lines, or on the upper where its neighbor is too close.
         let row = if taken[0] < x { 0 } else { 1 };
@@ -190,7 +209,8 @@ mod tests {
     fn a_distribution_tells_itself_in_one_line() {
         assert_eq!(
             summary(&distribution()),
-            "Endpoint error: mean 0.610 px, median 0.500 px, 95 % 1.75 px; R0.5 60.0 %, R1.0 30.0 %"
+            "Endpoint error: mean 0.610 px, median 0.500 px, 95 % 1.75 px; R0.5 60.0 %, R1.0 30.0 %; \
+             largest bar 0 to 0.500 px, 40.0 %"
         );
         assert_eq!(beyond(&distribution()), "Off by more than 0.5 px: 60.0 % · 1 px: 30.0 %");
     }
@@ -209,7 +229,15 @@ mod tests {
         let filled = primitives.iter().filter(|primitive| matches!(primitive, Primitive::Polygon { .. })).count();
         assert_eq!(filled, 4);
         let words = texts(&primitives);
-        for label in ["Horn–Schunck · Endpoint error, px", "endpoint error, px", "mean 0.610", "4", "2"] {
+        for label in [
+            "Horn–Schunck · Endpoint error, px",
+            "endpoint error, px",
+            "mean 0.610 px",
+            "95 % 1.75 px",
+            "largest bar 0 to 0.500 px, 40.0 %",
+            "4",
+            "2",
+        ] {
             assert!(words.iter().any(|word| word == label), "{label} is missing in {words:?}");
         }
     }

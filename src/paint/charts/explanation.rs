@@ -1,5 +1,8 @@
 //! The explanation of a step: why it happened, in words, in symbols, in numbers and in the algorithm's own lines.
 
+use std::ops::Range;
+
+use motionscope_core::glossary::{Term, occurrences};
 use motionscope_core::scene::{Fact, Math, Readout, Sentence};
 use motionscope_core::{Info, Step, pseudocode as code};
 
@@ -36,17 +39,23 @@ pub struct Block {
     pub primitives: Vec<Primitive>,
     /// Its lines: where each is and what it says.
     pub lines: Vec<(Rect, String)>,
+    /// Where terms of the glossary stand; one that is broken over two lines is there twice.
+    pub terms: Vec<(Rect, &'static Term)>,
+    /// Where symbols stand in formulas, in plain letters; one with an index comes before its letter.
+    pub symbols: Vec<(Rect, String)>,
 }
 
 impl Block {
     /// The same block elsewhere.
     #[must_use]
     pub fn moved(self, by: Point) -> Self {
-        let Self { size, primitives, lines } = self;
+        let Self { size, primitives, lines, terms, symbols } = self;
         Self {
             size,
             primitives: primitives.into_iter().map(|primitive| primitive.moved(by)).collect(),
             lines: lines.into_iter().map(|(rect, words)| (rect.moved(by), words)).collect(),
+            terms: terms.into_iter().map(|(rect, term)| (rect.moved(by), term)).collect(),
+            symbols: symbols.into_iter().map(|(rect, name)| (rect.moved(by), name)).collect(),
         }
     }
 
@@ -56,11 +65,66 @@ impl Block {
             return;
         }
         let down = if self.size[1] > 0.0 { self.size[1] + gap } else { 0.0 };
-        let Block { size, primitives, lines } = other.moved([0.0, down]);
+        let Block { size, primitives, lines, terms, symbols } = other.moved([0.0, down]);
         self.size = [self.size[0].max(size[0]), down + size[1]];
         self.primitives.extend(primitives);
         self.lines.extend(lines);
+        self.terms.extend(terms);
+        self.symbols.extend(symbols);
     }
+}
+
+/// A run of words on a line: its bytes in the whole text, and where it stands.
+#[derive(Clone, Debug)]
+struct Set {
+    bytes: Range<usize>,
+    run: Run,
+    size: f32,
+    rect: Rect,
+}
+
+/// What `lines` of words cover of the `text` that they were made of by wrapping: each line has its left end and the top and
+/// bottom of its rectangle.
+fn set(text: &str, lines: &[(Vec<Run>, Point, f32)], size: f32) -> Vec<Set> {
+    let mut all = Vec::new();
+    let mut end = 0;
+    for (runs, [left, top], height) in lines {
+        let mut x = *left;
+        for run in runs {
+            // Only spaces are left out between two lines.
+            let Some(skipped) = text[end..].find(run.text.as_str()) else { continue };
+            let start = end + skipped;
+            end = start + run.text.len();
+            let width = fonts::width(&run.text, run.face, size);
+            all.push(Set { bytes: start..end, run: run.clone(), size, rect: Rect::new([x, *top], [width, *height]) });
+            x += width;
+        }
+    }
+    all
+}
+
+/// The rectangles of a range of bytes, one for each line that it is on.
+fn rects(all: &[Set], range: &Range<usize>) -> Vec<Rect> {
+    let mut found: Vec<Rect> = Vec::new();
+    for Set { bytes, run, size, rect } in all {
+        let (from, to) = (range.start.max(bytes.start), range.end.min(bytes.end));
+        if from >= to {
+            continue;
+        }
+        let x = |byte: usize| rect.min[0] + fonts::width(&run.text[..byte - bytes.start], run.face, *size);
+        let part = Rect::between([x(from), rect.min[1]], [x(to), rect.max[1]]);
+        match found.last_mut() {
+            Some(last) if last.min[1] == part.min[1] => last.max[0] = part.max[0],
+            _ => found.push(part),
+        }
+    }
+    found
+}
+
+/// Where the terms of a text stand.
+fn terms(text: &str, all: &[Set]) -> Vec<(Rect, &'static Term)> {
+    let of = |(range, term): (Range<usize>, _)| rects(all, &range).into_iter().map(move |rect| (rect, term));
+    occurrences(text).into_iter().flat_map(of).collect()
 }
 
 /// How close things stand.
@@ -161,7 +225,7 @@ pub fn equation_of(step: &Step) -> &[Math] {
 pub fn rule(width: f32, theme: Theme) -> Block {
     let mut canvas = Canvas::default();
     canvas.across([0.0, width], 0.0, theme.chrome().line);
-    Block { size: [width, 1.0], primitives: canvas.into_primitives(), lines: Vec::new() }
+    Block { size: [width, 1.0], primitives: canvas.into_primitives(), ..Block::default() }
 }
 
 /// A sentence, its role words in a legible shade of the role's color and underlined in the very color.
@@ -174,13 +238,18 @@ pub fn sentence(sentence: &Sentence, (width, density): (f32, Density), theme: Th
     };
     let runs: Vec<_> = sentence.0.iter().map(run).collect();
     let mut block = Block::default();
+    let mut lines = Vec::new();
     for (i, runs) in wrap(&runs, size, width).into_iter().enumerate() {
+        let top = i as f32 * height + (height - 1.2 * size) / 2.0;
+        lines.push((runs.clone(), [0.0, top], 1.2 * size));
         let at = [0.0, i as f32 * height + (height - size) / 2.0 + 0.86 * size];
         let line = super::super::primitive::Line { at, anchor: Anchor::Start, size, runs, halo: None };
         block.size = [block.size[0].max(line.width()), (i + 1) as f32 * height];
         block.primitives.push(Primitive::Text(line));
     }
     block.lines = vec![(Rect::new([0.0; 2], block.size), sentence.plain())];
+    let text: String = sentence.0.iter().map(|(words, _)| words.as_str()).collect();
+    block.terms = terms(&text, &set(&text, &lines, size));
     block
 }
 
@@ -191,7 +260,9 @@ pub fn equation(formulas: &[Math], (width, density): (f32, Density), theme: Them
         let formula = formula::typeset(math, density.math, width);
         let size = formula.size();
         let lines = vec![(Rect::new([0.0; 2], size), math.plain())];
-        block.put_below(Block { size, primitives: formula.primitives([0.0; 2], theme), lines }, 5.0);
+        let symbols = formula.symbols.iter().map(|(rect, name)| (rect.moved([0.0, formula.ascent]), name.clone()));
+        let (symbols, primitives) = (symbols.collect(), formula.primitives([0.0; 2], theme));
+        block.put_below(Block { size, primitives, lines, symbols, ..Block::default() }, 5.0);
     }
     block
 }
@@ -235,7 +306,9 @@ fn row(fact: &Fact, (width, margin, ruled): (f32, f32, bool), theme: Theme) -> B
     }
     let size = [width, rows as f32 * height + 2.0 * margin];
     let lines = vec![(Rect::new([0.0; 2], size), format!("{}: {}", fact.label, fact.value))];
-    Block { size, primitives: canvas.into_primitives(), lines }
+    let label = [(vec![Run::new(fact.label, dim)], [left, middle - 0.6 * style.size], 1.2 * style.size)];
+    let terms = terms(fact.label, &set(fact.label, &label, style.size));
+    Block { size, primitives: canvas.into_primitives(), lines, terms, ..Block::default() }
 }
 
 /// The algorithm's name.
@@ -245,7 +318,8 @@ pub fn name(info: &Info, theme: Theme) -> Block {
     let mut canvas = Canvas::default();
     let rect = canvas.text([0.0, height / 2.0], (Anchor::Start, Level::Middle), info.name, style);
     let size = [rect.size()[0], height];
-    Block { size, primitives: canvas.into_primitives(), lines: vec![(Rect::new([0.0; 2], size), info.name.into())] }
+    let lines = vec![(Rect::new([0.0; 2], size), info.name.into())];
+    Block { size, primitives: canvas.into_primitives(), lines, ..Block::default() }
 }
 
 /// Some of the algorithm's lines in their box.
@@ -303,7 +377,7 @@ pub fn code_line(text: &str, light: Light, width: f32, theme: Theme) -> Block {
         canvas.text([indent, y], (Anchor::Start, Level::Middle), &words, style);
     }
     let said = format!("{}{words}", if light == Light::AtWork { "current line: " } else { "" });
-    Block { size: block, primitives: canvas.into_primitives(), lines: vec![(rect, said)] }
+    Block { size: block, primitives: canvas.into_primitives(), lines: vec![(rect, said)], ..Block::default() }
 }
 
 /// Where the algorithm is from.
@@ -317,7 +391,7 @@ pub fn citation(source: &str, width: f32, theme: Theme) -> Block {
         let rect = canvas.text([0.0, height / 2.0], (Anchor::Start, Level::Middle), &words, style);
         let size = [rect.size()[0], height];
         let lines = vec![(Rect::new([0.0; 2], size), words)];
-        block.put_below(Block { size, primitives: canvas.into_primitives(), lines }, 0.0);
+        block.put_below(Block { size, primitives: canvas.into_primitives(), lines, ..Block::default() }, 0.0);
     }
     block
 }
@@ -384,5 +458,45 @@ mod tests {
         let said = texts(&primitives).join(" ");
         let word = |text: &str| text.split_whitespace().max_by_key(|word| word.len()).map(str::to_owned);
         assert!(said.contains(&word(last.text).expect("a word")), "{said}");
+    }
+
+    #[test]
+    fn terms_of_a_sentence_tell_where_they_stand() {
+        let words = Sentence::default()
+            .text("Both eigenvalues of the ")
+            .ink(Role::Reference, "structure")
+            .text(" tensor are large, so this is a corner.");
+        let density = Density::close(Theme::Dark);
+        let wide = sentence(&words, (2000.0, density), Theme::Dark);
+        let names: Vec<_> = wide.terms.iter().map(|(_, term)| term.name).collect();
+        assert_eq!(names, ["eigenvalue", "structure tensor", "corner"]);
+        // The run before a term ends where the term begins, whatever the colors in it.
+        let size = Theme::Dark.sizes().heading + 2.0;
+        let from = fonts::width("Both ", Face::Sans, size);
+        let to = fonts::width("Both eigenvalues", Face::Sans, size);
+        let rect = wide.terms[0].0;
+        assert!((rect.min[0] - from).abs() < 0.1 && (rect.max[0] - to).abs() < 0.1, "{rect:?}");
+        assert!(rect.min[1] >= 0.0 && rect.max[1] <= wide.size[1]);
+        // A term that is broken over two lines stands on both.
+        let broken = (80..2000).step_by(8).find_map(|width| {
+            let block = sentence(&words, (width as f32, density), Theme::Dark);
+            let of_tensor: Vec<_> = block.terms.iter().filter(|(_, t)| t.name == "structure tensor").collect();
+            (of_tensor.len() == 2).then(|| (of_tensor[0].0, of_tensor[1].0))
+        });
+        let (first, second) = broken.expect("some width parts the two words");
+        assert!(second.min[1] > first.min[1] && second.min[0] == 0.0, "{first:?} {second:?}");
+    }
+
+    #[test]
+    fn labels_and_symbols_tell_where_they_stand() {
+        let facts = [Fact::new("Search window", "±16 px", None)];
+        let density = Density::close(Theme::Dark);
+        let block = table(&facts, (320.0, density), Theme::Dark);
+        assert!(block.terms.len() == 1 && block.terms[0].0.min[0] > 0.0, "{:?}", block.terms);
+        let formula = Math::Row(vec![Math::Var("u"), Math::text(" = "), Math::mean(Math::Var("u"))]);
+        let block = equation(&[formula.clone(), formula], (320.0, density), Theme::Dark);
+        let names: Vec<_> = block.symbols.iter().map(|(_, name)| name.as_str()).collect();
+        assert_eq!(names, ["u", "u\u{304}", "u", "u", "u\u{304}", "u"]);
+        assert!(block.symbols[3].0.min[1] > block.symbols[0].0.max[1]);
     }
 }

@@ -5,11 +5,14 @@ use motionscope_core::scene::Math;
 
 use super::super::primitive::{Anchor, Line, Point, Primitive, Rect, Run};
 use super::super::{Face, Theme, fonts};
+use super::canvas::solid;
 
 /// Heights as fractions of the type size, common to the sans faces in use.
 const ASCENT: f32 = 0.78;
 const DESCENT: f32 = 0.24;
 const CAP: f32 = 0.73;
+/// Height of a letter without ascender.
+const LOW: f32 = 0.56;
 /// Height of the axis, on which fraction bars and sums are centred, above the baseline.
 const AXIS: f32 = 0.27;
 const SMALL: f32 = 0.72;
@@ -19,7 +22,7 @@ const SMALLEST: f32 = 0.7;
 /// What a layout needs to know of a font.
 pub trait Measure {
     /// Advance width of `text` at `size_pt`.
-    fn width(&mut self, text: &str, size_pt: f32, italic: bool) -> f32;
+    fn width(&mut self, text: &str, size_pt: f32, face: Face) -> f32;
 }
 
 /// A run of text or a rule, placed from the left end of the formula's first baseline; y runs down.
@@ -33,13 +36,15 @@ pub enum Piece {
         text: String,
         /// Type size in points.
         size_pt: f32,
-        /// Whether it is a variable.
-        italic: bool,
+        /// Italic for a variable, bold for a vector or a matrix.
+        face: Face,
         /// The role whose colour it carries.
         role: Option<Role>,
     },
-    /// A filled rectangle: a fraction bar, or the bar of an absolute value.
+    /// A filled rectangle: a fraction bar, the bar of an absolute value, a side of a bracket.
     Rule(Rect),
+    /// A line of a width along points: the sign of a root.
+    Stroke(Vec<Point>, f32),
 }
 
 impl Piece {
@@ -47,6 +52,7 @@ impl Piece {
         match self {
             Piece::Text { at, .. } => *at = [0, 1].map(|i| at[i] + by[i]),
             Piece::Rule(rect) => *rect = rect.moved(by),
+            Piece::Stroke(points, _) => points.iter_mut().for_each(|at| *at = [0, 1].map(|i| at[i] + by[i])),
         }
     }
 }
@@ -62,6 +68,8 @@ pub struct Formula {
     pub descent: f32,
     /// Its parts.
     pub pieces: Vec<Piece>,
+    /// Where each symbol stands and what it is in plain letters; one with an index comes before its letter.
+    pub symbols: Vec<(Rect, String)>,
 }
 
 impl Formula {
@@ -70,56 +78,115 @@ impl Formula {
         [self.width, self.ascent + self.descent]
     }
 
+    /// The same as a symbol of its own: `math`.
+    fn named(mut self, math: &Math) -> Self {
+        let rect = Rect::between([0.0, -self.ascent], [self.width, self.descent]);
+        self.symbols.insert(0, (rect, math.plain()));
+        self
+    }
+
     /// Sets `other` with its left end at `at`.
     fn put(&mut self, mut other: Formula, at: Point) {
         other.pieces.iter_mut().for_each(|piece| piece.shift(at));
         self.pieces.append(&mut other.pieces);
+        self.symbols.extend(other.symbols.into_iter().map(|(rect, name)| (rect.moved(at), name)));
         self.width = self.width.max(at[0] + other.width);
         self.ascent = self.ascent.max(other.ascent - at[1]);
         self.descent = self.descent.max(other.descent + at[1]);
     }
 }
 
-/// Lays `math` out at `size_pt`; a row at the top level is broken where it exceeds `max_width`.
+/// Lays `math` out at `size_pt`; a row at the top level is broken before a sign where it exceeds `max_width`, but not
+/// inside parentheses.
 ///
-/// What cannot be broken is made smaller, down to seven tenths.
+/// What cannot be broken is made smaller, down to seven tenths. Only where that is not enough is a row broken anywhere.
 pub fn lay_out(math: &Math, size_pt: f32, max_width: f32, measure: &mut dyn Measure) -> Formula {
-    let parts = match math {
-        Math::Row(parts) => parts.as_slice(),
-        other => std::slice::from_ref(other),
-    };
-    let first = units(parts, size_pt, measure);
-    let widest = first.iter().map(|unit| unit.width).fold(0.0, f32::max);
-    if widest <= max_width {
-        return break_lines(first, size_pt, max_width);
+    let mut parts = Vec::new();
+    flatten(math, &mut parts);
+    let mut best = None;
+    for breaks in [Breaks::BeforeSigns, Breaks::Anywhere] {
+        let first = units(&parts, size_pt, breaks, measure);
+        let widest = first.iter().map(|unit| unit.width).fold(0.0, f32::max);
+        if widest <= max_width {
+            return break_lines(first, size_pt, max_width);
+        }
+        let size_pt = size_pt * (max_width / widest).max(SMALLEST);
+        let shrunk = break_lines(units(&parts, size_pt, breaks, measure), size_pt, max_width);
+        if widest * SMALLEST <= max_width {
+            return shrunk;
+        }
+        best = Some(shrunk);
     }
-    let size_pt = size_pt * (max_width / widest).clamp(SMALLEST, 1.0);
-    break_lines(units(parts, size_pt, measure), size_pt, max_width)
+    best.unwrap_or_default()
 }
 
-/// What stays together on a line: a term with the operators before it.
-fn units(parts: &[Math], size: f32, measure: &mut dyn Measure) -> Vec<Formula> {
+/// The parts of a row, those of rows in it among them.
+fn flatten<'a>(math: &'a Math, parts: &mut Vec<&'a Math>) {
+    match math {
+        Math::Row(inner) => inner.iter().for_each(|part| flatten(part, parts)),
+        other => parts.push(other),
+    }
+}
+
+/// Where a row may be broken.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Breaks {
+    /// Before a sign between two terms that stands in no parentheses.
+    BeforeSigns,
+    /// After every part but a sign.
+    Anywhere,
+}
+
+/// What stays together on a line.
+fn units(parts: &[&Math], size: f32, breaks: Breaks, measure: &mut dyn Measure) -> Vec<Formula> {
     let mut units = Vec::new();
     let mut unit = Formula::default();
+    let (mut depth, mut after_sign) = (0, true);
     for part in parts {
-        let at = [unit.width, 0.0];
-        unit.put(Setter { measure: &mut *measure }.set(part, size), at);
-        if !is_operator(part) {
+        let may_break = match breaks {
+            Breaks::BeforeSigns => depth == 0 && begins_with_sign(part),
+            Breaks::Anywhere => true,
+        };
+        if may_break && !after_sign && !unit.pieces.is_empty() {
             units.push(std::mem::take(&mut unit));
         }
+        let at = [unit.width, 0.0];
+        unit.put(Setter { measure: &mut *measure }.set(part, size), at);
+        depth = (depth + opened(part)).max(0);
+        // Space alone changes nothing.
+        let is_space = matches!(part, Math::Text(text, _) if text.trim().is_empty());
+        after_sign = if is_space { after_sign } else { ends_with_sign(part) };
     }
-    if !unit.pieces.is_empty() {
-        units.push(unit);
-    }
+    units.push(unit);
     units
 }
 
-/// Whether `math` stands between two terms, so that a line may end before it but not after it.
-fn is_operator(math: &Math) -> bool {
+/// Signs that stand between two terms.
+const SIGNS: &str = "+−=←→≤≥<>≈±·";
+
+/// Whether a line may end before `math`: it begins with a sign that has space behind it, unlike that of a number.
+fn begins_with_sign(math: &Math) -> bool {
+    let Math::Text(text, _) = math else { return false };
+    let mut letters = text.trim_start().chars();
+    letters.next().is_some_and(|first| SIGNS.contains(first)) && letters.next().is_none_or(|next| next == ' ')
+}
+
+/// Whether something has to follow `math` on its line.
+fn ends_with_sign(math: &Math) -> bool {
     match math {
-        Math::Text(text, None) => !text.contains(char::is_alphanumeric) && text.ends_with(' '),
+        Math::Text(text, _) => text.trim_end().ends_with(|c| SIGNS.contains(c) || c == '('),
         Math::Sum(_) => true,
         _ => false,
+    }
+}
+
+/// How many parentheses `math` opens more than it closes.
+fn opened(math: &Math) -> i32 {
+    match math {
+        Math::Text(text, _) => text.chars().map(|c| i32::from("([{".contains(c)) - i32::from(")]}".contains(c))).sum(),
+        Math::Sub(base, _) | Math::Sup(base, _) => opened(base),
+        Math::Row(parts) => parts.iter().map(opened).sum(),
+        _ => 0,
     }
 }
 
@@ -157,21 +224,30 @@ struct Setter<'a> {
 impl Setter<'_> {
     fn set(&mut self, math: &Math, size: f32) -> Formula {
         match math {
-            Math::Text(text, role) => self.text(text, size, false, *role),
-            Math::Var(name) => self.text(name, size, true, None),
+            Math::Text(text, role) => self.text(text, size, Face::Sans, *role),
+            Math::Var(name) => self.text(name, size, Face::Italic, None),
+            Math::Bold(name) => self.text(name, size, Face::Bold, None),
             Math::Row(parts) => self.row(parts, size),
-            Math::Sub(base, index) => self.script(base, index, size, [0.04, 0.22]),
+            Math::Sub(base, index) => self.script(base, index, size, [0.04, 0.22]).named(math),
             Math::Sup(base, exponent) => self.script(base, exponent, size, [0.06, -0.38]),
             Math::Frac(top, bottom) => self.fraction(top, bottom, size),
             Math::Sum(index) => self.sum(index, size),
             Math::Abs(inner) => self.bars(inner, size),
+            Math::Sqrt(inner) => self.root(inner, size),
+            Math::Bar(inner) => self.mean(inner, size).named(math),
+            Math::Matrix(rows) => self.matrix(rows, size),
         }
     }
 
-    fn text(&mut self, text: &str, size_pt: f32, italic: bool, role: Option<Role>) -> Formula {
-        let width = self.measure.width(text, size_pt, italic);
-        let piece = Piece::Text { at: [0.0; 2], text: text.into(), size_pt, italic, role };
-        Formula { width, ascent: ASCENT * size_pt, descent: DESCENT * size_pt, pieces: vec![piece] }
+    fn text(&mut self, text: &str, size_pt: f32, face: Face, role: Option<Role>) -> Formula {
+        let width = self.measure.width(text, size_pt, face);
+        let piece = Piece::Text { at: [0.0; 2], text: text.into(), size_pt, face, role };
+        let (ascent, descent) = (ASCENT * size_pt, DESCENT * size_pt);
+        let mut symbols = Vec::new();
+        if text.contains(char::is_alphabetic) {
+            symbols.push((Rect::between([0.0, -ascent], [width, descent]), text.trim().to_owned()));
+        }
+        Formula { width, ascent, descent, pieces: vec![piece], symbols }
     }
 
     fn row(&mut self, parts: &[Math], size: f32) -> Formula {
@@ -210,7 +286,7 @@ impl Setter<'_> {
 
     fn sum(&mut self, index: &Math, size: f32) -> Formula {
         let large = 1.5 * size;
-        let mut sign = self.text("Σ", large, false, None);
+        let mut sign = self.text("Σ", large, Face::Sans, None);
         let index = self.set(index, 0.66 * size);
         let sink = CAP * large / 2.0 - AXIS * size;
         (sign.ascent, sign.descent) = (CAP * large, 0.08 * size);
@@ -238,6 +314,111 @@ impl Setter<'_> {
         whole.width = right + thickness;
         whole
     }
+
+    fn root(&mut self, inner: &Math, size: f32) -> Formula {
+        let inner = self.set(inner, size);
+        let thickness = thickness(size);
+        let (up, down) = (inner.ascent + 0.06 * size, inner.descent);
+        let left = 0.62 * size;
+        let right = left + inner.width + 0.1 * size;
+        // The sign: a short stroke, down to the foot, up to the bar.
+        let hook = down - 0.42 * (up + down).min(1.1 * size);
+        let foot = down - thickness / 2.0;
+        let sign = [[0.06, 0.06], [0.2, 0.0]].map(|[x, y]| [x * size, hook + y * size]);
+        let bar = -up + thickness / 2.0;
+        let points = [sign[0], sign[1], [0.36 * size, foot], [left - 0.02 * size, bar], [right, bar]].to_vec();
+        let mut whole = Formula::default();
+        whole.put(inner, [left + 0.04 * size, 0.0]);
+        whole.pieces.push(Piece::Stroke(points, thickness));
+        whole.ascent = whole.ascent.max(up + 0.04 * size);
+        whole.width = right + 0.06 * size;
+        whole
+    }
+
+    fn mean(&mut self, inner: &Math, size: f32) -> Formula {
+        let is_low = matches!(letter(inner), Some(c) if "acemnorsuvwxyzμνρσ".contains(c));
+        let is_italic = !matches!(inner, Math::Text(..) | Math::Bold(_));
+        // An index stands outside the bar above its letter.
+        let (base, index) = match inner {
+            Math::Sub(base, index) => (base.as_ref(), Some(index.as_ref())),
+            other => (other, None),
+        };
+        let mut whole = self.set(base, size);
+        let thickness = thickness(size);
+        let bottom = -(if is_low { LOW } else { whole.ascent.max(CAP * size) / size } + 0.08) * size;
+        let lean = if is_italic { 0.06 * size } else { 0.0 };
+        let ends = [[0.03 * size + lean, bottom - thickness], [whole.width - 0.05 * size + lean, bottom]];
+        whole.pieces.push(Piece::Rule(Rect::between(ends[0], ends[1])));
+        whole.ascent = whole.ascent.max(thickness - bottom + 0.04 * size);
+        if let Some(index) = index {
+            let index = self.set(index, size * SMALL);
+            let at = [whole.width + 0.04 * size, 0.22 * size];
+            whole.put(index, at);
+        }
+        whole
+    }
+
+    fn matrix(&mut self, rows: &[Vec<Math>], size: f32) -> Formula {
+        let cells: Vec<Vec<Formula>> =
+            rows.iter().map(|row| row.iter().map(|entry| self.set(entry, size)).collect()).collect();
+        let columns = cells.iter().map(Vec::len).max().unwrap_or(0);
+        let of_column = |i: usize| cells.iter().filter_map(move |row| row.get(i));
+        let widths: Vec<f32> = (0..columns).map(|i| of_column(i).map(|cell| cell.width).fold(0.0, f32::max)).collect();
+        // Numbers end below each other, symbols stand in the middle.
+        let are_numbers: Vec<bool> =
+            (0..columns).map(|i| rows.iter().filter_map(|row| row.get(i)).all(is_number)).collect();
+        let (row_gap, column_gap, thickness) = (0.22 * size, 0.8 * size, thickness(size));
+        let heights = cells.iter().map(|row| {
+            let of = |f: fn(&Formula) -> f32| row.iter().map(f).fold(0.0, f32::max);
+            [of(|cell| cell.ascent).max(ASCENT * size), of(|cell| cell.descent).max(DESCENT * size)]
+        });
+        let heights: Vec<[f32; 2]> = heights.collect();
+        let inside = heights.iter().flatten().sum::<f32>() + row_gap * heights.len().saturating_sub(1) as f32;
+        let (top, left) = (-AXIS * size - inside / 2.0, 0.34 * size);
+        let mut whole = Formula::default();
+        let mut y = top;
+        for (row, [ascent, descent]) in cells.into_iter().zip(heights) {
+            let mut x = left;
+            for (i, cell) in row.into_iter().enumerate() {
+                let spare = widths[i] - cell.width;
+                let at = [x + if are_numbers[i] { spare } else { spare / 2.0 }, y + ascent];
+                whole.put(cell, at);
+                x += widths[i] + column_gap;
+            }
+            y += ascent + descent + row_gap;
+        }
+        let inner = widths.iter().sum::<f32>() + column_gap * columns.saturating_sub(1) as f32;
+        let right = 2.0 * left + inner;
+        let (upper, lower) = (top - 0.04 * size, top + inside + 0.04 * size);
+        let mut rule = |min: Point, max: Point| whole.pieces.push(Piece::Rule(Rect::between(min, max)));
+        for (x, inwards) in [(0.1 * size, 1.0), (right - 0.1 * size, -1.0)] {
+            let ends = |length: f32| [x.min(x + inwards * length), x.max(x + inwards * length)];
+            let ([x0, x1], [_, tip]) = (ends(thickness), ends(0.18 * size));
+            let from = if inwards > 0.0 { x0 } else { ends(0.18 * size)[0] };
+            let to = if inwards > 0.0 { tip } else { x1 };
+            rule([x0, upper], [x1, lower]);
+            rule([from, upper], [to, upper + thickness]);
+            rule([from, lower - thickness], [to, lower]);
+        }
+        (whole.ascent, whole.descent) = (whole.ascent.max(-upper), whole.descent.max(lower));
+        whole.width = right;
+        whole
+    }
+}
+
+/// The letter that `math` is, its index apart, if it is just one.
+fn letter(math: &Math) -> Option<char> {
+    match math {
+        Math::Var(name) | Math::Bold(name) => Some(name.chars().next()?).filter(|_| name.chars().count() == 1),
+        Math::Sub(base, _) => letter(base),
+        _ => None,
+    }
+}
+
+/// Whether an entry is a number in digits.
+fn is_number(math: &Math) -> bool {
+    let Math::Text(text, _) = math else { return false };
+    text.trim_start_matches('−').starts_with(|c: char| c.is_ascii_digit())
 }
 
 fn thickness(size_pt: f32) -> f32 {
@@ -248,13 +429,9 @@ fn thickness(size_pt: f32) -> f32 {
 struct Fonts;
 
 impl Measure for Fonts {
-    fn width(&mut self, text: &str, size_pt: f32, italic: bool) -> f32 {
-        fonts::width(text, face(italic), size_pt)
+    fn width(&mut self, text: &str, size_pt: f32, face: Face) -> f32 {
+        fonts::width(text, face, size_pt)
     }
-}
-
-fn face(italic: bool) -> Face {
-    if italic { Face::Italic } else { Face::Sans }
 }
 
 /// `math` in the program's own type, at most `max_width` points wide where it can be broken.
@@ -269,8 +446,12 @@ impl Formula {
         let text = theme.chrome().text;
         let piece = |piece: &Piece| match piece {
             Piece::Rule(rect) => Primitive::Polygon { points: rect.moved(origin).corners(), color: text },
-            Piece::Text { at, text: words, size_pt, italic, role } => {
-                let run = Run::new(words, role.map_or(text, |role| theme.word(role))).face(face(*italic));
+            Piece::Stroke(points, width) => {
+                let points = points.iter().map(|at| [0, 1].map(|i| origin[i] + at[i])).collect();
+                Primitive::Polyline { points, closed: false, stroke: solid(*width, text) }
+            }
+            Piece::Text { at, text: words, size_pt, face, role } => {
+                let run = Run::new(words, role.map_or(text, |role| theme.word(role))).face(*face);
                 let at = [0, 1].map(|i| origin[i] + at[i]);
                 Primitive::Text(Line { at, anchor: Anchor::Start, size: *size_pt, runs: vec![run], halo: None })
             }
@@ -287,7 +468,7 @@ mod tests {
     struct Half;
 
     impl Measure for Half {
-        fn width(&mut self, text: &str, size_pt: f32, _: bool) -> f32 {
+        fn width(&mut self, text: &str, size_pt: f32, _: Face) -> f32 {
             text.chars().count() as f32 * size_pt / 2.0
         }
     }
@@ -299,7 +480,7 @@ mod tests {
     fn baselines(formula: &Formula) -> Vec<f32> {
         let y = |piece: &Piece| match piece {
             Piece::Text { at, .. } => Some(at[1]),
-            Piece::Rule(_) => None,
+            Piece::Rule(_) | Piece::Stroke(..) => None,
         };
         formula.pieces.iter().filter_map(y).collect()
     }
@@ -340,6 +521,7 @@ mod tests {
         let ends = narrow.pieces.iter().map(|p| match p {
             Piece::Text { at, text, size_pt, .. } => at[0] + text.chars().count() as f32 * size_pt / 2.0,
             Piece::Rule(rect) => rect.max[0],
+            Piece::Stroke(points, _) => points.iter().map(|at| at[0]).fold(0.0, f32::max),
         });
         assert!(ends.fold(0.0, f32::max) <= 130.0);
     }
@@ -363,5 +545,88 @@ mod tests {
         let long = Math::Abs(Box::new(Math::text("0123456789")));
         assert!(set(&long, 90.0).width <= 90.0);
         assert!(set(&long, 10.0).width > 10.0, "but stays readable");
+    }
+
+    #[test]
+    fn the_bar_of_a_root_covers_what_is_under_it() {
+        let root = set(&Math::root(Math::text("a + b")), 1000.0);
+        let Some(Piece::Stroke(points, width)) = root.pieces.last() else { panic!("a sign") };
+        let Piece::Text { at, .. } = &root.pieces[0] else { panic!("a text") };
+        let [up, end] = [points[3], points[4]];
+        assert!(up[1] == end[1] && up[0] <= at[0] && end[0] >= at[0] + 50.0, "{points:?}");
+        assert!(end[1] < -CAP * 20.0 && root.ascent >= width / 2.0 - end[1] && root.width >= end[0]);
+        // A fraction makes it higher.
+        let tall = set(&Math::root(Math::over(Math::text("a"), Math::text("b"))), 1000.0);
+        assert!(tall.ascent > root.ascent && tall.descent > root.descent);
+    }
+
+    #[test]
+    fn a_mean_has_its_bar_above_the_letter_and_the_index_beside_it() {
+        let mean = set(&Math::mean(Math::indexed(Math::Var("u"), Math::text("0"))), 1000.0);
+        let bars: Vec<_> =
+            mean.pieces.iter().filter_map(|p| if let Piece::Rule(r) = p { Some(r) } else { None }).collect();
+        assert!(bars.len() == 1 && bars[0].max[1] < -0.5 * 20.0 && bars[0].max[0] < 12.0, "{bars:?}");
+        let capital = set(&Math::mean(Math::Var("I")), 1000.0);
+        assert!(capital.ascent > mean.ascent, "the bar is above the capital as well");
+        assert_eq!(mean.symbols[0].1, "u\u{304}_0");
+    }
+
+    #[test]
+    fn a_matrix_has_rows_and_columns_in_brackets() {
+        let cell = |words: &str| Math::text(words);
+        let matrix = Math::Matrix(vec![vec![cell("1"), cell("−10")], vec![cell("100"), cell("2")]]);
+        let formula = set(&matrix, 1000.0);
+        let ys = baselines(&formula);
+        assert!(ys[0] == ys[1] && ys[2] == ys[3] && ys[0] < -0.2 * 20.0 && ys[2] > 0.0, "{ys:?}");
+        let right = |i: usize| match &formula.pieces[i] {
+            Piece::Text { at, text, .. } => at[0] + 10.0 * text.chars().count() as f32,
+            _ => panic!("an entry"),
+        };
+        assert!(right(0) == right(2) && right(1) == right(3) && right(0) < right(1) - 30.0);
+        let rules: Vec<_> =
+            formula.pieces.iter().filter_map(|p| if let Piece::Rule(r) = p { Some(r) } else { None }).collect();
+        assert_eq!(rules.len(), 6, "two brackets of three sides");
+        assert!(rules.iter().all(|rule| rule.min[0] >= 0.0 && rule.max[0] <= formula.width));
+        // It stands on the axis of its line.
+        let middle = (formula.descent - formula.ascent) / 2.0;
+        assert!((middle + AXIS * 20.0).abs() < 0.5, "{middle}");
+    }
+
+    #[test]
+    fn no_line_ends_inside_parentheses() {
+        let text = |words: &str| Math::text(words);
+        let row = Math::Row(vec![
+            Math::Var("x"),
+            text(" = "),
+            text("2 ("),
+            Math::Var("a"),
+            text(" + "),
+            Math::Var("b"),
+            text(")"),
+            text(" + "),
+            Math::Row(vec![text("("), Math::Var("c"), text(" − "), Math::Var("d"), text(")")]),
+        ]);
+        let formula = set(&row, 130.0);
+        let ys = baselines(&formula);
+        assert_eq!(ys[..7], [0.0; 7], "{ys:?}");
+        assert!(ys[7] > 0.0 && ys[7..].iter().all(|y| *y == ys[7]), "{ys:?}");
+        // Factors that stand side by side are not parted either.
+        let product = Math::Row(vec![Math::Var("a"), text(" "), Math::Var("b"), text(" "), Math::Var("c")]);
+        assert!(baselines(&set(&product, 40.0)).iter().all(|y| *y == 0.0));
+    }
+
+    #[test]
+    fn what_is_too_wide_even_when_small_is_broken_in_parentheses() {
+        let parts = (0..9).map(|i| Math::text(format!("+ {i:02}")));
+        let row: Vec<_> = [Math::text("(")].into_iter().chain(parts).chain([Math::text(")")]).collect();
+        assert!(set(&Math::Row(row), 130.0).width <= 130.0);
+    }
+
+    #[test]
+    fn symbols_tell_where_they_stand() {
+        let formula = set(&Math::Row(vec![Math::indexed(Math::Var("I"), Math::Var("x")), Math::Bold("T")]), 1000.0);
+        let names: Vec<_> = formula.symbols.iter().map(|(_, name)| name.as_str()).collect();
+        assert_eq!(names, ["I_x", "I", "x", "T"]);
+        assert!(formula.symbols[3].0.min[0] >= formula.symbols[0].0.max[0] - 0.1);
     }
 }

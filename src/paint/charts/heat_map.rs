@@ -40,7 +40,8 @@ pub fn draw(data: HeatMap<'_>, area: Rect, style: ChartStyle) -> Drawing<Map> {
             cross(&mut canvas, &map, at, role, theme);
         }
     }
-    color_bar(&mut canvas, &map, surface, style);
+    color_bar(&mut canvas, &map, (surface, area), style);
+    minimum(&mut canvas, &map, (surface, area), theme);
     Drawing { place: map, body: canvas.into_layers(), head: head(data, &map, area, None, style) }
 }
 
@@ -86,7 +87,7 @@ pub struct Shades {
 impl Shades {
     /// Those of `surface`.
     pub fn of(surface: &Surface, colors: ColorMap) -> Self {
-        Self { range: surface.range().unwrap_or_default(), colors }
+        Self { range: surface.shades().unwrap_or_default(), colors }
     }
 
     /// The color of a cost.
@@ -130,7 +131,7 @@ pub fn summary(surface: &Surface) -> String {
     let (tested, given_up) = tested(surface);
     let early = if given_up > 0 { format!(", {} of them {GIVEN_UP}", grouped(given_up)) } else { String::new() };
     let (tested, all) = (grouped(tested), grouped(surface.values.cells().len()));
-    let best = surface.best.and_then(|at| Some(format!(", smallest {} at {}", number(cost(surface, at)?), vector(at))));
+    let best = minimum_words(surface).map(|words| format!(", {words}"));
     format!("{} by displacement: {tested} of {all} tested{early}{}", surface.title, best.unwrap_or_default())
 }
 
@@ -179,8 +180,40 @@ fn told(surface: &Surface, at: [i32; 2]) -> String {
     }
 }
 
-fn color_bar(canvas: &mut Canvas, map: &Map, surface: &Surface, style: ChartStyle) {
-    let Some([low, high]) = surface.range() else { return };
+/// The smallest cost so far with its place, in words: `minimum 812 at (−3, 2)`; or how many displacements have it.
+pub fn minimum_words(surface: &Surface) -> Option<String> {
+    let (least, at) = surface.minimum()?;
+    let least = format!("{} {}", number(least), surface.unit);
+    let least = least.trim_end();
+    Some(match &at[..] {
+        [only] => format!("minimum {least} at {}", vector(*only)),
+        [first, second] => format!("minimum {least}, a tie of {} and {}", vector(*first), vector(*second)),
+        all => format!("minimum {least}, a tie of {} displacements", grouped(all.len())),
+    })
+}
+
+/// Names the smallest cost below the map and rings the cells that tie for it.
+fn minimum(canvas: &mut Canvas, map: &Map, (surface, area): (&Surface, Rect), theme: Theme) {
+    /// So many are told apart; more are a plain.
+    const RINGS: usize = 12;
+    if let Some((_, at)) = surface.minimum().filter(|(_, at)| (2..=RINGS).contains(&at.len())) {
+        let color = theme.ink(Role::Best).color;
+        for cell in at.into_iter().map(|at| map.cell_rect(at)) {
+            let radius = (map.cell / 4.0).clamp(2.0, 5.0);
+            canvas.disc(middle(&cell), radius + 1.0, Color::BLACK.alpha(150));
+            canvas.disc(middle(&cell), radius, color);
+        }
+    }
+    // The unit stands at the bar of colors.
+    let bare = Surface { unit: "", ..surface.clone() };
+    let Some(words) = minimum_words(&bare).filter(|_| !map.is_tight()) else { return };
+    let dim = Type::dim(theme);
+    let words = shortened(&words, dim, map.name_left(theme) - map.small - area.min[0]);
+    canvas.text([area.min[0], map.below()], (Anchor::Start, Level::Top), &words, dim);
+}
+
+fn color_bar(canvas: &mut Canvas, map: &Map, (surface, area): (&Surface, Rect), style: ChartStyle) {
+    let Some([low, high]) = surface.shades() else { return };
     let (small, chrome, dim) = (map.small, style.theme.chrome(), Type::dim(style.theme));
     let min = [(map.rect.max[0] + 2.0 * small).round(), map.rect.min[1]];
     let bar = Rect::new(min, [small.round(), map.rect.size()[1]]);
@@ -206,6 +239,8 @@ fn color_bar(canvas: &mut Canvas, map: &Map, surface: &Surface, style: ChartStyl
     // The bar is of the same quantity as the map.
     let above = [bar.min[0], map.rect.min[1] - 0.3 * small];
     canvas.text(above, (Anchor::Start, Level::Bottom), surface.title, Type::text(style.theme));
+    let left = bar.min[0].min(area.max[0] - dim.width(surface.unit));
+    canvas.text([left, bar.max[1] + 6.0], (Anchor::Start, Level::Top), surface.unit, dim);
 }
 
 #[cfg(test)]
@@ -216,7 +251,16 @@ mod tests {
     fn surface() -> Surface {
         let values = Grid::from_fn(33, 17, |x, y| if y < 9 { (x + 40 * y) as f32 } else { f32::NAN });
         let events = Grid::from_fn(33, 17, |x, y| (y < 9).then_some(2 + x + 33 * y));
-        Surface { title: "SAD", origin: [-16, -8], values, events, probe: Some([0, 0]), best: Some([-16, -8]) }
+        Surface {
+            title: "SAD",
+            unit: "gray levels",
+            scale: None,
+            origin: [-16, -8],
+            values,
+            events,
+            probe: Some([0, 0]),
+            best: Some([-16, -8]),
+        }
     }
 
     fn style() -> ChartStyle {
@@ -241,7 +285,8 @@ mod tests {
         }
         assert_eq!(pixels[(3, 12)][3], 0, "what was not tested is clear");
         let words = texts(&primitives);
-        for label in ["u, px →", "v, px ↓", "−16", "16", "352", "SAD"] {
+        let least = "minimum 0 at (−16, −8)";
+        for label in ["u, px →", "v, px ↓", "−16", "16", "352", "SAD", "gray levels", least] {
             assert!(words.iter().any(|word| word == label), "{label} is missing in {words:?}");
         }
         assert_eq!(texts(&head), ["Full search · SAD by displacement"]);
@@ -249,10 +294,27 @@ mod tests {
 
     #[test]
     fn the_map_tells_itself_in_words() {
-        assert_eq!(summary(&surface()), "SAD by displacement: 297 of 561 tested, smallest 0 at (−16, −8)");
+        let told = "SAD by displacement: 297 of 561 tested, minimum 0 gray levels at (−16, −8)";
+        assert_eq!(summary(&surface()), told);
         assert_eq!(cost(&surface(), [0, 8]), None);
         assert_eq!((event(&surface(), [-15, -7]), event(&surface(), [0, 8])), (Some(36), None));
         assert_eq!(cost(&surface(), [-40, 0]), None);
+    }
+
+    #[test]
+    fn a_tie_is_named_and_the_scale_of_a_block_stays() {
+        let mut surface = surface();
+        surface.values[(4, 4)] = 0.0;
+        assert!(summary(&surface).ends_with("minimum 0 gray levels, a tie of (−16, −8) and (−12, −4)"));
+        surface.values[(5, 4)] = 0.0;
+        assert!(summary(&surface).ends_with("minimum 0 gray levels, a tie of 3 displacements"));
+        surface.scale = Some([0.0, 1000.0]);
+        let area = Rect::new([20.0, 10.0], [500.0, 300.0]);
+        let drawing = draw(HeatMap { surface: &surface, whose: "Full search" }, area, style());
+        let words = texts(&drawing.into_layers().into_iter().flat_map(|layer| layer.primitives).collect::<Vec<_>>());
+        assert!(words.iter().any(|word| word == "1000"), "the scale ends where it always does: {words:?}");
+        let shades = Shades::of(&surface, ColorMap::Viridis);
+        assert_eq!(shades.at(500.0), ColorMap::Viridis.at(0.5));
     }
 
     #[test]
@@ -262,7 +324,7 @@ mod tests {
         surface.events[(4, 9)] = Some(301);
         assert_eq!(
             summary(&surface),
-            "SAD by displacement: 299 of 561 tested, 2 of them given up early, smallest 0 at (−16, −8)"
+            "SAD by displacement: 299 of 561 tested, 2 of them given up early, minimum 0 gray levels at (−16, −8)"
         );
         let told = [[-15, -8], [-13, 1], [-11, 1]].map(|at| told(&surface, at));
         assert_eq!(told, ["SAD at (−15, −8) is 1", "(−13, 1) was given up early", "(−11, 1) is not tested yet"]);

@@ -95,6 +95,16 @@ impl Map {
         if self.is_tight { self.rect.min[0] - 7.0 + half + self.small } else { area.min[0] }
     }
 
+    /// Where the name of the first axis begins, in the row below the numbers.
+    pub fn name_left(&self, theme: Theme) -> f32 {
+        self.rect.max[0] - Type::text(theme).face(Face::Italic).width(NAMES[0])
+    }
+
+    /// The top of the row below the numbers.
+    pub fn below(&self) -> f32 {
+        self.rect.max[1] + 6.0 + 1.25 * self.small
+    }
+
     /// Whether words share rows.
     pub fn is_tight(&self) -> bool {
         self.is_tight

@@ -12,7 +12,13 @@ use super::{ChartStyle, Drawing, titled};
 /// How near one can come: what a plane shows at first is at most so many times as wide.
 const NEAREST: f32 = 256.0;
 /// How far one can go away.
-const FARTHEST: f32 = 4.0;
+const FARTHEST: f32 = 16.0;
+/// So many times what the points reach is shown at first to have a line in it.
+const FOR_LINE: f32 = 4.0;
+/// Side of the arrow at the edge towards a line beyond it, in points.
+const ARROW: f32 = 9.0;
+/// Of so few lines each is looked at by itself.
+const FEW: usize = 2;
 /// Letters beside the plane for the names of its points, if there is room for them.
 const NAMES: f32 = 13.0;
 
@@ -37,9 +43,13 @@ pub struct Window {
 }
 
 impl Window {
-    /// All that `plane` shows at first.
+    /// All that `plane` shows at first: all points, and of few lines each that does not lie much farther away.
     pub fn whole(plane: &Plane) -> Self {
-        Self { center: [0.0; 2], reach: plane.reach }
+        let mut reaches = std::iter::successors(Some(plane.reach), |reach| Some(2.0 * reach));
+        let all = |reach: f32| plane.lines.iter().all(|line| line.within(reach).is_some());
+        let found = reaches.find(|reach| *reach > FOR_LINE * plane.reach || all(*reach));
+        let reach = found.filter(|reach| plane.lines.len() <= FEW && *reach <= FOR_LINE * plane.reach);
+        Self { center: [0.0; 2], reach: reach.unwrap_or(plane.reach) }
     }
 
     /// After coming nearer by `factor` to the displacement `at`, which stays where it is.
@@ -138,6 +148,8 @@ pub fn draw(data: Shown<'_>, area: Rect, style: ChartStyle) -> Drawing<Square> {
             canvas.line(ends.to_vec(), false, solid(1.0 + line.weight, theme.ink(line.role).color.alpha(alpha)));
         }
     }
+    let beyond = plane.lines.iter().filter(|line| plane.lines.len() <= FEW && square.part(line).is_none());
+    beyond.for_each(|line| towards(&mut canvas, &square, line, theme));
     let ellipse = plane.ellipse.as_ref().map(|ellipse| spread(&square, ellipse, theme));
     canvas.inside(square.rect, |canvas| canvas.extend(ellipse));
     names(&mut canvas, &square, area, (plane, theme));
@@ -157,12 +169,54 @@ pub fn head(
     let width = area.max[0] - left;
     let words = match pointed {
         Some([u, v]) => format!("({}, {}) {}", number(u), number(v), plane.unit),
-        None => titled(whose, &format!("{}, displacements in {}", plane.title, plane.unit), (text.size, width)),
+        None => {
+            let what = beyond(plane, square).unwrap_or_else(|| format!("displacements in {}", plane.unit));
+            titled(whose, &format!("{}, {what}", plane.title), (text.size, width))
+        }
     };
     let mut canvas = Canvas::default();
     let at = [left, area.min[1] + 0.8 * text.size];
     canvas.text(at, (Anchor::Start, Level::Middle), &shortened(&words, text, width), text);
     canvas.into_primitives()
+}
+
+/// The distance of a line from the zero displacement.
+fn distance(line: &Constraint) -> f32 {
+    let [a, b, c] = line.factors;
+    c.abs() / a.hypot(b)
+}
+
+/// Where the lines lie that are not seen, in words; nothing if enough are.
+fn beyond(plane: &Plane, square: &Square) -> Option<String> {
+    let outside: Vec<f32> = plane.lines.iter().filter(|line| square.part(line).is_none()).map(distance).collect();
+    let nearest = outside.iter().copied().reduce(f32::min)?;
+    let far = format!("{} {} from the origin", number(nearest), plane.unit);
+    match (outside.len(), plane.lines.len()) {
+        (1, 1) => Some(format!("constraint line {far}, outside")),
+        (out, all) if out == all => Some(format!("all {all} constraint lines outside, the nearest {far}")),
+        (_, all) if all <= FEW => Some(format!("a constraint line {far}, outside")),
+        // Of many it is enough that most are seen.
+        (out, all) if 2 * out > all => Some(format!("{out} of {all} constraint lines outside")),
+        _ => None,
+    }
+}
+
+/// An arrow at the edge towards the nearest point of a line that lies beyond it.
+fn towards(canvas: &mut Canvas, square: &Square, line: &Constraint, theme: Theme) {
+    let [a, b, c] = line.factors;
+    let Window { center, reach } = square.window;
+    // From the middle of what is seen to the line.
+    let off = -(a * center[0] + b * center[1] + c) / (a * a + b * b);
+    let way = [a * off, b * off];
+    let most = way[0].abs().max(way[1].abs());
+    if most <= 0.0 || !most.is_finite() {
+        return;
+    }
+    let tip = square.at([0, 1].map(|i| center[i] + way[i] / most * reach));
+    let length = way[0].hypot(way[1]);
+    let [x, y] = way.map(|c| c / length * ARROW);
+    let foot = |side: f32| [tip[0] - x - 0.6 * side * y, tip[1] - y + 0.6 * side * x];
+    canvas.add(Primitive::Polygon { points: vec![tip, foot(1.0), foot(-1.0)], color: theme.word(line.role) });
 }
 
 fn axes(canvas: &mut Canvas, square: &Square, (plane, is_near): (&Plane, bool), theme: Theme) {
@@ -249,6 +303,11 @@ pub fn summary(plane: &Plane) -> String {
         1 => "one line".to_owned(),
         count => format!("{count} lines"),
     };
+    let nearest = plane.lines.iter().map(distance).reduce(f32::min);
+    let lines = match nearest.filter(|_| plane.lines.len() == 1) {
+        Some(nearest) => format!("{lines}, {} {} from the origin", number(nearest), plane.unit),
+        None => lines,
+    };
     let spread = plane.ellipse.as_ref().map(|spread| {
         let [long, short] = spread.radii.map(number);
         format!("one standard deviation {long} by {short} {}", plane.unit)
@@ -275,7 +334,10 @@ mod tests {
 
     #[test]
     fn the_plane_is_told_in_words() {
-        assert_eq!(summary(&plane()), "Gradient constraint: one line, normal flow at (1, −0.250)");
+        assert_eq!(
+            summary(&plane()),
+            "Gradient constraint: one line, 1 px from the origin, normal flow at (1, −0.250)"
+        );
         let spread = Spread { center: [1.0, 0.0], radii: [0.5, 0.25], angle_rad: 0.0 };
         let told = summary(&Plane { ellipse: Some(spread), ..plane() });
         assert!(told.ends_with("one standard deviation 0.500 by 0.250 px"), "{told}");
@@ -296,6 +358,48 @@ mod tests {
         {
             assert!(words.iter().any(|word| word == label), "{label} is missing in {words:?}");
         }
+    }
+
+    fn with_line_at(distance: f32) -> Plane {
+        let line = Constraint { factors: [0.6, 0.8, -distance], weight: 1.0, role: Role::Candidate };
+        Plane { lines: vec![line], ..plane() }
+    }
+
+    #[test]
+    fn a_plane_contains_its_constraint_line_or_says_where_it_is() {
+        let area = Rect::new([0.0; 2], [640.0, 400.0]);
+        let drawn = |plane: &Plane| {
+            let drawing = draw(Shown { plane, whose: "Normal flow", window: None }, area, style());
+            (drawing.place, texts(&drawing.head).concat(), flat(drawing))
+        };
+        for at in [0.5, 2.9, 7.5, -7.5] {
+            let plane = with_line_at(at);
+            let (square, head, _) = drawn(&plane);
+            let ends = square.part(&plane.lines[0]).expect("the line is seen");
+            assert!(
+                ends.iter().all(|end| square.displacement(*end).is_some()
+                    || square.rect.grown(0.1).meets(&Rect::new(*end, [0.01; 2])))
+            );
+            assert!(head.ends_with("displacements in px"), "{head}");
+        }
+        let plane = with_line_at(12.0);
+        let (square, head, primitives) = drawn(&plane);
+        assert_eq!(square.window.reach, 2.0, "it is too far to be shown with what the points show");
+        assert_eq!(head, "Normal flow · Gradient constraint, constraint line 12 px from the origin, outside");
+        let tip = primitives.iter().find_map(|primitive| match primitive {
+            Primitive::Polygon { points, .. } if points.len() == 3 => Some(points[0]),
+            _ => None,
+        });
+        let [x, y] = tip.expect("an arrow at the edge");
+        assert!(
+            (y - square.rect.max[1]).abs() < 0.1 && x > square.rect.min[0] + 0.8 * square.rect.size()[0],
+            "{x} {y}"
+        );
+        // Coming nearer to another place says so as well.
+        let near = Window { center: [0.0; 2], reach: 0.25 };
+        let data = Shown { plane: &with_line_at(1.0), whose: "", window: Some(near) };
+        let words = texts(&draw(data, area, style()).head).concat();
+        assert_eq!(words, "Gradient constraint, constraint line 1 px from the origin, outside");
     }
 
     #[test]

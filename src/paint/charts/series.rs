@@ -1,10 +1,10 @@
 //! A quantity over steps, as lines.
 
 use motionscope_core::Role;
-use motionscope_core::scene::Series;
+use motionscope_core::scene::{Band, Series};
 
 use super::super::primitive::{Anchor, Point, Primitive, Rect, Stroke};
-use super::super::{Theme, number};
+use super::super::{Color, Face, Theme, number};
 use super::axis::Axis;
 use super::canvas::{Canvas, Level, Type, shortened, solid};
 use super::{ChartStyle, Drawing};
@@ -15,6 +15,13 @@ const FEW: usize = 16;
 const PARTS_PT: f32 = 5.0;
 /// From the line where a stretch begins to its name, and from there to what comes next, in points.
 const NAME_PT: f32 = 4.0;
+/// Letters of height that the lines and the numbers below them need at least: only what is more goes to further rows of names.
+const TIGHTEST: f32 = 8.5;
+
+/// Nearest that one can come: what is seen at first is at most so many times as wide.
+const NEAREST: f32 = 256.0;
+/// Half the width of the arrow that stands for a value beyond the edge, in points.
+const ARROW: f32 = 4.0;
 
 /// What is plotted.
 #[derive(Clone, Copy, Debug)]
@@ -25,6 +32,44 @@ pub struct Plotted<'a> {
     pub whose: &'a str,
     /// Whether ten times as much is as far up everywhere, as long as all is more than nothing.
     pub logarithmic: bool,
+    /// Which part is seen; all of it unless one came nearer.
+    pub window: Option<Window>,
+}
+
+/// A part of a plot: values at the ends of both axes, those of y as logarithms where its axis has them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Window {
+    /// Steps.
+    pub x: [f32; 2],
+    /// Values.
+    pub y: [f32; 2],
+}
+
+impl Window {
+    /// After coming nearer by `factor` to what stands at `at`, which stays where it is as far as `whole` allows.
+    #[must_use]
+    pub fn nearer(self, at: [f32; 2], factor: f32, whole: Window) -> Self {
+        let zoomed = |[low, high]: [f32; 2], at: f32, whole: [f32; 2]| {
+            let most = whole[1] - whole[0];
+            let length = ((high - low) / factor).clamp(most / NEAREST, most);
+            let share = length / (high - low);
+            shifted([at + (low - at) * share, at + (low - at) * share + length], whole)
+        };
+        Self { x: zoomed(self.x, at[0], whole.x), y: zoomed(self.y, at[1], whole.y) }
+    }
+
+    /// After going `by` further along both axes, not beyond `whole`.
+    #[must_use]
+    pub fn moved(self, by: [f32; 2], whole: Window) -> Self {
+        let moved = |ends: [f32; 2], by: f32, whole| shifted(ends.map(|end| end + by), whole);
+        Self { x: moved(self.x, by[0], whole.x), y: moved(self.y, by[1], whole.y) }
+    }
+}
+
+/// The same length inside `whole`.
+fn shifted([low, high]: [f32; 2], whole: [f32; 2]) -> [f32; 2] {
+    let by = (whole[0] - low).max(0.0) + (whole[1] - high).min(0.0);
+    [low + by, high + by]
 }
 
 /// Where the lines are drawn.
@@ -35,10 +80,15 @@ pub struct Plot {
     /// Of steps.
     pub x: Axis,
     /// Of values, or of their decimal logarithms.
-    y: Axis,
-    logarithmic: bool,
+    pub y: Axis,
+    /// What is seen at first.
+    pub whole: Window,
+    /// Whether the axis of values has logarithms.
+    pub logarithmic: bool,
     small: f32,
-    /// Whether the names of the lines have a row of their own below the title.
+    /// Rows above for the title and the names of the lines.
+    rows: usize,
+    /// Whether the title has the first of them for itself.
     is_named_below: bool,
     /// Whether what runs along x shares the row of its numbers.
     is_tight: bool,
@@ -49,58 +99,155 @@ pub fn draw(data: Plotted<'_>, area: Rect, style: ChartStyle) -> Drawing<Plot> {
     let (series, theme) = (data.series, style.theme);
     let plot = Plot::new(data, area, theme);
     let mut canvas = Canvas::default();
+    canvas.inside(plot.rect, |canvas| bands(canvas, &plot, series, theme));
     axes(&mut canvas, &plot, (series, area), theme);
     sections(&mut canvas, &plot, series, theme);
-    for (_, role, points) in &series.lines {
-        if are_marks(series, *role, points) {
-            for &point in points {
-                ring(&mut canvas, plot.at(point), theme.word(*role));
+    if let Some(x) = series.now().filter(|x| plot.shows(*x)) {
+        canvas.down(plot.x.place(x), [plot.rect.min[1], plot.rect.max[1]], theme.chrome().dim);
+    }
+    // Marks at the ends of the axes stay whole.
+    canvas.inside(plot.rect.grown(6.0), |canvas| {
+        for (_, role, points) in &series.lines {
+            if are_marks(series, *role, points) {
+                let inside = points.iter().filter(|point| plot.beyond(**point).is_none() && plot.shows(point[0]));
+                inside.for_each(|&point| ring(canvas, plot.at(point), theme.word(*role)));
+            } else {
+                line(canvas, &plot, (*role, points), theme);
             }
-        } else {
-            line(&mut canvas, &plot, (*role, points), theme);
         }
+    });
+    for (_, role, points) in &series.lines {
+        clipped(&mut canvas, &plot, points, theme.word(*role));
     }
     let head = head(data, &plot, area, None, style);
     Drawing { place: plot, body: canvas.into_layers(), head }
 }
 
-/// What stands above the plot: what is plotted and the names of its lines, with their values at the step that is pointed at.
+/// Words above a plot, with the color that they explain if it is no line.
+#[derive(Clone)]
+struct Entry {
+    words: String,
+    style: Type,
+    swatch: Option<Swatch>,
+}
+
+/// What stands before the name of a band or of a threshold.
+#[derive(Clone, Copy)]
+enum Swatch {
+    Band(Color),
+    Threshold(Color),
+}
+
+impl Entry {
+    fn new(words: impl Into<String>, style: Type) -> Self {
+        Self { words: words.into(), style, swatch: None }
+    }
+
+    /// Width with its swatch and the gap behind it.
+    fn width(&self) -> f32 {
+        let swatch = if self.swatch.is_some() { SWATCH_LETTERS * self.style.size } else { 0.0 };
+        swatch + self.style.width(&self.words) + GAP_LETTERS * self.style.size
+    }
+}
+
+/// What stands above the plot: what is plotted and the names of its lines, with their values at the step that is pointed at
+/// or else at hand, and those of its bands and thresholds.
 pub fn head(data: Plotted<'_>, plot: &Plot, area: Rect, pointed: Option<f32>, style: ChartStyle) -> Vec<Primitive> {
     let Plotted { series, .. } = data;
     let (theme, small) = (style.theme, plot.small);
     let text = Type::text(theme);
-    let step = pointed.and_then(|x| nearest(series, x)).map(|x| (x, format!("{} {}", series.x_label, number(x))));
-    let lines = series.lines.iter().map(|(name, role, points)| {
-        let value = step.as_ref().and_then(|(x, _)| value(*role, points, *x));
-        let value = value.map_or_else(String::new, |value| format!(" {}", number(value)));
-        (format!("{name}{value}"), text.color(theme.word(*role)))
-    });
-    let title = (title(data, area, small), text);
-    let mut canvas = Canvas::default();
-    let upper = area.min[1] + 0.8 * small;
-    let here = step.iter().map(|(_, words)| (words.clone(), text));
-    let words: Vec<_> = here.chain(lines).collect();
+    let pointed = pointed.and_then(|x| nearest(series, x));
+    let title = Entry::new(title(data, area, small), text);
+    let here = pointed.map(|x| Entry::new(format!("{} {}", series.x_label, number(x)), text));
+    let names = here.iter().cloned().chain(names(series, pointed.or(series.now()), theme));
+    let mut rows: Vec<Vec<Entry>> = Vec::new();
     if plot.is_named_below {
-        row(&mut canvas, &[title], (area, upper));
-        row(&mut canvas, &words, (area, upper + 1.35 * small));
+        rows.push(vec![title]);
+        rows.push(Vec::new());
     } else {
-        let all = [if pointed.is_some() { vec![] } else { vec![title] }, words].concat();
-        row(&mut canvas, &all, (area, upper));
+        rows.push(if here.is_some() { vec![] } else { vec![title] });
+    }
+    for name in names {
+        let used: f32 = rows.last().iter().flat_map(|row| row.iter()).map(Entry::width).sum();
+        if used > 0.0 && used + name.width() - GAP_LETTERS * small > area.size()[0] && rows.len() < plot.rows {
+            rows.push(Vec::new());
+        }
+        rows.last_mut().into_iter().for_each(|row| row.push(name.clone()));
+    }
+    let mut canvas = Canvas::default();
+    for (i, entries) in rows.iter().enumerate() {
+        row(&mut canvas, entries, (area, area.min[1] + (0.8 + ROW * i as f32) * small), theme);
     }
     canvas.into_primitives()
 }
 
+/// The names of lines with their values at `x`, of bands and of thresholds.
+fn names(series: &Series, x: Option<f32>, theme: Theme) -> Vec<Entry> {
+    let (text, chrome) = (Type::text(theme), theme.chrome());
+    let lines = series.lines.iter().map(|(name, role, points)| {
+        let value = x.and_then(|x| value(*role, points, x));
+        let value = value.map_or_else(String::new, |value| format!(" {}", number(value)));
+        Entry::new(format!("{name}{value}"), text.color(theme.word(*role)))
+    });
+    let bands = series.bands.iter().map(|band| Entry {
+        swatch: Some(Swatch::Band(band_color(theme))),
+        ..Entry::new(band_name(band), text.color(chrome.dim))
+    });
+    let thresholds = series.thresholds.iter().map(|(name, value)| Entry {
+        swatch: Some(Swatch::Threshold(theme.word(Role::Rejected))),
+        ..Entry::new(format!("{name} {}", number(*value)), text.color(chrome.dim))
+    });
+    lines.chain(bands).chain(thresholds).collect()
+}
+
+/// A band in words: `95 % band 0.05 to 7.38`.
+fn band_name(Band { name, values: [low, high] }: &Band) -> String {
+    let short = |v: f32| {
+        let shown = number((v * 100.0).round() / 100.0);
+        if shown.contains('.') { shown.trim_end_matches('0').trim_end_matches('.').to_owned() } else { shown }
+    };
+    format!("{name} {} to {}", short(*low), short(*high))
+}
+
+fn band_color(theme: Theme) -> Color {
+    let chrome = theme.chrome();
+    chrome.panel.mix(theme.word(Role::Window), 0.16)
+}
+
 /// Words beside each other, as far as they have room.
-fn row(canvas: &mut Canvas, words: &[(String, Type)], (area, y): (Rect, f32)) {
+fn row(canvas: &mut Canvas, entries: &[Entry], (area, y): (Rect, f32), theme: Theme) {
     let mut x = area.min[0];
-    for (words, style) in words {
-        let words = shortened(words, *style, area.max[0] - x);
-        x = canvas.text([x, y], (Anchor::Start, Level::Middle), &words, *style).max[0] + GAP_LETTERS * style.size;
+    for Entry { words, style, swatch } in entries {
+        let size = style.size;
+        let start = if swatch.is_some() { x + SWATCH_LETTERS * size } else { x };
+        let words = shortened(words, *style, area.max[0] - start);
+        if words.is_empty() {
+            break;
+        }
+        let sample = Rect::between([x, y - 0.4 * size], [start - 0.4 * size, y + 0.4 * size]);
+        match swatch {
+            Some(Swatch::Band(color)) => {
+                canvas.fill(sample, *color);
+                canvas.frame(sample, 1.0, theme.chrome().dim);
+            }
+            Some(Swatch::Threshold(color)) => {
+                let ends = vec![[sample.min[0], y], [sample.max[0], y]];
+                canvas.line(ends, false, Stroke { dash: THRESHOLD, ..solid(1.5, *color) });
+            }
+            None => {}
+        }
+        x = canvas.text([start, y], (Anchor::Start, Level::Middle), &words, *style).max[0] + GAP_LETTERS * size;
     }
 }
 
 /// Between two names, in letters.
 const GAP_LETTERS: f32 = 1.4;
+/// Room for what stands before the name of a band.
+const SWATCH_LETTERS: f32 = 1.7;
+/// From one row of names to the next.
+const ROW: f32 = 1.35;
+/// Dashes and gaps of a threshold.
+const THRESHOLD: &[f32] = &[5.0, 3.0];
 
 /// What is plotted and in which unit; the unit is not told where it would repeat the title.
 fn title(data: Plotted<'_>, area: Rect, small: f32) -> String {
@@ -120,11 +267,15 @@ impl Plot {
         let text = Type::text(theme);
         let small = text.size;
         // Beside the title there is room for the lines with their values, or they stand below it.
-        let names = series.lines.iter().map(|(name, ..)| text.width(name) + (GAP_LETTERS + 3.0) * small).sum::<f32>();
+        let value = |entry: &Entry| if entry.swatch.is_none() { 3.0 * small } else { 0.0 };
+        let names = names(series, None, theme).iter().map(|entry| entry.width() + value(entry)).sum::<f32>();
         let title = text.width(&title(data, area, small)) + GAP_LETTERS * small;
-        let is_tight = super::is_tight(area, small);
-        let is_named_below = !is_tight && title + names > area.size()[0];
-        let above = if is_named_below { 3.4 } else { 2.2 } * small;
+        let (is_tight, width) = (super::is_tight(area, small), area.size()[0]);
+        let most = ((area.size()[1] / small - TIGHTEST) / ROW).clamp(1.0, 4.0) as usize;
+        let is_named_below = most > 1 && title + names > width;
+        let rows = if is_named_below { (1 + (names / width).ceil() as usize).min(most) } else { 1 };
+        let are_sections_named = !is_tight && series.sections.iter().any(|section| !section.label.is_empty());
+        let above = (0.85 + ROW * rows as f32 + if are_sections_named { 1.25 } else { 0.0 }) * small;
         let min = [area.min[0] + 4.6 * small, area.min[1] + above];
         let max = [area.max[0] - 2.0 * small, area.max[1] - if is_tight { 1.9 } else { 3.4 } * small];
         let rect = Rect { min: min.map(f32::round), max: [0, 1].map(|i| max[i].max(min[i] + 8.0).round()) };
@@ -134,7 +285,9 @@ impl Plot {
         let all = || series.lines.iter().flat_map(|(_, _, points)| points).filter(|p| p[1].is_finite());
         let counts = |point: &&[f32; 2]| !rejected.contains(point);
         let some = all().any(|point| counts(&point));
+        let named = series.bands.iter().flat_map(|band| band.values).chain(series.thresholds.iter().map(|(_, at)| *at));
         let values = all().filter(|point| !some || counts(point)).map(|point| point[1]);
+        let values = values.chain(named.filter(|value| !logarithmic || *value > 0.0));
         let low = values.clone().fold(f32::INFINITY, f32::min);
         let high = values.fold(f32::MIN_POSITIVE, f32::max);
         let logarithmic = logarithmic && low > 0.0 && low.is_finite();
@@ -142,22 +295,53 @@ impl Plot {
         let linear = Axis { values: [low.min(0.0), high], places }.rounded(3.0 * small);
         // From one power of ten to another.
         let decades = [low.log10().floor(), high.log10().ceil().max(low.log10().floor() + 1.0)];
+        // A stretch far from the first step begins where its data do.
+        let (end, first) = (series.x_max.max(1) as f32, all().map(|point| point[0]).fold(f32::INFINITY, f32::min));
+        let start = if first.is_finite() && first > 0.2 * end && first < end { first } else { 0.0 };
+        let whole = Window { x: [start, end], y: if logarithmic { decades } else { linear.values } };
+        let window = data.window.unwrap_or(whole);
         Self {
             rect,
-            x: Axis { values: [0.0, series.x_max.max(1) as f32], places: [rect.min[0], rect.max[0]] },
-            y: if logarithmic { Axis { values: decades, places } } else { linear },
+            x: Axis { values: window.x, places: [rect.min[0], rect.max[0]] },
+            y: Axis { values: window.y, places },
+            whole,
             logarithmic,
             small,
+            rows,
             is_named_below,
             is_tight,
         }
     }
 
-    /// Where a point of a line stands; beyond an end of the values at that end.
+    /// Whether a step lies between the ends of its axis.
+    fn shows(&self, x: f32) -> bool {
+        (self.x.values[0]..=self.x.values[1]).contains(&x)
+    }
+
+    /// A value on the axis.
+    fn up(&self, y: f32) -> f32 {
+        if self.logarithmic { y.log10() } else { y }
+    }
+
+    /// Beyond which end of the values a point lies, if beyond one: the place of that end.
+    fn beyond(&self, [_, y]: [f32; 2]) -> Option<f32> {
+        let ([low, high], y) = (self.y.values, self.up(y));
+        // What was rounded on its way is not beyond.
+        let slack = 1e-4 * (high - low);
+        if y < low - slack {
+            Some(self.y.places[0])
+        } else if y > high + slack {
+            Some(self.y.places[1])
+        } else {
+            None
+        }
+    }
+
+    /// Where a point of a line stands; far beyond an end of the values, a little beyond that end.
     pub fn at(&self, [x, y]: [f32; 2]) -> Point {
         let [low, high] = self.y.values;
-        let y = if self.logarithmic { y.log10() } else { y };
-        [self.x.place(x), self.y.place(y.clamp(low, high))]
+        let span = high - low;
+        [self.x.place(x), self.y.place(self.up(y).clamp(low - span, high + span))]
     }
 
     /// The ticks of the values, each with its place on the axis.
@@ -165,6 +349,41 @@ impl Plot {
         let smallest = if self.logarithmic { 1.0 } else { 0.0 };
         let value = |tick: f32| if self.logarithmic { 10f32.powf(tick) } else { tick };
         self.y.ticks(3.0 * self.small, smallest).into_iter().map(|tick| (value(tick), self.y.place(tick))).collect()
+    }
+}
+
+/// Where values are expected to lie, and limits.
+fn bands(canvas: &mut Canvas, plot: &Plot, series: &Series, theme: Theme) {
+    let Rect { min: [left, top], max: [right, bottom] } = plot.rect;
+    let place = |value: f32| plot.at([0.0, value])[1].clamp(top, bottom);
+    for Band { values: [low, high], .. } in &series.bands {
+        let rect = Rect::between([left, place(*high)], [right, place(*low)]);
+        canvas.fill(rect, band_color(theme));
+        for edge in [*low, *high].into_iter().filter(|edge| plot.beyond([0.0, *edge]).is_none()) {
+            canvas.across([left, right], place(edge), theme.word(Role::Window).alpha(150));
+        }
+    }
+    let color = theme.word(Role::Rejected);
+    for (_, value) in series.thresholds.iter().filter(|(_, value)| plot.beyond([0.0, *value]).is_none()) {
+        let y = place(*value);
+        canvas.line(vec![[left, y], [right, y]], false, Stroke { dash: THRESHOLD, ..solid(1.5, color) });
+    }
+}
+
+/// Arrows at the edge for values beyond it, as far as they do not stand on each other.
+fn clipped(canvas: &mut Canvas, plot: &Plot, points: &[[f32; 2]], color: Color) {
+    let mut taken = [f32::NEG_INFINITY; 2];
+    let known = points.iter().filter(|point| !point[1].is_nan() && plot.shows(point[0]));
+    for point in known {
+        let Some(edge) = plot.beyond(*point) else { continue };
+        let (x, is_up) = (plot.x.place(point[0]), edge == plot.y.places[1]);
+        let taken = &mut taken[usize::from(is_up)];
+        if x - *taken < 2.0 * ARROW {
+            continue;
+        }
+        *taken = x;
+        let foot = if is_up { edge + 2.0 * ARROW } else { edge - 2.0 * ARROW };
+        canvas.add(Primitive::Polygon { points: vec![[x, edge], [x + ARROW, foot], [x - ARROW, foot]], color });
     }
 }
 
@@ -178,12 +397,24 @@ fn axes(canvas: &mut Canvas, plot: &Plot, (series, area): (&Series, Rect), theme
     canvas.across([left, right], bottom, chrome.dim);
     let below = bottom + 6.0 + if plot.is_tight { 0.0 } else { 1.25 * plot.small };
     let name = canvas.text([right, below], (Anchor::End, Level::Top), series.x_label, Type::text(theme));
-    for tick in plot.x.ticks(5.0 * plot.small, 1.0) {
+    let has_room = |right: f32| !plot.is_tight || right + 0.5 * plot.small < name.min[0];
+    // The step at hand is told first; ticks have what room it leaves.
+    let bold = Type::text(theme).face(Face::Bold);
+    let now = series.now().filter(|x| plot.shows(*x)).map(|now| {
+        let half = bold.width(&number(now)) / 2.0;
+        (now, plot.x.place(now).min(area.max[0] - half), half)
+    });
+    let now = now.filter(|(_, x, half)| has_room(x + half));
+    if let Some((now, x, _)) = now {
+        canvas.text([x, bottom + 6.0], (Anchor::Middle, Level::Top), &number(now), bold);
+    }
+    for tick in plot.x.ticks(5.0 * plot.small, if series.is_sweep { 0.0 } else { 1.0 }) {
         let (x, words) = (plot.x.place(tick), number(tick));
         canvas.down(x, [bottom, bottom + 4.0], chrome.dim);
         let half = dim.width(&words) / 2.0;
         let x = x.min(area.max[0] - half);
-        if !plot.is_tight || x + half + 0.5 * plot.small < name.min[0] {
+        let is_clear = now.is_none_or(|(_, at, wide)| (x - at).abs() > half + wide + 0.4 * plot.small);
+        if is_clear && has_room(x + half) {
             canvas.text([x, bottom + 6.0], (Anchor::Middle, Level::Top), &words, dim);
         }
     }
@@ -198,13 +429,15 @@ fn sections(canvas: &mut Canvas, plot: &Plot, series: &Series, theme: Theme) {
     let are_apart = places.windows(2).all(|pair| pair[1].0 - pair[0].0 >= PARTS_PT);
     let named = named(&places, &widths, right);
     for ((section, (x, is_part)), is_named) in series.sections.iter().zip(&places).zip(named) {
-        if *is_part && !are_apart {
+        if *is_part && !are_apart || !plot.shows(section.from) {
             continue;
         }
-        let from = if *is_part { top + 1.5 * plot.small } else { top };
+        // Names stand above, where they cover no line.
+        let from = if *is_part || plot.is_tight { top } else { top - 1.1 * plot.small };
         canvas.down(*x, [from, bottom], chrome.line.mix(chrome.dim, 0.4));
-        if is_named {
-            canvas.text([x + NAME_PT, top], (Anchor::Start, Level::Top), &section.label, dim);
+        if is_named && !plot.is_tight {
+            let at = [x + NAME_PT, top - 0.15 * plot.small];
+            canvas.text(at, (Anchor::Start, Level::Bottom), &section.label, dim);
         }
     }
 }
@@ -231,7 +464,7 @@ fn are_marks(series: &Series, role: Role, points: &[[f32; 2]]) -> bool {
 }
 
 /// A circle of lines, so that what it marks is seen through it.
-fn ring(canvas: &mut Canvas, [x, y]: Point, color: super::super::Color) {
+fn ring(canvas: &mut Canvas, [x, y]: Point, color: Color) {
     let points = (0..16).map(|i| {
         let (sin, cos) = (i as f32 / 16.0 * std::f32::consts::TAU).sin_cos();
         [x + 4.0 * cos, y + 4.0 * sin]
@@ -309,13 +542,21 @@ fn value(role: Role, points: &[[f32; 2]], x: f32) -> Option<f32> {
     (at == x || role == Role::Best).then_some(value).filter(|value| !value.is_nan())
 }
 
+/// The values of all lines at `x`, with their roles.
+pub fn values(series: &Series, x: f32) -> Vec<(Role, f32)> {
+    series.lines.iter().filter_map(|(_, role, points)| Some((*role, value(*role, points, x)?))).collect()
+}
+
 /// The last values of all lines, in words.
 pub fn summary(series: &Series) -> String {
     let last = series.lines.iter().filter_map(|(name, _, points)| {
         let known = points.iter().rev().find(|point| !point[1].is_nan());
         known.map(|[x, y]| format!(", {name} {} at {} {}", number(*y), series.x_label, number(*x)))
     });
-    format!("{}, {}{}", series.title, series.y_label, last.collect::<String>())
+    let bands = series.bands.iter().map(|band| format!(", {}", band_name(band)));
+    let thresholds = series.thresholds.iter().map(|(name, value)| format!(", {name} {}", number(*value)));
+    let named: String = last.chain(bands).chain(thresholds).collect();
+    format!("{}, {}{named}", series.title, series.y_label)
 }
 
 #[cfg(test)]
@@ -334,13 +575,13 @@ mod tests {
             y_label: "SAD",
             x_max: 1089,
             events: (1..=points).collect(),
-            sections: Vec::new(),
             lines,
+            ..Series::default()
         }
     }
 
     fn plotted(series: &Series, logarithmic: bool) -> Plotted<'_> {
-        Plotted { series, whose: "Full search", logarithmic }
+        Plotted { series, whose: "Full search", logarithmic, window: None }
     }
 
     fn plot(series: &Series) -> Plot {
@@ -364,7 +605,7 @@ mod tests {
         let places: Vec<_> = series.lines[0].2.iter().map(|&point| plot.at(point)).collect();
         assert!(lines.any(|points| *points == places), "the candidates' costs are one line");
         let words = texts(&primitives);
-        for label in ["Full search · Cost by candidate, SAD", "candidate", "best so far", "0", "1000"] {
+        for label in ["Full search · Cost by candidate, SAD", "candidate", "best so far 511", "0", "10", "1000"] {
             assert!(words.iter().any(|word| word == label), "{label} is missing in {words:?}");
         }
     }
@@ -374,7 +615,7 @@ mod tests {
         let mut series = series(3);
         (series.title, series.y_label) = ("Objects", "objects");
         let wide = Rect::new([0.0; 2], [600.0, 200.0]);
-        let told = title(Plotted { series: &series, whose: "Blob tracker", logarithmic: false }, wide, 12.0);
+        let told = title(Plotted { whose: "Blob tracker", ..plotted(&series, false) }, wide, 12.0);
         assert_eq!(told, "Blob tracker · Objects");
     }
 
@@ -455,5 +696,111 @@ mod tests {
         let low = |points: &[[f32; 2]]| points.iter().map(|p| p[1]).fold(f32::MAX, f32::min);
         assert_eq!(low(&kept), low(points));
         assert_eq!(kept.last(), points.last());
+    }
+
+    /// As a filter tells whether it is consistent.
+    fn consistency() -> Series {
+        let values: Vec<_> = (1..=20).map(|i| [i as f32, if i == 7 { 80.0 } else { 1.0 + (i % 5) as f32 }]).collect();
+        let refused = vec![values[6]];
+        Series {
+            title: "NIS",
+            x_label: "frame",
+            y_label: "squared Mahalanobis distance",
+            x_max: 40,
+            lines: vec![("NIS", Role::Measured, values), ("outside the gate", Role::Rejected, refused)],
+            bands: vec![Band { name: "95 % band".into(), values: [0.0506, 7.378] }],
+            thresholds: vec![("99 % gate".into(), 9.21)],
+            ..Series::default()
+        }
+    }
+
+    #[test]
+    fn a_band_is_drawn_and_named_with_its_ends() {
+        let series = consistency();
+        let drawing = draw(plotted(&series, false), Rect::new([0.0; 2], [700.0, 300.0]), style());
+        let plot = drawing.place.clone();
+        let primitives = flat(drawing);
+        let is_band = |points: &Vec<Point>| {
+            let ys = [0.0506, 7.378].map(|y| plot.at([0.0, y])[1]);
+            ys.iter().all(|y| points.iter().any(|point| (point[1] - y).abs() < 0.01))
+        };
+        let color = band_color(Theme::Dark);
+        let found = primitives
+            .iter()
+            .any(|p| matches!(p, Primitive::Polygon { points, color: filled } if *filled == color && is_band(points)));
+        assert!(found, "the band lies between its ends");
+        let words = texts(&primitives);
+        for wanted in ["95 % band 0.05 to 7.38", "99 % gate 9.21", "NIS 1", "20"] {
+            assert!(words.iter().any(|word| word == wanted), "{wanted} is missing in {words:?}");
+        }
+        assert!(summary(&series).ends_with("95 % band 0.05 to 7.38, 99 % gate 9.21"), "{}", summary(&series));
+    }
+
+    #[test]
+    fn a_value_beyond_the_edge_is_an_arrow_there() {
+        let series = consistency();
+        let drawing = draw(plotted(&series, false), Rect::new([0.0; 2], [700.0, 300.0]), style());
+        let plot = drawing.place.clone();
+        assert!(plot.y.values[1] < 80.0, "what was rejected does not set the scale");
+        let tips = |primitives: &[Primitive]| -> Vec<Point> {
+            let tip = |p: &Primitive| match p {
+                Primitive::Polygon { points, .. } if points.len() == 3 => Some(points[0]),
+                _ => None,
+            };
+            primitives.iter().filter_map(tip).collect()
+        };
+        let found = tips(&flat(drawing));
+        assert!(
+            !found.is_empty() && found.iter().all(|tip| *tip == [plot.x.place(7.0), plot.rect.min[1]]),
+            "{found:?}"
+        );
+        // One that is near enough shows it.
+        let near = Plotted { window: Some(Window { x: [5.0, 9.0], y: [60.0, 90.0] }), ..plotted(&series, false) };
+        let drawing = draw(near, Rect::new([0.0; 2], [700.0, 300.0]), style());
+        let bottom = drawing.place.rect.max[1];
+        assert!(tips(&flat(drawing)).iter().all(|tip| tip[1] == bottom), "now the others lie below");
+        let head =
+            texts(&head(plotted(&series, false), &plot, Rect::new([0.0; 2], [700.0, 300.0]), Some(7.1), style()));
+        assert!(head.contains(&"frame 7".into()) && head.contains(&"outside the gate 80".into()), "{head:?}");
+    }
+
+    #[test]
+    fn ten_lines_of_type_are_enough() {
+        let (series, small) = (consistency(), style().small());
+        for width in [280.0, 420.0, 800.0] {
+            let area = Rect::new([0.0; 2], [width, 10.0 * 1.35 * small]);
+            let drawing = draw(plotted(&series, false), area, style());
+            let plot = drawing.place.clone();
+            assert!(plot.rect.size()[1] >= 0.45 * area.size()[1], "{width}: {:?}", plot.rect);
+            assert!(plot.ticks().len() >= 2);
+            for primitive in flat(drawing) {
+                if let Primitive::Text(line) = &primitive {
+                    let rect = super::super::canvas::covered(line);
+                    let is_out = rect.max[1] < plot.rect.min[1] + 2.0 || rect.min[1] > plot.rect.max[1] - 2.0;
+                    assert!(is_out || rect.max[0] <= plot.rect.min[0], "{line:?} covers the lines");
+                    assert!(rect.max[0] <= width + 1.0 && rect.min[1] >= -2.0, "{line:?} is cut off");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn coming_nearer_keeps_what_is_under_the_pointer_and_stays_inside() {
+        let whole = Window { x: [0.0, 40.0], y: [0.0, 10.0] };
+        let near = whole.nearer([10.0, 5.0], 4.0, whole);
+        assert_eq!(near, Window { x: [7.5, 17.5], y: [3.75, 6.25] });
+        assert_eq!(near.nearer([10.0, 5.0], 0.01, whole), whole);
+        assert_eq!(near.moved([-100.0, 100.0], whole), Window { x: [0.0, 10.0], y: [7.5, 10.0] });
+        let nearest = whole.nearer([10.0, 5.0], 1e9, whole);
+        assert!((nearest.x[1] - nearest.x[0] - 40.0 / NEAREST).abs() < 1e-4);
+    }
+
+    #[test]
+    fn a_stretch_far_from_the_first_step_begins_where_its_data_do() {
+        let mut series = consistency();
+        assert_eq!(plot(&series).whole.x, [0.0, 40.0]);
+        series.lines.iter_mut().flat_map(|line| &mut line.2).for_each(|point| point[0] += 500.0);
+        series.x_max = 540;
+        assert_eq!(plot(&series).whole.x, [501.0, 540.0]);
     }
 }

@@ -44,7 +44,7 @@ fn below_each_other(ui: &mut Ui, all: &[&Series], subject: Subject<'_>, plots: &
     let size = vec2(ui.available_width(), (ui.available_height() - gap * (count - 1.0)) / count);
     let mut clicked = None;
     for (series, plot) in all.iter().zip(plots) {
-        let input = series::Input { series, subject, logarithmic: false };
+        let input = series::Input { series, subject, logarithmic: series.is_logarithmic };
         let show = |ui: &mut Ui| ui.allocate_ui(size, |ui| series::show(ui, input, plot).clicked);
         clicked = clicked.or(ui.push_id(series.title, show).inner.inner);
     }

@@ -1,9 +1,9 @@
-//! A quantity over steps: what is pointed at and clicked on its plot.
+//! A quantity over steps: coming nearer, going along, pointing at a step and clicking it.
 
-use eframe::egui::{self, Sense, Stroke, Ui, vec2};
+use eframe::egui::{self, Color32, Rect, RichText, Sense, Stroke, Ui, pos2, vec2};
 use motionscope_core::scene::Series;
 
-use crate::paint::charts::series::{Plot, Plotted, draw, event, head, nearest, summary};
+use crate::paint::charts::series::{Plot, Plotted, Window, draw, event, head, nearest, summary, values};
 use crate::ui::drawing::chart::{Chart, Subject, over, rect_from, rect_of};
 use crate::ui::drawing::ink;
 
@@ -14,12 +14,31 @@ pub struct Input<'a> {
     pub series: &'a Series,
     /// Whose they are, and how they look.
     pub subject: Subject<'a>,
-    /// Whether ten times as much is as far up everywhere, as long as all is more than nothing.
+    /// Whether ten times as much is as far up everywhere, unless the person chose otherwise and as long as all is more than
+    /// nothing.
     pub logarithmic: bool,
 }
 
-/// The plot as it is shown.
-pub type State = Chart<Plot, bool>;
+/// The plot as it is shown, and which part of it.
+#[derive(Default)]
+pub struct State {
+    chart: Chart<Plot, (bool, Option<Window>)>,
+    /// The part that one has come near to, of a quantity of this title.
+    near: Option<(&'static str, Window)>,
+    /// The scale that the person chose for a quantity of this title.
+    chosen: Option<(&'static str, bool)>,
+}
+
+impl State {
+    /// The part of `series` that is seen, if it is not all.
+    fn window(&self, series: &Series) -> Option<Window> {
+        self.near.filter(|(title, _)| *title == series.title).map(|(_, window)| window)
+    }
+
+    fn is_logarithmic(&self, Input { series, logarithmic, .. }: Input<'_>) -> bool {
+        self.chosen.filter(|(title, _)| *title == series.title).map_or(logarithmic, |(_, chosen)| chosen)
+    }
+}
 
 /// What the person did.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -30,24 +49,95 @@ pub struct Response {
 
 /// Shows the lines in the whole of `ui`.
 pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
-    let Input { series, subject, logarithmic } = input;
-    let (area, _) = ui.allocate_exact_size(ui.available_size().max(vec2(80.0, 60.0)), Sense::hover());
+    let Input { series, subject, .. } = input;
+    let (area, whole) = ui.allocate_exact_size(ui.available_size().max(vec2(80.0, 60.0)), Sense::hover());
     let painter = ui.painter_at(area);
-    let data = Plotted { series, whose: subject.whose, logarithmic };
-    let plot = state.lay_out(&painter, (subject, series), (area, logarithmic), |area, style| draw(data, area, style));
-    let rect = rect_from(plot.rect);
-    let sensed = ui.interact(rect, ui.scope_id().with("series"), Sense::click());
+    let lay_out = |state: &mut State| {
+        let (logarithmic, window) = (state.is_logarithmic(input), state.window(series));
+        let data = Plotted { series, whose: subject.whose, logarithmic, window };
+        let draw = |area, style| draw(data, area, style);
+        (data, state.chart.lay_out(&painter, (subject, series), (area, (logarithmic, window)), draw))
+    };
+    let (_, before) = lay_out(state);
+    let rect = rect_from(before.rect);
+    let sensed = ui.interact(rect, ui.scope_id().with("series"), Sense::click_and_drag());
     sensed.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, summary(series)));
-    state.body(&painter);
+    travel(ui, &sensed, (series, &before), state);
+    let (data, plot) = lay_out(state);
+    state.chart.body(&painter);
     let hovered = sensed.hover_pos().map(|at| plot.x.value(at.x));
     let step = hovered.and_then(|x| nearest(series, x));
     match step {
         Some(x) => {
             let stroke = Stroke::new(1.0, ink::color(subject.theme.chrome().dim));
             painter.vline(plot.x.place(x), rect.y_range(), stroke);
+            for (role, y) in values(series, x) {
+                let at = plot.at([x, y]).into();
+                if rect.expand(1.0).contains(at) {
+                    painter.circle_stroke(at, 5.0, Stroke::new(2.0, ink::color(subject.theme.word(role))));
+                }
+            }
             over(&painter, &head(data, &plot, rect_of(area), hovered, subject.style(&painter)));
         }
-        None => state.head(&painter),
+        None => state.chart.head(&painter),
+    }
+    let is_pointed_at = ui.rect_contains_pointer(whole.rect);
+    if is_pointed_at && has_scales(series) {
+        scales(ui, rect, (input, plot.logarithmic), state);
     }
     Response { clicked: step.filter(|_| sensed.clicked()).and_then(|x| event(series, x)) }
+}
+
+/// Comes nearer with the wheel and goes along at a drag; a double click shows all again.
+fn travel(ui: &Ui, sensed: &egui::Response, (series, plot): (&Series, &Plot), state: &mut State) {
+    if sensed.double_clicked() {
+        state.near = None;
+        return;
+    }
+    let now = state.window(series).unwrap_or(plot.whole);
+    let mut window = now;
+    if let Some(at) = sensed.hover_pos() {
+        let (wheel, pinch) = ui.input(|i| (i.smooth_scroll_delta().y, i.zoom_delta()));
+        let factor = pinch * (wheel / 200.0).exp();
+        if factor != 1.0 {
+            window = window.nearer([plot.x.value(at.x), plot.y.value(at.y)], factor, plot.whole);
+        }
+    }
+    if sensed.dragged() {
+        let by = sensed.drag_delta();
+        let along = [plot.x.value(0.0) - plot.x.value(by.x), plot.y.value(0.0) - plot.y.value(by.y)];
+        window = window.moved(along, plot.whole);
+    }
+    if window != now {
+        state.near = (window != plot.whole).then_some((series.title, window));
+    }
+}
+
+/// Whether there is a choice: nothing has no logarithm.
+fn has_scales(series: &Series) -> bool {
+    let mut all = series.lines.iter().flat_map(|(.., points)| points).map(|point| point[1]).filter(|y| !y.is_nan());
+    all.next().is_some_and(|first| first > 0.0) && all.all(|y| y > 0.0)
+}
+
+/// A small button in the plot's corner that changes the scale of the values.
+fn scales(
+    ui: &mut Ui,
+    rect: Rect,
+    (Input { series, subject, .. }, is_logarithmic): (Input<'_>, bool),
+    state: &mut State,
+) {
+    let size = subject.theme.sizes().small;
+    let corner = pos2(rect.max.x - 2.0, rect.min.y + 2.0);
+    let place = Rect::from_min_max(pos2(corner.x - 3.2 * size, corner.y), pos2(corner.x, corner.y + 1.5 * size));
+    let button = egui::Button::new(RichText::new("log").size(size))
+        .selected(is_logarithmic)
+        .fill(if is_logarithmic { ui.visuals().selection.bg_fill } else { ink::color(subject.theme.chrome().raised) })
+        .stroke(Stroke::new(1.0, Color32::from(ink::color(subject.theme.chrome().line))))
+        .small();
+    let tip =
+        if is_logarithmic { "Show the values on a linear axis." } else { "Show the values on a logarithmic axis." };
+    if ui.put(place, button).on_hover_text(tip).clicked() {
+        state.chosen = Some((series.title, !is_logarithmic));
+        state.near = None;
+    }
 }

@@ -21,6 +21,7 @@ use crate::ui::drawing::style;
 use crate::ui::model::background::Background;
 use crate::ui::model::comparing::{Comparing, Plan};
 use crate::ui::model::document::Document;
+use crate::ui::panes::glossary;
 use crate::ui::parts::widgets;
 
 /// The largest number of estimators in a comparison.
@@ -349,11 +350,11 @@ fn table(ui: &mut Ui, rows: &[Arc<Row>], state: &mut State, actions: &mut Action
                 Some(_) => {
                     let tip = format!("{} Click to plot it.", column.doc);
                     let heading = ui.selectable_label(state.plotted == *i, strong(column.heading));
-                    if heading.on_hover_text(tip).clicked() {
+                    if heading.on_hover_ui(|ui| glossary::tooltip(ui, &tip)).clicked() {
                         state.plotted = *i;
                     }
                 }
-                None => drop(ui.label(strong(column.heading)).on_hover_text(column.doc)),
+                None => drop(ui.label(strong(column.heading)).on_hover_ui(|ui| glossary::tooltip(ui, column.doc))),
             });
         }
         ui.end_row();
@@ -410,9 +411,9 @@ fn plot(rows: &[Arc<Row>], column: &Column, x_label: &'static str) -> Series {
         x_label,
         y_label: "over the swept parameter",
         x_max,
-        events: Vec::new(),
-        sections: Vec::new(),
         lines,
+        is_sweep: true,
+        ..Series::default()
     }
 }
 

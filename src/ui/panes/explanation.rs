@@ -10,6 +10,7 @@ use crate::paint::Theme;
 use crate::paint::charts::explanation::{self, Block, Density, Light};
 use crate::ui::drawing::chart::{rect_from, unclipped};
 use crate::ui::drawing::{ink, primitives};
+use crate::ui::panes::glossary::{self, Link};
 
 /// What is explained.
 #[derive(Clone, Copy)]
@@ -57,14 +58,17 @@ struct Part {
     shapes: Vec<Shape>,
     /// Its lines: where each is and what it says.
     lines: Vec<(Rect, String)>,
+    /// The terms in it, which are defined where they are pointed at.
+    links: Vec<Link>,
 }
 
 impl Part {
-    fn new(painter: &Painter, block: Block) -> Self {
+    fn new(painter: &Painter, block: Block, family: &str) -> Self {
         // What is scrolled out of sight now may come into it later.
         let painter = unclipped(painter);
+        let links = glossary::links(&block, family);
         let lines = block.lines.into_iter().map(|(rect, words)| (rect_from(rect), words)).collect();
-        Self { size: block.size.into(), shapes: primitives::shapes(&painter, &block.primitives), lines }
+        Self { size: block.size.into(), shapes: primitives::shapes(&painter, &block.primitives), lines, links }
     }
 
     /// Shows it, each line with its name; gives where these are.
@@ -84,7 +88,9 @@ impl Part {
             ink::name(&sensed, || words.clone());
             place
         };
-        self.lines.iter().enumerate().map(line).collect()
+        let places = self.lines.iter().enumerate().map(line).collect();
+        glossary::sense(ui, salt, &self.links, by);
+        places
     }
 }
 
@@ -108,7 +114,7 @@ struct Parts {
 impl Parts {
     fn new(painter: &Painter, Input { info, step, theme, .. }: Input<'_>, key: Key) -> Self {
         let (width, density) = (key.width as f32, key.density);
-        let part = |block| Part::new(painter, block);
+        let part = |block| Part::new(painter, block, info.family);
         let line = |text: &str| explanation::code_line(text.trim_start(), Light::AtWork, width, theme);
         let pinned = info.line(step.line).map(|i| line(info.pseudocode[i].text)).unwrap_or_default();
         let highest = info.pseudocode.iter().map(|code| line(code.text).size[1]).fold(0.0, f32::max);
@@ -274,13 +280,13 @@ pub fn strip(ui: &mut Ui, input: Input<'_>, state: &mut Strip) {
 
 /// The parts of the strip beside each other, each with its left edge: the sentence, and the formula in one column or two,
 /// whichever is lower.
-fn strip_parts(painter: &Painter, Input { step, theme, .. }: Input<'_>, width: f32) -> Vec<(f32, Part)> {
+fn strip_parts(painter: &Painter, Input { info, step, theme, .. }: Input<'_>, width: f32) -> Vec<(f32, Part)> {
     let density = Density::close(theme);
     let (formula, facts) = (explanation::equation_of(step), explanation::facts_of(step));
     let sentence = |width: f32| explanation::sentence(&step.sentence, (width, density), theme);
     let lines = |lines: &[Math], width: f32| explanation::equation(lines, (width, density), theme);
     if formula.is_empty() && facts.is_empty() {
-        return vec![(0.0, Part::new(painter, sentence(width)))];
+        return vec![(0.0, Part::new(painter, sentence(width), info.family))];
     }
     let one = |share: f32, block: &dyn Fn(f32) -> Block| {
         let left = share * width;
@@ -302,7 +308,7 @@ fn strip_parts(painter: &Painter, Input { step, theme, .. }: Input<'_>, width: f
     };
     let height = |way: &Vec<(f32, Block)>| way.iter().map(|(_, block)| block.size[1]).fold(0.0, f32::max);
     let lowest = ways.into_iter().min_by(|a, b| height(a).total_cmp(&height(b))).unwrap_or_default();
-    lowest.into_iter().map(|(left, block)| (left, Part::new(painter, block))).collect()
+    lowest.into_iter().map(|(left, block)| (left, Part::new(painter, block, info.family))).collect()
 }
 
 /// Where lines that may be seen from `top` down to `end` have to end so that none of them is cut.

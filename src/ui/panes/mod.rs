@@ -3,6 +3,7 @@
 pub mod charts;
 pub mod clip_card;
 pub mod explanation;
+pub mod glossary;
 pub mod granularities;
 pub mod layout;
 pub mod parameters;

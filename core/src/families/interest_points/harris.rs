@@ -62,11 +62,11 @@ impl Measure for Harris {
         let symbols = Math::Row(vec![
             Math::Var("R"),
             Math::text(" = det "),
-            Math::Var("T"),
+            Math::Bold("T"),
             Math::text(" − "),
             Math::Var("k"),
             Math::text(" "),
-            Math::power(Math::Row(vec![Math::text("(tr "), Math::Var("T"), Math::text(")")]), Math::text("2")),
+            Math::power(Math::Row(vec![Math::text("(tr "), Math::Bold("T"), Math::text(")")]), Math::text("2")),
         ]);
         let numbers = Math::Row(vec![
             Math::text(" = "),

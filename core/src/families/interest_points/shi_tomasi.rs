@@ -55,22 +55,25 @@ impl Measure for ShiTomasi {
             Math::text(" = "),
             Math::indexed(Math::Var("λ"), Math::text("2")),
             Math::text(" = ½ tr "),
-            Math::Var("T"),
-            Math::text(" − √((½ tr "),
-            Math::Var("T"),
-            Math::text(")² − det "),
-            Math::Var("T"),
-            Math::text(")"),
+            Math::Bold("T"),
+            Math::text(" − "),
+            Math::root(Math::Row(vec![
+                Math::squared(Math::Row(vec![Math::text("(½ tr "), Math::Bold("T"), Math::text(")")])),
+                Math::text(" − det "),
+                Math::Bold("T"),
+            ])),
         ]);
         let half = (xx + yy) / 2.0;
         let numbers = Math::Row(vec![
             Math::text(" = "),
             Math::ink(Role::Reference, numbers::gray(half)),
-            Math::text(" − √("),
-            Math::power(Math::ink(Role::Reference, numbers::gray(half)), Math::text("2")),
             Math::text(" − "),
-            Math::ink(Role::Reference, numbers::gray(xx * yy - xy * xy)),
-            Math::text(") = "),
+            Math::root(Math::Row(vec![
+                Math::squared(Math::ink(Role::Reference, numbers::gray(half))),
+                Math::text(" − "),
+                Math::ink(Role::Reference, numbers::gray(xx * yy - xy * xy)),
+            ])),
+            Math::text(" = "),
             Math::ink(Role::Result, numbers::gray(self.response([xx, xy, yy]))),
         ]);
         [symbols, numbers]

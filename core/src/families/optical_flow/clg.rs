@@ -248,7 +248,7 @@ fn symbols(is_about: bool) -> [Math; 2] {
         if is_about { Math::indexed(Math::Var("c"), Math::Var(c)) } else { part(t) }
     };
     let right = |name: &'static str, time: Math| {
-        let mean = explain::mean(name);
+        let mean = Math::mean(Math::Var(name));
         Math::Row(vec![Math::text(" = "), squared(), Math::text(" "), mean, Math::text(" − "), time])
     };
     let with_weight = |along: &'static str| {

@@ -367,11 +367,12 @@ impl Farneback {
         let sections: Vec<_> = explain::sections(notes.iter().map(|note| (note.level, 0)), counts).collect();
         let series = |title, lines| {
             let sections = sections.clone();
-            Series { title, x_label: "iteration", y_label: "px", x_max, events: Vec::new(), sections, lines }
+            Series { title, x_label: "iteration", y_label: "px", x_max, sections, lines, ..Series::default() }
         };
         let mut all = Vec::new();
         if !notes.is_empty() {
-            all.push(series("Mean change", vec![("mean change", Role::Best, line(|note| note.change))]));
+            let change = series("Mean change", vec![("mean change", Role::Best, line(|note| note.change))]);
+            all.push(Series { is_logarithmic: true, ..change });
             if notes.iter().all(|note| note.error.is_finite()) {
                 all.push(series(
                     "Mean endpoint error",

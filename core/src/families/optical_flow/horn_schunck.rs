@@ -209,11 +209,11 @@ fn symbols(to: Math, (part, along): (&'static str, &'static str), rest: Math) ->
     let top = vec![
         explain::derivative("x"),
         Math::text(" "),
-        explain::mean("u"),
+        Math::mean(Math::Var("u")),
         Math::text(" + "),
         explain::derivative("y"),
         Math::text(" "),
-        explain::mean("v"),
+        Math::mean(Math::Var("v")),
         Math::text(" + "),
         rest,
     ];
@@ -227,7 +227,7 @@ fn symbols(to: Math, (part, along): (&'static str, &'static str), rest: Math) ->
     Math::Row(vec![
         to,
         Math::text(" = "),
-        explain::mean(part),
+        Math::mean(Math::Var(part)),
         Math::text(" − "),
         explain::derivative(along),
         Math::text(" "),

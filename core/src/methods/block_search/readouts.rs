@@ -3,7 +3,7 @@
 use super::explain::{short, signed, vector};
 use super::probe::Probe;
 use super::subpixel::has_lowest;
-use super::{Cost, Event, Fit, Match, Patch, Subpixel, Window};
+use super::{Cost, Event, Fit, Match, Neighbours, Patch, Subpixel, Tester, Window, Workspace};
 use crate::base::words::{cost as cost_text, fixed, grouped};
 use crate::data::{Between, Histogram};
 use crate::geometry::Grid;
@@ -33,6 +33,8 @@ impl Probe<'_> {
         let is_fitted = self.settings.refinement.subpixel == Subpixel::Parabola;
         readouts.push(Readout::Surface(Surface {
             title: self.settings.label(),
+            unit: self.unit(),
+            scale: self.scale(),
             origin: self.window.min,
             values: self.costs(),
             events: self.tests(),
@@ -43,6 +45,36 @@ impl Probe<'_> {
         readouts.push(Readout::Series(self.series()));
         readouts.extend(self.histogram().map(Readout::Histogram));
         readouts
+    }
+
+    /// The unit of the cost; none where the price of the displacement is part of it.
+    fn unit(&self) -> &'static str {
+        match self.settings.matching.cost {
+            _ if self.settings.refinement.lambda != 0.0 => "",
+            Cost::Sad | Cost::Zsad | Cost::Satd => "gray levels",
+            Cost::Ssd | Cost::Mse => "gray levels²",
+            Cost::Ncc => "",
+        }
+    }
+
+    /// A scale of colors for all of the block: from half the smallest to the largest cost of displacements that are spread over
+    /// the window, so that a color means the same at every step and for every search.
+    fn scale(&self) -> Option<[f32; 2]> {
+        /// So many along each side.
+        const SPREAD: usize = 13;
+        if self.settings.refinement.lambda != 0.0 {
+            return None;
+        }
+        let (width, height) = self.window.size;
+        let along = |size: usize| (0..SPREAD.min(size)).map(move |i| i * (size - 1) / (SPREAD.min(size) - 1).max(1));
+        let [left, top] = self.window.min;
+        let spread = along(height).flat_map(|y| along(width).map(move |x| [left + x as i32, top + y as i32]));
+        let (mut work, mut observer) = (Workspace::default(), ());
+        let neighbours = Neighbours::default();
+        let mut tester = Tester::new((self.pair, self.index), self.settings, neighbours, &mut work, &mut observer);
+        let costs = spread.map(|at| tester.distortion(at) as f32).filter(|cost| cost.is_finite());
+        let ends = costs.fold([f32::INFINITY, 0.0], |[low, high], cost| [cost.min(low), cost.max(high)]);
+        (ends[0] < ends[1]).then_some([ends[0] / 2.0, ends[1]])
     }
 
     /// The histogram of the motion vectors so far, with this block's own once it is found.
@@ -327,13 +359,18 @@ impl Probe<'_> {
             title: "Cost by candidate",
             x_label: "candidate",
             y_label: self.settings.label(),
-            // Sub-pixel candidates come on top.
-            x_max: self.window.count().max(self.tested()),
+            x_max: if self.is_over() { self.tested() } else { ahead(self.tested()) },
             events,
-            sections: Vec::new(),
             lines: vec![("candidate", Role::Candidate, tested), ("best so far", Role::Best, best)],
+            ..Series::default()
         }
     }
+}
+
+/// The next of 16, 24, 32, 48, 64 and so on: an axis that ends there has room ahead and seldom changes.
+fn ahead(tested: usize) -> usize {
+    let ends = (4..usize::BITS - 1).flat_map(|i| [1usize << i, 3 << (i - 1)]);
+    ends.into_iter().find(|end| *end >= tested).unwrap_or(tested)
 }
 
 /// A displacement added to a coordinate: ` + 3`, ` − 0.50`.
@@ -352,5 +389,16 @@ fn term(sum: Sum, difference: Math) -> Math {
             let bracketed = Math::Row(vec![Math::text("("), difference, Math::text(")")]);
             Math::power(bracketed, Math::text("2"))
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::ahead;
+
+    #[test]
+    fn the_axis_ends_a_little_after_what_was_tested() {
+        assert_eq!([0, 13, 16, 17, 25, 33, 49, 1089].map(ahead), [16, 16, 16, 24, 32, 48, 64, 1536]);
+        assert!((1..5000).all(|tested| ahead(tested) >= tested && 2 * ahead(tested) <= 3 * tested.max(11)));
     }
 }

@@ -176,7 +176,7 @@ impl<'a, O: Observer<Event>> Tester<'a, O> {
 
     /// The distortion of `displacement`. The candidate is read straight from frame t + 1 where it lies inside.
     #[inline]
-    fn distortion(&mut self, displacement: Displacement) -> f64 {
+    pub(super) fn distortion(&mut self, displacement: Displacement) -> f64 {
         let Self { pair, settings, block, .. } = *self;
         let picture = pair.next.luma();
         let [x, y] = [block.x as isize + displacement[0] as isize, block.y as isize + displacement[1] as isize];

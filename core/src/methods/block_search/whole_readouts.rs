@@ -65,14 +65,8 @@ impl Probe<'_> {
         let (pixels, stride) = b.rows();
         let count = (self.block().width * self.block().height) as f64;
         let [of_a, of_b, both] = whole::moments(a, pixels, stride).map(|moment| fixed(moment as f64 / count, 0));
-        let below = vec![
-            Math::text("("),
-            Math::ink(Role::Reference, of_a),
-            Math::text(" · "),
-            Math::ink(self.shown_role(), of_b),
-            Math::text(")"),
-        ];
-        let root = Math::power(Math::Row(below), Math::text("1/2"));
+        let below = vec![Math::ink(Role::Reference, of_a), Math::text(" · "), Math::ink(self.shown_role(), of_b)];
+        let root = Math::root(Math::Row(below));
         Math::Row(vec![Math::text("= 1 − "), Math::Frac(Box::new(Math::text(both)), Box::new(root))])
     }
 
@@ -93,24 +87,24 @@ impl Probe<'_> {
     }
 }
 
-/// `(I_t(x, y) − m_t)`.
+/// The difference of a pixel from the mean of its block.
 fn off_mean_of_current() -> Math {
     Math::Row(vec![
         Math::text("("),
         Math::indexed(Math::Var("I"), Math::Var("t")),
         Math::text("(x, y) − "),
-        Math::indexed(Math::Var("m"), Math::Var("t")),
+        Math::mean(Math::indexed(Math::Var("I"), Math::Var("t"))),
         Math::text(")"),
     ])
 }
 
-/// `(I_t+1(x + u, y + v) − m_t+1)`.
+/// The same of the candidate's pixel.
 fn off_mean_of_next(displacement: [f32; 2]) -> Math {
     Math::Row(vec![
         Math::text("("),
         Math::indexed(Math::Var("I"), Math::text("t+1")),
         Math::text(format!("(x{}, y{}) − ", offset(displacement[0]), offset(displacement[1]))),
-        Math::indexed(Math::Var("m"), Math::text("t+1")),
+        Math::mean(Math::indexed(Math::Var("I"), Math::text("t+1"))),
         Math::text(")"),
     ])
 }
@@ -136,18 +130,9 @@ fn correlation(displacement: [f32; 2]) -> Math {
     let sum = |what: Vec<Math>| Math::Row([vec![Math::Sum(Box::new(Math::text("x, y")))], what].concat());
     let (current, next) = (off_mean_of_current(), off_mean_of_next(displacement));
     let square = |base: &Math| Math::power(base.clone(), Math::text("2"));
-    let below = vec![
-        Math::text("("),
-        sum(vec![square(&current)]),
-        Math::text(" · "),
-        sum(vec![square(&next)]),
-        Math::text(")"),
-    ];
+    let below = vec![sum(vec![square(&current)]), Math::text(" · "), sum(vec![square(&next)])];
     Math::Row(vec![
         Math::text("1 − "),
-        Math::Frac(
-            Box::new(sum(vec![current, Math::text(" · "), next])),
-            Box::new(Math::power(Math::Row(below), Math::text("1/2"))),
-        ),
+        Math::Frac(Box::new(sum(vec![current, Math::text(" · "), next])), Box::new(Math::root(Math::Row(below)))),
     ])
 }

@@ -10,11 +10,6 @@ pub fn derivative(along: &'static str) -> Math {
     Math::indexed(Math::Var("I"), Math::Var(along))
 }
 
-/// The mean of a flow component over the neighbours: ū or v̄.
-pub fn mean(component: &'static str) -> Math {
-    Math::Var(if component == "u" { "ū" } else { "v̄" })
-}
-
 /// The gradient constraint, in symbols and with the derivatives of one pixel.
 pub fn constraint_equation([a, b, c]: [f32; 3], role: Role) -> [Math; 2] {
     let symbols = Math::Row(vec![

@@ -358,15 +358,8 @@ fn matrix() -> Math {
     let squared = |along| product(vec![Math::power(explain::derivative(along), Math::text("2"))]);
     let mixed = || product(vec![explain::derivative("x"), explain::derivative("y")]);
     Math::Row(vec![
-        Math::Var("T"),
-        Math::text(" = ("),
-        squared("x"),
-        Math::text(", "),
-        mixed(),
-        Math::text("; "),
-        mixed(),
-        Math::text(", "),
-        squared("y"),
-        Math::text(")"),
+        Math::Bold("T"),
+        Math::text(" = "),
+        Math::Matrix(vec![vec![squared("x"), mixed()], vec![mixed(), squared("y")]]),
     ])
 }

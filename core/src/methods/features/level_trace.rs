@@ -238,39 +238,31 @@ fn equation(window: &Tensor, last: Option<(Mismatch, [f32; 2])>) -> Vec<Math> {
     let tensor = last.as_ref().map_or(window, |(mismatch, _)| &mismatch.tensor);
 
     let eta = |index| Math::indexed(Math::Var("η"), Math::Var(index));
-    let delta = || Math::Row(vec![Math::text("δ"), Math::Var("I")]);
-    let symbols = Math::Row(vec![
-        Math::Var("T"),
-        Math::text(" "),
-        Math::Var("η"),
-        Math::text(" = "),
-        Math::Var("b"),
-        Math::text(" = mean of "),
-        delta(),
-        Math::text(" ("),
-        explain::derivative("x"),
-        Math::text(", "),
-        explain::derivative("y"),
-        Math::text(")"),
-    ]);
-    let row = |a: f32, b: f32, right: Option<f32>| {
-        Math::Row(vec![
-            Math::ink(Role::Reference, numbers::gray(a)),
-            Math::text(" "),
-            eta("u"),
-            Math::text(" "),
-            Math::ink(Role::Reference, numbers::summand(numbers::gray(b))),
-            Math::text(" "),
-            eta("v"),
-            Math::text(" = "),
-            Math::ink(Role::Candidate, right.map_or_else(|| "?".into(), numbers::gray)),
-        ])
+    let product = |along| {
+        let factors = vec![Math::text("δ"), Math::Var("I"), Math::text(" "), explain::derivative(along)];
+        Math::mean(Math::Row(factors))
     };
+    let symbols = Math::Row(vec![
+        Math::Bold("T"),
+        Math::text(" "),
+        Math::Bold("η"),
+        Math::text(" = "),
+        Math::Bold("b"),
+        Math::text(" = "),
+        Math::column([product("x"), product("y")]),
+    ]);
+    let entry = |value: f32| Math::ink(Role::Reference, numbers::gray(value));
+    let right = |value: Option<f32>| Math::ink(Role::Candidate, value.map_or_else(|| "?".into(), numbers::gray));
     let vector = last.map(|(mismatch, _)| mismatch.vector);
-    let mut lines =
-        vec![symbols, row(tensor.xx, tensor.xy, vector.map(|b| b[0])), row(tensor.xy, tensor.yy, vector.map(|b| b[1]))];
+    let numbers = Math::Row(vec![
+        Math::Matrix(vec![vec![entry(tensor.xx), entry(tensor.xy)], vec![entry(tensor.xy), entry(tensor.yy)]]),
+        Math::column([eta("u"), eta("v")]),
+        Math::text(" = "),
+        Math::column([0, 1].map(|i| right(vector.map(|b| b[i])))),
+    ]);
+    let mut lines = vec![symbols, numbers];
     lines.extend(last.map(|(_, update)| {
-        Math::Row(vec![Math::Var("η"), Math::text(" = "), Math::ink(Role::Result, numbers::vector(update))])
+        Math::Row(vec![Math::Bold("η"), Math::text(" = "), Math::ink(Role::Result, numbers::vector(update))])
     }));
     lines
 }

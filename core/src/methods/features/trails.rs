@@ -55,9 +55,8 @@ pub(crate) fn turnover(title: &'static str, counts: &[u32], tracks: &[Arc<Track>
         x_label: "pair",
         y_label: "number of points",
         x_max: span.frames().map_or(line.len(), |frames| frames - 1),
-        events: Vec::new(),
-        sections: Vec::new(),
         lines: vec![("tracked", Role::Result, line), ("new", Role::Measured, new), ("lost", Role::Rejected, lost)],
+        ..Series::default()
     };
     (series.lines[0].2.len() > 1).then_some(Readout::Series(series))
 }

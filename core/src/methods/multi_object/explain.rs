@@ -143,15 +143,7 @@ pub(crate) fn series(run: &TrackerRun) -> Option<Readout> {
         ("coasting tracks", Role::Predicted, with(TrackStatus::Coasting)),
     ];
     let x_max = run.span.first + run.span.frames().map_or(frames.len(), |frames| frames - 1);
-    let series = Series {
-        title: "Tracks",
-        x_label: "frame",
-        y_label: "tracks",
-        x_max,
-        events: Vec::new(),
-        sections: Vec::new(),
-        lines,
-    };
+    let series = Series { title: "Tracks", x_label: "frame", y_label: "tracks", x_max, lines, ..Series::default() };
     (frames.len() > 1).then_some(Readout::Series(series))
 }
 

@@ -284,26 +284,25 @@ impl Probe<'_> {
                 Math::text("Σ "),
                 Math::Var("w"),
                 Math::text(" "),
-                Math::power(Math::Var("A"), Math::text("T")),
+                Math::power(Math::Bold("A"), Math::text("T")),
                 right,
             ])
         };
-        let delta_b = || Math::Row(vec![Math::text("Δ"), Math::Var("b")]);
+        let delta_b = || Math::Row(vec![Math::text("Δ"), Math::Bold("b")]);
         let symbols = Math::Row(vec![
             Math::text("("),
-            transposed(Math::Var("A")),
+            transposed(Math::Bold("A")),
             Math::text(" + "),
             lambda(),
-            Math::text(" "),
-            Math::Var("I"),
+            Math::Bold("I"),
             Math::text(") "),
-            Math::Var("d"),
+            Math::Bold("d"),
             Math::text(" = "),
             transposed(delta_b()),
             Math::text(" + "),
             lambda(),
             Math::text(" "),
-            Math::indexed(Math::Var("d"), Math::text("0")),
+            Math::indexed(Math::Bold("d"), Math::text("0")),
         ]);
         let damping = in_effect(self.solver.damping, [xx, yy]);
         let row = |[a, b]: [f32; 2], right: f32| {
@@ -316,7 +315,7 @@ impl Probe<'_> {
         ];
         if self.part == Part::Solved {
             lines.push(Math::Row(vec![
-                Math::Var("d"),
+                Math::Bold("d"),
                 Math::text(" = "),
                 Math::ink(Role::Result, numbers::vector(to)),
             ]));
@@ -393,15 +392,15 @@ fn expansion_equation(probe: &Probe) -> Vec<Math> {
 
 /// Δb in symbols and in numbers, and the two displacement equations.
 fn shift_equation(probe: &Probe) -> Vec<Math> {
-    let index = |of: &'static str, by: &'static str| Math::indexed(Math::Var(of), Math::text(by));
+    let index = |of: &'static str, by: &'static str| Math::indexed(Math::Bold(of), Math::text(by));
     let symbols = Math::Row(vec![
-        Math::Var("A"),
+        Math::Bold("A"),
         Math::text(" "),
-        Math::Var("d"),
+        Math::Bold("d"),
         Math::text(" = Δ"),
-        Math::Var("b"),
+        Math::Bold("b"),
         Math::text(" = "),
-        Math::Var("A"),
+        Math::Bold("A"),
         Math::text(" ("),
         Math::Var("m"),
         Math::text(", "),
@@ -419,9 +418,9 @@ fn shift_equation(probe: &Probe) -> Vec<Math> {
     let DisplacementEquation { a: [xx, xy, yy], b } = shift;
     let come_about = Math::Row(vec![
         Math::text("Δ"),
-        Math::Var("b"),
+        Math::Bold("b"),
         Math::text(" = "),
-        Math::Var("A"),
+        Math::Bold("A"),
         Math::text(format!(" ({}, {}) − ½ (", numbers::fixed(whole[0], 0), numbers::fixed(whole[1], 0))),
         Math::ink(Role::Candidate, gray_vector(second.b)),
         Math::text(" − "),

@@ -276,9 +276,8 @@ pub(crate) fn plots(record: &Record, span: &Span) -> Vec<Readout> {
         x_label: "frame",
         y_label,
         x_max: span.first + span.frames().unwrap_or(frames.len()) - 1,
-        events: Vec::new(),
-        sections: Vec::new(),
         lines: vec![(name, Role::Result, line)],
+        ..Series::default()
     };
     if frames.len() < 2 {
         return Vec::new();

@@ -179,7 +179,7 @@ impl<M: Model> Variational<M> {
         let sections: Vec<_> = explain::sections(notes.iter().map(|note| note.place), counts).collect();
         let series = |title, y_label, lines| {
             let sections = sections.clone();
-            Series { title, x_label: "iteration", y_label, x_max, events: Vec::new(), sections, lines }
+            Series { title, x_label: "iteration", y_label, x_max, sections, lines, ..Series::default() }
         };
         let energy = vec![
             ("energy", Role::Result, line(|note| note.data + note.smoothness)),
@@ -188,7 +188,10 @@ impl<M: Model> Variational<M> {
         ];
         let mut all = vec![
             series("Energy per pixel", M::ENERGY_UNIT, energy),
-            series("Mean change", "px", vec![("mean change", Role::Measured, line(|note| note.change))]),
+            Series {
+                is_logarithmic: true,
+                ..series("Mean change", "px", vec![("mean change", Role::Measured, line(|note| note.change))])
+            },
         ];
         if notes.iter().all(|note| note.error.is_finite()) {
             all.push(series(

@@ -48,7 +48,8 @@ impl Bench {
     /// The bench of a surface.
     pub fn new(surface: &Surface) -> Self {
         let (width, height) = surface.values.size();
-        let top = surface.range().map_or(1.0, |[_, high]| if high > 0.0 { high } else { 1.0 });
+        let top = surface.range().map_or(1.0, |[_, high]| surface.scale.map_or(high, |scale| scale[1].max(high)));
+        let top = if top > 0.0 { top } else { 1.0 };
         Self { origin: surface.origin, size: [width, height], top }
     }
 
@@ -281,6 +282,8 @@ mod tests {
         let cost = |x: usize, y: usize| if known(x, y) { (x * x + y) as f32 } else { f32::NAN };
         Surface {
             title: "SAD",
+            unit: "gray levels",
+            scale: None,
             origin: [-4, -2],
             values: Grid::from_fn(9, 5, cost),
             events: Grid::new(9, 5, None),

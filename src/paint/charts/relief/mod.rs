@@ -75,7 +75,12 @@ pub fn around(data: Relief<'_>, area: Rect, style: ChartStyle) -> Around {
     }
     let words = titled(whose, &format!("{} by displacement", surface.title), (small, area.size()[0]));
     let at = [area.min[0], area.min[1] + 0.8 * small];
-    head.text(at, (Anchor::Start, Level::Middle), &shortened(&words, text, area.size()[0]), text);
+    let words = shortened(&words, text, area.size()[0]);
+    let title = head.text(at, (Anchor::Start, Level::Middle), &words, text);
+    let (dim, room) = (Type::dim(theme), area.max[0] - title.max[0] - 1.4 * small);
+    if let Some(least) = heat_map::minimum_words(surface).filter(|least| dim.width(least) <= room) {
+        head.text([area.max[0], at[1]], (Anchor::End, Level::Middle), &least, dim);
+    }
     let [below, above, head] = [below, above, head].map(Canvas::into_primitives);
     Around { screen, below, above, head }
 }
@@ -243,8 +248,16 @@ mod tests {
     fn the_surface_stands_between_its_ground_and_its_words() {
         let values = Grid::from_fn(9, 9, |x, y| (x * x + y) as f32);
         let events = values.map(|v| Some(*v as usize));
-        let surface =
-            Surface { title: "SAD", origin: [-4, -4], values, events, probe: Some([2, 1]), best: Some([-4, -4]) };
+        let surface = Surface {
+            title: "SAD",
+            unit: "gray levels",
+            scale: None,
+            origin: [-4, -4],
+            values,
+            events,
+            probe: Some([2, 1]),
+            best: Some([-4, -4]),
+        };
         let style = ChartStyle { theme: Theme::Dark, colors: ColorMap::Viridis, density: 1.0 };
         let area = Rect::new([10.0, 20.0], [420.0, 300.0]);
         let data = Relief { surface: &surface, whose: "Full search", orbit: Orbit::default() };

@@ -220,7 +220,16 @@ mod tests {
     fn seen(known: impl Fn(usize, usize) -> bool, orbit: Orbit) -> Vec<Primitive> {
         let values = Grid::from_fn(5, 5, |x, y| if known(x, y) { (x + y) as f32 } else { f32::NAN });
         let events = Grid::new(5, 5, None);
-        let surface = Surface { title: "SAD", origin: [-2, -2], values, events, probe: None, best: None };
+        let surface = Surface {
+            title: "SAD",
+            unit: "gray levels",
+            scale: None,
+            origin: [-2, -2],
+            values,
+            events,
+            probe: None,
+            best: None,
+        };
         let style = ChartStyle { theme: Theme::Dark, colors: ColorMap::Viridis, density: 1.0 };
         let screen = Screen::new(Rect::new([0.0; 2], [300.0, 200.0]), &orbit, Room::SURFACE, [0.0; 2]);
         polygons(&surface, (&screen, orbit), style)

@@ -348,6 +348,12 @@ fn matrix(fit: &Fit) -> String {
     format!("A\u{a0}= ({a},\u{a0}{b}; {c},\u{a0}{d})")
 }
 
+/// The entries of A in brackets.
+fn entries(fit: &Fit) -> Math {
+    let entry = |value: &f32| Math::ink(Role::Estimate, numbers::fixed(*value, 3));
+    Math::Matrix(fit.matrix.iter().map(|row| row.iter().map(entry).collect()).collect())
+}
+
 /// Gain and offset of a fit: `λ = 0.920, δ = −3.10`.
 fn light(Fit { light: [gain, offset], .. }: &Fit) -> String {
     format!("λ\u{a0}= {}, δ\u{a0}= {}", numbers::px(*gain), numbers::gray(*offset))
@@ -356,7 +362,8 @@ fn light(Fit { light: [gain, offset], .. }: &Fit) -> String {
 /// The objective of the fit and its result.
 fn equation(fit: &Fit, with_illumination: bool) -> Vec<Math> {
     let (text, var) = (|text: &str| Math::text(text), Math::Var);
-    let mut symbols = vec![text("Σ ("), var("J"), text("("), var("A"), text(" "), var("o"), text(" + "), var("s")];
+    let mut symbols =
+        vec![text("Σ ("), var("J"), text("("), Math::Bold("A"), text(" "), var("o"), text(" + "), var("s")];
     symbols.push(text(") − "));
     symbols.extend(with_illumination.then(|| var("λ")));
     symbols.extend([var("I"), text("("), var("o"), text(")")]);
@@ -365,7 +372,9 @@ fn equation(fit: &Fit, with_illumination: bool) -> Vec<Math> {
     }
     symbols.extend([Math::power(text(")"), text("2")), text(" → min")]);
     let numbers = Math::Row(vec![
-        Math::ink(Role::Estimate, matrix(fit)),
+        Math::Bold("A"),
+        text(" = "),
+        entries(fit),
         text(", "),
         var("s"),
         text(" = "),

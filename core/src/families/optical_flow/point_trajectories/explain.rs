@@ -343,9 +343,8 @@ fn plots(state: &State) -> Vec<Readout> {
             x_label: "pair",
             y_label: "px",
             x_max: state.span.frames().map_or(notes.len(), |frames| frames - 1),
-            events: Vec::new(),
-            sections: Vec::new(),
             lines,
+            ..Series::default()
         };
         let has_line = series.lines.iter().any(|(_, _, line)| line.len() > 1);
         has_line.then_some(Readout::Series(series))

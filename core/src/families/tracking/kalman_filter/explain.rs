@@ -7,7 +7,7 @@ use crate::base::words::{self, counted as count, percent};
 use crate::methods::kalman::{Filter, Measurement, chi_square, ellipse};
 use crate::methods::numbers::{px, ratio, squared};
 use crate::run::Seen;
-use crate::scene::{Arrow, Fact, Math, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step};
+use crate::scene::{Arrow, Band, Fact, Math, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step};
 
 /// A line of a plot: its name, its role and its points.
 type Line = (&'static str, Role, Vec<[f32; 2]>);
@@ -298,19 +298,19 @@ impl KalmanFilter {
                 let [x, u] = [before.place()[0], before.velocity()[0]];
                 vec![
                     Math::Row(vec![
-                        var("x"),
+                        Math::Bold("x"),
                         text(" ← "),
                         var("f"),
                         text("("),
-                        var("x"),
-                        text("), "),
-                        var("P"),
+                        Math::Bold("x"),
+                        text("),  "),
+                        Math::Bold("P"),
                         text(" ← "),
-                        var("F"),
-                        var("P"),
-                        Math::power(var("F"), text("T")),
+                        Math::Bold("F"),
+                        Math::Bold("P"),
+                        Math::power(Math::Bold("F"), text("T")),
                         text(" + "),
-                        var("Q"),
+                        Math::Bold("Q"),
                     ]),
                     Math::Row(vec![
                         sub("x", "x"),
@@ -324,9 +324,9 @@ impl KalmanFilter {
             Event::Gated(gated) => {
                 let numbers = gated.expected.update_numbers(gated.measurement())?;
                 vec![Math::Row(vec![
-                    Math::power(var("ν"), text("T")),
-                    Math::power(var("S"), text("−1")),
-                    var("ν"),
+                    Math::power(Math::Bold("ν"), text("T")),
+                    Math::power(Math::Bold("S"), text("−1")),
+                    Math::Bold("ν"),
                     text(&format!(
                         " = {} {} {}",
                         squared(numbers.squared_distance),
@@ -340,7 +340,10 @@ impl KalmanFilter {
                 let numbers = gated.expected.update_numbers(gated.measurement())?;
                 let (gain, residual) = (numbers.gain[(0, 0)], numbers.residual[0]);
                 vec![
-                    Math::Row(vec![var("x"), text(" ← "), var("x"), text(" + "), var("K"), var("ν")]),
+                    Math::Row(
+                        [Math::Bold("x"), text(" ← "), Math::Bold("x"), text(" + "), Math::Bold("K"), Math::Bold("ν")]
+                            .to_vec(),
+                    ),
                     Math::Row(vec![
                         sub("x", "x"),
                         text(" = "),
@@ -365,28 +368,19 @@ impl KalmanFilter {
         let line = |of: &dyn Fn(&FrameRecord) -> Option<f64>| -> Vec<[f32; 2]> {
             records().filter_map(|(i, record)| Some([x(i), of(record)? as f32])).collect()
         };
-        // Two-sided: a filter with a covariance far too large lies below the lower bound.
-        let bounds = |dof: usize| -> Vec<Line> {
-            let at = |p: f64| {
-                let value = chi_square::quantile(p, dof) as f32;
-                [0, state.records.len().saturating_sub(1)].map(|i| [x(i), value]).to_vec()
-            };
-            vec![
-                ("95 % band, lower bound", Role::Window, at(0.025)),
-                ("95 % band, upper bound", Role::Window, at(0.975)),
-            ]
+        // Two-sided: a filter with a covariance far too large lies below the lower end.
+        let band = |dof: usize| Band {
+            name: "95 % band".into(),
+            values: [0.025, 0.975].map(|p| chi_square::quantile(p, dof) as f32),
         };
         let x_max = state.span.first + state.span.frames().map_or(state.records.len(), |frames| frames - 1);
-        let series = |title, y_label, lines: Vec<Line>| {
-            Readout::Series(Series {
-                title,
-                x_label: "frame",
-                y_label,
-                x_max,
-                events: Vec::new(),
-                sections: Vec::new(),
-                lines,
-            })
+        let series = |title, y_label, lines: Vec<Line>| Series {
+            title,
+            x_label: "frame",
+            y_label,
+            x_max,
+            lines,
+            ..Series::default()
         };
         if state.records.len() < 2 {
             return Vec::new();
@@ -417,8 +411,10 @@ impl KalmanFilter {
             if !refused.is_empty() {
                 lines.push(("outside the gate", Role::Rejected, refused));
             }
-            lines.extend(bounds(dof));
-            all.push(series(title, "d²", lines));
+            let limit = chi_square::quantile(f64::from(self.gate), dof) as f32;
+            let thresholds = vec![(format!("{} gate", percent(self.gate)), limit)];
+            let nis = series(title, "d²", lines);
+            all.push(Series { bands: vec![band(dof)], thresholds, ..nis });
         }
         all.push(series("Standard deviation σ of the position", "px", deviations));
         let nees = line(&|record| record.filtered?.squared_error(record.truth?));
@@ -426,8 +422,8 @@ impl KalmanFilter {
             let off = |of: fn(&FrameRecord) -> Option<Filter>| {
                 line(&move |record: &FrameRecord| Some(distance(of(record)?.place(), record.truth?)))
             };
-            let lines = [vec![("NEES", Role::Error, nees)], bounds(2)].concat();
-            all.push(series("NEES", "NEES", lines));
+            let nees = series("NEES", "NEES", vec![("NEES", Role::Error, nees)]);
+            all.push(Series { bands: vec![band(2)], ..nees });
             let mut errors = vec![("filtered", Role::Estimate, off(|record| record.filtered))];
             let measured = line(&|record| Some(distance(record.of_sensor(0)?.measurement().place, record.truth?)));
             errors.push(("measurement", Role::Measured, measured));
@@ -436,7 +432,7 @@ impl KalmanFilter {
             }
             all.push(series("Position error", "px", errors));
         }
-        all
+        all.into_iter().map(Readout::Series).collect()
     }
 
     pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {

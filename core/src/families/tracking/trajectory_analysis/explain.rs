@@ -361,15 +361,7 @@ fn series(trajectory: &Trajectory, x_max: usize) -> Vec<Series> {
         known.collect()
     };
     let speed = |v: [f64; 2]| v[0].hypot(v[1]);
-    let series = |title, y_label, lines| Series {
-        title,
-        x_label: "frame",
-        y_label,
-        x_max,
-        events: Vec::new(),
-        sections: Vec::new(),
-        lines,
-    };
+    let series = |title, y_label, lines| Series { title, x_label: "frame", y_label, x_max, lines, ..Series::default() };
     let speeds = vec![
         ("since last position", Role::Measured, line(&|seen| seen.step.map(speed))),
         ("least squares", Role::Result, line(&|seen| seen.velocity.map(speed))),
