@@ -78,7 +78,7 @@ pub mod objects {
     pub use crate::products::objects::*;
 }
 
-pub use base::words::{grouped, spaced};
+pub use base::words::{fixed, grouped, spaced};
 pub use base::{Count, Error, Observer, Stop, Threads};
 pub use course::{compare, estimator, estimators, glossary};
 pub use data::{

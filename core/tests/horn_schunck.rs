@@ -108,7 +108,7 @@ fn the_update_that_is_told_is_the_one_that_is_done() {
         let focus = [40.0, 30.0];
         let Some(field) = walk.output().get::<DenseField>().cloned() else { panic!("a dense field") };
         let step = walk.step(Some(Focus::current(focus)));
-        let [before, mean, after] = ["before", "neighbourhood mean", "after"].map(|name| point(&step, name));
+        let [before, mean, after] = ["before", "mean", "after"].map(|name| point(&step, name));
         assert_eq!(after, field.flow.at(40, 30).unwrap());
         let [a, b, c] = plane(&step).lines[0].factors;
         let off = (a * mean[0] + b * mean[1] + c) / (100.0 + a * a + b * b);

@@ -136,17 +136,24 @@ pub struct Density {
     pub row: f32,
     /// Type of the formula, in points.
     pub math: f32,
+    /// Type of the sentence, in points.
+    pub words: f32,
 }
 
 impl Density {
     /// With room to spare.
     pub fn roomy(theme: Theme) -> Self {
-        Self { leading: 1.45, row: 4.0, math: theme.sizes().heading }
+        Self { leading: 1.45, row: 4.0, math: theme.sizes().heading, words: theme.sizes().heading + 2.0 }
     }
 
     /// With little room.
     pub fn close(theme: Theme) -> Self {
-        Self { leading: 1.35, row: 2.5, math: theme.sizes().body }
+        Self { leading: 1.35, row: 2.5, math: theme.sizes().body, words: theme.sizes().heading + 2.0 }
+    }
+
+    /// In a strip of a few lines.
+    pub fn strip(theme: Theme) -> Self {
+        Self { leading: 1.3, words: theme.sizes().body, ..Self::close(theme) }
     }
 }
 
@@ -230,7 +237,7 @@ pub fn rule(width: f32, theme: Theme) -> Block {
 
 /// A sentence, its role words in a legible shade of the role's color and underlined in the very color.
 pub fn sentence(sentence: &Sentence, (width, density): (f32, Density), theme: Theme) -> Block {
-    let size = theme.sizes().heading + 2.0;
+    let size = density.words;
     let height = (density.leading * size).round();
     let run = |(words, role): &(String, Option<_>)| match *role {
         None => Run::new(words, theme.chrome().text),

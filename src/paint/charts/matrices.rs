@@ -1,9 +1,10 @@
 //! Matrices with the numbers of a step, side by side; what the step has changed is lit.
 
 use motionscope_core::scene::Matrix;
+use motionscope_core::{Grid, fixed};
 
 use super::super::primitive::{Anchor, Point, Rect};
-use super::super::{Color, Face, Theme, number};
+use super::super::{Color, Face, Theme};
 use super::canvas::{Canvas, Level, Type, middle, solid};
 use super::{ChartStyle, Drawing};
 
@@ -17,11 +18,26 @@ const ROW_LETTERS: f32 = 1.6;
 /// Height of the line with the name, in letters.
 const HEAD_LETTERS: f32 = 2.0;
 
-/// Lays all matrices out from the upper left corner of `area` on, as many beside each other as it is wide; gives where each
-/// lies. They may need more room than there is: [`Drawing::place`] tells how much.
+/// Sizes of the type that are tried, as shares of the usual one, until all matrices fit.
+const TYPE_SHARES: [f32; 5] = [1.0, 0.9, 0.8, 0.72, 0.65];
+
+/// Lays all matrices out from the upper left corner of `area` on, as many beside each other as it is wide, in the largest type
+/// in which they fit; returns where each lies. They may need more room than there is: [`Drawing::place`] tells how much.
 pub fn draw(matrices: &[Matrix], area: Rect, style: ChartStyle) -> Drawing<Vec<Rect>> {
-    let gaps = GAP_LETTERS.map(|letters| letters * style.small());
-    let all: Vec<_> = matrices.iter().map(|matrix| (matrix, Place::of(matrix, style.theme))).collect();
+    let size = area.size();
+    let fits = |share: &f32| {
+        let needed = extent(&draw_at(matrices, Rect::new([0.0; 2], size), style, *share).place);
+        needed[0] <= size[0] && needed[1] <= size[1]
+    };
+    let smallest = TYPE_SHARES[TYPE_SHARES.len() - 1];
+    let share = TYPE_SHARES.into_iter().find(fits).unwrap_or(smallest);
+    draw_at(matrices, area, style, share)
+}
+
+fn draw_at(matrices: &[Matrix], area: Rect, style: ChartStyle, share: f32) -> Drawing<Vec<Rect>> {
+    let letters = Letters { theme: style.theme, share };
+    let gaps = GAP_LETTERS.map(|gap| gap * letters.text().size);
+    let all: Vec<_> = matrices.iter().map(|matrix| (matrix, Place::of(matrix, letters))).collect();
     let mut canvas = Canvas::default();
     let (mut at, mut below) = (area.min, area.min[1]);
     let mut places = Vec::new();
@@ -30,7 +46,7 @@ pub fn draw(matrices: &[Matrix], area: Rect, style: ChartStyle) -> Drawing<Vec<R
             at = [area.min[0], below + gaps[1]];
         }
         let rect = Rect::new(at, place.size);
-        one(&mut canvas, matrix, &place, at, style.theme);
+        one(&mut canvas, matrix, &place, at, letters);
         at[0] = rect.max[0] + gaps[0];
         below = below.max(rect.max[1]);
         places.push(rect);
@@ -38,9 +54,54 @@ pub fn draw(matrices: &[Matrix], area: Rect, style: ChartStyle) -> Drawing<Vec<R
     Drawing { place: places, body: canvas.into_layers(), head: Vec::new() }
 }
 
-/// Width and height that matrices need where they may be `width` points wide.
+/// Width and height that matrices need in the usual type where they may be `width` points wide.
 pub fn size(matrices: &[Matrix], width: f32, style: ChartStyle) -> [f32; 2] {
-    let places = draw(matrices, Rect::new([0.0; 2], [width, 0.0]), style).place;
+    extent(&draw_at(matrices, Rect::new([0.0; 2], [width, 0.0]), style, 1.0).place)
+}
+
+/// The type of matrices.
+#[derive(Clone, Copy)]
+struct Letters {
+    theme: Theme,
+    /// Its size as a share of the usual one.
+    share: f32,
+}
+
+impl Letters {
+    fn scaled(self, of: Type) -> Type {
+        Type { size: of.size * self.share, ..of }
+    }
+
+    fn text(self) -> Type {
+        self.scaled(Type::text(self.theme))
+    }
+
+    fn dim(self) -> Type {
+        self.scaled(Type::dim(self.theme))
+    }
+
+    fn symbol(self) -> Type {
+        let (size, color) = (self.theme.sizes().body, self.theme.chrome().text);
+        self.scaled(Type { face: Face::Italic, size, color })
+    }
+}
+
+/// The entries of a matrix as text, all with as many decimals as suit the largest; what is nothing is 0.
+fn entries(matrix: &Matrix) -> Grid<String> {
+    let largest = matrix.entries.cells().iter().fold(0.0f64, |largest, value| largest.max(value.abs()));
+    let decimals = match largest {
+        _ if largest >= 1000.0 => 1,
+        _ if largest >= 1.0 => 2,
+        _ if largest >= 0.01 => 3,
+        _ => 5,
+    };
+    matrix.entries.map(|value| match value {
+        0.0 => "0".to_owned(),
+        value => fixed(*value, decimals),
+    })
+}
+
+fn extent(places: &[Rect]) -> [f32; 2] {
     places.iter().fold([0.0; 2], |size, rect| [size[0].max(rect.max[0]), size[1].max(rect.max[1])])
 }
 
@@ -58,35 +119,32 @@ struct Place {
 }
 
 impl Place {
-    fn of(matrix: &Matrix, theme: Theme) -> Self {
-        let text = Type::text(theme);
+    fn of(matrix: &Matrix, letters: Letters) -> Self {
+        let text = letters.text();
         let small = text.size;
         let (width, height) = matrix.entries.size();
         let widest = |words: &mut dyn Iterator<Item = String>| words.map(|word| text.width(&word)).fold(0.0, f32::max);
-        let entries = widest(&mut matrix.entries.cells().iter().map(|value| number(*value as f32)));
+        let entries = widest(&mut entries(matrix).cells().iter().cloned());
         let column = entries.max(widest(&mut matrix.columns.iter().cloned())) + COLUMN_GAP_LETTERS * small;
         let rows = widest(&mut matrix.rows.iter().cloned());
         let head = HEAD_LETTERS * small;
         let columns = if matrix.columns.is_empty() { 0.0 } else { ROW_LETTERS * small };
         let rows = if matrix.rows.is_empty() { 0.0 } else { (rows + small).max(2.2 * small) };
         let cell = [column.max(COLUMN_LETTERS * small), ROW_LETTERS * small];
-        let name = symbol(theme).width(matrix.symbol) + 0.5 * small + text.width(matrix.name);
+        let name = letters.symbol().width(matrix.symbol) + 0.5 * small + text.width(matrix.name);
         let body = [rows + cell[0] * width as f32, columns + cell[1] * height as f32];
         Self { head, columns, rows, cell, size: [body[0].max(name + 2.0).ceil(), (head + body[1]).ceil()] }
     }
 }
 
-fn symbol(theme: Theme) -> Type {
-    Type { face: Face::Italic, size: theme.sizes().body, color: theme.chrome().text }
-}
-
-fn one(canvas: &mut Canvas, matrix: &Matrix, place: &Place, min: Point, theme: Theme) {
-    let (chrome, text, dim) = (theme.chrome(), Type::text(theme), Type::dim(theme));
+fn one(canvas: &mut Canvas, matrix: &Matrix, place: &Place, min: Point, letters: Letters) {
+    let theme = letters.theme;
+    let (chrome, text, dim) = (theme.chrome(), letters.text(), letters.dim());
     let small = text.size;
     let color = matrix.role.map_or(chrome.text, |role| theme.word(role));
     let y = min[1] + 0.9 * small;
     let (start, end) = ((Anchor::Start, Level::Middle), (Anchor::End, Level::Middle));
-    let name = canvas.text([min[0], y], start, matrix.symbol, symbol(theme).color(color)).max[0];
+    let name = canvas.text([min[0], y], start, matrix.symbol, letters.symbol().color(color)).max[0];
     canvas.text([name + 0.5 * small, y], start, matrix.name, dim);
     let (width, height) = matrix.entries.size();
     if width == 0 || height == 0 {
@@ -96,6 +154,7 @@ fn one(canvas: &mut Canvas, matrix: &Matrix, place: &Place, min: Point, theme: T
     let cell = |x: usize, y: usize| {
         Rect::new([origin[0] + x as f32 * place.cell[0], origin[1] + y as f32 * place.cell[1]], place.cell)
     };
+    let words = entries(matrix);
     for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
         let rect = cell(x, y);
         if matrix.changed.as_ref().is_some_and(|changed| changed[(x, y)]) {
@@ -105,7 +164,7 @@ fn one(canvas: &mut Canvas, matrix: &Matrix, place: &Place, min: Point, theme: T
         // What is nothing steps back, so that the shape of a matrix can be seen.
         let style = if value == 0.0 { dim } else { text };
         let at = [rect.max[0] - 0.4 * small, middle(&rect)[1]];
-        canvas.text(at, end, &number(value as f32), style);
+        canvas.text(at, end, &words[(x, y)], style);
     }
     for (x, name) in matrix.columns.iter().enumerate() {
         let Rect { min: [_, top], max: [right, _] } = cell(x, 0);
@@ -128,15 +187,14 @@ fn brackets(canvas: &mut Canvas, Rect { min: [left, top], max: [right, bottom] }
 /// The matrix in words, for a screen reader.
 pub fn plain(matrix: &Matrix) -> String {
     let (width, height) = matrix.entries.size();
-    let row = |y| (0..width).map(|x| number(matrix.entries[(x, y)] as f32)).collect::<Vec<_>>().join(", ");
+    let words = entries(matrix);
+    let row = |y| (0..width).map(|x| words[(x, y)].clone()).collect::<Vec<_>>().join(", ");
     let rows: Vec<_> = (0..height).map(row).collect();
     format!("{}, {}: {}", matrix.symbol, matrix.name, rows.join("; "))
 }
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::Grid;
-
     use super::super::super::{ColorMap, Primitive};
     use super::super::{flat, texts};
     use super::*;
@@ -162,11 +220,20 @@ mod tests {
         let drawing = draw(&[matrix()], Rect::new([0.0; 2], [500.0, 200.0]), style());
         let primitives = flat(drawing);
         let words = texts(&primitives);
-        for label in ["P", "covariance of the state", "4.50", "0", "−0.250", "812", "x", "v"] {
+        for label in ["P", "covariance of the state", "4.50", "0", "−0.25", "812.00", "x", "v"] {
             assert!(words.iter().any(|word| word == label), "{label} is missing in {words:?}");
         }
         let lit = primitives.iter().filter(|p| matches!(p, Primitive::Polygon { .. })).count();
         assert_eq!(lit, 1);
+    }
+
+    #[test]
+    fn little_room_makes_the_type_smaller_before_anything_is_out_of_sight() {
+        let all = [matrix(), matrix(), matrix()];
+        let [width, height] = size(&all, 200.0, style());
+        let small = Rect::new([0.0; 2], [width, 0.75 * height]);
+        let extent = extent(&draw(&all, small, style()).place);
+        assert!(extent[1] <= small.size()[1] && extent[0] <= small.size()[0], "{extent:?} in {small:?}");
     }
 
     #[test]
@@ -175,6 +242,6 @@ mod tests {
         let [wide, low] = size(&all, 2000.0, style());
         let [narrow, high] = size(&all, 200.0, style());
         assert!(wide > 2.5 * narrow && high > 2.5 * low, "{wide}×{low} and {narrow}×{high}");
-        assert_eq!(plain(&all[0]), "P, covariance of the state: 4.50, 0; −0.250, 812");
+        assert_eq!(plain(&all[0]), "P, covariance of the state: 4.50, 0; −0.25, 812.00");
     }
 }

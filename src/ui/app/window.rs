@@ -478,7 +478,11 @@ impl eframe::App for App {
         ui.painter().rect_filled(ui.max_rect(), 0.0, ui.visuals().panel_fill);
         self.panels(ui, frame.wgpu_render_state(), &mut actions);
         self.overlays(&ctx, &mut actions);
-        let bottom = ui.spacing().interact_size.y * 2.0 + 56.0;
+        // Messages lie over no words: above the strip, or else above the transport.
+        let lowest = [Region::Strip, Region::Transport]
+            .into_iter()
+            .find_map(|of| self.regions.iter().find(|(region, _)| *region == of).map(|(_, rect)| rect.min.y));
+        let bottom = ctx.content_rect().max.y - lowest.unwrap_or(ctx.content_rect().max.y) + 12.0;
         self.toasts.show(&ctx, bottom, self.settings.look.theme);
         self.drop_hint(ui);
         for action in actions.0 {

@@ -11,10 +11,10 @@ pub type State = Chart<Vec<crate::paint::primitive::Rect>>;
 
 /// Shows all matrices, as many beside each other as fit.
 pub fn show(ui: &mut Ui, matrices: &[Matrix], subject: Subject<'_>, state: &mut State) {
-    let width = ui.available_width();
+    let room = ui.available_size();
     let painter = ui.painter().clone();
     // They are laid out from the origin on, and shown wherever they are scrolled to.
-    let area = Rect::from_min_size(Pos2::ZERO, vec2(width, 0.0));
+    let area = Rect::from_min_size(Pos2::ZERO, room);
     let places = state.lay_out(&painter, (subject, matrices), (area, ()), |area, style| draw(matrices, area, style));
     let places: Vec<Rect> = places.into_iter().map(rect_from).collect();
     let whole = places.iter().fold(Rect::from_min_size(Pos2::ZERO, vec2(0.0, 0.0)), |all, rect| all.union(*rect));

@@ -150,11 +150,11 @@ impl State {
     fn keep_for(&mut self, key: Key) {
         if self.key != Some(key) {
             // Room for what most steps tell, from the first on.
-            let Key { theme, density: Density { leading, row, math }, .. } = key;
+            let Key { theme, density: Density { leading, row, math, words }, .. } = key;
             let size = theme.sizes();
             *self = State {
                 key: Some(key),
-                sentence: 3.0 * (leading * (size.heading + 2.0)).round(),
+                sentence: 3.0 * (leading * words).round(),
                 facts: 4.0 * (1.2 * size.body + 2.0 * row).round(),
                 equation: 4.0 * (1.45 * math).round(),
                 pinned: self.pinned,
@@ -252,7 +252,7 @@ impl Strip {
 /// Shows why, and the formula with its numbers; where a step has none, its numbers alone.
 pub fn strip(ui: &mut Ui, input: Input<'_>, state: &mut Strip) {
     let Input { info, step, theme, .. } = input;
-    let density = Density::close(theme);
+    let density = Density::strip(theme);
     let width = ui.available_width().round() as u32;
     let key = Key { id: info.id, width, theme, density, pixels_per_point: ui.pixels_per_point() };
     if state.key != Some(key) {
@@ -281,7 +281,7 @@ pub fn strip(ui: &mut Ui, input: Input<'_>, state: &mut Strip) {
 /// The parts of the strip beside each other, each with its left edge: the sentence, and the formula in one column or two,
 /// whichever is lower.
 fn strip_parts(painter: &Painter, Input { info, step, theme, .. }: Input<'_>, width: f32) -> Vec<(f32, Part)> {
-    let density = Density::close(theme);
+    let density = Density::strip(theme);
     let (formula, facts) = (explanation::equation_of(step), explanation::facts_of(step));
     let sentence = |width: f32| explanation::sentence(&step.sentence, (width, density), theme);
     let lines = |lines: &[Math], width: f32| explanation::equation(lines, (width, density), theme);

@@ -109,7 +109,7 @@ impl Model for Clg {
     fn explanation(&self, step: usize, probe: &Probe<Self>) -> Explanation {
         let mean = self.solver.mean_of(probe);
         let tensor = self.tensor(&probe.iteration.warp).at(probe.place);
-        let mut points = vec![("neighbourhood mean", Role::Predicted, mean), ("after", Role::Result, probe.to())];
+        let mut points = vec![("mean", Role::Predicted, mean), ("after", Role::Result, probe.to())];
         if step == AVERAGED {
             points.pop();
         }

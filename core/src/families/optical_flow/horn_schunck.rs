@@ -97,8 +97,7 @@ impl Model for HornSchunck {
 
     fn explanation(&self, step: usize, probe: &Probe<Self>) -> Explanation {
         let update = Update::of(self, probe);
-        let mut points =
-            vec![("neighbourhood mean", Role::Predicted, update.mean), ("after", Role::Result, probe.to())];
+        let mut points = vec![("mean", Role::Predicted, update.mean), ("after", Role::Result, probe.to())];
         if step == AVERAGED {
             points.pop();
         }
