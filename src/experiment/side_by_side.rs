@@ -180,7 +180,7 @@ mod tests {
     fn nobody_stands_there_twice() {
         let leader = estimator("diamond").unwrap();
         let told = |ids: &[&str]| SideBySide::of(&*leader, ids, Pace::Block).err().unwrap().to_string();
-        assert!(told(&["hexagon", "diamond"]).contains("beside itself"));
+        assert!(told(&["hexagon", "diamond"]).contains("is there twice"));
         assert!(told(&["hexagon", "three-step", "four-step", "predictive"]).contains("not 5"));
         assert!(told(&["magic"]).contains("there is no estimator magic"));
         let mut side_by_side = SideBySide::of(&*leader, &["full-search", "hexagon"], Pace::Block).unwrap();

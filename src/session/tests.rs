@@ -162,7 +162,7 @@ fn what_is_no_session_is_told_in_a_sentence() {
         (&format!("{start}estimator = \"full-search\"\nstep = \"x\""), "UNIT.EVENT"),
         (&format!("{start}estimator = \"full-search\"\npixel = \"303\""), "X,Y"),
         (&format!("{start}estimator = \"full-search\"\n[[beside]]\nestimator = \"magic\""), "no estimator magic"),
-        (&format!("{start}estimator = \"full-search\"\n[[beside]]\nestimator = \"full-search\""), "beside itself"),
+        (&format!("{start}estimator = \"full-search\"\n[[beside]]\nestimator = \"full-search\""), "is there twice"),
         (&format!("{start}estimator = \"full-search\"\npace = \"slow\""), "block, budget"),
         (&format!("{start}estimator = \"full-search\"\n[set]\nblock = 400"), "4 to 64 px"),
         (&format!("{start}estimator = \"full-search\"\n[picture]\nview = \"up\""), "side-by-side"),

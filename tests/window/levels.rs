@@ -138,6 +138,6 @@ fn the_pyramid_stands_in_three_dimensions_and_a_click_puts_a_level_on_the_stage(
     assert!(["Level 2, 80×60 px: found", "Level 1, 160×120 px: found"].iter().all(|part| told.contains(part)));
     window.drag(rect.center(), rect.center() + vec2(60.0, 20.0));
     assert!(stage(&window, "Frame t = 0"), "turning chooses nothing");
-    window.click("Surface");
+    window.chart("Cost surface");
     assert!(pyramid(&window).is_none());
 }

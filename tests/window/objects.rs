@@ -49,7 +49,7 @@ fn the_last_frame_of_a_clip_is_reached_and_shown() {
 fn the_matrices_of_a_filter_stand_in_numbers() {
     // Predicted, looked, gated, updated.
     let window = window("kalman-filter", "3.4");
-    for part in ["its covariance: ", "gain: ", "innovation: "] {
+    for part in ["state covariance: ", "gain: ", "innovation: "] {
         assert!(window.harness.query_all_by_label_contains(part).next().is_some(), "{part} is not there");
     }
     assert!(window.harness.query_by_label("Histogram").is_none(), "no displacements are counted");

@@ -43,7 +43,7 @@ fn another_clip_is_opened_outside_of_the_stage_and_says_so() {
     assert_eq!((document.estimator().info().id, document.parents().len()), ("kalman-tracker", 0));
     assert_eq!(document.estimator().get("detector.min-area"), Ok(Value::Int(77)), "what was set in the stage is kept");
     let message = window.app().message().unwrap_or_default();
-    assert!(message.contains("out of the stage") && message.contains("Kalman tracker"), "{message}");
+    assert!(message.contains("the stage was closed") && message.contains("Kalman tracker"), "{message}");
     assert_eq!(window.shown().pictures.pair[0].size(), (96, 72));
 }
 

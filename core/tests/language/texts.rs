@@ -27,7 +27,9 @@ impl Texts {
             if seen.first.is_empty() {
                 seen.first = text.to_owned();
             }
-            for (i, decimals) in decimals(text).into_iter().enumerate() {
+            // An equation shows quantities of many kinds in one form.
+            let decimals = if place == "equation" { Vec::new() } else { decimals(text) };
+            for (i, decimals) in decimals.into_iter().enumerate() {
                 if seen.decimals.len() <= i {
                     seen.decimals.push(BTreeSet::new());
                 }
@@ -124,7 +126,8 @@ impl Texts {
     }
 }
 
-/// How many decimals each number of a text has, from left to right.
+/// How many decimals each number of a text has, from left to right; those of percentages are given by a person, and count as
+/// none.
 pub fn decimals(text: &str) -> Vec<usize> {
     let mut all = Vec::new();
     let letters: Vec<char> = text.chars().collect();
@@ -145,14 +148,15 @@ pub fn decimals(text: &str) -> Vec<usize> {
                 (i, count) = (i + 1, count + 1);
             }
         }
-        all.push(count);
+        let is_percentage = letters[i..].iter().collect::<String>().trim_start_matches(['\u{a0}', ' ']).starts_with('%');
+        all.push(if is_percentage { 0 } else { count });
     }
     all
 }
 
 #[test]
 fn decimals_are_counted() {
-    assert_eq!(decimals("At (−3.5, 2) px: 12\u{202f}345.25 of 5."), [1, 0, 2, 0]);
+    assert_eq!(decimals("At (−3.5, 2) px: 12\u{202f}345.25 of 5, 99.9 %."), [1, 0, 2, 0, 0]);
 }
 
 /// A sentence without its numbers.

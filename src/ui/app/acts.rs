@@ -69,7 +69,7 @@ impl App {
             }
             Action::Focus(focus) => self.walker.focus(focus),
             Action::Release => self.walker.release(),
-            Action::Hint(text) => self.toasts.hint(text),
+            Action::Hint(text) => self.toasts.introduce(text),
             Action::Frame(frame) => self.go_to_frame(frame),
             Action::Speed(speed) => {
                 self.player.speed = speed;

@@ -184,8 +184,9 @@ mod tests {
                 playing: is(0),
                 is_placing: is(1),
                 holds_pixel: is(2),
-                lecture: is(3),
-                in_lockstep: is(4),
+                has_enlarged: is(3),
+                lecture: is(4),
+                in_lockstep: is(5),
                 ..Now::default()
             };
             let expected: Vec<Escape> = Escape::ORDER

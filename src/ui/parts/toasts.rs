@@ -14,6 +14,8 @@ const STAY_SECS: f64 = 6.0;
 struct Toast {
     text: String,
     kind: Kind,
+    /// Whether it only introduces a part of the window.
+    is_introduction: bool,
     /// When it goes; unknown until it was shown first.
     until: Option<f64>,
 }
@@ -36,22 +38,27 @@ pub struct Toasts(Vec<Toast>);
 impl Toasts {
     /// Tells that something was done.
     pub fn tell(&mut self, text: impl Into<String>) {
-        self.0.push(Toast { text: text.into(), kind: Kind::Done, until: None });
+        self.0.push(Toast { text: text.into(), kind: Kind::Done, is_introduction: false, until: None });
     }
 
     /// Tells that something could not be done, and what to do.
     pub fn fail(&mut self, text: impl Into<String>) {
-        self.0.push(Toast { text: text.into(), kind: Kind::Error, until: None });
+        self.0.push(Toast { text: text.into(), kind: Kind::Error, is_introduction: false, until: None });
+    }
+
+    /// Tells what can be done here, before anything that is newer.
+    pub fn introduce(&mut self, text: impl Into<String>) {
+        self.0.insert(0, Toast { text: text.into(), kind: Kind::Hint, is_introduction: true, until: None });
     }
 
     /// Tells what can be done here.
     pub fn hint(&mut self, text: impl Into<String>) {
-        self.0.push(Toast { text: text.into(), kind: Kind::Hint, until: None });
+        self.0.push(Toast { text: text.into(), kind: Kind::Hint, is_introduction: false, until: None });
     }
 
     /// The newest message.
     pub fn last(&self) -> Option<&str> {
-        self.0.last().map(|toast| toast.text.as_str())
+        self.0.iter().rfind(|toast| !toast.is_introduction).map(|toast| toast.text.as_str())
     }
 
     /// Shows the messages above the transport, the newest at the bottom.

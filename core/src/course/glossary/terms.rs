@@ -534,10 +534,10 @@ pub static GLOSSARY: &[Term] = &[
         InterestPoints,
         "epipolar constraint",
         &["epipolar geometry", "epipolar line", "epipolar lines"],
-        "The condition x′ᵀ F x = 0: the match of a point of a static scene lies on a line that only the camera motion \
+        "The condition x′^T F x = 0: the match of a point of a static scene lies on a line that only the camera motion \
         determines.",
     )
-    .symbol("x′ᵀ F x = 0"),
+    .symbol("x′^T F x = 0"),
     term(
         MovingObjects,
         "erosion",
@@ -945,7 +945,7 @@ pub static GLOSSARY: &[Term] = &[
         KalmanFilters,
         "innovation covariance",
         &[],
-        "The covariance S = H P Hᵀ + R of the innovation: uncertainty of the prediction plus measurement noise.",
+        "The covariance S = H P H^T + R of the innovation: uncertainty of the prediction plus measurement noise.",
     )
     .symbol("S"),
     term(
@@ -994,7 +994,7 @@ pub static GLOSSARY: &[Term] = &[
         KalmanFilters,
         "Joseph form",
         &[],
-        "The covariance update (I − KH) P (I − KH)ᵀ + K R Kᵀ, which stays symmetric and positive definite under \
+        "The covariance update (I − KH) P (I − KH)^T + K R K^T, which stays symmetric and positive definite under \
         rounding.",
     ),
     term(
@@ -1015,7 +1015,7 @@ pub static GLOSSARY: &[Term] = &[
         KalmanFilters,
         "Kalman gain",
         &["gain matrix"],
-        "The matrix K = P Hᵀ S⁻¹ that weighs the innovation in the update: large when the prediction is less certain \
+        "The matrix K = P H^T S⁻¹ that weighs the innovation in the update: large when the prediction is less certain \
         than the measurement.",
     )
     .symbol("K"),
@@ -1103,7 +1103,7 @@ pub static GLOSSARY: &[Term] = &[
         KalmanFilters,
         "Mahalanobis distance",
         &["squared Mahalanobis distance"],
-        "The distance of two points in units of the standard deviation in their direction, d² = yᵀ S⁻¹ y.",
+        "The distance of two points in units of the standard deviation in their direction, d² = y^T S⁻¹ y.",
     )
     .symbol("d"),
     term(
@@ -1273,7 +1273,7 @@ pub static GLOSSARY: &[Term] = &[
         &["neighborhood mean", "local average", "neighborhood average", "neighbourhood average"],
         "The weighted mean of the flow at the pixels around, from which Horn–Schunck updates a pixel.",
     )
-    .symbol("ū, v̄"),
+    .symbol("ū"),
     term(
         MotionVectors,
         "new three-step search",
@@ -1285,7 +1285,7 @@ pub static GLOSSARY: &[Term] = &[
         KalmanFilters,
         "NIS",
         &["normalized innovation squared", "normalised innovation squared"],
-        "Normalised innovation squared: yᵀ S⁻¹ y, which for a consistent filter follows a χ² distribution and needs no \
+        "Normalised innovation squared: y^T S⁻¹ y, which for a consistent filter follows a χ² distribution and needs no \
         ground truth.",
     ),
     term(

@@ -157,7 +157,7 @@ pseudocode! {
     PAIR: "      (m, n) ← (u, v), rounded to whole px; A₂, b₂ ← those of frame t+1, (m, n) px away",
     COMPARE: "      A ← ½ (A₁ + A₂), Δb ← A (m, n) − ½ (b₂ − b₁)",
     EACH_WINDOW: "    for each pixel, over the window around it",
-    AVERAGE: "      T ← Σ w AᵀA, h ← Σ w AᵀΔb, Σ w = 1",
+    AVERAGE: "      T ← Σ w A^TA, h ← Σ w A^TΔb, Σ w = 1",
     SOLVE: "      (u, v) ← (T + λ I)⁻¹ (h + λ (u, v))",
 }
 

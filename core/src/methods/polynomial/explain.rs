@@ -159,7 +159,7 @@ impl Probe<'_> {
                     false => "so the damping keeps the weakly determined component at its prior value",
                 };
                 said.text(
-                    "Where the image curves in one direction only, A is singular. Mean of AᵀA over the window of ",
+                    "Where the image curves in one direction only, A is singular. Mean of A^TA over the window of ",
                 )
                 .ink(Role::Reference, pixel)
                 .text(format!(

@@ -324,7 +324,7 @@ fn a_run_that_cannot_be_interrupted_is_left_behind() {
     walker.stop();
     tended(&mut walker);
     assert!(begun.elapsed() < Duration::from_secs(5), "it stops at once: {:?}", begun.elapsed());
-    assert!(walker.view().refused.is_some_and(|error| error.to_string().contains("stopped before")));
+    assert!(walker.view().refused.is_some_and(|error| error.to_string().contains("cancelled before")));
 
     // Nor does it stand in the way of another one.
     walker.start(deaf());
