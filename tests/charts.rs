@@ -135,7 +135,9 @@ fn of_features_errors_alone_are_counted() {
 fn blocks_count_displacements_and_at_the_end_errors_too() {
     let mut window = Window::on("estimator = \"full-search\"\nstep = \"3.4\"");
     window.command(Command::End);
-    for (chart, told) in [("Histogram", "Histogram: "), ("Errors", "Endpoint error: mean "), ("Histogram", "Histogram: ")] {
+    for (chart, told) in
+        [("Histogram", "Histogram: "), ("Errors", "Endpoint error: mean "), ("Histogram", "Histogram: ")]
+    {
         window.chart(chart);
         assert!(window.is_shown(told), "{chart}");
     }

@@ -280,7 +280,8 @@ fn what_is_told_of_a_pixel_is_what_was_decided() {
             let mut told = [0, 0];
             for (x, y) in (0..SIZE.1).step_by(2).flat_map(|y| (0..SIZE.0).map(move |x| (x, y))) {
                 let sentence = walk.step(Some(Focus::current([x as f32, y as f32]))).sentence.plain();
-                let [is_front, is_back] = ["foreground", "background."].map(|word| sentence.contains(word));
+                let [is_front, is_back] =
+                    ["foreground", "background."].map(|word| sentence.to_lowercase().contains(word));
                 assert!(mask.get(x, y) == is_front && is_front != is_back, "{id} at {x}, {y}: {sentence}");
                 told[usize::from(is_front)] += 1;
             }

@@ -273,7 +273,7 @@ fn an_iteration_is_told_with_its_numbers_and_its_trail() {
     walk.jump(Move::To(Cursor { unit: 1, event: 3 }));
     let step = walk.step(None);
     assert!(step.sentence.plain().contains("gives the increment"), "{}", step.sentence.plain());
-    assert!(step.readouts.iter().any(|readout| matches!(readout, scene::Readout::Equation(lines) if lines.len() == 4)));
+    assert!(step.readouts.iter().any(|readout| matches!(readout, scene::Readout::Equation(lines) if lines.len() == 3)));
     let drawn = walk.scene(None);
     let trail = drawn.marks.iter().find_map(|mark| match &mark.shape {
         scene::Shape::Path { points, .. } => Some(points.len()),

@@ -126,6 +126,16 @@ mod tests {
     }
 
     #[test]
+    fn the_glossary_can_be_written() {
+        for term in motionscope_core::glossary::GLOSSARY {
+            let words = [term.name, term.definition, term.symbol.unwrap_or_default()];
+            for c in words.into_iter().flat_map(str::chars) {
+                assert!(Face::Sans.with(c).font().is_some_and(|font| font.glyph_id(c).0 != 0), "{}: {c}", term.name);
+            }
+        }
+    }
+
+    #[test]
     fn digits_have_one_width_and_pairs_are_kerned() {
         for face in Face::ALL {
             let one = width("1", face, 14.0);

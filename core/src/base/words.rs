@@ -157,7 +157,7 @@ mod tests {
     #[test]
     fn decimals_are_those_of_the_quantity() {
         assert_eq!([px(3.0), px(-0.25), px(-0.001), gray(-0.0625)], ["3", "−0.25", "0.00", "−0.06"]);
-        assert_eq!([cost(12_345.0), fixed(-0.00056, 3), fixed(0.0098, 3)], ["12\u{202f}345", "0.000", "0.010"]);
+        assert_eq!([cost(12_345.0), fixed(-0.00056, 3), fixed(0.0098, 3)], ["12\u{202f}345", "−0.001", "0.010"]);
         assert_eq!([fixed(f64::NEG_INFINITY, 2), fixed(f64::NAN, 2)], ["−∞", "undefined"]);
         assert_eq!([fine(1403.247), fine(-0.001), fine(-12.0)], ["1403.25", "0.00", "−12.00"]);
         let headings = [[2.0, 0.0], [0.0, -3.0], [-1.0, 0.0], [0.0, 4.0], [-9.0, 0.01]].map(heading);

@@ -103,6 +103,18 @@ pub fn find(word: &str) -> Option<&'static Term> {
     index().terms.get(&Normal::new(word.trim()).text).copied()
 }
 
+/// The chapters from which the formulas of a family of estimators take their symbols, the nearest first.
+pub fn chapters_of(family: &str) -> &'static [Chapter] {
+    match family {
+        "Block matching" => &[Chapter::MotionVectors],
+        "Optical flow" => &[Chapter::DifferentialMethods, Chapter::DynamicScenes, Chapter::MotionVectors],
+        "Interest points" => &[Chapter::InterestPoints, Chapter::DifferentialMethods],
+        "Moving objects" => &[Chapter::MovingObjects, Chapter::DynamicScenes],
+        "Tracking" => &[Chapter::KalmanFilters, Chapter::MultipleObjects],
+        _ => &[],
+    }
+}
+
 /// The term with this name or alias, as [`find`] finds it.
 ///
 /// # Errors
@@ -348,5 +360,12 @@ mod tests {
         }
         assert_eq!(found("edge\u{301}"), []);
         assert_eq!(found("İİİ cost"), [("cost", "cost")]);
+    }
+
+    #[test]
+    fn every_family_has_chapters() {
+        for estimator in crate::course::estimators() {
+            assert!(!chapters_of(estimator.info().family).is_empty(), "{}", estimator.info().family);
+        }
     }
 }

@@ -148,7 +148,8 @@ pub fn decimals(text: &str) -> Vec<usize> {
                 (i, count) = (i + 1, count + 1);
             }
         }
-        let is_percentage = letters[i..].iter().collect::<String>().trim_start_matches(['\u{a0}', ' ']).starts_with('%');
+        let is_percentage =
+            letters[i..].iter().collect::<String>().trim_start_matches(['\u{a0}', ' ']).starts_with('%');
         all.push(if is_percentage { 0 } else { count });
     }
     all

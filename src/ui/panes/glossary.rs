@@ -1,7 +1,7 @@
 //! Definitions of terms where the pointer is.
 
 use eframe::egui::{Id, Rect, RichText, Sense, Shape, Ui, Vec2};
-use motionscope_core::glossary::{Chapter, GLOSSARY, Term, find, occurrences};
+use motionscope_core::glossary::{Chapter, GLOSSARY, Term, chapters_of, find, occurrences};
 
 use crate::paint::charts::explanation::Block;
 use crate::ui::drawing::chart::rect_from;
@@ -32,25 +32,13 @@ pub fn links(block: &Block, family: &str) -> Vec<Link> {
     words.chain(symbols).collect()
 }
 
-/// The chapters from which the symbols of a family of estimators are, the nearest first.
-fn chapters(family: &str) -> &'static [Chapter] {
-    match family {
-        "Block matching" => &[Chapter::MotionVectors],
-        "Optical flow" => &[Chapter::DifferentialMethods, Chapter::DynamicScenes, Chapter::MotionVectors],
-        "Interest points" => &[Chapter::InterestPoints, Chapter::DifferentialMethods],
-        "Moving objects" => &[Chapter::MovingObjects, Chapter::DynamicScenes],
-        "Tracking" => &[Chapter::KalmanFilters, Chapter::MultipleObjects],
-        _ => &[],
-    }
-}
-
 /// What a symbol of a formula means, or a name in it.
 fn symbol(name: &str, family: &str) -> Option<&'static Term> {
     let plain = plain(name);
     let of = |chapter: &Chapter| GLOSSARY.iter().find(|term| term.chapter == *chapter && has_symbol(term, &plain));
     let is_name = name.chars().filter(|c| c.is_alphabetic()).count() > 1;
     let named = || find(name).or_else(|| occurrences(name).first().map(|(_, term)| *term));
-    chapters(family).iter().find_map(of).or_else(|| if is_name { named() } else { None })
+    chapters_of(family).iter().find_map(of).or_else(|| if is_name { named() } else { None })
 }
 
 /// Whether `term` is written so: a symbol of several parts, as (u, v), is that of each part.

@@ -20,6 +20,7 @@ use crate::ui::app::commands::Command;
 use crate::ui::drawing::style;
 use crate::ui::model::document::{Document, Owner};
 use crate::ui::panes::clip_card;
+use crate::ui::panes::glossary;
 use crate::ui::parts::slider::Slider;
 use crate::ui::parts::widgets;
 
@@ -369,7 +370,7 @@ impl Row<'_> {
     fn explained(&self, response: Response) -> Response {
         match self.idle {
             Some(why) => response.on_disabled_hover_text(format!("{why}\n{}", self.tip())),
-            None => response.on_hover_text(self.tip()),
+            None => response.on_hover_ui(|ui| glossary::tooltip(ui, &self.tip())),
         }
     }
 

@@ -246,6 +246,6 @@ mod tests {
         let look = |clip: &Clip| magnitude.look(clip, &magnitude.begin(&frame), &frame, &threads);
         assert_eq!(look(&clip), Ok(()));
         let refusal = look(&clip.within(1)).expect_err("there is no memory for it").to_string();
-        assert!(refusal.contains("would take about"), "{refusal}");
+        assert!(refusal.contains("needs about"), "{refusal}");
     }
 }

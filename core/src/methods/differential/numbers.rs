@@ -38,7 +38,7 @@ mod tests {
 
     #[test]
     fn decimals_are_fixed_and_thousands_grouped() {
-        assert_eq!([fixed(-0.00056, 3), fixed(0.0098, 3), fixed(-12.5, 2)], ["0.000", "0.010", "−12.50"]);
+        assert_eq!([fixed(-0.00056, 3), fixed(0.0098, 3), fixed(-12.5, 2)], ["−0.001", "0.010", "−12.50"]);
         assert_eq!([gray(9999.0), gray(219_023.4)], ["9999.00", "219\u{202f}023.41"]);
         assert_eq!(vector([0.0654, -1.0]), "(0.065,\u{a0}−1.000)");
         assert_eq!([summand(gray(-2.0)), summand(gray(0.5))], ["− 2.00", "+ 0.50"]);

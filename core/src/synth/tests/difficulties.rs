@@ -189,7 +189,7 @@ fn every_slider_refuses_what_is_out_of_range() {
         Difficulty { speed: f32::INFINITY, ..base() },
         Difficulty { compression: 100, ..base() },
     ] {
-        assert!(make("translation", &wrong).unwrap_err().to_string().contains(" can be "));
+        assert!(make("translation", &wrong).unwrap_err().to_string().contains(" must be "));
     }
 }
 
