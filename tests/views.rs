@@ -201,7 +201,7 @@ fn the_explanation_stays_where_it_was_scrolled() {
         which.set(shown);
         harness.run();
     }
-    let line = |harness: &Harness<'_>| harness.get_by_label_contains("for each displacement").rect().min.y;
+    let line = |harness: &Harness<'_>| harness.get_by_label_contains("for each candidate").rect().min.y;
     let before = line(&harness);
     harness.hover_at(Pos2::new(200.0, 300.0));
     harness.event(Event::MouseWheel {

@@ -154,8 +154,8 @@ fn what_is_no_session_is_told_in_a_sentence() {
     let parse = |text: &str| Session::parse(text, Path::new("")).err().map(|e| e.to_string()).unwrap_or_default();
     let start = "motionscope = 1\nclip = \"a.mp4\"\n";
     for (text, told) in [
-        ("\u{0}PNG", "no session"),
-        ("clip = 3", "no session"),
+        ("\u{0}PNG", "no Motionscope session"),
+        ("clip = 3", "no Motionscope session"),
         ("motionscope = 2\nclip = \"a\"\nestimator = \"full-search\"", "its format version is 2"),
         ("motionscope = 0\nfilm = \"a\"", "its format version is 0"),
         (&format!("{start}estimator = \"magic\""), "full-search"),

@@ -8,7 +8,8 @@
 /// A number with this many decimals, a true minus sign, and thin spaces from 10 000 on.
 pub fn fixed(v: f64, decimals: usize) -> String {
     let digits = format!("{:.decimals$}", v.abs());
-    let is_negative = v < 0.0 && digits.bytes().any(|b| (b'1'..=b'9').contains(&b));
+    // Not −0.00, but −∞.
+    let is_negative = v < 0.0 && (v.is_infinite() || digits.bytes().any(|b| (b'1'..=b'9').contains(&b)));
     let sign = if is_negative { "−" } else { "" };
     match digits.split_once('.') {
         Some((whole, rest)) => format!("{sign}{}.{rest}", spaced(whole)),

@@ -392,7 +392,11 @@ fn axes(canvas: &mut Canvas, plot: &Plot, (series, area): (&Series, Rect), theme
     let Rect { min: [left, _], max: [right, bottom] } = plot.rect;
     for (tick, y) in plot.ticks() {
         canvas.across([left, right], y, chrome.line);
-        canvas.text([left - 7.0, y], (Anchor::End, Level::Middle), &number(tick), dim);
+        let words = number(tick);
+        // Powers of ten need no zeros behind them: 0.001.
+        let is_long = plot.logarithmic && words.contains('.');
+        let words = if is_long { words.trim_end_matches('0').trim_end_matches('.') } else { &words };
+        canvas.text([left - 7.0, y], (Anchor::End, Level::Middle), words, dim);
     }
     canvas.across([left, right], bottom, chrome.dim);
     let below = bottom + 6.0 + if plot.is_tight { 0.0 } else { 1.25 * plot.small };

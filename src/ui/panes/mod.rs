@@ -135,7 +135,7 @@ impl Panes<'_> {
     pub fn show(&mut self, ui: &mut Ui, all: &Arrangement) {
         if let Some(rect) = all.stage {
             let margin = Margin { left: 8, right: 8, top: 4, bottom: 2 };
-            self.within(ui, rect, margin, "stage", |panes, ui| panes.stage(ui));
+            self.within(ui, rect, margin, "pictures", |panes, ui| panes.stage(ui));
         }
         self.charts(ui, &all.charts);
         if let Some(rect) = all.strip {
@@ -212,7 +212,7 @@ impl Panes<'_> {
     /// A line between two panes that can be dragged.
     fn border(&mut self, ui: &mut Ui, border: &Border) {
         let is_upright = border.rect.height() > border.rect.width();
-        let sensed = ui.interact(border.rect, ui.scope_id().with(("border", border.of)), Sense::click_and_drag());
+        let sensed = ui.interact(border.rect, ui.scope_id().with(("dragged", border.of)), Sense::click_and_drag());
         let sensed = sensed.on_hover_and_drag_cursor(if is_upright {
             CursorIcon::ResizeHorizontal
         } else {

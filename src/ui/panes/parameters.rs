@@ -149,7 +149,7 @@ fn group(ui: &mut Ui, owner: Owner, input: Input<'_>, state: &mut State, actions
             is_placing,
         }
     });
-    let section = if owner == Owner::Estimator { "estimator" } else { "clip" };
+    let section = if owner == Owner::Estimator { "of the estimator" } else { "of the clip" };
     rows(ui, section, all.collect(), state, actions);
 }
 
@@ -227,7 +227,7 @@ fn of_stage(ui: &mut Ui, parent: &Row<'_>, stage: &StageValue, state: &mut State
             let idle = parent.idle.or_else(|| part.idle(inner));
             Row { owner, index, within: Some(within), spec, value, default, idle, open: None, theme, is_placing }
         });
-        rows(ui, "stage", all.collect(), state, actions);
+        rows(ui, "of a part", all.collect(), state, actions);
     });
     ui.add_space(4.0);
 }

@@ -197,8 +197,9 @@ impl Stand {
         if self.is_tight {
             return;
         }
-        let name = [high[0], high[1] - 0.9 * small];
-        canvas.text(name, (Anchor::Middle, Level::Bottom), surface.title, Type::text(self.theme));
+        // Left of the corner: the cost of a pin may stand above it.
+        let name = [high[0] - 4.0, high[1] - 0.9 * small];
+        canvas.text(name, (Anchor::End, Level::Bottom), surface.title, Type::text(self.theme));
     }
 
     /// The cost at the top of each pin.

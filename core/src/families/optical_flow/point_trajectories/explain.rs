@@ -325,8 +325,8 @@ fn tiles(pair: &Pair, moved: &Moved) -> Vec<Tile> {
     };
     let tile = |label, role, values| Tile { label, role: Some(role), values, range: [0.0, 255.0] };
     let mut all = vec![tile("Frame t", Role::Reference, around(0, moved.live.at))];
-    all.extend(moved.to().map(|to| tile("Frame t+1, by flow", Role::Result, around(1, to))));
-    all.extend(moved.twin_to().map(|to| tile("Frame t+1, by feature track", Role::Predicted, around(1, to))));
+    all.extend(moved.to().map(|to| tile("t+1, flow", Role::Result, around(1, to))));
+    all.extend(moved.twin_to().map(|to| tile("t+1, feature", Role::Predicted, around(1, to))));
     all
 }
 
