@@ -543,7 +543,7 @@ fn what_is_wrong_is_one_sentence_and_leaves_no_file() {
         (run(SMALL, "--beside magic"), "no estimator magic"),
         (run(SMALL, "--beside diamond,full-search"), "is there twice"),
         (run(SMALL, "--beside diamond,hexagon,three-step,four-step"), "2 to 4 estimators"),
-        (run(SMALL, "--beside hierarchical --set hierarchical.levels=6"), "hierarchical: 6 levels"),
+        (run(SMALL, "--beside hierarchical --set hierarchical.levels=6"), "hierarchical: with 6 levels"),
         (run(SMALL, "--beside diamond --set diamond.block=8"), "set block=8"),
         (run(SMALL, "--beside diamond --pace slow"), "block, budget"),
         (run(SMALL, "--beside horn-schunck"), "tests no candidates"),
@@ -1020,6 +1020,16 @@ fn sheets_of_several_steps_have_one_size() {
         let sizes: Vec<_> = all.iter().map(|path| png_size(path)).collect();
         assert!(sizes.len() > 2 && sizes.iter().all(|size| *size == sizes[0]), "{name}: {sizes:?}");
     }
+}
+
+#[test]
+fn an_earlier_name_of_a_parameter_works_with_a_note() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = motionscope(folder.path(), &format!("run {SMALL} --estimator full-search --set block=8 --json"));
+    let note = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success() && note.contains("block is now called block-size"), "{note}");
+    let run: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(run["params"]["block-size"], 8, "{run}");
 }
 
 #[test]

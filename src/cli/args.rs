@@ -102,7 +102,7 @@ pub struct CompareArgs {
     /// Measure the course's table of sequential, logarithmic and hierarchical search instead, and check its statements.
     #[arg(long, help_heading = "Estimation", conflicts_with_all = ["estimators", "set", "sweep", "csv", "truth"])]
     pub course: bool,
-    /// Set a parameter of one estimator, e.g. diamond.block=8, or of all that have it, e.g. block=8; may be repeated.
+    /// Set a parameter of one estimator, e.g. diamond.block-size=8, or of all that have it, e.g. block-size=8; may be repeated.
     #[arg(long, help_heading = "Estimation", value_name = "A.K=V")]
     pub set: Vec<String>,
     /// Run all estimators with each of these values of a parameter, or of a slider of a synthetic clip.
@@ -152,7 +152,7 @@ pub struct TaskArgs {
     /// Pace of the lockstep: block (same block, one candidate each) or budget (same number of candidates in total).
     #[arg(long, help_heading = "Estimation", value_parser = pace)]
     pub pace: Option<Pace>,
-    /// Set a parameter, e.g. block=8, or that of one estimator in lockstep, e.g. hierarchical.levels=4; may be repeated.
+    /// Set a parameter, e.g. block-size=8, or that of one estimator in lockstep, e.g. hierarchical.levels=4; may be repeated.
     #[arg(long, help_heading = "Estimation", value_name = "K=V")]
     pub set: Vec<String>,
     /// Ground truth; by default it is searched for beside the clip.

@@ -6,7 +6,7 @@ Examples:
   motionscope                                    open the window with a bundled clip
   motionscope ball.mp4                           open the window with your clip
   motionscope list                               list estimators and their parameters
-  motionscope run ball.mp4 --estimator full-search --frame 3 --set range=8 --overlay ball.png
+  motionscope run ball.mp4 --estimator full-search --frame 3 --set search-range=8 --overlay ball.png
   motionscope run synth:pillar --estimator full-search --json
   motionscope export synth:pillar --estimator full-search --steps 35..36 --out steps
 
@@ -46,7 +46,7 @@ Examples:
 pub const RUN: &str = "\
 Examples:
   motionscope run frame10.png --estimator full-search --truth flow10.flo --json
-  motionscope run synth:pillar --estimator full-search --set block=8 --flow pillar.flo --table pillar.csv
+  motionscope run synth:pillar --estimator full-search --set block-size=8 --flow pillar.flo --table pillar.csv
   motionscope run synth:pillar --estimator full-search --step 35.412 --overlay step.svg
   motionscope run synth:pillar --estimator full-search --beside diamond,three-step --step 35.9 --overlay three.png
   motionscope run synth:pillar --estimator hierarchical --step 15.9 --level 2 --overlay coarse.png
@@ -67,6 +67,6 @@ Examples:
 pub const COMPARE: &str = "\
 Examples:
   motionscope compare synth:pillar --estimators full-search,three-step,diamond
-  motionscope compare synth:pillar --estimators full-search,log-search --sweep range=4,8,16,32,64
+  motionscope compare synth:pillar --estimators full-search,log-search --sweep search-range=4,8,16,32,64
   motionscope compare synth:pillar --estimators full-search,diamond --sweep noise=0,10,20,40 --csv noise.csv
-  motionscope compare ball.mp4 --frame 7 --estimators full-search,hexagon --set block=8 --set hexagon.cost=ssd --markdown";
+  motionscope compare ball.mp4 --frame 7 --estimators full-search,hexagon --set block-size=8 --set hexagon.cost=ssd --markdown";

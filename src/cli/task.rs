@@ -119,9 +119,12 @@ pub fn prepare(args: &TaskArgs, experiment: Experiment) -> Result<Prepared, Erro
     Ok(prepared)
 }
 
-/// Says of each of `settings` that has no effect on `estimators` why it has none.
+/// Says of each of `settings` that has no effect on `estimators` why it has none, and which parameters have another name by now.
 pub fn warn_of_idle(estimators: &[&dyn AnyEstimator], settings: &[String]) {
     for setting in settings {
+        if let Some(note) = comparison::renamed(estimators, setting) {
+            eprintln!("note: --set {setting}: {note}");
+        }
         if let Some(why) = comparison::why_idle(estimators, setting) {
             eprintln!("warning: --set {setting}: {why}");
         }

@@ -382,6 +382,18 @@ pub fn why_idle(estimators: &[&dyn AnyEstimator], setting: &str) -> Option<&'sta
     if having.all(|estimator| estimator.why_idle(&of(*estimator)).is_some()) { first } else { None }
 }
 
+/// The note that a setting `NAME=VALUE` uses an earlier name of a parameter, with the present one.
+pub fn renamed(estimators: &[&dyn AnyEstimator], setting: &str) -> Option<String> {
+    let name = setting.split_once('=')?.0.trim();
+    let note = |estimator: &&dyn AnyEstimator| {
+        let own = name.strip_prefix(estimator.info().id).and_then(|rest| rest.strip_prefix('.')).unwrap_or(name);
+        let head = own.split('.').next().unwrap_or(own);
+        let (old, new) = estimator.renamed().iter().find(|(old, _)| *old == head)?;
+        Some(format!("{old} is now called {new}; the earlier name still works"))
+    };
+    estimators.iter().find_map(note)
+}
+
 /// Sets `name` in all of `estimators` that have it.
 ///
 /// # Errors

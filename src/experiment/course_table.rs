@@ -143,7 +143,7 @@ fn growth(arena: &Arena<'_>, stop: &Stop) -> Result<CourseRow, Error> {
     };
     let mut counts = [[0; 3]; 3];
     for (i, range) in RANGES.iter().enumerate() {
-        for (search, counts) in three(&[("range", range)])?.iter().zip(&mut counts) {
+        for (search, counts) in three(&[("search-range", range)])?.iter().zip(&mut counts) {
             counts[i] = most(&**search)?;
         }
     }
@@ -165,7 +165,7 @@ fn large_motion(arena: &Arena<'_>, stop: &Stop) -> Result<CourseRow, Error> {
     let (clip, frame) = (arena.clip, arena.frame);
     let (width, height) = clip.pair(frame)?[0].size();
     let pan_px = PAN.0.min(width / 4);
-    let mut searches = three(&[("range", PAN.1)])?;
+    let mut searches = three(&[("search-range", PAN.1)])?;
     // As many levels as leave a block of what the pan leaves, four at most.
     let levels = (2..4).take_while(|level| (width - pan_px).min(height) >> level >= BLOCK).count() + 2;
     searches[2].set("levels", &levels.to_string())?;

@@ -147,7 +147,7 @@ fn has_twin(mark: &Mark, scene: &Scene) -> bool {
         let has_place = mark.role != Role::Window || mark.shape == other.shape;
         (other.on, other.role, kind(&other.shape)) == (mark.on, mark.role, kind(&mark.shape)) && has_place
     };
-    kind(&mark.shape).is_some() && scene.marks.iter().filter(|other| is_alike(other)).count() > 1
+    kind(&mark.shape).is_some() && scene.marks.iter().filter(|other| is_alike(other)).nth(1).is_some()
 }
 
 /// The bounds of a mark, if it belongs to the work of a step: results, truth, trails and layers do not.

@@ -181,7 +181,7 @@ impl FlowLayer {
     /// What it shows, in one sentence.
     pub fn tip(self) -> &'static str {
         match self {
-            FlowLayer::None => "The picture alone, without colours that tell of motion.",
+            FlowLayer::None => "The picture alone, without flow colours.",
             FlowLayer::Wheel => {
                 "Direction and length of motion in the colours of the Middlebury wheel: white where nothing moves."
             }
@@ -428,7 +428,7 @@ mod tests {
     fn what_is_known_hides_the_picture_as_far_as_is_chosen() {
         let numbers = || Scalars {
             kind: FlowLayer::Consistency,
-            label: "off by".into(),
+            label: "forward–backward error".into(),
             unit: "px",
             values: vec![Grid::from_fn(4, 1, |x, _| if x == 0 { f32::NAN } else { x as f32 })],
             marks: Some(Grid::from_fn(4, 1, |x, _| x == 3)),

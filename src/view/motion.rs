@@ -172,7 +172,7 @@ impl Motion {
                 let check = Consistency::of(flow, backward)?;
                 motion.check = Some(Check::of(&check, site.clip, site.walk.at_frame())?);
                 let Consistency { distance_px, inconsistent } = check;
-                let scalars = scalars("there and back, off by", "px", vec![distance_px]);
+                let scalars = scalars("forward–backward error", "px", vec![distance_px]);
                 Tint::scale(Scalars { marks: Some(inconsistent), ..scalars }, colors, style)
             }
         };

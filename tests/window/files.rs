@@ -12,7 +12,7 @@ fn the_step_is_exported_as_it_is_shown() {
     let file = folder.path().join("step.png");
     write_to(&mut window, &file);
     let message = window.app().message().unwrap_or_default().to_owned();
-    assert!(message.contains("Wrote"), "{message}");
+    assert!(message.contains("Saved"), "{message}");
     let session = folder.path().join("step.motionscope");
     window.press(Modifiers::COMMAND, Key::S);
     write_to(&mut window, &session);
@@ -74,7 +74,7 @@ pub(super) fn write_to(window: &mut Window, path: &Path) {
     window.harness.get_by_label("Where to write it").set_text_value_accesskit(&path.display().to_string());
     window.settle();
     let exists = path.is_file();
-    window.click_role(Role::Button, if exists { "Replace" } else { "Write" });
+    window.click_role(Role::Button, if exists { "Replace" } else { "Save" });
 }
 
 #[test]
@@ -88,7 +88,7 @@ fn nothing_is_replaced_unasked() {
     let typed = folder.path().join("lesson").display().to_string();
     window.harness.get_by_label("Where to write it").set_text_value_accesskit(&typed);
     window.settle();
-    assert!(window.harness.query_by_role_and_label(Role::Button, "Write").is_none());
+    assert!(window.harness.query_by_role_and_label(Role::Button, "Save").is_none());
     assert!(window.harness.query_by_label("There is a lesson.motionscope already.").is_some());
     window.key(Key::Enter);
     assert_eq!(fs::read_to_string(&file).expect("the file"), "mine");
@@ -98,7 +98,7 @@ fn nothing_is_replaced_unasked() {
     window.command(Command::ExportSteps);
     window.harness.get_by_label("Where to write it").set_text_value_accesskit(&folder.path().display().to_string());
     window.settle();
-    assert!(window.harness.query_by_role_and_label(Role::Button, "Write").is_some(), "a folder alone is no harm");
+    assert!(window.harness.query_by_role_and_label(Role::Button, "Save").is_some(), "a folder alone is no harm");
     fs::write(folder.path().join("step_00000.png"), "mine").expect("a file");
     window.key(Key::Escape);
     window.command(Command::ExportSteps);

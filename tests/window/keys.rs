@@ -162,12 +162,12 @@ fn a_range_says_how_many_files_it_makes() {
             assert!(begun.elapsed() < Duration::from_secs(30), "the counting does not end");
         }
         window.settle();
-        let told = window.harness.query_by_label_contains("Writes ").and_then(|node| node.accesskit_node().value());
+        let told = window.harness.query_by_label_contains("Saves ").and_then(|node| node.accesskit_node().value());
         told.unwrap_or_default()
     };
-    assert_eq!(count(&mut window, "3.1", "3.9"), "Writes 9 files.");
+    assert_eq!(count(&mut window, "3.1", "3.9"), "Saves 9 files.");
     window.click_role(Role::Button, "block");
-    assert_eq!(count(&mut window, "3", "5"), "Writes 3 files.");
+    assert_eq!(count(&mut window, "3", "5"), "Saves 3 files.");
     files::write_to(&mut window, &folder.path().join("steps"));
     assert_eq!(fs::read_dir(folder.path().join("steps")).expect("a folder").count(), 3);
 }
@@ -209,9 +209,7 @@ fn a_folder_with_truth_for_one_pair_opens_at_that_pair_and_says_so() {
 
 #[test]
 fn the_end_of_a_run_shows_the_scores_of_the_command_line() {
-    for (estimator, clip) in [("kalman-tracker", "synth:crossing,frames=24"), ("full-search", "synth:pillar,frames=3")]
-    {
-        let clip = if Source::parse(clip).is_ok() { clip } else { "synth:pillar,frames=12" };
+    for (estimator, clip) in [("kalman-tracker", "synth:traffic,frames=12"), ("full-search", "synth:pillar,frames=3")] {
         let mut window = Window::with(vec2(1440.0, 900.0), Start { open: Some(clip.into()) });
         let wanted = motionscope_core::estimator(estimator).expect("it is there");
         window.command(Command::Palette);

@@ -101,8 +101,8 @@ fn faults(window: &Window) -> Vec<String> {
         let is_pixel = text.len() < 4 && text.bytes().all(|byte| byte.is_ascii_digit());
         let is_high = (rect.min.y < min.y || rect.max.y > max.y) && !is_pixel && !scrolled.iter().any(is_in);
         // The labels of marks are cut where their picture ends.
-        let is_mark = pictures.iter().any(|pane| pane.contains(rect.center()));
-        if (is_wide || is_high) && !is_mark {
+        let is_mark = pictures.iter().any(|pane| pane.expand(2.0).contains_rect(clip.intersect(*rect)));
+        if (is_wide || is_high) && !is_mark && !is_pixel {
             faults.push(format!("“{text}” is cut off: {rect:?} in {clip:?}"));
         }
         for other in all[..i].iter().filter(|_| !is_mark) {

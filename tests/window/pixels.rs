@@ -100,7 +100,7 @@ fn a_pixel_of_the_background_is_explained_as_that_of_the_frame() {
 
 fn status(window: &Window) -> String {
     let line = window.harness.query_all_by_role(Role::Label).filter_map(|node| node.accesskit_node().value());
-    line.into_iter().find(|line| line.contains(" % of the work")).expect("the status line")
+    line.into_iter().find(|line| line.contains(" % done")).expect("the status line")
 }
 
 #[test]

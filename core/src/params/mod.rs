@@ -180,7 +180,8 @@ impl Spec {
     /// Makes a declaration from the parts that [`params!`](crate::params!) collects.
     #[doc(hidden)]
     pub fn declare(field: &str, docs: &[&str], unit: &'static str, kind: Kind, default: Value) -> Self {
-        let words = field.replace('_', " ").replace("iou", "IoU");
+        let words: Vec<_> = field.split('_').map(|word| if word == "iou" { "IoU" } else { word }).collect();
+        let words = words.join(" ");
         let label = words.chars().take(1).flat_map(char::to_uppercase).chain(words.chars().skip(1)).collect();
         let doc = docs.iter().map(|line| line.trim()).collect::<Vec<_>>().join(" ");
         Self { name: field.replace('_', "-"), label, doc, unit, kind, default, advanced: false, idle: Vec::new() }

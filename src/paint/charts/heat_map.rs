@@ -12,7 +12,7 @@ use super::canvas::{Canvas, Level, Type, around, middle, shortened, solid};
 use super::{ChartStyle, Drawing, Map, titled};
 
 /// What is said of a candidate whose cost was not summed to its end.
-const GIVEN_UP: &str = "given up early";
+const GIVEN_UP: &str = "rejected early";
 /// Colors of the bar: so many that no step between two is seen.
 const SHADES: usize = 128;
 

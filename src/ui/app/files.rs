@@ -355,7 +355,7 @@ fn run_of(estimator: &dyn AnyEstimator) -> String {
 fn save_session(session: &Session, path: &Path) -> Result<String, Error> {
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     session.save(&path)?;
-    Ok(format!("Wrote {}.", path.display()))
+    Ok(format!("Saved {}.", path.display()))
 }
 
 fn ask_system(wanted: Browse) -> Option<PathBuf> {

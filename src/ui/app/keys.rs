@@ -10,8 +10,8 @@ use crate::ui::dialogs::open as open_dialog;
 
 /// The keys that are down, by where they lie on the keyboard.
 ///
-/// A key may be let go as another than it was pressed as: `?` becomes `/` once Shift is up. Who goes by its name
-/// believes that `?` is still held, and takes the next one for a repetition.
+/// A key may be released under another name than it was pressed under: `?` becomes `/` once Shift is up. By name, `?`
+/// would count as held, and the next press as a repetition.
 #[derive(Clone, Default)]
 struct Held(BTreeSet<Key>);
 

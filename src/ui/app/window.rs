@@ -90,7 +90,7 @@ pub struct App {
     pub(super) browsing: Option<(Browse, Receiver<Option<PathBuf>>)>,
     /// What is being written.
     pub(super) writing: Option<Writing>,
-    /// Who went in lockstep last.
+    /// The estimators that were last in lockstep.
     pub(super) side_by_side: SideBySide,
     /// Where was written last.
     pub(super) folder: Option<PathBuf>,
@@ -240,7 +240,7 @@ impl App {
             checking: self.view.checking,
             playing: self.player.is_playing(),
             lecture: self.settings.lecture,
-            has_charts: !self.charts().is_empty(),
+            has_charts: !self.folded().charts && !self.charts().is_empty(),
             has_enlarged: self.settings.charts.is_enlarged
                 && self.regions.iter().all(|(region, _)| *region != Region::Stage),
             can_be_larger: self.settings.interface(self.size()).zoom < ZOOM.1 && {
@@ -368,12 +368,12 @@ impl App {
                     0.0 => drop(ui.spinner()),
                     done => drop(ui.add(egui::ProgressBar::new(done).desired_width(120.0).desired_height(6.0))),
                 }
-                ui.label(RichText::new("Writing…").small());
+                ui.label(RichText::new("Saving…").small());
                 if ui.add(egui::Button::new(RichText::new("Cancel").small()).small()).clicked() {
                     actions.ask(Action::CancelWriting);
                 }
             }
-            let nothing = || if self.document.clip().is_some() { "no run" } else { "No clip is open" }.to_owned();
+            let nothing = || if self.document.clip().is_some() { "No run" } else { "No clip is open" }.to_owned();
             let text = self.view.shown.as_deref().map_or_else(nothing, status::line);
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 if ui.available_width() > 70.0 * small.size {

@@ -23,20 +23,35 @@ pub struct Input<'a> {
 #[derive(Default)]
 pub struct State {
     chart: Chart<Plot, (bool, Option<Window>)>,
-    /// The part that one has come near to, of a quantity of this title.
-    near: Option<(&'static str, Window)>,
+    /// The part that was zoomed to, and what it is a part of.
+    near: Option<(Zoomed, Window)>,
     /// The scale that the person chose for a quantity of this title.
     chosen: Option<(&'static str, bool)>,
 }
 
 impl State {
-    /// The part of `series` that is seen, if it is not all.
-    fn window(&self, series: &Series) -> Option<Window> {
-        self.near.filter(|(title, _)| *title == series.title).map(|(_, window)| window)
+    /// The part of a plot that is seen, if it is not all.
+    fn window(&self, input: Input<'_>) -> Option<Window> {
+        let of = Zoomed::of(input, self.is_logarithmic(input));
+        self.near.as_ref().filter(|(zoomed, _)| *zoomed == of).map(|(_, window)| *window)
     }
 
     fn is_logarithmic(&self, Input { series, logarithmic, .. }: Input<'_>) -> bool {
         self.chosen.filter(|(title, _)| *title == series.title).map_or(logarithmic, |(_, chosen)| chosen)
+    }
+}
+
+/// What a zoom belongs to: another plot is seen whole.
+#[derive(Clone, Debug, PartialEq)]
+struct Zoomed {
+    whose: String,
+    title: &'static str,
+    logarithmic: bool,
+}
+
+impl Zoomed {
+    fn of(input: Input<'_>, logarithmic: bool) -> Self {
+        Self { whose: input.subject.whose.to_owned(), title: input.series.title, logarithmic }
     }
 }
 
@@ -53,7 +68,7 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
     let (area, whole) = ui.allocate_exact_size(ui.available_size().max(vec2(80.0, 60.0)), Sense::hover());
     let painter = ui.painter_at(area);
     let lay_out = |state: &mut State| {
-        let (logarithmic, window) = (state.is_logarithmic(input), state.window(series));
+        let (logarithmic, window) = (state.is_logarithmic(input), state.window(input));
         let data = Plotted { series, whose: subject.whose, logarithmic, window };
         let draw = |area, style| draw(data, area, style);
         (data, state.chart.lay_out(&painter, (subject, series), (area, (logarithmic, window)), draw))
@@ -62,7 +77,7 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
     let rect = rect_from(before.rect);
     let sensed = ui.interact(rect, ui.scope_id().with("series"), Sense::click_and_drag());
     sensed.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, summary(series)));
-    travel(ui, &sensed, (series, &before), state);
+    travel(ui, &sensed, (input, &before), state);
     let (data, plot) = lay_out(state);
     state.chart.body(&painter);
     let hovered = sensed.hover_pos().map(|at| plot.x.value(at.x));
@@ -89,12 +104,12 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
 }
 
 /// Comes nearer with the wheel and goes along at a drag; a double click shows all again.
-fn travel(ui: &Ui, sensed: &egui::Response, (series, plot): (&Series, &Plot), state: &mut State) {
+fn travel(ui: &Ui, sensed: &egui::Response, (input, plot): (Input<'_>, &Plot), state: &mut State) {
     if sensed.double_clicked() {
         state.near = None;
         return;
     }
-    let now = state.window(series).unwrap_or(plot.whole);
+    let now = state.window(input).unwrap_or(plot.whole);
     let mut window = now;
     if let Some(at) = sensed.hover_pos() {
         let (wheel, pinch) = ui.input(|i| (i.smooth_scroll_delta().y, i.zoom_delta()));
@@ -109,7 +124,7 @@ fn travel(ui: &Ui, sensed: &egui::Response, (series, plot): (&Series, &Plot), st
         window = window.moved(along, plot.whole);
     }
     if window != now {
-        state.near = (window != plot.whole).then_some((series.title, window));
+        state.near = (window != plot.whole).then(|| (Zoomed::of(input, plot.logarithmic), window));
     }
 }
 

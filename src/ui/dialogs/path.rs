@@ -164,7 +164,8 @@ impl PathField {
             offered.clone_from(&self.text);
             return to_end(ui.ctx(), id, &self.text);
         }
-        if self.text == *offered && names.is_empty() && !told.is_empty() {
+        let is_complete = names.len() == 1 && !offered.ends_with(std::path::is_separator);
+        if self.text == *offered && (names.is_empty() && !told.is_empty() || is_complete) {
             let way = if forward { FocusDirection::Next } else { FocusDirection::Previous };
             return ui.memory_mut(|memory| memory.move_focus(way));
         }

@@ -258,8 +258,8 @@ impl State {
         let (_, counting) = self.counting.as_ref()?;
         Some(counting.look(|outcome| match outcome {
             None => "Counting the pictures…".to_owned(),
-            Some(Ok(1)) => "Writes 1 file.".to_owned(),
-            Some(Ok(count)) => format!("Writes {} files.", grouped(*count)),
+            Some(Ok(1)) => "Saves 1 file.".to_owned(),
+            Some(Ok(count)) => format!("Saves {} files.", grouped(*count)),
             Some(Err(error)) => format!("{error}."),
         }))
     }
@@ -497,7 +497,7 @@ fn buttons(ui: &mut Ui, state: &mut State, entered: bool, actions: &mut Actions)
             let (text, fill) = if replaces {
                 ("Replace", ui.visuals().error_fg_color)
             } else {
-                ("Write", ui.visuals().hyperlink_color)
+                ("Save", ui.visuals().hyperlink_color)
             };
             let write = ui.add_enabled(order.is_ok(), Button::new(RichText::new(text).color(on)).fill(fill));
             // Enter in the field does not replace anything; Enter once more, on the button, does.

@@ -112,7 +112,7 @@ pub fn picture(order: &Order, shown: &Snapshot) -> Result<String, Error> {
     let estimator = &*shown.subject.experiment.estimator;
     let shot = Shot { moment: &shown.moment, estimator, look: &order.look, panes: &order.panes };
     export::save_result(&order.path, &shot.encode(format, order.scale)?)?;
-    Ok(format!("Wrote {}.", order.path.display()))
+    Ok(format!("Saved {}.", order.path.display()))
 }
 
 /// Writes the pictures of several steps; says what was written.
@@ -125,7 +125,7 @@ pub fn steps(order: &Order, shown: &Snapshot, progress: &dyn Progress) -> Result
     let (panes, scale) = (order.panes.clone(), order.scale);
     let steps = Steps { from, to, granularity, format, scale, look: order.look, panes, pixel, must_have_layer: false };
     let written = steps.write(&shown.subject, &order.path, Some(progress))?;
-    Ok(format!("Wrote {} into {}{}.", written.pictures(), order.path.display(), written.without()))
+    Ok(format!("Saved {} into {}{}.", written.pictures(), order.path.display(), written.without()))
 }
 
 /// Writes a result as soon as it comes, in the format that the ending of `path` asks for; says what was written.
@@ -142,7 +142,7 @@ pub fn result(
     let made = (export.format(path)?.encode)(&output)?;
     let written = export.save(path, &made)?;
     let lost = made.lost.map_or_else(String::new, |lost| format!(" {lost}."));
-    Ok(format!("Wrote {written}.{lost}"))
+    Ok(format!("Saved {written}.{lost}"))
 }
 
 fn come(output: &Receiver<Output>, progress: &dyn Progress) -> Result<Output, Error> {

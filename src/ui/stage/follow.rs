@@ -127,7 +127,8 @@ impl State {
         let is_close = !is_by_hand && self.follow.is_close();
         self.follow_again();
         match mode {
-            FocusMode::Off => FocusMode::On,
+            // On and auto differ in where the work is large: what was close goes, what was not comes.
+            FocusMode::Off => FocusMode::Auto,
             mode if is_by_hand => mode,
             _ if is_close => FocusMode::Off,
             _ => FocusMode::On,
@@ -207,7 +208,7 @@ pub fn act(ui: &Ui, spot: &Spot<'_>) -> Option<Zoom> {
     let id = ui.scope_id().with(("map", spot.member, spot.panel));
     let sensed = ui.interact(map, id, Sense::click_and_drag()).on_hover_cursor(egui::CursorIcon::PointingHand);
     sensed.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Map of the whole picture"));
-    let sensed = sensed.on_hover_text("The whole picture; the frame is what is seen. Click to look elsewhere.");
+    let sensed = sensed.on_hover_text("The whole picture, with the visible part framed. Click to move there.");
     let at = sensed.interact_pointer_pos().filter(|_| sensed.clicked() || sensed.dragged())?;
     let share = (at - map.min) / map.size();
     let center = [share.x * spot.lens.picture.x - 0.5, share.y * spot.lens.picture.y - 0.5];

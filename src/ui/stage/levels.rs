@@ -18,7 +18,7 @@ pub fn choice(ui: &mut Ui, input: &Input<'_>, shown: &mut LevelShown) {
     let tip = "The level that the search works on: the pictures that it really sees.";
     let at_work = (LevelShown::AtWork, format!("Level at work ({})", levels.at_work), tip.to_owned());
     let now = format!("Level {}", shown.of(levels));
-    let list = egui::ComboBox::from_id_salt("level").selected_text(now).show_ui(ui, |ui| {
+    let list = egui::ComboBox::from_id_salt("pyramid level").selected_text(now).show_ui(ui, |ui| {
         for (choice, text, tip) in std::iter::once(at_work).chain((0..levels.all.len()).map(number)) {
             let is_chosen = *shown == choice;
             let response = ui.selectable_label(is_chosen, &text);

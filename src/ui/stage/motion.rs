@@ -30,9 +30,9 @@ pub fn button(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut 
     let opener = ui.add(Button::new(("Motion", caret)));
     opener.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, "Motion"));
     if input.checking {
-        ui.spinner().on_hover_text("The reverse pair is run for the check (Esc gives it up).");
+        ui.spinner().on_hover_text("Running the reverse pair for the forward–backward check (Esc cancels).");
     }
-    let tip = Command::NextLayer.with_key("What is seen of motion: colours, arrows and streaklines.");
+    let tip = Command::NextLayer.with_key("Colours, arrows and streaklines that show the motion.");
     let opener = opener.on_hover_text(tip);
     let popup = Popup::menu(&opener).close_behavior(PopupCloseBehavior::CloseOnClickOutside);
     popup.show(|ui| choices(ui, input, state, &mut response.look));
@@ -90,7 +90,10 @@ fn choices(ui: &mut Ui, input: &Input<'_>, state: &mut State, look: &mut Look) {
         ] {
             let can_be = !streaks || input.available.has_field();
             let shown = ui.add_enabled(can_be, Button::selectable(look.streaks.is_some() == streaks, name));
-            if shown.on_hover_text(&tip).on_disabled_hover_text("Only single points are known to move here.").clicked()
+            if shown
+                .on_hover_text(&tip)
+                .on_disabled_hover_text("This estimator tracks single points; there is no dense flow to draw.")
+                .clicked()
             {
                 look.streaks = streaks.then(|| look.streaks.unwrap_or_default());
             }

@@ -93,6 +93,9 @@ pub fn costs<'a>(painter: &Painter, marks: impl Iterator<Item = &'a Mark>, lens:
         for y in 0..costs.values.height() {
             for (x, value) in costs.values.row(y).iter().enumerate().filter(|(_, value)| value.is_finite()) {
                 let at = lens.to_screen([costs.origin[0] + x as f32, costs.origin[1] + y as f32]);
+                if !lens.pane.expand(lens.scale).contains(at) {
+                    continue;
+                }
                 let color = look.colors.at((value - low) / (high - low).max(f32::MIN_POSITIVE));
                 let color = on_gray((255.0 * color.luminance().sqrt()) as u8);
                 painter.text(at, Align2::CENTER_CENTER, number(*value), font.clone(), ink::color(color));

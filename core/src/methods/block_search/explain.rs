@@ -181,7 +181,12 @@ impl Probe<'_> {
             return self.ambiguity(&ties);
         }
         if self.rate.distortion(found) == 0.0 {
-            return "The match is exact.".into();
+            return match self.settings.matching.cost {
+                super::Cost::Zsad => "The match is exact up to an offset.",
+                super::Cost::Ncc => "The match is exact up to a gain and an offset.",
+                _ => "The match is exact.",
+            }
+            .into();
         }
         let range = self.settings.matching.search_range as u32;
         if found.displacement.iter().any(|c| c.unsigned_abs() == range) {
@@ -231,7 +236,7 @@ impl Probe<'_> {
         let prediction = predict(&field.flow(), next, (field.border, field.filter));
         let psnr = |picture| match metrics::psnr_db(picture, frame) {
             Ok(db) if db.is_finite() => format!("{db:.2} dB"),
-            _ => "without error".into(),
+            _ => "infinite (no error)".into(),
         };
         let quality = format!(
             " All {} are matched: PSNR of the motion-compensated prediction {}, without motion {}.",

@@ -175,12 +175,12 @@ impl Cause {
                 advice.texture
             ),
             Cause::Boundary(px) => format!(
-                ": a motion boundary, beside which motion differs by {} px. {}",
+                ": beside it the flow differs by {} px, at a motion boundary or an outlier. {}",
                 numbers::px(*px),
                 advice.boundary
             ),
             Cause::Large(px) => format!(
-                ": its true motion of {} px is larger than the linearisation reaches. {}",
+                ": its true motion of {} px may be larger than the linearisation reaches. {}",
                 numbers::px(*px),
                 advice.motion
             ),
@@ -228,7 +228,10 @@ mod tests {
     #[test]
     fn without_truth_the_residual_is_judged() {
         let boundary = said(&pair(None, waves), |x, y| if (x, y) == (8, 8) { [2.0, 0.0] } else { [0.0; 2] });
-        assert!(boundary.contains("a motion boundary") && boundary.contains("no true flow is loaded"), "{boundary}");
+        assert!(
+            boundary.contains("at a motion boundary or an outlier") && boundary.contains("no true flow is loaded"),
+            "{boundary}"
+        );
         let none = said(&pair(None, waves), |_, _| Flow::UNKNOWN);
         assert!(none.contains("flow at 0 % of the pixels, none of which"), "{none}");
     }

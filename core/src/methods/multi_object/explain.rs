@@ -173,6 +173,9 @@ pub(crate) fn done(number: usize, frame: &ObjectFrame, conclusion: &Conclusion) 
             " To keep identities, raise max-age or choose a motion model that fits."
         }
         _ if misses > alarms => " Misses dominate: lower min-hits or the score thresholds, or use another detector.",
+        _ if misses == alarms => {
+            " Misses and false alarms are as many: boxes may overlap the true ones by less than the IoU threshold."
+        }
         _ => " False alarms dominate: raise min-hits or the score thresholds, or lower max-age.",
     };
     counts + &scores + &rates + &worst + advice

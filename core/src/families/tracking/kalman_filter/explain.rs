@@ -211,12 +211,21 @@ impl KalmanFilter {
             said += &format!(" position error (RMS) {} px filtered", px(filtered));
             let smoothed = rmse(|record| record.smoothed).filter(|_| self.smooth);
             said += &smoothed.map_or_else(String::new, |smoothed| format!(", {} px smoothed", px(smoothed)));
-            let measured = state
-                .records
-                .iter()
-                .filter_map(|record| Some(distance(record.of_sensor(0)?.measurement().place, record.truth?)));
-            said += &root_mean_square(measured).map_or_else(String::new, |off| format!(", {} px measured", px(off)));
             said += ".";
+            // Only frames with a measurement compare the filter with its sensor.
+            let both = |of: fn(&FrameRecord) -> Option<[f64; 2]>| {
+                let measured = state.records.iter().filter(|record| record.of_sensor(0).is_some());
+                root_mean_square(measured.filter_map(|record| Some(distance(of(record)?, record.truth?))))
+            };
+            let measured = both(|record| Some(record.of_sensor(0)?.measurement().place));
+            let filtered = both(|record| Some(record.filtered?.place()));
+            if let (Some(measured), Some(filtered)) = (measured, filtered) {
+                said += &format!(
+                    " In the frames with a measurement: {} px measured, {} px filtered.",
+                    px(measured),
+                    px(filtered)
+                );
+            }
         }
         let nis: Vec<&Gated> = state.records.iter().filter_map(|record| record.of_sensor(0)).collect();
         let Some(dof) = nis.first().map(|gated| gated.measurement().numbers()) else {
