@@ -38,7 +38,7 @@ pub fn session(args: &TaskArgs, picture: &PictureArgs) -> Result<Session, Error>
         let before = std::mem::replace(estimator, other);
         side_by_side.relieve(&*before, &**estimator);
     }
-    keep_company(args, &**estimator, side_by_side)?;
+    set_lockstep(args, &**estimator, side_by_side)?;
     *frame = args.frame.unwrap_or(*frame);
     session.look = session.look.then(&picture.look.0);
     if picture.look.0.has("blend") && look(&session).view != Some(View::Blend) {
@@ -63,7 +63,7 @@ fn named(args: &TaskArgs) -> Result<Named, Error> {
 }
 
 /// Adds the estimators of --beside in lockstep with `leader`.
-fn keep_company(args: &TaskArgs, leader: &dyn AnyEstimator, side_by_side: &mut SideBySide) -> Result<(), Error> {
+fn set_lockstep(args: &TaskArgs, leader: &dyn AnyEstimator, side_by_side: &mut SideBySide) -> Result<(), Error> {
     let pace = args.pace.unwrap_or(side_by_side.pace);
     if !args.beside.is_empty() {
         *side_by_side = SideBySide::of(leader, &args.beside, pace)?;

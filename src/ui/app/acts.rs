@@ -38,7 +38,7 @@ impl App {
             Action::Lockstep(ids) => self.lockstep(&ids),
             Action::Pace(pace) => {
                 let side_by_side = SideBySide { pace, ..self.document.side_by_side().clone() };
-                self.keep_company(self.document.estimator().boxed_clone(), side_by_side);
+                self.set_lockstep(self.document.estimator().boxed_clone(), side_by_side);
             }
             Action::Set(owner, index, value) => {
                 if let Err(error) = self.document.set(owner, index, value) {
@@ -377,7 +377,7 @@ impl App {
             Ok::<_, Error>((leader, side_by_side))
         };
         match side_by_side() {
-            Ok((leader, side_by_side)) => self.keep_company(leader, side_by_side),
+            Ok((leader, side_by_side)) => self.set_lockstep(leader, side_by_side),
             Err(error) => self.toasts.fail(error.to_string()),
         }
     }
@@ -387,7 +387,7 @@ impl App {
         let leader = self.document.estimator().boxed_clone();
         if !self.document.side_by_side().is_empty() {
             self.side_by_side = self.document.side_by_side().clone();
-            return self.keep_company(leader, SideBySide::default());
+            return self.set_lockstep(leader, SideBySide::default());
         }
         let id = leader.info().id;
         let mut side_by_side = self.side_by_side.clone();
@@ -399,14 +399,14 @@ impl App {
             side_by_side.check(&*leader).map(|()| side_by_side)
         };
         match side_by_side {
-            Ok(side_by_side) => self.keep_company(leader, side_by_side),
+            Ok(side_by_side) => self.set_lockstep(leader, side_by_side),
             Err(error) => self.toasts.fail(error.to_string()),
         }
     }
 
     /// Continues `leader` in lockstep with others, or alone, from its position.
-    fn keep_company(&mut self, leader: Box<dyn AnyEstimator>, side_by_side: SideBySide) {
-        self.document.keep_company(leader, side_by_side);
+    fn set_lockstep(&mut self, leader: Box<dyn AnyEstimator>, side_by_side: SideBySide) {
+        self.document.set_lockstep(leader, side_by_side);
         self.states.explained = 0;
         self.restart();
     }
@@ -416,7 +416,7 @@ impl App {
         if !self.document.side_by_side().is_empty() {
             self.side_by_side = self.document.side_by_side().clone();
         }
-        self.document.keep_company(row.estimator.boxed_clone(), SideBySide::default());
+        self.document.set_lockstep(row.estimator.boxed_clone(), SideBySide::default());
         self.states.explained = 0;
         let unit = row.figures.first_missed_unit().unwrap_or(0);
         let place = Place { cursor: Cursor { unit, event: usize::MAX }, ..Place::default() };

@@ -172,7 +172,7 @@ impl Document {
     }
 
     /// Has `estimator` go in lockstep with `the estimators side by side` from now on, or alone; undo brings back what was before.
-    pub fn keep_company(&mut self, estimator: Box<dyn AnyEstimator>, side_by_side: SideBySide) {
+    pub fn set_lockstep(&mut self, estimator: Box<dyn AnyEstimator>, side_by_side: SideBySide) {
         let experiment = Experiment { estimator, side_by_side, ..self.alone() };
         self.take("side_by_side", Nested::alone(experiment));
     }
