@@ -22,9 +22,9 @@ block_search_params! {
     /// Logarithmic search by quadrants: the search window is quartered again and again, keeping the quadrant with the
     /// minimum.
     pub struct QuadrantSearch {
-        /// The search stops when the window is at most this wide and high.
+        /// Window size, in width and height, down to which the search continues.
         min_window: usize = 1, 1..=64, "px";
-        /// Smallest relative decrease of the minimum per iteration: the search stops below it. 0 disables the criterion.
+        /// Smallest relative decrease of the minimum per iteration; below it, the search stops. 0 disables the criterion.
         min_decrease: f32 = 0.0, 0.0..=100.0, "%";
     }
     renamed { "smallest" => "min-window", "least-gain" => "min-decrease" }

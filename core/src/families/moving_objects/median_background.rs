@@ -16,7 +16,8 @@ use crate::scene::{Fact, Role, Sentence};
 params! {
     /// Approximate median of each pixel.
     pub struct MedianBackground {
-        /// Step of the background toward each frame in gray levels. The background converges to the median, where half of the frames are brighter.
+        /// Step of the background toward each frame in gray levels. The background converges to the median: half of the frames are
+        /// brighter, half darker.
         step: usize = 1, 1..=16;
         /// Difference threshold in gray levels. Pixels with a larger |I − B| are foreground.
         threshold: usize = 25, 0..=255;

@@ -172,8 +172,8 @@ pub(crate) fn done(number: usize, frame: &ObjectFrame, conclusion: &Conclusion) 
         switches if switches > misses.max(alarms) => {
             " To keep identities, raise max-age or choose a motion model that fits."
         }
-        _ if misses > alarms => " Misses dominate: lower min-hits or the score thresholds, or use another detector.",
-        _ => " False alarms dominate: raise min-hits or the score thresholds, or lower max-age.",
+        _ if misses > alarms => " In the run, misses dominate: lower min-hits or the score thresholds, or use another detector.",
+        _ => " In the run, false alarms dominate: raise min-hits or the score thresholds, or lower max-age.",
     };
     counts + &scores + &rates + &worst + advice
 }
@@ -182,9 +182,9 @@ pub(crate) fn done(number: usize, frame: &ObjectFrame, conclusion: &Conclusion) 
 fn of_frame(all: Matches) -> String {
     match all.misses() + all.false_positives() {
         0 if all.truths == 0 => " No true objects in this frame.".into(),
-        0 => format!(" All {} true objects are matched (IoU ≥ 0.5).", grouped(all.truths)),
+        0 => format!(" Ground truth (IoU ≥ 0.5): all {} true objects are matched.", grouped(all.truths)),
         _ => format!(
-            " Truth (IoU ≥ 0.5): {} of {} objects matched, {}.",
+            " Ground truth (IoU ≥ 0.5): {} of {} true objects are matched, {}.",
             grouped(all.pairs),
             grouped(all.truths),
             plural(all.false_positives(), "false alarm", "s")

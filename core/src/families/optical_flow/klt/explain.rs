@@ -120,7 +120,7 @@ impl Klt {
             )),
             Event::Found(found) => said
                 .text(format!(
-                    "{} of max-points = {} features are tracked. Detector {}: ",
+                    "{} of max-points = {} features are tracked. The detector ({}) finds ",
                     state.live.len(),
                     self.max_points,
                     self.detector.estimator().info().name

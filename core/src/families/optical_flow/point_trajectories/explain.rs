@@ -95,9 +95,8 @@ impl PointTrajectories {
             Some(What::Done(note)) => {
                 let left = seen.after.map_or(0, |after| after.live.len());
                 let said = said
-                    .text(format!("Of {} ", words::counted(note.points as usize, "point")))
-                    .ink(Role::Result, format!("{left} continue"))
-                    .text(format!(" in frame {next}. "));
+                    .ink(Role::Result, left.to_string())
+                    .text(format!(" of {} continue in frame {next}. ", words::counted(note.points as usize, "point")));
                 let said = match note.apart.is_finite() {
                     true => {
                         said.text("Mean drift between flow and feature tracks: ").ink(Role::Error, px(note.apart)).text(".")

@@ -116,7 +116,7 @@ impl BlobTracker {
                 count(tracks_of(tracked_blobs), "track")
             )),
             EventKind::Corresponded(table) => said.text(format!(
-                "{} of {} correspond: the overlap is at least min-overlap = {} of the smaller box.{}",
+                "{} of {} with overlap: at least min-overlap = {} of the smaller box.{}",
                 table.corresponding,
                 count(table.tracked_blobs.len() * table.blobs.len(), "pair"),
                 words::percent(self.min_overlap),
@@ -197,7 +197,7 @@ impl BlobTracker {
         let said = said.ink(Role::Estimate, named(tracked));
         let said = if is_nearest(decision) {
             said.text(format!(
-                " overlaps no blob by min-overlap = {}. The nearest, blob {blobs}, is {} px away, within max-distance = {} px.",
+                " overlaps no unmatched blob by min-overlap = {}. The nearest, blob {blobs}, is {} px away, within max-distance = {} px.",
                 words::percent(self.min_overlap),
                 px(table.distance(row, *column)),
                 px(self.max_distance.into())

@@ -89,7 +89,7 @@ impl KalmanTracker {
             }
             Event::Predicted(tracks) => self.predicted(tracks),
             Event::Costs(costs) => said.text(format!(
-                "Gating: {} of {} are inside. {}{}",
+                "Gating leaves {} of {}. {}{}",
                 costs.costs.len(),
                 count(costs.costs.rows() * costs.costs.columns(), "pair"),
                 self.limits(costs),
@@ -162,10 +162,10 @@ impl KalmanTracker {
                 };
                 let why = match stage {
                     Some(MatchingStage::LowScore) => format!(
-                        " Its score is below score-threshold = {}, so it can only continue a track.",
+                        " The detection's score is below score-threshold = {}, so it can only continue a track.",
                         fixed(self.score_threshold.into(), 2)
                     ),
-                    Some(MatchingStage::Tentative) => " Confirmed tracks left it unassigned.".to_owned(),
+                    Some(MatchingStage::Tentative) => " Confirmed tracks left the detection unassigned.".to_owned(),
                     _ => String::new(),
                 };
                 format!("{decided}.{why}")
