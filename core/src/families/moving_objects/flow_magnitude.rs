@@ -203,7 +203,9 @@ impl Background for FlowMagnitude {
             (true, false) => said
                 .text(format!(" exceeds the threshold {limit} px/frame, but motion compensation leaves a residual of "))
                 .ink(role(false), format!("{moved} gray levels"))
-                .text(format!(", not below the {at_rest} without it. The flow has spread from a neighbouring object: background.")),
+                .text(format!(
+                    ", not below the {at_rest} without it. The flow has spread from a neighbouring object: background."
+                )),
         };
         let update = Sentence::default().text(format!(
             "gray level {} of this frame becomes the reference of the next flow.",

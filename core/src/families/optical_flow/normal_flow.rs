@@ -256,7 +256,9 @@ impl NormalFlow {
         }
         let change = match numbers::gray(c.abs()) {
             none if none == "0.00" => "the brightness does not change".to_owned(),
-            by => format!("the pixel gets {} by {by} gray levels per frame", if c > 0.0 { "brighter" } else { "darker" }),
+            by => {
+                format!("the pixel gets {} by {by} gray levels per frame", if c > 0.0 { "brighter" } else { "darker" })
+            }
         };
         said.text(format!(": |∇I| = {size} gray levels per px, and {change}. The normal flow is "))
             .ink(Role::Result, format!("{} px", numbers::vector(found)))

@@ -190,7 +190,9 @@ impl Pixel {
                     numbers::vector(self.divergence)
                 ))
                 .ink(Role::Result, probe.px(probe.to()))
-                .text(". This step smooths the flow; |p| ≤ 1 limits the smoothing, however large the jump of the flow."),
+                .text(
+                    ". This step smooths the flow; |p| ≤ 1 limits the smoothing, however large the jump of the flow.",
+                ),
             _ => {
                 let [u, v] = self.gradients.map(|g| numbers::px(g[0].hypot(g[1])));
                 let lengths = self.p[1].map(|p| p[0].hypot(p[1]));

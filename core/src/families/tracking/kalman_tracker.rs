@@ -29,7 +29,7 @@ choices! {
     pub enum Association {
         /// Greedy: the pair of least cost first, then the next.
         Nearest = "nearest" "Greedy",
-        /// Optimal assignment (Hungarian method): as many pairs as possible at the least total cost.
+        /// Optimal assignment (Hungarian algorithm): as many pairs as possible at the least total cost.
         Assignment = "assignment" "Optimal assignment",
     }
 }

@@ -256,7 +256,9 @@ impl Probe<'_> {
             Some(costs) => {
                 let [before, at, after] = costs.map(|cost| self.settings.number(cost));
                 let lowest = fixed(fit.fraction[i].into(), 2);
-                format!("Along {name} the parabola through {before}, {at} and {after} has its minimum at {lowest} px from the best match.")
+                format!(
+                    "Along {name} the parabola through {before}, {at} and {after} has its minimum at {lowest} px from the best match."
+                )
             }
             None => format!("Along {name} a neighbour lies outside the search window, so no parabola is fitted."),
         };

@@ -91,10 +91,7 @@ impl Conclusion {
         }
         let quality = match self.has_truth {
             true => format!("mean endpoint error {} px", number(self.mean)),
-            false => format!(
-                "mean residual |I(x + w, t+1) − I(x, t)| = {} gray levels",
-                number(self.mean)
-            ),
+            false => format!("mean residual |I(x + w, t+1) − I(x, t)| = {} gray levels", number(self.mean)),
         };
         let why = if self.has_truth { "" } else { " No true flow is loaded, so the residual is reported." };
         let said = format!(" End of the run: flow at {density} % of the pixels, {quality}.{why}");

@@ -181,7 +181,11 @@ impl LevelTrace<'_> {
         }
         if let Some((mismatch, update)) = self.last() {
             facts.push(fact("Increment η", self.px(update), Some(Role::Candidate)));
-            facts.push(fact("Mean |δI| before the increment", format!("{} gray levels", numbers::gray(mismatch.residual)), None));
+            facts.push(fact(
+                "Mean |δI| before the increment",
+                format!("{} gray levels", numbers::gray(mismatch.residual)),
+                None,
+            ));
         }
         let role = if self.level == 0 { Role::Result } else { Role::Best };
         facts.push(fact("Displacement", self.px(self.displacement()), Some(role)));

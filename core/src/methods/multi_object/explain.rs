@@ -172,7 +172,9 @@ pub(crate) fn done(number: usize, frame: &ObjectFrame, conclusion: &Conclusion) 
         switches if switches > misses.max(alarms) => {
             " To keep identities, raise max-age or choose a motion model that fits."
         }
-        _ if misses > alarms => " In the run, misses dominate: lower min-hits or the score thresholds, or use another detector.",
+        _ if misses > alarms => {
+            " In the run, misses dominate: lower min-hits or the score thresholds, or use another detector."
+        }
         _ => " In the run, false alarms dominate: raise min-hits or the score thresholds, or lower max-age.",
     };
     counts + &scores + &rates + &worst + advice

@@ -202,7 +202,9 @@ impl Conclusion {
         };
         let [precision, recall, f1] = scores(all);
         let score = match self.run {
-            Some(_) => format!(" {of} against the ground truth (IoU ≥ 0.5): precision {precision}, recall {recall}, F₁ {f1}."),
+            Some(_) => {
+                format!(" {of} against the ground truth (IoU ≥ 0.5): precision {precision}, recall {recall}, F₁ {f1}.")
+            }
             None => format!(
                 " {of} {t}: {blobs} for {}; precision {precision}, recall {recall}, F₁ {f1} at IoU ≥ 0.5.",
                 count(frame.truths, "true object")

@@ -208,7 +208,9 @@ impl<M: Model> Variational<M> {
 /// The sentence of the median filter, before every warp but the first.
 fn medians<M: Model>(state: &State<M>) -> Sentence {
     let from = match state.warp {
-        0 => "The flow of the coarser level is upsampled to this level, and its vectors are scaled by the same factor. ",
+        0 => {
+            "The flow of the coarser level is upsampled to this level, and its vectors are scaled by the same factor. "
+        }
         _ => "",
     };
     Sentence::default().text(format!(

@@ -9,7 +9,7 @@ use crate::methods::differential::numbers;
 use crate::methods::features::{
     LevelTrace,
     affine::{Fit, place},
-    conclusion, follow,
+    conclusion, follow, reason_of,
     trails::{self, points},
     why,
 };
@@ -144,7 +144,7 @@ impl Klt {
                 let since = live(seen).map_or(0, |live| state.tracks[live.track as usize].first);
                 said.text("Affine fit of the first view (frame ")
                     .text(format!("{since}) of "))
-                    .ink(Role::Reference, self.name(seen))
+                    .ink(Role::Reference, self.name(seen).to_lowercase())
                     .text(": ")
                     .ink(Role::Estimate, matrix(fit))
                     .text(format!(
@@ -167,7 +167,7 @@ impl Klt {
                 let (role, verdict) =
                     if off_px > self.max_fb_error { (Role::Rejected, "rejected") } else { (Role::Best, "accepted") };
                 said.text("Forward–backward check of ")
-                    .ink(Role::Reference, self.name(seen))
+                    .ink(Role::Reference, self.name(seen).to_lowercase())
                     .text(": tracking back ends at ")
                     .ink(Role::Predicted, numbers::vector(place))
                     .text(format!(
@@ -406,7 +406,7 @@ fn views(level_trace: &LevelTrace, live: &Live, fit: &Fit) -> Vec<Tile> {
 fn lost(state: &State) -> Option<String> {
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     let last = state.tracks.iter().filter_map(|track| track.points.last());
-    for reason in last.filter_map(|point| point.status.name().strip_prefix("lost-")) {
+    for reason in last.filter_map(|point| reason_of(point.status)) {
         *counts.entry(reason).or_default() += 1;
     }
     let told: Vec<String> = counts.into_iter().map(|(reason, count)| format!("{count} {reason}")).collect();

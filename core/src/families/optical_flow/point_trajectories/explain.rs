@@ -5,7 +5,7 @@ use crate::base::words;
 use crate::geometry::Grid;
 use crate::methods::{
     differential::{field, numbers},
-    features::{conclusion, trails},
+    features::{conclusion, reason_of, trails},
 };
 use crate::products::{Status, consistency::returned};
 use crate::run::Seen;
@@ -199,7 +199,11 @@ impl PointTrajectories {
             ));
         }
         if let Some(twin) = moved.twin {
-            let value = end(&twin).map_or(twin.status.name().into(), |to| format!("at {}", numbers::vector(to)));
+            let value = match (end(&twin), reason_of(twin.status)) {
+                (Some(to), _) => format!("at {}", numbers::vector(to)),
+                (None, Some(reason)) => format!("lost: {reason}"),
+                (None, None) => "lost".into(),
+            };
             facts.push(Fact::new("Feature track", value, Some(Role::Predicted)));
         }
         facts.extend(moved.apart().map(|apart| Fact::new("Drift", px(apart), Some(Role::Error))));

@@ -159,7 +159,7 @@ impl KalmanFilter {
         let dof = gated.measurement().numbers();
         let limit = format!("{} gate {} (χ², {dof} dof)", percent(self.gate), squared(gated.limit));
         let said = Sentence::default()
-            .text(format!("{}quared Mahalanobis distance of the innovation: ", sensor(gated)))
+            .text(format!("Squared Mahalanobis distance of the {}innovation: ", sensor(gated)))
             .ink(Role::Measured, format!("d² = {}", squared(gated.squared_distance)));
         if gated.is_inside() {
             said.text(format!(". It is within the {limit}: accepted."))
@@ -230,8 +230,10 @@ impl KalmanFilter {
             squared(low),
             squared(high),
             match mean {
-                mean if mean > high => "the filter is overconfident: its covariance is too small. Raise process-noise or measurement-noise.",
-                mean if mean < low => "the filter is underconfident: its covariance is too large. Lower measurement-noise or process-noise.",
+                mean if mean > high =>
+                    "the filter is overconfident: its covariance is too small. Raise process-noise or measurement-noise.",
+                mean if mean < low =>
+                    "the filter is underconfident: its covariance is too large. Lower measurement-noise or process-noise.",
                 _ => "the filter is consistent.",
             }
         );
@@ -551,7 +553,7 @@ fn frame_of(state: &State) -> usize {
 }
 
 fn sensor(gated: &Gated) -> &'static str {
-    if gated.reading.sensor == 0 { "S" } else { "Second sensor: s" }
+    if gated.reading.sensor == 0 { "" } else { "second sensor's " }
 }
 
 fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {

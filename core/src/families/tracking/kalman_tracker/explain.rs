@@ -275,7 +275,12 @@ impl KalmanTracker {
             let [distance, limit] = [distance, costs.limit].map(|v| Math::text(squared(v)));
             let [overlap, least] = [overlap, f64::from(self.iou_threshold)].map(|v| Math::text(fixed(v, 2)));
             let shown = [distance, limit, overlap, least];
-            lines.push(Math::Row(vec![Math::text("= "), cost(shown), Math::text(" = "), total]));
+            let mut numbers = vec![Math::text("= "), cost(shown)];
+            // d² is its own result.
+            if self.cost != PairCost::Mahalanobis {
+                numbers.extend([Math::text(" = "), total]);
+            }
+            lines.push(Math::Row(numbers));
         }
         Some(lines)
     }

@@ -49,8 +49,8 @@ impl TrajectoryAnalysis {
         let name = |trajectory: &Trajectory| {
             let frame =
                 trajectory.sightings.last().map(|last| last.frame).filter(|frame| *frame != frame_of(seen.before));
-            let when = frame.map_or_else(String::new, |frame| format!("Tentative frame {frame}: "));
-            format!("{when}Track {}", trajectory.id)
+            let when = frame.map_or_else(String::new, |frame| format!(" (tentative frame {frame})"));
+            format!("Track {}{when}", trajectory.id)
         };
         match event {
             Event::Tracked(frame) => {
