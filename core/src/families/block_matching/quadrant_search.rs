@@ -22,7 +22,7 @@ block_search_params! {
     /// Logarithmic search by quadrants: the search window is quartered again and again, keeping the quadrant with the
     /// minimum.
     pub struct QuadrantSearch {
-        /// Window size, in width and height, down to which the search continues.
+        /// Window size (width and height) down to which the search continues.
         min_window: usize = 1, 1..=64, "px";
         /// Smallest relative decrease of the minimum per iteration; below it, the search stops. 0 disables the criterion.
         min_decrease: f32 = 0.0, 0.0..=100.0, "%";

@@ -58,7 +58,7 @@ impl Background for MedianBackground {
         id: "median-background",
         name: "Median background",
         family: "Moving objects",
-        summary: "Moves the background one gray level per frame toward the current frame, so that it converges to the median. Fast objects leave no trail.",
+        summary: "Moves the background by a fixed step per frame toward the current frame, so that it converges to the median. Fast objects leave no trail.",
         source: "N. J. B. McFarlane and C. P. Schofield, Segmentation and tracking of piglets in images, Machine Vision and \
                  Applications 8, 1995; the median itself: R. Cucchiara, C. Grana, M. Piccardi and A. Prati, Detecting moving \
                  objects, ghosts, and shadows in video streams, PAMI 2003",

@@ -206,9 +206,10 @@ impl Settings {
         }
     }
 
-    /// A cost with its name: `SAD 120`.
+    /// A cost with its name: `SAD 120`, `1 − NCC = 0.0120`.
     pub(crate) fn show(&self, cost: f64) -> String {
-        format!("{} {}", self.label(), self.number(cost))
+        let equals = if self.label().contains(' ') { " =" } else { "" };
+        format!("{}{equals} {}", self.label(), self.number(cost))
     }
 
     /// The same without the rate term: costs are distortions.

@@ -143,7 +143,8 @@ pub(crate) fn series(run: &TrackerRun) -> Option<Readout> {
         ("coasting tracks", Role::Predicted, with(TrackStatus::Coasting)),
     ];
     let x_max = run.span.first + run.span.frames().map_or(frames.len(), |frames| frames - 1);
-    let series = Series { title: "Tracks", x_label: "frame", y_label: "tracks", x_max, lines, ..Series::default() };
+    let series =
+        Series { title: "Tracks", x_label: "frame", y_label: "number of tracks", x_max, lines, ..Series::default() };
     (frames.len() > 1).then_some(Readout::Series(series))
 }
 

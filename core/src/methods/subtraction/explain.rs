@@ -286,7 +286,7 @@ pub(crate) fn plots(record: &Record, span: &Span) -> Vec<Readout> {
     }
     vec![
         Readout::Series(series("Foreground pixels", "px", "foreground pixels", line(&|i| pixels[i] as f32))),
-        Readout::Series(series("Blobs", "blobs", "blobs", line(&|i| frames[i].detections.len() as f32))),
+        Readout::Series(series("Blobs", "number of blobs", "blobs", line(&|i| frames[i].detections.len() as f32))),
     ]
 }
 

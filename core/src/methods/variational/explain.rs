@@ -117,7 +117,11 @@ impl<M: Model> Variational<M> {
         }
         if let Some(note) = seen.after.and_then(|after| after.notes.last()) {
             let [data, smoothness] = [note.data, note.smoothness].map(numbers::gray);
-            facts.push(fact("Energy per pixel", format!("{data} data term + {smoothness} smoothness term"), None));
+            facts.push(fact(
+                "Energy per pixel",
+                format!("{data} data term + {smoothness} smoothness term, in {}", M::ENERGY_UNIT),
+                None,
+            ));
             facts.push(fact("Mean change", format!("{} px", numbers::px(note.change)), None));
             if note.error.is_finite() {
                 facts.push(fact("Mean endpoint error", format!("{} px", numbers::px(note.error)), Some(Role::Truth)));
