@@ -357,7 +357,8 @@ pub static GLOSSARY: &[Term] = &[
         MotionVectors,
         "cost",
         &["costs", "matching cost", "cost function"],
-        "The dissimilarity of a block and a candidate, such as the SAD; the search minimises it.",
+        "The number that a search or an assignment minimises, for a block and a candidate a dissimilarity such as the \
+        SAD.",
     ),
     term(
         MultipleObjects,
@@ -525,8 +526,8 @@ pub static GLOSSARY: &[Term] = &[
         DifferentialMethods,
         "energy",
         &["energies", "energy functional", "energy function"],
-        "The quantity that a variational method minimises: data term plus α² times smoothness term, summed over all \
-        pixels.",
+        "The quantity that a variational method minimises: the data term plus the weighted smoothness term, summed \
+        over all pixels.",
     )
     .symbol("E"),
     term(
@@ -636,7 +637,7 @@ pub static GLOSSARY: &[Term] = &[
     term(
         KalmanFilters,
         "filter divergence",
-        &["divergence", "diverges", "diverge"],
+        &["filter diverges"],
         "The growth of a filter's errors far beyond its covariance, usually because the process noise is set too \
         small.",
     ),
@@ -934,7 +935,8 @@ pub static GLOSSARY: &[Term] = &[
         KalmanFilters,
         "initialisation",
         &["initialization", "initial state"],
-        "The choice of the first state and covariance of a filter or of the first positions of a tracker.",
+        "The choice of the first values of a filter, tracker or iteration, such as the first state and its \
+        covariance.",
     ),
     term(
         InterestPoints,
@@ -1346,7 +1348,7 @@ pub static GLOSSARY: &[Term] = &[
         Trajectories,
         "object detection",
         &["object detector", "detector", "detectors", "detection", "detections"],
-        "The localisation of objects of known classes in one frame, as boxes with scores.",
+        "The localisation of objects in one frame by a detector, as boxes, often with a class and a score.",
     ),
     term(
         DynamicScenes,
@@ -1445,7 +1447,8 @@ pub static GLOSSARY: &[Term] = &[
         MotionVectors,
         "prediction residual",
         &["residual", "residuals", "residual image"],
-        "The difference of a frame and its motion-compensated prediction, which a video encoder transmits.",
+        "The difference of data and their prediction; for a frame, of its gray levels and its motion-compensated \
+        prediction, which a video encoder transmits.",
     ),
     term(
         MotionVectors,
@@ -1705,7 +1708,7 @@ pub static GLOSSARY: &[Term] = &[
     term(
         DifferentialMethods,
         "stopping criterion",
-        &["stopping criteria", "tolerance"],
+        &["stopping criteria"],
         "The condition that ends an iteration: a change smaller than a tolerance, or a maximum number of iterations.",
     )
     .symbol("ε"),

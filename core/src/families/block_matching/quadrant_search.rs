@@ -60,7 +60,7 @@ impl BlockSearch for QuadrantSearch {
             let (whole, before) = (part, tester.best_cost());
             tester.narrowed = Some(whole.window());
             tester.stage(line::TEST_QUADRANTS, whole.points().into_iter(), || {
-                format!("{} is divided into quadrants: their corners and centres are the candidates.", whole.named())
+                format!("{} is divided into quadrants: their vertices and centres are the candidates.", whole.named())
             });
             let best = tester.best();
             let cost = |quadrant: &Part| tester.known(quadrant.centre()).unwrap_or(f64::INFINITY);

@@ -108,7 +108,7 @@ impl Klt {
         };
         match event {
             Event::Enough if self.replenish => said.text(format!(
-                "No detection in frame {frame}: {} tracked, and max-points = {} is reached.",
+                "No new features in frame {frame}: {} tracked, and max-points = {} is reached.",
                 match state.live.len() {
                     1 => "1 feature is".to_owned(),
                     count => format!("{count} features are"),
@@ -116,18 +116,18 @@ impl Klt {
                 self.max_points
             )),
             Event::Enough => said.text(format!(
-                "No detection in frame {frame}: replenish is off, so lost features are not replaced."
+                "No new features in frame {frame}: replenish is off, so lost features are not replaced."
             )),
             Event::Found(found) => said
                 .text(format!(
-                    "{} of max-points = {} features are tracked. The detector ({}) finds ",
+                    "{} of max-points = {} features are tracked. {} in frame {frame}: ",
                     state.live.len(),
                     self.max_points,
                     self.detector.estimator().info().name
                 ))
                 .ink(Role::Best, words::counted(found.keypoints.points.len(), "keypoint"))
                 .text(format!(
-                    " in frame {frame}{}.",
+                    "{}.",
                     match found.keypoints.keypoints.first().map(|keypoint| keypoint.response) {
                         Some(most) => format!(", the strongest with response {}", numbers::gray(most)),
                         None => String::new(),
