@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::base::{Threads, wide::wide};
+use crate::base::{Threads, wide::wide, words};
 use crate::data::{Clip, Frame};
 use crate::geometry::Gray;
 use crate::methods::numbers::level;
@@ -114,7 +114,11 @@ impl Background for MedianBackground {
                 .ink(Role::Predicted, old)
                 .text(" to ")
                 .ink(Role::Estimate, new)
-                .text(format!(" toward the gray level {}; the step is {}.", level(value), self.step));
+                .text(format!(
+                    " toward the gray level {}, by a step of at most {}.",
+                    level(value),
+                    words::counted(self.step, "gray level")
+                ));
         }
         explanation
     }

@@ -122,9 +122,9 @@ impl Background for MixtureOfGaussians {
 
     fn rule(&self) -> String {
         format!(
-            "no background mode (heaviest modes with together {} of the weight) lies within {} σ",
-            words::percent(self.background_ratio),
-            gray(self.threshold)
+            "no background mode lies within {} σ. The heaviest modes, with together {} of the weight, are the background",
+            gray(self.threshold),
+            words::percent(self.background_ratio)
         )
     }
 

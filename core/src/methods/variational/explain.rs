@@ -62,15 +62,18 @@ impl<M: Model> Variational<M> {
         // The tolerance may be smaller than the decimals of a displacement.
         let (change, precise) = (numbers::px(note.change), numbers::fixed(note.change, 4));
         let said = match note.change < tolerance {
-            true => format!(" Mean change {precise} px < tolerance {} px: converged.", numbers::fixed(tolerance, 4)),
-            false if seen.before.iteration + 1 == iterations => {
-                format!(" Mean change {change} px at iteration {iterations}, the last of this warp.")
-            }
-            false if tolerance > 0.0 => format!(
-                " Mean change {precise} px, not below the tolerance of {} px: next iteration.",
+            true => format!(
+                " The mean change of {precise} px is below the tolerance of {} px: converged.",
                 numbers::fixed(tolerance, 4)
             ),
-            false => format!(" Mean change {change} px."),
+            false if seen.before.iteration + 1 == iterations => {
+                format!(" Mean change of iteration {iterations}, the last of this warp: {change} px.")
+            }
+            false if tolerance > 0.0 => format!(
+                " The mean change of {precise} px is not below the tolerance of {} px: next iteration.",
+                numbers::fixed(tolerance, 4)
+            ),
+            false => format!(" Mean change of the iteration: {change} px."),
         };
         let sentence = sentence.text(said);
         if !after.is_done {
