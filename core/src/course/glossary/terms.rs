@@ -19,7 +19,7 @@ pub static GLOSSARY: &[Term] = &[
         DynamicScenes,
         "activity recognition",
         &["human activity recognition", "action recognition"],
-        "The classification of what people do in a video from the motion of their bodies or from their trajectories.",
+        "The classification of human activities in a video from the motion of bodies or from trajectories.",
     ),
     term(
         MotionVectors,
@@ -163,13 +163,13 @@ pub static GLOSSARY: &[Term] = &[
         Trajectories,
         "CAMShift",
         &[],
-        "Mean-shift tracking on a colour back-projection whose window also adapts its size and orientation.",
+        "Mean-shift tracking on a colour back-projection, with a window that also adapts its size and orientation.",
     ),
     term(
         MotionVectors,
         "candidate",
         &["candidates", "candidate displacement", "candidate displacements"],
-        "A displacement whose cost is computed during a search.",
+        "A displacement that a search tests by computing its cost.",
     ),
     term(
         Evaluation,
@@ -284,14 +284,14 @@ pub static GLOSSARY: &[Term] = &[
         KalmanFilters,
         "constant acceleration model",
         &["constant acceleration", "CA model"],
-        "A motion model whose state holds position, velocity and acceleration, with random changes of the \
-        acceleration.",
+        "A motion model with position, velocity and acceleration as state, and random changes of the acceleration as \
+        process noise.",
     ),
     term(
         KalmanFilters,
         "constant velocity model",
         &["constant velocity", "CV model", "constant-velocity model"],
-        "A motion model whose state holds position and velocity, with random accelerations as process noise.",
+        "A motion model with position and velocity as state, and random accelerations as process noise.",
     ),
     term(
         DifferentialMethods,
@@ -331,8 +331,8 @@ pub static GLOSSARY: &[Term] = &[
         InterestPoints,
         "corner",
         &["corners", "corner point"],
-        "A point whose neighbourhood changes in every direction of shift, so that both eigenvalues of the structure \
-        tensor are large.",
+        "A point with a neighbourhood that changes in every direction of shift, so that both eigenvalues of the \
+        structure tensor are large.",
     ),
     term(
         InterestPoints,
@@ -563,7 +563,7 @@ pub static GLOSSARY: &[Term] = &[
         Evaluation,
         "error rate",
         &["outlier rate", "bad pixels", "Fl-all"],
-        "The share of pixels whose endpoint error exceeds a limit, such as the 3 px and 5 % of KITTI.",
+        "The share of pixels with an endpoint error above a limit, such as 3 px and 5 % of the true flow in KITTI.",
     ),
     term(
         InterestPoints,
@@ -703,8 +703,8 @@ pub static GLOSSARY: &[Term] = &[
         MovingObjects,
         "frame differencing",
         &["frame difference", "temporal differencing"],
-        "The detection of motion as pixels whose gray level changes by more than a threshold between consecutive \
-        frames.",
+        "The detection of motion as pixels with a gray level that changes by more than a threshold between \
+        consecutive frames.",
     ),
     term(
         DynamicScenes,
@@ -737,8 +737,8 @@ pub static GLOSSARY: &[Term] = &[
         MotionVectors,
         "Gaussian filter",
         &["Gaussian smoothing", "Gaussian blur", "presmoothing"],
-        "A low-pass filter whose weights follow a Gaussian with standard deviation σ; pyramids and derivatives use it \
-        to suppress noise.",
+        "A low-pass filter with weights that follow a Gaussian of standard deviation σ; pyramids and derivatives use \
+        it to suppress noise.",
     )
     .symbol("σ"),
     term(
@@ -1523,7 +1523,7 @@ pub static GLOSSARY: &[Term] = &[
         InterestPoints,
         "ratio test",
         &["Lowe's ratio test"],
-        "The rejection of a match whose nearest descriptor is not clearly closer than the second nearest.",
+        "The rejection of a match if its nearest descriptor is not clearly closer than the second nearest.",
     ),
     term(
         Trajectories,
@@ -1776,7 +1776,7 @@ pub static GLOSSARY: &[Term] = &[
         Evaluation,
         "synthetic sequence",
         &["synthetic clip", "synthetic clips", "synthetic sequences"],
-        "A rendered clip whose true motion is known at every pixel.",
+        "A rendered clip with known true motion at every pixel.",
     ),
     term(
         Trajectories,

@@ -248,7 +248,10 @@ impl Hierarchical {
     fn refine(&self, inherited: &[Displacement], tester: &mut Tester<impl Observer<Event>>) {
         tester.stage(line::TEST_COARSER, inherited.iter().copied().chain([[0, 0]]), || {
             let twice = inherited.first().map_or(String::new(), |first| vector(*first));
-            format!("Initialisation from the coarser level: the doubled motion vectors of the nearest block, {twice}, and of its neighbours, and (0, 0).")
+            format!(
+                "Initialisation from the coarser level: the doubled motion vector of the nearest block, {twice}, those of its \
+                 neighbours, and (0, 0)."
+            )
         });
         let (best, reach) = (tester.best(), self.refinement_range as i32);
         let row = move |v| (-reach..=reach).map(move |u| [best[0] + u, best[1] + v]);

@@ -56,7 +56,8 @@ impl BlockSearch for NewThreeStep {
         });
         tester.stage(line::TEST_BOTH_SQUARES, around([0, 0], &SQUARE, 1).chain(around([0, 0], &SQUARE[1..], step)), || {
             format!(
-                "Most motion is small (centre bias), so (0, 0) and its 8 neighbours are tested besides the 8 candidates at {step} px."
+                "Most motion is small (centre bias), so (0, 0) and its 8 neighbours are tested besides the 8 candidates at \
+                 {step} px."
             )
         });
         let best = tester.best();
