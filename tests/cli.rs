@@ -766,7 +766,7 @@ fn glossary_defines_the_terms_of_the_course() {
     assert!(places.is_sorted(), "{places:?}");
     assert!(all.contains("\n  aperture problem\n      The ambiguity"));
     let one = stdout(here, "glossary structure tensor");
-    assert!(one.starts_with("structure tensor  [G]\n  The 2×2 matrix"), "{one}");
+    assert!(one.starts_with("structure tensor  [T]\n  The 2×2 matrix"), "{one}");
     assert!(
         one.contains("\n  Chapter: Differential motion analysis\n  Also: ") && one.contains("second-moment matrix")
     );
@@ -981,6 +981,7 @@ fn panes_are_arranged_on_a_sheet_and_its_words_stay_words() {
         "Full search · Cost by candidate, SAD",
         "u, px →",
         "v, px ↓",
+        "minimum so far",
         "Best so far",
         "Frame t = 0",
         "step 5.40",

@@ -258,7 +258,7 @@ fn the_first_screen_shows_a_search_at_work() {
     let shown = window.shown();
     assert!(shown.cursor.event > 1 && shown.cursor.event < shown.events, "{}", shown.cursor);
     assert!(shown.step.readouts.len() > 3);
-    assert!(window.harness.query_by_label_contains("of the work").is_some(), "the status line tells how far it is");
+    assert!(window.harness.query_by_label_contains("% done").is_some(), "the status line tells how far it is");
 }
 
 #[test]

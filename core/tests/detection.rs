@@ -441,7 +441,7 @@ fn an_update_tells_its_numbers_and_a_ghost_is_called_a_ghost() {
     assert!(ghostly.contains("1 ghost remains"), "{ghostly}");
     assert!(ghostly.contains("precision 0.50, recall 1.00, F₁ 0.67"), "{ghostly}");
     assert!(!told("median", 5).contains("ghost"), "{}", told("median", 5));
-    assert!(told("median", 7).contains("Run against the truth"), "{}", told("median", 7));
+    assert!(told("median", 7).contains("Run against the ground truth"), "{}", told("median", 7));
 }
 
 /// So many frames has [`Broken`].

@@ -165,7 +165,7 @@ fn every_event_says_why() {
         [
             "Block 1: 8×8 px at (0, 0) in frame t. Its search window of ±1 px in frame t+1, cut at the picture border, \
              holds 2×2 = 4 candidates.",
-            "Block 1: motion vector (1, 0) px. SAD 0 is the minimum of 4 tested candidates. The same cost at (1, 1): \
+            "Block 1: motion vector (1, 0) px. SAD 0 is the minimum of 4 tested candidates. The cost is the same at (1, 1): \
              repeating texture or an edge makes the match ambiguous. A larger block may resolve it.",
         ]
     );

@@ -227,7 +227,7 @@ fn levels_are_granularities_and_say_where_they_are() {
     }
     walk.jump(Move::To(Cursor { unit: 19, event: usize::MAX }));
     let told = walk.step(None).sentence.plain();
-    assert!(told.contains(" On level 0 it corresponds to ("), "{told}");
+    assert!(told.contains(" On level 0 this motion vector is ("), "{told}");
     // A block of 16 px on level 2 is drawn over 64 px of the picture, and a click there leads to it.
     let scene = walk.scene(None);
     let reference = scene.marks.iter().find(|mark| mark.role == motionscope_core::Role::Reference).expect("the block");

@@ -432,7 +432,7 @@ fn every_decision_says_why() {
         let told = told(id, settings, &clip, 12);
         assert!(told.iter().any(|told| told == sentence), "{id}: {told:#?}");
     };
-    has("three-step", &range, "3 px of the search range remain: the step is half of that, 2 px.");
+    has("three-step", &range, "The step is half the remaining 3 px of the search range, rounded up: 2 px.");
     has(
         "three-step",
         &range,
@@ -443,8 +443,8 @@ fn every_decision_says_why() {
         "three-step",
         &range,
         "Block 13: motion vector (2, 0) px. SAD 4096 is the minimum of 25 tested candidates (full search: 225). \
-         Mean absolute difference 16.00 gray levels, a poor match: occlusion, a change of brightness, or motion that is \
-         no translation.",
+         Mean absolute difference: 16.00 gray levels, a poor match. Possible causes: occlusion, a change of brightness, \
+         or motion that is no translation.",
     );
     has(
         "diamond",
@@ -478,7 +478,7 @@ fn every_decision_says_why() {
     has(
         "adaptive-rood",
         &range,
-        "Rood pattern: the centre (0, 0), 4 arm ends and the predictor (7, 0). \
+        "Rood pattern: the centre (0, 0), the 4 arm ends and the predictor (7, 0). \
          Of these 6, 4 are new and inside the search window.",
     );
     has(

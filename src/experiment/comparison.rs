@@ -170,7 +170,7 @@ const ROBUSTNESS: [Column; 3] = [
         ("minimum missed %", "missed_percent"),
         1,
         |r| r.figures.blocks.as_ref().and_then(|blocks| percent(blocks.missed_share()?)),
-        "Share of the blocks whose cost is higher than the global minimum that full search finds; undefined with λ > 0.",
+        "Share of the blocks with a cost above the global minimum, which full search finds; undefined with λ > 0.",
     ),
     Column::of_row(
         ("stable in noise %", "kept_in_noise_percent"),

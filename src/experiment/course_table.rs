@@ -100,7 +100,7 @@ fn of_one_window(rows: &[Row; 3]) -> Vec<CourseRow> {
             measured: shown(ms, 2),
         },
         CourseRow {
-            feature: "accuracy: blocks in % whose global minimum was missed, and PSNR".into(),
+            feature: "accuracy: blocks in % with a missed global minimum, and PSNR".into(),
             said: "sequential search misses none, logarithmic search may, hierarchical search hardly does",
             holds: missed[0] == 0.0 && missed[2] <= missed[1] && missed[2] <= HARDLY_PERCENT,
             measured: with(shown(missed, 1), db),
@@ -112,14 +112,15 @@ fn of_one_window(rows: &[Row; 3]) -> Vec<CourseRow> {
             measured: shown(kilobytes, 1),
         },
         CourseRow {
-            feature: "noise: blocks in % whose displacement changes by at most 1 px under Gaussian noise".into(),
+            feature: "noise: blocks in % with a displacement that changes by at most 1 px under Gaussian noise".into(),
             said: "sequential search is sensitive, logarithmic search less so, hierarchical search robust",
             holds: rising(noise),
             measured: shown(noise, 1),
         },
         CourseRow {
-            feature: "light: blocks in % whose displacement changes by at most 1 px under a change of illumination"
-                .into(),
+            feature:
+                "light: blocks in % with a displacement that changes by at most 1 px under a change of illumination"
+                    .into(),
             said: "sequential search is sensitive, logarithmic search less so, hierarchical search robust",
             holds: rising(light),
             measured: shown(light, 1),

@@ -65,7 +65,7 @@ impl FocusMode {
 /// Work on less than one part in so many of the picture is small: a square around it is compared with the picture.
 const LARGE: f32 = 6.0;
 /// Side in px of what is shown around a single pixel, so that its neighbourhood is seen.
-const LEAST_SIDE: f32 = 14.0;
+const LEAST_SIDE: f32 = 22.0;
 /// Room around the work, as a share of it and in px.
 const MARGIN: (f32, f32) = (0.12, 2.0);
 /// Steps of magnification: coarse, so that a little more or less work does not change it.
@@ -90,14 +90,9 @@ impl Work {
         let picture = [size.0 as f32, size.1 as f32];
         let marks = || scene.marks.iter().filter(|mark| mark.on.is_aligned_with(Picture::CURRENT));
         let own = marks().filter(|mark| !has_twin(mark, scene)).filter_map(bounds_at_work).collect::<Vec<_>>();
-        // An ellipse says how well a place is known: it is looked at by itself, with its points, and not the object around it.
-        let has_ellipse = marks().any(|mark| matches!(mark.shape, Shape::Ellipse { .. }) && !has_twin(mark, scene));
-        let is_frame = |mark: &&Mark| matches!(mark.shape, Shape::Rect { .. });
-        let places = marks().filter(|mark| !is_frame(mark) && !has_twin(mark, scene)).filter_map(bounds_at_work);
-        let bounds = match (has_ellipse, own.is_empty()) {
-            (true, _) => places.reduce(union),
-            (false, false) => own.iter().copied().reduce(union),
-            (false, true) => marks().filter_map(bounds_at_work).reduce(union),
+        let bounds = match own.is_empty() {
+            false => own.iter().copied().reduce(union),
+            true => marks().filter_map(bounds_at_work).reduce(union),
         }?;
         let inside = Rect {
             min: [0, 1].map(|i| bounds.min[i].clamp(-0.5, picture[i] - 0.5)),

@@ -119,7 +119,7 @@ fn a_pixel_that_is_clicked_stays_explained() {
     window.harness.hover_at(Pos2::new(700.0, 880.0));
     window.settle();
     assert!(window.told() == told, "it stays explained when the pointer goes elsewhere");
-    assert!(status(&window).contains("Esc lets go") && status(&window).contains("row 150 of 240"));
+    assert!(status(&window).contains("Esc releases it") && status(&window).contains("row 150 of 240"));
     window.key(Key::Escape);
     assert_eq!(pointed(&window), None);
     assert!(window.told() != told && window.cursor() == cursor);
@@ -186,7 +186,7 @@ fn a_pixel_that_is_held_stays_held_in_a_session() {
         let mut again = Window::with(vec2(1440.0, 900.0), Start { open: Some(file.clone().into()) });
         assert_eq!(pointed(&again), Some(pixel), "{estimator}");
         assert!(again.told() == window.told(), "{estimator}: another step is told");
-        assert!(status(&again).contains("Esc lets go"));
+        assert!(status(&again).contains("Esc releases it"));
         paint(&file, 1, &line);
         assert!(fs::read(&mine).expect("a picture") == fs::read(&line).expect("a picture"), "the pictures differ");
 
@@ -270,7 +270,7 @@ fn a_clip_on_which_nothing_runs_is_open_all_the_same() {
     assert!(window.app().view().shown.is_none() && window.app().view().refused.is_some());
     assert!(window.harness.query_by_label_contains("Open a clip to begin").is_none());
     assert!(window.harness.query_by_label_contains("No clip is open").is_none());
-    assert!(window.harness.query_by_label_contains("Nothing runs on this clip").is_some());
+    assert!(window.harness.query_by_label_contains("choose another estimator").is_some());
 }
 
 #[test]

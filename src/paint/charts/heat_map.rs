@@ -324,7 +324,7 @@ mod tests {
         surface.events[(4, 9)] = Some(301);
         assert_eq!(
             summary(&surface),
-            "SAD by displacement: 299 of 561 tested, 2 of them given up early, minimum 0 gray levels at (−16, −8)"
+            "SAD by displacement: 299 of 561 tested, 2 of them rejected early, minimum 0 gray levels at (−16, −8)"
         );
         let told = [[-15, -8], [-13, 1], [-11, 1]].map(|at| told(&surface, at));
         assert_eq!(told, ["SAD at (−15, −8) is 1", "(−13, 1) was given up early", "(−11, 1) is not tested yet"]);

@@ -86,14 +86,15 @@ impl Letters {
     }
 }
 
-/// The entries of a matrix as text, all with as many decimals as suit the largest; what is nothing is 0.
+/// The entries of a matrix as text, all with as many decimals as suit the smallest; what is nothing is 0.
 fn entries(matrix: &Matrix) -> Grid<String> {
-    let largest = matrix.entries.cells().iter().fold(0.0f64, |largest, value| largest.max(value.abs()));
-    let decimals = match largest {
-        _ if largest >= 1000.0 => 1,
-        _ if largest >= 1.0 => 2,
-        _ if largest >= 0.01 => 3,
-        _ => 5,
+    let sizes = matrix.entries.cells().iter().map(|value| value.abs()).filter(|size| *size > 0.0);
+    let smallest = sizes.fold(f64::INFINITY, f64::min);
+    let decimals = match smallest {
+        _ if smallest >= 100.0 => 1,
+        _ if smallest >= 0.1 => 2,
+        _ if smallest >= 0.01 => 3,
+        _ => 4,
     };
     matrix.entries.map(|value| match value {
         0.0 => "0".to_owned(),

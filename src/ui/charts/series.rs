@@ -134,7 +134,7 @@ fn has_scales(series: &Series) -> bool {
     all.next().is_some_and(|first| first > 0.0) && all.all(|y| y > 0.0)
 }
 
-/// A small button in the plot's corner that changes the scale of the values.
+/// A small button below the axis of values that changes the scale of the values.
 fn scales(
     ui: &mut Ui,
     rect: Rect,
@@ -142,8 +142,9 @@ fn scales(
     state: &mut State,
 ) {
     let size = subject.theme.sizes().small;
-    let corner = pos2(rect.max.x - 2.0, rect.min.y + 2.0);
-    let place = Rect::from_min_max(pos2(corner.x - 3.2 * size, corner.y), pos2(corner.x, corner.y + 1.5 * size));
+    // Below the axis of values, where no data are.
+    let place =
+        Rect::from_min_size(pos2(rect.min.x - 4.4 * size, rect.max.y + 0.5 * size), vec2(3.2 * size, 1.5 * size));
     let button = egui::Button::new(RichText::new("log").size(size))
         .selected(is_logarithmic)
         .fill(if is_logarithmic { ui.visuals().selection.bg_fill } else { ink::color(subject.theme.chrome().raised) })

@@ -384,7 +384,7 @@ fn cell(ui: &mut Ui, column: &Column, row: &Arc<Row>, actions: &mut Actions) -> 
         ui.label(text);
         return false;
     };
-    let tip = format!("Go to block {}, the first whose global minimum was missed.", first + 1);
+    let tip = format!("Go to block {}, the first with a missed global minimum.", first + 1);
     let clicked = ui.link(text).on_hover_text(tip).clicked();
     if clicked {
         actions.ask(Action::Visit(Arc::clone(row)));

@@ -114,7 +114,7 @@ pub fn show(ctx: &egui::Context, state: &mut State, recent: &[PathBuf], actions:
         ui.label(
             RichText::new(
                 "A video, a picture of a numbered sequence, a folder of pictures, detections (det.txt) or a session; \
-                 or what is true of the clip that is open: gt.txt, a flow.",
+                 or ground truth for the open clip: gt.txt, a flow.",
             )
             .weak(),
         );

@@ -298,7 +298,9 @@ impl Room {
             if !is_beside && let Some(explanation) = &mut all.explanation {
                 *explanation = explanation.union(first);
             }
-            all.borders.retain(|border| !all.charts[0].contains_rect(border.rect.shrink(GRIP)));
+            // The border of the place that the charts have left goes with it.
+            all.borders
+                .retain(|border| border.of != Share::Charts && !all.charts[0].contains_rect(border.rect.shrink(GRIP)));
         } else {
             all.stage = Some(rest);
         }

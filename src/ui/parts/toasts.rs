@@ -65,7 +65,7 @@ impl Toasts {
     pub fn show(&mut self, ctx: &egui::Context, bottom: f32, theme: Theme) {
         let now = ctx.input(|i| i.time);
         for toast in &mut self.0 {
-            let stay = if toast.kind == Kind::Done { STAY_SECS } else { 2.0 * STAY_SECS };
+            let stay = if toast.kind == Kind::Error { 2.0 * STAY_SECS } else { STAY_SECS };
             toast.until.get_or_insert(now + stay);
         }
         self.0.retain(|toast| toast.until.is_none_or(|until| now < until));

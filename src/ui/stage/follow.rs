@@ -278,7 +278,7 @@ mod tests {
         let mut state = State::default();
         state.follow.aim(followed([50.0, 60.0], 4.0), false, 0.0);
         assert_eq!(state.toggle_focus(FocusMode::Auto), FocusMode::Off, "it is close already");
-        assert_eq!(state.toggle_focus(FocusMode::Off), FocusMode::On);
+        assert_eq!(state.toggle_focus(FocusMode::Off), FocusMode::Auto, "what was chosen by default comes back");
         state.fit();
         assert!(state.follow.is_paused, "the whole picture was chosen by hand");
         assert_eq!(state.toggle_focus(FocusMode::Auto), FocusMode::Auto);

@@ -19,28 +19,28 @@ pub static GLOSSARY: &[Term] = &[
         DynamicScenes,
         "activity recognition",
         &["human activity recognition", "action recognition"],
-        "The classification of what people do in a video from how their bodies or trajectories move.",
+        "The classification of human activities in a video from the motion of bodies or from trajectories.",
     ),
     term(
         MotionVectors,
         "adaptive rood pattern search",
         &["adaptive rood", "ARPS", "rood pattern"],
-        "A block search that first tests a cross whose arm length is the predicted motion, together with the predictor \
-        itself, and then refines with a small cross.",
+        "A block search that first tests a cross with the length of the predicted motion vector as arm length, and \
+        the predictor itself, and then refines with a small cross.",
     ),
     term(
         DynamicScenes,
         "affine model",
         &["affine motion", "affine transformation", "affine warp"],
-        "A motion model with six parameters that maps straight lines to straight lines: translation, rotation, scale \
-        and shear.",
+        "A motion model with six parameters that keeps parallel lines parallel: translation, rotation, scale and \
+        shear.",
     ),
     term(
         Evaluation,
         "angular error",
         &["average angular error", "AAE"],
-        "The angle between the vectors (u, v, 1) of the estimated and the true flow, which does not divide by zero for \
-        small motion.",
+        "The angle between the vectors (u, v, 1) of the estimated and the true flow, which is defined for zero motion \
+        too.",
     )
     .symbol("AE"),
     term(
@@ -59,8 +59,8 @@ pub static GLOSSARY: &[Term] = &[
         DifferentialMethods,
         "aperture problem",
         &[],
-        "The ambiguity that a small window on a straight edge shows only the motion perpendicular to the edge, not the \
-        motion along it.",
+        "The ambiguity of motion at a straight edge: a small window shows only the motion perpendicular to the edge, \
+        not the motion along it.",
     ),
     term(
         MultipleObjects,
@@ -79,8 +79,8 @@ pub static GLOSSARY: &[Term] = &[
         MovingObjects,
         "background model",
         &["background models", "background image"],
-        "The description of each pixel without moving objects, for instance a mean, or a mean and a variance, against \
-        which frames are compared.",
+        "The description of each pixel without moving objects, for instance by a mean, or by a mean and a variance, \
+        with which frames are compared.",
     ),
     term(
         MovingObjects,
@@ -98,7 +98,7 @@ pub static GLOSSARY: &[Term] = &[
         MultipleObjects,
         "birth",
         &["track birth", "track initiation"],
-        "The start of a new track from a detection that no track accepted.",
+        "The start of a new track from a detection that was assigned to no track.",
     ),
     term(
         MovingObjects,
@@ -136,8 +136,8 @@ pub static GLOSSARY: &[Term] = &[
         MotionVectors,
         "border treatment",
         &["border handling", "replicate border"],
-        "The rule for what happens where a window or filter leaves the image: keep inside, replicate the edge pixel, \
-        or mirror.",
+        "The rule for windows and filters that reach beyond the image: stay inside, replicate the border pixels, or \
+        mirror the image.",
     ),
     term(MovingObjects, "bounding box", &["bounding boxes"], "The smallest upright rectangle that contains an object."),
     term(
@@ -157,25 +157,25 @@ pub static GLOSSARY: &[Term] = &[
         MovingObjects,
         "camouflage",
         &[],
-        "The failure of detection where an object has the same gray level as the background behind it.",
+        "The failure of detection where an object has the same gray level or colour as the background behind it.",
     ),
     term(
         Trajectories,
         "CAMShift",
         &[],
-        "Mean-shift tracking on a colour back-projection whose window also adapts its size and orientation.",
+        "Mean-shift tracking on a colour back-projection, with a window that also adapts its size and orientation.",
     ),
     term(
         MotionVectors,
         "candidate",
         &["candidates", "candidate displacement", "candidate displacements"],
-        "A displacement whose cost is computed during a search.",
+        "A displacement that a search tests by computing its cost.",
     ),
     term(
         Evaluation,
         "causal",
         &["real time", "real-time"],
-        "Using only the current and earlier frames, as a real-time system must.",
+        "Using only the current and earlier frames, as in real time.",
     ),
     term(
         DifferentialMethods,
@@ -226,15 +226,15 @@ pub static GLOSSARY: &[Term] = &[
         Trajectories,
         "colour histogram",
         &["color histogram", "colour histograms", "color histograms"],
-        "The number of pixels of a region in each colour class, an appearance model that does not depend on shape or \
+        "The numbers of pixels of a region in each colour class, an appearance model that does not depend on shape or \
         rotation.",
     ),
     term(
         DifferentialMethods,
         "combined local–global method",
         &["CLG", "combined local-global", "combined local global"],
-        "A variational method that replaces the gradient constraint of a pixel in Horn–Schunck by the constraints of a \
-        Gaussian window, as Lucas–Kanade uses them.",
+        "A variational method that replaces the gradient constraint of a single pixel in Horn–Schunck by the \
+        constraints of a Gaussian window, as in Lucas–Kanade.",
     ),
     term(
         Evaluation,
@@ -247,8 +247,8 @@ pub static GLOSSARY: &[Term] = &[
         DifferentialMethods,
         "condition number",
         &["conditioning", "ill-conditioned", "well-conditioned"],
-        "The ratio of the larger to the smaller eigenvalue of a matrix, which says how much errors of the data are \
-        magnified in the solution.",
+        "The ratio of the largest to the smallest eigenvalue of a symmetric matrix, which limits how much errors of \
+        the data are magnified in the solution.",
     )
     .symbol("κ"),
     term(
@@ -278,20 +278,20 @@ pub static GLOSSARY: &[Term] = &[
         KalmanFilters,
         "consistency",
         &["filter consistency"],
-        "The agreement of a filter's actual errors with the covariance that it computes, tested by NIS and NEES.",
+        "The agreement of the actual errors of a filter with the covariance that it computes, tested by NIS and NEES.",
     ),
     term(
         KalmanFilters,
         "constant acceleration model",
         &["constant acceleration", "CA model"],
-        "A motion model whose state holds position, velocity and acceleration, with random changes of the \
-        acceleration.",
+        "A motion model with position, velocity and acceleration as state, and random changes of the acceleration as \
+        process noise.",
     ),
     term(
         KalmanFilters,
         "constant velocity model",
         &["constant velocity", "CV model", "constant-velocity model"],
-        "A motion model whose state holds position and velocity, with random accelerations as process noise.",
+        "A motion model with position and velocity as state, and random accelerations as process noise.",
     ),
     term(
         DifferentialMethods,
@@ -311,7 +311,7 @@ pub static GLOSSARY: &[Term] = &[
         MotionVectors,
         "convergence",
         &["converge", "converges", "converged"],
-        "The state of an iteration in which further iterations change the result by less than a tolerance.",
+        "The state of an iteration in which further steps change the result by less than a tolerance.",
     ),
     term(
         Trajectories,
@@ -331,14 +331,14 @@ pub static GLOSSARY: &[Term] = &[
         InterestPoints,
         "corner",
         &["corners", "corner point"],
-        "A point whose neighbourhood changes in every direction of shift, so that both eigenvalues of the structure \
-        tensor are large.",
+        "A point with a neighbourhood that changes in every direction of shift, so that both eigenvalues of the \
+        structure tensor are large.",
     ),
     term(
         InterestPoints,
         "corner response",
         &["Harris response", "corner measure", "corner strength"],
-        "The number computed from the structure tensor that ranks corners, for Harris det M − k (tr M)².",
+        "The number computed from the structure tensor T that ranks corners, for Harris det T − k (tr T)².",
     )
     .symbol("R"),
     term(
@@ -357,19 +357,26 @@ pub static GLOSSARY: &[Term] = &[
         MotionVectors,
         "cost",
         &["costs", "matching cost", "cost function"],
-        "The dissimilarity of a block and a candidate, such as the SAD; the search minimises it.",
+        "The number that a search or an assignment minimises, for a block and a candidate a dissimilarity such as the \
+        SAD.",
     ),
     term(
         MultipleObjects,
         "cost matrix",
         &["cost matrices", "association matrix"],
-        "The matrix of the costs of every pair of track and detection, with pairs outside the gate forbidden.",
+        "The matrix of the costs of all pairs of track and detection, with pairs outside the gate forbidden.",
     ),
     term(
         MotionVectors,
         "cost surface",
         &["error surface", "cost surfaces"],
         "The cost as a function of the displacement (u, v) over the search window; its minimum is the motion vector.",
+    ),
+    term(
+        Trajectories,
+        "counting line",
+        &["counting lines", "virtual line", "virtual lines", "line crossing"],
+        "A line drawn in the image at which crossings of trajectories are counted.",
     ),
     term(
         KalmanFilters,
@@ -434,13 +441,14 @@ pub static GLOSSARY: &[Term] = &[
         DynamicScenes,
         "disocclusion",
         &["disocclusions", "disoccluded", "uncovered background"],
-        "The uncovering of background that an object hid in the frame before, so that it has no correspondence there.",
+        "The uncovering of background that an object hid in the frame before, so that it has no correspondence in \
+        that frame.",
     ),
     term(
         DynamicScenes,
         "disparity",
         &["disparities", "disparity map"],
-        "The horizontal displacement between the two images of a scene point in a rectified stereo pair, inversely \
+        "The horizontal displacement of a scene point between the two images of a rectified stereo pair, inversely \
         proportional to its depth.",
     )
     .symbol("d"),
@@ -463,7 +471,7 @@ pub static GLOSSARY: &[Term] = &[
         "dual variable",
         &["dual variables", "dual update"],
         "The variable p, one vector per pixel with |p| ≤ 1, by which a primal–dual method writes total variation as a \
-        maximum.",
+        maximum over p.",
     )
     .symbol("p"),
     term(Trajectories, "dwell time", &["dwell times"], "The time that an object stays inside a zone."),
@@ -471,14 +479,14 @@ pub static GLOSSARY: &[Term] = &[
         DynamicScenes,
         "dynamic scene analysis",
         &["dynamic scene", "dynamic scenes"],
-        "The interpretation of what moves in an image sequence: detection, segmentation, tracking and recognition of \
+        "The interpretation of motion in an image sequence: detection, segmentation, tracking and recognition of \
         moving objects.",
     ),
     term(
         MotionVectors,
         "early termination",
-        &["early exit", "partial distortion elimination", "partial distance elimination"],
-        "The end of the summation of a cost as soon as the partial sum exceeds the best cost so far.",
+        &[],
+        "The end of a block search as soon as the cost of a candidate, such as a predictor, is below a threshold.",
     ),
     term(
         InterestPoints,
@@ -518,8 +526,8 @@ pub static GLOSSARY: &[Term] = &[
         DifferentialMethods,
         "energy",
         &["energies", "energy functional", "energy function"],
-        "The quantity that a variational method minimises: data term plus α² times smoothness term, summed over all \
-        pixels.",
+        "The quantity that a variational method minimises: the data term plus the weighted smoothness term, summed \
+        over all pixels.",
     )
     .symbol("E"),
     term(
@@ -534,8 +542,7 @@ pub static GLOSSARY: &[Term] = &[
         InterestPoints,
         "epipolar constraint",
         &["epipolar geometry", "epipolar line", "epipolar lines"],
-        "The condition x′^T F x = 0: the match of a point of a static scene lies on a line that only the camera motion \
-        determines.",
+        "The condition x′^T F x = 0: the match x′ of a point x of a static scene lies on its epipolar line F x.",
     )
     .symbol("x′^T F x = 0"),
     term(
@@ -556,7 +563,7 @@ pub static GLOSSARY: &[Term] = &[
         Evaluation,
         "error rate",
         &["outlier rate", "bad pixels", "Fl-all"],
-        "The share of pixels whose endpoint error exceeds a limit, such as the 3 px and 5 % of KITTI.",
+        "The share of pixels with an endpoint error above a limit, such as 3 px and 5 % of the true flow in KITTI.",
     ),
     term(
         InterestPoints,
@@ -630,7 +637,7 @@ pub static GLOSSARY: &[Term] = &[
     term(
         KalmanFilters,
         "filter divergence",
-        &["divergence", "diverges", "diverge"],
+        &["filter diverges"],
         "The growth of a filter's errors far beyond its covariance, usually because the process noise is set too \
         small.",
     ),
@@ -657,7 +664,8 @@ pub static GLOSSARY: &[Term] = &[
         DynamicScenes,
         "focus of expansion",
         &["FOE"],
-        "The image point from which all motion vectors point away when the camera translates through a static scene.",
+        "The image point from which all motion vectors point away when the camera moves forward through a static \
+        scene.",
     ),
     term(
         MovingObjects,
@@ -695,8 +703,8 @@ pub static GLOSSARY: &[Term] = &[
         MovingObjects,
         "frame differencing",
         &["frame difference", "temporal differencing"],
-        "The detection of motion as pixels whose gray level changes by more than a threshold between consecutive \
-        frames.",
+        "The detection of motion as pixels with a gray level that changes by more than a threshold between \
+        consecutive frames.",
     ),
     term(
         DynamicScenes,
@@ -708,7 +716,7 @@ pub static GLOSSARY: &[Term] = &[
         MotionVectors,
         "full search",
         &["sequential search", "exhaustive search", "sequential search algorithm"],
-        "The test of every displacement in the search window, which always finds the global minimum of the cost.",
+        "The test of every displacement in the search window, which always finds its global minimum of the cost.",
     ),
     term(
         InterestPoints,
@@ -729,8 +737,8 @@ pub static GLOSSARY: &[Term] = &[
         MotionVectors,
         "Gaussian filter",
         &["Gaussian smoothing", "Gaussian blur", "presmoothing"],
-        "A low-pass filter whose weights follow a Gaussian with standard deviation σ; pyramids and derivatives use it \
-        to suppress noise.",
+        "A low-pass filter with weights that follow a Gaussian of standard deviation σ; pyramids and derivatives use \
+        it to suppress noise.",
     )
     .symbol("σ"),
     term(
@@ -743,7 +751,8 @@ pub static GLOSSARY: &[Term] = &[
         MovingObjects,
         "ghost",
         &["ghosts"],
-        "A region marked as foreground where no object is, because one was part of the background model and has left.",
+        "A region marked as foreground without an object, because an object was part of the background model and has \
+        left.",
     ),
     term(
         MotionVectors,
@@ -801,14 +810,14 @@ pub static GLOSSARY: &[Term] = &[
         InterestPoints,
         "Harris detector",
         &["Harris corner detector", "Harris", "Harris corner", "Harris corners"],
-        "A corner detector that takes local maxima of det M − k (tr M)² of the structure tensor M, which needs no \
+        "A corner detector that takes local maxima of det T − k (tr T)² of the structure tensor T, which needs no \
         eigenvalues.",
     ),
     term(
         Trajectories,
         "heading",
         &["headings", "direction of motion"],
-        "The direction of a velocity as an angle, here counterclockwise from the right.",
+        "The direction of a velocity as an angle, here counter-clockwise from the right.",
     ),
     term(
         MotionVectors,
@@ -821,10 +830,10 @@ pub static GLOSSARY: &[Term] = &[
         MotionVectors,
         "hierarchical search",
         &["pyramid search", "multi-resolution search", "hierarchical block matching"],
-        "Block matching on a pyramid: full search where the image is small, then refinement of the doubled vectors \
-        level by level.",
+        "Block matching on a pyramid: a search where the image is small, then refinement of the doubled motion \
+        vectors level by level.",
     ),
-    term(Trajectories, "histogram", &["histograms"], "The number of values that fall into each of a set of bins."),
+    term(Trajectories, "histogram", &["histograms"], "The numbers of values that fall into each of a set of bins."),
     term(
         DynamicScenes,
         "homography",
@@ -857,7 +866,7 @@ pub static GLOSSARY: &[Term] = &[
         MovingObjects,
         "hysteresis thresholding",
         &["hysteresis"],
-        "Thresholding with two thresholds: pixels above the low one are kept only if they are connected to a pixel \
+        "Thresholding with two thresholds: pixels above the low one are kept only if they are connected to pixels \
         above the high one.",
     ),
     term(
@@ -897,8 +906,8 @@ pub static GLOSSARY: &[Term] = &[
         DynamicScenes,
         "image noise",
         &["sensor noise", "Gaussian noise", "additive noise"],
-        "Random variation of the gray levels from frame to frame that is not in the scene, here described by its \
-        standard deviation σ.",
+        "Random variation of the gray levels from frame to frame that is not in the scene, described by its standard \
+        deviation σ.",
     )
     .symbol("σ"),
     term(
@@ -912,8 +921,8 @@ pub static GLOSSARY: &[Term] = &[
         DifferentialMethods,
         "image warping",
         &["warping", "warp", "warps", "warped", "backward warping"],
-        "The resampling of frame t + 1 at positions displaced by the current flow, so that it is brought toward frame \
-        t and only an increment remains.",
+        "The resampling of frame t + 1 at positions displaced by the current flow, toward frame t, so that only an \
+        increment remains to be estimated.",
     ),
     term(
         DifferentialMethods,
@@ -926,7 +935,8 @@ pub static GLOSSARY: &[Term] = &[
         KalmanFilters,
         "initialisation",
         &["initialization", "initial state"],
-        "The choice of the first state and covariance of a filter or of the first positions of a tracker.",
+        "The choice of the first values of a filter, tracker or iteration, such as the first state and its \
+        covariance.",
     ),
     term(
         InterestPoints,
@@ -938,9 +948,9 @@ pub static GLOSSARY: &[Term] = &[
         KalmanFilters,
         "innovation",
         &["innovations"],
-        "The difference of the measurement and the predicted measurement, y = z − H x.",
+        "The difference of the measurement and the predicted measurement, ν = z − H x.",
     )
-    .symbol("y"),
+    .symbol("ν"),
     term(
         KalmanFilters,
         "innovation covariance",
@@ -952,7 +962,8 @@ pub static GLOSSARY: &[Term] = &[
         DifferentialMethods,
         "integration window",
         &["integration windows"],
-        "The neighbourhood whose gradient constraints are solved together, with weights that fall off from its centre.",
+        "The neighbourhood with gradient constraints that are solved together, often with weights that fall off from \
+        its centre.",
     ),
     term(
         InterestPoints,
@@ -964,7 +975,7 @@ pub static GLOSSARY: &[Term] = &[
         MotionVectors,
         "interpolation",
         &["interpolate", "interpolated", "interpolates"],
-        "The estimation of gray levels between pixels from the pixels around.",
+        "The estimation of gray levels between pixels from the surrounding pixels.",
     ),
     term(
         Evaluation,
@@ -1023,14 +1034,14 @@ pub static GLOSSARY: &[Term] = &[
         KalmanFilters,
         "Kalman smoother",
         &["Rauch–Tung–Striebel smoother", "RTS smoother", "smoothing with hindsight"],
-        "A backward pass over a filtered track that improves every estimate by the later measurements.",
+        "A backward pass over a filtered track that improves every estimate with the later measurements.",
     ),
     term(
         Trajectories,
         "KLT tracker",
         &["KLT", "Kanade–Lucas–Tomasi"],
         "The Kanade–Lucas–Tomasi tracker: selects corners by the smaller eigenvalue, tracks them by pyramidal \
-        Lucas–Kanade and drops those that no longer fit.",
+        Lucas–Kanade and deletes those that no longer match.",
     ),
     term(
         DifferentialMethods,
@@ -1043,7 +1054,8 @@ pub static GLOSSARY: &[Term] = &[
         MotionVectors,
         "large displacement",
         &["large displacements", "large motion", "large motions", "fast motion"],
-        "A motion longer than the search range or than the structures that move, where local methods need a pyramid.",
+        "A displacement longer than the search range or than the structures that move, for which local methods need a \
+        pyramid.",
     ),
     term(
         MovingObjects,
@@ -1091,7 +1103,8 @@ pub static GLOSSARY: &[Term] = &[
         DynamicScenes,
         "luma",
         &[],
-        "The weighted sum of red, green and blue that stands for the brightness of a pixel; the estimators work on it.",
+        "The weighted sum of red, green and blue that represents the brightness of a pixel; the estimators use it as \
+        gray level.",
     ),
     term(
         MotionVectors,
@@ -1103,7 +1116,8 @@ pub static GLOSSARY: &[Term] = &[
         KalmanFilters,
         "Mahalanobis distance",
         &["squared Mahalanobis distance"],
-        "The distance of two points in units of the standard deviation in their direction, d² = y^T S⁻¹ y.",
+        "The distance of a measurement from its prediction in units of the standard deviation in its direction, d² = \
+        ν^T S⁻¹ ν.",
     )
     .symbol("d"),
     term(
@@ -1187,7 +1201,8 @@ pub static GLOSSARY: &[Term] = &[
         Evaluation,
         "MOTA",
         &["multiple object tracking accuracy"],
-        "Multiple object tracking accuracy: 1 minus the misses, false positives and identity switches per true object.",
+        "Multiple object tracking accuracy: 1 minus the ratio of misses, false positives and identity switches to the \
+        true objects.",
     ),
     term(
         DynamicScenes,
@@ -1264,8 +1279,8 @@ pub static GLOSSARY: &[Term] = &[
         KalmanFilters,
         "NEES",
         &["normalized estimation error squared", "normalised estimation error squared"],
-        "Normalised estimation error squared: the squared error of the state in units of its covariance, n on average \
-        for n components if the filter is consistent.",
+        "Normalised estimation error squared: the squared error of the state in units of its covariance, for a \
+        consistent filter n on average for n components.",
     ),
     term(
         DifferentialMethods,
@@ -1285,8 +1300,8 @@ pub static GLOSSARY: &[Term] = &[
         KalmanFilters,
         "NIS",
         &["normalized innovation squared", "normalised innovation squared"],
-        "Normalised innovation squared: y^T S⁻¹ y, which for a consistent filter follows a χ² distribution and needs no \
-        ground truth.",
+        "Normalised innovation squared: ν^T S⁻¹ ν, which for a consistent filter follows a χ² distribution and needs \
+        no ground truth.",
     ),
     term(
         Evaluation,
@@ -1311,10 +1326,10 @@ pub static GLOSSARY: &[Term] = &[
         DifferentialMethods,
         "normal equations",
         &["normal equation"],
-        "The linear system G d = b of a least-squares problem; for Lucas–Kanade G is the structure tensor of the \
+        "The linear system T d = b of a least-squares problem; for Lucas–Kanade T is the structure tensor of the \
         window.",
     )
-    .symbol("G d = b"),
+    .symbol("T d = b"),
     term(
         DifferentialMethods,
         "normal flow",
@@ -1333,13 +1348,13 @@ pub static GLOSSARY: &[Term] = &[
         Trajectories,
         "object detection",
         &["object detector", "detector", "detectors", "detection", "detections"],
-        "The localisation of objects of known classes in one frame, as boxes with scores.",
+        "The localisation of objects in one frame by a detector, as boxes, often with a class and a score.",
     ),
     term(
         DynamicScenes,
         "occlusion",
         &["occlusions", "occluded"],
-        "The covering of a scene point by something nearer to the camera, so that it is visible in one frame and has \
+        "The covering of a scene point by a surface nearer to the camera, so that it is visible in one frame and has \
         no correspondence in the other.",
     ),
     term(
@@ -1390,6 +1405,12 @@ pub static GLOSSARY: &[Term] = &[
         direction.",
     ),
     term(
+        MotionVectors,
+        "partial distortion elimination",
+        &["early exit", "partial distance elimination"],
+        "The end of the summation of a cost as soon as the partial sum exceeds the minimum so far, which rejects the candidate.",
+    ),
+    term(
         Trajectories,
         "particle filter",
         &["particle filters", "condensation algorithm"],
@@ -1407,18 +1428,13 @@ pub static GLOSSARY: &[Term] = &[
         DifferentialMethods,
         "penalty function",
         &["robust penalty", "penalizer", "penaliser", "robust penalty function"],
-        "A function that says how strongly an error counts: quadratic for Gaussian noise, robust ones grow more slowly \
-        so that outliers count less.",
+        "A function that weighs errors: quadratic for Gaussian noise, while robust ones grow more slowly so that \
+        outliers count less.",
     )
     .symbol("ρ"),
     term(Evaluation, "precision", &[], "The share of detections that are correct.").symbol("TP / (TP + FP)"),
-    term(
-        KalmanFilters,
-        "predicted measurement",
-        &[],
-        "The measurement H x that the filter expects from the predicted state.",
-    )
-    .symbol("H x"),
+    term(KalmanFilters, "predicted measurement", &[], "The measurement H x that the predicted state implies.")
+        .symbol("H x"),
     term(
         KalmanFilters,
         "prediction",
@@ -1431,21 +1447,22 @@ pub static GLOSSARY: &[Term] = &[
         MotionVectors,
         "prediction residual",
         &["residual", "residuals", "residual image"],
-        "The difference of a frame and its motion-compensated prediction, which a video encoder transmits.",
+        "The difference of data and their prediction; for a frame, of its gray levels and its motion-compensated \
+        prediction, which a video encoder transmits.",
     ),
     term(
         MotionVectors,
         "predictive search",
         &["enhanced predictive zonal search", "EPZS", "predictive zonal search"],
-        "A block search that starts from the motion vectors of neighbouring blocks and of the previous pair, and stops \
-        early if one of them fits.",
+        "A block search that starts from the motion vectors of neighbouring blocks and of the previous pair of \
+        frames, and stops early if one of them matches well.",
     ),
     term(
         MotionVectors,
         "predictor",
         &["predictors", "motion vector prediction", "median predictor"],
-        "A motion vector that is expected from neighbouring blocks, often their median, and is tested first or coded \
-        as the reference.",
+        "A motion vector predicted from neighbouring blocks, often their median, which is tested first or from which \
+        the difference is coded.",
     ),
     term(
         DifferentialMethods,
@@ -1472,15 +1489,15 @@ pub static GLOSSARY: &[Term] = &[
         DifferentialMethods,
         "pyramidal Lucas–Kanade",
         &[],
-        "Lucas–Kanade from the coarsest level of a pyramid to the finest, with several warps per level, for \
+        "Lucas–Kanade from the coarsest level of a pyramid to the finest, with several iterations per level, for \
         displacements larger than the window.",
     ),
     term(
         MotionVectors,
         "quadrant search",
         &[],
-        "The course's logarithmic search: it tests the centre of each quadrant of the search window, keeps the best \
-        quadrant and halves it again.",
+        "The course's logarithmic search, which tests the corners and the centre of each quadrant of the search \
+        window, keeps the best quadrant and divides it again.",
     ),
     term(
         Evaluation,
@@ -1498,15 +1515,15 @@ pub static GLOSSARY: &[Term] = &[
         MotionVectors,
         "rate–distortion cost",
         &["rate-distortion", "Lagrangian cost"],
-        "The distortion of a block plus λ times the bits of its motion vector, so that a vector that costs many bits \
-        must pay for itself.",
+        "The distortion of a block plus λ times the bits of its motion vector, so that a vector with many bits is \
+        chosen only if it lowers the distortion enough.",
     )
     .symbol("D + λR"),
     term(
         InterestPoints,
         "ratio test",
         &["Lowe's ratio test"],
-        "The rejection of a match whose nearest descriptor is not clearly closer than the second nearest.",
+        "The rejection of a match if its nearest descriptor is not clearly closer than the second nearest.",
     ),
     term(
         Trajectories,
@@ -1533,7 +1550,7 @@ pub static GLOSSARY: &[Term] = &[
         "regularisation",
         &["regularization", "regularizer", "regulariser", "regularised", "regularized"],
         "The addition of a smoothness term that makes an underdetermined problem solvable and fills in flow where the \
-        data say nothing.",
+        data term gives no constraint.",
     ),
     term(
         DifferentialMethods,
@@ -1558,7 +1575,7 @@ pub static GLOSSARY: &[Term] = &[
         Evaluation,
         "robustness",
         &["robust"],
-        "The small influence of noise, outliers or illumination changes on a result.",
+        "The property of a method that noise, outliers or illumination changes have little influence on its result.",
     ),
     term(
         Evaluation,
@@ -1576,7 +1593,7 @@ pub static GLOSSARY: &[Term] = &[
         InterestPoints,
         "scale invariance",
         &["scale-invariant"],
-        "The property of a feature to be found at corresponding sizes when an object comes nearer or the camera zooms.",
+        "The property of features to be found again when an object comes nearer or the camera zooms.",
     ),
     term(
         DynamicScenes,
@@ -1667,7 +1684,7 @@ pub static GLOSSARY: &[Term] = &[
         MultipleObjects,
         "split",
         &["splits"],
-        "The event that one blob falls apart into several, because objects separate or the mask has a gap.",
+        "The event that one blob separates into several, because objects part or the mask has a gap.",
     ),
     term(
         KalmanFilters,
@@ -1691,7 +1708,7 @@ pub static GLOSSARY: &[Term] = &[
     term(
         DifferentialMethods,
         "stopping criterion",
-        &["stopping criteria", "tolerance"],
+        &["stopping criteria"],
         "The condition that ends an iteration: a change smaller than a tolerance, or a maximum number of iterations.",
     )
     .symbol("ε"),
@@ -1709,7 +1726,7 @@ pub static GLOSSARY: &[Term] = &[
         "The 2×2 matrix of the products I_x², I_x I_y and I_y² averaged over a window; its eigenvalues tell flat \
         regions, edges and corners apart.",
     )
-    .symbol("G"),
+    .symbol("T"),
     term(
         MovingObjects,
         "structuring element",
@@ -1726,7 +1743,7 @@ pub static GLOSSARY: &[Term] = &[
         DifferentialMethods,
         "successive over-relaxation",
         &["SOR", "overrelaxation", "over-relaxation", "relaxation factor"],
-        "A Gauss–Seidel iteration that moves each unknown ω times as far, with 1 < ω < 2, to converge faster.",
+        "A Gauss–Seidel iteration with each step extrapolated by a factor ω, 1 < ω < 2, to converge faster.",
     )
     .symbol("ω"),
     term(
@@ -1739,13 +1756,14 @@ pub static GLOSSARY: &[Term] = &[
         MotionVectors,
         "sum of absolute transformed differences",
         &["SATD", "Hadamard transform"],
-        "The SAD of the Hadamard-transformed difference block, which approximates the bits that the residual needs.",
+        "The sum of the absolute Hadamard coefficients of the difference block, which approximates the bits that the \
+        residual needs.",
     ),
     term(
         MotionVectors,
         "sum of squared differences",
         &["SSD", "sum of squared difference", "sum of squared errors"],
-        "The sum of the squared gray-level differences of a block and a candidate, which punishes single large \
+        "The sum of the squared gray-level differences of a block and a candidate, which weighs single large \
         differences more than the SAD does.",
     ),
     term(
@@ -1758,7 +1776,7 @@ pub static GLOSSARY: &[Term] = &[
         Evaluation,
         "synthetic sequence",
         &["synthetic clip", "synthetic clips", "synthetic sequences"],
-        "A rendered clip whose true motion is known at every pixel.",
+        "A rendered clip with known true motion at every pixel.",
     ),
     term(
         Trajectories,
@@ -1778,8 +1796,8 @@ pub static GLOSSARY: &[Term] = &[
         DynamicScenes,
         "temporal aliasing",
         &["wagon-wheel effect"],
-        "The wrong motion that appears when a periodic pattern moves by more than half its period between frames, as \
-        in the wagon-wheel effect.",
+        "The apparent motion that differs from the true one when a periodic pattern moves by more than half its \
+        period between frames, as in the wagon-wheel effect.",
     ),
     term(
         DifferentialMethods,
@@ -1889,7 +1907,7 @@ pub static GLOSSARY: &[Term] = &[
         "The correction of an estimate by new data; a Kalman filter adds the gain times the innovation to the \
         predicted state and reduces its covariance.",
     )
-    .symbol("x = x⁻ + K y"),
+    .symbol("x = x⁻ + K ν"),
     term(
         MovingObjects,
         "variance",
@@ -1901,19 +1919,13 @@ pub static GLOSSARY: &[Term] = &[
         DifferentialMethods,
         "variational method",
         &["variational methods", "variational", "global method"],
-        "A method that states the wanted flow as the minimum of an energy functional over the whole image.",
+        "A method that defines the flow as the minimum of an energy functional over the whole image.",
     ),
     term(
         MotionVectors,
         "video compression",
         &["video coding", "MPEG", "H.264"],
         "The coding of a video by motion vectors and prediction residuals instead of whole frames.",
-    ),
-    term(
-        Trajectories,
-        "virtual line",
-        &["counting line", "virtual lines", "line crossing"],
-        "A line drawn in the image at which crossings of trajectories are counted.",
     ),
     term(
         DynamicScenes,
@@ -1931,7 +1943,7 @@ pub static GLOSSARY: &[Term] = &[
         Trajectories,
         "zone",
         &["zones", "region of interest"],
-        "A polygon in the image for which entries, exits and dwell times are measured.",
+        "A region of the image for which entries, exits and dwell times are measured.",
     ),
 ];
 

@@ -44,7 +44,7 @@ impl BlockSearch for AdaptiveRood {
         id: "adaptive-rood",
         name: "Adaptive rood pattern search",
         family: "Block matching",
-        summary: "Tests a cross whose arm length is predicted from the left block, then descends with a small diamond.",
+        summary: "Tests a cross with an arm length predicted from the left block, then descends with a small diamond.",
         source: "Y. Nie and K.-K. Ma, Adaptive rood pattern search for fast block-matching motion estimation, \
                  IEEE Trans. Image Processing 11(12), 2002",
         pseudocode: line::ALL,
@@ -79,9 +79,9 @@ impl BlockSearch for AdaptiveRood {
         });
         tester.stage(line::TEST_ROOD, around([0, 0], &SMALL, arm).chain(predicted), || match predicted {
             Some(p) if p != [0, 0] => {
-                format!("Rood pattern: the centre (0, 0), 4 arm ends and the predictor {}.", vector(p))
+                format!("Rood pattern: the centre (0, 0), the 4 arm ends and the predictor {}.", vector(p))
             }
-            _ => "Rood pattern: the centre (0, 0) and 4 arm ends.".into(),
+            _ => "Rood pattern: the centre (0, 0) and the 4 arm ends.".into(),
         });
         let lines = Descent { test: line::TEST_SMALL_DIAMOND, decide: line::UNTIL_BEST_STAYS };
         descend(tester, &SMALL, lines, "small diamond");

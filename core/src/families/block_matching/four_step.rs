@@ -61,7 +61,7 @@ impl BlockSearch for FourStep {
                     format!("The minimum of the square is its centre {}: a local minimum is reached.", vector(centre))
                 }
                 false => {
-                    format!("The minimum {} lies on the edge of the square: the square moves there.", vector(best))
+                    format!("The minimum {} is not the centre of the square: the square moves there.", vector(best))
                 }
             });
             if best == centre {

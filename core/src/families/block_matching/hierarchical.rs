@@ -34,12 +34,12 @@ use crate::scene::{Chart, Fact, Floor, Focus, Level, Levels, Readout, Role, Scen
 block_search_params! {
     /// Hierarchical search: block matching on the coarsest level of a Gaussian pyramid, refined level by level.
     pub struct Hierarchical {
-        /// Levels of the pyramid, the picture included. Each halves width and height, so large motion becomes small; too many
+        /// Number of pyramid levels, the picture included. Each halves width and height, so large motion becomes small; too many
         /// levels blur small objects away.
         levels: usize = 3, 2..=6;
-        /// Block search of the coarsest level.
+        /// Block search on the coarsest level.
         coarse: Stage<BlockVectors> = Stage::named("full-search");
-        /// Largest correction of the doubled vector on each finer level.
+        /// Largest correction of the doubled motion vector on each finer level.
         refinement_range: usize = 1, 1..=4, "px";
     }
     renamed { "refine" => "refinement-range" }
@@ -248,13 +248,16 @@ impl Hierarchical {
     fn refine(&self, inherited: &[Displacement], tester: &mut Tester<impl Observer<Event>>) {
         tester.stage(line::TEST_COARSER, inherited.iter().copied().chain([[0, 0]]), || {
             let twice = inherited.first().map_or(String::new(), |first| vector(*first));
-            format!("Initialisation from the coarser level: the doubled vector {twice}, those of its neighbours, and (0, 0).")
+            format!(
+                "Initialisation from the coarser level: the doubled motion vector of the nearest block, {twice}, those of its \
+                 neighbours, and (0, 0)."
+            )
         });
         let (best, reach) = (tester.best(), self.refinement_range as i32);
         let row = move |v| (-reach..=reach).map(move |u| [best[0] + u, best[1] + v]);
         tester.stage(line::TEST_AROUND, (-reach..=reach).flat_map(row), || {
             format!(
-                "One pixel of the coarser level is two here: the vector is refined within ±{reach} px of {}.",
+                "One pixel of the coarser level is two pixels of this level, so the motion vector is refined within ±{reach} px of {}.",
                 vector(best)
             )
         });
@@ -401,7 +404,7 @@ impl Estimator for Hierarchical {
         if let Some(Event::Found(found)) = seen.events.last().filter(|_| state.level > 0) {
             let on_picture = found.displacement.map(|c| c << state.level);
             sentence = sentence
-                .text(" On level 0 it corresponds to ")
+                .text(" On level 0 this motion vector is ")
                 .ink(Role::Result, format!("{} px", vector(on_picture)))
                 .text(".");
         }

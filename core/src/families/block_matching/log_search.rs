@@ -30,7 +30,7 @@ search_pseudocode! {
     SET_STEP: "  step ← max(2, 2^(⌊log₂ search range⌋ − 1))",
     WHILE_STEP: "  while step > 1",
     TEST_CROSS: "    test the cross: best and the 4 candidates at distance step",
-    HALVE_STEP: "    if best is unchanged, or on the edge of the search window, then step ← step / 2",
+    HALVE_STEP: "    if best is unchanged, or at the limit of the search window, then step ← step / 2",
     TEST_NEIGHBORS: "  test the 8 neighbours of best",
 }
 
@@ -63,7 +63,7 @@ impl BlockSearch for LogSearch {
             if best == centre || at_edge {
                 step /= 2;
                 tester.report(line::HALVE_STEP, || {
-                    let why = if best == centre { "the centre" } else { "on the edge of the search window" };
+                    let why = if best == centre { "the centre" } else { "at the limit of the search window" };
                     format!("The minimum {} is {why}: the step is halved to {step} px.", vector(best))
                 });
             }

@@ -51,10 +51,13 @@ impl BlockSearch for NewThreeStep {
     fn search(&self, tester: &mut Tester<impl Observer<Event>>) {
         let mut left = self.matching.search_range as i32;
         let step = (left + 1) / 2;
-        tester.report(line::SET_STEP, || format!("Search range {left} px: the first step is half of it, {step} px."));
+        tester.report(line::SET_STEP, || {
+            format!("The first step is half the search range of {left} px, rounded up: {step} px.")
+        });
         tester.stage(line::TEST_BOTH_SQUARES, around([0, 0], &SQUARE, 1).chain(around([0, 0], &SQUARE[1..], step)), || {
             format!(
-                "Centre bias, since most motion is small: the neighbours of (0, 0) and the 8 candidates at {step} px."
+                "Most motion is small (centre bias), so (0, 0) and its 8 neighbours are tested besides the 8 candidates at \
+                 {step} px."
             )
         });
         let best = tester.best();

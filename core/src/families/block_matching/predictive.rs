@@ -22,15 +22,15 @@ use crate::scene::Name;
 block_search_params! {
     /// Predictive search (EPZS): starts at predictors, stops early if one matches, and descends to a minimum otherwise.
     pub struct Predictive {
-        /// The search stops when the mean difference of the best match does not exceed this threshold (early termination).
+        /// Largest mean difference of the best match at which the search stops (early termination).
         termination_threshold: f32 = 0.25, 0.0..=16.0, "gray levels";
         /// Mean difference above which a block is searched again, from a grid over the search window.
         grid_threshold: f32 = 2.0, 0.0..=16.0, "gray levels";
-        /// Distance of the grid's candidates; 1 makes it a full search.
+        /// Spacing of the grid's candidates; 1 makes it a full search.
         grid_step: usize = 3, 1..=16, "px";
         /// Number of the grid's best candidates from which the search descends.
         grid_starts: usize = 10, 1..=64;
-        /// Use the block's vector in the previous pair of frames as a predictor. That pair is then searched first.
+        /// Use the block's motion vector from the previous pair of frames as a predictor. The previous pair is then searched first.
         temporal_predictor: bool = false;
     }
     renamed {
@@ -101,7 +101,7 @@ impl BlockSearch for Predictive {
                 .map(|before| format!(", and the temporal predictor {}", vector(before.vector())))
                 .unwrap_or_default();
             format!(
-                "The median predictor exceeds the threshold: (0, 0) and each neighbour's vector are tested{before}."
+                "The median predictor exceeds the termination threshold, so (0, 0) and the neighbours' motion vectors are tested{before}."
             )
         });
         if self.is_enough(tester, (line::STOP_AT_PREDICTOR, "the best predictor")) {

@@ -22,9 +22,9 @@ block_search_params! {
     /// Logarithmic search by quadrants: the search window is quartered again and again, keeping the quadrant with the
     /// minimum.
     pub struct QuadrantSearch {
-        /// The search stops when the window is at most this wide and high.
+        /// Window size (width and height) down to which the search continues.
         min_window: usize = 1, 1..=64, "px";
-        /// Smallest relative decrease of the minimum per iteration: the search stops below it. 0 disables the criterion.
+        /// Smallest relative decrease of the minimum per iteration; below it, the search stops. 0 disables the criterion.
         min_decrease: f32 = 0.0, 0.0..=100.0, "%";
     }
     renamed { "smallest" => "min-window", "least-gain" => "min-decrease" }
@@ -60,7 +60,7 @@ impl BlockSearch for QuadrantSearch {
             let (whole, before) = (part, tester.best_cost());
             tester.narrowed = Some(whole.window());
             tester.stage(line::TEST_QUADRANTS, whole.points().into_iter(), || {
-                format!("{} is divided into quadrants: their corners and centres are the candidates.", whole.named())
+                format!("{} is divided into quadrants: their vertices and centres are the candidates.", whole.named())
             });
             let best = tester.best();
             let cost = |quadrant: &Part| tester.known(quadrant.centre()).unwrap_or(f64::INFINITY);

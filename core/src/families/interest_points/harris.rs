@@ -83,7 +83,7 @@ impl Measure for Harris {
         let value = format!("R = det T − k (tr T)² = {}", numbers::gray(response));
         match () {
             () if large < FLAT_AREA => format!("{value}: hardly any gradient, a flat area."),
-            () if response > 0.0 => format!("{value} is positive: gradients in two directions, a corner candidate."),
+            () if response > 0.0 => format!("{value} is positive: gradients in two directions, possibly a corner."),
             () => format!("{value} is not positive: gradients in one direction only, an edge."),
         }
     }

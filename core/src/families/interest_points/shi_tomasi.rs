@@ -86,7 +86,7 @@ impl Measure for ShiTomasi {
             () if small < EDGE_RATIO * large => {
                 format!("{value}, less than a tenth of λ₁: gradients in one direction only, an edge.")
             }
-            () => format!("{value}, at least a tenth of λ₁: gradients in two directions, a corner candidate."),
+            () => format!("{value}, at least a tenth of λ₁: gradients in two directions, possibly a corner."),
         }
     }
 }

@@ -38,7 +38,7 @@ params! {
         pixels: Pixels = Pixels::Moving;
         /// Detector of the foreground mask. Used with pixels = foreground only.
         mask: Stage<Masks> = Stage::named("mixture-of-gaussians").with("initial", "median");
-        /// Threshold of the difference or of the brightness in gray levels. Not used with pixels = foreground.
+        /// Threshold on the difference or on the brightness, in gray levels. Not used with pixels = foreground.
         threshold: usize = 8, 0..=255;
         /// The parameters of all background subtractions.
         settings: Settings = Settings { opening: 0, closing: 4, ..Settings::default() };

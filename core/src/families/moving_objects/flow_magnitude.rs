@@ -14,11 +14,12 @@ use crate::scene::{Canvas, Fact, Math, Picture, Role, Sentence};
 params! {
     /// Foreground by the magnitude of the optical flow.
     pub struct FlowMagnitude {
-        /// Optical flow method.
+        /// Method of the dense optical flow.
         method: Stage<DenseFlow> = Stage::named("farneback");
-        /// Threshold on the flow magnitude |w|. Larger motion is foreground, if the flow reduces the residual.
+        /// Threshold on the flow magnitude |w|. Pixels above it are foreground if the flow reduces the residual.
         threshold: f32 = 1.0, 0.0..=50.0, "px/frame";
-        /// Radius of the window over which the residuals with and without motion compensation are compared. It removes flow that a smooth field spreads beyond the edges of objects.
+        /// Radius of the window over which the residuals with and without motion compensation are compared. This comparison removes
+        /// flow that a smooth field spreads beyond the edges of objects.
         window_radius: usize = 1, 0..=15, "px";
         /// The parameters of all background subtractions.
         settings: Settings = Settings { opening: 1, closing: 3, ..Settings::default() };
@@ -105,8 +106,8 @@ impl Background for FlowMagnitude {
         name: "Flow magnitude",
         family: "Moving objects",
         summary: "Thresholds the magnitude of the optical flow between consecutive frames. Needs no background model, but texture and a static camera.",
-        source: "Length of the flow over a threshold: S. Denman, V. Chandran and S. Sridharan, An adaptive optical flow technique \
-                 for person tracking systems, Pattern Recognition Letters 28, 2007; displaced against undisplaced frame \
+        source: "Threshold on the flow magnitude: S. Denman, V. Chandran and S. Sridharan, An adaptive optical flow technique \
+                 for person tracking systems, Pattern Recognition Letters 28, 2007; displaced and plain frame \
                  difference: A. M. Tekalp, Digital video processing, 1995",
         pseudocode: line::ALL,
         granularities: &["clip", "frame", "stage"],
@@ -202,7 +203,9 @@ impl Background for FlowMagnitude {
             (true, false) => said
                 .text(format!(" exceeds the threshold {limit} px/frame, but motion compensation leaves a residual of "))
                 .ink(role(false), format!("{moved} gray levels"))
-                .text(format!(", not below {at_rest} without it. Flow spread from a neighbouring object: background.")),
+                .text(format!(
+                    ", not below the {at_rest} without it. The flow has spread from a neighbouring object: background."
+                )),
         };
         let update = Sentence::default().text(format!(
             "gray level {} of this frame becomes the reference of the next flow.",

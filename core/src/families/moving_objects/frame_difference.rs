@@ -82,7 +82,7 @@ impl Background for FrameDifference {
         granularities: &["clip", "frame", "stage"],
         frames: 2,
     };
-    const SHOWN: &'static str = "|I(t) − B|, B the previous frame, or of the two previous ones the more similar";
+    const SHOWN: &'static str = "|I(t) − B|; B is the previous frame, or the more similar of the two previous frames";
     /// The previous frames, the latest one first.
     type Model = Vec<Arc<Frame>>;
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::base::{Threads, wide::wide};
+use crate::base::{Threads, wide::wide, words};
 use crate::data::{Clip, Frame};
 use crate::geometry::Gray;
 use crate::methods::numbers::level;
@@ -16,7 +16,8 @@ use crate::scene::{Fact, Role, Sentence};
 params! {
     /// Approximate median of each pixel.
     pub struct MedianBackground {
-        /// Step of the background toward each frame in gray levels. The background converges to the median, where half of the frames are brighter.
+        /// Step of the background toward each frame in gray levels. The background converges to the median: half of the frames are
+        /// brighter, half darker.
         step: usize = 1, 1..=16;
         /// Difference threshold in gray levels. Pixels with a larger |I − B| are foreground.
         threshold: usize = 25, 0..=255;
@@ -57,7 +58,7 @@ impl Background for MedianBackground {
         id: "median-background",
         name: "Median background",
         family: "Moving objects",
-        summary: "Moves the background one gray level per frame toward the current frame, so that it converges to the median. Fast objects leave no trail.",
+        summary: "Moves the background by a fixed step per frame toward the current frame, so that it converges to the median. Fast objects leave no trail.",
         source: "N. J. B. McFarlane and C. P. Schofield, Segmentation and tracking of piglets in images, Machine Vision and \
                  Applications 8, 1995; the median itself: R. Cucchiara, C. Grana, M. Piccardi and A. Prati, Detecting moving \
                  objects, ghosts, and shadows in video streams, PAMI 2003",
@@ -113,7 +114,11 @@ impl Background for MedianBackground {
                 .ink(Role::Predicted, old)
                 .text(" to ")
                 .ink(Role::Estimate, new)
-                .text(format!(" toward the gray level {}; the step is {}.", level(value), self.step));
+                .text(format!(
+                    " toward the gray level {}, by a step of at most {}.",
+                    level(value),
+                    words::counted(self.step, "gray level")
+                ));
         }
         explanation
     }

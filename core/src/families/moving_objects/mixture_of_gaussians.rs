@@ -24,9 +24,10 @@ params! {
         learning_rate: f32 = 0.005, 0.0..=1.0;
         /// Threshold on |I − μ| / σ within which a pixel matches a mode; OpenCV's variance threshold is its square. σ² is the mean squared distance over all channels together. Stauffer and Grimson use 2.5, Zivkovic 3.
         threshold: f32 = 4.0, 0.5..=20.0, "σ";
-        /// Share of the weight that the background modes, the heaviest ones, reach together.
+        /// Share of the total weight that the heaviest modes reach together; these modes are the background.
         background_ratio: f32 = 0.9, 0.0..=1.0;
-        /// Zivkovic's c_T: share of the data that a mode needs to persist; without it its weight decays to zero. 0 keeps all modes, as in Stauffer and Grimson.
+        /// Complexity reduction c_T of Zivkovic: share of the data that a mode needs to persist. The weight of a mode with less decays to
+        /// zero; 0 keeps all modes, as in Stauffer and Grimson.
         complexity_reduction: f32 = 0.05, 0.0..=0.5;
         /// Initial standard deviation σ of a new mode in gray levels, over all channels together; in colour √3 times that of one channel.
         initial_sigma: f32 = 4.0, 0.5..=50.0;
@@ -34,7 +35,7 @@ params! {
         min_sigma: f32 = 2.0, 0.5..=50.0;
         /// Detect cast shadows, pixels of the colour of the background but darker, and remove them from the foreground. Needs colour.
         detect_shadows: bool = true;
-        /// Minimum brightness τ of a shadow, as a share of that of the background. Darker pixels are objects.
+        /// Minimum brightness τ of a shadow, as a share of the brightness of the background. Darker pixels are objects.
         shadow_threshold: f32 = 0.5, 0.05..=1.0;
         /// Initial background: the first frame, or the median of the run.
         initial: Initial = Initial::FirstFrame;
@@ -121,9 +122,9 @@ impl Background for MixtureOfGaussians {
 
     fn rule(&self) -> String {
         format!(
-            "no background mode (the heaviest with {} of the weight) lies within {} σ",
-            words::percent(self.background_ratio),
-            gray(self.threshold)
+            "no background mode lies within {} σ. The heaviest modes, with together {} of the weight, are the background",
+            gray(self.threshold),
+            words::percent(self.background_ratio)
         )
     }
 

@@ -20,7 +20,7 @@ params! {
         learning_rate: f32 = 0.02, 0.0..=1.0;
         /// Difference threshold in gray levels. Pixels with a larger |I − B| are foreground.
         threshold: f32 = 25.0, 0.0..=255.0;
-        /// Selective update: only background pixels update the model. Objects leave no trail, but ghosts and stopped objects stay foreground for ever.
+        /// Selective update: only background pixels update the model. Objects leave no trail, but ghosts and stopped objects stay foreground permanently.
         selective: bool = false;
         /// Initial background: the first frame, or the median of the run.
         initial: Initial = Initial::FirstFrame;

@@ -22,9 +22,9 @@ params! {
         threshold: f32 = 4.0, 0.0..=20.0, "σ";
         /// Initial standard deviation σ of each pixel in gray levels.
         initial_sigma: f32 = 6.0, 0.5..=50.0;
-        /// Minimum standard deviation σ in gray levels. It keeps sensor noise after a quiet time from being foreground.
+        /// Minimum standard deviation σ in gray levels. It keeps image noise from becoming foreground where the scene was quiet.
         min_sigma: f32 = 2.0, 0.5..=50.0;
-        /// Selective update: only background pixels update the model. Objects do not inflate σ, but ghosts and stopped objects stay foreground for ever.
+        /// Selective update: only background pixels update the model. Objects do not inflate σ, but ghosts and stopped objects stay foreground permanently.
         selective: bool = true;
         /// Initial background: the first frame, or the median of the run.
         initial: Initial = Initial::FirstFrame;

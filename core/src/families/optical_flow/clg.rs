@@ -70,13 +70,13 @@ impl Model for Clg {
     const GUARANTEE: Guarantee = Guarantee::SubPixel { off_centi_px: 5 };
     const STEPS: &'static [Name] = &[line::AVERAGE, line::SOLVE];
     const ENERGY_UNIT: &'static str = "gray levels²";
-    const OPENING: &'static str = "The energy sums a data term, the squared gradient constraints averaged over a Gaussian \
-                                   window of standard deviation ρ, and α² times a smoothness term, the squared gradients of u \
-                                   and v. The window suppresses noise; the smoothness term fills areas without texture.";
+    const OPENING: &'static str = "The data term averages the squared gradient constraints over a Gaussian window of standard \
+                                   deviation ρ; the smoothness term is the sum of the squared gradients of u and v, weighted by \
+                                   α². The window suppresses noise; the smoothness term fills areas without texture.";
     const ADVICE: Advice = Advice {
         texture: "A larger α and more iterations carry flow in from textured neighbours.",
-        boundary: "Window and smoothness term blur it; smaller ρ and α or TV-L1 keep it sharper.",
-        motion: "More levels would reach it.",
+        boundary: "Window and smoothness term blur the boundary; smaller ρ and α or TV-L1 keep it sharper.",
+        motion: "More pyramid levels would reach this motion.",
     };
     const SYSTEM_PARTS: usize = 5;
     const NEED: [f64; 2] = [112.0, 220.0];
@@ -141,15 +141,15 @@ impl Clg {
         let weight = self.alpha * self.alpha;
         let window = if self.rho > 0.0 {
             format!(
-                "Least squares of the gradient constraints in the Gaussian window (ρ = {} px) of ",
+                "Least squares combines the gradient constraints in the Gaussian window (ρ = {} px) of ",
                 numbers::gray(self.rho)
             )
         } else {
-            "Least squares of the gradient constraint of ".into()
+            "Least squares combines the gradient constraint of ".into()
         };
         let beyond = self.solver.beyond(self.relaxation);
         let said = Sentence::default().text(window).ink(Role::Reference, probe.pixel()).text(format!(
-            " and the neighbourhood mean: tr T = {} against α² = {}, so the {} dominates. (u, v) = ",
+            " with the neighbourhood mean. tr T = {} against α² = {}, so the {} dominates: (u, v) = ",
             numbers::gray(trace),
             numbers::gray(weight),
             if trace > weight { "data term" } else { "smoothness term" }

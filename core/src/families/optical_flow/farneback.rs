@@ -20,7 +20,7 @@ params! {
     pub struct Farneback {
         /// Side of the neighbourhood of the polynomial expansion; an even side is rounded up. Larger ones are smoother and more robust to noise.
         poly_n: usize = 9, 3..=15, "px";
-        /// Standard deviation σ of the Gaussian weights of that neighbourhood.
+        /// Standard deviation σ of the Gaussian weights of the polynomial expansion.
         poly_sigma: f32 = 1.2, 0.6..=5.0, "px";
         /// Side of the averaging window; an even side is rounded up. Larger windows suppress noise but blur motion boundaries.
         window: usize = 13, 1..=63, "px";
@@ -41,7 +41,7 @@ params! {
 const ADVICE: Advice = Advice {
     texture: "A larger window may contain other gradients; the smoothness term of Horn–Schunck fills such areas.",
     boundary: "The window mixes both motions; a smaller one or TV-L1 mixes less.",
-    motion: "More levels would reach it.",
+    motion: "More pyramid levels would reach this motion.",
 };
 
 /// The state of a run.

@@ -61,13 +61,13 @@ impl Model for HornSchunck {
     const GUARANTEE: Guarantee = Guarantee::SubPixel { off_centi_px: 5 };
     const STEPS: &'static [Name] = &[line::AVERAGE, line::UPDATE];
     const ENERGY_UNIT: &'static str = "gray levels²";
-    const OPENING: &'static str = "The energy sums a data term, the squared violation of the gradient constraint, and α² times a \
-                                   smoothness term, the squared gradients of u and v. (Course notes that multiply the \
-                                   smoothness term by I_x² + I_y² are misprinted: without gradient, it alone determines the flow.)";
+    const OPENING: &'static str = "The data term is the squared violation of the gradient constraint; the smoothness term is the \
+                                   sum of the squared gradients of u and v, weighted by α². Without image gradient the \
+                                   smoothness term alone determines the flow.";
     const ADVICE: Advice = Advice {
         texture: "A larger α and more iterations carry flow in from textured neighbours.",
-        boundary: "The quadratic smoothness term blurs it; a smaller α or TV-L1 keeps it sharper.",
-        motion: "More levels would reach it.",
+        boundary: "The quadratic smoothness term blurs the boundary; a smaller α or TV-L1 keeps it sharper.",
+        motion: "More pyramid levels would reach this motion.",
     };
     const SYSTEM_PARTS: usize = 3;
     const NEED: [f64; 2] = [76.0, 150.0];

@@ -47,7 +47,8 @@ params! {
         min_eigenvalue: f32 = 0.5, 0.0..=100.0;
         /// Largest accepted mean absolute difference between the windows of consecutive frames, in gray levels. Features above it are lost.
         max_residual: f32 = 20.0, 0.0..=255.0;
-        /// Largest accepted forward–backward error: distance between a feature and the result of tracking it back. 0 disables the check.
+        /// Largest accepted forward–backward error: distance between a feature and its position after tracking forward and back. 0
+        /// disables the check.
         max_fb_error: f32 = 1.0, 0.0..=100.0, "px";
         /// Largest accepted dissimilarity from the first view after an affine fit (Shi–Tomasi), a mean absolute difference in gray levels. 0 disables the check.
         max_dissimilarity: f32 = 12.0, 0.0..=255.0;
@@ -307,8 +308,8 @@ impl Estimator for Klt {
         family: "Optical flow",
         summary: "Detects features, tracks them through the clip, validates each track, and replaces lost ones.",
         source: "C. Tomasi and T. Kanade, Detection and tracking of point features, CMU-CS-91-132, 1991; J. Shi and C. Tomasi, \
-                 Good features to track, CVPR 1994; tracking: J.-Y. Bouguet, Intel Corporation, 2000; the way back: Z. Kalal, \
-                 K. Mikolajczyk and J. Matas, Forward-backward error, ICPR 2010; other light: H. Jin, P. Favaro and S. Soatto, \
+                 Good features to track, CVPR 1994; tracking: J.-Y. Bouguet, Intel Corporation, 2000; forward–backward check: Z. Kalal, \
+                 K. Mikolajczyk and J. Matas, Forward-backward error, ICPR 2010; illumination: H. Jin, P. Favaro and S. Soatto, \
                  Real-time feature tracking and outlier rejection with changes in illumination, ICCV 2001",
         pseudocode: line::ALL,
         granularities: &["clip", "pair", "feature", "step"],

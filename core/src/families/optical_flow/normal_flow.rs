@@ -38,7 +38,7 @@ params! {
 const ADVICE: Advice = Advice {
     texture: "Lucas–Kanade combines the constraints of a window and finds both components where their gradients differ.",
     boundary: "The temporal derivative mixes both motions there; a smaller sigma mixes less.",
-    motion: "A pyramid, as in Horn–Schunck with several levels, would reach it.",
+    motion: "A pyramid, as in Horn–Schunck with several levels, would reach this motion.",
 };
 
 /// The state of a run.
@@ -256,11 +256,13 @@ impl NormalFlow {
         }
         let change = match numbers::gray(c.abs()) {
             none if none == "0.00" => "the brightness does not change".to_owned(),
-            by => format!("it gets {} by {by} gray levels per frame", if c > 0.0 { "brighter" } else { "darker" }),
+            by => {
+                format!("the pixel gets {} by {by} gray levels per frame", if c > 0.0 { "brighter" } else { "darker" })
+            }
         };
         said.text(format!(": |∇I| = {size} gray levels per px, and {change}. The normal flow is "))
             .ink(Role::Result, format!("{} px", numbers::vector(found)))
-            .text(", across the edge; the component along it is unknown (aperture problem).")
+            .text(", across the edge; the component along the edge is unknown (aperture problem).")
     }
 
     /// Adds the conclusion at the end of a run.

@@ -29,7 +29,7 @@ params! {
         frames: usize = 30, 2..=10_000;
         /// Method of the dense optical flow.
         method: Stage<DenseFlow> = Stage::named("horn-schunck");
-        /// Distance of the grid points.
+        /// Spacing of the grid points.
         spacing: usize = 10, 1..=100, "px";
         /// Start new points in empty grid cells of each frame.
         replenish: bool = true;
@@ -37,7 +37,7 @@ params! {
         absolute_tolerance: f32 = 0.5, 0.0..=1000.0, "px²";
         /// Relative tolerance of the forward–backward check, as a fraction of the squared forward and backward flow.
         relative_tolerance: f32 = 0.01, 0.0..=1.0;
-        /// Smallest accepted eigenvalue λ₂ of the window's structure tensor, in (gray levels per px)². Points below it are not started, and lost.
+        /// Smallest accepted eigenvalue λ₂ of the window's structure tensor, in (gray levels per px)². Points below it are not started, or are lost.
         min_eigenvalue: f32 = 0.5, 0.0..=100.0;
         /// Side of the window of the structure tensor and of feature tracking; an even side is rounded up.
         window: usize = 15, 3..=31, "px";

@@ -42,7 +42,7 @@ params! {
         detector: Stage<Keypoints> = Stage::named("shi-tomasi").with("min-distance", "7");
         /// Clicked points, by frame.
         clicks: Spots = Spots::default();
-        /// Largest number of points; of keypoints the strongest are tracked. Without effect for every pixel.
+        /// Largest number of points; of keypoints, the strongest are tracked. No effect where every pixel is tracked.
         max_points: usize = 500, 1..=5000;
         /// Side of the window around each point, on every level; an even side is rounded up. Larger windows are more robust but mix different motions.
         window: usize = 21, 3..=31, "px";
@@ -507,8 +507,8 @@ impl PyramidalLucasKanade {
                 match fixed.levels[0].len() {
                     1 => said.text(" at full resolution only, so only small motion is within reach of the linearisation."),
                     levels => said.text(format!(
-                        " from the coarsest of {levels} levels to full resolution: motion that is too large for the linearisation is \
-                         short on coarse levels."
+                        " from the coarsest of {levels} levels to full resolution. Motion too large for the linearisation is small on \
+                         coarse levels."
                     )),
                 }
             }

@@ -17,7 +17,7 @@ params! {
         lambda: f32 = 0.2, 0.001..=10.0;
         /// Coupling θ (tightness) between the flow and the auxiliary flow of the data term. Smaller values couple them more tightly but converge more slowly.
         theta: f32 = 0.3, 0.01..=2.0;
-        /// Step size τ of the dual update. The iterations converge for τ ≤ 0.25.
+        /// Step size τ of the dual update. Convergence is proven up to 0.125; in practice 0.25 converges too, and faster.
         tau: f32 = 0.25, 0.01..=0.25;
         /// Parameters that all variational methods share.
         settings: Settings = Settings { iterations: 40, levels: 5, warps: 5, sigma: 0.0, ..Settings::default() };
@@ -64,8 +64,8 @@ impl Model for TvL1 {
                                    influence, and a sharp motion boundary costs no more than a gradual one.";
     const ADVICE: Advice = Advice {
         texture: "A smaller λ and more iterations carry flow in from textured neighbours.",
-        boundary: "More warps and iterations sharpen it; occluded pixels have no match, which the forward–backward check shows.",
-        motion: "More levels would reach it.",
+        boundary: "More warps and iterations sharpen the boundary. Occluded pixels have no match; the forward–backward check shows them.",
+        motion: "More pyramid levels would reach this motion.",
     };
     const SYSTEM_PARTS: usize = 0;
     const NEED: [f64; 2] = [122.0, 275.0];
@@ -190,7 +190,9 @@ impl Pixel {
                     numbers::vector(self.divergence)
                 ))
                 .ink(Role::Result, probe.px(probe.to()))
-                .text(". This step smooths the flow; |p| ≤ 1 bounds the pull, however large the flow difference."),
+                .text(
+                    ". This step smooths the flow; |p| ≤ 1 limits the smoothing, however large the jump of the flow.",
+                ),
             _ => {
                 let [u, v] = self.gradients.map(|g| numbers::px(g[0].hypot(g[1])));
                 let lengths = self.p[1].map(|p| p[0].hypot(p[1]));
@@ -202,7 +204,7 @@ impl Pixel {
                     }
                 };
                 said.text("Dual update at ").ink(Role::Reference, probe.pixel()).text(format!(
-                    ": p_u follows |∇u| = {u} and p_v follows |∇v| = {v} {}. |p_u| = {long_u} and |p_v| = {long_v}: {meaning}.",
+                    ": p_u follows ∇u, p_v follows ∇v; |∇u| = {u} and |∇v| = {v} {}. |p_u| = {long_u} and |p_v| = {long_v}: {meaning}.",
                     probe.unit()
                 ))
             }

@@ -39,7 +39,7 @@ params! {
     pub struct BlobTracker {
         /// The frames of the run and the source of the detections.
         settings: tracker_run::Settings = tracker_run::Settings::default();
-        /// Predict positions with the mean displacement. Off: the last position is the prediction.
+        /// Predict each position from the mean displacement per frame. Off: the last position is the prediction.
         predict: bool = true;
         /// Number of frames over which the velocity of a track is averaged. Frames within a group do not count.
         velocity_frames: usize = 5, 1..=50;
@@ -47,7 +47,7 @@ params! {
         min_overlap: f32 = 0.3, 0.01..=1.0;
         /// Maximum centre distance of the nearest-blob fallback, for tracks that overlap no blob.
         max_distance: f32 = 30.0, 0.0..=1000.0, "px";
-        /// Feature that restores identities after a split.
+        /// Criterion that restores identities after a split.
         identity: Identity = Identity::Appearance;
         /// Track management.
         rules: Rules = Rules::default();

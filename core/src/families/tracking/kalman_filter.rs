@@ -55,7 +55,8 @@ params! {
         frames: usize = 300, 2..=10_000;
         /// Motion model of the filter.
         motion: MotionModel = MotionModel::Velocity;
-        /// Standard deviation of the acceleration, with constant acceleration of its change per frame. Raise it if NIS lies above its band.
+        /// Standard deviation of the acceleration; with the constant acceleration model, of its change per frame. Raise it if NIS lies
+        /// above its band.
         process_noise: f32 = 0.5, 0.0..=50.0, "px/frame²";
         /// Standard deviation of the change of the turn rate. Used with motion = turn only.
         turn_noise: f32 = 0.5, 0.0..=45.0, "°/frame²";
@@ -65,9 +66,10 @@ params! {
         source: Source = Source::Auto;
         /// Detector of moving objects. Used with source = moving, or where there are neither clicks, detections nor truth.
         detector: Stage<Foreground> = default_detector();
-        /// Clicked positions: the measurements; with another source, the object to track and the frame in which its track starts.
+        /// Clicked positions, used as measurements. With another source, a click selects the object and the first frame of its track.
         clicks: Spots = Spots::default();
-        /// Number of the tracked object in the first frame with detections: true objects in order, detections by score, blobs and clicks in order.
+        /// Number of the tracked object in the first frame with detections. Detections are counted by score; true objects, blobs and
+        /// clicks in their order.
         object: usize = 1, 1..=1000;
         /// Standard deviation of the noise added to true positions (source = truth).
         added_noise: f32 = 2.0, 0.0..=100.0, "px";
@@ -83,9 +85,9 @@ params! {
         gate: f32 = 0.99, 0.5..=0.9999;
         /// First frame of a simulated occlusion of the first sensor, counted from 0 in the run.
         occlusion_start: usize = 0, 0..=10_000;
-        /// Length of the simulated occlusion; 0 for none.
+        /// Number of frames of the simulated occlusion; 0 for none.
         occlusion_frames: usize = 0, 0..=1000;
-        /// Missed frames in a row before the track is deleted; the next measurement starts another. A track far outside the picture is deleted at once.
+        /// Missed frames in a row before the track is deleted; the next measurement starts a new track. A track far outside the picture is deleted at once.
         max_age: usize = 30, 1..=1000;
         /// Initial standard deviation of each velocity component; the initial velocity is 0.
         initial_speed: f32 = 30.0, 0.1..=500.0, "px/frame";

@@ -29,7 +29,7 @@ choices! {
     pub enum Association {
         /// Greedy: the pair of least cost first, then the next.
         Nearest = "nearest" "Greedy",
-        /// Optimal assignment (Hungarian method): as many pairs as possible at the least total cost.
+        /// Optimal assignment (Hungarian algorithm): as many pairs as possible at the least total cost.
         Assignment = "assignment" "Optimal assignment",
     }
 }
@@ -53,13 +53,14 @@ params! {
         settings: tracker_run::Settings = tracker_run::Settings::default();
         /// Motion model of the filters.
         motion: MotionModel = MotionModel::Velocity;
-        /// Standard deviation of the acceleration (with constant acceleration of its change per frame) in px/frame² per px of box height.
+        /// Standard deviation of the acceleration, in px/frame² per px of box height; with the constant acceleration model, of its change
+        /// per frame.
         process_noise: f32 = 0.02, 0.0..=2.0;
         /// Standard deviation of the change of the turn rate. Used with motion = turn only.
         turn_noise: f32 = 0.5, 0.0..=45.0, "°/frame²";
         /// Standard deviation of a detected position along each axis, as a share of the box height.
         measurement_noise: f32 = 0.1, 0.001..=2.0;
-        /// Assignment method of tracks and detections.
+        /// Method that assigns detections to tracks.
         association: Association = Association::Assignment;
         /// Cost of a pair of track and detection.
         cost: PairCost = PairCost::Both;
@@ -71,7 +72,7 @@ params! {
         cascade: bool = true;
         /// Threshold τ of ByteTrack: detections of at least this score are matched first and start tracks. Those of lower score only continue tracks matched in the previous frame.
         score_threshold: f32 = 0.6, -1000.0..=1000.0;
-        /// Observation-centric recovery (OC-SORT): match unmatched tracks by the last detected box too, for objects that stopped while occluded.
+        /// Observation-centric recovery (OC-SORT): match the remaining tracks by their last detected box too, for objects that stopped while occluded.
         recover: bool = true;
         /// Track management.
         rules: Rules = Rules::default();
@@ -202,7 +203,7 @@ impl Estimator for KalmanTracker {
         family: "Tracking",
         summary: "Tracks many objects: predicts each with a Kalman filter, assigns the detections of a frame to the tracks, and updates them.",
         source: "A. Bewley, Z. Ge, L. Ott, F. Ramos and B. Upcroft, Simple online and realtime tracking, ICIP 2016; low-score \
-                 detections: Y. Zhang and others, ByteTrack, ECCV 2022; last box: J. Cao and others, Observation-centric SORT, CVPR \
+                 detections: Y. Zhang and others, ByteTrack, ECCV 2022; recovery by the last box: J. Cao and others, Observation-centric SORT, CVPR \
                  2023; gating and track management: S. Blackman and R. Popoli, Design and analysis of modern tracking systems, 1999; assignment: H. W. \
                  Kuhn 1955, R. Jonker and A. Volgenant 1987",
         pseudocode: line::ALL,

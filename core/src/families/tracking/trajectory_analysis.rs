@@ -29,13 +29,14 @@ params! {
         line: Option<Line> = None::<Line>;
         /// Zone in which dwell time is measured.
         zone: Option<Bounds> = None::<Bounds>;
-        /// Window of the velocity: slope of the least-squares line through the positions of the last frames.
+        /// Number of frames of the velocity estimate, the slope of the least-squares line through their positions.
         window: usize = 5, 2..=100, "frames";
-        /// Minimum speed of a heading. Slower tracks have none, and no anomaly.
+        /// Minimum speed for a heading. Slower tracks have no heading, and no anomaly.
         min_speed: f32 = 0.5, 0.0..=100.0, "px/frame";
-        /// Anomaly threshold: angle between a track's heading and the mean direction of the other tracks in its cell.
+        /// Angle between a track's heading and the mean direction of the other tracks in its cell, above which the direction is
+        /// anomalous.
         unusual_angle: f32 = 90.0, 10.0..=180.0, "°";
-        /// Minimum number of other tracks in a cell before a direction can be anomalous.
+        /// Minimum number of other tracks in a cell for a direction to be anomalous.
         min_others: usize = 2, 1..=100;
         /// Side of the grid cells in which directions are averaged.
         cell_size: usize = 64, 8..=1000, "px";

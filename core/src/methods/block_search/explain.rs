@@ -47,7 +47,8 @@ pub(crate) fn vector([u, v]: [impl Into<f64>; 2]) -> String {
 fn skipped(stage: &Stage) -> String {
     match (stage.points.len(), stage.asked) {
         (new, asked) if new == asked => String::new(),
-        (0, 1) => " It was tested before or lies outside the search window.".into(),
+        (0, 1) => " This candidate was tested before or lies outside the search window.".into(),
+        (0, 2) => " Both were tested before or lie outside the search window.".into(),
         (0, asked) => format!(" All {asked} were tested before or lie outside the search window."),
         (new, asked) => {
             let are = if new == 1 { "is" } else { "are" };
@@ -197,12 +198,12 @@ impl Probe<'_> {
         let (mean, levels) = self.difference_per_pixel(found);
         if levels.is_some_and(|levels| levels >= POOR_MATCH) {
             return format!(
-                "{mean}, a poor match: occlusion, a change of brightness, or motion that is no translation."
+                "{mean}, a poor match. Possible causes: occlusion, a change of brightness, or motion that is no translation."
             );
         }
         match tested < self.window.count() {
-            true => format!("It may be a local minimum, since candidates were left out{}.", after_colon(&mean)),
-            false => format!("It is the global minimum of the search window{}.", after_colon(&mean)),
+            true => format!("It may be a local minimum, since candidates were left out.{}", sentence_of(&mean)),
+            false => format!("It is the global minimum of the search window.{}", sentence_of(&mean)),
         }
     }
 
@@ -211,7 +212,7 @@ impl Probe<'_> {
         let listed: Vec<_> = ties.iter().take(LISTED).map(|tie| vector(tie.vector())).collect();
         let more = if ties.len() > LISTED { ", …" } else { "" };
         format!(
-            "The same cost at {}{more}: repeating texture or an edge makes the match ambiguous. A larger block may resolve it.",
+            "The cost is the same at {}{more}: repeating texture or an edge makes the match ambiguous. A larger block may resolve it.",
             listed.join(", ")
         )
     }
@@ -220,7 +221,7 @@ impl Probe<'_> {
     fn difference_per_pixel(&self, found: Match) -> (String, Option<f64>) {
         let cost = self.settings.matching.cost;
         let levels = cost.levels_of(self.rate.distortion(found), self.block());
-        let name = if cost.is_squared() { "Root-mean-square difference" } else { "Mean absolute difference" };
+        let name = if cost.is_squared() { "Root-mean-square difference:" } else { "Mean absolute difference:" };
         (levels.map_or_else(String::new, |levels| format!("{name} {} gray levels", gray(levels as f32))), levels)
     }
 
@@ -260,7 +261,9 @@ impl Probe<'_> {
             Some(costs) => {
                 let [before, at, after] = costs.map(|cost| self.settings.number(cost));
                 let lowest = fixed(fit.fraction[i].into(), 2);
-                format!("Along {name} the parabola through {before}, {at} and {after} has its minimum at {lowest} px.")
+                format!(
+                    "Along {name} the parabola through {before}, {at} and {after} has its minimum at {lowest} px from the best match."
+                )
             }
             None => format!("Along {name} a neighbour lies outside the search window, so no parabola is fitted."),
         };
@@ -299,8 +302,7 @@ fn counted_candidates(count: usize) -> String {
     format!("{} tested candidate{}", cost(count as f64), if count == 1 { "" } else { "s" })
 }
 
-/// A clause after a colon; nothing if there is none.
-fn after_colon(clause: &str) -> String {
-    let mut letters = clause.chars();
-    letters.next().map_or_else(String::new, |first| format!(": {}{}", first.to_lowercase(), letters.as_str()))
+/// A clause as a further sentence; nothing if there is none.
+fn sentence_of(clause: &str) -> String {
+    if clause.is_empty() { String::new() } else { format!(" {clause}.") }
 }

@@ -361,7 +361,7 @@ impl Probe<'_> {
             y_label: self.settings.label(),
             x_max: if self.is_over() { self.tested() } else { ahead(self.tested()) },
             events,
-            lines: vec![("candidate", Role::Candidate, tested), ("best so far", Role::Best, best)],
+            lines: vec![("candidate", Role::Candidate, tested), ("minimum so far", Role::Best, best)],
             ..Series::default()
         }
     }

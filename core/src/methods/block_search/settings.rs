@@ -149,7 +149,7 @@ params! {
         /// Side of the square blocks. Small blocks follow fine motion but match ambiguously; large ones average over several
         /// motions.
         block_size: usize = 16, 4..=64, "px";
-        /// Largest displacement tested to the left, right, up and down: the search window is ±this wide and high.
+        /// Largest displacement p that is tested in each direction; the search window holds (2p + 1)² candidates.
         search_range: usize = 16, 1..=64, "px";
         /// Matching cost between the block and a candidate. SSD and MSE differ by the factor N only: with λ = 0 they give
         /// the same motion vectors.
@@ -165,10 +165,10 @@ params! {
         subpixel: Subpixel = Subpixel::None;
         /// Interpolation of gray values between pixels, for the refinement and for the motion-compensated prediction.
         interpolation: Interpolation = Interpolation::Bilinear;
-        /// Lagrange multiplier λ of the rate term: cost per bit of the motion vector difference, which is taken to the median of
-        /// the neighbouring vectors. 0 ignores the rate; higher values smooth the field.
+        /// Lagrange multiplier λ of the rate term: cost per bit of the difference between the motion vector and the median of
+        /// its neighbours. 0 ignores the rate; higher values smooth the field.
         lambda: f32 = 0.0, 0.0..=100.0, "per bit";
-        /// Distance between neighbouring blocks; 0 puts them edge to edge, less than the block size lets them overlap.
+        /// Distance between neighbouring blocks. 0 puts them edge to edge; less than the block size makes them overlap.
         spacing: usize = 0, 0..=64, "px";
         /// Treatment of candidates that reach beyond the picture.
         border: BorderRule = BorderRule::Inside;
@@ -206,9 +206,10 @@ impl Settings {
         }
     }
 
-    /// A cost with its name: `SAD 120`.
+    /// A cost with its name: `SAD 120`, `1 − NCC = 0.0120`.
     pub(crate) fn show(&self, cost: f64) -> String {
-        format!("{} {}", self.label(), self.number(cost))
+        let equals = if self.label().contains(' ') { " =" } else { "" };
+        format!("{}{equals} {}", self.label(), self.number(cost))
     }
 
     /// The same without the rate term: costs are distortions.

@@ -87,16 +87,14 @@ impl Conclusion {
         let number = |value: f32| if self.has_truth { numbers::px(value) } else { numbers::gray(value) };
         let density = format!("{:.0}", 100.0 * self.density);
         if self.pixels == 0 {
-            return format!(" End of the run: flow at {density} % of the pixels, none of which can be judged.");
+            return format!(" End of the run: flow at {density} % of the pixels, none of which can be evaluated.");
         }
         let quality = match self.has_truth {
             true => format!("mean endpoint error {} px", number(self.mean)),
-            false => format!(
-                "mean residual |I(x + w, t+1) − I(x, t)| = {} gray levels, as no true flow is loaded",
-                number(self.mean)
-            ),
+            false => format!("mean residual |I(x + w, t+1) − I(x, t)| = {} gray levels", number(self.mean)),
         };
-        let said = format!(" End of the run: {quality}; flow at {density} % of the pixels.");
+        let why = if self.has_truth { "" } else { " No true flow is loaded, so the residual is reported." };
+        let said = format!(" End of the run: flow at {density} % of the pixels, {quality}.{why}");
         match &self.worst {
             Some(Worst { place, size, cause }) => format!(
                 "{said} The largest {}, {} {unit}, is at pixel {}{}",
@@ -165,9 +163,9 @@ impl Cause {
         let eigenvalues =
             |[large, small]: [f32; 2]| format!("λ₁ = {}, λ₂ = {}", numbers::gray(large), numbers::gray(small));
         match self {
-            Cause::Outside => ": its motion leads out of frame t+1, so nothing can match it.".into(),
+            Cause::Outside => ": the motion leads out of frame t+1, so there is no match.".into(),
             Cause::Flat(pair) => {
-                format!(": no texture there ({}), so no constraint. {}", eigenvalues(*pair), advice.texture)
+                format!(": no texture ({}), so there is no constraint. {}", eigenvalues(*pair), advice.texture)
             }
             Cause::Edge(pair) => format!(
                 ": an edge ({}), so only the normal component is constrained. {}",
@@ -216,7 +214,7 @@ mod tests {
     fn the_reason_is_that_of_the_worst_pixel() {
         let truth = Some([3.0, 0.0]);
         let large = said(&pair(truth, waves), |x, y| if (x, y) == (8, 8) { [0.0; 2] } else { [3.0, 0.0] });
-        assert!(large.contains("3.000 px, is at pixel (8,\u{a0}8): its true motion of 3.000 px is larger"), "{large}");
+        assert!(large.contains("3.000 px, is at pixel (8,\u{a0}8): the true motion of 3.000 px is larger"), "{large}");
         let outside = said(&pair(truth, waves), |x, _| if x == 19 { [0.0; 2] } else { [3.0, 0.0] });
         assert!(outside.contains("leads out of frame t+1"), "{outside}");
         let flat = said(&pair(truth, |_, _| 90.0), |_, _| [0.0; 2]);
@@ -229,10 +227,10 @@ mod tests {
     fn without_truth_the_residual_is_judged() {
         let boundary = said(&pair(None, waves), |x, y| if (x, y) == (8, 8) { [2.0, 0.0] } else { [0.0; 2] });
         assert!(
-            boundary.contains("at a motion boundary or an outlier") && boundary.contains("no true flow is loaded"),
+            boundary.contains("at a motion boundary or an outlier") && boundary.contains("No true flow is loaded"),
             "{boundary}"
         );
         let none = said(&pair(None, waves), |_, _| Flow::UNKNOWN);
-        assert!(none.contains("flow at 0 % of the pixels, none of which"), "{none}");
+        assert!(none.contains("flow at 0 % of the pixels, none of which can"), "{none}");
     }
 }

@@ -11,7 +11,7 @@ choices! {
     pub enum Weights {
         /// Equal weights.
         Box = "box" "Box",
-        /// Gaussian whose standard deviation σ is a quarter of the window: it is cut off at 2 σ, the edge of the window.
+        /// Gaussian with a standard deviation σ of a quarter of the window, cut off at 2 σ, the edge of the window.
         Gaussian = "gaussian" "Gaussian",
     }
 }

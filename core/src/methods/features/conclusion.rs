@@ -41,6 +41,11 @@ fn mean(values: &[f32]) -> Option<f32> {
     (!values.is_empty()).then(|| values.iter().sum::<f32>() / values.len() as f32)
 }
 
+/// Why a feature was lost, in words; `None` for a tracked one.
+pub fn reason_of(status: Status) -> Option<&'static str> {
+    reason(status).map(|(reason, _)| reason)
+}
+
 /// Why a feature was lost, and what would help.
 fn reason(status: Status) -> Option<(&'static str, &'static str)> {
     match status {

@@ -98,15 +98,15 @@ impl<M: Measure> Corners<M> {
             1 => "1 local maximum".to_owned(),
             count => format!("{count} local maxima"),
         };
-        let help = match after.kept.len() == max_points {
+        let responses = match after.kept.len() {
+            1 => format!("response {}", response(*first)),
+            _ => format!("responses {} to {}", response(*first), response(*last)),
+        };
+        let help = match after.kept.len() == max_points && after.peaks.len() > max_points {
             true => "max-points is reached; a larger value keeps weaker corners.",
             false => "A lower threshold or min-distance keeps more.",
         };
-        sentence.text(format!(
-            " End of the run: {kept} from {maxima}, responses {} to {}. {help}",
-            response(*first),
-            response(*last)
-        ))
+        sentence.text(format!(" End of the run: {kept} from {maxima}, {responses}. {help}"))
     }
 
     fn sentence(&self, seen: &Seen<Self>, event: Event, probe: Option<&Probe>) -> Sentence {

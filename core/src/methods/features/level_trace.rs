@@ -100,7 +100,7 @@ impl LevelTrace<'_> {
                 to,
                 Role::Estimate,
                 Shape::Path { points: trail.map(place).collect(), closed: false },
-                "iterations of the window centre",
+                "window centre, by iteration",
             );
         }
     }
@@ -151,7 +151,7 @@ impl LevelTrace<'_> {
                         self.px(*displacement)
                     ),
                 };
-                let explanation = format!("{explanation} The initial guess of the next finer level is twice that, ");
+                let explanation = format!("{explanation} Its double is the initial guess of the next finer level, ");
                 said.text(explanation)
                     .ink(Role::Predicted, in_px(displacement.map(|c| 2.0 * c), self.level - 1))
                     .text(".")
@@ -181,7 +181,11 @@ impl LevelTrace<'_> {
         }
         if let Some((mismatch, update)) = self.last() {
             facts.push(fact("Increment η", self.px(update), Some(Role::Candidate)));
-            facts.push(fact("Mean |δI| before it", format!("{} gray levels", numbers::gray(mismatch.residual)), None));
+            facts.push(fact(
+                "Mean |δI| before the increment",
+                format!("{} gray levels", numbers::gray(mismatch.residual)),
+                None,
+            ));
         }
         let role = if self.level == 0 { Role::Result } else { Role::Best };
         facts.push(fact("Displacement", self.px(self.displacement()), Some(role)));

@@ -13,7 +13,7 @@ mod trace;
 pub mod tracker;
 pub(crate) mod trails;
 
-pub use conclusion::conclusion;
+pub use conclusion::{conclusion, reason_of};
 pub use corners::{Corners, FLAT_AREA, Measure};
 pub(crate) use declare::corner_pseudocode;
 pub use level_trace::{LevelTrace, why};

@@ -143,7 +143,8 @@ pub(crate) fn series(run: &TrackerRun) -> Option<Readout> {
         ("coasting tracks", Role::Predicted, with(TrackStatus::Coasting)),
     ];
     let x_max = run.span.first + run.span.frames().map_or(frames.len(), |frames| frames - 1);
-    let series = Series { title: "Tracks", x_label: "frame", y_label: "tracks", x_max, lines, ..Series::default() };
+    let series =
+        Series { title: "Tracks", x_label: "frame", y_label: "number of tracks", x_max, lines, ..Series::default() };
     (frames.len() > 1).then_some(Readout::Series(series))
 }
 
@@ -172,11 +173,13 @@ pub(crate) fn done(number: usize, frame: &ObjectFrame, conclusion: &Conclusion) 
         switches if switches > misses.max(alarms) => {
             " To keep identities, raise max-age or choose a motion model that fits."
         }
-        _ if misses > alarms => " Misses dominate: lower min-hits or the score thresholds, or use another detector.",
-        _ if misses == alarms => {
-            " Misses and false alarms are as many: boxes may overlap the true ones by less than the IoU threshold."
+        _ if misses > alarms => {
+            " In the run, misses dominate: lower min-hits or the score thresholds, or use another detector."
         }
-        _ => " False alarms dominate: raise min-hits or the score thresholds, or lower max-age.",
+        _ if misses == alarms => {
+            " In the run, misses and false alarms are as many: boxes may overlap the true ones by less than IoU 0.5."
+        }
+        _ => " In the run, false alarms dominate: raise min-hits or the score thresholds, or lower max-age.",
     };
     counts + &scores + &rates + &worst + advice
 }
@@ -185,9 +188,9 @@ pub(crate) fn done(number: usize, frame: &ObjectFrame, conclusion: &Conclusion) 
 fn of_frame(all: Matches) -> String {
     match all.misses() + all.false_positives() {
         0 if all.truths == 0 => " No true objects in this frame.".into(),
-        0 => format!(" All {} true objects are matched (IoU ≥ 0.5).", grouped(all.truths)),
+        0 => format!(" Ground truth (IoU ≥ 0.5): all {} true objects are matched.", grouped(all.truths)),
         _ => format!(
-            " Truth (IoU ≥ 0.5): {} of {} objects matched, {}.",
+            " Ground truth (IoU ≥ 0.5): {} of {} true objects are matched, {}.",
             grouped(all.pairs),
             grouped(all.truths),
             plural(all.false_positives(), "false alarm", "s")

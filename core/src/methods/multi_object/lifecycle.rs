@@ -11,7 +11,8 @@ params! {
         min_hits: usize = 3, 1..=50;
         /// Missed frames in a row before a confirmed track is deleted; a tentative one is deleted at the first miss. Higher values bridge longer occlusions, but keep lost tracks.
         max_age: usize = 15, 0..=500;
-        /// Once a track is confirmed, count its tentative frames too. With hindsight (non-causal): in real time a track starts when it is confirmed.
+        /// Count the tentative frames of a track once it is confirmed. With hindsight (non-causal): in real time a track starts when it is
+        /// confirmed.
         backdate: bool = true;
         /// Interpolate the boxes of coasted frames linearly once the track is matched again. With hindsight (non-causal): in real time there is a gap.
         interpolate: bool = true;

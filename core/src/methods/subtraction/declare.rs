@@ -7,9 +7,11 @@ params! {
     /// The parameters of all background subtractions.
     #[derive(Copy)]
     pub struct Settings {
-        /// Radius r of the opening (erosion, then dilation with a (2r + 1)×(2r + 1) square): removes regions narrower than the square; 0 turns it off.
+        /// Radius r of the opening (erosion, then dilation with a (2r + 1)×(2r + 1) square). It removes regions narrower than the square;
+        /// 0 turns it off.
         opening: usize = 1, 0..=15, "px";
-        /// Radius r of the closing (dilation, then erosion with a (2r + 1)×(2r + 1) square): fills gaps narrower than the square; 0 turns it off.
+        /// Radius r of the closing (dilation, then erosion with a (2r + 1)×(2r + 1) square). It fills gaps narrower than the square; 0
+        /// turns it off.
         closing: usize = 2, 0..=15, "px";
         /// Minimum area of a blob. Smaller connected components are rejected as noise.
         min_area: usize = 30, 1..=100_000, "px";

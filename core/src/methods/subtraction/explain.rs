@@ -202,9 +202,11 @@ impl Conclusion {
         };
         let [precision, recall, f1] = scores(all);
         let score = match self.run {
-            Some(_) => format!(" {of} against the truth (IoU ≥ 0.5): precision {precision}, recall {recall}, F₁ {f1}."),
+            Some(_) => {
+                format!(" {of} against the ground truth (IoU ≥ 0.5): precision {precision}, recall {recall}, F₁ {f1}.")
+            }
             None => format!(
-                " {of} {t}: {blobs} for {}; precision {precision}, recall {recall}, F₁ {f1} at IoU 0.5.",
+                " {of} {t}: {blobs} for {}; precision {precision}, recall {recall}, F₁ {f1} at IoU ≥ 0.5.",
                 count(frame.truths, "true object")
             ),
         };
@@ -285,7 +287,7 @@ pub(crate) fn plots(record: &Record, span: &Span) -> Vec<Readout> {
     }
     vec![
         Readout::Series(series("Foreground pixels", "px", "foreground pixels", line(&|i| pixels[i] as f32))),
-        Readout::Series(series("Blobs", "blobs", "blobs", line(&|i| frames[i].detections.len() as f32))),
+        Readout::Series(series("Blobs", "number of blobs", "blobs", line(&|i| frames[i].detections.len() as f32))),
     ]
 }
 
@@ -347,8 +349,8 @@ impl<M: Background> Subtraction<M> {
                      the model has learned the background behind them."
                 ),
                 (true, Initial::Median) => format!(
-                    "The median of frames of the whole run up to {} initialises the background model. An object that covers a \
-                     pixel in less than half of them leaves no ghost.",
+                    "The median of frames spread evenly up to frame {} initialises the background model. An object that covers \
+                     a pixel in fewer than half of these frames leaves no ghost.",
                     number + seen.before.span.frames().unwrap_or(1) - 1
                 ),
             }),
@@ -384,7 +386,7 @@ impl<M: Background> Subtraction<M> {
             let largest = known.reduce(|a, b| if b.1 > a.1 { b } else { a }).map_or(0, |(index, _)| index);
             (largest % width, largest / width)
         });
-        let which = if pointed.is_some() { "" } else { ", of the largest difference" };
+        let which = if pointed.is_some() { "" } else { ", with the largest difference" };
         let mut all = said.ink(Role::Reference, format!("Pixel {}", pixel(place))).text(format!("{which}: "));
         all.0.extend(self.explained_at(seen, frame, place).update.0);
         all.text(conclusion.sentence(seen.before.frame))

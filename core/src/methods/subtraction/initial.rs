@@ -11,9 +11,10 @@ use crate::run::Span;
 choices! {
     /// The initial background.
     pub enum Initial {
-        /// The first frame. An object in it leaves a ghost: false foreground where it stood, until the model has learned the background.
+        /// The first frame. An object in this frame leaves a ghost: false foreground at its first position, until the model has learned
+        /// the background there.
         FirstFrame = "first-frame" "First frame",
-        /// The median of frames of the whole run: no ghosts, but with hindsight, so not in real time.
+        /// The median of frames spread over the whole run. It leaves no ghosts, but works with hindsight (non-causal), not in real time.
         Median = "median" "Median",
     }
 }

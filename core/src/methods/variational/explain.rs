@@ -59,17 +59,21 @@ impl<M: Model> Variational<M> {
         let (Some(after), None) = (seen.after, seen.point()) else { return sentence };
         let Settings { iterations, tolerance, .. } = self.settings();
         let Some(note) = after.notes.last() else { return sentence };
-        let change = numbers::px(note.change);
+        // The tolerance may be smaller than the decimals of a displacement.
+        let (change, precise) = (numbers::px(note.change), numbers::fixed(note.change, 4));
         let said = match note.change < tolerance {
-            true => format!(" Mean change {change} px < tolerance {} px: converged.", numbers::fixed(tolerance, 4)),
-            false if seen.before.iteration + 1 == iterations => {
-                format!(" Mean change {change} px at iteration {iterations}, the last of this warp.")
-            }
-            false if tolerance > 0.0 => format!(
-                " Mean change {change} px, not below the tolerance of {} px: next iteration.",
+            true => format!(
+                " The mean change of {precise} px is below the tolerance of {} px: converged.",
                 numbers::fixed(tolerance, 4)
             ),
-            false => format!(" Mean change {change} px."),
+            false if seen.before.iteration + 1 == iterations => {
+                format!(" Mean change of iteration {iterations}, the last of this warp: {change} px.")
+            }
+            false if tolerance > 0.0 => format!(
+                " The mean change of {precise} px is not below the tolerance of {} px: next iteration.",
+                numbers::fixed(tolerance, 4)
+            ),
+            false => format!(" Mean change of the iteration: {change} px."),
         };
         let sentence = sentence.text(said);
         if !after.is_done {
@@ -87,7 +91,7 @@ impl<M: Model> Variational<M> {
             "the flow is still 0, so I_x, I_y and I_t are taken from both frames without warping."
         } else {
             "frame t+1 is warped toward frame t by the current flow (u₀, v₀), and brightness constancy is linearised again. \
-             I_t now measures what the current flow leaves unexplained."
+             I_t is now the residual that the current flow leaves."
         };
         Sentence::default().text(format!("Level {} ({width}×{height} px), warp {warp}: {what}", state.level))
     }
@@ -116,7 +120,11 @@ impl<M: Model> Variational<M> {
         }
         if let Some(note) = seen.after.and_then(|after| after.notes.last()) {
             let [data, smoothness] = [note.data, note.smoothness].map(numbers::gray);
-            facts.push(fact("Energy per pixel", format!("{data} data term + {smoothness} smoothness term"), None));
+            facts.push(fact(
+                "Energy per pixel",
+                format!("{data} data term + {smoothness} smoothness term, in {}", M::ENERGY_UNIT),
+                None,
+            ));
             facts.push(fact("Mean change", format!("{} px", numbers::px(note.change)), None));
             if note.error.is_finite() {
                 facts.push(fact("Mean endpoint error", format!("{} px", numbers::px(note.error)), Some(Role::Truth)));
@@ -207,7 +215,9 @@ impl<M: Model> Variational<M> {
 /// The sentence of the median filter, before every warp but the first.
 fn medians<M: Model>(state: &State<M>) -> Sentence {
     let from = match state.warp {
-        0 => "The flow of the coarser level is upsampled to this one, its vectors scaled with it. ",
+        0 => {
+            "The flow of the coarser level is upsampled to this level, and its vectors are scaled by the same factor. "
+        }
         _ => "",
     };
     Sentence::default().text(format!(

@@ -13,9 +13,9 @@ use crate::synth::{
 pub const SAMPLE: Sample = Sample {
     id: "fast-ball",
     title: "Fast ball: motion beyond the search range",
-    teaches: "The ball moves 24 px or more per frame: a search range of 16 px cannot reach it, one of 32 px or a pyramid with \
-              blocks of 8 px can; larger blocks blur the ball away on coarse levels. Judge by the ball and the PSNR: the wall \
-              is static, so the mean endpoint error stays small even where the ball is missed.",
+    teaches: "The ball moves 24 px or more per frame, beyond a search range of 16 px. A range of 32 px reaches it, and so does \
+              a pyramid with blocks of 8 px; larger blocks lose the ball on coarse levels. Judge by the ball and the PSNR: \
+              the wall is static, so the mean endpoint error stays small even where the ball is missed.",
     tune: |d| d.frames = 16,
     layers,
 };

@@ -11,7 +11,7 @@ use crate::synth::{
 pub const SAMPLE: Sample = Sample {
     id: "flag",
     title: "Flag in the wind: non-rigid motion",
-    teaches: "Motion varies smoothly from point to point: dense flow can follow it, one vector per block cannot.",
+    teaches: "Motion varies smoothly from point to point. Dense flow can represent it; one vector per block cannot.",
     tune: |_| {},
     layers,
 };

@@ -11,8 +11,8 @@ use crate::synth::{
 pub const SAMPLE: Sample = Sample {
     id: "flat-wall",
     title: "Flat wall: no texture",
-    teaches: "The whole view moves by (2, 1) px per frame, but only the picture and the switch have texture: elsewhere noise \
-              decides.",
+    teaches: "The whole view moves by (2, 1) px per frame, but only the picture and the switch have texture. Elsewhere \
+              noise determines the estimates.",
     tune: |d| d.noise = 2.0,
     layers,
 };

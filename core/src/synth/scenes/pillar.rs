@@ -13,7 +13,7 @@ use crate::synth::{
 pub const SAMPLE: Sample = Sample {
     id: "pillar",
     title: "Waves behind a pillar",
-    teaches: "Occlusion: what passes behind the pillar has no match in the next frame. Compare the estimates there with the \
+    teaches: "Occlusion: points that pass behind the pillar have no match in the next frame. Compare the estimates there with the \
               mask of occluded pixels.",
     tune: |_| {},
     layers,

@@ -12,8 +12,8 @@ use crate::synth::{
 pub const SAMPLE: Sample = Sample {
     id: "sub-pixel",
     title: "Pebbles: sub-pixel motion",
-    teaches: "Every pixel moves by (0.5, 0.25) px per frame: whole-pixel vectors must miss it, gradient methods and sub-pixel \
-              refinement find it.",
+    teaches: "Every pixel moves by (0.5, 0.25) px per frame. Whole-pixel vectors cannot represent this; gradient \
+              methods and sub-pixel refinement can.",
     tune: |_| {},
     layers,
 };

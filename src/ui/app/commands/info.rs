@@ -44,7 +44,7 @@ impl Command {
                 Menu::File,
                 Icon::ClipboardPaste,
                 "Open path from clipboard",
-                "Open the clip whose path is in the clipboard.",
+                "Open the clip at the path in the clipboard.",
                 const { &[ctrl_shift(Key::V)] },
             ),
             C::Samples => (

@@ -147,7 +147,7 @@ impl ConnectedComponents {
                 .ink(Role::Candidate, words::capital(&name(*run)))
                 .text(format!(" {} ", verb(run, "touch", "touches")))
                 .ink(Role::Reference, name(*other))
-                .text(" too, of another root. Union: ")
+                .text(" too, which have another root. Union: ")
                 .ink(Role::Result, format!("{} becomes a child of {}", label(*child), label(*root)))
                 .text("."),
             Some(Event::Final(_, _, count)) => said

@@ -213,7 +213,7 @@ fn tuple(numbers: Vec<String>) -> String {
 fn matrices(modes: &[Mode], pixel: &[f32], after: Option<Vec<Mode>>) -> Vec<Matrix> {
     let before = table("M", "modes before the update", modes, pixel);
     let after = after.map(|after| {
-        let table = table("M'", "modes after the update", &after, pixel);
+        let table = table("M′", "modes after the update", &after, pixel);
         let same = |(x, y): (usize, usize)| before.entries.get(x, y) == Some(&table.entries[(x, y)]);
         let changed = Grid::from_fn(table.entries.width(), table.entries.height(), |x, y| !same((x, y)));
         Matrix { role: Some(Role::Estimate), changed: Some(changed), ..table }

@@ -9,7 +9,7 @@ use crate::methods::differential::numbers;
 use crate::methods::features::{
     LevelTrace,
     affine::{Fit, place},
-    conclusion, follow,
+    conclusion, follow, reason_of,
     trails::{self, points},
     why,
 };
@@ -108,7 +108,7 @@ impl Klt {
         };
         match event {
             Event::Enough if self.replenish => said.text(format!(
-                "No detection in frame {frame}: {} tracked, and max-points = {} is reached.",
+                "No new features in frame {frame}: {} tracked, and max-points = {} is reached.",
                 match state.live.len() {
                     1 => "1 feature is".to_owned(),
                     count => format!("{count} features are"),
@@ -116,18 +116,18 @@ impl Klt {
                 self.max_points
             )),
             Event::Enough => said.text(format!(
-                "No detection in frame {frame}: replenish is off, so lost features are not replaced."
+                "No new features in frame {frame}: replenish is off, so lost features are not replaced."
             )),
             Event::Found(found) => said
                 .text(format!(
-                    "{} of max-points = {} features are tracked. Detector {}: ",
+                    "{} of max-points = {} features are tracked. {} in frame {frame}: ",
                     state.live.len(),
                     self.max_points,
                     self.detector.estimator().info().name
                 ))
                 .ink(Role::Best, words::counted(found.keypoints.points.len(), "keypoint"))
                 .text(format!(
-                    " in frame {frame}{}.",
+                    "{}.",
                     match found.keypoints.keypoints.first().map(|keypoint| keypoint.response) {
                         Some(most) => format!(", the strongest with response {}", numbers::gray(most)),
                         None => String::new(),
@@ -144,7 +144,7 @@ impl Klt {
                 let since = live(seen).map_or(0, |live| state.tracks[live.track as usize].first);
                 said.text("Affine fit of the first view (frame ")
                     .text(format!("{since}) of "))
-                    .ink(Role::Reference, self.name(seen))
+                    .ink(Role::Reference, self.name(seen).to_lowercase())
                     .text(": ")
                     .ink(Role::Estimate, matrix(fit))
                     .text(format!(
@@ -167,7 +167,7 @@ impl Klt {
                 let (role, verdict) =
                     if off_px > self.max_fb_error { (Role::Rejected, "rejected") } else { (Role::Best, "accepted") };
                 said.text("Forward–backward check of ")
-                    .ink(Role::Reference, self.name(seen))
+                    .ink(Role::Reference, self.name(seen).to_lowercase())
                     .text(": tracking back ends at ")
                     .ink(Role::Predicted, numbers::vector(place))
                     .text(format!(
@@ -406,7 +406,7 @@ fn views(level_trace: &LevelTrace, live: &Live, fit: &Fit) -> Vec<Tile> {
 fn lost(state: &State) -> Option<String> {
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     let last = state.tracks.iter().filter_map(|track| track.points.last());
-    for reason in last.filter_map(|point| point.status.name().strip_prefix("lost-")) {
+    for reason in last.filter_map(|point| reason_of(point.status)) {
         *counts.entry(reason).or_default() += 1;
     }
     let told: Vec<String> = counts.into_iter().map(|(reason, count)| format!("{count} {reason}")).collect();

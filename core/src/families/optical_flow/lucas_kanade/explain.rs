@@ -50,8 +50,8 @@ impl LucasKanade {
             return self.linearized(seen.before.iteration);
         }
         let Some(probe) = self.probe(seen) else {
-            let sentence = "One gradient constraint has two unknowns, so Lucas and Kanade assume constant flow in a window and \
-                            solve T (u, v) = −Σ w ∇I I_t in the least-squares sense; T is the structure tensor. (Course \
+            let sentence = "One gradient constraint has two unknowns, so Lucas and Kanade assume constant flow in a window. \
+                            Least squares gives T (u, v) = −Σ w ∇I I_t with the structure tensor T. (Course \
                             notes with (I_x, I_y; I_t, I_y) (u, v) = −(I_t, I_x) are misprinted.)";
             return Step {
                 line: line::START_AT_ZERO,

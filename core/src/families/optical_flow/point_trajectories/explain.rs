@@ -5,7 +5,7 @@ use crate::base::words;
 use crate::geometry::Grid;
 use crate::methods::{
     differential::{field, numbers},
-    features::{conclusion, trails},
+    features::{conclusion, reason_of, trails},
 };
 use crate::products::{Status, consistency::returned};
 use crate::run::Seen;
@@ -95,9 +95,8 @@ impl PointTrajectories {
             Some(What::Done(note)) => {
                 let left = seen.after.map_or(0, |after| after.live.len());
                 let said = said
-                    .text(format!("Of {} ", words::counted(note.points as usize, "point")))
-                    .ink(Role::Result, format!("{left} continue"))
-                    .text(format!(" in frame {next}. "));
+                    .ink(Role::Result, left.to_string())
+                    .text(format!(" of {} continue in frame {next}. ", words::counted(note.points as usize, "point")));
                 let said = match note.apart.is_finite() {
                     true => {
                         said.text("Mean drift between flow and feature tracks: ").ink(Role::Error, px(note.apart)).text(".")
@@ -200,7 +199,11 @@ impl PointTrajectories {
             ));
         }
         if let Some(twin) = moved.twin {
-            let value = end(&twin).map_or(twin.status.name().into(), |to| format!("at {}", numbers::vector(to)));
+            let value = match (end(&twin), reason_of(twin.status)) {
+                (Some(to), _) => format!("at {}", numbers::vector(to)),
+                (None, Some(reason)) => format!("lost: {reason}"),
+                (None, None) => "lost".into(),
+            };
             facts.push(Fact::new("Feature track", value, Some(Role::Predicted)));
         }
         facts.extend(moved.apart().map(|apart| Fact::new("Drift", px(apart), Some(Role::Error))));

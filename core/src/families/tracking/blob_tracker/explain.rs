@@ -80,12 +80,20 @@ impl BlobTracker {
             Some(EventKind::Corresponded(_)) => line::COMPUTE_OVERLAPS,
             Some(EventKind::Decided(decision)) if decision.is_split() => line::SPLIT,
             Some(EventKind::Decided(decision)) if decision.is_merge() => line::MERGE,
-            Some(EventKind::Decided(decision)) if is_nearest(decision) => line::TAKE_NEAREST,
+            Some(EventKind::Decided(decision)) if self.is_nearest(decision) => line::TAKE_NEAREST,
             Some(EventKind::Decided(_)) => line::GO_ON,
             Some(EventKind::Missed(_) | EventKind::Deleted(_)) => line::COAST_OR_END,
             Some(EventKind::Begun(_)) => line::BEGIN_OBJECT,
         };
         Step { line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
+    }
+
+    /// Returns whether the update is by the nearest-blob fallback.
+    fn is_nearest(&self, decision: &Decision) -> bool {
+        let is_enough = |share: f64| share > 0.0 && share >= f64::from(self.min_overlap);
+        let is_linked =
+            |&row: &usize| decision.columns.iter().any(|&column| is_enough(decision.table.share(row, column)));
+        !decision.rows.iter().any(is_linked)
     }
 
     fn sentence(&self, seen: &Seen<Self>) -> Sentence {
@@ -112,14 +120,14 @@ impl BlobTracker {
                     count(self.velocity_frames, "frame")
                 )),
             EventKind::Predicted(tracked_blobs) => said.text(format!(
-                "Without prediction {} keep the last position.",
+                "Without prediction, the last position of {} is kept.",
                 count(tracks_of(tracked_blobs), "track")
             )),
             EventKind::Corresponded(table) => said.text(format!(
-                "{} of {} correspond: the overlap is at least min-overlap = {} of the smaller box.{}",
+                "Overlap of at least min-overlap = {} of the smaller box: {} of {}.{}",
+                words::percent(self.min_overlap),
                 table.corresponding,
                 count(table.tracked_blobs.len() * table.blobs.len(), "pair"),
-                words::percent(self.min_overlap),
                 match table.crowded {
                     0 => String::new(),
                     all => format!(" Of {}, only the {MOST_NEAR} nearest blobs are compared.", count(all, "track")),
@@ -195,9 +203,9 @@ impl BlobTracker {
         let row = decision.rows.first().copied().unwrap_or(0);
         let table = &decision.table;
         let said = said.ink(Role::Estimate, named(tracked));
-        let said = if is_nearest(decision) {
+        let said = if self.is_nearest(decision) {
             said.text(format!(
-                " overlaps no blob by min-overlap = {}. The nearest, blob {blobs}, is {} px away, within max-distance = {} px.",
+                " overlaps no unmatched blob by min-overlap = {}. The nearest, blob {blobs}, is {} px away, within max-distance = {} px.",
                 words::percent(self.min_overlap),
                 px(table.distance(row, *column)),
                 px(self.max_distance.into())
@@ -298,12 +306,6 @@ impl BlobTracker {
         }
         draw_work(seen, scene);
     }
-}
-
-/// Returns whether the update is by the nearest-blob fallback.
-fn is_nearest(decision: &Decision) -> bool {
-    let is_linked = |&row: &usize| decision.columns.iter().any(|&column| decision.table.share(row, column) > 0.0);
-    !decision.rows.iter().any(is_linked)
 }
 
 fn tracked_facts(tracked: &TrackedBlob) -> Vec<Fact> {

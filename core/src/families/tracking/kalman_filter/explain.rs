@@ -159,7 +159,7 @@ impl KalmanFilter {
         let dof = gated.measurement().numbers();
         let limit = format!("{} gate {} (χ², {dof} dof)", percent(self.gate), squared(gated.limit));
         let said = Sentence::default()
-            .text(format!("{}: squared Mahalanobis distance of the innovation ", sensor(gated)))
+            .text(format!("Squared Mahalanobis distance of the {}innovation: ", sensor(gated)))
             .ink(Role::Measured, format!("d² = {}", squared(gated.squared_distance)));
         if gated.is_inside() {
             said.text(format!(". It is within the {limit}: accepted."))
@@ -227,20 +227,28 @@ impl KalmanFilter {
                 );
             }
         }
-        let nis: Vec<&Gated> = state.records.iter().filter_map(|record| record.of_sensor(0)).collect();
+        let gated: Vec<&Gated> = state.records.iter().filter_map(|record| record.of_sensor(0)).collect();
+        // Rejected measurements are of something else: they say nothing about the filter's covariance.
+        let nis: Vec<&Gated> = gated.iter().copied().filter(|gated| gated.is_inside()).collect();
+        let rejected = gated.len() - nis.len();
+        if rejected > 0 {
+            said += &format!(" Rejected by the gate: {rejected} of {} measurements.", gated.len());
+        }
         let Some(dof) = nis.first().map(|gated| gated.measurement().numbers()) else {
-            return said + " no measurement was gated.";
+            return said + " No measurement was accepted, so the innovations say nothing about the covariance.";
         };
         let mean = nis.iter().map(|gated| gated.squared_distance).sum::<f64>() / nis.len() as f64;
         let [low, high] = [0.025, 0.975].map(|p| chi_square::quantile(p, dof * nis.len()) / nis.len() as f64);
         said += &format!(
-            " Mean NIS {}, 95 % band {} to {}: {}",
+            " Mean NIS of the accepted measurements {}, 95 % band {} to {}: {}",
             squared(mean),
             squared(low),
             squared(high),
             match mean {
-                mean if mean > high => "the filter is overconfident. Raise process-noise or measurement-noise.",
-                mean if mean < low => "the covariance is too large. Lower measurement-noise or process-noise.",
+                mean if mean > high =>
+                    "the filter is overconfident: its covariance is too small. Raise process-noise or measurement-noise.",
+                mean if mean < low =>
+                    "the filter is underconfident: its covariance is too large. Lower measurement-noise or process-noise.",
                 _ => "the filter is consistent.",
             }
         );
@@ -560,7 +568,7 @@ fn frame_of(state: &State) -> usize {
 }
 
 fn sensor(gated: &Gated) -> &'static str {
-    if gated.reading.sensor == 0 { "The measurement" } else { "The second sensor's measurement" }
+    if gated.reading.sensor == 0 { "" } else { "second sensor's " }
 }
 
 fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {

@@ -85,7 +85,7 @@ fn of_prediction(from: &Filter, before: Option<&Filter>) -> [Matrix; 2] {
         ..matrix(symbol, meaning, None, entries)
     };
     [
-        lit(square("F", "state transition", now.transition), before.as_ref().map(|before| &before.transition)),
+        lit(square("F", "transition matrix", now.transition), before.as_ref().map(|before| &before.transition)),
         lit(square("Q", "process noise covariance", now.noise), before.as_ref().map(|before| &before.noise)),
     ]
 }

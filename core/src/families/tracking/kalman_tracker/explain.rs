@@ -89,7 +89,7 @@ impl KalmanTracker {
             }
             Event::Predicted(tracks) => self.predicted(tracks),
             Event::Costs(costs) => said.text(format!(
-                "Gating: {} of {} are inside. {}{}",
+                "Gating leaves {} of {}. {}{}",
                 costs.costs.len(),
                 count(costs.costs.rows() * costs.costs.columns(), "pair"),
                 self.limits(costs),
@@ -162,10 +162,10 @@ impl KalmanTracker {
                 };
                 let why = match stage {
                     Some(MatchingStage::LowScore) => format!(
-                        " Its score is below score-threshold = {}, so it can only continue a track.",
+                        " The detection's score is below score-threshold = {}, so it can only continue a track.",
                         fixed(self.score_threshold.into(), 2)
                     ),
-                    Some(MatchingStage::Tentative) => " Confirmed tracks left it unassigned.".to_owned(),
+                    Some(MatchingStage::Tentative) => " Confirmed tracks left the detection unassigned.".to_owned(),
                     _ => String::new(),
                 };
                 format!("{decided}.{why}")
@@ -275,7 +275,12 @@ impl KalmanTracker {
             let [distance, limit] = [distance, costs.limit].map(|v| Math::text(squared(v)));
             let [overlap, least] = [overlap, f64::from(self.iou_threshold)].map(|v| Math::text(fixed(v, 2)));
             let shown = [distance, limit, overlap, least];
-            lines.push(Math::Row(vec![Math::text("= "), cost(shown), Math::text(" = "), total]));
+            let mut numbers = vec![Math::text("= "), cost(shown)];
+            // d² is its own result.
+            if self.cost != PairCost::Mahalanobis {
+                numbers.extend([Math::text(" = "), total]);
+            }
+            lines.push(Math::Row(numbers));
         }
         Some(lines)
     }

@@ -49,8 +49,8 @@ impl TrajectoryAnalysis {
         let name = |trajectory: &Trajectory| {
             let frame =
                 trajectory.sightings.last().map(|last| last.frame).filter(|frame| *frame != frame_of(seen.before));
-            let when = frame.map_or_else(String::new, |frame| format!("Tentative frame {frame}: "));
-            format!("{when}Track {}", trajectory.id)
+            let when = frame.map_or_else(String::new, |frame| format!(" (tentative frame {frame})"));
+            format!("Track {}{when}", trajectory.id)
         };
         match event {
             Event::Tracked(frame) => {
@@ -113,14 +113,15 @@ impl TrajectoryAnalysis {
             let is_unusual = of.sightings.iter().any(|seen| seen.anomaly.is_some());
             (dwelt + usize::from(!of.dwells.is_empty()), unusual + usize::from(is_unusual))
         });
-        let mut said = format!(" Run: {}", counted(state.trajectories.len(), "trajectory").replace("ys", "ies"));
+        let all = counted(state.trajectories.len(), "trajectory").replace("ys", "ies");
+        let mut said = format!(" Run: {all}, {unusual} with an anomalous direction");
         if self.line.is_some() {
-            said += &format!(", {right} crossings to the right and {left} to the left");
+            said += &format!("; {} to the right and {left} to the left", counted(right, "crossing"));
         }
         if self.zone.is_some() {
-            said += &format!(", {dwelt} in the zone");
+            said += &format!("; {dwelt} in the zone");
         }
-        said + &format!(", {unusual} with an anomalous direction.")
+        said + "."
     }
 
     fn moved(&self, said: Sentence, trajectory: &Trajectory) -> Sentence {
