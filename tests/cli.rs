@@ -981,7 +981,6 @@ fn panes_are_arranged_on_a_sheet_and_its_words_stay_words() {
         "Full search · Cost by candidate, SAD",
         "u, px →",
         "v, px ↓",
-        "minimum so far",
         "Best so far",
         "Frame t = 0",
         "step 5.40",

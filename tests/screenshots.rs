@@ -40,13 +40,19 @@ struct Scene {
     name: &'static str,
     size: Vec2,
     theme: Theme,
-    /// A clip or a session by its name; the bundled sample if it is empty.
+    /// A clip or a session by its name, or the lines of a session; the bundled sample if it is empty.
     open: &'static str,
     commands: &'static [Command],
 }
 
-const SCENES: [Scene; 5] = [
-    Scene { name: "dark", size: vec2(1280.0, 800.0), theme: Theme::Dark, open: "", commands: &[] },
+/// A search in the middle of a block on the ball.
+const FULL_SEARCH: &str = "motionscope = 1\nclip = \"synth:pillar\"\nestimator = \"full-search\"\nstep = \"164.640\"\n";
+const DIAMOND: &str = "motionscope = 1\nclip = \"synth:pillar\"\nestimator = \"diamond\"\nstep = \"164.14\"\n";
+const KALMAN: &str = "motionscope = 1\nclip = \"synth:traffic\"\nestimator = \"kalman-filter\"\nstep = \"9.4\"\n";
+
+const SCENES: [Scene; 6] = [
+    Scene { name: "dark", size: vec2(1280.0, 800.0), theme: Theme::Dark, open: FULL_SEARCH, commands: &[] },
+    Scene { name: "kalman", size: vec2(1280.0, 720.0), theme: Theme::Light, open: KALMAN, commands: &[] },
     Scene {
         name: "light",
         size: vec2(1280.0, 800.0),
@@ -54,21 +60,14 @@ const SCENES: [Scene; 5] = [
         open: "synth:parallax",
         commands: &[Command::End, Command::FrameT],
     },
-    Scene {
-        name: "projector",
-        size: vec2(1280.0, 720.0),
-        theme: Theme::Projector,
-        open: "",
-        commands: &[Command::Over, Command::Lecture],
-    },
+    Scene { name: "projector", size: vec2(1280.0, 720.0), theme: Theme::Projector, open: DIAMOND, commands: &[] },
     Scene {
         name: "lockstep",
         size: vec2(1280.0, 800.0),
         theme: Theme::Light,
-        open: "",
+        open: DIAMOND,
         commands: const {
             &[
-                Command::OverBack,
                 Command::Lockstep,
                 Command::Into,
                 Command::Into,
@@ -87,7 +86,17 @@ const SCENES: [Scene; 5] = [
 ];
 
 fn picture(scene: &Scene, renderer: WgpuTestRenderer) -> RgbImage {
-    let start = Start { open: (!scene.open.is_empty()).then(|| scene.open.into()) };
+    let folder = tempfile::tempdir().expect("a folder");
+    let session = folder.path().join(format!("{}.motionscope", scene.name));
+    let open = match scene.open {
+        "" => None,
+        lines if lines.starts_with("motionscope =") => {
+            fs::write(&session, lines).expect("a session can be written");
+            Some(session.into_os_string())
+        }
+        name => Some(name.into()),
+    };
+    let start = Start { open };
     let builder = Harness::builder().with_size(scene.size).with_max_steps(80).with_render_cursor(false);
     let mut harness = builder.renderer(renderer).build_eframe(|cc| {
         let mut app = App::new(&cc.egui_ctx, None).expect("a thread");

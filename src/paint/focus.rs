@@ -353,7 +353,7 @@ mod tests {
         assert_eq!(one(FocusMode::On, &relaxed), None, "no mark is at work");
         relaxed.mark(Picture::CURRENT, Role::Reference, Shape::pixels(50, 60, 1, 1));
         assert_eq!(one(FocusMode::Auto, &relaxed), None, "all pixels are relaxed, this is an example");
-        assert!(one(FocusMode::On, &relaxed).is_some_and(|close| close.times >= 12.0));
+        assert!(one(FocusMode::On, &relaxed).is_some_and(|close| close.times >= 8.0));
         relaxed.mark(Picture::CURRENT, Role::Window, Shape::pixels(46, 56, 9, 9));
         assert!(one(FocusMode::Auto, &relaxed).is_some(), "a window is solved by itself");
     }

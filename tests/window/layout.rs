@@ -97,8 +97,8 @@ fn faults(window: &Window) -> Vec<String> {
         let is_in = |pane: &Rect| pane.expand(2.0).contains(clip.center()) && pane.intersects(*rect);
         let (min, max) = (clip.min - Vec2::splat(1.5), clip.max + Vec2::splat(1.5));
         let is_wide = rect.min.x < min.x || rect.max.x > max.x;
-        // The numbers of pixels are scrolled where not all of them have room.
-        let is_pixel = text.len() < 4 && text.bytes().all(|byte| byte.is_ascii_digit());
+        // The numbers of pixels and matrices are scrolled where not all of them have room.
+        let is_pixel = text.chars().all(|c| c.is_ascii_digit() || ".−".contains(c));
         let is_high = (rect.min.y < min.y || rect.max.y > max.y) && !is_pixel && !scrolled.iter().any(is_in);
         // The labels of marks are cut where their picture ends.
         let is_mark = pictures.iter().any(|pane| pane.expand(2.0).contains_rect(clip.intersect(*rect)));

@@ -327,6 +327,6 @@ mod tests {
             "SAD by displacement: 299 of 561 tested, 2 of them rejected early, minimum 0 gray levels at (−16, −8)"
         );
         let told = [[-15, -8], [-13, 1], [-11, 1]].map(|at| told(&surface, at));
-        assert_eq!(told, ["SAD at (−15, −8) is 1", "(−13, 1) was given up early", "(−11, 1) is not tested yet"]);
+        assert_eq!(told, ["SAD at (−15, −8) is 1", "(−13, 1) was rejected early", "(−11, 1) is not tested yet"]);
     }
 }
