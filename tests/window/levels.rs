@@ -18,9 +18,10 @@ fn window(lines: &str) -> Window {
 /// Puts a level on the stage.
 fn choose(window: &mut Window, level: &str) {
     window.click_role(Role::ComboBox, "Level");
-    let found =
-        window.harness.query_all_by_label_contains(level).filter(|node| node.accesskit_node().role() == Role::Button);
-    found.last().expect("the level is in the list").click();
+    let is_item = |node: &egui_kittest::Node<'_>| node.accesskit_node().role() == Role::Button;
+    let mut items: Vec<_> = window.harness.query_all_by_label_contains(level).filter(is_item).collect();
+    items.pop().expect("the level is in the list").click();
+    drop(items);
     window.settle();
 }
 

@@ -27,7 +27,7 @@ impl App {
             Action::Command(command) => self.command(command),
             Action::Open(name) => self.open(name),
             Action::Type(Command::Palette, text) => self.overlay = Overlay::Palette(palette::State::asking(text)),
-            Action::Type(_, text) => self.overlay = Overlay::Open(open_dialog::State::asking(text)),
+            Action::Type(_, text) => self.overlay = Overlay::Open(Box::new(open_dialog::State::asking(text))),
             Action::OpenSample(sample) => self.open_sample(sample),
             Action::CancelOpening => self.loading = None,
             Action::Browse(wanted) => self.browse(wanted),
@@ -86,7 +86,7 @@ impl App {
             return;
         }
         match command {
-            C::Open => self.overlay = Overlay::Open(open_dialog::State::default()),
+            C::Open => self.overlay = Overlay::Open(Box::default()),
             C::PastePath => self.ctx.send_viewport_cmd(ViewportCommand::RequestPaste),
             C::Compare => {
                 self.overlay = Overlay::Compare(Box::new(compare::State::new(self.document.estimator().info().id)))

@@ -17,7 +17,6 @@ use crate::media::{Given, Open};
 use crate::session::{Session, Sight};
 use crate::ui::app::action::Browse;
 use crate::ui::app::window::{App, Overlay, title};
-use crate::ui::dialogs::open as open_dialog;
 use crate::ui::dialogs::save::{self, Kind};
 use crate::ui::model::loader::{Beside, Loading, Opened};
 use crate::ui::model::settings::LeftAt;
@@ -79,7 +78,7 @@ impl App {
             (Err(_), _) => {
                 self.toasts.fail("The system has no file dialog. Type or paste the path instead.");
                 if opens {
-                    self.overlay = Overlay::Open(open_dialog::State::default());
+                    self.overlay = Overlay::Open(Box::default());
                 }
             }
         }

@@ -39,7 +39,7 @@ pub(super) enum Overlay {
     /// Every key.
     Shortcuts,
     /// A path to open.
-    Open(open_dialog::State),
+    Open(Box<open_dialog::State>),
     /// Something to write.
     Save(Box<save_dialog::State>),
     /// The samples.

@@ -1,6 +1,6 @@
 //! A quantity over steps: coming nearer, going along, pointing at a step and clicking it.
 
-use eframe::egui::{self, Color32, Rect, RichText, Sense, Stroke, Ui, pos2, vec2};
+use eframe::egui::{self, Rect, RichText, Sense, Stroke, Ui, pos2, vec2};
 use motionscope_core::scene::Series;
 
 use crate::paint::charts::series::{Plot, Plotted, Window, draw, event, head, nearest, summary, values};
@@ -148,7 +148,7 @@ fn scales(
     let button = egui::Button::new(RichText::new("log").size(size))
         .selected(is_logarithmic)
         .fill(if is_logarithmic { ui.visuals().selection.bg_fill } else { ink::color(subject.theme.chrome().raised) })
-        .stroke(Stroke::new(1.0, Color32::from(ink::color(subject.theme.chrome().line))))
+        .stroke(Stroke::new(1.0, ink::color(subject.theme.chrome().line)))
         .small();
     let tip =
         if is_logarithmic { "Show the values on a linear axis." } else { "Show the values on a logarithmic axis." };

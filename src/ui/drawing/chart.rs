@@ -8,6 +8,7 @@ use motionscope_core::Step;
 use crate::paint::charts::{ChartStyle, Drawing};
 use crate::paint::primitive;
 use crate::paint::{ColorMap, Primitive, Theme};
+use crate::ui::drawing::ink;
 use crate::ui::drawing::primitives::{Kept, Maker};
 
 /// Whose data a chart shows, and how it looks.
@@ -56,6 +57,7 @@ struct Key<K> {
     step: Option<(Held, usize)>,
     area: Rect,
     style: ChartStyle,
+    atlas: u64,
     more: K,
 }
 
@@ -80,7 +82,8 @@ impl<P: Clone, K: PartialEq> Chart<P, K> {
     ) -> P {
         let address = std::ptr::from_ref(data).cast::<u8>() as usize;
         let step = subject.step.map(|step| (Held(Arc::clone(step)), address));
-        let key = Key { step, area, style: subject.style(painter), more };
+        let atlas = ink::atlas(painter.ctx());
+        let key = Key { step, area, style: subject.style(painter), atlas, more };
         match &self.known {
             Some(known) if known.key == key && key.step.is_some() => known.place.clone(),
             _ => {

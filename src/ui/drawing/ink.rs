@@ -23,6 +23,24 @@ pub fn font(face: Face, size: f32) -> FontId {
     FontId::new(size, family)
 }
 
+/// How often the atlas of glyphs was made anew. Shapes with text from before show other glyphs than they were made with, so
+/// whatever keeps shapes keeps this number with them.
+pub fn atlas(ctx: &egui::Context) -> u64 {
+    #[derive(Clone, Copy, Default)]
+    struct Atlas {
+        filled: f32,
+        count: u64,
+    }
+    // The atlas only fills up, until it is emptied between two frames.
+    let filled = ctx.fonts(|fonts| fonts.font_atlas_fill_ratio());
+    ctx.data_mut(|data| {
+        let known = data.get_temp_mut_or_default::<Atlas>(egui::Id::unique("atlas of glyphs"));
+        known.count += u64::from(filled < known.filled);
+        known.filled = filled;
+        known.count
+    })
+}
+
 /// Paints one line of text from `left_center` on, cut short with … at `width` points; gives its right end.
 pub fn line(painter: &Painter, left_center: Pos2, text: (&str, FontId, Color32), width: f32) -> f32 {
     let (words, font, color) = text;
@@ -42,3 +60,27 @@ pub fn name(response: &egui::Response, name: impl Fn() -> String) {
 
 /// Width and height of a role's swatch.
 pub const SWATCH: Vec2 = vec2(legend::SWATCH[0], legend::SWATCH[1]);
+
+#[cfg(test)]
+mod tests {
+    use eframe::egui::{Context, RawInput};
+
+    use super::*;
+
+    #[test]
+    fn an_emptied_atlas_has_another_number() {
+        let ctx = Context::default();
+        let mut numbers = Vec::new();
+        let mut largest = 0.0f32;
+        // Type of ever other sizes fills the atlas, until it is emptied.
+        for size in 8..400 {
+            let _output = ctx.run_ui(RawInput::default(), |ui| {
+                numbers.push(atlas(ui.ctx()));
+                let font = FontId::new(size as f32, FontFamily::Proportional);
+                let _galley = ui.painter().layout_no_wrap("0123456789 abcdefghijklm".into(), font, Color32::WHITE);
+                largest = largest.max(ui.ctx().fonts(|fonts| fonts.font_atlas_fill_ratio()));
+            });
+        }
+        assert!(numbers.is_sorted() && numbers.last() > numbers.first(), "{largest}: {:?}", numbers.last());
+    }
+}

@@ -49,6 +49,7 @@ struct Key {
     theme: Theme,
     density: Density,
     pixels_per_point: f32,
+    atlas: u64,
 }
 
 /// A part as it is shown.
@@ -170,7 +171,8 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) {
     let density = density(ui.available_height(), theme);
     ui.spacing_mut().item_spacing = vec2(8.0, gap(density, theme));
     let width = ui.available_width().round() as u32;
-    let key = Key { id: info.id, width, theme, density, pixels_per_point: ui.pixels_per_point() };
+    let (pixels_per_point, atlas) = (ui.pixels_per_point(), ink::atlas(ui.ctx()));
+    let key = Key { id: info.id, width, theme, density, pixels_per_point, atlas };
     state.keep_for(key);
     let known = state.parts.take().filter(|parts| Arc::ptr_eq(&parts.step, step));
     let parts = known.unwrap_or_else(|| Parts::new(ui.painter(), input, key));
@@ -223,6 +225,9 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) {
     }
 }
 
+/// A part of the strip, with its left edge in points.
+type Column = (f32, Part);
+
 /// Sentence and formula beside each other, and the room that they have needed so far.
 #[derive(Clone, Debug, Default)]
 pub struct Strip {
@@ -230,7 +235,7 @@ pub struct Strip {
     height: f32,
     /// The most that a step before the end needed.
     usual: f32,
-    shown: Option<(Arc<Step>, Vec<(f32, Part)>)>,
+    shown: Option<(Arc<Step>, Vec<Column>)>,
 }
 
 /// Most rows of numbers in the strip.
@@ -256,7 +261,8 @@ pub fn strip(ui: &mut Ui, input: Input<'_>, state: &mut Strip) {
     let Input { info, step, theme, at_end } = input;
     let density = Density::strip(theme);
     let width = ui.available_width().round() as u32;
-    let key = Key { id: info.id, width, theme, density, pixels_per_point: ui.pixels_per_point() };
+    let (pixels_per_point, atlas) = (ui.pixels_per_point(), ink::atlas(ui.ctx()));
+    let key = Key { id: info.id, width, theme, density, pixels_per_point, atlas };
     if state.key != Some(key) {
         *state = Strip { key: Some(key), ..Strip::default() };
     }
@@ -286,7 +292,7 @@ pub fn strip(ui: &mut Ui, input: Input<'_>, state: &mut Strip) {
 
 /// The parts of the strip beside each other, each with its left edge: the sentence, and the formula in one column or two,
 /// whichever is lower.
-fn strip_parts(painter: &Painter, Input { info, step, theme, .. }: Input<'_>, width: f32) -> Vec<(f32, Part)> {
+fn strip_parts(painter: &Painter, Input { info, step, theme, .. }: Input<'_>, width: f32) -> Vec<Column> {
     let density = Density::strip(theme);
     let (formula, facts) = (explanation::equation_of(step), explanation::facts_of(step));
     let sentence = |width: f32| explanation::sentence(&step.sentence, (width, density), theme);

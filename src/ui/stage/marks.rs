@@ -8,6 +8,7 @@ use motionscope_core::scene::Mark;
 
 use super::{Input, Lens, pixels};
 use crate::paint::{Look, Panel, Placement, Style, primitive, resolve};
+use crate::ui::drawing::ink;
 use crate::ui::drawing::primitives::{Kept, Maker};
 
 /// The shapes that were shown last, by panel.
@@ -24,6 +25,7 @@ struct Key {
     place: Placement,
     pane: Rect,
     pixels_per_point: f32,
+    atlas: u64,
     without: Vec<usize>,
 }
 
@@ -65,7 +67,8 @@ impl Marks {
         let pane = primitive::Rect { min: lens.pane.min.into(), max: lens.pane.max.into() };
         let place = Placement { origin: lens.picture_rect().min.into(), zoom: lens.scale, seen: Some(pane) };
         let without = moving.iter().map(|(index, _)| *index).collect();
-        let key = Key { look, place, pane: lens.pane, pixels_per_point: painter.pixels_per_point(), without };
+        let (pixels_per_point, atlas) = (painter.pixels_per_point(), ink::atlas(painter.ctx()));
+        let key = Key { look, place, pane: lens.pane, pixels_per_point, atlas, without };
         let at = self.slots.iter().position(|slot| slot.place == spot);
         let fresh = at.is_some_and(|i| Arc::ptr_eq(&self.slots[i].scene, scene) && self.slots[i].key == key);
         if !fresh {

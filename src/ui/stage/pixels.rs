@@ -66,7 +66,7 @@ impl<'a> Costs<'a> {
         let finite = self.values.cells().iter().filter(|value| value.is_finite());
         let digits = finite.map(|value| number(*value).chars().count()).max()?;
         let size = (FILLED * lens.scale / (DIGIT * digits as f32)).min(0.36 * lens.scale).min(18.0);
-        (size >= LEAST_TYPE).then_some(size)
+        (size >= LEAST_TYPE).then_some(size.floor())
     }
 
     /// Whether a known cost lies over part of pixel `(x, y)`.
@@ -113,7 +113,7 @@ pub fn numbers<'a>(
     marks: impl Iterator<Item = &'a Mark>,
 ) {
     let Some([[left, right], [top, bottom]]) = lens.visible().filter(|_| has_numbers(lens)) else { return };
-    let font = ink::font(Face::Sans, (0.36 * lens.scale).clamp(LEAST_TYPE, 18.0));
+    let font = ink::font(Face::Sans, (0.36 * lens.scale).clamp(LEAST_TYPE, 18.0).floor());
     let costs: Vec<_> = marks.filter(|mark| tells_costs(mark, lens)).filter_map(|mark| Costs::of(mark, lens)).collect();
     for y in top..=bottom {
         for x in left..=right {
