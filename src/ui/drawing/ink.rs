@@ -74,12 +74,13 @@ mod tests {
         let mut largest = 0.0f32;
         // Type of ever other sizes fills the atlas, until it is emptied.
         for size in 8..400 {
-            let _output = ctx.run_ui(RawInput::default(), |ui| {
+            let mut output = ctx.run_ui(RawInput::default(), |ui| {
                 numbers.push(atlas(ui.ctx()));
                 let font = FontId::new(size as f32, FontFamily::Proportional);
                 let _galley = ui.painter().layout_no_wrap("0123456789 abcdefghijklm".into(), font, Color32::WHITE);
                 largest = largest.max(ui.ctx().fonts(|fonts| fonts.font_atlas_fill_ratio()));
             });
+            output.textures_delta.clear();
         }
         assert!(numbers.is_sorted() && numbers.last() > numbers.first(), "{largest}: {:?}", numbers.last());
     }
