@@ -238,6 +238,9 @@ pub struct Strip {
     shown: Option<(Arc<Step>, Vec<Column>)>,
 }
 
+/// Height of the strip, in sizes of its type, from which its type is smaller, and by how much: 18 points on a projector.
+const MOST_LINES: f32 = 8.2;
+const SMALLER: f32 = 0.86;
 /// Most rows of numbers in the strip.
 const STRIP_FACTS: usize = 3;
 /// Share of the strip's width for the sentence, where a formula stands beside it.
@@ -292,8 +295,18 @@ pub fn strip(ui: &mut Ui, input: Input<'_>, state: &mut Strip) {
 
 /// The parts of the strip beside each other, each with its left edge: the sentence, and the formula in one column or two,
 /// whichever is lower.
-fn strip_parts(painter: &Painter, Input { info, step, theme, .. }: Input<'_>, width: f32) -> Vec<Column> {
-    let density = Density::strip(theme);
+fn strip_parts(painter: &Painter, input: Input<'_>, width: f32) -> Vec<Column> {
+    let usual = Density::strip(input.theme);
+    let Density { words, math, .. } = usual;
+    let small = Density { words: SMALLER * words, math: SMALLER * math, ..usual };
+    let height = |columns: &[Column]| columns.iter().map(|(_, part)| part.size.y).fold(0.0, f32::max);
+    let columns = strip_columns(painter, input, (width, usual));
+    // The end of a run tells most: rather smaller than out of sight.
+    if height(&columns) > MOST_LINES * words { strip_columns(painter, input, (width, small)) } else { columns }
+}
+
+fn strip_columns(painter: &Painter, input: Input<'_>, (width, density): (f32, Density)) -> Vec<Column> {
+    let Input { info, step, theme, .. } = input;
     let (formula, facts) = (explanation::equation_of(step), explanation::facts_of(step));
     let sentence = |width: f32| explanation::sentence(&step.sentence, (width, density), theme);
     let lines = |lines: &[Math], width: f32| explanation::equation(lines, (width, density), theme);
