@@ -86,7 +86,7 @@ impl<S> Checkpoints<S> {
     }
 }
 
-/// The first units of the groups of each granularity, as far as the run has been computed.
+/// The first units of the groups of each granularity, of the part of the run computed so far.
 struct Groups {
     starts: Vec<Vec<usize>>,
     place: Vec<usize>,

@@ -116,8 +116,8 @@ pub fn detected(t: usize, all: &[ObjectBox]) -> Vec<Detection> {
 
 /// What keeps whole runs small, where there is such a parameter.
 pub const SMALL: [(&str, &str); 8] = [
-    ("block", "8"),
-    ("range", "5"),
+    ("block-size", "8"),
+    ("search-range", "5"),
     ("levels", "2"),
     ("warps", "2"),
     ("iterations", "2"),

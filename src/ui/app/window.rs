@@ -305,7 +305,7 @@ impl App {
     /// The charts of the step that is explained.
     pub(super) fn charts(&self) -> Vec<&'static Pane> {
         let Some(shown) = self.view.shown.as_deref() else { return Vec::new() };
-        let (experiment, explained) = (&shown.subject.experiment, self.states.explained);
+        let (experiment, explained) = (&shown.subject.experiment, self.states.explained_of(shown));
         let step = shown.tiles.get(explained).map_or(&shown.step, |tile| &tile.step);
         let beside = explained.checked_sub(1).and_then(|i| experiment.side_by_side.beside.get(i));
         charts(step, beside.unwrap_or(&experiment.estimator).charts())

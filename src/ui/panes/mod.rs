@@ -90,6 +90,11 @@ pub struct States {
 }
 
 impl States {
+    /// Which of the estimators of `shown` is explained: undo may have left fewer than there were.
+    pub fn explained_of(&self, shown: &Snapshot) -> usize {
+        self.explained.min(shown.tiles.len().saturating_sub(1))
+    }
+
     /// From where the things in space are looked at that `step` tells of.
     pub fn angles(&self, step: &Step) -> Angles {
         let plane = step.readouts.iter().find_map(|r| if let Readout::Plane(plane) = r { Some(plane) } else { None });
@@ -328,7 +333,8 @@ impl Panes<'_> {
     /// The estimators in lockstep, if there are several.
     fn lockstep<'a>(&self, shown: &'a Snapshot) -> Option<stage::Lockstep<'a>> {
         let tiles = &shown.tiles[..];
-        let explained = self.states.explained.min(tiles.len().checked_sub(1)?);
+        let explained = self.states.explained_of(shown);
+        tiles.get(explained)?;
         Some(stage::Lockstep { tiles, explained, pace: shown.subject.experiment.side_by_side.pace })
     }
 

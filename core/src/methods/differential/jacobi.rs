@@ -52,7 +52,7 @@ pub fn iterate(factors: &Rows, from: &Field, to: &mut Field, depth: usize, threa
 }
 
 /// A band of rows through which several iterations pass in a wavefront: each reads what the one before has just written.
-/// Rows beyond the band are computed as far as their neighbours need them.
+/// Rows beyond the band are computed only where their neighbours need them.
 struct Band<'a> {
     factors: &'a Rows,
     from: &'a Field,
