@@ -54,7 +54,7 @@ pub struct Session {
     /// The view options that it sets; the others keep their values.
     pub look: Changes,
     /// The visible part of the picture, if not all of it.
-    pub sight: Option<Sight>,
+    pub sight: Option<VisiblePart>,
 }
 
 /// A clip as named by the user: the clip itself, or a session with a clip.
@@ -86,14 +86,14 @@ impl Named {
 
 /// The visible part of the picture on the stage.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Sight {
+pub struct VisiblePart {
     /// The pixel at the center of the stage.
     pub center: [f32; 2],
     /// Points per pixel.
     pub zoom: f32,
 }
 
-impl Sight {
+impl VisiblePart {
     fn is_sound(&self) -> bool {
         self.center.iter().all(|c| c.abs() < 1e6) && (1e-3..=1e3).contains(&self.zoom)
     }

@@ -196,6 +196,7 @@ fn one_wrong_digit_is_seen() {
 
 /// Draws every estimator in the middle of a unit of its run, and at the end, in every window.
 fn every_estimator(folder: &Path) {
+    fs::create_dir_all(folder).expect("the folder can be made");
     let sessions = tempfile::tempdir().expect("a folder");
     for estimator in estimators() {
         let id = estimator.info().id;

@@ -6,6 +6,8 @@ mod every;
 mod files;
 #[path = "window/keys.rs"]
 mod keys;
+#[path = "window/language.rs"]
+mod language;
 #[path = "window/layout.rs"]
 mod layout;
 #[path = "window/levels.rs"]
@@ -53,7 +55,7 @@ use motionscope::ui::{self, Start};
 use motionscope::view::look::Look;
 use motionscope::view::motion::Reverse;
 use motionscope::view::panes::Selection;
-use motionscope::view::shot::Format;
+use motionscope::view::rendering::Format;
 use motionscope_core::scene::{Focus, Readout};
 use motionscope_core::{Cursor, Value, metrics};
 

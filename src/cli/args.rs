@@ -12,7 +12,7 @@ use crate::experiment::pixel::Pixel;
 use crate::results::Asked;
 use crate::session;
 use crate::view::panes::Named;
-use crate::view::shot::Format;
+use crate::view::rendering::Format;
 
 /// Step through the motion estimators of a computer-vision course, forwards and backwards.
 #[derive(Parser)]
@@ -29,6 +29,8 @@ pub enum Command {
     /// List the estimators with parameters, ranges, defaults, units and source.
     #[command(after_help = examples::LIST)]
     List {
+        /// Estimators to list with their pseudocode; all of them by default, without it.
+        estimators: Vec<String>,
         /// Print JSON.
         #[arg(long)]
         json: bool,
@@ -197,7 +199,7 @@ pub struct RunArgs {
     pub picture: PictureArgs,
     #[command(flatten)]
     pub sheet: SheetArgs,
-    /// Step of the overlay: UNIT.EVENT as in 35.412, both counted from 1, UNIT for its end, or 0 for the start; the end of the run by default.
+    /// Step of the overlay: UNIT.EVENT as in 35.412, both counted from 1, UNIT for its end, 0 for the start, or end for the end of the run; end by default.
     #[arg(long, help_heading = "Picture", value_name = "CURSOR", value_parser = cursor)]
     pub step: Option<Cursor>,
     /// Number of runs, for the timing.

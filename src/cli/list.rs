@@ -3,17 +3,29 @@
 use motionscope_core::params::Kind;
 use motionscope_core::pseudocode::Line;
 use motionscope_core::synth::{Difficulty, SCENES};
-use motionscope_core::{Params, Spec, Value, estimators};
+use motionscope_core::{AnyEstimator, Error, Params, Spec, Value, estimator, estimators};
 use serde_json::{Map, json};
 
-/// Returns the list of estimators as text.
-pub fn text() -> String {
+/// Returns the estimators with these ids, or all of them.
+///
+/// # Errors
+/// If there is no estimator with an id.
+pub fn chosen(ids: &[String]) -> Result<Vec<Box<dyn AnyEstimator>>, Error> {
+    if ids.is_empty() { Ok(estimators()) } else { ids.iter().map(|id| estimator(id)).collect() }
+}
+
+/// Returns a list of estimators as text.
+pub fn text(all: &[Box<dyn AnyEstimator>], has_pseudocode: bool) -> String {
     let mut text = String::new();
-    for estimator in estimators() {
+    for estimator in all {
         let info = estimator.info();
         text += &format!("{}  ({})\n  {}\n  Source: {}\n", info.id, info.family, info.summary, info.source);
         text += &format!("  Steps: {}\n\n", info.granularities.join(" › "));
         text += &parameters(estimator.specs());
+        if has_pseudocode {
+            text += "\n";
+            info.pseudocode.iter().for_each(|line| text += &format!("    {}\n", line.text));
+        }
     }
     text
 }
@@ -39,9 +51,9 @@ pub fn scenes() -> String {
     )
 }
 
-/// Returns the list of estimators as JSON.
-pub fn json() -> String {
-    let all: Vec<_> = estimators()
+/// Returns a list of estimators as JSON.
+pub fn json(all: &[Box<dyn AnyEstimator>]) -> String {
+    let all: Vec<_> = all
         .iter()
         .map(|estimator| {
             let info = estimator.info();

@@ -63,7 +63,10 @@ fn usage(error: &clap::Error) -> ExitCode {
 fn run(args: Args) -> Result<(), Error> {
     match args.command {
         None => window(args.clip),
-        Some(Command::List { json }) => say(&if json { list::json() } else { list::text() }),
+        Some(Command::List { estimators, json }) => {
+            let all = list::chosen(&estimators)?;
+            say(&if json { list::json(&all) } else { list::text(&all, !estimators.is_empty()) })
+        }
         Some(Command::Glossary { term, json }) => say(&glossary(&term.join(" "), json)?),
         Some(Command::Info { clip, json, count, truth }) => {
             let Named { source, given, .. } = Named::find(&clip, Given { truth, detections: None })?;

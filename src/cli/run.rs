@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use motionscope_core::products::Reference;
-use motionscope_core::{AnyEstimator, Consistency, Error, Levels, Move, Output, Threads};
+use motionscope_core::{AnyEstimator, Consistency, Cursor, Error, Levels, Move, Output, Threads};
 
 use super::args::RunArgs;
 use super::outputs::{Place, check_folder, refuse_losses};
@@ -19,7 +19,7 @@ use crate::view::look::Look;
 use crate::view::moment::Viewer;
 use crate::view::motion::{Check, Reverse};
 use crate::view::panes::Selection;
-use crate::view::shot::{Format, Shot};
+use crate::view::rendering::{Format, Rendering};
 
 /// Runs the estimator of `args`. All results are encoded before the first file is saved.
 ///
@@ -49,7 +49,9 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
     clip.pair_or_last(frame)?;
     let (output, times) = timed(&prepared, &threads, args.repeat)?;
     let extent = estimator.extent(clip, frame)?;
-    if let Some(step) = args.step.filter(|step| experiment.side_by_side.is_empty() && step.unit >= extent.units) {
+    if let Some(step) =
+        args.step.filter(|step| experiment.side_by_side.is_empty() && *step != Cursor::END && step.unit >= extent.units)
+    {
         return Err(Error::new(format!("there is no step {step}: the run ends at {}", extent.units)));
     }
     let assessment = output.assess(&Reference { clip, frame })?;
@@ -179,7 +181,7 @@ impl Overlay<'_> {
         let RunArgs { picture, step, .. } = args;
         let Prepared { experiment, clip, .. } = prepared;
         let mut viewer = Viewer::new(experiment, clip, look, reverse)?;
-        let step = step.or(position.cursor);
+        let step = step.or(position.cursor).filter(|step| *step != Cursor::END);
         let walk = &mut *viewer.walk;
         walk.jump(step.map_or(Move::End, Move::To));
         if let Some(failure) = walk.failure() {
@@ -187,6 +189,9 @@ impl Overlay<'_> {
         }
         if let Some(step) = step.filter(|step| step.unit > walk.cursor().unit) {
             return Err(Error::new(format!("there is no step {step}: the run ends at {}", walk.cursor())));
+        }
+        if let Some(step) = step.filter(|step| step.event != usize::MAX && step.event > walk.cursor().event) {
+            eprintln!("note: there is no step {step}; the picture shows the last one of its unit, {}", walk.cursor());
         }
         if let Some(view) = look.view.filter(|view| view.is_of_the_end() && !walk.at_end()) {
             let view = view.id();
@@ -205,7 +210,8 @@ impl Overlay<'_> {
         }
         let panes = Selection::of(&args.sheet.panes);
         panes.check_step(experiment.estimator.info(), &moment.step)?;
-        Shot { moment: &moment, estimator: &*experiment.estimator, look, panes: &panes }.encode(format, picture.scale)
+        Rendering { moment: &moment, estimator: &*experiment.estimator, look, panes: &panes }
+            .encode(format, picture.scale)
     }
 }
 

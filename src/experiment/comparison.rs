@@ -104,6 +104,11 @@ enum From {
 }
 
 impl Column {
+    /// Whether it compares with ground truth.
+    pub fn is_against_truth(&self) -> bool {
+        matches!(self.from, From::Assessment(Measure { is_against_truth: true, .. }, _))
+    }
+
     /// Returns the number in `row`, if there is one.
     pub fn value(&self, row: &Row) -> Option<f64> {
         match self.from {
@@ -203,6 +208,15 @@ pub fn all_columns() -> Vec<Column> {
 pub fn columns_of<R: Borrow<Row>>(rows: &[R]) -> Vec<(usize, Column)> {
     let has_some = |column: &Column| rows.iter().any(|row| column.text(row.borrow()) != NOTHING);
     all_columns().into_iter().enumerate().filter(|(_, column)| rows.is_empty() || has_some(column)).collect()
+}
+
+/// Returns the index of the column that answers which row is best: the first that compares with ground truth, or else the
+/// first measure of a result; the first of all where there is none.
+pub fn telling<R: Borrow<Row>>(rows: &[R]) -> usize {
+    let shown = columns_of(rows);
+    let measured = |(_, column): &&(usize, Column)| matches!(column.from, From::Assessment(..));
+    let best = shown.iter().find(|(_, column)| column.is_against_truth()).or_else(|| shown.iter().find(measured));
+    best.or(shown.first()).map_or(0, |(i, _)| *i)
 }
 
 /// Stands for a missing number.
@@ -329,6 +343,11 @@ pub fn rounds(source: &Source, estimators: &[Box<dyn AnyEstimator>], sweep: Opti
     let one = |value: &str| {
         let (mut source, mut estimators) = (source.clone(), copies());
         if is_parameter {
+            // One without the parameter would be the same in all rounds.
+            let has_it = |estimator: &Box<dyn AnyEstimator>| estimator.get(name).is_ok();
+            if estimators.iter().any(has_it) {
+                estimators.retain(has_it);
+            }
             set(&mut estimators, name, value)?;
         } else {
             source.set(&format!("{name}={value}"))?;

@@ -12,6 +12,8 @@ pub struct Sweep {
     pub title: String,
     /// The label of the plot's x axis.
     pub axis: &'static str,
+    /// Whether each value is a multiple of the one before.
+    pub is_geometric: bool,
 }
 
 /// Factors of the default.
@@ -20,6 +22,8 @@ const AROUND: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
 const ACROSS: [f64; 5] = [0.0, 0.125, 0.25, 0.5, 1.0];
 /// The smallest number of values of a sweep.
 const FEWEST: usize = 4;
+/// The largest number of values that are swept one by one.
+const MOST: f64 = 8.0;
 
 /// Returns the sweeps of `estimators`: each numeric parameter whose values all estimators that have it accept.
 pub fn of_estimators(estimators: &[Box<dyn AnyEstimator>]) -> Vec<Sweep> {
@@ -62,10 +66,14 @@ fn sweep(spec: &'static Spec, takes: impl Fn(&str) -> bool) -> Option<Sweep> {
         texts
     };
     let around = values(AROUND.iter().map(|share| usual * share).collect());
-    let all = if usual > 0.0 && around.len() >= FEWEST {
-        around
-    } else {
-        values(ACROSS.iter().map(|share| min + (max - min) * share).collect())
+    let top = (2.0 * usual).max(min + 3.0).min(max);
+    let is_counted = is_whole && top < min + MOST;
+    let is_geometric = !is_counted && usual > 0.0 && around.len() >= FEWEST;
+    let all = match (is_counted, is_geometric) {
+        // A few: levels, warps.
+        (true, _) => values((0..=(top - min) as usize).map(|i| min + i as f64).collect()),
+        (false, true) => around,
+        (false, false) => values(ACROSS.iter().map(|share| min + (max - min) * share).collect()),
     };
     let [first, .., last] = &all[..] else { return None };
     let unit = if spec.unit.is_empty() { String::new() } else { format!(" {}", spec.unit) };
@@ -73,6 +81,7 @@ fn sweep(spec: &'static Spec, takes: impl Fn(&str) -> bool) -> Option<Sweep> {
         setting: format!("{}={}", spec.name, all.join(",")),
         title: format!("{}: {first} to {last}{unit}", spec.label),
         axis: &spec.label,
+        is_geometric,
     })
 }
 

@@ -15,7 +15,7 @@ const BAR: [f32; 2] = [128.0, 8.0];
 /// Width of a bar that has little room, at least.
 const SHORTEST_BAR: f32 = 48.0;
 const GAP: f32 = 8.0;
-/// Length of the arrow in a swatch, by which the scale of the others is told.
+/// Length of the arrow in a swatch in points, by which the scale of the others is told.
 const ARROW: f32 = 24.0;
 /// Diameter of the wheel in the legend of a figure.
 const WHEEL: f32 = 96.0;
@@ -110,7 +110,7 @@ pub fn entries<'a>(
         }
         let long = match look.lengthen {
             _ if sample != Sample::Arrow || !marks::is_lengthened(role) => String::new(),
-            times => format!("{} (arrow of {ARROW:.0} pt = {} px)", drawn(times), measure(ARROW / (times * zoom))),
+            times => format!("{} (this arrow: {} px)", drawn(times), measure(ARROW / (times * zoom))),
         };
         let is_thinned = marks.clone().any(|mark| match &mark.shape {
             Shape::Arrows(arrows) => mark.role == role && marks::is_thinned(arrows, zoom * look.density, look.spacing),
@@ -392,7 +392,7 @@ mod tests {
 
     #[test]
     fn a_long_meaning_is_wrapped_to_the_width_of_the_figure() {
-        let meaning = "displacements found, drawn ×2 (arrow of 24 pt = 12 px), one about every 16 px drawn".to_owned();
+        let meaning = "displacements found, drawn ×2 (this arrow: 12 px), one about every 16 px drawn".to_owned();
         let entry = Entry { role: Role::Result, sample: Sample::Arrow, meaning };
         let (primitives, height) = strip(&[entry.clone(), entry], &[], Theme::Dark, ([0.0; 2], 240.0));
         let lines = primitives.iter().filter_map(|p| if let Primitive::Text(line) = p { Some(line) } else { None });

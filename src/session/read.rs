@@ -5,7 +5,7 @@ use std::path::Path;
 use motionscope_core::{AnyEstimator, Error, Pace, estimator};
 
 use super::toml_text::{Entry, Section};
-use super::{Session, Sight, VERSION, key, pace};
+use super::{Session, VERSION, VisiblePart, key, pace};
 use crate::experiment::side_by_side::SideBySide;
 use crate::experiment::source::Source;
 use crate::experiment::{Experiment, Position};
@@ -95,10 +95,10 @@ fn look(mut picture: Section<'_>) -> Result<Changes, Error> {
     Ok(look)
 }
 
-fn sight(top: &mut Section<'_>) -> Result<Option<Sight>, Error> {
+fn sight(top: &mut Section<'_>) -> Result<Option<VisiblePart>, Error> {
     let Some(entry) = top.take("sight") else { return Ok(None) };
     let mut section = entry.section()?;
-    let sight = Sight { center: section.need("center")?.numbers()?, zoom: section.need("zoom")?.number()? };
+    let sight = VisiblePart { center: section.need("center")?.numbers()?, zoom: section.need("zoom")?.number()? };
     section.end()?;
-    Ok(Some(sight).filter(Sight::is_sound))
+    Ok(Some(sight).filter(VisiblePart::is_sound))
 }

@@ -27,7 +27,7 @@ fn session(source: Source) -> Session {
         legend: true,
         ..Look::default()
     };
-    let sight = Some(Sight { center: [10.5, 3.0], zoom: 4.0 });
+    let sight = Some(VisiblePart { center: [10.5, 3.0], zoom: 4.0 });
     let position =
         Position { cursor: Some(Cursor { unit: 35, event: 412 }), pixel: Some("303,202".parse().expect("a pixel")) };
     let experiment = Experiment { side_by_side, frame: 12, ..Experiment::new(source, estimator) };

@@ -8,7 +8,7 @@ use motionscope_core::{AnyEstimator, Error, Value};
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
-use super::{Session, Sight, VERSION, key};
+use super::{Session, VERSION, VisiblePart, key};
 use crate::experiment::source::Source;
 use crate::experiment::{Experiment, Position};
 use crate::media::Given;
@@ -36,7 +36,7 @@ struct Text<'a> {
     beside: Vec<Companion>,
     picture: Picture<'a>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    sight: Option<Sight>,
+    sight: Option<VisiblePart>,
 }
 
 /// An estimator in lockstep with the first, and the parameters that the first does not have.

@@ -5,7 +5,7 @@ pub mod moment;
 pub mod motion;
 pub mod named;
 pub mod panes;
+pub mod rendering;
 pub mod sheet;
-pub mod shot;
 pub mod steps;
 pub mod tile;

@@ -40,7 +40,7 @@ pub struct Moment {
 
 /// A run at its cursor, and what is to be shown of it.
 #[derive(Clone, Copy)]
-pub struct Standing<'a> {
+pub struct RunView<'a> {
     /// The run.
     pub walk: &'a dyn Walk,
     /// The clip.
@@ -97,8 +97,8 @@ impl Moment {
     ///
     /// # Errors
     /// Whatever `motion` fails with.
-    pub fn of<E>(standing: Standing<'_>, motion: impl FnOnce(Site<'_>) -> Result<Motion, E>) -> Result<Self, E> {
-        let Standing { walk, clip, pair, focus, beside, end, .. } = standing;
+    pub fn of<E>(standing: RunView<'_>, motion: impl FnOnce(Site<'_>) -> Result<Motion, E>) -> Result<Self, E> {
+        let RunView { walk, clip, pair, focus, beside, end, .. } = standing;
         let mut tiles = tiles(walk, focus, end.map_or(&[], |end| &end.beside));
         let scene = tile::scene(walk, focus, &tiles);
         let mut pictures = Pictures { prediction: end.and_then(|end| end.prediction.clone()), ..pair.clone() };
@@ -142,7 +142,7 @@ impl Moment {
 }
 
 /// The pictures that `scene` is about, where those are not frames t and t + 1.
-fn named(scene: &Scene, Standing { walk, clip, pair, named, .. }: Standing<'_>) -> Named {
+fn named(scene: &Scene, RunView { walk, clip, pair, named, .. }: RunView<'_>) -> Named {
     let read = |picture: Picture| {
         if [Picture::CURRENT, Picture::NEXT].contains(&picture) {
             return Ok(Arc::clone(pair.frame_of(picture)));
@@ -154,7 +154,7 @@ fn named(scene: &Scene, Standing { walk, clip, pair, named, .. }: Standing<'_>) 
 }
 
 /// What the step tells; at the end, also how good the estimate is.
-fn told(Standing { walk, focus, end, .. }: Standing<'_>, motion: &Motion, missing: Option<&Error>) -> Step {
+fn told(RunView { walk, focus, end, .. }: RunView<'_>, motion: &Motion, missing: Option<&Error>) -> Step {
     let mut step = walk.step(focus);
     if let Some(missing) = missing {
         add_facts(&mut step, vec![Fact::new("Missing picture", missing.to_string(), Some(Role::Rejected))]);
@@ -247,7 +247,7 @@ impl<'a> Viewer<'a> {
         let (walk, clip) = (&**walk, *clip);
         let pair = pairs.of(walk, clip)?;
         let end = End::of(walk, experiment, clip, pair);
-        let standing = Standing { walk, clip, pair, focus, beside: *beside, end: end.as_ref(), named };
+        let standing = RunView { walk, clip, pair, focus, beside: *beside, end: end.as_ref(), named };
         let moment = Moment::of(standing, |site| Motion::of(site, look, || reverse.flow().map(Some)))?;
         moment.missing.clone().map_or(Ok(moment), Err)
     }

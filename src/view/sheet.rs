@@ -9,7 +9,7 @@ use crate::paint::primitive::Rect;
 use crate::paint::{Caption, Figure, Layer, heading, paragraph};
 
 use super::panes::{EXPLANATION, Pane, PaneContent, STAGE};
-use super::shot::{Around, Shot};
+use super::rendering::{Around, Rendering};
 
 /// Width and height of a sheet in points, unless its panes need more.
 const SIZE: [f32; 2] = [1280.0, 720.0];
@@ -84,7 +84,7 @@ impl Pictures<'_> {
     }
 }
 
-impl Shot<'_> {
+impl Rendering<'_> {
     /// The panes of the step on one sheet, with the marks that `scale` pixels for each point have room for; where several
     /// steps share a layout, the first of them makes it.
     pub(super) fn sheet(&self, scale: u32, shared: Option<&mut Option<Layout>>) -> Figure {

@@ -8,7 +8,7 @@ use super::look::Look;
 use super::moment::Viewer;
 use super::motion::{AvailableLayers, Reverse, Site};
 use super::panes::Selection;
-use super::shot::{Format, Shot};
+use super::rendering::{Format, Rendering};
 use super::tile::{self, tiles};
 use crate::experiment::Prepared;
 use crate::experiment::pixel::Chosen;
@@ -129,7 +129,7 @@ impl Steps {
         while viewer.walk.cursor() <= self.to {
             let focus = self.pixel.and_then(|pixel| pixel.on_the_way(&*viewer.walk));
             let moment = viewer.moment(focus)?;
-            let picture = Shot { moment: &moment, estimator, look: &self.look, panes: &self.panes }.encode_in(
+            let picture = Rendering { moment: &moment, estimator, look: &self.look, panes: &self.panes }.encode_in(
                 &mut layout,
                 self.format,
                 self.scale,

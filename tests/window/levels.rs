@@ -3,7 +3,7 @@
 use super::*;
 use motionscope::view::moment::Viewer;
 use motionscope::view::panes::Selection;
-use motionscope::view::shot::Shot;
+use motionscope::view::rendering::Rendering;
 use motionscope_core::Levels;
 
 /// A window on a hierarchical search, on its first candidates.
@@ -94,13 +94,14 @@ fn a_session_keeps_the_level_and_a_picture_is_what_is_shown() {
     let mut viewer = Viewer::new(&shown.subject.experiment, clip, &look, &reverse).unwrap();
     viewer.walk.jump(motionscope_core::Move::To(window.cursor()));
     let moment = viewer.moment(None).unwrap();
-    let drawn =
-        Shot { moment: &moment, estimator, look: &look, panes: &Selection::default() }.encode(Format::Png, 1).unwrap();
+    let drawn = Rendering { moment: &moment, estimator, look: &look, panes: &Selection::default() }
+        .encode(Format::Png, 1)
+        .unwrap();
     assert!(fs::read(folder.path().join("one.png")).unwrap() == drawn, "the same pixels without the window");
     let session = Session::load(&folder.path().join("one.motionscope")).unwrap();
     assert_eq!(session.look.over(Look::default()).level, LevelShown::Number(1));
     let at_work = Look { level: LevelShown::AtWork, ..look };
-    let at_work = Shot { moment: &moment, estimator, look: &at_work, panes: &Selection::default() }
+    let at_work = Rendering { moment: &moment, estimator, look: &at_work, panes: &Selection::default() }
         .encode(Format::Png, 1)
         .unwrap();
     assert!(at_work != drawn, "level 2 is at work");

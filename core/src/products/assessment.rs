@@ -24,6 +24,8 @@ pub struct Measure {
     pub otherwise: &'static str,
     /// Its column in a comparison, if any.
     pub column: Option<Column>,
+    /// Whether it compares with ground truth: what a comparison shows first.
+    pub is_against_truth: bool,
 }
 
 /// A column of a comparison.
@@ -42,7 +44,7 @@ pub struct Column {
 impl Measure {
     /// A measure without a column.
     pub const fn new(key: &'static str, doc: &'static str) -> Self {
-        Self { key, doc, otherwise: "", column: None }
+        Self { key, doc, otherwise: "", column: None, is_against_truth: false }
     }
 
     /// The same with a column of the same name and unit.
@@ -55,15 +57,22 @@ impl Measure {
     /// The same with a column.
     #[must_use]
     pub const fn in_column_as(self, column: Column) -> Self {
-        let Self { key, doc, otherwise, .. } = self;
-        Self { key, doc, otherwise, column: Some(column) }
+        let Self { key, doc, otherwise, is_against_truth, .. } = self;
+        Self { key, doc, otherwise, column: Some(column), is_against_truth }
+    }
+
+    /// The same as a measure that compares with ground truth.
+    #[must_use]
+    pub const fn against_truth(self) -> Self {
+        let Self { key, doc, otherwise, column: Some(column), .. } = self else { return self };
+        Self { key, doc, otherwise, column: Some(column), is_against_truth: true }
     }
 
     /// The same with a word for a value that is not a number.
     #[must_use]
     pub const fn or(self, otherwise: &'static str) -> Self {
-        let Self { key, doc, column: Some(column), .. } = self else { return self };
-        Self { key, doc, otherwise, column: Some(column) }
+        let Self { key, doc, column: Some(column), is_against_truth, .. } = self else { return self };
+        Self { key, doc, otherwise, column: Some(column), is_against_truth }
     }
 }
 

@@ -16,10 +16,16 @@ pub struct Cursor {
     pub event: usize,
 }
 
+impl Cursor {
+    /// The end of the run, wherever that is; written `end`.
+    pub const END: Self = Self { unit: usize::MAX, event: usize::MAX };
+}
+
 impl std::fmt::Display for Cursor {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self { unit: 0, event: 0 } => f.write_str("0"),
+            &Self::END => f.write_str("end"),
             Self { unit, event: usize::MAX } => write!(f, "{}", unit.saturating_add(1)),
             Self { unit, event } => write!(f, "{}.{event}", unit.saturating_add(1)),
         }
@@ -30,6 +36,9 @@ impl std::str::FromStr for Cursor {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self, Error> {
+        if text == "end" {
+            return Ok(Self::END);
+        }
         let parse = |part: &str| part.parse::<usize>().ok();
         let (unit, event) = text.split_once('.').map_or((text, None), |(unit, event)| (unit, Some(event)));
         match (parse(unit), event.map(parse)) {
@@ -37,7 +46,7 @@ impl std::str::FromStr for Cursor {
             (Some(unit @ 1..), None) => Ok(Self { unit: unit - 1, event: usize::MAX }),
             (Some(unit @ 1..), Some(Some(event))) => Ok(Self { unit: unit - 1, event }),
             _ => Err(Error::new(format!(
-                "a step is written UNIT.EVENT as in 35.412, UNIT for its end, or 0 for the start, not {text}"
+                "a step is written UNIT.EVENT as in 35.412, UNIT for its end, 0 for the start, or end, not {text}"
             ))),
         }
     }

@@ -145,6 +145,8 @@ pub struct Series {
     pub is_logarithmic: bool,
     /// Whether x is a value that was varied, and no step: then none is at hand.
     pub is_sweep: bool,
+    /// Whether x goes over powers, as a parameter does that is multiplied from value to value.
+    pub has_logarithmic_x: bool,
 }
 
 impl Series {

@@ -4,5 +4,6 @@
 mod common;
 mod phrases;
 mod pseudocode;
+mod rules;
 mod texts;
 mod walks;

@@ -7,12 +7,20 @@ pub struct Axis {
     pub values: [f32; 2],
     /// Places of the two ends, in points; the first may be the larger.
     pub places: [f32; 2],
+    /// Whether equal ratios of values are equally far apart; both ends are positive then.
+    pub is_logarithmic: bool,
 }
 
 impl Axis {
+    /// An axis with equal steps.
+    pub fn new(values: [f32; 2], places: [f32; 2]) -> Self {
+        Self { values, places, is_logarithmic: false }
+    }
+
     /// Where `value` stands.
     pub fn place(&self, value: f32) -> f32 {
-        let [a, b] = self.values;
+        let scaled = |value: f32| if self.is_logarithmic { value.max(f32::MIN_POSITIVE).ln() } else { value };
+        let ([a, b], value) = (self.values.map(scaled), scaled(value));
         let [p, q] = self.places;
         if a == b { (p + q) / 2.0 } else { p + (value - a) / (b - a) * (q - p) }
     }
@@ -21,7 +29,12 @@ impl Axis {
     pub fn value(&self, place: f32) -> f32 {
         let [a, b] = self.values;
         let [p, q] = self.places;
-        if p == q { a } else { a + (place - p) / (q - p) * (b - a) }
+        let share = (place - p) / (q - p);
+        match self.is_logarithmic {
+            _ if p == q => a,
+            true => a * (b / a).powf(share),
+            false => a + share * (b - a),
+        }
     }
 
     /// Round ticks at least `spacing` points apart and at least `smallest` in value.
@@ -87,11 +100,11 @@ mod tests {
 
     #[test]
     fn places_and_values_are_inverse() {
-        let down = Axis { values: [0.0, 900.0], places: [300.0, 20.0] };
+        let down = Axis::new([0.0, 900.0], [300.0, 20.0]);
         assert_eq!(down.place(0.0), 300.0);
         assert_eq!(down.place(900.0), 20.0);
         assert!((down.value(down.place(512.0)) - 512.0).abs() < 1e-3);
-        assert_eq!(Axis { values: [3.0, 3.0], places: [0.0, 10.0] }.place(3.0), 5.0);
+        assert_eq!(Axis::new([3.0, 3.0], [0.0, 10.0]).place(3.0), 5.0);
     }
 
     #[test]
@@ -106,7 +119,7 @@ mod tests {
     #[test]
     fn ticks_keep_their_distance() {
         for high in [7.0, 33.0, 812.0, 65_025.0, 1.6e7] {
-            let axis = Axis { values: [0.0, high], places: [0.0, 240.0] };
+            let axis = Axis::new([0.0, high], [0.0, 240.0]);
             let ticks = axis.ticks(40.0, 1.0);
             assert!(!ticks.is_empty());
             assert!(ticks.windows(2).all(|w| axis.place(w[1]) - axis.place(w[0]) >= 39.9), "{high}: {ticks:?}");
@@ -117,7 +130,7 @@ mod tests {
     fn even_a_short_axis_has_two_ticks() {
         for length in [20.0, 50.0, 90.0, 300.0] {
             for high in [0.4, 1.0, 7.0, 410.0, 1300.0, 76_799.0] {
-                let axis = Axis { values: [0.0, high], places: [length, 0.0] }.rounded(36.0);
+                let axis = Axis::new([0.0, high], [length, 0.0]).rounded(36.0);
                 let ticks = axis.ticks(36.0, 0.0);
                 assert!(ticks.len() >= 2 && ticks.last() >= Some(&(high * 0.999)), "{high} on {length}: {ticks:?}");
             }
@@ -126,7 +139,7 @@ mod tests {
 
     #[test]
     fn displacements_are_ticked_by_powers_of_two() {
-        let axis = |side: f32, length: f32| Axis { values: [-side, side], places: [0.0, length] };
+        let axis = |side: f32, length: f32| Axis::new([-side, side], [0.0, length]);
         assert_eq!(axis(16.0, 160.0).displacement_ticks(50.0), [-16.0, 0.0, 16.0]);
         assert_eq!(axis(16.0, 260.0).displacement_ticks(50.0), [-16.0, -8.0, 0.0, 8.0, 16.0]);
         assert_eq!(axis(10.0, 160.0).displacement_ticks(50.0), [-8.0, 0.0, 8.0]);

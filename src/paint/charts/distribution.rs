@@ -33,10 +33,10 @@ pub struct Bars {
 
 impl Bars {
     fn new(distribution: &Distribution, area: Rect, small: f32) -> Self {
-        let min = [area.min[0] + 4.6 * small, area.min[1] + 5.0 * small];
+        let min = [area.min[0] + 4.6 * small, area.min[1] + 5.7 * small];
         let max = [area.max[0] - 2.0 * small, area.max[1] - 3.4 * small];
         let rect = Rect { min, max: [0, 1].map(|i| max[i].max(min[i] + 8.0)) };
-        let x = Axis { values: [0.0, distribution.top], places: [rect.min[0], rect.max[0]] };
+        let x = Axis::new([0.0, distribution.top], [rect.min[0], rect.max[0]]);
         let most = distribution.counts.iter().copied().max().unwrap_or(1).max(1);
         Self { rect, x, count: distribution.counts.len(), most }
     }

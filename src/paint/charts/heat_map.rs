@@ -221,7 +221,7 @@ fn color_bar(canvas: &mut Canvas, map: &Map, (surface, area): (&Surface, Rect), 
     let pixels = Arc::new(Grid::from_fn(1, SHADES, |_, y| shade(y)));
     canvas.add(Primitive::Image { pixels, rect: bar });
     canvas.frame(bar.grown(0.5), 1.0, chrome.line);
-    let axis = Axis { values: [low, high], places: [bar.max[1], bar.min[1]] };
+    let axis = Axis::new([low, high], [bar.max[1], bar.min[1]]);
     let mut label = |value: f32| {
         let y = axis.place(value);
         canvas.across([bar.max[0], bar.max[0] + 4.0], y, chrome.dim);

@@ -60,7 +60,7 @@ impl Map {
         let first = self.origin[which] as f32;
         let last = first + self.size[which].saturating_sub(1) as f32;
         let half = self.cell / 2.0;
-        Axis { values: [first, last], places: [self.rect.min[which] + half, self.rect.max[which] - half] }
+        Axis::new([first, last], [self.rect.min[which] + half, self.rect.max[which] - half])
     }
 
     /// Draws the frame, and numbers along two sides.

@@ -11,15 +11,15 @@ use super::{ChartStyle, Drawing};
 /// Between two matrices, in letters.
 const GAP_LETTERS: [f32; 2] = [1.6, 0.8];
 /// Least width of a column, in letters, and what lies between one and what stands in the next.
-const COLUMN_LETTERS: f32 = 5.4;
-const COLUMN_GAP_LETTERS: f32 = 1.2;
+const COLUMN_LETTERS: f32 = 3.2;
+const COLUMN_GAP_LETTERS: f32 = 1.1;
 /// Height of a row, in letters.
-const ROW_LETTERS: f32 = 1.6;
+const ROW_LETTERS: f32 = 1.45;
 /// Height of the line with the name, in letters.
-const HEAD_LETTERS: f32 = 2.0;
+const HEAD_LETTERS: f32 = 1.9;
 
 /// Sizes of the type that are tried, as shares of the usual one, until all matrices fit.
-const TYPE_SHARES: [f32; 5] = [1.0, 0.9, 0.8, 0.72, 0.65];
+const TYPE_SHARES: [f32; 8] = [1.0, 0.95, 0.9, 0.85, 0.8, 0.75, 0.7, 0.65];
 
 /// Lays all matrices out from the upper left corner of `area` on, as many beside each other as it is wide, in the largest type
 /// in which they fit; returns where each lies. They may need more room than there is: [`Drawing::place`] tells how much.

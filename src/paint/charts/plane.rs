@@ -21,6 +21,8 @@ const ARROW: f32 = 9.0;
 const FEW: usize = 2;
 /// Letters beside the plane for the names of its points, if there is room for them.
 const NAMES: f32 = 13.0;
+/// The same where a name and its place share a line.
+const SHORT_NAMES: f32 = 18.0;
 
 /// What is shown.
 #[derive(Clone, Copy, Debug)]
@@ -81,18 +83,19 @@ pub struct Square {
 }
 
 impl Square {
-    fn new(area: Rect, window: Window, small: f32) -> Self {
+    fn new(area: Rect, window: Window, (small, points): (f32, usize)) -> Self {
         // Room for the title, the numbers at the axes and the names of the points.
         let is_tight = super::is_tight(area, small);
         let beside = if is_tight { 1.7 } else { 3.2 } * small;
         let min = [area.min[0] + 4.0 * small, area.min[1] + beside];
         let room = [area.max[0] - small - min[0], area.max[1] - beside - min[1]];
         let side = (room[0] - NAMES * small).max(0.6 * room[0]).min(room[1]).max(8.0);
-        let left = min[0] + ((room[0] - NAMES * small - side) / 2.0).max(0.0);
+        let names = if is_short(points, side, small) { SHORT_NAMES } else { NAMES };
+        let left = min[0] + ((room[0] - names * small - side) / 2.0).max(0.0);
         let rect = Rect::new([left.round(), min[1].round()], [side; 2]);
-        let axis = |i: usize| Axis {
-            values: [window.center[i] - window.reach, window.center[i] + window.reach],
-            places: [rect.min[i], rect.max[i]],
+        let axis = |i: usize| {
+            let values = [window.center[i] - window.reach, window.center[i] + window.reach];
+            Axis::new(values, [rect.min[i], rect.max[i]])
         };
         Self { rect, axes: [axis(0), axis(1)], window, is_tight }
     }
@@ -138,7 +141,7 @@ impl Square {
 pub fn draw(data: Shown<'_>, area: Rect, style: ChartStyle) -> Drawing<Square> {
     let Shown { plane, window, .. } = data;
     let (theme, small) = (style.theme, style.small());
-    let square = Square::new(area, window.unwrap_or(Window::whole(plane)), small);
+    let square = Square::new(area, window.unwrap_or(Window::whole(plane)), (small, plane.points.len()));
     let mut canvas = Canvas::default();
     axes(&mut canvas, &square, (plane, window.is_some()), theme);
     for line in &plane.lines {
@@ -272,13 +275,17 @@ fn spread(square: &Square, spread: &Spread, theme: Theme) -> Primitive {
     Primitive::Polyline { points, closed: true, stroke: solid(ink.width, theme.word(Role::Measured)) }
 }
 
+/// Whether the plane is so small that the name of a point and its place share a line.
+fn is_short(points: usize, side: f32, small: f32) -> bool {
+    3.2 * small * points as f32 > side
+}
+
 /// The points, and beside the plane what each is called.
 fn names(canvas: &mut Canvas, square: &Square, area: Rect, (plane, theme): (&Plane, Theme)) {
     let (text, dim) = (Type::text(theme), Type::dim(theme));
     let small = text.size;
     let mut at = [square.rect.max[0] + small, square.rect.min[1]];
-    // Where the plane is small, a name and its place share a line.
-    let is_short = 3.2 * small * plane.points.len() as f32 > square.rect.size()[1];
+    let is_short = is_short(plane.points.len(), square.rect.size()[1], small);
     for (name, role, uv) in &plane.points {
         if square.displacement(square.at(*uv)).is_some() {
             canvas.extend(legend::point(*role, theme, square.at(*uv)));
@@ -408,7 +415,7 @@ mod tests {
         let area = Rect::new([0.0; 2], [400.0, 300.0]);
         let at = [1.0, -0.25];
         let near = Window::whole(&plane).nearer(at, 8.0, &plane);
-        let squares = [Window::whole(&plane), near].map(|window| Square::new(area, window, 12.0));
+        let squares = [Window::whole(&plane), near].map(|window| Square::new(area, window, (12.0, 2)));
         let places = squares.map(|square| square.at(at));
         assert!((0..2).all(|i| (places[0][i] - places[1][i]).abs() < 1e-2), "{places:?}");
         assert_eq!(near.reach, 0.25);
@@ -420,7 +427,7 @@ mod tests {
 
     #[test]
     fn even_a_small_plane_has_more_than_its_middle_to_go_by() {
-        let ticks = |side: f32, reach: f32| halves(&Axis { values: [-reach, reach], places: [0.0, side] }, 40.0);
+        let ticks = |side: f32, reach: f32| halves(&Axis::new([-reach, reach], [0.0, side]), 40.0);
         assert_eq!(ticks(90.0, 8.0), [-8.0, 0.0, 8.0]);
         assert_eq!(ticks(200.0, 1.0), [-1.0, -0.5, 0.0, 0.5, 1.0]);
     }

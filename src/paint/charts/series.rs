@@ -292,18 +292,25 @@ impl Plot {
         let high = values.fold(f32::MIN_POSITIVE, f32::max);
         let logarithmic = logarithmic && low > 0.0 && low.is_finite();
         let places = [rect.max[1], rect.min[1]];
-        let linear = Axis { values: [low.min(0.0), high], places }.rounded(3.0 * small);
+        let linear = Axis::new([low.min(0.0), high], places).rounded(3.0 * small);
         // From one power of ten to another.
         let decades = [low.log10().floor(), high.log10().ceil().max(low.log10().floor() + 1.0)];
         // A stretch far from the first step begins where its data do.
         let (end, first) = (series.x_max.max(1) as f32, all().map(|point| point[0]).fold(f32::INFINITY, f32::min));
-        let start = if first.is_finite() && first > 0.2 * end && first < end { first } else { 0.0 };
+        let has_logarithmic_x = series.has_logarithmic_x && first > 0.0 && first < end;
+        let start = if has_logarithmic_x {
+            first
+        } else if first.is_finite() && first > 0.2 * end && first < end {
+            first
+        } else {
+            0.0
+        };
         let whole = Window { x: [start, end], y: if logarithmic { decades } else { linear.values } };
         let window = data.window.unwrap_or(whole);
         Self {
             rect,
-            x: Axis { values: window.x, places: [rect.min[0], rect.max[0]] },
-            y: Axis { values: window.y, places },
+            x: Axis { is_logarithmic: has_logarithmic_x, ..Axis::new(window.x, [rect.min[0], rect.max[0]]) },
+            y: Axis::new(window.y, places),
             whole,
             logarithmic,
             small,
@@ -412,7 +419,12 @@ fn axes(canvas: &mut Canvas, plot: &Plot, (series, area): (&Series, Rect), theme
     if let Some((now, x, _)) = now {
         canvas.text([x, bottom + 6.0], (Anchor::Middle, Level::Top), &number(now), bold);
     }
-    for tick in plot.x.ticks(5.0 * plot.small, if series.is_sweep { 0.0 } else { 1.0 }) {
+    let ticks = match plot.x.is_logarithmic {
+        // Each value that was swept: they are equally far apart.
+        true => swept(series, plot),
+        false => plot.x.ticks(5.0 * plot.small, if series.is_sweep { 0.0 } else { 1.0 }),
+    };
+    for tick in ticks {
         let (x, words) = (plot.x.place(tick), number(tick));
         canvas.down(x, [bottom, bottom + 4.0], chrome.dim);
         let half = dim.width(&words) / 2.0;
@@ -422,6 +434,15 @@ fn axes(canvas: &mut Canvas, plot: &Plot, (series, area): (&Series, Rect), theme
             canvas.text([x, bottom + 6.0], (Anchor::Middle, Level::Top), &words, dim);
         }
     }
+}
+
+/// The values of x that have a point in sight, each once.
+fn swept(series: &Series, plot: &Plot) -> Vec<f32> {
+    let all = series.lines.iter().flat_map(|(.., points)| points).map(|point| point[0]);
+    let mut all: Vec<f32> = all.filter(|x| plot.shows(*x)).collect();
+    all.sort_by(f32::total_cmp);
+    all.dedup();
+    all
 }
 
 /// Where something else is at hand from then on: a line, longer where a whole begins, with its name if there is room for that.

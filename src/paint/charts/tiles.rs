@@ -84,7 +84,7 @@ pub fn places(data: Tiles<'_>, area: Rect, style: ChartStyle) -> Places {
             let columns = data.tiles.len().max(1);
             let sizes = data.tiles.iter().map(|tile| tile.values.size());
             let longest = sizes.map(|(width, height)| width.max(height)).max().unwrap_or(1);
-            let whole = fitting(&columns);
+            let whole = fitting(&columns).max(2.0);
             let cell = if whole >= NUMBERS || longest > MOST_PIXELS { whole } else { READABLE };
             rows.places(columns, cell, area.min)
         }
@@ -105,16 +105,34 @@ struct Rows<'a> {
 impl Rows<'_> {
     /// Size of a pixel with which the tiles fit into `area`, so many beside each other.
     fn fitting(&self, columns: usize, area: Rect) -> f32 {
-        let wide = |row: &[Tile]| row.iter().map(|tile| tile.values.width()).sum::<usize>();
         let high = |row: &[Tile]| row.iter().map(|tile| tile.values.height()).max().unwrap_or(1);
-        let width = self.tiles.chunks(columns).map(wide).max().unwrap_or(1).max(1) as f32;
         let height = self.tiles.chunks(columns).map(high).sum::<usize>().max(1) as f32;
         let rows = self.tiles.len().div_ceil(columns) as f32;
         let [room_x, room_y] = area.size();
-        let across = (room_x - GAP * (columns - 1) as f32) / width;
+        let across = self.across(columns, room_x);
+        // Names that do not stand beside each other are set below each other.
+        if across < 2.0 && columns > 1 {
+            return 0.0;
+        }
         let down = (room_y - rows * (self.line + 4.0)) / height;
         let cell = across.min(down).clamp(2.0, LARGEST);
         if cell >= 4.0 { cell.floor() } else { cell }
+    }
+
+    /// The largest pixel with which tiles and their names fit into `room` beside each other; less than 2 if the names do not.
+    fn across(&self, columns: usize, room: f32) -> f32 {
+        let width = |cell: f32, row: &[Tile], labels: &[f32]| {
+            let one = |(tile, label): (&Tile, &f32)| (tile.values.width() as f32 * cell).max(*label) + GAP;
+            row.iter().zip(labels).map(one).sum::<f32>() - GAP
+        };
+        let rows = || self.tiles.chunks(columns).zip(self.labels.chunks(columns));
+        let fits = |cell: f32| rows().all(|(row, labels)| width(cell, row, labels) <= room);
+        let (mut fitting, mut too_large) = (0.0, LARGEST);
+        for _ in 0..12 {
+            let middle = 0.5 * (fitting + too_large);
+            *if fits(middle) { &mut fitting } else { &mut too_large } = middle;
+        }
+        if fits(LARGEST) { LARGEST } else { fitting }
     }
 
     fn places(&self, columns: usize, cell: f32, min: Point) -> Places {

@@ -379,7 +379,7 @@ impl Command {
     }
 
     /// Whether it makes sense just now.
-    pub fn enabled(self, now: &Now) -> bool {
+    pub fn enabled(self, now: &Situation) -> bool {
         use Command as C;
         match self {
             C::Undo => now.can_undo,
@@ -462,7 +462,7 @@ fn presses(shortcut: KeyboardShortcut, key: Key, mut modifiers: Modifiers) -> bo
 
 /// What is the case just now, as far as commands care.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Now {
+pub struct Situation {
     /// A clip is open.
     pub has_clip: bool,
     /// A run is shown.

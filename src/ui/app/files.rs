@@ -14,7 +14,7 @@ use crate::experiment::first;
 use crate::experiment::source::Source;
 use crate::experiment::{Experiment, Position};
 use crate::media::{Given, Open};
-use crate::session::{Session, Sight};
+use crate::session::{Session, VisiblePart};
 use crate::ui::app::action::Browse;
 use crate::ui::app::window::{App, Overlay, title};
 use crate::ui::dialogs::save::{self, Kind};
@@ -178,11 +178,11 @@ impl App {
             self.suit_view(was_single);
         }
         self.settings.look = look.over(self.settings.look);
-        if let Some(Sight { center, zoom }) = sight {
+        if let Some(VisiblePart { center, zoom }) = sight {
             self.states.stage.zoom = Zoom::At { center, scale: zoom };
         }
         let Position { cursor, pixel } = position;
-        let place = cursor.map_or(Place::END, Place::at);
+        let place = Place::at(cursor.unwrap_or_default());
         self.walk_from(Place { hold: Hold::Set(pixel), ..place });
     }
 
@@ -331,7 +331,7 @@ impl App {
         let stage = &self.states.stage;
         let sight = match stage.zoom {
             Zoom::Fit => None,
-            Zoom::At { center, scale } => Some(Sight { center, zoom: scale }),
+            Zoom::At { center, scale } => Some(VisiblePart { center, zoom: scale }),
         };
         let whole = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.into());
         let mut experiment = shown.subject.experiment.clone();

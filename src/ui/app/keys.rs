@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use eframe::egui::{self, Event, FocusDirection, Id, Key, Popup};
 
 use crate::ui::app::action::{Action, Actions};
-use crate::ui::app::commands::{Command, Now};
+use crate::ui::app::commands::{Command, Situation};
 use crate::ui::dialogs::open as open_dialog;
 
 /// The keys that are down, by where they lie on the keyboard.
@@ -58,11 +58,11 @@ impl Escape {
         [Escape::Stop, Escape::Placing, Escape::Pixel, Escape::Chart, Escape::Lecture, Escape::Lockstep];
 
     /// What it does just now, if anything.
-    fn now(now: &Now) -> Option<Self> {
+    fn now(now: &Situation) -> Option<Self> {
         Self::ORDER.into_iter().find(|meaning| meaning.applies(now))
     }
 
-    fn applies(self, now: &Now) -> bool {
+    fn applies(self, now: &Situation) -> bool {
         match self {
             Self::Stop => Command::Stop.enabled(now),
             Self::Placing => now.is_placing,
@@ -113,7 +113,7 @@ impl Opening {
 /// Takes what the window understands out of the input, before any widget sees it.
 ///
 /// Keys win over the widget in focus unless text is being typed or something lies over the panes.
-pub fn take(ctx: &egui::Context, overlaid: bool, now: &Now, actions: &mut Actions) {
+pub fn take(ctx: &egui::Context, overlaid: bool, now: &Situation, actions: &mut Actions) {
     let mut held: Held = ctx.data(|data| data.get_temp(Id::NULL)).unwrap_or_default();
     // Also while something lies over the panes: a key that opened it is let go there.
     held.follow(ctx);
@@ -180,14 +180,14 @@ mod tests {
     fn escape_has_one_meaning_at_a_time() {
         for bits in 0..1u32 << Escape::ORDER.len() {
             let is = |index: usize| bits >> index & 1 == 1;
-            let mut now = Now {
+            let mut now = Situation {
                 playing: is(0),
                 is_placing: is(1),
                 holds_pixel: is(2),
                 has_enlarged: is(3),
                 lecture: is(4),
                 in_lockstep: is(5),
-                ..Now::default()
+                ..Situation::default()
             };
             let expected: Vec<Escape> = Escape::ORDER
                 .into_iter()

@@ -9,7 +9,7 @@ use motionscope_core::Error;
 
 use crate::experiment::side_by_side::SideBySide;
 use crate::ui::app::action::{Action, Actions, Browse};
-use crate::ui::app::commands::{Granularities, Now};
+use crate::ui::app::commands::{Granularities, Situation};
 use crate::ui::app::keys;
 use crate::ui::dialogs::{compare, gallery, open as open_dialog, palette, save as save_dialog, sheet};
 use crate::ui::drawing::style::{self, ZOOM};
@@ -228,10 +228,10 @@ impl App {
     }
 
     /// What is the case just now.
-    pub(super) fn now(&self) -> Now {
+    pub(super) fn now(&self) -> Situation {
         let shown = self.view.shown.as_deref();
         let last = self.document.last_frame();
-        Now {
+        Situation {
             has_clip: self.document.clip().is_some(),
             has_run: shown.is_some() && self.refused().is_none(),
             at_start: shown.is_none_or(|shown| shown.cursor == motionscope_core::Cursor::default()),
@@ -322,6 +322,7 @@ impl App {
             charts: self.charts().len(),
             is_enlarged: self.settings.charts.is_enlarged,
             strip: self.states.strip.height(),
+            explanation: self.states.explanation.formula_end(),
             shares: self.settings.shares,
         }
     }

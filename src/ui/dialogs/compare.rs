@@ -2,10 +2,12 @@
 
 use std::sync::Arc;
 
-use eframe::egui::{self, Align, Button, ComboBox, Grid, Label, Layout, RichText, ScrollArea, TextStyle, Ui, vec2};
+use eframe::egui::{
+    self, Align, Button, ComboBox, Grid, Label, Layout, RichText, ScrollArea, TextEdit, TextStyle, Ui, vec2,
+};
 use motionscope_core::compare::changed_alike;
 use motionscope_core::scene::Series;
-use motionscope_core::{AnyEstimator, Error, Role, Threads, estimators, lockstep};
+use motionscope_core::{AnyEstimator, Error, Info, Role, Threads, estimators, lockstep};
 
 use crate::experiment::comparison::{self, Arena, Column, Row};
 use crate::experiment::course_table::{self, CourseRow};
@@ -35,8 +37,12 @@ const WIDE: f64 = 30.0;
 pub struct State {
     chosen: Vec<&'static str>,
     sweep: Option<Sweep>,
-    /// Index of the plotted column.
-    plotted: usize,
+    /// Index of the plotted column, once one was chosen; else the error, where it is known.
+    plotted: Option<usize>,
+    /// What is searched for among the estimators.
+    wanted: String,
+    /// The family whose estimators are offered.
+    family: &'static str,
     /// The state of the plot.
     plot: series::State,
     /// The estimators and the sweep of the running comparison.
@@ -56,6 +62,7 @@ impl State {
         let estimators = estimators();
         let all: Vec<&'static str> = estimators.iter().map(|estimator| estimator.info().id).collect();
         let mut chosen = vec![id];
+        let family = estimators.iter().find(|estimator| estimator.info().id == id).map_or("", |own| own.info().family);
         match estimators.iter().find(|estimator| estimator.info().id == id).filter(|e| !e.tests_candidates()) {
             Some(own) => {
                 let kin = estimators.iter().filter(|other| other.info().family == own.info().family);
@@ -68,7 +75,9 @@ impl State {
         Self {
             chosen,
             sweep: None,
-            plotted: 0,
+            plotted: None,
+            wanted: String::new(),
+            family,
             plot: series::State::default(),
             begun: None,
             comparing: None,
@@ -200,21 +209,57 @@ fn line(ui: &mut Ui, row: &CourseRow) {
 
 /// Chooses the estimators.
 fn choice(ui: &mut Ui, state: &mut State) {
-    let full = if state.chosen.len() < MOST { "" } else { ": deselect one to choose another" };
-    ui.label(RichText::new(format!("{} of at most {MOST}{full}", state.chosen.len())).small().weak());
+    let all: Vec<&'static Info> = estimators().iter().map(|estimator| estimator.info()).collect();
+    let is_full = state.chosen.len() >= MOST;
+    let full = if is_full { ": remove one to choose another" } else { "" };
+    let count = RichText::new(format!("{} of at most {MOST}{full}", state.chosen.len())).small().weak();
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = vec2(4.0, 4.0);
-        for estimator in estimators() {
-            let info = estimator.info();
-            let at = state.chosen.iter().position(|id| *id == info.id);
-            let enabled = at.is_some() || state.chosen.len() < MOST;
-            let button = ui.add_enabled(enabled, Button::selectable(at.is_some(), info.name));
-            let full = format!("At most {MOST} estimators can be compared; deselect one first.");
+        let infos = state.chosen.iter().filter_map(|id| all.iter().find(|info| info.id == *id));
+        let clicked: Vec<_> = infos
+            .filter(|info| {
+                let button = ui.add(Button::selectable(true, info.name));
+                button.on_hover_text(format!("{} Click to remove it.", info.summary)).clicked()
+            })
+            .map(|info| info.id)
+            .collect();
+        state.chosen.retain(|id| !clicked.contains(id));
+        ui.label(count);
+    });
+    families(ui, state, &all);
+    let wanted = state.wanted.to_lowercase();
+    let is_offered = |info: &&&'static Info| {
+        let is_found = info.name.to_lowercase().contains(&wanted) || info.id.contains(&wanted);
+        !state.chosen.contains(&info.id) && if wanted.is_empty() { info.family == state.family } else { is_found }
+    };
+    let offered: Vec<_> = all.iter().filter(is_offered).collect();
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing = vec2(4.0, 4.0);
+        if offered.is_empty() {
+            ui.label(RichText::new("No other estimator here.").weak());
+        }
+        for info in offered {
+            let button = ui.add_enabled(!is_full, Button::selectable(false, info.name));
+            let full = format!("At most {MOST} estimators can be compared; remove one first.");
             if button.on_hover_text(info.summary).on_disabled_hover_text(full).clicked() {
-                match at {
-                    Some(at) => drop(state.chosen.remove(at)),
-                    None => state.chosen.push(info.id),
-                }
+                state.chosen.push(info.id);
+            }
+        }
+    });
+}
+
+/// Chooses the family that is offered, or searches in all of them.
+fn families(ui: &mut Ui, state: &mut State, all: &[&'static Info]) {
+    let size = TextStyle::Body.resolve(ui.style()).size;
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing = vec2(4.0, 4.0);
+        let search = TextEdit::singleline(&mut state.wanted).hint_text("Find an estimator").desired_width(11.0 * size);
+        ui.add(search).accessible_name("Find an estimator");
+        for family in all.chunk_by(|a, b| a.family == b.family).map(|of_family| of_family[0].family) {
+            let is_now = state.family == family && state.wanted.is_empty();
+            let tab = ui.add(Button::selectable(is_now, RichText::new(family).small()));
+            if tab.clicked() {
+                (state.family, state.wanted) = (family, String::new());
             }
         }
     });
@@ -316,8 +361,8 @@ fn results(ui: &mut Ui, state: &mut State, theme: Theme, actions: &mut Actions) 
     }
     if rows.iter().any(|row| row.swept.is_some()) {
         let columns = comparison::all_columns();
-        let plotted = columns.get(state.plotted).unwrap_or(&columns[0]);
-        let series = plot(&rows, plotted, state.sweep.as_ref().map_or("", |sweep| sweep.axis));
+        let plotted = &columns[state.plotted.unwrap_or_else(|| comparison::telling(&rows)).min(columns.len() - 1)];
+        let series = plot(&rows, plotted, state.sweep.as_ref());
         let size = TextStyle::Body.resolve(ui.style()).size;
         ui.allocate_ui(vec2(ui.available_width().min(64.0 * size), 15.0 * size), |ui| {
             let subject = Subject { step: None, whose: "", theme, colors: ColorMap::default() };
@@ -339,6 +384,7 @@ fn results(ui: &mut Ui, state: &mut State, theme: Theme, actions: &mut Actions) 
 fn table(ui: &mut Ui, rows: &[Arc<Row>], state: &mut State, actions: &mut Actions) -> bool {
     let swept = rows.first().and_then(|row| row.swept.as_ref()).map(|(name, _)| name.clone());
     let (shown, mut visited) = (comparison::columns_of(rows), false);
+    let plotted = state.plotted.unwrap_or_else(|| comparison::telling(rows));
     Grid::new("comparison").striped(true).spacing([12.0, 4.0]).show(ui, |ui| {
         let strong = |text: &str| RichText::new(text).small().family(style::bold());
         ui.label(strong("Estimator"));
@@ -349,9 +395,9 @@ fn table(ui: &mut Ui, rows: &[Arc<Row>], state: &mut State, actions: &mut Action
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| match swept {
                 Some(_) => {
                     let tip = format!("{} Click to plot it.", column.doc);
-                    let heading = ui.selectable_label(state.plotted == *i, strong(column.heading));
+                    let heading = ui.selectable_label(plotted == *i, strong(column.heading));
                     if heading.on_hover_ui(|ui| glossary::tooltip(ui, &tip)).clicked() {
-                        state.plotted = *i;
+                        state.plotted = Some(*i);
                     }
                 }
                 None => drop(ui.label(strong(column.heading)).on_hover_ui(|ui| glossary::tooltip(ui, column.doc))),
@@ -393,7 +439,7 @@ fn cell(ui: &mut Ui, column: &Column, row: &Arc<Row>, actions: &mut Actions) -> 
 }
 
 /// Returns a column over the swept values, one line per estimator.
-fn plot(rows: &[Arc<Row>], column: &Column, x_label: &'static str) -> Series {
+fn plot(rows: &[Arc<Row>], column: &Column, sweep: Option<&Sweep>) -> Series {
     let mut lines: Vec<(&'static str, Role, Vec<[f32; 2]>)> = Vec::new();
     for row in rows {
         let name = row.estimator.info().name;
@@ -408,11 +454,12 @@ fn plot(rows: &[Arc<Row>], column: &Column, x_label: &'static str) -> Series {
     let x_max = most.ceil() as usize;
     Series {
         title: column.heading,
-        x_label,
+        x_label: sweep.map_or("", |sweep| sweep.axis),
         y_label: "over the swept parameter",
         x_max,
         lines,
         is_sweep: true,
+        has_logarithmic_x: sweep.is_some_and(|sweep| sweep.is_geometric),
         ..Series::default()
     }
 }

@@ -12,7 +12,7 @@ use motionscope_core::{AnyEstimator, estimators, synth};
 use super::fuzzy;
 use crate::paint::Theme;
 use crate::ui::app::action::Action;
-use crate::ui::app::commands::{Command, Granularities, Now};
+use crate::ui::app::commands::{Command, Granularities, Situation};
 use crate::ui::drawing::style;
 use crate::ui::parts::widgets;
 
@@ -46,7 +46,7 @@ struct Entry {
 /// What can be found.
 pub struct Input<'a> {
     /// What is the case just now.
-    pub now: Now,
+    pub now: Situation,
     /// The names of the ladder.
     pub granularities: Granularities,
     /// Clips that were open lately.
@@ -224,7 +224,7 @@ mod tests {
 
     /// What a query finds in a window with a run, by name.
     fn names(query: &str) -> Vec<String> {
-        let now = Now { has_clip: true, has_run: true, ..Now::default() };
+        let now = Situation { has_clip: true, has_run: true, ..Situation::default() };
         let granularities = Granularities::new(&["run", "block", "candidate"]);
         let input = Input { now, granularities, recent: &[], theme: Theme::Dark };
         found(query, &input).into_iter().map(|entry| entry.text).collect()

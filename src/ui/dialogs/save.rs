@@ -19,7 +19,7 @@ use crate::ui::model::writer::{self, Order, What};
 use crate::ui::parts::widgets;
 use crate::view::look::{CaptionWords, Look};
 use crate::view::panes::{Angles, PANES, Pane, STAGE, Selection};
-use crate::view::shot::Format;
+use crate::view::rendering::Format;
 use crate::view::steps::Steps;
 
 /// Scales that can be chosen.

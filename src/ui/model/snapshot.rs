@@ -33,7 +33,7 @@ pub struct Place {
 
 impl Place {
     /// The end of the run.
-    pub const END: Self = Self { cursor: Cursor { unit: usize::MAX, event: usize::MAX }, near: None, hold: Hold::Kept };
+    pub const END: Self = Self { cursor: Cursor::END, near: None, hold: Hold::Kept };
 
     /// At `cursor`.
     pub fn at(cursor: Cursor) -> Self {

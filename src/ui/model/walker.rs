@@ -26,7 +26,7 @@ use crate::experiment::{Experiment, Prepared};
 use crate::paint::{FlowLayer, Pictures};
 use crate::ui::app::action::Side;
 use crate::view::look::Look;
-use crate::view::moment::{End, LastPair, Moment, Standing};
+use crate::view::moment::{End, LastPair, Moment, RunView};
 use crate::view::motion::{AvailableLayers, Motion, Site, backward};
 use crate::view::named::LastNamed;
 
@@ -790,7 +790,7 @@ impl Run {
         self.focus.set(focus);
         let (walk, clip) = (&*self.walk, &self.clip);
         let beside = look.shows_beside(self.subject.experiment.estimator.is_of_single_frames());
-        let standing = Standing { walk, clip, pair: &self.pair, focus, end: self.end(), beside, named: &self.named };
+        let standing = RunView { walk, clip, pair: &self.pair, focus, end: self.end(), beside, named: &self.named };
         let Ok(moment) = Moment::of(standing, |site| Ok::<_, Infallible>(self.motion(site, look)));
         let own = moment.scene.pictures.iter().map(|canvas| canvas.picture);
         let clickable = [Picture::CURRENT, Picture::NEXT].into_iter().chain(own).filter(|picture| walk.takes(*picture));

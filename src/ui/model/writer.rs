@@ -14,7 +14,7 @@ use crate::media::export::{self, Inputs, Target};
 use crate::results::Export;
 use crate::view::look::Look;
 use crate::view::panes::Selection;
-use crate::view::shot::{Format, Shot};
+use crate::view::rendering::{Format, Rendering};
 use crate::view::steps::{STEP, Steps};
 
 /// How often writing that waits for the run asks whether it was cancelled.
@@ -110,8 +110,8 @@ impl Writing {
 pub fn picture(order: &Order, shown: &Snapshot) -> Result<String, Error> {
     let format = Format::of(&order.path)?;
     let estimator = &*shown.subject.experiment.estimator;
-    let shot = Shot { moment: &shown.moment, estimator, look: &order.look, panes: &order.panes };
-    export::save_result(&order.path, &shot.encode(format, order.scale)?)?;
+    let rendering = Rendering { moment: &shown.moment, estimator, look: &order.look, panes: &order.panes };
+    export::save_result(&order.path, &rendering.encode(format, order.scale)?)?;
     Ok(format!("Saved {}.", order.path.display()))
 }
 

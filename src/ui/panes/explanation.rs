@@ -27,6 +27,8 @@ pub struct Input<'a> {
 
 /// Heights of the pane, in sizes of its type, below which things stand closer.
 const ROOMY: f32 = 30.0;
+/// Above and below the parts in their pane, in points.
+const PANE_MARGIN: f32 = 16.0;
 /// Above and below a line of code.
 const CODE_MARGIN: f32 = 3.0;
 
@@ -143,10 +145,17 @@ pub struct State {
     facts: f32,
     /// How much of the parts is seen where the line at work is out of sight among them, and so stands below them.
     pinned: Option<f32>,
+    /// Height down to the end of the formula.
+    formula_end: f32,
     parts: Option<Parts>,
 }
 
 impl State {
+    /// Height of the explanation down to the end of its formula, in points, as it was shown last.
+    pub fn formula_end(&self) -> f32 {
+        self.formula_end
+    }
+
     /// Forgets the room when it was measured for another estimator, width, type size or density.
     fn keep_for(&mut self, key: Key) {
         if self.key != Some(key) {
@@ -159,6 +168,7 @@ impl State {
                 facts: 4.0 * (1.2 * size.body + 2.0 * row).round(),
                 equation: 4.0 * (1.45 * math).round(),
                 pinned: self.pinned,
+                formula_end: self.formula_end,
                 parts: None,
             };
         }
@@ -176,6 +186,7 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) {
     state.keep_for(key);
     let known = state.parts.take().filter(|parts| Arc::ptr_eq(&parts.step, step));
     let parts = known.unwrap_or_else(|| Parts::new(ui.painter(), input, key));
+    let from = ui.cursor().min.y;
     // The sentence stays in sight, however far the rest is scrolled.
     hold(ui, &mut state.sentence, at_end, |ui| _ = parts.sentence.show(ui, "sentence"));
     // Nor does the line at work: it stands at the bottom where it is scrolled out of sight. Nothing scrolls by itself.
@@ -210,6 +221,11 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) {
         ui.add_space((room - below - height).max(0.0));
         parts.pinned.show(ui, "pinned");
     }
+    // Above the formula, the formula, and the line at work that stands below them.
+    let needed = (scrolled.inner_rect.min.y - from + formula_end + below + PANE_MARGIN).ceil();
+    if std::mem::replace(&mut state.formula_end, needed) != needed {
+        ui.ctx().request_discard("the explanation needs another height");
+    }
     state.parts = Some(parts);
     let top = scrolled.inner_rect.min.y;
     let overflows = scrolled.content_size.y > room;
@@ -235,18 +251,20 @@ pub struct Strip {
     height: f32,
     /// The most that a step before the end needed.
     usual: f32,
+    /// The most that there is room for.
+    most: f32,
     shown: Option<(Arc<Step>, Vec<Column>)>,
 }
 
-/// Height of the strip, in sizes of its type, from which its type is smaller, and by how much: 18 points on a projector.
-const MOST_LINES: f32 = 8.2;
-const SMALLER: f32 = 0.86;
+/// Sizes of the strip's type that are tried until all of it is seen: 18 points on a projector, less for the longest alone.
+const TYPE_SHARES: [f32; 4] = [1.0, 0.93, 0.86, 0.8];
 /// Most rows of numbers in the strip.
 const STRIP_FACTS: usize = 3;
-/// Share of the strip's width for the sentence, where a formula stands beside it.
+/// Share of the strip's width for the sentence where numbers stand beside it.
 const SENTENCE_SHARE: f32 = 0.55;
-/// The same where the formula stands in two columns.
-const NARROW_SHARE: f32 = 0.4;
+/// Those that are tried where a formula stands beside it: in one column, and in two.
+const SENTENCE_SHARES: [f32; 4] = [0.55, 0.62, 0.48, 0.42];
+const NARROW_SHARES: [f32; 3] = [0.4, 0.46, 0.52];
 /// Between sentence and formula, in points.
 const STRIP_GAP: f32 = 24.0;
 /// Above and below the strip's words, in points.
@@ -259,18 +277,20 @@ impl Strip {
     }
 }
 
-/// Shows why, and the formula with its numbers; where a step has none, its numbers alone.
-pub fn strip(ui: &mut Ui, input: Input<'_>, state: &mut Strip) {
+/// Shows why, and the formula with its numbers; where a step has none, its numbers alone. It may become `most` points high.
+pub fn strip(ui: &mut Ui, (input, most): (Input<'_>, f32), state: &mut Strip) {
     let Input { info, step, theme, at_end } = input;
     let density = Density::strip(theme);
     let width = ui.available_width().round() as u32;
     let (pixels_per_point, atlas) = (ui.pixels_per_point(), ink::atlas(ui.ctx()));
     let key = Key { id: info.id, width, theme, density, pixels_per_point, atlas };
-    if state.key != Some(key) {
-        *state = Strip { key: Some(key), ..Strip::default() };
+    let most = most - STRIP_MARGIN;
+    if state.key != Some(key) || state.most != most {
+        *state = Strip { key: Some(key), most, ..Strip::default() };
     }
     let known = state.shown.take().filter(|(shown, _)| Arc::ptr_eq(shown, step));
-    let (shown, parts) = known.unwrap_or_else(|| (Arc::clone(step), strip_parts(ui.painter(), input, width as f32)));
+    let parts = |painter: &Painter| strip_parts(painter, input, [width as f32, most]);
+    let (shown, parts) = known.unwrap_or_else(|| (Arc::clone(step), parts(ui.painter())));
     let needed = parts.iter().map(|(_, part)| part.size.y).fold(0.0, f32::max).ceil();
     // At the end more is told: it has the room that it needs, and the steps before keep theirs.
     let height = if at_end { needed } else { needed.max(state.usual) };
@@ -293,47 +313,62 @@ pub fn strip(ui: &mut Ui, input: Input<'_>, state: &mut Strip) {
     state.shown = Some((shown, parts));
 }
 
-/// The parts of the strip beside each other, each with its left edge: the sentence, and the formula in one column or two,
-/// whichever is lower.
-fn strip_parts(painter: &Painter, input: Input<'_>, width: f32) -> Vec<Column> {
+/// The parts of the strip beside each other, each with its left edge, in the largest type in which all of it is seen: rather
+/// smaller than out of sight.
+fn strip_parts(painter: &Painter, input: Input<'_>, [width, most]: [f32; 2]) -> Vec<Column> {
     let usual = Density::strip(input.theme);
-    let Density { words, math, .. } = usual;
-    let small = Density { words: SMALLER * words, math: SMALLER * math, ..usual };
-    let height = |columns: &[Column]| columns.iter().map(|(_, part)| part.size.y).fold(0.0, f32::max);
-    let columns = strip_columns(painter, input, (width, usual));
-    // The end of a run tells most: rather smaller than out of sight.
-    if height(&columns) > MOST_LINES * words { strip_columns(painter, input, (width, small)) } else { columns }
+    let at = |share: &f32| Density { words: share * usual.words, math: share * usual.math, ..usual };
+    let mut columns = Vec::new();
+    for density in TYPE_SHARES.iter().map(at) {
+        columns = strip_columns(input, (width, density), most);
+        if height(&columns) <= most {
+            break;
+        }
+    }
+    columns.into_iter().map(|(left, block)| (left, Part::new(painter, block, input.info.family))).collect()
 }
 
-fn strip_columns(painter: &Painter, input: Input<'_>, (width, density): (f32, Density)) -> Vec<Column> {
-    let Input { info, step, theme, .. } = input;
+fn height(columns: &[(f32, Block)]) -> f32 {
+    columns.iter().map(|(_, block)| block.size[1]).fold(0.0, f32::max)
+}
+
+/// The sentence, and the formula in one column or two: as usual if that is no higher than `most`, or else whichever is lowest.
+fn strip_columns(input: Input<'_>, (width, density): (f32, Density), most: f32) -> Vec<(f32, Block)> {
+    let Input { step, theme, .. } = input;
     let (formula, facts) = (explanation::equation_of(step), explanation::facts_of(step));
     let sentence = |width: f32| explanation::sentence(&step.sentence, (width, density), theme);
     let lines = |lines: &[Math], width: f32| explanation::equation(lines, (width, density), theme);
     if formula.is_empty() && facts.is_empty() {
-        return vec![(0.0, Part::new(painter, sentence(width), info.family))];
+        return vec![(0.0, sentence(width))];
     }
     let one = |share: f32, block: &dyn Fn(f32) -> Block| {
         let left = share * width;
         vec![(0.0, sentence(left)), (left + STRIP_GAP, block(width - left - STRIP_GAP))]
     };
-    let two = || {
+    if formula.is_empty() {
+        let facts = &facts[..facts.len().min(STRIP_FACTS)];
+        return one(SENTENCE_SHARE, &|width| explanation::table(facts, (width, density), theme));
+    }
+    let two = |share: f32| {
         let (first, second) = formula.split_at(formula.len().div_ceil(2));
-        let left = NARROW_SHARE * width;
+        let left = share * width;
         let column = (width - left) / 2.0 - STRIP_GAP;
         let at = |i: f32| left + STRIP_GAP + i * (column + STRIP_GAP);
         vec![(0.0, sentence(left)), (at(0.0), lines(first, column)), (at(1.0), lines(second, column))]
     };
-    let ways = match formula {
-        [] => vec![one(SENTENCE_SHARE, &|width| {
-            explanation::table(&facts[..facts.len().min(STRIP_FACTS)], (width, density), theme)
-        })],
-        [_] => vec![one(SENTENCE_SHARE, &|width| lines(formula, width))],
-        _ => vec![one(SENTENCE_SHARE, &|width| lines(formula, width)), two()],
+    let in_one = |share: &f32| one(*share, &|width| lines(formula, width));
+    let narrow = if formula.len() > 1 { &NARROW_SHARES[..] } else { &[] };
+    let usual = [SENTENCE_SHARES.first().map(in_one), narrow.first().map(|share| two(*share))];
+    let lowest = |ways: &mut dyn Iterator<Item = Vec<(f32, Block)>>| {
+        ways.min_by(|a, b| height(a).total_cmp(&height(b))).unwrap_or_default()
     };
-    let height = |way: &Vec<(f32, Block)>| way.iter().map(|(_, block)| block.size[1]).fold(0.0, f32::max);
-    let lowest = ways.into_iter().min_by(|a, b| height(a).total_cmp(&height(b))).unwrap_or_default();
-    lowest.into_iter().map(|(left, block)| (left, Part::new(painter, block, info.family))).collect()
+    let usual = lowest(&mut usual.into_iter().flatten());
+    if height(&usual) <= most {
+        return usual;
+    }
+    let others = SENTENCE_SHARES[1..].iter().map(in_one);
+    let narrower = narrow.iter().skip(1).map(|share| two(*share));
+    lowest(&mut std::iter::once(usual).chain(others).chain(narrower))
 }
 
 /// Where lines that may be seen from `top` down to `end` have to end so that none of them is cut.

@@ -101,6 +101,8 @@ pub struct Room {
     pub is_enlarged: bool,
     /// Height that the strip needs, in points.
     pub strip: f32,
+    /// Height of the explanation down to the end of its formula, in points.
+    pub explanation: f32,
     /// What the person has dragged.
     pub shares: Shares,
 }
@@ -127,6 +129,8 @@ pub struct Arrangement {
     pub explanation: Option<Rect>,
     /// Sentence and formula alone.
     pub strip: Option<Rect>,
+    /// Height that the strip may have at most.
+    pub most_strip: f32,
     /// The parameters.
     pub parameters: Option<Rect>,
     /// Panes that lie over others, at the edge.
@@ -145,6 +149,8 @@ const BELOW_LINES: f32 = 88.0;
 const TWO_CHARTS: f32 = 1600.0;
 /// The least window that everything has room in, in letters across and lines down: a smaller one has smaller type.
 pub const LEAST_LETTERS: Vec2 = vec2(56.0, 30.0);
+/// Share of the window's height that stage and chart have in a lecture at least, unless the window is very low.
+const LECTURE_SHARE: f32 = 0.552;
 /// Between two panes.
 const GAP: f32 = 1.0;
 /// Half the width of a border for the pointer.
@@ -237,7 +243,9 @@ impl Room {
             (true, _) => all.charts = vec![column],
             (false, false) => all.explanation = Some(column),
             (false, true) => {
-                let usual = 0.48 * column.height();
+                // The formula is seen without scrolling, as long as the chart stays legible.
+                let left = column.height() - self.explanation;
+                let usual = within(left, 0.34 * column.height(), 0.48 * column.height());
                 let height = within(usual * self.shares.charts, 0.25 * column.height(), 0.7 * column.height());
                 let (upper, lower) = split_y(column, column.height() - height - GAP);
                 all.explanation = Some(upper);
@@ -253,7 +261,10 @@ impl Room {
 
     fn lecture(&self) -> Arrangement {
         let mut all = Arrangement::default();
-        let strip = within(self.strip, 3.0 * self.type_pt, 0.3 * self.body.height());
+        // Stage and chart keep their share of the window.
+        let height = self.body.height();
+        all.most_strip = (height - LECTURE_SHARE * self.window.y - GAP).min(0.36 * height).max(0.3 * height).floor();
+        let strip = within(self.strip, 3.0 * self.type_pt, all.most_strip);
         let (mut rest, strip) = split_y(self.body, self.body.height() - strip - GAP);
         all.strip = Some(strip);
         if self.columns() > 0 {
@@ -386,6 +397,7 @@ mod tests {
             charts: 3,
             is_enlarged: false,
             strip: 6.0 * type_pt,
+            explanation: 0.0,
             shares: Shares::default(),
         }
     }

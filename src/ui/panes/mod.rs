@@ -145,7 +145,7 @@ impl Panes<'_> {
         self.charts(ui, &all.charts);
         if let Some(rect) = all.strip {
             self.within(ui, rect, Margin { left: 16, right: 16, top: 6, bottom: 2 }, "strip", |panes, ui| {
-                panes.strip(ui)
+                panes.strip(ui, all.most_strip)
             });
         }
         let is_drawer = |rect: &Rect| all.drawers.contains(rect);
@@ -453,11 +453,11 @@ impl Panes<'_> {
     }
 
     /// Sentence and formula.
-    fn strip(&mut self, ui: &mut Ui) {
+    fn strip(&mut self, ui: &mut Ui, most: f32) {
         if let Some(shown) = &self.view.shown {
             let (info, step) = self.told(shown);
             let input = explanation::Input { info, step, at_end: shown.at_end, theme: self.look.theme };
-            explanation::strip(ui, input, &mut self.states.strip);
+            explanation::strip(ui, (input, most), &mut self.states.strip);
         }
     }
 

@@ -6,7 +6,7 @@ use motionscope_core::Params;
 
 use crate::paint::Theme;
 use crate::ui::app::action::Actions;
-use crate::ui::app::commands::{Command, Granularities, Menu, Now};
+use crate::ui::app::commands::{Command, Granularities, Menu, Situation};
 use crate::ui::dialogs::open as open_dialog;
 use crate::ui::drawing::style;
 use crate::ui::model::document::Document;
@@ -22,7 +22,7 @@ pub struct Input<'a> {
     /// The first frame of the pair that the run stands on, if one does.
     pub at_frame: Option<usize>,
     /// What can be done just now.
-    pub now: Now,
+    pub now: Situation,
     /// The names of the ladder.
     pub granularities: Granularities,
     /// What is folded away.

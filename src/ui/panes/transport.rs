@@ -7,7 +7,7 @@ use lucide_icons::Icon;
 
 use crate::paint::Theme;
 use crate::ui::app::action::{Action, Actions};
-use crate::ui::app::commands::{Command, Granularities, Now};
+use crate::ui::app::commands::{Command, Granularities, Situation};
 use crate::ui::drawing::style;
 use crate::ui::model::player::{Player, SPEEDS};
 use crate::ui::model::snapshot::Snapshot;
@@ -19,7 +19,7 @@ pub struct Input<'a> {
     /// The run, if there is one.
     pub shown: Option<&'a Snapshot>,
     /// What can be done just now.
-    pub now: Now,
+    pub now: Situation,
     /// The names of the ladder.
     pub granularities: Granularities,
     /// Play and its speed.

@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use eframe::egui::{self, Align, Align2, Button, Layout, Pos2, Rect, Sense, Slider, Ui, WidgetInfo, pos2, vec2};
 use lucide_icons::Icon;
-use motionscope_core::Frame;
 use motionscope_core::scene::{Picture, Shape};
+use motionscope_core::{Frame, Role};
 
 use super::{Hovered, Input, Response, State, levels, lockstep, motion, pixels};
-use crate::paint::legend::{self, Entry};
+use crate::paint::legend::{self, Entry, Sample};
 use crate::paint::{Face, FlowLayer, Look as SceneLook, Primitive, Share, Theme, View, number};
 use crate::ui::drawing::{ink, primitives};
 use crate::ui::parts::widgets;
@@ -179,7 +179,16 @@ pub fn line(ui: &mut Ui, input: &Input<'_>, state: &mut State) {
     ink::name(&response, || format!("Legend: {}", items.plain()));
     let shown = items.fitting(ui, rect.width());
     shown.paint(ui, rect);
-    if shown.hidden > 0 {
+    let lit = response.hover_pos().and_then(|at| shown.pointed(at, rect));
+    if let Some((_, place)) = lit {
+        let line = egui::Stroke::new(2.0, ink::color(input.theme().chrome().accent));
+        ui.painter().hline(place.x_range(), place.max.y - 1.0, line);
+    }
+    let lit = lit.map(|(role, _)| role);
+    if std::mem::replace(&mut state.marks.lit, lit) != lit {
+        ui.ctx().request_repaint();
+    }
+    if shown.hidden > 0 && lit.is_none() {
         response.on_hover_ui(|ui| {
             let (width, lines) = items.column();
             let height = lines as f32 * line_height(input.theme());
@@ -284,6 +293,18 @@ impl Items {
     fn plain(&self) -> String {
         let words = self.entries.iter().map(|(entry, _)| entry.meaning.clone());
         words.chain(self.bars.iter().map(|(bar, _)| bar.plain())).collect::<Vec<_>>().join(", ")
+    }
+
+    /// The role of the entry at a place in `rect`, and where the entry stands, unless it tells of a layer of colours.
+    fn pointed(&self, at: Pos2, rect: Rect) -> Option<(Role, Rect)> {
+        let height = line_height(self.theme);
+        let (places, _) = self.layout(rect.width());
+        let rects = places.iter().zip(&self.entries).map(|(place, (entry, width))| {
+            (entry, Rect::from_min_size(rect.min + place.to_vec2(), vec2(*width, height)))
+        });
+        let is_mark = |entry: &Entry| !matches!(entry.sample, Sample::Wheel | Sample::Hatch | Sample::Awaited);
+        let mut pointed = rects.filter(|(entry, rect)| is_mark(entry) && rect.contains(at));
+        pointed.next().map(|(entry, rect)| (entry.role, rect))
     }
 
     fn paint(&self, ui: &Ui, rect: Rect) {

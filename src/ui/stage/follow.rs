@@ -13,22 +13,22 @@ const SECS: f64 = 0.18;
 
 /// What is seen of a picture: the point in the middle, and points per pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Sight {
+struct Framing {
     center: [f32; 2],
     scale: f32,
 }
 
 /// The view on its way from one part of a picture to the next.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Way {
-    from: Sight,
-    to: Sight,
+struct Transition {
+    from: Framing,
+    to: Framing,
     began: f64,
 }
 
-impl Way {
+impl Transition {
     /// What is seen at `time`: magnified evenly, however far it goes.
-    fn at(&self, time: f64) -> Sight {
+    fn at(&self, time: f64) -> Framing {
         let left = (1.0 - (time - self.began) / SECS).clamp(0.0, 1.0) as f32;
         let done = 1.0 - left.powi(3);
         let scale = self.from.scale * (self.to.scale / self.from.scale).powf(done);
@@ -39,7 +39,10 @@ impl Way {
             }
             _ => done,
         };
-        Sight { center: [0, 1].map(|i| self.from.center[i] + (self.to.center[i] - self.from.center[i]) * share), scale }
+        Framing {
+            center: [0, 1].map(|i| self.from.center[i] + (self.to.center[i] - self.from.center[i]) * share),
+            scale,
+        }
     }
 
     fn is_moving(&self, time: f64) -> bool {
@@ -61,7 +64,7 @@ struct Followed {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Follow {
     last: Option<Followed>,
-    ways: Vec<Way>,
+    ways: Vec<Transition>,
     /// Whether the whole picture was chosen by hand.
     is_paused: bool,
 }
@@ -90,24 +93,24 @@ impl Follow {
     /// Aims at `close_ups` in `pane`, and gives how closely each picture is looked at.
     fn aim(&mut self, next: Followed, animate: bool, time: f64) -> Vec<Zoom> {
         let lens = Lens::new(Rect::from_min_size(egui::Pos2::ZERO, next.pane), next.size, Zoom::Fit);
-        let whole = Sight { center: lens.center.into(), scale: lens.scale };
+        let whole = Framing { center: lens.center.into(), scale: lens.scale };
         let sight = |close: &Option<CloseUp>| match close {
-            Some(CloseUp { center, times }) => Sight { center: *center, scale: lens.scale * times },
+            Some(CloseUp { center, times }) => Framing { center: *center, scale: lens.scale * times },
             None => whole,
         };
         let is_same_pane = self.last.as_ref().is_some_and(|last| (last.pane, last.size) == (next.pane, next.size));
         let moves = animate && is_same_pane && self.ways.len() == next.close_ups.len();
-        let targets: Vec<Sight> = next.close_ups.iter().map(sight).collect();
+        let targets: Vec<Framing> = next.close_ups.iter().map(sight).collect();
         let ways = targets.iter().enumerate().map(|(i, &to)| match self.ways.get(i) {
             Some(way) if is_same_pane && way.to == to => *way,
-            Some(way) if moves => Way { from: way.at(time), to, began: time },
-            _ => Way { from: to, to, began: time },
+            Some(way) if moves => Transition { from: way.at(time), to, began: time },
+            _ => Transition { from: to, to, began: time },
         });
         self.ways = ways.collect();
         self.last = Some(next);
-        let zoom = |way: &Way| match way.at(time) {
+        let zoom = |way: &Transition| match way.at(time) {
             sight if sight == whole => Zoom::Fit,
-            Sight { center, scale } => Zoom::At { center, scale },
+            Framing { center, scale } => Zoom::At { center, scale },
         };
         self.ways.iter().map(zoom).collect()
     }

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use eframe::egui::{Painter, Rect, Shape};
-use motionscope_core::Scene;
 use motionscope_core::scene::Mark;
+use motionscope_core::{Role, Scene};
 
 use super::{Input, Lens, pixels};
 use crate::paint::{Look, Panel, Placement, Style, primitive, resolve};
@@ -14,6 +14,8 @@ use crate::ui::drawing::primitives::{Kept, Maker};
 /// The shapes that were shown last, by panel.
 #[derive(Clone, Default)]
 pub struct Marks {
+    /// The role that is pointed at in the legend: its marks are seen alone.
+    pub lit: Option<Role>,
     look: Option<(Arc<Scene>, Style, Look)>,
     slots: Vec<Slot>,
 }
@@ -27,6 +29,8 @@ struct Key {
     pixels_per_point: f32,
     atlas: u64,
     without: Vec<usize>,
+    /// The role whose marks are seen alone.
+    lit: Option<Role>,
 }
 
 #[derive(Clone)]
@@ -68,7 +72,8 @@ impl Marks {
         let place = Placement { origin: lens.picture_rect().min.into(), zoom: lens.scale, seen: Some(pane) };
         let without = moving.iter().map(|(index, _)| *index).collect();
         let (pixels_per_point, atlas) = (painter.pixels_per_point(), ink::atlas(painter.ctx()));
-        let key = Key { look, place, pane: lens.pane, pixels_per_point, atlas, without };
+        let lit = self.lit;
+        let key = Key { look, place, pane: lens.pane, pixels_per_point, atlas, without, lit };
         let at = self.slots.iter().position(|slot| slot.place == spot);
         let fresh = at.is_some_and(|i| Arc::ptr_eq(&self.slots[i].scene, scene) && self.slots[i].key == key);
         if !fresh {
@@ -76,7 +81,10 @@ impl Marks {
             // Where numbers stand in the pixels, a layer of colours would hide them.
             let has_numbers = pixels::has_numbers(lens);
             let clear = |mark: &Mark| !has_numbers || !mark.shape.is_layer() || pixels::tells_costs(mark, lens);
-            let shown = |(i, mark): &(usize, &Mark)| panel.shows(mark.on) && clear(mark) && !key.without.contains(i);
+            let is_lit = |mark: &Mark| lit.is_none_or(|role| mark.role == role);
+            let shown = |(i, mark): &(usize, &Mark)| {
+                panel.shows(mark.on) && clear(mark) && is_lit(mark) && !key.without.contains(i)
+            };
             let still = scene.marks.iter().enumerate().filter(shown).map(|(_, mark)| mark);
             let mut maker = Maker::new(painter, input.gpu, kept);
             resolve(still, &look, place).iter().for_each(|primitive| maker.add(primitive));
@@ -87,7 +95,10 @@ impl Marks {
             painter.extend(slot.shapes.iter().cloned());
         }
         let mut maker = Maker::new(painter, input.gpu, Kept::default());
-        let moving = moving.iter().map(|(_, mark)| mark).filter(|mark| panel.shows(mark.on));
+        let moving = moving
+            .iter()
+            .map(|(_, mark)| mark)
+            .filter(|mark| panel.shows(mark.on) && lit.is_none_or(|role| mark.role == role));
         resolve(moving, &look, place).iter().for_each(|primitive| maker.add(primitive));
         painter.extend(maker.finish().0);
     }

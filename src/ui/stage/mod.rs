@@ -107,6 +107,8 @@ pub struct State {
     /// The pane that was shown last, for zooming without a pointer.
     shown: Option<Lens>,
     follow: Follow,
+    /// The corner of a picture in which the wheel of colours lies.
+    wheel_corner: usize,
 }
 
 impl State {
@@ -430,7 +432,7 @@ fn paint(ui: &Ui, spot: &Spot<'_>, input: &Input<'_>, state: &mut State) {
     }
     follow::paint(&painter, spot, share, state);
     if let Some(layer) = pictures.layer.as_ref().filter(|_| panel.is_tinted() && !pixels::has_numbers(lens)) {
-        motion::corner_wheel(&painter, spot, layer, input.theme());
+        motion::corner_wheel(&painter, spot, layer, (input.theme(), &mut state.wheel_corner));
     }
     if input.lockstep.is_none() {
         caption(ui.painter(), shown, lens, input);

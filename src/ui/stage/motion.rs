@@ -21,6 +21,10 @@ use crate::view::look::Look;
 const WHEEL: f32 = 88.0;
 /// Diameter of the wheel over a picture, in points.
 const CORNER_WHEEL: f32 = 72.0;
+/// Between a picture and the wheel beside it, in points.
+const BESIDE: f32 = 4.0;
+/// How much more may move under the wheel than in another corner before it goes there.
+const STAYS: f32 = 0.15;
 /// Sides of a picture that has room for a wheel, in wheels.
 const ROOM: f32 = 2.5;
 
@@ -186,10 +190,12 @@ fn spec(name: &str) -> Option<&'static Spec> {
     Look::entries().iter().find(|spec| spec.name == name)
 }
 
-/// The wheel in a corner of the picture that has its colours, with how far its rim is.
-pub fn corner_wheel(painter: &egui::Painter, spot: &Spot<'_>, layer: &Tint, theme: Theme) {
+/// The wheel beside the picture that has its colours, or else in the corner of it where least moves, with how far its rim is.
+/// It stays in the `corner` where it was while little moves there.
+pub fn corner_wheel(painter: &egui::Painter, spot: &Spot<'_>, layer: &Tint, (theme, corner): (Theme, &mut usize)) {
     let TintKey::Wheel(longest) = layer.key else { return };
-    let seen = spot.lens.picture_rect().intersect(spot.lens.pane);
+    let (picture, pane) = (spot.lens.picture_rect(), spot.lens.pane);
+    let seen = picture.intersect(pane);
     if seen.size().min_elem() < ROOM * CORNER_WHEEL {
         return;
     }
@@ -197,17 +203,37 @@ pub fn corner_wheel(painter: &egui::Painter, spot: &Spot<'_>, layer: &Tint, them
     let words = painter.layout_no_wrap(format!("{} px", number(longest)), font, ink::color(Color::WHITE));
     let size = vec2(CORNER_WHEEL.max(words.size().x), CORNER_WHEEL + words.size().y) + vec2(12.0, 10.0);
     let at = |min: egui::Pos2| egui::Rect::from_min_size(min, size);
-    let taken = [follow::map_rect(spot), follow::work_rect(spot)];
-    let (right, low) = (seen.max.x - size.x, seen.max.y - size.y);
-    let corners = [pos2(seen.min.x, low), seen.min, pos2(right, seen.min.y), pos2(right, low)].map(at);
-    let is_free = |rect: &egui::Rect| !taken.iter().flatten().any(|other| other.intersects(*rect));
-    let free = corners.into_iter().find(is_free);
-    let rect = free.unwrap_or(corners[0]);
+    let beside = [pos2(seen.min.x, seen.max.y + BESIDE), pos2(seen.max.x + BESIDE, seen.min.y)].map(at);
+    let rect = beside.into_iter().find(|rect| pane.contains_rect(*rect)).unwrap_or_else(|| {
+        let taken = [follow::map_rect(spot), follow::work_rect(spot)];
+        let (right, low) = (seen.max.x - size.x, seen.max.y - size.y);
+        let corners = [pos2(seen.min.x, low), seen.min, pos2(right, seen.min.y), pos2(right, low)].map(at);
+        let is_taken = |rect: &egui::Rect| taken.iter().flatten().any(|other| other.intersects(*rect));
+        let covered = corners.map(|rect| if is_taken(&rect) { f32::INFINITY } else { moving(spot, layer, rect) });
+        let least = covered.iter().copied().fold(f32::INFINITY, f32::min);
+        if covered[*corner % 4] > least + STAYS {
+            *corner = covered.iter().position(|share| *share == least).unwrap_or(0);
+        }
+        corners[*corner % 4]
+    });
     painter.rect_filled(rect, 6.0, egui::Color32::from_black_alpha(150));
     let center = pos2(rect.center().x, rect.min.y + 5.0 + CORNER_WHEEL / 2.0);
     painter.extend(primitives::shapes(painter, &legend::wheel(center.into(), CORNER_WHEEL / 2.0)));
     let below = pos2(rect.center().x - words.size().x / 2.0, center.y + CORNER_WHEEL / 2.0 + 2.0);
     painter.galley(below, words, ink::color(Color::WHITE));
+}
+
+/// How much of what lies under `rect` has the colours of motion, from 0 to 1, by a few of its pixels.
+fn moving(spot: &Spot<'_>, layer: &Tint, rect: egui::Rect) -> f32 {
+    const STEPS: usize = 8;
+    let (picture, (width, height)) = (spot.lens.picture_rect(), layer.pixels.size());
+    let alpha = |i: usize| {
+        let share = vec2((i % STEPS) as f32 + 0.5, (i / STEPS) as f32 + 0.5) / STEPS as f32;
+        let [x, y] = <[f32; 2]>::from((rect.min + share * rect.size() - picture.min) / picture.size());
+        let (x, y) = ((x * width as f32).max(0.0) as usize, (y * height as f32).max(0.0) as usize);
+        layer.pixels.get(x, y).map_or(0.0, |color| f32::from(color[3]) / 255.0)
+    };
+    (0..STEPS * STEPS).map(alpha).sum::<f32>() / (STEPS * STEPS) as f32
 }
 
 /// The wheel, large enough to find a direction in it, with how far its rim is.

@@ -31,7 +31,7 @@ const WAYS: [Measure; 5] = [
 ];
 
 const TRACKING: [Measure; 8] = [
-    Measure::new("mota", "Multiple object tracking accuracy (CLEAR MOT).").in_column("MOTA", 3),
+    Measure::new("mota", "Multiple object tracking accuracy (CLEAR MOT).").in_column("MOTA", 3).against_truth(),
     Measure::new("motp", "Multiple object tracking precision, as mean intersection over union (CLEAR MOT)."),
     Measure::new("idf1", "F₁ score of identities.").in_column("IDF1", 3),
     Measure::new("hota", "Higher order tracking accuracy.").in_column("HOTA", 3),

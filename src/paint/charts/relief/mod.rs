@@ -142,7 +142,7 @@ impl Stand {
         let first = self.bench.origin[which] as f32;
         let half = self.bench.half()[which];
         let last = first + self.bench.size[which].saturating_sub(1) as f32;
-        Axis { values: [first, last], places: [-half, half] }
+        Axis::new([first, last], [-half, half])
     }
 
     /// A grid on the ground, numbered along the two sides towards the eye.
@@ -185,7 +185,7 @@ impl Stand {
         self.line(canvas, [foot, top], true);
         let small = self.theme.sizes().small;
         let [low, high] = [foot, top].map(|end| self.at(end));
-        let axis = Axis { values: [0.0, self.bench.top], places: [0.0, (low[0] - high[0]).hypot(low[1] - high[1])] };
+        let axis = Axis::new([0.0, self.bench.top], [0.0, (low[0] - high[0]).hypot(low[1] - high[1])]);
         let dim = Type::dim(self.theme);
         if surface.range().is_some() {
             for tick in axis.ticks(2.2 * small, 0.0) {

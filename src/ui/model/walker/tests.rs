@@ -7,7 +7,7 @@ use motionscope_core::{Direction, Frame, FrameSource, Grid, estimator};
 
 use super::*;
 use crate::experiment::source::Source;
-use crate::paint::View as Sight;
+use crate::paint::View as VisiblePart;
 
 fn clip() -> Clip {
     let texture = |x: usize, y: usize| (x * 31 + y * 57 + x * y % 7 * 20) as u8;
@@ -156,7 +156,7 @@ fn the_pointer_makes_no_picture_anew() {
     let mut subject = subject();
     subject.experiment.estimator = estimator("running-average").unwrap();
     let walker = Walker::new(|| {}).unwrap();
-    walker.look(&Look { view: Some(Sight::SideBySide), ..Look::default() });
+    walker.look(&Look { view: Some(VisiblePart::SideBySide), ..Look::default() });
     walker.start(Job { subject: Arc::new(subject), place: Place::END });
     let shown = |focus: Option<Focus>| {
         walker.focus(focus);

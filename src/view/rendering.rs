@@ -19,7 +19,7 @@ const SVG_SCALE: u32 = 2;
 
 /// A moment with its view options, ready to be rendered.
 #[derive(Clone, Copy)]
-pub struct Shot<'a> {
+pub struct Rendering<'a> {
     /// The moment.
     pub moment: &'a Moment,
     /// The estimator with its parameters.
@@ -40,7 +40,7 @@ pub(super) struct Around {
     pub caption: Option<Caption>,
 }
 
-impl Shot<'_> {
+impl Rendering<'_> {
     /// Encodes the picture; a PNG has `scale` pixels for each pixel of the clip.
     ///
     /// # Errors
@@ -52,7 +52,7 @@ impl Shot<'_> {
     /// Encodes one of several pictures whose sheets share a `layout`, made by the first of them.
     ///
     /// # Errors
-    /// As [`Shot::encode`].
+    /// As [`Rendering::encode`].
     pub fn encode_in(&self, layout: &mut Option<Layout>, format: Format, scale: u32) -> Result<Vec<u8>, Error> {
         self.encode_with(format, scale, Some(layout))
     }
