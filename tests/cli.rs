@@ -907,7 +907,7 @@ fn whoever_finds_nobody_is_scored_and_has_a_table_with_the_same_columns() {
     let long: String = (1..=20_001).map(|t| format!("{t},-1,9,9,9,9,1\n")).collect();
     fs::write(folder.path().join("long.txt"), long).unwrap();
     let told = refusal(folder.path(), "run long.txt --estimator kalman-tracker --frames 0..20000");
-    assert!(told.contains("frames") && told.contains("10000") && !told.contains("one pair"), "{told}");
+    assert!(told.contains("frames") && told.contains("10\u{202f}000") && !told.contains("one pair"), "{told}");
 }
 
 #[test]

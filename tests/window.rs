@@ -788,6 +788,26 @@ fn estimators_are_compared_and_what_one_missed_is_visited() {
 }
 
 #[test]
+fn the_list_of_sweeps_opens_as_often_as_it_is_asked_for() {
+    let mut window = Window::new(vec2(1600.0, 1000.0));
+    window.harness.key_press(Key::C);
+    window.compared();
+    let has_list = |window: &Window| window.harness.query_by_label_contains("Search range: ").is_some();
+    for away in ["Sweep", "Compare estimators", "Sweep", "Compare estimators"] {
+        window.harness.get_by_role_and_label(Role::ComboBox, "Sweep").click();
+        window.compared();
+        assert!(has_list(&window), "it is open");
+        // It is closed by a click on itself, or elsewhere.
+        match away {
+            "Sweep" => window.harness.get_by_role_and_label(Role::ComboBox, "Sweep").click(),
+            elsewhere => window.harness.get_by_label(elsewhere).click(),
+        }
+        window.compared();
+        assert!(!has_list(&window), "it is closed");
+    }
+}
+
+#[test]
 fn the_courses_table_is_measured_in_the_window_too() {
     let mut window = Window::new(vec2(1600.0, 1000.0));
     window.harness.key_press(Key::C);

@@ -6,7 +6,7 @@ use motionscope_core::Error;
 
 use super::input::Input;
 use super::unsupported;
-use super::video::Format;
+use super::video::{Format, is_stream};
 
 /// The kind of decoder that a file needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,6 +29,7 @@ impl Kind {
             Kind::Video(Format::Mp4) => "MP4 or QuickTime video",
             Kind::Video(Format::Matroska) => "Matroska or WebM video",
             Kind::Video(Format::Avi) => "AVI video",
+            Kind::Video(Format::Mjpeg) => "Motion JPEG video",
             Kind::Video(Format::Other) => "something else",
         }
     }
@@ -48,6 +49,7 @@ pub(crate) fn kind(input: &mut Input) -> Result<Kind, Error> {
     let head = input.read_up_to(0, HEAD_BYTES)?;
     match (kind_of(&head), unsupported::refusal(&head)) {
         (Kind::Video(Format::Other), Some(refusal)) => Err(refusal),
+        (Kind::Still, _) if is_jpeg(&head) && is_stream(input)? => Ok(Kind::Video(Format::Mjpeg)),
         (kind, _) => Ok(kind),
     }
 }
@@ -67,7 +69,7 @@ fn kind_of(head: &[u8]) -> Kind {
         Kind::Animation
     } else if at(0, b"\x89PNG\r\n\x1a\n") {
         if holds(head, b"acTL") { Kind::Animation } else { Kind::Still }
-    } else if at(0, &[0xFF, 0xD8, 0xFF]) || is_bmp(head) || is_tiff(head) || is_pnm(head) {
+    } else if is_jpeg(head) || is_bmp(head) || is_tiff(head) || is_pnm(head) {
         Kind::Still
     } else if is_mp4(head) {
         Kind::Video(Format::Mp4)
@@ -78,6 +80,10 @@ fn kind_of(head: &[u8]) -> Kind {
 
 fn holds(head: &[u8], chunk: &[u8; 4]) -> bool {
     head.windows(4).any(|name| name == chunk)
+}
+
+fn is_jpeg(head: &[u8]) -> bool {
+    head.starts_with(&[0xFF, 0xD8, 0xFF])
 }
 
 fn is_bmp(head: &[u8]) -> bool {
@@ -107,6 +113,7 @@ pub(crate) fn mislabelled(path: &Path, kind: Kind) -> Option<String> {
         "mkv" | "webm" => Kind::Video(Format::Matroska),
         "avi" => Kind::Video(Format::Avi),
         "gif" => Kind::Animation,
+        "mjpeg" | "mjpg" => Kind::Video(Format::Mjpeg),
         "jpg" | "jpeg" | "bmp" | "tif" | "tiff" | "pnm" | "pgm" | "ppm" | "pbm" => Kind::Still,
         // These may move or stand still.
         "png" | "apng" | "webp" if matches!(kind, Kind::Still | Kind::Animation) => kind,

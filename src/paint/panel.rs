@@ -223,8 +223,8 @@ impl View {
             View::Difference => {
                 "How much each pixel changes: black where nothing does, brightened if all change little."
             }
-            View::Blend => "One frame over the other, each with a share that can be set: what moves is seen twice.",
-            View::Blink => "One frame after the other in one place: what moves jumps.",
+            View::Blend => "One frame over the other, each with an adjustable share: moving objects appear twice.",
+            View::Blink => "Both frames by turns in one place: moving objects jump.",
             View::Prediction => {
                 "Frame t put together from where its pixels went in frame t+1; there is one at the end of a run."
             }

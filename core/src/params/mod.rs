@@ -46,6 +46,12 @@ impl fmt::Display for Value {
     }
 }
 
+/// A number with thin spaces between its thousands.
+fn grouped(value: i64) -> String {
+    let sign = if value < 0 { "−" } else { "" };
+    format!("{sign}{}", words::spaced(&value.unsigned_abs().to_string()))
+}
+
 /// The type and range of a parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Kind {
@@ -84,7 +90,7 @@ impl Kind {
     /// The allowed values in words, with `unit` after numbers.
     fn allowed(&self, unit: &str) -> String {
         match self {
-            Kind::Int { min, max } => format!("{min} to {max}{unit}"),
+            Kind::Int { min, max } => format!("{} to {}{unit}", grouped(*min), grouped(*max)),
             Kind::Real { min, max } => format!("{min} to {max}{unit}"),
             Kind::Switch => "on or off".into(),
             Kind::Placed(figure) => figure.allowed().into(),

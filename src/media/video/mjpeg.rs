@@ -7,9 +7,10 @@ use image::codecs::jpeg::JpegDecoder;
 use image::{DynamicImage, ImageDecoder};
 use motionscope_core::{Error, Frame, Grid};
 
-use super::coded::Codec;
+use super::coded::{Codec, MAX_SAMPLES, Sample, Track};
 use super::color::Picture;
-use crate::media::{check_size, picture};
+use crate::media::input::Input;
+use crate::media::{Open, check_size, picture};
 
 /// What a decoder takes as the sign that the standard's Huffman tables are to be used.
 const USE_STANDARD_TABLES: [u8; 9] = *b"\xFF\xE0\0\x07AVI1\0";
@@ -67,6 +68,61 @@ fn weave(top: &Frame, bottom: &Frame) -> Result<Frame, Error> {
         (Some(a), Some(b)) => Frame::rgb(Grid::from_fn(width, 2 * rows, |x, y| [a, b][y % 2][(x, y / 2)])),
         _ => Frame::gray(Grid::from_fn(width, 2 * rows, |x, y| field(y).luma()[(x, y / 2)])),
     })
+}
+
+/// Bytes that are read at once to find the end of a JPEG; doubled until it is found.
+const CHUNK_BYTES: u64 = 1 << 18;
+/// Largest JPEG of a stream, in bytes.
+const LARGEST_BYTES: u64 = 64 << 20;
+
+/// Whether a file that begins with a JPEG goes on with another one right behind it, and is no stereo picture.
+///
+/// # Errors
+/// If it cannot be read.
+pub(crate) fn is_stream(input: &mut Input) -> Result<bool, Error> {
+    let Some(first) = jpeg_at(input, 0)? else { return Ok(false) };
+    // Pictures of several lenses (MPO) hold JPEGs one behind the other as well.
+    let is_stereo = input.read_up_to(0, CHUNK_BYTES)?.windows(4).any(|tag| tag == b"MPF\0");
+    Ok(!is_stereo && input.read_up_to(u64::from(first.size), 3)?.starts_with(&[0xFF, 0xD8, 0xFF]))
+}
+
+/// The JPEG that begins at `offset`, if one does and is whole.
+fn jpeg_at(input: &mut Input, offset: u64) -> Result<Option<Sample>, Error> {
+    let mut count = CHUNK_BYTES;
+    loop {
+        let data = input.read_up_to(offset, count)?;
+        if !data.starts_with(&[0xFF, 0xD8, 0xFF]) {
+            return Ok(None);
+        }
+        let end = Jpeg::parse(&data).map(|jpeg| jpeg.end).filter(|end| data[..*end].ends_with(&[0xFF, 0xD9]));
+        if let Some(end) = end {
+            return Ok(Some(Sample { offset, size: end as u32, time: 0, key: true }));
+        }
+        if (data.len() as u64) < count || count >= LARGEST_BYTES {
+            return Ok(None);
+        }
+        count *= 2;
+    }
+}
+
+/// The pictures of a stream without a container, whose rate is not known.
+///
+/// # Errors
+/// If it cannot be read, or is stopped.
+pub(crate) fn open(input: &mut Input, options: &Open) -> Result<Track, Error> {
+    let mut track = Track { container: "mjpeg", codec: "mjpeg".into(), ..Track::default() };
+    let mut offset = 0;
+    while let Some(sample) = jpeg_at(input, offset)?.filter(|_| track.samples.len() < MAX_SAMPLES) {
+        options.report(offset as f32 / input.len() as f32)?;
+        offset += u64::from(sample.size);
+        track.samples.push(Sample { time: track.samples.len() as i64, ..sample });
+    }
+    let left = input.len() - offset;
+    if left > 0 {
+        track.warnings.push(format!("the last {left} bytes are no whole picture and are left out"));
+    }
+    track.order_by_time();
+    Ok(track)
 }
 
 /// Where the parts of a JPEG lie.
@@ -141,6 +197,28 @@ mod tests {
         let mut bytes = Vec::new();
         JpegEncoder::new_with_quality(&mut bytes, 90).encode_image(&picture).unwrap();
         bytes
+    }
+
+    #[test]
+    fn pictures_one_behind_the_other_are_a_clip() {
+        let all = [jpeg(32, 24, 0), jpeg(32, 24, 5), jpeg(32, 24, 9)];
+        let mut cut = all.concat();
+        cut.truncate(cut.len() - 20);
+        let stereo = {
+            let (head, rest) = all[0].split_at(2);
+            [head, b"\xFF\xE2\0\x06MPF\0", rest, &all[1]].concat()
+        };
+        let open = |bytes: Vec<u8>| {
+            let mut input = Input::memory("a.mjpeg".into(), bytes);
+            (is_stream(&mut input).unwrap(), open(&mut input, &Open::default()).unwrap())
+        };
+        let (is_clip, track) = open(all.concat());
+        assert!(is_clip && track.warnings.is_empty());
+        let sizes: Vec<_> = track.samples.iter().map(|sample| sample.size as usize).collect();
+        assert_eq!(sizes, all.each_ref().map(Vec::len));
+        let (is_clip, track) = open(cut);
+        assert!(is_clip && track.samples.len() == 2 && track.warnings[0].contains("no whole picture"));
+        assert!(!open(all[0].clone()).0 && !open(stereo).0, "a picture, and one for each eye");
     }
 
     /// The same without its Huffman tables.

@@ -25,6 +25,7 @@ use super::{Open, Source, reason};
 use coded::{Codec, Coded, Track};
 use h264::H264;
 use mjpeg::Mjpeg;
+pub(crate) use mjpeg::is_stream;
 use raw::Raw;
 use vp9::Vp9;
 
@@ -39,6 +40,8 @@ pub(crate) enum Format {
     Matroska,
     /// RIFF AVI.
     Avi,
+    /// JPEGs one behind the other, without a container.
+    Mjpeg,
     /// Something that ffmpeg may know.
     Other,
 }
@@ -53,6 +56,7 @@ pub(crate) fn open(path: &Path, format: Format, mut input: Input, options: &Open
         Format::Mp4 => mp4::open(&mut input, options),
         Format::Matroska => matroska::open(&mut input, options),
         Format::Avi => avi::open(&mut input, options),
+        Format::Mjpeg => mjpeg::open(&mut input, options),
         Format::Other => Err(Error::new("its format is not known")),
     };
     if track.as_ref().is_ok_and(|track| track.encrypted) {

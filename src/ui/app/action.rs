@@ -41,8 +41,9 @@ pub enum Action {
     Command(Command),
     /// Open a clip or a session by its path, or a scene as `synth:pillar,noise=5`.
     Open(OsString),
-    /// Open the palette or the dialog that a command stands for, with something typed in it already.
-    Type(Command, String),
+    /// Open the palette or the dialog that a command stands for, with something typed in it already, and whether Enter
+    /// came behind it.
+    Type(Command, String, bool),
     /// Open a bundled sample.
     OpenSample(&'static Sample),
     /// Cancel opening a clip.

@@ -26,8 +26,10 @@ impl App {
         match action {
             Action::Command(command) => self.command(command),
             Action::Open(name) => self.open(name),
-            Action::Type(Command::Palette, text) => self.overlay = Overlay::Palette(palette::State::asking(text)),
-            Action::Type(_, text) => self.overlay = Overlay::Open(Box::new(open_dialog::State::asking(text))),
+            Action::Type(Command::Palette, text, is_entered) => {
+                self.overlay = Overlay::Palette(palette::State::asking(text, is_entered));
+            }
+            Action::Type(_, text, _) => self.overlay = Overlay::Open(Box::new(open_dialog::State::asking(text))),
             Action::OpenSample(sample) => self.open_sample(sample),
             Action::CancelOpening => self.loading = None,
             Action::Browse(wanted) => self.browse(wanted),

@@ -182,7 +182,7 @@ impl App {
             self.states.stage.zoom = Zoom::At { center, scale: zoom };
         }
         let Position { cursor, pixel } = position;
-        let place = Place::at(cursor.unwrap_or_default());
+        let place = cursor.map_or(Place::END, Place::at);
         self.walk_from(Place { hold: Hold::Set(pixel), ..place });
     }
 

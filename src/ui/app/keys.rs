@@ -89,12 +89,18 @@ impl Escape {
 struct Opening {
     command: Command,
     typed: String,
+    /// Whether Enter came behind it.
+    is_entered: bool,
 }
 
 impl Opening {
     /// The field that `command` opens, if it opens one that waits for text.
     fn of(command: Command) -> Option<Self> {
-        matches!(command, Command::Palette | Command::Open).then(|| Self { command, typed: String::new() })
+        matches!(command, Command::Palette | Command::Open).then(|| Self {
+            command,
+            typed: String::new(),
+            is_entered: false,
+        })
     }
 
     /// Takes what is typed; gives whether `event` is left to others.
@@ -103,6 +109,7 @@ impl Opening {
             Event::Text(text) => self.typed.push_str(text),
             Event::Paste(text) => self.typed.push_str(text.trim()),
             Event::Key { key: Key::Backspace, pressed: true, .. } => drop(self.typed.pop()),
+            Event::Key { key: Key::Enter, pressed: true, .. } => self.is_entered = true,
             Event::Key { .. } => {}
             _ => return true,
         }
@@ -161,8 +168,8 @@ pub fn take(ctx: &egui::Context, overlaid: bool, now: &Situation, actions: &mut 
             _ => true,
         });
     });
-    if let Some(Opening { command, typed }) = opening.filter(|opening| !opening.typed.is_empty()) {
-        actions.ask(Action::Type(command, typed));
+    if let Some(Opening { command, typed, is_entered }) = opening.filter(|opening| !opening.typed.is_empty()) {
+        actions.ask(Action::Type(command, typed, is_entered));
     }
     ctx.data_mut(|data| data.insert_temp(Id::NULL, held));
     if moved {
@@ -227,10 +234,11 @@ mod tests {
             key(Key::P, false),
             Event::Text("yq".into()),
             key(Key::Backspace, true),
+            key(Key::Enter, true),
         ];
         assert!(events.iter().all(|event| !opening.take(event)));
         assert!(opening.take(&Event::PointerGone));
-        assert_eq!(opening.typed, "py");
+        assert!(opening.typed == "py" && opening.is_entered);
         assert!(Opening::of(Command::Play).is_none());
     }
 }

@@ -450,6 +450,11 @@ impl App {
         }
     }
 
+    /// Where a region lies, if it is there.
+    fn region(&self, of: Region) -> Option<egui::Rect> {
+        self.regions.iter().find(|(region, _)| *region == of).map(|(_, rect)| *rect)
+    }
+
     /// Says that what is held over the window can be dropped.
     fn drop_hint(&self, ui: &Ui) {
         if ui.input(|i| i.raw.hovered_files.is_empty()) {
@@ -479,12 +484,13 @@ impl eframe::App for App {
         ui.painter().rect_filled(ui.max_rect(), 0.0, ui.visuals().panel_fill);
         self.panels(ui, frame.wgpu_render_state(), &mut actions);
         self.overlays(&ctx, &mut actions);
-        // Messages lie over no words: above the strip, or else above the transport.
-        let lowest = [Region::Strip, Region::Transport]
-            .into_iter()
-            .find_map(|of| self.regions.iter().find(|(region, _)| *region == of).map(|(_, rect)| rect.min.y));
-        let bottom = ctx.content_rect().max.y - lowest.unwrap_or(ctx.content_rect().max.y) + 12.0;
-        self.toasts.show(&ctx, bottom, self.settings.look.theme);
+        // Messages lie over no words and no chart: on the stage, above its legend, or else above the transport.
+        let content = ctx.content_rect();
+        let legend = 1.6 * self.settings.look.theme.sizes().body;
+        let stage = self.region(Region::Stage).map(|stage| stage.left_bottom() - egui::vec2(0.0, legend));
+        let transport = || self.region(Region::Transport).map(|transport| transport.left_top());
+        let corner = stage.or_else(transport).unwrap_or(content.left_bottom()) + egui::vec2(12.0, -8.0);
+        self.toasts.show(&ctx, corner, self.settings.look.theme);
         self.drop_hint(ui);
         for action in actions.0 {
             self.act(action);

@@ -21,12 +21,14 @@ use crate::ui::parts::widgets;
 pub struct State {
     query: String,
     chosen: usize,
+    /// Whether Enter was pressed before it was there.
+    is_entered: bool,
 }
 
 impl State {
-    /// The palette with something typed in it already.
-    pub fn asking(query: impl Into<String>) -> Self {
-        Self { query: query.into(), chosen: 0 }
+    /// The palette with something typed in it already, and Enter behind it if `is_entered`.
+    pub fn asking(query: impl Into<String>, is_entered: bool) -> Self {
+        Self { query: query.into(), chosen: 0, is_entered }
     }
 }
 
@@ -86,7 +88,7 @@ pub fn show(ctx: &egui::Context, state: &mut State, input: &Input) -> (Option<Ac
         let entries = found(&state.query, input);
         state.chosen = (state.chosen + usize::from(down)).saturating_sub(usize::from(up));
         state.chosen = state.chosen.min(entries.len().saturating_sub(1));
-        if enter {
+        if enter || std::mem::take(&mut state.is_entered) {
             chosen = entries.get(state.chosen).map(|entry| entry.action.clone());
         }
         if entries.is_empty() {

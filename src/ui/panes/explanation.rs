@@ -321,15 +321,18 @@ fn strip_parts(painter: &Painter, input: Input<'_>, [width, most]: [f32; 2]) -> 
     let mut columns = Vec::new();
     for density in TYPE_SHARES.iter().map(at) {
         columns = strip_columns(input, (width, density), most);
-        if height(&columns) <= most {
+        if height(&columns, width) <= most {
             break;
         }
     }
     columns.into_iter().map(|(left, block)| (left, Part::new(painter, block, input.info.family))).collect()
 }
 
-fn height(columns: &[(f32, Block)]) -> f32 {
-    columns.iter().map(|(_, block)| block.size[1]).fold(0.0, f32::max)
+/// How high the parts are; where one reaches into the next, or beyond `width`, they do not fit at all.
+fn height(columns: &[(f32, Block)], width: f32) -> f32 {
+    let ends = columns.iter().skip(1).map(|(left, _)| *left).chain([width]);
+    let fits = columns.iter().zip(ends).all(|((left, block), end)| left + block.size[0] <= end);
+    if fits { columns.iter().map(|(_, block)| block.size[1]).fold(0.0, f32::max) } else { f32::INFINITY }
 }
 
 /// The sentence, and the formula in one column or two: as usual if that is no higher than `most`, or else whichever is lowest.
@@ -360,10 +363,10 @@ fn strip_columns(input: Input<'_>, (width, density): (f32, Density), most: f32) 
     let narrow = if formula.len() > 1 { &NARROW_SHARES[..] } else { &[] };
     let usual = [SENTENCE_SHARES.first().map(in_one), narrow.first().map(|share| two(*share))];
     let lowest = |ways: &mut dyn Iterator<Item = Vec<(f32, Block)>>| {
-        ways.min_by(|a, b| height(a).total_cmp(&height(b))).unwrap_or_default()
+        ways.min_by(|a, b| height(a, width).total_cmp(&height(b, width))).unwrap_or_default()
     };
     let usual = lowest(&mut usual.into_iter().flatten());
-    if height(&usual) <= most {
+    if height(&usual, width) <= most {
         return usual;
     }
     let others = SENTENCE_SHARES[1..].iter().map(in_one);

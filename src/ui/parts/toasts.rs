@@ -61,8 +61,8 @@ impl Toasts {
         self.0.iter().rfind(|toast| !toast.is_introduction).map(|toast| toast.text.as_str())
     }
 
-    /// Shows the messages above the transport, the newest at the bottom.
-    pub fn show(&mut self, ctx: &egui::Context, bottom: f32, theme: Theme) {
+    /// Shows the messages with their lower left `corner` there, the newest at the bottom.
+    pub fn show(&mut self, ctx: &egui::Context, corner: egui::Pos2, theme: Theme) {
         let now = ctx.input(|i| i.time);
         for toast in &mut self.0 {
             let stay = if toast.kind == Kind::Error { 2.0 * STAY_SECS } else { STAY_SECS };
@@ -72,8 +72,8 @@ impl Toasts {
         let Some(next) = self.0.iter().filter_map(|toast| toast.until).reduce(f64::min) else { return };
         ctx.request_repaint_after_secs((next - now) as f32 + 0.01);
         let chrome = theme.chrome();
-        let area =
-            Area::new(Id::unique("toasts")).order(Order::Foreground).anchor(Align2::RIGHT_BOTTOM, [-16.0, -bottom]);
+        let by = corner - ctx.content_rect().left_bottom();
+        let area = Area::new(Id::unique("toasts")).order(Order::Foreground).anchor(Align2::LEFT_BOTTOM, by);
         let mut read = None;
         area.show(ctx, |ui| {
             let size = TextStyle::Body.resolve(ui.style()).size;
