@@ -1,7 +1,7 @@
 //! Full search against a plain reference, and against what the issue of ties and borders demands.
 
 use motionscope_core::scene::Readout;
-use motionscope_core::{BlockField, Clip, Cursor, Direction, Frame, Gray, Grid, Move, Threads, Walk, estimator};
+use motionscope_core::{BlockField, Clip, Cursor, Direction, Frame, Gray, Grid, Move, Threads, Walk, estimator, synth};
 use proptest::prelude::*;
 
 /// What a search is asked for.
@@ -92,6 +92,93 @@ proptest! {
     }
 }
 
+fn field(id: &str, settings: &[(&str, String)], clip: &Clip) -> BlockField {
+    let mut search = estimator(id).unwrap();
+    settings.iter().for_each(|(name, value)| search.set(name, value).unwrap());
+    let Some(field) = search.run(clip, 0, &Threads::single()).unwrap().get::<BlockField>().cloned() else {
+        panic!("no blocks")
+    };
+    field
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(80))]
+
+    #[test]
+    fn successive_elimination_finds_what_full_search_finds(
+        (block, range) in (4usize..34, 1i64..20),
+        (width, height) in (34usize..90, 34usize..70),
+        cost in prop::sample::select(vec!["sad", "ssd", "mse", "zsad", "satd", "ncc"]),
+        (border, subpixel) in (
+            prop::sample::select(vec!["inside", "replicate", "mirror"]),
+            prop::sample::select(vec!["none", "half", "quarter", "parabola"]),
+        ),
+        (levels, lambda) in (1usize..=5, prop::sample::select(vec!["0", "0.3", "4", "60"])),
+        // Few gray levels make many ties, and a moved picture a low minimum.
+        (seed, grays) in (any::<u32>(), prop::sample::select(vec![2u32, 3, 255])),
+        (moved, spacing) in ((0usize..6, 0usize..6), 0usize..40),
+    ) {
+        let all = picture(width + 6, height + 6, seed, grays);
+        let noise = picture(width, height, seed ^ 0xABCD, 9);
+        let cut = |(dx, dy): (usize, usize)| Grid::from_fn(width, height, |x, y| all[(x + dx, y + dy)].saturating_add(noise[(x, y)] / 32));
+        let clip = Clip::from_frames("pair", vec![Frame::gray(cut((0, 0))), Frame::gray(cut(moved))]).unwrap();
+        let shared: Vec<(&str, String)> = [("cost", cost), ("border", border), ("subpixel", subpixel), ("lambda", lambda)]
+            .map(|(name, value)| (name, value.to_owned()))
+            .into_iter()
+            .chain([("block", block), ("range", range as usize), ("spacing", spacing)].map(|(name, value)| (name, value.to_string())))
+            .collect();
+        let full = field("full-search", &shared, &clip);
+        let own = [shared, vec![("bound-levels", levels.to_string())]].concat();
+        let fast = field("successive-elimination", &own, &clip);
+        for (i, (full, fast)) in full.vectors.iter().zip(&fast.vectors).enumerate() {
+            let (full, fast) = (full.unwrap(), fast.unwrap());
+            prop_assert_eq!((fast.displacement, fast.cost), (full.displacement, full.cost), "block {}", i);
+            prop_assert!(fast.candidates <= full.candidates + 24);
+        }
+    }
+}
+
+/// The share of the candidates that successive elimination skips on frame 0 of a scene.
+fn skipped(scene: &str, levels: &str) -> f64 {
+    let scene = synth::scene(scene).unwrap();
+    let clip = scene.clip(&scene.difficulty()).unwrap();
+    let all = field("full-search", &[], &clip).candidates();
+    let tested = field("successive-elimination", &[("bound-levels", levels.to_owned())], &clip).candidates();
+    1.0 - tested as f64 / all as f64
+}
+
+#[test]
+fn elimination_skips_texture_and_fails_under_noise() {
+    let [works, fails] = ["translation", "flat-wall"].map(|scene| skipped(scene, "3"));
+    println!("skipped: translation {works:.3}, flat wall {fails:.3}");
+    assert!(works > 0.9, "{works}");
+    assert!(fails < 0.3, "{fails}");
+    // Each level skips more.
+    let levels = ["1", "2", "3"].map(|levels| skipped("pillar", levels));
+    assert!(levels.is_sorted(), "{levels:?}");
+}
+
+#[test]
+fn a_skipped_candidate_says_by_which_bound() {
+    let frames = vec![Frame::gray(Grid::from_fn(24, 24, |x, _| 10 * x as u8)); 2];
+    let clip = Clip::from_frames("ramp", frames).unwrap();
+    let told = |levels: &str| {
+        let settings = [("block", "8"), ("range", "2"), ("border", "replicate"), ("bound-levels", levels)];
+        sentences_of("successive-elimination", &clip, &settings, 4, "")
+    };
+    let has = |told: &[String], sentence: &str| assert!(told.iter().any(|told| told == sentence), "{told:#?}");
+    has(
+        &told("1"),
+        "Candidate (−1, −2): SAD cannot be below 640, by the sums of both blocks. The minimum so far is 0 at (0, 0): skipped.",
+    );
+    has(&told("1"), "Skipped without computing their cost: 20 of 25 candidates, 80.0 %.");
+    let end = told("3").pop().unwrap();
+    assert!(end.contains("Skipped by lower bounds: 20 of 25 candidates, 80.0 %."), "{end}");
+    let settings = [("block", "8"), ("range", "2"), ("cost", "ncc")];
+    let told = sentences_of("successive-elimination", &clip, &settings, 4, "No lower bound");
+    assert!(told[0].starts_with("No lower bound of 1 − NCC follows from sums of gray levels"), "{told:?}");
+}
+
 #[test]
 fn mse_is_ssd_divided_and_chooses_the_same() {
     let clip =
@@ -135,7 +222,12 @@ fn refuses_a_block_larger_than_the_picture_in_words() {
 
 /// All sentences of block `unit`, from 0, that begin with `start`.
 fn sentences(clip: &Clip, settings: &[(&str, &str)], unit: usize, start: &str) -> Vec<String> {
-    let mut search = estimator("full-search").expect("it is there");
+    sentences_of("full-search", clip, settings, unit, start)
+}
+
+/// The same of another search.
+fn sentences_of(id: &str, clip: &Clip, settings: &[(&str, &str)], unit: usize, start: &str) -> Vec<String> {
+    let mut search = estimator(id).expect("it is there");
     settings.iter().for_each(|(name, value)| search.set(name, value).expect("in range"));
     let mut walk = search.walk(clip, 0).expect("a walk");
     let mut found = Vec::new();
@@ -206,7 +298,7 @@ fn an_early_exit_stops_at_the_first_row_that_is_too_much() {
     let given_up = sentences(&clip, &settings, 0, "Candidate (1, 0)");
     assert_eq!(
         given_up,
-        ["Candidate (1, 0): SAD 80 after 1 of 8 rows exceeds the minimum so far, 0 at (0, 0). Early exit: rejected."]
+        ["Candidate (1, 0): SAD ≥ 80 after 1 of 8 rows exceeds the minimum so far, 0 at (0, 0). Early exit: rejected."]
     );
     let mut search = estimator("full-search").unwrap();
     settings.iter().for_each(|(name, value)| search.set(name, value).unwrap());

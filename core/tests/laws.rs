@@ -389,7 +389,7 @@ fn known_translations_are_recovered_as_far_as_promised() {
         }
         ran += 1;
     });
-    assert_eq!(ran, 10, "all block searches but that by quadrants");
+    assert_eq!(ran, 11, "all block searches but that by quadrants");
 }
 
 #[test]

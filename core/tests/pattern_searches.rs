@@ -21,13 +21,14 @@ struct Plain<'a> {
     costs: BTreeMap<Vector, i64>,
 }
 
-/// What was found for the blocks to the left, above, above right, and for this one in the pair before.
+/// What was found for the blocks to the left, above and above right, with its cost, and for this one in the two pairs before.
 #[derive(Clone, Copy, Debug, Default)]
 struct Nearby {
-    left: Option<Vector>,
-    above: Option<Vector>,
-    above_right: Option<Vector>,
+    left: Option<(Vector, i64)>,
+    above: Option<(Vector, i64)>,
+    above_right: Option<(Vector, i64)>,
     before: Option<Vector>,
+    earlier: Option<Vector>,
 }
 
 impl Plain<'_> {
@@ -121,9 +122,9 @@ fn search(id: &str, plain: &mut Plain) {
     match id {
         "adaptive-rood" => {
             if plain.best_cost() > plain.cost_of(2.0) {
-                let arm = plain.nearby.left.map_or(2, |(u, v)| u.abs().max(v.abs()));
+                let arm = plain.nearby.left.map_or(2, |((u, v), _)| u.abs().max(v.abs()));
                 plain.test(CROSS, arm, (0, 0));
-                plain.test(&plain.nearby.left.into_iter().collect::<Vec<_>>(), 1, (0, 0));
+                plain.test(&plain.nearby.left.iter().map(|(at, _)| *at).collect::<Vec<_>>(), 1, (0, 0));
                 plain.walk(CROSS);
             }
         }
@@ -193,43 +194,41 @@ fn search(id: &str, plain: &mut Plain) {
     }
 }
 
-/// The predictive search with its thresholds of 0.25 and 2 gray levels and its grid of 3 px.
+/// The predictive search with its thresholds of 0.5 and 4 gray levels and its three squares of fixed predictors, 4 px apart.
 fn predictive(plain: &mut Plain) {
-    let Nearby { left, above, above_right, before } = plain.nearby;
+    let Nearby { left, above, above_right, before, earlier } = plain.nearby;
     let middle = |part: fn(Vector) -> i64| {
-        let mut parts = [left, above, above_right].map(|found| found.map_or(0, part));
+        let mut parts = [left, above, above_right].map(|found| found.map_or(0, |(at, _)| part(at)));
         parts.sort();
         parts[1]
     };
-    let median = if above.is_none() { left.unwrap_or_default() } else { (middle(|(u, _)| u), middle(|(_, v)| v)) };
+    let left_alone = left.map_or((0, 0), |(at, _)| at);
+    let median = if above.is_none() { left_alone } else { (middle(|(u, _)| u), middle(|(_, v)| v)) };
     plain.test(CENTRE, 1, median);
-    if plain.costs.is_empty() || plain.best_cost() > plain.cost_of(0.25) {
-        let known: Vec<_> = [left, above, above_right, before].into_iter().flatten().collect();
-        plain.test(CENTRE, 1, (0, 0));
-        plain.test(&known, 1, (0, 0));
-        if plain.best_cost() > plain.cost_of(0.25) {
-            plain.walk(NEIGHBOURS);
-            if plain.best_cost() > plain.cost_of(2.0) {
-                let reach = plain.range / 3;
-                let grid: Vec<_> = (-reach..=reach).flat_map(|v| (-reach..=reach).map(move |u| (u, v))).collect();
-                plain.test(&grid, 3, (0, 0));
-                let cost = |plain: &Plain, (u, v): Vector| Some((*plain.costs.get(&(u, v))?, u * u + v * v, v, u));
-                let grid = grid.into_iter().map(|(u, v)| (3 * u, 3 * v));
-                let mut starts: Vec<_> = grid.filter_map(|at| Some((cost(plain, at)?, at))).collect();
-                starts.sort();
-                for (mut key, mut at) in starts.into_iter().take(10) {
-                    loop {
-                        plain.test(NEIGHBOURS, 1, at);
-                        let around = NEIGHBOURS.iter().map(|(u, v)| (at.0 + u, at.1 + v));
-                        let Some(best) = around.filter_map(|at| Some((cost(plain, at)?, at))).min() else { break };
-                        if best.0 >= key {
-                            break;
-                        }
-                        (key, at) = best;
-                    }
-                }
-            }
+    if !plain.costs.is_empty() && plain.best_cost() <= plain.cost_of(0.5) {
+        return;
+    }
+    let spatial: Vec<(Vector, i64)> = [left, above, above_right].into_iter().flatten().collect();
+    let accelerated = before.zip(earlier).map(|(b, e)| (2 * b.0 - e.0, 2 * b.1 - e.1));
+    plain.test(CENTRE, 1, (0, 0));
+    plain.test(&spatial.iter().map(|(at, _)| *at).chain(before).chain(accelerated).collect::<Vec<_>>(), 1, (0, 0));
+    // A block that is cut at the border counts by its pixels.
+    let share = plain.cost_of(1.0) / (plain.block * plain.block) as f64;
+    let least = spatial.iter().map(|(_, cost)| *cost as f64 * share).fold(f64::INFINITY, f64::min);
+    let threshold =
+        if least.is_finite() { least.min(plain.cost_of(4.0)).max(plain.cost_of(0.5)) } else { plain.cost_of(0.5) };
+    if plain.best_cost() <= threshold {
+        return;
+    }
+    plain.walk(CROSS);
+    let twice = if least.is_finite() { 2.0 * least } else { 0.0 };
+    if plain.best_cost() > plain.cost_of(4.0).max(twice) {
+        let range = plain.range;
+        for square in [4, 8, 12].into_iter().filter(|square| *square <= range) {
+            plain.test(NEIGHBOURS, square, (0, 0));
         }
+        plain.walk(DIAMOND);
+        plain.test(CROSS, 1, plain.best());
     }
 }
 
@@ -270,8 +269,8 @@ proptest! {
     ) {
         let all = picture(width + 6, height + 6, seed, levels);
         let cut = |dx, dy| Grid::from_fn(width, height, |x, y| all[(x + dx, y + dy)]);
-        let frames = [cut(dx, dy), cut(0, 3), cut(dy, 1)];
-        let clip = Clip::from_frames("three", frames.iter().cloned().map(Frame::gray).collect()).expect("sound");
+        let frames = [cut(dx, dy), cut(0, 3), cut(dy, 1), cut(dx, dx)];
+        let clip = Clip::from_frames("four", frames.iter().cloned().map(Frame::gray).collect()).expect("sound");
         for id in IDS {
             let mut estimator = estimator(id).expect("sound");
             for (name, value) in [
@@ -283,10 +282,10 @@ proptest! {
                 estimator.set(name, &value).expect("sound");
             }
             let looks_back = estimator.set("temporal", "on").is_ok();
-            let mut before = None;
-            for t in 0..2 {
+            let mut before: [Option<Vec<Vector>>; 2] = [None, None];
+            for t in 0..3 {
                 let Some(field) = estimator.run(&clip, t, &Threads::single()).expect("sound").get::<BlockField>().cloned() else { panic!("no blocks") };
-                let (mut candidates, columns, mut all_found) = (0, field.blocks.counts().0, Vec::<Vector>::new());
+                let (mut candidates, columns, mut all_found) = (0, field.blocks.counts().0, Vec::<(Vector, i64)>::new());
                 for (i, found) in field.vectors.iter().enumerate() {
                     let at = field.blocks.block(i);
                     let above = |shift: usize| i.checked_sub(columns).map(|above| all_found[above + shift]);
@@ -294,7 +293,8 @@ proptest! {
                         left: (i % columns > 0).then(|| all_found[i - 1]),
                         above: above(0),
                         above_right: if (i + 1).is_multiple_of(columns) { None } else { above(1) },
-                        before: before.as_ref().map(|before: &Vec<Vector>| before[i]),
+                        before: before[0].as_ref().map(|before| before[i]),
+                        earlier: before[1].as_ref().map(|earlier| earlier[i]),
                     };
                     let mut plain = Plain {
                         current: &frames[t],
@@ -316,11 +316,12 @@ proptest! {
                         ([u as f32, v as f32], plain.costs[&(u, v)] as f64),
                         "{} block {}", id, i
                     );
-                    all_found.push((u, v));
+                    all_found.push(((u, v), plain.costs[&(u, v)]));
                 }
                 prop_assert_eq!(field.candidates(), candidates, "{}", id);
-                // What the search of the pair before found, which did not look back itself.
-                before = looks_back.then_some(all_found);
+                // What the searches of the two pairs before found.
+                let found = all_found.into_iter().map(|(at, _)| at).collect();
+                before = if looks_back { [Some(found), before[0].take()] } else { [None, None] };
             }
         }
     }
@@ -394,12 +395,12 @@ fn searches_that_predict_test_as_few_as_their_papers_say() {
     let outside = ("border", "replicate");
     assert_eq!(candidates("adaptive-rood", &[outside, ("still", "16")], 0, (0, 0)), (1, true));
     assert_eq!(candidates("adaptive-rood", &[outside, ("still", "0")], 0, (0, 0)), (9, true));
-    // Tourapis 2002: 1 if the median is good enough; else its 8 neighbours, as no predictor is new.
+    // Tourapis 2002: 1 if the median is good enough; else a small diamond, as no predictor is new.
     assert_eq!(candidates("predictive", &[outside, ("enough", "16")], 0, (0, 0)), (1, true));
-    assert_eq!(candidates("predictive", &[outside, ("poor", "16")], 0, (0, 0)), (9, true));
-    // And a grid of 5×5 around ±7 px in steps of 3 px if that is poor: 24 more. Its best is where the search already is.
-    let poor = [outside, ("range", "7"), ("poor", "0"), ("starts", "1")];
-    assert_eq!(candidates("predictive", &poor, 0, (0, 0)), (33, true));
+    assert_eq!(candidates("predictive", &[outside, ("poor", "16")], 0, (0, 0)), (5, true));
+    // If that is poor, squares of 8 fixed predictors and a large diamond of 8; the small one is known.
+    let poor = [outside, ("range", "16"), ("poor", "0"), ("fixed-squares", "2")];
+    assert_eq!(candidates("predictive", &poor, 0, (0, 0)), (5 + 16 + 8, true));
 }
 
 #[test]
@@ -486,13 +487,18 @@ fn every_decision_says_why() {
         &range,
         "Neighbours: left (7, 0), above (2, 7), above right (−7, 7). The median predictor is (2, 7).",
     );
-    let [settings, enough] = [("range", "16"), ("enough", "16")].map(|setting| [setting]);
+    let fixed = told("predictive", &range, &pit(0, (2, 0)), 0);
+    let expected = "SAD 4096 exceeds 1024, a poor match: no predictor is near the motion, which differs from that of the neighbours or \
+                    is too large. Squares with a spacing of 4 px around (0, 0) are tested. \
+                    Of these 8, 3 are new and inside the search window.";
+    assert!(fixed.iter().any(|told| told == expected), "{fixed:#?}");
     has(
         "predictive",
-        &settings,
-        "SAD 4096 exceeds the grid threshold 512: a grid with a step of 3 px is tested. \
-         Of these 121, 119 are new and inside the search window.",
+        &range,
+        "The lowest cost of a neighbour is 6656, and texture and noise are similar here: the termination threshold is raised from \
+         128 to 1024.",
     );
+    let enough = [("enough", "16")];
     let rest = told("predictive", &enough, &pit(0, (0, 0)), 0);
     assert!(rest[1].starts_with("No neighbour is searched yet"), "{rest:#?}");
     assert!(rest.iter().any(|told| told.ends_with(": early termination.")), "{rest:#?}");

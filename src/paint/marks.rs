@@ -82,7 +82,7 @@ impl Look {
             Lengthen::Times(factor) if factor.is_finite() && factor > 0.0 => factor,
             Lengthen::Times(_) => 1.0,
         };
-        let heat = heat_range(scene);
+        let heat = heat_range(scene).map(|range| scene.heat_scale.unwrap_or(range));
         // Numbers of both signs have 0 in the middle of their own colours.
         let signed = heat.filter(|[low, high]| *low < 0.0 && *high > 0.0).map(|[low, high]| high.max(-low));
         let (heat, colors) = match signed {

@@ -4,7 +4,7 @@ use crate::base::Error;
 use crate::families::{
     block_matching::{
         AdaptiveRood, Diamond, FourStep, FullSearch, Hexagon, Hierarchical, LogSearch, NewThreeStep, Predictive,
-        QuadrantSearch, ThreeStep,
+        QuadrantSearch, SuccessiveElimination, ThreeStep,
     },
     interest_points::{Harris, ShiTomasi},
     moving_objects::{
@@ -22,6 +22,7 @@ use crate::run::{AnyEstimator, Course, Entries, Entry};
 impl Entries for Course {
     const ENTRIES: &'static [Entry] = &[
         Entry::of::<FullSearch>(),
+        Entry::of::<SuccessiveElimination>(),
         Entry::of::<QuadrantSearch>(),
         Entry::of::<LogSearch>(),
         Entry::of::<ThreeStep>(),

@@ -204,6 +204,8 @@ pub struct Scene {
     pub pictures: Vec<Canvas>,
     /// The name of the values of a heat map, if no surface gives it: `λ`.
     pub heat: Option<&'static str>,
+    /// The values at both ends of the colours of a heat map, if they are known before all of it is; else its own.
+    pub heat_scale: Option<[f32; 2]>,
 }
 
 impl Scene {
@@ -214,6 +216,7 @@ impl Scene {
             && self.levels == other.levels
             && self.pictures == other.pictures
             && self.heat == other.heat
+            && self.heat_scale == other.heat_scale
             && self.marks.len() == other.marks.len()
             && self.marks.iter().zip(&other.marks).all(same)
     }
@@ -230,7 +233,12 @@ impl Scene {
 
     /// Adds the marks and the legend of `other`, a scene on a picture `factor` times smaller.
     pub fn add_enlarged(&mut self, other: Scene, factor: usize) {
-        let Scene { marks, legend, .. } = other;
+        let Scene { marks, legend, heat_scale, .. } = other;
+        // One scale for all that is drawn together.
+        self.heat_scale = match (self.heat_scale, heat_scale) {
+            (Some([low, high]), Some([lower, higher])) => Some([low.min(lower), high.max(higher)]),
+            (scale, other) => scale.or(other),
+        };
         self.marks.extend(marks.into_iter().map(|mark| Mark { shape: mark.shape.enlarged(factor), ..mark }));
         legend.into_iter().for_each(|(role, meaning)| self.legend(role, meaning));
     }

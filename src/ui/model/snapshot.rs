@@ -3,8 +3,8 @@
 use std::ops::Deref;
 use std::sync::Arc;
 
-use motionscope_core::scene::{Focus, Picture, Shape};
-use motionscope_core::{Cursor, Error, Granularity, Info, Pace, Role};
+use motionscope_core::scene::{Focus, Picture, Readout, Shape, Surface};
+use motionscope_core::{Cursor, Error, Granularity, Info, Move, Pace, Role, Step, Walk};
 
 use crate::experiment::Prepared;
 use crate::experiment::pixel::Pixel;
@@ -27,13 +27,15 @@ pub struct Place {
     pub cursor: Cursor,
     /// The pixel whose unit is meant, if known.
     pub near: Option<Focus>,
+    /// The candidate of that unit under test, `[u, v]` in px, if the step is about one.
+    pub candidate: Option<[i32; 2]>,
     /// The held pixel.
     pub hold: Hold,
 }
 
 impl Place {
     /// The end of the run.
-    pub const END: Self = Self { cursor: Cursor::END, near: None, hold: Hold::Kept };
+    pub const END: Self = Self { cursor: Cursor::END, near: None, candidate: None, hold: Hold::Kept };
 
     /// At `cursor`.
     pub fn at(cursor: Cursor) -> Self {
@@ -52,7 +54,10 @@ impl Place {
         let event = if event > 0 && event == shown.events { usize::MAX } else { event };
         // What is pointed at is not where the run stands.
         let near = shown.reference().filter(|_| shown.pointed.is_none());
-        Self { cursor: Cursor { unit, event }, near, ..Self::default() }
+        // With another search window the same candidate is tested by another event; in lockstep events are counted anyway.
+        let is_inside = event > 0 && event < usize::MAX && shown.tiles.is_empty();
+        let candidate = surface(&shown.step).and_then(|surface| surface.probe).filter(|_| is_inside);
+        Self { cursor: Cursor { unit, event }, near, candidate, ..Self::default() }
     }
 
     /// Returns the position in lockstep that corresponds to `shown`: the same candidate of the same block.
@@ -74,6 +79,20 @@ impl Place {
     pub fn alone(shown: &Snapshot) -> Self {
         if shown.at_end { Self::END } else { Self { cursor: shown.leader(), ..Self::default() } }
     }
+}
+
+/// The cost surface of `step`, if it has one.
+pub fn surface(step: &Step) -> Option<&Surface> {
+    step.readouts.iter().find_map(|readout| if let Readout::Surface(surface) = readout { Some(surface) } else { None })
+}
+
+/// Returns the event that tests `candidate` of the unit at `cursor` of `walk`, which is moved to the end of that unit.
+pub fn event_of(walk: &mut dyn Walk, cursor: Cursor, candidate: [i32; 2]) -> Option<usize> {
+    walk.jump(Move::To(Cursor { event: usize::MAX, ..cursor }));
+    let step = walk.step(None);
+    let surface = surface(&step)?;
+    let [column, row] = [0, 1].map(|i| usize::try_from(candidate[i] - surface.origin[i]).ok());
+    surface.events.get(column?, row?).copied().flatten()
 }
 
 /// The subject of a walk, and its first position.

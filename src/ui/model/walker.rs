@@ -20,7 +20,7 @@ use motionscope_core::scene::{Focus, Picture};
 use motionscope_core::{Clip, Cursor, Error, Explained, Flow, Move, Output, Stop, Walk};
 
 use super::preview::{preview, stopped};
-use super::snapshot::{Hold, Job, Place, Pointed, Snapshot};
+use super::snapshot::{Hold, Job, Place, Pointed, Snapshot, event_of};
 use crate::experiment::pixel::{Pixel, is_explained, walks_pixels};
 use crate::experiment::{Experiment, Prepared};
 use crate::paint::{FlowLayer, Pictures};
@@ -611,11 +611,15 @@ impl<'a> Worker<'a> {
         let clip = subject.clip.clone().until(self.shared.stop.clone());
         self.announce(&subject, &clip)?;
         let mut pairs = LastPair::default();
-        let walk = subject.experiment.walk(&clip)?;
+        let mut walk = subject.experiment.walk(&clip)?;
         let pair = pairs.of(&*walk, &clip)?.clone();
         let Place { mut cursor, near, .. } = place;
         if let Some(unit) = near.and_then(|focus| walk.unit_at(focus)) {
             cursor.unit = unit;
+        }
+        // The unit of a search is short. A candidate outside the new search window keeps the number of its event.
+        if let Some(event) = place.candidate.and_then(|candidate| event_of(&mut *walk, cursor, candidate)) {
+            cursor.event = event;
         }
         self.run = Some(Run {
             subject,

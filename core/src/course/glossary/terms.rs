@@ -1740,6 +1740,13 @@ pub static GLOSSARY: &[Term] = &[
         "Displacements finer than one px, found by interpolation of the image or of the cost.",
     ),
     term(
+        MotionVectors,
+        "successive elimination",
+        &["successive elimination algorithm", "multilevel successive elimination", "SEA"],
+        "Full search that skips a candidate where a lower bound of its cost, from sums of gray levels over parts of the block, \
+        exceeds the minimum so far.",
+    ),
+    term(
         DifferentialMethods,
         "successive over-relaxation",
         &["SOR", "overrelaxation", "over-relaxation", "relaxation factor"],

@@ -24,7 +24,8 @@ block_search_params! {
 }
 
 /// The large diamond.
-const LARGE: [Displacement; 9] = [[0, 0], [0, -2], [-1, -1], [1, -1], [-2, 0], [2, 0], [-1, 1], [1, 1], [0, 2]];
+pub(super) const LARGE: [Displacement; 9] =
+    [[0, 0], [0, -2], [-1, -1], [1, -1], [-2, 0], [2, 0], [-1, 1], [1, 1], [0, 2]];
 
 /// The small diamond: a centre and its four neighbours.
 pub(super) const SMALL: [Displacement; 5] = [[0, 0], [0, -1], [-1, 0], [1, 0], [0, 1]];

@@ -18,7 +18,7 @@ use crate::methods::{
         BlockSearch, Displacement, Event, Match, Matching, Patch, Settings, Tester, Window, block_search_params,
         shorter,
     },
-    cost,
+    cost::{self, Sum},
 };
 use crate::run::{Guarantee, Info};
 use crate::{choices, pseudocode};
@@ -50,6 +50,7 @@ pseudocode! {
     LAY_WINDOW: "  place the search window of ±search range around B in frame t+1",
     EACH_CANDIDATE: "  for each candidate (u, v) in the search window",
     COMPUTE_COST: "    c ← cost of B and the block of frame t+1 displaced by (u, v) [+ λR(u, v)]",
+    EXIT_EARLY: "    if a partial sum exceeds minimum after some rows: reject, c ≥ that sum (if early exit is set)",
     COMPARE_COST: "    if c < minimum, or c = minimum and (u, v) is shorter than best",
     KEEP_BEST: "      minimum ← c; best ← (u, v)",
     REFINE_BEST: "  refine best to sub-pixel accuracy (if subpixel is set)",
@@ -86,7 +87,10 @@ impl BlockSearch for FullSearch {
         let until = |sum, index: usize, limit| {
             cost::until(sum, cut, area, (index % window.size.0, index / window.size.0), limit)
         };
-        let summed = kind.sum().inspect(|&sum| cost::window(sum, cut, area, window.size, &mut work.sums));
+        let summed = kind.sum().inspect(|&sum| match sum {
+            Sum::Absolute => cost::window(cut, area, window.size, &mut work.sums),
+            Sum::Squared => work.windows.squared(cut, area, window.size, &mut work.sums),
+        });
         if let Some(sum) = summed.filter(|_| rate.lambda == 0.0) {
             let scan = Scan { window, order, costs: &work.sums[..], most: u32::MAX, of: |sum| kind.of(sum, block) };
             let best = scan.run(observer, |index, limit| {
@@ -96,13 +100,16 @@ impl BlockSearch for FullSearch {
             });
             return tester.settle(best, |work, index| kind.of(work.sums[index], block));
         }
-        let (pixels, stride) = area.rows();
-        let distortion = |index: usize| match summed {
-            Some(_) => kind.of(work.sums[index], block),
-            None => kind.between(block, cut, &pixels[index / window.size.0 * stride + index % window.size.0..], stride),
-        };
-        work.window_costs.clear();
-        work.window_costs.extend((0..window.count()).map(|index| distortion(index) + price(index)));
+        match summed {
+            Some(_) => {
+                work.window_costs.clear();
+                work.window_costs.extend(work.sums.iter().map(|&sum| kind.of(sum, block)));
+            }
+            None => kind.window(cut, area, window.size, (&mut work.windows, &mut work.window_costs)),
+        }
+        if rate.lambda > 0.0 {
+            work.window_costs.iter_mut().enumerate().for_each(|(index, cost)| *cost += price(index));
+        }
         let scan = Scan { window, order, costs: &work.window_costs[..], most: f64::INFINITY, of: |cost| cost };
         let best = scan.run(observer, |index, limit| match summed.filter(|_| self.early_exit) {
             Some(sum) => {

@@ -228,7 +228,7 @@ impl Hierarchical {
         observer.see(|| Event::Window);
         let (pair, settings) = (state.pair(), self.settings_on(state.level));
         let neighbours = match state.is_coarsest() || settings.refinement.lambda > 0.0 {
-            true => Neighbours::of(index, pair.blocks.counts().0, found, None),
+            true => Neighbours::of(index, pair.blocks.counts().0, found, [None; 2]),
             false => Neighbours::default(),
         };
         if !state.is_coarsest() {
@@ -390,7 +390,7 @@ impl Estimator for Hierarchical {
             Some(Event::Stage { line, .. }) => *line,
             Some(Event::Refine(_) | Event::Fit(_)) => line::REFINE_BEST,
             Some(Event::Found(_)) => line::SET_DISPLACEMENT,
-            Some(Event::Candidate { .. }) => line::COMPUTE_COST,
+            Some(Event::Candidate { .. } | Event::Skipped { .. }) => line::COMPUTE_COST,
             Some(Event::NewBest { .. }) => line::KEEP_BEST,
         };
         let found = state.matches();

@@ -10,6 +10,7 @@ mod log_search;
 mod new_three_step;
 mod predictive;
 mod quadrant_search;
+mod successive_elimination;
 mod three_step;
 
 pub use adaptive_rood::AdaptiveRood;
@@ -22,4 +23,5 @@ pub use log_search::LogSearch;
 pub use new_three_step::NewThreeStep;
 pub use predictive::Predictive;
 pub use quadrant_search::QuadrantSearch;
+pub use successive_elimination::SuccessiveElimination;
 pub use three_step::ThreeStep;

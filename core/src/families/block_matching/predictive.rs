@@ -1,20 +1,23 @@
 //! Predictive search in the manner of EPZS: the motion vectors of neighbouring blocks are tested first.
 //!
 //! ```text
-//!        3 . . 3 . a 3 . . 3
-//! ┌─┬─┬─┐. . . . . . . . . .     l, a, r  motion vectors of the blocks to the left, above, and above right
-//! │ │a│r│. . . . . . . . . .     m        their median, tested first: often the search stops there
-//! ├─┼─┴─┘3 . . 3 . 2 2 l . 3     0        the zero displacement; and this block's vector in the previous pair, if enabled
-//! │l│?│  . . . . . 2 m 2 . .     2        a square descends from the best of them to a local minimum
-//! └─┴─┘  . . . . . 2 2 2 . r     3        if that is still poor: a grid over the search window, and descent from its best
-//!        3 . . 0 . . 3 . . 3
+//!        3 . . . 3 . . . 3
+//! ┌─┬─┬─┐. . . . . . . . .     l, a, r  motion vectors of the blocks to the left, above, and above right
+//! │ │a│r│. . . . . . a . .     m        their median, tested first: often the search stops there
+//! ├─┼─┴─┘. . . . . 2 . . .     0        the zero displacement; and c, this block's vector in the previous pair, and c + (c − b)
+//! │l│?│  3 . . . 2 m 2 . 3     2        with b, the one before it: its acceleration (if temporal-predictor is on)
+//! └─┴─┘  . . . . . 2 . . .              a small diamond descends from the best of them to a local minimum
+//!        . . . . . . . r .     3        if that is still poor: fixed predictors, and a descent from the best
+//!        . . . . l . . . .
+//!        . . . . . . . . .     Where no predictor is near the true motion the search ends in a local minimum: for a block that
+//!        3 . . . 3 . . . 3     begins to move, differs from its neighbours, or whose cost is low at a wrong displacement already.
 //! ```
 
-use super::diamond::{Descent, descend};
+use super::diamond::{Descent, LARGE, SMALL, descend};
 use super::three_step::SQUARE;
 use crate::base::Observer;
 use crate::methods::block_search::{
-    BlockSearch, Displacement, Event, Match, Subpixel, Tester, around, block_search_params, search_pseudocode, vector,
+    BlockSearch, Event, Match, Subpixel, Tester, around, block_search_params, search_pseudocode, vector,
 };
 use crate::run::Info;
 use crate::scene::Name;
@@ -22,22 +25,28 @@ use crate::scene::Name;
 block_search_params! {
     /// Predictive search (EPZS): starts at predictors, stops early if one matches, and descends to a minimum otherwise.
     pub struct Predictive {
-        /// Largest mean difference of the best match at which the search stops (early termination).
-        termination_threshold: f32 = 0.25, 0.0..=16.0, "gray levels";
-        /// Mean difference above which a block is searched again, from a grid over the search window.
-        grid_threshold: f32 = 2.0, 0.0..=16.0, "gray levels";
-        /// Spacing of the grid's candidates; 1 makes it a full search.
-        grid_step: usize = 3, 1..=16, "px";
-        /// Number of the grid's best candidates from which the search descends.
-        grid_starts: usize = 10, 1..=64;
-        /// Use the block's motion vector from the previous pair of frames as a predictor. The previous pair is then searched first.
+        /// Largest mean difference of the best match at which the search stops (early termination). After all predictors the
+        /// lowest cost of a neighbouring block is enough as well, so the threshold adapts to texture and noise.
+        termination_threshold: f32 = 0.5, 0.0..=16.0, "gray levels";
+        /// Mean difference above which the fixed predictors are tested too, if the best match also costs more than twice the lowest
+        /// cost of a neighbour. It limits the adaptive threshold as well.
+        fixed_threshold: f32 = 4.0, 0.0..=16.0, "gray levels";
+        /// Distance between the squares of fixed predictors around (0, 0).
+        fixed_step: usize = 4, 1..=16, "px";
+        /// Number of squares of 8 fixed predictors, each a step larger than the one before.
+        fixed_squares: usize = 3, 1..=64;
+        /// Use the block's motion vector in the previous pair of frames, and its acceleration since the pair before that, as
+        /// predictors. The two previous pairs are then searched first.
         temporal_predictor: bool = false;
     }
     renamed {
         "enough" => "termination-threshold",
-        "poor" => "grid-threshold",
-        "grid" => "grid-step",
-        "starts" => "grid-starts",
+        "poor" => "fixed-threshold",
+        "grid-threshold" => "fixed-threshold",
+        "grid" => "fixed-step",
+        "grid-step" => "fixed-step",
+        "starts" => "fixed-squares",
+        "grid-starts" => "fixed-squares",
         "temporal" => "temporal-predictor",
     }
 }
@@ -45,14 +54,17 @@ block_search_params! {
 search_pseudocode! {
     TEST_MEDIAN: "  test the median predictor: median of the left, above and above-right motion vectors",
     STOP_AT_MEDIAN: "  if its cost per pixel ≤ termination threshold, then stop",
-    TEST_PREDICTORS: "  test (0, 0), the three neighbours, and the temporal predictor",
-    STOP_AT_PREDICTOR: "  if the minimum per pixel ≤ termination threshold, then stop",
+    TEST_PREDICTORS: "  test (0, 0), the three neighbours, and the temporal predictors",
+    ADAPT_THRESHOLD: "  threshold ← lowest cost per pixel of the neighbours, from termination to fixed threshold",
+    STOP_AT_PREDICTOR: "  if the minimum per pixel ≤ threshold, then stop",
     REPEAT: "  repeat",
-    TEST_SQUARE: "    test the square: the 8 neighbours of best",
+    TEST_SMALL_DIAMOND: "    test the small diamond: the 4 neighbours of best",
     UNTIL_BEST_STAYS: "  until best is unchanged",
-    IS_POOR: "  if the minimum per pixel > grid threshold, then",
-    TEST_GRID: "    test a grid of candidates over the search window",
-    WALK_FROM_GRID: "    descend as above from each of its best grid starts",
+    IS_POOR: "  if the minimum per pixel > fixed threshold, and > 2 · lowest cost of the neighbours, then",
+    TEST_FIXED: "    test the fixed predictors: squares around (0, 0)",
+    REPEAT_FROM_FIXED: "    repeat",
+    TEST_LARGE_DIAMOND: "      test the large diamond: 8 candidates around best",
+    UNTIL_CENTER_STAYS: "    until best is unchanged; test the 4 neighbours of best",
 }
 
 impl BlockSearch for Predictive {
@@ -62,7 +74,8 @@ impl BlockSearch for Predictive {
         family: "Block matching",
         summary: "Tests the motion vectors of neighbouring blocks, stops if one matches, and descends from the best otherwise.",
         source: "A. M. Tourapis, Enhanced predictive zonal search for single and multiple frame motion estimation, \
-                 Proc. SPIE 4671, Visual Communications and Image Processing, 2002",
+                 Proc. SPIE 4671, Visual Communications and Image Processing, 2002; fixed predictors: A. M. Tourapis, \
+                 H.-Y. Cheong and P. Topiwala, Fast ME in the JM reference software, JVT-P026, 2005",
         pseudocode: line::ALL,
         granularities: &["frame", "block", "step"],
         frames: 2,
@@ -77,6 +90,38 @@ impl BlockSearch for Predictive {
     }
 
     fn search(&self, tester: &mut Tester<impl Observer<Event>>) {
+        self.test_median(tester);
+        let fixed =
+            Threshold { name: "the termination threshold", cost: tester.cost_of_levels(self.termination_threshold) };
+        if stops(tester, &fixed, (line::STOP_AT_MEDIAN, "the median predictor")) {
+            return;
+        }
+        test_predictors(tester);
+        let adapted = self.adapted(tester, fixed);
+        if stops(tester, &adapted, (line::STOP_AT_PREDICTOR, "the best predictor")) {
+            return;
+        }
+        let lines = Descent { test: line::TEST_SMALL_DIAMOND, decide: line::UNTIL_BEST_STAYS };
+        descend(tester, &SMALL, lines, "small diamond");
+        let least = tester.least_of_neighbours().unwrap_or(0.0);
+        let poor = tester.cost_of_levels(self.fixed_threshold).max(FAR_ABOVE * least);
+        if tester.best_distortion() > poor {
+            self.test_fixed(tester, poor);
+        }
+    }
+}
+
+/// The cost of a poor match, as a multiple of the lowest cost of a neighbour: where all blocks match alike, none is poor.
+const FAR_ABOVE: f64 = 2.0;
+
+/// A cost per block at which a search stops.
+struct Threshold {
+    name: &'static str,
+    cost: f64,
+}
+
+impl Predictive {
+    fn test_median(&self, tester: &mut Tester<impl Observer<Event>>) {
         let neighbours = tester.neighbours;
         let median = neighbours.median();
         // Predictors are rounded: the search is in whole px, whatever the refinement.
@@ -89,76 +134,75 @@ impl BlockSearch for Predictive {
                 known => format!("Neighbours: {known}. The median predictor is {}{whole}.", vector(median)),
             }
         });
-        if self.is_enough(tester, (line::STOP_AT_MEDIAN, "the median predictor")) {
-            return;
-        }
-        let moved = |found: Option<Match>| found.map(|found| found.displacement);
-        let around = [neighbours.left, neighbours.above, neighbours.above_right, neighbours.before];
-        let predicted = [Some([0, 0])].into_iter().chain(around.map(moved)).flatten();
-        tester.stage(line::TEST_PREDICTORS, predicted, || {
-            let before = neighbours
-                .before
-                .map(|before| format!(", and the temporal predictor {}", vector(before.vector())))
-                .unwrap_or_default();
+    }
+
+    /// Tests the fixed predictors and descends from the best candidate.
+    fn test_fixed(&self, tester: &mut Tester<impl Observer<Event>>, poor: f64) {
+        let (settings, cost) = (tester.settings.without_rate(), tester.best_distortion());
+        let (step, range) = (self.fixed_step as i32, self.matching.search_range as i32);
+        let squares = (1..=self.fixed_squares as i32).map(move |n| n * step).take_while(move |&side| side <= range);
+        let fixed = squares.flat_map(|side| SQUARE[1..].iter().map(move |[u, v]| [side * u, side * v]));
+        tester.stage(line::TEST_FIXED, fixed, || {
+            let (cost, poor) = (settings.show(cost), settings.number(poor));
             format!(
-                "The median predictor exceeds the termination threshold, so (0, 0) and the neighbours' motion vectors are tested{before}."
+                "{cost} exceeds {poor}, a poor match: no predictor is near the motion, which differs from that of the \
+                 neighbours or is too large. Squares with a spacing of {step} px around (0, 0) are tested."
             )
         });
-        if self.is_enough(tester, (line::STOP_AT_PREDICTOR, "the best predictor")) {
-            return;
-        }
-        let lines = Descent { test: line::TEST_SQUARE, decide: line::UNTIL_BEST_STAYS };
-        descend(tester, &SQUARE, lines, "square");
-        let (settings, cost) = (tester.settings.without_rate(), tester.best_distortion());
-        let most = tester.cost_of_levels(self.grid_threshold);
-        if cost > most {
-            let (step, reach) = (self.grid_step as i32, (self.matching.search_range / self.grid_step) as i32);
-            let row = move |v| (-reach..=reach).map(move |u| [u * step, v * step]);
-            tester.stage(line::TEST_GRID, (-reach..=reach).flat_map(row), || {
-                let (cost, most) = (settings.show(cost), settings.number(most));
-                format!("{cost} exceeds the grid threshold {most}: a grid with a step of {step} px is tested.")
-            });
-            let mut starts: Vec<_> = (-reach..=reach).flat_map(row).filter(|&at| tester.known(at).is_some()).collect();
-            starts.sort_by(|&a, &b| tester.compare(a, b));
-            for (place, &start) in starts.iter().take(self.grid_starts).enumerate() {
-                descend_from(tester, (start, place + 1));
-            }
-        }
+        let lines = Descent { test: line::TEST_LARGE_DIAMOND, decide: line::UNTIL_CENTER_STAYS };
+        let centre = descend(tester, &LARGE, lines, "large diamond");
+        tester.stage(line::UNTIL_CENTER_STAYS, around(centre, &SMALL, 1), || {
+            format!("The 4 neighbours of {} refine the match to 1 px.", vector(centre))
+        });
+    }
+
+    /// The adaptive threshold: a block need not match better than the best of its neighbours.
+    fn adapted(&self, tester: &mut Tester<impl Observer<Event>>, fixed: Threshold) -> Threshold {
+        let (settings, most) = (tester.settings, tester.cost_of_levels(self.fixed_threshold));
+        let Some(least) = tester.least_of_neighbours().filter(|&least| least.min(most) > fixed.cost) else {
+            return fixed;
+        };
+        let cost = least.min(most);
+        tester.report(line::ADAPT_THRESHOLD, || {
+            let [least, before, after] = [least, fixed.cost, cost].map(|cost| settings.number(cost));
+            format!(
+                "The lowest cost of a neighbour is {least}, and texture and noise are similar here: the termination threshold is \
+                 raised from {before} to {after}."
+            )
+        });
+        Threshold { name: "the adaptive threshold", cost }
     }
 }
 
-impl Predictive {
-    /// Whether the best match so far, called `name`, is below the termination threshold, a test at `line` of the pseudocode.
-    fn is_enough(&self, tester: &mut Tester<impl Observer<Event>>, (line, name): (Name, &str)) -> bool {
-        let (settings, cost) = (tester.settings.without_rate(), tester.best_distortion());
-        let most = tester.cost_of_levels(self.termination_threshold);
-        let is_enough = cost <= most;
-        if is_enough {
-            tester.report(line, || {
-                let (cost, most) = (settings.show(cost), settings.number(most));
-                format!("{cost} of {name} does not exceed the termination threshold {most}: early termination.")
-            });
-        }
-        is_enough
-    }
+/// Tests the predictors other than the median.
+fn test_predictors(tester: &mut Tester<impl Observer<Event>>) {
+    let neighbours = tester.neighbours;
+    let (before, accelerated) = (neighbours.before.map(|before| before.displacement), neighbours.accelerated());
+    let spatial = neighbours.spatial().map(|found| found.displacement);
+    let predicted = std::iter::once([0, 0]).chain(spatial).chain(before).chain(accelerated);
+    tester.stage(line::TEST_PREDICTORS, predicted, || {
+        let before =
+            before.map(|before| format!(", and the collocated block's {}", vector(before))).unwrap_or_default();
+        let accelerated = accelerated.map(|at| format!(", with its acceleration {}", vector(at))).unwrap_or_default();
+        format!(
+            "The median predictor exceeds the termination threshold, so (0, 0) and the neighbours' motion vectors are \
+             tested{before}{accelerated}."
+        )
+    });
 }
 
-/// Descends with the square from `start`, the candidate of this `rank` on the grid, to a local minimum.
-fn descend_from(tester: &mut Tester<impl Observer<Event>>, (start, rank): (Displacement, usize)) {
-    let mut centre = start;
-    loop {
-        // On the path of an earlier descent all is tested, but the path may lead further.
-        if around(centre, &SQUARE, 1).any(|at| tester.is_new(at)) {
-            tester.stage(line::WALK_FROM_GRID, around(centre, &SQUARE, 1), || {
-                format!("Descent from {}, rank {rank} of the grid: the square is at {}.", vector(start), vector(centre))
-            });
-        }
-        let known = around(centre, &SQUARE, 1).filter(|&at| tester.known(at).is_some());
-        match known.min_by(|&a, &b| tester.compare(a, b)) {
-            Some(next) if next != centre => centre = next,
-            _ => return,
-        }
+/// Whether the search stops because the best match so far, called `name`, does not exceed a threshold, a test at `line` of the
+/// pseudocode.
+fn stops(tester: &mut Tester<impl Observer<Event>>, threshold: &Threshold, (line, name): (Name, &str)) -> bool {
+    let (settings, cost) = (tester.settings.without_rate(), tester.best_distortion());
+    let stops = cost <= threshold.cost;
+    if stops {
+        tester.report(line, || {
+            let (cost, most) = (settings.show(cost), settings.number(threshold.cost));
+            format!("{cost} of {name} does not exceed {} {most}: early termination.", threshold.name)
+        });
     }
+    stops
 }
 
 /// The neighbours that exist: `left (1, 0), above (2, 0)`.

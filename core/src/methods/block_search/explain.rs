@@ -2,15 +2,20 @@
 
 use super::probe::Probe;
 use super::subpixel::has_lowest;
-use super::{Event, Fit, Match, Stage, Subpixel, shorter};
-use crate::base::words::{cost, counted, fixed, gray, grouped};
+use super::{Cost, Event, Fit, Match, Skipped, Stage, Subpixel, shorter};
+use crate::base::words::{cost, counted, fixed, gray, grouped, px};
+use crate::methods::cost::bounds::Parts;
 use crate::products::{metrics, predict};
 use crate::scene::{Role, Sentence};
 
 /// A match is called poor from this mean (or root-mean-square) difference on, in gray levels per pixel.
 const POOR_MATCH: f64 = 10.0;
+/// Other minima are called nearly as low up to this mean difference above the match, in gray levels per pixel.
+const RIVAL_LEVELS: f64 = 0.5;
+/// A motion vector is called wrong from this distance on from the true motion, in px.
+const CLOSE_PX: f32 = 1.0;
 /// How many ties are listed.
-const LISTED: usize = 3;
+const LISTED: usize = 6;
 
 /// A component of a displacement in px: two decimals, none where it is whole.
 pub(super) fn signed(v: impl Into<f64>) -> String {
@@ -70,6 +75,7 @@ impl Probe<'_> {
                 said.text(stage.why.clone()).text(skipped(stage))
             }
             (Some(Event::Fit(fit)), _) => self.describe_fit(fit),
+            (Some(Event::Skipped { skipped, .. }), _) => self.describe_skipped(skipped),
             (Some(Event::Candidate { .. }), Some((candidate, rows))) => self.describe_candidate(candidate, rows),
             (Some(Event::NewBest { before }), Some((best, _))) => {
                 let said = said.ink(Role::Best, format!("{} at {}", show(best), vector(best.vector())));
@@ -122,7 +128,9 @@ impl Probe<'_> {
             .ink(Role::Result, format!("{} px", vector(found.vector())))
             .text(format!(". {} is the minimum of {}.", self.cost_of(found), self.candidates_tested()))
             .text(self.rows_summed())
+            .text(self.share_skipped())
             .text(format!(" {}", self.verdict(self.as_tested(found))))
+            .text(self.true_motion(found))
             .text(self.conclusion(found))
     }
 
@@ -140,7 +148,7 @@ impl Probe<'_> {
             0 => String::new(),
             between => format!(", {} between pixels", grouped(between)),
         };
-        match whole < all && self.counted.level.is_none() {
+        match whole + self.skipped_here() < all && self.counted.level.is_none() {
             true => format!("{tested}{between} (full search: {})", grouped(all)),
             false => format!("{tested}{between}"),
         }
@@ -157,37 +165,49 @@ impl Probe<'_> {
         format!(" Early exit: {} of {} rows summed, {share:.0} %.", grouped(summed), grouped(all))
     }
 
-    /// The whole-pixel candidates whose cost is known in full.
-    fn whole_candidates(&self) -> impl Iterator<Item = Match> {
-        let height = self.block().height;
-        self.events.iter().filter_map(move |event| match event {
-            &Event::Candidate { tested, rows } if rows == height && tested.fraction == [0.0; 2] => Some(tested),
-            _ => None,
-        })
+    /// The share of the candidates that were skipped by a bound.
+    fn share_skipped(&self) -> String {
+        match self.skipped_here() {
+            0 => String::new(),
+            skipped => format!(" Skipped by lower bounds: {}.", counted_share(skipped, self.window.count())),
+        }
     }
 
-    /// How reliable the match `found` is: ambiguous, at the limit of the search range, poor, exact, or perhaps a local minimum.
+    /// How reliable the match `found` is: ambiguous, at the limit of the search range, poor, exact, or missed.
     fn verdict(&self, found: Match) -> String {
-        let ties: Vec<Match> = self
-            .whole_candidates()
-            .filter(|other| other.cost == found.cost && other.displacement != found.displacement)
-            .collect();
-        let tested = self.tests().cells().iter().flatten().count();
-        if !ties.is_empty() && ties.len() + 1 == tested {
+        let surface = self.full_search();
+        // What was found at a sub-pixel position lies beside the minimum of its whole pixels.
+        let whole = surface.cost(found.displacement).unwrap_or(found.cost);
+        if self.counted.level.is_none() && surface.least.cost < whole && found.fraction == [0.0; 2] {
+            return format!(
+                "Full search finds {} at {}: the global minimum is missed.{}",
+                self.settings.show(surface.least.cost),
+                vector(surface.least.vector()),
+                sentence_of(&self.difference_per_pixel(found).0)
+            );
+        }
+        let ties = surface.ties(found.displacement);
+        if !ties.is_empty() && ties.len() + 1 == self.window.count() {
             return "All candidates cost the same: without texture the match is arbitrary, and the shortest \
                     displacement is taken."
                 .into();
         }
         if !ties.is_empty() {
-            return self.ambiguity(&ties);
+            return ambiguity("The cost is the same at", ties.iter().map(|tie| vector(tie.vector())).collect());
         }
         if self.rate.distortion(found) == 0.0 {
             return match self.settings.matching.cost {
-                super::Cost::Zsad => "The match is exact up to an offset.",
-                super::Cost::Ncc => "The match is exact up to a gain and an offset.",
+                Cost::Zsad => "The match is exact up to an offset.",
+                Cost::Ncc => "The match is exact up to a gain and an offset.",
                 _ => "The match is exact.",
             }
             .into();
+        }
+        let margin = self.settings.matching.cost.of_levels(RIVAL_LEVELS, self.block());
+        let rivals = surface.rivals(found.displacement, whole + margin);
+        if !rivals.is_empty() {
+            let rival = |rival: &Match| format!("{} at {}", self.settings.number(rival.cost), vector(rival.vector()));
+            return ambiguity("Nearly as low is the cost", rivals.iter().map(rival).collect());
         }
         let range = self.settings.matching.search_range as u32;
         if found.displacement.iter().any(|c| c.unsigned_abs() == range) {
@@ -201,20 +221,39 @@ impl Probe<'_> {
                 "{mean}, a poor match. Possible causes: occlusion, a change of brightness, or motion that is no translation."
             );
         }
-        match tested < self.window.count() {
+        match surface.least.cost < whole {
             true => format!("It may be a local minimum, since candidates were left out.{}", sentence_of(&mean)),
             false => format!("It is the global minimum of the search window.{}", sentence_of(&mean)),
         }
     }
 
-    /// That the minimum is not unique, with the displacements that cost the same.
-    fn ambiguity(&self, ties: &[Match]) -> String {
-        let listed: Vec<_> = ties.iter().take(LISTED).map(|tie| vector(tie.vector())).collect();
-        let more = if ties.len() > LISTED { ", …" } else { "" };
-        format!(
-            "The cost is the same at {}{more}: repeating texture or an edge makes the match ambiguous. A larger block may resolve it.",
-            listed.join(", ")
-        )
+    /// The true motion of the block beside the match, where it is known.
+    fn true_motion(&self, found: Match) -> String {
+        let Some(truth) = self.truth_of_block() else { return String::new() };
+        let [u, v] = found.vector();
+        let off = (u - truth[0]).hypot(v - truth[1]);
+        let truth = vector(truth);
+        match off < CLOSE_PX {
+            true => format!(" True motion: {truth} px, so the vector is off by {} px.", px(off)),
+            false => format!(" True motion: {truth} px. The vector is wrong by {} px.", px(off)),
+        }
+    }
+
+    /// The median of the true flow over the block, for each component; `None` where it is not known.
+    fn truth_of_block(&self) -> Option<[f32; 2]> {
+        let (truth, frame) = self.truth?;
+        let (flow, block) = (truth.flow(frame).ok().flatten()?, self.block());
+        let places =
+            (block.y..block.y + block.height).flat_map(|y| (block.x..block.x + block.width).map(move |x| (x, y)));
+        let known: Vec<[f32; 2]> = places.filter_map(|(x, y)| flow.at(x, y)).collect();
+        if known.is_empty() {
+            return None;
+        }
+        Some([0, 1].map(|i| {
+            let mut parts: Vec<f32> = known.iter().map(|uv| uv[i]).collect();
+            parts.sort_by(f32::total_cmp);
+            parts[parts.len() / 2]
+        }))
     }
 
     /// The mean difference per pixel in words and in gray levels, for the costs that have one.
@@ -231,6 +270,7 @@ impl Probe<'_> {
         if !is_last {
             return String::new();
         }
+        let blocks = &self.pair.blocks;
         let all: Vec<Match> = self.found.iter().copied().chain([found]).collect();
         let field = self.settings.field(self.pair.blocks, all.iter().map(|found| Some(found.result(0))).collect());
         let (frame, next) = (self.pair.current.luma(), self.pair.next.luma());
@@ -246,6 +286,15 @@ impl Probe<'_> {
             psnr(next)
         );
         let worst = all.iter().enumerate().max_by(|(_, a), (_, b)| a.cost.total_cmp(&b.cost));
+        let skipped = self.skipped.iter().map(|&skipped| skipped as usize).sum::<usize>() + self.skipped_here();
+        let quality = match skipped {
+            0 => quality,
+            skipped => {
+                let window = |i| self.pair.window(blocks.block(i), self.settings.matching.search_range).count();
+                let all = (0..blocks.len()).map(window).sum();
+                format!("{quality} Skipped by lower bounds in all blocks: {}.", counted_share(skipped, all))
+            }
+        };
         match worst.filter(|(_, worst)| self.rate.lambda == 0.0 && worst.cost > 0.0) {
             Some((i, worst)) => format!("{quality} Worst match: block {}, {}.", i + 1, self.settings.show(worst.cost)),
             None => quality,
@@ -270,6 +319,28 @@ impl Probe<'_> {
         Sentence::default().text(format!("{} {}", along(0, "u"), along(1, "v")))
     }
 
+    fn describe_skipped(&self, skipped: &Skipped) -> Sentence {
+        let parts = Parts::of(&self.patches(Match::whole([0, 0], 0.0)).0, skipped.side).counts;
+        let sums = match parts.0 * parts.1 {
+            1 => "the sums of both blocks".to_owned(),
+            count => format!("the sums of {count} parts of {0}×{0} px", skipped.side),
+        };
+        let at = Match::whole(skipped.displacement, self.bound_of(skipped));
+        let said = Sentence::default().text("Candidate ").ink(Role::Candidate, vector(at.vector()));
+        let said = said.text(format!(
+            ": {} cannot be below {}, by {sums}",
+            self.settings.label(),
+            self.settings.number(at.cost)
+        ));
+        match self.best() {
+            Some(best) => said
+                .text(". The minimum so far is ")
+                .ink(Role::Best, format!("{} at {}", self.settings.number(best.cost), vector(best.vector())))
+                .text(": skipped."),
+            None => said.text(": skipped."),
+        }
+    }
+
     fn describe_candidate(&self, candidate: Match, rows: usize) -> Sentence {
         let height = self.block().height;
         let said = Sentence::default().text("Candidate ").ink(Role::Candidate, vector(candidate.vector())).text(": ");
@@ -279,6 +350,7 @@ impl Probe<'_> {
         };
         let minimum = format!("{} at {}", self.settings.number(best.cost), vector(best.vector()));
         if rows < height {
+            let cost = self.settings.bound(candidate.cost);
             return said
                 .text(format!("{cost} after {rows} of {height} rows exceeds the minimum so far, "))
                 .ink(Role::Best, minimum)
@@ -295,6 +367,24 @@ impl Probe<'_> {
         }
         said.text(verdict)
     }
+}
+
+/// Displacements that cost as much, or nearly, as the match; what precedes them is `same`.
+fn ambiguity(same: &str, at: Vec<String>) -> String {
+    let more = match at.len().saturating_sub(LISTED) {
+        0 => String::new(),
+        more => format!(" and {} more", grouped(more)),
+    };
+    let listed = at[..at.len().min(LISTED)].join(", ");
+    format!(
+        "{same} {listed}{more}: repeating texture or an edge makes the match ambiguous. A larger block may resolve it."
+    )
+}
+
+/// `940 of 1089 candidates, 86.3 %`.
+pub(crate) fn counted_share(part: usize, all: usize) -> String {
+    let share = 100.0 * part as f64 / all.max(1) as f64;
+    format!("{} of {} candidates, {} %", grouped(part), grouped(all), fixed(share, 1))
 }
 
 /// `1 tested candidate`, `25 tested candidates`.

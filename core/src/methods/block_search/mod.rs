@@ -11,6 +11,7 @@ mod settings;
 mod subpixel;
 mod tester;
 mod whole_readouts;
+mod whole_window;
 
 use std::sync::Arc;
 
@@ -20,7 +21,7 @@ use crate::methods::cost::Cut;
 use crate::products::{Block, BlockGrid, BlockVector};
 use crate::scene::{Name, Role};
 
-pub(crate) use explain::vector;
+pub(crate) use explain::{counted_share, vector};
 pub use neighbours::Neighbours;
 pub use pattern::{Pattern, Relay};
 pub(crate) use probe::Probe;
@@ -198,6 +199,13 @@ pub enum Event {
         /// The rows summed; fewer than the block has if it was rejected early.
         rows: usize,
     },
+    /// A candidate was skipped, since a lower bound of its cost exceeds the minimum so far.
+    Skipped {
+        /// The line of the pseudocode.
+        line: Name,
+        /// The candidate and its bound.
+        skipped: Skipped,
+    },
     /// That candidate has the minimum cost so far.
     NewBest {
         /// The best before, if there was one.
@@ -221,6 +229,17 @@ impl Event {
             _ => None,
         }
     }
+}
+
+/// A candidate that was skipped without computing its cost.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Skipped {
+    /// Its displacement.
+    pub displacement: Displacement,
+    /// The lower bound of its sum over the pixels, without the rate term.
+    pub bound: u32,
+    /// Side in px of the parts of the block whose sums give that bound.
+    pub side: usize,
 }
 
 /// A decision of a search: the candidates that it tests next, and why these.

@@ -1,7 +1,7 @@
 //! A block search at a cursor: its marks on the pictures.
 
 use super::{Event, Match, Neighbours, Pair, Rate, Settings, Stage, Window};
-use crate::data::Counted;
+use crate::data::{Counted, Truth};
 use crate::geometry::Grid;
 use crate::products::Block;
 use crate::scene::{Arrow, Picture, Role, Scene, Shape};
@@ -22,6 +22,10 @@ pub(crate) struct Probe<'a> {
     pub window: Window,
     /// The matches of earlier blocks.
     pub found: &'a [Match],
+    /// The ground truth and frame t, where the blocks are those of the clip.
+    pub truth: Option<(&'a dyn Truth, usize)>,
+    /// The candidates skipped for each of them; empty for a search that skips none.
+    pub skipped: &'a [u32],
     /// The events of this block up to the cursor.
     pub events: &'a [Event],
     /// The pixel pointed at.
@@ -38,9 +42,21 @@ impl<'a> Probe<'a> {
     ) -> Self {
         let index = found.len();
         let window = pair.window(pair.blocks.block(index), settings.matching.search_range);
-        let neighbours = Neighbours::of(index, pair.blocks.counts().0, |i| found[i], None);
+        let neighbours = Neighbours::of(index, pair.blocks.counts().0, |i| found[i], [None; 2]);
         let rate = Rate::new(&settings, &neighbours);
-        Self { pair, settings, rate, index, counted: Counted::default(), window, found, events, focus }
+        Self {
+            pair,
+            settings,
+            rate,
+            index,
+            counted: Counted::default(),
+            window,
+            found,
+            truth: None,
+            skipped: &[],
+            events,
+            focus,
+        }
     }
 }
 
@@ -70,6 +86,11 @@ impl Probe<'_> {
 
     pub(super) fn tested(&self) -> usize {
         self.events.iter().filter(|event| event.is_candidate()).count()
+    }
+
+    /// The number of candidates skipped in this block.
+    pub(super) fn skipped_here(&self) -> usize {
+        self.events.iter().filter(|event| matches!(event, Event::Skipped { .. })).count()
     }
 
     pub fn is_over(&self) -> bool {
@@ -130,6 +151,7 @@ impl Probe<'_> {
             let center = block.center();
             let origin = [center[0] + min[0] as f32, center[1] + min[1] as f32];
             scene.mark(Picture::NEXT, Role::Candidate, Shape::Heat { origin, values: self.costs() });
+            scene.heat_scale = self.scale();
         }
         scene.mark(Picture::NEXT, Role::Window, Shape::pixels(corner.0, corner.1, reach.0, reach.1));
         scene.legend(Role::Window, "search window");

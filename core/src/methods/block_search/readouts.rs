@@ -1,13 +1,13 @@
 //! A block search at a cursor: facts, formulas, tiles and charts.
 
-use super::explain::{short, signed, vector};
+use super::explain::{counted_share, short, signed, vector};
 use super::probe::Probe;
 use super::subpixel::has_lowest;
-use super::{Cost, Event, Fit, Match, Neighbours, Patch, Subpixel, Tester, Window, Workspace};
+use super::{Cost, Event, Fit, Match, Neighbours, Patch, Skipped, Subpixel, Tester, Window, Workspace};
 use crate::base::words::{cost as cost_text, fixed, grouped};
 use crate::data::{Between, Histogram};
 use crate::geometry::Grid;
-use crate::methods::cost::{Cut, Sum};
+use crate::methods::cost::{Cut, Sum, bounds::Parts};
 use crate::scene::{Fact, Math, Readout, Role, Series, Surface, Tile};
 
 impl Probe<'_> {
@@ -17,7 +17,9 @@ impl Probe<'_> {
             return Vec::new();
         }
         let mut readouts = vec![Readout::Facts(self.facts())];
-        if let Some(Event::Fit(fit)) = self.events.last() {
+        if let Some(Event::Skipped { skipped, .. }) = self.events.last() {
+            readouts.push(Readout::Equation(self.bound_equation(skipped)));
+        } else if let Some(Event::Fit(fit)) = self.events.last() {
             readouts.push(Readout::Equation(self.parabolas(fit)));
         } else if let Some((candidate, rows)) = self.shown() {
             let mut lines = self.equation(candidate, rows);
@@ -59,12 +61,9 @@ impl Probe<'_> {
 
     /// A scale of colors for all of the block: from half the smallest to the largest cost of displacements that are spread over
     /// the window, so that a color means the same at every step and for every search.
-    fn scale(&self) -> Option<[f32; 2]> {
+    pub(super) fn scale(&self) -> Option<[f32; 2]> {
         /// So many along each side.
         const SPREAD: usize = 13;
-        if self.settings.refinement.lambda != 0.0 {
-            return None;
-        }
         let (width, height) = self.window.size;
         let along = |size: usize| (0..SPREAD.min(size)).map(move |i| i * (size - 1) / (SPREAD.min(size) - 1).max(1));
         let [left, top] = self.window.min;
@@ -72,7 +71,9 @@ impl Probe<'_> {
         let (mut work, mut observer) = (Workspace::default(), ());
         let neighbours = Neighbours::default();
         let mut tester = Tester::new((self.pair, self.index), self.settings, neighbours, &mut work, &mut observer);
-        let costs = spread.map(|at| tester.distortion(at) as f32).filter(|cost| cost.is_finite());
+        let costs = spread
+            .map(|at| (tester.distortion(at) + self.rate.price(at.map(|c| 4 * c))) as f32)
+            .filter(|cost| cost.is_finite());
         let ends = costs.fold([f32::INFINITY, 0.0], |[low, high], cost| [cost.min(low), cost.max(high)]);
         (ends[0] < ends[1]).then_some([ends[0] / 2.0, ends[1]])
     }
@@ -121,8 +122,17 @@ impl Probe<'_> {
             Fact { label: "Tested", value: self.counted(), role: None },
         ];
         let of = |found: Match| format!("{} px, {}", vector(found.vector()), self.cost_of(found));
-        if let Some((candidate, _)) = self.candidate().filter(|_| !self.is_over()) {
-            facts.push(Fact { label: "Candidate", value: of(candidate), role: Some(Role::Candidate) });
+        let at_least = |found: Match| format!("{} px, {}", vector(found.vector()), self.settings.bound(found.cost));
+        if let Some(Event::Skipped { skipped, .. }) = self.events.last() {
+            let bound = Match::whole(skipped.displacement, self.bound_of(skipped));
+            facts.push(Fact { label: "Candidate", value: at_least(bound), role: Some(Role::Candidate) });
+        } else if let Some((candidate, rows)) = self.candidate().filter(|_| !self.is_over()) {
+            let value = if rows < block.height { at_least(candidate) } else { of(candidate) };
+            facts.push(Fact { label: "Candidate", value, role: Some(Role::Candidate) });
+        }
+        if self.skipped_here() > 0 {
+            let value = counted_share(self.skipped_here(), self.window.count());
+            facts.push(Fact { label: "Skipped", value, role: None });
         }
         if let Some(best) = self.best() {
             let label = if self.is_over() { "Displacement" } else { "Best so far" };
@@ -150,7 +160,7 @@ impl Probe<'_> {
     }
 
     /// The pixels of the block and of the candidate: `(frame t, frame t + 1)`.
-    fn patches(&self, candidate: Match) -> (Cut, Cut) {
+    pub(super) fn patches(&self, candidate: Match) -> (Cut, Cut) {
         let (mut patch, block, [u, v]) = (Patch::default(), self.block(), candidate.displacement);
         patch.take_block(self.pair, block);
         patch.take_area(self.pair, block, Window { min: [u, v], size: (1, 1) });
@@ -311,6 +321,48 @@ impl Probe<'_> {
         ]))
     }
 
+    /// The lower bound of the cost of a skipped candidate, with the rate term.
+    pub(super) fn bound_of(&self, skipped: &Skipped) -> f64 {
+        let price = self.rate.price(skipped.displacement.map(|c| 4 * c));
+        self.settings.matching.cost.of(skipped.bound, self.block()) + price
+    }
+
+    /// The bound by which a candidate was skipped: its formula, and with the sums of the parts.
+    fn bound_equation(&self, skipped: &Skipped) -> Vec<Math> {
+        let (a, b) = self.patches(Match::whole(skipped.displacement, 0.0));
+        let [own, others] = [a, b].map(|cut| Parts::of(&cut, skipped.side).sums);
+        let (sum, pixels) = (self.settings.matching.cost.sum().unwrap_or(Sum::Absolute), skipped.side * skipped.side);
+        let [u, v] = skipped.displacement.map(signed);
+        let of_part = |of: Math| Math::indexed(of, Math::Var("k"));
+        let difference = Math::Row(vec![of_part(Math::Var("S")), Math::text(" − "), of_part(Math::text("S′"))]);
+        let mean = if sum == Sum::Squared { format!("1/{pixels} · ") } else { String::new() };
+        let label =
+            if self.settings.matching.cost == Cost::Mse { "N · MSE" } else { self.settings.matching.cost.label() };
+        let general = vec![
+            Math::text(format!("{label}({u}, {v}) ≥ {mean}")),
+            Math::Sum(Box::new(Math::Var("k"))),
+            term(sum, difference),
+        ];
+        let numbers = |k: usize| {
+            let pair = vec![
+                Math::ink(Role::Reference, cost_text(own[k].into())),
+                Math::text(" − "),
+                Math::ink(Role::Candidate, cost_text(others[k].into())),
+            ];
+            term(sum, Math::Row(pair))
+        };
+        let mut terms = vec![Math::text(format!("= {mean}("))];
+        terms.extend(own.first().map(|_| numbers(0)));
+        match own.len() {
+            0 | 1 => {}
+            2 => terms.extend([Math::text(" + "), numbers(1)]),
+            count => terms.extend([Math::text(" + … + "), numbers(count - 1)]),
+        }
+        terms.push(Math::text(")"));
+        let result = Math::text(format!("= {}", cost_text(skipped.bound.into())));
+        vec![Math::Row(general), Math::Row(terms), result]
+    }
+
     fn tiles(&self, candidate: Match, rows: usize) -> Vec<Tile> {
         let block = self.block();
         let (a, b) = self.patches(candidate);
@@ -337,6 +389,7 @@ impl Probe<'_> {
 
     fn series(&self) -> Series {
         let (mut tested, mut best, mut events, mut number) = (Vec::new(), Vec::new(), Vec::new(), 0.0);
+        let mut bounds = Vec::new();
         for (i, event) in self.events.iter().enumerate() {
             let last = tested.last().copied();
             match (event, last) {
@@ -346,6 +399,11 @@ impl Probe<'_> {
                     if *rows == self.block().height {
                         tested.push([number, candidate.cost as f32]);
                     }
+                }
+                (Event::Skipped { skipped, .. }, _) => {
+                    number += 1.0;
+                    events.push(i + 1);
+                    bounds.push([number, self.bound_of(skipped) as f32]);
                 }
                 (Event::NewBest { .. }, Some(point)) => best.push(point),
                 _ => {}
@@ -359,9 +417,13 @@ impl Probe<'_> {
             title: "Cost by candidate",
             x_label: "candidate",
             y_label: self.settings.label(),
-            x_max: if self.is_over() { self.tested() } else { ahead(self.tested()) },
+            x_max: if self.is_over() { number as usize } else { ahead(number as usize) },
             events,
-            lines: vec![("candidate", Role::Candidate, tested), ("minimum so far", Role::Best, best)],
+            lines: [("candidate", Role::Candidate, tested), ("lower bound", Role::Rejected, bounds)]
+                .into_iter()
+                .chain([("minimum so far", Role::Best, best)])
+                .filter(|(name, _, points)| *name != "lower bound" || !points.is_empty())
+                .collect(),
             ..Series::default()
         }
     }

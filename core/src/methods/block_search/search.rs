@@ -6,10 +6,11 @@ use super::probe::Probe;
 use super::tester::Workspace;
 use std::any::Any;
 
-use super::{Event, HasSettings, Match, Neighbours, Pair, Pattern, Tester};
+use super::{BorderRule, Event, HasSettings, Match, Neighbours, Pair, Pattern, Tester};
 use crate::base::{Earlier, Error, Observer, Threads};
-use crate::data::Clip;
+use crate::data::{Clip, Truth};
 use crate::line_names;
+use crate::methods::cost::bounds::PartSums;
 use crate::params::Params;
 use crate::products::{BlockField, Output, Product, ProductKind};
 use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen, TestsCandidates};
@@ -27,23 +28,30 @@ pub trait BlockSearch: Params + HasSettings + Default + Clone + Send + Sync + 's
         false
     }
 
-    /// Whether it uses the motion vectors of the previous pair of frames, which is then searched first.
+    /// Whether it uses the motion vectors of the two previous pairs of frames, which are then searched first.
     fn predicts_in_time(&self) -> bool {
         false
+    }
+
+    /// The sides in px of the square parts whose sums it compares, for all blocks of a pair; none for most searches.
+    fn part_sides(&self) -> Vec<usize> {
+        Vec::new()
     }
 
     /// Searches the tester's block. The tested candidate of minimum cost is the result.
     fn search(&self, tester: &mut Tester<impl Observer<Event>>);
 }
 
-/// The pseudocode lines that all searches have.
+/// The pseudocode lines that all searches have, and the one of those that reject candidates early.
 pub(crate) mod line {
-    super::line_names!(EACH_BLOCK, LAY_WINDOW, REFINE_BEST, SET_DISPLACEMENT, COMPUTE_COST, KEEP_BEST);
+    super::line_names!(EACH_BLOCK, LAY_WINDOW, REFINE_BEST, SET_DISPLACEMENT, COMPUTE_COST, KEEP_BEST, EXIT_EARLY);
 }
 
-/// The pseudocode line of `event`.
-fn line_of(event: &Event) -> Name {
+/// The pseudocode line of `event` in the search of a block of `height` rows.
+fn line_of(event: &Event, height: usize) -> Name {
     match event {
+        Event::Candidate { rows, .. } if *rows < height => line::EXIT_EARLY,
+        Event::Skipped { line, .. } => *line,
         Event::Window => line::LAY_WINDOW,
         Event::Stage { line, .. } => *line,
         Event::Refine(_) | Event::Fit(_) => line::REFINE_BEST,
@@ -71,53 +79,90 @@ macro_rules! search_pseudocode {
 }
 pub(crate) use search_pseudocode;
 
+/// The matches of the previous pair of frames and of the one before that, by block, where there are such pairs.
+type Before = [Option<Arc<[Match]>>; 2];
+
 /// The state of a block search.
 #[derive(Clone)]
 pub struct State {
     pair: Pair,
-    /// The matches of the previous pair of frames, by block; `None` without temporal prediction, or in the first pair.
-    before: Option<Arc<[Match]>>,
+    /// The matches of the previous pair of frames and of the one before, by block; `None` without temporal prediction.
+    before: Before,
     found: Vec<Match>,
     /// Number of candidates tested for each block.
     tested: Vec<u32>,
+    /// Number of candidates skipped for each block.
+    skipped: Vec<u32>,
+    /// The sums of parts of frame t + 1, for a search that asks for them.
+    sums: Option<Arc<PartSums>>,
+    /// The ground truth of the clip, and frame t, for explanations.
+    truth: Option<Arc<dyn Truth>>,
+    frame: usize,
 }
 
-/// Searches block `index`, `found` being the matches before it; returns its match and the number of candidates tested.
+/// The result of the search of a block.
+#[derive(Clone, Copy, Default)]
+struct Outcome {
+    found: Match,
+    /// Number of candidates tested and skipped.
+    tested: u32,
+    skipped: u32,
+}
+
+/// Searches block `index`, `found` being the matches before it.
 fn search_block<S: BlockSearch>(
     search: &S,
-    State { pair, before, .. }: &State,
+    State { pair, before, sums, .. }: &State,
     (index, found): (usize, impl Fn(usize) -> Match),
     work: &mut Workspace,
     observer: &mut impl Observer<Event>,
-) -> (Match, usize) {
+) -> Outcome {
     observer.see(|| Event::Window);
     let settings = search.settings();
     // The rate of a displacement is that of its difference from the median predictor.
     let neighbours = match search.predicts() || settings.refinement.lambda > 0.0 {
-        true => Neighbours::of(index, pair.blocks.counts().0, found, before.as_deref()),
+        true => Neighbours::of(index, pair.blocks.counts().0, found, before.each_ref().map(|before| before.as_deref())),
         false => Neighbours::default(),
     };
     let mut tester = Tester::new((pair, index), settings, neighbours, work, observer);
+    tester.sums.clone_from(sums);
     search.search(&mut tester);
-    tester.finish()
+    let skipped = tester.skipped as u32;
+    let (found, tested) = tester.finish();
+    Outcome { found, tested: tested as u32, skipped }
 }
 
 /// The state before the first block, `before` being the matches of the previous pair of frames.
-fn start<S: BlockSearch>(search: &S, clip: &Clip, frame: usize, before: Option<Arc<[Match]>>) -> Result<State, Error> {
+fn start<S: BlockSearch>(search: &S, clip: &Clip, frame: usize, before: Before) -> Result<State, Error> {
     let settings = search.settings();
     let pair =
         Pair::new(clip, frame, settings.matching.block_size, settings.refinement.spacing, settings.refinement.border)?;
-    Ok(State { pair, before, found: Vec::new(), tested: Vec::new() })
+    let sides = search.part_sides();
+    let margin = if pair.rule == BorderRule::Inside { 0 } else { settings.matching.search_range };
+    let sums = || Arc::new(PartSums::of_picture(pair.next.luma(), margin, pair.rule.border(), &sides));
+    let sums = (!sides.is_empty()).then(sums);
+    Ok(State {
+        pair,
+        before,
+        found: Vec::new(),
+        tested: Vec::new(),
+        skipped: Vec::new(),
+        sums,
+        truth: clip.truth().cloned(),
+        frame,
+    })
 }
 
-/// The state before the first block; with temporal prediction the previous pair of frames is searched first.
+/// The state before the first block; with temporal prediction the two previous pairs of frames are searched first.
 fn prepare<S: BlockSearch>(search: &S, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
-    let earlier = frame.checked_sub(1).filter(|_| search.predicts_in_time());
-    let field = |earlier| {
-        let state = start(search, clip, earlier, None)?;
-        Ok::<_, Error>(finish(search, clip, state, threads)?.found.into())
-    };
-    start(search, clip, frame, earlier.map(field).transpose()?)
+    let mut before = Before::default();
+    let first = if search.predicts_in_time() { frame.saturating_sub(2) } else { frame };
+    for earlier in first..frame {
+        let state = start(search, clip, earlier, before.clone())?;
+        let found = finish(search, clip, state, threads)?.found.into();
+        before = [Some(found), before[0].take()];
+    }
+    start(search, clip, frame, before)
 }
 
 /// Searches all blocks.
@@ -128,11 +173,13 @@ fn finish<S: BlockSearch>(search: &S, clip: &Clip, mut state: State, threads: &T
     let blocks = threads.sweep(
         (state.pair.blocks.counts(), || clip.wanted()),
         Workspace::default,
-        |work, index, earlier: Earlier<(Match, usize)>| {
-            search_block(search, &state, (index, |i| earlier.at(i).0), work, &mut ())
+        |work, index, earlier: Earlier<Outcome>| {
+            search_block(search, &state, (index, |i| earlier.at(i).found), work, &mut ())
         },
     )?;
-    (state.found, state.tested) = blocks.into_iter().map(|(found, tested)| (found, tested as u32)).unzip();
+    state.found = blocks.iter().map(|block| block.found).collect();
+    state.tested = blocks.iter().map(|block| block.tested).collect();
+    state.skipped = blocks.iter().map(|block| block.skipped).collect();
     Ok(state)
 }
 
@@ -150,9 +197,10 @@ impl<S: BlockSearch> Estimator for S {
 
     fn advance(&self, _: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
         let so_far = (state.found.len(), |i: usize| state.found[i]);
-        let (found, tested) = search_block(self, state, so_far, &mut Workspace::default(), observer);
-        state.found.push(found);
-        state.tested.push(tested as u32);
+        let block = search_block(self, state, so_far, &mut Workspace::default(), observer);
+        state.found.push(block.found);
+        state.tested.push(block.tested);
+        state.skipped.push(block.skipped);
         Ok(if state.found.len() == state.pair.blocks.len() { Progress::Done } else { Progress::More })
     }
 
@@ -183,7 +231,7 @@ impl<S: BlockSearch> Estimator for S {
 
     fn step(&self, seen: &Seen<Self>) -> Step {
         let probe = probe(self, seen);
-        let line = seen.events.last().map_or(line::EACH_BLOCK, line_of);
+        let line = seen.events.last().map_or(line::EACH_BLOCK, |event| line_of(event, probe.block().height));
         Step { line, sentence: probe.sentence(), readouts: probe.readouts() }
     }
 
@@ -207,15 +255,21 @@ impl<S: BlockSearch> Estimator for S {
 impl<S: BlockSearch> Footprint<State> for S {
     fn need(&self, clip: &Clip) -> Need {
         let settings = self.settings();
-        need(clip, settings.grid(clip.size()).len())
+        // With the search window beyond the border.
+        let [width, height] = [clip.size().0, clip.size().1].map(|side| side + 2 * settings.matching.search_range);
+        let sums = (self.part_sides().len() * width * height * size_of::<u32>()) as f64;
+        need(clip, settings.grid(clip.size()).len()).and([sums; 2])
     }
 
     fn state_bytes(&self, state: &State) -> usize {
-        size_of::<State>() + state.found.len() * (size_of::<Match>() + size_of::<u32>())
+        size_of::<State>() + state.found.len() * (size_of::<Match>() + 2 * size_of::<u32>())
     }
 
     fn memory_bytes(&self, state: &State) -> usize {
-        self.state_bytes(state) + state.before.as_ref().map_or(0, |before| size_of_val(&**before))
+        let sums = state.sums.as_ref().map_or(0, |sums| sums.bytes());
+        self.state_bytes(state)
+            + sums
+            + state.before.iter().flatten().map(|before| size_of_val(&**before)).sum::<usize>()
     }
 }
 
@@ -238,7 +292,7 @@ impl<S: BlockSearch> Pointed<State> for S {
 /// Memory for a search of this many blocks: a sweep holds each four times until it is done, a state that is walked through
 /// once.
 pub(crate) fn need(clip: &Clip, blocks: usize) -> Need {
-    const BLOCK: f64 = size_of::<(Match, usize)>() as f64;
+    const BLOCK: f64 = size_of::<Outcome>() as f64;
     let blocks = blocks as f64;
     Need::per_pixel(clip, [1.0, 2.0]).and([blocks * 7.0 * BLOCK, blocks * 9.0 * BLOCK]).and([0.0, EVENTS])
 }
@@ -247,6 +301,7 @@ pub(crate) fn need(clip: &Clip, blocks: usize) -> Need {
 const EVENTS: f64 = 8e6;
 
 fn probe<'a, S: BlockSearch>(search: &S, seen: &'a Seen<S>) -> Probe<'a> {
-    let Seen { before: State { pair, found, .. }, events, .. } = *seen;
-    Probe::new(pair, search.settings(), found, (events, seen.point()))
+    let Seen { before: State { pair, found, skipped, truth, frame, .. }, events, .. } = *seen;
+    let truth = truth.as_deref().map(|truth| (truth, *frame));
+    Probe { skipped, truth, ..Probe::new(pair, search.settings(), found, (events, seen.point())) }
 }

@@ -4,7 +4,7 @@ use super::Subpixel;
 use crate::base::words::fixed;
 use crate::data::Interpolation;
 use crate::geometry::Border;
-use crate::methods::cost::{self, Cut, Sum, whole};
+use crate::methods::cost::{self, Cut, Sum, whole, windows::Windows};
 use crate::products::{Block, BlockField, BlockGrid, BlockVector};
 use crate::{choices, params};
 
@@ -50,8 +50,10 @@ impl Cost {
 
     /// The largest sum over `block` whose cost does not exceed `cost`.
     pub(crate) fn sum_within(self, cost: f64, block: Block) -> u32 {
+        /// More than a mean is off by rounding, less than one.
+        const ROUNDING: f64 = 1e-6;
         match self {
-            Cost::Mse => (cost * (block.width * block.height) as f64) as u32,
+            Cost::Mse => (cost * (block.width * block.height) as f64 + ROUNDING) as u32,
             _ => cost as u32,
         }
     }
@@ -66,6 +68,23 @@ impl Cost {
             Cost::Zsad => whole::zero_mean(cut, pixels, stride),
             Cost::Satd => whole::hadamard(cut, pixels, stride),
             Cost::Ncc => whole::correlation(cut, pixels, stride),
+        }
+    }
+
+    /// The costs of a whole search window of `size` for the costs that are no [`sum`](Self::sum): those of
+    /// [`between`](Self::between) for each candidate.
+    pub(crate) fn window(
+        self,
+        cut: &Cut,
+        area: &Cut,
+        size: (usize, usize),
+        (windows, costs): (&mut Windows, &mut Vec<f64>),
+    ) {
+        match self {
+            Cost::Zsad => windows.zero_mean(cut, area, size, costs),
+            Cost::Satd => windows.hadamard(cut, area, size, costs),
+            Cost::Ncc => windows.correlation(cut, area, size, costs),
+            Cost::Sad | Cost::Ssd | Cost::Mse => {}
         }
     }
 
@@ -91,6 +110,11 @@ impl Cost {
             Cost::Mse => Some(cost.sqrt()),
             Cost::Satd | Cost::Ncc => None,
         }
+    }
+
+    /// Whether it does not grow with the number of pixels.
+    pub(super) fn is_mean(self) -> bool {
+        matches!(self, Cost::Mse | Cost::Ncc)
     }
 
     /// Whether differences are squared.
@@ -210,6 +234,11 @@ impl Settings {
     pub(crate) fn show(&self, cost: f64) -> String {
         let equals = if self.label().contains(' ') { " =" } else { "" };
         format!("{}{equals} {}", self.label(), self.number(cost))
+    }
+
+    /// A lower bound of a cost with its name: `SAD ≥ 120`.
+    pub(crate) fn bound(&self, cost: f64) -> String {
+        format!("{} ≥ {}", self.label(), self.number(cost))
     }
 
     /// The same without the rate term: costs are distortions.

@@ -1,11 +1,13 @@
 //! The tester: tests candidates in the search window, keeps the minimum, counts, and reports events.
 
 use std::cmp::Ordering;
+use std::sync::Arc;
 
 use super::subpixel::BESIDE;
-use super::{Displacement, Event, Match, Neighbours, Pair, Patch, Rate, Settings, Stage, Window, shorter};
+use super::{Displacement, Event, Match, Neighbours, Pair, Patch, Rate, Settings, Skipped, Stage, Window, shorter};
 use crate::base::Observer;
 use crate::data::Between;
+use crate::methods::cost::{bounds::PartSums, windows::Windows};
 use crate::products::Block;
 use crate::scene::Name;
 
@@ -24,6 +26,8 @@ pub(crate) struct Workspace {
     pub sums: Vec<u32>,
     /// The costs of a whole search window, where they are no sums.
     pub window_costs: Vec<f64>,
+    /// What the costs of a whole search window are worked out from.
+    pub windows: Windows,
     /// The order of the candidates of a search window, and that window.
     pub order: (Option<Window>, Vec<u32>),
 }
@@ -43,8 +47,12 @@ pub struct Tester<'a, O> {
     pub(crate) narrowed: Option<Window>,
     /// The rate term of displacements.
     pub(crate) rate: Rate,
+    /// The sums of parts of frame t + 1, for a search that [asks](super::BlockSearch::part_sides) for them.
+    pub(crate) sums: Option<Arc<PartSums>>,
     pub(super) best: Option<Match>,
-    pub(super) tested: usize,
+    pub(crate) tested: usize,
+    /// Number of candidates of the search window that were skipped by a bound.
+    pub(crate) skipped: usize,
 }
 
 impl<'a, O: Observer<Event>> Tester<'a, O> {
@@ -63,7 +71,21 @@ impl<'a, O: Observer<Event>> Tester<'a, O> {
         work.tested.resize(window.count().div_ceil(64), 0);
         work.costs.resize(window.count(), f64::NAN);
         let rate = Rate::new(&settings, &neighbours);
-        Self { pair, settings, block, window, neighbours, work, observer, narrowed: None, rate, best: None, tested: 0 }
+        Self {
+            pair,
+            settings,
+            block,
+            window,
+            neighbours,
+            work,
+            observer,
+            narrowed: None,
+            rate,
+            sums: None,
+            best: None,
+            tested: 0,
+            skipped: 0,
+        }
     }
 
     /// The displacement of minimum cost so far; zero before the first test.
@@ -79,6 +101,14 @@ impl<'a, O: Observer<Event>> Tester<'a, O> {
     /// The distortion of the best displacement so far: its cost without the rate term.
     pub fn best_distortion(&self) -> f64 {
         self.best.map_or(f64::INFINITY, |best| self.rate.distortion(best))
+    }
+
+    /// The lowest cost of a neighbour in this pair, for as many pixels as the block has: at the border it may be cut.
+    pub fn least_of_neighbours(&self) -> Option<f64> {
+        let least = self.neighbours.spatial().map(|found| found.cost).min_by(f64::total_cmp)?;
+        let whole = self.pair.blocks.size.pow(2) as f64;
+        let share = (self.block.width * self.block.height) as f64 / whole;
+        Some(if self.settings.matching.cost.is_mean() { least } else { least * share })
     }
 
     /// The cost of a mean difference of `levels` gray levels per pixel.
@@ -141,9 +171,24 @@ impl<'a, O: Observer<Event>> Tester<'a, O> {
         points.for_each(|point| self.test(point));
     }
 
+    /// The largest sum over the block with which `displacement`, or any one, can still have the minimum cost.
+    #[inline]
+    pub(crate) fn sum_limit(&self, displacement: Option<Displacement>) -> u32 {
+        let price = displacement.map_or(0.0, |displacement| self.rate.price(displacement.map(|c| 4 * c)));
+        self.settings.matching.cost.sum_within(self.best_cost() - price, self.block)
+    }
+
+    /// Reports a candidate that is skipped, unless it was tested before; `line` is its line of the pseudocode.
+    #[inline(always)]
+    pub(crate) fn skip(&mut self, line: Name, skipped: Skipped) {
+        if O::WATCHES && self.is_new(skipped.displacement) {
+            self.observer.see(|| Event::Skipped { line, skipped });
+        }
+    }
+
     /// Tests `displacement`, unless it lies outside the search window or was tested before.
     #[inline]
-    fn test(&mut self, displacement: Displacement) {
+    pub(crate) fn test(&mut self, displacement: Displacement) {
         let Some(index) = self.window.index(displacement).filter(|&index| !is_set(&self.work.tested, index)) else {
             return;
         };

@@ -2,7 +2,10 @@
 //!
 //! The kernels of a whole search window give exactly the results of [`until`] for each candidate, as a test checks.
 
+pub mod bounds;
+mod products;
 pub mod whole;
+pub mod windows;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
@@ -152,33 +155,23 @@ fn plain_candidate(sum: Sum, block: &Cut, pixels: &[u8], stride: usize) -> u32 {
     rows.map(|(y, row)| row_sum(&block.row(0, y)[..block.width], row, |a, b| sum.term(a, b))).sum()
 }
 
-/// The costs of `block` at all `columns × rows` places of `area`, row by row, into `costs`.
-pub fn window(sum: Sum, block: &Cut, area: &Cut, (columns, rows): (usize, usize), costs: &mut Vec<u32>) {
+/// The sums of absolute differences of `block` at all `columns × rows` places of `area`, row by row, into `costs`.
+pub fn window(block: &Cut, area: &Cut, (columns, rows): (usize, usize), costs: &mut Vec<u32>) {
     assert!(area.width + 1 >= block.width + columns && area.height + 1 >= block.height + rows);
     costs.clear();
     costs.resize(columns * rows, 0);
     #[cfg(target_arch = "x86_64")]
     {
         if is_x86_feature_detected!("avx512bw") && is_x86_feature_detected!("avx512vl") {
-            // SAFETY: the processor has the features that the functions were compiled for.
-            return unsafe {
-                match sum {
-                    Sum::Absolute => x86::avx512::<false>(block, area, columns, costs),
-                    Sum::Squared => x86::avx512::<true>(block, area, columns, costs),
-                }
-            };
+            // SAFETY: the processor has the features that the function was compiled for.
+            return unsafe { x86::avx512(block, area, columns, costs) };
         }
         if is_x86_feature_detected!("avx2") {
             // SAFETY: as above.
-            return unsafe {
-                match sum {
-                    Sum::Absolute => x86::avx2::<false>(block, area, columns, costs),
-                    Sum::Squared => x86::avx2::<true>(block, area, columns, costs),
-                }
-            };
+            return unsafe { x86::avx2(block, area, columns, costs) };
         }
     }
-    plain(sum, block, area, columns, costs);
+    plain(Sum::Absolute, block, area, columns, costs);
 }
 
 /// Candidate by candidate: the way on other processors.
@@ -194,6 +187,7 @@ fn plain(sum: Sum, block: &Cut, area: &Cut, columns: usize, costs: &mut [u32]) {
 mod tests {
     use proptest::prelude::*;
 
+    use super::windows::Windows;
     use super::*;
     use crate::geometry::Grid;
 
@@ -245,21 +239,19 @@ mod tests {
             area.take(&picture, (-7, 20), (width + columns - 1, height + rows - 1), Border::Replicate);
             for sum in [Sum::Absolute, Sum::Squared] {
                 let mut costs = Vec::new();
-                window(sum, &block, &area, (columns, rows), &mut costs);
+                match sum {
+                    Sum::Absolute => window(&block, &area, (columns, rows), &mut costs),
+                    Sum::Squared => Windows::default().squared(&block, &area, (columns, rows), &mut costs),
+                }
                 let expected = textbook(sum, &block, &area, (columns, rows));
                 prop_assert_eq!(&costs, &expected);
                 plain(sum, &block, &area, columns, &mut costs);
                 prop_assert_eq!(&costs, &expected);
                 #[cfg(target_arch = "x86_64")]
-                if is_x86_feature_detected!("avx2") {
+                if sum == Sum::Absolute && is_x86_feature_detected!("avx2") {
                     costs.fill(0);
                     // SAFETY: the processor has AVX2.
-                    unsafe {
-                        match sum {
-                            Sum::Absolute => x86::avx2::<false>(&block, &area, columns, &mut costs),
-                            Sum::Squared => x86::avx2::<true>(&block, &area, columns, &mut costs),
-                        }
-                    }
+                    unsafe { x86::avx2(&block, &area, columns, &mut costs) }
                     prop_assert_eq!(&costs, &expected);
                 }
                 for (k, &cost) in expected.iter().enumerate() {

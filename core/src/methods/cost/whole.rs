@@ -68,7 +68,12 @@ pub fn moments(block: &Cut, pixels: &[u8], stride: usize) -> [i64; 3] {
 /// One minus the zero-mean normalised cross-correlation of two blocks, from 0 (perfect match) to 2. Invariant to gain and
 /// offset of brightness. A block without texture has correlation 0, cost 1.
 pub fn correlation(block: &Cut, pixels: &[u8], stride: usize) -> f64 {
-    let [a, b, both] = moments(block, pixels, stride).map(|moment| moment as f64);
+    correlation_of(moments(block, pixels, stride).map(|moment| moment as f64))
+}
+
+/// The same from the [`moments`].
+#[inline(always)]
+pub fn correlation_of([a, b, both]: [f64; 3]) -> f64 {
     if a == 0.0 || b == 0.0 { 1.0 } else { 1.0 - both / (a * b).sqrt() }
 }
 

@@ -139,9 +139,9 @@ impl Tile {
 /// With AVX-512, absolute differences are summed by `vdbpsadbw`: four pixels against eight places in a row, at once,
 /// in each of four lanes.
 #[target_feature(enable = "avx512f,avx512bw,avx512vl,avx2")]
-pub fn avx512<const SQUARED: bool>(block: &Cut, area: &Cut, columns: usize, sums: &mut [u32]) {
+pub fn avx512(block: &Cut, area: &Cut, columns: usize, sums: &mut [u32]) {
     for tile in tiles(block) {
-        if !SQUARED && tile.width.is_multiple_of(4) && tile.height >= LANES - 1 {
+        if tile.width.is_multiple_of(4) && tile.height >= LANES - 1 {
             let quads = Quads::new(block, &tile);
             match tile.width / 4 {
                 1 => add_quads::<1>(&tile, &quads, area, columns, sums),
@@ -151,17 +151,17 @@ pub fn avx512<const SQUARED: bool>(block: &Cut, area: &Cut, columns: usize, sums
             }
         } else {
             // SAFETY: this function is only compiled for processors with AVX2.
-            unsafe { add_tile::<SQUARED>(&tile, block, area, columns, sums) }
+            unsafe { add_tile(&tile, block, area, columns, sums) }
         }
     }
 }
 
 /// Without it, two candidates share a register.
 #[target_feature(enable = "avx2")]
-pub fn avx2<const SQUARED: bool>(block: &Cut, area: &Cut, columns: usize, sums: &mut [u32]) {
+pub fn avx2(block: &Cut, area: &Cut, columns: usize, sums: &mut [u32]) {
     for tile in tiles(block) {
         // SAFETY: as above.
-        unsafe { add_tile::<SQUARED>(&tile, block, area, columns, sums) }
+        unsafe { add_tile(&tile, block, area, columns, sums) }
     }
 }
 
@@ -321,20 +321,20 @@ unsafe fn lane_sums<const SQUARED: bool>(total: __m256i) -> __m256i {
 
 /// Adds the part of `tile` to the sums of all candidates.
 #[inline(always)]
-unsafe fn add_tile<const SQUARED: bool>(tile: &Tile, block: &Cut, area: &Cut, columns: usize, sums: &mut [u32]) {
+unsafe fn add_tile(tile: &Tile, block: &Cut, area: &Cut, columns: usize, sums: &mut [u32]) {
     // SAFETY: the caller vouches for AVX2.
     unsafe {
         let rows = Rows::new(block, tile);
         if (tile.width, tile.height) == (TILE, TILE) {
-            add_rows::<SQUARED, true>(tile, &rows, area, columns, sums);
+            add_rows::<true>(tile, &rows, area, columns, sums);
         } else {
-            add_rows::<SQUARED, false>(tile, &rows, area, columns, sums);
+            add_rows::<false>(tile, &rows, area, columns, sums);
         }
     }
 }
 
 #[inline(always)]
-unsafe fn add_rows<const SQUARED: bool, const FULL: bool>(
+unsafe fn add_rows<const FULL: bool>(
     tile: &Tile,
     Rows { pixels, masks }: &Rows,
     area: &Cut,
@@ -355,9 +355,9 @@ unsafe fn add_rows<const SQUARED: bool, const FULL: bool>(
                     let both =
                         if r == 0 { _mm256_set_m128i(row(TILE), row(0)) } else { _mm256_broadcastsi128_si256(row(r)) };
                     let both = if FULL { both } else { _mm256_and_si256(masks[r], both) };
-                    total = _mm256_add_epi32(total, differences::<SQUARED>(both, pixels[r]));
+                    total = _mm256_add_epi32(total, _mm256_sad_epu8(both, pixels[r]));
                 }
-                let halves = lane_sums::<SQUARED>(total);
+                let halves = lane_sums::<false>(total);
                 sums[j * columns + i] += _mm256_extract_epi32::<0>(halves) as u32;
                 if let Some(below) = sums.get_mut((j + 1) * columns + i) {
                     *below += _mm256_extract_epi32::<4>(halves) as u32;

@@ -1,0 +1,193 @@
+//! Full search with successive elimination: a candidate is skipped where a lower bound of its cost exceeds the minimum so far.
+//!
+//! ```text
+//! ┌───────┐  ┌───┬───┐  ┌─┬─┬─┬─┐     level 0: |Σ a − Σ b| over the whole block ≤ SAD
+//! │       │  │   │   │  ├─┼─┼─┼─┤     level 1: the same of its quarters, added up
+//! │   Σ   │  ├───┼───┤  ├─┼─┼─┼─┤     level 2: of its sixteenths, and so on
+//! │       │  │   │   │  ├─┼─┼─┼─┤
+//! └───────┘  └───┴───┘  └─┴─┴─┴─┘     The bound grows from level to level; the first that exceeds the minimum skips.
+//! ```
+//!
+//! The sums of frame t + 1 are computed once for all blocks, so a bound takes 1, 4 or 16 differences where SAD takes 256. The result
+//! is that of full search, bit for bit. It works where blocks differ in brightness and the minimum is low (scene `translation`:
+//! nearly all is skipped), and fails where all sums are alike: little texture under noise (`flat-wall`: hardly anything is skipped).
+
+use std::sync::Arc;
+
+use crate::base::Observer;
+use crate::methods::{
+    block_search::{
+        BlockSearch, Displacement, Event, Patch, Skipped, Tester, block_search_params, counted_share, vector,
+    },
+    cost::{
+        Sum,
+        bounds::{LANES, PartSums, Parts},
+    },
+};
+use crate::pseudocode;
+use crate::run::{Guarantee, Info};
+
+block_search_params! {
+    /// Full search with successive elimination: skips candidates by lower bounds of their cost. It finds what full search finds.
+    pub struct SuccessiveElimination {
+        /// Levels of the bound: 1 compares the sums of whole blocks (Li and Salari), each further one halves the side of the parts.
+        /// Bounds for SAD, SSD and MSE are known; with the other costs nothing is skipped.
+        bound_levels: usize = 3, 1..=5;
+    }
+}
+
+pseudocode! {
+    EACH_BLOCK: "for each block B of frame t",
+    LAY_WINDOW: "  place the search window of ±search range around B in frame t+1",
+    TEST_FIRST: "  test (0, 0) and the median predictor: the lower the minimum, the more is skipped",
+    EACH_CANDIDATE: "  for each other candidate (u, v) in the search window",
+    EACH_LEVEL: "    for each level, from whole B to its smallest parts",
+    COMPARE_BOUND: "      if b = Σ |sum of a part of B − sum of that part displaced by (u, v)| > minimum [− λR(u, v)]",
+    SKIP_CANDIDATE: "        skip (u, v): its cost cannot be below b",
+    NO_BOUND: "    (a cost without such a bound: no candidate is skipped)",
+    COMPUTE_COST: "    c ← cost of B and the block of frame t+1 displaced by (u, v) [+ λR(u, v)]",
+    COMPARE_COST: "    if c < minimum, or c = minimum and (u, v) is shorter than best",
+    KEEP_BEST: "      minimum ← c; best ← (u, v)",
+    REPORT_SHARE: "  share skipped ← skipped candidates / candidates in the search window",
+    REFINE_BEST: "  refine best to sub-pixel accuracy (if subpixel is set)",
+    SET_DISPLACEMENT: "  motion vector of B ← best",
+}
+
+impl BlockSearch for SuccessiveElimination {
+    const INFO: Info = Info {
+        id: "successive-elimination",
+        name: "Successive elimination",
+        family: "Block matching",
+        summary: "Full search that skips a candidate where the sums of its parts show that its cost exceeds the minimum.",
+        source: "W. Li and E. Salari, Successive elimination algorithm for motion estimation, IEEE Trans. Image Processing \
+                 4(1), 1995; levels: X. Q. Gao, C. J. Duanmu and C. R. Zou, A multilevel successive elimination algorithm for \
+                 block matching motion estimation, IEEE Trans. Image Processing 9(3), 2000",
+        pseudocode: line::ALL,
+        granularities: &["frame", "block", "step"],
+        frames: 2,
+    };
+    const GUARANTEE: Guarantee = Guarantee::Translation;
+
+    fn predicts(&self) -> bool {
+        true
+    }
+
+    fn part_sides(&self) -> Vec<usize> {
+        let sides = (0..self.bound_levels).map(|level| self.matching.block_size >> level);
+        // A part of one pixel is the cost itself.
+        sides.filter(|&side| side > 1).collect()
+    }
+
+    fn search(&self, tester: &mut Tester<impl Observer<Event>>) {
+        let first = [[0, 0], tester.neighbours.median()];
+        tester.stage(line::TEST_FIRST, first.into_iter(), || {
+            format!(
+                "(0, 0) and the median predictor {} are tested first: the lower the minimum, the more candidates are skipped.",
+                vector(first[1])
+            )
+        });
+        match tester.settings.matching.cost.sum() {
+            Some(sum) => self.eliminate(tester, sum),
+            None => test_all(tester),
+        }
+    }
+}
+
+impl SuccessiveElimination {
+    /// Tests the candidates that no bound excludes.
+    fn eliminate(&self, tester: &mut Tester<impl Observer<Event>>, sum: Sum) {
+        let sums = tester.sums.clone().unwrap_or_else(|| Arc::new(self.sums_of_window(tester)));
+        let parts = sums.parts(&tester.work.patch.block);
+        let (window, elimination) = (tester.window, Elimination { sum, sums: &sums, parts: &parts });
+        for row in 0..window.size.1 {
+            for first in (0..window.size.0).step_by(LANES) {
+                let displacement = [window.min[0] + first as i32, window.min[1] + row as i32];
+                elimination.run(tester, Run { displacement, count: LANES.min(window.size.0 - first) });
+            }
+        }
+        let skipped = window.count() - tester.tested;
+        tester.skipped = skipped;
+        tester.report(line::REPORT_SHARE, || {
+            format!("Skipped without computing their cost: {}.", counted_share(skipped, window.count()))
+        });
+    }
+
+    /// The sums of the area under the search window alone, for a block of a frame whose sums are not at hand.
+    fn sums_of_window(&self, tester: &Tester<impl Observer<Event>>) -> PartSums {
+        let (mut patch, block, min) = (Patch::default(), tester.block, tester.window.min);
+        patch.take_area(tester.pair, block, tester.window);
+        let first = (block.x as isize + min[0] as isize, block.y as isize + min[1] as isize);
+        PartSums::of_area(&patch.area, first, &self.part_sides())
+    }
+}
+
+/// Tests every candidate.
+fn test_all(tester: &mut Tester<impl Observer<Event>>) {
+    let (window, label) = (tester.window, tester.settings.matching.cost.label());
+    let all = (0..window.count()).map(|index| window.displacement(index));
+    tester.stage(line::NO_BOUND, all, || {
+        format!("No lower bound of {label} follows from sums of gray levels, so every candidate is tested.")
+    });
+}
+
+/// Candidates beside each other: the first, and their number.
+#[derive(Clone, Copy)]
+struct Run {
+    displacement: Displacement,
+    count: usize,
+}
+
+/// The bounds of the candidates of a block.
+struct Elimination<'a> {
+    sum: Sum,
+    sums: &'a PartSums,
+    parts: &'a [Parts],
+}
+
+impl Elimination<'_> {
+    /// Skips or tests the candidates of a run, level by level until all of them are excluded.
+    fn run<O: Observer<Event>>(&self, tester: &mut Tester<O>, run: Run) {
+        let (block, first) = (tester.block, run.displacement);
+        let place = (block.x as isize + first[0] as isize, block.y as isize + first[1] as isize);
+        let (mut limit, mut bounds, mut known) = (tester.sum_limit(None), [[0; LANES]; MOST_LEVELS], 0);
+        let mut excludes_all = false;
+        for (level, parts) in self.parts.iter().enumerate() {
+            bounds[level] = self.sums.bounds(self.sum, level, parts, place);
+            known = level + 1;
+            excludes_all = all_exceed(&bounds[level], run.count, limit);
+            if excludes_all {
+                break;
+            }
+        }
+        if excludes_all && !O::WATCHES {
+            return;
+        }
+        for lane in 0..run.count {
+            let at = [first[0] + lane as i32, first[1]];
+            let excluding = |limit: u32| bounds[..known].iter().position(|bounds| bounds[lane] > limit);
+            // The price of a displacement only lowers the limit.
+            match excluding(limit).or_else(|| excluding(tester.sum_limit(Some(at)))) {
+                Some(level) => tester.skip(line::SKIP_CANDIDATE, self.skipped(at, (level, bounds[level][lane]))),
+                None => {
+                    tester.test(at);
+                    limit = tester.sum_limit(None);
+                }
+            }
+        }
+    }
+
+    /// A candidate excluded by the bound of a level.
+    fn skipped(&self, displacement: Displacement, (level, bound): (usize, u32)) -> Skipped {
+        Skipped { displacement, bound, side: self.parts[level].side }
+    }
+}
+
+/// The most levels of a bound: sides from 64 to 2 px, and one to spare.
+const MOST_LEVELS: usize = 6;
+
+/// Whether the first `count` bounds all exceed `limit`.
+#[inline(always)]
+fn all_exceed(bounds: &[u32; LANES], count: usize, limit: u32) -> bool {
+    let least = bounds.iter().zip(0..).map(|(&bound, lane)| if lane < count { bound } else { u32::MAX });
+    least.fold(u32::MAX, u32::min) > limit
+}

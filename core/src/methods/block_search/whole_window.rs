@@ -1,0 +1,80 @@
+//! What full search finds in a search window: worked out only to explain the end of a block.
+
+use super::probe::Probe;
+use super::{Displacement, Match, Patch, Window, shorter};
+use crate::methods::cost::{self, Sum, windows::Windows};
+
+/// The costs of a whole search window.
+pub(super) struct WholeWindow {
+    window: Window,
+    costs: Vec<f64>,
+    /// The global minimum; of several, that of the shortest displacement.
+    pub least: Match,
+}
+
+impl Probe<'_> {
+    /// The costs of all candidates of the block, with the rate term.
+    pub(super) fn full_search(&self) -> WholeWindow {
+        let (mut patch, mut windows, mut costs, mut sums) =
+            (Patch::default(), Windows::default(), Vec::new(), Vec::new());
+        let (window, block, kind) = (self.window, self.block(), self.settings.matching.cost);
+        patch.take_block(self.pair, block);
+        patch.take_area(self.pair, block, window);
+        let Patch { block: cut, area } = &patch;
+        match kind.sum() {
+            Some(Sum::Absolute) => cost::window(cut, area, window.size, &mut sums),
+            Some(Sum::Squared) => windows.squared(cut, area, window.size, &mut sums),
+            None => kind.window(cut, area, window.size, (&mut windows, &mut costs)),
+        }
+        if kind.sum().is_some() {
+            costs.extend(sums.iter().map(|&sum| kind.of(sum, block)));
+        }
+        for (index, cost) in costs.iter_mut().enumerate() {
+            *cost += self.rate.price(window.displacement(index).map(|c| 4 * c));
+        }
+        WholeWindow::new(window, costs)
+    }
+}
+
+impl WholeWindow {
+    fn new(window: Window, costs: Vec<f64>) -> Self {
+        let all = costs.iter().enumerate().map(|(index, &cost)| Match::whole(window.displacement(index), cost));
+        let is_lower =
+            |a: &Match, b: &Match| a.cost < b.cost || a.cost == b.cost && shorter(a.displacement, b.displacement);
+        let least = all.reduce(|a, b| if is_lower(&b, &a) { b } else { a }).unwrap_or_default();
+        Self { window, costs, least }
+    }
+
+    /// The cost of a candidate.
+    pub fn cost(&self, displacement: Displacement) -> Option<f64> {
+        Some(self.costs[self.window.index(displacement)?])
+    }
+
+    fn all(&self) -> impl Iterator<Item = Match> {
+        self.costs.iter().enumerate().map(|(index, &cost)| Match::whole(self.window.displacement(index), cost))
+    }
+
+    /// The candidates that cost as much as `displacement`.
+    pub fn ties(&self, displacement: Displacement) -> Vec<Match> {
+        let cost = self.cost(displacement);
+        self.all().filter(|other| Some(other.cost) == cost && other.displacement != displacement).collect()
+    }
+
+    /// The other local minima that cost at most `most`, lowest first: not beside `displacement`, and none beside a lower cost.
+    pub fn rivals(&self, displacement: Displacement, most: f64) -> Vec<Match> {
+        let is_beside = |at: Displacement| [0, 1].iter().all(|&i| (at[i] - displacement[i]).abs() < 2);
+        let mut rivals: Vec<Match> = self
+            .all()
+            .filter(|rival| rival.cost <= most && !is_beside(rival.displacement) && self.is_minimum(*rival))
+            .collect();
+        rivals.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        rivals
+    }
+
+    /// Whether none of the 8 neighbours costs less.
+    fn is_minimum(&self, at: Match) -> bool {
+        let around = (-1..=1).flat_map(|v| (-1..=1).map(move |u| [u, v]));
+        let neighbours = around.map(|[u, v]| [at.displacement[0] + u, at.displacement[1] + v]);
+        neighbours.filter_map(|displacement| self.cost(displacement)).all(|cost| cost >= at.cost)
+    }
+}
