@@ -2,9 +2,8 @@
 
 use std::any::Any;
 
-use super::estimator::run_observed;
 use super::{Estimator, Footprint, Guarantee, Info, Need, Progress, StageView, Timeline, Walk, need};
-use crate::base::{Error, Threads, heap};
+use crate::base::{Count, Error, Threads, heap};
 use crate::data::Clip;
 use crate::params::Params;
 use crate::products::{Output, ProductKind};
@@ -25,6 +24,15 @@ fn check_pictures<E: Estimator>(clip: &Clip) -> Result<(), Error> {
 /// Refuses a run for which there is not enough memory.
 fn check_memory<E: Estimator>(estimator: &E, clip: &Clip, of: fn(Need) -> u64) -> Result<(), Error> {
     need::check(clip, E::INFO.name, of(Footprint::need(estimator, clip)))
+}
+
+/// Checks that a run is possible and wanted.
+fn check_run<E: Estimator>(estimator: &E, clip: &Clip) -> Result<(), Error> {
+    check_pictures::<E>(clip)?;
+    check_memory(estimator, clip, |need| need.run)?;
+    clip.wanted()?;
+    heap::keep();
+    Ok(())
 }
 
 /// The size of a run.
@@ -101,17 +109,25 @@ pub trait AnyEstimator: Params + Send + Sync {
     /// If the clip, the frame, the parameters or the memory do not allow a run.
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Output, Error>;
 
+    /// The result of a whole run, and its size, which is counted on the way.
+    ///
+    /// # Errors
+    /// If the clip, the frame, the parameters or the memory do not allow a run.
+    fn run_counted(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<(Output, Extent), Error>;
+
     /// A run that goes on unit after unit.
     ///
     /// # Errors
     /// If the clip, the frame or the parameters do not allow a run.
     fn begin(&self, clip: &Clip, frame: usize) -> Result<Box<dyn AnyRun>, Error>;
 
-    /// Number of units and events of a whole run.
+    /// The size of a whole run, where its result does not matter.
     ///
     /// # Errors
     /// If the clip, the frame, the parameters or the memory do not allow a run.
-    fn extent(&self, clip: &Clip, frame: usize) -> Result<Extent, Error>;
+    fn extent(&self, clip: &Clip, frame: usize) -> Result<Extent, Error> {
+        self.run_counted(clip, frame, &Threads::single()).map(|(_, extent)| extent)
+    }
 
     /// Number of candidates tested by each unit of a whole run.
     ///
@@ -216,11 +232,16 @@ impl<E: Estimator> AnyEstimator for E {
     }
 
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Output, Error> {
-        check_pictures::<E>(clip)?;
-        check_memory(self, clip, |need| need.run)?;
-        clip.wanted()?;
-        heap::keep();
-        Estimator::run(self, clip, frame, threads).map(|state| self.output(&state))
+        check_run(self, clip)?;
+        Estimator::run(self, clip, frame, threads, &()).map(|state| self.output(&state))
+    }
+
+    fn run_counted(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<(Output, Extent), Error> {
+        check_run(self, clip)?;
+        let count = Count::default();
+        let state = Estimator::run(self, clip, frame, threads, &count)?;
+        let extent = Extent { units: count.units(), events: count.events(), memory_bytes: self.memory_bytes(&state) };
+        Ok((self.output(&state), extent))
     }
 
     fn begin(&self, clip: &Clip, frame: usize) -> Result<Box<dyn AnyRun>, Error> {
@@ -230,16 +251,9 @@ impl<E: Estimator> AnyEstimator for E {
         Ok(Box::new(Running { estimator: self.clone(), clip: clip.clone(), state }))
     }
 
-    fn extent(&self, clip: &Clip, frame: usize) -> Result<Extent, Error> {
-        check_memory(self, clip, |need| need.run)?;
-        let mut events = crate::base::Count::default();
-        let (state, units) = run_observed(self, clip, frame, &mut events)?;
-        Ok(Extent { units, events: events.0, memory_bytes: self.memory_bytes(&state) })
-    }
-
     fn evaluations(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Vec<u32>, Error> {
         check_memory(self, clip, |need| need.run)?;
-        let state = Estimator::run(self, clip, frame, threads)?;
+        let state = Estimator::run(self, clip, frame, threads, &())?;
         Ok(self.tests().map_or_else(Vec::new, |tests| tests.evaluations(&state)))
     }
 }

@@ -7,7 +7,7 @@ use super::tester::Workspace;
 use std::any::Any;
 
 use super::{Event, HasSettings, Match, Neighbours, Pair, Pattern, Tester};
-use crate::base::{Earlier, Error, Observer, Threads};
+use crate::base::{Earlier, Error, Observer, Tally, Threads};
 use crate::data::Clip;
 use crate::line_names;
 use crate::params::Params;
@@ -115,7 +115,7 @@ fn prepare<S: BlockSearch>(search: &S, clip: &Clip, frame: usize, threads: &Thre
     let earlier = frame.checked_sub(1).filter(|_| search.predicts_in_time());
     let field = |earlier| {
         let state = start(search, clip, earlier, None)?;
-        Ok::<_, Error>(finish(search, clip, state, threads)?.found.into())
+        Ok::<_, Error>(finish(search, clip, state, (threads, &()))?.found.into())
     };
     start(search, clip, frame, earlier.map(field).transpose()?)
 }
@@ -124,12 +124,18 @@ fn prepare<S: BlockSearch>(search: &S, clip: &Clip, frame: usize, threads: &Thre
 ///
 /// # Errors
 /// If the work is cancelled.
-fn finish<S: BlockSearch>(search: &S, clip: &Clip, mut state: State, threads: &Threads) -> Result<State, Error> {
+fn finish<S: BlockSearch>(
+    search: &S,
+    clip: &Clip,
+    mut state: State,
+    (threads, tally): (&Threads, &impl Tally<Event>),
+) -> Result<State, Error> {
+    tally.add_units(state.pair.blocks.len());
     let blocks = threads.sweep(
         (state.pair.blocks.counts(), || clip.wanted()),
         Workspace::default,
         |work, index, earlier: Earlier<(Match, usize)>| {
-            search_block(search, &state, (index, |i| earlier.at(i).0), work, &mut ())
+            search_block(search, &state, (index, |i| earlier.at(i).0), work, &mut tally.counter())
         },
     )?;
     (state.found, state.tested) = blocks.into_iter().map(|(found, tested)| (found, tested as u32)).unzip();
@@ -199,8 +205,8 @@ impl<S: BlockSearch> Estimator for S {
         Output::of(settings.field(state.pair.blocks, vectors))
     }
 
-    fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
-        prepare(self, clip, frame, threads).and_then(|state| finish(self, clip, state, threads))
+    fn run(&self, clip: &Clip, frame: usize, threads: &Threads, tally: &impl Tally<Event>) -> Result<State, Error> {
+        prepare(self, clip, frame, threads).and_then(|state| finish(self, clip, state, (threads, tally)))
     }
 }
 
