@@ -101,7 +101,7 @@ pub use products::{
 };
 pub use run::{
     AnyEstimator, AnyRun, Beside, Cursor, Direction, Estimator, Explained, Extent, FRAMES, Footprint, Granularity,
-    Guarantee, Info, LEVEL, Lockstep, Move, Pace, Pointed, Progress, Seen, StageView, TestsCandidates, Timeline, Walk,
-    lockstep, run_observed, stage,
+    Guarantee, Info, LEVEL, Lockstep, Move, Pace, Pointed, Progress, Ran, Seen, StageView, TestsCandidates, Timeline,
+    Walk, lockstep, run_observed, stage,
 };
 pub use scene::{Floor, Level, Levels, Role, Scene, Stack, Step, pseudocode};

@@ -168,7 +168,7 @@ fn walking_to_the_end_takes_at_most_twice_the_work_of_a_run() {
         let (mut units, mut walked, mut memory) = (0, 0, 0);
         let plain = work(&mut || drop(estimator.run(&clip, 0, &Threads::single()).expect("a run")));
         let with_count = work(&mut || {
-            let (_, extent) = estimator.run_counted(&clip, 0, &Threads::single()).expect("a run");
+            let extent = estimator.run_counted(&clip, 0, &Threads::single()).expect("a run").extent;
             (units, memory) = (extent.units, extent.memory_bytes);
         });
         assert_eq!(plain, with_count, "{id}: counting is no second run");

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use motionscope_core::products::Reference;
-use motionscope_core::{AnyEstimator, Consistency, Error, Extent, Levels, Move, Output, Threads};
+use motionscope_core::{AnyEstimator, Consistency, Error, Levels, Move, Output, Ran, Threads};
 
 use super::args::RunArgs;
 use super::outputs::{Place, check_folder, refuse_losses};
@@ -47,7 +47,7 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
     let threads = args.threads.map_or_else(Threads::all, |n| Threads::new(n as usize))?;
     // Decoded here, so that the timing covers the estimation alone.
     clip.pair_or_last(frame)?;
-    let (output, extent, times) = timed(&prepared, &threads, args.repeat)?;
+    let (Ran { output, causal, extent }, times) = timed(&prepared, &threads, args.repeat)?;
     if let Some(step) = args.step.filter(|step| experiment.side_by_side.is_empty() && step.unit >= extent.units) {
         return Err(Error::new(format!("there is no step {step}: the run ends at {}", extent.units)));
     }
@@ -59,7 +59,7 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
     }
     let reverse = Reverse::new(estimator, clip, frame);
     let check = check(&prepared, args, &output, &reverse)?;
-    let live = experiment.causal(clip, &threads)?;
+    let live = experiment.causal(clip, causal)?;
     let timing = Timing { threads: threads.count(), times };
     let report = Report::new(&prepared, &output, Findings { assessment, check, live }, extent, timing);
     let paint = |(path, format)| Ok((path, overlay.paint(&prepared, format, &reverse)?));
@@ -131,20 +131,20 @@ impl<'a> Outputs<'a> {
     }
 }
 
-/// Runs the estimator `repeat` times; gives the result, the size of the run, and the time of each.
+/// Runs the estimator `repeat` times; gives the first run, and the time of each.
 fn timed(
     Prepared { experiment, clip, .. }: &Prepared,
     threads: &Threads,
     repeat: u32,
-) -> Result<(Output, Extent, Vec<Duration>), Error> {
+) -> Result<(Ran, Vec<Duration>), Error> {
     let run = || {
         let start = Instant::now();
-        let run = experiment.estimator.run_counted(clip, experiment.frame, threads)?;
-        Ok((run, start.elapsed()))
+        let ran = experiment.estimator.run_counted(clip, experiment.frame, threads)?;
+        Ok((ran, start.elapsed()))
     };
-    let ((output, extent), first) = run()?;
+    let (ran, first) = run()?;
     let rest = (1..repeat).map(|_| run().map(|(_, time)| time)).collect::<Result<Vec<_>, Error>>()?;
-    Ok((output, extent, [vec![first], rest].concat()))
+    Ok((ran, [vec![first], rest].concat()))
 }
 
 /// What `args` ask for themselves of how the picture looks: what a session asks for may be missing at some steps.

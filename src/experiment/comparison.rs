@@ -67,13 +67,12 @@ impl Row {
         };
         // Decoded here, so that the time is of the estimation alone.
         clip.pair_or_last(frame)?;
-        let (run_once, mut time) = run()?;
+        let (ran, mut time) = run()?;
         for _ in 1..repeat {
             time = time.min(run()?.1);
         }
-        let figures = Figures::of(estimator, &run_once, (clip, frame), threads)?;
-        let (output, _) = run_once;
-        let assessment = output.assess(&Reference { clip, frame })?;
+        let figures = Figures::of(estimator, &ran, (clip, frame), threads)?;
+        let assessment = ran.output.assess(&Reference { clip, frame })?;
         Ok(Self { estimator: estimator.boxed_clone(), swept: contender.swept.clone(), time, assessment, figures })
     }
 

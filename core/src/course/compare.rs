@@ -8,7 +8,7 @@ use crate::data::{Clip, Frame};
 use crate::geometry::Gray;
 use crate::params::{Spec, Value};
 use crate::products::{Output, Tested};
-use crate::run::{AnyEstimator, Extent};
+use crate::run::{AnyEstimator, Ran};
 use crate::synth::disturb;
 
 /// Standard deviation of the noise in the robustness test, in gray levels.
@@ -47,14 +47,13 @@ pub struct BlockFigures {
 }
 
 impl Figures {
-    /// Computes the figures of `estimator`, whose run on frames `frame` and `frame + 1` of `clip` gave `output` and has the size
-    /// `extent`.
+    /// Computes the figures of `estimator`, whose run on frames `frame` and `frame + 1` of `clip` is `ran`.
     ///
     /// # Errors
     /// If the estimator cannot run there, or a frame cannot be read.
     pub fn of(
         estimator: &dyn AnyEstimator,
-        (output, extent): &(Output, Extent),
+        Ran { output, extent, .. }: &Ran,
         (clip, frame): (&Clip, usize),
         threads: &Threads,
     ) -> Result<Self, Error> {
@@ -253,7 +252,7 @@ mod tests {
         for estimator in estimators() {
             let run = estimator.run_counted(&clip, 0, &threads).expect("a run");
             let figures = Figures::of(&*estimator, &run, (&clip, 0), &threads).expect("figures");
-            let (output, _) = run;
+            let output = run.output;
             let id = estimator.info().id;
             for kept in [figures.kept_in_noise, figures.kept_in_light] {
                 let is_sparse = !output.motion().is_field();

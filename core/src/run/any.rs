@@ -46,6 +46,16 @@ pub struct Extent {
     pub memory_bytes: usize,
 }
 
+/// What a whole run amounts to.
+pub struct Ran {
+    /// The products.
+    pub output: Output,
+    /// The products as they were in real time, where the parameters look back.
+    pub causal: Option<Output>,
+    /// The size.
+    pub extent: Extent,
+}
+
 /// An estimator of any type, as the window and the command line hold it.
 pub trait AnyEstimator: Params + Send + Sync {
     /// Its declaration.
@@ -79,9 +89,6 @@ pub trait AnyEstimator: Params + Send + Sync {
     /// If a frame cannot be read.
     fn stage_view(&self, clip: &Clip, now: usize) -> Result<Option<StageView>, Error>;
 
-    /// The causal version of the estimator, if its parameters make it non-causal.
-    fn causal(&self) -> Option<Box<dyn AnyEstimator>>;
-
     /// Whether it searches blocks by testing candidates: such estimators can go in lockstep.
     fn tests_candidates(&self) -> bool;
 
@@ -109,11 +116,11 @@ pub trait AnyEstimator: Params + Send + Sync {
     /// If the clip, the frame, the parameters or the memory do not allow a run.
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Output, Error>;
 
-    /// The result of a whole run, and its size, which is counted on the way.
+    /// A whole run with all that can be said of it: its size is counted on the way.
     ///
     /// # Errors
     /// If the clip, the frame, the parameters or the memory do not allow a run.
-    fn run_counted(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<(Output, Extent), Error>;
+    fn run_counted(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Ran, Error>;
 
     /// A run that goes on unit after unit.
     ///
@@ -126,7 +133,7 @@ pub trait AnyEstimator: Params + Send + Sync {
     /// # Errors
     /// If the clip, the frame, the parameters or the memory do not allow a run.
     fn extent(&self, clip: &Clip, frame: usize) -> Result<Extent, Error> {
-        self.run_counted(clip, frame, &Threads::single()).map(|(_, extent)| extent)
+        self.run_counted(clip, frame, &Threads::single()).map(|ran| ran.extent)
     }
 
     /// Number of candidates tested by each unit of a whole run.
@@ -198,10 +205,6 @@ impl<E: Estimator> AnyEstimator for E {
         Estimator::stage_view(self, clip, now)
     }
 
-    fn causal(&self) -> Option<Box<dyn AnyEstimator>> {
-        Estimator::causal(self).map(|causal| Box::new(causal) as Box<dyn AnyEstimator>)
-    }
-
     fn tests_candidates(&self) -> bool {
         self.tests().is_some()
     }
@@ -236,12 +239,12 @@ impl<E: Estimator> AnyEstimator for E {
         Estimator::run(self, clip, frame, threads, &()).map(|state| self.output(&state))
     }
 
-    fn run_counted(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<(Output, Extent), Error> {
+    fn run_counted(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Ran, Error> {
         check_run(self, clip)?;
         let count = Count::default();
         let state = Estimator::run(self, clip, frame, threads, &count)?;
         let extent = Extent { units: count.units(), events: count.events(), memory_bytes: self.memory_bytes(&state) };
-        Ok((self.output(&state), extent))
+        Ok(Ran { causal: Estimator::causal(self, &state), output: self.output(&state), extent })
     }
 
     fn begin(&self, clip: &Clip, frame: usize) -> Result<Box<dyn AnyRun>, Error> {

@@ -201,8 +201,8 @@ pub trait Estimator: Params + Footprint<<Self as Estimator>::State> + Default + 
     /// Draws the scene at the cursor.
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene);
 
-    /// The causal version of the estimator, as for a live camera, if its parameters make it non-causal.
-    fn causal(&self) -> Option<Self> {
+    /// The products of a state as they were in real time, as for a live camera, where its parameters look back.
+    fn causal(&self, _state: &Self::State) -> Option<Output> {
         None
     }
 

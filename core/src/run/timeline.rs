@@ -474,6 +474,10 @@ impl<E: Estimator> Walk for Timeline<E> {
         self.estimator.output(if self.unit_is_over() { &self.unit.after } else { &self.unit.before })
     }
 
+    fn causal(&self) -> Option<Output> {
+        self.estimator.causal(if self.unit_is_over() { &self.unit.after } else { &self.unit.before })
+    }
+
     fn evaluations(&self) -> Vec<usize> {
         let Some(tests) = self.estimator.tests() else { return Vec::new() };
         let events = self.unit.events.iter().enumerate();

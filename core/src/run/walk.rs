@@ -81,6 +81,10 @@ pub trait Walk: Send {
     fn scene(&self, focus: Option<Focus>) -> Scene;
     /// The products at the cursor, of all finished units.
     fn output(&self) -> Output;
+    /// The products at the cursor as they were in real time, where the parameters look back.
+    fn causal(&self) -> Option<Output> {
+        None
+    }
     /// The numbers of the events of the current unit that test a candidate.
     fn evaluations(&self) -> Vec<usize>;
     /// Candidates that were tested up to the cursor.

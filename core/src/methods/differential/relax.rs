@@ -6,7 +6,8 @@
 //! absorbs the factor 3 of its Laplacian, 3 (mean − value), into α² as well.
 
 use super::jacobi::{self, DEPTH, Rows};
-use super::stencil::{BESIDE, CORNER, update};
+use super::sor;
+use super::stencil::{BESIDE, CORNER};
 use super::{Field, Linear};
 use crate::base::{
     LANES, Threads, effort,
@@ -41,10 +42,6 @@ impl System {
         Self { factors }
     }
 
-    fn rows(&self, y: usize) -> [&[f32]; 3] {
-        [0, 1, 2].map(|i| &self.factors.cells()[(3 * y + i) * self.factors.stride..])
-    }
-
     /// Does `iterations` Jacobi iterations from `field`: all pixels from the means of the previous iteration.
     pub fn jacobi(&self, field: &Field, iterations: usize, threads: &Threads) -> Field {
         effort::add(iterations * field.u.cells().len());
@@ -58,61 +55,14 @@ impl System {
         from.unwrap_or_else(|| field.clone())
     }
 
-    /// Does one iteration in place, in raster order, from the newest values of the neighbours. `relaxation` is the factor ω of
+    /// Does `iterations` in place, from the newest values of the neighbours, in the order of [`sor`]. `relaxation` is the factor ω of
     /// successive over-relaxation; 1 is Gauss–Seidel.
-    pub fn sweep(&self, field: &mut Field, relaxation: f32) {
-        effort::add(field.u.cells().len());
-        let (width, height) = field.u.size();
-        let mut above = [vec![0.0; width + 2], vec![0.0; width + 2]];
-        let mut here = above.clone();
-        let mut below = above.clone();
-        for y in 0..height {
-            let [a, b, c] = self.rows(y);
-            for (i, part) in [&field.u, &field.v].into_iter().enumerate() {
-                pad(&mut above[i], part.row(y.saturating_sub(1)));
-                pad(&mut here[i], part.row(y));
-                pad(&mut below[i], part.row((y + 1).min(height - 1)));
-                if y == 0 {
-                    above[i].clone_from(&here[i]);
-                }
-                if y + 1 == height {
-                    below[i].clone_from(&here[i]);
-                }
-            }
-            for x in 0..width {
-                let mean = [0, 1].map(|i| neighbor_mean([&above[i], &here[i], &below[i]], x));
-                let new = update(mean, [a[x], b[x], c[x]]);
-                for i in 0..2 {
-                    let value = here[i][x + 1] + relaxation * (new[i] - here[i][x + 1]);
-                    here[i][x + 1] = value;
-                    // Replicate the border.
-                    if y == 0 {
-                        above[i][x + 1] = value;
-                    }
-                    if y + 1 == height {
-                        below[i][x + 1] = value;
-                    }
-                }
-            }
-            field.u.row_mut(y).copy_from_slice(&here[0][1..=width]);
-            field.v.row_mut(y).copy_from_slice(&here[1][1..=width]);
+    pub fn sweep(&self, field: &mut Field, iterations: usize, relaxation: f32) {
+        effort::add(iterations * field.u.cells().len());
+        for done in (0..iterations).step_by(sor::DEPTH) {
+            sor::iterate(&self.factors, field, sor::DEPTH.min(iterations - done), relaxation);
         }
     }
-}
-
-/// Copies `row` with one replicated border pixel on either side.
-fn pad(target: &mut [f32], row: &[f32]) {
-    let width = row.len();
-    target[1..=width].copy_from_slice(row);
-    target[0] = row[0];
-    target[width + 1] = row[width - 1];
-}
-
-/// The mean of the neighbours of pixel `x` in three padded rows.
-#[inline(always)]
-fn neighbor_mean([above, here, below]: [&[f32]; 3], x: usize) -> f32 {
-    BESIDE * ((above[x + 1] + below[x + 1]) + (here[x] + here[x + 2]))
-        + CORNER * ((above[x] + above[x + 2]) + (below[x] + below[x + 2]))
 }
 
 /// The data term and the smoothness term, on average per pixel.
@@ -231,14 +181,20 @@ fn change_of_row([u, v]: [&[f32]; 2], [new_u, new_v]: [&[f32]; 2]) -> f32 {
     lanes.iter().sum::<f32>() + rest
 }
 
-/// The mean of the neighbours of a pixel: those before it in raster order from `earlier`, the others from `later`.
-pub fn mean_around(earlier: &Field, later: &Field, (x, y): (usize, usize)) -> [f32; 2] {
+/// The mean of the neighbours of a pixel: those of which `is_earlier` says that they are updated before it (first their place, then
+/// the pixel's) from `earlier`, the others from `later`.
+pub fn mean_around(
+    earlier: &Field,
+    later: &Field,
+    (x, y): (usize, usize),
+    is_earlier: fn((usize, usize), (usize, usize)) -> bool,
+) -> [f32; 2] {
     let (width, height) = later.u.size();
     let mean = |earlier: &Grid<f32>, later: &Grid<f32>| {
         let at = |i: isize, j: isize| {
             let place =
                 (Border::Replicate.index(x as isize + i, width), Border::Replicate.index(y as isize + j, height));
-            if (place.1, place.0) < (y, x) { earlier[place] } else { later[place] }
+            if is_earlier(place, (x, y)) { earlier[place] } else { later[place] }
         };
         BESIDE * (at(0, -1) + at(0, 1) + at(-1, 0) + at(1, 0))
             + CORNER * (at(-1, -1) + at(1, -1) + at(-1, 1) + at(1, 1))

@@ -158,7 +158,7 @@ impl Local {
         field
     }
 
-    /// Does one iteration in place, in raster order, from the newest values of the neighbours; `relaxation` as in
+    /// Does one iteration in place, from the newest values of the neighbours; order and `relaxation` as in
     /// [`System::sweep`](crate::methods::differential::relax::System::sweep).
     pub fn sweep(&self, field: &mut Field, relaxation: f32) {
         effort::add(field.u.cells().len());
@@ -166,7 +166,7 @@ impl Local {
         for y in 0..height {
             let factors = self.rows(y);
             let rows = [y.saturating_sub(1), y, (y + 1).min(height - 1)];
-            for x in 0..width {
+            for x in (0..width).step_by(2).chain((1..width).step_by(2)) {
                 let columns = [x.saturating_sub(1), (x + 1).min(width - 1)];
                 let mean = [&field.u, &field.v].map(|part| mean(rows.map(|y| part.row(y)), x, columns));
                 let new = solution(factors.map(|row| row[x]), mean);
