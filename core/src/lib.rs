@@ -68,6 +68,11 @@ pub mod memory {
     pub use crate::run::Need;
 }
 
+/// Work in pixels, counted where whole pictures are gone through.
+pub mod effort {
+    pub use crate::base::effort::pixels;
+}
+
 /// What moving objects are told with, from pixels that differ to objects with a past.
 pub mod objects {
     pub use crate::data::{
@@ -79,7 +84,7 @@ pub mod objects {
 }
 
 pub use base::words::{fixed, grouped, spaced};
-pub use base::{Count, Error, Observer, Stop, Threads};
+pub use base::{Count, Error, Observer, Stop, Tally, Threads};
 pub use course::{compare, estimator, estimators, glossary};
 pub use data::{
     Blob, Clip, ClipInfo, Counted, Detection, Flow, Frame, FrameSource, Histogram, Interpolation, Mask, ObjectBox,
@@ -96,7 +101,7 @@ pub use products::{
 };
 pub use run::{
     AnyEstimator, AnyRun, Beside, Cursor, Direction, Estimator, Explained, Extent, FRAMES, Footprint, Granularity,
-    Guarantee, Info, LEVEL, Lockstep, Move, Pace, Pointed, Progress, Seen, StageView, TestsCandidates, Timeline, Walk,
-    lockstep, run_observed, stage,
+    Guarantee, Info, LEVEL, Lockstep, Move, Pace, Pointed, Progress, Ran, Seen, StageView, TestsCandidates, Timeline,
+    Walk, lockstep, run_observed, stage,
 };
 pub use scene::{Floor, Level, Levels, Role, Scene, Stack, Step, pseudocode};

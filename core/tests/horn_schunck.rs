@@ -95,7 +95,8 @@ fn horn_schunck_stops_when_little_changes() {
     assert!((5..400).contains(&units), "{units} iterations");
     assert_eq!(walk.output(), estimator.run(&clip, 0, &Threads::new(2).unwrap()).unwrap());
     let change = plotted(&*estimator, &clip, "Mean change", "mean change");
-    assert!(change[units - 1] < 0.002 && change[units - 2] >= 0.002);
+    // The criterion is tested every 8 iterations.
+    assert!(units % 8 == 0 && change[units - 1] < 0.002 && change[units - 9] >= 0.002);
 }
 
 #[test]
@@ -200,14 +201,13 @@ fn the_tolerance_is_in_px_of_the_picture_on_every_level() {
     let change = plotted(&*estimator, &clip, "Mean change", "mean change");
     let mut ends = 0;
     for (unit, change) in change.iter().enumerate() {
+        walk.jump(Move::To(Cursor { unit, event: 1 }));
+        // The criterion is tested every 8 iterations.
+        let is_tested = walk.place()[3].index % 8 == 7;
         walk.jump(Move::To(Cursor { unit: unit + 1, event: 1 }));
-        let is_last = walk.place()[3].index == 0;
-        if unit + 1 < walk.units().unwrap() {
-            assert_eq!(*change < 0.004, is_last, "iteration {unit} changes by {change}");
-        } else {
-            assert!(*change < 0.004);
-        }
-        ends += usize::from(*change < 0.004);
+        let is_last = unit + 1 == walk.units().unwrap() || walk.place()[3].index == 0;
+        assert_eq!(is_tested && *change < 0.004, is_last, "iteration {unit} changes by {change}");
+        ends += usize::from(is_last);
     }
     assert_eq!(ends, 6, "two warps on three levels");
 }

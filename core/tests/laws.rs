@@ -12,7 +12,7 @@ use motionscope_core::stage::value_of;
 use motionscope_core::{
     AnyEstimator, BlockField, Bounds, Clip, Cursor, DenseField, Detection, Direction, Explained, Followed, Frame, Grid,
     Guarantee, Move, ObjectBox, ObjectField, Output, PointField, ProductKind, Scene, Step, Stop, Threads, TrackStatus,
-    Walk, estimators,
+    Walk, effort, estimators,
 };
 use proptest::prelude::*;
 
@@ -150,6 +150,43 @@ fn run_equals_stepping_on_any_number_of_threads() {
         let extent = estimator.extent(&clip, 0).unwrap();
         assert_eq!(Some(extent.units), walk.units());
     });
+}
+
+/// Nothing is computed for plots that nothing shows, and nothing twice: to see the last step costs little more than the run.
+#[test]
+fn walking_to_the_end_takes_at_most_twice_the_work_of_a_run() {
+    let (mut counted, mut dense) = (0, 0);
+    for estimator in estimators() {
+        let id = estimator.info().id;
+        let pair = moving(112, 80, (1, -2), 4);
+        let clip = clip_for(&*estimator, pair);
+        let work = |job: &mut dyn FnMut()| {
+            let before = effort::pixels();
+            job();
+            effort::pixels() - before
+        };
+        let (mut units, mut walked, mut memory) = (0, 0, 0);
+        let plain = work(&mut || drop(estimator.run(&clip, 0, &Threads::single()).expect("a run")));
+        let with_count = work(&mut || {
+            let extent = estimator.run_counted(&clip, 0, &Threads::single()).expect("a run").extent;
+            (units, memory) = (extent.units, extent.memory_bytes);
+        });
+        assert_eq!(plain, with_count, "{id}: counting is no second run");
+        assert!(memory > 0, "{id}");
+        let seen = work(&mut || {
+            let mut walk = estimator.walk(&clip, 0).expect("a walk");
+            walk.jump(Move::End);
+            assert_eq!(walk.units(), Some(units), "{id}");
+            drop((walk.step(None), walk.scene(None), walk.output()));
+            walked = walk.advanced();
+        });
+        // Where the number of units is not known before, the last one is performed again, from the checkpoint before it.
+        assert!(walked >= units && walked <= 2 * units + 2, "{id} performs {walked} units for {units}");
+        assert!(seen <= 2 * plain, "{id} goes through {seen} pixels for {plain}");
+        counted += 1;
+        dense += usize::from(plain > 0);
+    }
+    assert!(counted == estimators().len() && dense >= 8, "{dense} of {counted} go through whole pictures");
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use motionscope_core::products::Reference;
-use motionscope_core::{AnyEstimator, Consistency, Cursor, Error, Levels, Move, Output, Threads};
+use motionscope_core::{AnyEstimator, Consistency, Cursor, Error, Levels, Move, Output, Ran, Threads};
 
 use super::args::RunArgs;
 use super::outputs::{Place, check_folder, refuse_losses};
@@ -47,8 +47,7 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
     let threads = args.threads.map_or_else(Threads::all, |n| Threads::new(n as usize))?;
     // Decoded here, so that the timing covers the estimation alone.
     clip.pair_or_last(frame)?;
-    let (output, times) = timed(&prepared, &threads, args.repeat)?;
-    let extent = estimator.extent(clip, frame)?;
+    let (Ran { output, causal, extent }, times) = timed(&prepared, &threads, args.repeat)?;
     if let Some(step) =
         args.step.filter(|step| experiment.side_by_side.is_empty() && *step != Cursor::END && step.unit >= extent.units)
     {
@@ -62,7 +61,7 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
     }
     let reverse = Reverse::new(estimator, clip, frame);
     let check = check(&prepared, args, &output, &reverse)?;
-    let live = experiment.causal(clip, &threads)?;
+    let live = experiment.causal(clip, causal)?;
     let timing = Timing { threads: threads.count(), times };
     let report = Report::new(&prepared, &output, Findings { assessment, check, live }, extent, timing);
     let paint = |(path, format)| Ok((path, overlay.paint(&prepared, format, &reverse)?));
@@ -134,19 +133,20 @@ impl<'a> Outputs<'a> {
     }
 }
 
+/// Runs the estimator `repeat` times; gives the first run, and the time of each.
 fn timed(
     Prepared { experiment, clip, .. }: &Prepared,
     threads: &Threads,
     repeat: u32,
-) -> Result<(Output, Vec<Duration>), Error> {
+) -> Result<(Ran, Vec<Duration>), Error> {
     let run = || {
         let start = Instant::now();
-        let output = experiment.estimator.run(clip, experiment.frame, threads)?;
-        Ok((output, start.elapsed()))
+        let ran = experiment.estimator.run_counted(clip, experiment.frame, threads)?;
+        Ok((ran, start.elapsed()))
     };
-    let (output, first) = run()?;
+    let (ran, first) = run()?;
     let rest = (1..repeat).map(|_| run().map(|(_, time)| time)).collect::<Result<Vec<_>, Error>>()?;
-    Ok((output, [vec![first], rest].concat()))
+    Ok((ran, [vec![first], rest].concat()))
 }
 
 /// What `args` ask for themselves of how the picture looks: what a session asks for may be missing at some steps.

@@ -62,17 +62,17 @@ impl Row {
         let estimator = &*contender.estimator;
         let run = || {
             let start = Instant::now();
-            let output = estimator.run(clip, frame, threads)?;
-            Ok::<_, Error>((output, start.elapsed()))
+            let run = estimator.run_counted(clip, frame, threads)?;
+            Ok::<_, Error>((run, start.elapsed()))
         };
         // Decoded here, so that the time is of the estimation alone.
         clip.pair_or_last(frame)?;
-        let (output, mut time) = run()?;
+        let (ran, mut time) = run()?;
         for _ in 1..repeat {
             time = time.min(run()?.1);
         }
-        let figures = Figures::of(estimator, &output, (clip, frame), threads)?;
-        let assessment = output.assess(&Reference { clip, frame })?;
+        let figures = Figures::of(estimator, &ran, (clip, frame), threads)?;
+        let assessment = ran.output.assess(&Reference { clip, frame })?;
         Ok(Self { estimator: estimator.boxed_clone(), swept: contender.swept.clone(), time, assessment, figures })
     }
 

@@ -11,7 +11,7 @@ pub mod sweeps;
 use std::sync::Arc;
 
 use motionscope_core::products::{Assessment, Reference};
-use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Info, Threads, Walk, estimators};
+use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Info, Output, Walk, estimators};
 
 use crate::media::export::Inputs;
 use crate::media::{Given, Open};
@@ -66,14 +66,13 @@ impl Experiment {
         self.side_by_side.walk(&*self.estimator, clip, self.frame)
     }
 
-    /// How good the same estimator is in real time, where it looks back in time as it is set and is scored.
+    /// How good the estimator is in real time, where it looks back as it is set (then `causal` is what it gave) and is scored.
     ///
     /// # Errors
-    /// If it cannot run there, or the truth cannot be read.
-    pub fn causal(&self, clip: &Clip, threads: &Threads) -> Result<Option<Assessment>, Error> {
-        let Some(causal) = self.estimator.causal().filter(|_| clip.truth().is_some()) else { return Ok(None) };
-        let output = causal.run(clip, self.frame, threads)?;
-        let assessment = output.assess(&Reference { clip, frame: self.frame })?;
+    /// If the truth cannot be read.
+    pub fn causal(&self, clip: &Clip, causal: Option<Output>) -> Result<Option<Assessment>, Error> {
+        let Some(causal) = causal.filter(|_| clip.truth().is_some()) else { return Ok(None) };
+        let assessment = causal.assess(&Reference { clip, frame: self.frame })?;
         Ok(Some(assessment).filter(|assessment| !assessment.headline.is_empty()))
     }
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use motionscope_core::products::{Assessment, Reference};
 use motionscope_core::scene::{Fact, Focus, Picture, Readout};
-use motionscope_core::{Clip, Cursor, Error, Frame, Histogram, Levels, Role, Scene, Step, Threads, Walk};
+use motionscope_core::{Clip, Cursor, Error, Frame, Histogram, Levels, Role, Scene, Step, Walk};
 
 use super::look::{Look, RunState};
 use super::motion::{AvailableLayers, Motion, Reverse, Site};
@@ -76,7 +76,7 @@ impl End {
     pub fn of(walk: &dyn Walk, experiment: &Experiment, clip: &Clip, pair: &Pictures) -> Option<Self> {
         let causal = || {
             let is_alone = experiment.side_by_side.is_empty();
-            let causal = is_alone.then(|| experiment.causal(clip, &Threads::single()).ok().flatten()).flatten();
+            let causal = is_alone.then(|| experiment.causal(clip, walk.causal()).ok().flatten()).flatten();
             causal.map(|assessment| assessment.headline)
         };
         walk.at_end().then(|| {

@@ -225,12 +225,12 @@ fn the_end_of_a_run_shows_the_scores_of_the_command_line() {
             facts.expect("facts").iter().map(|fact| (fact.label.to_string(), fact.value.clone())).collect();
         let experiment = &shown.subject.experiment;
         let threads = motionscope_core::Threads::single();
-        let output = experiment.estimator.run(&shown.subject.clip, experiment.frame, &threads).expect("a run");
+        let ran = experiment.estimator.run_counted(&shown.subject.clip, experiment.frame, &threads).expect("a run");
         let reference = motionscope_core::products::Reference { clip: &shown.subject.clip, frame: experiment.frame };
-        for fact in output.assess(&reference).expect("scores").facts {
+        for fact in ran.output.assess(&reference).expect("scores").facts {
             assert!(facts.contains(&(fact.label.to_string(), fact.value.clone())), "{estimator}: {}", fact.label);
         }
-        let causal = experiment.causal(&shown.subject.clip, &threads).expect("scores");
+        let causal = experiment.causal(&shown.subject.clip, ran.causal).expect("scores");
         assert_eq!(causal.is_some(), facts.iter().any(|(label, _)| label == "In real time"), "{estimator}: {facts:?}");
         if let Some(causal) = causal {
             assert!(facts.contains(&("In real time".into(), causal.headline)), "{facts:?}");

@@ -1,5 +1,6 @@
 //! Foundations: errors, words and numbers, threads, cancellation, and observers.
 
+pub mod effort;
 pub mod entropy;
 mod error;
 pub mod heap;
@@ -10,7 +11,7 @@ pub mod wide;
 pub mod words;
 
 pub use error::Error;
-pub use observer::{Count, Mapped, Observer};
+pub use observer::{Count, Mapped, Observer, Tally};
 pub use stop::Stop;
 pub(crate) use threads::Earlier;
 pub use threads::Threads;

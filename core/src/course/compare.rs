@@ -8,7 +8,7 @@ use crate::data::{Clip, Frame};
 use crate::geometry::Gray;
 use crate::params::{Spec, Value};
 use crate::products::{Output, Tested};
-use crate::run::AnyEstimator;
+use crate::run::{AnyEstimator, Ran};
 use crate::synth::disturb;
 
 /// Standard deviation of the noise in the robustness test, in gray levels.
@@ -47,13 +47,13 @@ pub struct BlockFigures {
 }
 
 impl Figures {
-    /// Computes the figures of `estimator`, whose run on frames `frame` and `frame + 1` of `clip` gave `output`.
+    /// Computes the figures of `estimator`, whose run on frames `frame` and `frame + 1` of `clip` is `ran`.
     ///
     /// # Errors
     /// If the estimator cannot run there, or a frame cannot be read.
     pub fn of(
         estimator: &dyn AnyEstimator,
-        output: &Output,
+        Ran { output, extent, .. }: &Ran,
         (clip, frame): (&Clip, usize),
         threads: &Threads,
     ) -> Result<Self, Error> {
@@ -62,7 +62,6 @@ impl Figures {
             let disturbed = Clip::from_frames("disturbed", pair.into())?;
             Ok(kept(output, &estimator.run(&disturbed, 0, threads)?, [0.0; 2]))
         };
-        let extent = estimator.extent(clip, frame)?;
         let blocks = |tested: Vec<_>| BlockFigures::of(estimator, &tested, (clip, frame), threads);
         Ok(Self {
             memory_bytes: extent.memory_bytes,
@@ -251,8 +250,9 @@ mod tests {
     fn full_search_misses_nothing_and_the_others_are_told_where_they_do() {
         let (clip, threads) = (clip(), Threads::single());
         for estimator in estimators() {
-            let output = estimator.run(&clip, 0, &threads).expect("a run");
-            let figures = Figures::of(&*estimator, &output, (&clip, 0), &threads).expect("figures");
+            let run = estimator.run_counted(&clip, 0, &threads).expect("a run");
+            let figures = Figures::of(&*estimator, &run, (&clip, 0), &threads).expect("figures");
+            let output = run.output;
             let id = estimator.info().id;
             for kept in [figures.kept_in_noise, figures.kept_in_light] {
                 let is_sparse = !output.motion().is_field();
@@ -299,8 +299,8 @@ mod tests {
         let (clip, threads) = (clip(), Threads::single());
         let mut diamond = estimator("diamond").expect("it");
         diamond.set("lambda", "4").expect("it has one");
-        let output = diamond.run(&clip, 0, &threads).expect("a run");
-        let figures = Figures::of(&*diamond, &output, (&clip, 0), &threads).expect("figures");
+        let run = diamond.run_counted(&clip, 0, &threads).expect("a run");
+        let figures = Figures::of(&*diamond, &run, (&clip, 0), &threads).expect("figures");
         let missed = figures.blocks.as_ref().and_then(BlockFigures::missed_share);
         assert_eq!((missed, figures.first_missed_unit()), (None, None));
     }
@@ -310,8 +310,8 @@ mod tests {
         let flat = |v| Frame::gray(Grid::new(48, 32, v));
         let clip = Clip::from_frames("flat", vec![flat(90), flat(90)]).expect("a clip");
         let (full, threads) = (estimator("full-search").expect("it"), Threads::single());
-        let output = full.run(&clip, 0, &threads).expect("a run");
-        let figures = Figures::of(&*full, &output, (&clip, 0), &threads).expect("figures");
+        let run = full.run_counted(&clip, 0, &threads).expect("a run");
+        let figures = Figures::of(&*full, &run, (&clip, 0), &threads).expect("figures");
         let missed = figures.blocks.as_ref().and_then(BlockFigures::missed_share);
         assert_eq!((figures.kept_in_light, missed), (Some(1.0), Some(0.0)));
     }

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use super::{Border, Grid};
-use crate::base::{Threads, wide::wide};
+use crate::base::{Threads, effort, wide::wide};
 
 /// Extrapolation of a picture beyond its edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,6 +54,7 @@ pub fn separable<T: Copy + Into<f32> + Sync>(
     beyond: impl Into<Beyond>,
     threads: &Threads,
 ) -> Grid<f32> {
+    effort::add(2 * image.cells().len());
     let ((width, height), beyond) = (image.size(), beyond.into());
     let mut filtered = Grid::new(width, height, 0.0);
     threads.rows(&mut filtered, |y, target| row_of(image, filter, (beyond, y), target));
@@ -215,6 +216,7 @@ pub fn smooth<T: Copy + Into<f32> + Sync>(
 
 /// The median of the 3×3 px around each pixel, the edge repeated.
 pub fn median(image: &Grid<f32>, threads: &Threads) -> Grid<f32> {
+    effort::add(image.cells().len());
     let (width, height) = image.size();
     let mut medians = Grid::new(width, height, 0.0);
     threads.rows(&mut medians, |y, target| {

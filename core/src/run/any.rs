@@ -2,9 +2,8 @@
 
 use std::any::Any;
 
-use super::estimator::run_observed;
 use super::{Estimator, Footprint, Guarantee, Info, Need, Progress, StageView, Timeline, Walk, need};
-use crate::base::{Error, Threads, heap};
+use crate::base::{Count, Error, Threads, heap};
 use crate::data::Clip;
 use crate::params::Params;
 use crate::products::{Output, ProductKind};
@@ -27,6 +26,15 @@ fn check_memory<E: Estimator>(estimator: &E, clip: &Clip, of: fn(Need) -> u64) -
     need::check(clip, E::INFO.name, of(Footprint::need(estimator, clip)))
 }
 
+/// Checks that a run is possible and wanted.
+fn check_run<E: Estimator>(estimator: &E, clip: &Clip) -> Result<(), Error> {
+    check_pictures::<E>(clip)?;
+    check_memory(estimator, clip, |need| need.run)?;
+    clip.wanted()?;
+    heap::keep();
+    Ok(())
+}
+
 /// The size of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Extent {
@@ -36,6 +44,16 @@ pub struct Extent {
     pub events: u64,
     /// Memory that the run needs beside the two frames, in bytes.
     pub memory_bytes: usize,
+}
+
+/// What a whole run amounts to.
+pub struct Ran {
+    /// The products.
+    pub output: Output,
+    /// The products as they were in real time, where the parameters look back.
+    pub causal: Option<Output>,
+    /// The size.
+    pub extent: Extent,
 }
 
 /// An estimator of any type, as the window and the command line hold it.
@@ -71,9 +89,6 @@ pub trait AnyEstimator: Params + Send + Sync {
     /// If a frame cannot be read.
     fn stage_view(&self, clip: &Clip, now: usize) -> Result<Option<StageView>, Error>;
 
-    /// The causal version of the estimator, if its parameters make it non-causal.
-    fn causal(&self) -> Option<Box<dyn AnyEstimator>>;
-
     /// Whether it searches blocks by testing candidates: such estimators can go in lockstep.
     fn tests_candidates(&self) -> bool;
 
@@ -101,17 +116,25 @@ pub trait AnyEstimator: Params + Send + Sync {
     /// If the clip, the frame, the parameters or the memory do not allow a run.
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Output, Error>;
 
+    /// A whole run with all that can be said of it: its size is counted on the way.
+    ///
+    /// # Errors
+    /// If the clip, the frame, the parameters or the memory do not allow a run.
+    fn run_counted(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Ran, Error>;
+
     /// A run that goes on unit after unit.
     ///
     /// # Errors
     /// If the clip, the frame or the parameters do not allow a run.
     fn begin(&self, clip: &Clip, frame: usize) -> Result<Box<dyn AnyRun>, Error>;
 
-    /// Number of units and events of a whole run.
+    /// The size of a whole run, where its result does not matter.
     ///
     /// # Errors
     /// If the clip, the frame, the parameters or the memory do not allow a run.
-    fn extent(&self, clip: &Clip, frame: usize) -> Result<Extent, Error>;
+    fn extent(&self, clip: &Clip, frame: usize) -> Result<Extent, Error> {
+        self.run_counted(clip, frame, &Threads::single()).map(|ran| ran.extent)
+    }
 
     /// Number of candidates tested by each unit of a whole run.
     ///
@@ -182,10 +205,6 @@ impl<E: Estimator> AnyEstimator for E {
         Estimator::stage_view(self, clip, now)
     }
 
-    fn causal(&self) -> Option<Box<dyn AnyEstimator>> {
-        Estimator::causal(self).map(|causal| Box::new(causal) as Box<dyn AnyEstimator>)
-    }
-
     fn tests_candidates(&self) -> bool {
         self.tests().is_some()
     }
@@ -216,11 +235,16 @@ impl<E: Estimator> AnyEstimator for E {
     }
 
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Output, Error> {
-        check_pictures::<E>(clip)?;
-        check_memory(self, clip, |need| need.run)?;
-        clip.wanted()?;
-        heap::keep();
-        Estimator::run(self, clip, frame, threads).map(|state| self.output(&state))
+        check_run(self, clip)?;
+        Estimator::run(self, clip, frame, threads, &()).map(|state| self.output(&state))
+    }
+
+    fn run_counted(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Ran, Error> {
+        check_run(self, clip)?;
+        let count = Count::default();
+        let state = Estimator::run(self, clip, frame, threads, &count)?;
+        let extent = Extent { units: count.units(), events: count.events(), memory_bytes: self.memory_bytes(&state) };
+        Ok(Ran { causal: Estimator::causal(self, &state), output: self.output(&state), extent })
     }
 
     fn begin(&self, clip: &Clip, frame: usize) -> Result<Box<dyn AnyRun>, Error> {
@@ -230,16 +254,9 @@ impl<E: Estimator> AnyEstimator for E {
         Ok(Box::new(Running { estimator: self.clone(), clip: clip.clone(), state }))
     }
 
-    fn extent(&self, clip: &Clip, frame: usize) -> Result<Extent, Error> {
-        check_memory(self, clip, |need| need.run)?;
-        let mut events = crate::base::Count::default();
-        let (state, units) = run_observed(self, clip, frame, &mut events)?;
-        Ok(Extent { units, events: events.0, memory_bytes: self.memory_bytes(&state) })
-    }
-
     fn evaluations(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Vec<u32>, Error> {
         check_memory(self, clip, |need| need.run)?;
-        let state = Estimator::run(self, clip, frame, threads)?;
+        let state = Estimator::run(self, clip, frame, threads, &())?;
         Ok(self.tests().map_or_else(Vec::new, |tests| tests.evaluations(&state)))
     }
 }

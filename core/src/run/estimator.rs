@@ -3,7 +3,7 @@
 use std::any::Any;
 
 use super::{Footprint, Pointed, StageView, TestsCandidates};
-use crate::base::{Error, Observer, Threads};
+use crate::base::{Error, Observer, Tally, Threads};
 use crate::data::Clip;
 use crate::params::Params;
 use crate::products::{Output, ProductKind};
@@ -201,21 +201,39 @@ pub trait Estimator: Params + Footprint<<Self as Estimator>::State> + Default + 
     /// Draws the scene at the cursor.
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene);
 
-    /// The causal version of the estimator, as for a live camera, if its parameters make it non-causal.
-    fn causal(&self) -> Option<Self> {
+    /// The products of a state as they were in real time, as for a live camera, where its parameters look back.
+    fn causal(&self, _state: &Self::State) -> Option<Output> {
         None
     }
 
     /// The products of a state so far.
     fn output(&self, state: &Self::State) -> Output;
 
-    /// Runs to the end. Override it to spread units over cores, never to compute differently:
-    /// the result is bit-identical to stepping.
+    /// Performs up to `most` units (at least 1) that nothing observes, and returns their number. Override it where several
+    /// units together are faster than one after the other, never to compute differently; it ends with each group of units
+    /// ([`Info::granularities`]).
+    ///
+    /// # Errors
+    /// As [`Estimator::advance`].
+    fn advance_many(&self, clip: &Clip, state: &mut Self::State, _most: usize) -> Result<(usize, Progress), Error> {
+        self.advance(clip, state, &mut ()).map(|progress| (1, progress))
+    }
+
+    /// Runs to the end, with its units and events counted by `tally`. Override it to spread units over cores, never to
+    /// compute differently: the result is bit-identical to stepping.
     ///
     /// # Errors
     /// As [`Estimator::start`] and [`Estimator::advance`].
-    fn run(&self, clip: &Clip, frame: usize, _threads: &Threads) -> Result<Self::State, Error> {
-        run_observed(self, clip, frame, &mut ()).map(|(state, _)| state)
+    fn run(
+        &self,
+        clip: &Clip,
+        frame: usize,
+        _threads: &Threads,
+        tally: &impl Tally<Self::Event>,
+    ) -> Result<Self::State, Error> {
+        let (state, units) = run_observed(self, clip, frame, &mut tally.counter())?;
+        tally.add_units(units);
+        Ok(state)
     }
 }
 

@@ -359,6 +359,10 @@ impl Walk for Lockstep {
         Some(self.units)
     }
 
+    fn advanced(&self) -> usize {
+        self.members.iter().map(|member| member.walk.advanced()).sum()
+    }
+
     fn at_end(&self) -> bool {
         self.cursor == Cursor { unit: self.units - 1, event: self.events }
     }

@@ -1,6 +1,7 @@
 //! Time travel for any estimator: checkpoints, and replay of one unit for everything in between.
 
 use std::collections::BTreeMap;
+use std::time::{Duration, Instant};
 
 use super::{Cursor, Direction, Estimator, Explained, Granularity, Info, Move, Progress, Seen, Walk};
 use crate::base::{Error, Stop};
@@ -14,14 +15,20 @@ struct Unit<E: Estimator> {
     before: E::State,
     after: E::State,
     events: Vec<E::Event>,
+    /// The work from a checkpoint to the state before and after it.
+    work: [Duration; 2],
 }
 
 impl<E: Estimator> Unit<E> {
-    fn observe(estimator: &E, clip: &Clip, index: usize, before: E::State) -> Result<(Self, Progress), Error> {
-        let mut after = before.clone();
+    fn observe(
+        estimator: &E,
+        clip: &Clip,
+        (index, before, work): (usize, E::State, Duration),
+    ) -> Result<(Self, Progress), Error> {
+        let (begun, mut after) = (Instant::now(), before.clone());
         let mut events = Vec::new();
         let progress = estimator.advance(clip, &mut after, &mut events)?;
-        Ok((Self { index, before, after, events }, progress))
+        Ok((Self { index, before, after, events, work: [work, work + begun.elapsed()] }, progress))
     }
 }
 
@@ -31,6 +38,8 @@ struct Journey<E: Estimator> {
     origin: usize,
     index: usize,
     state: E::State,
+    /// The work from a checkpoint to the state.
+    work: Duration,
 }
 
 /// The goal of a move.
@@ -56,27 +65,44 @@ impl Goal {
     }
 }
 
+/// Work that a checkpoint saves at least, in multiples of the time that it takes to keep one: with more of them a walk would
+/// spend its time on copies. Where they are kept does not change what is shown.
+const SAVED: u32 = 8;
+/// A state of at most this size is kept whatever it saves.
+const SMALL_BYTES: usize = 4 << 10;
+
 /// Checkpoints of states before units, within a budget of memory.
 struct Checkpoints<S> {
     states: BTreeMap<usize, (S, usize)>,
+    /// The smallest distance of two, in units.
     stride: usize,
     bytes: usize,
     budget_bytes: usize,
+    /// The time that the last one took.
+    cost: Duration,
 }
 
 impl<S> Checkpoints<S> {
-    /// Keeps a state and its bytes if its unit falls on the stride; thins out when the budget is used up.
-    fn offer(&mut self, index: usize, rest: impl FnOnce() -> (S, usize)) {
-        if !index.is_multiple_of(self.stride) || self.states.contains_key(&index) {
-            return;
-        }
+    /// Whether a state is kept that takes `work` to reach from the checkpoint before it.
+    fn wants(&self, index: usize, bytes: usize, work: Duration) -> bool {
+        let is_worth_it = bytes <= SMALL_BYTES || work >= SAVED * self.cost;
+        self.nearest(index).is_none_or(|(before, _)| index - before >= self.stride && is_worth_it)
+    }
+
+    /// Keeps a state and its bytes; thins out when the budget is used up.
+    fn keep(&mut self, index: usize, rest: impl FnOnce() -> (S, usize)) {
+        let begun = Instant::now();
         let (state, bytes) = rest();
+        self.cost = begun.elapsed();
         self.states.insert(index, (state, bytes));
         self.bytes += bytes;
         while self.bytes > self.budget_bytes && self.states.len() > 1 {
             self.stride *= 2;
-            let stride = self.stride;
-            self.states.retain(|index, _| index.is_multiple_of(stride));
+            let mut is_kept = false;
+            self.states.retain(|_, _| {
+                is_kept = !is_kept;
+                is_kept
+            });
             self.bytes = self.states.values().map(|(_, bytes)| bytes).sum();
         }
     }
@@ -135,6 +161,8 @@ pub struct Timeline<E: Estimator> {
     journey: Option<Journey<E>>,
     checkpoints: Checkpoints<E::State>,
     groups: Groups,
+    /// Units performed so far, those performed again included.
+    advanced: usize,
 }
 
 impl<E: Estimator> Timeline<E> {
@@ -147,12 +175,19 @@ impl<E: Estimator> Timeline<E> {
     /// If the clip, the frame or the parameters do not allow a run.
     pub fn new(estimator: E, clip: Clip, frame: usize) -> Result<Self, Error> {
         let start = estimator.start(&clip, frame)?;
-        let (unit, progress) = Unit::observe(&estimator, &clip, 0, start)?;
+        let (unit, progress) = Unit::observe(&estimator, &clip, (0, start, Duration::ZERO))?;
         let units = if progress == Progress::Done { Some(1) } else { estimator.units(&unit.before) };
         let mut timeline = Self {
-            checkpoints: Checkpoints { states: BTreeMap::new(), stride: 1, bytes: 0, budget_bytes: Self::BUDGET_BYTES },
+            checkpoints: Checkpoints {
+                states: BTreeMap::new(),
+                stride: 1,
+                bytes: 0,
+                budget_bytes: Self::BUDGET_BYTES,
+                cost: Duration::ZERO,
+            },
             groups: Groups {
-                starts: vec![Vec::new(); E::INFO.granularities.len() - 1],
+                // A unit and an event need none.
+                starts: vec![Vec::new(); E::INFO.granularities.len() - 2],
                 place: Vec::new(),
                 explored: 0,
             },
@@ -164,9 +199,10 @@ impl<E: Estimator> Timeline<E> {
             failure: None,
             journey: None,
             unit,
+            advanced: 1,
         };
         let start = timeline.unit.before.clone();
-        timeline.come_by(0, &start);
+        timeline.come_by(0, &start, Duration::ZERO);
         Ok(timeline)
     }
 
@@ -198,15 +234,19 @@ impl<E: Estimator> Timeline<E> {
         self.seen > 0 && self.seen == self.unit.events.len()
     }
 
-    /// Records `state`, before unit `index`.
-    fn come_by(&mut self, index: usize, state: &E::State) {
+    /// Records `state`, before unit `index`, which takes `work` to reach from a checkpoint; gives what it takes from now on.
+    fn come_by(&mut self, index: usize, state: &E::State, work: Duration) -> Duration {
         self.groups.note(index, &self.estimator.place(state));
         let estimator = &self.estimator;
-        self.checkpoints.offer(index, || {
+        if !self.checkpoints.wants(index, estimator.state_bytes(state), work) {
+            return work;
+        }
+        self.checkpoints.keep(index, || {
             let state = estimator.at_rest(state);
             let bytes = estimator.state_bytes(&state);
             (state, bytes)
         });
+        Duration::ZERO
     }
 
     /// The goal of a move, or `None` if it lies in the current unit; then the cursor is there.
@@ -256,19 +296,30 @@ impl<E: Estimator> Timeline<E> {
             _ => goal,
         };
         let here = &self.unit;
-        let after = (Some(here.index + 1) != self.units).then_some((here.index + 1, &here.after));
-        let at_hand = [self.checkpoints.nearest(goal.unit()), Some((here.index, &here.before)), after];
-        let nearest = at_hand.into_iter().flatten().filter(|(index, _)| *index <= goal.unit());
-        let (index, state) = nearest.max_by_key(|(index, _)| *index).unwrap_or((here.index, &here.before));
-        Journey { goal, origin: index, index, state: state.clone() }
+        let [before, after] = here.work;
+        let after = (Some(here.index + 1) != self.units).then_some((here.index + 1, &here.after, after));
+        let kept = self.checkpoints.nearest(goal.unit()).map(|(index, state)| (index, state, Duration::ZERO));
+        let at_hand = [kept, Some((here.index, &here.before, before)), after];
+        let nearest = at_hand.into_iter().flatten().filter(|(index, ..)| *index <= goal.unit());
+        let nearest = nearest.max_by_key(|(index, ..)| *index);
+        let (index, state, work) = nearest.unwrap_or((here.index, &here.before, before));
+        Journey { goal, origin: index, index, state: state.clone(), work }
     }
 
-    /// Runs one unit of the journey unobserved; gives the journey that goes on, if one does.
+    /// Runs some units of the journey unobserved; gives the journey that goes on, if one does.
     fn travel(&mut self, mut journey: Journey<E>) -> Option<Journey<E>> {
-        match self.estimator.advance(&self.clip, &mut journey.state, &mut ()) {
-            Ok(Progress::More) => {
-                journey.index += 1;
-                self.come_by(journey.index, &journey.state);
+        let most = match journey.goal {
+            Goal::Cursor(cursor) => cursor.unit - journey.index,
+            Goal::GroupEnd { .. } => usize::MAX,
+        };
+        let begun = Instant::now();
+        let done = self.estimator.advance_many(&self.clip, &mut journey.state, most);
+        journey.work += begun.elapsed();
+        self.advanced += done.as_ref().map_or(1, |(units, _)| *units);
+        match done {
+            Ok((units, Progress::More)) => {
+                journey.index += units;
+                journey.work = self.come_by(journey.index, &journey.state, journey.work);
                 Some(match journey.goal {
                     Goal::GroupEnd { granularity, from }
                         if journey.index > from && self.groups.is_start(granularity, journey.index) =>
@@ -278,9 +329,9 @@ impl<E: Estimator> Timeline<E> {
                     _ => journey,
                 })
             }
-            Ok(Progress::Done) => {
-                self.units = Some(journey.index + 1);
-                Some(self.depart(Goal::end_of(journey.index)))
+            Ok((units, Progress::Done)) => {
+                self.units = Some(journey.index + units);
+                Some(self.depart(Goal::end_of(journey.index + units - 1)))
             }
             Err(error) => self.end(journey.index, error),
         }
@@ -288,8 +339,9 @@ impl<E: Estimator> Timeline<E> {
 
     /// Runs the unit that the journey looked for before our eyes.
     fn arrive(&mut self, journey: Journey<E>, cursor: Cursor) -> Option<Journey<E>> {
-        self.come_by(journey.index, &journey.state);
-        match Unit::observe(&self.estimator, &self.clip, journey.index, journey.state) {
+        let work = self.come_by(journey.index, &journey.state, journey.work);
+        self.advanced += 1;
+        match Unit::observe(&self.estimator, &self.clip, (journey.index, journey.state, work)) {
             Ok((unit, progress)) => {
                 if progress == Progress::Done {
                     self.units = Some(unit.index + 1);
@@ -341,6 +393,10 @@ impl<E: Estimator> Walk for Timeline<E> {
 
     fn units(&self) -> Option<usize> {
         self.units
+    }
+
+    fn advanced(&self) -> usize {
+        self.advanced
     }
 
     fn at_end(&self) -> bool {
@@ -416,6 +472,10 @@ impl<E: Estimator> Walk for Timeline<E> {
 
     fn output(&self) -> Output {
         self.estimator.output(if self.unit_is_over() { &self.unit.after } else { &self.unit.before })
+    }
+
+    fn causal(&self) -> Option<Output> {
+        self.estimator.causal(if self.unit_is_over() { &self.unit.after } else { &self.unit.before })
     }
 
     fn evaluations(&self) -> Vec<usize> {

@@ -49,6 +49,8 @@ pub trait Walk: Send {
     fn events(&self) -> usize;
     /// Number of units, if that is known by now.
     fn units(&self) -> Option<usize>;
+    /// Number of units performed since the start of the walk; those performed again on the way to a step count again.
+    fn advanced(&self) -> usize;
     /// Whether the cursor is at the end of the run.
     fn at_end(&self) -> bool;
     /// The position of the current unit on each granularity but the innermost.
@@ -79,6 +81,10 @@ pub trait Walk: Send {
     fn scene(&self, focus: Option<Focus>) -> Scene;
     /// The products at the cursor, of all finished units.
     fn output(&self) -> Output;
+    /// The products at the cursor as they were in real time, where the parameters look back.
+    fn causal(&self) -> Option<Output> {
+        None
+    }
     /// The numbers of the events of the current unit that test a candidate.
     fn evaluations(&self) -> Vec<usize>;
     /// Candidates that were tested up to the cursor.

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use motionscope_core::scene::Focus;
 use motionscope_core::{
-    AnyEstimator, Border, Clip, Cursor, Error, Flow, Frame, Gray, Grid, Move, ObjectBox, Threads, Truth, estimator,
-    metrics, scene,
+    AnyEstimator, Border, Clip, Cursor, Direction, Error, Flow, Frame, Gray, Grid, Move, ObjectBox, Threads, Truth,
+    Walk, estimator, metrics, scene,
 };
 
 /// A truth that knows objects alone, by frame.
@@ -140,17 +140,31 @@ pub fn tile(step: &scene::Step, label: &str) -> Grid<f32> {
     tile.unwrap_or_else(|| panic!("no tile {label}")).values.clone()
 }
 
-/// The values of a line of a plot, at the end of the run.
+/// The values of a line of a plot at the end of each unit: the last point is always that of the unit. At the end of the run, the plot
+/// shows some of them.
 pub fn plotted(estimator: &dyn AnyEstimator, clip: &Clip, title: &str, line: &str) -> Vec<f32> {
     let mut walk = estimator.walk(clip, 0).expect("a walk");
-    walk.jump(Move::End);
+    let unit = walk.info().granularities.len() - 2;
+    let mut values = Vec::new();
+    while !walk.at_end() {
+        walk.jump(Move::Granularity(unit, Direction::Forward));
+        let points = points_of(&*walk, title, line);
+        let [x, y] = *points.last().expect("a point");
+        values.push(y);
+        assert_eq!(x as usize, values.len(), "the unit at the cursor");
+    }
+    let points = points_of(&*walk, title, line);
+    assert!(points.iter().all(|[x, y]| values[*x as usize - 1].to_bits() == y.to_bits()), "{points:?}");
+    values
+}
+
+/// The points of a line of a plot.
+fn points_of(walk: &dyn Walk, title: &str, line: &str) -> Vec<[f32; 2]> {
     let series = walk.step(None).readouts.into_iter().find_map(|readout| match readout {
         scene::Readout::Series(series) if series.title == title => Some(series),
         _ => None,
     });
-    let lines = series.expect("a plot").lines;
-    let points = lines.into_iter().find(|(name, ..)| *name == line).expect("a line").2;
-    points.into_iter().map(|[_, y]| y).collect()
+    series.expect("a plot").lines.into_iter().find(|(name, ..)| *name == line).expect("a line").2
 }
 
 /// The plane of displacements that a step shows.

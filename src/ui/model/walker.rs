@@ -33,7 +33,7 @@ use crate::view::named::LastNamed;
 /// A move that works longer than this gives way to the next request; less, and a drag would never arrive anywhere.
 const PATIENCE: Duration = Duration::from_millis(60);
 /// How often a long move tells how far it is.
-const NEWS: Duration = Duration::from_millis(60);
+const NEWS: Duration = Duration::from_millis(30);
 /// How long work may go on after it was stopped before it is left behind.
 const GRACE: Duration = Duration::from_millis(250);
 /// So many threads that were left behind may be at work when another run is started.

@@ -15,7 +15,7 @@
 use std::cmp::Ordering;
 use std::sync::Arc;
 
-use crate::base::{Earlier, Error, Observer, Threads};
+use crate::base::{Earlier, Error, Observer, Tally, Threads};
 use crate::data::{Clip, Counted, Frame};
 use crate::geometry::pyramid;
 use crate::methods::block_search::{
@@ -451,13 +451,14 @@ impl Estimator for Hierarchical {
         Output::of(self.settings().field(blocks, vectors))
     }
 
-    fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
+    fn run(&self, clip: &Clip, frame: usize, threads: &Threads, tally: &impl Tally<Event>) -> Result<State, Error> {
         let mut state = self.prepare(clip, frame, threads)?;
         loop {
             let search = |work: &mut Workspace, index, earlier: Earlier<(Match, usize)>| {
-                self.search_block(&state, (index, |i| earlier.at(i).0), work, &mut ())
+                self.search_block(&state, (index, |i| earlier.at(i).0), work, &mut tally.counter())
             };
             let mut progress = Progress::More;
+            tally.add_units(state.pair().blocks.len());
             let blocks = (state.pair().blocks.counts(), || clip.wanted());
             for result in threads.sweep(blocks, Workspace::default, search)? {
                 progress = state.push(result);

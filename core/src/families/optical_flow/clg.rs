@@ -102,8 +102,7 @@ impl Model for Clg {
     }
 
     fn energy(&self, warp: &Warp<Self>, at: &Field) -> [f64; 2] {
-        let [_, smoothness] = relax::energy(&warp.linear, self.alpha, at);
-        [self.tensor(warp).energy(at), smoothness]
+        [self.tensor(warp).energy(at), f64::from(self.alpha).powi(2) * relax::roughness(at)]
     }
 
     fn explanation(&self, step: usize, probe: &Probe<Self>) -> Explanation {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::base::{Error, Observer, Threads, words};
+use crate::base::{Error, Observer, Tally, Threads, words};
 use crate::data::Clip;
 use crate::geometry::Grid;
 use crate::methods::{
@@ -192,10 +192,7 @@ impl Estimator for Farneback {
         let change = relax::change(&from, &state.field) as f32 * state.frames.scale(level)[0];
         state.notes.push(Note { level, change, error: state.frames.error(level, &state.field) });
         let mut iteration = None;
-        for part in [Part::Expanded, Part::Paired, Part::Compared, Part::Averaged, Part::Solved] {
-            if part == Part::Expanded && !is_first {
-                continue;
-            }
+        for &part in Part::of_iteration(is_first) {
             observer.see(|| {
                 let done = || {
                     let (from, to) = (Arc::clone(&from), Arc::clone(&state.field));
@@ -261,10 +258,12 @@ impl Estimator for Farneback {
         Output::of(DenseField { flow: state.frames.flow(&state.field), confidence })
     }
 
-    fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
+    fn run(&self, clip: &Clip, frame: usize, threads: &Threads, tally: &impl Tally<Event>) -> Result<State, Error> {
         let mut state = self.prepare(clip, frame, threads)?;
         while !state.is_done {
             clip.wanted()?;
+            tally.add_units(1);
+            tally.add_events(Part::of_iteration(state.iteration == 0).len() as u64);
             self.work(&mut state, threads);
         }
         Ok(state)
@@ -364,7 +363,8 @@ impl Farneback {
         };
         let x_max = seen.before.frames.count() * self.iterations;
         let counts = (seen.before.frames.count(), 1);
-        let sections: Vec<_> = explain::sections(notes.iter().map(|note| (note.level, 0)), counts).collect();
+        let sections: Vec<_> =
+            explain::sections(notes.iter().enumerate().map(|(i, note)| (i + 1, (note.level, 0))), counts).collect();
         let series = |title, lines| {
             let sections = sections.clone();
             Series { title, x_label: "iteration", y_label: "px", x_max, sections, lines, ..Series::default() }

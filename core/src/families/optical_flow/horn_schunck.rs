@@ -87,7 +87,7 @@ impl Model for HornSchunck {
             return warp.system.jacobi(from, count, threads);
         };
         let mut field = from.clone();
-        (0..count).for_each(|_| warp.system.sweep(&mut field, relaxation));
+        warp.system.sweep(&mut field, count, relaxation);
         field
     }
 

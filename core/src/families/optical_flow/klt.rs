@@ -4,7 +4,7 @@ mod explain;
 
 use std::sync::Arc;
 
-use crate::base::{Error, Mapped, Observer, Threads};
+use crate::base::{Error, Mapped, Observer, Tally, Threads};
 use crate::data::{Clip, Flow, Frame};
 use crate::methods::{
     differential::truth,
@@ -404,15 +404,19 @@ impl Estimator for Klt {
         Output::of(TrackField { picture: state.picture, first, last, tracks: state.tracks.clone() })
     }
 
-    fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
+    fn run(&self, clip: &Clip, frame: usize, threads: &Threads, tally: &impl Tally<Event>) -> Result<State, Error> {
         let mut state = self.start(clip, frame)?;
         loop {
             clip.wanted()?;
             let pair = self.pair(clip, &mut state)?;
             let found = self.detect(clip, &state, threads)?.map(Arc::new);
+            // As `advance` reports it.
+            tally.add_events(if found.is_some() { 2 } else { 1 });
             self.begin(&mut state, &pair, found.as_ref().map_or(&[], |found| &found.taken));
             let live = std::mem::take(&mut state.live);
-            let became = threads.map_while(live.len(), || clip.wanted(), |i| self.track(&pair, &live[i], &mut ()))?;
+            tally.add_units(1 + live.len());
+            let track = |i: usize| self.track(&pair, &live[i], &mut tally.counter());
+            let became = threads.map_while(live.len(), || clip.wanted(), track)?;
             became.into_iter().for_each(|became| Self::note(&mut state, became));
             (state.turn, state.live) = (Some(live.len()), live);
             if self.go_on(clip, &mut state) == Progress::Done {

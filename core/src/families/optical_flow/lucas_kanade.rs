@@ -4,7 +4,7 @@ mod explain;
 
 use std::sync::{Arc, OnceLock};
 
-use crate::base::{Error, Mapped, Observer, Threads};
+use crate::base::{Error, Mapped, Observer, Tally, Threads};
 use crate::data::{Clip, Flow};
 use crate::geometry::Grid;
 use crate::methods::differential::{
@@ -120,7 +120,12 @@ impl LucasKanade {
     ///
     /// # Errors
     /// If the work is cancelled.
-    fn all(&self, clip: &Clip, of: &Constraints, threads: &Threads) -> Result<Vec<Solution>, Error> {
+    fn all(
+        &self,
+        clip: &Clip,
+        of: &Constraints,
+        (threads, tally): (&Threads, &impl Tally<Event>),
+    ) -> Result<Vec<Solution>, Error> {
         let ((width, height), window) = (of.a.size(), self.window());
         let rows = threads.rows_at_once(height);
         let (mut found, cancelled) = (vec![NOTHING; width * height], OnceLock::new());
@@ -133,7 +138,12 @@ impl LucasKanade {
                     let _ = cancelled.set(error);
                     return;
                 }
-                self.row(&mut sums, band * rows + y, row, &mut ());
+                self.row(
+                    &mut sums,
+                    band * rows + y,
+                    row,
+                    &mut Mapped { observer: &mut tally.counter(), map: Event::Solved },
+                );
             }
         });
         cancelled.into_inner().map_or(Ok(found), Err)
@@ -275,11 +285,14 @@ impl Estimator for LucasKanade {
         Output::of(DenseField { flow: Flow(state.flow(&[])), confidence })
     }
 
-    fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
+    fn run(&self, clip: &Clip, frame: usize, threads: &Threads, tally: &impl Tally<Event>) -> Result<State, Error> {
         let mut state = self.prepare(clip, frame, threads)?;
         loop {
             clip.wanted()?;
-            state.found = self.all(clip, &self.linear(&state, threads).factors, threads)?;
+            // The linearisation.
+            tally.add_events(1);
+            tally.add_units(state.frame_pair.size().1);
+            state.found = self.all(clip, &self.linear(&state, threads).factors, (threads, tally))?;
             if self.next_iteration(&mut state, threads) == Progress::Done {
                 return Ok(state);
             }

@@ -10,7 +10,7 @@
 
 use std::sync::Arc;
 
-use crate::base::{Error, Observer, Threads, words};
+use crate::base::{Error, Observer, Tally, Threads, words};
 use crate::data::{Clip, Flow};
 use crate::geometry::Grid;
 use crate::methods::differential::{Advice, Conclusion, Derivatives, FLAT, FramePair, Scheme, explain, field, numbers};
@@ -196,12 +196,13 @@ impl Estimator for NormalFlow {
         Output::of(DenseField { flow: Flow(state.flow(&[])), confidence })
     }
 
-    fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
+    fn run(&self, clip: &Clip, frame: usize, threads: &Threads, tally: &impl Tally<Event>) -> Result<State, Error> {
         let mut state = self.prepare(clip, frame, threads)?;
         clip.wanted()?;
+        tally.add_units(state.fixed.frame_pair.size().1);
         let (width, height) = state.fixed.frame_pair.size();
         let mut flow = Grid::new(width, height, [0.0; 2]);
-        threads.rows(&mut flow, |y, row| self.row(&state.fixed.derivatives, y, row, &mut ()));
+        threads.rows(&mut flow, |y, row| self.row(&state.fixed.derivatives, y, row, &mut tally.counter()));
         state.found = flow.into_cells();
         Ok(state)
     }

@@ -4,7 +4,7 @@ mod explain;
 
 use std::sync::Arc;
 
-use crate::base::{Error, Observer, Threads};
+use crate::base::{Error, Observer, Tally, Threads};
 use crate::data::{Clip, Flow};
 use crate::geometry::Grid;
 use crate::methods::{
@@ -427,10 +427,15 @@ impl Estimator for PointTrajectories {
         Output::of(TrackField { picture: state.picture, first, last, tracks: state.tracks.clone() })
     }
 
-    fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
+    fn run(&self, clip: &Clip, frame: usize, threads: &Threads, tally: &impl Tally<Event>) -> Result<State, Error> {
         let mut state = self.start(clip, frame)?;
-        while self.work((clip, threads), &mut state, &mut ())? == Progress::More {}
-        Ok(state)
+        let mut counter = tally.counter();
+        loop {
+            tally.add_units(1);
+            if self.work((clip, threads), &mut state, &mut counter)? == Progress::Done {
+                return Ok(state);
+            }
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use crate::base::{Error, Mapped, Observer, Threads, words};
+use crate::base::{Error, Mapped, Observer, Tally, Threads, words};
 use crate::data::{Clip, Flow, Frame};
 use crate::geometry::{Grid, pyramid::halvings};
 use crate::methods::{
@@ -142,6 +142,20 @@ impl Observer<follow::Event> for Smaller {
         if let follow::Event::Window(tensor) = event() {
             self.0 = tensor.eigenvalues()[1];
         }
+    }
+}
+
+/// An observer that keeps λ₂ of the last window, and reports that there was an event.
+struct Counted<'a, O> {
+    smaller: &'a mut Smaller,
+    counter: &'a mut O,
+}
+
+impl<O: Observer<Event>> Observer<follow::Event> for Counted<'_, O> {
+    #[inline(always)]
+    fn see(&mut self, event: impl FnOnce() -> follow::Event) {
+        self.counter.see(|| Event::Nothing);
+        self.smaller.see(event);
     }
 }
 
@@ -342,13 +356,29 @@ impl Estimator for PyramidalLucasKanade {
         }
     }
 
-    fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
+    fn run(&self, clip: &Clip, frame: usize, threads: &Threads, tally: &impl Tally<Event>) -> Result<State, Error> {
         let mut state = self.prepare(clip, frame, threads)?;
         let (fixed, follow) = (Arc::clone(&state.fixed), self.follow());
+        let levels = fixed.levels[0].len();
+        tally.add_units((fixed.groups() * levels).max(1));
+        tally.add_events(match self.points {
+            // An event for each pixel of each level.
+            Points::Dense => (fixed.points.len() * levels) as u64,
+            _ => u64::from(fixed.points.is_empty()),
+        });
         let found = |&at: &[f32; 2]| {
             let mut smaller = Smaller::default();
-            let mut on_level = Mapped { observer: &mut smaller, map: |(_, event)| event };
-            let result = follow.through(fixed.pyramids(), at, &mut on_level);
+            let result = match self.points {
+                Points::Dense => {
+                    let mut on_level = Mapped { observer: &mut smaller, map: |(_, event)| event };
+                    follow.through(fixed.pyramids(), at, &mut on_level)
+                }
+                _ => {
+                    let mut counted = Counted { smaller: &mut smaller, counter: &mut tally.counter() };
+                    let mut on_level = Mapped { observer: &mut counted, map: |(_, event)| event };
+                    follow.through(fixed.pyramids(), at, &mut on_level)
+                }
+            };
             Found { feature: feature(at, result), certainty: smaller.0 }
         };
         let of_group = |index| fixed.group(index).iter().map(found).collect();

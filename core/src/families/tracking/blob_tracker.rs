@@ -466,8 +466,8 @@ impl Estimator for BlobTracker {
         self.drawn(seen, scene);
     }
 
-    fn causal(&self) -> Option<Self> {
-        self.rules.without_hindsight().map(|rules| Self { rules, ..self.clone() })
+    fn causal(&self, state: &State) -> Option<Output> {
+        state.run.causal_field(self.rules).map(Output::of)
     }
 
     fn output(&self, state: &State) -> Output {

@@ -7,7 +7,7 @@ use super::tester::Workspace;
 use std::any::Any;
 
 use super::{BorderRule, Event, HasSettings, Match, Neighbours, Pair, Pattern, Tester};
-use crate::base::{Earlier, Error, Observer, Threads};
+use crate::base::{Earlier, Error, Observer, Tally, Threads};
 use crate::data::{Clip, Truth};
 use crate::line_names;
 use crate::methods::cost::bounds::PartSums;
@@ -159,7 +159,7 @@ fn prepare<S: BlockSearch>(search: &S, clip: &Clip, frame: usize, threads: &Thre
     let first = if search.predicts_in_time() { frame.saturating_sub(2) } else { frame };
     for earlier in first..frame {
         let state = start(search, clip, earlier, before.clone())?;
-        let found = finish(search, clip, state, threads)?.found.into();
+        let found = finish(search, clip, state, (threads, &()))?.found.into();
         before = [Some(found), before[0].take()];
     }
     start(search, clip, frame, before)
@@ -169,12 +169,18 @@ fn prepare<S: BlockSearch>(search: &S, clip: &Clip, frame: usize, threads: &Thre
 ///
 /// # Errors
 /// If the work is cancelled.
-fn finish<S: BlockSearch>(search: &S, clip: &Clip, mut state: State, threads: &Threads) -> Result<State, Error> {
+fn finish<S: BlockSearch>(
+    search: &S,
+    clip: &Clip,
+    mut state: State,
+    (threads, tally): (&Threads, &impl Tally<Event>),
+) -> Result<State, Error> {
+    tally.add_units(state.pair.blocks.len());
     let blocks = threads.sweep(
         (state.pair.blocks.counts(), || clip.wanted()),
         Workspace::default,
         |work, index, earlier: Earlier<Outcome>| {
-            search_block(search, &state, (index, |i| earlier.at(i).found), work, &mut ())
+            search_block(search, &state, (index, |i| earlier.at(i).found), work, &mut tally.counter())
         },
     )?;
     state.found = blocks.iter().map(|block| block.found).collect();
@@ -247,8 +253,8 @@ impl<S: BlockSearch> Estimator for S {
         Output::of(settings.field(state.pair.blocks, vectors))
     }
 
-    fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
-        prepare(self, clip, frame, threads).and_then(|state| finish(self, clip, state, threads))
+    fn run(&self, clip: &Clip, frame: usize, threads: &Threads, tally: &impl Tally<Event>) -> Result<State, Error> {
+        prepare(self, clip, frame, threads).and_then(|state| finish(self, clip, state, (threads, tally)))
     }
 }
 

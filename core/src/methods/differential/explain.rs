@@ -56,23 +56,23 @@ pub fn reach(points: impl IntoIterator<Item = [f32; 2]>) -> f32 {
     reach
 }
 
-/// The sections of a plot over iterations, from x = 1 on: one for each level and each warp. `places` gives level and warp of each
-/// iteration, from 0. A single level or warp has no section.
+/// The sections of a plot over iterations: one for each level and each warp. `places` gives the iterations plotted, numbered from
+/// 1, with level and warp of each, from 0; the first of every section is among them. A single level or warp has no section.
 pub fn sections(
-    places: impl Iterator<Item = (usize, usize)>,
+    places: impl Iterator<Item = (usize, (usize, usize))>,
     (levels, warps): (usize, usize),
 ) -> impl Iterator<Item = Section> {
-    let begins = move |before: &mut Option<(usize, usize)>, place @ (level, warp): (usize, usize)| {
+    let begins = move |before: &mut Option<(usize, usize)>, (number, place): (usize, (usize, usize))| {
+        let (level, warp) = place;
         let is_level = levels > 1 && before.is_none_or(|(before, _)| before != level);
         let is_warp = warps > 1 && *before != Some(place);
         *before = Some(place);
         Some((is_level || is_warp).then(|| {
             let label = if is_level { format!("level {level}") } else { format!("warp {}", warp + 1) };
-            (label, !is_level && levels > 1)
+            Section { from: number as f32 - 0.5, label, is_part: !is_level && levels > 1 }
         }))
     };
-    let labels = places.scan(None, begins).enumerate();
-    labels.filter_map(|(i, label)| label.map(|(label, is_part)| Section { from: i as f32 + 0.5, label, is_part }))
+    places.scan(None, begins).flatten()
 }
 
 impl Derivatives {
@@ -198,7 +198,7 @@ mod tests {
     #[test]
     fn levels_and_warps_begin_where_they_do() {
         let begins = |places: &[(usize, usize)], of| -> Vec<_> {
-            sections(places.iter().copied(), of).map(|s| (s.from, s.label, s.is_part)).collect()
+            sections((1..).zip(places.iter().copied()), of).map(|s| (s.from, s.label, s.is_part)).collect()
         };
         let run = [(1, 0), (1, 0), (1, 1), (0, 0), (0, 0), (0, 1)];
         let section = |from, label: &str, is_part| (from, label.to_owned(), is_part);

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::{Field, Scheme};
-use crate::base::Threads;
+use crate::base::{Threads, effort};
 use crate::geometry::{Grid, Sampling, warp::backward};
 
 /// The gradient constraint a u + b v + c = 0 of every pixel, in gray levels. Unknown constraints are 0, 0, 0.
@@ -86,6 +86,8 @@ impl Linear {
     /// Linearises the constraints of two frames about `start`.
     pub fn about(start: impl Into<Arc<Field>>, pictures: [&Grid<f32>; 2], scheme: Scheme, threads: &Threads) -> Self {
         let (start, [current, next]) = (start.into(), pictures);
+        // The warped frame and three derivatives.
+        effort::add(4 * current.cells().len());
         // At zero flow no warping is needed.
         if start.is_zero() {
             let write = |y, factors: [&mut [f32]; 3]| scheme.row([current, next], y, factors);

@@ -11,6 +11,7 @@ mod linear;
 mod multiscale;
 pub mod numbers;
 pub mod relax;
+pub mod sor;
 pub mod stencil;
 mod tensor;
 

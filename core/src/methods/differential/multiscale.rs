@@ -1,7 +1,12 @@
 //! Coarse-to-fine: a pair of frames on the levels of a pyramid, and the mapping between level and full resolution.
 
+use std::sync::OnceLock;
+
 use super::{Field, FramePair};
-use crate::base::{Error, Threads};
+use crate::base::{
+    Error, LANES, Threads, effort,
+    wide::{lane, widest},
+};
 use crate::data::{Clip, Flow};
 use crate::geometry::{Grid, pyramid};
 
@@ -14,6 +19,8 @@ pub struct Multiscale {
     pub frame_pair: FramePair,
     /// Frames t and t + 1 on the levels above 0.
     coarser: [Vec<Grid<f32>>; 2],
+    /// The true flow at the pixels of each level in px of level 0, NaN where it is unknown; computed when an error is needed.
+    truths: Vec<OnceLock<Option<Field>>>,
 }
 
 impl Multiscale {
@@ -25,7 +32,8 @@ impl Multiscale {
     pub fn new((clip, frame): (&Clip, usize), sigma_px: f32, count: usize, threads: &Threads) -> Result<Self, Error> {
         let frame_pair = FramePair::new(clip, frame, sigma_px, threads)?;
         let coarser = frame_pair.pictures.each_ref().map(|picture| pyramid::coarser(picture, FACTOR, count, threads));
-        Ok(Self { frame_pair, coarser })
+        let truths = (0..=coarser[0].len()).map(|_| OnceLock::new()).collect();
+        Ok(Self { frame_pair, coarser, truths })
     }
 
     /// Returns the number of levels.
@@ -83,21 +91,69 @@ impl Multiscale {
     /// Returns the mean endpoint error of a field on `level`, in px of level 0, over the pixels with known true motion; NaN
     /// without any.
     pub fn error(&self, level: usize, field: &Field) -> f32 {
+        let Some(truth) = self.truths[level].get_or_init(|| self.true_field(level)) else { return f32::NAN };
+        effort::add(field.u.cells().len());
         let scale = self.scale(level);
-        let (width, height) = field.u.size();
-        let (mut sum, mut known) = (0.0, 0u32);
-        for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
-            let Some(truth) = self.truth(level, (x, y)) else { continue };
-            let found = field.at(x, y);
-            let off = [0, 1].map(|i| (found[i] - truth[i]) * scale[i]);
-            sum += f64::from(off[0].hypot(off[1]));
-            known += 1;
+        let (mut sum, mut known) = (0.0, 0.0);
+        for y in 0..field.u.height() {
+            let [of_row, known_in_row] =
+                error_row([field.u.row(y), field.v.row(y)], [truth.u.row(y), truth.v.row(y)], scale);
+            sum += f64::from(of_row);
+            known += f64::from(known_in_row);
         }
-        (sum / f64::from(known)) as f32
+        (sum / known) as f32
+    }
+
+    /// Returns the true flow at the pixels of a level in px of level 0, if there is any.
+    fn true_field(&self, level: usize) -> Option<Field> {
+        self.frame_pair.truth.as_ref()?;
+        let (scale, mut field) = (self.scale(level), Field::new(self.size(level), [f32::NAN; 2]));
+        let (width, height) = field.u.size();
+        for place in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+            if let Some([u, v]) = self.truth(level, place) {
+                (field.u[place], field.v[place]) = (u * scale[0], v * scale[1]);
+            }
+        }
+        Some(field)
     }
 
     /// Returns the size of all levels in memory, in bytes.
     pub fn bytes(&self) -> usize {
-        self.frame_pair.bytes() + self.coarser.iter().flatten().map(|level| size_of_val(level.cells())).sum::<usize>()
+        let truths = self.truths.iter().filter_map(OnceLock::get).flatten().map(Field::bytes).sum::<usize>();
+        truths
+            + self.frame_pair.bytes()
+            + self.coarser.iter().flatten().map(|level| size_of_val(level.cells())).sum::<usize>()
     }
+}
+
+widest! {
+    fn error_row(field: [&[f32]; 2], truth: [&[f32]; 2], scale: [f32; 2]) -> [f32; 2] = error_of_row
+}
+
+/// The sum of the endpoint errors of a row in px of level 0, and the number of pixels with known true flow.
+#[inline(always)]
+fn error_of_row([u, v]: [&[f32]; 2], [true_u, true_v]: [&[f32]; 2], scale: [f32; 2]) -> [f32; 2] {
+    let error = |u: f32, v: f32, true_u: f32, true_v: f32| {
+        let (off_u, off_v) = (u * scale[0] - true_u, v * scale[1] - true_v);
+        let error = (off_u * off_u + off_v * off_v).sqrt();
+        // NaN is not finite.
+        if error.is_finite() { [error, 1.0] } else { [0.0; 2] }
+    };
+    let (mut sums, mut counts, mut x) = ([0.0; LANES], [0.0; LANES], 0);
+    while let (Some(u), Some(v), Some(true_u), Some(true_v)) =
+        (lane(u, x), lane(v, x), lane(true_u, x), lane(true_v, x))
+    {
+        for i in 0..LANES {
+            let [error, known] = error(u[i], v[i], true_u[i], true_v[i]);
+            sums[i] += error;
+            counts[i] += known;
+        }
+        x += LANES;
+    }
+    let (mut sum, mut known) = (sums.iter().sum::<f32>(), counts.iter().sum::<f32>());
+    for x in x..u.len() {
+        let [error, is_known] = error(u[x], v[x], true_u[x], true_v[x]);
+        (sum, known) = (sum + error, known + is_known);
+    }
+    [sum, known]
 }

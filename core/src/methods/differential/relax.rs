@@ -6,9 +6,13 @@
 //! absorbs the factor 3 of its Laplacian, 3 (mean − value), into α² as well.
 
 use super::jacobi::{self, DEPTH, Rows};
-use super::stencil::{BESIDE, CORNER, update};
+use super::sor;
+use super::stencil::{BESIDE, CORNER};
 use super::{Field, Linear};
-use crate::base::Threads;
+use crate::base::{
+    LANES, Threads, effort,
+    wide::{lane, widest},
+};
 use crate::geometry::{Border, Grid};
 
 /// The constraints, divided by the root of α² + a² + b²: from the neighbourhood mean (u, v) the update is then
@@ -38,12 +42,9 @@ impl System {
         Self { factors }
     }
 
-    fn rows(&self, y: usize) -> [&[f32]; 3] {
-        [0, 1, 2].map(|i| &self.factors.cells()[(3 * y + i) * self.factors.stride..])
-    }
-
     /// Does `iterations` Jacobi iterations from `field`: all pixels from the means of the previous iteration.
     pub fn jacobi(&self, field: &Field, iterations: usize, threads: &Threads) -> Field {
+        effort::add(iterations * field.u.cells().len());
         let (mut from, mut spare) = (None, None);
         for done in (0..iterations).step_by(DEPTH) {
             let mut to = spare.take().unwrap_or_else(|| Field::new(field.u.size(), [0.0; 2]));
@@ -54,103 +55,146 @@ impl System {
         from.unwrap_or_else(|| field.clone())
     }
 
-    /// Does one iteration in place, in raster order, from the newest values of the neighbours. `relaxation` is the factor ω of
+    /// Does `iterations` in place, from the newest values of the neighbours, in the order of [`sor`]. `relaxation` is the factor ω of
     /// successive over-relaxation; 1 is Gauss–Seidel.
-    pub fn sweep(&self, field: &mut Field, relaxation: f32) {
-        let (width, height) = field.u.size();
-        let mut above = [vec![0.0; width + 2], vec![0.0; width + 2]];
-        let mut here = above.clone();
-        let mut below = above.clone();
-        for y in 0..height {
-            let [a, b, c] = self.rows(y);
-            for (i, part) in [&field.u, &field.v].into_iter().enumerate() {
-                pad(&mut above[i], part.row(y.saturating_sub(1)));
-                pad(&mut here[i], part.row(y));
-                pad(&mut below[i], part.row((y + 1).min(height - 1)));
-                if y == 0 {
-                    above[i].clone_from(&here[i]);
-                }
-                if y + 1 == height {
-                    below[i].clone_from(&here[i]);
-                }
-            }
-            for x in 0..width {
-                let mean = [0, 1].map(|i| neighbor_mean([&above[i], &here[i], &below[i]], x));
-                let new = update(mean, [a[x], b[x], c[x]]);
-                for i in 0..2 {
-                    let value = here[i][x + 1] + relaxation * (new[i] - here[i][x + 1]);
-                    here[i][x + 1] = value;
-                    // Replicate the border.
-                    if y == 0 {
-                        above[i][x + 1] = value;
-                    }
-                    if y + 1 == height {
-                        below[i][x + 1] = value;
-                    }
-                }
-            }
-            field.u.row_mut(y).copy_from_slice(&here[0][1..=width]);
-            field.v.row_mut(y).copy_from_slice(&here[1][1..=width]);
+    pub fn sweep(&self, field: &mut Field, iterations: usize, relaxation: f32) {
+        effort::add(iterations * field.u.cells().len());
+        for done in (0..iterations).step_by(sor::DEPTH) {
+            sor::iterate(&self.factors, field, sor::DEPTH.min(iterations - done), relaxation);
         }
     }
 }
 
-/// Copies `row` with one replicated border pixel on either side.
-fn pad(target: &mut [f32], row: &[f32]) {
-    let width = row.len();
-    target[1..=width].copy_from_slice(row);
-    target[0] = row[0];
-    target[width + 1] = row[width - 1];
-}
-
-/// The mean of the neighbours of pixel `x` in three padded rows.
-#[inline(always)]
-fn neighbor_mean([above, here, below]: [&[f32]; 3], x: usize) -> f32 {
-    BESIDE * ((above[x + 1] + below[x + 1]) + (here[x] + here[x + 2]))
-        + CORNER * ((above[x] + above[x + 2]) + (below[x] + below[x + 2]))
-}
-
 /// The data term and the smoothness term, on average per pixel.
 pub fn energy(linear: &Linear, alpha: f32, field: &Field) -> [f64; 2] {
+    effort::add(field.u.cells().len());
     let (width, height) = field.u.size();
     let (mut data, mut smoothness) = (0.0, 0.0);
     for y in 0..height {
-        let rows = [y.saturating_sub(1), y, (y + 1).min(height - 1)];
-        let around = [&field.u, &field.v].map(|part| rows.map(|y| part.row(y)));
-        let [a, b, c] = [&linear.factors.a, &linear.factors.b, &linear.factors.c].map(|part| part.row(y));
-        for x in 0..width {
-            let columns = [x.saturating_sub(1), x, (x + 1).min(width - 1)];
-            let [u, v] = around.map(|rows| f64::from(rows[1][x]));
-            data += (f64::from(a[x]) * u + f64::from(b[x]) * v + f64::from(c[x])).powi(2);
-            for (rows, value) in around.into_iter().zip([u, v]) {
-                let squared = |i: usize, j: usize| (f64::from(rows[j][columns[i]]) - value).powi(2);
-                let beside = squared(0, 1) + squared(2, 1) + squared(1, 0) + squared(1, 2);
-                let corner = squared(0, 0) + squared(2, 0) + squared(0, 2) + squared(2, 2);
-                // Each pair is visited twice.
-                smoothness += 0.5 * (f64::from(BESIDE) * beside + f64::from(CORNER) * corner);
-            }
-        }
+        let around = rows_around(field, y);
+        let factors = [&linear.factors.a, &linear.factors.b, &linear.factors.c].map(|part| part.row(y));
+        data += f64::from(data_row(factors, around.map(|rows| rows[1])));
+        smoothness += around.iter().map(|rows| f64::from(smoothness_row(*rows))).sum::<f64>();
     }
     let pixels = (width * height) as f64;
     [data / pixels, f64::from(alpha).powi(2) * smoothness / pixels]
 }
 
-/// The mean change between two fields, in px.
-pub fn change(from: &Field, to: &Field) -> f64 {
-    let parts = from.u.cells().iter().zip(to.u.cells()).zip(from.v.cells().iter().zip(to.v.cells()));
-    let sum: f64 =
-        parts.map(|((u, new_u), (v, new_v))| f64::from(((new_u - u).powi(2) + (new_v - v).powi(2)).sqrt())).sum();
-    sum / from.u.cells().len() as f64
+/// The smoothness term of a field, on average per pixel, without its weight.
+pub fn roughness(field: &Field) -> f64 {
+    effort::add(field.u.cells().len());
+    let (width, height) = field.u.size();
+    let of_row = |y| rows_around(field, y).iter().map(|rows| f64::from(smoothness_row(*rows))).sum::<f64>();
+    (0..height).map(of_row).sum::<f64>() / (width * height) as f64
 }
 
-/// The mean of the neighbours of a pixel: those before it in raster order from `earlier`, the others from `later`.
-pub fn mean_around(earlier: &Field, later: &Field, (x, y): (usize, usize)) -> [f32; 2] {
+/// Row `y` of both components with the rows above and below it; the image border is replicated.
+fn rows_around(field: &Field, y: usize) -> [[&[f32]; 3]; 2] {
+    let rows = [y.saturating_sub(1), y, (y + 1).min(field.u.height() - 1)];
+    [&field.u, &field.v].map(|part| rows.map(|y| part.row(y)))
+}
+
+widest! {
+    fn data_row(factors: [&[f32]; 3], field: [&[f32]; 2]) -> f32 = data_of_row
+}
+
+/// The data term of a row.
+#[inline(always)]
+fn data_of_row([a, b, c]: [&[f32]; 3], [u, v]: [&[f32]; 2]) -> f32 {
+    let squared = |a: f32, b: f32, c: f32, u: f32, v: f32| {
+        let off = a * u + b * v + c;
+        off * off
+    };
+    let (mut lanes, mut x, mut rest) = ([0.0; LANES], 0, 0.0);
+    while let (Some(a), Some(b), Some(c), Some(u), Some(v)) =
+        (lane(a, x), lane(b, x), lane(c, x), lane(u, x), lane(v, x))
+    {
+        (0..LANES).for_each(|i| lanes[i] += squared(a[i], b[i], c[i], u[i], v[i]));
+        x += LANES;
+    }
+    (x..u.len()).for_each(|x| rest += squared(a[x], b[x], c[x], u[x], v[x]));
+    lanes.iter().sum::<f32>() + rest
+}
+
+widest! {
+    fn smoothness_row(rows: [&[f32]; 3]) -> f32 = smoothness_of_row
+}
+
+/// The smoothness term of a row of one component, without its weight.
+#[inline(always)]
+fn smoothness_of_row([above, here, below]: [&[f32]; 3]) -> f32 {
+    let width = here.len();
+    // Each pair of neighbours is visited twice.
+    let of = |value: f32, beside: [f32; 4], corner: [f32; 4]| {
+        let sum = |[a, b, c, d]: [f32; 4]| {
+            let squared = |other: f32| (other - value) * (other - value);
+            (squared(a) + squared(b)) + (squared(c) + squared(d))
+        };
+        0.5 * (BESIDE * sum(beside) + CORNER * sum(corner))
+    };
+    let at = |x: usize| {
+        let (left, right) = (x.saturating_sub(1), (x + 1).min(width - 1));
+        of(
+            here[x],
+            [here[left], here[right], above[x], below[x]],
+            [above[left], above[right], below[left], below[right]],
+        )
+    };
+    let (mut lanes, mut x, mut rest) = ([0.0; LANES], 1, at(0));
+    while x + LANES < width {
+        let [up, mid, down] = [above, here, below]
+            .map(|row| [lane(row, x - 1), lane(row, x), lane(row, x + 1)].map(|part| part.unwrap_or(&[0.0; LANES])));
+        for i in 0..LANES {
+            lanes[i] += of(
+                mid[1][i],
+                [mid[0][i], mid[2][i], up[1][i], down[1][i]],
+                [up[0][i], up[2][i], down[0][i], down[2][i]],
+            );
+        }
+        x += LANES;
+    }
+    (x..width).for_each(|x| rest += at(x));
+    lanes.iter().sum::<f32>() + rest
+}
+
+/// The mean change between two fields, in px.
+pub fn change(from: &Field, to: &Field) -> f64 {
+    effort::add(from.u.cells().len());
+    let of_row = |y| f64::from(change_row([from.u.row(y), from.v.row(y)], [to.u.row(y), to.v.row(y)]));
+    (0..from.u.height()).map(of_row).sum::<f64>() / from.u.cells().len() as f64
+}
+
+widest! {
+    fn change_row(from: [&[f32]; 2], to: [&[f32]; 2]) -> f32 = change_of_row
+}
+
+/// The sum of the lengths of the changes of a row.
+#[inline(always)]
+fn change_of_row([u, v]: [&[f32]; 2], [new_u, new_v]: [&[f32]; 2]) -> f32 {
+    let length = |u: f32, v: f32| (u * u + v * v).sqrt();
+    let (mut lanes, mut x, mut rest) = ([0.0; LANES], 0, 0.0);
+    while let (Some(u), Some(v), Some(new_u), Some(new_v)) = (lane(u, x), lane(v, x), lane(new_u, x), lane(new_v, x)) {
+        (0..LANES).for_each(|i| lanes[i] += length(new_u[i] - u[i], new_v[i] - v[i]));
+        x += LANES;
+    }
+    (x..u.len()).for_each(|x| rest += length(new_u[x] - u[x], new_v[x] - v[x]));
+    lanes.iter().sum::<f32>() + rest
+}
+
+/// The mean of the neighbours of a pixel: those of which `is_earlier` says that they are updated before it (first their place, then
+/// the pixel's) from `earlier`, the others from `later`.
+pub fn mean_around(
+    earlier: &Field,
+    later: &Field,
+    (x, y): (usize, usize),
+    is_earlier: fn((usize, usize), (usize, usize)) -> bool,
+) -> [f32; 2] {
     let (width, height) = later.u.size();
     let mean = |earlier: &Grid<f32>, later: &Grid<f32>| {
         let at = |i: isize, j: isize| {
             let place =
                 (Border::Replicate.index(x as isize + i, width), Border::Replicate.index(y as isize + j, height));
-            if (place.1, place.0) < (y, x) { earlier[place] } else { later[place] }
+            if is_earlier(place, (x, y)) { earlier[place] } else { later[place] }
         };
         BESIDE * (at(0, -1) + at(0, 1) + at(-1, 0) + at(1, 0))
             + CORNER * (at(-1, -1) + at(1, -1) + at(-1, 1) + at(1, 1))

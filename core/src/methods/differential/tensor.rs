@@ -1,7 +1,7 @@
 //! The structure tensor: windowed means of the products of the derivatives.
 
 use super::{Constraints, FLAT};
-use crate::base::wide::wide;
+use crate::base::{effort, wide::wide};
 use crate::choices;
 use crate::geometry::filter::{gaussian_within, weigh};
 use crate::scene::Spread;
@@ -251,6 +251,7 @@ impl Sums<'_> {
             fn compute(sums: &mut Sums, y: usize) = Sums::compute
         }
         compute(self, y);
+        effort::add(self.columns.len());
         let width = self.columns.len();
         let [xx, xy, yy, xt, yt, tt] = self.means.each_ref().map(|means| &means[..width]);
         for (x, (&weight, &pixels)) in self.weights.iter().zip(&self.pixels).enumerate() {

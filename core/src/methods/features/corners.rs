@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::response::Tensors;
 use super::select::{Chosen, Peaks, Settings, largest, rank};
-use crate::base::{Error, Observer, Threads};
+use crate::base::{Error, Observer, Tally, Threads};
 use crate::data::{Clip, Frame};
 use crate::geometry::{Gray, Grid};
 use crate::methods::differential::Tensor;
@@ -195,20 +195,24 @@ impl<M: Measure> Corners<M> {
     }
 
     /// Runs from start to end.
-    fn whole(&self, mut state: State, threads: &Threads) -> State {
+    fn whole(&self, mut state: State, threads: &Threads, tally: &impl Tally<Event>) -> State {
         let height = state.map.height();
         let map = self.map(state.picture.luma(), threads);
+        // A response for each pixel; units are the rows of both passes and the choice.
+        tally.add_events(map.cells().len() as u64);
+        tally.add_units(2 * height + 1);
         state.largest = largest(map.cells());
         state.map = Arc::new(map);
         let (peaks, rows) = (self.peaks(&state), threads.rows_at_once(height));
         let of_rows = threads.map(height.div_ceil(rows), |i| {
             let mut found = Vec::new();
-            (i * rows..((i + 1) * rows).min(height)).for_each(|y| self.suppress(peaks, y, &mut found, &mut ()));
+            (i * rows..((i + 1) * rows).min(height))
+                .for_each(|y| self.suppress(peaks, y, &mut found, &mut tally.counter()));
             found
         });
         state.peaks = of_rows.concat();
         (state.stage, state.row) = (Stage::Choice, 0);
-        self.choose(&mut state, &mut ());
+        self.choose(&mut state, &mut tally.counter());
         state
     }
 }
@@ -282,8 +286,8 @@ impl<M: Measure> Estimator for Corners<M> {
         Output::of(state.features())
     }
 
-    fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
-        Ok(self.whole(State::new(clip, frame)?, threads))
+    fn run(&self, clip: &Clip, frame: usize, threads: &Threads, tally: &impl Tally<Event>) -> Result<State, Error> {
+        Ok(self.whole(State::new(clip, frame)?, threads, tally))
     }
 }
 

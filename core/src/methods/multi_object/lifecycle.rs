@@ -32,9 +32,9 @@ pub(crate) struct TrackAge {
 }
 
 impl Rules {
-    /// Returns the same rules without hindsight, if these have any.
-    pub(crate) fn without_hindsight(&self) -> Option<Self> {
-        (self.backdate || self.interpolate).then_some(Self { backdate: false, interpolate: false, ..*self })
+    /// Whether later frames change the tracks of earlier ones.
+    pub(crate) fn looks_back(&self) -> bool {
+        self.backdate || self.interpolate
     }
 
     /// Starts a track with its first detection.

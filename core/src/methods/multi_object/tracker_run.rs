@@ -76,6 +76,8 @@ pub(crate) struct TrackerRun {
     /// The number of tracks so far.
     begun: u32,
     frames: Vec<Arc<ObjectFrame>>,
+    /// The same frames as they were in real time, without hindsight; shared with `frames` as long as they are equal.
+    live: Vec<Arc<ObjectFrame>>,
     /// The first finished frame that the last unit has changed.
     changed_from: usize,
     picture: (usize, usize),
@@ -92,7 +94,7 @@ impl TrackerRun {
         let noise = Noise { deviation_px: f64::from(added_noise), seed: u64::from(seed) };
         let detector = Detector::new(source, clip, &span, SourceSettings { noise, clicks, stage: detector })?;
         let picture = clip.size();
-        Ok(Self { span, detector, min_score, begun: 0, frames: Vec::new(), changed_from: 0, picture })
+        Ok(Self { span, detector, min_score, begun: 0, frames: Vec::new(), live: Vec::new(), changed_from: 0, picture })
     }
 
     /// Returns the next frame.
@@ -139,6 +141,7 @@ impl TrackerRun {
 
     /// Adds a finished frame.
     pub fn note(&mut self, clip: &Clip, frame: Arc<ObjectFrame>) -> Progress {
+        self.live.push(Arc::clone(&frame));
         self.frames.push(frame);
         if self.span.is_over(clip, self.frame()) { Progress::Done } else { Progress::More }
     }
@@ -215,13 +218,14 @@ impl TrackerRun {
     /// Memory of its own in bytes. Earlier frames are shared with the states before, unless the last unit has changed them.
     pub fn own_bytes(&self) -> usize {
         let changed: usize = self.frames[self.changed_from..].iter().map(|frame| frame.bytes()).sum();
-        size_of::<Self>() + size_of_val(&self.frames[..]) + changed
+        size_of::<Self>() + 2 * size_of_val(&self.frames[..]) + changed
     }
 
     /// Memory of the detector and of all frames, in bytes.
     pub fn shared_bytes(&self) -> usize {
         let frames: usize = self.frames.iter().map(|frame| frame.bytes()).sum();
-        self.detector.bytes() + frames
+        let changed = self.live.iter().zip(&self.frames).filter(|(live, frame)| !Arc::ptr_eq(live, frame));
+        self.detector.bytes() + frames + changed.map(|(live, _)| live.bytes()).sum::<usize>()
     }
 
     /// Returns the tracks of all frames.
@@ -234,6 +238,11 @@ impl TrackerRun {
             frames: self.frames.clone(),
             trajectories: Vec::new(),
         }
+    }
+
+    /// Returns the tracks of all frames as they were in real time, where `rules` look back.
+    pub fn causal_field(&self, rules: Rules) -> Option<ObjectField> {
+        rules.looks_back().then(|| ObjectField { frames: self.live.clone(), ..self.field() })
     }
 }
 

@@ -1,7 +1,7 @@
 //! Polynomial expansion: a quadratic polynomial for the neighbourhood of each pixel (G. Farnebäck, Polynomial
 //! expansion for orientation and motion estimation, Linköping 2002, chapter 4).
 
-use crate::base::{Threads, wide::wide};
+use crate::base::{Threads, effort, wide::wide};
 use crate::geometry::{
     Grid,
     filter::{gaussian_within, weigh},
@@ -156,6 +156,7 @@ impl Expander {
 
     /// Returns the polynomials of all pixels of `picture`.
     pub fn expand(&self, picture: &Grid<f32>, threads: &Threads) -> Grid<Packed> {
+        effort::add(8 * picture.cells().len());
         let (width, height) = self.size;
         let mut polynomials = Grid::new(width, height, [0.0; 8]);
         threads.rows(&mut polynomials, |y, row| self.row(picture, y, row));

@@ -22,6 +22,14 @@ pub enum Part {
     Solved,
 }
 
+impl Part {
+    /// Returns the steps of an iteration; the first of a level begins with the expansion.
+    pub fn of_iteration(is_first: bool) -> &'static [Self] {
+        const ALL: [Part; 5] = [Part::Expanded, Part::Paired, Part::Compared, Part::Averaged, Part::Solved];
+        if is_first { &ALL } else { &ALL[1..] }
+    }
+}
+
 /// An iteration at one pixel of a level.
 pub struct Probe<'a> {
     /// The current step.

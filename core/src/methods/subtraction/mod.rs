@@ -15,7 +15,7 @@ pub(crate) use explanation::{Expected, Explanation, compared};
 pub use initial::Initial;
 pub(crate) use rows::{Flags, by_rows};
 
-use crate::base::{Error, Observer, Threads};
+use crate::base::{Error, Observer, Tally, Threads};
 use crate::data::{Clip, Detection, Frame, Labelling, Mask, ObjectBox, PackedMask};
 use crate::geometry::{Bounds, Gray, Grid};
 use crate::params::{Params, inner_params};
@@ -381,10 +381,21 @@ impl<M: Background> Estimator for Subtraction<M> {
         state.record.output(state.picture, state.span.first)
     }
 
-    fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Self::State, Error> {
+    fn run(
+        &self,
+        clip: &Clip,
+        frame: usize,
+        threads: &Threads,
+        tally: &impl Tally<Event>,
+    ) -> Result<Self::State, Error> {
         let mut state = self.start(clip, frame)?;
-        while self.work(clip, &mut state, threads, &mut ())? == Progress::More {}
-        Ok(state)
+        let mut counter = tally.counter();
+        loop {
+            tally.add_units(1);
+            if self.work(clip, &mut state, threads, &mut counter)? == Progress::Done {
+                return Ok(state);
+            }
+        }
     }
 }
 

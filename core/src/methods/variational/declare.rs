@@ -9,7 +9,7 @@ params! {
     pub struct Settings {
         /// Number of iterations per warp.
         iterations: usize = 100, 1..=1000;
-        /// Stopping criterion: the iterations of a warp end when the mean change of the flow is smaller, in px of level 0. 0 does all iterations.
+        /// Stopping criterion: the iterations of a warp end when the mean change of the flow is smaller, in px of level 0; tested every 8 iterations. 0 does all iterations.
         tolerance: f32 = 0.0, 0.0..=1.0, "px";
         /// Number of pyramid levels, each half the size of the one below, down to 16 px per side. More levels reach larger motion; 1 uses full resolution only.
         levels: usize = 4, 1..=10;

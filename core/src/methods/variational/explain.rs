@@ -2,7 +2,7 @@
 
 use super::Settings;
 use super::model::{Explanation, Model, Probe};
-use super::run::{Event, Note, State, Variational};
+use super::run::{Event, Note, State, TESTED, Variational};
 use crate::base::words;
 use crate::methods::differential::{Conclusion, explain, numbers};
 use crate::run::{Estimator, Seen};
@@ -20,7 +20,12 @@ impl<M: Model> Probe<'_, M> {
         let Some(Event::Step(_, iteration)) = seen.events.last() else { return None };
         let (frames, level) = (&seen.before.fixed.frames, seen.before.level);
         let pointed_at = seen.point().and_then(|point| frames.pixel_at(level, point));
-        Some(Probe { iteration, place: pointed_at.unwrap_or(iteration.most), level, scale: frames.scale(level) })
+        Some(Probe {
+            iteration,
+            place: pointed_at.unwrap_or_else(|| iteration.most()),
+            level,
+            scale: frames.scale(level),
+        })
     }
 }
 
@@ -58,18 +63,20 @@ impl<M: Model> Variational<M> {
     fn concluded(&self, seen: &Seen<Self>, sentence: Sentence) -> Sentence {
         let (Some(after), None) = (seen.after, seen.point()) else { return sentence };
         let Settings { iterations, tolerance, .. } = self.settings();
-        let Some(note) = after.notes.last() else { return sentence };
+        let Some(note) = self.noted(seen) else { return sentence };
+        let number = seen.before.iteration + 1;
+        let is_tested = tolerance > 0.0 && number.is_multiple_of(TESTED);
         // The tolerance may be smaller than the decimals of a displacement.
         let (change, precise) = (numbers::px(note.change), numbers::fixed(note.change, 4));
-        let said = match note.change < tolerance {
+        let said = match is_tested && note.change < tolerance {
             true => format!(
                 " The mean change of {precise} px is below the tolerance of {} px: converged.",
                 numbers::fixed(tolerance, 4)
             ),
-            false if seen.before.iteration + 1 == iterations => {
+            false if number == iterations => {
                 format!(" Mean change of iteration {iterations}, the last of this warp: {change} px.")
             }
-            false if tolerance > 0.0 => format!(
+            false if is_tested => format!(
                 " The mean change of {precise} px is not below the tolerance of {} px: next iteration.",
                 numbers::fixed(tolerance, 4)
             ),
@@ -81,6 +88,13 @@ impl<M: Model> Variational<M> {
         }
         let conclusion = Conclusion::new(&after.fixed.frames.frame_pair, &after.flow());
         sentence.text(conclusion.sentence(&M::ADVICE))
+    }
+
+    /// Returns energy, change and error of the iteration that ends at the cursor.
+    fn noted(&self, seen: &Seen<Self>) -> Option<Note> {
+        seen.after?;
+        let Some(Event::Step(_, iteration)) = seen.events.last() else { return None };
+        Some(self.note_of(seen.before, iteration))
     }
 
     /// The sentence at the start of a warp.
@@ -118,7 +132,7 @@ impl<M: Model> Variational<M> {
                 facts.push(fact("At full resolution", value, Some(Role::Result)));
             }
         }
-        if let Some(note) = seen.after.and_then(|after| after.notes.last()) {
+        if let Some(note) = self.noted(seen) {
             let [data, smoothness] = [note.data, note.smoothness].map(numbers::gray);
             facts.push(fact(
                 "Energy per pixel",
@@ -173,18 +187,18 @@ impl<M: Model> Variational<M> {
 
     /// Returns the plots of energy, mean change and endpoint error over iterations.
     fn series(&self, seen: &Seen<Self>) -> Vec<Series> {
-        let notes = &seen.after.unwrap_or(seen.before).notes;
-        if notes.is_empty() {
-            return Vec::new();
-        }
+        let mut notes = seen.before.notes.clone();
+        // Those plotted, and the current one.
+        notes.extend(self.noted(seen));
+        let Some(last) = notes.last().map(|note| note.number) else { return Vec::new() };
         let line = |of: fn(&Note) -> f32| -> Vec<[f32; 2]> {
-            notes.iter().enumerate().map(|(i, note)| [(i + 1) as f32, of(note)]).collect()
+            notes.iter().map(|note| [note.number as f32, of(note)]).collect()
         };
         // The axis ends at a power of two, so that the beginning stays readable.
-        let near = std::iter::successors(Some(16), |end| Some(2 * end)).find(|end| *end >= notes.len()).unwrap_or(16);
-        let x_max = self.units(seen.before).unwrap_or(notes.len()).min(near);
+        let near = std::iter::successors(Some(16), |end| Some(2 * end)).find(|end| *end >= last).unwrap_or(16);
+        let x_max = self.units(seen.before).unwrap_or(last).min(near);
         let counts = (seen.before.fixed.frames.count(), self.settings().warps);
-        let sections: Vec<_> = explain::sections(notes.iter().map(|note| note.place), counts).collect();
+        let sections: Vec<_> = explain::sections(notes.iter().map(|note| (note.number, note.place)), counts).collect();
         let series = |title, y_label, lines| {
             let sections = sections.clone();
             Series { title, x_label: "iteration", y_label, x_max, sections, lines, ..Series::default() }

@@ -4,7 +4,7 @@
 //! [`relax`](crate::methods::differential::relax).
 
 use crate::base::{
-    LANES, Threads,
+    LANES, Threads, effort,
     wide::{lane, widest},
 };
 use crate::geometry::{Border, Grid, filter};
@@ -22,6 +22,8 @@ pub struct MotionTensor {
 impl MotionTensor {
     /// Returns the tensors of `linear`, smoothed by a Gaussian of standard deviation `sigma_px`; the border is mirrored.
     pub fn new(linear: &Linear, sigma_px: f32, threads: &Threads) -> Self {
+        // Six products, each smoothed in two directions.
+        effort::add(12 * linear.start.u.cells().len());
         let left = temporal(linear);
         let [x, y, t] = [&linear.factors.a, &linear.factors.b, &left];
         let smoothed = |a: &Grid<f32>, b: &Grid<f32>| {
@@ -50,15 +52,43 @@ impl MotionTensor {
 
     /// Returns the data term at a flow field, per pixel.
     pub fn energy(&self, field: &Field) -> f64 {
+        effort::add(field.u.cells().len());
         let (width, height) = field.u.size();
-        let mut sum = 0.0;
-        for place in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
-            let [xx, xy, yy, xt, yt, tt] = self.at(place).map(f64::from);
-            let [u, v] = field.at(place.0, place.1).map(f64::from);
-            sum += (xx * u + 2.0 * (xy * v + xt)) * u + (yy * v + 2.0 * yt) * v + tt;
-        }
-        sum / (width * height) as f64
+        let of_row =
+            |y| f64::from(energy_row(self.parts.each_ref().map(|part| part.row(y)), [field.u.row(y), field.v.row(y)]));
+        (0..height).map(of_row).sum::<f64>() / (width * height) as f64
     }
+}
+
+widest! {
+    fn energy_row(tensor: [&[f32]; 6], field: [&[f32]; 2]) -> f32 = energy_of_row
+}
+
+/// The data term of a row.
+#[inline(always)]
+fn energy_of_row(tensor: [&[f32]; 6], field: [&[f32]; 2]) -> f32 {
+    let of = |[xx, xy, yy, xt, yt, tt]: [f32; 6], [u, v]: [f32; 2]| {
+        (xx * u + 2.0 * (xy * v + xt)) * u + (yy * v + 2.0 * yt) * v + tt
+    };
+    let [xx, xy, yy, xt, yt, tt] = tensor;
+    let (mut lanes, mut x, mut rest) = ([0.0; LANES], 0, 0.0);
+    while let (Some(xx), Some(xy), Some(yy), Some(xt), Some(yt), Some(tt), Some(u), Some(v)) = (
+        lane(xx, x),
+        lane(xy, x),
+        lane(yy, x),
+        lane(xt, x),
+        lane(yt, x),
+        lane(tt, x),
+        lane(field[0], x),
+        lane(field[1], x),
+    ) {
+        for i in 0..LANES {
+            lanes[i] += of([xx[i], xy[i], yy[i], xt[i], yt[i], tt[i]], [u[i], v[i]]);
+        }
+        x += LANES;
+    }
+    (x..xx.len()).for_each(|x| rest += of(tensor.map(|row| row[x]), field.map(|row| row[x])));
+    lanes.iter().sum::<f32>() + rest
 }
 
 /// I_t of the warped frame: the constant term for the increment.
@@ -109,6 +139,7 @@ impl Local {
 
     /// Does `iterations` Jacobi iterations from `field`: all pixels from the means of the previous iteration.
     pub fn jacobi(&self, field: &Field, iterations: usize, threads: &Threads) -> Field {
+        effort::add(iterations * field.u.cells().len());
         let (mut field, mut to) = (field.clone(), field.clone());
         let (width, height) = field.u.size();
         let rows = height.div_ceil(threads.count()).max(1);
@@ -127,14 +158,15 @@ impl Local {
         field
     }
 
-    /// Does one iteration in place, in raster order, from the newest values of the neighbours; `relaxation` as in
+    /// Does one iteration in place, from the newest values of the neighbours; order and `relaxation` as in
     /// [`System::sweep`](crate::methods::differential::relax::System::sweep).
     pub fn sweep(&self, field: &mut Field, relaxation: f32) {
+        effort::add(field.u.cells().len());
         let (width, height) = field.u.size();
         for y in 0..height {
             let factors = self.rows(y);
             let rows = [y.saturating_sub(1), y, (y + 1).min(height - 1)];
-            for x in 0..width {
+            for x in (0..width).step_by(2).chain((1..width).step_by(2)) {
                 let columns = [x.saturating_sub(1), (x + 1).min(width - 1)];
                 let mean = [&field.u, &field.v].map(|part| mean(rows.map(|y| part.row(y)), x, columns));
                 let new = solution(factors.map(|row| row[x]), mean);

@@ -1,10 +1,11 @@
 //! The interface of a variational method.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use super::Settings;
+use super::run::Note;
 use crate::base::{Threads, words};
-use crate::methods::differential::{Advice, Field, Linear, explain, numbers};
+use crate::methods::differential::{Advice, Field, Linear, explain, field, numbers, relax};
 use crate::params::Params;
 use crate::run::{Guarantee, Info};
 use crate::scene::{Constraint, Fact, Math, Name, Role, Sentence};
@@ -67,6 +68,21 @@ pub trait Model: Params + Default + Clone + Send + Sync + 'static {
     /// Does `count` iterations of a warp, starting at `from`.
     fn iterate(&self, warp: &Warp<Self>, from: &Self::Unknowns, count: usize, threads: &Threads) -> Self::Unknowns;
 
+    /// The same, with the mean change of the flow in the last of the iterations, in px.
+    fn iterate_measured(
+        &self,
+        warp: &Warp<Self>,
+        from: &Self::Unknowns,
+        count: usize,
+        threads: &Threads,
+    ) -> (Self::Unknowns, f64) {
+        let before = (count > 1).then(|| self.iterate(warp, from, count - 1, threads));
+        let before = before.as_ref().unwrap_or(from);
+        let to = self.iterate(warp, before, 1, threads);
+        let change = relax::change(before.field(), to.field());
+        (to, change)
+    }
+
     /// Returns the data term and the smoothness term of the energy, per pixel.
     fn energy(&self, warp: &Warp<Self>, at: &Self::Unknowns) -> [f64; 2];
 
@@ -90,8 +106,21 @@ pub struct Iteration<M: Model> {
     pub from: Arc<M::Unknowns>,
     /// The unknowns after it.
     pub to: Arc<M::Unknowns>,
-    /// The pixel with the largest change; the first of several.
-    pub most: (usize, usize),
+    /// The pixel with the largest change.
+    most: OnceLock<(usize, usize)>,
+    /// Energy, change and error.
+    pub(super) note: OnceLock<Note>,
+}
+
+impl<M: Model> Iteration<M> {
+    pub(super) fn new(warp: Arc<Warp<M>>, from: Arc<M::Unknowns>, to: Arc<M::Unknowns>) -> Self {
+        Self { warp, from, to, most: OnceLock::new(), note: OnceLock::new() }
+    }
+
+    /// Returns the pixel with the largest change; the first of several.
+    pub fn most(&self) -> (usize, usize) {
+        *self.most.get_or_init(|| field::most_changed(self.from.field(), self.to.field()))
+    }
 }
 
 /// An iteration at one pixel of its level.

@@ -5,7 +5,7 @@
 
 use super::model::Unknowns;
 use crate::base::{
-    LANES, Threads,
+    LANES, Threads, effort,
     wide::{lane, widest},
 };
 use crate::geometry::Grid;
@@ -84,6 +84,7 @@ impl Dual {
 
     /// Does one iteration: thresholding of the data term, update of the flow, dual update.
     pub fn iterate(&mut self, linear: &Linear, weights: Weights, threads: &Threads) {
+        effort::add(self.field.u.cells().len());
         let height = self.field.u.height();
         let rows = height.div_ceil(threads.count()).max(1);
         self.fit_and_smooth(linear, weights, (rows, threads));
@@ -228,20 +229,53 @@ fn dual_pixel([along, down]: [f32; 2], [x, y]: [f32; 2], rate: f32) -> [f32; 2] 
 
 /// The data term λ |ρ| and the total variation, per pixel.
 pub fn energy(linear: &Linear, lambda: f32, field: &Field) -> [f64; 2] {
+    effort::add(field.u.cells().len());
     let (width, height) = field.u.size();
     let (mut data, mut variation) = (0.0, 0.0);
     for y in 0..height {
-        let [a, b, c] = [&linear.factors.a, &linear.factors.b, &linear.factors.c].map(|part| part.row(y));
+        let factors = [&linear.factors.a, &linear.factors.b, &linear.factors.c].map(|part| part.row(y));
         let parts = [&field.u, &field.v].map(|part| [part.row(y), part.row((y + 1).min(height - 1))]);
-        for x in 0..width {
-            let [u, v] = parts.map(|[here, _]| here[x]);
-            data += f64::from((a[x] * u + b[x] * v + c[x]).abs());
-            for [here, below] in parts {
-                let gradient = [here[(x + 1).min(width - 1)] - here[x], below[x] - here[x]];
-                variation += f64::from((gradient[0] * gradient[0] + gradient[1] * gradient[1]).sqrt());
-            }
-        }
+        data += f64::from(residual_row(factors, parts.map(|[here, _]| here)));
+        variation += parts.iter().map(|rows| f64::from(variation_row(*rows))).sum::<f64>();
     }
     let pixels = (width * height) as f64;
     [f64::from(lambda) * data / pixels, variation / pixels]
+}
+
+widest! {
+    fn residual_row(factors: [&[f32]; 3], field: [&[f32]; 2]) -> f32 = residual_of_row
+}
+
+/// The sum of |ρ| of a row.
+#[inline(always)]
+fn residual_of_row([a, b, c]: [&[f32]; 3], [u, v]: [&[f32]; 2]) -> f32 {
+    let (mut lanes, mut x, mut rest) = ([0.0; LANES], 0, 0.0);
+    while let (Some(a), Some(b), Some(c), Some(u), Some(v)) =
+        (lane(a, x), lane(b, x), lane(c, x), lane(u, x), lane(v, x))
+    {
+        (0..LANES).for_each(|i| lanes[i] += (a[i] * u[i] + b[i] * v[i] + c[i]).abs());
+        x += LANES;
+    }
+    (x..u.len()).for_each(|x| rest += (a[x] * u[x] + b[x] * v[x] + c[x]).abs());
+    lanes.iter().sum::<f32>() + rest
+}
+
+widest! {
+    fn variation_row(rows: [&[f32]; 2]) -> f32 = variation_of_row
+}
+
+/// The total variation of a row of one component, from the row and the one below.
+#[inline(always)]
+fn variation_of_row([here, below]: [&[f32]; 2]) -> f32 {
+    let length = |value: f32, right: f32, below: f32| {
+        let (across, down) = (right - value, below - value);
+        (across * across + down * down).sqrt()
+    };
+    let (mut lanes, mut x, mut rest) = ([0.0; LANES], 0, 0.0);
+    while let (Some(value), Some(right), Some(below)) = (lane(here, x), lane(here, x + 1), lane(below, x)) {
+        (0..LANES).for_each(|i| lanes[i] += length(value[i], right[i], below[i]));
+        x += LANES;
+    }
+    (x..here.len()).for_each(|x| rest += length(here[x], here[(x + 1).min(here.len() - 1)], below[x]));
+    lanes.iter().sum::<f32>() + rest
 }

@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use super::declare::Settings;
 use super::model::{Iteration, Model, Unknowns, Warp};
-use crate::base::{Error, Observer, Threads};
+use crate::base::{Error, Observer, Tally, Threads};
 use crate::data::{Clip, Flow, Frame};
 use crate::geometry::{Grid, filter};
 use crate::methods::differential::{Field, Linear, Multiscale, field, relax};
@@ -39,7 +39,9 @@ pub struct State<M: Model> {
     coarser: Vec<Arc<M::Unknowns>>,
     /// The constraints of the last iteration.
     constraints: Constraints<M>,
-    /// Energy, change and error of each stepped iteration.
+    /// Number of iterations done in all.
+    pub(super) done: usize,
+    /// Energy, change and error of the plotted iterations; none where the run is not walked through.
     pub(super) notes: Vec<Note>,
     pub(super) is_done: bool,
 }
@@ -99,9 +101,21 @@ impl Fixed {
     }
 }
 
+/// Iterations of a warp after which its stopping criterion is tested: every so many.
+pub(super) const TESTED: usize = 8;
+
+/// Number of further iterations up to the next plotted one, after `iteration` of a warp. Energy, change and error are plotted
+/// after iterations 1, 2, 4, 8 and so on of each warp, and after its last: there the curves bend, and as they take about as long as an
+/// iteration, a walk stays about as fast as a run.
+fn until_plotted(iteration: usize) -> usize {
+    (iteration + 1).next_power_of_two() - iteration
+}
+
 /// Energy, change and error of an iteration.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Note {
+    /// The iteration in the run, from 1.
+    pub(super) number: usize,
     /// Its level and its warp, from 0.
     pub(super) place: (usize, usize),
     /// Data term and smoothness term, per pixel.
@@ -151,6 +165,7 @@ impl<M: Model> Variational<M> {
             iteration: 0,
             coarser: Vec::new(),
             constraints: Constraints::Next,
+            done: 0,
             notes: Vec::new(),
             is_done: false,
         })
@@ -169,52 +184,115 @@ impl<M: Model> Variational<M> {
         Arc::new(Warp { linear, system })
     }
 
-    /// Does `count` iterations of the current warp and moves on. The mean change in px of level 0 is known for a single
-    /// iteration.
-    fn work(&self, state: &mut State<M>, count: usize, threads: &Threads) -> (Done<M>, f64) {
+    /// Does up to `most` iterations of the current warp and moves on. With `plots`, it ends with the next plotted iteration.
+    fn work(&self, state: &mut State<M>, (most, plots): (usize, bool), threads: &Threads) -> Done<M> {
         let Settings { iterations, tolerance, warps, .. } = self.settings();
+        let count = self.at_once(state, (most, plots));
         let warp = self.constraints(state, threads);
         let from = match state.iteration {
             0 => Arc::new(M::Unknowns::begin(&warp.linear.start, (state.warp > 0).then_some(&state.unknowns))),
             _ => Arc::clone(&state.unknowns),
         };
-        let to = Arc::new(self.0.iterate(&warp, &from, count, threads));
-        let scale = f64::from(state.fixed.frames.scale(state.level)[0]);
-        let change = if count == 1 { scale * relax::change(from.field(), to.field()) } else { f64::INFINITY };
-        state.unknowns = Arc::clone(&to);
-        state.constraints = Constraints::Made(Arc::clone(&warp));
-        state.iteration += count;
+        let end = state.iteration + count;
+        let is_plotted = plots && (until_plotted(state.iteration) == count || end == iterations);
+        let is_tested = tolerance > 0.0 && end.is_multiple_of(TESTED);
+        let (to, change) = if is_tested || is_plotted {
+            let (to, change) = self.0.iterate_measured(&warp, &from, count, threads);
+            (to, Some(f64::from(state.fixed.frames.scale(state.level)[0]) * change))
+        } else {
+            (self.0.iterate(&warp, &from, count, threads), None)
+        };
+        let to = Arc::new(to);
+        let mut done = Done { place: (state.level, state.warp), count, warp, from, to, change, is_plotted };
+        state.unknowns = Arc::clone(&done.to);
+        state.constraints = Constraints::Made(Arc::clone(&done.warp));
+        (state.iteration, state.done) = (state.iteration + count, state.done + count);
         // Whether the iteration was the last of its warp.
-        if state.iteration >= iterations || change < f64::from(tolerance) {
+        if end >= iterations || is_tested && change.is_some_and(|change| change < f64::from(tolerance)) {
             (state.iteration, state.warp) = (0, state.warp + 1);
             state.constraints = Constraints::Next;
+            done.is_plotted = plots;
         }
         if state.warp == warps {
             state.warp = 0;
             match state.level.checked_sub(1) {
                 Some(level) => {
                     state.level = level;
-                    state.coarser.push(Arc::clone(&to));
+                    state.coarser.push(Arc::clone(&done.to));
                 }
                 None => state.is_done = true,
             }
         }
-        (Done { warp, from, to }, change)
+        done
     }
 
-    /// Returns energy, change and error of an iteration.
-    fn note(&self, state: &State<M>, place: (usize, usize), done: &Iteration<M>, change: f64) -> Note {
+    /// Returns how many of `most` iterations are done at once.
+    fn at_once(&self, state: &State<M>, (most, plots): (usize, bool)) -> usize {
+        let Settings { iterations, tolerance, .. } = self.settings();
+        let (width, height) = state.fixed.frames.size(state.level);
+        let batch = (BATCH_PIXELS / (width * height)).clamp(1, BATCH);
+        let tested = if tolerance > 0.0 { TESTED - state.iteration % TESTED } else { batch };
+        let plotted = if plots { until_plotted(state.iteration) } else { batch };
+        [batch, tested, plotted, iterations - state.iteration].into_iter().fold(most.max(1), usize::min)
+    }
+
+    /// Returns energy, change and error of an iteration of the run.
+    fn note(&self, frames: &Multiscale, number: usize, done: &Done<M>) -> Note {
+        let (level, to) = (done.place.0, done.to.field());
         let [data, smoothness] = self.0.energy(&done.warp, &done.to).map(|part| part as f32);
-        let error = state.fixed.frames.error(place.0, state.unknowns.field());
-        Note { place, data, smoothness, change: change as f32, error }
+        // One iteration that was not measured.
+        let change = || f64::from(frames.scale(level)[0]) * relax::change(done.from.field(), to);
+        let change = done.change.unwrap_or_else(change) as f32;
+        Note { number, place: done.place, data, smoothness, change, error: frames.error(level, to) }
+    }
+
+    /// Returns energy, change and error of the iteration after `before`.
+    pub(super) fn note_of(&self, before: &State<M>, iteration: &Iteration<M>) -> Note {
+        *iteration.note.get_or_init(|| {
+            let done = Done {
+                place: (before.level, before.warp),
+                count: 1,
+                warp: Arc::clone(&iteration.warp),
+                from: Arc::clone(&iteration.from),
+                to: Arc::clone(&iteration.to),
+                change: None,
+                is_plotted: false,
+            };
+            self.note(&before.fixed.frames, before.done + 1, &done)
+        })
+    }
+
+    /// Adds the last of the iterations `done` to the plots, if it is one of those plotted.
+    fn plot(&self, state: &mut State<M>, done: &Done<M>) {
+        if done.is_plotted {
+            let note = self.note(&state.fixed.frames, state.done, done);
+            state.notes.push(note);
+        }
+    }
+
+    /// Returns the number of events of `count` iterations of a warp.
+    fn events(&self, state: &State<M>, count: usize) -> u64 {
+        let begins = match state.iteration {
+            0 if state.is_first_warp() => 1,
+            0 => 2,
+            _ => 0,
+        };
+        begins + (count * M::STEPS.len()) as u64
     }
 }
 
-/// The unknowns before and after some iterations.
+/// Some iterations, and the unknowns before and after them.
 struct Done<M: Model> {
+    /// Their level and warp.
+    place: (usize, usize),
+    count: usize,
     warp: Arc<Warp<M>>,
     from: Arc<M::Unknowns>,
     to: Arc<M::Unknowns>,
+    /// Mean change of the flow in the last of them, in px of level 0, if it was measured.
+    change: Option<f64>,
+    /// Whether the last of them is plotted.
+    is_plotted: bool,
 }
 
 impl<M: Model> State<M> {
@@ -262,21 +340,33 @@ impl<M: Model> Estimator for Variational<M> {
         state: &mut State<M>,
         observer: &mut impl Observer<Event<M>>,
     ) -> Result<Progress, Error> {
-        let place = (state.level, state.warp);
         let (is_first, has_medians) = (state.iteration == 0, !state.is_first_warp());
-        let (Done { warp, from, to }, change) = self.work(state, 1, &Threads::single());
+        let done = self.work(state, (1, true), &Threads::single());
         if is_first {
             if has_medians {
                 observer.see(|| Event::Medians);
             }
             observer.see(|| Event::Warped);
         }
-        let most = field::most_changed(from.field(), to.field());
-        let done = Arc::new(Iteration { warp, from, to, most });
-        (0..M::STEPS.len()).for_each(|step| observer.see(|| Event::Step(step, Arc::clone(&done))));
-        let note = self.note(state, place, &done, change);
-        state.notes.push(note);
+        let mut iteration = None;
+        for step in 0..M::STEPS.len() {
+            observer.see(|| {
+                let parts = || {
+                    let [from, to] = [&done.from, &done.to].map(Arc::clone);
+                    Arc::new(Iteration::new(Arc::clone(&done.warp), from, to))
+                };
+                Event::Step(step, Arc::clone(iteration.get_or_insert_with(parts)))
+            });
+        }
+        self.plot(state, &done);
         Ok(if state.is_done { Progress::Done } else { Progress::More })
+    }
+
+    fn advance_many(&self, clip: &Clip, state: &mut State<M>, most: usize) -> Result<(usize, Progress), Error> {
+        clip.wanted()?;
+        let done = self.work(state, (most, true), &Threads::single());
+        self.plot(state, &done);
+        Ok((done.count, if state.is_done { Progress::Done } else { Progress::More }))
     }
 
     fn units(&self, state: &State<M>) -> Option<usize> {
@@ -314,16 +404,20 @@ impl<M: Model> Estimator for Variational<M> {
         Output::of(DenseField { flow: state.flow(), confidence: None })
     }
 
-    fn run(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State<M>, Error> {
+    fn run(
+        &self,
+        clip: &Clip,
+        frame: usize,
+        threads: &Threads,
+        tally: &impl Tally<Event<M>>,
+    ) -> Result<State<M>, Error> {
         let mut state = self.prepare(clip, frame, threads)?;
-        let Settings { iterations, tolerance, .. } = self.settings();
         while !state.is_done {
             clip.wanted()?;
-            let (width, height) = state.fixed.frames.size(state.level);
-            let at_once = (BATCH_PIXELS / (width * height)).clamp(1, BATCH);
-            // A stopping criterion needs the change of each iteration.
-            let count = if tolerance > 0.0 { 1 } else { at_once.min(iterations - state.iteration) };
-            self.work(&mut state, count, threads);
+            let count = self.at_once(&state, (usize::MAX, false));
+            tally.add_units(count);
+            tally.add_events(self.events(&state, count));
+            self.work(&mut state, (count, false), threads);
         }
         Ok(state)
     }

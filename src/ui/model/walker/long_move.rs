@@ -6,10 +6,8 @@ use motionscope_core::{self as core, Cursor, Move};
 
 use super::Run;
 
-/// How often a long move shows how far it has come.
-const SIGHT: Duration = Duration::from_secs(1);
-/// How much longer it works than that takes, at least.
-const WORK: u32 = 4;
+/// How often a long move shows how far it has come: at least ten times a second where showing takes at most half of that.
+const SIGHT: Duration = Duration::from_millis(90);
 
 /// A move on its way.
 pub(super) struct LongMove {
@@ -86,7 +84,8 @@ impl LongMove {
     /// The part after one that was shown within `took`: as far as can be gone until it is time to show something again.
     pub fn go_on(&mut self, took: Duration) {
         let (units, spent) = self.pace.unwrap_or_default();
-        let share = SIGHT.max(WORK * took).as_secs_f64() / spent.as_secs_f64().max(1e-3);
+        let work = SIGHT.saturating_sub(took).max(took);
+        let share = work.as_secs_f64() / spent.as_secs_f64().max(1e-3);
         let unit = self.at.unit + ((units as f64 * share) as usize).max(1);
         let is_last = self.last.is_some_and(|last| unit >= last);
         self.next = if is_last { self.to } else { Move::To(Cursor { unit, event: usize::MAX }) };
