@@ -513,7 +513,8 @@ impl<M: Background> Subtraction<M> {
             scene.pictures = self.0.pictures(&model, frame.size());
         }
         match seen.events.last() {
-            None | Some(Event::Followed(..)) => {}
+            None => {}
+            Some(Event::Followed(..)) => scene.legend(Role::Predicted, "background model, shifted with the camera"),
             Some(Event::Begun(_)) => scene.legend(Role::Predicted, "background model"),
             Some(Event::Compared(_, difference)) => {
                 let values = difference.as_ref().clone();
