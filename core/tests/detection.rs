@@ -53,7 +53,14 @@ fn in_gray(clip: &Clip, frames: usize) -> Clip {
 
 /// The estimator with what it decides left as it is.
 fn raw(id: &str, settings: &[(&str, &str)]) -> Box<dyn AnyEstimator> {
-    set(id, &[&[("opening", "0"), ("closing", "0"), ("min-area", "1")], settings].concat())
+    let mut estimator = set(id, &[("opening", "0"), ("closing", "0"), ("min-area", "1")]);
+    for (name, text) in [("camera", "still"), ("shake", "0"), ("initial", "first-frame")] {
+        if estimator.get(name).is_ok() {
+            estimator.set(name, text).expect("in range");
+        }
+    }
+    settings.iter().for_each(|(name, text)| estimator.set(name, text).expect("in range"));
+    estimator
 }
 
 fn objects(estimator: &dyn AnyEstimator, clip: &Clip) -> ObjectField {
@@ -205,7 +212,8 @@ impl Plain {
                 let light = pixel.iter().zip(&mode.mean).map(|(a, b)| a * b).sum::<f64>()
                     / mode.mean.iter().map(|b| b * b).sum::<f64>();
                 let darker: Vec<_> = mode.mean.iter().map(|mean| light * mean).collect();
-                (darkest..=1.0).contains(&light) && square(pixel, &darker) <= limit(mode) * light * light
+                let bright: f64 = pixel.iter().map(|c| c * c).sum();
+                (darkest..=1.0).contains(&light) && square(pixel, &darker) <= limit(mode) + 0.03 * 0.03 * bright
             })
         });
         for (index, mode) in modes.iter_mut().enumerate() {
@@ -259,6 +267,74 @@ fn the_mixture_decides_as_its_papers_say() {
     }
 }
 
+/// The mixer of SplitMix64 (Steele, Lea and Flood 2014), which draws the samples that are replaced.
+fn draw(seed: u64, a: u64, b: u64) -> u64 {
+    let mix = |x: u64| {
+        let x = x.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let x = (x ^ (x >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        let x = (x ^ (x >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        x ^ (x >> 31)
+    };
+    mix(mix(mix(seed).wrapping_add(a)).wrapping_add(b))
+}
+
+/// The samples of a pixel: recent, earlier and old values, each with its class.
+struct PlainSamples {
+    sets: [Vec<(Vec<f64>, bool)>; 3],
+    pixel: u64,
+    frame: u64,
+}
+
+#[test]
+fn neighbors_decide_as_their_paper_says() {
+    const FRAMES: usize = 60;
+    const COUNT: usize = 5;
+    let (rate, reach, least) = (0.05f64, 18.0, 2);
+    let clip = colorful(FRAMES);
+    for clip in [&clip, &in_gray(&clip, FRAMES)] {
+        let mut pixels = 0;
+        let begin = |i: &[f64]| {
+            let sets = [0, 1, 2].map(|_| vec![(i.to_vec(), true); COUNT]);
+            // `Grid::from_fn` goes through the picture row by row.
+            pixels += 1;
+            PlainSamples { sets, pixel: pixels - 1, frame: 0 }
+        };
+        let begun = std::cell::RefCell::new(begin);
+        let expected = plain(
+            clip,
+            FRAMES,
+            |i| (begun.borrow_mut())(i),
+            |model, i| {
+                let off = |s: &[f64]| s.iter().zip(i).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt();
+                let near = |is_one: &dyn Fn(bool) -> bool| {
+                    let all = model.sets.iter().flatten();
+                    all.filter(|(value, class)| off(value) <= reach && is_one(*class)).count()
+                };
+                let (is_foreground, class) = (near(&|class| class) < least, near(&|_| true) >= least);
+                model.frame += 1;
+                let now = rate.max(0.5 / model.frame as f64).min(0.5);
+                let ends = [0.7f64, 0.4, 0.1].map(|left| (left.ln() / (1.0 - now).ln()).ceil());
+                let lengths = [ends[0], ends[1] - ends[0], ends[2] - ends[1]];
+                let [when, which] = [0, 1].map(|stream| draw(model.pixel, model.frame, stream));
+                let slot = |part: usize| (which >> (8 * part)) as usize % 256 % COUNT;
+                for set in [2, 1, 0] {
+                    let period = ((lengths[set] / COUNT as f64).ceil() as u64).max(1);
+                    if (when >> (20 * set)) % (1 << 20) % period == 0 {
+                        let next =
+                            if set == 0 { (i.to_vec(), class) } else { model.sets[set - 1][slot(2 * set)].clone() };
+                        model.sets[set][slot(2 * set + 1)] = next;
+                    }
+                }
+                is_foreground
+            },
+        );
+        let settings = [("samples", "5"), ("k", "2"), ("threshold", "18"), ("learning-rate", "0.05")];
+        let settings = [&settings[..], &[("detect-shadows", "off")]].concat();
+        let (off, set) = differing(&masks(&*raw("knn-background", &settings), clip), &expected);
+        assert!(off == 0 && set > 500, "{off} of {set} pixels differ");
+    }
+}
+
 /// All that find objects by a model of the background.
 fn subtractions() -> Vec<Box<dyn AnyEstimator>> {
     let all = estimators().into_iter().filter(|e| e.guarantee() == Guarantee::Objects && e.get("opening").is_ok());
@@ -272,7 +348,7 @@ fn what_is_told_of_a_pixel_is_what_was_decided() {
     for clip in [in_gray(&colorful, FRAMES), colorful] {
         for estimator in subtractions() {
             let id = estimator.info().id;
-            let shadows = if id == "mixture-of-gaussians" { &[("detect-shadows", "off")][..] } else { &[] };
+            let shadows = if estimator.get("detect-shadows").is_ok() { &[("detect-shadows", "off")][..] } else { &[] };
             let estimator = raw(id, shadows);
             let mask = masks(&*estimator, &clip).pop().expect("a mask");
             let mut walk = estimator.walk(&clip, 0).expect("a run");
@@ -404,14 +480,24 @@ fn what_a_stage_does_can_be_seen() {
     let estimator = set("mixture-of-gaussians", &[("min-area", "20")]);
     let mut walk = estimator.walk(&clip, 0).expect("a run");
     walk.jump(Move::To(Cursor { unit: 11, event: usize::MAX }));
-    assert_eq!(walk.events(), 8);
-    let lines: Vec<_> = (1..=8)
+    assert_eq!(walk.events(), 9);
+    let lines: Vec<_> = (1..=9)
         .map(|event| {
             walk.jump(Move::To(Cursor { unit: 11, event }));
             walk.step(None).line.as_str()
         })
         .collect();
-    let stages = ["compare", "decide", "remove-shadows", "open", "close", "label", "keep-blobs", "update-model"];
+    let stages = [
+        "compare",
+        "decide",
+        "remove-shadows",
+        "suppress-shake",
+        "open",
+        "close",
+        "label",
+        "keep-blobs",
+        "update-model",
+    ];
     assert_eq!(lines, stages);
     assert_eq!(walk.at_frame(), 11);
 }
@@ -496,7 +582,7 @@ fn connected_components_label_what_is_bright() {
         }))
     };
     let clip = Clip::from_frames("bright", (0..2).map(frame).collect()).expect("frames of one size");
-    let settings = [("pixels", "bright"), ("threshold", "100"), ("closing", "0")];
+    let settings = [("pixels", "bright"), ("threshold", "100"), ("closing", "0"), ("min-area", "30")];
     let field = objects(&*set("connected-components", &settings), &clip);
     let found: Vec<_> =
         field.frames[0].detections.iter().map(|d| (d.bounds, d.blob.expect("a shape").area_px)).collect();

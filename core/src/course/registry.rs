@@ -8,8 +8,8 @@ use crate::families::{
     },
     interest_points::{Harris, ShiTomasi},
     moving_objects::{
-        ConnectedComponents, FlowMagnitude, FrameDifference, MedianBackground, MixtureOfGaussians, RunningAverage,
-        SingleGaussian,
+        ConnectedComponents, FlowMagnitude, FrameDifference, KnnBackground, MedianBackground, MixtureOfGaussians,
+        RunningAverage, SingleGaussian,
     },
     optical_flow::{
         Clg, Farneback, HornSchunck, Klt, LucasKanade, NormalFlow, PointTrajectories, PyramidalLucasKanade, TvL1,
@@ -49,6 +49,7 @@ impl Entries for Course {
         Entry::of::<Subtraction<MedianBackground>>(),
         Entry::of::<Subtraction<SingleGaussian>>(),
         Entry::of::<Subtraction<MixtureOfGaussians>>(),
+        Entry::of::<Subtraction<KnnBackground>>(),
         Entry::of::<Subtraction<FlowMagnitude>>(),
         Entry::of::<ConnectedComponents>(),
         Entry::of::<BlobTracker>(),

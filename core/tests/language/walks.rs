@@ -235,6 +235,13 @@ impl Seen {
     }
 }
 
+/// A wall past which the camera moves.
+fn panned(frames: usize) -> Clip {
+    let value = |t: usize, x: usize, y: usize| waves(x as f64 - 1.2 * t as f64, y as f64 + 0.8 * t as f64);
+    let frame = |t| Frame::gray(Grid::from_fn(96, 72, |x, y| value(t, x, y).clamp(0.0, 255.0) as u8));
+    Clip::from_frames("panned", (0..frames).map(frame).collect()).expect("frames of one size")
+}
+
 /// Walks through all runs of an estimator.
 fn seen(estimator: &dyn AnyEstimator, [parts, objects]: [&Clip; 2]) -> Seen {
     let mut seen = Seen::default();
@@ -247,6 +254,10 @@ fn seen(estimator: &dyn AnyEstimator, [parts, objects]: [&Clip; 2]) -> Seen {
                 seen.texts.add("refusal", &error.to_string());
             }
         }
+    }
+    // A camera that is followed has to move.
+    if estimator.get("camera").is_ok() {
+        seen.walk(&mut *estimator.walk(&panned(5), 0).expect("a run"));
     }
     seen
 }

@@ -127,7 +127,8 @@ impl ConnectedComponents {
             let labels = finals.grid(&state.labelling, state.picture);
             Event::Final(Arc::clone(masked), Arc::new(labels), finals.count)
         });
-        let [kept, dropped] = sifted(self.settings, finals.detections(&state.labelling, masked.frame.luma()));
+        let [kept, dropped] =
+            sifted(self.settings, state.picture, finals.detections(&state.labelling, masked.frame.luma()));
         observer.see(|| Event::Kept(Arc::clone(masked), Arc::new([kept.clone(), dropped])));
         let found = ObjectFrame { mask: Some(PackedMask::new(&masked.mask)), detections: kept, objects: Vec::new() };
         state.record.note(found);

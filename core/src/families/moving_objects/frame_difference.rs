@@ -4,9 +4,11 @@ use std::sync::Arc;
 
 use crate::base::{Threads, wide::wide};
 use crate::data::{Clip, Frame, Mask};
-use crate::methods::numbers::level;
+use crate::geometry::Gray;
+use crate::methods::numbers::{level, ratio};
 use crate::methods::subtraction::{
-    Background, Expected, Explanation, Flags, Found, Settings, compared, subtraction_pseudocode,
+    Background, Expected, Explanation, Flags, Found, Settings, Steadiness, compared, displaced, resampled,
+    subtraction_pseudocode,
 };
 use crate::run::{Info, Need};
 use crate::scene::{Canvas, Fact, Math, Picture, Role, Sentence};
@@ -27,24 +29,62 @@ params! {
     pub struct FrameDifference {
         /// Number of frames that are compared: two-frame or three-frame differencing.
         differencing: Differencing = Differencing::Two;
-        /// Difference threshold in gray levels. Pixels with a larger difference are foreground.
-        threshold: usize = 8, 0..=255;
+        /// Difference threshold in gray levels. Pixels with a larger difference are foreground. 0 chooses 3 standard deviations of the
+        /// noise, which the median absolute difference of the two frames gives (1.4826 times the median), and at least 6.
+        threshold: usize = 0, 0..=255;
+        /// The treatment of a camera that is not quite at rest.
+        steady: Steadiness = Steadiness { shake: 0, ..Steadiness::default() };
         /// The parameters of all background subtractions.
-        settings: Settings = Settings { opening: 0, closing: 4, ..Settings::default() };
+        settings: Settings = Settings { opening: 1, closing: 8, ..Settings::default() };
     }
     renamed { "compared" => "differencing", "open" => "opening", "close" => "closing" }
 }
 
+/// The automatic threshold in standard deviations of the noise.
+const NOISE_SIGMAS: f32 = 3.0;
+/// The least automatic threshold in gray levels: rounding and compression.
+const LEAST_THRESHOLD: f32 = 6.0;
+/// The standard deviation of a normal distribution, as a multiple of its median absolute deviation.
+const SIGMA_OF_MAD: f32 = 1.4826;
+
+/// Returns the standard deviation of the noise of a frame difference: most pixels are background, so the median absolute difference
+/// does not depend on objects (P. J. Rousseeuw and C. Croux, JASA 88, 1993).
+fn noise_of([now, before]: [&Gray; 2]) -> f32 {
+    let mut counts = [0usize; 256];
+    now.cells().iter().zip(before.cells()).for_each(|(a, b)| counts[usize::from(a.abs_diff(*b))] += 1);
+    let half = now.cells().len() as f32 / 2.0;
+    let mut below = 0.0;
+    for (level, count) in counts.iter().enumerate() {
+        let count = *count as f32;
+        if below + count >= half {
+            // Whole levels are intervals: 0 stands for 0 to 0.5, others for half a level to either side.
+            let (start, width) = if level == 0 { (0.0, 0.5) } else { (level as f32 - 0.5, 1.0) };
+            return SIGMA_OF_MAD * (start + width * (half - below) / count.max(1.0));
+        }
+        below += count;
+    }
+    0.0
+}
+
 impl FrameDifference {
+    /// Returns the threshold for a frame in gray levels.
+    fn limit(&self, before: &[Arc<Frame>], frame: &Frame) -> u8 {
+        if self.threshold > 0 {
+            return self.threshold as u8;
+        }
+        let noise = before.first().map_or(0.0, |before| noise_of([frame.luma(), before.luma()]));
+        (NOISE_SIGMAS * noise).ceil().max(LEAST_THRESHOLD) as u8
+    }
+
     /// Returns the pixels that differ from each frame of `before` by more than the threshold.
     pub fn differs(&self, before: &[Arc<Frame>], frame: &Frame, threads: &Threads) -> Mask {
-        let (width, height) = frame.size();
+        let ((width, height), threshold) = (frame.size(), self.limit(before, frame));
         let mut mask = Mask::new(width, height);
         mask.write(|words, in_row| {
             threads.chunks(words, in_row, |y, words| {
                 words.fill(u64::MAX);
                 for earlier in before {
-                    both([frame.luma().row(y), earlier.luma().row(y)], self.threshold as u8, words);
+                    both([frame.luma().row(y), earlier.luma().row(y)], threshold, words);
                 }
             });
         });
@@ -64,8 +104,10 @@ fn both_differ([here, there]: [&[u8]; 2], threshold: u8, words: &mut [u64]) {
 
 subtraction_pseudocode! {
     begin: "B ← frame 0",
+    camera: "  shift B by the median displacement of the camera",
     compare: "  d ← |I(t) − I(t−1)|; with three frames min(|I(t) − I(t−1)|, |I(t) − I(t−2)|)",
     decide: "  foreground if d > threshold",
+    shake: "  suppress pixels that fit the background of a pixel within shake",
     update: "  frame t becomes the reference of frame t+1",
 }
 
@@ -83,11 +125,26 @@ impl Background for FrameDifference {
         frames: 2,
     };
     const SHOWN: &'static str = "|I(t) − B|; B is the previous frame, or the more similar of the two previous frames";
+    const IS_REPLACED: bool = true;
     /// The previous frames, the latest one first.
     type Model = Vec<Arc<Frame>>;
 
     fn settings(&self) -> Settings {
         self.settings
+    }
+
+    fn steadiness(&self) -> Option<Steadiness> {
+        Some(self.steady)
+    }
+
+    fn moved(&self, model: &Self::Model, by: [f32; 2], frame: &Arc<Frame>) -> Self::Model {
+        model.iter().map(|earlier| Arc::new(resampled(earlier, by, frame))).collect()
+    }
+
+    fn displaced(&self, model: &Self::Model, frame: &Frame, mask: &Mask) -> Option<Mask> {
+        let threshold = self.limit(model, frame);
+        let is_near = |earlier: &Arc<Frame>, place, of| frame.luma()[place].abs_diff(earlier.luma()[of]) <= threshold;
+        displaced(mask, self.steady, |place, of| model.iter().any(|earlier| is_near(earlier, place, of)))
     }
 
     fn need(&self, clip: &Clip) -> Need {
@@ -135,8 +192,11 @@ impl Background for FrameDifference {
         let value = f32::from(frame.luma()[place]);
         let of = |earlier: &Arc<Frame>| f32::from(earlier.luma()[place]);
         let nearest = self.compared_with(before, frame, place);
-        let mut explanation =
-            compared(value, Expected { value: nearest, symbol: "B", is_whole: true }, self.threshold as f32);
+        let mut explanation = compared(
+            value,
+            Expected { value: nearest, symbol: "B", is_whole: true },
+            f32::from(self.limit(before, frame)),
+        );
         if let [last, earlier] = &before[..] {
             let [last, earlier] = [last, earlier].map(|frame| level(of(frame)));
             explanation.facts.push(Fact::new(
@@ -154,7 +214,13 @@ impl Background for FrameDifference {
 
     fn rule(&self) -> String {
         let which = if self.differencing == Differencing::Two { "the previous frame" } else { "both previous frames" };
-        format!("the difference from {which} exceeds the threshold of {} gray levels", self.threshold)
+        match self.threshold {
+            0 => format!(
+                "the difference from {which} exceeds {} standard deviations of the noise",
+                ratio(f64::from(NOISE_SIGMAS))
+            ),
+            threshold => format!("the difference from {which} exceeds the threshold of {threshold} gray levels"),
+        }
     }
 
     fn model_bytes(&self, model: &Self::Model) -> usize {

@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use crate::base::{Threads, wide::wide, words};
-use crate::data::{Clip, Frame};
+use crate::data::{Clip, Frame, Mask};
 use crate::geometry::Gray;
 use crate::methods::numbers::level;
 use crate::methods::subtraction::{
-    Background, Expected, Explanation, Flags, Found, Initial, Settings, by_rows, compared, subtraction_pseudocode,
+    Background, Expected, Explanation, Flags, Found, Initial, Settings, Steadiness, by_rows, compared, displaced,
+    shifted, subtraction_pseudocode,
 };
 use crate::params;
 use crate::run::{Info, Need};
@@ -22,7 +23,9 @@ params! {
         /// Difference threshold in gray levels. Pixels with a larger |I − B| are foreground.
         threshold: usize = 25, 0..=255;
         /// Initial background: the first frame, or the median of the run.
-        initial: Initial = Initial::FirstFrame;
+        initial: Initial = Initial::Median;
+        /// The treatment of a camera that is not quite at rest.
+        steady: Steadiness = Steadiness::default();
         /// The parameters of all background subtractions.
         settings: Settings = Settings::default();
     }
@@ -48,8 +51,10 @@ fn decide_row(model: &mut [u8], row: &[u8], words: &mut [u64], median: &MedianBa
 
 subtraction_pseudocode! {
     begin: "B ← the initial background",
+    camera: "  shift the model by the median displacement of the camera, in whole px",
     compare: "  d ← |I − B|",
     decide: "  foreground if d > threshold",
+    shake: "  suppress pixels that fit the background of a pixel within shake",
     update: "  B ← B + step where I > B, B − step where I < B, at most to I",
 }
 
@@ -71,6 +76,19 @@ impl Background for MedianBackground {
 
     fn settings(&self) -> Settings {
         self.settings
+    }
+
+    fn steadiness(&self) -> Option<Steadiness> {
+        Some(self.steady)
+    }
+
+    fn moved(&self, model: &Self::Model, by: [f32; 2], frame: &Arc<Frame>) -> Self::Model {
+        shifted(model, by, |x, y| frame.luma()[(x, y)])
+    }
+
+    fn displaced(&self, model: &Self::Model, frame: &Frame, mask: &Mask) -> Option<Mask> {
+        let fits = |place, of| usize::from(frame.luma()[place].abs_diff(model[of])) <= self.threshold;
+        displaced(mask, self.steady, fits)
     }
 
     fn need(&self, clip: &Clip) -> Need {

@@ -6,9 +6,11 @@ mod model;
 use std::sync::Arc;
 
 use crate::base::{Threads, words};
-use crate::data::{Clip, Frame};
+use crate::data::{Clip, Frame, Mask};
 use crate::methods::numbers::gray;
-use crate::methods::subtraction::{Background, Explanation, Found, Initial, Settings, subtraction_pseudocode};
+use crate::methods::subtraction::{
+    Background, Explanation, Found, Initial, Settings, Steadiness, displaced, subtraction_pseudocode,
+};
 use crate::params;
 use crate::run::{Info, Need};
 use crate::scene::Chart;
@@ -21,7 +23,7 @@ params! {
         /// Maximum number K of Gaussians (modes) per pixel. Unused modes are pruned.
         modes: usize = 5, 1..=8;
         /// Learning rate α, about 1 / history in frames. Higher values absorb stopped objects and ghosts into the background sooner.
-        learning_rate: f32 = 0.005, 0.0..=1.0;
+        learning_rate: f32 = 0.002, 0.0..=1.0;
         /// Threshold on |I − μ| / σ within which a pixel matches a mode; OpenCV's variance threshold is its square. σ² is the mean squared distance over all channels together. Stauffer and Grimson use 2.5, Zivkovic 3.
         threshold: f32 = 4.0, 0.5..=20.0, "σ";
         /// Share of the total weight that the heaviest modes reach together; these modes are the background.
@@ -38,7 +40,9 @@ params! {
         /// Minimum brightness τ of a shadow, as a share of the brightness of the background. Darker pixels are objects.
         shadow_threshold: f32 = 0.5, 0.05..=1.0;
         /// Initial background: the first frame, or the median of the run.
-        initial: Initial = Initial::FirstFrame;
+        initial: Initial = Initial::Median;
+        /// The treatment of a camera that is not quite at rest.
+        steady: Steadiness = Steadiness::default();
         /// The parameters of all background subtractions.
         settings: Settings = Settings::default();
     }
@@ -63,9 +67,11 @@ const MAX_SIGMAS: f32 = 2.25;
 
 subtraction_pseudocode! {
     begin: "one mode per pixel: w ← 1, μ ← the initial background, σ ← initial-sigma",
+    camera: "  shift the model by the median displacement of the camera, in whole px",
     compare: "  matched mode ← the heaviest with |I − μ| ≤ threshold · σ",
     decide: "  foreground if none matches, or if Σ w of the heavier modes ≥ background-ratio",
     shadows: "  shadow if I ≈ a μ with shadow-threshold ≤ a ≤ 1 for a background mode",
+    shake: "  suppress pixels that fit the background of a pixel within shake",
     update: "  w ← w + α (o − w − c_T), o = 1 if matched, else 0; its μ, σ² move by α / w; no match: new mode",
 }
 
@@ -88,6 +94,18 @@ impl Background for MixtureOfGaussians {
 
     fn settings(&self) -> Settings {
         self.settings
+    }
+
+    fn steadiness(&self) -> Option<Steadiness> {
+        Some(self.steady)
+    }
+
+    fn moved(&self, model: &Self::Model, by: [f32; 2], frame: &Arc<Frame>) -> Self::Model {
+        model.moved(self, by, frame)
+    }
+
+    fn displaced(&self, model: &Self::Model, frame: &Frame, mask: &Mask) -> Option<Mask> {
+        displaced(mask, self.steady, |place, of| model.fits(self, (frame, place), of))
     }
 
     fn need(&self, clip: &Clip) -> Need {

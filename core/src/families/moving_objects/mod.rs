@@ -4,6 +4,7 @@
 mod connected_components;
 mod flow_magnitude;
 mod frame_difference;
+mod knn_background;
 mod median_background;
 mod mixture_of_gaussians;
 mod running_average;
@@ -13,6 +14,7 @@ pub use crate::methods::subtraction::Subtraction;
 pub use connected_components::ConnectedComponents;
 pub use flow_magnitude::FlowMagnitude;
 pub use frame_difference::FrameDifference;
+pub use knn_background::KnnBackground;
 pub use median_background::MedianBackground;
 pub use mixture_of_gaussians::MixtureOfGaussians;
 pub use running_average::RunningAverage;

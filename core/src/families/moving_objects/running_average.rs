@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use crate::base::{Threads, wide::wide};
-use crate::data::{Clip, Frame};
+use crate::data::{Clip, Frame, Mask};
 use crate::geometry::Grid;
 use crate::methods::numbers::{gray, level, ratio};
 use crate::methods::subtraction::{
-    Background, Expected, Explanation, Flags, Found, Initial, Settings, by_rows, compared, subtraction_pseudocode,
+    Background, Expected, Explanation, Flags, Found, Initial, Settings, Steadiness, by_rows, compared, displaced,
+    shifted, subtraction_pseudocode,
 };
 use crate::params;
 use crate::run::{Info, Need};
@@ -23,7 +24,9 @@ params! {
         /// Selective update: only background pixels update the model. Objects leave no trail, but ghosts and stopped objects stay foreground permanently.
         selective: bool = false;
         /// Initial background: the first frame, or the median of the run.
-        initial: Initial = Initial::FirstFrame;
+        initial: Initial = Initial::Median;
+        /// The treatment of a camera that is not quite at rest.
+        steady: Steadiness = Steadiness::default();
         /// The parameters of all background subtractions.
         settings: Settings = Settings::default();
     }
@@ -49,8 +52,10 @@ fn decide_row(model: &mut [f32], row: &[u8], words: &mut [u64], average: &Runnin
 
 subtraction_pseudocode! {
     begin: "B ← the initial background",
+    camera: "  shift the model by the median displacement of the camera, in whole px",
     compare: "  d ← |I − B|",
     decide: "  foreground if d > threshold",
+    shake: "  suppress pixels that fit the background of a pixel within shake",
     update: "  B ← (1 − α) B + α I with learning-rate α; if selective, at background pixels only",
 }
 
@@ -71,6 +76,19 @@ impl Background for RunningAverage {
 
     fn settings(&self) -> Settings {
         self.settings
+    }
+
+    fn steadiness(&self) -> Option<Steadiness> {
+        Some(self.steady)
+    }
+
+    fn moved(&self, model: &Self::Model, by: [f32; 2], frame: &Arc<Frame>) -> Self::Model {
+        shifted(model, by, |x, y| f32::from(frame.luma()[(x, y)]))
+    }
+
+    fn displaced(&self, model: &Self::Model, frame: &Frame, mask: &Mask) -> Option<Mask> {
+        let fits = |place, of| (f32::from(frame.luma()[place]) - model[of]).abs() <= self.threshold;
+        displaced(mask, self.steady, fits)
     }
 
     fn need(&self, clip: &Clip) -> Need {

@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use crate::base::{Threads, wide::wide};
-use crate::data::{Clip, Frame};
+use crate::data::{Clip, Frame, Mask};
 use crate::geometry::Grid;
 use crate::methods::numbers::{fixed, gray, level, ratio};
 use crate::methods::subtraction::{
-    Background, Explanation, Flags, Found, Initial, Settings, by_rows, subtraction_pseudocode,
+    Background, Explanation, Flags, Found, Initial, Settings, Steadiness, by_rows, displaced, shifted,
+    subtraction_pseudocode,
 };
 use crate::params;
 use crate::run::{Info, Need};
@@ -27,7 +28,9 @@ params! {
         /// Selective update: only background pixels update the model. Objects do not inflate σ, but ghosts and stopped objects stay foreground permanently.
         selective: bool = true;
         /// Initial background: the first frame, or the median of the run.
-        initial: Initial = Initial::FirstFrame;
+        initial: Initial = Initial::Median;
+        /// The treatment of a camera that is not quite at rest.
+        steady: Steadiness = Steadiness::default();
         /// The parameters of all background subtractions.
         settings: Settings = Settings::default();
     }
@@ -72,8 +75,10 @@ fn decide_row(model: &mut [Gaussian], row: &[u8], words: &mut [u64], of: &Single
 
 subtraction_pseudocode! {
     begin: "μ ← the initial background, σ ← initial-sigma",
+    camera: "  shift the model by the median displacement of the camera, in whole px",
     compare: "  d ← |I − μ| / σ",
     decide: "  foreground if d > threshold",
+    shake: "  suppress pixels that fit the background of a pixel within shake",
     update: "  μ ← μ + α (I − μ), σ² ← σ² + α ((I − μ)² − σ²); if selective, at background pixels only",
 }
 
@@ -94,6 +99,23 @@ impl Background for SingleGaussian {
 
     fn settings(&self) -> Settings {
         self.settings
+    }
+
+    fn steadiness(&self) -> Option<Steadiness> {
+        Some(self.steady)
+    }
+
+    fn moved(&self, model: &Self::Model, by: [f32; 2], frame: &Arc<Frame>) -> Self::Model {
+        let begun = self.begin(frame);
+        shifted(model, by, |x, y| begun[(x, y)])
+    }
+
+    fn displaced(&self, model: &Self::Model, frame: &Frame, mask: &Mask) -> Option<Mask> {
+        displaced(mask, self.steady, |place, of| {
+            let Gaussian { mean, variance } = model[of];
+            let off = f32::from(frame.luma()[place]) - mean;
+            off * off <= self.threshold * self.threshold * variance
+        })
     }
 
     fn need(&self, clip: &Clip) -> Need {

@@ -239,7 +239,10 @@ impl BlobTracker {
         let surplus = centers.len().saturating_sub(self.velocity_frames + 1);
         centers.drain(..surplus);
         let rules = self.rules;
-        let members = members.into_iter().map(|member| Member { age: rules.seen(member.age), ..member }).collect();
+        let members = members
+            .into_iter()
+            .map(|member| Member { age: rules.seen(member.age, &blob.detection), ..member })
+            .collect();
         let mut tracked = TrackedBlob { bounds: blob.detection.bounds, centers, members };
         if tracked.is_group() {
             tracked.seen_as_group(blob)
@@ -252,7 +255,7 @@ impl BlobTracker {
     fn begun(&self, blob: &Blob, id: u32) -> TrackedBlob {
         let member = Member {
             id,
-            age: self.rules.begun(),
+            age: self.rules.begun(&blob.detection),
             gray: blob.gray,
             area_px: blob.area_px,
             bounds: blob.detection.bounds,

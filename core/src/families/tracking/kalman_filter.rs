@@ -1,5 +1,6 @@
 //! The Kalman filter on one object: prediction, gating and update in each frame, then smoothing backward (RTS).
 
+mod consistent;
 mod explain;
 mod matrices;
 mod sensors;
@@ -57,7 +58,7 @@ params! {
         motion: MotionModel = MotionModel::Velocity;
         /// Standard deviation of the acceleration; with the constant acceleration model, of its change per frame. Raise it if NIS lies
         /// above its band.
-        process_noise: f32 = 0.5, 0.0..=50.0, "px/frame²";
+        process_noise: f32 = 2.0, 0.0..=50.0, "px/frame²";
         /// Standard deviation of the change of the turn rate. Used with motion = turn only.
         turn_noise: f32 = 0.5, 0.0..=45.0, "°/frame²";
         /// Standard deviation of a measured position along each axis: the root of the diagonal of R. Lower values trust measurements more.
@@ -66,10 +67,11 @@ params! {
         source: Source = Source::Auto;
         /// Detector of moving objects. Used with source = moving, or where there are neither clicks, detections nor truth.
         detector: Stage<Foreground> = default_detector();
-        /// Clicked positions, used as measurements. With another source, a click selects the object and the first frame of its track.
+        /// Clicked positions. Clicks in several frames are the measurements, and the gate rejects none of them. A click in one frame, or with
+        /// another source, selects the object and the first frame of its track.
         clicks: Spots = Spots::default();
         /// Number of the tracked object in the first frame with detections. Detections are counted by score; true objects, blobs and
-        /// clicks in their order.
+        /// clicks in their order. Of blobs, 1 is the one that moves most consistently over the next frames.
         object: usize = 1, 1..=1000;
         /// Standard deviation of the noise added to true positions (source = truth).
         added_noise: f32 = 2.0, 0.0..=100.0, "px";
@@ -225,8 +227,14 @@ pub struct Gated {
 }
 
 impl Gated {
+    /// Whether the measurement is accepted: within the gate, or clicked.
     fn is_inside(&self) -> bool {
-        self.squared_distance <= self.limit
+        self.reading.is_clicked || !self.is_beyond()
+    }
+
+    /// Whether the measurement is outside the gate.
+    fn is_beyond(&self) -> bool {
+        self.squared_distance > self.limit
     }
 
     fn measurement(&self) -> &Measurement {
@@ -416,7 +424,7 @@ impl Estimator for KalmanFilter {
             self.source,
             clip,
             &span,
-            SourceSettings { noise, clicks: self.clicks.clone(), stage: self.detector.clone() },
+            SourceSettings { noise, clicks: self.clicks.clone(), click_chooses: true, stage: self.detector.clone() },
         )?;
         Ok(State {
             span,

@@ -160,7 +160,7 @@ impl KalmanTracker {
         let measurement = self.measurement(detection);
         let filter = track.filter.updated(&measurement).map_or(track.filter, |(filter, _)| filter);
         let extent = track.extent.towards(detection);
-        Track { filter, extent, last: detection.bounds, age: self.rules.seen(track.age), id: track.id }
+        Track { filter, extent, last: detection.bounds, age: self.rules.seen(track.age, detection), id: track.id }
     }
 
     fn begun(&self, detection: &Detection, id: u32) -> Track {
@@ -168,7 +168,7 @@ impl KalmanTracker {
         // Hardly any object moves farther than half its height per frame: two standard deviations.
         let speed = extent.height_px() / 4.0;
         let filter = Filter::begun(self.model(&extent), &self.measurement(detection), speed);
-        Track { id, filter, extent, last: detection.bounds, age: self.rules.begun() }
+        Track { id, filter, extent, last: detection.bounds, age: self.rules.begun(detection) }
     }
 
     /// Returns the motion model of an object of this size.
@@ -193,7 +193,7 @@ pseudocode! {
     EACH_UNSEEN_TRACK: "  for each track without a detection",
     COAST_OR_END: "    coast; delete if tentative or missed > max-age frames",
     EACH_LEFT_DETECTION: "  for each unassigned detection with score ≥ τ = score-threshold",
-    BEGIN_TRACK: "    start a track, tentative until min-hits frames are matched",
+    BEGIN_TRACK: "    start a track, tentative until min-hits frames and min-travel",
 }
 
 impl Estimator for KalmanTracker {

@@ -1,5 +1,7 @@
 //! Sources of detections.
 
+use std::collections::BTreeSet;
+
 use crate::base::Error;
 use crate::choices;
 use crate::data::{Clip, Detection, ObjectBox};
@@ -50,6 +52,8 @@ pub struct SourceSettings {
     pub noise: Noise,
     /// The clicked positions.
     pub clicks: Spots,
+    /// Whether clicks in a single frame choose an object among the detections, instead of being the only measurement.
+    pub click_chooses: bool,
     /// The detector of moving objects.
     pub stage: Stage<Foreground>,
 }
@@ -81,7 +85,9 @@ impl Detector {
     /// # Errors
     /// If the clip lacks the source, or a frame is damaged.
     pub fn new(source: Source, clip: &Clip, span: &Span, settings: SourceSettings) -> Result<Self, Error> {
-        let SourceSettings { noise, clicks, stage } = settings;
+        let SourceSettings { noise, clicks, click_chooses, stage } = settings;
+        let clicked_frames = clicks.all().iter().map(|spot| spot.frame).collect::<BTreeSet<_>>().len();
+        let is_clicked = clicked_frames > usize::from(click_chooses);
         let has_detections = clip.detections(span.first).is_some();
         let has_truth = match clip.truth() {
             Some(truth) => truth.objects(span.first)?.is_some(),
@@ -95,7 +101,7 @@ impl Detector {
             Source::Detections if !has_detections => return lacks("detections"),
             Source::Truth if !has_truth => return lacks("true objects"),
             Source::Clicks => Origin::Clicks(clicks),
-            Source::Auto if !clicks.all().is_empty() => Origin::Clicks(clicks),
+            Source::Auto if is_clicked => Origin::Clicks(clicks),
             Source::Detections => Origin::Detections,
             Source::Auto if has_detections => Origin::Detections,
             Source::Truth => Origin::Truth,
@@ -142,6 +148,11 @@ impl Detector {
             Origin::Truth => "true position with noise",
             Origin::Moving(_) => "centroid of a blob",
         }
+    }
+
+    /// Returns whether its detections are blobs of moving objects.
+    pub fn is_moving(&self) -> bool {
+        matches!(self.origin, Origin::Moving(_))
     }
 
     /// Returns whether its detections are clicks.

@@ -92,7 +92,12 @@ impl TrackerRun {
         let Settings { frames, source, detector, clicks, min_score, added_noise, seed } = settings;
         let span = Span::new(clip, frame, frames)?;
         let noise = Noise { deviation_px: f64::from(added_noise), seed: u64::from(seed) };
-        let detector = Detector::new(source, clip, &span, SourceSettings { noise, clicks, stage: detector })?;
+        let detector = Detector::new(
+            source,
+            clip,
+            &span,
+            SourceSettings { noise, clicks, click_chooses: false, stage: detector },
+        )?;
         let picture = clip.size();
         Ok(Self { span, detector, min_score, begun: 0, frames: Vec::new(), live: Vec::new(), changed_from: 0, picture })
     }

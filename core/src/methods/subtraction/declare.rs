@@ -13,8 +13,8 @@ params! {
         /// Radius r of the closing (dilation, then erosion with a (2r + 1)×(2r + 1) square). It fills gaps narrower than the square; 0
         /// turns it off.
         closing: usize = 2, 0..=15, "px";
-        /// Minimum area of a blob. Smaller connected components are rejected as noise.
-        min_area: usize = 30, 1..=100_000, "px";
+        /// Minimum area of a blob. Smaller connected components are rejected as noise. 0 chooses 1/2560 of the picture: 30 px at 320×240.
+        min_area: usize = 0, 0..=100_000, "px";
         /// Connectivity of components: 4 (shared edge) or 8 (shared edge or corner).
         connectivity: Connectivity = Connectivity::Eight;
         /// Maximum number of frames, the first included.
@@ -23,24 +23,49 @@ params! {
     advanced { "connectivity" }
 }
 
-/// Names of the lines of the pseudocode. `REMOVE_SHADOWS` exists only where shadows are detected.
+/// The share of the picture that a blob covers at least, where no minimum area is set.
+const LEAST_SHARE: usize = 2560;
+
+impl Settings {
+    /// Returns the minimum area of a blob in px.
+    pub fn least_area(&self, (width, height): (usize, usize)) -> usize {
+        if self.min_area > 0 { self.min_area } else { (width * height / LEAST_SHARE).max(1) }
+    }
+}
+
+/// Names of the lines of the pseudocode. `REMOVE_SHADOWS` exists only where shadows are detected, `FOLLOW_CAMERA` and
+/// `SUPPRESS_SHAKE` only in models of the background.
 pub(super) mod line {
-    crate::line_names!(BEGIN_MODEL, COMPARE, DECIDE, REMOVE_SHADOWS, OPEN, CLOSE, LABEL, KEEP_BLOBS, UPDATE_MODEL);
+    crate::line_names!(
+        BEGIN_MODEL,
+        FOLLOW_CAMERA,
+        COMPARE,
+        DECIDE,
+        REMOVE_SHADOWS,
+        SUPPRESS_SHAKE,
+        OPEN,
+        CLOSE,
+        LABEL,
+        KEEP_BLOBS,
+        UPDATE_MODEL
+    );
 }
 
 /// The pseudocode of a background subtraction: initialisation, comparison, classification, shadow removal if there is one,
 /// and update of the model.
 macro_rules! subtraction_pseudocode {
     (
-        begin: $begin:literal, compare: $compare:literal, decide: $decide:literal,
-        $(shadows: $shadows:literal,)? update: $update:literal $(,)?
+        begin: $begin:literal, $(camera: $camera:literal,)? compare: $compare:literal, decide: $decide:literal,
+        $(shadows: $shadows:literal,)? $(shake: $shake:literal,)? update: $update:literal $(,)?
     ) => {
         $crate::pseudocode! {
             BEGIN_MODEL: $begin,
             EACH_FRAME: "for each later frame t, at each pixel",
+            $(FOLLOW_CAMERA: $camera,)?
             COMPARE: $compare,
             DECIDE: $decide,
             $(REMOVE_SHADOWS: $shadows,)?
+            $(SUPPRESS_SHAKE: $shake,)?
             OPEN: "  opening of the mask: erosion, then dilation",
             CLOSE: "  closing of the mask: dilation, then erosion",
             LABEL: "  label the connected components",

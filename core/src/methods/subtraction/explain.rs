@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::declare::line;
 use super::{Background, Conclusion, Event, Explanation, Initial, State, Subtraction};
-use crate::base::words::{capital, counted as count, grouped, pixel};
+use crate::base::words::{self, capital, counted as count, grouped, pixel};
 use crate::data::{Detection, Frame, Mask};
 use crate::methods::differential::explain;
 use crate::methods::numbers::{fixed, percent};
@@ -14,6 +14,9 @@ use crate::scene::{Fact, Picture, Readout, Role, Scene, Sentence, Series, Shape,
 
 /// Radius of the tiles around the explained pixel, in px.
 const TILE_REACH_PX: usize = 4;
+
+/// The share of the picture that differs from the background where the camera or the light has changed, not objects.
+const FLOODED: f64 = 0.4;
 
 /// The masks and components of a frame up to a step.
 pub(crate) struct MaskHistory<'a> {
@@ -42,10 +45,20 @@ impl<'a> MaskHistory<'a> {
         })
     }
 
+    /// The shift of the model with the camera in px.
+    fn shift(&self) -> [f32; 2] {
+        let by = self.events.iter().find_map(|event| if let Event::Followed(by, _) = event { Some(*by) } else { None });
+        by.unwrap_or_default()
+    }
+
     /// The masks so far, the last one last.
     fn masks(&self) -> impl DoubleEndedIterator<Item = &'a Arc<Mask>> {
         self.events.iter().filter_map(|event| match event {
-            Event::Decided(mask) | Event::Shadows(mask, _) | Event::Opened(mask) | Event::Closed(mask) => Some(mask),
+            Event::Decided(mask)
+            | Event::Shadows(mask, _)
+            | Event::Steadied(mask, _)
+            | Event::Opened(mask)
+            | Event::Closed(mask) => Some(mask),
             _ => None,
         })
     }
@@ -72,6 +85,14 @@ impl<'a> MaskHistory<'a> {
                     said.text(" It is a ").ink(Role::Rejected, "cast shadow").text(" and removed from the mask.")
                 }
                 Event::Shadows(..) if is_last => said.text(" It is not a shadow."),
+                Event::Steadied(_, displaced) if displaced.get(x, y) => said
+                    .text(" The background of a neighbour explains it: ")
+                    .ink(Role::Rejected, "displaced background")
+                    .text(", removed from the mask."),
+                Event::Steadied(..) if is_last => said.text(match was_set {
+                    true => " The background of no neighbour explains it.",
+                    false => " Shake suppression does not change it.",
+                }),
                 Event::Opened(mask) if was_set && !mask.get(x, y) => {
                     said.text(" Opening ").ink(Role::Rejected, "removes").text(" it.")
                 }
@@ -91,7 +112,12 @@ impl<'a> MaskHistory<'a> {
                 Event::Kept(_) if is_last && !was_set => said.text(" It belongs to no blob."),
                 _ => said,
             };
-            if let Event::Decided(mask) | Event::Shadows(mask, _) | Event::Opened(mask) | Event::Closed(mask) = event {
+            if let Event::Decided(mask)
+            | Event::Shadows(mask, _)
+            | Event::Steadied(mask, _)
+            | Event::Opened(mask)
+            | Event::Closed(mask) = event
+            {
                 was_set = mask.get(x, y);
             }
         }
@@ -99,8 +125,8 @@ impl<'a> MaskHistory<'a> {
     }
 
     /// The result of the last stage, given the radii of opening and closing and the minimum area.
-    pub(crate) fn sentence(&self, settings: super::Settings) -> Option<Sentence> {
-        let said = Sentence::default();
+    pub(crate) fn sentence(&self, settings: super::Settings, picture: (usize, usize)) -> Option<Sentence> {
+        let (said, least_area) = (Sentence::default(), settings.least_area(picture));
         let [gone, new] = self
             .change()
             .map_or([0, 0], |[before, after]| [before.without(after).count(), after.without(before).count()]);
@@ -121,7 +147,7 @@ impl<'a> MaskHistory<'a> {
             Event::Kept(blobs) => {
                 let [kept, dropped] = &**blobs;
                 said.ink(Role::Result, count(kept.len(), "blob"))
-                    .text(format!(" with at least min-area = {}; ", pixels(settings.min_area)))
+                    .text(format!(" with at least {}; ", pixels(least_area)))
                     .ink(Role::Rejected, count(dropped.len(), "smaller component"))
                     .text(" rejected as noise.")
             }
@@ -136,6 +162,13 @@ impl<'a> MaskHistory<'a> {
             facts.extend(match event {
                 Event::Decided(mask) => Some(Fact::new("Foreground", pixels(mask.count()), Some(Role::Candidate))),
                 Event::Shadows(_, mask) => Some(Fact::new("Shadows", pixels(mask.count()), Some(Role::Rejected))),
+                Event::Followed(_, [x, y]) => {
+                    let moved = format!("{}, {} px", fixed(f64::from(*x), 2), fixed(f64::from(*y), 2));
+                    Some(Fact::new("Camera displacement", moved, Some(Role::Reference)))
+                }
+                Event::Steadied(_, mask) => {
+                    Some(Fact::new("Displaced background", pixels(mask.count()), Some(Role::Rejected)))
+                }
                 Event::Opened(mask) => Some(Fact::new("After opening", pixels(mask.count()), None)),
                 Event::Closed(mask) => Some(Fact::new("After closing", pixels(mask.count()), None)),
                 Event::Labelled(_, count) => Some(Fact::new("Components", count.to_string(), None)),
@@ -193,8 +226,9 @@ impl Conclusion {
     /// The result of the frame, its score, the likely cause of its errors and the parameters that reduce them.
     fn sentence(&self, t: usize) -> String {
         let blobs = count(self.blobs, "blob");
+        let camera = self.of_camera();
         let Some(frame) = self.frame else {
-            return format!(" Frame {t}: {blobs}, {} of foreground.", pixels(self.foreground));
+            return format!(" Frame {t}: {blobs}, {} of foreground.{camera}", pixels(self.foreground));
         };
         let (of, all) = match self.run {
             Some(run) => ("Run", run),
@@ -210,7 +244,23 @@ impl Conclusion {
                 count(frame.truths, "true object")
             ),
         };
-        format!("{score}{}", self.advice(all))
+        if camera.is_empty() { format!("{score}{}", self.advice(all)) } else { format!("{score}{camera}") }
+    }
+
+    /// A flooded mask with its cause, and what to use instead.
+    fn of_camera(&self) -> String {
+        if self.differing < FLOODED {
+            return String::new();
+        }
+        let moved = self.camera.filter(|by| by[0].hypot(by[1]) > 1.0).map_or_else(String::new, |by| {
+            format!(" The camera has moved by {} px since the first frame.", words::place(by))
+        });
+        format!(
+            " {} of the frame differs from the background: the camera moves, or the light has changed.{moved} A background \
+             model needs a camera at rest and steady light. For a moving camera use optical flow or feature tracks (KLT, point \
+             trajectories): objects move differently from their surroundings.",
+            percent(self.differing)
+        )
     }
 
     fn advice(&self, all: Matches) -> String {
@@ -295,6 +345,8 @@ impl<M: Background> Subtraction<M> {
     pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
         let line = match seen.events.last() {
             None | Some(Event::Begun(_)) => line::BEGIN_MODEL,
+            Some(Event::Followed(..)) => line::FOLLOW_CAMERA,
+            Some(Event::Steadied(..)) => line::SUPPRESS_SHAKE,
             Some(Event::Compared(..)) => line::COMPARE,
             Some(Event::Decided(_)) => line::DECIDE,
             Some(Event::Shadows(..)) => line::REMOVE_SHADOWS,
@@ -314,8 +366,18 @@ impl<M: Background> Subtraction<M> {
         Some((place, self.explained_at(seen, frame, place)))
     }
 
+    /// The model that the frame is compared with: that of the state before, shifted with the camera.
+    fn compared_model(&self, seen: &Seen<Self>) -> Option<Arc<M::Model>> {
+        let (model, history) = (seen.before.model.as_ref()?, MaskHistory::new(seen.events));
+        Some(match (history.shift(), history.frame()) {
+            ([0.0, 0.0], _) | (_, None) => Arc::clone(model),
+            (by, Some(frame)) => Arc::new(self.0.moved(model, by, frame)),
+        })
+    }
+
     fn explained_at(&self, seen: &Seen<Self>, frame: &Frame, place: (usize, usize)) -> Explanation {
-        let before = seen.before.model.as_deref();
+        let before = self.compared_model(seen);
+        let before = before.as_deref();
         let after = seen.after.and_then(|after| after.model.as_deref());
         self.0.explain([before, after], frame, place)
     }
@@ -354,6 +416,10 @@ impl<M: Background> Subtraction<M> {
                     number + seen.before.span.frames().unwrap_or(1) - 1
                 ),
             }),
+            Event::Followed(by, at) => said
+                .text("The camera has moved. The median displacement of textured blocks since the first frame is ")
+                .ink(Role::Reference, format!("{} px", words::place(*at)))
+                .text(format!(", so the model is shifted by {} px.", words::place(*by))),
             Event::Compared(..) => said.text(format!(
                 "{} at each pixel of frame {number}. The heat map shows {}.",
                 capital(M::COMPARED),
@@ -367,7 +433,13 @@ impl<M: Background> Subtraction<M> {
             Event::Shadows(_, shadows) => said
                 .ink(Role::Rejected, format!("{} of the foreground are cast shadows", pixels(shadows.count())))
                 .text(": darker than the background, but of the same colour. They are removed."),
-            _ => history.sentence(self.0.settings()).unwrap_or(said),
+            Event::Steadied(_, displaced) => said
+                .ink(Role::Rejected, format!("{} of the foreground fit", pixels(displaced.count())))
+                .text(format!(
+                    " the background of a pixel within shake = {} px: the camera has displaced it. They are removed.",
+                    self.0.steadiness().map_or(0, |steady| steady.shake)
+                )),
+            _ => history.sentence(self.0.settings(), seen.before.picture).unwrap_or(said),
         }
     }
 
@@ -417,7 +489,8 @@ impl<M: Background> Subtraction<M> {
     /// Tiles of the frame, the background and their difference around a pixel.
     fn tiles(&self, seen: &Seen<Self>, place: (usize, usize)) -> Option<Vec<Tile>> {
         let frame = MaskHistory::new(seen.events).frame()?;
-        let model = seen.before.model.as_deref()?;
+        let model = self.compared_model(seen)?;
+        let model = &*model;
         let around = |of: &dyn Fn((usize, usize)) -> f32| explain::around_with(frame.size(), place, TILE_REACH_PX, of);
         let difference = around(&|place| self.0.difference(model, frame, place));
         let most = difference.cells().iter().filter(|v| v.is_finite()).fold(1.0f32, |most, v| most.max(*v));
@@ -436,11 +509,12 @@ impl<M: Background> Subtraction<M> {
 
     pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
         let history = MaskHistory::new(seen.events);
-        if let (Some(model), Some(frame)) = (&seen.before.model, history.frame()) {
-            scene.pictures = self.0.pictures(model, frame.size());
+        if let (Some(model), Some(frame)) = (self.compared_model(seen), history.frame()) {
+            scene.pictures = self.0.pictures(&model, frame.size());
         }
         match seen.events.last() {
             None => {}
+            Some(Event::Followed(..)) => scene.legend(Role::Predicted, "background model, shifted with the camera"),
             Some(Event::Begun(_)) => scene.legend(Role::Predicted, "background model"),
             Some(Event::Compared(_, difference)) => {
                 let values = difference.as_ref().clone();
@@ -452,6 +526,10 @@ impl<M: Background> Subtraction<M> {
             Some(Event::Shadows(mask, shadows)) => {
                 layer(scene, Role::Candidate, "foreground", Arc::clone(mask));
                 layer(scene, Role::Rejected, "shadow", Arc::clone(shadows));
+            }
+            Some(Event::Steadied(mask, displaced)) => {
+                layer(scene, Role::Candidate, "foreground", Arc::clone(mask));
+                layer(scene, Role::Rejected, "displaced background", Arc::clone(displaced));
             }
             Some(Event::Updated(_)) => {
                 history.masks().next_back().into_iter().for_each(|mask| {

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::camera::{aligned, shifted_frame};
 use crate::base::Error;
 use crate::choices;
 use crate::data::{Clip, Frame};
@@ -24,14 +25,14 @@ const SAMPLES: usize = 9;
 /// The number of leading frames that the samples are taken from in a clip of unknown length.
 const REACH: usize = 60;
 
-/// Returns the picture that initialises the model of the frames `span` of a clip.
+/// Returns the picture that initialises the model of the frames `span` of a clip, whether or not the camera is followed.
 ///
 /// # Errors
 /// If a frame cannot be read.
-pub fn picture(initial: Initial, clip: &Clip, span: &Span) -> Result<Arc<Frame>, Error> {
+pub fn picture((initial, is_followed): (Initial, bool), clip: &Clip, span: &Span) -> Result<Arc<Frame>, Error> {
     match initial {
         Initial::FirstFrame => clip.frame(span.first),
-        Initial::Median => median_of(clip, span).map(Arc::new),
+        Initial::Median => median_of(clip, span, is_followed).map(Arc::new),
     }
 }
 
@@ -39,19 +40,19 @@ pub fn picture(initial: Initial, clip: &Clip, span: &Span) -> Result<Arc<Frame>,
 /// leaves no trace.
 ///
 /// B. P. L. Lo and S. A. Velastin, Automatic congestion detection system for underground platforms, 2001.
-fn median_of(clip: &Clip, span: &Span) -> Result<Frame, Error> {
+fn median_of(clip: &Clip, span: &Span, is_followed: bool) -> Result<Frame, Error> {
     let count = span.frames().unwrap_or(REACH);
     let samples = count.min(SAMPLES);
-    let mut frames = Vec::new();
+    let mut times = Vec::new();
     for i in 0..samples {
         let t = span.first + i * (count - 1) / (samples - 1).max(1);
         // A clip of unknown length may be shorter; a damaged frame or a cancelled one is not its end.
         if span.frames().is_none() && !clip.has_frame(t)? {
             break;
         }
-        clip.wanted()?;
-        frames.push(clip.frame(t)?);
+        times.push(t);
     }
+    let frames = sampled(clip, &times, is_followed)?;
     let (width, height) = clip.size();
     let colors: Option<Vec<_>> = frames.iter().map(|frame| frame.color()).collect();
     Ok(match colors {
@@ -62,6 +63,21 @@ fn median_of(clip: &Clip, span: &Span) -> Result<Frame, Error> {
             median(&mut frames.iter().map(|frame| frame.luma()[(x, y)]).collect::<Vec<u8>>())
         })),
     })
+}
+
+/// Returns frames of a clip, aligned with the first of them where the camera is followed. What is outside a frame is taken from the
+/// first one.
+fn sampled(clip: &Clip, times: &[usize], is_followed: bool) -> Result<Vec<Arc<Frame>>, Error> {
+    if !is_followed {
+        return times.iter().map(|t| clip.wanted().and_then(|()| clip.frame(*t))).collect();
+    }
+    let frames = aligned(clip, times)?;
+    let Some((first, _)) = frames.first().cloned() else { return Ok(Vec::new()) };
+    let placed = frames.into_iter().map(|(frame, at)| match at {
+        [0.0, 0.0] => frame,
+        at => Arc::new(shifted_frame(&frame, at.map(|c| -c), &first)),
+    });
+    Ok(placed.collect())
 }
 
 /// Returns the median; of an even number of values the mean of the two in the middle.

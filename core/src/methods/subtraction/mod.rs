@@ -1,19 +1,26 @@
 //! Background subtraction: a background model, a foreground mask, its clean-up by opening and closing, and blobs.
 
+mod camera;
 mod declare;
 mod explain;
 mod explanation;
 mod initial;
 mod rows;
+mod shadow;
 
 use std::sync::Arc;
 
+pub use camera::{CameraMotion, Steadiness};
+pub(crate) use camera::{displaced, resampled, shifted};
 pub use declare::Settings;
 pub(crate) use declare::subtraction_pseudocode;
 pub(crate) use explain::{MaskHistory, plots};
 pub(crate) use explanation::{Expected, Explanation, compared};
 pub use initial::Initial;
 pub(crate) use rows::{Flags, by_rows};
+pub(crate) use shadow::{ShadowLimits, is_shadow};
+
+use camera::Camera;
 
 use crate::base::{Error, Observer, Tally, Threads};
 use crate::data::{Clip, Detection, Frame, Labelling, Mask, ObjectBox, PackedMask};
@@ -38,6 +45,8 @@ pub trait Background: Params + Default + Clone + Send + Sync + 'static {
     const COMPARED: &'static str = "difference from the background";
     /// The charts of its steps.
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series];
+    /// Whether each frame replaces the model.
+    const IS_REPLACED: bool = false;
     /// The background model.
     type Model: Clone + Send + Sync + 'static;
 
@@ -55,6 +64,21 @@ pub trait Background: Params + Default + Clone + Send + Sync + 'static {
     /// The initialisation of the model.
     fn initial(&self) -> Initial {
         Initial::FirstFrame
+    }
+
+    /// The treatment of a camera that is not quite at rest, for models that are compared pixel by pixel.
+    fn steadiness(&self) -> Option<Steadiness> {
+        None
+    }
+
+    /// Returns the model displaced by `by` px, whole ones unless each frame replaces it; what comes into the picture is initialised with the frame.
+    fn moved(&self, model: &Self::Model, _by: [f32; 2], _frame: &Arc<Frame>) -> Self::Model {
+        model.clone()
+    }
+
+    /// Returns the foreground pixels that the background of another pixel within the radius of the shake suppression explains.
+    fn displaced(&self, _model: &Self::Model, _frame: &Frame, _mask: &Mask) -> Option<Mask> {
+        None
     }
 
     /// Memory of a model and of everything that a frame of the clip is compared with.
@@ -139,6 +163,8 @@ pub struct State<T> {
     picture: (usize, usize),
     /// The background model, from the first frame on.
     pub(crate) model: Option<Arc<T>>,
+    /// The camera, if the model follows it.
+    pub(crate) camera: Option<Camera>,
     /// The results of the frames so far.
     pub(crate) record: Record,
 }
@@ -156,12 +182,16 @@ impl<T> State<T> {
 pub enum Event {
     /// The model is initialised with this picture.
     Begun(Arc<Frame>),
+    /// The model is shifted by this many px; the displacement of the camera since the first frame.
+    Followed([f32; 2], [f32; 2]),
     /// The frame and the difference of each pixel from the background.
     Compared(Arc<Frame>, Arc<Grid<f32>>),
     /// The foreground mask by the threshold.
     Decided(Arc<Mask>),
     /// The mask without shadows, and the shadows.
     Shadows(Arc<Mask>, Arc<Mask>),
+    /// The mask without displaced background, and that.
+    Steadied(Arc<Mask>, Arc<Mask>),
     /// The mask after opening.
     Opened(Arc<Mask>),
     /// The mask after closing.
@@ -181,6 +211,10 @@ pub struct Conclusion {
     pub(crate) blobs: usize,
     /// Pixels of its mask.
     pub(crate) foreground: usize,
+    /// The share of the picture that differs from the background, shadows included.
+    pub(crate) differing: f64,
+    /// The displacement of the camera since the first frame in px, where it is followed.
+    pub(crate) camera: Option<[f32; 2]>,
     /// The matches of the blobs with the true boxes.
     pub(crate) frame: Option<Matches>,
     /// Unmatched blobs where an object stood in the first frame and none is now.
@@ -209,7 +243,7 @@ pub(crate) fn blobs(
     let labelling = Labelling::of(&mask, settings.connectivity);
     let finals = labelling.finals();
     observer.see(|| Event::Labelled(Arc::new(finals.grid(&labelling, mask.size())), finals.count));
-    let [kept, dropped] = sifted(settings, finals.detections(&labelling, picture));
+    let [kept, dropped] = sifted(settings, picture.size(), finals.detections(&labelling, picture));
     observer.see(|| Event::Kept(Arc::new([kept.clone(), dropped])));
     ObjectFrame { mask: Some(PackedMask::new(&mask)), detections: kept, objects: Vec::new() }
 }
@@ -228,8 +262,9 @@ pub(crate) fn cleaned(settings: Settings, mut mask: Mask, observer: &mut impl Ob
 }
 
 /// Splits components into those of at least the minimum area and the others.
-pub(crate) fn sifted(settings: Settings, all: Vec<Detection>) -> [Vec<Detection>; 2] {
-    let is_large = |found: &Detection| found.blob.is_none_or(|blob| blob.area_px as usize >= settings.min_area);
+pub(crate) fn sifted(settings: Settings, picture: (usize, usize), all: Vec<Detection>) -> [Vec<Detection>; 2] {
+    let least = settings.least_area(picture);
+    let is_large = |found: &Detection| found.blob.is_none_or(|blob| blob.area_px as usize >= least);
     let (kept, dropped) = all.into_iter().partition(is_large);
     [kept, dropped]
 }
@@ -238,8 +273,27 @@ impl<M: Background> Subtraction<M> {
     /// Returns the next frame; at the start of a run the picture that initialises the model.
     fn next_frame(&self, clip: &Clip, state: &State<M::Model>) -> Result<Arc<Frame>, Error> {
         match state.model {
-            None => initial::picture(self.0.initial(), clip, &state.span),
+            None => initial::picture((self.0.initial(), self.is_followed()), clip, &state.span),
             Some(_) => clip.frame(state.frame),
+        }
+    }
+
+    fn is_followed(&self) -> bool {
+        self.0.steadiness().is_some_and(|steady| steady.camera == CameraMotion::Followed)
+    }
+
+    /// Begins to follow the camera, if that is asked for.
+    fn camera(&self, clip: &Clip, state: &State<M::Model>) -> Result<Option<Camera>, Error> {
+        self.is_followed().then(|| Ok(Camera::new(&*clip.frame(state.span.first)?))).transpose()
+    }
+
+    /// Shifts the model with the camera.
+    fn follow(&self, state: &mut State<M::Model>, frame: &Arc<Frame>, observer: &mut impl Observer<Event>) {
+        let (Some(camera), Some(model)) = (&mut state.camera, &mut state.model) else { return };
+        let by = camera.follow(frame, M::IS_REPLACED);
+        if by != [0.0; 2] {
+            *model = Arc::new(self.0.moved(model, by, frame));
+            observer.see(|| Event::Followed(by, camera.at));
         }
     }
 
@@ -254,8 +308,10 @@ impl<M: Background> Subtraction<M> {
         clip.wanted()?;
         need::check_kept(clip, state.record.bytes())?;
         let frame = self.next_frame(clip, state)?;
+        self.follow(state, &frame, observer);
         let Some(model) = &mut state.model else {
             state.model = Some(Arc::new(self.0.begin(&frame)));
+            state.camera = self.camera(clip, state)?;
             observer.see(|| Event::Begun(frame));
             let (width, height) = state.picture;
             let mask = Some(PackedMask::new(&Mask::new(width, height)));
@@ -268,14 +324,20 @@ impl<M: Background> Subtraction<M> {
             let difference = Grid::from_fn(width, height, |x, y| self.0.difference(model, &frame, (x, y)));
             Event::Compared(Arc::clone(&frame), Arc::new(difference))
         });
+        let before = M::IS_REPLACED.then(|| Arc::clone(model));
         let Found { mut mask, shadows } = self.0.subtract(Arc::make_mut(model), &frame, threads);
         observer.see(|| Event::Decided(Arc::new(mask.clone())));
         if let Some(shadows) = shadows {
             mask = mask.without(&shadows);
             observer.see(|| Event::Shadows(Arc::new(mask.clone()), Arc::new(shadows)));
         }
+        let differing = mask.count();
+        if let Some(displaced) = self.0.displaced(before.as_ref().unwrap_or(model), &frame, &mask) {
+            mask = mask.without(&displaced);
+            observer.see(|| Event::Steadied(Arc::new(mask.clone()), Arc::new(displaced)));
+        }
         let found = blobs(self.0.settings(), mask, frame.luma(), observer);
-        observer.see(|| Event::Updated(Arc::new(self.conclusion(clip, state, &found))));
+        observer.see(|| Event::Updated(Arc::new(self.conclusion(clip, state, &found, differing))));
         state.record.note(found);
         Ok(state.go_on(clip))
     }
@@ -283,7 +345,7 @@ impl<M: Background> Subtraction<M> {
 
 impl<M: Background> Subtraction<M> {
     /// Scores the blobs of a frame, and those of all frames at the end of the run.
-    fn conclusion(&self, clip: &Clip, state: &State<M::Model>, found: &ObjectFrame) -> Conclusion {
+    fn conclusion(&self, clip: &Clip, state: &State<M::Model>, found: &ObjectFrame, differing: usize) -> Conclusion {
         let (t, first) = (state.frame, state.span.first);
         let truth = |t: usize| clip.truth().and_then(|truth| truth.objects(t).ok().flatten());
         let matched = |t: usize, frame: &ObjectFrame| Some(Matches::of(&(boxes(&truth(t)?), detected(frame))));
@@ -300,6 +362,8 @@ impl<M: Background> Subtraction<M> {
         Conclusion {
             blobs: found.detections.len(),
             foreground: found.mask.as_ref().map_or(0, PackedMask::count),
+            differing: differing as f64 / (state.picture.0 * state.picture.1).max(1) as f64,
+            camera: state.camera.as_ref().map(|camera| camera.at),
             frame: matched(t, found),
             ghosts: ghosts.map_or(0, |[then, now]| ghosts_of(found, [&boxes(&then), &boxes(&now)])),
             run: run.flatten(),
@@ -333,7 +397,7 @@ impl<M: Background> Estimator for Subtraction<M> {
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<Self::State, Error> {
         let span = Span::new(clip, frame, self.0.settings().frames)?;
-        Ok(State { span, frame, picture: clip.size(), model: None, record: Record::default() })
+        Ok(State { span, frame, picture: clip.size(), model: None, camera: None, record: Record::default() })
     }
 
     fn advance(
@@ -413,7 +477,8 @@ impl<M: Background> Footprint<State<M::Model>> for Subtraction<M> {
 
     fn state_bytes(&self, state: &State<M::Model>) -> usize {
         let model = state.model.as_ref().map_or(0, |model| self.0.model_bytes(model));
-        size_of::<State<M::Model>>() + model + state.record.own_bytes()
+        let camera = state.camera.as_ref().map_or(0, Camera::bytes);
+        size_of::<State<M::Model>>() + model + camera + state.record.own_bytes()
     }
 
     fn memory_bytes(&self, state: &State<M::Model>) -> usize {

@@ -156,7 +156,7 @@ impl ConnectedComponents {
                 .text(". Each root is a connected component, numbered in raster order of its first pixel."),
             Some(Event::Kept(_, blobs)) => {
                 let events = [subtraction::Event::Kept(Arc::clone(blobs))];
-                MaskHistory::new(&events).sentence(self.settings).unwrap_or(said)
+                MaskHistory::new(&events).sentence(self.settings, seen.before.picture).unwrap_or(said)
             }
         }
     }

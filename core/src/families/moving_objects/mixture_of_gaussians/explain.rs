@@ -1,12 +1,11 @@
 //! The classification of a pixel by its modes, in words and numbers.
 
-use super::model::is_darker;
 use super::{Mixture, MixtureOfGaussians, Mode};
 use crate::base::words;
 use crate::data::Frame;
 use crate::geometry::Grid;
 use crate::methods::numbers::{gray, level, percent, ratio};
-use crate::methods::subtraction::Explanation;
+use crate::methods::subtraction::{Explanation, ShadowLimits, is_shadow};
 use crate::scene::{Fact, Math, Matrix, Role, Sentence};
 
 /// The classification of a pixel by its modes.
@@ -43,8 +42,9 @@ impl MixtureOfGaussians {
             let ([_, _, _], [_, _, _]) = (pixel, &mode.mean[..]) else { return None };
             let [pixel, mean] = [pixel, &mode.mean].map(|of| [of[0], of[1], of[2]]);
             let [along, square] = [pixel, mean].map(|of| (0..3).map(|c| of[c] * mean[c]).sum::<f32>());
-            (self.detect_shadows && is_darker(pixel, mean, (self.shadow_threshold, limit(mode))))
-                .then_some((index, along / square))
+            (self.detect_shadows
+                && is_shadow(pixel, mean, ShadowLimits { darkest: self.shadow_threshold, limit: limit(mode) }))
+            .then_some((index, along / square))
         });
         Verdict { background, matched, shadow }
     }

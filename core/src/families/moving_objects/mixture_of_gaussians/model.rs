@@ -7,7 +7,7 @@
 use super::{MAX_SIGMAS, MixtureOfGaussians};
 use crate::base::{LANES, Threads, wide::widest};
 use crate::data::{Frame, Mask};
-use crate::methods::subtraction::Found;
+use crate::methods::subtraction::{Found, ShadowLimits, is_shadow};
 
 /// A weighted normal distribution of a pixel with equal variance in all channels.
 #[derive(Clone, Debug, PartialEq)]
@@ -247,6 +247,40 @@ impl Mixture {
         Found { mask, shadows: tells_shadows.then_some(shadows) }
     }
 
+    /// Returns the modes displaced by `by` px; what comes into the picture is initialised with the frame.
+    pub fn moved(&self, of: &MixtureOfGaussians, by: [f32; 2], frame: &Frame) -> Self {
+        let (mut source, (width, height), part) = (self.clone(), self.size, self.part());
+        let by = by.map(|c| c.round() as i32);
+        source.make_room();
+        let gathered = (self.channels == 3 && frame.color().is_none()).then(|| as_color(frame));
+        let mut moved = Self::new(of, gathered.as_ref().unwrap_or(frame));
+        moved.planes.resize_with(source.planes.len().max(1), || vec![0.0; self.counts.len() * part]);
+        let in_row = width.div_ceil(LANES);
+        let start = |x: usize, y: usize| (y * in_row + x / LANES) * part + x % LANES;
+        for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+            let [from_x, from_y] = [x as i32 - by[0], y as i32 - by[1]];
+            if !(0..width as i32).contains(&from_x) || !(0..height as i32).contains(&from_y) {
+                continue;
+            }
+            let (from, to) = (start(from_x as usize, from_y as usize), start(x, y));
+            for (plane, earlier) in moved.planes.iter_mut().zip(&source.planes) {
+                for number in (0..part).step_by(LANES) {
+                    plane[to + number] = earlier[from + number];
+                }
+            }
+        }
+        for (group, count) in moved.counts.iter_mut().enumerate() {
+            let is_used = |plane: &Vec<f32>| plane[group * part..][..LANES].iter().any(|weight| *weight > 0.0);
+            *count = moved.planes.iter().rposition(is_used).map_or(0, |last| last as u8 + 1);
+        }
+        moved
+    }
+
+    /// Returns whether a background mode of pixel `of` explains the value of the frame at a place.
+    pub fn fits(&self, by: &MixtureOfGaussians, (frame, place): (&Frame, (usize, usize)), of: (usize, usize)) -> bool {
+        self.distance_of(self.value(frame, place), of, by.background_ratio) <= by.threshold
+    }
+
     /// The modes of a pixel, the heaviest first; of two as heavy, the older place.
     pub fn modes(&self, (x, y): (usize, usize)) -> Vec<Mode> {
         let (group, lane) = (y * self.size.0.div_ceil(LANES) + x / LANES, x % LANES);
@@ -265,13 +299,20 @@ impl Mixture {
 
     /// Returns the distance of a pixel from the nearest background mode in σ; from the heaviest mode if none is background.
     /// The heaviest modes whose weight adds up to `background` are the background.
-    pub fn distance(&self, frame: &Frame, (x, y): (usize, usize), background: f32) -> f32 {
+    pub fn distance(&self, frame: &Frame, place: (usize, usize), background: f32) -> f32 {
+        self.distance_of(self.value(frame, place), place, background)
+    }
+
+    /// Returns the colour of a pixel, or its gray level three times.
+    fn value(&self, frame: &Frame, place: (usize, usize)) -> [f32; 3] {
+        match (self.channels, frame.color()) {
+            (3, Some(color)) => color[place].map(f32::from),
+            _ => [f32::from(frame.luma()[place]); 3],
+        }
+    }
+
+    fn distance_of(&self, pixel: [f32; 3], (x, y): (usize, usize), background: f32) -> f32 {
         let (group, lane) = (y * self.size.0.div_ceil(LANES) + x / LANES, x % LANES);
-        let gray = f32::from(frame.luma()[(x, y)]);
-        let pixel = match (self.channels, frame.color()) {
-            (3, Some(color)) => color[(x, y)].map(f32::from),
-            _ => [gray; 3],
-        };
         let weights = || self.modes_of(group).map(|mode| mode[lane]).enumerate().filter(|(_, weight)| *weight > 0.0);
         let (mut nearest, mut of_heaviest) = (f32::INFINITY, [0.0; 2]);
         for (index, weight) in weights() {
@@ -497,8 +538,9 @@ impl<const C: usize> Group<'_, '_, C> {
                 let is_background = mode[0][lane] > 0.0 && heavier[lane] < self.rates.background;
                 let (pixel, mean) =
                     (self.pixels.map(|p| p[lane]), std::array::from_fn::<_, C, _>(|c| mode[2 + c][lane]));
-                let is_shadow = is_background && is_darker(pixel, mean, (darkest, self.rates.limit * mode[1][lane]));
-                shadows |= u16::from(is_shadow) << lane;
+                let is_one = is_background
+                    && is_shadow(pixel, mean, ShadowLimits { darkest, limit: self.rates.limit * mode[1][lane] });
+                shadows |= u16::from(is_one) << lane;
             }
         }
         shadows
@@ -581,23 +623,6 @@ impl<const C: usize> Group<'_, '_, C> {
         mode[1][lane] = first;
         mode[2..2 + C].iter_mut().zip(pixel).for_each(|(mean, pixel)| mean[lane] = pixel);
     }
-}
-
-/// Returns whether a pixel is a shadow on `mean`: I ≈ a μ with `darkest` ≤ a ≤ 1, within the squared distance `limit` a².
-#[inline(always)]
-pub fn is_darker<const C: usize>(pixel: [f32; C], mean: [f32; C], (darkest, limit): (f32, f32)) -> bool {
-    let (mut along, mut square) = (0.0, 0.0);
-    for c in 0..C {
-        along += pixel[c] * mean[c];
-        square += mean[c] * mean[c];
-    }
-    let light = along / square;
-    let mut off = 0.0;
-    for c in 0..C {
-        off += (light * mean[c] - pixel[c]) * (light * mean[c] - pixel[c]);
-    }
-    // The standard deviation scales with the brightness. A black mean has no colour: `light` is not a number.
-    light >= darkest && light <= 1.0 && off <= limit * light * light
 }
 
 #[cfg(test)]

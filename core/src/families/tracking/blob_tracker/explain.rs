@@ -155,7 +155,14 @@ impl BlobTracker {
                 .text("An unmatched blob starts ")
                 .ink(Role::Reference, named(tracked).to_lowercase())
                 .text(format!(". It is tentative until min-hits = {}.", self.rules.min_hits)),
-            EventKind::Done(done, conclusion) => said.text(explain::done(frame, done, conclusion)),
+            EventKind::Done(done, conclusion) => {
+                // The detections of a file have no shape: boxes of a person detector overlap where persons do.
+                let are_boxes = !done.detections.is_empty() && done.detections.iter().all(|found| found.blob.is_none());
+                said.text(explain::done(frame, done, conclusion)).text(match are_boxes && conclusion.run.is_some() {
+                    true => " These detections are boxes, not blobs: where they overlap, tracks merge. The Kalman tracker suits them.",
+                    false => "",
+                })
+            }
         }
     }
 

@@ -4,10 +4,14 @@ use super::matrices::matrices;
 use super::sensors::{Observations, SensorReading, Sensors};
 use super::{Event, FrameRecord, Gated, KalmanFilter, Loss, State, line};
 use crate::base::words::{self, counted as count, percent};
-use crate::methods::kalman::{Filter, Measurement, chi_square, ellipse};
+use crate::methods::kalman::{Filter, Measurement, MotionModel, chi_square, ellipse};
 use crate::methods::numbers::{px, ratio, squared};
 use crate::run::Seen;
 use crate::scene::{Arrow, Band, Fact, Math, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step};
+
+/// The mean innovation in standard deviations above which the filter is biased, and the least number of innovations that tell it.
+const BIAS_SIGMAS: f64 = 2.5;
+const LEAST_INNOVATIONS: usize = 6;
 
 /// A line of a plot: its name, its role and its points.
 type Line = (&'static str, Role, Vec<[f32; 2]>);
@@ -106,8 +110,8 @@ impl KalmanFilter {
                         px(after)
                     ))
             }
-            Event::Observed(observed) => measurements(*frame, observed, seen.before.detector.measurement()),
-            Event::Gated(gated) => self.gating(gated),
+            Event::Observed(observed) => measurements((*frame, !self.clicks.all().is_empty()), observed, seen.before.detector.measurement()),
+            Event::Gated(gated) => self.gating(gated).text(self.misfit(seen, gated)),
             Event::Updated(update) => updated(&update.0, &update.1),
             Event::Begun(filter, there) => said
                 .text("The first measurement starts a track at ")
@@ -161,7 +165,9 @@ impl KalmanFilter {
         let said = Sentence::default()
             .text(format!("Squared Mahalanobis distance of the {}innovation: ", sensor(gated)))
             .ink(Role::Measured, format!("d² = {}", squared(gated.squared_distance)));
-        if gated.is_inside() {
+        if gated.is_inside() && gated.is_beyond() {
+            said.text(format!(". It exceeds the {limit}, but a clicked position is accepted without the gate."))
+        } else if gated.is_inside() {
             said.text(format!(". It is within the {limit}: accepted."))
         } else {
             said.text(". ").ink(Role::Error, format!("It exceeds the {limit}: rejected."))
@@ -184,11 +190,53 @@ impl KalmanFilter {
         let rejected =
             earlier.take_while(|record| is_rejected(&record.gated)).count() + usize::from(!now.gated.is_empty());
         match rejected {
-            3.. if !now.gated.is_empty() => said.text(format!(
-                " {rejected} rejections in a row: the motion model does not fit. Raise process-noise, widen the gate or choose another motion model."
-            )),
+            3.. if !now.gated.is_empty() => {
+                said.text(format!(" {rejected} rejections in a row: the motion model does not fit. {}", self.remedy()))
+            }
             _ => said,
         }
+    }
+
+    /// After three clicked positions in a row outside the gate: what to change.
+    fn misfit(&self, seen: &Seen<Self>, gated: &Gated) -> String {
+        if !gated.reading.is_clicked || !gated.is_beyond() {
+            return String::new();
+        }
+        let earlier = seen.before.records.iter().rev();
+        let beyond = earlier.take_while(|record| record.of_sensor(0).is_some_and(Gated::is_beyond)).count() + 1;
+        match beyond {
+            3.. => format!(" {beyond} in a row lie outside it: the motion model does not fit. {}", self.remedy()),
+            _ => String::new(),
+        }
+    }
+
+    /// The parameters to change where the motion model does not fit.
+    fn remedy(&self) -> &'static str {
+        match self.motion {
+            MotionModel::Velocity => {
+                "Set motion = acceleration for a thrown or braking object, raise process-noise, or widen the gate."
+            }
+            _ => "Raise process-noise, widen the gate, or choose another motion model.",
+        }
+    }
+
+    /// The mean innovation where it is not zero, and the remedy.
+    fn bias(&self, accepted: &[&Gated]) -> String {
+        let (mut sum, mut variance) = ([0.0; 2], [0.0; 2]);
+        for gated in accepted {
+            let (measured, expected) = (gated.measurement(), &gated.expected);
+            let (at, covariance) = (expected.place(), expected.place_covariance());
+            for axis in 0..2 {
+                sum[axis] += measured.place[axis] - at[axis];
+                variance[axis] += covariance[axis][axis] + measured.place_deviation * measured.place_deviation;
+            }
+        }
+        let is_biased = (0..2).any(|axis| sum[axis].abs() > BIAS_SIGMAS * variance[axis].sqrt());
+        if accepted.len() < LEAST_INNOVATIONS || !is_biased {
+            return String::new();
+        }
+        let mean = sum.map(|sum| sum / accepted.len() as f64);
+        format!(" The innovations are biased by {} px: the prediction lags behind. {}", place(mean), self.remedy())
     }
 
     /// At the end of a run: errors beside the truth, consistency by the mean NIS, and the remedy.
@@ -239,6 +287,7 @@ impl KalmanFilter {
         };
         let mean = nis.iter().map(|gated| gated.squared_distance).sum::<f64>() / nis.len() as f64;
         let [low, high] = [0.025, 0.975].map(|p| chi_square::quantile(p, dof * nis.len()) / nis.len() as f64);
+        said += &self.bias(&nis);
         said += &format!(
             " Mean NIS of the accepted measurements {}, 95 % band {} to {}: {}",
             squared(mean),
@@ -506,7 +555,7 @@ impl KalmanFilter {
 }
 
 /// The measurements of a frame in words.
-fn measurements(frame: usize, observed: &Observations, kind: &str) -> Sentence {
+fn measurements((frame, is_clicked): (usize, bool), observed: &Observations, kind: &str) -> Sentence {
     let said = Sentence::default();
     let [first, second] = [0, 1].map(|sensor| observed.measured.iter().find(|reading| reading.sensor == sensor));
     let numbers = |reading: &SensorReading| {
@@ -523,7 +572,10 @@ fn measurements(frame: usize, observed: &Observations, kind: &str) -> Sentence {
         }
         None if !observed.detections.is_empty() => said
             .ink(Role::Measured, format!("{} in frame {frame}", count(observed.detections.len(), "detection")))
-            .text(", none of them at a clicked position. The track starts at the clicked object."),
+            .text(match is_clicked {
+                true => ", none of them at a clicked position. The track starts at the clicked object.",
+                false => ", but another one moves more consistently in a later frame. The track starts there.",
+            }),
         None => said.text(format!("No detections in frame {frame}.")),
     };
     match second.map(numbers) {

@@ -32,6 +32,8 @@ pub struct SensorReading {
     pub measurement: Measurement,
     /// The detection that the measurement is made of, if any.
     pub detection: Option<usize>,
+    /// Whether a person has clicked it: the gate does not reject it.
+    pub is_clicked: bool,
 }
 
 /// The detections, measurements and truth of a frame.
@@ -60,13 +62,18 @@ impl KalmanFilter {
         let detections = Arc::new(if is_hidden { Vec::new() } else { state.detector.look(clip, t)? });
         let chosen = match expected {
             Some(expected) => self.nearest(expected, &detections),
-            None => self.begin_with((state, t), &detections),
+            None => self.begin_with((clip, t), state, &detections)?,
         };
-        let first =
-            chosen.map(|i| SensorReading { sensor: 0, measurement: self.first(&detections[i]), detection: Some(i) });
+        let first = chosen.map(|i| SensorReading {
+            sensor: 0,
+            measurement: self.first(&detections[i]),
+            detection: Some(i),
+            is_clicked: state.detector.is_clicked(),
+        });
         // Before a track starts its true object is unknown.
         let second = expected.map(|_| self.second(clip, state, t)).transpose()?.flatten();
-        let second = second.map(|measurement| SensorReading { sensor: 1, measurement, detection: None });
+        let second =
+            second.map(|measurement| SensorReading { sensor: 1, measurement, detection: None, is_clicked: false });
         Ok(Observations { detections, measured: first.into_iter().chain(second).collect(), truth, is_hidden })
     }
 
@@ -107,17 +114,28 @@ impl KalmanFilter {
 
     /// Returns the detection that a track starts with: in the order of the source, by score where there are scores.
     ///
-    /// A click on an object chooses it and its first frame, unless clicks are the measurements.
-    fn begin_with(&self, (state, t): (&State, usize), detections: &[Detection]) -> Option<usize> {
+    /// A click on an object chooses it and its first frame, unless clicks are the measurements. Of blobs, the one that moves most
+    /// consistently is chosen, and the track starts where its motion does.
+    fn begin_with(
+        &self,
+        (clip, t): (&Clip, usize),
+        state: &State,
+        detections: &[Detection],
+    ) -> Result<Option<usize>, Error> {
         if !self.clicks.all().is_empty() && !state.detector.is_clicked() {
-            return self.clicks.of_frame(t).find_map(|click| nearest_to(click, detections));
+            return Ok(self.clicks.of_frame(t).find_map(|click| nearest_to(click, detections)));
+        }
+        if self.object == 1 && state.detector.is_moving() && !detections.is_empty() {
+            if let Some(mover) = self.most_consistent((clip, t), state)? {
+                return Ok((mover.frame == 0).then_some(mover.index));
+            }
         }
         let mut ranked: Vec<usize> = (0..detections.len()).collect();
         if state.detector.has_scores() {
             // The sort is stable: equal scores keep their order.
             ranked.sort_by(|a, b| detections[*b].score.total_cmp(&detections[*a].score));
         }
-        ranked.get(self.object - 1).or(ranked.last()).copied()
+        Ok(ranked.get(self.object - 1).or(ranked.last()).copied())
     }
 }
 

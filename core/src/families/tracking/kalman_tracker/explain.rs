@@ -193,10 +193,25 @@ impl KalmanTracker {
         ));
         match (before.age.status, after.age.status) {
             (TrackStatus::Tentative, TrackStatus::Confirmed) => said.text(format!(
-                " Confirmed: {} reach min-hits = {}.",
+                " Confirmed: {} reach min-hits = {}{}.",
                 count(after.age.hits, "matched frame"),
-                self.rules.min_hits
+                self.rules.min_hits,
+                after.age.journey.map_or_else(String::new, |journey| format!(
+                    ", and the blob has travelled {} px, at least {} px",
+                    px(journey.net_px()),
+                    px(journey.least_px(self.rules.min_travel))
+                ))
             )),
+            (TrackStatus::Tentative, TrackStatus::Tentative) if after.age.hits >= self.rules.min_hits => {
+                let journey = after
+                    .age
+                    .journey
+                    .map_or([0.0; 2], |journey| [journey.net_px(), journey.least_px(self.rules.min_travel)]);
+                let [net, least] = journey.map(px);
+                said.text(format!(
+                    " Still tentative: it has travelled {net} px from its start, and min-travel asks for {least} px of motion."
+                ))
+            }
             (TrackStatus::Coasting, _) => {
                 said.text(format!(" Matched again after {}.", count(before.age.missed, "missed frame")))
             }

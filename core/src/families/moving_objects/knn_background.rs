@@ -1,0 +1,285 @@
+//! K nearest neighbours: each pixel keeps samples of its values, and enough near samples make a value background.
+
+mod explain;
+
+use std::sync::Arc;
+
+use crate::base::Threads;
+use crate::data::{Clip, Frame, Mask};
+use crate::geometry::Grid;
+use crate::methods::numbers::gray;
+use crate::methods::subtraction::{
+    Background, Explanation, Flags, Found, Initial, Settings, ShadowLimits, Steadiness, by_rows, displaced, is_shadow,
+    shifted, subtraction_pseudocode,
+};
+use crate::params;
+use crate::run::{Info, Need};
+use crate::scene::Chart;
+use crate::synth::random::hash;
+
+params! {
+    /// Samples of each pixel, in colour where the frames are.
+    pub struct KnnBackground {
+        /// Number N of samples in each of the three sets: of recent frames, of earlier ones and of old ones.
+        samples: usize = 7, 2..=7;
+        /// Number k of background samples within the threshold that make a pixel background.
+        k: usize = 2, 1..=7;
+        /// Radius of the neighbourhood in gray levels, over all channels together. Samples within it are near; OpenCV's distance threshold is
+        /// its square.
+        threshold: f32 = 20.0, 1.0..=200.0;
+        /// Learning rate α, about 1 / history in frames: it sets how often samples are replaced. At the start of a run it is larger.
+        learning_rate: f32 = 0.002, 0.0..=1.0;
+        /// Detect cast shadows, pixels of the colour of the background but darker, and remove them from the foreground. Needs colour.
+        detect_shadows: bool = true;
+        /// Minimum brightness τ of a shadow, as a share of the brightness of the background. Darker pixels are objects.
+        shadow_threshold: f32 = 0.5, 0.05..=1.0;
+        /// Initial background: the first frame, or the median of the run.
+        initial: Initial = Initial::Median;
+        /// The treatment of a camera that is not quite at rest.
+        steady: Steadiness = Steadiness::default();
+        /// The parameters of all background subtractions.
+        settings: Settings = Settings::default();
+    }
+    advanced { "samples", "shadow-threshold" }
+    when {
+        "shadow-threshold": |p| p.detect_shadows, "The shadow threshold has no effect without shadow detection.";
+    }
+}
+
+/// The tolerated distance of a shadow from the colour of a sample, as a share of the threshold: darker objects are not shadows.
+const SHADOW_SHARE: f32 = 0.4;
+/// The maximum number of samples of a set.
+const MOST: usize = 7;
+/// The weights of all values since the samples of a set, which the sets together cover: 30 %, 60 % and 90 % of the past.
+const LEFT: [f64; 3] = [0.7, 0.4, 0.1];
+
+/// A sample of a pixel.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sample {
+    /// Red, green and blue; the gray level three times over in gray frames.
+    color: [u8; 3],
+    /// Whether enough samples were near when it was taken.
+    is_background: bool,
+}
+
+/// The samples of a pixel: recent, earlier and old ones.
+type Sets = [[Sample; MOST]; 3];
+
+/// The samples of all pixels.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Samples {
+    sets: Grid<Sets>,
+    /// The channels that count: 1 for gray frames, 3 for colour.
+    channels: usize,
+    /// The number of frames so far.
+    frames: usize,
+}
+
+/// What samples say of a pixel.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Near {
+    /// The samples within the threshold.
+    all: usize,
+    /// Those of them that are background.
+    background: usize,
+}
+
+/// Returns the color of a pixel.
+fn color_of(frame: &Frame, place: (usize, usize)) -> [u8; 3] {
+    frame.color().map_or_else(|| [frame.luma()[place]; 3], |color| color[place])
+}
+
+impl KnnBackground {
+    /// Returns the samples of a pixel in use.
+    fn used<'a>(&self, sets: &'a Sets) -> impl Iterator<Item = &'a Sample> {
+        let count = self.samples;
+        sets.iter().flat_map(move |set| &set[..count])
+    }
+
+    /// Counts the samples near to a value.
+    #[inline(always)]
+    fn near(&self, sets: &Sets, color: [u8; 3], channels: usize) -> Near {
+        let limit = self.threshold * self.threshold;
+        let mut near = Near::default();
+        for sample in self.used(sets) {
+            let is_near = square(sample.color, color, channels) <= limit;
+            near.all += usize::from(is_near);
+            near.background += usize::from(is_near && sample.is_background);
+        }
+        near
+    }
+
+    /// Returns whether enough background samples make the value a shadow.
+    fn is_in_shadow(&self, sets: &Sets, color: [u8; 3], channels: usize) -> bool {
+        let limits = ShadowLimits { darkest: self.shadow_threshold, limit: (SHADOW_SHARE * self.threshold).powi(2) };
+        let pixel = color.map(f32::from);
+        let is_one = |sample: &&Sample| sample.is_background && is_shadow(pixel, sample.color.map(f32::from), limits);
+        channels == 3 && self.used(sets).filter(is_one).count() >= self.k
+    }
+
+    /// Returns the mean number of frames after which a sample of each set is replaced.
+    fn periods(&self, frames: usize) -> [u64; 3] {
+        let rate = f64::from(self.learning_rate).max(0.5 / frames.max(1) as f64).min(0.5);
+        let ends = LEFT.map(|left| (left.ln() / (1.0 - rate).ln()).ceil());
+        let lengths = [ends[0], ends[1] - ends[0], ends[2] - ends[1]];
+        lengths.map(|length| (length / self.samples as f64).ceil().max(1.0) as u64)
+    }
+
+    /// Replaces samples: old ones by earlier ones, those by recent ones, and recent ones by the value, each at its rate.
+    fn update(&self, sets: &mut Sets, (value, place): (Sample, u64), (frames, periods): (usize, [u64; 3])) {
+        let [draws, chance] = [0, 1].map(|stream| hash(place, frames as u64, stream));
+        let slot = |part: u64| (chance >> (8 * part) & 0xff) as usize % self.samples;
+        for (set, period) in periods.into_iter().enumerate().rev() {
+            // Each set has a random number of its own.
+            if (draws >> (20 * set)) % (1 << 20) % period != 0 {
+                continue;
+            }
+            let next = if set == 0 { value } else { sets[set - 1][slot(2 * set as u64)] };
+            sets[set][slot(2 * set as u64 + 1)] = next;
+        }
+    }
+}
+
+/// Returns the squared distance of two colors over the channels that count.
+#[inline(always)]
+fn square(a: [u8; 3], b: [u8; 3], channels: usize) -> f32 {
+    let mut sum = 0;
+    for c in 0..channels {
+        let off = i32::from(a[c]) - i32::from(b[c]);
+        sum += off * off;
+    }
+    sum as f32
+}
+
+subtraction_pseudocode! {
+    begin: "all samples of each pixel ← the initial background",
+    camera: "  shift the model by the median displacement of the camera, in whole px",
+    compare: "  n ← number of background samples s with |I − s| ≤ threshold",
+    decide: "  foreground if n < k",
+    shadows: "  shadow if I ≈ a s with shadow-threshold ≤ a ≤ 1 for k background samples",
+    shake: "  suppress pixels that fit the background of a pixel within shake",
+    update: "  at random: recent sample ← I, background if k samples are near; earlier ← recent; old ← earlier",
+}
+
+impl Background for KnnBackground {
+    const INFO: Info = Info {
+        id: "knn-background",
+        name: "K nearest neighbours",
+        family: "Moving objects",
+        summary: "Keeps samples of each pixel from recent and from older frames. A pixel is background where k background samples are near, whatever the shape of their distribution.",
+        source: "Z. Zivkovic and F. van der Heijden, Efficient adaptive density estimation per image pixel for the task of background \
+                 subtraction, Pattern Recognition Letters 27, 2006; shadows: T. Horprasert, D. Harwood and L. S. Davis, ICCV \
+                 frame-rate workshop 1999",
+        pseudocode: line::ALL,
+        granularities: &["clip", "frame", "stage"],
+        frames: 2,
+    };
+    const SHOWN: &'static str = "|I − s| to the k-th nearest background sample";
+    const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series, Chart::Matrices];
+    type Model = Samples;
+
+    fn settings(&self) -> Settings {
+        self.settings
+    }
+
+    fn steadiness(&self) -> Option<Steadiness> {
+        Some(self.steady)
+    }
+
+    fn moved(&self, model: &Samples, by: [f32; 2], frame: &Arc<Frame>) -> Samples {
+        let begun = |x, y| [[Sample { color: color_of(frame, (x, y)), is_background: true }; MOST]; 3];
+        Samples { sets: shifted(&model.sets, by, begun), ..*model }
+    }
+
+    fn displaced(&self, model: &Samples, frame: &Frame, mask: &Mask) -> Option<Mask> {
+        displaced(mask, self.steady, |place, of| {
+            self.near(&model.sets[of], color_of(frame, place), model.channels).background >= self.k
+        })
+    }
+
+    fn need(&self, clip: &Clip) -> Need {
+        Need::per_pixel(clip, [size_of::<Sets>() as f64 + 1.0; 2])
+    }
+
+    fn initial(&self) -> Initial {
+        self.initial
+    }
+
+    fn begin(&self, first: &Arc<Frame>) -> Samples {
+        let (width, height) = first.size();
+        let sets = Grid::from_fn(width, height, |x, y| {
+            [[Sample { color: color_of(first, (x, y)), is_background: true }; MOST]; 3]
+        });
+        Samples { sets, channels: if first.color().is_some() { 3 } else { 1 }, frames: 0 }
+    }
+
+    fn subtract(&self, model: &mut Samples, frame: &Arc<Frame>, threads: &Threads) -> Found {
+        let (channels, width) = (model.channels, frame.size().0);
+        model.frames += 1;
+        let (frames, periods) = (model.frames, self.periods(model.frames));
+        let tells_shadows = self.detect_shadows && channels == 3;
+        let in_shadow = tells_shadows.then(|| model.sets.clone());
+        let mask = by_rows(&mut model.sets, threads, |y, row, words| {
+            for (index, (cells, word)) in row.chunks_mut(64).zip(words).enumerate() {
+                *word = Flags::of(cells.len(), |i| {
+                    let x = 64 * index + i;
+                    let color = color_of(frame, (x, y));
+                    let near = self.near(&cells[i], color, channels);
+                    let value = Sample { color, is_background: near.all >= self.k };
+                    if self.learning_rate > 0.0 {
+                        self.update(&mut cells[i], (value, (y * width + x) as u64), (frames, periods));
+                    }
+                    near.background < self.k
+                })
+                .word();
+            }
+        });
+        // Shadows are those on the samples before the frame.
+        let shadows = in_shadow.map(|sets| {
+            let is_one = |x, y| self.is_in_shadow(&sets[(x, y)], color_of(frame, (x, y)), channels);
+            Mask::from_fn(mask.width(), mask.height(), |x, y| mask.get(x, y) && is_one(x, y))
+        });
+        Found { mask, shadows }
+    }
+
+    fn expected(&self, model: &Samples, place: (usize, usize)) -> f32 {
+        let sets = &model.sets[place];
+        // The median of each channel is the gray level of a typical sample.
+        let mut values: Vec<f32> =
+            self.used(sets).filter(|sample| sample.is_background).map(|sample| luma(sample.color)).collect();
+        values.sort_by(f32::total_cmp);
+        values.get(values.len() / 2).copied().unwrap_or_else(|| luma(sets[0][0].color))
+    }
+
+    fn difference(&self, model: &Samples, frame: &Frame, place: (usize, usize)) -> f32 {
+        self.distances(model, frame, place).get(self.k - 1).copied().unwrap_or(f32::NAN)
+    }
+
+    fn explain(&self, models: [Option<&Samples>; 2], frame: &Frame, place: (usize, usize)) -> Explanation {
+        self.explanation(models, frame, place)
+    }
+
+    fn rule(&self) -> String {
+        format!("fewer than k = {} background samples lie within {} gray levels", self.k, gray(self.threshold))
+    }
+
+    fn model_bytes(&self, model: &Samples) -> usize {
+        size_of_val(model.sets.cells())
+    }
+}
+
+impl KnnBackground {
+    /// Returns the distances of a pixel from its background samples, the least first.
+    fn distances(&self, model: &Samples, frame: &Frame, place: (usize, usize)) -> Vec<f32> {
+        let color = color_of(frame, place);
+        let background = self.used(&model.sets[place]).filter(|sample| sample.is_background);
+        let mut all: Vec<f32> = background.map(|sample| square(sample.color, color, model.channels).sqrt()).collect();
+        all.sort_by(f32::total_cmp);
+        all
+    }
+}
+
+/// Returns the gray level of a color.
+fn luma([red, green, blue]: [u8; 3]) -> f32 {
+    0.299 * f32::from(red) + 0.587 * f32::from(green) + 0.114 * f32::from(blue)
+}

@@ -1,0 +1,305 @@
+//! The displacement of the camera, so that a background model can follow it.
+//!
+//! The displacement is the median over textured blocks of the picture (block matching on a pyramid): an object that covers less
+//! than half of them does not change it. Whole pixels of it shift the model. What is left, a fraction of a pixel, is suppressed
+//! as in A. Elgammal, D. Harwood and L. Davis, Non-parametric model for background subtraction, ECCV 2000: a foreground pixel that
+//! the background of a neighbor explains is background that the camera has displaced.
+
+use std::sync::Arc;
+
+use crate::base::Error;
+use crate::data::{Clip, Frame, Mask};
+use crate::geometry::{Gray, Grid, pyramid};
+use crate::{choices, params};
+
+choices! {
+    /// The treatment of camera motion.
+    pub enum CameraMotion {
+        /// The camera is at rest: each pixel is compared with the background at the same position.
+        Still = "still" "At rest",
+        /// The model follows the camera: it is shifted by the median displacement of textured blocks, in whole pixels.
+        Followed = "followed" "Followed",
+    }
+}
+
+params! {
+    /// The parameters of a background model for a camera that is not quite at rest.
+    #[derive(Copy)]
+    pub struct Steadiness {
+        /// Treatment of camera motion. A shifted model keeps the background while the camera drifts or tilts slowly; a pan that leaves
+        /// little of the first picture, zoom and parallax need optical flow.
+        camera: CameraMotion = CameraMotion::Followed;
+        /// Radius of the shake suppression. A foreground pixel that fits the background of a pixel within this radius is displaced
+        /// background; 0 turns it off.
+        shake: usize = 1, 0..=3, "px";
+    }
+}
+
+/// Side of a block in px.
+const BLOCK_PX: usize = 16;
+/// The greatest number of blocks along a side of the picture.
+const BLOCKS: usize = 14;
+/// The least number of textured blocks, along each axis, whose median is a displacement.
+const LEAST_BLOCKS: usize = 8;
+/// The levels of the pyramid.
+const LEVELS: usize = 3;
+/// The search range in px on the coarsest level and on the finer ones.
+const RANGE_PX: [i32; 2] = [5, 2];
+/// The displacement in px at which the reference is replaced by the present frame.
+const ANCHOR_PX: f32 = 4.0;
+
+/// The greatest displacement of a frame in px that is aligned with the first one.
+const ALIGNED_PX: f32 = 15.0;
+
+/// The camera during a run.
+#[derive(Clone, Debug)]
+pub(crate) struct Camera {
+    /// The pyramid of the reference, and the displacement of that.
+    anchor: Arc<Vec<Gray>>,
+    anchor_at: [f32; 2],
+    /// The displacement of the background since the first frame in px.
+    pub at: [f32; 2],
+    /// The displacement of the model in px.
+    pub model_at: [f32; 2],
+    /// Whether the displacements of the last frame disagree.
+    pub is_lost: bool,
+}
+
+impl Camera {
+    pub fn new(first: &Frame) -> Self {
+        let anchor = Arc::new(pyramid::halvings(first.luma(), LEVELS));
+        Self { anchor, anchor_at: [0.0; 2], at: [0.0; 2], model_at: [0.0; 2], is_lost: false }
+    }
+
+    /// Follows the camera to the next frame; returns the shift of the model in px, in whole px unless `is_fine`.
+    pub fn follow(&mut self, frame: &Frame, is_fine: bool) -> [f32; 2] {
+        let levels = pyramid::halvings(frame.luma(), LEVELS);
+        let guess = [0, 1].map(|i| self.at[i] - self.anchor_at[i]);
+        let found = displacement([&self.anchor, &levels], guess);
+        self.is_lost = found.is_none();
+        if let Some(by) = found {
+            // Without enough texture the camera is taken to be at rest.
+            self.at = [0, 1].map(|i| self.anchor_at[i] + by[i]);
+        }
+        let is_far = found.is_some_and(|by| by[0].hypot(by[1]) > ANCHOR_PX);
+        if is_far || self.is_lost {
+            (self.anchor, self.anchor_at) = (Arc::new(levels), self.at);
+        }
+        if is_fine {
+            let by = [0, 1].map(|i| self.at[i] - self.model_at[i]);
+            self.model_at = self.at;
+            return by;
+        }
+        // A displacement of half a pixel must not shift the model to and fro.
+        let shift = [0, 1].map(|i| {
+            let off = self.at[i] - self.model_at[i];
+            if off.abs() > 0.6 { off.round() } else { 0.0 }
+        });
+        self.model_at = [0, 1].map(|i| self.model_at[i] + shift[i]);
+        shift
+    }
+
+    pub fn bytes(&self) -> usize {
+        self.anchor.iter().map(|level| level.cells().len()).sum()
+    }
+}
+
+/// Returns the displacement of the picture between two pyramids in px, near a guess; `None` where the blocks disagree. Along an axis
+/// without enough texture it is the guess.
+pub(crate) fn displacement([from, to]: [&[Gray]; 2], guess: [f32; 2]) -> Option<[f32; 2]> {
+    let mut by = guess;
+    let top = from.len().min(to.len());
+    for level in (0..top).rev() {
+        let scale = (1 << level) as f32;
+        let near = by.map(|c| c / scale);
+        // Coarse levels are small, so their blocks are.
+        let search = if level == 0 { (BLOCK_PX, RANGE_PX[1]) } else { (BLOCK_PX / 2, RANGE_PX[0]) };
+        match median_displacement([&from[level], &to[level]], near, search) {
+            Some(found) => by = found.map(|c| c * scale),
+            // A coarse level may be ambiguous; the finest one decides.
+            None if level > 0 => {}
+            None => return None,
+        }
+    }
+    Some(by)
+}
+
+/// Returns the median displacement of the textured blocks, if most of them agree.
+fn median_displacement([from, to]: [&Gray; 2], guess: [f32; 2], (block, range): (usize, i32)) -> Option<[f32; 2]> {
+    let ((width, height), near) = (from.size(), guess.map(|c| c.round() as i32));
+    let side = block.min(width.min(height) / 6).max(4);
+    let mut along = [Vec::new(), Vec::new()];
+    let starts = |length: usize, reach: usize| {
+        let room = length.saturating_sub(2 * reach + side);
+        let count = (room / side + 1).min(BLOCKS);
+        (0..count).map(move |i| reach + i * room / (count - 1).max(1))
+    };
+    let reach = [0, 1].map(|i| (near[i].abs() + range + 1) as usize);
+    if width < 2 * reach[0] + side || height < 2 * reach[1] + side {
+        return Some(guess);
+    }
+    for y in starts(height, reach[1]) {
+        for x in starts(width, reach[0]) {
+            let found = match_block([from, to], ([x, y], side), near, range);
+            for (values, value) in along.iter_mut().zip(found) {
+                values.extend(value);
+            }
+        }
+    }
+    let [x, y] = [0, 1].map(|axis| {
+        let mut values = std::mem::take(&mut along[axis]);
+        values.sort_by(f32::total_cmp);
+        let Some(median) = values.get(values.len() / 2).filter(|_| values.len() >= LEAST_BLOCKS) else {
+            return Some(guess[axis]);
+        };
+        let agreeing = values.iter().filter(|value| (*value - median).abs() <= 1.0).count();
+        (2 * agreeing > values.len()).then_some(*median)
+    });
+    Some([x?, y?])
+}
+
+/// Returns the displacement of a block along each axis on which it has enough texture.
+fn match_block(pictures: [&Gray; 2], block: ([usize; 2], usize), near: [i32; 2], range: i32) -> [Option<f32>; 2] {
+    let cost = |by: [i32; 2]| sad(pictures, block, by);
+    let (mut best, mut least) = (near, cost(near));
+    for v in -range..=range {
+        for u in -range..=range {
+            let by = [near[0] + u, near[1] + v];
+            let sum = cost(by);
+            if sum < least {
+                (best, least) = (by, sum);
+            }
+        }
+    }
+    // The minimum must stand out of its neighbors by more than noise: two gray levels on average.
+    let textured = least + least / 4 + 2 * (block.1 * block.1) as u32;
+    [0, 1].map(|axis| {
+        let is_inside = (best[axis] - near[axis]).abs() < range;
+        let beside = [-1, 1].map(|step| {
+            let mut by = best;
+            by[axis] += step;
+            cost(by)
+        });
+        let [low, middle, high] = [beside[0], least, beside[1]].map(|sum| sum as f32);
+        let curve = low - 2.0 * middle + high;
+        let is_known = is_inside && beside.iter().all(|sum| *sum > textured) && curve > 0.0;
+        is_known.then(|| best[axis] as f32 + 0.5 * (low - high) / curve)
+    })
+}
+
+/// The sum of absolute differences of a block and the displaced one.
+fn sad([from, to]: [&Gray; 2], ([x, y], side): ([usize; 2], usize), [u, v]: [i32; 2]) -> u32 {
+    let start = (x as i32 + u) as usize;
+    let rows =
+        (y..y + side).map(|y| (&from.row(y)[x..x + side], &to.row((y as i32 + v) as usize)[start..start + side]));
+    rows.map(|(a, b)| a.iter().zip(b).map(|(a, b)| u32::from(a.abs_diff(*b))).sum::<u32>()).sum()
+}
+
+/// Returns a grid displaced by `by` px; `beyond` fills what comes into the picture.
+pub(crate) fn shifted<T: Copy>(grid: &Grid<T>, by: [f32; 2], beyond: impl Fn(usize, usize) -> T) -> Grid<T> {
+    let ((width, height), by) = (grid.size(), by.map(|c| c.round() as i32));
+    Grid::from_fn(width, height, |x, y| {
+        let [from_x, from_y] = [x as i32 - by[0], y as i32 - by[1]];
+        let is_inside = (0..width as i32).contains(&from_x) && (0..height as i32).contains(&from_y);
+        if is_inside { grid[(from_x as usize, from_y as usize)] } else { beyond(x, y) }
+    })
+}
+
+/// Returns the gray levels of a frame displaced by `by` px, interpolated between pixels and completed with another one.
+pub(crate) fn resampled(frame: &Frame, by: [f32; 2], beyond: &Frame) -> Frame {
+    let (luma, (width, height)) = (frame.luma(), frame.size());
+    Frame::gray(Grid::from_fn(width, height, |x, y| {
+        let from = [x as f32 - by[0], y as f32 - by[1]];
+        let is_inside = (0.0..=width as f32 - 1.0).contains(&from[0]) && (0.0..=height as f32 - 1.0).contains(&from[1]);
+        if is_inside { luma.sample(from[0], from[1]).round() as u8 } else { beyond.luma()[(x, y)] }
+    }))
+}
+
+/// Returns a frame displaced by `by` px, in whole px and completed with another one.
+pub(crate) fn shifted_frame(frame: &Frame, by: [f32; 2], beyond: &Frame) -> Frame {
+    match (frame.color(), beyond.color()) {
+        (Some(color), Some(other)) => Frame::rgb(shifted(color, by, |x, y| other[(x, y)])),
+        _ => Frame::gray(shifted(frame.luma(), by, |x, y| beyond.luma()[(x, y)])),
+    }
+}
+
+/// Returns the foreground pixels that the background of another pixel within the radius of the shake suppression explains: `fits` tells
+/// whether the background of its second pixel explains the value of the frame at its first.
+pub(crate) fn displaced(
+    mask: &Mask,
+    steady: Steadiness,
+    fits: impl Fn((usize, usize), (usize, usize)) -> bool,
+) -> Option<Mask> {
+    let (reach, (width, height)) = (steady.shake, mask.size());
+    let around = |c: usize, length: usize| c.saturating_sub(reach)..(c + reach + 1).min(length);
+    let is_displaced = |x: usize, y: usize| {
+        let mut near = around(y, height).flat_map(|v| around(x, width).map(move |u| (u, v)));
+        mask.get(x, y) && near.any(|of| fits((x, y), of))
+    };
+    (reach > 0).then(|| Mask::from_fn(width, height, is_displaced))
+}
+
+/// Follows the camera through the frames of a clip at intervals; returns each with its displacement from the first in whole px, as long as
+/// that is small: perspective changes with a larger one.
+///
+/// # Errors
+/// If a frame cannot be read.
+pub(crate) fn aligned(clip: &Clip, times: &[usize]) -> Result<Vec<(Arc<Frame>, [f32; 2])>, Error> {
+    let mut camera: Option<Camera> = None;
+    let mut all = Vec::new();
+    for t in times {
+        clip.wanted()?;
+        let frame = clip.frame(*t)?;
+        match &mut camera {
+            Some(camera) => _ = camera.follow(&frame, false),
+            None => camera = Some(Camera::new(&frame)),
+        }
+        let (at, is_lost) = camera.as_ref().map_or(([0.0; 2], false), |camera| (camera.model_at, camera.is_lost));
+        if !is_lost && at[0].hypot(at[1]) <= ALIGNED_PX {
+            all.push((frame, at));
+        }
+    }
+    Ok(all)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Waves of several directions and lengths at any place.
+    fn waves(x: f32, y: f32) -> f32 {
+        128.0 + 40.0 * (0.21 * x + 0.07 * y).sin() + 35.0 * (0.11 * x - 0.19 * y).sin() + 30.0 * (0.31 * y).cos()
+    }
+
+    fn picture(at: [f32; 2], object: usize) -> Frame {
+        Frame::gray(Grid::from_fn(160, 120, |x, y| {
+            let is_object = (30..30 + object).contains(&x) && (30..90).contains(&y);
+            if is_object { (40 + 7 * x % 90) as u8 } else { waves(x as f32 - at[0], y as f32 - at[1]) as u8 }
+        }))
+    }
+
+    #[test]
+    fn the_camera_is_followed_past_an_object() {
+        let mut camera = Camera::new(&picture([0.0; 2], 0));
+        for (t, place) in [[0.3, -0.2], [1.2, 2.0], [4.0, 7.1], [9.4, 6.6], [9.0, 12.3]].into_iter().enumerate() {
+            camera.follow(&picture(place, 10 * t), false);
+            let off = [0, 1].map(|i| camera.at[i] - place[i]);
+            assert!(!camera.is_lost && off[0].hypot(off[1]) < 0.25, "{place:?}: {:?}", camera.at);
+        }
+        assert_eq!(camera.model_at, [9.0, 12.0]);
+    }
+
+    #[test]
+    fn without_texture_the_camera_counts_as_at_rest() {
+        let flat = Frame::gray(Grid::new(160, 120, 90));
+        let mut camera = Camera::new(&flat);
+        assert_eq!((camera.follow(&flat, false), camera.is_lost), ([0.0, 0.0], false));
+    }
+
+    #[test]
+    fn a_shifted_grid_is_completed() {
+        let grid = Grid::from_fn(3, 2, |x, y| 10 * y + x);
+        assert_eq!(shifted(&grid, [1.0, 0.0], |_, _| 99).cells(), [99, 0, 1, 99, 10, 11]);
+        assert_eq!(shifted(&grid, [0.0, -1.0], |_, _| 99).cells(), [10, 11, 12, 99, 99, 99]);
+    }
+}

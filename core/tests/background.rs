@@ -1,0 +1,74 @@
+//! Background models with their defaults on clips of a street as a cheap camera sees it, whose seeds and difficulties nothing was chosen for.
+
+mod common;
+#[path = "common/rough.rs"]
+mod rough;
+
+use common::set;
+use motionscope_core::{AnyEstimator, Clip, Cursor, Frame, Grid, Mask, Move, ObjectField, Threads};
+use rough::{Rough, scored};
+
+/// The frames that a model may learn in.
+const LEARNING: usize = 20;
+
+/// Precision, recall and F₁ of the pixels.
+fn score(estimator: &dyn AnyEstimator, (clip, truth): &(Clip, Vec<Mask>)) -> [f64; 3] {
+    let output = estimator.run(clip, 0, &Threads::single()).expect("a run");
+    let field = output.get::<ObjectField>().expect("masks");
+    let masks: Vec<Mask> = field.frames.iter().map(|f| f.mask.as_ref().expect("a mask").unpacked()).collect();
+    scored(masks.iter().zip(truth).skip(LEARNING))
+}
+
+/// Held-out clips by name.
+fn clips() -> Vec<(&'static str, (Clip, Vec<Mask>))> {
+    let usual = Rough { size: (240, 180), frames: 80, ..Rough::default() };
+    vec![
+        ("steady", Rough { seed: 101, shake: 0.0, flicker: 0.0, shadow: 1.0, ..usual }.clip()),
+        ("shaking", Rough { seed: 202, shadow: 0.55, ..usual }.clip()),
+        ("noisy", Rough { seed: 303, noise: 5.0, flicker: 0.015, ..usual }.clip()),
+    ]
+}
+
+#[test]
+fn defaults_separate_cars_from_a_street() {
+    // The least F of each model, and the best of all; gray models cannot tell a shadow from a dark car.
+    let models = [
+        ("running-average", 0.6),
+        ("median-background", 0.6),
+        ("single-gaussian", 0.6),
+        ("mixture-of-gaussians", 0.7),
+        ("knn-background", 0.7),
+    ];
+    for (name, clip) in clips() {
+        let mut best = 0.0;
+        for (id, least) in models {
+            let [precision, recall, f] = score(&*set(id, &[]), &clip);
+            println!("{name}: {id}: precision {precision:.3}, recall {recall:.3}, F {f:.3}");
+            assert!(f >= least, "{name}: {id}: precision {precision:.3}, recall {recall:.3}, F {f:.3}");
+            best = f.max(best);
+        }
+        assert!(best >= 0.75, "{name}: {best}");
+    }
+}
+
+#[test]
+fn a_drifting_camera_is_followed() {
+    let clip = Rough { size: (240, 180), frames: 60, seed: 404, drift: [0.4, 0.25], ..Rough::default() }.clip();
+    for id in ["mixture-of-gaussians", "knn-background"] {
+        let [_, _, followed] = score(&*set(id, &[]), &clip);
+        let [_, _, still] = score(&*set(id, &[("camera", "still")]), &clip);
+        println!("{id}: F {followed:.3} followed, {still:.3} at rest");
+        assert!(followed > 0.7 && followed > still, "{id}: {followed:.3} followed, {still:.3} at rest");
+    }
+}
+
+#[test]
+fn a_flooded_mask_names_its_cause_and_what_to_use_instead() {
+    // The light jumps: everything differs.
+    let frame = |t: usize| Frame::gray(Grid::from_fn(96, 72, |x, y| (40 + (7 * x + 3 * y) % 50 + 90 * (t / 3)) as u8));
+    let clip = Clip::from_frames("light", (0..5).map(frame).collect()).expect("frames of one size");
+    let mut walk = set("running-average", &[("initial", "first-frame")]).walk(&clip, 0).expect("a run");
+    walk.jump(Move::To(Cursor { unit: 4, event: usize::MAX }));
+    let told = walk.step(None).sentence.plain();
+    assert!(told.contains("the camera moves, or the light has changed") && told.contains("optical flow"), "{told}");
+}
