@@ -33,11 +33,11 @@ fn clips() -> Vec<(&'static str, (Clip, Vec<Mask>))> {
 fn defaults_separate_cars_from_a_street() {
     // The least F of each model, and the best of all; gray models cannot tell a shadow from a dark car.
     let models = [
-        ("running-average", 0.6),
-        ("median-background", 0.6),
-        ("single-gaussian", 0.6),
-        ("mixture-of-gaussians", 0.7),
-        ("knn-background", 0.7),
+        ("running-average", 0.75),
+        ("median-background", 0.75),
+        ("single-gaussian", 0.75),
+        ("mixture-of-gaussians", 0.93),
+        ("knn-background", 0.93),
     ];
     for (name, clip) in clips() {
         let mut best = 0.0;
@@ -47,7 +47,7 @@ fn defaults_separate_cars_from_a_street() {
             assert!(f >= least, "{name}: {id}: precision {precision:.3}, recall {recall:.3}, F {f:.3}");
             best = f.max(best);
         }
-        assert!(best >= 0.75, "{name}: {best}");
+        assert!(best >= 0.95, "{name}: {best}");
     }
 }
 
@@ -58,7 +58,7 @@ fn a_drifting_camera_is_followed() {
         let [_, _, followed] = score(&*set(id, &[]), &clip);
         let [_, _, still] = score(&*set(id, &[("camera", "still")]), &clip);
         println!("{id}: F {followed:.3} followed, {still:.3} at rest");
-        assert!(followed > 0.7 && followed > still, "{id}: {followed:.3} followed, {still:.3} at rest");
+        assert!(followed > 0.7 && followed > still + 0.1, "{id}: {followed:.3} followed, {still:.3} at rest");
     }
 }
 

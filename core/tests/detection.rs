@@ -312,8 +312,7 @@ fn neighbors_decide_as_their_paper_says() {
                 };
                 let (is_foreground, class) = (near(&|class| class) < least, near(&|_| true) >= least);
                 model.frame += 1;
-                let now = rate.max(0.5 / model.frame as f64).min(0.5);
-                let ends = [0.7f64, 0.4, 0.1].map(|left| (left.ln() / (1.0 - now).ln()).ceil());
+                let ends = [0.7f64, 0.4, 0.1].map(|left| (left.ln() / (1.0 - rate).ln()).ceil());
                 let lengths = [ends[0], ends[1] - ends[0], ends[2] - ends[1]];
                 let [when, which] = [0, 1].map(|stream| draw(model.pixel, model.frame, stream));
                 let slot = |part: usize| (which >> (8 * part)) as usize % 256 % COUNT;

@@ -29,21 +29,21 @@ params! {
     pub struct FrameDifference {
         /// Number of frames that are compared: two-frame or three-frame differencing.
         differencing: Differencing = Differencing::Two;
-        /// Difference threshold in gray levels. Pixels with a larger difference are foreground. 0 chooses 3 standard deviations of the
-        /// noise, which the median absolute difference of the two frames gives (1.4826 times the median), and at least 6.
+        /// Difference threshold in gray levels. Pixels with a larger difference are foreground. 0 chooses 4 standard deviations of the
+        /// noise, which the median absolute difference of the two frames gives (1.4826 times the median), and at least 8.
         threshold: usize = 0, 0..=255;
         /// The treatment of a camera that is not quite at rest.
         steady: Steadiness = Steadiness { shake: 0, ..Steadiness::default() };
         /// The parameters of all background subtractions.
-        settings: Settings = Settings { opening: 1, closing: 8, ..Settings::default() };
+        settings: Settings = Settings { opening: 0, closing: 4, ..Settings::default() };
     }
     renamed { "compared" => "differencing", "open" => "opening", "close" => "closing" }
 }
 
 /// The automatic threshold in standard deviations of the noise.
-const NOISE_SIGMAS: f32 = 3.0;
+const NOISE_SIGMAS: f32 = 4.0;
 /// The least automatic threshold in gray levels: rounding and compression.
-const LEAST_THRESHOLD: f32 = 6.0;
+const LEAST_THRESHOLD: f32 = 8.0;
 /// The standard deviation of a normal distribution, as a multiple of its median absolute deviation.
 const SIGMA_OF_MAD: f32 = 1.4826;
 

@@ -27,7 +27,7 @@ params! {
         /// Radius of the neighbourhood in gray levels, over all channels together. Samples within it are near; OpenCV's distance threshold is
         /// its square.
         threshold: f32 = 20.0, 1.0..=200.0;
-        /// Learning rate α, about 1 / history in frames: it sets how often samples are replaced. At the start of a run it is larger.
+        /// Learning rate α, about 1 / history in frames: it sets how often samples are replaced.
         learning_rate: f32 = 0.002, 0.0..=1.0;
         /// Detect cast shadows, pixels of the colour of the background but darker, and remove them from the foreground. Needs colour.
         detect_shadows: bool = true;
@@ -118,8 +118,8 @@ impl KnnBackground {
     }
 
     /// Returns the mean number of frames after which a sample of each set is replaced.
-    fn periods(&self, frames: usize) -> [u64; 3] {
-        let rate = f64::from(self.learning_rate).max(0.5 / frames.max(1) as f64).min(0.5);
+    fn periods(&self) -> [u64; 3] {
+        let rate = f64::from(self.learning_rate).clamp(1e-6, 0.5);
         let ends = LEFT.map(|left| (left.ln() / (1.0 - rate).ln()).ceil());
         let lengths = [ends[0], ends[1] - ends[0], ends[2] - ends[1]];
         lengths.map(|length| (length / self.samples as f64).ceil().max(1.0) as u64)
@@ -216,7 +216,7 @@ impl Background for KnnBackground {
     fn subtract(&self, model: &mut Samples, frame: &Arc<Frame>, threads: &Threads) -> Found {
         let (channels, width) = (model.channels, frame.size().0);
         model.frames += 1;
-        let (frames, periods) = (model.frames, self.periods(model.frames));
+        let (frames, periods) = (model.frames, self.periods());
         let tells_shadows = self.detect_shadows && channels == 3;
         let in_shadow = tells_shadows.then(|| model.sets.clone());
         let mask = by_rows(&mut model.sets, threads, |y, row, words| {
