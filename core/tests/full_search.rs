@@ -93,9 +93,10 @@ proptest! {
 }
 
 fn field(id: &str, settings: &[(&str, String)], clip: &Clip) -> BlockField {
-    let mut search = estimator(id).unwrap();
-    settings.iter().for_each(|(name, value)| search.set(name, value).unwrap());
-    let Some(field) = search.run(clip, 0, &Threads::single()).unwrap().get::<BlockField>().cloned() else {
+    let mut search = estimator(id).expect("it is registered");
+    settings.iter().for_each(|(name, value)| search.set(name, value).expect("it is in range"));
+    let Some(field) = search.run(clip, 0, &Threads::single()).expect("it can be run").get::<BlockField>().cloned()
+    else {
         panic!("no blocks")
     };
     field
@@ -140,8 +141,8 @@ proptest! {
 
 /// The share of the candidates that successive elimination skips on frame 0 of a scene.
 fn skipped(scene: &str, levels: &str) -> f64 {
-    let scene = synth::scene(scene).unwrap();
-    let clip = scene.clip(&scene.difficulty()).unwrap();
+    let scene = synth::scene(scene).expect("it can be run");
+    let clip = scene.clip(&scene.difficulty()).expect("it can be run");
     let all = field("full-search", &[], &clip).candidates();
     let tested = field("successive-elimination", &[("bound-levels", levels.to_owned())], &clip).candidates();
     1.0 - tested as f64 / all as f64

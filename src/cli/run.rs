@@ -139,14 +139,16 @@ fn timed(
     threads: &Threads,
     repeat: u32,
 ) -> Result<(Ran, Vec<Duration>), Error> {
-    let run = || {
+    let start = Instant::now();
+    let ran = experiment.estimator.run_counted(clip, experiment.frame, threads)?;
+    let first = start.elapsed();
+    // Further runs are timed without an observer.
+    let plain = || {
         let start = Instant::now();
-        let ran = experiment.estimator.run_counted(clip, experiment.frame, threads)?;
-        Ok((ran, start.elapsed()))
+        experiment.estimator.run(clip, experiment.frame, threads).map(|_| start.elapsed())
     };
-    let (ran, first) = run()?;
-    let rest = (1..repeat).map(|_| run().map(|(_, time)| time)).collect::<Result<Vec<_>, Error>>()?;
-    Ok((ran, [vec![first], rest].concat()))
+    let rest = (1..repeat).map(|_| plain()).collect::<Result<Vec<_>, Error>>()?;
+    Ok((ran, if rest.is_empty() { vec![first] } else { rest }))
 }
 
 /// What `args` ask for themselves of how the picture looks: what a session asks for may be missing at some steps.

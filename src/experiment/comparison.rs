@@ -60,16 +60,18 @@ impl Row {
     pub fn of(contender: &Contender, arena: &Arena<'_>) -> Result<Self, Error> {
         let Arena { clip, frame, threads, repeat } = *arena;
         let estimator = &*contender.estimator;
-        let run = || {
+        // Counted once; further runs are timed without an observer.
+        let timed = |run: &dyn Fn() -> Result<(), Error>| {
             let start = Instant::now();
-            let run = estimator.run_counted(clip, frame, threads)?;
-            Ok::<_, Error>((run, start.elapsed()))
+            run().map(|()| start.elapsed())
         };
         // Decoded here, so that the time is of the estimation alone.
         clip.pair_or_last(frame)?;
-        let (ran, mut time) = run()?;
+        let start = Instant::now();
+        let ran = estimator.run_counted(clip, frame, threads)?;
+        let mut time = start.elapsed();
         for _ in 1..repeat {
-            time = time.min(run()?.1);
+            time = time.min(timed(&|| estimator.run(clip, frame, threads).map(drop))?);
         }
         let figures = Figures::of(estimator, &ran, (clip, frame), threads)?;
         let assessment = ran.output.assess(&Reference { clip, frame })?;
@@ -345,9 +347,8 @@ pub fn rounds(source: &Source, estimators: &[Box<dyn AnyEstimator>], sweep: Opti
         let (mut source, mut estimators) = (source.clone(), copies());
         if is_parameter {
             // One without the parameter would be the same in all rounds.
-            let has_it = |estimator: &Box<dyn AnyEstimator>| estimator.get(name).is_ok();
-            if estimators.iter().any(has_it) {
-                estimators.retain(has_it);
+            if estimators.iter().any(|estimator| estimator.get(name).is_ok()) {
+                estimators.retain(|estimator| estimator.get(name).is_ok());
             }
             set(&mut estimators, name, value)?;
         } else {

@@ -298,13 +298,8 @@ impl Plot {
         // A stretch far from the first step begins where its data do.
         let (end, first) = (series.x_max.max(1) as f32, all().map(|point| point[0]).fold(f32::INFINITY, f32::min));
         let has_logarithmic_x = series.has_logarithmic_x && first > 0.0 && first < end;
-        let start = if has_logarithmic_x {
-            first
-        } else if first.is_finite() && first > 0.2 * end && first < end {
-            first
-        } else {
-            0.0
-        };
+        let is_far = first.is_finite() && first > 0.2 * end && first < end;
+        let start = if has_logarithmic_x || is_far { first } else { 0.0 };
         let whole = Window { x: [start, end], y: if logarithmic { decades } else { linear.values } };
         let window = data.window.unwrap_or(whole);
         Self {

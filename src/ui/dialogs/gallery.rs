@@ -57,7 +57,7 @@ fn make(ctx: egui::Context) -> Receiver<(usize, ColorImage)> {
         }
     };
     // Without a thread there are no pictures, only words.
-    drop(std::thread::Builder::new().name("samples".into()).spawn(work));
+    drop(std::thread::Builder::new().name("sample clips".into()).spawn(work));
     receiver
 }
 
@@ -81,7 +81,7 @@ pub fn show(ctx: &egui::Context, state: &mut State, theme: Theme, actions: &mut 
     let screen = ctx.content_rect();
     let mut chosen = false;
     let room = (screen.size() - vec2(120.0, 220.0)).max(vec2(240.0, 160.0));
-    let modal = widgets::modal(ctx, "samples", vec2(70.0 * size, 60.0 * size)).show(ctx, |ui| {
+    let modal = widgets::modal(ctx, "sample clips", vec2(70.0 * size, 60.0 * size)).show(ctx, |ui| {
         ui.set_width((70.0 * size).min(room.x));
         ui.heading("Samples");
         ui.label(RichText::new("Synthetic clips with exact ground truth. Each shows one effect.").weak());

@@ -50,7 +50,7 @@ pseudocode! {
     LAY_WINDOW: "  place the search window of ±search range around B in frame t+1",
     EACH_CANDIDATE: "  for each candidate (u, v) in the search window",
     COMPUTE_COST: "    c ← cost of B and the block of frame t+1 displaced by (u, v) [+ λR(u, v)]",
-    EXIT_EARLY: "    if a partial sum exceeds minimum after some rows: reject, c ≥ that sum (if early exit is set)",
+    EXIT_EARLY: "    if a partial sum s > minimum: reject, c ≥ s (early exit)",
     COMPARE_COST: "    if c < minimum, or c = minimum and (u, v) is shorter than best",
     KEEP_BEST: "      minimum ← c; best ← (u, v)",
     REFINE_BEST: "  refine best to sub-pixel accuracy (if subpixel is set)",

@@ -5,7 +5,7 @@
 //! │       │  │   │   │  ├─┼─┼─┼─┤     level 1: the same of its quarters, added up
 //! │   Σ   │  ├───┼───┤  ├─┼─┼─┼─┤     level 2: of its sixteenths, and so on
 //! │       │  │   │   │  ├─┼─┼─┼─┤
-//! └───────┘  └───┴───┘  └─┴─┴─┴─┘     The bound grows from level to level; the first that exceeds the minimum skips.
+//! └───────┘  └───┴───┘  └─┴─┴─┴─┘     Parts that divide the block raise the bound; the first above the minimum skips.
 //! ```
 //!
 //! The sums of frame t + 1 are computed once for all blocks, so a bound takes 1, 4 or 16 differences where SAD takes 256. The result
@@ -42,7 +42,7 @@ pseudocode! {
     TEST_FIRST: "  test (0, 0) and the median predictor: the lower the minimum, the more is skipped",
     EACH_CANDIDATE: "  for each other candidate (u, v) in the search window",
     EACH_LEVEL: "    for each level, from whole B to its smallest parts",
-    COMPARE_BOUND: "      if b = Σ |sum of a part of B − sum of that part displaced by (u, v)| > minimum [− λR(u, v)]",
+    COMPARE_BOUND: "      if b = Σ |sum of a part of B − sum of that part displaced by (u, v)| (SSD: Σ (…)² / n) > minimum [− λR(u, v)]",
     SKIP_CANDIDATE: "        skip (u, v): its cost cannot be below b",
     NO_BOUND: "    (a cost without such a bound: no candidate is skipped)",
     COMPUTE_COST: "    c ← cost of B and the block of frame t+1 displaced by (u, v) [+ λR(u, v)]",
@@ -182,7 +182,7 @@ impl Elimination<'_> {
     }
 }
 
-/// The most levels of a bound: sides from 64 to 2 px, and one to spare.
+/// The most levels of a bound, and one to spare: sides from 64 to 4 px.
 const MOST_LEVELS: usize = 6;
 
 /// Whether the first `count` bounds all exceed `limit`.

@@ -216,7 +216,7 @@ impl Background for FrameDifference {
         let which = if self.differencing == Differencing::Two { "the previous frame" } else { "both previous frames" };
         match self.threshold {
             0 => format!(
-                "the difference from {which} exceeds {} standard deviations of the noise",
+                "the difference from {which} exceeds {} standard deviations of the noise, at least 8 gray levels",
                 ratio(f64::from(NOISE_SIGMAS))
             ),
             threshold => format!("the difference from {which} exceeds the threshold of {threshold} gray levels"),

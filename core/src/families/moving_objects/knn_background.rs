@@ -21,7 +21,7 @@ params! {
     /// Samples of each pixel, in colour where the frames are.
     pub struct KnnBackground {
         /// Number N of samples in each of the three sets: of recent frames, of earlier ones and of old ones.
-        samples: usize = 7, 2..=7;
+        samples: usize = 7, 3..=7;
         /// Number k of background samples within the threshold that make a pixel background.
         k: usize = 2, 1..=7;
         /// Radius of the neighbourhood in gray levels, over all channels together. Samples within it are near; OpenCV's distance threshold is
@@ -33,7 +33,7 @@ params! {
         detect_shadows: bool = true;
         /// Minimum brightness τ of a shadow, as a share of the brightness of the background. Darker pixels are objects.
         shadow_threshold: f32 = 0.5, 0.05..=1.0;
-        /// Initial background: the first frame, or the median of the run.
+        /// Initial background: the first frame, or the median of the run, which uses later frames (non-causal).
         initial: Initial = Initial::Median;
         /// The treatment of a camera that is not quite at rest.
         steady: Steadiness = Steadiness::default();
@@ -84,9 +84,9 @@ struct Near {
     background: usize,
 }
 
-/// Returns the color of a pixel.
-fn color_of(frame: &Frame, place: (usize, usize)) -> [u8; 3] {
-    frame.color().map_or_else(|| [frame.luma()[place]; 3], |color| color[place])
+/// Returns the color of a pixel; its gray level three times where only one channel counts.
+fn color_of(frame: &Frame, place: (usize, usize), channels: usize) -> [u8; 3] {
+    frame.color().filter(|_| channels == 3).map_or_else(|| [frame.luma()[place]; 3], |color| color[place])
 }
 
 impl KnnBackground {
@@ -187,18 +187,19 @@ impl Background for KnnBackground {
     }
 
     fn moved(&self, model: &Samples, by: [f32; 2], frame: &Arc<Frame>) -> Samples {
-        let begun = |x, y| [[Sample { color: color_of(frame, (x, y)), is_background: true }; MOST]; 3];
+        let begun = |x, y| [[Sample { color: color_of(frame, (x, y), model.channels), is_background: true }; MOST]; 3];
         Samples { sets: shifted(&model.sets, by, begun), ..*model }
     }
 
     fn displaced(&self, model: &Samples, frame: &Frame, mask: &Mask) -> Option<Mask> {
         displaced(mask, self.steady, |place, of| {
-            self.near(&model.sets[of], color_of(frame, place), model.channels).background >= self.k
+            self.near(&model.sets[of], color_of(frame, place, model.channels), model.channels).background >= self.k
         })
     }
 
     fn need(&self, clip: &Clip) -> Need {
-        Need::per_pixel(clip, [size_of::<Sets>() as f64 + 1.0; 2])
+        // Shadows are decided on a copy of the samples before the frame.
+        Need::per_pixel(clip, [2.0 * size_of::<Sets>() as f64 + 1.0; 2])
     }
 
     fn initial(&self) -> Initial {
@@ -206,11 +207,11 @@ impl Background for KnnBackground {
     }
 
     fn begin(&self, first: &Arc<Frame>) -> Samples {
-        let (width, height) = first.size();
+        let ((width, height), channels) = (first.size(), if first.color().is_some() { 3 } else { 1 });
         let sets = Grid::from_fn(width, height, |x, y| {
-            [[Sample { color: color_of(first, (x, y)), is_background: true }; MOST]; 3]
+            [[Sample { color: color_of(first, (x, y), channels), is_background: true }; MOST]; 3]
         });
-        Samples { sets, channels: if first.color().is_some() { 3 } else { 1 }, frames: 0 }
+        Samples { sets, channels, frames: 0 }
     }
 
     fn subtract(&self, model: &mut Samples, frame: &Arc<Frame>, threads: &Threads) -> Found {
@@ -223,7 +224,7 @@ impl Background for KnnBackground {
             for (index, (cells, word)) in row.chunks_mut(64).zip(words).enumerate() {
                 *word = Flags::of(cells.len(), |i| {
                     let x = 64 * index + i;
-                    let color = color_of(frame, (x, y));
+                    let color = color_of(frame, (x, y), channels);
                     let near = self.near(&cells[i], color, channels);
                     let value = Sample { color, is_background: near.all >= self.k };
                     if self.learning_rate > 0.0 {
@@ -236,7 +237,7 @@ impl Background for KnnBackground {
         });
         // Shadows are those on the samples before the frame.
         let shadows = in_shadow.map(|sets| {
-            let is_one = |x, y| self.is_in_shadow(&sets[(x, y)], color_of(frame, (x, y)), channels);
+            let is_one = |x, y| self.is_in_shadow(&sets[(x, y)], color_of(frame, (x, y), channels), channels);
             Mask::from_fn(mask.width(), mask.height(), |x, y| mask.get(x, y) && is_one(x, y))
         });
         Found { mask, shadows }
@@ -244,7 +245,7 @@ impl Background for KnnBackground {
 
     fn expected(&self, model: &Samples, place: (usize, usize)) -> f32 {
         let sets = &model.sets[place];
-        // The median of each channel is the gray level of a typical sample.
+        // The median of the gray levels is that of a typical sample.
         let mut values: Vec<f32> =
             self.used(sets).filter(|sample| sample.is_background).map(|sample| luma(sample.color)).collect();
         values.sort_by(f32::total_cmp);
@@ -271,7 +272,7 @@ impl Background for KnnBackground {
 impl KnnBackground {
     /// Returns the distances of a pixel from its background samples, the least first.
     fn distances(&self, model: &Samples, frame: &Frame, place: (usize, usize)) -> Vec<f32> {
-        let color = color_of(frame, place);
+        let color = color_of(frame, place, model.channels);
         let background = self.used(&model.sets[place]).filter(|sample| sample.is_background);
         let mut all: Vec<f32> = background.map(|sample| square(sample.color, color, model.channels).sqrt()).collect();
         all.sort_by(f32::total_cmp);

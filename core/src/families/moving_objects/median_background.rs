@@ -22,7 +22,7 @@ params! {
         step: usize = 1, 1..=16;
         /// Difference threshold in gray levels. Pixels with a larger |I − B| are foreground.
         threshold: usize = 25, 0..=255;
-        /// Initial background: the first frame, or the median of the run.
+        /// Initial background: the first frame, or the median of the run, which uses later frames (non-causal).
         initial: Initial = Initial::Median;
         /// The treatment of a camera that is not quite at rest.
         steady: Steadiness = Steadiness::default();

@@ -39,7 +39,7 @@ params! {
         detect_shadows: bool = true;
         /// Minimum brightness τ of a shadow, as a share of the brightness of the background. Darker pixels are objects.
         shadow_threshold: f32 = 0.5, 0.05..=1.0;
-        /// Initial background: the first frame, or the median of the run.
+        /// Initial background: the first frame, or the median of the run, which uses later frames (non-causal).
         initial: Initial = Initial::Median;
         /// The treatment of a camera that is not quite at rest.
         steady: Steadiness = Steadiness::default();

@@ -23,7 +23,7 @@ params! {
         threshold: f32 = 25.0, 0.0..=255.0;
         /// Selective update: only background pixels update the model. Objects leave no trail, but ghosts and stopped objects stay foreground permanently.
         selective: bool = false;
-        /// Initial background: the first frame, or the median of the run.
+        /// Initial background: the first frame, or the median of the run, which uses later frames (non-causal).
         initial: Initial = Initial::Median;
         /// The treatment of a camera that is not quite at rest.
         steady: Steadiness = Steadiness::default();

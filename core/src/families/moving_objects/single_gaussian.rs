@@ -27,7 +27,7 @@ params! {
         min_sigma: f32 = 2.0, 0.5..=50.0;
         /// Selective update: only background pixels update the model. Objects do not inflate σ, but ghosts and stopped objects stay foreground permanently.
         selective: bool = true;
-        /// Initial background: the first frame, or the median of the run.
+        /// Initial background: the first frame, or the median of the run, which uses later frames (non-causal).
         initial: Initial = Initial::Median;
         /// The treatment of a camera that is not quite at rest.
         steady: Steadiness = Steadiness::default();

@@ -207,7 +207,7 @@ impl Probe<'_> {
         let rivals = surface.rivals(found.displacement, whole + margin);
         if !rivals.is_empty() {
             let rival = |rival: &Match| format!("{} at {}", self.settings.number(rival.cost), vector(rival.vector()));
-            return ambiguity("Nearly as low is the cost", rivals.iter().map(rival).collect());
+            return ambiguity("Nearly the same cost:", rivals.iter().map(rival).collect());
         }
         let range = self.settings.matching.search_range as u32;
         if found.displacement.iter().any(|c| c.unsigned_abs() == range) {
@@ -234,7 +234,7 @@ impl Probe<'_> {
         let off = (u - truth[0]).hypot(v - truth[1]);
         let truth = vector(truth);
         match off < CLOSE_PX {
-            true => format!(" True motion: {truth} px, so the vector is off by {} px.", px(off)),
+            true => format!(" True motion: {truth} px; the error of the vector is {} px.", px(off)),
             false => format!(" True motion: {truth} px. The vector is wrong by {} px.", px(off)),
         }
     }

@@ -75,7 +75,7 @@ impl Journey {
 
     /// Returns the distance that confirms the track in px.
     pub fn least_px(&self, min_travel: f32) -> f64 {
-        (f64::from(min_travel) * self.side_px).max(LEAST_STRAIGHT * self.path_px)
+        if min_travel <= 0.0 { 0.0 } else { (f64::from(min_travel) * self.side_px).max(LEAST_STRAIGHT * self.path_px) }
     }
 }
 

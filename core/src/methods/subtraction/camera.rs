@@ -65,6 +65,9 @@ pub(crate) struct Camera {
     pub is_lost: bool,
 }
 
+/// A displacement below this length is no movement, in px: interpolation between pixels is no more exact.
+const AT_REST_PX: f32 = 0.1;
+
 impl Camera {
     pub fn new(first: &Frame) -> Self {
         let anchor = Arc::new(pyramid::halvings(first.luma(), LEVELS));
@@ -87,6 +90,9 @@ impl Camera {
         }
         if is_fine {
             let by = [0, 1].map(|i| self.at[i] - self.model_at[i]);
+            if by[0].hypot(by[1]) < AT_REST_PX {
+                return [0.0; 2];
+            }
             self.model_at = self.at;
             return by;
         }
@@ -181,9 +187,10 @@ fn match_block(pictures: [&Gray; 2], block: ([usize; 2], usize), near: [i32; 2],
             cost(by)
         });
         let [low, middle, high] = [beside[0], least, beside[1]].map(|sum| sum as f32);
-        let curve = low - 2.0 * middle + high;
-        let is_known = is_inside && beside.iter().all(|sum| *sum > textured) && curve > 0.0;
-        is_known.then(|| best[axis] as f32 + 0.5 * (low - high) / curve)
+        // Absolute differences form a V around the minimum: two lines of the same slope (Shimizu and Okutomi 2005).
+        let slope = low.max(high) - middle;
+        let is_known = is_inside && beside.iter().all(|sum| *sum > textured) && slope > 0.0;
+        is_known.then(|| best[axis] as f32 + 0.5 * (low - high) / slope)
     })
 }
 
@@ -234,17 +241,20 @@ pub(crate) fn displaced(
     let around = |c: usize, length: usize| c.saturating_sub(reach)..(c + reach + 1).min(length);
     let is_displaced = |x: usize, y: usize| {
         let mut near = around(y, height).flat_map(|v| around(x, width).map(move |u| (u, v)));
-        mask.get(x, y) && near.any(|of| fits((x, y), of))
+        mask.get(x, y) && near.any(|of| of != (x, y) && fits((x, y), of))
     };
     (reach > 0).then(|| Mask::from_fn(width, height, is_displaced))
 }
+
+/// A frame with its displacement from the first in px.
+pub(crate) type Displaced = (Arc<Frame>, [f32; 2]);
 
 /// Follows the camera through the frames of a clip at intervals; returns each with its displacement from the first in whole px, as long as
 /// that is small: perspective changes with a larger one.
 ///
 /// # Errors
 /// If a frame cannot be read.
-pub(crate) fn aligned(clip: &Clip, times: &[usize]) -> Result<Vec<(Arc<Frame>, [f32; 2])>, Error> {
+pub(crate) fn aligned(clip: &Clip, times: &[usize]) -> Result<Vec<Displaced>, Error> {
     let mut camera: Option<Camera> = None;
     let mut all = Vec::new();
     for t in times {
@@ -287,6 +297,15 @@ mod tests {
             assert!(!camera.is_lost && off[0].hypot(off[1]) < 0.25, "{place:?}: {:?}", camera.at);
         }
         assert_eq!(camera.model_at, [9.0, 12.0]);
+    }
+
+    #[test]
+    fn the_same_picture_is_no_movement() {
+        let still = picture([0.0; 2], 0);
+        let mut camera = Camera::new(&still);
+        for is_fine in [true, false, true] {
+            assert_eq!(camera.follow(&still, is_fine), [0.0; 2]);
+        }
     }
 
     #[test]

@@ -253,12 +253,12 @@ impl Conclusion {
             return String::new();
         }
         let moved = self.camera.filter(|by| by[0].hypot(by[1]) > 1.0).map_or_else(String::new, |by| {
-            format!(" The camera has moved by {} px since the first frame.", words::place(by))
+            format!(" The background is displaced by {} px since the first frame.", words::place(by))
         });
         format!(
-            " {} of the frame differs from the background: the camera moves, or the light has changed.{moved} A background \
-             model needs a camera at rest and steady light. For a moving camera use optical flow or feature tracks (KLT, point \
-             trajectories): objects move differently from their surroundings.",
+            " {} of the frame differs from the background: the camera moves, or the light has changed.{moved} This method \
+             needs a camera at rest and steady light. With a moving camera compare the motion of objects with that of \
+             their surroundings (optical flow, KLT, point trajectories).",
             percent(self.differing)
         )
     }

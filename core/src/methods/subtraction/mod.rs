@@ -211,7 +211,7 @@ pub struct Conclusion {
     pub(crate) blobs: usize,
     /// Pixels of its mask.
     pub(crate) foreground: usize,
-    /// The share of the picture that differs from the background, shadows included.
+    /// The share of the picture that differs from the background, without shadows.
     pub(crate) differing: f64,
     /// The displacement of the camera since the first frame in px, where it is followed.
     pub(crate) camera: Option<[f32; 2]>,
@@ -324,7 +324,9 @@ impl<M: Background> Subtraction<M> {
             let difference = Grid::from_fn(width, height, |x, y| self.0.difference(model, &frame, (x, y)));
             Event::Compared(Arc::clone(&frame), Arc::new(difference))
         });
-        let before = M::IS_REPLACED.then(|| Arc::clone(model));
+        // Shake is judged by the model that the frame was compared with, not by what it has just learned.
+        let before =
+            (M::IS_REPLACED || self.0.steadiness().is_some_and(|steady| steady.shake > 0)).then(|| Arc::clone(model));
         let Found { mut mask, shadows } = self.0.subtract(Arc::make_mut(model), &frame, threads);
         observer.see(|| Event::Decided(Arc::new(mask.clone())));
         if let Some(shadows) = shadows {

@@ -9,6 +9,9 @@ use super::Run;
 /// How often a long move shows how far it has come: at least ten times a second where showing takes at most half of that.
 const SIGHT: Duration = Duration::from_millis(90);
 
+/// How many times longer a part of a move may be than the part before.
+const MOST_LONGER: f64 = 4.0;
+
 /// A move on its way.
 pub(super) struct LongMove {
     to: Move,
@@ -85,7 +88,8 @@ impl LongMove {
     pub fn go_on(&mut self, took: Duration) {
         let (units, spent) = self.pace.unwrap_or_default();
         let work = SIGHT.saturating_sub(took).max(took);
-        let share = work.as_secs_f64() / spent.as_secs_f64().max(1e-3);
+        // A part whose units were at hand tells little about those that follow.
+        let share = (work.as_secs_f64() / spent.as_secs_f64().max(1e-3)).min(MOST_LONGER);
         let unit = self.at.unit + ((units as f64 * share) as usize).max(1);
         let is_last = self.last.is_some_and(|last| unit >= last);
         self.next = if is_last { self.to } else { Move::To(Cursor { unit, event: usize::MAX }) };

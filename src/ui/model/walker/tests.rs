@@ -7,7 +7,7 @@ use motionscope_core::{Direction, Frame, FrameSource, Grid, estimator};
 
 use super::*;
 use crate::experiment::source::Source;
-use crate::paint::View as VisiblePart;
+use crate::paint::View as PictureView;
 
 fn clip() -> Clip {
     let texture = |x: usize, y: usize| (x * 31 + y * 57 + x * y % 7 * 20) as u8;
@@ -31,7 +31,7 @@ fn long() -> Job {
     let mut subject = subject();
     let frame = |t: usize| Frame::gray(Grid::from_fn(800, 600, |x, y| (x * 31 + y * 57 + x * y % 7 * 20 + t) as u8));
     subject.clip = Clip::from_frames("long", vec![frame(0), frame(2)]).unwrap();
-    for (name, value) in [("block", "8"), ("spacing", "2"), ("range", "16")] {
+    for (name, value) in [("block", "8"), ("spacing", "2"), ("range", "48")] {
         subject.experiment.estimator.set(name, value).unwrap();
     }
     Job { subject: Arc::new(subject), place: Place::END }
@@ -156,7 +156,7 @@ fn the_pointer_makes_no_picture_anew() {
     let mut subject = subject();
     subject.experiment.estimator = estimator("running-average").unwrap();
     let walker = Walker::new(|| {}).unwrap();
-    walker.look(&Look { view: Some(VisiblePart::SideBySide), ..Look::default() });
+    walker.look(&Look { view: Some(PictureView::SideBySide), ..Look::default() });
     walker.start(Job { subject: Arc::new(subject), place: Place::END });
     let shown = |focus: Option<Focus>| {
         walker.focus(focus);

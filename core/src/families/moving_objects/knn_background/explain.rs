@@ -19,7 +19,7 @@ impl KnnBackground {
         place: (usize, usize),
     ) -> Explanation {
         let Some(before) = before else { return Explanation::default() };
-        let color = color_of(frame, place);
+        let color = color_of(frame, place, before.channels);
         let near = self.near(&before.sets[place], color, before.channels);
         let is_foreground = near.background < self.k;
         let role = if is_foreground { Role::Result } else { Role::Rejected };
@@ -79,7 +79,7 @@ impl KnnBackground {
 
     /// The samples of a pixel, one row each.
     fn table(&self, model: &Samples, frame: &Frame, place: (usize, usize)) -> Matrix {
-        let color = color_of(frame, place);
+        let color = color_of(frame, place, model.channels);
         let samples: Vec<_> = self.used(&model.sets[place]).collect();
         let mut columns = if model.channels == 1 { vec!["I"] } else { vec!["R", "G", "B"] };
         columns.extend(["background", "distance"]);

@@ -214,7 +214,12 @@ impl Mixture {
         let ((width, height), part) = (self.size, self.part());
         let (rates, most) = (Rates::new(of), self.most);
         // A clip may have gray pictures among those in colour.
-        let gathered = (self.channels == 3 && frame.color().is_none()).then(|| as_color(frame));
+        // A clip may mix gray and color frames: the model keeps its channels.
+        let gathered = match (self.channels, frame.color().is_some()) {
+            (3, false) => Some(as_color(frame)),
+            (1, true) => Some(Frame::gray(frame.luma().clone())),
+            _ => None,
+        };
         let frame = gathered.as_ref().unwrap_or(frame);
         let (mut mask, mut shadows) = (Mask::new(width, height), Mask::new(width, height));
         let groups = BAND_ROWS * width.div_ceil(LANES);

@@ -214,9 +214,9 @@ impl KalmanFilter {
     fn remedy(&self) -> &'static str {
         match self.motion {
             MotionModel::Velocity => {
-                "Set motion = acceleration for a thrown or braking object, raise process-noise, or widen the gate."
+                "Set motion = acceleration for a thrown or braking object, or raise process-noise."
             }
-            _ => "Raise process-noise, widen the gate, or choose another motion model.",
+            _ => "Raise process-noise, or choose another motion model.",
         }
     }
 
@@ -236,7 +236,7 @@ impl KalmanFilter {
             return String::new();
         }
         let mean = sum.map(|sum| sum / accepted.len() as f64);
-        format!(" The innovations are biased by {} px: the prediction lags behind. {}", place(mean), self.remedy())
+        format!(" The innovations are biased by {} px: the motion model does not fit. {}", place(mean), self.remedy())
     }
 
     /// At the end of a run: errors beside the truth, consistency by the mean NIS, and the remedy.

@@ -125,10 +125,12 @@ impl KalmanFilter {
         if !self.clicks.all().is_empty() && !state.detector.is_clicked() {
             return Ok(self.clicks.of_frame(t).find_map(|click| nearest_to(click, detections)));
         }
-        if self.object == 1 && state.detector.is_moving() && !detections.is_empty() {
-            if let Some(mover) = self.most_consistent((clip, t), state)? {
-                return Ok((mover.frame == 0).then_some(mover.index));
-            }
+        if self.object == 1
+            && state.detector.is_moving()
+            && !detections.is_empty()
+            && let Some(mover) = self.most_consistent((clip, t), state)?
+        {
+            return Ok((mover.frame == 0).then_some(mover.index));
         }
         let mut ranked: Vec<usize> = (0..detections.len()).collect();
         if state.detector.has_scores() {
