@@ -173,7 +173,7 @@ pub fn head(
     let words = match pointed {
         Some([u, v]) => format!("({}, {}) {}", number(u), number(v), plane.unit),
         None => {
-            let what = beyond(plane, square).unwrap_or_else(|| format!("displacements in {}", plane.unit));
+            let what = beyond(plane, square).unwrap_or_else(|| plane.unit.clone());
             titled(whose, &format!("{}, {what}", plane.title), (text.size, width))
         }
     };
@@ -361,8 +361,7 @@ mod tests {
         let is_line = |points: &Vec<Point>| points.len() == 2 && ends.iter().all(|end| points.contains(end));
         assert!(primitives.iter().any(|p| matches!(p, Primitive::Polyline { points, .. } if is_line(points))));
         let words = texts(&primitives);
-        for label in ["u, px →", "v, px ↓", "−2", "2", "Normal flow · Gradient constraint, displacements in px"]
-        {
+        for label in ["u, px →", "v, px ↓", "−2", "2", "Normal flow · Gradient constraint, px"] {
             assert!(words.iter().any(|word| word == label), "{label} is missing in {words:?}");
         }
     }
@@ -387,7 +386,7 @@ mod tests {
                 ends.iter().all(|end| square.displacement(*end).is_some()
                     || square.rect.grown(0.1).meets(&Rect::new(*end, [0.01; 2])))
             );
-            assert!(head.ends_with("displacements in px"), "{head}");
+            assert!(head.ends_with(", px"), "{head}");
         }
         let plane = with_line_at(12.0);
         let (square, head, primitives) = drawn(&plane);

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use eframe::egui::style::ScrollStyle;
 use eframe::egui::{
     self, Align, Button, ComboBox, Grid, Label, Layout, RichText, ScrollArea, TextEdit, TextStyle, Ui, vec2,
 };
@@ -133,6 +134,8 @@ pub fn show(ctx: &egui::Context, state: &mut State, document: &Document, theme: 
         start(ui, state, document);
         ui.add_space(8.0);
         let height = left(ui);
+        // Bars that are always there say that the table goes on.
+        ui.spacing_mut().scroll = ScrollStyle { bar_width: 8.0, ..ScrollStyle::solid() };
         ScrollArea::both().max_height(height).min_scrolled_height(height).show(ui, |ui| {
             visited |= results(ui, state, theme, actions);
         });
@@ -211,8 +214,7 @@ fn line(ui: &mut Ui, row: &CourseRow) {
 fn choice(ui: &mut Ui, state: &mut State) {
     let all: Vec<&'static Info> = estimators().iter().map(|estimator| estimator.info()).collect();
     let is_full = state.chosen.len() >= MOST;
-    let full = if is_full { ": remove one to choose another" } else { "" };
-    let count = RichText::new(format!("{} of at most {MOST}{full}", state.chosen.len())).small().weak();
+    let count = RichText::new(format!("{} of {MOST}", state.chosen.len())).small().weak();
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = vec2(4.0, 4.0);
         let infos = state.chosen.iter().filter_map(|id| all.iter().find(|info| info.id == *id));

@@ -1,6 +1,6 @@
 //! A block search at a cursor: its marks on the pictures.
 
-use super::{Event, Match, Neighbours, Pair, Rate, Settings, Stage, Window};
+use super::{Displacement, Event, Match, Neighbours, Pair, Rate, Settings, Stage, Window};
 use crate::data::{Counted, Truth};
 use crate::geometry::Grid;
 use crate::products::Block;
@@ -137,9 +137,20 @@ impl Probe<'_> {
             scene.legend(Role::Best, if self.is_over() { "best match" } else { "best match so far" });
         }
         // On top: a new best is the candidate under test.
-        if let Some((candidate, _)) = self.candidate().filter(|_| !self.is_over()) {
+        if let Some(displacement) = self.passed_over() {
+            scene.mark(Picture::NEXT, Role::Candidate, at(Match::whole(displacement, 0.0).vector()));
+            scene.legend(Role::Candidate, "skipped candidate");
+        } else if let Some((candidate, _)) = self.candidate().filter(|_| !self.is_over()) {
             scene.mark(Picture::NEXT, Role::Candidate, at(candidate.vector()));
             scene.legend(Role::Candidate, "candidate");
+        }
+    }
+
+    /// The candidate that the last event has skipped.
+    pub(super) fn passed_over(&self) -> Option<Displacement> {
+        match self.events.last() {
+            Some(Event::Skipped { skipped, .. }) => Some(skipped.displacement),
+            _ => None,
         }
     }
 

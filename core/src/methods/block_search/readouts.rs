@@ -40,7 +40,9 @@ impl Probe<'_> {
             origin: self.window.min,
             values: self.costs(),
             events: self.tests(),
-            probe: self.candidate().map(|(candidate, _)| candidate).filter(is_on_surface).map(|at| at.displacement),
+            probe: self.passed_over().or_else(|| {
+                self.candidate().map(|(candidate, _)| candidate).filter(is_on_surface).map(|at| at.displacement)
+            }),
             // A sub-pixel position is not on the cost surface; a fitted one stays where it was tested.
             best: self.best().filter(|best| is_fitted || best.fraction == [0.0; 2]).map(|best| best.displacement),
         }));

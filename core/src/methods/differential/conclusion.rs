@@ -173,7 +173,7 @@ impl Cause {
                 advice.texture
             ),
             Cause::Boundary(px) => format!(
-                ": beside it the flow differs by {} px, at a motion boundary or an outlier. {}",
+                ", where neighbouring flows differ by {} px: a motion boundary or an outlier. {}",
                 numbers::px(*px),
                 advice.boundary
             ),
@@ -230,7 +230,7 @@ mod tests {
     fn without_truth_the_residual_is_judged() {
         let boundary = said(&pair(None, waves), |x, y| if (x, y) == (8, 8) { [2.0, 0.0] } else { [0.0; 2] });
         assert!(
-            boundary.contains("at a motion boundary or an outlier") && boundary.contains("No true flow is loaded"),
+            boundary.contains("a motion boundary or an outlier") && boundary.contains("No true flow is loaded"),
             "{boundary}"
         );
         let none = said(&pair(None, waves), |_, _| Flow::UNKNOWN);

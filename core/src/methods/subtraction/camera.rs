@@ -186,20 +186,41 @@ fn match_block(pictures: [&Gray; 2], block: ([usize; 2], usize), near: [i32; 2],
             by[axis] += step;
             cost(by)
         });
-        let [low, middle, high] = [beside[0], least, beside[1]].map(|sum| sum as f32);
-        // Absolute differences form a V around the minimum: two lines of the same slope (Shimizu and Okutomi 2005).
-        let slope = low.max(high) - middle;
-        let is_known = is_inside && beside.iter().all(|sum| *sum > textured) && slope > 0.0;
-        is_known.then(|| best[axis] as f32 + 0.5 * (low - high) / slope)
+        // Squares of smooth texture form a parabola around the minimum, absolute differences do not.
+        let squares = |step: i32| {
+            let mut by = best;
+            by[axis] += step;
+            ssd(pictures, block, by) as f32
+        };
+        let is_known = is_inside && beside.iter().all(|sum| *sum > textured);
+        let [low, middle, high] = [-1, 0, 1].map(squares);
+        let curve = low - 2.0 * middle + high;
+        (is_known && curve > 0.0).then(|| best[axis] as f32 + (0.5 * (low - high) / curve).clamp(-0.5, 0.5))
     })
 }
 
-/// The sum of absolute differences of a block and the displaced one.
-fn sad([from, to]: [&Gray; 2], ([x, y], side): ([usize; 2], usize), [u, v]: [i32; 2]) -> u32 {
+/// The sum of what `difference` makes of the pixels of a block and of the displaced one.
+#[inline(always)]
+fn summed(
+    [from, to]: [&Gray; 2],
+    ([x, y], side): ([usize; 2], usize),
+    [u, v]: [i32; 2],
+    difference: impl Fn(u8, u8) -> u32,
+) -> u32 {
     let start = (x as i32 + u) as usize;
     let rows =
         (y..y + side).map(|y| (&from.row(y)[x..x + side], &to.row((y as i32 + v) as usize)[start..start + side]));
-    rows.map(|(a, b)| a.iter().zip(b).map(|(a, b)| u32::from(a.abs_diff(*b))).sum::<u32>()).sum()
+    rows.map(|(a, b)| a.iter().zip(b).map(|(a, b)| difference(*a, *b)).sum::<u32>()).sum()
+}
+
+/// The sum of absolute differences of a block and the displaced one.
+fn sad(pictures: [&Gray; 2], block: ([usize; 2], usize), by: [i32; 2]) -> u32 {
+    summed(pictures, block, by, |a, b| u32::from(a.abs_diff(b)))
+}
+
+/// The sum of squared differences of a block and the displaced one.
+fn ssd(pictures: [&Gray; 2], block: ([usize; 2], usize), by: [i32; 2]) -> u32 {
+    summed(pictures, block, by, |a, b| u32::from(a.abs_diff(b)).pow(2))
 }
 
 /// Returns a grid displaced by `by` px; `beyond` fills what comes into the picture.

@@ -271,7 +271,7 @@ impl Conclusion {
                 " Most errors are misses ({}): try a lower threshold, a smaller opening or min-area.",
                 grouped(misses)
             ),
-            0 if misses == alarms => format!(" Misses and false alarms are as many: {}.", grouped(misses)),
+            0 if misses == alarms => format!(" {0} misses and {0} false alarms.", grouped(misses)),
             0 => format!(
                 " Most errors are false alarms ({}): try a higher threshold, a larger opening or min-area.",
                 grouped(alarms)

@@ -102,7 +102,7 @@ impl<M: Model> Variational<M> {
         let (width, height) = state.fixed.frames.size(state.level);
         let warp = format!("{} of {}", state.warp + 1, self.settings().warps);
         let what = if state.is_first_warp() {
-            "the flow is still 0, so I_x, I_y and I_t are taken from both frames without warping."
+            "the flow is still 0, so the derivatives are taken from both frames without warping."
         } else {
             "frame t+1 is warped toward frame t by the current flow (u₀, v₀), and brightness constancy is linearised again. \
              I_t is now the residual that the current flow leaves."

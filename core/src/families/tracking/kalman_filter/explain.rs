@@ -269,7 +269,7 @@ impl KalmanFilter {
             let filtered = both(|record| Some(record.filtered?.place()));
             if let (Some(measured), Some(filtered)) = (measured, filtered) {
                 said += &format!(
-                    " In the frames with a measurement: {} px measured, {} px filtered.",
+                    " RMS error in frames with a measurement, rejected ones included: {} px measured, {} px filtered.",
                     px(measured),
                     px(filtered)
                 );
