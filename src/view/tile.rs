@@ -141,11 +141,14 @@ fn said(step: &Step, [long, short, shortest]: &[String; 3], in_all: &str) -> Vec
     let role = best.role.unwrap_or(Role::Best);
     let told =
         |before: String, after: String| Sentence::default().text(before).ink(role, best.value.clone()).text(after);
+    // In a narrow tile the cost alone: where it lies is seen in the picture.
+    let cost = best.value.split_once(" px, ").map_or(&*best.value, |(_, cost)| cost);
     vec![
         told(format!("{long}  ·  "), format!("  ·  {in_all} in all")),
         told(format!("{long}  ·  "), String::new()),
         told(format!("{short}  ·  "), String::new()),
         told(format!("{shortest}  ·  "), String::new()),
+        Sentence::default().text(format!("{shortest}  ·  ")).ink(role, cost),
     ]
 }
 

@@ -2,18 +2,22 @@
 
 use eframe::egui::text::{LayoutJob, TextFormat, TextWrapping};
 use eframe::egui::{self, CursorIcon, Rect, Sense, Stroke, Ui, Vec2, WidgetInfo, pos2, vec2};
+use lucide_icons::Icon;
 use motionscope_core::Pace;
 use motionscope_core::scene::Sentence;
 
 use super::{Input, Lens, Response, bar};
 use crate::paint::{Face, Theme, brevity};
 use crate::ui::app::commands::Command;
-use crate::ui::drawing::ink;
+use crate::ui::drawing::{ink, style};
 use crate::ui::parts::widgets;
 use crate::view::tile::Tile;
 
 /// Between two tiles, in points.
 const GAP: f32 = 12.0;
+
+/// Sizes of a name that are tried in a narrow tile, as shares of the usual one.
+const SHARES: [f32; 3] = [1.0, 0.88, 0.76];
 
 /// Several estimators.
 #[derive(Clone, Copy)]
@@ -110,9 +114,18 @@ pub fn heading(ui: &Ui, input: &Input<'_>, index: usize, lens: &Lens, response: 
     painter.hline(picture.x_range(), rect.min.y + 1.0, line);
     let middle = rect.min.y + 4.0 + name_height(theme) / 2.0;
     let dim = ink::color(chrome.dim);
-    let done = painter.layout_no_wrap("done".into(), ink::font(Face::Sans, sizes.small), dim);
+    let lay_out = |words: &str, font| painter.layout_no_wrap(words.into(), font, dim);
+    let bold = |share: f32| ink::font(Face::Bold, share * sizes.body);
+    let long = lay_out("done", ink::font(Face::Sans, sizes.small));
+    let fits = |share: f32, done: f32| lay_out(tile.info.name, bold(share)).size().x + 8.0 + done <= rect.width();
+    // Where a tile is narrow, its name is smaller, and a sign stands for the word.
+    let is_narrow = !fits(1.0, long.size().x);
+    let check = || lay_out(&char::from(Icon::Check).to_string(), egui::FontId::new(sizes.small, style::icons()));
+    let done = if is_narrow { check() } else { long };
     let room = rect.width() - if tile.is_done { 8.0 + done.size().x } else { 0.0 };
-    let name = (tile.info.name, ink::font(Face::Bold, sizes.body), ink::color(chrome.text));
+    let share = if is_narrow { SHARES.into_iter().find(|share| fits(*share, done.size().x)) } else { Some(1.0) };
+    let font = bold(share.unwrap_or(SHARES[SHARES.len() - 1]));
+    let name = (tile.info.name, font, ink::color(chrome.text));
     let end = ink::line(&painter, pos2(rect.min.x, middle), name, room);
     if tile.is_done {
         painter.galley(pos2(end + 8.0, middle - done.size().y / 2.0), done, dim);

@@ -470,6 +470,9 @@ impl<M: Background> Footprint<State<M::Model>> for Subtraction<M> {
         let model = self.0.need(clip);
         // A walk holds the model before a frame, after it, in a checkpoint and in work, and the pictures shown.
         let walked = Need { walk: 4 * model.walk, ..model };
+        // The suppression of shake looks at a copy from before the update.
+        let is_copied = self.0.steadiness().is_some_and(|steady| steady.shake > 0);
+        let walked = if is_copied { walked.and([model.run as f64, model.walk as f64]) } else { walked };
         need_of_blobs(clip, self.0.settings(), walked)
     }
 
