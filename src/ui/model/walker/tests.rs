@@ -29,9 +29,9 @@ fn job() -> Job {
 /// A run that takes a second or so, to be begun at its end.
 fn long() -> Job {
     let mut subject = subject();
-    let frame = |t: usize| Frame::gray(Grid::from_fn(2400, 1800, |x, y| (x * 31 + y * 57 + x * y % 7 * 20 + t) as u8));
+    let frame = |t: usize| Frame::gray(Grid::from_fn(1600, 1200, |x, y| (x * 31 + y * 57 + x * y % 7 * 20 + t) as u8));
     subject.clip = Clip::from_frames("long", vec![frame(0), frame(2)]).unwrap();
-    for (name, value) in [("block", "8"), ("spacing", "2"), ("range", "32")] {
+    for (name, value) in [("block", "8"), ("spacing", "2"), ("range", "16")] {
         subject.experiment.estimator.set(name, value).unwrap();
     }
     Job { subject: Arc::new(subject), place: Place::END }
