@@ -315,7 +315,8 @@ mod tests {
         for (t, place) in [[0.3, -0.2], [1.2, 2.0], [4.0, 7.1], [9.4, 6.6], [9.0, 12.3]].into_iter().enumerate() {
             camera.follow(&picture(place, 10 * t), false);
             let off = [0, 1].map(|i| camera.at[i] - place[i]);
-            assert!(!camera.is_lost && off[0].hypot(off[1]) < 0.25, "{place:?}: {:?}", camera.at);
+            // The model is shifted by whole px from 0.6 px on: what is added up over several references stays below that.
+            assert!(!camera.is_lost && off[0].hypot(off[1]) < 0.6, "{place:?}: {:?}", camera.at);
         }
         assert_eq!(camera.model_at, [9.0, 12.0]);
     }
