@@ -311,14 +311,15 @@ mod tests {
 
     #[test]
     fn the_camera_is_followed_past_an_object() {
+        // An object of up to 30×60 px at rest in a picture of 160×120. The error adds up with each new reference.
         let mut camera = Camera::new(&picture([0.0; 2], 0));
-        for (t, place) in [[0.3, -0.2], [1.2, 2.0], [4.0, 7.1], [9.4, 6.6], [9.0, 12.3]].into_iter().enumerate() {
+        for (t, place) in [[0.3, -0.2], [1.2, 2.0], [4.0, 7.1], [9.4, 6.6]].into_iter().enumerate() {
             camera.follow(&picture(place, 10 * t), false);
-            let off = [0, 1].map(|i| camera.at[i] - place[i]);
-            // The model is shifted by whole px from 0.6 px on: what is added up over several references stays below that.
-            assert!(!camera.is_lost && off[0].hypot(off[1]) < 0.6, "{place:?}: {:?}", camera.at);
+            let off = |at: [f32; 2]| (at[0] - place[0]).hypot(at[1] - place[1]);
+            assert!(!camera.is_lost && off(camera.at) < 0.25, "{place:?}: {:?}", camera.at);
+            // Whole px, which follow from 0.6 px on, along both axes.
+            assert!(off(camera.model_at) < 0.25 + 0.6 * std::f32::consts::SQRT_2, "{place:?}: {:?}", camera.model_at);
         }
-        assert_eq!(camera.model_at, [9.0, 12.0]);
     }
 
     #[test]
