@@ -788,6 +788,26 @@ fn estimators_are_compared_and_what_one_missed_is_visited() {
 }
 
 #[test]
+fn an_entry_of_the_legend_shows_its_marks_alone_while_it_is_pointed_at() {
+    let mut window = Window::usual();
+    let legend = window.harness.get_by_label_contains("Legend: ").rect();
+    let mut pictures = window.harness.query_all_by_label_contains("Stage: Frame t");
+    let picture = pictures.next().expect("a picture").rect();
+    drop(pictures);
+    let lit = |window: &mut Window, at: Pos2| {
+        window.harness.hover_at(at);
+        window.settle();
+        window.app().lit()
+    };
+    assert_eq!(window.app().lit(), None);
+    let entry = legend.left_center() + vec2(10.0, 0.0);
+    assert!(lit(&mut window, entry).is_some());
+    assert_eq!(lit(&mut window, picture.center()), None, "on the picture all marks are back");
+    assert!(lit(&mut window, entry).is_some());
+    assert_eq!(lit(&mut window, Pos2::new(5.0, 5.0)), None, "and so they are elsewhere");
+}
+
+#[test]
 fn the_list_of_sweeps_opens_as_often_as_it_is_asked_for() {
     let mut window = Window::new(vec2(1600.0, 1000.0));
     window.harness.key_press(Key::C);

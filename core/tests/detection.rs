@@ -549,6 +549,44 @@ impl FrameSource for Broken {
     }
 }
 
+/// A textured scene that drifts by 2 px a frame behind a square at rest, each frame in gray or, where `in_color` says so, in the
+/// same gray as a colour.
+fn drifting(frames: usize, in_color: impl Fn(usize) -> bool) -> Clip {
+    let gray = |t: usize, x: usize, y: usize| {
+        let (u, v) = (x as f64 - 2.0 * t as f64, y as f64);
+        let is_square = (60..75).contains(&x) && (40..55).contains(&y);
+        let scene = 128.0 + 45.0 * (0.31 * u + 0.1 * v).sin() + 40.0 * (0.17 * u - 0.29 * v).cos();
+        if is_square { (40 + 9 * t) as u8 } else { scene as u8 }
+    };
+    let frame = |t: usize| match in_color(t) {
+        true => Frame::rgb(Grid::from_fn(160, 120, |x, y| [gray(t, x, y); 3])),
+        false => Frame::gray(Grid::from_fn(160, 120, |x, y| gray(t, x, y))),
+    };
+    Clip::from_frames("drifting", (0..frames).map(frame).collect()).expect("frames of one size")
+}
+
+#[test]
+fn a_model_keeps_its_channels_where_gray_and_colour_alternate_and_the_camera_drifts() {
+    const FRAMES: usize = 8;
+    let mut followed = 0;
+    for mut estimator in subtractions() {
+        let id = estimator.info().id;
+        if estimator.set("camera", "followed").is_err() {
+            continue;
+        }
+        if estimator.get("initial").is_ok() {
+            estimator.set("initial", "first-frame").expect("it is a choice");
+        }
+        for begins_in_color in [false, true] {
+            let mixed = drifting(FRAMES, |t| (t % 2 == 0) == begins_in_color);
+            let alike = drifting(FRAMES, |_| begins_in_color);
+            assert_eq!(masks(&*estimator, &mixed), masks(&*estimator, &alike), "{id}, colour first: {begins_in_color}");
+        }
+        followed += 1;
+    }
+    assert!(followed >= 6, "only {followed} models follow the camera");
+}
+
 #[test]
 fn a_damaged_frame_ends_the_run_and_what_was_done_stays() {
     let clip = colorful(FRAMES);

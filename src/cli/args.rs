@@ -285,6 +285,7 @@ fn frames(text: &str) -> Result<(usize, usize), String> {
 fn steps(text: &str) -> Result<(Cursor, Cursor), String> {
     let (from, to) = text.split_once("..").ok_or("a range of steps has the form A..B, as in 35..36 or 35.1..35.412")?;
     let from = match cursor(from)? {
+        Cursor::END => return Err("a range of steps begins with a step, as in 35..end".into()),
         Cursor { unit, event: usize::MAX } => Cursor { unit, event: 1 },
         from => from,
     };

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use motionscope_core::{Clip, Error, Stop, Threads};
+use motionscope_core::{AnyEstimator, Clip, Error, Stop, Threads};
 
 use super::args::CompareArgs;
 use super::outputs::{Place, check_folder, refuse_losses};
@@ -31,7 +31,14 @@ pub fn compare(args: &CompareArgs) -> Result<(), Error> {
     args.csv.as_deref().filter(|path| *path != Path::new("-")).map_or(Ok(()), check_folder)?;
     let mut rows = Vec::new();
     let given = Open::from(given);
-    for Round { source, contenders } in comparison::rounds(&source, &estimators, args.sweep.as_deref())? {
+    let rounds = comparison::rounds(&source, &estimators, args.sweep.as_deref())?;
+    if let (Some(sweep), Some(first)) = (&args.sweep, rounds.first()) {
+        let id = |estimator: &dyn AnyEstimator| estimator.info().id;
+        let is_left_out = |own: &str| first.contenders.iter().all(|other| id(&*other.estimator) != own);
+        let left_out = estimators.iter().map(|estimator| id(&**estimator)).filter(|own| is_left_out(own));
+        left_out.for_each(|id| eprintln!("note: --sweep {sweep}: {id} has no such parameter and is left out"));
+    }
+    for Round { source, contenders } in rounds {
         let clip = source.open(&given)?;
         if rows.is_empty() {
             refuse_losses(&inputs(args, &source, &clip, &given), &places(args), args.force)?;

@@ -60,18 +60,16 @@ impl Row {
     pub fn of(contender: &Contender, arena: &Arena<'_>) -> Result<Self, Error> {
         let Arena { clip, frame, threads, repeat } = *arena;
         let estimator = &*contender.estimator;
-        // Counted once; further runs are timed without an observer.
-        let timed = |run: &dyn Fn() -> Result<(), Error>| {
-            let start = Instant::now();
-            run().map(|()| start.elapsed())
-        };
         // Decoded here, so that the time is of the estimation alone.
         clip.pair_or_last(frame)?;
         let start = Instant::now();
         let ran = estimator.run_counted(clip, frame, threads)?;
         let mut time = start.elapsed();
+        // Counted once; further runs are timed without an observer.
         for _ in 1..repeat {
-            time = time.min(timed(&|| estimator.run(clip, frame, threads).map(drop))?);
+            let start = Instant::now();
+            estimator.run(clip, frame, threads)?;
+            time = time.min(start.elapsed());
         }
         let figures = Figures::of(estimator, &ran, (clip, frame), threads)?;
         let assessment = ran.output.assess(&Reference { clip, frame })?;

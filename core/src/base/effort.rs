@@ -6,7 +6,7 @@ thread_local! {
     static PIXELS: Cell<u64> = const { Cell::new(0) };
 }
 
-/// Adds a pass over so many pixels to the work of this thread. The kernels that go through whole pictures call it.
+/// Adds a pass over a number of pixels to the work of this thread. The kernels that go through whole pictures call it.
 #[inline]
 pub(crate) fn add(pixels: usize) {
     PIXELS.with(|total| total.set(total.get() + pixels as u64));

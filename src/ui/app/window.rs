@@ -5,7 +5,7 @@ use std::sync::mpsc::Receiver;
 
 use eframe::egui::{self, Align, CentralPanel, Frame, Label, Layout, Margin, Panel, RichText, TextStyle, Ui};
 use eframe::egui_wgpu::RenderState;
-use motionscope_core::Error;
+use motionscope_core::{Error, Role};
 
 use crate::experiment::side_by_side::SideBySide;
 use crate::ui::app::action::{Action, Actions, Browse};
@@ -153,6 +153,11 @@ impl App {
     /// What the window remembers.
     pub fn settings(&self) -> &Settings {
         &self.settings
+    }
+
+    /// The role whose marks alone are shown on the stage.
+    pub fn lit(&self) -> Option<Role> {
+        self.states.stage.lit()
     }
 
     /// Share of what is being written that is done, from 0 to 1.

@@ -168,11 +168,14 @@ pub fn line_height(theme: Theme) -> f32 {
 pub fn line(ui: &mut Ui, input: &Input<'_>, state: &mut State) {
     let (rect, response) =
         ui.allocate_exact_size(vec2(ui.available_width(), line_height(input.theme())), Sense::hover());
+    // Nothing stays lit when the pointer has gone elsewhere.
+    let before = state.marks.lit.take();
     if let Some(hovered) = state.hovered {
+        repaint_if(ui, before.is_some());
         return readout(ui, input, hovered, (rect, &response));
     }
     if !input.look.legend {
-        return;
+        return repaint_if(ui, before.is_some());
     }
     let look = state.marks.look(input);
     let items = legend_items(input, &look, ui, state);
@@ -184,17 +187,22 @@ pub fn line(ui: &mut Ui, input: &Input<'_>, state: &mut State) {
         let line = egui::Stroke::new(2.0, ink::color(input.theme().chrome().accent));
         ui.painter().hline(place.x_range(), place.max.y - 1.0, line);
     }
-    let lit = lit.map(|(role, _)| role);
-    if std::mem::replace(&mut state.marks.lit, lit) != lit {
-        ui.ctx().request_repaint();
-    }
-    if shown.hidden > 0 && lit.is_none() {
+    state.marks.lit = lit.map(|(role, _)| role);
+    repaint_if(ui, state.marks.lit != before);
+    if shown.hidden > 0 && state.marks.lit.is_none() {
         response.on_hover_ui(|ui| {
             let (width, lines) = items.column();
             let height = lines as f32 * line_height(input.theme());
             let (rect, _) = ui.allocate_exact_size(vec2(width, height), Sense::hover());
             items.paint(ui, rect);
         });
+    }
+}
+
+/// The marks were painted before the legend below them was pointed at.
+fn repaint_if(ui: &Ui, has_changed: bool) {
+    if has_changed {
+        ui.ctx().request_repaint();
     }
 }
 

@@ -21,7 +21,7 @@ use eframe::egui::{self, CursorIcon, Rect, Sense, Ui, Vec2, pos2, vec2};
 use eframe::egui_wgpu::RenderState;
 use motionscope_core::params::Placed;
 use motionscope_core::scene::{Focus, Picture};
-use motionscope_core::{Cursor, Pace, Scene};
+use motionscope_core::{Cursor, Pace, Role, Scene};
 
 pub use lens::{Lens, Zoom};
 pub use lockstep::Lockstep;
@@ -112,6 +112,11 @@ pub struct State {
 }
 
 impl State {
+    /// The role whose marks alone are shown, because its entry of the legend is pointed at.
+    pub fn lit(&self) -> Option<Role> {
+        self.marks.lit
+    }
+
     /// One image pixel to one pixel of the screen.
     pub fn one_to_one(&mut self, pixels_per_point: f32) {
         if let Some(lens) = self.shown {

@@ -208,18 +208,21 @@ impl Mixture {
         }
     }
 
+    /// Returns a frame in the channels of the modes, if it has others: a clip may mix gray and color frames.
+    fn gathered(&self, frame: &Frame) -> Option<Frame> {
+        match (self.channels, frame.color().is_some()) {
+            (3, false) => Some(as_color(frame)),
+            (1, true) => Some(Frame::gray(frame.luma().clone())),
+            _ => None,
+        }
+    }
+
     /// Decides the pixels of a frame, and takes it in.
     pub fn subtract(&mut self, of: &MixtureOfGaussians, frame: &Frame, threads: &Threads) -> Found {
         self.make_room();
         let ((width, height), part) = (self.size, self.part());
         let (rates, most) = (Rates::new(of), self.most);
-        // A clip may have gray pictures among those in colour.
-        // A clip may mix gray and color frames: the model keeps its channels.
-        let gathered = match (self.channels, frame.color().is_some()) {
-            (3, false) => Some(as_color(frame)),
-            (1, true) => Some(Frame::gray(frame.luma().clone())),
-            _ => None,
-        };
+        let gathered = self.gathered(frame);
         let frame = gathered.as_ref().unwrap_or(frame);
         let (mut mask, mut shadows) = (Mask::new(width, height), Mask::new(width, height));
         let groups = BAND_ROWS * width.div_ceil(LANES);
@@ -257,7 +260,7 @@ impl Mixture {
         let (mut source, (width, height), part) = (self.clone(), self.size, self.part());
         let by = by.map(|c| c.round() as i32);
         source.make_room();
-        let gathered = (self.channels == 3 && frame.color().is_none()).then(|| as_color(frame));
+        let gathered = self.gathered(frame);
         let mut moved = Self::new(of, gathered.as_ref().unwrap_or(frame));
         moved.planes.resize_with(source.planes.len().max(1), || vec![0.0; self.counts.len() * part]);
         let in_row = width.div_ceil(LANES);
