@@ -258,6 +258,8 @@ pub struct Strip {
 
 /// Sizes of the strip's type that are tried until all of it is seen: 18 points on a projector, less for the longest alone.
 const TYPE_SHARES: [f32; 4] = [1.0, 0.93, 0.86, 0.8];
+/// Most lines of a formula that always stand below each other: a short one is read across otherwise.
+const ONE_COLUMN: usize = 3;
 /// Most rows of numbers in the strip.
 const STRIP_FACTS: usize = 3;
 /// Share of the strip's width for the sentence where numbers stand beside it.
@@ -360,7 +362,7 @@ fn strip_columns(input: Input<'_>, (width, density): (f32, Density), most: f32) 
         vec![(0.0, sentence(left)), (at(0.0), lines(first, column)), (at(1.0), lines(second, column))]
     };
     let in_one = |share: &f32| one(*share, &|width| lines(formula, width));
-    let narrow = if formula.len() > 1 { &NARROW_SHARES[..] } else { &[] };
+    let narrow = if formula.len() > ONE_COLUMN { &NARROW_SHARES[..] } else { &[] };
     let usual = [SENTENCE_SHARES.first().map(in_one), narrow.first().map(|share| two(*share))];
     let lowest = |ways: &mut dyn Iterator<Item = Vec<(f32, Block)>>| {
         ways.min_by(|a, b| height(a, width).total_cmp(&height(b, width))).unwrap_or_default()
