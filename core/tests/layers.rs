@@ -91,3 +91,25 @@ fn a_macro_belongs_to_the_file_that_declares_it() {
     let found = faults(&[("lib.rs", ""), ("high/plan.rs", declared), ("low/a.rs", "use crate::tower;")]);
     assert_eq!(found, ["low/a.rs:1: low → high (tower) runs back up"]);
 }
+
+/// The files below `folder` with what they contain.
+fn sources(folder: &Path) -> Vec<(String, String)> {
+    let entries = std::fs::read_dir(folder).expect("a folder of the core").map(|entry| entry.expect("an entry").path());
+    let below = |path: std::path::PathBuf| match path.is_dir() {
+        true => sources(&path),
+        false => vec![(path.display().to_string(), std::fs::read_to_string(&path).expect("a text"))],
+    };
+    entries.flat_map(below).collect()
+}
+
+#[test]
+fn the_core_asks_the_time_at_one_door_only() {
+    let all = sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"));
+    let asking: Vec<_> = all
+        .iter()
+        .filter(|(_, text)| ["Instant", "SystemTime"].iter().any(|clock| text.contains(clock)))
+        .map(|(name, _)| name)
+        .collect();
+    assert!(all.len() > 150 && asking.len() == 1, "{asking:?} of {} files", all.len());
+    assert!(asking[0].ends_with("clock.rs"), "{asking:?}");
+}

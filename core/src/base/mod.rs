@@ -1,5 +1,6 @@
 //! Foundations: errors, words and numbers, threads, cancellation, and observers.
 
+pub mod clock;
 pub mod effort;
 pub mod entropy;
 mod error;

@@ -1,10 +1,10 @@
 //! Time travel for any estimator: checkpoints, and replay of one unit for everything in between.
 
 use std::collections::BTreeMap;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::{Cursor, Direction, Estimator, Explained, Granularity, Info, Move, Progress, Seen, Walk};
-use crate::base::{Error, Stop};
+use crate::base::{Error, Stop, clock::Stopwatch};
 use crate::data::Clip;
 use crate::products::Output;
 use crate::scene::{Focus, Picture, Role, Scene, Step};
@@ -25,7 +25,7 @@ impl<E: Estimator> Unit<E> {
         clip: &Clip,
         (index, before, work): (usize, E::State, Duration),
     ) -> Result<(Self, Progress), Error> {
-        let (begun, mut after) = (Instant::now(), before.clone());
+        let (begun, mut after) = (Stopwatch::start(), before.clone());
         let mut events = Vec::new();
         let progress = estimator.advance(clip, &mut after, &mut events)?;
         Ok((Self { index, before, after, events, work: [work, work + begun.elapsed()] }, progress))
@@ -91,7 +91,7 @@ impl<S> Checkpoints<S> {
 
     /// Keeps a state and its bytes; thins out when the budget is used up.
     fn keep(&mut self, index: usize, rest: impl FnOnce() -> (S, usize)) {
-        let begun = Instant::now();
+        let begun = Stopwatch::start();
         let (state, bytes) = rest();
         self.cost = begun.elapsed();
         self.states.insert(index, (state, bytes));
@@ -312,7 +312,7 @@ impl<E: Estimator> Timeline<E> {
             Goal::Cursor(cursor) => cursor.unit - journey.index,
             Goal::GroupEnd { .. } => usize::MAX,
         };
-        let begun = Instant::now();
+        let begun = Stopwatch::start();
         let done = self.estimator.advance_many(&self.clip, &mut journey.state, most);
         journey.work += begun.elapsed();
         self.advanced += done.as_ref().map_or(1, |(units, _)| *units);
