@@ -714,7 +714,12 @@ impl<'a> Worker<'a> {
             let slice = Instant::now();
             if run.walk.work(&mut || slice.elapsed() < NEWS && wanted()) {
                 let at = run.walk.cursor();
-                return if long_move.comes_to(at, run.walk.at_end(), begun.elapsed()) { Leg::There } else { Leg::Part };
+                if long_move.comes_to(at, run.walk.at_end(), begun.elapsed()) {
+                    return Leg::There;
+                }
+                // A part of one unit has no slices in which it could be stopped.
+                shared.mailbox().view.progress = long_move.reached();
+                return if wanted() { Leg::Part } else { Leg::NotWanted };
             }
             if !wanted() {
                 return Leg::NotWanted;

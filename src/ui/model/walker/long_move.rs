@@ -69,6 +69,12 @@ impl LongMove {
         (last > self.from).then(|| (reached.saturating_sub(self.from), last - self.from))
     }
 
+    /// Units done of those that the whole way takes when a part has ended, where that can be told.
+    pub fn reached(&self) -> Option<(usize, usize)> {
+        let last = self.last.filter(|last| self.goal.is_some() && *last > self.from)?;
+        Some((self.at.unit.min(last).saturating_sub(self.from), last - self.from))
+    }
+
     /// Where the first part of a way that turns out to be long ends: at the unit that is reached.
     pub fn breaks_off(&mut self, took: Duration, part: Option<(usize, usize)>) -> Option<Move> {
         if self.is_long || self.goal.is_none() || took < SIGHT {

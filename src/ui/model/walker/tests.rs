@@ -402,6 +402,7 @@ fn a_long_run_shows_how_far_it_has_come_and_can_be_stopped_there() {
     assert!(shown.cursor.unit > 1 && !shown.at_end && walker.view().busy, "{}", shown.cursor);
     assert_eq!(Place::of(&shown), Place::END, "with other parameters it is bound for the same place");
     while walker.view().progress.is_none_or(|(done, _)| done <= shown.cursor.unit) {
+        assert!(begun.elapsed() < Duration::from_secs(20), "no progress is told");
         std::thread::sleep(Duration::from_millis(1));
     }
     let progress = walker.view().progress;
