@@ -105,6 +105,7 @@ fn both_differ([here, there]: [&[u8]; 2], threshold: u8, words: &mut [u64]) {
 subtraction_pseudocode! {
     begin: "B ← frame 0",
     camera: "  shift B by the median displacement of the camera",
+    exposure: "  correct the exposure of the frame to that of the background",
     compare: "  d ← |I(t) − I(t−1)|; with three frames min(|I(t) − I(t−1)|, |I(t) − I(t−2)|)",
     decide: "  foreground if d > threshold",
     shake: "  suppress pixels that fit the background of a pixel within shake",

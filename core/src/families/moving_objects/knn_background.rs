@@ -154,6 +154,7 @@ fn square(a: [u8; 3], b: [u8; 3], channels: usize) -> f32 {
 subtraction_pseudocode! {
     begin: "all samples of each pixel ← the initial background",
     camera: "  shift the model by the median displacement of the camera, in whole px",
+    exposure: "  correct the exposure of the frame to that of the background",
     compare: "  n ← number of background samples s with |I − s| ≤ threshold",
     decide: "  foreground if n < k",
     shadows: "  shadow if I ≈ a s with shadow-threshold ≤ a ≤ 1 for k background samples",

@@ -52,6 +52,7 @@ fn decide_row(model: &mut [u8], row: &[u8], words: &mut [u64], median: &MedianBa
 subtraction_pseudocode! {
     begin: "B ← the initial background",
     camera: "  shift the model by the median displacement of the camera, in whole px",
+    exposure: "  correct the exposure of the frame to that of the background",
     compare: "  d ← |I − B|",
     decide: "  foreground if d > threshold",
     shake: "  suppress pixels that fit the background of a pixel within shake",

@@ -68,6 +68,7 @@ const MAX_SIGMAS: f32 = 2.25;
 subtraction_pseudocode! {
     begin: "one mode per pixel: w ← 1, μ ← the initial background, σ ← initial-sigma",
     camera: "  shift the model by the median displacement of the camera, in whole px",
+    exposure: "  correct the exposure of the frame to that of the background",
     compare: "  matched mode ← the heaviest with |I − μ| ≤ threshold · σ",
     decide: "  foreground if none matches, or if Σ w of the heavier modes ≥ background-ratio",
     shadows: "  shadow if I ≈ a μ with shadow-threshold ≤ a ≤ 1 for a background mode",

@@ -76,6 +76,7 @@ fn decide_row(model: &mut [Gaussian], row: &[u8], words: &mut [u64], of: &Single
 subtraction_pseudocode! {
     begin: "μ ← the initial background, σ ← initial-sigma",
     camera: "  shift the model by the median displacement of the camera, in whole px",
+    exposure: "  correct the exposure of the frame to that of the background",
     compare: "  d ← |I − μ| / σ",
     decide: "  foreground if d > threshold",
     shake: "  suppress pixels that fit the background of a pixel within shake",

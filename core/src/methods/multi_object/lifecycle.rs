@@ -1,6 +1,7 @@
 //! Track management: confirmation, coasting and deletion of tracks.
 
 use crate::data::Detection;
+use crate::geometry::Bounds;
 use crate::params;
 use crate::products::TrackStatus;
 
@@ -10,9 +11,9 @@ params! {
     pub struct Rules {
         /// Matched frames before a tentative track is confirmed. Higher values suppress false tracks, but delay new ones.
         min_hits: usize = 3, 1..=50;
-        /// Minimum travel: the distance from its first position, as a share of the longer side of its box, that confirms the track of a blob.
-        /// At least half of its path must lead away. Flicker persists in place, objects move consistently; detections that are not blobs
-        /// need no travel.
+        /// Minimum travel: the distance that the box of a blob has moved over the background, as a share of its longer side, that confirms
+        /// the track. At least half of its path must lead away. Flicker persists in place, or grows and shrinks; objects move. Detections
+        /// that are not blobs need no travel.
         min_travel: f32 = 0.4, 0.0..=10.0;
         /// Missed frames in a row before a confirmed track is deleted; a tentative one is deleted at the first miss. Higher values bridge longer occlusions, but keep lost tracks.
         max_age: usize = 15, 0..=500;
@@ -35,53 +36,78 @@ pub(crate) struct TrackAge {
     /// Tentative, confirmed or coasting.
     pub status: TrackStatus,
     /// The motion of a blob since the start of its track; none of other detections.
-    pub journey: Option<Journey>,
+    pub movement: Option<Movement>,
 }
 
-/// The motion of a blob.
+/// The motion of a blob relative to the background.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Journey {
-    /// Its first and its last position in px.
-    start: [f64; 2],
-    last: [f64; 2],
-    /// The length of its path in px.
+pub(crate) struct Movement {
+    /// Its first and its last box.
+    first: PlacedBox,
+    last: PlacedBox,
+    /// The length of the path of its centre in px.
     path_px: f64,
-    /// The longer side of its last box in px.
-    side_px: f64,
+}
+
+/// The box of a blob.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct PlacedBox {
+    /// In px, in coordinates of the background.
+    bounds: Bounds,
+    /// As [`Blob::is_cut`](crate::data::Blob::is_cut).
+    is_cut: [[bool; 2]; 2],
 }
 
 /// The least share of a path that leads away from its start, where motion is consistent.
 const LEAST_STRAIGHT: f64 = 0.5;
 
-fn apart(a: [f64; 2], b: [f64; 2]) -> f64 {
-    (a[0] - b[0]).hypot(a[1] - b[1])
+impl PlacedBox {
+    fn of(found: &Detection) -> Option<Self> {
+        let placed = |bounds: Bounds, by: [f32; 2]| bounds.moved(by.map(|c| -c));
+        found.blob.map(|blob| Self { bounds: placed(found.bounds, blob.background_px), is_cut: blob.is_cut })
+    }
+
+    fn side_px(&self) -> f64 {
+        let [width, height] = self.bounds.size();
+        f64::from(width.max(height))
+    }
 }
 
-impl Journey {
+impl Movement {
     fn begun(found: &Detection) -> Option<Self> {
-        let at = found.center.map(f64::from);
-        found.blob.map(|_| Self { start: at, last: at, path_px: 0.0, side_px: side_px(found) })
+        PlacedBox::of(found).map(|first| Self { first, last: first, path_px: 0.0 })
     }
 
     fn seen(self, found: &Detection) -> Self {
-        let at = found.center.map(f64::from);
-        Self { last: at, path_px: self.path_px + apart(self.last, at), side_px: side_px(found), ..self }
+        let last = PlacedBox::of(found).unwrap_or(self.last);
+        let [from, to] = [self.last, last].map(|placed| placed.bounds.center());
+        let step_px = f64::from((to[0] - from[0]).hypot(to[1] - from[1]));
+        Self { last, path_px: self.path_px + step_px, ..self }
     }
 
-    /// Returns the distance from the first position in px.
+    /// Returns the distance in px that the whole box has moved from its first place: along each axis what both of its edges have
+    /// moved in the same direction. A blob that only grows or shrinks moves one of them. An edge on the border of the picture is
+    /// none of the object.
     pub fn net_px(&self) -> f64 {
-        apart(self.start, self.last)
+        let along = [0, 1].map(|axis| {
+            let [first, last] = [self.first.bounds, self.last.bounds];
+            let low = f64::from(last.min[axis] - first.min[axis]);
+            let high = f64::from(last.max[axis] - first.max[axis]);
+            match [0, 1].map(|edge| self.first.is_cut[axis][edge] || self.last.is_cut[axis][edge]) {
+                [false, false] if low * high > 0.0 => low.abs().min(high.abs()),
+                [true, false] => high.abs(),
+                [false, true] => low.abs(),
+                _ => 0.0,
+            }
+        });
+        along[0].hypot(along[1])
     }
 
     /// Returns the distance that confirms the track in px.
     pub fn least_px(&self, min_travel: f32) -> f64 {
-        if min_travel <= 0.0 { 0.0 } else { (f64::from(min_travel) * self.side_px).max(LEAST_STRAIGHT * self.path_px) }
+        let longest = self.first.side_px().max(self.last.side_px());
+        if min_travel <= 0.0 { 0.0 } else { (f64::from(min_travel) * longest).max(LEAST_STRAIGHT * self.path_px) }
     }
-}
-
-fn side_px(found: &Detection) -> f64 {
-    let [width, height] = found.bounds.size();
-    f64::from(width.max(height))
 }
 
 impl Rules {
@@ -93,16 +119,16 @@ impl Rules {
     /// Starts a track with its first detection.
     pub(crate) fn begun(&self, found: &Detection) -> TrackAge {
         let status = if self.min_hits <= 1 { TrackStatus::Confirmed } else { TrackStatus::Tentative };
-        TrackAge { hits: 1, missed: 0, status, journey: Journey::begun(found) }
+        TrackAge { hits: 1, missed: 0, status, movement: Movement::begun(found) }
     }
 
     /// Counts a match with a detection.
     pub(crate) fn seen(&self, age: TrackAge, found: &Detection) -> TrackAge {
-        let (hits, journey) = (age.hits + 1, age.journey.map(|journey| journey.seen(found)));
-        let is_far = journey.is_none_or(|journey| journey.net_px() >= journey.least_px(self.min_travel));
+        let (hits, movement) = (age.hits + 1, age.movement.map(|movement| movement.seen(found)));
+        let is_far = movement.is_none_or(|movement| movement.net_px() >= movement.least_px(self.min_travel));
         let is_confirmed = hits >= self.min_hits && is_far || age.status != TrackStatus::Tentative;
         let status = if is_confirmed { TrackStatus::Confirmed } else { TrackStatus::Tentative };
-        TrackAge { hits, missed: 0, status, journey }
+        TrackAge { hits, missed: 0, status, movement }
     }
 
     /// Counts a miss; `None` where the track is deleted.
@@ -110,5 +136,63 @@ impl Rules {
         let missed = age.missed + 1;
         let is_over = missed > self.max_age || age.status == TrackStatus::Tentative;
         (!is_over).then_some(TrackAge { missed, status: TrackStatus::Coasting, ..age })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::Blob;
+
+    fn found(min: [f32; 2], size: [f32; 2], background_px: [f32; 2]) -> Detection {
+        let bounds = Bounds { min, max: [min[0] + size[0], min[1] + size[1]] };
+        let blob = Blob {
+            label: 1,
+            area_px: 9,
+            radii: [3.0; 2],
+            angle_rad: 0.0,
+            gray: 90.0,
+            background_px,
+            is_cut: [[false; 2]; 2],
+        };
+        Detection { bounds, center: bounds.center(), score: 1.0, blob: Some(blob) }
+    }
+
+    fn status(all: &[Detection]) -> TrackStatus {
+        let rules = Rules::default();
+        let age = all[1..].iter().fold(rules.begun(&all[0]), |age, found| rules.seen(age, found));
+        age.status
+    }
+
+    #[test]
+    fn what_moves_is_confirmed() {
+        let all = [0.0, 4.0, 8.0, 12.0].map(|x| found([x, 5.0], [20.0, 10.0], [0.0; 2]));
+        assert_eq!(status(&all), TrackStatus::Confirmed);
+    }
+
+    #[test]
+    fn what_grows_or_shrinks_in_place_is_not() {
+        let growing = [10.0, 20.0, 40.0, 80.0].map(|width| found([0.0, 5.0], [width, 10.0], [0.0; 2]));
+        assert_eq!(status(&growing), TrackStatus::Tentative);
+        let shrinking = [60.0, 40.0, 20.0].map(|width| found([60.0 - width, 5.0], [width, 10.0], [0.0; 2]));
+        assert_eq!(status(&shrinking), TrackStatus::Tentative);
+    }
+
+    #[test]
+    fn what_leaves_the_picture_moves_by_its_visible_edge() {
+        let mut all = [20.0, 40.0, 60.0].map(|y| found([5.0, y], [20.0, 80.0 - y], [0.0; 2]));
+        assert_eq!(status(&all), TrackStatus::Tentative, "it shrinks");
+        for blob in all.iter_mut().filter_map(|found| found.blob.as_mut()) {
+            blob.is_cut[1][1] = true;
+        }
+        assert_eq!(status(&all), TrackStatus::Confirmed);
+    }
+
+    #[test]
+    fn what_moves_with_the_background_is_not() {
+        let all = [0.0, 4.0, 8.0, 12.0].map(|x| found([x, 5.0], [20.0, 10.0], [x, 0.0]));
+        assert_eq!(status(&all), TrackStatus::Tentative);
+        let against = [0.0, 4.0, 8.0, 12.0].map(|x| found([50.0, 5.0], [20.0, 10.0], [x, 0.0]));
+        assert_eq!(status(&against), TrackStatus::Confirmed, "it stays where the background goes");
     }
 }

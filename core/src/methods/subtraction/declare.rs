@@ -33,12 +33,13 @@ impl Settings {
     }
 }
 
-/// Names of the lines of the pseudocode. `REMOVE_SHADOWS` exists only where shadows are detected, `FOLLOW_CAMERA` and
-/// `SUPPRESS_SHAKE` only in models of the background.
+/// Names of the lines of the pseudocode. `REMOVE_SHADOWS` exists only where shadows are detected, `FOLLOW_CAMERA`,
+/// `CORRECT_EXPOSURE` and `SUPPRESS_SHAKE` only in models of the background.
 pub(super) mod line {
     crate::line_names!(
         BEGIN_MODEL,
         FOLLOW_CAMERA,
+        CORRECT_EXPOSURE,
         COMPARE,
         DECIDE,
         REMOVE_SHADOWS,
@@ -55,13 +56,14 @@ pub(super) mod line {
 /// and update of the model.
 macro_rules! subtraction_pseudocode {
     (
-        begin: $begin:literal, $(camera: $camera:literal,)? compare: $compare:literal, decide: $decide:literal,
+        begin: $begin:literal, $(camera: $camera:literal,)? $(exposure: $exposure:literal,)? compare: $compare:literal, decide: $decide:literal,
         $(shadows: $shadows:literal,)? $(shake: $shake:literal,)? update: $update:literal $(,)?
     ) => {
         $crate::pseudocode! {
             BEGIN_MODEL: $begin,
             EACH_FRAME: "for each later frame t, at each pixel",
             $(FOLLOW_CAMERA: $camera,)?
+            $(CORRECT_EXPOSURE: $exposure,)?
             COMPARE: $compare,
             DECIDE: $decide,
             $(REMOVE_SHADOWS: $shadows,)?

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::declare::line;
+use super::exposure::Transfer;
 use super::{Background, Conclusion, Event, Explanation, Initial, State, Subtraction};
 use crate::base::words::{self, capital, counted as count, grouped, pixel};
 use crate::data::{Detection, Frame, Mask};
@@ -41,6 +42,14 @@ impl<'a> MaskHistory<'a> {
     fn frame(&self) -> Option<&'a Arc<Frame>> {
         self.events.iter().find_map(|event| match event {
             Event::Begun(frame) | Event::Compared(frame, _) => Some(frame),
+            _ => None,
+        })
+    }
+
+    /// The frame before its exposure was corrected, and the transfer to it.
+    fn exposed(&self) -> Option<(&'a Frame, &'a Transfer)> {
+        self.events.iter().find_map(|event| match event {
+            Event::Exposed(frame, transfer) => Some((&**frame, &**transfer)),
             _ => None,
         })
     }
@@ -166,6 +175,10 @@ impl<'a> MaskHistory<'a> {
                     let moved = format!("{}, {} px", fixed(f64::from(*x), 2), fixed(f64::from(*y), 2));
                     Some(Fact::new("Camera displacement", moved, Some(Role::Reference)))
                 }
+                Event::Exposed(_, transfer) => {
+                    let change = format!("{} gray levels", signed(transfer.median));
+                    Some(Fact::new("Change of exposure", change, Some(Role::Reference)))
+                }
                 Event::Steadied(_, mask) => {
                     Some(Fact::new("Displaced background", pixels(mask.count()), Some(Role::Rejected)))
                 }
@@ -284,6 +297,27 @@ impl Conclusion {
     }
 }
 
+/// A change of the gray level in words.
+fn brighter(change: f32) -> String {
+    let by = fixed(f64::from(change.abs()), 1);
+    format!("{by} gray levels {}", if change > 0.0 { "brighter" } else { "darker" })
+}
+
+/// The change of dark and of bright pixels, where it differs.
+fn by_level(transfer: &Transfer) -> String {
+    let [dark, bright] = [64.0, 192.0].map(|level| transfer.change(level));
+    if (dark - bright).abs() < 1.0 {
+        return String::new();
+    }
+    format!(" ({} at level 64, {} at level 192)", signed(dark), signed(bright))
+}
+
+/// A change with its sign.
+fn signed(change: f32) -> String {
+    let sign = if change < 0.0 { "−" } else { "+" };
+    format!("{sign}{}", fixed(f64::from(change.abs()), 1))
+}
+
 /// A count with its noun in the singular or plural.
 fn counted(count: usize, [one, many]: [&str; 2]) -> String {
     format!("{} {}", grouped(count), if count == 1 { one } else { many })
@@ -346,6 +380,7 @@ impl<M: Background> Subtraction<M> {
         let line = match seen.events.last() {
             None | Some(Event::Begun(_)) => line::BEGIN_MODEL,
             Some(Event::Followed(..)) => line::FOLLOW_CAMERA,
+            Some(Event::Exposed(..)) => line::CORRECT_EXPOSURE,
             Some(Event::Steadied(..)) => line::SUPPRESS_SHAKE,
             Some(Event::Compared(..)) => line::COMPARE,
             Some(Event::Decided(_)) => line::DECIDE,
@@ -396,7 +431,7 @@ impl<M: Background> Subtraction<M> {
         if let Event::Updated(conclusion) = event {
             return self.updated(seen, conclusion);
         }
-        let is_decided = !matches!(event, Event::Begun(_) | Event::Compared(..));
+        let is_decided = !matches!(event, Event::Begun(_) | Event::Exposed(..) | Event::Compared(..));
         if let Some((place, Explanation { verdict, .. })) = self.explanation(seen).filter(|_| is_decided) {
             let mut all = said.ink(Role::Reference, format!("Pixel {}", pixel(place)));
             all.0.extend(verdict.0);
@@ -420,6 +455,12 @@ impl<M: Background> Subtraction<M> {
                 .text("The camera has moved. The median displacement of textured blocks since the first frame is ")
                 .ink(Role::Reference, format!("{} px", words::place(*at)))
                 .text(format!(", so the model is shifted by {} px.", words::place(*by))),
+            Event::Exposed(_, transfer) => said
+                .text("The exposure has changed: most pixels are ")
+                .ink(Role::Reference, brighter(transfer.median))
+                .text(" than the background")
+                .text(by_level(transfer))
+                .text(". The frame is corrected by this change."),
             Event::Compared(..) => said.text(format!(
                 "{} at each pixel of frame {number}. The heat map shows {}.",
                 capital(M::COMPARED),
@@ -474,6 +515,10 @@ impl<M: Background> Subtraction<M> {
         let mut readouts = Vec::new();
         if let Some((place, explanation)) = self.explanation(seen) {
             facts.push(Fact::new("Pixel", pixel(place), Some(Role::Reference)));
+            if let Some((frame, _)) = history.exposed() {
+                let level = frame.luma()[place].to_string();
+                facts.push(Fact::new("Level before the correction", level, Some(Role::Measured)));
+            }
             facts.extend(explanation.facts);
             readouts.extend(Some(explanation.equation).filter(|lines| !lines.is_empty()).map(Readout::Equation));
             readouts.extend(Some(explanation.matrices).filter(|all| !all.is_empty()).map(Readout::Matrices));
@@ -515,7 +560,7 @@ impl<M: Background> Subtraction<M> {
         match seen.events.last() {
             None => {}
             Some(Event::Followed(..)) => scene.legend(Role::Predicted, "background model, shifted with the camera"),
-            Some(Event::Begun(_)) => scene.legend(Role::Predicted, "background model"),
+            Some(Event::Begun(_) | Event::Exposed(..)) => scene.legend(Role::Predicted, "background model"),
             Some(Event::Compared(_, difference)) => {
                 let values = difference.as_ref().clone();
                 scene.mark(Picture::CURRENT, Role::Candidate, Shape::Heat { origin: [0.0; 2], values });

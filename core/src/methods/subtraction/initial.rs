@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use super::camera::{aligned, shifted_frame};
+use super::camera::{CameraMotion, Steadiness, aligned, shifted_frame};
+use super::exposure::{Exposure, Transfer};
 use crate::base::Error;
 use crate::choices;
 use crate::data::{Clip, Frame};
@@ -25,14 +26,19 @@ const SAMPLES: usize = 9;
 /// The number of leading frames that the samples are taken from in a clip of unknown length.
 const REACH: usize = 60;
 
-/// Returns the picture that initialises the model of the frames `span` of a clip, whether or not the camera is followed.
+/// Returns the picture that initialises the model of the frames `span` of a clip. The samples of a median are aligned and have the
+/// exposure of the first of them, as far as `steady` asks for it.
 ///
 /// # Errors
 /// If a frame cannot be read.
-pub fn picture((initial, is_followed): (Initial, bool), clip: &Clip, span: &Span) -> Result<Arc<Frame>, Error> {
+pub fn picture(
+    (initial, steady): (Initial, Option<Steadiness>),
+    clip: &Clip,
+    span: &Span,
+) -> Result<Arc<Frame>, Error> {
     match initial {
         Initial::FirstFrame => clip.frame(span.first),
-        Initial::Median => median_of(clip, span, is_followed).map(Arc::new),
+        Initial::Median => median_of(clip, span, steady).map(Arc::new),
     }
 }
 
@@ -40,7 +46,7 @@ pub fn picture((initial, is_followed): (Initial, bool), clip: &Clip, span: &Span
 /// leaves no trace.
 ///
 /// B. P. L. Lo and S. A. Velastin, Automatic congestion detection system for underground platforms, 2001.
-fn median_of(clip: &Clip, span: &Span, is_followed: bool) -> Result<Frame, Error> {
+fn median_of(clip: &Clip, span: &Span, steady: Option<Steadiness>) -> Result<Frame, Error> {
     let count = span.frames().unwrap_or(REACH);
     let samples = count.min(SAMPLES);
     let mut times = Vec::new();
@@ -52,7 +58,10 @@ fn median_of(clip: &Clip, span: &Span, is_followed: bool) -> Result<Frame, Error
         }
         times.push(t);
     }
-    let frames = sampled(clip, &times, is_followed)?;
+    let mut frames = sampled(clip, &times, steady.is_some_and(|steady| steady.camera == CameraMotion::Followed))?;
+    if steady.is_some_and(|steady| steady.exposure == Exposure::Compensated) {
+        expose(&mut frames);
+    }
     let (width, height) = clip.size();
     let colors: Option<Vec<_>> = frames.iter().map(|frame| frame.color()).collect();
     Ok(match colors {
@@ -63,6 +72,17 @@ fn median_of(clip: &Clip, span: &Span, is_followed: bool) -> Result<Frame, Error
             median(&mut frames.iter().map(|frame| frame.luma()[(x, y)]).collect::<Vec<u8>>())
         })),
     })
+}
+
+/// Gives all frames the exposure of the first one.
+fn expose(frames: &mut [Arc<Frame>]) {
+    let Some((first, others)) = frames.split_first_mut() else { return };
+    for frame in others {
+        let expected = |x, y| Some(f32::from(first.luma()[(x, y)]));
+        if let Some(transfer) = Transfer::between(frame.luma(), expected) {
+            *frame = Arc::new(transfer.undone(frame));
+        }
+    }
 }
 
 /// Returns frames of a clip, aligned with the first of them where the camera is followed. What is outside a frame is taken from the

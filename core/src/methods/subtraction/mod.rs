@@ -4,6 +4,7 @@ mod camera;
 mod declare;
 mod explain;
 mod explanation;
+mod exposure;
 mod initial;
 mod rows;
 mod shadow;
@@ -16,11 +17,13 @@ pub use declare::Settings;
 pub(crate) use declare::subtraction_pseudocode;
 pub(crate) use explain::{MaskHistory, plots};
 pub(crate) use explanation::{Expected, Explanation, compared};
+pub use exposure::Exposure;
 pub use initial::Initial;
 pub(crate) use rows::{Flags, by_rows};
 pub(crate) use shadow::{ShadowLimits, is_shadow};
 
 use camera::Camera;
+use exposure::Transfer;
 
 use crate::base::{Error, Observer, Tally, Threads};
 use crate::data::{Clip, Detection, Frame, Labelling, Mask, ObjectBox, PackedMask};
@@ -184,6 +187,8 @@ pub enum Event {
     Begun(Arc<Frame>),
     /// The model is shifted by this many px; the displacement of the camera since the first frame.
     Followed([f32; 2], [f32; 2]),
+    /// The frame as it was before its exposure was corrected, and the transfer from the background to it.
+    Exposed(Arc<Frame>, Arc<Transfer>),
     /// The frame and the difference of each pixel from the background.
     Compared(Arc<Frame>, Arc<Grid<f32>>),
     /// The foreground mask by the threshold.
@@ -269,11 +274,24 @@ pub(crate) fn sifted(settings: Settings, picture: (usize, usize), all: Vec<Detec
     [kept, dropped]
 }
 
+/// The level that `of` gives for pixels of a picture that is displaced by `by` px; `None` for what comes into the picture.
+fn displaced_by(
+    by: [f32; 2],
+    (width, height): (usize, usize),
+    of: impl Fn((usize, usize)) -> f32,
+) -> impl Fn(usize, usize) -> Option<f32> {
+    let by = by.map(|c| c.round() as isize);
+    move |x, y| {
+        let at = (x.checked_add_signed(-by[0])?, y.checked_add_signed(-by[1])?);
+        (at.0 < width && at.1 < height).then(|| of(at))
+    }
+}
+
 impl<M: Background> Subtraction<M> {
     /// Returns the next frame; at the start of a run the picture that initialises the model.
     fn next_frame(&self, clip: &Clip, state: &State<M::Model>) -> Result<Arc<Frame>, Error> {
         match state.model {
-            None => initial::picture((self.0.initial(), self.is_followed()), clip, &state.span),
+            None => initial::picture((self.0.initial(), self.0.steadiness()), clip, &state.span),
             Some(_) => clip.frame(state.frame),
         }
     }
@@ -287,14 +305,35 @@ impl<M: Background> Subtraction<M> {
         self.is_followed().then(|| Ok(Camera::new(&*clip.frame(state.span.first)?))).transpose()
     }
 
-    /// Shifts the model with the camera.
-    fn follow(&self, state: &mut State<M::Model>, frame: &Arc<Frame>, observer: &mut impl Observer<Event>) {
-        let (Some(camera), Some(model)) = (&mut state.camera, &mut state.model) else { return };
-        let by = camera.follow(frame, M::IS_REPLACED);
+    /// Shifts the model with the camera; returns the frame with the exposure of the model.
+    fn follow(
+        &self,
+        state: &mut State<M::Model>,
+        frame: Arc<Frame>,
+        observer: &mut impl Observer<Event>,
+    ) -> Arc<Frame> {
+        let Some(model) = &mut state.model else { return frame };
+        let by = state.camera.as_mut().map_or([0.0; 2], |camera| camera.follow(&frame, M::IS_REPLACED));
+        let transfer = self.transfer(model, by, &frame);
+        let exposed =
+            transfer.as_ref().map_or_else(|| Arc::clone(&frame), |transfer| Arc::new(transfer.undone(&frame)));
         if by != [0.0; 2] {
-            *model = Arc::new(self.0.moved(model, by, frame));
-            observer.see(|| Event::Followed(by, camera.at));
+            *model = Arc::new(self.0.moved(model, by, &exposed));
+            let at = state.camera.as_ref().map_or(by, |camera| camera.at);
+            observer.see(|| Event::Followed(by, at));
         }
+        if let Some(transfer) = transfer {
+            observer.see(|| Event::Exposed(frame, Arc::new(transfer)));
+        }
+        exposed
+    }
+
+    /// The change of the exposure from the model, which will be shifted by `by` px, to a frame.
+    fn transfer(&self, model: &M::Model, by: [f32; 2], frame: &Frame) -> Option<Transfer> {
+        let steady = self.0.steadiness().filter(|steady| steady.exposure == Exposure::Compensated);
+        steady.and_then(|_| {
+            Transfer::between(frame.luma(), displaced_by(by, frame.size(), |at| self.0.expected(model, at)))
+        })
     }
 
     /// Processes the next frame.
@@ -308,7 +347,7 @@ impl<M: Background> Subtraction<M> {
         clip.wanted()?;
         need::check_kept(clip, state.record.bytes())?;
         let frame = self.next_frame(clip, state)?;
-        self.follow(state, &frame, observer);
+        let frame = self.follow(state, frame, observer);
         let Some(model) = &mut state.model else {
             state.model = Some(Arc::new(self.0.begin(&frame)));
             state.camera = self.camera(clip, state)?;
@@ -338,7 +377,14 @@ impl<M: Background> Subtraction<M> {
             mask = mask.without(&displaced);
             observer.see(|| Event::Steadied(Arc::new(mask.clone()), Arc::new(displaced)));
         }
-        let found = blobs(self.0.settings(), mask, frame.luma(), observer);
+        let mut found = blobs(self.0.settings(), mask, frame.luma(), observer);
+        if let Some(Camera { at, .. }) = state.camera {
+            found
+                .detections
+                .iter_mut()
+                .filter_map(|found| found.blob.as_mut())
+                .for_each(|blob| blob.background_px = at);
+        }
         observer.see(|| Event::Updated(Arc::new(self.conclusion(clip, state, &found, differing))));
         state.record.note(found);
         Ok(state.go_on(clip))

@@ -301,7 +301,7 @@ mod tests {
 
     fn tracked((x, width): (f32, f32)) -> TrackedBlob {
         let (bounds, age) =
-            (bounds(x, width), TrackAge { hits: 9, missed: 0, status: TrackStatus::Confirmed, journey: None });
+            (bounds(x, width), TrackAge { hits: 9, missed: 0, status: TrackStatus::Confirmed, movement: None });
         let center = bounds.center().map(f64::from);
         let member = Member { id: 1, age, gray: None, area_px: 1.0, bounds, center, velocity: None };
         TrackedBlob { bounds, centers: vec![center], members: vec![member] }
@@ -340,7 +340,7 @@ mod tests {
     #[test]
     fn a_coasting_track_does_not_merge() {
         let mut coasting = tracked((2.0, 10.0));
-        coasting.members[0].age = TrackAge { hits: 9, missed: 2, status: TrackStatus::Coasting, journey: None };
+        coasting.members[0].age = TrackAge { hits: 9, missed: 2, status: TrackStatus::Coasting, movement: None };
         let table = table(vec![tracked((0.0, 10.0)), coasting], &[(0.0, 10.0)]);
         assert_eq!(table.parts(), [(vec![0], vec![0]), (vec![1], vec![])]);
     }

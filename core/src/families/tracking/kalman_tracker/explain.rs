@@ -196,18 +196,18 @@ impl KalmanTracker {
                 " Confirmed: {} reach min-hits = {}{}.",
                 count(after.age.hits, "matched frame"),
                 self.rules.min_hits,
-                after.age.journey.map_or_else(String::new, |journey| format!(
+                after.age.movement.map_or_else(String::new, |movement| format!(
                     ", and the blob has travelled {} px, at least {} px",
-                    px(journey.net_px()),
-                    px(journey.least_px(self.rules.min_travel))
+                    px(movement.net_px()),
+                    px(movement.least_px(self.rules.min_travel))
                 ))
             )),
             (TrackStatus::Tentative, TrackStatus::Tentative) if after.age.hits >= self.rules.min_hits => {
-                let journey = after
+                let movement = after
                     .age
-                    .journey
-                    .map_or([0.0; 2], |journey| [journey.net_px(), journey.least_px(self.rules.min_travel)]);
-                let [net, least] = journey.map(px);
+                    .movement
+                    .map_or([0.0; 2], |movement| [movement.net_px(), movement.least_px(self.rules.min_travel)]);
+                let [net, least] = movement.map(px);
                 said.text(format!(
                     " Still tentative: it has travelled {net} px from its start, and min-travel asks for {least} px of motion."
                 ))
