@@ -45,7 +45,7 @@ pub(crate) struct Movement {
     /// Its first and its last box.
     first: PlacedBox,
     last: PlacedBox,
-    /// The length of the path of its centre in px.
+    /// The length of its path in px.
     path_px: f64,
 }
 
@@ -67,6 +67,23 @@ impl PlacedBox {
         found.blob.map(|blob| Self { bounds: placed(found.bounds, blob.background_px), is_cut: blob.is_cut })
     }
 
+    /// Returns the distance in px that the whole box has moved since `first`: along each axis what both of its edges have moved in
+    /// the same direction. A blob that only grows or shrinks moves one of them. An edge on the border of the picture is none of the
+    /// object.
+    fn moved_px(&self, first: &Self) -> f64 {
+        let along = [0, 1].map(|axis| {
+            let low = f64::from(self.bounds.min[axis] - first.bounds.min[axis]);
+            let high = f64::from(self.bounds.max[axis] - first.bounds.max[axis]);
+            match [0, 1].map(|edge| first.is_cut[axis][edge] || self.is_cut[axis][edge]) {
+                [false, false] if low * high > 0.0 => low.abs().min(high.abs()),
+                [true, false] => high.abs(),
+                [false, true] => low.abs(),
+                _ => 0.0,
+            }
+        });
+        along[0].hypot(along[1])
+    }
+
     fn side_px(&self) -> f64 {
         let [width, height] = self.bounds.size();
         f64::from(width.max(height))
@@ -80,27 +97,12 @@ impl Movement {
 
     fn seen(self, found: &Detection) -> Self {
         let last = PlacedBox::of(found).unwrap_or(self.last);
-        let [from, to] = [self.last, last].map(|placed| placed.bounds.center());
-        let step_px = f64::from((to[0] - from[0]).hypot(to[1] - from[1]));
-        Self { last, path_px: self.path_px + step_px, ..self }
+        Self { last, path_px: self.path_px + last.moved_px(&self.last), ..self }
     }
 
-    /// Returns the distance in px that the whole box has moved from its first place: along each axis what both of its edges have
-    /// moved in the same direction. A blob that only grows or shrinks moves one of them. An edge on the border of the picture is
-    /// none of the object.
+    /// Returns the distance in px that the box has moved from its first place.
     pub fn net_px(&self) -> f64 {
-        let along = [0, 1].map(|axis| {
-            let [first, last] = [self.first.bounds, self.last.bounds];
-            let low = f64::from(last.min[axis] - first.min[axis]);
-            let high = f64::from(last.max[axis] - first.max[axis]);
-            match [0, 1].map(|edge| self.first.is_cut[axis][edge] || self.last.is_cut[axis][edge]) {
-                [false, false] if low * high > 0.0 => low.abs().min(high.abs()),
-                [true, false] => high.abs(),
-                [false, true] => low.abs(),
-                _ => 0.0,
-            }
-        });
-        along[0].hypot(along[1])
+        self.last.moved_px(&self.first)
     }
 
     /// Returns the distance that confirms the track in px.
