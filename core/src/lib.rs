@@ -87,8 +87,8 @@ pub use base::words::{fixed, grouped, spaced};
 pub use base::{Count, Error, Observer, Stop, Tally, Threads};
 pub use course::{compare, estimator, estimators, glossary};
 pub use data::{
-    Blob, Clip, ClipInfo, Counted, Detection, Flow, Frame, FrameSource, Histogram, Interpolation, Mask, ObjectBox,
-    PackedMask, Truth,
+    Blob, Clip, ClipInfo, Counted, Detection, Flow, Frame, FrameSource, Histogram, Interpolation, Mask, MaskErrors,
+    ObjectBox, PackedMask, PixelClass, TrueMask, Truth,
 };
 pub use families::{block_matching, interest_points, moving_objects, optical_flow, tracking};
 pub use geometry::{Border, Bounds, Gray, Grid};

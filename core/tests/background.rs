@@ -5,7 +5,10 @@ mod common;
 mod rough;
 
 use common::set;
-use motionscope_core::{AnyEstimator, Clip, Cursor, Frame, Grid, Mask, Move, ObjectField, Threads};
+use motionscope_core::products::Reference;
+use motionscope_core::{
+    AnyEstimator, Clip, Cursor, Frame, Grid, Mask, MaskField, Move, ObjectField, PixelClass, Threads, synth,
+};
 use rough::{Rough, scored};
 
 /// The frames that a model may learn in.
@@ -67,8 +70,50 @@ fn a_flooded_mask_names_its_cause_and_what_to_use_instead() {
     // The light jumps: everything differs.
     let frame = |t: usize| Frame::gray(Grid::from_fn(96, 72, |x, y| (40 + (7 * x + 3 * y) % 50 + 90 * (t / 3)) as u8));
     let clip = Clip::from_frames("light", (0..5).map(frame).collect()).expect("frames of one size");
-    let mut walk = set("running-average", &[("initial", "first-frame")]).walk(&clip, 0).expect("a run");
+    let mut walk =
+        set("running-average", &[("initial", "first-frame"), ("exposure", "ignored")]).walk(&clip, 0).expect("a run");
     walk.jump(Move::To(Cursor { unit: 4, event: usize::MAX }));
     let told = walk.step(None).sentence.plain();
     assert!(told.contains("the camera moves, or the light has changed") && told.contains("optical flow"), "{told}");
+}
+
+#[test]
+fn masks_are_scored_against_the_true_foreground() {
+    let scene = synth::SCENES.iter().find(|scene| scene.id == "traffic").expect("a bundled scene");
+    let clip =
+        scene.clip(&synth::Difficulty { width: 160, height: 120, frames: 6, ..scene.difficulty() }).expect("sound");
+    let output = set("mixture-of-gaussians", &[]).run(&clip, 0, &Threads::single()).expect("a run");
+    let masks = output.get::<MaskField>().expect("masks");
+    let truth = clip.truth().expect("a synthetic clip");
+    let mut counts = [0.0; 3];
+    for (t, mask) in masks.masks().skip(1) {
+        let (mask, truth) = (mask.unpacked(), truth.foreground(t).expect("sound").expect("objects"));
+        for y in 0..120 {
+            for x in 0..160 {
+                match (mask.get(x, y), truth.0[(x, y)] == PixelClass::Foreground) {
+                    (true, true) => counts[0] += 1.0,
+                    (true, false) => counts[1] += 1.0,
+                    (false, true) => counts[2] += 1.0,
+                    (false, false) => {}
+                }
+            }
+        }
+    }
+    let [hits, alarms, misses] = counts;
+    assert!(hits > 1000.0 && alarms + misses > 0.0, "{counts:?}");
+    let assessment = output.assess(&Reference { clip: &clip, frame: 0 }).expect("frames");
+    let wanted = [
+        ("mask_precision", hits / (hits + alarms)),
+        ("mask_recall", hits / (hits + misses)),
+        ("mask_f1", 2.0 * hits / (2.0 * hits + alarms + misses)),
+    ];
+    for (key, wanted) in wanted {
+        let score = assessment.scores.iter().find(|score| score.measure.key == key).expect("it is scored");
+        assert_eq!(score.value.real(), Some(wanted), "{key}");
+    }
+    // The last step tells of the same figures.
+    let mut walk = set("mixture-of-gaussians", &[]).walk(&clip, 0).expect("a run");
+    walk.jump(Move::End);
+    let told = walk.step(None).sentence.plain();
+    assert!(told.contains(&format!("recall {:.2}", wanted[1].1)) && told.contains("true foreground"), "{told}");
 }

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::sync::Arc;
 
-use super::Detection;
+use super::{Detection, TrueMask};
 use crate::base::{Error, Stop};
 use crate::geometry::{Bounds, Gray, Grid};
 
@@ -152,7 +152,15 @@ pub trait Truth: Send + Sync {
         Ok(None)
     }
 
-    /// What kinds of truth there are, in words for a person: `flow`, `occlusion`, `objects`.
+    /// The true foreground of frame `t`.
+    ///
+    /// # Errors
+    /// If the truth is there but cannot be read.
+    fn foreground(&self, _t: usize) -> Result<Option<Arc<TrueMask>>, Error> {
+        Ok(None)
+    }
+
+    /// What kinds of truth there are, in words for a person: `flow`, `occlusion`, `objects`, `foreground`.
     fn kinds(&self) -> Vec<&'static str>;
 
     /// What each of these kinds was read from, as `flow10.flo`; nothing for truth that is computed.

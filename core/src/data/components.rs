@@ -186,7 +186,7 @@ impl Finals {
             let gray = &picture.row(run.y as usize)[run.start as usize..run.end as usize];
             sums[self.labels[run.label as usize] as usize - 1].add(run, gray);
         }
-        sums.iter().zip(1..).map(|(sums, label)| sums.detection(label, picture.size())).collect()
+        sums.iter().zip(1..).map(|(sums, label)| sums.detection(label)).collect()
     }
 }
 
@@ -230,7 +230,7 @@ impl Sums {
         self.rows = [self.rows[0].min(run.y), self.rows[1].max(run.y)];
     }
 
-    fn detection(&self, label: u32, picture: (usize, usize)) -> Detection {
+    fn detection(&self, label: u32) -> Detection {
         let count = self.pixels as f64;
         let [x, y] = [self.x, self.y].map(|sum| sum as f64 / count);
         // The variance of a square pixel is 1/12.
@@ -247,8 +247,6 @@ impl Sums {
             angle_rad,
             gray: (self.gray as f64 / count) as f32,
             background_px: [0.0; 2],
-            is_cut: [(self.columns, picture.0), (self.rows, picture.1)]
-                .map(|([low, high], length)| [low == 0, high as usize + 1 == length]),
         };
         let bounds = Bounds {
             min: [self.columns[0], self.rows[0]].map(|c| c as f32 - 0.5),

@@ -30,6 +30,4 @@ pub struct Blob {
     pub gray: f32,
     /// The displacement of the background since the first frame of the run in px, where the camera was followed.
     pub background_px: [f32; 2],
-    /// Whether the low and the high edge of its box, along x and y, lie on the border of the picture.
-    pub is_cut: [[bool; 2]; 2],
 }

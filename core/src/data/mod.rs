@@ -7,6 +7,7 @@ mod histogram;
 mod interpolation;
 mod mask;
 mod morphology;
+mod true_mask;
 
 pub use clip::{Clip, ClipInfo, Flow, Frame, FrameSource, ObjectBox, Truth};
 pub use components::{Connectivity, Event as LabelEvent, Finals, Labelling, Run};
@@ -16,3 +17,4 @@ pub(crate) use interpolation::Between;
 pub use interpolation::Interpolation;
 pub use mask::{Mask, PackedMask};
 pub use morphology::MAX_RADIUS_PX;
+pub use true_mask::{MaskErrors, PixelClass, TrueMask};

@@ -2,9 +2,28 @@
 
 use std::sync::Arc;
 
-use super::{Assessment, Motion, ObjectFrame, Product, ProductKind, Reference, Table};
+use super::assessment::{fact, scores};
+use super::objects::score::Matches;
+use super::{Assessment, Figure, Measure, Motion, ObjectFrame, Product, ProductKind, Reference, Table};
 use crate::base::Error;
 use crate::data::PackedMask;
+
+/// The measures of a mask against the truth, over all its pixels together.
+const MEASURES: [Measure; 3] = [
+    Measure::new(
+        "mask_f1",
+        "F₁ score of the foreground pixels: the harmonic mean of precision and recall. Shadows count as background; the first frame, \
+         which has no background yet, is left out.",
+    )
+    .in_column("mask F₁", 3)
+    .against_truth(),
+    Measure::new("mask_precision", "Share of the foreground pixels that are true.")
+        .in_column("mask precision", 3)
+        .against_truth(),
+    Measure::new("mask_recall", "Share of the true foreground pixels that are found.")
+        .in_column("mask recall", 3)
+        .against_truth(),
+];
 
 /// The foreground mask of frame after frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,6 +43,22 @@ impl MaskField {
     }
 }
 
+impl MaskField {
+    /// The pixels of all masks after the first, compared with the truth; `None` where there is none.
+    fn matched(&self, reference: &Reference<'_>) -> Result<Option<Matches>, Error> {
+        let Some(truth) = reference.clip.truth() else { return Ok(None) };
+        let mut all: Option<Matches> = None;
+        for (t, mask) in self.masks().filter(|(t, _)| *t > self.first) {
+            reference.clip.wanted()?;
+            if let Some(truth) = truth.foreground(t)? {
+                let matches = Matches::of_pixels(&truth.compare(mask)?);
+                all = Some(all.map_or(matches, |all| all.and(matches)));
+            }
+        }
+        Ok(all)
+    }
+}
+
 impl Product for MaskField {
     const KIND: &'static ProductKind = &ProductKind {
         id: "mask",
@@ -31,15 +66,27 @@ impl Product for MaskField {
         summary: "The foreground pixels of each frame.",
         motion: Motion::Nowhere,
         is_of_single_frames: true,
-        measures: &[],
+        measures: &[&MEASURES],
     };
 
     fn table(&self) -> Option<Table> {
         None
     }
 
-    fn assess(&self, _reference: &Reference<'_>) -> Result<Assessment, Error> {
-        Ok(Assessment::default())
+    fn assess(&self, reference: &Reference<'_>) -> Result<Assessment, Error> {
+        let matched = self.matched(reference);
+        reference.clip.wanted()?;
+        Ok(match matched {
+            Ok(None) => Assessment::default(),
+            Ok(Some(matches)) => {
+                let values = [matches.f1(), matches.precision(), matches.recall()];
+                let [f1, precision, recall] = values.map(|share| format!("{share:.3}"));
+                let told = fact("Mask precision, recall, F₁", format!("{precision}, {recall}, {f1}"));
+                let scored = Assessment { headline: format!("mask F₁ {f1}"), ..Assessment::default() };
+                scored.with(scores(&MEASURES, values.map(Figure::from)), vec![told])
+            }
+            Err(error) => Assessment { truth_error: Some(error), ..Assessment::default() },
+        })
     }
 
     fn last_frame(&self) -> Option<usize> {

@@ -204,6 +204,11 @@ impl Moment<'_> {
         self.layers.iter().position(|placed| placed.covers(p))
     }
 
+    /// Whether layer `index` is an object.
+    pub fn is_object(&self, index: usize) -> bool {
+        self.layers.get(index).is_some_and(|placed| placed.layer.object.is_some())
+    }
+
     /// Where the point of layer `index` that is at `p` now will be at the moment `next`.
     pub fn carry(&self, index: usize, p: Point, next: &Self) -> Option<Point> {
         let (now, then) = (self.layers.get(index)?, next.layers.get(index)?);

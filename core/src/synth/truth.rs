@@ -6,7 +6,7 @@ use super::difficulty::Difficulty;
 use super::layer::Stage;
 use super::recent::Recent;
 use crate::base::Error;
-use crate::data::{Flow, ObjectBox, Truth};
+use crate::data::{Flow, ObjectBox, PixelClass, TrueMask, Truth};
 use crate::geometry::Grid;
 
 /// The truth of a synthetic clip, computed from the same layers and motions as its pixels.
@@ -14,6 +14,7 @@ pub struct ExactTruth {
     stage: Arc<Stage>,
     difficulty: Difficulty,
     kept: Recent<Pair>,
+    masks: Recent<TrueMask>,
 }
 
 /// Flow and occlusion from one frame to the next; they are found together.
@@ -25,7 +26,7 @@ struct Pair {
 impl ExactTruth {
     /// The truth of what `stage` shows.
     pub fn new(stage: Arc<Stage>, difficulty: Difficulty) -> Self {
-        Self { stage, difficulty, kept: Recent::new(4) }
+        Self { stage, difficulty, kept: Recent::new(4), masks: Recent::new(4) }
     }
 
     /// Frames `t` and `t + 1`, if there are both.
@@ -79,8 +80,21 @@ impl Truth for ExactTruth {
         Ok(Some(self.stage.at(t as f64).sightings().iter().map(boxed).collect()))
     }
 
+    /// The visible pixels of the objects; nothing if the scene has no objects.
+    fn foreground(&self, t: usize) -> Result<Option<Arc<TrueMask>>, Error> {
+        let is_known = t < self.difficulty.frames && self.stage.has_objects();
+        Ok(is_known.then(|| {
+            self.masks.get(t, || {
+                let now = self.stage.at(t as f64);
+                let is_object = |x, y| now.foremost([x as f64, y as f64]).is_some_and(|layer| now.is_object(layer));
+                let class = |x, y| if is_object(x, y) { PixelClass::Foreground } else { PixelClass::Background };
+                TrueMask(Grid::from_fn(self.difficulty.width, self.difficulty.height, class))
+            })
+        }))
+    }
+
     fn kinds(&self) -> Vec<&'static str> {
-        let kinds = ["flow", "occlusion", "objects"];
-        kinds[..if self.stage.has_objects() { 3 } else { 2 }].to_vec()
+        let kinds = ["flow", "occlusion", "objects", "foreground"];
+        kinds[..if self.stage.has_objects() { 4 } else { 2 }].to_vec()
     }
 }

@@ -235,9 +235,10 @@ impl Seen {
     }
 }
 
-/// A wall past which the camera moves.
+/// A wall past which the camera moves while its exposure grows.
 fn panned(frames: usize) -> Clip {
-    let value = |t: usize, x: usize, y: usize| waves(x as f64 - 1.2 * t as f64, y as f64 + 0.8 * t as f64);
+    let value =
+        |t: usize, x: usize, y: usize| waves(x as f64 - 1.2 * t as f64, y as f64 + 0.8 * t as f64) + 4.0 * t as f64;
     let frame = |t| Frame::gray(Grid::from_fn(96, 72, |x, y| value(t, x, y).clamp(0.0, 255.0) as u8));
     Clip::from_frames("panned", (0..frames).map(frame).collect()).expect("frames of one size")
 }
@@ -255,7 +256,7 @@ fn seen(estimator: &dyn AnyEstimator, [parts, objects]: [&Clip; 2]) -> Seen {
             }
         }
     }
-    // A camera that is followed has to move.
+    // A camera that is followed has to move, and an exposure that is compensated to change.
     if estimator.get("camera").is_ok() {
         seen.walk(&mut *estimator.walk(&panned(5), 0).expect("a run"));
     }

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use motionscope_core::{Clip, Error, Frame, Grid, Truth};
+use motionscope_core::{Clip, Error, Frame, Grid, PixelClass, TrueMask, Truth};
 
 use super::save::not_made;
 use super::written_files::WrittenFiles;
@@ -14,7 +14,7 @@ use crate::media::sequence::{Sequence, number};
 use crate::media::temporary;
 
 /// Writes `clip` into `folder`: `frame_0000.png` …, and what is known about it as `flow/frame_0000.flo` …,
-/// `occ/frame_0000.png` … and `gt.txt`, so that opening the folder finds all of it again. A clip that was written there
+/// `occ/frame_0000.png` …, `foreground/frame_0000.png` … and `gt.txt`, so that opening the folder finds all of it again. A clip that was written there
 /// earlier is replaced, once all of this one is made; what anybody else wrote or changed is not touched.
 ///
 /// # Errors
@@ -37,12 +37,12 @@ pub fn clip(clip: &Clip, folder: &Path, progress: Option<&dyn Progress>) -> Resu
             }
             progress.report(t as f32 / frames as f32);
         }
-        let [picture, flow, mask] = names(t);
+        let [picture, known @ ..] = names(t);
         draft.put(&picture, &frame(&*clip.frame(t)?)?)?;
         if let Some(truth) = clip.truth() {
-            let [known_flow, known_mask] = fields(truth.as_ref(), t)?;
-            known_flow.map_or(Ok(()), |bytes| draft.put(&flow, &bytes))?;
-            known_mask.map_or(Ok(()), |bytes| draft.put(&mask, &bytes))?;
+            for (name, bytes) in known.iter().zip(fields(truth.as_ref(), t)?) {
+                bytes.map_or(Ok(()), |bytes| draft.put(name, &bytes))?;
+            }
         }
     }
     if let Some(truth) = clip.truth() {
@@ -54,9 +54,10 @@ pub fn clip(clip: &Clip, folder: &Path, progress: Option<&dyn Progress>) -> Resu
 /// The file of all objects.
 const TRACKS: &str = "gt.txt";
 
-/// The files of frame `t`: its picture, its flow and its mask of occlusion.
-fn names(t: usize) -> [String; 3] {
-    [format!("frame_{t:04}.png"), format!("flow/frame_{t:04}.flo"), format!("occ/frame_{t:04}.png")]
+/// The files of frame `t`: its picture, its flow, its mask of occlusion and its foreground.
+fn names(t: usize) -> [String; 4] {
+    ["frame_", "flow/frame_", "occ/frame_", "foreground/frame_"]
+        .map(|start| format!("{start}{t:04}.{}", if start.starts_with("flow") { "flo" } else { "png" }))
 }
 
 /// A clip in a folder of its own beside the place where it goes; gone if it does not get there.
@@ -143,15 +144,27 @@ fn refuse_other_pictures(folder: &Path, frames: usize) -> Result<(), Error> {
     }
 }
 
-/// The files of flow and of occlusion at frame `t`, where they are known.
-fn fields(truth: &dyn Truth, t: usize) -> Result<[Option<Vec<u8>>; 2], Error> {
+/// The files of flow, occlusion and foreground at frame `t`, where they are known.
+fn fields(truth: &dyn Truth, t: usize) -> Result<[Option<Vec<u8>>; 3], Error> {
     let flow = truth.flow(t)?.map(|flow| flo(&flow));
     let hidden = truth.occlusion(t)?.map(|hidden| mask(&hidden)).transpose()?;
-    Ok([flow, hidden])
+    let foreground = truth.foreground(t)?.map(|classes| foreground(&classes)).transpose()?;
+    Ok([flow, hidden, foreground])
 }
 
 fn mask(hidden: &Grid<bool>) -> Result<Vec<u8>, Error> {
     let gray = hidden.map(|&hidden| if hidden { 255 } else { 0 });
+    png(gray.width(), gray.height(), Pixels::Gray(gray.cells()))
+}
+
+/// A true mask in the gray levels of changedetection.net.
+fn foreground(TrueMask(classes): &TrueMask) -> Result<Vec<u8>, Error> {
+    let gray = classes.map(|class| match class {
+        PixelClass::Background => 0,
+        PixelClass::Shadow => 50,
+        PixelClass::Ignored => 170,
+        PixelClass::Foreground => 255,
+    });
     png(gray.width(), gray.height(), Pixels::Gray(gray.cells()))
 }
 
@@ -197,6 +210,7 @@ mod tests {
         for t in 0..4 {
             assert_eq!(read.frame(t).unwrap(), made.frame(t).unwrap());
             assert_eq!(found.occlusion(t).unwrap(), wanted.occlusion(t).unwrap());
+            assert_eq!(found.foreground(t).unwrap(), wanted.foreground(t).unwrap());
             let [a, b] = [&wanted, &found].map(|truth| truth.flow(t).unwrap().map(|flow| flo(&flow)));
             assert_eq!(a, b);
             let [a, b] = [&wanted, &found].map(|truth| truth.objects(t).unwrap().unwrap());

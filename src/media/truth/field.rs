@@ -1,10 +1,10 @@
-//! One value per pixel: Middlebury and KITTI flow, occlusion masks.
+//! One value per pixel: Middlebury and KITTI flow, occlusion masks, foreground.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek};
 use std::path::Path;
 
-use motionscope_core::{Error, Flow, Grid};
+use motionscope_core::{Error, Flow, Grid, PixelClass, TrueMask};
 use png::{BitDepth, ColorType, Transformations};
 
 use super::file_error;
@@ -59,6 +59,40 @@ pub fn mask(path: &Path, size: (usize, usize)) -> Result<Grid<bool>, Error> {
     let samples = picture.samples(path)?;
     let set = samples.chunks_exact(color.samples()).map(|pixel| pixel[..colors].iter().any(|&c| c != 0)).collect();
     Grid::from_vec(size.0, size.1, set)
+}
+
+/// Whether `path` is a PNG of 8 bits or less, as masks are and flows are not.
+pub fn is_mask(path: &Path) -> bool {
+    let open = || Picture::open(start(path).ok()?, path, Transformations::IDENTITY).ok();
+    open().is_some_and(|picture| picture.reader.info().bit_depth != BitDepth::Sixteen)
+}
+
+/// The true foreground in the PNG at `path`, if it is `size` pixels: gray levels as on changedetection.net, 0 background, 50 shadow,
+/// 85 and 170 ignored, 255 foreground; a mask of 0 and 1 is one too.
+///
+/// # Errors
+/// If it cannot be read, is damaged, or has another size or other levels.
+pub fn foreground(path: &Path, size: (usize, usize)) -> Result<TrueMask, Error> {
+    let expand = Transformations::EXPAND | Transformations::STRIP_16;
+    let mut picture = Picture::open(start(path)?, path, expand)?;
+    must_fit(path, picture.size, size)?;
+    let (color, _) = picture.reader.output_color_type();
+    let samples = picture.samples(path)?;
+    let class = |pixel: &[u8]| match pixel[0] {
+        0 => Ok(PixelClass::Background),
+        50 => Ok(PixelClass::Shadow),
+        85 | 170 => Ok(PixelClass::Ignored),
+        1 | 255 => Ok(PixelClass::Foreground),
+        other => Err(file_error(
+            path,
+            format!(
+                "it is neither a flow (a KITTI flow has three 16-bit channels) nor a true mask (gray levels 0, 50, 85, 170 and 255): \
+                 it has the level {other}"
+            ),
+        )),
+    };
+    let classes = samples.chunks_exact(color.samples()).map(class).collect::<Result<_, _>>()?;
+    Ok(TrueMask(Grid::from_vec(size.0, size.1, classes)?))
 }
 
 enum Format {

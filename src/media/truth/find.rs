@@ -28,7 +28,7 @@ pub(crate) fn beside(subject: &Subject) -> Found {
     if subject.path == Path::new("-") {
         return found;
     }
-    let TruthFiles { flows, masks, objects, results } = TruthFiles::beside(subject);
+    let TruthFiles { flows, occlusions, foregrounds, objects, results } = TruthFiles::beside(subject);
     let mut files = Files::new(subject.size);
     let mut accept = |sound: Result<(), Error>| {
         let is_sound = sound.is_ok();
@@ -38,8 +38,11 @@ pub(crate) fn beside(subject: &Subject) -> Found {
     if accept(check(&flows, field::check_flow, subject)) {
         files.flows = flows;
     }
-    if accept(check(&masks, field::check_mask, subject)) {
-        files.masks = masks;
+    if accept(check(&occlusions, field::check_mask, subject)) {
+        files.occlusions = occlusions;
+    }
+    if accept(check(&foregrounds, field::check_mask, subject)) {
+        files.foregrounds = foregrounds;
     }
     if let Some(path) = objects {
         match mot::read(&path) {
@@ -64,15 +67,16 @@ fn not_truth(results: &[PathBuf]) -> Option<String> {
     })
 }
 
-/// Opens ground truth at a given path: a flow, a `gt.txt`, a folder of flows, or a folder written by `motionscope synth`.
+/// Opens ground truth at a given path: a flow, a mask of the foreground, a `gt.txt`, a folder of flows or masks, or a folder written by
+/// `motionscope synth`.
 ///
-/// A single flow whose name fits no frame belongs to the first.
+/// A single flow or mask whose name fits no frame belongs to the first.
 ///
 /// # Errors
 /// One sentence that names the file if it is no truth, or not that of this clip.
 pub(crate) fn open(path: &Path, subject: &Subject) -> Result<Arc<dyn Truth>, Error> {
     let node = Node::of(path).map_err(|why| file_error(path, why))?;
-    let TruthFiles { flows, masks, objects, .. } = TruthFiles::given(path, subject);
+    let TruthFiles { flows, occlusions, foregrounds, objects, .. } = TruthFiles::given(path, subject);
     if node == Node::Stream && objects.is_none() {
         let why = "it is a pipe, and a flow is read more than once; save it to a file and give that";
         return Err(file_error(path, why));
@@ -83,12 +87,18 @@ pub(crate) fn open(path: &Path, subject: &Subject) -> Result<Arc<dyn Truth>, Err
     };
     let read = |path: PathBuf| mot::read(&path).map(|frames| Objects { path, frames }).map_err(about);
     let objects = objects.map(read).transpose()?;
-    let mut files = Files { flows, masks, objects, ..Files::new(subject.size) };
+    let mut files = Files { flows, occlusions, foregrounds, objects, ..Files::new(subject.size) };
     if files.is_empty() {
-        return Err(file_error(path, "the folder holds no ground truth: no gt.txt, and no flow numbered like a frame"));
+        return Err(file_error(
+            path,
+            "the folder holds no ground truth: no gt.txt, and no flow or mask numbered like a frame",
+        ));
     }
     check(&files.flows, field::check_flow, subject)?;
-    check(&files.masks, field::check_mask, subject)?;
+    check(&files.occlusions, field::check_mask, subject)?;
+    if let Some(first) = files.foregrounds.values().next() {
+        field::foreground(first, subject.size)?;
+    }
     files.tell_from(if node == Node::Folder { path } else { parent(path) });
     Ok(Arc::new(files))
 }
@@ -106,7 +116,8 @@ fn check(
 #[derive(Default)]
 pub(crate) struct TruthFiles {
     flows: BTreeMap<usize, PathBuf>,
-    masks: BTreeMap<usize, PathBuf>,
+    occlusions: BTreeMap<usize, PathBuf>,
+    foregrounds: BTreeMap<usize, PathBuf>,
     objects: Option<PathBuf>,
     /// Files among them that are saved results.
     results: Vec<PathBuf>,
@@ -117,8 +128,9 @@ impl TruthFiles {
     pub(crate) fn beside(subject: &Subject) -> Self {
         let mut search = Search { subject, results: Vec::new() };
         let folder = subject.folder();
-        let (flows, masks, objects) = (search.flows(folder), search.masks(folder), search.tracks(folder));
-        Self { flows, masks, objects, results: search.results }
+        let (flows, occlusions, objects) = (search.flows(folder), search.occlusions(folder), search.tracks(folder));
+        let foregrounds = search.places(&FOREGROUNDS, folder, is_png);
+        Self { flows, occlusions, foregrounds, objects, results: search.results }
     }
 
     /// Finds the files at the given `path`.
@@ -126,11 +138,13 @@ impl TruthFiles {
         let mut search = Search { subject, results: Vec::new() };
         if path.is_dir() {
             let mut flows = search.flows(path);
-            let (masks, objects) = (search.masks(path), search.tracks(path));
-            if flows.is_empty() {
-                flows = search.frames(path, is_flow);
+            let (occlusions, objects) = (search.occlusions(path), search.tracks(path));
+            let mut foregrounds = search.places(&FOREGROUNDS, path, is_png);
+            if flows.is_empty() && foregrounds.is_empty() {
+                (foregrounds, flows) =
+                    search.frames(path, is_flow).into_iter().partition(|(_, file)| field::is_mask(file));
             }
-            return Self { flows, masks, objects, results: search.results };
+            return Self { flows, occlusions, foregrounds, objects, results: search.results };
         }
         // Rows of objects may come through a pipe, whose name says nothing.
         let is_pipe = || Node::of(path) == Ok(Node::Stream) && !is_flow(path);
@@ -138,12 +152,18 @@ impl TruthFiles {
             return Self { objects: Some(path.into()), ..Self::default() };
         }
         let t = subject.named(path).or_else(|| subject.numbered(path)).filter(|_| subject.has_pictures());
-        Self { flows: BTreeMap::from([(t.unwrap_or(0), path.into())]), ..Self::default() }
+        let only = BTreeMap::from([(t.unwrap_or(0), path.into())]);
+        match field::is_mask(path) {
+            true => Self { foregrounds: only, ..Self::default() },
+            false => Self { flows: only, ..Self::default() },
+        }
     }
 
     /// All of them, in order.
     pub(crate) fn into_files(self) -> impl Iterator<Item = PathBuf> {
-        self.flows.into_values().chain(self.masks.into_values()).chain(self.objects)
+        let fields =
+            self.flows.into_values().chain(self.occlusions.into_values()).chain(self.foregrounds.into_values());
+        fields.chain(self.objects)
     }
 }
 
@@ -162,7 +182,10 @@ struct Places {
 
 const FLOWS: Places =
     Places { inside: &["flow"], beside: &["flow_occ", "flow_noc"], across: &["flow", "other-gt-flow"], word: "flow" };
-const MASKS: Places = Places { inside: &["occ", "occlusions"], beside: &[], across: &["occlusions"], word: "occ" };
+const OCCLUSIONS: Places = Places { inside: &["occ", "occlusions"], beside: &[], across: &["occlusions"], word: "occ" };
+/// As changedetection.net has them, and `motionscope synth`.
+const FOREGROUNDS: Places =
+    Places { inside: &["foreground", "groundtruth"], beside: &["groundtruth"], across: &[], word: "gt" };
 /// The table of objects.
 const TRACKS: &str = "gt.txt";
 
@@ -172,7 +195,7 @@ pub(crate) fn is_place(path: &Path) -> bool {
     let mut above = folder.ancestors().map(|folder| file_name(folder).to_lowercase());
     let [folder, beyond] = [above.next(), above.next()].map(Option::unwrap_or_default);
     file_name(path).eq_ignore_ascii_case(TRACKS)
-        || [FLOWS, MASKS].iter().any(|Places { inside, beside, across, word }| {
+        || [FLOWS, OCCLUSIONS, FOREGROUNDS].iter().any(|Places { inside, beside, across, word }| {
             inside.iter().chain(*beside).any(|name| **name == folder)
                 || across.iter().any(|name| **name == beyond)
                 || is_numbered(path, word)
@@ -238,14 +261,14 @@ impl Search<'_> {
         self.known(all).into_iter().filter_map(|file| Some((frame(&file)?, file))).collect()
     }
 
-    fn masks(&mut self, folder: &Path) -> BTreeMap<usize, PathBuf> {
-        let mut masks = self.places(&MASKS, folder, is_png);
+    fn occlusions(&mut self, folder: &Path) -> BTreeMap<usize, PathBuf> {
+        let mut occlusions = self.places(&OCCLUSIONS, folder, is_png);
         let subject = self.subject;
-        let is_mask = |file: &Path| is_png(file) && is_numbered(file, MASKS.word) && subject.named(file).is_none();
+        let is_mask = |file: &Path| is_png(file) && is_numbered(file, OCCLUSIONS.word) && subject.named(file).is_none();
         for (t, mask) in self.frames(folder, is_mask) {
-            masks.entry(t).or_insert(mask);
+            occlusions.entry(t).or_insert(mask);
         }
-        masks
+        occlusions
     }
 
     fn tracks(&mut self, folder: &Path) -> Option<PathBuf> {
@@ -437,6 +460,40 @@ mod tests {
         assert!(truth.occlusion(1).unwrap().unwrap().cells().iter().all(|&hidden| hidden));
         assert_eq!(truth.objects(1).unwrap(), Some(vec![object]));
         assert_eq!(truth.objects(4).unwrap(), Some(vec![]));
+    }
+
+    #[test]
+    fn foreground_lies_where_changedetection_has_it() {
+        use motionscope_core::PixelClass::{Background, Foreground, Ignored, Shadow};
+        let folder = tempfile::tempdir().unwrap();
+        let levels = [0, 50, 85, 170, 255, 255, 0, 0, 0, 0, 0, 0];
+        for t in [1, 2] {
+            put(folder.path(), &format!("input/in00000{t}.png"), export::png(4, 3, Pixels::Gray(&[9; 12])).unwrap());
+            put(
+                folder.path(),
+                &format!("groundtruth/gt00000{t}.png"),
+                export::png(4, 3, Pixels::Gray(&levels)).unwrap(),
+            );
+        }
+        let clip = open(&folder.path().join("input"));
+        let truth = clip.truth().unwrap();
+        assert_eq!(
+            (truth.kinds(), truth.names()),
+            (vec!["foreground"], vec!["groundtruth/gt000001.png and 1 more".to_owned()])
+        );
+        let mask = truth.foreground(1).unwrap().unwrap();
+        assert_eq!(mask.0.cells()[..6], [Background, Shadow, Ignored, Ignored, Foreground, Foreground]);
+        assert!(truth.foreground(2).unwrap().is_none());
+        // By hand: the folder, and a mask.
+        for (given, count) in [("groundtruth", 2), ("groundtruth/gt000002.png", 1)] {
+            let options = Open::from(Given { truth: Some(folder.path().join(given)), detections: None });
+            let clip = media::open(&folder.path().join("input"), &options).unwrap();
+            let known = (0..2).filter(|t| clip.truth().unwrap().foreground(*t).unwrap().is_some()).count();
+            assert_eq!(known, count, "{given}");
+        }
+        put(folder.path(), "groundtruth/gt000001.png", export::png(5, 3, Pixels::Gray(&[0; 15])).unwrap());
+        let warned = open(&folder.path().join("input")).info().warnings.join("\n");
+        assert!(warned.contains("gt000001.png") && warned.contains("5×3"), "{warned}");
     }
 
     #[test]

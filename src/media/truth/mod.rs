@@ -1,4 +1,4 @@
-//! Truth that lies in files: exact flow, occlusion, tracks. Found beside a clip, or given by hand.
+//! Truth that lies in files: exact flow, occlusion, tracks, foreground. Found beside a clip, or given by hand.
 
 mod field;
 mod find;
@@ -10,7 +10,7 @@ use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use motionscope_core::{Error, Flow, Grid, ObjectBox, Truth};
+use motionscope_core::{Error, Flow, Grid, ObjectBox, TrueMask, Truth};
 
 use super::names::file_name;
 use super::sequence::parent;
@@ -22,12 +22,14 @@ pub(crate) use subject::Subject;
 struct Files {
     size: (usize, usize),
     flows: BTreeMap<usize, PathBuf>,
-    masks: BTreeMap<usize, PathBuf>,
+    occlusions: BTreeMap<usize, PathBuf>,
+    foregrounds: BTreeMap<usize, PathBuf>,
     objects: Option<Objects>,
     /// The file names of each kind.
     names: Vec<String>,
     last_flows: Mutex<Last<Flow>>,
-    last_masks: Mutex<Last<Grid<bool>>>,
+    last_occlusions: Mutex<Last<Grid<bool>>>,
+    last_foregrounds: Mutex<Last<TrueMask>>,
 }
 
 /// The true objects of each frame, and the file that they were read from.
@@ -41,11 +43,13 @@ impl Files {
         Self {
             size,
             flows: BTreeMap::new(),
-            masks: BTreeMap::new(),
+            occlusions: BTreeMap::new(),
+            foregrounds: BTreeMap::new(),
             objects: None,
             names: Vec::new(),
             last_flows: Mutex::default(),
-            last_masks: Mutex::default(),
+            last_occlusions: Mutex::default(),
+            last_foregrounds: Mutex::default(),
         }
     }
 
@@ -55,7 +59,7 @@ impl Files {
 
     /// Has the files called as they are found from `folder`.
     fn tell_from(&mut self, folder: &Path) {
-        let fields = [&self.flows, &self.masks].into_iter().filter_map(|files| {
+        let fields = [&self.flows, &self.occlusions, &self.foregrounds].into_iter().filter_map(|files| {
             let first = name_from(folder, files.values().next()?);
             Some(if files.len() > 1 { format!("{first} and {} more", files.len() - 1) } else { first })
         });
@@ -69,18 +73,23 @@ impl Truth for Files {
     }
 
     fn occlusion(&self, t: usize) -> Result<Option<Arc<Grid<bool>>>, Error> {
-        keep(&self.last_masks, t, &self.masks, |path| field::mask(path, self.size))
+        keep(&self.last_occlusions, t, &self.occlusions, |path| field::mask(path, self.size))
     }
 
     fn objects(&self, t: usize) -> Result<Option<Vec<ObjectBox>>, Error> {
         Ok(self.objects.as_ref().map(|objects| objects.frames.get(&t).cloned().unwrap_or_default()))
     }
 
+    fn foreground(&self, t: usize) -> Result<Option<Arc<TrueMask>>, Error> {
+        keep(&self.last_foregrounds, t, &self.foregrounds, |path| field::foreground(path, self.size))
+    }
+
     fn kinds(&self) -> Vec<&'static str> {
         let kinds = [
             ("flow", !self.flows.is_empty()),
-            ("occlusion", !self.masks.is_empty()),
+            ("occlusion", !self.occlusions.is_empty()),
             ("objects", self.objects.is_some()),
+            ("foreground", !self.foregrounds.is_empty()),
         ];
         kinds.into_iter().filter_map(|(name, known)| known.then_some(name)).collect()
     }

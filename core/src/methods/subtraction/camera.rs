@@ -365,11 +365,11 @@ mod tests {
 
     #[test]
     fn textured_objects_on_a_plain_floor_do_not_move_the_camera() {
-        // Textured objects cover a tenth of a floor with faint joints.
+        // Textured objects cover a twentieth of a floor with joints.
         let at = |shift: usize| {
             Frame::gray(Grid::from_fn(320, 240, |x, y| {
-                let is_object = (y / 24 % 2 == 0) && (x + 320 - shift) % 64 < 12;
-                let joint = if x % 40 == 0 || y % 40 == 0 { 12 } else { 0 };
+                let is_object = (y / 24 % 4 == 0) && (x + 320 - shift) % 64 < 12;
+                let joint = if x % 40 == 0 || y % 40 == 0 { 20 } else { 0 };
                 if is_object { (30 + (x + 320 - shift) % 64 * 9 + y * 31 % 70) as u8 } else { 200 - joint }
             }))
         };

@@ -6,7 +6,7 @@ use super::declare::line;
 use super::exposure::Transfer;
 use super::{Background, Conclusion, Event, Explanation, Initial, State, Subtraction};
 use crate::base::words::{self, capital, counted as count, grouped, pixel};
-use crate::data::{Detection, Frame, Mask};
+use crate::data::{Detection, Frame, Mask, MaskErrors};
 use crate::methods::differential::explain;
 use crate::methods::numbers::{fixed, percent};
 use crate::products::{Record, objects::score::Matches};
@@ -189,12 +189,23 @@ impl<'a> MaskHistory<'a> {
                 Event::Updated(conclusion) => {
                     let scored = |all: Matches| {
                         let [precision, recall, f1] = scores(all);
-                        Fact::new("Precision, recall, F₁", format!("{precision}, {recall}, {f1}"), Some(Role::Truth))
+                        Fact::new(
+                            "Box precision, recall, F₁",
+                            format!("{precision}, {recall}, {f1}"),
+                            Some(Role::Truth),
+                        )
                     };
                     conclusion.run.or(conclusion.frame).map(scored)
                 }
                 _ => None,
             });
+        }
+        if let Some(Event::Updated(conclusion)) = self.events.last() {
+            facts.extend(conclusion.pixels().map(|all| {
+                let [precision, recall, f1] = scores(all);
+                let told = format!("{precision}, {recall}, {f1}");
+                Fact::new("Mask precision, recall, F₁", told, Some(Role::Truth))
+            }));
         }
         facts
     }
@@ -236,12 +247,30 @@ fn scores(all: Matches) -> [String; 3] {
 }
 
 impl Conclusion {
+    /// The pixels of all masks compared with the truth at the end of the run, of this one before.
+    fn pixels(&self) -> Option<Matches> {
+        self.run_pixels.or_else(|| self.errors.as_ref().map(Matches::of_pixels))
+    }
+
+    /// The quality of the mask against the true foreground.
+    fn of_mask(&self) -> String {
+        let Some(all) = self.pixels() else { return String::new() };
+        let [precision, recall, f1] = scores(all);
+        let which = if self.run_pixels.is_some() { "Pixels of all masks" } else { "Its mask" };
+        let errors = match [all.false_positives(), all.misses()] {
+            [0, 0] => "no errors".to_owned(),
+            [alarms, misses] => format!("{} of false alarms, {} missed", pixels(alarms), pixels(misses)),
+        };
+        format!(" {which} against the true foreground: precision {precision}, recall {recall}, F₁ {f1}; {errors}.")
+    }
+
     /// The result of the frame, its score, the likely cause of its errors and the parameters that reduce them.
     fn sentence(&self, t: usize) -> String {
         let blobs = count(self.blobs, "blob");
         let camera = self.of_camera();
         let Some(frame) = self.frame else {
-            return format!(" Frame {t}: {blobs}, {} of foreground.{camera}", pixels(self.foreground));
+            let mask = self.of_mask();
+            return format!(" Frame {t}: {blobs}, {} of foreground.{mask}{camera}", pixels(self.foreground));
         };
         let (of, all) = match self.run {
             Some(run) => ("Run", run),
@@ -257,7 +286,8 @@ impl Conclusion {
                 count(frame.truths, "true object")
             ),
         };
-        if camera.is_empty() { format!("{score}{}", self.advice(all)) } else { format!("{score}{camera}") }
+        let mask = self.of_mask();
+        if camera.is_empty() { format!("{score}{mask}{}", self.advice(all)) } else { format!("{score}{mask}{camera}") }
     }
 
     /// A flooded mask with its cause, and what to use instead.
@@ -330,6 +360,13 @@ fn label(detection: &Detection) -> u32 {
 fn layer(scene: &mut Scene, role: Role, meaning: &'static str, mask: Arc<Mask>) {
     scene.mark(Picture::CURRENT, role, Shape::Mask(mask));
     scene.legend(role, meaning);
+}
+
+/// Draws a mask compared with the true foreground.
+fn draw_errors(scene: &mut Scene, errors: &MaskErrors) {
+    layer(scene, Role::Estimate, "correct foreground", Arc::new(errors.correct.clone()));
+    layer(scene, Role::Rejected, "false alarm", Arc::new(errors.false_positives.clone()));
+    layer(scene, Role::Truth, "missed", Arc::new(errors.misses.clone()));
 }
 
 /// Draws bounding boxes.
@@ -576,10 +613,13 @@ impl<M: Background> Subtraction<M> {
                 layer(scene, Role::Candidate, "foreground", Arc::clone(mask));
                 layer(scene, Role::Rejected, "displaced background", Arc::clone(displaced));
             }
-            Some(Event::Updated(_)) => {
-                history.masks().next_back().into_iter().for_each(|mask| {
-                    layer(scene, Role::Candidate, "foreground", Arc::clone(mask));
-                });
+            Some(Event::Updated(conclusion)) => {
+                match &conclusion.errors {
+                    Some(errors) => draw_errors(scene, errors),
+                    None => history.masks().next_back().into_iter().for_each(|mask| {
+                        layer(scene, Role::Candidate, "foreground", Arc::clone(mask));
+                    }),
+                }
                 history.kept().into_iter().for_each(|[kept, _]| draw_blobs(scene, kept, (Role::Result, "blob")));
             }
             _ => history.draw(scene),

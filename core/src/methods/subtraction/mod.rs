@@ -26,7 +26,7 @@ use camera::Camera;
 use exposure::Transfer;
 
 use crate::base::{Error, Observer, Tally, Threads};
-use crate::data::{Clip, Detection, Frame, Labelling, Mask, ObjectBox, PackedMask};
+use crate::data::{Clip, Detection, Frame, Labelling, Mask, MaskErrors, ObjectBox, PackedMask};
 use crate::geometry::{Bounds, Gray, Grid};
 use crate::params::{Params, inner_params};
 use crate::products::{
@@ -210,7 +210,7 @@ pub enum Event {
 }
 
 /// The result of a frame, and its score where there is ground truth.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Conclusion {
     /// Blobs of the frame.
     pub(crate) blobs: usize,
@@ -222,6 +222,10 @@ pub struct Conclusion {
     pub(crate) camera: Option<[f32; 2]>,
     /// The matches of the blobs with the true boxes.
     pub(crate) frame: Option<Matches>,
+    /// The mask compared with the true foreground, pixel by pixel.
+    pub(crate) errors: Option<MaskErrors>,
+    /// The pixels of all masks compared with the truth, at the end of the run.
+    pub(crate) run_pixels: Option<Matches>,
     /// Unmatched blobs where an object stood in the first frame and none is now.
     pub(crate) ghosts: usize,
     /// The matches of all frames, at the end of the run.
@@ -404,6 +408,14 @@ impl<M: Background> Subtraction<M> {
             let all = earlier.map(|(i, frame)| matched(first + i, frame)).chain([matched(t, found)]);
             all.reduce(|a, b| Some(a?.and(b?))).flatten()
         });
+        let true_mask = |t: usize| clip.truth().and_then(|truth| truth.foreground(t).ok().flatten());
+        let compared = |t: usize, frame: &ObjectFrame| true_mask(t)?.compare(frame.mask.as_ref()?).ok();
+        let errors = compared(t, found);
+        let run_pixels = errors.as_ref().filter(|_| is_last).map(|last| {
+            let earlier = state.record.frames().iter().enumerate().skip(1);
+            let all = earlier.filter_map(|(i, frame)| compared(first + i, frame).as_ref().map(Matches::of_pixels));
+            all.fold(Matches::of_pixels(last), Matches::and)
+        });
         // Only a model with memory keeps ghosts of its first frame.
         let is_ghostly = self.0.get("initial").is_ok() && self.0.initial() == Initial::FirstFrame;
         let ghosts = truth(first).zip(truth(t)).filter(|_| is_ghostly).map(<[_; 2]>::from);
@@ -413,6 +425,8 @@ impl<M: Background> Subtraction<M> {
             differing: differing as f64 / (state.picture.0 * state.picture.1).max(1) as f64,
             camera: state.camera.as_ref().map(|camera| camera.at),
             frame: matched(t, found),
+            errors,
+            run_pixels,
             ghosts: ghosts.map_or(0, |[then, now]| ghosts_of(found, [&boxes(&then), &boxes(&now)])),
             run: run.flatten(),
         }

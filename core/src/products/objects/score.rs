@@ -7,7 +7,7 @@ use super::assignment::{WorkBudget, least_cost, most_worth};
 use super::box_index::{BoxIndex, corners};
 use super::pairs::{Pairs, Sums};
 use crate::base::Error;
-use crate::data::{Clip, Truth};
+use crate::data::{Clip, MaskErrors, Truth};
 use crate::geometry::Bounds;
 use crate::products::{Followed, ObjectField, TrackStatus};
 
@@ -44,12 +44,12 @@ pub struct Scores {
     pub greedy: usize,
 }
 
-/// Boxes of frames matched one to one with the true boxes at an IoU of at least 0.5.
+/// Estimates matched one to one with the truth: boxes at an IoU of at least 0.5, or pixels of a mask.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Matches {
-    /// The true boxes.
+    /// The true boxes or pixels.
     pub truths: usize,
-    /// The estimated boxes.
+    /// The estimated ones.
     pub estimates: usize,
     /// The pairs of both.
     pub pairs: usize,
@@ -63,6 +63,12 @@ impl Matches {
         Self { truths: frame.0.len(), estimates: frame.1.len(), pairs: clear.matches }
     }
 
+    /// Counts the pixels of a mask that was compared with the truth.
+    pub fn of_pixels(errors: &MaskErrors) -> Self {
+        let pairs = errors.correct.count();
+        Self { truths: pairs + errors.misses.count(), estimates: pairs + errors.false_positives.count(), pairs }
+    }
+
     /// The sum over the frames of both.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
@@ -70,22 +76,22 @@ impl Matches {
         Self { truths: self.truths + truths, estimates: self.estimates + estimates, pairs: self.pairs + pairs }
     }
 
-    /// True boxes without a match: false negatives.
+    /// What is true and has no match: false negatives.
     pub fn misses(self) -> usize {
         self.truths - self.pairs
     }
 
-    /// Estimated boxes without a match: false positives.
+    /// Estimates without a match: false positives.
     pub fn false_positives(self) -> usize {
         self.estimates - self.pairs
     }
 
-    /// Share of the estimated boxes that are matched.
+    /// Share of the estimates that are matched.
     pub fn precision(self) -> f64 {
         share(self.pairs as f64, self.estimates as f64)
     }
 
-    /// Share of the true boxes that are matched.
+    /// Share of the truth that is matched.
     pub fn recall(self) -> f64 {
         share(self.pairs as f64, self.truths as f64)
     }
