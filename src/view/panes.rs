@@ -3,11 +3,12 @@
 use std::fmt;
 use std::str::FromStr;
 
-use motionscope_core::scene::{Chart, Distribution, Plane, Readout, Series, Surface};
+use motionscope_core::scene::{Chart, Distribution, Plane, Readout, Regions, Series, Surface};
 use motionscope_core::{AnyEstimator, Error, Info, Step};
 
 use crate::paint::charts::{
-    ChartStyle, Orbit, distribution, explanation, heat_map, histogram, matrices, plane, relief, series, stack, tiles,
+    ChartStyle, Orbit, distribution, explanation, heat_map, histogram, matrices, plane, regions, relief, series, stack,
+    tiles,
 };
 use crate::paint::primitive::Rect;
 use crate::paint::{Layer, LevelShown};
@@ -140,6 +141,21 @@ pub const PLANE: Pane = Pane {
     },
 };
 
+/// The regions of a decision in the plane of two quantities.
+pub const REGIONS: Pane = Pane {
+    id: "regions",
+    title: "Regions",
+    doc: "the regions of the decision in the plane of two quantities, with the pixel in it",
+    when: "when a pixel is explained",
+    chart: Some(Chart::Regions),
+    is_told: |step| find(step, some_regions).is_some(),
+    room: |_, size, style| letters(size, [21.0, 19.0], style),
+    draw: |told, area, style| {
+        let draw = |regions| regions::draw(regions::Shown { regions, whose: told.info.name }, area, style);
+        find(told.step, some_regions).map(|found| draw(found).into_layers()).unwrap_or_default()
+    },
+};
+
 /// Plots of quantities over the steps.
 pub const SERIES: Pane = Pane {
     id: "series",
@@ -255,8 +271,20 @@ pub const PYRAMID: Pane = Pane {
 };
 
 /// All panes, in the order in which they are offered.
-pub static PANES: [&Pane; 11] =
-    [&STAGE, &EXPLANATION, &SURFACE, &SURFACE_3D, &PLANE, &SERIES, &TILES, &MATRICES, &HISTOGRAM, &ERRORS, &PYRAMID];
+pub static PANES: [&Pane; 12] = [
+    &STAGE,
+    &EXPLANATION,
+    &SURFACE,
+    &SURFACE_3D,
+    &PLANE,
+    &REGIONS,
+    &SERIES,
+    &TILES,
+    &MATRICES,
+    &HISTOGRAM,
+    &ERRORS,
+    &PYRAMID,
+];
 
 /// The charts that a step has something for: first those of `order`, what an estimator declares, then all others.
 pub fn charts(step: &Step, order: &[Chart]) -> Vec<&'static Pane> {
@@ -359,6 +387,10 @@ fn surface(readout: &Readout) -> Option<&Surface> {
 
 fn a_plane(readout: &Readout) -> Option<&Plane> {
     if let Readout::Plane(plane) = readout { Some(plane) } else { None }
+}
+
+fn some_regions(readout: &Readout) -> Option<&Regions> {
+    if let Readout::Regions(regions) = readout { Some(regions) } else { None }
 }
 
 fn all_series(step: &Step) -> impl Iterator<Item = &Series> {

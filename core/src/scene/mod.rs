@@ -16,7 +16,8 @@ pub use marks::{Arrow, Mark, Scene, Shape, arrow_spacing};
 pub use picture::{Canvas, Focus, Picture, PictureRole, Pixels, Viewpoint};
 pub use pseudocode::{Line, Name};
 pub use readouts::{
-    Band, Chart, Constraint, Distribution, Fact, Matrix, Plane, Readout, Section, Series, Spread, Surface, Tile,
+    Band, Chart, Constraint, Distribution, Fact, Matrix, Plane, Readout, Regions, Section, Series, Spread, Surface,
+    Tile,
 };
 pub use role::Role;
 pub use sentence::{Math, Sentence};

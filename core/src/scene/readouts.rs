@@ -19,6 +19,8 @@ pub enum Readout {
     Surface(Surface),
     /// Lines and points in the plane of displacements.
     Plane(Plane),
+    /// The regions of a decision in the plane of two quantities.
+    Regions(Regions),
     /// The histogram of displacements.
     Histogram(Histogram),
     /// The distribution of a quantity.
@@ -40,6 +42,8 @@ pub enum Chart {
     Surface,
     /// [`Readout::Plane`].
     Plane,
+    /// [`Readout::Regions`].
+    Regions,
     /// [`Readout::Histogram`].
     Histogram,
     /// [`Readout::Stack`].
@@ -50,8 +54,16 @@ pub enum Chart {
 
 impl Chart {
     /// Every chart.
-    pub const ALL: &'static [Chart] =
-        &[Chart::Tiles, Chart::Series, Chart::Surface, Chart::Plane, Chart::Histogram, Chart::Stack, Chart::Matrices];
+    pub const ALL: &'static [Chart] = &[
+        Chart::Tiles,
+        Chart::Series,
+        Chart::Surface,
+        Chart::Plane,
+        Chart::Regions,
+        Chart::Histogram,
+        Chart::Stack,
+        Chart::Matrices,
+    ];
 }
 
 impl Readout {
@@ -63,6 +75,7 @@ impl Readout {
             Readout::Series(_) => Some(Chart::Series),
             Readout::Surface(_) => Some(Chart::Surface),
             Readout::Plane(_) => Some(Chart::Plane),
+            Readout::Regions(_) => Some(Chart::Regions),
             Readout::Histogram(_) => Some(Chart::Histogram),
             Readout::Stack(_) => Some(Chart::Stack),
             Readout::Matrices(_) => Some(Chart::Matrices),
@@ -280,6 +293,23 @@ pub struct Plane {
     pub points: Vec<(&'static str, Role, [f32; 2])>,
     /// Uncertainty of a displacement, if known: an ellipse of one standard deviation.
     pub ellipse: Option<Spread>,
+}
+
+/// The plane of two quantities that are not negative, divided into the regions of a decision.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Regions {
+    /// Title: `Eigenvalues of the structure tensor`.
+    pub title: &'static str,
+    /// The quantities along x and y.
+    pub labels: [&'static str; 2],
+    /// Values from 0 to this are shown on both axes.
+    pub reach: f32,
+    /// The boundaries with their names, as lines through pairs of values.
+    pub boundaries: Vec<(&'static str, Role, Vec<[f32; 2]>)>,
+    /// The names of the regions, and a pair of values in each.
+    pub names: Vec<(&'static str, [f32; 2])>,
+    /// Pairs of values with their names.
+    pub points: Vec<(String, Role, [f32; 2])>,
 }
 
 /// A line a u + b v + c = 0 in the plane of displacements.

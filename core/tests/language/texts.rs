@@ -100,6 +100,11 @@ impl Texts {
                 self.add("plot", plane.title);
                 plane.points.iter().for_each(|(name, ..)| self.add("plot", name));
             }
+            Readout::Regions(regions) => {
+                self.add("plot", regions.title);
+                regions.names.iter().for_each(|(name, _)| self.add("plot", name));
+                regions.boundaries.iter().for_each(|(name, ..)| self.add("plot", name));
+            }
             Readout::Histogram(histogram) => self.add("plot", histogram.of),
             Readout::Distribution(distribution) => {
                 self.add("plot", &format!("{} [{}]", distribution.title, distribution.unit));

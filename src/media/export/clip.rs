@@ -240,6 +240,7 @@ mod tests {
         // Without any truth.
         fs::remove_dir_all(source.path().join("flow")).unwrap();
         fs::remove_dir_all(source.path().join("occ")).unwrap();
+        fs::remove_dir_all(source.path().join("foreground")).unwrap();
         clip(&open(source.path(), &Open::default()).unwrap(), folder.path(), None).unwrap();
         assert!(open(folder.path(), &Open::default()).unwrap().truth().is_none());
         assert!((0..4).all(|t| is_there(&format!("frame_{t:04}.png"))));

@@ -153,7 +153,8 @@ impl TruthFiles {
         }
         let t = subject.named(path).or_else(|| subject.numbered(path)).filter(|_| subject.has_pictures());
         let only = BTreeMap::from([(t.unwrap_or(0), path.into())]);
-        match field::is_mask(path) {
+        // A pipe can be read only once.
+        match Node::of(path) == Ok(Node::File) && field::is_mask(path) {
             true => Self { foregrounds: only, ..Self::default() },
             false => Self { flows: only, ..Self::default() },
         }

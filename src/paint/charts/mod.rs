@@ -14,6 +14,7 @@ mod map;
 pub mod matrices;
 mod orbit;
 pub mod plane;
+pub mod regions;
 pub mod relief;
 pub mod series;
 pub mod stack;

@@ -6,6 +6,7 @@ pub mod histogram;
 pub mod matrices;
 pub mod plane;
 pub mod plots;
+pub mod regions;
 pub mod series;
 pub mod stack3d;
 pub mod surface3d;

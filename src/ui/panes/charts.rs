@@ -9,7 +9,9 @@ use serde::{Deserialize, Serialize};
 use super::Panes;
 use crate::ui::app::action::Action;
 use crate::ui::app::commands::Command;
-use crate::ui::charts::{distribution, heat_map, histogram, matrices, plane, plots, stack3d, surface3d, tiles};
+use crate::ui::charts::{
+    distribution, heat_map, histogram, matrices, plane, plots, regions, stack3d, surface3d, tiles,
+};
 use crate::ui::drawing::chart::Subject;
 use crate::ui::parts::widgets;
 use crate::view::panes::{self, Pane};
@@ -163,6 +165,9 @@ impl Panes<'_> {
                 }
                 Readout::Plane(plane) if *pane == panes::PLANE => {
                     plane::show(ui, plane::Input { plane, subject }, &mut self.states.plane);
+                }
+                Readout::Regions(regions) if *pane == panes::REGIONS => {
+                    regions::show(ui, regions::Input { regions, subject }, &mut self.states.regions);
                 }
                 Readout::Tiles(tiles) if *pane == panes::TILES => {
                     let is_centered = !estimator.tests_candidates();

@@ -30,7 +30,9 @@ use super::model::walker::View;
 use super::parts::widgets;
 use crate::ui::app::action::{Action, Actions, Side};
 use crate::ui::app::commands::Command;
-use crate::ui::charts::{distribution, heat_map, histogram, matrices, plane, plots, stack3d, surface3d, tiles};
+use crate::ui::charts::{
+    distribution, heat_map, histogram, matrices, plane, plots, regions, stack3d, surface3d, tiles,
+};
 use crate::ui::drawing::style;
 use crate::ui::stage;
 use crate::view::look::Look;
@@ -72,6 +74,9 @@ pub struct States {
     /// The plane of displacements.
     #[serde(skip)]
     pub plane: plane::State,
+    /// The regions of a decision.
+    #[serde(skip)]
+    pub regions: regions::State,
     /// Quantities over steps.
     #[serde(skip)]
     pub plots: plots::State,

@@ -228,7 +228,7 @@ fn need_of_corners(clip: &Clip, min_distance: usize) -> [f64; 2] {
 impl<M: Measure> Estimator for Corners<M> {
     const INFO: Info = M::INFO;
     const GUARANTEE: Guarantee = Guarantee::Places;
-    const CHARTS: &'static [Chart] = &[Chart::Tiles];
+    const CHARTS: &'static [Chart] = &[Chart::Regions, Chart::Tiles];
     const PRODUCES: &'static [&'static ProductKind] = &[PointField::KIND];
     type State = State;
     type Event = Event;

@@ -2,6 +2,7 @@
 
 use super::corners::{Corners, Event, Measure, Stage, State};
 use super::declare::line;
+use super::eigenvalues::{self, Pixel};
 use super::select::{Peaks, Settings};
 use crate::base::words::{self, pixel};
 use crate::geometry::Grid;
@@ -208,7 +209,14 @@ impl<M: Measure> Corners<M> {
             let most = shown.cells().iter().filter(|v| v.is_finite()).fold(1.0f32, |most, v| most.max(*v));
             tiles.push(tile("Response, compressed", shown, [0.0, most]));
         }
-        vec![Readout::Facts(facts), Readout::Equation(vec![matrix(), symbols, numbers]), Readout::Tiles(tiles)]
+        let threshold = (state.stage != Stage::Response).then(|| self.peaks(state).limit);
+        let inspected = Pixel { name: pixel(*place), eigenvalues: tensor.eigenvalues(), threshold };
+        vec![
+            Readout::Facts(facts),
+            Readout::Equation(vec![matrix(), symbols, numbers]),
+            Readout::Regions(eigenvalues::regions(&self.0, inspected)),
+            Readout::Tiles(tiles),
+        ]
     }
 
     /// Returns the status of a pixel after the response stage, and the line that decided it.

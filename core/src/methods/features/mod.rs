@@ -4,6 +4,7 @@ pub mod affine;
 mod conclusion;
 mod corners;
 mod declare;
+mod eigenvalues;
 mod explain;
 pub mod follow;
 mod level_trace;

@@ -369,7 +369,7 @@ mod tests {
         let at = |shift: usize| {
             Frame::gray(Grid::from_fn(320, 240, |x, y| {
                 let is_object = (y / 24 % 4 == 0) && (x + 320 - shift) % 64 < 12;
-                let joint = if x % 40 == 0 || y % 40 == 0 { 20 } else { 0 };
+                let joint = if x % 20 == 0 || y % 20 == 0 { 20 } else { 0 };
                 if is_object { (30 + (x + 320 - shift) % 64 * 9 + y * 31 % 70) as u8 } else { 200 - joint }
             }))
         };
