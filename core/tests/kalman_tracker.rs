@@ -96,7 +96,10 @@ fn scores_count_where_a_detector_tells_them() {
     };
     assert_eq!((fading(0), fading(2)), (vec![1], vec![]));
     let told = sentences(&*set("kalman-tracker", &[]), &rows(vec![frame(0.2); 4]));
-    assert!(told.contains("1 detection in frame 1; 1 more discarded with a score below min-score = 0.30."), "{told}");
+    assert!(
+        told.contains("1 detection in frame 1; 1 more discarded with a score below the minimum of 0.30."),
+        "{told}"
+    );
     // The visibility of a true object is no score.
     let clip = synth::make("traffic", &synth::scene("traffic").expect("bundled").difficulty()).expect("a clip");
     assert_eq!(run(&[("min-score", "900"), ("source", "truth")], &clip), run(&[("source", "truth")], &clip));

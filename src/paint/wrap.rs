@@ -5,12 +5,15 @@ use motionscope_core::scene::Sentence;
 use super::primitive::Run;
 use super::{Theme, fonts};
 
-/// `runs` in lines of at most `width` points, broken at spaces only.
+/// `runs` in lines of at most `width` points, broken at spaces only; a figure stays with its unit where both fit.
 pub fn wrap(runs: &[Run], size: f32, width: f32) -> Vec<Vec<Run>> {
     let (mut lines, mut line, mut used) = (Vec::new(), Vec::new(), 0.0);
-    for word in words(runs) {
-        let long: f32 = word.iter().map(|run| fonts::width(run.text.trim_end(), run.face, size)).sum();
-        if used > 0.0 && used + long > width {
+    let pieces = groups(runs).into_iter().flat_map(|group| match group.concat() {
+        whole if long(&whole, size) <= width => vec![whole],
+        _ => group,
+    });
+    for word in pieces {
+        if used > 0.0 && used + long(&word, size) > width {
             lines.push(joined(std::mem::take(&mut line)));
             used = 0.0;
         }
@@ -21,6 +24,27 @@ pub fn wrap(runs: &[Run], size: f32, width: f32) -> Vec<Vec<Run>> {
         lines.push(joined(line));
     }
     lines
+}
+
+/// How long a word is without the space at its end.
+fn long(word: &[Run], size: f32) -> f32 {
+    let Some((last, others)) = word.split_last() else { return 0.0 };
+    let others: f32 = others.iter().map(|run| fonts::width(&run.text, run.face, size)).sum();
+    others + fonts::width(last.text.trim_end(), last.face, size)
+}
+
+/// Words that belong together: a figure and its unit, the sides of a relation.
+fn groups(runs: &[Run]) -> Vec<Vec<Vec<Run>>> {
+    let mut groups: Vec<Vec<Vec<Run>>> = Vec::new();
+    for word in words(runs) {
+        let is_next =
+            |group: &&mut Vec<Vec<Run>>| group.last().is_some_and(|last| belong_together(&plain(last), &plain(&word)));
+        match groups.last_mut().filter(is_next) {
+            Some(group) => group.push(word),
+            None => groups.push(vec![word]),
+        }
+    }
+    groups
 }
 
 /// What must stay together: everything up to a space, whatever its colours.
@@ -38,6 +62,24 @@ fn words(runs: &[Run]) -> Vec<Vec<Run>> {
     }
     words.retain(|word| !word.is_empty());
     words
+}
+
+/// Units that stay with their figure.
+const UNITS: &[&str] = &["%", "px", "ms", "dB", "σ", "px²", "px/frame"];
+/// Relations that stay with both of their sides.
+const RELATIONS: &[&str] = &["=", "≥", "≤", "<", ">", "±"];
+
+/// Whether no line may break between two words: a figure and its unit, the sides of a relation.
+fn belong_together(before: &str, after: &str) -> bool {
+    let [before, after] = [before, after].map(str::trim_end);
+    let unit = after.trim_end_matches([',', '.', ';', ':', ')']);
+    before.ends_with(|c: char| c.is_ascii_digit()) && UNITS.contains(&unit)
+        || RELATIONS.contains(&after)
+        || RELATIONS.contains(&before)
+}
+
+fn plain(word: &[Run]) -> String {
+    word.iter().map(|run| run.text.as_str()).collect()
 }
 
 /// Neighbours of one look become one run; the line's last space goes.
@@ -95,6 +137,19 @@ mod tests {
             }
         }
         assert_eq!(wrap(&runs, 14.0, 4000.0).len(), 1);
+    }
+
+    #[test]
+    fn a_figure_stays_with_its_unit() {
+        let runs = inked(&Sentence::default().text("covers 99.3 % of it and λ₂ = 1.19, moved by 5 px."), Theme::Dark);
+        for width in [90.0, 100.0, 110.0, 140.0, 200.0] {
+            for line in wrap(&runs, 14.0, width) {
+                let words = plain(&line);
+                assert!(!["%", "=", "px", "1.19"].iter().any(|start| words.starts_with(start)), "{words}");
+            }
+        }
+        let narrow = wrap(&runs, 14.0, 1.0);
+        assert!(narrow.iter().all(|line| !plain(line).contains(' ')), "where nothing fits, every space is a break");
     }
 
     #[test]

@@ -57,3 +57,21 @@ fn every_estimator_says_something_at_each_place() {
         }
     }
 }
+
+/// In prose a parameter is called by its name in words; its id is for the command line.
+#[test]
+fn parameters_are_called_by_their_names() {
+    let mut faults = Vec::new();
+    for (estimator, seen) in ALL.iter() {
+        let specs = estimator.specs();
+        let ids = specs.iter().filter_map(|spec| spec.name.rsplit('.').next()).filter(|id| id.contains('-'));
+        let ids: Vec<&str> = ids.collect();
+        let prose = seen.texts.iter().filter(|(place, _)| ["sentence", "fact", "legend", "plot"].contains(place));
+        for (place, text) in prose {
+            let words = text.split(|c: char| !(c.is_alphanumeric() || c == '-'));
+            let found = words.filter(|word| ids.contains(word));
+            faults.extend(found.map(|id| format!("{}, {place}: {id}: {text}", estimator.info().id)));
+        }
+    }
+    assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
+}

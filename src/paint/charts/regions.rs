@@ -55,11 +55,10 @@ pub fn draw(data: Shown<'_>, area: Rect, style: ChartStyle) -> Drawing<Square> {
     let square = Square::new(regions, area, style.small());
     let mut canvas = Canvas::default();
     axes(&mut canvas, &square, regions, theme);
-    let text = Type::text(theme);
     canvas.inside(square.rect, |canvas| {
-        boundaries(canvas, &square, regions, theme);
-        for (name, at) in &regions.names {
-            canvas.text(square.at(*at), (Anchor::Middle, Level::Middle), name, Type::dim(theme));
+        for (_, role, points) in &regions.boundaries {
+            let line = points.iter().map(|values| square.at(*values)).collect();
+            canvas.line(line, false, solid(2.0, theme.ink(*role).color));
         }
         for (_, role, values) in &regions.points {
             let at = square.at(*values);
@@ -67,30 +66,63 @@ pub fn draw(data: Shown<'_>, area: Rect, style: ChartStyle) -> Drawing<Square> {
             canvas.disc(at, 4.5, theme.ink(*role).color);
         }
     });
-    for (name, role, values) in &regions.points {
-        let [x, y] = square.at(*values);
-        let is_left = x + 9.0 + text.width(name) > square.rect.max[0];
-        let (anchor, x) = if is_left { (Anchor::End, x - 9.0) } else { (Anchor::Start, x + 9.0) };
-        let y = y.clamp(square.rect.min[1] + 0.7 * text.size, square.rect.max[1] - 0.7 * text.size);
-        canvas.text([x, y], (anchor, Level::Middle), name, text.color(theme.word(*role)));
-    }
+    names(&mut canvas, &square, regions, theme);
     Drawing { place: square, body: canvas.into_layers(), head: head(data, area, None, style) }
 }
 
-/// The boundaries, with their names above their right ends as far as these do not stand on each other.
-fn boundaries(canvas: &mut Canvas, square: &Square, regions: &Regions, theme: Theme) {
-    let text = Type::text(theme);
-    let mut named: Vec<f32> = Vec::new();
+/// The names of points, boundaries and regions, each at the first of its places that is free; those of boundaries and regions
+/// are left out where none is.
+fn names(canvas: &mut Canvas, square: &Square, regions: &Regions, theme: Theme) {
+    let (text, dim) = (Type::text(theme), Type::dim(theme));
+    let mut labels = Labels { area: square.rect, taken: Vec::new() };
+    let dots = regions.points.iter().map(|(.., values)| square.at(*values));
+    labels.taken.extend(dots.map(|[x, y]| Rect::new([x - 6.0, y - 6.0], [12.0; 2])));
+    for (name, role, values) in &regions.points {
+        let [x, y] = square.at(*values);
+        let size = [text.width(name), 1.2 * text.size];
+        let (across, down) = (9.0 + size[0] / 2.0, 9.0 + size[1] / 2.0);
+        let places = [[x + across, y], [x - across, y], [x, y - down], [x, y + down]];
+        let at = labels.place(size, &places).unwrap_or(places[0]);
+        canvas.text(at, (Anchor::Middle, Level::Middle), name, text.color(theme.word(*role)));
+    }
     for (name, role, points) in &regions.boundaries {
-        let line: Vec<Point> = points.iter().map(|values| square.at(*values)).collect();
-        if let Some([x, y]) =
-            line.last().copied().filter(|[_, y]| named.iter().all(|n| (n - y).abs() > 1.3 * text.size))
-        {
-            named.push(y);
-            let at = [x.min(square.rect.max[0]) - 4.0, y - 3.0];
-            canvas.text(at, (Anchor::End, Level::Bottom), name, text.color(theme.word(*role)));
+        let Some([x, y]) = points.last().map(|values| square.at(*values)) else { continue };
+        let size = [text.width(name), 1.2 * text.size];
+        let (x, down) = (x - 4.0 - size[0] / 2.0, 3.0 + size[1] / 2.0);
+        if let Some(at) = labels.place(size, &[[x, y - down], [x, y + down]]) {
+            canvas.text(at, (Anchor::Middle, Level::Middle), name, text.color(theme.word(*role)));
         }
-        canvas.line(line, false, solid(2.0, theme.ink(*role).color));
+    }
+    for (name, values) in &regions.names {
+        let [x, y] = square.at(*values);
+        let size = [dim.width(name), 1.2 * dim.size];
+        let places = [0.0, 1.3, -1.3, 2.6, -2.6].map(|lines| [x, y + lines * dim.size]);
+        if let Some(at) = labels.place(size, &places) {
+            canvas.text(at, (Anchor::Middle, Level::Middle), name, dim);
+        }
+    }
+}
+
+/// The room that names have and take.
+struct Labels {
+    area: Rect,
+    taken: Vec<Rect>,
+}
+
+impl Labels {
+    /// Takes the first of the places at which a name of `size`, moved into the area, lies on no other; returns its centre.
+    fn place(&mut self, size: [f32; 2], centers: &[Point]) -> Option<Point> {
+        let Rect { min, max } = self.area;
+        let inside =
+            |at: &Point| [0, 1].map(|i| at[i].max(min[i] + 2.0 + size[i] / 2.0).min(max[i] - 2.0 - size[i] / 2.0));
+        let rect = |at: &Point| Rect::new([0, 1].map(|i| at[i] - size[i] / 2.0), size);
+        let is_free = |at: &Point| {
+            let own = rect(at);
+            self.taken.iter().all(|other| (0..2).any(|i| own.max[i] <= other.min[i] || other.max[i] <= own.min[i]))
+        };
+        let found = centers.iter().map(inside).find(is_free)?;
+        self.taken.push(rect(&found));
+        Some(found)
     }
 }
 
@@ -176,6 +208,6 @@ mod tests {
         for label in ["R = threshold", "corner", "edge", "(3, 4)", "λ₁", "λ₂", "Harris · Eigenvalues", "10"] {
             assert!(words.iter().any(|word| word == label), "{label} is missing in {words:?}");
         }
-        assert_eq!(summary(&all), "Eigenvalues: (3, 4): λ₁ 8, λ₂ 1.500; regions corner, edge");
+        assert_eq!(summary(&all), "Eigenvalues: (3, 4): λ₁ 8, λ₂ 1.50; regions corner, edge");
     }
 }

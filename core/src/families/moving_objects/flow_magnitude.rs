@@ -208,7 +208,7 @@ impl Background for FlowMagnitude {
                 )),
         };
         let update = Sentence::default().text(format!(
-            "gray level {} of this frame becomes the reference of the next flow.",
+            "the next flow leads back to this frame, which has gray level {} here.",
             level(f32::from(frame.luma()[place]))
         ));
         Explanation {

@@ -208,8 +208,8 @@ impl Background for FrameDifference {
             explanation.equation.insert(0, Math::text("B = the more similar of I(t−1) and I(t−2)"));
         }
         explanation.update = Sentence::default()
-            .text(format!("gray level {} of this frame becomes the reference", level(value)))
-            .text(format!(" (before: {}).", level(of(&before[0]))));
+            .text(format!("the next frame is compared with gray level {} of this one", level(value)))
+            .text(format!(", this one was compared with {}.", level(of(&before[0]))));
         explanation
     }
 

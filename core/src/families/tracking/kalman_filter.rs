@@ -381,7 +381,7 @@ fn nearest_object(clip: &Clip, t: usize, place: [f64; 2]) -> Result<Option<u32>,
 
 pseudocode! {
     EACH_FRAME: "for each frame t",
-    PREDICT: "  predict: x ← f(x), P ← F P F^T + Q",
+    PREDICT: "  predict by the motion model: x ← f(x), P ← F P F^T + Q",
     MEASURE: "  z ← measurement of frame t, if there is one",
     BEGIN_OBJECT: "  no track: start one, x ← z with velocity 0, P ← diag(σ²) of measurement and initial-speed",
     GATE: "  gate: ν ← z − H x, S ← H P H^T + R; accept if d² = ν^T S⁻¹ ν ≤ γ",

@@ -50,7 +50,7 @@ pub fn reason_of(status: Status) -> Option<&'static str> {
 fn reason(status: Status) -> Option<(&'static str, &'static str)> {
     match status {
         Status::Outside => Some(("out of the frame", "Features that leave the frame cannot be kept.")),
-        Status::Flat => Some(("ill-conditioned", "A larger window or a lower min-eigenvalue keeps more of them.")),
+        Status::Flat => Some(("ill-conditioned", "A larger window or a lower minimum eigenvalue keeps more of them.")),
         Status::Unlike => Some((
             "above the residual limit",
             "More levels help if the motion is large; occluded features cannot be kept.",
@@ -60,7 +60,7 @@ fn reason(status: Status) -> Option<(&'static str, &'static str)> {
             "Occlusion and wrong matches cause this; more levels or a larger window reduce wrong matches.",
         )),
         Status::Changed => {
-            Some(("changed in appearance", "A higher max-dissimilarity keeps more of them, at the risk of drift."))
+            Some(("changed in appearance", "A higher maximum dissimilarity keeps more of them, at the risk of drift."))
         }
         Status::Found | Status::Tracked => None,
     }
@@ -85,7 +85,7 @@ mod tests {
         assert!(
             with.starts_with("1 of 4 points tracked, mean endpoint error 0.500 px. Lost: 2 ill-conditioned, 1 out")
         );
-        assert!(with.contains("lower min-eigenvalue"), "{with}");
+        assert!(with.contains("lower minimum eigenvalue"), "{with}");
         assert!(conclusion("points", all.into_iter(), None).contains("mean residual 1.50 gray levels"));
         assert_eq!(conclusion("points", [].into_iter(), None), "0 of 0 points tracked.");
     }

@@ -104,8 +104,8 @@ impl<M: Measure> Corners<M> {
             _ => format!("responses {} to {}", response(*first), response(*last)),
         };
         let help = match after.kept.len() == max_points && after.peaks.len() > max_points {
-            true => "max-points is reached; a larger value keeps weaker corners.",
-            false => "A lower threshold or min-distance keeps more.",
+            true => "The maximum number of points is reached; a larger value keeps weaker corners.",
+            false => "A lower threshold or a smaller minimum distance keeps more.",
         };
         sentence.text(format!(" End of the run: {kept} from {maxima}, {responses}. {help}"))
     }
@@ -150,8 +150,8 @@ impl<M: Measure> Corners<M> {
                  or only edges.",
             ),
             Event::Ranked => said.text(format!(
-                "{} ranked by response. In this order at most max-points = {max_points} become corners, each at least \
-                 min-distance = {min_distance} px from those kept before.",
+                "{} ranked by response. In this order at most {max_points} become corners (the maximum number of points), each at least \
+                 {min_distance} px (the minimum distance) from those kept before.",
                 match state.peaks.len() {
                     1 => "1 local maximum is".to_owned(),
                     count => format!("{count} local maxima are"),
@@ -171,7 +171,7 @@ impl<M: Measure> Corners<M> {
             let count = seen.events.iter().filter(|event| matches!(event, Event::Peak(_, None))).count();
             return said
                 .ink(Role::Result, pixel(state.place(peak)))
-                .text(format!("{with} has no stronger corner within min-distance: kept as corner {count}."));
+                .text(format!("{with} has no stronger corner within the minimum distance: kept as corner {count}."));
         };
         let why = if response(near) > response(peak) {
             format!("has the larger response {}", numbers::gray(response(near)))
@@ -179,7 +179,10 @@ impl<M: Measure> Corners<M> {
             "has an equal response and comes first".into()
         };
         said.ink(Role::Rejected, pixel(state.place(peak)))
-            .text(format!("{with} is closer than min-distance = {} px to corner ", self.0.settings().min_distance))
+            .text(format!(
+                "{with} is closer than the minimum distance ({} px) to corner ",
+                self.0.settings().min_distance
+            ))
             .ink(Role::Result, pixel(state.place(near)))
             .text(format!(", which {why}: rejected."))
     }
@@ -288,7 +291,7 @@ impl<M: Measure> Corners<M> {
                 done.iter().for_each(|place| is_done[*place] = true);
                 let waiting = places(&state.peaks).into_iter().filter(|place| !is_done[*place]).collect();
                 points(Role::Candidate, "local maximum, not yet tested", waiting);
-                points(Role::Rejected, "rejected by min-distance", dropped);
+                points(Role::Rejected, "rejected by the minimum distance", dropped);
                 points(Role::Result, "corner", kept);
             }
         }
@@ -319,7 +322,7 @@ impl<M: Measure> Corners<M> {
             let radius = min_distance as f32;
             let shape = Shape::Ellipse { center: point(probe.place), radii: [radius; 2], angle_rad: 0.0 };
             scene.mark(Picture::CURRENT, Role::Window, shape);
-            scene.legend(Role::Window, "min-distance");
+            scene.legend(Role::Window, "minimum distance");
         } else {
             let reach = (window / 2) as i32;
             let side = 2 * reach as usize + 1;

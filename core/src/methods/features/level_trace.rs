@@ -115,8 +115,8 @@ impl LevelTrace<'_> {
                 let [large, small] = tensor.eigenvalues().map(numbers::gray);
                 let threshold = numbers::gray(self.follow.threshold);
                 let verdict = match self.follow.is_flat(tensor) {
-                    true => format!("below min-eigenvalue = {threshold}, so the window is ill-conditioned"),
-                    false => format!("not below min-eigenvalue = {threshold}, so the window can be tracked"),
+                    true => format!("below the minimum eigenvalue of {threshold}, so the window is ill-conditioned"),
+                    false => format!("not below the minimum eigenvalue of {threshold}, so the window can be tracked"),
                 };
                 let explanation = format!(
                     " on level {} ({width}×{height} px): λ₁ = {large}, and λ₂ = {small} is {verdict}. Initial guess: ",
@@ -158,7 +158,7 @@ impl LevelTrace<'_> {
             }
             Some(Event::End(displacement, Ok(residual))) => {
                 let residual = format!(
-                    ". Mean absolute difference of the windows: {} gray levels, within max-residual = {}.",
+                    ". Mean absolute difference of the windows: {} gray levels, within the maximum residual of {}.",
                     numbers::gray(*residual),
                     numbers::gray(self.follow.max_residual)
                 );
@@ -228,10 +228,12 @@ impl LevelTrace<'_> {
 pub fn why(status: Status) -> &'static str {
     match status {
         Status::Outside => ": its window leaves the frame.",
-        Status::Flat => ": λ₂ is below min-eigenvalue, so its displacement is ill-conditioned (aperture problem).",
-        Status::Astray => ": the forward–backward error exceeds max-fb-error, a sign of occlusion or a wrong match.",
-        Status::Changed => ": its dissimilarity from the first view exceeds max-dissimilarity, or no affine map fits.",
-        Status::Unlike => ": the residual exceeds max-residual, a sign of occlusion or a wrong match.",
+        Status::Flat => {
+            ": λ₂ is below the minimum eigenvalue, so its displacement is ill-conditioned (aperture problem)."
+        }
+        Status::Astray => ": the forward–backward error exceeds its maximum, a sign of occlusion or a wrong match.",
+        Status::Changed => ": its dissimilarity from the first view exceeds the maximum, or no affine map fits.",
+        Status::Unlike => ": the residual exceeds the maximum, a sign of occlusion or a wrong match.",
         Status::Found | Status::Tracked => ".",
     }
 }

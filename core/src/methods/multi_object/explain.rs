@@ -22,7 +22,7 @@ const SHOWN: usize = 12;
 pub(crate) fn detected((all, one): (usize, &str), frame: usize, (discarded, min_score): (usize, f32)) -> Sentence {
     Sentence::default().ink(Role::Measured, format!("{} in frame {frame}", count(all, one))).text(match discarded {
         0 => ".".into(),
-        _ => format!("; {discarded} more discarded with a score below min-score = {}.", fixed(min_score.into(), 2)),
+        _ => format!("; {discarded} more discarded with a score below the minimum of {}.", fixed(min_score.into(), 2)),
     })
 }
 
@@ -171,15 +171,17 @@ pub(crate) fn done(number: usize, frame: &ObjectFrame, conclusion: &Conclusion) 
     let advice = match run.switches {
         0 if misses + alarms == 0 => "",
         switches if switches > misses.max(alarms) => {
-            " To keep identities, raise max-age or choose a motion model that fits."
+            " To keep identities, raise the maximum age or choose a motion model that fits."
         }
         _ if misses > alarms => {
-            " In the run, misses dominate: lower min-hits or the score thresholds, or use another detector."
+            " In the run, misses dominate: lower the minimum number of hits or the score thresholds, or use another detector."
         }
         _ if misses == alarms => {
             " In the run, misses and false alarms are as many: boxes may overlap the true ones by less than IoU 0.5."
         }
-        _ => " In the run, false alarms dominate: raise min-hits or the score thresholds, or lower max-age.",
+        _ => {
+            " In the run, false alarms dominate: raise the minimum number of hits or the score thresholds, or lower the maximum age."
+        }
     };
     counts + &scores + &rates + &worst + advice
 }

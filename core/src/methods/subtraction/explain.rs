@@ -114,7 +114,7 @@ impl<'a> MaskHistory<'a> {
                     .text(format!(" It belongs to component {}", labels[(x, y)]))
                     .text(match self.kept().map(|[_, dropped]| dropped.iter().any(|d| label(d) == labels[(x, y)])) {
                         None => ".",
-                        Some(true) => ", which is rejected: its area is below min-area.",
+                        Some(true) => ", which is rejected: its area is below the minimum area.",
                         Some(false) => ", which becomes a blob.",
                     }),
                 Event::Labelled(..) if is_last => said.text(" It belongs to no component."),
@@ -169,7 +169,9 @@ impl<'a> MaskHistory<'a> {
         let mut facts = Vec::new();
         for event in self.events {
             facts.extend(match event {
-                Event::Decided(mask) => Some(Fact::new("Foreground", pixels(mask.count()), Some(Role::Candidate))),
+                Event::Decided(mask) => {
+                    Some(Fact::new("Foreground by the threshold", pixels(mask.count()), Some(Role::Candidate)))
+                }
                 Event::Shadows(_, mask) => Some(Fact::new("Shadows", pixels(mask.count()), Some(Role::Rejected))),
                 Event::Followed(_, [x, y]) => {
                     let moved = format!("{}, {} px", fixed(f64::from(*x), 2), fixed(f64::from(*y), 2));
@@ -232,7 +234,7 @@ impl<'a> MaskHistory<'a> {
                 scene.legend(Role::Candidate, "connected components, one colour each");
             }
             Some(Event::Kept(blobs)) => {
-                draw_blobs(scene, &blobs[1], (Role::Rejected, "below min-area"));
+                draw_blobs(scene, &blobs[1], (Role::Rejected, "below the minimum area"));
                 draw_blobs(scene, &blobs[0], (Role::Result, "blob"));
                 draw_shapes(scene, &blobs[0]);
             }
@@ -311,12 +313,12 @@ impl Conclusion {
         match self.ghosts {
             0 if misses + alarms == 0 => String::new(),
             0 if misses > alarms => format!(
-                " Most errors are misses ({}): try a lower threshold, a smaller opening or min-area.",
+                " Most errors are misses ({}): try a lower threshold, a smaller opening or a smaller minimum area.",
                 grouped(misses)
             ),
             0 if misses == alarms => format!(" {0} misses and {0} false alarms.", grouped(misses)),
             0 => format!(
-                " Most errors are false alarms ({}): try a higher threshold, a larger opening or min-area.",
+                " Most errors are false alarms ({}): try a higher threshold, a larger opening or a larger minimum area.",
                 grouped(alarms)
             ),
             ghosts => format!(
@@ -407,7 +409,7 @@ pub(crate) fn plots(record: &Record, span: &Span) -> Vec<Readout> {
         return Vec::new();
     }
     vec![
-        Readout::Series(series("Foreground pixels", "px", "foreground pixels", line(&|i| pixels[i] as f32))),
+        Readout::Series(series("Foreground of the final mask", "px", "foreground pixels", line(&|i| pixels[i] as f32))),
         Readout::Series(series("Blobs", "number of blobs", "blobs", line(&|i| frames[i].detections.len() as f32))),
     ]
 }

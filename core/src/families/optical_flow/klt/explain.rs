@@ -108,7 +108,7 @@ impl Klt {
         };
         match event {
             Event::Enough if self.replenish => said.text(format!(
-                "No new features in frame {frame}: {} tracked, and max-points = {} is reached.",
+                "No new features in frame {frame}: {} tracked, and the maximum number of points, {}, is reached.",
                 match state.live.len() {
                     1 => "1 feature is".to_owned(),
                     count => format!("{count} features are"),
@@ -120,7 +120,7 @@ impl Klt {
             )),
             Event::Found(found) => said
                 .text(format!(
-                    "{} of max-points = {} features are tracked. {} in frame {frame}: ",
+                    "{} of at most {} features are tracked. {} in frame {frame}: ",
                     state.live.len(),
                     self.max_points,
                     self.detector.estimator().info().name
@@ -134,7 +134,7 @@ impl Klt {
                     }
                 )),
             Event::Taken(found) => said.ink(Role::Result, words::counted(found.taken.len(), "new feature")).text(format!(
-                ", in order of decreasing response, each at least min-distance = {} px from all others. Their first views are \
+                ", in order of decreasing response, each at least {} px (the minimum distance) from all others. Their first views are \
                  stored for the affine check.",
                 self.min_distance
             )),
@@ -148,7 +148,7 @@ impl Klt {
                     .text(": ")
                     .ink(Role::Estimate, matrix(fit))
                     .text(format!(
-                        ", shift {} px{}. Dissimilarity: {} against max-dissimilarity = {}.",
+                        ", shift {} px{}. Dissimilarity: {}, at most {} is accepted.",
                         numbers::px(fit.shift[0].hypot(fit.shift[1])),
                         if self.illumination { format!(", {}", light(fit)) } else { String::new() },
                         grays(fit.difference),
@@ -171,7 +171,7 @@ impl Klt {
                     .text(": tracking back ends at ")
                     .ink(Role::Predicted, numbers::vector(place))
                     .text(format!(
-                        ". The error of {} px is {} max-fb-error = {} px: ",
+                        ". The forward–backward error of {} px is {} the maximum of {} px: ",
                         numbers::px(off_px),
                         if off_px > self.max_fb_error { "above" } else { "not above" },
                         numbers::px(self.max_fb_error)

@@ -87,7 +87,7 @@ impl PointTrajectories {
                 }
             }),
             Some(What::Begun(count)) => said.ink(Role::Measured, words::counted(*count, "new point")).text(format!(
-                " in empty grid cells of {} px with λ₂ ≥ min-eigenvalue = {}; {} continue.",
+                " in empty grid cells of {} px with λ₂ of at least {} (the minimum eigenvalue); {} continue.",
                 self.spacing,
                 numbers::gray(self.min_eigenvalue),
                 words::counted(state.live.len(), "point")
@@ -114,7 +114,7 @@ impl PointTrajectories {
         let Some(to) = moved.to() else {
             let why = match (moved.feature.status, moved.check(self)) {
                 (Status::Flat, _) => format!(
-                    ": λ₂ = {} is below min-eigenvalue = {}, so the window has no texture or only an edge.",
+                    ": λ₂ = {} is below the minimum eigenvalue of {}, so the window has no texture or only an edge.",
                     numbers::gray(moved.structure),
                     numbers::gray(self.min_eigenvalue)
                 ),

@@ -124,7 +124,7 @@ impl BlobTracker {
                 count(tracks_of(tracked_blobs), "track")
             )),
             EventKind::Corresponded(table) => said.text(format!(
-                "Overlap of at least min-overlap = {} of the smaller box: {} of {}.{}",
+                "Overlap of at least {} of the smaller box (the minimum overlap): {} of {}.{}",
                 words::percent(self.min_overlap),
                 table.corresponding,
                 count(table.tracked_blobs.len() * table.blobs.len(), "pair"),
@@ -137,7 +137,7 @@ impl BlobTracker {
             EventKind::Missed(tracked) => {
                 let missed = tracked.members.iter().map(|member| member.age.missed).max().unwrap_or(0);
                 said.ink(Role::Predicted, named(tracked)).text(format!(
-                    " has no blob and coasts: {} missed in a row, deleted after more than max-age = {}.",
+                    " has no blob and coasts: {} missed in a row, deleted after more than {} (the maximum age).",
                     count(missed, "frame"),
                     self.rules.max_age
                 ))
@@ -145,16 +145,18 @@ impl BlobTracker {
             EventKind::Deleted(tracked) => said.ink(Role::Rejected, named(tracked)).text(
                 match tracked.members.iter().all(|member| member.age.status == TrackStatus::Tentative) {
                     true => format!(
-                        " is deleted: missed while tentative, before min-hits = {} matches.",
+                        " is deleted: missed while tentative, before {} matches (the minimum number of hits).",
                         self.rules.min_hits
                     ),
-                    false => format!(" is deleted: missed for more than max-age = {}.", frames(self.rules.max_age)),
+                    false => {
+                        format!(" is deleted: missed for more than {} (the maximum age).", frames(self.rules.max_age))
+                    }
                 },
             ),
             EventKind::Begun(tracked) => said
                 .text("An unmatched blob starts ")
                 .ink(Role::Reference, named(tracked).to_lowercase())
-                .text(format!(". It is tentative until min-hits = {}.", self.rules.min_hits)),
+                .text(format!(". It is tentative until it has {} hits, the minimum number.", self.rules.min_hits)),
             EventKind::Done(done, conclusion) => {
                 // The detections of a file have no shape: boxes of a person detector overlap where persons do.
                 let are_boxes = !done.detections.is_empty() && done.detections.iter().all(|found| found.blob.is_none());
@@ -212,7 +214,7 @@ impl BlobTracker {
         let said = said.ink(Role::Estimate, named(tracked));
         let said = if self.is_nearest(decision) {
             said.text(format!(
-                " overlaps no unmatched blob by min-overlap = {}. The nearest, blob {blobs}, is {} px away, within max-distance = {} px.",
+                " overlaps no unmatched blob by {} (the minimum overlap). The nearest, blob {blobs}, is {} px away, within the maximum distance of {} px.",
                 words::percent(self.min_overlap),
                 px(table.distance(row, *column)),
                 px(self.max_distance.into())
@@ -229,9 +231,11 @@ impl BlobTracker {
             ))
         };
         match members.iter().zip(&tracked.members).find(|(was, is)| was.age.status != is.age.status) {
-            Some((was, is)) if was.age.status == TrackStatus::Tentative => {
-                said.text(format!(" Confirmed: {} reach min-hits = {}.", hits(is.age.hits), self.rules.min_hits))
-            }
+            Some((was, is)) if was.age.status == TrackStatus::Tentative => said.text(format!(
+                " Confirmed: {} reach the minimum number of hits, {}.",
+                hits(is.age.hits),
+                self.rules.min_hits
+            )),
             Some((was, _)) => said.text(format!(" Matched again after {}.", missed(was.age.missed))),
             None => said,
         }

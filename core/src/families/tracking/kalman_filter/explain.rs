@@ -117,7 +117,7 @@ impl KalmanFilter {
                 .text("The first measurement starts a track at ")
                 .ink(Role::Estimate, format!("{} px", place(filter.place())))
                 .text(format!(
-                    ". Its velocity is unknown: 0 ± {} px/frame (initial-speed).",
+                    ". Its velocity is unknown: 0 ± {} px/frame, the initial speed.",
                     px(f64::from(self.initial_speed))
                 ))
                 .text(if self.object > *there {
@@ -133,7 +133,7 @@ impl KalmanFilter {
             Event::Lost(filter, loss) => said
                 .text(match loss {
                     Loss::Missed => {
-                        format!("No accepted measurement for more than max-age = {}:", count(self.max_age, "frame"))
+                        format!("No accepted measurement for more than {} (the maximum age):", count(self.max_age, "frame"))
                     }
                     Loss::Outside => {
                         format!("The prediction {} px is far outside the picture:", place(filter.place()))
@@ -184,7 +184,7 @@ impl KalmanFilter {
                 _ => "All measurements are rejected, so the track coasts at the prediction ",
             })
             .ink(Role::Estimate, format!("{} px", place(filter.place())))
-            .text(format!(". {missed} missed in a row; max-age is {}.", self.max_age));
+            .text(format!(". {missed} missed in a row; the maximum age is {}.", self.max_age));
         let earlier = seen.before.records.iter().rev();
         let is_rejected = |gated: &[Gated]| !gated.is_empty() && !gated.iter().any(Gated::is_inside);
         let rejected =
@@ -214,9 +214,9 @@ impl KalmanFilter {
     fn remedy(&self) -> &'static str {
         match self.motion {
             MotionModel::Velocity => {
-                "Set motion = acceleration for a thrown or braking object, or raise process-noise."
+                "Choose the motion model of constant acceleration for a thrown or braking object, or raise the process noise."
             }
-            _ => "Raise process-noise, or choose another motion model.",
+            _ => "Raise the process noise, or choose another motion model.",
         }
     }
 
@@ -295,9 +295,9 @@ impl KalmanFilter {
             squared(high),
             match mean {
                 mean if mean > high =>
-                    "the filter is overconfident: its covariance is too small. Raise process-noise or measurement-noise.",
+                    "the filter is overconfident: its covariance is too small. Raise the process noise or the measurement noise.",
                 mean if mean < low =>
-                    "the filter is underconfident: its covariance is too large. Lower measurement-noise or process-noise.",
+                    "the filter is underconfident: its covariance is too large. Lower the measurement noise or the process noise.",
                 _ => "the filter is consistent.",
             }
         );

@@ -98,7 +98,7 @@ impl KalmanTracker {
             Event::Assigned(costs, [row, column]) => self.assigned(costs, [*row, *column]),
             Event::Updated(both, measurement) => self.updated_track(both, measurement),
             Event::Missed(track) => said.ink(Role::Predicted, named(track)).text(format!(
-                " is unassigned and coasts: {} missed in a row, deleted after more than max-age = {}. Without an update σ grows to {} px.",
+                " is unassigned and coasts: {} missed in a row, deleted after more than {} (the maximum age). Without an update σ grows to {} px.",
                 count(track.age.missed, "frame"),
                 self.rules.max_age,
                 deviations(track)
@@ -108,21 +108,21 @@ impl KalmanTracker {
                 said.ink(Role::Rejected, named(track)).text(match track.age.status {
                     TrackStatus::Tentative => {
                         let least = self.rules.min_hits;
-                        format!(" is deleted: missed while tentative, before min-hits = {least} matches.")
+                        format!(" is deleted: missed while tentative, before {least} matches (the minimum number of hits).")
                     }
                     _ if track.age.missed < limit => {
                         let [x, y] = track.filter.place();
                         let at = words::place([x as f32, y as f32]);
                         format!(" is deleted: its prediction {at} px is far outside the picture.")
                     }
-                    _ => format!(" is deleted: missed for more than max-age = {}.", count(limit, "frame")),
+                    _ => format!(" is deleted: missed for more than {} (the maximum age).", count(limit, "frame")),
                 })
             }
             Event::Begun(track) => said
                 .text("An unassigned detection starts ")
                 .ink(Role::Reference, named(track).to_lowercase())
                 .text(format!(
-                    " with velocity 0 ± {} px/frame. It is tentative until min-hits = {}.",
+                    " with velocity 0 ± {} px/frame. It is tentative until it has {} hits, the minimum number.",
                     px(track.filter.covariance()[(2, 2)].max(0.0).sqrt()),
                     self.rules.min_hits
                 )),
@@ -162,7 +162,7 @@ impl KalmanTracker {
                 };
                 let why = match stage {
                     Some(MatchingStage::LowScore) => format!(
-                        " The detection's score is below score-threshold = {}, so it can only continue a track.",
+                        " The detection's score is below the score threshold ({}), so it can only continue a track.",
                         fixed(self.score_threshold.into(), 2)
                     ),
                     Some(MatchingStage::Tentative) => " Confirmed tracks left the detection unassigned.".to_owned(),
@@ -193,7 +193,7 @@ impl KalmanTracker {
         ));
         match (before.age.status, after.age.status) {
             (TrackStatus::Tentative, TrackStatus::Confirmed) => said.text(format!(
-                " Confirmed: {} reach min-hits = {}{}.",
+                " Confirmed: {} reach the minimum number of hits, {}{}.",
                 count(after.age.hits, "matched frame"),
                 self.rules.min_hits,
                 after.age.movement.map_or_else(String::new, |movement| format!(
@@ -209,7 +209,7 @@ impl KalmanTracker {
                     .map_or([0.0; 2], |movement| [movement.net_px(), movement.least_px(self.rules.min_travel)]);
                 let [net, least] = movement.map(px);
                 said.text(format!(
-                    " Still tentative: it has travelled {net} px from its start, and min-travel asks for {least} px of motion."
+                    " Still tentative: it has travelled {net} px from its start and needs {least} px (the minimum travel)."
                 ))
             }
             (TrackStatus::Coasting, _) => {

@@ -90,9 +90,9 @@ impl TrajectoryAnalysis {
                         counted(anomaly.others, "other track")
                     ),
                 )
-                .text(format!(" in this cell, above unusual-angle = {}°.", fixed(self.unusual_angle.into(), 0))),
+                .text(format!(" in this cell, above {}° (the unusual angle).", fixed(self.unusual_angle.into(), 0))),
             Event::Learned(directions) => said.text(format!(
-                "The directions of this frame are added to the grid. {} at least min-others = {} tracks.{}",
+                "The directions of this frame are added to the grid. {} at least {} tracks (the minimum number of others).{}",
                 match directions.all(self.min_others).len() {
                     1 => "1 cell has".to_owned(),
                     cells => format!("{cells} cells have"),
@@ -133,7 +133,8 @@ impl TrajectoryAnalysis {
                 let said = said.text(": speed ").ink(Role::Result, format!("{} px/frame", px(speed)));
                 if speed < f64::from(self.min_speed) {
                     let least = px(self.min_speed.into());
-                    return said.text(format!(" is below min-speed = {least} px/frame, so it has no heading."));
+                    return said
+                        .text(format!(" is below the minimum speed of {least} px/frame, so it has no heading."));
                 }
                 said.text(format!(", heading {}, by {}.", heading(velocity), self.over(trajectory)))
             }
