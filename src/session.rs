@@ -6,7 +6,7 @@
 //! truth = "truth.flo"              # ground truth given explicitly, relative to the session file as well
 //! detections = "det.txt"
 //! estimator = "full-search"
-//! pace = "block"                   # of the lockstep: the same block, or the same budget of candidates
+//! pace = "block"                   # of the lockstep: block, budget, frame, iteration, level, stage or result
 //! frame = 12
 //! step = "35.412"
 //! pixel = "303,202"                # the held pixel to explain
@@ -30,7 +30,6 @@ mod write;
 use std::ffi::OsStr;
 use std::path::Path;
 
-use motionscope_core::params::Parameter;
 use motionscope_core::{Error, Pace};
 use serde::Serialize;
 
@@ -151,10 +150,8 @@ fn key(name: &'static str) -> &'static str {
 /// # Errors
 /// A sentence with the known paces.
 pub fn pace(id: &str) -> Result<Pace, Error> {
-    let all = [Pace::Block, Pace::Budget];
-    let name = |pace: &Pace| pace.to_value().to_string();
-    let told = || Error::new(format!("there is no pace {id}; there are {}", all.each_ref().map(name).join(", ")));
-    all.into_iter().find(|pace| name(pace) == id).ok_or_else(told)
+    let told = || Error::new(format!("there is no pace {id}; there are {}", Pace::ALL.map(Pace::name).join(", ")));
+    Pace::ALL.into_iter().find(|pace| pace.name() == id).ok_or_else(told)
 }
 
 fn folder_of(path: &Path) -> &Path {

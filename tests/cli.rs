@@ -541,12 +541,12 @@ fn what_is_wrong_is_one_sentence_and_leaves_no_file() {
         (format!("run {SMALL} --estimator no-search"), "the nearest is log-search"),
         (format!("run {SMALL} --estimator nothing-like-it"), "full-search"),
         (run(SMALL, "--beside magic"), "no estimator magic"),
-        (run(SMALL, "--beside diamond,full-search"), "is there twice"),
+        (run(SMALL, "--beside diamond,kalman-filter"), "Kalman filter on a whole clip"),
         (run(SMALL, "--beside diamond,hexagon,three-step,four-step"), "2 to 4 estimators"),
         (run(SMALL, "--beside hierarchical --set hierarchical.levels=6"), "hierarchical: with 6 levels"),
-        (run(SMALL, "--beside diamond --set diamond.block=8"), "set block=8"),
+        (run(SMALL, "--beside diamond --set diamond.block=8"), "same block size"),
         (run(SMALL, "--beside diamond --pace slow"), "block, budget"),
-        (run(SMALL, "--beside horn-schunck"), "tests no candidates"),
+        (run(SMALL, "--beside horn-schunck --pace block"), "choose result"),
         (run(SMALL, "--level 1"), "no pyramid"),
         (run(SMALL, "--level top"), "0 to 99 or at-work, not top"),
         (
@@ -747,6 +747,26 @@ fn estimators_in_lockstep_are_drawn_side_by_side() {
     let end = run(&of("diamond", "5"), "end.png");
     let written = image::open(here.join(format!("steps/step_{:05}.png", last - 1))).unwrap();
     assert!(written.into_rgb8().into_raw() == end.2, "the last step is the block's end");
+}
+
+#[test]
+fn flows_in_lockstep_have_a_difference() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let of = |more: &str, out: &str| {
+        let flows = "--estimator horn-schunck --beside horn-schunck --set 2.alpha=40 --pace result";
+        stdout(here, &format!("run {SMALL} {flows} {more} --overlay {out}"));
+        image::open(here.join(out)).unwrap().into_rgb8()
+    };
+    let [wheel, difference] = [("", "wheel.png"), ("--layer difference", "difference.png")].map(|(m, o)| of(m, o));
+    let half = wheel.width() / 2;
+    let changed = |from: u32, to: u32| {
+        let same = |x: u32| (0..wheel.height()).all(|y| wheel.get_pixel(x, y) == difference.get_pixel(x, y));
+        (from..to).filter(|x| !same(*x)).count()
+    };
+    assert!(changed(half, wheel.width()) > 30, "the second shows its difference from the first");
+    let refused = refusal(here, &format!("run {SMALL} --estimator horn-schunck --layer difference --overlay no.png"));
+    assert!(refused.contains("it compares estimators in lockstep"), "{refused}");
 }
 
 #[test]

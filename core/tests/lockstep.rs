@@ -3,8 +3,8 @@
 use motionscope_core::scene::Focus;
 use motionscope_core::scene::Readout;
 use motionscope_core::{
-    AnyEstimator, Beside, BlockField, Clip, Cursor, Direction, Frame, Grid, Lockstep, Move, Pace, Scene, Step, Threads,
-    Walk, estimator,
+    AnyEstimator, Beside, BlockField, CandidateCount, Clip, Cursor, Direction, Frame, Grid, Move, Pace, Scene, Step,
+    Threads, Walk, estimator, estimators, lockstep, synth,
 };
 
 const TEAMS: [&[&str]; 4] = [
@@ -35,12 +35,12 @@ fn team(ids: &[&str]) -> Vec<Box<dyn AnyEstimator>> {
     ids.iter().map(|id| small(id)).collect()
 }
 
-fn refused_or_run(estimators: &[Box<dyn AnyEstimator>], pace: Pace) -> Result<Lockstep, String> {
+fn refused_or_run(estimators: &[Box<dyn AnyEstimator>], pace: Pace) -> Result<Box<dyn Walk>, String> {
     let estimators: Vec<_> = estimators.iter().map(|estimator| &**estimator).collect();
-    Lockstep::new(&estimators, pace, (&clip(), 0), &Threads::single()).map_err(|error| error.to_string())
+    lockstep::walk(&estimators, pace, (&clip(), 0), &Threads::single()).map_err(|error| error.to_string())
 }
 
-fn lockstep(ids: &[&str], pace: Pace) -> Lockstep {
+fn in_lockstep(ids: &[&str], pace: Pace) -> Box<dyn Walk> {
     refused_or_run(&team(ids), pace).expect("a run")
 }
 
@@ -104,23 +104,27 @@ fn told(mut step: Step) -> (String, Vec<usize>) {
 
 fn shows(member: &Beside, stop: &Stop) -> bool {
     let told = told(member.step.clone()).0 == told(stop.step.clone()).0;
-    member.cursor == stop.cursor && told && member.scene.same(&stop.scene) && member.candidates_in_all == stop.tested
+    member.cursor == stop.cursor && told && member.scene.same(&stop.scene) && counted(member).in_all == stop.tested
 }
 
-fn forward(walk: &mut Lockstep) {
+fn counted(member: &Beside) -> CandidateCount {
+    member.candidates.expect("block searches count their candidates")
+}
+
+fn forward(walk: &mut dyn Walk) {
     walk.jump(Move::Granularity(2, Direction::Forward));
 }
 
 #[test]
 fn each_shows_what_it_shows_alone_at_the_same_candidate() {
     for ids in TEAMS {
-        let mut walk = lockstep(ids, Pace::Block);
+        let mut walk = in_lockstep(ids, Pace::Block);
         let alone: Vec<_> = ids.iter().map(|id| alone(id)).collect();
         let ways: Vec<_> = ids.iter().map(|id| small(id).walk(&clip(), 0).expect("a walk")).collect();
         assert!(walk.beside(None).iter().zip(&alone).all(|(member, stops)| shows(member, &stops[0])));
         let mut units = 0;
         while !walk.at_end() {
-            forward(&mut walk);
+            forward(&mut *walk);
             let Cursor { unit, event } = walk.cursor();
             units = units.max(unit + 1);
             for ((member, stops), solo) in walk.beside(None).iter().zip(&alone).zip(&ways) {
@@ -130,11 +134,12 @@ fn each_shows_what_it_shows_alone_at_the_same_candidate() {
                 assert!(shows(member, stop), "{id} at {}: {} and not {}", walk.cursor(), member.cursor, stop.cursor);
                 assert_eq!(member.is_done, stop.ends_unit && stop.cursor.unit == way[way.len() - 1], "{id}");
                 let leg = way.iter().position(|unit| *unit == stop.cursor.unit).expect("a unit of its way");
-                assert_eq!(member.leg, (leg + 1, way.len()), "{id}");
+                assert_eq!(counted(member).leg, (leg + 1, way.len()), "{id}");
                 let named = told(member.step.clone()).1;
                 assert!(named.windows(2).all(|pair| pair[0] + 1 == pair[1]), "candidates one after the other");
-                assert!(named.last().is_none_or(|last| *last == member.candidates), "{id}: {named:?}");
-                assert!(member.candidates == event || member.candidates < event && member.is_done, "{id}");
+                assert!(named.last().is_none_or(|last| *last == counted(member).here), "{id}: {named:?}");
+                let here = counted(member).here;
+                assert!(here == event || here < event && member.is_done, "{id}");
             }
             let waiting = walk.beside(None).iter().any(|member| !member.is_done);
             assert_eq!(waiting, event < walk.events(), "a block ends when the last is done, and not later");
@@ -146,22 +151,22 @@ fn each_shows_what_it_shows_alone_at_the_same_candidate() {
 #[test]
 fn back_is_forward_reversed_and_seeking_is_walking() {
     for (ids, pace) in TEAMS.into_iter().flat_map(|ids| [(ids, Pace::Block), (ids, Pace::Budget)]) {
-        let told = |walk: &Lockstep| format!("{} {} {:?}", walk.cursor(), walk.events(), walk.beside(None));
-        let mut walk = lockstep(ids, pace);
-        let mut views = vec![(walk.cursor(), told(&walk))];
+        let told = |walk: &dyn Walk| format!("{} {} {:?}", walk.cursor(), walk.events(), walk.beside(None));
+        let mut walk = in_lockstep(ids, pace);
+        let mut views = vec![(walk.cursor(), told(&*walk))];
         while !walk.at_end() && views.len() < 700 {
-            forward(&mut walk);
-            views.push((walk.cursor(), told(&walk)));
+            forward(&mut *walk);
+            views.push((walk.cursor(), told(&*walk)));
         }
         for (cursor, view) in views.iter().rev() {
-            assert!(*view == told(&walk), "walking back to {cursor}");
+            assert!(*view == told(&*walk), "walking back to {cursor}");
             walk.jump(Move::Granularity(2, Direction::Back));
         }
         for i in 0..60 {
             let (cursor, view) = &views[(i * 7919 + 13) % views.len()];
             walk.go(Move::To(*cursor));
             while !walk.work(&mut || false) {}
-            assert!(*view == told(&walk), "seeking {cursor} in slices");
+            assert!(*view == told(&*walk), "seeking {cursor} in slices");
         }
         walk.jump(Move::End);
         assert!(walk.at_end() && Some(walk.cursor().unit + 1) == walk.units());
@@ -180,16 +185,16 @@ fn back_is_forward_reversed_and_seeking_is_walking() {
 #[test]
 fn nobody_spends_more_than_the_leader() {
     for ids in TEAMS {
-        let mut walk = lockstep(ids, Pace::Budget);
+        let mut walk = in_lockstep(ids, Pace::Budget);
         let totals: Vec<u64> = ids.iter().map(|id| alone(id).last().expect("an end").tested).collect();
         let mut budget = 0;
         while !walk.at_end() {
-            forward(&mut walk);
+            forward(&mut *walk);
             let beside = walk.beside(None);
             let is_told = walk.cursor().event == walk.events();
             budget += u64::from(!is_told);
             for (member, total) in beside.iter().zip(&totals) {
-                assert_eq!(member.candidates_in_all, budget.min(*total), "{} at {}", member.info.id, walk.cursor());
+                assert_eq!(counted(member).in_all, budget.min(*total), "{} at {}", member.info.id, walk.cursor());
                 assert!(!member.is_done || budget >= *total);
                 assert!(member.is_done || budget < *total || budget == *total && !is_told, "{}", member.info.id);
             }
@@ -205,7 +210,7 @@ fn nobody_spends_more_than_the_leader() {
 #[test]
 fn the_end_is_what_each_finds_in_a_run() {
     for (ids, pace) in TEAMS.into_iter().flat_map(|ids| [(ids, Pace::Block), (ids, Pace::Budget)]) {
-        let mut walk = lockstep(ids, pace);
+        let mut walk = in_lockstep(ids, pace);
         walk.jump(Move::End);
         let run = small(ids[0]).run(&clip(), 0, &Threads::single()).expect("a run");
         assert_eq!(walk.output(), run, "{ids:?}");
@@ -215,7 +220,7 @@ fn the_end_is_what_each_finds_in_a_run() {
             else {
                 panic!("no blocks")
             };
-            assert_eq!(member.candidates_in_all, field.candidates(), "{id}");
+            assert_eq!(counted(member).in_all, field.candidates(), "{id}");
             assert!(shows(member, alone(id).last().expect("an end")), "{id}");
         }
     }
@@ -252,11 +257,14 @@ fn a_block_is_reached_over_all_levels() {
 #[test]
 fn a_click_leads_to_the_block_there() {
     for pace in [Pace::Block, Pace::Budget] {
-        let walk = lockstep(&["diamond", "full-search"], pace);
+        let walk = in_lockstep(&["diamond", "full-search"], pace);
         assert_eq!(walk.unit_at(Focus::current([17.0, 9.0])), Some(6 + 2));
         assert_eq!(walk.unit_at(Focus::current([99.0, 9.0])), None);
     }
-    assert_eq!(lockstep(&["hierarchical", "diamond"], Pace::Block).unit_at(Focus::current([17.0, 9.0])), Some(6 + 2));
+    assert_eq!(
+        in_lockstep(&["hierarchical", "diamond"], Pace::Block).unit_at(Focus::current([17.0, 9.0])),
+        Some(6 + 2)
+    );
 }
 
 #[test]
@@ -266,7 +274,8 @@ fn what_cannot_stand_side_by_side_is_refused_in_a_sentence() {
     };
     assert!(refused(&team(&["diamond"])).contains("2 to 4 estimators"));
     assert!(refused(&team(&["diamond", "hexagon", "three-step", "full-search", "predictive"])).contains("not 5"));
-    assert!(refused(&team(&["diamond", "hexagon", "diamond"])).contains("diamond is there twice"));
+    assert!(refused(&team(&["diamond", "harris", "kalman-tracker"])).contains("Kalman tracker on a whole clip"));
+    assert!(refused(&team(&["diamond", "horn-schunck"])).contains("by block; choose result"));
     let mut different = team(&["diamond", "diamond"]);
     different[1].set("range", "2").expect("in range");
     assert!(refused_or_run(&different, Pace::Block).is_ok(), "one estimator set differently is worth a look");
@@ -279,4 +288,114 @@ fn what_cannot_stand_side_by_side_is_refused_in_a_sentence() {
         "it is told which one cannot run: {}",
         refused(&high)
     );
+}
+
+/// A clip on which all estimators that step through frames, iterations or levels have something to do.
+fn moving() -> Clip {
+    let scene = synth::scene("traffic").expect("bundled");
+    let mut difficulty = scene.difficulty();
+    for (name, value) in [("width", "96"), ("height", "64"), ("frames", "4")] {
+        motionscope_core::Params::set(&mut difficulty, name, value).expect("in range");
+    }
+    synth::make("traffic", &difficulty).expect("a clip")
+}
+
+/// Every estimator beside the next ones of the registry that can go with it, at every pace.
+fn teams() -> Vec<(Vec<Box<dyn AnyEstimator>>, Pace)> {
+    let all = estimators();
+    let mut teams = Vec::new();
+    for (i, leader) in all.iter().enumerate() {
+        let others = all.iter().cycle().skip(i + 1).take(all.len() - 1);
+        for pace in Pace::ALL.into_iter().filter(|pace| !pace.counts_candidates()) {
+            let suits = |other: &&dyn AnyEstimator| lockstep::paces(&[&**leader, *other]).contains(&pace);
+            let Some(other) = others.clone().map(|other| &**other).find(suits) else { continue };
+            teams.push((vec![leader.boxed_clone(), other.boxed_clone()], pace));
+        }
+    }
+    teams
+}
+
+/// The same run as `member`, at its place by itself.
+fn by_itself(estimator: &dyn AnyEstimator, clip: &Clip, cursor: Cursor) -> Box<dyn Walk> {
+    let mut walk = estimator.walk(clip, 0).expect("a walk");
+    walk.jump(Move::To(cursor));
+    walk
+}
+
+#[test]
+fn every_family_goes_in_lockstep_and_shows_what_each_shows_alone() {
+    let clip = moving();
+    let mut paces = Vec::new();
+    for (team, pace) in teams() {
+        let all: Vec<_> = team.iter().map(|estimator| &**estimator).collect();
+        let ids: Vec<_> = all.iter().map(|estimator| estimator.info().id).collect();
+        let mut walk = match lockstep::walk(&all, pace, (&clip, 0), &Threads::single()) {
+            Ok(walk) => walk,
+            Err(error) => panic!("{ids:?} {pace:?}: {error}"),
+        };
+        paces.push(pace);
+        assert_eq!((walk.cursor(), walk.at_end()), (Cursor::default(), false), "{ids:?} {pace:?}");
+        // Some stops, forward and inside, the end, and back.
+        let moves =
+            [(2, Direction::Forward), (2, Direction::Forward), (1, Direction::Forward), (2, Direction::Forward)];
+        let mut seen = Vec::new();
+        for (granularity, direction) in moves.into_iter().chain([(0, Direction::Forward), (2, Direction::Back)]) {
+            walk.jump(Move::Granularity(granularity, direction));
+            assert!(walk.failure().is_none(), "{ids:?} {pace:?}: {:?}", walk.failure());
+            seen.push(walk.cursor());
+            for (estimator, member) in all.iter().zip(walk.beside(None)) {
+                let alone = by_itself(*estimator, &clip, member.cursor);
+                let what = format!("{ids:?} {pace:?} at {}: {}", walk.cursor(), estimator.info().id);
+                assert_eq!(alone.cursor(), member.cursor, "{what}");
+                assert!(told(alone.step(None)).0 == told(member.step.clone()).0, "{what}");
+                assert!(alone.scene(None).same(&member.scene) && alone.output() == member.output, "{what}");
+            }
+        }
+        let end = seen[4];
+        assert!(seen[..4].iter().all(|cursor| *cursor <= end) && seen[5] < end, "{ids:?} {pace:?}: {seen:?}");
+        // Going there at once, and in slices, leads to the same place.
+        let view = |walk: &dyn Walk| format!("{} {} {:?}", walk.cursor(), walk.events(), walk.beside(None));
+        let mut again = lockstep::walk(&all, pace, (&clip, 0), &Threads::single()).expect("a run");
+        for cursor in [seen[1], seen[5], seen[2], end] {
+            walk.jump(Move::To(cursor));
+            again.go(Move::To(cursor));
+            while !again.work(&mut || false) {}
+            assert_eq!(again.cursor(), cursor, "{ids:?} {pace:?}");
+            assert!(view(&*walk) == view(&*again), "{ids:?} {pace:?} at {cursor}");
+        }
+        assert!(walk.at_end() && walk.units() == Some(end.unit + 1), "{ids:?} {pace:?}: {:?}", walk.units());
+        walk.jump(Move::Granularity(2, Direction::Forward));
+        assert_eq!(walk.cursor(), end, "there is nothing beyond the end");
+        walk.jump(Move::Granularity(0, Direction::Back));
+        assert_eq!(walk.cursor(), Cursor::default());
+    }
+    for pace in [Pace::Frame, Pace::Iteration, Pace::Level, Pace::Stage, Pace::Result] {
+        assert!(paces.contains(&pace), "no team goes by {pace:?}");
+    }
+}
+
+#[test]
+fn background_models_stand_at_the_same_stage_of_the_same_frame() {
+    let (clip, mut compared) = (moving(), 0);
+    let models: Vec<_> = estimators().into_iter().filter(|one| one.info().id.ends_with("background")).collect();
+    let mixture = estimator("mixture-of-gaussians").expect("bundled");
+    for model in models {
+        let team: [&dyn AnyEstimator; 2] = [&*model, &*mixture];
+        let mut walk = lockstep::walk(&team, Pace::Frame, (&clip, 0), &Threads::single()).expect("a run");
+        while !walk.at_end() {
+            forward(&mut *walk);
+            let beside = walk.beside(None);
+            let own: Vec<_> =
+                team.iter().zip(&beside).map(|(one, member)| by_itself(*one, &clip, member.cursor)).collect();
+            assert!(own.iter().all(|own| own.at_frame() == walk.at_frame()), "at {}", walk.cursor());
+            let [first, second] = [0, 1].map(|i| own[i].stages()[..beside[i].cursor.event].last().copied());
+            let names = [own[0].stages(), own[1].stages()];
+            let is_shared = |name| names.iter().all(|names| names.contains(&name));
+            // Where they differ, one of them waits while the other does what it has not.
+            let waits = [first, second].into_iter().flatten().any(|name| !is_shared(name));
+            assert!(first == second || waits, "{first:?} beside {second:?} at {}", walk.cursor());
+            compared += usize::from(first == second);
+        }
+    }
+    assert!(compared > 40, "{compared} stages");
 }

@@ -148,13 +148,16 @@ pub struct TaskArgs {
     /// Frame t, from 0.
     #[arg(long, help_heading = "Estimation", value_name = "N")]
     pub frame: Option<usize>,
-    /// Up to three more estimators in lockstep, separated by commas; each has its own picture.
+    /// Up to three more estimators in lockstep, separated by commas; each has its own picture. The same estimator may be there
+    /// again, with other parameters.
     #[arg(long, help_heading = "Estimation", value_name = "B,C,..", value_delimiter = ',', num_args = 1)]
     pub beside: Vec<String>,
-    /// Pace of the lockstep: block (same block, one candidate each) or budget (same number of candidates in total).
+    /// Pace of the lockstep: block (same block, one candidate each) or budget (same number of candidates in total) for block
+    /// searches; frame, iteration, level, stage or result for others.
     #[arg(long, help_heading = "Estimation", value_parser = pace)]
     pub pace: Option<Pace>,
-    /// Set a parameter, e.g. block-size=8, or that of one estimator in lockstep, e.g. hierarchical.levels=4; may be repeated.
+    /// Set a parameter, e.g. block-size=8, or that of one estimator in lockstep, e.g. hierarchical.levels=4 or 2.levels=4 for the
+    /// second; may be repeated.
     #[arg(long, help_heading = "Estimation", value_name = "K=V")]
     pub set: Vec<String>,
     /// Ground truth; by default it is searched for beside the clip.

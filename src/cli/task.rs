@@ -71,7 +71,9 @@ fn set_lockstep(args: &TaskArgs, leader: &dyn AnyEstimator, side_by_side: &mut S
     if args.pace.is_some() && side_by_side.is_empty() {
         return Err(Error::new("--pace needs several estimators in lockstep; add --beside"));
     }
-    side_by_side.pace = pace;
+    if args.pace.is_some() {
+        side_by_side.pace = pace;
+    }
     Ok(())
 }
 

@@ -82,7 +82,7 @@ pub struct Part<'a> {
     pub scene: &'a Scene,
     /// Where there are several: the estimator's name, whether it waits for the others, and what it has come to, the
     /// first that there is room for being told.
-    pub heading: Option<(&'a str, bool, &'a [Sentence])>,
+    pub heading: Option<(&'a [String; 2], bool, &'a [Sentence])>,
 }
 
 /// Primitives that are seen only inside a rectangle.
@@ -165,7 +165,7 @@ fn description(options: &FigureOptions, parts: &[Part<'_>]) -> String {
     let Some(Part { pictures, .. }) = parts.first() else { return String::new() };
     let shown = options.view.panels(pictures).into_iter().map(|panel| Shown { panel, share: options.share, gain: 1 });
     let titles: Vec<_> = shown.map(|shown| shown.title(options.frame, &pictures.names)).collect();
-    let told = parts.iter().filter_map(|part| part.heading).map(|(name, _, words)| {
+    let told = parts.iter().filter_map(|part| part.heading).map(|([name, _], _, words)| {
         let words = words.first().map_or_else(String::new, Sentence::plain);
         format!("{name}: {words}")
     });
@@ -238,7 +238,12 @@ impl Layout<'_> {
             if is_framed {
                 let shown = Shown { panel, share: self.options.share, gain };
                 match part.heading {
-                    Some((name, waits, words)) => self.heading((name, waits), words.get(way).or(words.last()), x),
+                    Some((names, waits, words)) => {
+                        let room = size[0] - if waits { 3.0 * self.sizes.body } else { 0.0 };
+                        let fits = |name: &&String| fonts::width(name, Face::Bold, self.sizes.body) <= room;
+                        let name = names.iter().find(fits).unwrap_or(&names[1]);
+                        self.heading((name, waits), words.get(way).or(words.last()), x);
+                    }
                     None => self.title(shown, &part.pictures.names, (x, size[0])),
                 }
                 self.y += 4.0;

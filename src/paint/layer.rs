@@ -121,6 +121,8 @@ pub enum FlowLayer {
     Magnitude,
     /// How far that is from the truth.
     Error,
+    /// How far that is from the flow of the first estimator in lockstep.
+    Difference,
     /// How far the estimator trusts it.
     Confidence,
     /// How far from its pixel one comes back along the flow of the reverse pair.
@@ -129,11 +131,12 @@ pub enum FlowLayer {
 
 impl FlowLayer {
     /// Every layer.
-    pub const ALL: [FlowLayer; 6] = [
+    pub const ALL: [FlowLayer; 7] = [
         FlowLayer::None,
         FlowLayer::Wheel,
         FlowLayer::Magnitude,
         FlowLayer::Error,
+        FlowLayer::Difference,
         FlowLayer::Confidence,
         FlowLayer::Consistency,
     ];
@@ -145,6 +148,7 @@ impl FlowLayer {
             FlowLayer::Wheel => "wheel",
             FlowLayer::Magnitude => "magnitude",
             FlowLayer::Error => "error",
+            FlowLayer::Difference => "difference",
             FlowLayer::Confidence => "confidence",
             FlowLayer::Consistency => "consistency",
         }
@@ -157,6 +161,7 @@ impl FlowLayer {
             FlowLayer::Wheel => "Colour wheel",
             FlowLayer::Magnitude => "Magnitude",
             FlowLayer::Error => "Error",
+            FlowLayer::Difference => "Flow difference",
             FlowLayer::Confidence => "Confidence",
             FlowLayer::Consistency => "Consistency",
         }
@@ -187,6 +192,9 @@ impl FlowLayer {
             }
             FlowLayer::Magnitude => "How far each pixel moves from frame to frame, whatever the direction.",
             FlowLayer::Error => "How far the end of each displacement is from the true one, where that is known.",
+            FlowLayer::Difference => {
+                "How far the displacement of each pixel is from that of the first estimator in lockstep."
+            }
             FlowLayer::Confidence => "How far the estimator itself trusts the displacement of each pixel.",
             FlowLayer::Consistency => {
                 "How far one misses the pixel on going along the flow and back along that of the reverse pair; what \

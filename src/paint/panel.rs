@@ -176,12 +176,12 @@ impl View {
         View::Residual,
     ];
 
-    /// This view where each of several estimators has one picture: during the search frame t + 1, at the end frame t.
+    /// This view where each of several estimators has one picture: during a search of blocks frame t + 1, else frame t.
     #[must_use]
-    pub fn alone(self, at_end: bool) -> Self {
+    pub fn alone(self, is_searching: bool) -> Self {
         match self {
-            View::SideBySide | View::Blink if at_end => View::Current,
-            View::SideBySide | View::Blink => View::Next,
+            View::SideBySide | View::Blink if is_searching => View::Next,
+            View::SideBySide | View::Blink => View::Current,
             view => view,
         }
     }

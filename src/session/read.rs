@@ -75,9 +75,10 @@ fn side_by_side(top: &mut Section<'_>, leader: &mut dyn AnyEstimator, pace: Pace
         one.end()?;
     }
     let mut side_by_side = SideBySide::of(leader, &ids, pace)?;
-    for (id, settings) in ids.iter().zip(settings) {
+    // The leader is number 1.
+    for (number, settings) in (2..).zip(settings) {
         for (name, value) in settings {
-            side_by_side.set(leader, &format!("{id}.{name}={}", value.plain()?)).map_err(|why| value.wrong(why))?;
+            side_by_side.set(leader, &format!("{number}.{name}={}", value.plain()?)).map_err(|why| value.wrong(why))?;
         }
     }
     Ok(side_by_side)

@@ -162,7 +162,7 @@ fn what_is_no_session_is_told_in_a_sentence() {
         (&format!("{start}estimator = \"full-search\"\nstep = \"x\""), "UNIT.EVENT"),
         (&format!("{start}estimator = \"full-search\"\npixel = \"303\""), "X,Y"),
         (&format!("{start}estimator = \"full-search\"\n[[beside]]\nestimator = \"magic\""), "no estimator magic"),
-        (&format!("{start}estimator = \"full-search\"\n[[beside]]\nestimator = \"full-search\""), "is there twice"),
+        (&format!("{start}estimator = \"full-search\"\n[[beside]]\nestimator = \"kalman-filter\""), "on a whole clip"),
         (&format!("{start}estimator = \"full-search\"\npace = \"slow\""), "block, budget"),
         (&format!("{start}estimator = \"full-search\"\n[set]\nblock = 400"), "4 to 64 px"),
         (&format!("{start}estimator = \"full-search\"\n[picture]\nview = \"up\""), "side-by-side"),
@@ -206,7 +206,7 @@ fn line_and_key_are_told_in_words() {
         ("[sight]\ncenter = [1, 2]", "line 4: sight has no key zoom; add it"),
         ("beside = 1", "line 4, beside: a list of sections is needed, not 1"),
         ("[[beside]]\nset = {}", "line 4: beside has no key estimator; add it"),
-        ("[[beside]]\nestimator = \"diamond\"\nset = { block = 4 }", "line 6, beside.set.block: "),
+        ("[[beside]]\nestimator = \"diamond\"\nset = { block = 400 }", "line 6, beside.set.block: "),
         ("[[beside]]\nestimator = \"magic\"", "line 5, beside.estimator: there is no estimator magic"),
     ] {
         let whole = format!("{start}{text}\n");
@@ -295,8 +295,11 @@ fn those_beside_it_keep_the_parameters_of_their_stages() {
     for leader in estimators() {
         for (i, other) in estimators().into_iter().enumerate() {
             let Ok(mut side_by_side) = SideBySide::of(&*leader, &[other.info().id], Pace::Block) else { continue };
-            vary(&mut *side_by_side.beside[0], i as u64);
-            side_by_side.follow(&*leader);
+            let mut varied = other.boxed_clone();
+            vary(&mut *varied, i as u64);
+            for index in (0..varied.specs().len()).step_by(2) {
+                side_by_side.beside[0].set_value(index, varied.value(index)).unwrap();
+            }
             let mut saved = session(Source::parse("synth:pillar").unwrap());
             saved.experiment = Experiment { estimator: leader.boxed_clone(), side_by_side, ..saved.experiment };
             let read = Session::parse(&saved.text(Path::new(".")).unwrap(), Path::new(".")).unwrap();

@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 
-use motionscope_core::params::Parameter;
 use motionscope_core::{AnyEstimator, Error, Value};
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
 use super::{Session, VERSION, VisiblePart, key};
+use crate::experiment::side_by_side;
 use crate::experiment::source::Source;
 use crate::experiment::{Experiment, Position};
 use crate::media::Given;
@@ -39,7 +39,7 @@ struct Text<'a> {
     sight: Option<VisiblePart>,
 }
 
-/// An estimator in lockstep with the first, and the parameters that the first does not have.
+/// An estimator in lockstep with the first, and the parameters in which it does not follow that.
 #[derive(Serialize)]
 struct Companion {
     estimator: String,
@@ -47,10 +47,9 @@ struct Companion {
 }
 
 impl Companion {
-    fn of(estimator: &dyn AnyEstimator, leader: &dyn AnyEstimator) -> Self {
-        let own = estimator.all_values().into_iter().filter(|(name, _)| leader.get(name).is_err());
-        let set = own.map(|(name, value)| (name, told(&value))).collect();
-        Self { estimator: estimator.info().id.into(), set }
+    fn of(companion: &side_by_side::Companion, leader: &dyn AnyEstimator) -> Self {
+        let set = companion.own_values(leader).into_iter().map(|(name, value)| (name, told(&value))).collect();
+        Self { estimator: companion.estimator.info().id.into(), set }
     }
 }
 
@@ -82,9 +81,9 @@ pub(super) fn text(session: &Session, folder: &Path) -> Result<String, Error> {
         frame: *frame,
         step: cursor.map(|cursor| cursor.to_string()),
         pixel: pixel.map(|pixel| pixel.to_string()),
-        pace: (!side_by_side.is_empty()).then(|| side_by_side.pace.to_value().to_string()),
+        pace: (!side_by_side.is_empty()).then(|| side_by_side.pace.name().to_owned()),
         set: estimator.all_values().into_iter().map(|(name, value)| (name, told(&value))).collect(),
-        beside: side_by_side.beside.iter().map(|one| Companion::of(&**one, &**estimator)).collect(),
+        beside: side_by_side.beside.iter().map(|one| Companion::of(one, &**estimator)).collect(),
         picture: Picture(look),
         sight: *sight,
     };

@@ -61,6 +61,8 @@ pub struct RunState {
     pub at_end: bool,
     /// Whether several estimators run in lockstep.
     pub is_lockstep: bool,
+    /// Whether these search blocks of frame t + 1.
+    pub is_search: bool,
 }
 
 impl Look {
@@ -85,10 +87,10 @@ impl Look {
     /// Returns the chosen view of `pictures`, or the automatic one: frame t for a finished field or an estimator of single frames,
     /// both frames during a search, and one picture for each estimator in lockstep.
     pub fn view_of(&self, pictures: &Pictures, stands: RunState) -> View {
-        let RunState { is_of_single_frames, at_end, is_lockstep } = stands;
+        let RunState { is_of_single_frames, at_end, is_lockstep, is_search } = stands;
         let fitting = if at_end || is_of_single_frames { View::Current } else { View::SideBySide };
         let view = self.view.unwrap_or(fitting).or_current(pictures);
-        if is_lockstep { view.alone(at_end) } else { view }
+        if is_lockstep { view.alone(is_search && !at_end) } else { view }
     }
 
     /// Whether the pictures of a step are shown side by side or in turn.

@@ -125,7 +125,8 @@ impl Moment {
 
     /// Where the run of an estimator that looks at single frames, or at pairs, stands for the choice of a view.
     pub fn stands(&self, is_of_single_frames: bool) -> RunState {
-        RunState { is_of_single_frames, at_end: self.at_end, is_lockstep: !self.tiles.is_empty() }
+        let search = self.tiles.iter().any(|tile| tile.counts_candidates);
+        RunState { is_of_single_frames, at_end: self.at_end, is_lockstep: !self.tiles.is_empty(), is_search: search }
     }
 
     /// Returns why `layer` is not shown, as part of a sentence; `None` if it is.

@@ -8,8 +8,8 @@ use std::sync::Arc;
 use motionscope_core::products::Motion as Known;
 use motionscope_core::scene::{Fact, Shape};
 use motionscope_core::{
-    Agreement, AnyEstimator, Clip, Confidence, Consistency, Error, Flow, Grid, Output, Scene, Streaks, Threads, Walk,
-    metrics, scene,
+    Agreement, AnyEstimator, Beside, Clip, Confidence, Consistency, Error, Flow, Grid, Output, Scene, Streaks, Threads,
+    Walk, metrics, scene,
 };
 
 use crate::paint::{FlowLayer, LayerStyle, Pictures, Scalars, Tint, grouped};
@@ -54,6 +54,7 @@ impl AvailableLayers {
             FlowLayer::Error if !self.has_truth => Some("there is no true flow for this clip"),
             FlowLayer::Consistency if self.several => Some("the forward–backward check needs a single estimator"),
             FlowLayer::Consistency if !self.is_pair => Some("this estimator uses more than two frames"),
+            FlowLayer::Difference if !self.several => Some("it compares estimators in lockstep"),
             FlowLayer::Confidence if self.several => Some("these estimators report no confidence"),
             FlowLayer::Confidence if !self.has_confidence => Some("this estimator reports no confidence"),
             _ => None,
@@ -158,6 +159,14 @@ impl Motion {
                 let values = errors.collect::<Result<_, _>>()?;
                 Tint::scale(scalars("endpoint error", "px", values), colors, style)
             }
+            FlowLayer::Difference => {
+                let Some((first, others)) = flows.split_first() else { return Ok(motion) };
+                let unknown = || Grid::new(first.0.width(), first.0.height(), f32::NAN);
+                // Flows on levels of different size are not comparable.
+                let difference = |flow| metrics::endpoint_errors(flow, first).unwrap_or_else(|_| unknown());
+                let values = std::iter::once(unknown()).chain(others.iter().map(|flow| difference(flow)));
+                Tint::scale(scalars("difference from the first flow", "px", values.collect()), colors, style)
+            }
             FlowLayer::Confidence => {
                 let Some(Confidence { name, values }) = found.confidence() else { return Ok(motion) };
                 Tint::scale(
@@ -222,21 +231,22 @@ enum Found<'a> {
     Drawn(&'a Grid<[f32; 2]>, Option<Output>),
     /// The output so far.
     Output(Output),
-    /// The outputs of several estimators.
-    Several(Vec<Output>),
+    /// The outputs of several estimators, and the flow that each draws.
+    Several(Vec<(Output, Option<Flow>)>),
 }
 
 impl<'a> Found<'a> {
     fn at(Site { walk, scene, .. }: Site<'a>) -> Self {
         let beside = walk.beside(None);
         if !beside.is_empty() {
-            return Self::Several(beside.into_iter().map(|member| member.output).collect());
+            let at_end = walk.at_end();
+            let found = |member: Beside| {
+                let drawn = drawn_flow(&member.scene).filter(|_| !at_end).map(|values| Flow(Grid::clone(values)));
+                (member.output, drawn)
+            };
+            return Self::Several(beside.into_iter().map(found).collect());
         }
-        let drawn = scene.marks.iter().find_map(|mark| match &mark.shape {
-            Shape::Flow { values, .. } => Some(values),
-            _ => None,
-        });
-        match drawn {
+        match drawn_flow(scene) {
             Some(values) => Self::Drawn(values, walk.at_end().then(|| walk.output())),
             None => Self::Output(walk.output()),
         }
@@ -246,7 +256,13 @@ impl<'a> Found<'a> {
         let known = match self {
             Self::Drawn(..) => Known::Pixels,
             Self::Output(output) => output.motion(),
-            Self::Several(outputs) => outputs.iter().map(Output::motion).min().unwrap_or_default(),
+            Self::Several(all) => {
+                let known = |(output, drawn): &(Output, Option<Flow>)| match drawn {
+                    Some(_) => Known::Pixels,
+                    None => output.motion(),
+                };
+                all.iter().map(known).min().unwrap_or_default()
+            }
         };
         AvailableLayers {
             known,
@@ -273,9 +289,20 @@ impl<'a> Found<'a> {
                 vec![Arc::new(whole.unwrap_or_else(|| Flow(Grid::clone(values))))]
             }
             Self::Output(output) => output.flow().map(Arc::new).into_iter().collect(),
-            Self::Several(outputs) => outputs.iter().filter_map(Output::flow).map(Arc::new).collect(),
+            Self::Several(all) => {
+                let flow = |(output, drawn): &(Output, Option<Flow>)| drawn.clone().or_else(|| output.flow());
+                all.iter().filter_map(flow).map(Arc::new).collect()
+            }
         }
     }
+}
+
+/// The flow that a step draws, if it draws one.
+fn drawn_flow(scene: &Scene) -> Option<&Grid<[f32; 2]>> {
+    scene.marks.iter().find_map(|mark| match &mark.shape {
+        Shape::Flow { values, .. } => Some(values),
+        _ => None,
+    })
 }
 
 /// Returns the backward flow: the same estimator on frames `t + 1` and `t` of `clip`, in this order.

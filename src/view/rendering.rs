@@ -112,7 +112,7 @@ impl Rendering<'_> {
         let parts = tiles.iter().map(|tile| Part {
             pictures: tile.pictures(pictures, look.level, view),
             scene: &tile.scene,
-            heading: Some((tile.info.name, tile.is_done, &tile.words)),
+            heading: Some((&tile.names, tile.is_done, &tile.words)),
         });
         Figure::of(&parts.collect::<Vec<_>>(), scene, &options)
     }
@@ -133,7 +133,7 @@ impl Rendering<'_> {
             },
             sentence: match tiles.first() {
                 Some(tile) => {
-                    let name = (format!("{}: ", tile.info.name), None);
+                    let name = (format!("{}: ", tile.names[0]), None);
                     Sentence([vec![name], step.sentence.0.clone()].concat())
                 }
                 None => step.sentence.clone(),

@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use motionscope_core::products::{Assessment, Reference};
 use motionscope_core::scene::{Fact, Focus, Readout, Sentence};
-use motionscope_core::{Beside, Clip, Cursor, Frame, Info, Levels, Output, Role, Scene, Step, Streaks, Walk};
+use motionscope_core::{
+    Beside, CandidateCount, Clip, Cursor, Frame, Info, Levels, Output, Role, Scene, Step, Streaks, Walk,
+};
 
 use crate::paint::{LevelShown, Pictures, Tint, View, grouped};
 
@@ -13,14 +15,18 @@ use crate::paint::{LevelShown, Pictures, Tint, View, grouped};
 pub struct Tile {
     /// The estimator.
     pub info: &'static Info,
+    /// Its name, which tells it from the others, whole and short.
+    pub names: [String; 2],
     /// The cursor of its own run.
     pub cursor: Cursor,
     /// The step.
     pub step: Arc<Step>,
     /// The marks to draw.
     pub scene: Arc<Scene>,
-    /// Whether it waits for the others.
+    /// Whether it waits for others.
     pub is_done: bool,
+    /// Whether it is a block search, whose candidates are counted.
+    pub counts_candidates: bool,
     /// Its motion-compensated prediction, at the end of all runs.
     pub prediction: Option<Arc<Frame>>,
     /// Its flow layer.
@@ -55,34 +61,43 @@ pub fn endings(walk: &dyn Walk, clip: &Clip, pair: &Pictures) -> Vec<Ending> {
 
 /// The estimators in lockstep where `walk` stands; none where there is but one. At the end each has its ending.
 pub fn tiles(walk: &dyn Walk, focus: Option<Focus>, endings: &[Ending]) -> Vec<Tile> {
+    let all = walk.beside(focus);
+    let are_all_done = all.iter().all(|member| member.is_done);
     let tile = |(index, member): (usize, Beside)| {
         let ending = endings.get(index);
-        let counts = counted(&member);
+        let counts = member.candidates.map(|count| (counted(&count, member.info), grouped(count.in_all as usize)));
         let mut step = member.step;
         if let Some(assessment) = ending.and_then(|ending| ending.assessment.as_ref()) {
             add_assessment(&mut step, assessment);
         }
-        let in_all = grouped(member.candidates_in_all as usize);
-        let words = match ending.and_then(|ending| ending.assessment.as_ref()) {
-            Some(assessment) => said_at_end(assessment, &in_all),
-            None => said(&step, &counts, &in_all),
+        let words = match (ending.and_then(|ending| ending.assessment.as_ref()), counts) {
+            (Some(assessment), counts) => said_at_end(assessment, counts.map(|(_, in_all)| in_all)),
+            (None, Some((counts, in_all))) => said(&step, &counts, &in_all),
+            (None, None) => said_of_step(&step),
         };
         Tile {
             info: member.info,
+            names: member.names,
             cursor: member.cursor,
             step: Arc::new(step),
             scene: Arc::new(member.scene),
-            is_done: member.is_done,
+            is_done: member.is_done && !are_all_done,
+            counts_candidates: member.candidates.is_some(),
             prediction: ending.and_then(|ending| ending.prediction.clone()),
             layer: None,
             streaks: None,
             words,
         }
     };
-    walk.beside(focus).into_iter().enumerate().map(tile).collect()
+    all.into_iter().enumerate().map(tile).collect()
 }
 
 impl Tile {
+    /// The longest name that fits; else the short one.
+    pub fn name(&self, fits: impl Fn(&str) -> bool) -> &str {
+        self.names.iter().find(|name| fits(name)).unwrap_or(&self.names[1])
+    }
+
     /// What `view` shows beside the frames that all have in common; of a pyramid the level that is `shown`.
     pub fn pictures(&self, common: &Pictures, shown: LevelShown, view: View) -> Pictures {
         let (prediction, layer, streaks) = (self.prediction.clone(), self.layer.clone(), self.streaks.clone());
@@ -128,10 +143,10 @@ pub fn best(step: &Step) -> Option<&Fact> {
 }
 
 /// The candidates of the block at hand, from many words to few; where levels are gone through, of which.
-fn counted(member: &Beside) -> [String; 3] {
-    let here = grouped(member.candidates);
-    let (leg, of) = member.leg;
-    let granularity = member.info.granularities.iter().rev().nth(2).filter(|_| of > 1);
+fn counted(count: &CandidateCount, info: &Info) -> [String; 3] {
+    let here = grouped(count.here);
+    let (leg, of) = count.leg;
+    let granularity = info.granularities.iter().rev().nth(2).filter(|_| of > 1);
     let at = granularity.map_or_else(String::new, |granularity| format!(", {granularity} {leg} of {of}"));
     [format!("{here} candidates{at}"), format!("{here}{at}"), here]
 }
@@ -152,7 +167,23 @@ fn said(step: &Step, [long, short, shortest]: &[String; 3], in_all: &str) -> Vec
     ]
 }
 
-fn said_at_end(assessment: &Assessment, in_all: &str) -> Vec<Sentence> {
-    let told = |after: String| Sentence::default().ink(Role::Result, assessment.headline.clone()).text(after);
-    vec![told(format!("  ·  {in_all} candidates in all")), told(format!("  ·  {in_all} in all")), told(String::new())]
+fn said_at_end(assessment: &Assessment, in_all: Option<String>) -> Vec<Sentence> {
+    // Vectors of blocks are judged by their prediction, a dense flow by its error where the truth is known.
+    let error = assessment.facts.iter().find(|fact| fact.label == "Mean endpoint error" && in_all.is_none());
+    let quality = error.map_or(assessment.headline.clone(), |fact| format!("{} endpoint error", fact.value));
+    let told = |after: &str| Sentence::default().ink(Role::Result, quality.clone()).text(after.to_owned());
+    let counts = in_all.map(|in_all| [format!("  ·  {in_all} candidates in all"), format!("  ·  {in_all} in all")]);
+    counts.iter().flatten().map(|counts| told(counts)).chain([told("")]).collect()
+}
+
+/// The number that a step is about, with its name and without.
+fn said_of_step(step: &Step) -> Vec<Sentence> {
+    let facts = step.readouts.iter().find_map(|r| if let Readout::Facts(facts) = r { Some(facts) } else { None });
+    let of_role = |fact: &&Fact| fact.role.is_some_and(|role| role != Role::Truth);
+    let Some(fact) = best(step).or_else(|| facts.and_then(|facts| facts.iter().rev().find(of_role))) else {
+        return vec![Sentence::default()];
+    };
+    let value =
+        |before: String| Sentence::default().text(before).ink(fact.role.unwrap_or(Role::Result), fact.value.clone());
+    vec![value(format!("{}: ", fact.label)), value(String::new())]
 }

@@ -86,7 +86,14 @@ fn the_budget_is_shared_and_parameters_are() {
     window.harness.get_by_role_and_label(Role::Slider, "Search range").set_value_accesskit(4.0);
     window.settle();
     let all = |window: &Window, name: &str| -> Vec<Value> {
-        window.app().document().side_by_side().beside.iter().map(|one| one.get(name).expect("they have it")).collect()
+        window
+            .app()
+            .document()
+            .side_by_side()
+            .beside
+            .iter()
+            .map(|one| one.estimator.get(name).expect("they have it"))
+            .collect()
     };
     assert_eq!(all(&window, "range"), [Value::Int(4), Value::Int(4)]);
     window.click_role(Role::ComboBox, "In lockstep by");
@@ -94,7 +101,7 @@ fn the_budget_is_shared_and_parameters_are() {
     assert_eq!(window.app().document().side_by_side().pace, Pace::Budget);
     window.key(Key::End);
     let shown = window.shown();
-    assert!(shown.at_end && shown.tiles.iter().all(|tile| tile.is_done), "full search, which leads, spends most");
+    assert!(shown.at_end && shown.tiles.iter().all(|tile| !tile.is_done), "nobody waits at the end");
     assert!(shown.tiles.iter().all(|tile| tile.prediction.is_some()));
     let psnr = |i: usize| shown.tiles[i].words[0].plain();
     assert!((0..3).all(|i| psnr(i).contains("dB PSNR")), "{}", psnr(0));
@@ -184,4 +191,46 @@ fn nobody_is_moved_by_undo_or_by_a_parameter() {
     window.settle();
     assert_eq!(window.shown().leader().unit, leader);
     assert!(window.shown().tiles[2].cursor.unit > leader, "diamond search is far ahead with that many candidates");
+}
+
+/// A session of this estimator on the traffic scene, at a step.
+fn of_traffic(estimator: &str, step: &str) -> Window {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("lesson.motionscope");
+    let text = format!("motionscope = 1\nclip = \"synth:traffic\"\nestimator = \"{estimator}\"\nstep = \"{step}\"\n");
+    std::fs::write(&path, text).expect("a session");
+    Window::with(vec2(1600.0, 1000.0), Start { open: Some(path.into()) })
+}
+
+#[test]
+fn background_models_look_at_the_same_frame() {
+    let mut window = of_traffic("mixture-of-gaussians", "5.2");
+    window.click("Add in lockstep");
+    let disabled = window.harness.get_by_role_and_label(Role::Button, "Diamond search");
+    assert!(disabled.accesskit_node().is_disabled(), "a search of two frames does not go with it");
+    window.harness.get_by_role_and_label(Role::Button, "Running average").click();
+    window.settle();
+    assert_eq!(names(&window), ["Mixture of Gaussians", "Running average"]);
+    assert_eq!((window.cursor().unit, window.app().document().side_by_side().pace), (4, Pace::Frame));
+    window.key(Key::Home);
+    window.key(Key::PageDown);
+    let shown = window.shown();
+    assert!(shown.tiles.iter().all(|tile| tile.cursor.unit == shown.cursor.unit), "the same frame");
+    window.click("Remove 2 Running average");
+    assert!(window.shown().tiles.is_empty(), "alone again");
+}
+
+#[test]
+fn one_of_two_filters_is_set_alone() {
+    let mut window = of_traffic("kalman-filter", "9");
+    window.key(Key::B);
+    assert_eq!(names(&window), ["Kalman filter"; 2]);
+    let told =
+        |window: &Window| -> Vec<String> { window.shown().tiles.iter().map(|tile| tile.names[0].clone()).collect() };
+    assert_eq!(told(&window), ["Kalman filter · Constant velocity", "Kalman filter · Constant acceleration"]);
+    window.click("Reset all: 2 Kalman filter");
+    assert_eq!(told(&window), ["Kalman filter"; 2], "it follows the first in everything");
+    let before = tiles(&window);
+    window.command(Command::Undo);
+    assert!(tiles(&window) != before && told(&window)[1].ends_with("acceleration"));
 }

@@ -325,7 +325,7 @@ pub trait Params {
 }
 
 /// The present name of a parameter: `detector.rate` may have moved to `tracker.detector.rate`.
-pub(crate) fn current_name<'a, P: Params + ?Sized>(params: &P, name: &'a str) -> Cow<'a, str> {
+pub fn current_name<'a, P: Params + ?Sized>(params: &P, name: &'a str) -> Cow<'a, str> {
     let (head, rest) = name.split_at(name.find('.').unwrap_or(name.len()));
     match params.renamed().iter().find(|(old, _)| *old == head) {
         Some((_, new)) => Cow::Owned(format!("{new}{rest}")),

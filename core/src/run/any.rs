@@ -92,6 +92,9 @@ pub trait AnyEstimator: Params + Send + Sync {
     /// Whether it searches blocks by testing candidates: such estimators can go in lockstep.
     fn tests_candidates(&self) -> bool;
 
+    /// The parameter whose values are contrasted where it runs in lockstep with itself.
+    fn contrasts(&self) -> Option<&'static str>;
+
     /// Whether it reads frames; some estimators read detections only.
     fn needs_pictures(&self) -> bool;
 
@@ -207,6 +210,10 @@ impl<E: Estimator> AnyEstimator for E {
 
     fn tests_candidates(&self) -> bool {
         self.tests().is_some()
+    }
+
+    fn contrasts(&self) -> Option<&'static str> {
+        E::CONTRASTS
     }
 
     fn needs_pictures(&self) -> bool {

@@ -125,6 +125,8 @@ pub trait Estimator: Params + Footprint<<Self as Estimator>::State> + Default + 
     const TELLS_CONFIDENCE: bool = false;
     /// Whether it reads frames; some estimators read detections only.
     const NEEDS_PICTURES: bool = true;
+    /// The parameter whose values are contrasted where the estimator runs in lockstep with itself.
+    const CONTRASTS: Option<&'static str> = None;
     /// The charts that its steps fill, the main one first; the window offers no others.
     const CHARTS: &'static [Chart] = Chart::ALL;
     /// Everything that a unit reads and writes, its random generator included.
@@ -182,6 +184,12 @@ pub trait Estimator: Params + Footprint<<Self as Estimator>::State> + Default + 
 
     /// The role of an event that is marked on the timeline.
     fn landmark(&self, _event: &Self::Event) -> Option<Role> {
+        None
+    }
+
+    /// The line of pseudocode of an event, where each stands for a stage of the unit: in lockstep, events of one stage stand side
+    /// by side.
+    fn stage(&self, _event: &Self::Event) -> Option<Name> {
         None
     }
 

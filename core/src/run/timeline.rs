@@ -7,7 +7,7 @@ use super::{Cursor, Direction, Estimator, Explained, Granularity, Info, Move, Pr
 use crate::base::{Error, Stop, clock::Stopwatch};
 use crate::data::Clip;
 use crate::products::Output;
-use crate::scene::{Focus, Picture, Role, Scene, Step};
+use crate::scene::{Focus, Name, Picture, Role, Scene, Step};
 
 /// A unit that was run before our eyes.
 struct Unit<E: Estimator> {
@@ -458,6 +458,10 @@ impl<E: Estimator> Walk for Timeline<E> {
     fn explained(&self, focus: Focus) -> Option<Explained> {
         let pointed = self.estimator.pointed().filter(|pointed| pointed.takes(focus.on))?;
         pointed.explained(&self.unit.before, focus)
+    }
+
+    fn stages(&self) -> Vec<Name> {
+        self.unit.events.iter().filter_map(|event| self.estimator.stage(event)).collect()
     }
 
     fn step(&self, focus: Option<Focus>) -> Step {

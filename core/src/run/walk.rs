@@ -3,7 +3,7 @@
 use super::{Cursor, Explained, Granularity, Info};
 use crate::base::Error;
 use crate::products::Output;
-use crate::scene::{Focus, Picture, Role, Scene, Step};
+use crate::scene::{Focus, Name, Picture, Role, Scene, Step};
 
 /// A direction in time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,6 +75,10 @@ pub trait Walk: Send {
     fn takes(&self, picture: Picture) -> bool {
         picture == Picture::CURRENT
     }
+    /// The named stages of the events of the current unit, where the estimator names them.
+    fn stages(&self) -> Vec<Name> {
+        Vec::new()
+    }
     /// The explanation at the cursor; `focus` is the pixel pointed at.
     fn step(&self, focus: Option<Focus>) -> Step;
     /// The scene at the cursor.
@@ -109,6 +113,8 @@ pub trait Walk: Send {
 pub struct Beside {
     /// The declaration of the estimator.
     pub info: &'static Info,
+    /// Its name, which tells it from the others, whole and short.
+    pub names: [String; 2],
     /// The position of its own run.
     pub cursor: Cursor,
     /// What it tells there; its readouts name the candidates of the block at hand where alone they name its events.
@@ -117,13 +123,20 @@ pub struct Beside {
     pub scene: Scene,
     /// Its products there.
     pub output: Output,
-    /// Candidates that it tested for the current block.
-    pub candidates: usize,
+    /// The candidates that it tested, where these are counted.
+    pub candidates: Option<CandidateCount>,
+    /// Whether it waits for the others: it has finished this stop, or the run.
+    pub is_done: bool,
+}
+
+/// The candidates that a block search has tested.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CandidateCount {
+    /// For the current block.
+    pub here: usize,
     /// Which of the units that lead to the block it is at, from 1, and how many there are: more than one where levels
     /// are gone through.
     pub leg: (usize, usize),
-    /// Candidates that its run has tested in all, to get there.
-    pub candidates_in_all: u64,
-    /// Whether it has finished: this block, or with [`Pace::Budget`](super::Pace::Budget) the run.
-    pub is_done: bool,
+    /// In the whole run so far.
+    pub in_all: u64,
 }

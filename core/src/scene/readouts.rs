@@ -229,9 +229,59 @@ pub struct Surface {
     pub probe: Option<[i32; 2]>,
     /// The displacement of minimum cost so far, if any.
     pub best: Option<[i32; 2]>,
+    /// The costs that the search did not work out, once it is over and others know better; NaN where it did.
+    pub untested: Option<Grid<f32>>,
+    /// The positions between pixels that were tested, in px.
+    pub between: Vec<[f32; 2]>,
+    /// The true displacement in px, once the search is over, where it is known.
+    pub truth: Option<[f32; 2]>,
 }
 
 impl Surface {
+    /// A surface of these costs, tested by these events, with nothing marked on it.
+    pub fn new(title: &'static str, origin: [i32; 2], values: Grid<f32>, events: Grid<Option<usize>>) -> Self {
+        Self {
+            title,
+            unit: "",
+            scale: None,
+            origin,
+            values,
+            events,
+            probe: None,
+            best: None,
+            untested: None,
+            between: Vec::new(),
+            truth: None,
+        }
+    }
+
+    /// The cost of a cell, tested or not; `None` where it is not known.
+    pub fn cost(&self, x: usize, y: usize) -> Option<f32> {
+        let untested = || self.untested.as_ref()?.get(x, y);
+        let tested = self.values.get(x, y).filter(|cost| cost.is_finite());
+        tested.or_else(untested).copied().filter(|cost| cost.is_finite())
+    }
+
+    /// The displacement of minimum cost that the search has missed, and that cost.
+    pub fn missed(&self) -> Option<([i32; 2], f32)> {
+        let untested = self.untested.as_ref()?;
+        let (width, height) = untested.size();
+        let all = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|place| (place, untested[place]));
+        let least = all.filter(|(_, cost)| cost.is_finite()).min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let ((x, y), cost) = least;
+        let found = self.minimum().map_or(f32::INFINITY, |(found, _)| found);
+        (cost < found).then_some(([self.origin[0] + x as i32, self.origin[1] + y as i32], cost))
+    }
+
+    /// The tested displacements in the order of their tests.
+    pub fn path(&self) -> Vec<[i32; 2]> {
+        let (width, height) = self.events.size();
+        let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        let mut tested: Vec<_> = places.filter_map(|place| Some((self.events[place]?, place))).collect();
+        tested.sort_unstable();
+        tested.into_iter().map(|(_, (x, y))| [self.origin[0] + x as i32, self.origin[1] + y as i32]).collect()
+    }
+
     /// The smallest and largest cost so far, or `None` before the first.
     pub fn range(&self) -> Option<[f32; 2]> {
         let known = self.values.cells().iter().filter(|v| v.is_finite());
@@ -273,6 +323,7 @@ impl Surface {
             origin: [self.origin[0] + left as i32, self.origin[1] + top as i32],
             values: Grid::from_fn(size.0, size.1, |x, y| self.values[(left + x, top + y)]),
             events: Grid::from_fn(size.0, size.1, |x, y| self.events[(left + x, top + y)]),
+            untested: self.untested.as_ref().map(|all| Grid::from_fn(size.0, size.1, |x, y| all[(left + x, top + y)])),
             ..self.clone()
         }
     }
@@ -367,7 +418,7 @@ mod tests {
         let events = Grid::from_fn(33, 33, tested);
         let values = events.map(|event| event.map_or(f32::NAN, |event| event as f32));
         let (title, best) = ("SAD", Some([-6, -11]));
-        let whole = Surface { title, unit: "", scale: None, origin: [-16; 2], values, events, probe: None, best };
+        let whole = Surface { best, ..Surface::new(title, [-16; 2], values, events) };
         let part = whole.around_tested(2);
         assert_eq!((part.origin, part.values.size()), ([-8, -14], (5, 7)));
         assert_eq!((part.range(), part.events[(2, 3)]), (whole.range(), Some(15)));
@@ -376,11 +427,27 @@ mod tests {
     }
 
     #[test]
+    fn a_missed_minimum_lies_where_nothing_was_tested() {
+        let tested = |x: usize, y: usize| x + y < 3;
+        let cost = |x: usize, y: usize| 20.0 - (x + 2 * y) as f32;
+        let values = Grid::from_fn(4, 3, |x, y| if tested(x, y) { cost(x, y) } else { f32::NAN });
+        let events = Grid::from_fn(4, 3, |x, y| tested(x, y).then_some(9 - x - 2 * y));
+        let over = Grid::from_fn(4, 3, |x, y| if tested(x, y) { f32::NAN } else { cost(x, y) });
+        let surface = Surface::new("SAD", [-1, -1], values, events);
+        assert_eq!((surface.missed(), surface.cost(3, 2)), (None, None));
+        assert_eq!(surface.path()[..3], [[-1, 1], [0, 0], [1, -1]]);
+        let surface = Surface { untested: Some(over), ..surface };
+        assert_eq!((surface.missed(), surface.cost(3, 2)), (Some(([2, 1], 13.0)), Some(13.0)));
+        assert_eq!(surface.cost(0, 0), Some(20.0));
+        let lower = Surface { values: surface.values.map(|cost| cost / 2.0), ..surface };
+        assert_eq!(lower.missed(), None, "what is found is lower than all that was left out");
+    }
+
+    #[test]
     fn ties_are_found_and_the_scale_stays() {
         let values = Grid::from_fn(3, 2, |x, y| if (x + y) % 2 == 0 { 7.0 } else { 9.0 + y as f32 });
         let events = Grid::new(3, 2, Some(1));
-        let surface =
-            Surface { title: "SAD", unit: "", scale: None, origin: [-1, 0], values, events, probe: None, best: None };
+        let surface = Surface::new("SAD", [-1, 0], values, events);
         assert_eq!(surface.minimum(), Some((7.0, vec![[-1, 0], [1, 0], [0, 1]])));
         assert_eq!(surface.shades(), Some([7.0, 10.0]));
         let fixed = Surface { scale: Some([0.0, 100.0]), ..surface.clone() };

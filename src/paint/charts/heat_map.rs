@@ -13,6 +13,8 @@ use super::{ChartStyle, Drawing, Map, titled};
 
 /// What is said of a candidate whose cost was not summed to its end.
 const GIVEN_UP: &str = "rejected early";
+/// How far costs that the search did not work out go over into the ground.
+const FAINT: f32 = 0.6;
 /// Colors of the bar: so many that no step between two is seen.
 const SHADES: usize = 128;
 
@@ -35,6 +37,7 @@ pub fn draw(data: HeatMap<'_>, area: Rect, style: ChartStyle) -> Drawing<Map> {
     let pixels = Arc::new(costs(surface, style));
     canvas.add(Primitive::Image { pixels, rect: map.rect });
     map.axes(&mut canvas, theme);
+    path(&mut canvas, &map, surface, style);
     for (role, at) in [(Role::Best, surface.best), (Role::Candidate, surface.probe)] {
         if let Some(at) = at {
             cross(&mut canvas, &map, at, role, theme);
@@ -70,11 +73,50 @@ pub fn head(data: HeatMap<'_>, map: &Map, area: Rect, pointed: Option<[i32; 2]>,
 fn costs(surface: &Surface, style: ChartStyle) -> Grid<[u8; 4]> {
     let shades = Shades::of(surface, style.colors);
     let (width, height) = surface.values.size();
+    let faint = |cost: f32| shades.at(cost).mix(style.theme.chrome().raised, FAINT);
     Grid::from_fn(width, height, |x, y| match (surface.values[(x, y)], surface.events[(x, y)]) {
         (cost, _) if cost.is_finite() => shades.at(cost).0,
         (_, Some(_)) => neutral(style.theme).0,
-        (_, None) => [0; 4],
+        (_, None) => surface.cost(x, y).map_or([0; 4], |cost| faint(cost).0),
     })
+}
+
+/// The tested cells of a search of few, joined in the order of their tests; positions between pixels, the minimum that was missed
+/// and the true displacement.
+fn path(canvas: &mut Canvas, map: &Map, surface: &Surface, style: ChartStyle) {
+    /// Of more tests the order cannot be seen.
+    const MOST: usize = 80;
+    let theme = style.theme;
+    let at = |[u, v]: [f32; 2]| {
+        let cell = map.cell_rect([0, 0]);
+        let [x, y] = middle(&cell);
+        [x + u * map.cell, y + v * map.cell]
+    };
+    let tested = surface.path();
+    if (2..=MOST).contains(&tested.len()) && 3 * tested.len() < surface.values.cells().len() {
+        let shades = Shades::of(surface, style.colors);
+        let places: Vec<_> = tested.iter().map(|at| middle(&map.cell_rect(*at))).collect();
+        canvas.line(places.clone(), false, solid(1.0, theme.chrome().text.alpha(110)));
+        let radius = (0.45 * map.cell).max(3.5);
+        for (place, at) in places.into_iter().zip(tested) {
+            canvas.disc(place, radius + 1.0, theme.chrome().text.alpha(150));
+            canvas.disc(place, radius, cost(surface, at).map_or(neutral(theme), |cost| shades.at(cost)));
+        }
+    }
+    for place in surface.between.iter().map(|place| at(*place)) {
+        canvas.disc(place, 2.5, Color::BLACK.alpha(150));
+        canvas.disc(place, 1.8, theme.ink(Role::Candidate).color);
+    }
+    let missed = surface.missed().map(|(at, _)| (Role::Error, at.map(|c| c as f32)));
+    for (role, place) in missed.into_iter().chain(surface.truth.map(|truth| (Role::Truth, truth))) {
+        if let Some([x, y]) = Some(at(place)).filter(|place| map.displacement(*place).is_some()) {
+            let arm = (0.7 * map.cell).clamp(5.0, 9.0);
+            for (width, color) in [(4.5, Color::BLACK.alpha(150)), (2.0, theme.ink(role).color)] {
+                canvas.line(vec![[x - arm, y - arm], [x + arm, y + arm]], false, solid(width, color));
+                canvas.line(vec![[x - arm, y + arm], [x + arm, y - arm]], false, solid(width, color));
+            }
+        }
+    }
 }
 
 /// The colors of costs.
@@ -107,6 +149,12 @@ fn cell(surface: &Surface, [u, v]: [i32; 2]) -> Option<(usize, usize)> {
 pub fn cost(surface: &Surface, at: [i32; 2]) -> Option<f32> {
     let (x, y) = cell(surface, at)?;
     surface.values.get(x, y).copied().filter(|v| v.is_finite())
+}
+
+/// The cost at a displacement, tested or not, if it is known.
+pub fn any_cost(surface: &Surface, at: [i32; 2]) -> Option<f32> {
+    let (x, y) = cell(surface, at)?;
+    surface.cost(x, y)
 }
 
 /// The event that tested a displacement, if one did.
@@ -173,10 +221,14 @@ fn cross(canvas: &mut Canvas, map: &Map, at: [i32; 2], role: Role, theme: Theme)
 
 /// What is known of the displacement that is pointed at.
 fn told(surface: &Surface, at: [i32; 2]) -> String {
+    let untested = any_cost(surface, at);
     match (cost(surface, at), event(surface, at)) {
         (Some(cost), _) => format!("{} at {} is {}", surface.title, vector(at), number(cost)),
         (None, Some(_)) => format!("{} was {GIVEN_UP}", vector(at)),
-        (None, None) => format!("{} is not tested yet", vector(at)),
+        (None, None) => match untested {
+            Some(cost) => format!("{} was not tested; its {} is {}", vector(at), surface.title, number(cost)),
+            None => format!("{} is not tested yet", vector(at)),
+        },
     }
 }
 
@@ -208,8 +260,23 @@ fn minimum(canvas: &mut Canvas, map: &Map, (surface, area): (&Surface, Rect), th
     let bare = Surface { unit: "", ..surface.clone() };
     let Some(words) = minimum_words(&bare).filter(|_| !map.is_tight()) else { return };
     let dim = Type::dim(theme);
-    let words = shortened(&words, dim, map.name_left(theme) - map.small - area.min[0]);
-    canvas.text([area.min[0], map.below()], (Anchor::Start, Level::Top), &words, dim);
+    let room = map.name_left(theme) - map.small;
+    // What each sign means stands behind the minimum, as far as there is room.
+    let (mut left, mut parts) = (area.min[0], vec![(words, None)]);
+    parts.extend(
+        surface.missed().map(|(at, cost)| (format!("× missed: {} at {}", number(cost), vector(at)), Some(Role::Error))),
+    );
+    parts.extend(
+        surface.truth.map(|[u, v]| (format!("× true motion ({}, {})", number(u), number(v)), Some(Role::Truth))),
+    );
+    for (i, (words, role)) in parts.into_iter().enumerate() {
+        let ink = role.map_or(dim, |role| dim.color(theme.word(role)));
+        let words = if i == 0 { shortened(&words, dim, room - left) } else { words };
+        if left + dim.width(&words) <= room {
+            canvas.text([left, map.below()], (Anchor::Start, Level::Top), &words, ink);
+            left += dim.width(&words) + 1.2 * map.small;
+        }
+    }
 }
 
 fn color_bar(canvas: &mut Canvas, map: &Map, (surface, area): (&Surface, Rect), style: ChartStyle) {
@@ -251,16 +318,8 @@ mod tests {
     fn surface() -> Surface {
         let values = Grid::from_fn(33, 17, |x, y| if y < 9 { (x + 40 * y) as f32 } else { f32::NAN });
         let events = Grid::from_fn(33, 17, |x, y| (y < 9).then_some(2 + x + 33 * y));
-        Surface {
-            title: "SAD",
-            unit: "gray levels",
-            scale: None,
-            origin: [-16, -8],
-            values,
-            events,
-            probe: Some([0, 0]),
-            best: Some([-16, -8]),
-        }
+        let (probe, best) = (Some([0, 0]), Some([-16, -8]));
+        Surface { unit: "gray levels", probe, best, ..Surface::new("SAD", [-16, -8], values, events) }
     }
 
     fn style() -> ChartStyle {
@@ -315,6 +374,44 @@ mod tests {
         assert!(words.iter().any(|word| word == "1000"), "the scale ends where it always does: {words:?}");
         let shades = Shades::of(&surface, ColorMap::Viridis);
         assert_eq!(shades.at(500.0), ColorMap::Viridis.at(0.5));
+    }
+
+    #[test]
+    fn what_a_search_left_out_is_faint_and_what_it_missed_is_marked() {
+        let tested = |x: usize, y: usize| (x, y) == (20, 8) || (x, y) == (19, 8) || (x, y) == (20, 7);
+        let costs = Grid::from_fn(33, 17, |x, y| (10 + x.abs_diff(4) + y) as f32);
+        let values = Grid::from_fn(33, 17, |x, y| if tested(x, y) { costs[(x, y)] } else { f32::NAN });
+        let events = Grid::from_fn(33, 17, |x, y| tested(x, y).then_some(x + y));
+        let untested = Grid::from_fn(33, 17, |x, y| if tested(x, y) { f32::NAN } else { costs[(x, y)] });
+        let surface = Surface {
+            scale: Some([0.0, 60.0]),
+            untested: Some(untested),
+            truth: Some([-11.5, -8.0]),
+            ..Surface::new("SAD", [-16, -8], values, events)
+        };
+        let area = Rect::new([20.0, 10.0], [700.0, 400.0]);
+        let drawing = draw(HeatMap { surface: &surface, whose: "Diamond search" }, area, style());
+        let primitives: Vec<_> = drawing.into_layers().into_iter().flat_map(|layer| layer.primitives).collect();
+        let words = texts(&primitives);
+        for label in ["× missed: 10 at (−12, −8)", "× true motion (−11.5, −8)"] {
+            assert!(words.iter().any(|word| word == label), "{label} is missing in {words:?}");
+        }
+        let pixels = costs_of(&primitives);
+        let shades = Shades::of(&surface, ColorMap::Viridis);
+        assert_eq!(pixels[(20, 8)], shades.at(34.0).0);
+        assert_eq!(pixels[(4, 0)], shades.at(10.0).mix(Theme::Dark.chrome().raised, FAINT).0);
+        let joined =
+            |primitive: &&Primitive| matches!(primitive, Primitive::Polyline { points, .. } if points.len() == 3);
+        assert_eq!(primitives.iter().filter(joined).count(), 1, "the tested cells are joined");
+        assert_eq!(told(&surface, [-12, -8]), "(−12, −8) was not tested; its SAD is 10");
+    }
+
+    fn costs_of(primitives: &[Primitive]) -> Grid<[u8; 4]> {
+        let image = primitives.iter().find_map(|primitive| match primitive {
+            Primitive::Image { pixels, .. } if pixels.size() == (33, 17) => Some(Grid::clone(pixels)),
+            _ => None,
+        });
+        image.expect("a map")
     }
 
     #[test]

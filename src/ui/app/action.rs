@@ -60,6 +60,10 @@ pub enum Action {
     Visit(Arc<Row>),
     /// Run these estimators in lockstep.
     Lockstep(Vec<&'static str>),
+    /// Add an estimator to the lockstep.
+    AddBeside(&'static str),
+    /// Take the estimator with this index out of the lockstep.
+    RemoveBeside(usize),
     /// Set the pace of the lockstep.
     Pace(Pace),
     /// Set a parameter.

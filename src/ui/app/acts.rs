@@ -5,7 +5,7 @@ use motionscope_core::compare::changed_alike;
 use motionscope_core::{AnyEstimator, Cursor, Direction, Error, Move, Params, estimator, stage};
 
 use crate::experiment::comparison::Row;
-use crate::experiment::side_by_side::SideBySide;
+use crate::experiment::side_by_side::{Companion, SideBySide};
 use crate::paint::{FlowLayer, Phase, Theme, View};
 use crate::ui::app::action::Action;
 use crate::ui::app::commands::Command;
@@ -38,6 +38,8 @@ impl App {
             Action::Choose(id) => self.choose(id),
             Action::Visit(row) => self.visit(&row),
             Action::Lockstep(ids) => self.lockstep(&ids),
+            Action::AddBeside(id) => self.add_beside(id),
+            Action::RemoveBeside(index) => self.remove_beside(index),
             Action::Pace(pace) => {
                 let side_by_side = SideBySide { pace, ..self.document.side_by_side().clone() };
                 self.set_lockstep(self.document.estimator().boxed_clone(), side_by_side);
@@ -113,7 +115,7 @@ impl App {
             C::SideBySide | C::FrameT | C::FrameNext | C::Difference | C::Blend | C::Blink => self.choose_look(command),
             C::Prediction | C::Residual => self.choose_look(command),
             C::NoLayer | C::WheelLayer | C::MagnitudeLayer => self.choose_look(command),
-            C::ErrorLayer | C::ConfidenceLayer | C::ConsistencyLayer => self.choose_look(command),
+            C::ErrorLayer | C::DifferenceLayer | C::ConfidenceLayer | C::ConsistencyLayer => self.choose_look(command),
             C::DarkTheme | C::LightTheme | C::ProjectorTheme => self.choose_look(command),
             C::ViridisColors | C::TurboColors => self.choose_look(command),
             C::FittingArrows | C::TrueArrows | C::DoubleArrows | C::FourfoldArrows => self.choose_look(command),
@@ -391,18 +393,45 @@ impl App {
             self.side_by_side = self.document.side_by_side().clone();
             return self.set_lockstep(leader, SideBySide::default());
         }
-        let id = leader.info().id;
         let mut side_by_side = self.side_by_side.clone();
-        side_by_side.beside.retain(|estimator| estimator.info().id != id);
-        side_by_side.follow(&*leader);
-        let side_by_side = if side_by_side.is_empty() {
-            SideBySide::of(&*leader, &SideBySide::usual(id), side_by_side.pace)
+        // Those that were there last, if they can go with it.
+        let id = leader.info().id;
+        side_by_side.beside.retain(|companion| companion.estimator.info().id != id);
+        let is_possible = !side_by_side.is_empty() && side_by_side.check(&*leader).is_ok();
+        if is_possible {
+            side_by_side.follow(&*leader);
+            side_by_side.suit(&*leader);
         } else {
-            side_by_side.check(&*leader).map(|()| side_by_side)
-        };
-        match side_by_side {
-            Ok(side_by_side) => self.set_lockstep(leader, side_by_side),
+            side_by_side = SideBySide::usual(&*leader);
+        }
+        self.set_lockstep(leader, side_by_side);
+    }
+
+    /// Adds the estimator `id` to the lockstep.
+    fn add_beside(&mut self, id: &str) {
+        let leader = self.document.estimator().boxed_clone();
+        let mut side_by_side = self.document.side_by_side().clone();
+        let added = estimator(id).and_then(|added| {
+            side_by_side.beside.push(Companion::new(added, &*leader));
+            side_by_side.check(&*leader)
+        });
+        match added {
+            Ok(()) => {
+                side_by_side.suit(&*leader);
+                self.set_lockstep(leader, side_by_side);
+            }
             Err(error) => self.toasts.fail(error.to_string()),
+        }
+    }
+
+    /// Takes an estimator out of the lockstep.
+    fn remove_beside(&mut self, index: usize) {
+        let leader = self.document.estimator().boxed_clone();
+        let mut side_by_side = self.document.side_by_side().clone();
+        if index < side_by_side.beside.len() {
+            side_by_side.beside.remove(index);
+            side_by_side.suit(&*leader);
+            self.set_lockstep(leader, side_by_side);
         }
     }
 

@@ -96,6 +96,8 @@ commands! {
     MagnitudeLayer,
     /// The endpoint error.
     ErrorLayer,
+    /// The difference from the flow of the first estimator in lockstep.
+    DifferenceLayer,
     /// The confidence that the estimator reports.
     ConfidenceLayer,
     /// The forward–backward error.
@@ -372,6 +374,7 @@ impl Command {
             Command::WheelLayer => Some(FlowLayer::Wheel),
             Command::MagnitudeLayer => Some(FlowLayer::Magnitude),
             Command::ErrorLayer => Some(FlowLayer::Error),
+            Command::DifferenceLayer => Some(FlowLayer::Difference),
             Command::ConfidenceLayer => Some(FlowLayer::Confidence),
             Command::ConsistencyLayer => Some(FlowLayer::Consistency),
             _ => None,
@@ -405,6 +408,7 @@ impl Command {
             | C::WheelLayer
             | C::MagnitudeLayer
             | C::ErrorLayer
+            | C::DifferenceLayer
             | C::ConfidenceLayer
             | C::ConsistencyLayer => {
                 now.has_run && self.layer().is_some_and(|layer| now.available.why_never(layer).is_none())

@@ -313,7 +313,7 @@ impl App {
         let (experiment, explained) = (&shown.subject.experiment, self.states.explained_of(shown));
         let step = shown.tiles.get(explained).map_or(&shown.step, |tile| &tile.step);
         let beside = explained.checked_sub(1).and_then(|i| experiment.side_by_side.beside.get(i));
-        charts(step, beside.unwrap_or(&experiment.estimator).charts())
+        charts(step, beside.map_or(&experiment.estimator, |companion| &companion.estimator).charts())
     }
 
     /// The room between header and transport, for panes of what is shown.

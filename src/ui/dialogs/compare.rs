@@ -12,7 +12,7 @@ use motionscope_core::{AnyEstimator, Error, Info, Role, Threads, estimators, loc
 
 use crate::experiment::comparison::{self, Arena, Column, Row};
 use crate::experiment::course_table::{self, CourseRow};
-use crate::experiment::side_by_side::SideBySide;
+use crate::experiment::first;
 use crate::experiment::source::Source;
 use crate::experiment::sweeps::{self, Sweep};
 use crate::paint::{ColorMap, Theme};
@@ -69,7 +69,7 @@ impl State {
                 let kin = estimators.iter().filter(|other| other.info().family == own.info().family);
                 chosen.extend(kin.map(|other| other.info().id).filter(|other| *other != id).take(MOST - 2));
             }
-            None => chosen.extend(SideBySide::usual(id)),
+            None => chosen.extend(first::BESIDE.into_iter().filter(|other| *other != id)),
         }
         // In the order of the course.
         chosen.sort_by_key(|id| all.iter().position(|other| other == id));
@@ -312,11 +312,12 @@ fn chosen(state: &State) -> Vec<Box<dyn AnyEstimator>> {
 fn step_by_step(ui: &mut Ui, state: &State, actions: &mut Actions) -> bool {
     let mut taken = false;
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-        let enough = lockstep::MEMBERS.contains(&state.chosen.len());
-        let button = ui.add_enabled(enough, Button::new("Side by side, step by step"));
-        let tip =
-            Command::Lockstep.with_key("Step the estimators through the same block in lockstep, one candidate each.");
-        taken = button.on_hover_text(tip).on_disabled_hover_text("Lockstep needs two to four estimators.").clicked();
+        let chosen = chosen(state);
+        let refused = lockstep::check(&chosen.iter().map(|one| &**one).collect::<Vec<_>>()).err();
+        let button = ui.add_enabled(refused.is_none(), Button::new("Side by side, step by step"));
+        let tip = Command::Lockstep.with_key("Step the estimators through the same frames in lockstep.");
+        let reason = refused.map_or_else(String::new, |error| error.to_string());
+        taken = button.on_hover_text(tip).on_disabled_hover_text(reason).clicked();
     });
     if taken {
         actions.ask(Action::Lockstep(state.chosen.clone()));

@@ -175,6 +175,7 @@ fn tags(command: Command) -> &'static str {
         C::NextFrame | C::PreviousFrame => "pair time",
         C::Undo | C::Redo | C::ResetParameters => "history default change",
         C::WheelLayer | C::MagnitudeLayer | C::ErrorLayer => "flow colour layer overlay motion",
+        C::DifferenceLayer => "flow colour layer overlay compare lockstep",
         C::ConfidenceLayer | C::ConsistencyLayer => "flow colour layer overlay occlusion forward backward",
         C::Shortcuts => "keys help",
         _ => "",

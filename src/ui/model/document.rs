@@ -16,11 +16,13 @@ use crate::experiment::{Experiment, Prepared};
 use crate::media::Given;
 use crate::media::export::Inputs;
 
-/// Which of the two sets of parameters one belongs to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Which set of parameters one belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Owner {
     /// The estimator.
     Estimator,
+    /// The estimator in lockstep with it that has this index.
+    Beside(usize),
     /// The synthetic clip.
     Difficulty,
 }
@@ -99,6 +101,9 @@ impl Document {
     pub fn params(&self, owner: Owner) -> Option<&dyn Params> {
         match (owner, self.source()) {
             (Owner::Estimator, _) => Some(self.estimator()),
+            (Owner::Beside(index), _) => {
+                self.side_by_side().beside.get(index).map(|companion| &*companion.estimator as &dyn Params)
+            }
             (Owner::Difficulty, Some(Source::Synth { difficulty, .. })) => Some(difficulty),
             (Owner::Difficulty, _) => None,
         }
@@ -222,6 +227,9 @@ impl Document {
                 estimator.set_value(index, value)?;
                 side_by_side.follow(&**estimator);
             }
+            (Owner::Beside(companion), _) => {
+                side_by_side.beside.get_mut(companion).map_or(Ok(()), |companion| companion.set_value(index, value))?;
+            }
             (Owner::Difficulty, Source::Synth { difficulty, .. }) => difficulty.set_value(index, value)?,
             (Owner::Difficulty, Source::File(_)) => {}
         }
@@ -247,6 +255,7 @@ impl Document {
                     side_by_side.follow(&**estimator);
                 }
             }
+            (Owner::Beside(index), _) => side_by_side.reset(index, &**estimator),
             (Owner::Difficulty, Source::Synth { id, difficulty }) => {
                 synth::scene(id).into_iter().for_each(|scene| *difficulty = scene.difficulty());
             }
@@ -260,6 +269,10 @@ impl Document {
     pub fn default_of(&self, owner: Owner, index: usize) -> Option<Value> {
         match (owner, self.sample()) {
             (Owner::Difficulty, Some(sample)) => Some(sample.difficulty().value(index)),
+            (Owner::Beside(companion), _) => {
+                let companion = self.side_by_side().beside.get(companion)?;
+                Some(companion.followed(index, self.estimator()))
+            }
             _ => self.params(owner)?.specs().get(index).map(|spec| spec.default.clone()),
         }
     }

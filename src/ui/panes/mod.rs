@@ -340,7 +340,7 @@ impl Panes<'_> {
         let tiles = &shown.tiles[..];
         let explained = self.states.explained_of(shown);
         tiles.get(explained)?;
-        Some(stage::Lockstep { tiles, explained, pace: shown.subject.experiment.side_by_side.pace })
+        Some(stage::Lockstep { tiles, explained, experiment: &shown.subject.experiment })
     }
 
     /// The estimator that is explained, and what it tells.

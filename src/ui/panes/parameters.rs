@@ -11,7 +11,7 @@ use eframe::egui::{
 };
 use lucide_icons::Icon;
 use motionscope_core::params::{Choice, Kind, PartKind, Placed, Spec, StageValue};
-use motionscope_core::{Info, Value, estimators};
+use motionscope_core::{Info, Value, estimators, lockstep};
 use serde::{Deserialize, Serialize};
 
 use crate::paint::Theme;
@@ -51,6 +51,9 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State, actions: &mut Acti
         ui.add_space(12.0);
         title(ui, "Estimator", Owner::Estimator, document, actions);
         estimator(ui, document, actions);
+        if document.parents().len() == 0 {
+            beside(ui, input, state, actions);
+        }
         group(ui, Owner::Estimator, input, state, actions);
         if document.params(Owner::Difficulty).is_some() {
             ui.add_space(16.0);
@@ -77,6 +80,84 @@ fn title(ui: &mut Ui, text: &str, owner: Owner, document: &Document, actions: &m
     });
 }
 
+/// The estimators in lockstep, each with its parameters in a fold, and a list to add one.
+fn beside(ui: &mut Ui, input: Input<'_>, state: &mut State, actions: &mut Actions) {
+    let document = input.document;
+    let companions = &document.side_by_side().beside;
+    for (index, companion) in companions.iter().enumerate() {
+        let (owner, info) = (Owner::Beside(index), companion.estimator.info());
+        let id = ui.make_persistent_id(owner);
+        let mut fold = CollapsingState::load_with_default_open(ui.ctx(), id, false);
+        let name = format!("{} {}", index + 2, info.name);
+        ui.horizontal(|ui| {
+            fold.show_toggle_button(ui, collapsing_header::paint_default_icon);
+            let label = egui::Label::new(name.clone()).truncate().selectable(false).sense(Sense::click());
+            let room = ui.available_width() - 2.0 * ui.spacing().interact_size.x;
+            let label = ui.scope(|ui| {
+                ui.set_max_width(room);
+                ui.add(label)
+            });
+            let tip =
+                "Parameters of this estimator. Those that the first one has as well follow it until they are changed.";
+            if label.inner.on_hover_text(tip).clicked() {
+                fold.toggle(ui);
+            }
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                let leave = widgets::icon_button(ui, Icon::X, &format!("Remove {name}"), false);
+                if leave.on_hover_text("Take it out of the lockstep.").clicked() {
+                    actions.ask(Action::RemoveBeside(index));
+                }
+                ui.add_enabled_ui(document.is_tuned(owner), |ui| {
+                    let reset = widgets::icon_button(ui, Icon::RotateCcw, &format!("Reset all: {name}"), false);
+                    if reset.on_hover_text("Follow the first estimator in every parameter.").clicked() {
+                        actions.ask(Action::ResetAll(owner));
+                    }
+                });
+            });
+        });
+        fold.show_body_unindented(ui, |ui| group(ui, owner, input, state, actions));
+    }
+    if companions.len() + 1 < *lockstep::MEMBERS.end() {
+        add_beside(ui, document, actions);
+    }
+    ui.add_space(8.0);
+}
+
+/// The list of estimators that can go in lockstep with those that are there.
+fn add_beside(ui: &mut Ui, document: &Document, actions: &mut Actions) {
+    let leader = document.estimator();
+    let refused = |info: &'static Info| {
+        let added = estimators().into_iter().find(|one| one.info().id == info.id)?;
+        lockstep::check(&[leader, &*added]).err().map(|error| error.to_string())
+    };
+    let choosing = Choosing { now: "", action: Action::AddBeside, refused: &refused };
+    let button = ui.menu_button("Add in lockstep", |ui| {
+        ui.set_max_height(ui.content_rect().height() - 2.0 * ui.spacing().interact_size.y);
+        estimators_by_family(ui, choosing, actions);
+    });
+    button.response.on_hover_text(
+        "Run another estimator on the same frames beside this one, or the same one with other parameters.",
+    );
+}
+
+/// What a list of estimators is for.
+#[derive(Clone, Copy)]
+pub struct Choosing<'a> {
+    /// The id of the estimator that is chosen now.
+    pub now: &'a str,
+    /// What a choice asks for.
+    pub action: fn(&'static str) -> Action,
+    /// Why an estimator cannot be chosen.
+    pub refused: &'a dyn Fn(&'static Info) -> Option<String>,
+}
+
+impl<'a> Choosing<'a> {
+    /// The choice of the estimator, which is `now`.
+    pub fn of_estimator(now: &'a str) -> Self {
+        Self { now, action: Action::Choose, refused: &|_| None }
+    }
+}
+
 /// The estimators by family.
 fn estimator(ui: &mut Ui, document: &Document, actions: &mut Actions) {
     let info = document.estimator().info();
@@ -84,7 +165,7 @@ fn estimator(ui: &mut Ui, document: &Document, actions: &mut Actions) {
     let room = (ui.content_rect().height() - 2.0 * ui.spacing().interact_size.y).max(ui.spacing().combo_height);
     let combo = ComboBox::from_id_salt("estimator").selected_text(info.name);
     let combo = combo.width(ui.available_width()).height(room).wrap();
-    let shown = combo.show_ui(ui, |ui| estimators_by_family(ui, info.id, actions));
+    let shown = combo.show_ui(ui, |ui| estimators_by_family(ui, Choosing::of_estimator(info.id), actions));
     let name = format!("Estimator: {}", info.name);
     shown.response.widget_info(|| WidgetInfo::labeled(egui::Role::ComboBox, true, &name));
     shown.response.on_hover_text(info.summary);
@@ -92,7 +173,7 @@ fn estimator(ui: &mut Ui, document: &Document, actions: &mut Actions) {
 }
 
 /// Every estimator under its family, to choose from, in two columns about as long.
-pub fn estimators_by_family(ui: &mut Ui, now: &str, actions: &mut Actions) {
+pub fn estimators_by_family(ui: &mut Ui, choosing: Choosing<'_>, actions: &mut Actions) {
     let all: Vec<&'static Info> = estimators().iter().map(|estimator| estimator.info()).collect();
     let families: Vec<&[&Info]> = all.chunk_by(|a, b| a.family == b.family).collect();
     let half = (all.len() + families.len()).div_ceil(2);
@@ -111,7 +192,7 @@ pub fn estimators_by_family(ui: &mut Ui, now: &str, actions: &mut Actions) {
                     if i > 0 {
                         ui.add_space(4.0);
                     }
-                    of_family(ui, family, now, actions);
+                    of_family(ui, family, choosing, actions);
                 }
             });
         }
@@ -119,11 +200,15 @@ pub fn estimators_by_family(ui: &mut Ui, now: &str, actions: &mut Actions) {
 }
 
 /// The estimators of a family below its name.
-fn of_family(ui: &mut Ui, family: &[&'static Info], now: &str, actions: &mut Actions) {
+fn of_family(ui: &mut Ui, family: &[&'static Info], choosing: Choosing<'_>, actions: &mut Actions) {
     widgets::heading(ui, family.first().map_or("", |info| info.family));
     for info in family {
-        if ui.selectable_label(info.id == now, info.name).on_hover_text(info.summary).clicked() {
-            actions.ask(Action::Choose(info.id));
+        let refused = (choosing.refused)(info);
+        let is_now = info.id == choosing.now;
+        let entry = ui.add_enabled_ui(refused.is_none(), |ui| ui.selectable_label(is_now, info.name)).inner;
+        let entry = entry.on_hover_text(info.summary).on_disabled_hover_text(refused.unwrap_or_default());
+        if entry.clicked() {
+            actions.ask((choosing.action)(info.id));
             ui.close();
         }
     }
@@ -149,8 +234,12 @@ fn group(ui: &mut Ui, owner: Owner, input: Input<'_>, state: &mut State, actions
             is_placing,
         }
     });
-    let section = if owner == Owner::Estimator { "of the estimator" } else { "of the clip" };
-    rows(ui, section, all.collect(), state, actions);
+    let section = match owner {
+        Owner::Estimator => "of the estimator".to_owned(),
+        Owner::Beside(index) => format!("of the estimator beside it, {index}"),
+        Owner::Difficulty => "of the clip".to_owned(),
+    };
+    rows(ui, &section, all.collect(), state, actions);
 }
 
 /// Rows below each other, those that are advanced in a fold at the end.
@@ -203,7 +292,7 @@ fn of_stage(ui: &mut Ui, parent: &Row<'_>, stage: &StageValue, state: &mut State
     if parent.within.is_none() && ui.button("Step into").on_hover_text(tip).clicked() {
         actions.ask(Action::Enter(index));
     }
-    let id = ui.make_persistent_id((owner as usize, index, &parent.spec.name, stage.id()));
+    let id = ui.make_persistent_id((owner, index, &parent.spec.name, stage.id()));
     let part = stage.part();
     // They are many, and good as they are until someone asks.
     let mut fold = CollapsingState::load_with_default_open(ui.ctx(), id, false);
@@ -410,8 +499,8 @@ impl Row<'_> {
         let chosen = text_width(ui, now.part().name()) + ui.spacing().interact_size.y + 8.0;
         let list = chosen.max(12.0 * size).min(ui.available_width() - ui.spacing().interact_size.y - 8.0);
         self.line(ui, list, actions, |ui, label| {
-            let combo = ComboBox::from_id_salt((self.owner as usize, self.index, &self.spec.name))
-                .selected_text(now.part().name());
+            let combo =
+                ComboBox::from_id_salt((self.owner, self.index, &self.spec.name)).selected_text(now.part().name());
             let response = combo.width(list).wrap().show_ui(ui, |ui| {
                 for part in (kind.all)() {
                     let row = ui.selectable_label(part.id() == now.id(), part.name());
@@ -582,7 +671,7 @@ impl Row<'_> {
                 }
                 return;
             }
-            let combo = ComboBox::from_id_salt((self.owner as usize, self.index, &self.spec.name)).selected_text(shown);
+            let combo = ComboBox::from_id_salt((self.owner, self.index, &self.spec.name)).selected_text(shown);
             let response = combo.width(list).wrap().show_ui(ui, |ui| {
                 for choice in choices {
                     let row = ui.selectable_label(choice.name == now, choice.label);

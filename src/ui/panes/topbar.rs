@@ -11,7 +11,7 @@ use crate::ui::dialogs::open as open_dialog;
 use crate::ui::drawing::style;
 use crate::ui::model::document::Document;
 use crate::ui::panes::layout::Folded;
-use crate::ui::panes::transport;
+use crate::ui::panes::{parameters, transport};
 use crate::ui::parts::widgets;
 use crate::view::look::Look;
 
@@ -134,7 +134,7 @@ fn title(ui: &mut Ui, input: &Input, actions: &mut Actions) {
         }
     }
     let estimator = ui.menu_button(RichText::new(estimator), |ui| {
-        crate::ui::panes::parameters::estimators_by_family(ui, info.id, actions);
+        parameters::estimators_by_family(ui, parameters::Choosing::of_estimator(info.id), actions);
     });
     estimator.response.on_hover_text(info.summary);
 }

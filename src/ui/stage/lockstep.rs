@@ -3,10 +3,11 @@
 use eframe::egui::text::{LayoutJob, TextFormat, TextWrapping};
 use eframe::egui::{self, CursorIcon, Rect, Sense, Stroke, Ui, Vec2, WidgetInfo, pos2, vec2};
 use lucide_icons::Icon;
-use motionscope_core::Pace;
 use motionscope_core::scene::Sentence;
+use motionscope_core::{Pace, lockstep};
 
 use super::{Input, Lens, Response, bar};
+use crate::experiment::Experiment;
 use crate::paint::{Face, Theme, brevity};
 use crate::ui::app::commands::Command;
 use crate::ui::drawing::{ink, style};
@@ -26,13 +27,19 @@ pub struct Lockstep<'a> {
     pub tiles: &'a [Tile],
     /// Which of them is explained.
     pub explained: usize,
-    /// What they have in common at every step.
-    pub pace: Pace,
+    /// What is run.
+    pub experiment: &'a Experiment,
+}
+
+impl Lockstep<'_> {
+    fn pace(&self) -> Pace {
+        self.experiment.side_by_side.pace
+    }
 }
 
 /// What all have in common, and the way out, as a list and a button.
 pub fn choice(ui: &mut Ui, lockstep: &Lockstep<'_>, response: &mut Response) {
-    let list = egui::ComboBox::from_id_salt("pace").selected_text(lockstep.pace.label());
+    let list = egui::ComboBox::from_id_salt("pace").selected_text(lockstep.pace().label());
     list.show_ui(ui, |ui| paces(ui, lockstep, response)).response.accessible_name("In lockstep by");
     let tip = Command::Lockstep.with_key(LEAVE);
     response.left |= widgets::cross(ui, "Leave lockstep").on_hover_text(tip).clicked();
@@ -48,12 +55,10 @@ pub fn items(ui: &mut Ui, lockstep: &Lockstep<'_>, response: &mut Response) {
 
 const LEAVE: &str = "Go on with the first estimator alone.";
 
-fn paces(ui: &mut Ui, lockstep: &Lockstep<'_>, response: &mut Response) {
-    for (pace, tip) in [
-        (Pace::Block, "All are at the same block, and have tested as many candidates for it."),
-        (Pace::Budget, "All have tested as many candidates in the whole picture; the first one leads."),
-    ] {
-        if ui.selectable_label(lockstep.pace == pace, pace.label()).on_hover_text(tip).clicked() {
+fn paces(ui: &mut Ui, several: &Lockstep<'_>, response: &mut Response) {
+    let Experiment { estimator, side_by_side, .. } = several.experiment;
+    for pace in lockstep::paces(&side_by_side.all(&**estimator)) {
+        if ui.selectable_label(several.pace() == pace, pace.label()).on_hover_text(pace.sentence()).clicked() {
             response.paced = Some(pace);
         }
     }
@@ -100,7 +105,7 @@ pub fn heading(ui: &Ui, input: &Input<'_>, index: usize, lens: &Lens, response: 
     let waits = if tile.is_done { ", done" } else { "" };
     sensed.widget_info(|| {
         let words = tile.words.first().map_or_else(String::new, Sentence::plain);
-        WidgetInfo::selected(egui::Role::Button, true, is_explained, format!("{}: {words}{waits}", tile.info.name))
+        WidgetInfo::selected(egui::Role::Button, true, is_explained, format!("{}: {words}{waits}", tile.names[0]))
     });
     if sensed.clicked() {
         response.explained = Some(index);
@@ -117,7 +122,8 @@ pub fn heading(ui: &Ui, input: &Input<'_>, index: usize, lens: &Lens, response: 
     let lay_out = |words: &str, font| painter.layout_no_wrap(words.into(), font, dim);
     let bold = |share: f32| ink::font(Face::Bold, share * sizes.body);
     let long = lay_out("done", ink::font(Face::Sans, sizes.small));
-    let fits = |share: f32, done: f32| lay_out(tile.info.name, bold(share)).size().x + 8.0 + done <= rect.width();
+    let shown = tile.name(|name| lay_out(name, bold(SHARES[1])).size().x + 8.0 <= rect.width());
+    let fits = |share: f32, done: f32| lay_out(shown, bold(share)).size().x + 8.0 + done <= rect.width();
     // Where a tile is narrow, its name is smaller, and a sign stands for the word.
     let is_narrow = !fits(1.0, long.size().x);
     let check = || lay_out(&char::from(Icon::Check).to_string(), egui::FontId::new(sizes.small, style::icons()));
@@ -125,7 +131,7 @@ pub fn heading(ui: &Ui, input: &Input<'_>, index: usize, lens: &Lens, response: 
     let room = rect.width() - if tile.is_done { 8.0 + done.size().x } else { 0.0 };
     let share = if is_narrow { SHARES.into_iter().find(|share| fits(*share, done.size().x)) } else { Some(1.0) };
     let font = bold(share.unwrap_or(SHARES[SHARES.len() - 1]));
-    let name = (tile.info.name, font, ink::color(chrome.text));
+    let name = (shown, font, ink::color(chrome.text));
     let end = ink::line(&painter, pos2(rect.min.x, middle), name, room);
     if tile.is_done {
         painter.galley(pos2(end + 8.0, middle - done.size().y / 2.0), done, dim);

@@ -321,7 +321,7 @@ fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State, response
             let shown = Shown { panel: *panel, share: input.look.blend, gain: 1 };
             let title = shown.title(Some(input.frame), &pictures.names);
             let of = input.lockstep.and_then(|all| all.tiles.get(*member));
-            let of = of.map_or_else(String::new, |tile| format!(", {}", tile.info.name));
+            let of = of.map_or_else(String::new, |tile| format!(", {}", tile.names[0]));
             egui::WidgetInfo::labeled(egui::Role::Image, true, format!("Stage: {title}{of}"))
         });
         let placing = input.placing.and_then(|placing| placing.on(panel.picture()));

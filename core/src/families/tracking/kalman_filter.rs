@@ -406,6 +406,7 @@ impl Estimator for KalmanFilter {
     };
     const GUARANTEE: Guarantee = Guarantee::Objects;
     const NEEDS_PICTURES: bool = false;
+    const CONTRASTS: Option<&'static str> = Some("motion");
     const CHARTS: &'static [Chart] = &[Chart::Matrices, Chart::Series];
     const PRODUCES: &'static [&'static ProductKind] = &[ObjectField::KIND];
     type State = State;

@@ -240,7 +240,7 @@ impl Probe<'_> {
     }
 
     /// The median of the true flow over the block, for each component; `None` where it is not known.
-    fn truth_of_block(&self) -> Option<[f32; 2]> {
+    pub(super) fn truth_of_block(&self) -> Option<[f32; 2]> {
         let (truth, frame) = self.truth?;
         let (flow, block) = (truth.flow(frame).ok().flatten()?, self.block());
         let places =

@@ -45,10 +45,37 @@ impl Probe<'_> {
             }),
             // A sub-pixel position is not on the cost surface; a fitted one stays where it was tested.
             best: self.best().filter(|best| is_fitted || best.fraction == [0.0; 2]).map(|best| best.displacement),
+            untested: self.untested(),
+            between: self.between(),
+            truth: self.truth_of_block().filter(|_| self.is_over()),
         }));
         readouts.push(Readout::Series(self.series()));
         readouts.extend(self.histogram().map(Readout::Histogram));
         readouts
+    }
+
+    /// The costs of the candidates that the search has left out, at its end; those of levels are no misses.
+    fn untested(&self) -> Option<Grid<f32>> {
+        let costs = self.costs();
+        let is_whole = costs.cells().iter().all(|cost| cost.is_finite());
+        (self.is_over() && !is_whole).then(|| {
+            let all = self.full_search();
+            let [left, top] = self.window.min;
+            let left_out = |x: usize, y: usize| {
+                let cost = all.cost([left + x as i32, top + y as i32]).unwrap_or(f64::NAN) as f32;
+                if costs[(x, y)].is_finite() { f32::NAN } else { cost }
+            };
+            Grid::from_fn(costs.width(), costs.height(), left_out)
+        })
+    }
+
+    /// The candidates between pixels.
+    fn between(&self) -> Vec<[f32; 2]> {
+        let tested = self.events.iter().filter_map(|event| match event {
+            Event::Candidate { tested, .. } if tested.fraction != [0.0; 2] => Some(tested.vector()),
+            _ => None,
+        });
+        tested.collect()
     }
 
     /// The unit of the cost; none where the price of the displacement is part of it.

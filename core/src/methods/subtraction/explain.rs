@@ -11,7 +11,7 @@ use crate::methods::differential::explain;
 use crate::methods::numbers::{fixed, percent};
 use crate::products::{Record, objects::score::Matches};
 use crate::run::{Seen, Span};
-use crate::scene::{Fact, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step, Tile};
+use crate::scene::{Fact, Name, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step, Tile};
 
 /// Radius of the tiles around the explained pixel, in px.
 const TILE_REACH_PX: usize = 4;
@@ -414,22 +414,27 @@ pub(crate) fn plots(record: &Record, span: &Span) -> Vec<Readout> {
     ]
 }
 
+/// The line of pseudocode of an event.
+pub(super) fn stage(event: &Event) -> Name {
+    match event {
+        Event::Begun(_) => line::BEGIN_MODEL,
+        Event::Followed(..) => line::FOLLOW_CAMERA,
+        Event::Exposed(..) => line::CORRECT_EXPOSURE,
+        Event::Steadied(..) => line::SUPPRESS_SHAKE,
+        Event::Compared(..) => line::COMPARE,
+        Event::Decided(_) => line::DECIDE,
+        Event::Shadows(..) => line::REMOVE_SHADOWS,
+        Event::Opened(_) => line::OPEN,
+        Event::Closed(_) => line::CLOSE,
+        Event::Labelled(..) => line::LABEL,
+        Event::Kept(_) => line::KEEP_BLOBS,
+        Event::Updated(_) => line::UPDATE_MODEL,
+    }
+}
+
 impl<M: Background> Subtraction<M> {
     pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
-        let line = match seen.events.last() {
-            None | Some(Event::Begun(_)) => line::BEGIN_MODEL,
-            Some(Event::Followed(..)) => line::FOLLOW_CAMERA,
-            Some(Event::Exposed(..)) => line::CORRECT_EXPOSURE,
-            Some(Event::Steadied(..)) => line::SUPPRESS_SHAKE,
-            Some(Event::Compared(..)) => line::COMPARE,
-            Some(Event::Decided(_)) => line::DECIDE,
-            Some(Event::Shadows(..)) => line::REMOVE_SHADOWS,
-            Some(Event::Opened(_)) => line::OPEN,
-            Some(Event::Closed(_)) => line::CLOSE,
-            Some(Event::Labelled(..)) => line::LABEL,
-            Some(Event::Kept(_)) => line::KEEP_BLOBS,
-            Some(Event::Updated(_)) => line::UPDATE_MODEL,
-        };
+        let line = seen.events.last().map_or(line::BEGIN_MODEL, stage);
         Step { line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
     }
 

@@ -36,7 +36,7 @@ use crate::products::{
 use crate::run::{
     Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen, Span, StageView, need,
 };
-use crate::scene::{Canvas, Chart, Focus, Picture, Scene, Step};
+use crate::scene::{Canvas, Chart, Focus, Name, Picture, Scene, Step};
 
 /// A model of the background.
 pub trait Background: Params + Default + Clone + Send + Sync + 'static {
@@ -493,6 +493,10 @@ impl<M: Background> Estimator for Subtraction<M> {
 
     fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {
         Some(self)
+    }
+
+    fn stage(&self, event: &Event) -> Option<Name> {
+        Some(explain::stage(event))
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {

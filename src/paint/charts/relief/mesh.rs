@@ -4,9 +4,14 @@ use glam::Vec3;
 use motionscope_core::Role;
 use motionscope_core::scene::Surface;
 
-use super::super::super::{ColorMap, Theme};
-use super::super::heat_map::{Shades, cost};
+use super::super::super::{Color, ColorMap, Theme};
+use super::super::heat_map::{Shades, any_cost};
 
+/// How far costs that the search did not work out go over into gray, and this gray.
+const FAINT: f32 = 0.7;
+const FAINT_INTO: Color = Color([128, 128, 128, 255]);
+/// How high the figures of single cells lie over their cost.
+const RAISED: f32 = 0.006;
 /// Height of the largest cost over the ground, whose longer side is 2.
 const HEIGHT: f32 = 1.0;
 
@@ -49,6 +54,8 @@ impl Bench {
     pub fn new(surface: &Surface) -> Self {
         let (width, height) = surface.values.size();
         let top = surface.range().map_or(1.0, |[_, high]| surface.scale.map_or(high, |scale| scale[1].max(high)));
+        let untested = surface.untested.iter().flat_map(|costs| costs.cells().iter().copied());
+        let top = untested.filter(|cost| cost.is_finite()).fold(top, f32::max);
         let top = if top > 0.0 { top } else { 1.0 };
         Self { origin: surface.origin, size: [width, height], top }
     }
@@ -95,7 +102,8 @@ pub fn relief(surface: &Surface, colors: ColorMap, theme: Theme) -> Relief {
 pub fn pins(surface: &Surface) -> Vec<(Role, [i32; 2], f32)> {
     let best = surface.best.map(|at| (Role::Best, at, 1.12));
     let probe = surface.probe.map(|at| (Role::Candidate, at, 1.26));
-    best.into_iter().chain(probe).collect()
+    let missed = surface.missed().map(|(at, _)| (Role::Error, at, 1.26));
+    best.into_iter().chain(probe).chain(missed).collect()
 }
 
 /// Radii of the needle and of the ball of a pin.
@@ -109,6 +117,8 @@ pub struct Corners {
     bench: Bench,
     size: [usize; 2],
     all: Vec<Option<Vertex>>,
+    /// The columns and rows that lie as figures on the surface.
+    raised: Vec<[usize; 2]>,
 }
 
 /// The corners of `surface` in colors of its costs.
@@ -116,16 +126,22 @@ pub fn grid(surface: &Surface, colors: ColorMap) -> Corners {
     let (bench, shades) = (Bench::new(surface), Shades::of(surface, colors));
     let [width, height] = bench.size;
     let corner = |x: usize, y: usize| {
-        let cost = surface.values.get(x, y).copied().filter(|v| v.is_finite())?;
+        let cost = surface.cost(x, y)?;
+        let is_tested = surface.values.get(x, y).is_some_and(|cost| cost.is_finite());
+        let color = shades.at(cost);
         Some(Vertex {
             place: bench.place(bench.displacement([x, y]), cost).into(),
             normal: normal(surface, &bench, x, y).into(),
-            color: shades.at(cost).0,
+            color: if is_tested { color } else { color.mix(FAINT_INTO, FAINT) }.0,
             grid: [x as f32, y as f32],
         })
     };
     let all = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| corner(x, y)).collect();
-    Corners { bench, size: [width, height], all }
+    // On a faint surface the tested cells lie as small figures.
+    let raised = surface.untested.as_ref().map_or(Vec::new(), |_| {
+        surface.path().into_iter().map(|at| [0, 1].map(|i| (at[i] - surface.origin[i]) as usize)).collect()
+    });
+    Corners { bench, size: [width, height], all, raised }
 }
 
 impl Corners {
@@ -158,14 +174,14 @@ impl Corners {
             }
         }
         let alone = (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
-        let alone = alone.filter(|[x, y]| !covered[y * width + x]);
+        let alone = alone.filter(|[x, y]| !covered[y * width + x]).chain(self.raised.iter().copied());
         alone.filter_map(|at| Some(self.figure(at, *self.vertex(at)?))).collect()
     }
 
     fn figure(&self, at: [usize; 2], middle: Vertex) -> [Vertex; 4] {
         let [u, v] = self.bench.displacement(at);
         [[-0.3, -0.3], [0.3, -0.3], [0.3, 0.3], [-0.3, 0.3]].map(|[du, dv]| {
-            let place = self.bench.place([u + du, v + dv], 0.0) + Vec3::Y * middle.place[1];
+            let place = self.bench.place([u + du, v + dv], 0.0) + Vec3::Y * (middle.place[1] + RAISED);
             Vertex { place: place.into(), normal: [0.0, 1.0, 0.0], grid: [0.5, 0.5], ..middle }
         })
     }
@@ -210,7 +226,7 @@ impl Relief {
 
     /// A needle that can be seen above the surface, and a ball on the surface.
     fn pin(&mut self, surface: &Surface, bench: &Bench, (role, at, top): (Role, [i32; 2], f32), theme: Theme) {
-        let Some(cost) = cost(surface, at) else { return };
+        let Some(cost) = any_cost(surface, at) else { return };
         let color = theme.ink(role).color.0;
         let foot = bench.place(at.map(|c| c as f32), cost);
         let [needle, ball] = pin_radii(role, theme);
@@ -256,9 +272,7 @@ impl Relief {
 
 /// Across the surface, from the neighbours that are known.
 fn normal(surface: &Surface, bench: &Bench, x: usize, y: usize) -> Vec3 {
-    let height = |x: Option<usize>, y: Option<usize>| {
-        surface.values.get(x?, y?).copied().filter(|v| v.is_finite()).map(|v| bench.height(v))
-    };
+    let height = |x: Option<usize>, y: Option<usize>| surface.cost(x?, y?).map(|cost| bench.height(cost));
     let slope = |before: Option<f32>, after: Option<f32>, step: f32| {
         let here = height(Some(x), Some(y));
         match (before.or(here), after.or(here)) {
@@ -280,16 +294,8 @@ mod tests {
 
     fn surface(known: impl Fn(usize, usize) -> bool) -> Surface {
         let cost = |x: usize, y: usize| if known(x, y) { (x * x + y) as f32 } else { f32::NAN };
-        Surface {
-            title: "SAD",
-            unit: "gray levels",
-            scale: None,
-            origin: [-4, -2],
-            values: Grid::from_fn(9, 5, cost),
-            events: Grid::new(9, 5, None),
-            probe: None,
-            best: Some([-4, -2]),
-        }
+        let values = Grid::from_fn(9, 5, cost);
+        Surface { best: Some([-4, -2]), ..Surface::new("SAD", [-4, -2], values, Grid::new(9, 5, None)) }
     }
 
     fn triangles(surface: &Surface) -> usize {

@@ -207,7 +207,7 @@ impl Stand {
         let all: Vec<_> = mesh::pins(surface)
             .into_iter()
             .filter_map(|(role, at, top)| {
-                let cost = heat_map::cost(surface, at)?;
+                let cost = heat_map::any_cost(surface, at)?;
                 let foot = self.bench.place(at.map(|c| c as f32), cost);
                 Some((role, cost, [foot, Vec3 { y: top, ..foot }].map(|end| self.at(end))))
             })
@@ -249,16 +249,8 @@ mod tests {
     fn the_surface_stands_between_its_ground_and_its_words() {
         let values = Grid::from_fn(9, 9, |x, y| (x * x + y) as f32);
         let events = values.map(|v| Some(*v as usize));
-        let surface = Surface {
-            title: "SAD",
-            unit: "gray levels",
-            scale: None,
-            origin: [-4, -4],
-            values,
-            events,
-            probe: Some([2, 1]),
-            best: Some([-4, -4]),
-        };
+        let (probe, best) = (Some([2, 1]), Some([-4, -4]));
+        let surface = Surface { probe, best, ..Surface::new("SAD", [-4, -4], values, events) };
         let style = ChartStyle { theme: Theme::Dark, colors: ColorMap::Viridis, density: 1.0 };
         let area = Rect::new([10.0, 20.0], [420.0, 300.0]);
         let data = Relief { surface: &surface, whose: "Full search", orbit: Orbit::default() };

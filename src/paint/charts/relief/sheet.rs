@@ -170,7 +170,7 @@ fn pins(surface: &Surface, sheet: &Sheet<'_>) -> Vec<Item> {
     let bench = Bench::new(surface);
     let theme = sheet.style.theme;
     let all = mesh::pins(surface).into_iter().filter_map(|(role, at, top)| {
-        let cost = heat_map::cost(surface, at)?;
+        let cost = heat_map::any_cost(surface, at)?;
         Some((theme.ink(role).color, bench.place(at.map(|c| c as f32), cost), top, mesh::pin_radii(role, theme)))
     });
     let item = |depth: f32, primitive: Primitive| Item {
@@ -220,16 +220,7 @@ mod tests {
     fn seen(known: impl Fn(usize, usize) -> bool, orbit: Orbit) -> Vec<Primitive> {
         let values = Grid::from_fn(5, 5, |x, y| if known(x, y) { (x + y) as f32 } else { f32::NAN });
         let events = Grid::new(5, 5, None);
-        let surface = Surface {
-            title: "SAD",
-            unit: "gray levels",
-            scale: None,
-            origin: [-2, -2],
-            values,
-            events,
-            probe: None,
-            best: None,
-        };
+        let surface = Surface::new("SAD", [-2, -2], values, events);
         let style = ChartStyle { theme: Theme::Dark, colors: ColorMap::Viridis, density: 1.0 };
         let screen = Screen::new(Rect::new([0.0; 2], [300.0, 200.0]), &orbit, Room::SURFACE, [0.0; 2]);
         polygons(&surface, (&screen, orbit), style)

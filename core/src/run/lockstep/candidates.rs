@@ -1,4 +1,4 @@
-//! Several estimators beside each other on one pair of frames, each a step further at every step.
+//! Block searches in lockstep, candidate by candidate.
 //!
 //! ```text
 //! step of the block   1   2   3   4   5   6   7      Pace::Block: candidate k of each, and at last what each found
@@ -6,25 +6,12 @@
 //! diamond             ●   ●   ●   ●   found           one that is done waits
 //! ```
 
-use super::{AnyEstimator, Beside, Cursor, Direction, Granularity, Info, Move, Walk};
+use super::{Pace, in_frame_t, names, of_member};
 use crate::base::{Error, Threads};
-use crate::choices;
 use crate::data::Clip;
 use crate::products::{BlockField, BlockGrid, Output};
+use crate::run::{AnyEstimator, Beside, CandidateCount, Cursor, Direction, Granularity, Info, Move, Walk};
 use crate::scene::{Focus, Picture, Readout, Role, Scene, Step};
-
-choices! {
-    /// What estimators in lockstep have in common at every step.
-    pub enum Pace {
-        /// All are at the same block, and have tested as many candidates for it.
-        Block = "block" "same block",
-        /// The same number of candidates tested in the whole picture; the run ends with that of the first estimator.
-        Budget = "budget" "same budget",
-    }
-}
-
-/// As many can stand beside each other.
-pub const MEMBERS: std::ops::RangeInclusive<usize> = 2..=4;
 
 /// The events of one unit of a member at which candidates were tested.
 #[derive(Clone, Default)]
@@ -37,6 +24,7 @@ struct Trail {
 
 struct Member {
     walk: Box<dyn Walk>,
+    names: [String; 2],
     /// Where the budget counts: candidates tested before each unit, and in all.
     spent: Vec<u64>,
     /// The units that lead to the result shown.
@@ -101,9 +89,10 @@ struct Journey {
 /// of each; the last event tells what was found. An estimator that comes to a block over several levels tests the
 /// candidates of all units that lead to it, from the coarsest on; those of a coarse level are tested again for each
 /// block that inherits from there. A move that is given up leaves the members on their way until the next one.
-pub struct Lockstep {
+pub(super) struct Candidates {
     members: Vec<Member>,
-    pace: Pace,
+    /// Whether the candidates of the whole picture count, and not those of a block.
+    is_budget: bool,
     blocks: BlockGrid,
     units: usize,
     cursor: Cursor,
@@ -112,34 +101,22 @@ pub struct Lockstep {
     journey: Option<Journey>,
 }
 
-impl Lockstep {
-    /// The declaration of a run of several estimators.
-    pub const INFO: Info = Info {
-        id: "lockstep",
-        name: "Lockstep",
-        family: "Comparison",
-        summary: "Several block searches on the same pair of frames, in lockstep.",
-        source: "as for each estimator",
-        pseudocode: &[],
-        granularities: &["frame", "block", "candidate"],
-        frames: 2,
-    };
-
+impl Candidates {
     /// The runs of `estimators` on `frame`, at their start. Where the budget counts, each is run once on `threads`.
     ///
     /// # Errors
-    /// If there are too few or too many, one is there twice, they do not have the same blocks, or one cannot run.
-    pub fn new(
+    /// If they do not have the same blocks, or one cannot run.
+    pub(super) fn new(
         estimators: &[&dyn AnyEstimator],
         pace: Pace,
         (clip, frame): (&Clip, usize),
         threads: &Threads,
     ) -> Result<Self, Error> {
-        check(estimators)?;
-        let member = |estimator: &&dyn AnyEstimator| {
-            let told = |error: Error| Error::new(format!("{}: {error}", estimator.info().id));
+        let is_budget = pace == Pace::Budget;
+        let member = |(estimator, names): (&&dyn AnyEstimator, [String; 2])| {
+            let told = |error: Error| of_member(*estimator, &error);
             let mut spent = Vec::new();
-            if pace == Pace::Budget {
+            if is_budget {
                 let evaluations = estimator.evaluations(clip, frame, threads).map_err(told)?;
                 spent.push(0);
                 spent.extend(evaluations.iter().scan(0, |sum, count| {
@@ -148,9 +125,9 @@ impl Lockstep {
                 }));
             }
             let walk = estimator.walk(clip, frame).map_err(told)?;
-            Ok(Member { walk, spent, trails: Vec::new(), seen: 0 })
+            Ok(Member { walk, names, spent, trails: Vec::new(), seen: 0 })
         };
-        let members = estimators.iter().map(member).collect::<Result<Vec<_>, Error>>()?;
+        let members = estimators.iter().zip(names(estimators)).map(member).collect::<Result<Vec<_>, Error>>()?;
         let blocks = members.iter().map(|member| {
             let grid = member.walk.output().get::<BlockField>().map(|field| field.blocks);
             let id = member.walk.info().id;
@@ -165,12 +142,9 @@ impl Lockstep {
                 "{first} and {other} have different block grids; give them the same block size and spacing"
             )));
         }
-        let units = match pace {
-            Pace::Block => blocks[0].len(),
-            Pace::Budget => members[0].spent.len() - 1,
-        };
+        let units = if is_budget { members[0].spent.len() - 1 } else { blocks[0].len() };
         let mut lockstep =
-            Self { members, pace, blocks: blocks[0], units, cursor: Cursor::default(), events: 0, journey: None };
+            Self { members, is_budget, blocks: blocks[0], units, cursor: Cursor::default(), events: 0, journey: None };
         lockstep.jump(Move::To(Cursor::default()));
         Ok(lockstep)
     }
@@ -198,9 +172,10 @@ impl Lockstep {
 
     /// The units that lead to `goal`, and the candidate of them at which to stand, for each member.
     fn ways(&self, goal: Cursor) -> Vec<(Vec<usize>, usize)> {
-        match self.pace {
-            Pace::Block => self.members.iter().map(|m| (m.walk.way_to(goal.unit), goal.event)).collect(),
-            Pace::Budget => self.members.iter().map(|m| budgeted(&m.spent, &self.members[0].spent, goal)).collect(),
+        if self.is_budget {
+            self.members.iter().map(|m| budgeted(&m.spent, &self.members[0].spent, goal)).collect()
+        } else {
+            self.members.iter().map(|m| (m.walk.way_to(goal.unit), goal.event)).collect()
         }
     }
 
@@ -258,10 +233,7 @@ impl Lockstep {
 
     fn arrive(&mut self, goal: Cursor) {
         let candidates = self.members.iter().map(Member::candidates);
-        let most = match self.pace {
-            Pace::Block => candidates.max(),
-            Pace::Budget => candidates.take(1).next(),
-        };
+        let most = if self.is_budget { candidates.take(1).next() } else { candidates.max() };
         self.events = most.unwrap_or(0) + 1;
         self.cursor = Cursor { event: goal.event.min(self.events), ..goal };
     }
@@ -271,7 +243,7 @@ impl Lockstep {
     fn told(&self, index: usize, focus: Option<Focus>) -> Step {
         let member = &self.members[index];
         let mut step = member.walk.step(in_frame_t(focus));
-        let leads = self.pace == Pace::Block || index == 0;
+        let leads = !self.is_budget || index == 0;
         let number = |event: usize| leads.then(|| member.number(event));
         for readout in &mut step.readouts {
             match readout {
@@ -288,10 +260,7 @@ impl Lockstep {
     }
 
     fn is_done(&self, member: &Member) -> bool {
-        match self.pace {
-            Pace::Block => member.seen > member.candidates(),
-            Pace::Budget => member.walk.at_end(),
-        }
+        if self.is_budget { member.walk.at_end() } else { member.seen > member.candidates() }
     }
 }
 
@@ -307,40 +276,9 @@ fn budgeted(spent: &[u64], leader: &[u64], goal: Cursor) -> (Vec<usize>, usize) 
     (vec![unit], left.min(of_unit + 1) + usize::from(is_told && left == of_unit))
 }
 
-/// Rejects estimators that cannot run side by side.
-///
-/// # Errors
-/// If there are too few or too many, or one is there twice.
-pub fn check(estimators: &[&dyn AnyEstimator]) -> Result<(), Error> {
-    let count = estimators.len();
-    if !MEMBERS.contains(&count) {
-        return Err(Error::new(format!("2 to 4 estimators can run side by side, not {count}")));
-    }
-    if let Some(other) = estimators.iter().find(|estimator| !estimator.tests_candidates()) {
-        let name = other.info().name;
-        return Err(Error::new(format!(
-            "{name} tests no candidates, so it cannot run in lockstep; choose block searches"
-        )));
-    }
-    let same = |a: &dyn AnyEstimator, b: &dyn AnyEstimator| a.info().id == b.info().id && a.values() == b.values();
-    let twice = (1..count).find(|&i| estimators[..i].iter().any(|other| same(*other, estimators[i])));
-    match twice {
-        Some(i) => Err(Error::new(format!(
-            "{} is there twice with the same parameters; choose another estimator, or change a parameter",
-            estimators[i].info().id
-        ))),
-        None => Ok(()),
-    }
-}
-
-/// The same place in frame t.
-fn in_frame_t(focus: Option<Focus>) -> Option<Focus> {
-    focus.map(|focus| Focus::current(focus.at))
-}
-
-impl Walk for Lockstep {
+impl Walk for Candidates {
     fn info(&self) -> &'static Info {
-        const { &Self::INFO }
+        Pace::Block.info()
     }
 
     fn frame(&self) -> usize {
@@ -401,7 +339,7 @@ impl Walk for Lockstep {
 
     /// The end of each member.
     fn landmarks(&self) -> Vec<(usize, Role)> {
-        let members = self.members.iter().filter(|_| self.pace == Pace::Block);
+        let members = self.members.iter().filter(|_| !self.is_budget);
         members.map(|member| (member.candidates() + 1, Role::Result)).collect()
     }
 
@@ -411,10 +349,7 @@ impl Walk for Lockstep {
     }
 
     fn unit_at(&self, focus: Focus) -> Option<usize> {
-        match self.pace {
-            Pace::Block => self.blocks.at(focus.at),
-            Pace::Budget => self.members[0].walk.unit_at(Focus::current(focus.at)),
-        }
+        if self.is_budget { self.members[0].walk.unit_at(Focus::current(focus.at)) } else { self.blocks.at(focus.at) }
     }
 
     fn step(&self, focus: Option<Focus>) -> Step {
@@ -438,22 +373,22 @@ impl Walk for Lockstep {
     }
 
     fn way_to(&self, block: usize) -> Vec<usize> {
-        match self.pace {
-            Pace::Block => vec![block],
-            Pace::Budget => self.members[0].walk.way_to(block),
-        }
+        if self.is_budget { self.members[0].walk.way_to(block) } else { vec![block] }
     }
 
     fn beside(&self, focus: Option<Focus>) -> Vec<Beside> {
         let of = |(index, member): (usize, &Member)| Beside {
             info: member.walk.info(),
+            names: member.names.clone(),
             cursor: member.walk.cursor(),
             step: self.told(index, focus),
             scene: member.walk.scene(in_frame_t(focus)),
             output: member.walk.output(),
-            candidates: member.seen.min(member.candidates()),
-            leg: member.leg(),
-            candidates_in_all: member.walk.evaluated(),
+            candidates: Some(CandidateCount {
+                here: member.seen.min(member.candidates()),
+                leg: member.leg(),
+                in_all: member.walk.evaluated(),
+            }),
             is_done: self.is_done(member),
         };
         self.members.iter().enumerate().map(of).collect()
