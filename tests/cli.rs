@@ -544,7 +544,7 @@ fn what_is_wrong_is_one_sentence_and_leaves_no_file() {
         (run(SMALL, "--beside diamond,kalman-filter"), "Kalman filter on a whole clip"),
         (run(SMALL, "--beside diamond,hexagon,three-step,four-step"), "2 to 4 estimators"),
         (run(SMALL, "--beside hierarchical --set hierarchical.levels=6"), "hierarchical: with 6 levels"),
-        (run(SMALL, "--beside diamond --set diamond.block=8"), "same block size"),
+        (run(SMALL, "--beside diamond --set diamond.block-size=8"), "same block size"),
         (run(SMALL, "--beside diamond --pace slow"), "block, budget"),
         (run(SMALL, "--beside horn-schunck --pace block"), "choose result"),
         (run(SMALL, "--level 1"), "no pyramid"),
@@ -759,14 +759,29 @@ fn flows_in_lockstep_have_a_difference() {
         image::open(here.join(out)).unwrap().into_rgb8()
     };
     let [wheel, difference] = [("", "wheel.png"), ("--layer difference", "difference.png")].map(|(m, o)| of(m, o));
-    let half = wheel.width() / 2;
     let changed = |from: u32, to: u32| {
         let same = |x: u32| (0..wheel.height()).all(|y| wheel.get_pixel(x, y) == difference.get_pixel(x, y));
         (from..to).filter(|x| !same(*x)).count()
     };
-    assert!(changed(half, wheel.width()) > 30, "the second shows its difference from the first");
+    // The second picture of 64 px stands behind a margin, the first one and a gap.
+    assert!(changed(88, 88 + 64) > 30, "the second shows its difference from the first");
     let refused = refusal(here, &format!("run {SMALL} --estimator horn-schunck --layer difference --overlay no.png"));
     assert!(refused.contains("it compares estimators in lockstep"), "{refused}");
+}
+
+#[test]
+fn quantities_of_a_background_model_are_layers() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let of = |layer: &str| {
+        let run = "run synth:traffic --estimator mixture-of-gaussians --step 6 --view current --legend";
+        stdout(here, &format!("{run} --layer {layer} --overlay {layer}.png"));
+        fs::read(here.join(format!("{layer}.png"))).unwrap()
+    };
+    let all = ["none", "deviation", "weight", "mode-count"].map(of);
+    assert!((0..4).all(|i| all[..i].iter().all(|other| *other != all[i])), "each looks different");
+    let refused = refusal(here, "run synth:traffic --estimator median-background --layer weight --overlay no.png");
+    assert!(refused.contains("no model with this quantity"), "{refused}");
 }
 
 #[test]

@@ -6,6 +6,7 @@ mod rough;
 
 use common::set;
 use motionscope_core::products::Reference;
+use motionscope_core::scene::Quantity;
 use motionscope_core::{
     AnyEstimator, Clip, Cursor, Frame, Grid, Mask, MaskField, Move, ObjectField, PixelClass, Threads, synth,
 };
@@ -116,4 +117,28 @@ fn masks_are_scored_against_the_true_foreground() {
     walk.jump(Move::End);
     let told = walk.step(None).sentence.plain();
     assert!(told.contains(&format!("recall {:.2}", wanted[1].1)) && told.contains("true foreground"), "{told}");
+}
+
+#[test]
+fn a_model_has_its_quantities_at_every_pixel() {
+    let (clip, _) = Rough { size: (96, 72), frames: 12, seed: 505, ..Rough::default() }.clip();
+    for (id, most) in [("single-gaussian", 1), ("mixture-of-gaussians", 3), ("median-background", 0)] {
+        let mut walk = set(id, &[]).walk(&clip, 0).expect("a walk");
+        walk.jump(Move::To(Cursor { unit: 9, event: 1 }));
+        let before = walk.scene(None).layers;
+        walk.jump(Move::To(Cursor { unit: 9, event: usize::MAX }));
+        let after = walk.scene(None).layers;
+        assert_eq!((before.len(), after.len()), (most, most), "{id}");
+        for (before, after) in before.iter().zip(&after) {
+            let [before_values, after_values] = [before, after].map(|layer| layer.values());
+            assert_eq!(after_values.size(), (96, 72));
+            let range = match after.quantity {
+                Quantity::Deviation => 0.5..=80.0,
+                Quantity::Weight => 0.0..=1.0,
+                Quantity::Modes => 1.0..=8.0,
+            };
+            assert!(after_values.cells().iter().all(|value| range.contains(value)), "{id}: {:?}", after.quantity);
+            assert!(before_values != after_values || after.quantity == Quantity::Modes, "the update changes them");
+        }
+    }
 }

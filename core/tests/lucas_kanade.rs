@@ -4,7 +4,7 @@ mod common;
 
 use common::{SIZE, fact, linear_motion, numbers, set, tile, told};
 use motionscope_core::scene::Focus;
-use motionscope_core::{Clip, Cursor, DenseField, Frame, Grid, Move, Role, Threads, scene};
+use motionscope_core::{Clip, Cursor, DenseField, Direction, Frame, Grid, Move, Role, Threads, Walk, scene};
 
 /// Lucas and Kanade's method at one pixel, as plainly as can be: central differences, all pixels of the window alike, in f64.
 /// The displacement, the smaller eigenvalue, and the root mean square by which the constraints are off.
@@ -250,4 +250,55 @@ fn the_spread_that_is_told_is_that_of_many_noisy_pairs() {
     let ratio = mean(&told) / variance.sqrt();
     // Noise in neighbouring differences is not quite by itself, so this is no better than a factor.
     assert!((0.6..1.7).contains(&ratio), "told {} px, found {} px", mean(&told), variance.sqrt());
+}
+
+/// The middle of the cell of least cost, and half the side of a cell.
+fn least(plane: &scene::Plane) -> ([f32; 2], f32) {
+    let values = &plane.cost.as_ref().expect("a cost").values;
+    let cells = values.width();
+    let places = (0..cells).flat_map(|y| (0..cells).map(move |x| (x, y))).filter(|place| values[*place].is_finite());
+    let (x, y) = places.min_by(|a, b| values[*a].total_cmp(&values[*b])).expect("a cost that is known");
+    let half = plane.reach / cells as f32;
+    let along = |i: usize, index: usize| plane.center[i] - plane.reach + half * (2 * index + 1) as f32;
+    ([along(0, x), along(1, y)], half)
+}
+
+/// The planes of a walk, event by event, with the pixel that is pointed at.
+fn planes(walk: &mut dyn Walk, events: usize, focus: Option<Focus>) -> Vec<scene::Plane> {
+    let innermost = walk.info().granularities.len() - 1;
+    let mut found = Vec::new();
+    for _ in 0..events {
+        found.extend(walk.step(focus).readouts.into_iter().filter_map(|readout| match readout {
+            scene::Readout::Plane(plane) => Some(plane),
+            _ => None,
+        }));
+        walk.jump(Move::Granularity(innermost, Direction::Forward));
+    }
+    found
+}
+
+#[test]
+fn the_estimates_go_down_into_the_valley_of_the_squared_difference() {
+    let truth = [1.3, -0.8];
+    let (clip, _) = linear_motion([[0.0; 2]; 2], truth.map(f64::from));
+    for (id, settings) in [
+        ("lucas-kanade", &[("sigma", "0")][..]),
+        ("pyramidal-lucas-kanade", &[("points", "clicks"), ("clicks", "0:48,40"), ("levels", "1")]),
+        ("klt", &[("levels", "1"), ("max-points", "1")]),
+    ] {
+        let mut walk = set(id, settings).walk(&clip, 0).unwrap();
+        let focus = (id == "lucas-kanade").then_some(Focus::current([48.0, 40.0]));
+        if focus.is_some() {
+            walk.jump(Move::End);
+        }
+        let planes = planes(walk.as_mut(), 60, focus);
+        let costed: Vec<_> = planes.iter().filter(|plane| plane.cost.is_some()).collect();
+        assert!(costed.iter().any(|plane| plane.path.len() > 1), "{id} has a path");
+        for plane in costed {
+            let (at, half) = least(plane);
+            assert!((0..2).all(|i| (at[i] - truth[i]).abs() <= half + 0.1), "{id}: {at:?}, truth {truth:?}");
+            let costs: Vec<f32> = plane.path.iter().map(|at| plane.cost_at(*at).expect("a cost")).collect();
+            assert!(costs.is_sorted_by(|before, after| before >= after), "{id}: {:?} cost {costs:?}", plane.path);
+        }
+    }
 }

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use motionscope_core::scene::Quantity;
 use motionscope_core::{Error, Flow, Grid, Role, Threads};
 
 use super::legend::{Bar, Entry, Sample};
@@ -127,11 +128,17 @@ pub enum FlowLayer {
     Confidence,
     /// How far from its pixel one comes back along the flow of the reverse pair.
     Consistency,
+    /// The standard deviation of a background model.
+    Deviation,
+    /// The weight of its heaviest mode.
+    Weight,
+    /// The number of its modes.
+    Modes,
 }
 
 impl FlowLayer {
     /// Every layer.
-    pub const ALL: [FlowLayer; 7] = [
+    pub const ALL: [FlowLayer; 10] = [
         FlowLayer::None,
         FlowLayer::Wheel,
         FlowLayer::Magnitude,
@@ -139,6 +146,9 @@ impl FlowLayer {
         FlowLayer::Difference,
         FlowLayer::Confidence,
         FlowLayer::Consistency,
+        FlowLayer::Deviation,
+        FlowLayer::Weight,
+        FlowLayer::Modes,
     ];
 
     /// Stable name, for sessions and the command line.
@@ -151,6 +161,9 @@ impl FlowLayer {
             FlowLayer::Difference => "difference",
             FlowLayer::Confidence => "confidence",
             FlowLayer::Consistency => "consistency",
+            FlowLayer::Deviation => "deviation",
+            FlowLayer::Weight => "weight",
+            FlowLayer::Modes => "mode-count",
         }
     }
 
@@ -164,6 +177,19 @@ impl FlowLayer {
             FlowLayer::Difference => "Flow difference",
             FlowLayer::Confidence => "Confidence",
             FlowLayer::Consistency => "Consistency",
+            FlowLayer::Deviation => "Standard deviation",
+            FlowLayer::Weight => "Weight",
+            FlowLayer::Modes => "Number of modes",
+        }
+    }
+
+    /// The quantity of a model that it shows, if it shows one.
+    pub fn quantity(self) -> Option<Quantity> {
+        match self {
+            FlowLayer::Deviation => Some(Quantity::Deviation),
+            FlowLayer::Weight => Some(Quantity::Weight),
+            FlowLayer::Modes => Some(Quantity::Modes),
+            _ => None,
         }
     }
 
@@ -200,6 +226,9 @@ impl FlowLayer {
                 "How far one misses the pixel on going along the flow and back along that of the reverse pair; what \
                  fails this check is hidden in the other frame, or wrong."
             }
+            FlowLayer::Deviation => "The standard deviation that the background model has for each pixel.",
+            FlowLayer::Weight => "The weight of the heaviest mode of each pixel: how much of the past it explains.",
+            FlowLayer::Modes => "The number of modes of each pixel: several where the background changes.",
         }
     }
 }

@@ -6,7 +6,7 @@ use std::cell::OnceCell;
 use std::sync::Arc;
 
 use motionscope_core::products::Motion as Known;
-use motionscope_core::scene::{Fact, Shape};
+use motionscope_core::scene::{Fact, Quantity, Shape};
 use motionscope_core::{
     Agreement, AnyEstimator, Beside, Clip, Confidence, Consistency, Error, Flow, Grid, Output, Scene, Streaks, Threads,
     Walk, metrics, scene,
@@ -28,6 +28,8 @@ pub struct AvailableLayers {
     /// Whether the result has a confidence.
     has_confidence: bool,
     has_truth: bool,
+    /// Whether the step has each of [`Quantity::ALL`].
+    quantities: [bool; Quantity::ALL.len()],
 }
 
 impl AvailableLayers {
@@ -46,8 +48,31 @@ impl AvailableLayers {
         self.has_truth
     }
 
+    /// Whether the step has a quantity of a model.
+    fn has_quantity(&self, quantity: Quantity) -> bool {
+        Quantity::ALL.iter().zip(self.quantities).any(|(one, has)| has && *one == quantity)
+    }
+
+    /// Whether the layer is offered: quantities of a model where there is one, those of a flow elsewhere.
+    pub fn offers(&self, layer: FlowLayer) -> bool {
+        let has_model = self.quantities.contains(&true);
+        match (layer, layer.quantity()) {
+            (FlowLayer::None, _) => true,
+            (_, Some(quantity)) => self.has_quantity(quantity),
+            (_, None) => self.has_field() || !has_model,
+        }
+    }
+
+    /// Whether there are colours to choose at all.
+    pub fn has_colors(&self) -> bool {
+        self.has_field() || self.quantities.contains(&true)
+    }
+
     /// Returns why no step of this run has the layer, as part of a sentence; `None` if some step has it.
     pub fn why_never(&self, layer: FlowLayer) -> Option<&'static str> {
+        if let Some(quantity) = layer.quantity() {
+            return (!self.has_quantity(quantity)).then_some("this step has no model with this quantity");
+        }
         match layer {
             FlowLayer::None => None,
             _ if !self.has_field() => Some("this estimator tracks single points, so there is no dense flow to colour"),
@@ -131,6 +156,14 @@ impl Motion {
         if layer == FlowLayer::None && !shows_streaks {
             return Ok(motion);
         }
+        if let Some(layer) = layer.quantity().and_then(|one| site.scene.layers.iter().find(|of| of.quantity == one)) {
+            let (kind, label) = (available.layer(look.layer), layer.quantity.name().into());
+            let scalars =
+                Scalars { kind, label, unit: layer.quantity.unit(), values: vec![layer.values()], marks: None };
+            let style = LayerStyle { opacity: look.layer_opacity, high: None };
+            motion.layers = Tint::scale(scalars, look.colors, style).into_iter().map(Arc::new).collect();
+            return Ok(motion);
+        }
         let flows = found.flows();
         // Before anything has moved colours would be a veil that says nothing.
         let is_still = |flow: &Arc<Flow>| !flow.0.cells().iter().any(|[u, v]| u.hypot(*v) > 0.0);
@@ -147,7 +180,7 @@ impl Motion {
         let scalars =
             |label: &str, unit, values| Scalars { kind: layer, label: label.into(), unit, values, marks: None };
         let shown = match layer {
-            FlowLayer::None => return Ok(motion),
+            FlowLayer::None | FlowLayer::Deviation | FlowLayer::Weight | FlowLayer::Modes => return Ok(motion),
             FlowLayer::Wheel => Tint::wheel(&flows, style),
             FlowLayer::Magnitude => {
                 let length = |flow: &Arc<Flow>| flow.0.map(|[u, v]| u.hypot(*v));
@@ -252,7 +285,7 @@ impl<'a> Found<'a> {
         }
     }
 
-    fn available(&self, Site { walk, clip, .. }: Site<'_>) -> AvailableLayers {
+    fn available(&self, Site { walk, clip, scene }: Site<'_>) -> AvailableLayers {
         let known = match self {
             Self::Drawn(..) => Known::Pixels,
             Self::Output(output) => output.motion(),
@@ -270,6 +303,7 @@ impl<'a> Found<'a> {
             several: matches!(self, Self::Several(_)),
             is_pair: walk.info().frames == 2,
             has_confidence: walk.tells_confidence(),
+            quantities: Quantity::ALL.map(|one| scene.layers.iter().any(|layer| layer.quantity == one)),
             has_truth: clip.truth().is_some_and(|truth| truth.kinds().contains(&"flow")),
         }
     }

@@ -170,10 +170,15 @@ fn said(step: &Step, [long, short, shortest]: &[String; 3], in_all: &str) -> Vec
 fn said_at_end(assessment: &Assessment, in_all: Option<String>) -> Vec<Sentence> {
     // Vectors of blocks are judged by their prediction, a dense flow by its error where the truth is known.
     let error = assessment.facts.iter().find(|fact| fact.label == "Mean endpoint error" && in_all.is_none());
-    let quality = error.map_or(assessment.headline.clone(), |fact| format!("{} endpoint error", fact.value));
-    let told = |after: &str| Sentence::default().ink(Role::Result, quality.clone()).text(after.to_owned());
+    let (quality, value) = match error {
+        Some(fact) => (format!("{} endpoint error", fact.value), Some(fact.value.clone())),
+        None => (assessment.headline.clone(), None),
+    };
+    let told =
+        |words: &str, after: &str| Sentence::default().ink(Role::Result, words.to_owned()).text(after.to_owned());
     let counts = in_all.map(|in_all| [format!("  ·  {in_all} candidates in all"), format!("  ·  {in_all} in all")]);
-    counts.iter().flatten().map(|counts| told(counts)).chain([told("")]).collect()
+    let with_counts = counts.iter().flatten().map(|counts| told(&quality, counts));
+    with_counts.chain([told(&quality, "")]).chain(value.map(|value| told(&value, ""))).collect()
 }
 
 /// The number that a step is about, with its name and without.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Canvas, Levels, Picture, Role};
+use super::{Canvas, Layer, Levels, Picture, Role};
 use crate::data::Mask;
 use crate::geometry::Grid;
 
@@ -202,6 +202,8 @@ pub struct Scene {
     pub levels: Option<Levels>,
     /// The pictures of the step, up to four, if not frames t and t + 1.
     pub pictures: Vec<Canvas>,
+    /// The quantities of a model that can be shown over frame t.
+    pub layers: Vec<Layer>,
     /// The name of the values of a heat map, if no surface gives it: `λ`.
     pub heat: Option<&'static str>,
     /// The values at both ends of the colours of a heat map, if they are known before all of it is; else its own.
@@ -215,6 +217,7 @@ impl Scene {
         self.legend == other.legend
             && self.levels == other.levels
             && self.pictures == other.pictures
+            && self.layers == other.layers
             && self.heat == other.heat
             && self.heat_scale == other.heat_scale
             && self.marks.len() == other.marks.len()

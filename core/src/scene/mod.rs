@@ -6,6 +6,7 @@ mod levels;
 mod marks;
 mod picture;
 pub mod pseudocode;
+mod quantity;
 mod readouts;
 mod role;
 mod sentence;
@@ -15,9 +16,10 @@ pub use levels::{Floor, Level, Levels, Stack};
 pub use marks::{Arrow, Mark, Scene, Shape, arrow_spacing};
 pub use picture::{Canvas, Focus, Picture, PictureRole, Pixels, Viewpoint};
 pub use pseudocode::{Line, Name};
+pub use quantity::{Layer, Quantity};
 pub use readouts::{
-    Band, Chart, Constraint, Distribution, Fact, Matrix, Plane, Readout, Regions, Section, Series, Spread, Surface,
-    Tile,
+    Band, Chart, Constraint, Distribution, Fact, Matrix, Plane, PlaneCost, Readout, Regions, Section, Series, Spread,
+    Surface, Tile,
 };
 pub use role::Role;
 pub use sentence::{Math, Sentence};

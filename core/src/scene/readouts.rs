@@ -336,14 +336,76 @@ pub struct Plane {
     pub title: &'static str,
     /// Unit of displacements: `px`, or `px of level 2`.
     pub unit: String,
-    /// Displacements from `-reach` to `reach` px are shown on both axes.
+    /// The displacement in the middle.
+    pub center: [f32; 2],
+    /// Displacements up to `reach` px from the middle are shown on both axes.
     pub reach: f32,
+    /// A cost of the displacements shown.
+    pub cost: Option<PlaneCost>,
     /// The constraint lines of the pixels.
     pub lines: Vec<Constraint>,
+    /// The estimates of an iteration in their order, joined by arrows; fewer than two are no path.
+    pub path: Vec<[f32; 2]>,
     /// Displacements with their names.
     pub points: Vec<(&'static str, Role, [f32; 2])>,
     /// Uncertainty of a displacement, if known: an ellipse of one standard deviation.
     pub ellipse: Option<Spread>,
+}
+
+/// A cost over the whole of a [`Plane`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlaneCost {
+    /// Its name: `mean squared difference`.
+    pub name: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// The costs in the middles of equal square cells; NaN where it is not defined.
+    pub values: Grid<f32>,
+}
+
+impl PlaneCost {
+    /// Cells along an axis.
+    const MOST: usize = 33;
+
+    /// Evaluates `cost` over the displacements up to `reach` from `center`. Each evaluation reads `each` samples, which decides how many
+    /// cells there are.
+    pub fn sampled(
+        (name, unit): (&'static str, &'static str),
+        (center, reach): ([f32; 2], f32),
+        each: usize,
+        cost: impl Fn([f32; 2]) -> f32,
+    ) -> Self {
+        /// Samples read for a surface: a few milliseconds.
+        const SAMPLES: f32 = 150_000.0;
+        let cells = (SAMPLES / each.max(1) as f32).sqrt() as usize;
+        // An odd number, so that the middle is the middle of a cell.
+        let cells = cells.clamp(9, Self::MOST) | 1;
+        let along = |i: usize, index: usize| center[i] + reach * ((2 * index + 1) as f32 / cells as f32 - 1.0);
+        let values = Grid::from_fn(cells, cells, |x, y| cost([along(0, x), along(1, y)]));
+        Self { name, unit, values }
+    }
+
+    /// The smallest and largest cost, where any is defined.
+    pub fn range(&self) -> Option<[f32; 2]> {
+        let known = self.values.cells().iter().copied().filter(|cost| cost.is_finite());
+        known.fold(None, |range, cost| match range {
+            None => Some([cost; 2]),
+            Some([low, high]) => Some([low.min(cost), high.max(cost)]),
+        })
+    }
+}
+
+impl Plane {
+    /// The cost of the cell of a displacement, where it is shown and defined.
+    pub fn cost_at(&self, at: [f32; 2]) -> Option<f32> {
+        let values = &self.cost.as_ref()?.values;
+        let cell = |i: usize, cells: usize| {
+            let index = ((at[i] - self.center[i]) / self.reach + 1.0) / 2.0 * cells as f32;
+            (0.0..cells as f32).contains(&index).then_some(index as usize)
+        };
+        let cost = values[(cell(0, values.width())?, cell(1, values.height())?)];
+        cost.is_finite().then_some(cost)
+    }
 }
 
 /// The plane of two quantities that are not negative, divided into the regions of a decision.
@@ -431,7 +493,7 @@ mod tests {
         let tested = |x: usize, y: usize| x + y < 3;
         let cost = |x: usize, y: usize| 20.0 - (x + 2 * y) as f32;
         let values = Grid::from_fn(4, 3, |x, y| if tested(x, y) { cost(x, y) } else { f32::NAN });
-        let events = Grid::from_fn(4, 3, |x, y| tested(x, y).then_some(9 - x - 2 * y));
+        let events = Grid::from_fn(4, 3, |x, y| tested(x, y).then_some(20 - 3 * x - 5 * y));
         let over = Grid::from_fn(4, 3, |x, y| if tested(x, y) { f32::NAN } else { cost(x, y) });
         let surface = Surface::new("SAD", [-1, -1], values, events);
         assert_eq!((surface.missed(), surface.cost(3, 2)), (None, None));

@@ -60,6 +60,15 @@ pub fn head(data: HeatMap<'_>, map: &Map, area: Rect, pointed: Option<[i32; 2]>,
         canvas.fill(swatch, neutral(theme));
         right = swatch.min[0] - small;
     }
+    // As far as the name of the map has room.
+    let dim = Type::dim(theme);
+    for (words, role) in signs(data.surface) {
+        let left = right - dim.width(&words);
+        if left - area.min[0] > 9.0 * small {
+            canvas.text([right, y], (Anchor::End, Level::Middle), &words, dim.color(theme.word(role)));
+            right = left - small;
+        }
+    }
     let (left, text) = (map.head_left(area, theme), Type::text(theme));
     let told = match pointed {
         Some(at) => told(data.surface, at),
@@ -260,23 +269,16 @@ fn minimum(canvas: &mut Canvas, map: &Map, (surface, area): (&Surface, Rect), th
     let bare = Surface { unit: "", ..surface.clone() };
     let Some(words) = minimum_words(&bare).filter(|_| !map.is_tight()) else { return };
     let dim = Type::dim(theme);
-    let room = map.name_left(theme) - map.small;
-    // What each sign means stands behind the minimum, as far as there is room.
-    let (mut left, mut parts) = (area.min[0], vec![(words, None)]);
-    parts.extend(
-        surface.missed().map(|(at, cost)| (format!("× missed: {} at {}", number(cost), vector(at)), Some(Role::Error))),
-    );
-    parts.extend(
-        surface.truth.map(|[u, v]| (format!("× true motion ({}, {})", number(u), number(v)), Some(Role::Truth))),
-    );
-    for (i, (words, role)) in parts.into_iter().enumerate() {
-        let ink = role.map_or(dim, |role| dim.color(theme.word(role)));
-        let words = if i == 0 { shortened(&words, dim, room - left) } else { words };
-        if left + dim.width(&words) <= room {
-            canvas.text([left, map.below()], (Anchor::Start, Level::Top), &words, ink);
-            left += dim.width(&words) + 1.2 * map.small;
-        }
-    }
+    let words = shortened(&words, dim, map.name_left(theme) - map.small - area.min[0]);
+    canvas.text([area.min[0], map.below()], (Anchor::Start, Level::Top), &words, dim);
+}
+
+/// The signs for the minimum that was missed and for the true displacement, with what they mean.
+fn signs(surface: &Surface) -> impl Iterator<Item = (String, Role)> {
+    let missed =
+        surface.missed().map(|(at, cost)| (format!("× missed: {} at {}", number(cost), vector(at)), Role::Error));
+    let truth = surface.truth.map(|[u, v]| (format!("× true motion ({}, {})", number(u), number(v)), Role::Truth));
+    missed.into_iter().chain(truth)
 }
 
 fn color_bar(canvas: &mut Canvas, map: &Map, (surface, area): (&Surface, Rect), style: ChartStyle) {
@@ -393,7 +395,7 @@ mod tests {
         let drawing = draw(HeatMap { surface: &surface, whose: "Diamond search" }, area, style());
         let primitives: Vec<_> = drawing.into_layers().into_iter().flat_map(|layer| layer.primitives).collect();
         let words = texts(&primitives);
-        for label in ["× missed: 10 at (−12, −8)", "× true motion (−11.5, −8)"] {
+        for label in ["× missed: 10 at (−12, −8)", "× true motion (−11.50, −8)"] {
             assert!(words.iter().any(|word| word == label), "{label} is missing in {words:?}");
         }
         let pixels = costs_of(&primitives);

@@ -1,7 +1,9 @@
-//! The plane of displacements: what pixels allow, as lines, and displacements as points.
+//! The plane of displacements: what pixels allow, as lines, a cost as colors, and displacements as points.
 
-use motionscope_core::Role;
+use std::sync::Arc;
+
 use motionscope_core::scene::{Constraint, Plane, Spread};
+use motionscope_core::{Grid, Role};
 
 use super::super::primitive::{Anchor, Point, Primitive, Rect};
 use super::super::{Color, Face, Theme, legend, marks, number};
@@ -51,7 +53,7 @@ impl Window {
         let all = |reach: f32| plane.lines.iter().all(|line| line.within(reach).is_some());
         let found = reaches.find(|reach| *reach > FOR_LINE * plane.reach || all(*reach));
         let reach = found.filter(|reach| plane.lines.len() <= FEW && *reach <= FOR_LINE * plane.reach);
-        Self { center: [0.0; 2], reach: reach.unwrap_or(plane.reach) }
+        Self { center: plane.center, reach: reach.unwrap_or(plane.reach) }
     }
 
     /// After coming nearer by `factor` to the displacement `at`, which stays where it is.
@@ -66,7 +68,8 @@ impl Window {
     #[must_use]
     pub fn moved(self, by: [f32; 2], plane: &Plane) -> Self {
         let most = plane.reach * FARTHEST;
-        Self { center: [0, 1].map(|i| (self.center[i] + by[i]).clamp(-most, most)), ..self }
+        let along = |i: usize| plane.center[i] + (self.center[i] + by[i] - plane.center[i]).clamp(-most, most);
+        Self { center: [0, 1].map(along), ..self }
     }
 }
 
@@ -143,7 +146,8 @@ pub fn draw(data: Shown<'_>, area: Rect, style: ChartStyle) -> Drawing<Square> {
     let (theme, small) = (style.theme, style.small());
     let square = Square::new(area, window.unwrap_or(Window::whole(plane)), (small, plane.points.len()));
     let mut canvas = Canvas::default();
-    axes(&mut canvas, &square, (plane, window.is_some()), theme);
+    canvas.inside(square.rect, |canvas| costs(canvas, &square, plane, style));
+    axes(&mut canvas, &square, (plane, window.is_some() || plane.center != [0.0; 2]), theme);
     for line in &plane.lines {
         if let Some(ends) = square.part(line) {
             let Color([.., alpha]) = theme.ink(line.role).color;
@@ -154,8 +158,11 @@ pub fn draw(data: Shown<'_>, area: Rect, style: ChartStyle) -> Drawing<Square> {
     let beyond = plane.lines.iter().filter(|line| plane.lines.len() <= FEW && square.part(line).is_none());
     beyond.for_each(|line| towards(&mut canvas, &square, line, theme));
     let ellipse = plane.ellipse.as_ref().map(|ellipse| spread(&square, ellipse, theme));
-    canvas.inside(square.rect, |canvas| canvas.extend(ellipse));
-    names(&mut canvas, &square, area, (plane, theme));
+    canvas.inside(square.rect, |canvas| {
+        canvas.extend(ellipse);
+        path(canvas, &square, plane, theme);
+    });
+    names(&mut canvas, &square, area, (plane, style));
     Drawing { place: square, body: canvas.into_layers(), head: head(data, &square, area, None, style) }
 }
 
@@ -171,7 +178,14 @@ pub fn head(
     let (text, left) = (Type::text(style.theme), square.head_left(area, (&plane.unit, style.theme)));
     let width = area.max[0] - left;
     let words = match pointed {
-        Some([u, v]) => format!("({}, {}) {}", number(u), number(v), plane.unit),
+        Some([u, v]) => {
+            let at = format!("({}, {}) {}", number(u), number(v), plane.unit);
+            match (&plane.cost, plane.cost_at([u, v])) {
+                (Some(of), Some(cost)) => format!("{at}: {} {}", number(cost), of.unit),
+                (Some(of), None) => format!("{at}: {} not defined", of.name),
+                (None, _) => at,
+            }
+        }
         None => {
             let what = beyond(plane, square).unwrap_or_else(|| plane.unit.clone());
             titled(whose, &format!("{}, {what}", plane.title), (text.size, width))
@@ -181,6 +195,34 @@ pub fn head(
     let at = [left, area.min[1] + 0.8 * text.size];
     canvas.text(at, (Anchor::Start, Level::Middle), &shortened(&words, text, width), text);
     canvas.into_primitives()
+}
+
+/// The costs as cells of colors under all else. Roots are shown, so that the valley around the minimum is seen.
+fn costs(canvas: &mut Canvas, square: &Square, plane: &Plane, style: ChartStyle) {
+    let Some((cost, [low, high])) = plane.cost.as_ref().and_then(|cost| Some((cost, cost.range()?))) else { return };
+    let shade = |cost: f32| {
+        let share = ((cost - low) / (high - low).max(f32::MIN_POSITIVE)).sqrt();
+        style.colors.at(share)
+    };
+    let pixels = cost.values.map(|cost| if cost.is_finite() { shade(*cost).0 } else { [0; 4] });
+    let [min, max] = [-1.0, 1.0].map(|side| square.at(plane.center.map(|c| c + side * plane.reach)));
+    canvas.add(Primitive::Image { pixels: Arc::new(pixels), rect: Rect { min, max } });
+}
+
+/// The estimates of an iteration, joined in their order.
+fn path(canvas: &mut Canvas, square: &Square, plane: &Plane, theme: Theme) {
+    if plane.path.len() < 2 {
+        return;
+    }
+    let places: Vec<_> = plane.path.iter().map(|at| square.at(*at)).collect();
+    let ink = theme.ink(Role::Estimate).color;
+    for (width, color) in [(4.5, Color::BLACK.alpha(150)), (2.0, ink)] {
+        canvas.line(places.clone(), false, solid(width, color));
+    }
+    for place in places {
+        canvas.disc(place, 4.0, Color::BLACK.alpha(150));
+        canvas.disc(place, 3.0, ink);
+    }
 }
 
 /// The distance of a line from the zero displacement.
@@ -281,7 +323,8 @@ fn is_short(points: usize, side: f32, small: f32) -> bool {
 }
 
 /// The points, and beside the plane what each is called.
-fn names(canvas: &mut Canvas, square: &Square, area: Rect, (plane, theme): (&Plane, Theme)) {
+fn names(canvas: &mut Canvas, square: &Square, area: Rect, (plane, style): (&Plane, ChartStyle)) {
+    let theme = style.theme;
     let (text, dim) = (Type::text(theme), Type::dim(theme));
     let small = text.size;
     let mut at = [square.rect.max[0] + small, square.rect.min[1]];
@@ -301,12 +344,30 @@ fn names(canvas: &mut Canvas, square: &Square, area: Rect, (plane, theme): (&Pla
         canvas.text([x, y], place_at, &shortened(&place, dim, area.max[0] - x), dim);
         at[1] += if is_short { 1.7 } else { 3.2 } * small;
     }
+    scale(canvas, at, area, (plane, style));
+}
+
+/// The scale of the colors of a cost.
+fn scale(canvas: &mut Canvas, [left, top]: Point, area: Rect, (plane, style): (&Plane, ChartStyle)) {
+    let Some((cost, [low, high])) = plane.cost.as_ref().and_then(|cost| Some((cost, cost.range()?))) else { return };
+    let dim = Type::dim(style.theme);
+    let (small, room) = (dim.size, area.max[0] - left);
+    let bar = Rect::new([left, top + 0.2 * small], [room.min(10.0 * small), 0.6 * small]);
+    let shades = Grid::from_fn(128, 1, |x, _| style.colors.at((x as f32 / 127.0).sqrt()).0);
+    canvas.add(Primitive::Image { pixels: Arc::new(shades), rect: bar });
+    let place = (Anchor::Start, Level::Top);
+    let range = format!("{} to {}", number(low), number(high));
+    for (row, words) in [range.as_str(), cost.unit].into_iter().enumerate() {
+        let y = bar.max[1] + (0.4 + 1.4 * row as f32) * small;
+        canvas.text([left, y], place, &shortened(words, dim, room), dim);
+    }
 }
 
 /// What the plane shows, for those who cannot see it.
 pub fn summary(plane: &Plane) -> String {
     let points = plane.points.iter().map(|(name, _, [u, v])| format!("{name} at ({}, {})", number(*u), number(*v)));
     let lines = match plane.lines.len() {
+        0 => "no lines".to_owned(),
         1 => "one line".to_owned(),
         count => format!("{count} lines"),
     };
@@ -319,11 +380,19 @@ pub fn summary(plane: &Plane) -> String {
         let [long, short] = spread.radii.map(number);
         format!("one standard deviation {long} by {short} {}", plane.unit)
     });
-    [format!("{}: {lines}", plane.title)].into_iter().chain(points).chain(spread).collect::<Vec<_>>().join(", ")
+    let cost = plane.cost.as_ref().and_then(|cost| {
+        let [low, high] = cost.range()?.map(number);
+        Some(format!("{} from {low} to {high} {}", cost.name, cost.unit))
+    });
+    let path = (plane.path.len() > 1).then(|| format!("a path of {} estimates", plane.path.len()));
+    let rest = points.chain(spread).chain(cost).chain(path);
+    [format!("{}: {lines}", plane.title)].into_iter().chain(rest).collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(test)]
 mod tests {
+    use motionscope_core::scene::PlaneCost;
+
     use super::super::super::ColorMap;
     use super::super::{flat, texts};
     use super::*;
@@ -332,7 +401,8 @@ mod tests {
         let line = Constraint { factors: [1.0, 0.0, -1.0], weight: 1.0, role: Role::Candidate };
         let points = vec![("normal flow", Role::Result, [1.0, -0.25])];
         let (title, lines) = ("Gradient constraint", vec![line]);
-        Plane { title, unit: "px".into(), reach: 2.0, lines, points, ellipse: None }
+        let (center, path) = ([0.0; 2], Vec::new());
+        Plane { title, unit: "px".into(), center, reach: 2.0, cost: None, lines, path, points, ellipse: None }
     }
 
     fn style() -> ChartStyle {
@@ -406,6 +476,30 @@ mod tests {
         let data = Shown { plane: &with_line_at(1.0), whose: "", window: Some(near) };
         let words = texts(&draw(data, area, style()).head).concat();
         assert_eq!(words, "Gradient constraint, constraint line 1 px from the origin, outside");
+    }
+
+    #[test]
+    fn a_cost_has_its_colors_its_scale_and_its_value_where_it_is_pointed_at() {
+        let center = [6.5, -3.0];
+        let of = |at: [f32; 2]| (at[0] - 6.5).powi(2) + (at[1] + 3.0).powi(2);
+        let cost = PlaneCost::sampled(("cost", "gray levels²"), (center, 2.0), 1000, of);
+        let plane = Plane { center, cost: Some(cost), lines: Vec::new(), path: vec![[5.0, -3.0], center], ..plane() };
+        let data = Shown { plane: &plane, whose: "", window: None };
+        let area = Rect::new([0.0; 2], [640.0, 400.0]);
+        let drawing = draw(data, area, style());
+        let square = drawing.place;
+        let told = texts(&head(data, &square, area, Some(center), style())).concat();
+        assert_eq!(told, "(6.50, −3) px: 0 gray levels²");
+        assert_eq!(plane.cost_at([6.5, -5.5]), None, "it ends where the plane ends");
+        let primitives = flat(drawing);
+        let images = primitives.iter().filter(|primitive| matches!(primitive, Primitive::Image { .. })).count();
+        assert_eq!(images, 2, "the costs and their scale");
+        let places = [[5.0, -3.0], center].map(|at| square.at(at));
+        let is_path =
+            |primitive: &&Primitive| matches!(primitive, Primitive::Polyline { points, .. } if *points == places);
+        assert_eq!(primitives.iter().filter(is_path).count(), 2, "with its dark edge");
+        assert!(texts(&primitives).contains(&"gray levels²".to_owned()));
+        assert!(summary(&plane).contains("a path of 2 estimates"), "{}", summary(&plane));
     }
 
     #[test]

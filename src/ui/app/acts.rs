@@ -116,6 +116,7 @@ impl App {
             C::Prediction | C::Residual => self.choose_look(command),
             C::NoLayer | C::WheelLayer | C::MagnitudeLayer => self.choose_look(command),
             C::ErrorLayer | C::DifferenceLayer | C::ConfidenceLayer | C::ConsistencyLayer => self.choose_look(command),
+            C::DeviationLayer | C::WeightLayer | C::ModesLayer => self.choose_look(command),
             C::DarkTheme | C::LightTheme | C::ProjectorTheme => self.choose_look(command),
             C::ViridisColors | C::TurboColors => self.choose_look(command),
             C::FittingArrows | C::TrueArrows | C::DoubleArrows | C::FourfoldArrows => self.choose_look(command),

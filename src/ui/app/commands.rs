@@ -102,6 +102,12 @@ commands! {
     ConfidenceLayer,
     /// The forward–backward error.
     ConsistencyLayer,
+    /// The standard deviation of the background.
+    DeviationLayer,
+    /// The weight of the heaviest mode.
+    WeightLayer,
+    /// The number of modes.
+    ModesLayer,
     /// Streaklines instead of arrows.
     Streaks,
     /// The scale of the colours stays, or follows what is found.
@@ -377,6 +383,9 @@ impl Command {
             Command::DifferenceLayer => Some(FlowLayer::Difference),
             Command::ConfidenceLayer => Some(FlowLayer::Confidence),
             Command::ConsistencyLayer => Some(FlowLayer::Consistency),
+            Command::DeviationLayer => Some(FlowLayer::Deviation),
+            Command::WeightLayer => Some(FlowLayer::Weight),
+            Command::ModesLayer => Some(FlowLayer::Modes),
             _ => None,
         }
     }
@@ -403,14 +412,18 @@ impl Command {
             C::Prediction | C::Residual => now.has_run && now.at_end,
             C::ZoomIn | C::ZoomOut | C::Fit | C::ActualSize => now.has_run,
             C::Focus | C::FocusWhereSmall | C::FocusAlways | C::FocusNever => now.has_run,
-            C::NextLayer | C::Streaks | C::LockScale => now.has_run && now.available.has_field(),
+            C::NextLayer => now.has_run && now.available.has_colors(),
+            C::Streaks | C::LockScale => now.has_run && now.available.has_field(),
             C::NoLayer
             | C::WheelLayer
             | C::MagnitudeLayer
             | C::ErrorLayer
             | C::DifferenceLayer
             | C::ConfidenceLayer
-            | C::ConsistencyLayer => {
+            | C::ConsistencyLayer
+            | C::DeviationLayer
+            | C::WeightLayer
+            | C::ModesLayer => {
                 now.has_run && self.layer().is_some_and(|layer| now.available.why_never(layer).is_none())
             }
             C::Open | C::PastePath | C::Samples | C::Quit => true,

@@ -176,6 +176,7 @@ fn tags(command: Command) -> &'static str {
         C::Undo | C::Redo | C::ResetParameters => "history default change",
         C::WheelLayer | C::MagnitudeLayer | C::ErrorLayer => "flow colour layer overlay motion",
         C::DifferenceLayer => "flow colour layer overlay compare lockstep",
+        C::DeviationLayer | C::WeightLayer | C::ModesLayer => "background model variance sigma layer overlay",
         C::ConfidenceLayer | C::ConsistencyLayer => "flow colour layer overlay occlusion forward backward",
         C::Shortcuts => "keys help",
         _ => "",

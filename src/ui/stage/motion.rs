@@ -46,7 +46,7 @@ fn choices(ui: &mut Ui, input: &Input<'_>, state: &mut State, look: &mut Look) {
     ui.set_width(19.0 * input.theme().sizes().body);
     ui.label(RichText::new("Colours over the picture").small().weak());
     let now = input.available.chosen(look.layer);
-    for layer in FlowLayer::ALL {
+    for layer in FlowLayer::ALL.into_iter().filter(|layer| input.available.offers(*layer)) {
         let why = input.available.why_never(layer);
         let item = ui.add_enabled(why.is_none(), Button::selectable(now == layer, layer.name()).min_size(wide(ui)));
         let is_now = now == layer;
@@ -67,15 +67,17 @@ fn choices(ui: &mut Ui, input: &Input<'_>, state: &mut State, look: &mut Look) {
             Shown { factor: 100.0, suffix: " %", name: "Opacity of the colours in %", ..Shown::new("Opacity") };
         let usual = f64::from(now.usual_opacity().get());
         slider(ui, Entry { name: "layer-opacity", usual, reach: 0.0..=1.0, shown: percent }, look);
-        let px = Shown {
-            suffix: " px",
-            name: "End of the scale in px",
-            is_logarithmic: true,
-            decimals: 2,
-            ..Shown::new("Scale")
-        };
-        let usual = input.pictures.layer.as_deref().map_or(1.0, |layer| f64::from(layer.end()));
-        slider(ui, Entry { name: "color-scale", usual, reach: 0.1..=64.0, shown: px }, look);
+        if now.quantity().is_none() {
+            let px = Shown {
+                suffix: " px",
+                name: "End of the scale in px",
+                is_logarithmic: true,
+                decimals: 2,
+                ..Shown::new("Scale")
+            };
+            let usual = input.pictures.layer.as_deref().map_or(1.0, |layer| f64::from(layer.end()));
+            slider(ui, Entry { name: "color-scale", usual, reach: 0.1..=64.0, shown: px }, look);
+        }
         let mut is_dimmed = look.backdrop == Backdrop::Dimmed;
         if ui.checkbox(&mut is_dimmed, "Dim the picture").on_hover_text(Backdrop::Dimmed.tip()).changed() {
             look.backdrop = if is_dimmed { Backdrop::Dimmed } else { Backdrop::Plain };

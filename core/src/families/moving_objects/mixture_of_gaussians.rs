@@ -7,13 +7,14 @@ use std::sync::Arc;
 
 use crate::base::{Threads, words};
 use crate::data::{Clip, Frame, Mask};
+use crate::geometry::Grid;
 use crate::methods::numbers::gray;
 use crate::methods::subtraction::{
     Background, Explanation, Found, Initial, Settings, Steadiness, displaced, subtraction_pseudocode,
 };
 use crate::params;
 use crate::run::{Info, Need};
-use crate::scene::Chart;
+use crate::scene::{Chart, Layer, Quantity};
 
 pub use model::{Mixture, Mode};
 
@@ -129,6 +130,21 @@ impl Background for MixtureOfGaussians {
 
     fn expected(&self, model: &Mixture, place: (usize, usize)) -> f32 {
         model.modes(place).first().map_or(0.0, Mode::gray)
+    }
+
+    fn layers(&self, model: &Arc<Mixture>) -> Vec<Layer> {
+        let layer = |quantity, of: fn(&[Mode]) -> f32| {
+            let model = Arc::clone(model);
+            Layer::new(quantity, move || {
+                let (width, height) = model.size();
+                Grid::from_fn(width, height, |x, y| of(&model.modes((x, y))))
+            })
+        };
+        vec![
+            layer(Quantity::Deviation, |modes| modes.first().map_or(f32::NAN, |mode| mode.variance.sqrt())),
+            layer(Quantity::Weight, |modes| modes.first().map_or(f32::NAN, |mode| mode.weight)),
+            layer(Quantity::Modes, |modes| modes.len() as f32),
+        ]
     }
 
     fn difference(&self, model: &Mixture, frame: &Frame, place: (usize, usize)) -> f32 {

@@ -12,7 +12,7 @@ use crate::methods::subtraction::{
 };
 use crate::params;
 use crate::run::{Info, Need};
-use crate::scene::{Fact, Math, Role, Sentence};
+use crate::scene::{Fact, Layer, Math, Quantity, Role, Sentence};
 
 params! {
     /// One normal distribution for each pixel.
@@ -139,6 +139,11 @@ impl Background for SingleGaussian {
 
     fn expected(&self, model: &Grid<Gaussian>, place: (usize, usize)) -> f32 {
         model[place].mean
+    }
+
+    fn layers(&self, model: &Arc<Grid<Gaussian>>) -> Vec<Layer> {
+        let model = Arc::clone(model);
+        vec![Layer::new(Quantity::Deviation, move || model.map(|of| of.variance.sqrt()))]
     }
 
     fn difference(&self, model: &Grid<Gaussian>, frame: &Frame, place: (usize, usize)) -> f32 {

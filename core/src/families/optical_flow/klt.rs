@@ -316,7 +316,7 @@ impl Estimator for Klt {
         frames: 2,
     };
     const GUARANTEE: Guarantee = Guarantee::Features { off_centi_px: 2 };
-    const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series];
+    const CHARTS: &'static [Chart] = &[Chart::Plane, Chart::Tiles, Chart::Series];
     const PRODUCES: &'static [&'static ProductKind] = &[TrackField::KIND];
     type State = State;
     type Event = Event;

@@ -242,7 +242,7 @@ impl Estimator for PyramidalLucasKanade {
     };
     const GUARANTEE: Guarantee = Guarantee::Features { off_centi_px: 2 };
     const TELLS_CONFIDENCE: bool = true;
-    const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Stack];
+    const CHARTS: &'static [Chart] = &[Chart::Plane, Chart::Tiles, Chart::Stack];
     const PRODUCES: &'static [&'static ProductKind] = &[PointField::KIND, DenseField::KIND];
     type State = State;
     type Event = Event;
@@ -566,7 +566,7 @@ impl PyramidalLucasKanade {
             truth.map(|truth| fact("True displacement", format!("{} px", numbers::vector(truth)), Some(Role::Truth))),
         );
         let stack = Stack { levels: fixed.shown(probe.trace.level()), floors: probe.trace.floors() };
-        [vec![Readout::Facts(facts)], level_trace.readouts(), vec![Readout::Stack(stack)]].concat()
+        [vec![Readout::Facts(facts)], level_trace.readouts(truth), vec![Readout::Stack(stack)]].concat()
     }
 }
 

@@ -45,6 +45,9 @@ pub fn line(factors: [f32; 3], weight: f32, role: Role) -> Option<Constraint> {
     is_line.then_some(Constraint { factors, weight, role })
 }
 
+/// Name and unit of the mean squared difference of a window.
+pub const SQUARED_DIFFERENCE: (&str, &str) = ("mean squared difference", "gray levels²");
+
 /// Half the side of the (u, v) plane that shows `points` with some margin.
 pub fn reach(points: impl IntoIterator<Item = [f32; 2]>) -> f32 {
     let most = points.into_iter().flatten().filter(|c| c.is_finite()).fold(0.0f32, |most, c| most.max(c.abs()));

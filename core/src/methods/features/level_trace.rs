@@ -5,7 +5,7 @@ use super::tracker::{Level, Mismatch};
 use crate::geometry::Grid;
 use crate::methods::differential::{Tensor, explain, numbers};
 use crate::products::Status;
-use crate::scene::{Fact, Math, Picture, Readout, Role, Scene, Sentence, Shape, Tile};
+use crate::scene::{Fact, Math, Picture, Plane, PlaneCost, Readout, Role, Scene, Sentence, Shape, Tile};
 
 /// The tracking of a point on one level, up to the current event.
 pub struct LevelTrace<'a> {
@@ -195,10 +195,59 @@ impl LevelTrace<'_> {
         facts
     }
 
-    /// Returns the equations of the last increment, and the windows.
-    pub fn readouts(&self) -> Vec<Readout> {
+    /// Returns the equations of the last increment, the plane of displacements and the windows. `truth` is the true displacement in
+    /// px of level 0, where it is known.
+    pub fn readouts(&self, truth: Option<[f32; 2]>) -> Vec<Readout> {
         let equation = self.tensor().map(|tensor| Readout::Equation(equation(&tensor, self.last())));
-        equation.into_iter().chain([Readout::Tiles(self.tiles())]).collect()
+        let others = [Readout::Plane(self.plane(truth)), Readout::Tiles(self.tiles())];
+        equation.into_iter().chain(others).collect()
+    }
+
+    /// Returns the squared difference of the windows around the initial guess, with the iterations on it.
+    fn plane(&self, truth: Option<[f32; 2]>) -> Plane {
+        let iterations = self.events.iter().filter_map(|event| match event {
+            Event::Iteration { from, update, .. } => Some(after(*from, *update)),
+            _ => None,
+        });
+        let path: Vec<_> = [self.guess].into_iter().chain(iterations).collect();
+        let mut points = vec![("initial guess", Role::Predicted, self.guess)];
+        points.extend((path.len() > 1).then(|| ("after the last increment", Role::Candidate, self.displacement())));
+        points.extend(truth.map(|truth| ("true displacement", Role::Truth, truth.map(|c| c / self.scale()))));
+        let from_guess = |point: [f32; 2]| [0, 1].map(|i| point[i] - self.guess[i]);
+        let known = path.iter().copied().chain(points.iter().map(|(.., point)| *point));
+        // So that the valley is in sight before the first step.
+        let reach = explain::reach(known.map(from_guess)).max(2.0);
+        Plane {
+            title: "Squared difference of the windows",
+            unit: if self.level == 0 { "px".into() } else { format!("px of level {}", self.level) },
+            center: self.guess,
+            reach,
+            cost: Some(self.squared_difference(reach)),
+            lines: Vec::new(),
+            path,
+            points,
+            ellipse: None,
+        }
+    }
+
+    /// Returns the mean of (δI)² over the window for the displacements up to `reach` from the initial guess; NaN where part of the window
+    /// leaves the other frame.
+    fn squared_difference(&self, reach: f32) -> PlaneCost {
+        let [current, next] = self.pyramids.map(|levels| &levels[self.level]);
+        let radius = self.follow.reach as isize;
+        let at = self.at.map(|c| c / self.scale());
+        let along = || (-radius..=radius).map(|by| by as f32);
+        let places = along().flat_map(|j| along().map(move |i| [at[0] + i, at[1] + j]));
+        let window: Vec<_> =
+            places.filter(|place| current.holds(*place)).map(|place| (place, current.sample(place))).collect();
+        let cost = |[u, v]: [f32; 2]| {
+            let squared = |([x, y], gray): &([f32; 2], f32)| {
+                let there = [x + u, y + v];
+                if next.holds(there) { (next.sample(there) - gray).powi(2) } else { f32::NAN }
+            };
+            window.iter().map(squared).sum::<f32>() / window.len() as f32
+        };
+        PlaneCost::sampled(explain::SQUARED_DIFFERENCE, (self.guess, reach), window.len(), cost)
     }
 
     /// Returns the window, its position in the other frame, and their difference δI.

@@ -600,6 +600,8 @@ impl<M: Background> Subtraction<M> {
         let history = MaskHistory::new(seen.events);
         if let (Some(model), Some(frame)) = (self.compared_model(seen), history.frame()) {
             scene.pictures = self.0.pictures(&model, frame.size());
+            // After the update it is the new model.
+            scene.layers = self.0.layers(seen.after.and_then(|after| after.model.as_ref()).unwrap_or(&model));
         }
         match seen.events.last() {
             None => {}

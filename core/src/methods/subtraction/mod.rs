@@ -36,7 +36,7 @@ use crate::products::{
 use crate::run::{
     Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen, Span, StageView, need,
 };
-use crate::scene::{Canvas, Chart, Focus, Name, Picture, Scene, Step};
+use crate::scene::{Canvas, Chart, Focus, Layer, Name, Picture, Scene, Step};
 
 /// A model of the background.
 pub trait Background: Params + Default + Clone + Send + Sync + 'static {
@@ -117,6 +117,11 @@ pub trait Background: Params + Default + Clone + Send + Sync + 'static {
             Frame::gray(Grid::from_fn(size.0, size.1, gray))
         };
         vec![Canvas::of_clip(Picture::CURRENT), Canvas::made(Picture::REFERENCE, expected)]
+    }
+
+    /// The quantities of the model at every pixel.
+    fn layers(&self, _model: &Arc<Self::Model>) -> Vec<Layer> {
+        Vec::new()
     }
 
     /// Whether pixels of `picture` are explained as the pixels of the frame at the same position.

@@ -155,6 +155,9 @@ impl Command {
             C::DifferenceLayer => layer(Icon::Diff, FlowLayer::Difference),
             C::ConfidenceLayer => layer(Icon::ShieldCheck, FlowLayer::Confidence),
             C::ConsistencyLayer => layer(Icon::ArrowLeftRight, FlowLayer::Consistency),
+            C::DeviationLayer => layer(Icon::Sigma, FlowLayer::Deviation),
+            C::WeightLayer => layer(Icon::Weight, FlowLayer::Weight),
+            C::ModesLayer => layer(Icon::Layers, FlowLayer::Modes),
             C::Streaks => (
                 Menu::View,
                 Icon::Wind,

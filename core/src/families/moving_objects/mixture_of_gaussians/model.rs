@@ -289,6 +289,11 @@ impl Mixture {
         self.distance_of(self.value(frame, place), of, by.background_ratio) <= by.threshold
     }
 
+    /// Width and height in px.
+    pub fn size(&self) -> (usize, usize) {
+        self.size
+    }
+
     /// The modes of a pixel, the heaviest first; of two as heavy, the older place.
     pub fn modes(&self, (x, y): (usize, usize)) -> Vec<Mode> {
         let (group, lane) = (y * self.size.0.div_ceil(LANES) + x / LANES, x % LANES);

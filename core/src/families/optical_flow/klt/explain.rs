@@ -45,6 +45,13 @@ fn back(events: &[Event]) -> Option<[f32; 2]> {
     last(events, |event| if let Event::Back(back) = event { back.ok() } else { None })
 }
 
+/// The true displacement of a feature, where it is known.
+fn true_displacement(seen: &Seen<Klt>, live: &Live) -> Option<[f32; 2]> {
+    let (pair, _) = last_forward(seen.events)?;
+    let [x, y] = live.at.map(|c| c.round() as usize);
+    pair.truth.as_ref().filter(|truth| truth.0.get(x, y).is_some())?.at(x, y)
+}
+
 fn fit(events: &[Event]) -> Option<Fit> {
     last(events, |event| if let Event::Fit(fit) = event { Some(*fit) } else { None })
 }
@@ -238,7 +245,7 @@ impl Klt {
                 readouts.push(Readout::Equation(equation(&fit, self.illumination)));
                 readouts.push(Readout::Tiles(views(&level_trace, live, &fit)));
             }
-            (_, Some(level_trace), _) => readouts.extend(level_trace.readouts()),
+            (_, Some(level_trace), _) => readouts.extend(level_trace.readouts(true_displacement(seen, live))),
             _ => {}
         }
         readouts.extend(plots(seen.before));
@@ -264,11 +271,9 @@ impl Klt {
             facts.push(Fact::new("Dissimilarity", grays(fit.difference), Some(Role::Estimate)));
             facts.extend(self.illumination.then(|| Fact::new("Gain λ, offset δ", light(&fit), None)));
         }
-        let truth = last_forward(seen.events).and_then(|(pair, _)| {
-            let [x, y] = live.at.map(|c| c.round() as usize);
-            pair.truth.as_ref().filter(|truth| truth.0.get(x, y).is_some())?.at(x, y)
-        });
-        facts.extend(truth.map(|truth| Fact::new("True displacement", px(truth), Some(Role::Truth))));
+        facts.extend(
+            true_displacement(seen, live).map(|truth| Fact::new("True displacement", px(truth), Some(Role::Truth))),
+        );
         facts
     }
 

@@ -3,10 +3,14 @@
 use super::{ADVICE, Event, LucasKanade, Solution, line, solved};
 use crate::base::{Threads, words};
 use crate::data::Flow;
-use crate::methods::differential::{Conclusion, Constraints, Linear, Tensor, Texture, explain, field, numbers};
+use crate::geometry::Sampling;
+use crate::methods::differential::{
+    Conclusion, Constraints, FramePair, Linear, Tensor, Texture, explain, field, numbers,
+};
 use crate::run::Seen;
 use crate::scene::{
-    Constraint, Fact, Math, Picture, Plane, Readout, Role, Scene, Sentence, Shape, Spread, Step, arrow_spacing,
+    Constraint, Fact, Math, Picture, Plane, PlaneCost, Readout, Role, Scene, Sentence, Shape, Spread, Step,
+    arrow_spacing,
 };
 
 /// The inspected pixel, the one pointed at or else the current one, with the solution of its window.
@@ -195,10 +199,15 @@ impl LucasKanade {
         points.extend(probe.is_solved().then_some(("least squares", Role::Result, displacement)));
         let truth = frame_pair.true_displacement(probe.pixel);
         points.extend(truth.map(|truth| ("true flow", Role::Truth, truth)));
+        let start = probe.linear.start.at(probe.pixel.0, probe.pixel.1);
+        let reach = explain::reach(points.iter().map(|(.., point)| *point).chain([start]));
         let plane = Plane {
-            title: "Constraint lines of the window",
+            title: "Squared difference of the window, and its constraint lines",
             unit: "px".into(),
-            reach: explain::reach(points.iter().map(|(.., point)| *point)),
+            center: [0.0; 2],
+            reach,
+            cost: Some(self.squared_difference(frame_pair, probe.pixel, reach)),
+            path: [start].into_iter().chain(probe.is_solved().then_some(displacement)).collect(),
             lines: self.lines(&probe.linear.factors, probe.pixel),
             points,
             ellipse: probe.spread,
@@ -211,6 +220,29 @@ impl LucasKanade {
             Readout::Plane(plane),
             Readout::Tiles(probe.linear.tiles([current, next], probe.pixel, radius)),
         ]
+    }
+
+    /// Returns the quantity that least squares minimizes, without linearisation: the weighted mean of (I(x + d, t + 1) − I(x, t))²
+    /// over the window around a pixel, for the displacements d up to `reach`. NaN where part of the window leaves frame t + 1.
+    fn squared_difference(&self, of: &FramePair, (x, y): (usize, usize), reach: f32) -> PlaneCost {
+        let [current, next] = &of.pictures;
+        let (window, radius) = (self.window(), self.window as isize / 2);
+        let along = || -radius..=radius;
+        let pixels: Vec<_> = along()
+            .flat_map(|j| along().map(move |i| [i, j]))
+            .filter_map(|[i, j]| {
+                let (x, y) = (x.checked_add_signed(i)?, y.checked_add_signed(j)?);
+                Some(([x as f32, y as f32], *current.get(x, y)?, window.weight([i, j])))
+            })
+            .collect();
+        let total: f32 = pixels.iter().map(|(.., weight)| weight).sum();
+        let cost = |[u, v]: [f32; 2]| {
+            let squared = |([x, y], gray, weight): &([f32; 2], f32, f32)| {
+                weight * (Sampling::Bicubic.sample_inside(next, x + u, y + v) - gray).powi(2)
+            };
+            pixels.iter().map(squared).sum::<f32>() / total
+        };
+        PlaneCost::sampled(explain::SQUARED_DIFFERENCE, ([0.0; 2], reach), pixels.len(), cost)
     }
 
     /// Returns the number of pixels of a window that lead out of frame t + 1, and their number in frame t.
