@@ -6,9 +6,9 @@ mod rough;
 
 use common::set;
 use motionscope_core::products::Reference;
-use motionscope_core::scene::Quantity;
+use motionscope_core::scene::{Focus, Quantity, Readout, Series, Shape};
 use motionscope_core::{
-    AnyEstimator, Clip, Cursor, Frame, Grid, Mask, MaskField, Move, ObjectField, PixelClass, Threads, synth,
+    AnyEstimator, Clip, Cursor, Frame, Grid, Mask, MaskField, Move, ObjectField, PixelClass, Threads, Walk, synth,
 };
 use rough::{Rough, scored};
 
@@ -122,7 +122,7 @@ fn masks_are_scored_against_the_true_foreground() {
 #[test]
 fn a_model_has_its_quantities_at_every_pixel() {
     let (clip, _) = Rough { size: (96, 72), frames: 12, seed: 505, ..Rough::default() }.clip();
-    for (id, most) in [("single-gaussian", 1), ("mixture-of-gaussians", 3), ("median-background", 0)] {
+    for (id, most) in [("single-gaussian", 1), ("mixture-of-gaussians", 3), ("median-background", 1)] {
         let mut walk = set(id, &[]).walk(&clip, 0).expect("a walk");
         walk.jump(Move::To(Cursor { unit: 9, event: 1 }));
         let before = walk.scene(None).layers;
@@ -136,9 +136,60 @@ fn a_model_has_its_quantities_at_every_pixel() {
                 Quantity::Deviation => 0.5..=80.0,
                 Quantity::Weight => 0.0..=1.0,
                 Quantity::Modes => 1.0..=8.0,
+                Quantity::OffMedian => 0.0..=255.0,
+                other => panic!("{id} has no {other:?}"),
             };
-            assert!(after_values.cells().iter().all(|value| range.contains(value)), "{id}: {:?}", after.quantity);
+            let known = || after_values.cells().iter().filter(|value| value.is_finite());
+            assert!(known().count() > 96 * 60, "{id}: {:?} is known", after.quantity);
+            assert!(known().all(|value| range.contains(value)), "{id}: {:?}", after.quantity);
             assert!(before_values != after_values || after.quantity == Quantity::Modes, "the update changes them");
+        }
+    }
+}
+
+/// The plots of the pixel that is pointed at: its gray levels over the frames, and their distribution where there is a density.
+fn pixel_plots(walk: &dyn Walk, place: [f32; 2]) -> Vec<Series> {
+    let readouts = walk.step(Some(Focus::current(place))).readouts;
+    let series = readouts.into_iter().filter_map(|readout| match readout {
+        Readout::Series(series) => Some(series),
+        _ => None,
+    });
+    series
+        .filter(|series| ["Gray level of the pixel", "Distribution of its gray levels"].contains(&series.title))
+        .collect()
+}
+
+#[test]
+fn the_history_of_a_pixel_stands_beside_what_is_background() {
+    let (clip, _) = Rough { size: (96, 72), frames: 30, seed: 606, shake: 0.0, ..Rough::default() }.clip();
+    let still = [("camera", "still"), ("exposure", "ignored"), ("shake", "0")];
+    for (id, has_density) in [
+        ("running-average", false),
+        ("median-background", false),
+        ("single-gaussian", true),
+        ("mixture-of-gaussians", true),
+    ] {
+        let mut walk = set(id, &still).walk(&clip, 0).expect("a walk");
+        for (frame, (x, y)) in [(12, (30, 40)), (25, (60, 35)), (25, (10, 60))] {
+            // Right after the threshold.
+            walk.jump(Move::To(Cursor { unit: frame, event: 2 }));
+            let plots = pixel_plots(walk.as_ref(), [x as f32, y as f32]);
+            assert_eq!(plots.len(), 1 + usize::from(has_density), "{id}");
+            let level = |t: usize| f32::from(clip.frame(t).expect("a frame").luma()[(x, y)]);
+            let wanted: Vec<_> = (0..=frame).map(|t| [t as f32, level(t)]).collect();
+            assert_eq!(plots[0].lines[0].2, wanted, "{id}");
+            let level = level(frame);
+            let mask = walk.scene(None).marks.iter().find_map(|mark| match &mark.shape {
+                Shape::Mask(mask) => Some(mask.get(x, y)),
+                _ => None,
+            });
+            // The modes of a mixture are of colours; these clips are gray.
+            let is_within = plots[0].bands.iter().any(|band| (band.values[0]..=band.values[1]).contains(&level));
+            assert_eq!(Some(!is_within), mask, "{id}: level {level} at ({x}, {y}), bands {:?}", plots[0].bands);
+            for distribution in &plots[1..] {
+                let shares: f32 = distribution.lines[0].2.iter().map(|[_, share]| share).sum();
+                assert!((shares - 1.0).abs() < 1e-4, "{id}: {shares}");
+            }
         }
     }
 }

@@ -3,7 +3,7 @@
 mod common;
 
 use common::{central, equation, fact, flow, linear_motion, numbers, plane, plotted, point, set, told};
-use motionscope_core::scene::Focus;
+use motionscope_core::scene::{Focus, Quantity};
 use motionscope_core::{Clip, Cursor, DenseField, Direction, Flow, Frame, Move, Threads, synth};
 
 /// Horn and Schunck's method as plainly as can be: one level, central differences, Jacobi iterations, all in f64.
@@ -210,4 +210,25 @@ fn the_tolerance_is_in_px_of_the_picture_on_every_level() {
         ends += usize::from(is_last);
     }
     assert_eq!(ends, 6, "two warps on three levels");
+}
+
+#[test]
+fn the_share_of_the_smoothness_term_is_that_of_the_update() {
+    let (clip, _) = linear_motion([[0.0; 2]; 2], [0.6, 0.3]);
+    let mut walk =
+        set("horn-schunck", &[("levels", "1"), ("warps", "1"), ("alpha", "4"), ("sigma", "0")]).walk(&clip, 0).unwrap();
+    walk.jump(Move::To(Cursor { unit: 3, event: 2 }));
+    let layers = walk.scene(None).layers;
+    assert_eq!(layers.iter().map(|layer| layer.quantity).collect::<Vec<_>>(), [Quantity::SmoothnessShare]);
+    let shares = layers[0].values();
+    for (x, y) in [(20, 20), (48, 40), (70, 11)] {
+        let step = walk.step(Some(Focus::current([x as f32, y as f32])));
+        let told = step.sentence.plain();
+        let (_, covered) = told.split_once("covers ").expect("the way to the constraint line");
+        assert!(
+            (100.0 * f64::from(shares[(x, y)]) + numbers(covered)[0] - 100.0).abs() < 0.51,
+            "{told}: {}",
+            shares[(x, y)]
+        );
+    }
 }

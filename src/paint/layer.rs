@@ -128,17 +128,13 @@ pub enum FlowLayer {
     Confidence,
     /// How far from its pixel one comes back along the flow of the reverse pair.
     Consistency,
-    /// The standard deviation of a background model.
-    Deviation,
-    /// The weight of its heaviest mode.
-    Weight,
-    /// The number of its modes.
-    Modes,
+    /// A quantity of a model.
+    Model(Quantity),
 }
 
 impl FlowLayer {
-    /// Every layer.
-    pub const ALL: [FlowLayer; 10] = [
+    /// The layers of a flow.
+    const OF_FLOW: [FlowLayer; 7] = [
         FlowLayer::None,
         FlowLayer::Wheel,
         FlowLayer::Magnitude,
@@ -146,10 +142,21 @@ impl FlowLayer {
         FlowLayer::Difference,
         FlowLayer::Confidence,
         FlowLayer::Consistency,
-        FlowLayer::Deviation,
-        FlowLayer::Weight,
-        FlowLayer::Modes,
     ];
+
+    /// Every layer.
+    pub const ALL: [FlowLayer; Self::OF_FLOW.len() + Quantity::ALL.len()] = {
+        let mut all = [FlowLayer::None; Self::OF_FLOW.len() + Quantity::ALL.len()];
+        let mut i = 0;
+        while i < all.len() {
+            all[i] = match i.checked_sub(Self::OF_FLOW.len()) {
+                None => Self::OF_FLOW[i],
+                Some(quantity) => FlowLayer::Model(Quantity::ALL[quantity]),
+            };
+            i += 1;
+        }
+        all
+    };
 
     /// Stable name, for sessions and the command line.
     pub fn id(self) -> &'static str {
@@ -161,9 +168,7 @@ impl FlowLayer {
             FlowLayer::Difference => "difference",
             FlowLayer::Confidence => "confidence",
             FlowLayer::Consistency => "consistency",
-            FlowLayer::Deviation => "deviation",
-            FlowLayer::Weight => "weight",
-            FlowLayer::Modes => "mode-count",
+            FlowLayer::Model(quantity) => quantity.id(),
         }
     }
 
@@ -177,18 +182,14 @@ impl FlowLayer {
             FlowLayer::Difference => "Flow difference",
             FlowLayer::Confidence => "Confidence",
             FlowLayer::Consistency => "Consistency",
-            FlowLayer::Deviation => "Standard deviation",
-            FlowLayer::Weight => "Weight",
-            FlowLayer::Modes => "Number of modes",
+            FlowLayer::Model(quantity) => quantity.title(),
         }
     }
 
     /// The quantity of a model that it shows, if it shows one.
     pub fn quantity(self) -> Option<Quantity> {
         match self {
-            FlowLayer::Deviation => Some(Quantity::Deviation),
-            FlowLayer::Weight => Some(Quantity::Weight),
-            FlowLayer::Modes => Some(Quantity::Modes),
+            FlowLayer::Model(quantity) => Some(quantity),
             _ => None,
         }
     }
@@ -226,9 +227,7 @@ impl FlowLayer {
                 "How far one misses the pixel on going along the flow and back along that of the reverse pair; what \
                  fails this check is hidden in the other frame, or wrong."
             }
-            FlowLayer::Deviation => "The standard deviation that the background model has for each pixel.",
-            FlowLayer::Weight => "The weight of the heaviest mode of each pixel: how much of the past it explains.",
-            FlowLayer::Modes => "The number of modes of each pixel: several where the background changes.",
+            FlowLayer::Model(quantity) => quantity.tip(),
         }
     }
 }

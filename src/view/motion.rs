@@ -180,7 +180,7 @@ impl Motion {
         let scalars =
             |label: &str, unit, values| Scalars { kind: layer, label: label.into(), unit, values, marks: None };
         let shown = match layer {
-            FlowLayer::None | FlowLayer::Deviation | FlowLayer::Weight | FlowLayer::Modes => return Ok(motion),
+            FlowLayer::None | FlowLayer::Model(_) => return Ok(motion),
             FlowLayer::Wheel => Tint::wheel(&flows, style),
             FlowLayer::Magnitude => {
                 let length = |flow: &Arc<Flow>| flow.0.map(|[u, v]| u.hypot(*v));

@@ -141,7 +141,7 @@ fn a_streakline_keeps_its_moment_through_the_window() {
 #[test]
 fn the_sliders_of_motion_set_entries_of_the_look_and_leave_them_open_again() {
     let mut window = Window::with(vec2(1200.0, 800.0), Start { open: Some(CLIP.into()) });
-    window.command(Command::WheelLayer);
+    window.command(Command::Layer(FlowLayer::Wheel));
     window.click("Motion");
     let look = |window: &Window| window.app().settings().look;
     let before = look(&window);

@@ -45,9 +45,9 @@ fn a_key_goes_through_the_layers_that_there_are() {
         window.key(Key::M);
         assert_eq!((kind(&window), awaited(&window)), seen);
     }
-    window.command(Command::ConfidenceLayer);
+    window.command(Command::Layer(FlowLayer::Confidence));
     assert_eq!(kind(&window), wheel, "a command that makes no sense does nothing");
-    window.command(Command::ErrorLayer);
+    window.command(Command::Layer(FlowLayer::Error));
     assert_eq!((kind(&window), awaited(&window)), (wheel, Some("error")));
     window.command(Command::End);
     assert_eq!((kind(&window), awaited(&window)), (FlowLayer::Error, None));
@@ -65,7 +65,7 @@ fn a_key_goes_through_the_layers_that_there_are() {
 fn the_reverse_pair_is_checked_in_the_background() {
     let mut window = dense();
     window.command(Command::End);
-    window.command(Command::ConsistencyLayer);
+    window.command(Command::Layer(FlowLayer::Consistency));
     assert!(matches!(tint(&window).map(|tint| &tint.key), Some(TintKey::Scale { has_marks: true, .. })));
     assert!(!window.app().view().checking);
     assert!(window.harness.query_by_label_contains("Inconsistent: ").is_some());
@@ -84,13 +84,13 @@ fn the_reverse_pair_is_checked_in_the_background() {
 fn blocks_have_colours_where_they_are_wanted() {
     let mut window = window(&format!("{CLIP}estimator = \"full-search\"\n[set]\nblock = 8\nrange = 4\n"));
     assert_eq!((kind(&window), window.shown().at_end), (FlowLayer::None, true));
-    window.command(Command::MagnitudeLayer);
+    window.command(Command::Layer(FlowLayer::Magnitude));
     assert_eq!(kind(&window), FlowLayer::Magnitude);
     window.key(Key::B);
     assert!(window.shown().tiles.iter().all(|tile| tile.layer.is_some()), "each of several has its own");
     let keys: Vec<_> = window.shown().tiles.iter().filter_map(|tile| tile.layer.as_ref()).map(|t| &t.key).collect();
     assert!(keys.windows(2).all(|pair| pair[0] == pair[1]), "on one scale");
-    assert!(!Command::ConsistencyLayer.enabled(&motionscope::ui::app::commands::Situation {
+    assert!(!Command::Layer(FlowLayer::Consistency).enabled(&motionscope::ui::app::commands::Situation {
         has_run: true,
         available: window.shown().available,
         ..Default::default()
@@ -121,7 +121,7 @@ fn what_is_chosen_is_kept_in_a_session() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = dense();
     window.command(Command::End);
-    window.command(Command::MagnitudeLayer);
+    window.command(Command::Layer(FlowLayer::Magnitude));
     let path = folder.path().join("two.motionscope");
     let look = Look::default();
     window.harness.state_mut().write(Order {

@@ -91,6 +91,8 @@ pub enum Progress {
 
 /// The run at a cursor: steps and scenes are made from this alone.
 pub struct Seen<'a, E: Estimator> {
+    /// The clip.
+    pub clip: &'a Clip,
     /// The state before the unit at the cursor.
     pub before: &'a E::State,
     /// The state after it, at the end of the unit.

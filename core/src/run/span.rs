@@ -30,6 +30,12 @@ impl Span {
         Ok(Self { first, last, is_known: frames.is_some() })
     }
 
+    /// The part of it before frame `next`, which lies in it or directly behind.
+    #[must_use]
+    pub fn until(self, next: usize) -> Self {
+        Self { last: next.saturating_sub(1).clamp(self.first, self.last), is_known: true, ..self }
+    }
+
     /// Number of frames, if known.
     pub fn frames(&self) -> Option<usize> {
         self.is_known.then(|| self.last - self.first + 1)

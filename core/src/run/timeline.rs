@@ -220,6 +220,7 @@ impl<E: Estimator> Timeline<E> {
 
     fn seen_so_far(&self, focus: Option<Focus>) -> Seen<'_, E> {
         Seen {
+            clip: &self.clip,
             before: &self.unit.before,
             after: self.unit_is_over().then_some(&self.unit.after),
             events: &self.unit.events[..self.seen],

@@ -14,11 +14,52 @@ pub enum Quantity {
     Weight,
     /// The number of modes.
     Modes,
+    /// The difference of the background from the median of the frames so far, in gray levels.
+    OffMedian,
+    /// The share of the smoothness term in the update of a flow, 0 to 1.
+    SmoothnessShare,
 }
 
 impl Quantity {
     /// Every quantity.
-    pub const ALL: [Self; 3] = [Self::Deviation, Self::Weight, Self::Modes];
+    pub const ALL: [Self; 5] = [Self::Deviation, Self::Weight, Self::Modes, Self::OffMedian, Self::SmoothnessShare];
+
+    /// Stable name, for sessions and the command line.
+    pub fn id(self) -> &'static str {
+        match self {
+            Self::Deviation => "deviation",
+            Self::Weight => "weight",
+            Self::Modes => "mode-count",
+            Self::OffMedian => "median-difference",
+            Self::SmoothnessShare => "smoothness-share",
+        }
+    }
+
+    /// Its name in a list.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Deviation => "Standard deviation",
+            Self::Weight => "Weight",
+            Self::Modes => "Number of modes",
+            Self::OffMedian => "Difference from the median",
+            Self::SmoothnessShare => "Share of the smoothness term",
+        }
+    }
+
+    /// What it shows, in one sentence.
+    pub fn tip(self) -> &'static str {
+        match self {
+            Self::Deviation => "The standard deviation that the background model has for each pixel.",
+            Self::Weight => "The weight of the heaviest mode of each pixel: how much of the past it explains.",
+            Self::Modes => "The number of modes of each pixel: several where the background changes.",
+            Self::OffMedian => {
+                "How far the approximate median is from the true one, that of 25 frames spread evenly up to this one."
+            }
+            Self::SmoothnessShare => {
+                "How far the neighbours decide the flow of a pixel: α² / (α² + |∇I|²), 1 where there is no gradient."
+            }
+        }
+    }
 
     /// Its name in a legend.
     pub fn name(self) -> &'static str {
@@ -26,14 +67,16 @@ impl Quantity {
             Self::Deviation => "standard deviation of the background",
             Self::Weight => "weight of the heaviest mode",
             Self::Modes => "number of modes",
+            Self::OffMedian => "difference from the true median",
+            Self::SmoothnessShare => "share of the smoothness term",
         }
     }
 
     /// Its unit; nothing for a pure number.
     pub fn unit(self) -> &'static str {
         match self {
-            Self::Deviation => "gray levels",
-            Self::Weight | Self::Modes => "",
+            Self::Deviation | Self::OffMedian => "gray levels",
+            Self::Weight | Self::Modes | Self::SmoothnessShare => "",
         }
     }
 }

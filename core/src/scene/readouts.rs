@@ -156,6 +156,8 @@ pub struct Series {
     pub thresholds: Vec<(String, f32)>,
     /// Whether the quantity goes over powers of ten, as what becomes small in an iteration does.
     pub is_logarithmic: bool,
+    /// Whether the y axis covers the values alone, where 0 is a value like others.
+    pub fits_values: bool,
     /// Whether x is a value that was varied, and no step: then none is at hand.
     pub is_sweep: bool,
     /// Whether x goes over powers, as a parameter does that is multiplied from value to value.

@@ -344,20 +344,25 @@ fn names(canvas: &mut Canvas, square: &Square, area: Rect, (plane, style): (&Pla
         canvas.text([x, y], place_at, &shortened(&place, dim, area.max[0] - x), dim);
         at[1] += if is_short { 1.7 } else { 3.2 } * small;
     }
-    scale(canvas, at, area, (plane, style));
+    let below = Rect::new(at, [area.max[0] - at[0], square.rect.max[1] - at[1]]);
+    scale(canvas, below, (plane, style));
 }
 
-/// The scale of the colors of a cost.
-fn scale(canvas: &mut Canvas, [left, top]: Point, area: Rect, (plane, style): (&Plane, ChartStyle)) {
+/// The scale of the colors of a cost, as much of it as has room.
+fn scale(canvas: &mut Canvas, area: Rect, (plane, style): (&Plane, ChartStyle)) {
     let Some((cost, [low, high])) = plane.cost.as_ref().and_then(|cost| Some((cost, cost.range()?))) else { return };
     let dim = Type::dim(style.theme);
-    let (small, room) = (dim.size, area.max[0] - left);
+    let (small, [left, top], room) = (dim.size, area.min, area.size()[0]);
     let bar = Rect::new([left, top + 0.2 * small], [room.min(10.0 * small), 0.6 * small]);
+    let rows = [format!("{} to {}", number(low), number(high)), cost.unit.to_owned()];
+    let fits = |row: usize| bar.max[1] + (1.6 + 1.4 * row as f32) * small <= area.max[1];
+    if !fits(0) {
+        return;
+    }
     let shades = Grid::from_fn(128, 1, |x, _| style.colors.at((x as f32 / 127.0).sqrt()).0);
     canvas.add(Primitive::Image { pixels: Arc::new(shades), rect: bar });
     let place = (Anchor::Start, Level::Top);
-    let range = format!("{} to {}", number(low), number(high));
-    for (row, words) in [range.as_str(), cost.unit].into_iter().enumerate() {
+    for (row, words) in rows.iter().enumerate().filter(|(row, _)| fits(*row)) {
         let y = bar.max[1] + (0.4 + 1.4 * row as f32) * small;
         canvas.text([left, y], place, &shortened(words, dim, room), dim);
     }

@@ -292,7 +292,8 @@ impl Plot {
         let high = values.fold(f32::MIN_POSITIVE, f32::max);
         let logarithmic = logarithmic && low > 0.0 && low.is_finite();
         let places = [rect.max[1], rect.min[1]];
-        let linear = Axis::new([low.min(0.0), high], places).rounded(3.0 * small);
+        let linear =
+            Axis::new([if series.fits_values { low } else { low.min(0.0) }, high], places).rounded(3.0 * small);
         // From one power of ten to another.
         let decades = [low.log10().floor(), high.log10().ceil().max(low.log10().floor() + 1.0)];
         // A stretch far from the first step begins where its data do.

@@ -16,11 +16,28 @@ macro_rules! commands {
     ($( $(#[doc = $doc:literal])+ $name:ident, )+) => {
         /// A command of the window.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-        pub enum Command { $( $(#[doc = $doc])+ $name, )+ }
+        pub enum Command {
+            $( $(#[doc = $doc])+ $name, )+
+            /// A layer of colors over the picture.
+            Layer(FlowLayer),
+        }
 
         impl Command {
-            /// Every command, in the order of the menus.
-            pub const ALL: &[Command] = &[$( Command::$name, )+];
+            const PLAIN: &[Command] = &[$( Command::$name, )+];
+
+            /// Every command, in the order of the menus, the layers last.
+            pub const ALL: &[Command] = &{
+                let mut all = [Command::Open; Command::PLAIN.len() + FlowLayer::ALL.len()];
+                let mut i = 0;
+                while i < all.len() {
+                    all[i] = match i.checked_sub(Command::PLAIN.len()) {
+                        None => Command::PLAIN[i],
+                        Some(layer) => Command::Layer(FlowLayer::ALL[layer]),
+                    };
+                    i += 1;
+                }
+                all
+            };
         }
     };
 }
@@ -88,26 +105,6 @@ commands! {
     TurboColors,
     /// The next layer of flow colors.
     NextLayer,
-    /// No flow colors.
-    NoLayer,
-    /// The flow wheel: direction and magnitude.
-    WheelLayer,
-    /// The magnitude of the flow.
-    MagnitudeLayer,
-    /// The endpoint error.
-    ErrorLayer,
-    /// The difference from the flow of the first estimator in lockstep.
-    DifferenceLayer,
-    /// The confidence that the estimator reports.
-    ConfidenceLayer,
-    /// The forward–backward error.
-    ConsistencyLayer,
-    /// The standard deviation of the background.
-    DeviationLayer,
-    /// The weight of the heaviest mode.
-    WeightLayer,
-    /// The number of modes.
-    ModesLayer,
     /// Streaklines instead of arrows.
     Streaks,
     /// The scale of the colours stays, or follows what is found.
@@ -376,16 +373,7 @@ impl Command {
     /// The layer of colours that it shows, if it shows one.
     pub fn layer(self) -> Option<FlowLayer> {
         match self {
-            Command::NoLayer => Some(FlowLayer::None),
-            Command::WheelLayer => Some(FlowLayer::Wheel),
-            Command::MagnitudeLayer => Some(FlowLayer::Magnitude),
-            Command::ErrorLayer => Some(FlowLayer::Error),
-            Command::DifferenceLayer => Some(FlowLayer::Difference),
-            Command::ConfidenceLayer => Some(FlowLayer::Confidence),
-            Command::ConsistencyLayer => Some(FlowLayer::Consistency),
-            Command::DeviationLayer => Some(FlowLayer::Deviation),
-            Command::WeightLayer => Some(FlowLayer::Weight),
-            Command::ModesLayer => Some(FlowLayer::Modes),
+            Command::Layer(layer) => Some(layer),
             _ => None,
         }
     }
@@ -414,18 +402,7 @@ impl Command {
             C::Focus | C::FocusWhereSmall | C::FocusAlways | C::FocusNever => now.has_run,
             C::NextLayer => now.has_run && now.available.has_colors(),
             C::Streaks | C::LockScale => now.has_run && now.available.has_field(),
-            C::NoLayer
-            | C::WheelLayer
-            | C::MagnitudeLayer
-            | C::ErrorLayer
-            | C::DifferenceLayer
-            | C::ConfidenceLayer
-            | C::ConsistencyLayer
-            | C::DeviationLayer
-            | C::WeightLayer
-            | C::ModesLayer => {
-                now.has_run && self.layer().is_some_and(|layer| now.available.why_never(layer).is_none())
-            }
+            C::Layer(_) => now.has_run && self.layer().is_some_and(|layer| now.available.why_never(layer).is_none()),
             C::Open | C::PastePath | C::Samples | C::Quit => true,
             C::NextTheme | C::DarkTheme | C::LightTheme | C::ProjectorTheme => true,
             C::SmallerInterface | C::NormalInterface => true,

@@ -10,7 +10,7 @@ use lucide_icons::Icon;
 use motionscope_core::{AnyEstimator, estimators, synth};
 
 use super::fuzzy;
-use crate::paint::Theme;
+use crate::paint::{FlowLayer, Theme};
 use crate::ui::app::action::Action;
 use crate::ui::app::commands::{Command, Granularities, Situation};
 use crate::ui::drawing::style;
@@ -174,10 +174,12 @@ fn tags(command: Command) -> &'static str {
         C::Play | C::Slower | C::Faster => "speed animate pause",
         C::NextFrame | C::PreviousFrame => "pair time",
         C::Undo | C::Redo | C::ResetParameters => "history default change",
-        C::WheelLayer | C::MagnitudeLayer | C::ErrorLayer => "flow colour layer overlay motion",
-        C::DifferenceLayer => "flow colour layer overlay compare lockstep",
-        C::DeviationLayer | C::WeightLayer | C::ModesLayer => "background model variance sigma layer overlay",
-        C::ConfidenceLayer | C::ConsistencyLayer => "flow colour layer overlay occlusion forward backward",
+        C::Layer(FlowLayer::Difference) => "flow colour layer overlay compare lockstep",
+        C::Layer(FlowLayer::Confidence | FlowLayer::Consistency) => {
+            "flow colour layer overlay occlusion forward backward"
+        }
+        C::Layer(FlowLayer::Model(_)) => "model quantity background variance sigma layer overlay",
+        C::Layer(_) => "flow colour layer overlay motion",
         C::Shortcuts => "keys help",
         _ => "",
     }

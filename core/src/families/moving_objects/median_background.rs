@@ -4,15 +4,15 @@ use std::sync::Arc;
 
 use crate::base::{Threads, wide::wide, words};
 use crate::data::{Clip, Frame, Mask};
-use crate::geometry::Gray;
+use crate::geometry::{Gray, Grid};
 use crate::methods::numbers::level;
 use crate::methods::subtraction::{
-    Background, Expected, Explanation, Flags, Found, Initial, Settings, Steadiness, by_rows, compared, displaced,
-    shifted, subtraction_pseudocode,
+    Accepted, Background, Expected, Explanation, Flags, Found, Initial, Past, Settings, Steadiness, by_rows, compared,
+    displaced, shifted, subtraction_pseudocode,
 };
 use crate::params;
 use crate::run::{Info, Need};
-use crate::scene::{Fact, Role, Sentence};
+use crate::scene::{Fact, Layer, Quantity, Role, Sentence};
 
 params! {
     /// Approximate median of each pixel.
@@ -31,6 +31,9 @@ params! {
     }
     renamed { "open" => "opening", "close" => "closing" }
 }
+
+/// The number of frames of the median that the approximate one is compared with.
+const MEDIAN_FRAMES: usize = 25;
 
 wide!(fn decide(model: &mut [u8], row: &[u8], words: &mut [u64], median: &MedianBackground) = decide_row);
 
@@ -111,6 +114,21 @@ impl Background for MedianBackground {
 
     fn expected(&self, model: &Gray, place: (usize, usize)) -> f32 {
         f32::from(model[place])
+    }
+
+    fn layers(&self, model: &Arc<Gray>, past: &Past) -> Vec<Layer> {
+        let (model, past) = (Arc::clone(model), past.clone());
+        vec![Layer::new(Quantity::OffMedian, move || match past.median(MEDIAN_FRAMES) {
+            Ok(median) => {
+                let (width, height) = model.size();
+                Grid::from_fn(width, height, |x, y| (f32::from(model[(x, y)]) - median[(x, y)]).abs())
+            }
+            Err(_) => model.map(|_| f32::NAN),
+        })]
+    }
+
+    fn accepted(&self, model: &Self::Model, place: (usize, usize)) -> Vec<Accepted> {
+        vec![Accepted::around(model[place].into(), self.threshold as f32)]
     }
 
     fn difference(&self, model: &Gray, frame: &Frame, place: (usize, usize)) -> f32 {

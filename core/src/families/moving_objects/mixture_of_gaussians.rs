@@ -10,7 +10,7 @@ use crate::data::{Clip, Frame, Mask};
 use crate::geometry::Grid;
 use crate::methods::numbers::gray;
 use crate::methods::subtraction::{
-    Background, Explanation, Found, Initial, Settings, Steadiness, displaced, subtraction_pseudocode,
+    Accepted, Background, Explanation, Found, Initial, Past, Settings, Steadiness, displaced, subtraction_pseudocode,
 };
 use crate::params;
 use crate::run::{Info, Need};
@@ -132,7 +132,13 @@ impl Background for MixtureOfGaussians {
         model.modes(place).first().map_or(0.0, Mode::gray)
     }
 
-    fn layers(&self, model: &Arc<Mixture>) -> Vec<Layer> {
+    fn accepted(&self, model: &Self::Model, place: (usize, usize)) -> Vec<Accepted> {
+        let modes = model.modes(place);
+        let background = self.background_modes(&modes);
+        modes[..background].iter().map(|mode| mode.accepted(self.threshold)).collect()
+    }
+
+    fn layers(&self, model: &Arc<Mixture>, _past: &Past) -> Vec<Layer> {
         let layer = |quantity, of: fn(&[Mode]) -> f32| {
             let model = Arc::clone(model);
             Layer::new(quantity, move || {

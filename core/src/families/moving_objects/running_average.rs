@@ -7,8 +7,8 @@ use crate::data::{Clip, Frame, Mask};
 use crate::geometry::Grid;
 use crate::methods::numbers::{gray, level, ratio};
 use crate::methods::subtraction::{
-    Background, Expected, Explanation, Flags, Found, Initial, Settings, Steadiness, by_rows, compared, displaced,
-    shifted, subtraction_pseudocode,
+    Accepted, Background, Expected, Explanation, Flags, Found, Initial, Settings, Steadiness, by_rows, compared,
+    displaced, shifted, subtraction_pseudocode,
 };
 use crate::params;
 use crate::run::{Info, Need};
@@ -111,6 +111,10 @@ impl Background for RunningAverage {
 
     fn expected(&self, model: &Grid<f32>, place: (usize, usize)) -> f32 {
         model[place]
+    }
+
+    fn accepted(&self, model: &Self::Model, place: (usize, usize)) -> Vec<Accepted> {
+        vec![Accepted::around(model[place], self.threshold)]
     }
 
     fn difference(&self, model: &Grid<f32>, frame: &Frame, place: (usize, usize)) -> f32 {

@@ -7,7 +7,7 @@ use crate::data::{Clip, Frame, Mask};
 use crate::geometry::Grid;
 use crate::methods::numbers::{fixed, gray, level, ratio};
 use crate::methods::subtraction::{
-    Background, Explanation, Flags, Found, Initial, Settings, Steadiness, by_rows, displaced, shifted,
+    Accepted, Background, Explanation, Flags, Found, Initial, Past, Settings, Steadiness, by_rows, displaced, shifted,
     subtraction_pseudocode,
 };
 use crate::params;
@@ -141,7 +141,13 @@ impl Background for SingleGaussian {
         model[place].mean
     }
 
-    fn layers(&self, model: &Arc<Grid<Gaussian>>) -> Vec<Layer> {
+    fn accepted(&self, model: &Self::Model, place: (usize, usize)) -> Vec<Accepted> {
+        let Gaussian { mean, variance } = model[place];
+        let sigma = variance.sqrt();
+        vec![Accepted { sigma: Some(sigma), ..Accepted::around(mean, self.threshold * sigma) }]
+    }
+
+    fn layers(&self, model: &Arc<Grid<Gaussian>>, _past: &Past) -> Vec<Layer> {
         let model = Arc::clone(model);
         vec![Layer::new(Quantity::Deviation, move || model.map(|of| of.variance.sqrt()))]
     }

@@ -95,6 +95,11 @@ impl Model for HornSchunck {
         relax::energy(&warp.linear, self.alpha, at)
     }
 
+    fn smoothness_share(&self, linear: &Linear, place: (usize, usize)) -> Option<f32> {
+        let ([a, b, _], weight) = (linear.factors.at(place), self.alpha * self.alpha);
+        Some(weight / (weight + a * a + b * b))
+    }
+
     fn explanation(&self, step: usize, probe: &Probe<Self>) -> Explanation {
         let update = Update::of(self, probe);
         let mut points = vec![("mean", Role::Predicted, update.mean), ("after", Role::Result, probe.to())];

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::declare::line;
 use super::exposure::Transfer;
-use super::{Background, Conclusion, Event, Explanation, Initial, State, Subtraction};
+use super::{Background, Conclusion, Event, Explanation, Initial, Past, State, Subtraction};
 use crate::base::words::{self, capital, counted as count, grouped, pixel};
 use crate::data::{Detection, Frame, Mask, MaskErrors};
 use crate::methods::differential::explain;
@@ -454,6 +454,14 @@ impl<M: Background> Subtraction<M> {
         })
     }
 
+    /// The frames up to that of the step.
+    fn past(&self, seen: &Seen<Self>) -> Past {
+        let now: &State<_> = seen.after.unwrap_or(seen.before);
+        let at = now.camera.as_ref().map_or([0.0; 2], |camera| camera.model_at);
+        let span = seen.before.span.until(seen.before.frame + 1);
+        Past { clip: seen.clip.clone(), span, steady: self.0.steadiness(), at }
+    }
+
     fn explained_at(&self, seen: &Seen<Self>, frame: &Frame, place: (usize, usize)) -> Explanation {
         let before = self.compared_model(seen);
         let before = before.as_deref();
@@ -567,6 +575,9 @@ impl<M: Background> Subtraction<M> {
             readouts.extend(Some(explanation.equation).filter(|lines| !lines.is_empty()).map(Readout::Equation));
             readouts.extend(Some(explanation.matrices).filter(|all| !all.is_empty()).map(Readout::Matrices));
             readouts.extend(self.tiles(seen, place).map(Readout::Tiles));
+            if let Some(model) = self.compared_model(seen) {
+                readouts.extend(super::history::plots(&self.0, (seen.clip, state), &model, place));
+            }
         }
         facts.extend(history.facts());
         readouts.insert(0, Readout::Facts(facts));
@@ -601,7 +612,8 @@ impl<M: Background> Subtraction<M> {
         if let (Some(model), Some(frame)) = (self.compared_model(seen), history.frame()) {
             scene.pictures = self.0.pictures(&model, frame.size());
             // After the update it is the new model.
-            scene.layers = self.0.layers(seen.after.and_then(|after| after.model.as_ref()).unwrap_or(&model));
+            scene.layers =
+                self.0.layers(seen.after.and_then(|after| after.model.as_ref()).unwrap_or(&model), &self.past(seen));
         }
         match seen.events.last() {
             None => {}

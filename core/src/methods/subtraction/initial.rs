@@ -38,17 +38,17 @@ pub fn picture(
 ) -> Result<Arc<Frame>, Error> {
     match initial {
         Initial::FirstFrame => clip.frame(span.first),
-        Initial::Median => median_of(clip, span, steady).map(Arc::new),
+        Initial::Median => median_of((clip, SAMPLES), span, steady).map(Arc::new),
     }
 }
 
-/// Returns the per-pixel median of frames spaced evenly over `span`. An object that covers a pixel in less than half of them
+/// Returns the per-pixel median of `most` frames spaced evenly over `span`. An object that covers a pixel in less than half of them
 /// leaves no trace.
 ///
 /// B. P. L. Lo and S. A. Velastin, Automatic congestion detection system for underground platforms, 2001.
-fn median_of(clip: &Clip, span: &Span, steady: Option<Steadiness>) -> Result<Frame, Error> {
+pub fn median_of((clip, most): (&Clip, usize), span: &Span, steady: Option<Steadiness>) -> Result<Frame, Error> {
     let count = span.frames().unwrap_or(REACH);
-    let samples = count.min(SAMPLES);
+    let samples = count.min(most);
     let mut times = Vec::new();
     for i in 0..samples {
         let t = span.first + i * (count - 1) / (samples - 1).max(1);

@@ -5,6 +5,7 @@ mod declare;
 mod explain;
 mod explanation;
 mod exposure;
+mod history;
 mod initial;
 mod rows;
 mod shadow;
@@ -18,6 +19,7 @@ pub(crate) use declare::subtraction_pseudocode;
 pub(crate) use explain::{MaskHistory, plots};
 pub(crate) use explanation::{Expected, Explanation, compared};
 pub use exposure::Exposure;
+pub(crate) use history::Accepted;
 pub use initial::Initial;
 pub(crate) use rows::{Flags, by_rows};
 pub(crate) use shadow::{ShadowLimits, is_shadow};
@@ -119,8 +121,13 @@ pub trait Background: Params + Default + Clone + Send + Sync + 'static {
         vec![Canvas::of_clip(Picture::CURRENT), Canvas::made(Picture::REFERENCE, expected)]
     }
 
+    /// The gray levels that the model takes for background at a pixel: one range for each background mode.
+    fn accepted(&self, _model: &Self::Model, _place: (usize, usize)) -> Vec<Accepted> {
+        Vec::new()
+    }
+
     /// The quantities of the model at every pixel.
-    fn layers(&self, _model: &Arc<Self::Model>) -> Vec<Layer> {
+    fn layers(&self, _model: &Arc<Self::Model>, _past: &Past) -> Vec<Layer> {
         Vec::new()
     }
 
@@ -145,6 +152,30 @@ pub trait Background: Params + Default + Clone + Send + Sync + 'static {
 
     /// Memory of a model, in bytes.
     fn model_bytes(&self, model: &Self::Model) -> usize;
+}
+
+/// The frames that a model has seen.
+#[derive(Clone, Debug)]
+pub struct Past {
+    clip: Clip,
+    span: Span,
+    steady: Option<Steadiness>,
+    /// The displacement of the model with the camera in px.
+    at: [f32; 2],
+}
+
+impl Past {
+    /// The median gray levels of `samples` of these frames, spaced evenly, displaced with the camera as the model is; NaN for what
+    /// the first frame does not show.
+    ///
+    /// # Errors
+    /// If a frame cannot be read.
+    pub fn median(&self, samples: usize) -> Result<Grid<f32>, Error> {
+        let median = initial::median_of((&self.clip, samples), &self.span, self.steady)?;
+        let (width, height) = median.size();
+        let level = displaced_by(self.at, (width, height), |at| f32::from(median.luma()[at]));
+        Ok(Grid::from_fn(width, height, |x, y| level(x, y).unwrap_or(f32::NAN)))
+    }
 }
 
 /// The foreground of a frame.

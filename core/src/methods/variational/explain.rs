@@ -1,12 +1,17 @@
 //! The explanation and the drawing of an iteration of a variational method.
 
+use std::sync::Arc;
+
 use super::Settings;
 use super::model::{Explanation, Model, Probe};
 use super::run::{Event, Note, State, TESTED, Variational};
 use crate::base::words;
+use crate::geometry::Grid;
 use crate::methods::differential::{Conclusion, explain, numbers};
 use crate::run::{Estimator, Seen};
-use crate::scene::{Fact, Floor, Levels, Picture, Plane, Readout, Role, Scene, Sentence, Series, Shape, Stack, Step};
+use crate::scene::{
+    Fact, Floor, Layer, Levels, Picture, Plane, Quantity, Readout, Role, Scene, Sentence, Series, Shape, Stack, Step,
+};
 
 /// The pseudocode lines that all methods share.
 mod line {
@@ -174,6 +179,20 @@ impl<M: Model> Variational<M> {
             Floor { at_hand: Some([min, [min[0] + 1.0, min[1] + 1.0]]), vector }
         };
         Some(Stack { floors: (0..levels.all.len()).map(floor).collect(), levels })
+    }
+
+    /// Returns the share of the smoothness term at each pixel of frame t, on the level of the iteration.
+    pub(super) fn layers(&self, seen: &Seen<Self>) -> Vec<Layer> {
+        let Some(Event::Step(_, iteration)) = seen.events.last() else { return Vec::new() };
+        if self.0.smoothness_share(&iteration.warp.linear, (0, 0)).is_none() {
+            return Vec::new();
+        }
+        let (model, warp) = (self.0.clone(), Arc::clone(&iteration.warp));
+        let [whole, level] = [0, seen.before.level].map(|level| seen.before.fixed.frames.size(level));
+        vec![Layer::new(Quantity::SmoothnessShare, move || {
+            let share = |x, y| model.smoothness_share(&warp.linear, (x * level.0 / whole.0, y * level.1 / whole.1));
+            Grid::from_fn(whole.0, whole.1, |x, y| share(x, y).unwrap_or(f32::NAN))
+        })]
     }
 
     /// Marks the inspected pixel.

@@ -86,6 +86,11 @@ pub trait Model: Params + Default + Clone + Send + Sync + 'static {
     /// Returns the data term and the smoothness term of the energy, per pixel.
     fn energy(&self, warp: &Warp<Self>, at: &Self::Unknowns) -> [f64; 2];
 
+    /// Returns the share of the smoothness term in the update of a pixel, 0 to 1, where it follows from the constraint alone.
+    fn smoothness_share(&self, _linear: &Linear, _place: (usize, usize)) -> Option<f32> {
+        None
+    }
+
     /// Explains step `step` of an iteration at a pixel.
     fn explanation(&self, step: usize, probe: &Probe<Self>) -> Explanation;
 }

@@ -398,6 +398,7 @@ impl<M: Model> Estimator for Variational<M> {
         field::draw(state.flow().0, scene);
         self.draw_pixel(seen, scene);
         scene.levels = self.levels(seen);
+        scene.layers = self.layers(seen);
     }
 
     fn output(&self, state: &State<M>) -> Output {

@@ -22,16 +22,26 @@ const fn ctrl_shift(key: Key) -> KeyboardShortcut {
     KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), key)
 }
 
+/// The picture of a layer in menus.
+fn layer_icon(layer: FlowLayer) -> Icon {
+    match layer {
+        FlowLayer::None => Icon::CircleOff,
+        FlowLayer::Wheel => Icon::Palette,
+        FlowLayer::Magnitude => Icon::Gauge,
+        FlowLayer::Error => Icon::Target,
+        FlowLayer::Difference => Icon::Diff,
+        FlowLayer::Confidence => Icon::ShieldCheck,
+        FlowLayer::Consistency => Icon::ArrowLeftRight,
+        FlowLayer::Model(_) => Icon::Layers,
+    }
+}
+
 impl Command {
     /// How the command is shown and called.
     pub fn info(self) -> CommandInfo {
         use Command as C;
         let view =
             |icon, view: View, keys: &'static [KeyboardShortcut]| (Menu::View, icon, view.name(), view.tip(), keys);
-        let layer = |icon, layer: FlowLayer| {
-            let none: &'static [KeyboardShortcut] = &[];
-            (Menu::View, icon, layer.name(), layer.tip(), none)
-        };
         let (menu, icon, text, tip, keys): (_, _, _, _, &'static [KeyboardShortcut]) = match self {
             C::Open => (
                 Menu::File,
@@ -148,16 +158,7 @@ impl Command {
                 "Switch the layer over the picture: none, flow wheel, magnitude, in lockstep the difference from the first estimator; at the end of the run also error, confidence and forward–backward check.",
                 const { &[key(Key::M)] },
             ),
-            C::NoLayer => layer(Icon::CircleOff, FlowLayer::None),
-            C::WheelLayer => layer(Icon::Palette, FlowLayer::Wheel),
-            C::MagnitudeLayer => layer(Icon::Gauge, FlowLayer::Magnitude),
-            C::ErrorLayer => layer(Icon::Target, FlowLayer::Error),
-            C::DifferenceLayer => layer(Icon::Diff, FlowLayer::Difference),
-            C::ConfidenceLayer => layer(Icon::ShieldCheck, FlowLayer::Confidence),
-            C::ConsistencyLayer => layer(Icon::ArrowLeftRight, FlowLayer::Consistency),
-            C::DeviationLayer => layer(Icon::Sigma, FlowLayer::Deviation),
-            C::WeightLayer => layer(Icon::Weight, FlowLayer::Weight),
-            C::ModesLayer => layer(Icon::Layers, FlowLayer::Modes),
+            C::Layer(layer) => (Menu::View, layer_icon(layer), layer.name(), layer.tip(), &[]),
             C::Streaks => (
                 Menu::View,
                 Icon::Wind,

@@ -25,14 +25,19 @@ impl Verdict {
 }
 
 impl MixtureOfGaussians {
-    fn verdict(&self, modes: &[Mode], pixel: &[f32]) -> Verdict {
+    /// Returns the number of background modes, which come first.
+    pub(super) fn background_modes(&self, modes: &[Mode]) -> usize {
         let mut heavier = 0.0;
         let is_background = |mode: &&Mode| {
             let is_one = heavier < self.background_ratio;
             heavier += mode.weight;
             is_one
         };
-        let background = modes.iter().take_while(is_background).count();
+        modes.iter().take_while(is_background).count()
+    }
+
+    fn verdict(&self, modes: &[Mode], pixel: &[f32]) -> Verdict {
+        let background = self.background_modes(modes);
         let limit = |mode: &Mode| self.threshold * self.threshold * mode.variance;
         let matched = modes.iter().position(|mode| {
             let square: f32 = pixel.iter().zip(&mode.mean).map(|(pixel, mean)| (pixel - mean) * (pixel - mean)).sum();

@@ -7,7 +7,10 @@
 use super::{MAX_SIGMAS, MixtureOfGaussians};
 use crate::base::{LANES, Threads, wide::widest};
 use crate::data::{Frame, Mask};
-use crate::methods::subtraction::{Found, ShadowLimits, is_shadow};
+use crate::methods::subtraction::{Accepted, Found, ShadowLimits, is_shadow};
+
+/// The weights of red, green and blue in a gray level.
+const LUMA: [f32; 3] = [0.299, 0.587, 0.114];
 
 /// A weighted normal distribution of a pixel with equal variance in all channels.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,10 +30,22 @@ impl Mode {
         (square / self.variance).sqrt()
     }
 
+    /// Returns the gray levels within `threshold` standard deviations. Those of a colour are distributed as the weighted sum of its
+    /// channels.
+    pub fn accepted(&self, threshold: f32) -> Accepted {
+        let share = match self.mean.len() {
+            3 => (LUMA.iter().map(|weight| weight * weight).sum::<f32>() / 3.0).sqrt(),
+            _ => 1.0,
+        };
+        let sigma = share * self.variance.sqrt();
+        let around = Accepted::around(self.gray(), threshold * sigma);
+        Accepted { weight: Some(self.weight), sigma: Some(sigma), ..around }
+    }
+
     /// Returns the gray level of the mean.
     pub fn gray(&self) -> f32 {
         match self.mean[..] {
-            [red, green, blue] => 0.299 * red + 0.587 * green + 0.114 * blue,
+            [red, green, blue] => LUMA[0] * red + LUMA[1] * green + LUMA[2] * blue,
             _ => self.mean[0],
         }
     }

@@ -1,0 +1,115 @@
+//! The gray levels of a pixel over the last frames, among those that its model takes for background.
+
+use super::{Background, State};
+use crate::data::Clip;
+use crate::methods::numbers::ratio;
+use crate::scene::{Band, Readout, Role, Series};
+
+/// The gray levels that a model takes for background at a pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Accepted {
+    /// The weight of the mode; nothing for a model with a single one.
+    pub weight: Option<f32>,
+    /// The mean of the background.
+    pub mean: f32,
+    /// The largest difference from the mean that is background.
+    pub reach: f32,
+    /// The standard deviation, where the model has one.
+    pub sigma: Option<f32>,
+}
+
+impl Accepted {
+    /// A background of one gray level with a threshold.
+    pub fn around(mean: f32, reach: f32) -> Self {
+        Self { weight: None, mean, reach, sigma: None }
+    }
+
+    /// The band of these levels; `number` counts the modes from 1.
+    fn band(&self, number: usize) -> Band {
+        let name = match self.weight {
+            Some(weight) => format!("mode {number}, weight {}", ratio(weight.into())),
+            None => "background".to_owned(),
+        };
+        Band { name, values: [self.mean - self.reach, self.mean + self.reach] }
+    }
+
+    /// The density at a gray level.
+    fn density(&self, level: f32) -> Option<f32> {
+        let sigma = self.sigma?;
+        let off = (level - self.mean) / sigma;
+        Some(self.weight.unwrap_or(1.0) * (-0.5 * off * off).exp() / (sigma * std::f32::consts::TAU.sqrt()))
+    }
+}
+
+/// No more frames than this.
+const MOST_FRAMES: usize = 100;
+/// And no more than these pixels, which stay in memory from step to step.
+const MOST_PIXELS: usize = 16 << 20;
+/// Gray levels that share a cell of the histogram.
+const CELL: usize = 4;
+
+/// The gray levels of a pixel in the last frames up to that of `state`, with their numbers; those that cannot be read are left out.
+fn levels<T>(clip: &Clip, state: &State<T>, place: (usize, usize)) -> Vec<[f32; 2]> {
+    let pixels = (state.picture.0 * state.picture.1).max(1);
+    let count = (MOST_PIXELS / pixels).clamp(2, MOST_FRAMES);
+    let first = (state.frame + 1).saturating_sub(count).max(state.span.first);
+    let level = |t: usize| Some([t as f32, f32::from(*clip.frame(t).ok()?.luma().get(place.0, place.1)?)]);
+    (first..=state.frame).filter_map(level).collect()
+}
+
+/// Plots of a pixel: its gray levels over the frames with what the model takes for background, and their distribution
+/// with the densities of the modes.
+pub(super) fn plots<M: Background>(
+    detector: &M,
+    (clip, state): (&Clip, &State<M::Model>),
+    model: &M::Model,
+    place: (usize, usize),
+) -> Vec<Readout> {
+    let levels = levels(clip, state, place);
+    let (Some(first), Some(last)) = (levels.first(), levels.last()) else { return Vec::new() };
+    if first == last {
+        return Vec::new();
+    }
+    let accepted = detector.accepted(model, place);
+    let over_time = Series {
+        title: "Gray level of the pixel",
+        x_label: "frame",
+        y_label: "gray level",
+        x_max: last[0] as usize,
+        lines: vec![("gray level", Role::Measured, levels.clone())],
+        fits_values: true,
+        bands: accepted.iter().enumerate().map(|(i, accepted)| accepted.band(i + 1)).collect(),
+        ..Series::default()
+    };
+    let distribution =
+        accepted.iter().any(|accepted| accepted.sigma.is_some()).then(|| distribution(&levels, &accepted));
+    [Some(over_time), distribution].into_iter().flatten().map(Readout::Series).collect()
+}
+
+/// The share of the frames in each cell of gray levels, and that which the modes predict.
+fn distribution(levels: &[[f32; 2]], accepted: &[Accepted]) -> Series {
+    let mut shares = [0.0; 256 / CELL];
+    for [_, level] in levels {
+        shares[*level as usize / CELL] += 1.0 / levels.len() as f32;
+    }
+    let middle = |cell: usize| (cell * CELL) as f32 + (CELL - 1) as f32 / 2.0;
+    // The levels that occur or are expected, with some margin.
+    let seen = levels.iter().map(|[_, level]| *level);
+    let expected = accepted.iter().flat_map(|of| [of.mean - of.reach, of.mean + of.reach]);
+    let all: Vec<f32> = seen.chain(expected).map(|level| level.clamp(0.0, 255.0)).collect();
+    let low = (all.iter().copied().fold(255.0, f32::min) as usize).saturating_sub(2 * CELL) / CELL;
+    let high = (all.iter().copied().fold(0.0, f32::max) as usize + 2 * CELL).min(255) / CELL;
+    let found = (low..=high).map(|cell| [middle(cell), shares[cell]]).collect();
+    let predicted = |level: f32| accepted.iter().filter_map(|accepted| accepted.density(level)).sum::<f32>();
+    let predicted =
+        (low * CELL..(high + 1) * CELL).map(|level| [level as f32, CELL as f32 * predicted(level as f32)]).collect();
+    Series {
+        title: "Distribution of its gray levels",
+        x_label: "gray level",
+        y_label: "share of the frames",
+        x_max: (high + 1) * CELL - 1,
+        lines: vec![("frames", Role::Measured, found), ("model", Role::Predicted, predicted)],
+        is_sweep: true,
+        ..Series::default()
+    }
+}
