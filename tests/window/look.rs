@@ -7,6 +7,7 @@ use motionscope::paint::FlowLayer;
 use motionscope::session::Session;
 use motionscope::view::look::Changes;
 use motionscope_core::params::Kind;
+use motionscope_core::scene::Quantity;
 use motionscope_core::{Params, Spec, estimator};
 
 use super::files::command_line;
@@ -66,10 +67,10 @@ fn every_entry_is_the_same_by_flag_by_session_and_in_the_window() {
         let mut window = Window::with(vec2(1200.0, 800.0), Start { open: Some(base.clone().into()) });
         let mut seen = Vec::new();
         // The coarsest level of three is level 2; a difference of flows needs two estimators, and
-        // a flow has no background model.
+        // Lucas–Kanade has no model.
         let fits = |value: &Value| match (&*spec.name, value) {
             ("level", Value::Int(level)) => *level <= 2,
-            ("layer", value) => !["difference", "deviation", "weight", "mode-count"].map(Value::Choice).contains(value),
+            ("layer", Value::Choice(id)) => *id != "difference" && Quantity::ALL.iter().all(|one| one.id() != *id),
             _ => true,
         };
         for value in tried(&spec.kind).into_iter().filter(fits) {

@@ -2,7 +2,7 @@
 
 use super::*;
 use motionscope::paint::{FlowLayer, Tint, TintKey};
-use motionscope_core::scene::Shape;
+use motionscope_core::scene::{Quantity, Shape};
 
 /// A window on a session with these lines.
 fn window(lines: &str) -> Window {
@@ -41,7 +41,11 @@ fn a_key_goes_through_the_layers_that_there_are() {
     let mut window = dense();
     assert_eq!(kind(&window), FlowLayer::Wheel, "a dense field has its colours by itself");
     let (none, wheel, length) = (FlowLayer::None, FlowLayer::Wheel, FlowLayer::Magnitude);
-    for seen in [(length, None), (wheel, Some("error")), (wheel, Some("consistency")), (none, None), (wheel, None)] {
+    let share = FlowLayer::Model(Quantity::SmoothnessShare);
+    let awaited_at_the_end = [(wheel, Some("error")), (wheel, Some("consistency"))];
+    for seen in
+        [(length, None)].into_iter().chain(awaited_at_the_end).chain([(share, None), (none, None), (wheel, None)])
+    {
         window.key(Key::M);
         assert_eq!((kind(&window), awaited(&window)), seen);
     }
