@@ -9,7 +9,7 @@ mod coding;
 pub mod consistency;
 mod dense_flow;
 mod flow_error;
-mod keypoints;
+pub mod keypoints;
 mod mask;
 mod matches;
 pub mod metrics;

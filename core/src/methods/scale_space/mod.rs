@@ -10,7 +10,7 @@ pub use descriptor::{BINS, CELLS, CLAMP, Descriptor, Place, SIDE};
 pub use extrema::{BORDER, Extremum, beats, extrema_of_row};
 pub use octaves::{Octave, ScaleSpace, Shape};
 pub use orientation::{Histogram, ORIENTATIONS, PEAK_RATIO, Peak};
-pub use refine::{Iteration, MAX_ITERATIONS, Refined, Rejection, Thresholds, refine};
+pub use refine::{Iteration, Refined, Rejection, Thresholds, refine};
 
 /// Angle of the vector `(x, y)` in radians, −π to π, from x towards y. A polynomial of the arc tangent with an error below 10⁻⁵ that
 /// compilers turn into vector instructions.
