@@ -109,8 +109,8 @@ impl Checked {
 #[derive(Serialize)]
 struct ModelReport {
     kind: &'static str,
-    /// By rows; maps homogeneous pixel positions of frame t to frame t + 1.
-    matrix: Matrix3,
+    /// By rows; maps homogeneous pixel positions of frame t to frame t + 1. Null without an estimate.
+    matrix: Option<Matrix3>,
     inliers: Option<usize>,
     matches: Option<usize>,
     iterations: usize,

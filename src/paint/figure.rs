@@ -8,6 +8,7 @@ use motionscope_core::{Grid, Scene};
 use super::charts::explanation::{Density, equation};
 use super::focus::{self, CloseUp, FocusMode, Site, Work};
 use super::legend::{self, Bar, line_height};
+use super::links::{LinkSite, links};
 use super::primitive::{Anchor, Line, Point, Primitive, Rect, Run, Stroke};
 use super::reduced::reduced;
 use super::wrap::{brevity, inked, wrap};
@@ -229,6 +230,7 @@ impl Layout<'_> {
         let close_ups = close_ups(parts, self.options);
         self.times = close_ups.iter().flatten().map(|close| close.times).fold(1.0, f32::max);
         let (mut x, mut top, mut bottom) = (self.margin, self.y, self.y);
+        let mut sites = Vec::new();
         for (index, (part, panel, (pixels, gain))) in pictures.into_iter().enumerate() {
             if index > 0 && index % columns == 0 {
                 (x, top) = (self.margin, on_grid(bottom) + GAP);
@@ -258,11 +260,16 @@ impl Layout<'_> {
             };
             let pixels = Arc::new(pixels);
             self.panel((panel, placement), rect, &pixels, part);
+            sites.push(LinkSite { panel, place: placement, pane: rect });
             if close.is_some() && is_first {
                 self.map((rect, placement), &pixels, Work::of(part.scene, part.pictures.pair[0].size()));
             }
             x += size[0] + GAP;
             bottom = bottom.max(self.y + size[1]);
+        }
+        for (part, sites) in parts.iter().zip(sites.chunks(in_a_row.max(1))) {
+            let primitives = links(part.scene, &self.look, sites);
+            self.pictures.extend((!primitives.is_empty()).then_some(Layer { clip: None, primitives }));
         }
         self.y = if is_framed { on_grid(bottom) } else { bottom };
         if let Some(caption) = self.options.caption.as_ref().filter(|caption| !caption.sentence.0.is_empty()) {

@@ -57,9 +57,6 @@ impl Model {
 /// A 3×3 matrix by rows, that maps homogeneous pixel positions of frame t to frame t + 1.
 pub type Matrix3 = [[f64; 3]; 3];
 
-/// The matrix of no motion.
-pub const IDENTITY: Matrix3 = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-
 /// The position to which `matrix` maps a position; `None` where it lies on or behind the horizon.
 pub fn mapped(matrix: &Matrix3, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
     let [a, b, w] = matrix.map(|row| row[0] * x + row[1] * y + row[2]);
@@ -73,8 +70,8 @@ pub struct ModelField {
     pub picture: (usize, usize),
     /// The group of transformations.
     pub model: Model,
-    /// Its matrix, normalised to a last entry of 1; the identity before there is an estimate.
-    pub matrix: Matrix3,
+    /// Its matrix, normalised to a last entry of 1, if it could be estimated.
+    pub matrix: Option<Matrix3>,
     /// Number of iterations of the estimation.
     pub iterations: usize,
     /// Root mean square distance of the inliers from their predicted positions in px, if it was estimated from matches.
@@ -93,12 +90,15 @@ pub struct Support {
 }
 
 impl ModelField {
-    /// The displacement of every pixel; unknown beyond the horizon of a homography.
+    /// The displacement of every pixel; unknown beyond the horizon of a homography, and everywhere without an estimate.
     pub fn displacements_of_pixels(&self) -> Flow {
         let (width, height) = self.picture;
         Flow(Grid::from_fn(width, height, |x, y| {
             let place = [x as f64, y as f64];
-            mapped(&self.matrix, place).map_or(Flow::UNKNOWN, |to| [0, 1].map(|i| (to[i] - place[i]) as f32))
+            self.matrix
+                .as_ref()
+                .and_then(|matrix| mapped(matrix, place))
+                .map_or(Flow::UNKNOWN, |to| [0, 1].map(|i| (to[i] - place[i]) as f32))
         }))
     }
 }
@@ -126,7 +126,8 @@ impl Product for ModelField {
 
     /// The matrix, row by row.
     fn table(&self) -> Option<Table> {
-        Some(Table::new(["column_1", "column_2", "column_3"], self.matrix.map(|row| row.map(Cell::from))))
+        let rows = self.matrix.into_iter().flatten().map(|row| row.map(Cell::from));
+        Some(Table::new(["column_1", "column_2", "column_3"], rows))
     }
 
     fn assess(&self, reference: &Reference<'_>) -> Result<Assessment, Error> {
@@ -174,7 +175,7 @@ mod tests {
         let field = ModelField {
             picture: (4, 3),
             model: Model::Affine,
-            matrix: shear,
+            matrix: Some(shear),
             iterations: 1,
             residual_px: None,
             support: None,

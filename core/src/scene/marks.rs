@@ -191,11 +191,22 @@ pub struct Mark {
     pub shape: Shape,
 }
 
+/// A line from a point of one picture to a point of another, such as a match.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Link {
+    /// Its role.
+    pub role: Role,
+    /// The pictures and the points on them.
+    pub ends: [(Picture, [f32; 2]); 2],
+}
+
 /// All marks over a pair of pictures, back to front, with their legend.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {
     /// Marks, back to front.
     pub marks: Vec<Mark>,
+    /// Lines between pictures, back to front, over all marks. Where one picture alone is shown, the displacement is drawn there.
+    pub links: Vec<Link>,
     /// The meaning of each role in this scene.
     pub legend: Vec<(Role, &'static str)>,
     /// The pyramid of the step, if any: its pictures can be shown below the marks.
@@ -220,6 +231,7 @@ impl Scene {
             && self.layers == other.layers
             && self.heat == other.heat
             && self.heat_scale == other.heat_scale
+            && self.links == other.links
             && self.marks.len() == other.marks.len()
             && self.marks.iter().zip(&other.marks).all(same)
     }

@@ -13,7 +13,7 @@ mod sentence;
 mod step;
 
 pub use levels::{Floor, Level, Levels, Stack};
-pub use marks::{Arrow, Mark, Scene, Shape, arrow_spacing};
+pub use marks::{Arrow, Link, Mark, Scene, Shape, arrow_spacing};
 pub use picture::{Canvas, Focus, Picture, PictureRole, Pixels, Viewpoint};
 pub use pseudocode::{Line, Name};
 pub use quantity::{Layer, Quantity};

@@ -354,6 +354,9 @@ fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State, response
     for spot in &spots {
         paint(ui, spot, input, state);
     }
+    for spots in spots.chunk_by(|a, b| a.member == b.member) {
+        join(ui, spots, input, state);
+    }
     response.hovered = hovered.map(Hovered::focus);
 }
 
@@ -442,6 +445,21 @@ fn paint(ui: &Ui, spot: &Spot<'_>, input: &Input<'_>, state: &mut State) {
     if input.lockstep.is_none() {
         caption(ui.painter(), shown, lens, input);
     }
+}
+
+/// Draws the lines between the pictures of an estimator.
+fn join(ui: &Ui, spots: &[Spot<'_>], input: &Input<'_>, state: &mut State) {
+    let Some(scene) = spots.first().map(|spot| spot.scene).filter(|scene| !scene.links.is_empty()) else { return };
+    let look = state.marks.look(input);
+    let site = |spot: &Spot<'_>| {
+        let seen = spot.lens.picture_rect().intersect(spot.lens.pane);
+        let pane = paint::primitive::Rect { min: seen.min.into(), max: seen.max.into() };
+        let place = Placement::new(spot.lens.picture_rect().min.into(), spot.lens.scale);
+        paint::LinkSite { panel: spot.panel, place, pane }
+    };
+    let sites: Vec<_> = spots.iter().map(site).collect();
+    let painter = ui.painter();
+    painter.extend(primitives::shapes(painter, &paint::links(scene, &look, &sites)));
 }
 
 /// The name of a picture, above it; without that of its file where there is no room.

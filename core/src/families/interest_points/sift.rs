@@ -20,7 +20,7 @@ params! {
     pub struct Sift {
         /// Smallest absolute interpolated value of the difference of Gaussians, for gray values from 0 to 1 and times the number of scales per octave. Higher values keep fewer, clearer blobs.
         contrast_threshold: f32 = 0.04, 0.0..=0.5;
-        /// Largest ratio of the principal curvatures. Lower values reject more extrema on edges, whose position along the edge is uncertain.
+        /// Largest ratio of the principal curvatures. Lower values reject more extrema on edges, where the position along the edge is uncertain.
         edge_threshold: f32 = 10.0, 1.0..=100.0;
         /// Number of scales per octave at which extrema are found.
         scales: usize = 3, 1..=6;

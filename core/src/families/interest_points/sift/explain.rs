@@ -65,7 +65,7 @@ impl Sift {
         match event {
             Event::Level => (line::BUILD_SPACE, said.text(self.level_said(state))),
             Event::Row => match seen.point().and_then(|point| self.pointed_at(state, point)) {
-                Some(around) => (line::EACH_PIXEL, compared(&around)),
+                Some(around) => (line::IS_EXTREMUM, compared(&around)),
                 None => (line::EACH_PIXEL, said.text(self.row_said(state))),
             },
             Event::Extremum(x) => (line::IS_EXTREMUM, self.extremum_said(state, x)),
@@ -98,7 +98,7 @@ impl Sift {
                 gray(shape.sigma_of(0.0) * pixel)
             ),
             _ => format!(
-                "Gaussian image {}: filtering image {level} with σ = {} px gives σ = {sigma} px. The difference of both responds most \
+                "Gaussian image {}: filtering image {level} with σ = {} px gives σ = {sigma} px. Their difference responds most \
                  to blobs with a radius of about {} px of the frame.",
                 level + 1,
                 gray(shape.increment_px(octave, level)),

@@ -1,0 +1,190 @@
+//! Matching of keypoints by their descriptors.
+
+mod explain;
+
+use std::sync::Arc;
+
+use crate::base::{Error, Mapped, Observer, Tally, Threads};
+use crate::data::{Clip, Flow};
+use crate::methods::differential::truth;
+use crate::methods::matching::{self, Outcome, Pair, Settings};
+use crate::products::{Match, MatchField, MatchStatus, Output, Product, ProductKind};
+use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
+use crate::scene::{Chart, Focus, Picture, Role, Scene, Step};
+use crate::{params, pseudocode};
+
+params! {
+    /// Keypoints of frame t matched with those of frame t + 1 by the distances of their descriptors.
+    pub struct FeatureMatching {
+        /// Detector, descriptor and tests.
+        settings: Settings = Settings::default();
+    }
+}
+
+/// The state of a run.
+#[derive(Clone)]
+pub struct State {
+    fixed: Arc<Fixed>,
+    /// The outcome of each keypoint compared so far.
+    found: Vec<Option<Outcome>>,
+}
+
+/// The constant part of a run.
+struct Fixed {
+    pair: Pair,
+    truth: Option<Arc<Flow>>,
+}
+
+/// An event of a keypoint.
+#[derive(Clone, Copy, Debug)]
+pub enum Event {
+    /// Frame t has no keypoints.
+    Nothing,
+    /// A step of its comparison.
+    Of(matching::Event),
+}
+
+impl State {
+    fn count(&self) -> usize {
+        self.fixed.pair.sides[0].points.len()
+    }
+
+    /// The match of a keypoint, if it has a candidate.
+    fn match_of(&self, index: usize, outcome: &Outcome) -> Match {
+        let [here, there] = &self.fixed.pair.sides;
+        outcome.matched(here, index, there)
+    }
+
+    /// The matches so far.
+    fn matches(&self) -> impl Iterator<Item = Match> {
+        let outcomes = self.found.iter().enumerate();
+        outcomes.filter_map(|(index, outcome)| Some(self.match_of(index, outcome.as_ref()?)))
+    }
+}
+
+impl FeatureMatching {
+    fn prepare(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
+        let fixed = Fixed { pair: self.settings.pair(clip, frame, threads)?, truth: truth(clip, frame) };
+        Ok(State { fixed: Arc::new(fixed), found: Vec::new() })
+    }
+
+    fn compare(&self, fixed: &Fixed, index: usize, observer: &mut impl Observer<Event>) -> Option<Outcome> {
+        self.settings.candidates(&fixed.pair).compare(index, &mut Mapped { observer, map: Event::Of })
+    }
+}
+
+pseudocode! {
+    DETECT: "detect and describe the keypoints of frames t and t+1",
+    EACH_KEYPOINT: "for each keypoint of frame t, with the descriptor a",
+    EACH_CANDIDATE: "  for each keypoint of frame t+1 within the search radius: d ← |a − b|, b its descriptor",
+    KEEP_NEAREST: "  d₁, d₂ ← the smallest and the second smallest distance",
+    RATIO_TEST: "  reject it if d₁ / d₂ is not below the ratio limit",
+    CROSS_CHECK: "  reject it if the nearest neighbour of b in frame t is not a",
+    ACCEPT: "  else a and b are a match",
+}
+
+impl Estimator for FeatureMatching {
+    const INFO: Info = Info {
+        id: "feature-matching",
+        name: "Feature matching",
+        family: "Correspondence",
+        summary: "Correspondences of keypoints: nearest neighbours among descriptors, with ratio test and cross-check.",
+        source: "D. G. Lowe, Distinctive image features from scale-invariant keypoints, International Journal of Computer Vision 60(2), 2004, \
+                 section 7.1",
+        pseudocode: line::ALL,
+        granularities: &["frame", "keypoint", "step"],
+        frames: 2,
+    };
+    const GUARANTEE: Guarantee = Guarantee::Better;
+    const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series];
+    const PRODUCES: &'static [&'static ProductKind] = &[MatchField::KIND];
+    type State = State;
+    type Event = Event;
+
+    fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
+        self.prepare(clip, frame, &Threads::single())
+    }
+
+    fn advance(&self, _: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
+        if state.count() == 0 {
+            observer.see(|| Event::Nothing);
+            return Ok(Progress::Done);
+        }
+        let fixed = Arc::clone(&state.fixed);
+        let outcome = self.compare(&fixed, state.found.len(), observer);
+        state.found.push(outcome);
+        Ok(if state.found.len() == state.count() { Progress::Done } else { Progress::More })
+    }
+
+    fn units(&self, state: &State) -> Option<usize> {
+        Some(state.count().max(1))
+    }
+
+    fn place(&self, state: &State) -> Vec<Granularity> {
+        let keypoints = Granularity { index: state.found.len(), of: self.units(state) };
+        vec![Granularity { index: 0, of: Some(1) }, keypoints]
+    }
+
+    fn landmark(&self, event: &Event) -> Option<Role> {
+        match event {
+            Event::Of(matching::Event::Outcome(Some(Outcome { status: MatchStatus::Match, .. }))) => Some(Role::Result),
+            _ => None,
+        }
+    }
+
+    fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {
+        Some(self)
+    }
+
+    fn step(&self, seen: &Seen<Self>) -> Step {
+        self.explanation(seen)
+    }
+
+    fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
+        self.draw_step(seen, scene);
+    }
+
+    fn output(&self, state: &State) -> Output {
+        Output::of(MatchField { picture: state.fixed.pair.frames[0].size(), matches: state.matches().collect() })
+    }
+
+    fn run(&self, clip: &Clip, frame: usize, threads: &Threads, tally: &impl Tally<Event>) -> Result<State, Error> {
+        let mut state = self.prepare(clip, frame, threads)?;
+        let (fixed, count) = (Arc::clone(&state.fixed), state.count());
+        tally.add_units(count.max(1));
+        tally.add_events(u64::from(count == 0));
+        let compare = |index| self.compare(&fixed, index, &mut tally.counter());
+        state.found = threads.map_while(count, || clip.wanted(), compare)?;
+        Ok(state)
+    }
+}
+
+impl Footprint<State> for FeatureMatching {
+    fn need(&self, clip: &Clip) -> Need {
+        self.settings.need(clip)
+    }
+
+    fn state_bytes(&self, state: &State) -> usize {
+        size_of::<State>() + size_of_val(&state.found[..])
+    }
+
+    fn memory_bytes(&self, state: &State) -> usize {
+        self.state_bytes(state) + state.fixed.pair.bytes()
+    }
+}
+
+impl Pointed<State> for FeatureMatching {
+    fn takes(&self, picture: Picture) -> bool {
+        [Picture::CURRENT, Picture::NEXT].contains(&picture)
+    }
+
+    /// The unit that compares the keypoint nearest to a position.
+    fn unit_at(&self, state: &State, Focus { on, at }: Focus) -> Option<usize> {
+        if on != Picture::CURRENT {
+            return None;
+        }
+        let far = |point: [f32; 2]| (point[0] - at[0]).hypot(point[1] - at[1]);
+        let points = state.fixed.pair.sides[0].points.iter().enumerate();
+        points.min_by(|(_, a), (_, b)| far(a.at).total_cmp(&far(b.at))).map(|(index, _)| index)
+    }
+}

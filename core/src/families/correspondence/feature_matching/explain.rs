@@ -1,0 +1,358 @@
+//! The explanation and the drawing of feature matching.
+
+use super::{Event, FeatureMatching, State, line};
+use crate::base::words::{self, grouped};
+use crate::methods::differential::explain;
+use crate::methods::matching::{Event as Compared, Neighbors, Outcome};
+use crate::products::keypoints::{Descriptor, Keypoint};
+use crate::products::{Match, MatchField, MatchStatus};
+use crate::run::Seen;
+use crate::scene::{Fact, Link, Math, Name, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step, Tile};
+
+/// Distances of descriptors have three decimals.
+fn apart(distance: f32) -> String {
+    words::fixed(distance.into(), 3)
+}
+
+/// Number of ratio limits in the plot of precision.
+const LIMITS: usize = 20;
+
+impl FeatureMatching {
+    pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
+        let state = seen.before;
+        let counts = state.fixed.pair.sides.each_ref().map(|side| grouped(side.points.len()));
+        let Some(last) = seen.events.last().copied() else {
+            let sentence = format!(
+                "A keypoint is found again by its descriptor. {} keypoints of frame t are compared with {} of frame t+1; a match is a nearest \
+                 neighbour that passes two tests.",
+                counts[0], counts[1]
+            );
+            return Step { line: line::DETECT, sentence: Sentence::default().text(sentence), readouts: Vec::new() };
+        };
+        let (line, sentence) = match last {
+            Event::Nothing => {
+                let why = "Frame t has 0 keypoints, so nothing can be matched. A lower threshold of the detector finds weaker ones.";
+                (line::EACH_KEYPOINT, Sentence::default().text(why))
+            }
+            Event::Of(event) => self.said(seen, event),
+        };
+        let is_end = seen.after.is_some_and(|after| after.found.len() >= after.count());
+        let sentence = if is_end { concluded(seen.after.unwrap_or(state), sentence) } else { sentence };
+        Step { line, sentence, readouts: self.readouts(seen, is_end) }
+    }
+
+    fn said(&self, seen: &Seen<Self>, event: Compared) -> (Name, Sentence) {
+        let (state, said) = (seen.before, Sentence::default());
+        let [here, there] = state.fixed.pair.sides.each_ref();
+        let at = |index: usize| words::place(there.points[index].at);
+        let from = words::place(here.points[state.found.len().min(here.points.len() - 1)].at);
+        match event {
+            Compared::Nearer { index, distance } => {
+                let told = said.ink(Role::Candidate, at(index)).text(format!(
+                    " in frame t+1 has the distance d = {} from keypoint {from}: the nearest so far.",
+                    apart(distance)
+                ));
+                (line::EACH_CANDIDATE, told)
+            }
+            Compared::Candidates(count) => {
+                let within = match self.settings.radius {
+                    0 => "in the whole frame".to_owned(),
+                    radius => format!("within the search radius of {radius} px"),
+                };
+                let told = match count {
+                    0 => format!("Keypoint {from} has no candidate {within}."),
+                    count => format!("Keypoint {from} was compared with all {} candidates {within}.", grouped(count)),
+                };
+                (line::EACH_KEYPOINT, said.text(told))
+            }
+            Compared::Found(Neighbors { first, second }) => {
+                let told = match (first, second) {
+                    (Some((a, first)), Some((b, second))) => said
+                        .text("Nearest neighbour ")
+                        .ink(Role::Best, at(a))
+                        .text(format!(", d₁ = {}; second nearest ", apart(first)))
+                        .ink(Role::Rejected, at(b))
+                        .text(format!(", d₂ = {}.", apart(second))),
+                    (Some((a, first)), None) => said
+                        .text("The only candidate is ")
+                        .ink(Role::Best, at(a))
+                        .text(format!(", d₁ = {}: without a second one there is no ratio to test.", apart(first))),
+                    _ => said.text("Without a candidate there is no nearest neighbour."),
+                };
+                (line::KEEP_NEAREST, told)
+            }
+            Compared::Ratio { ratio, passes } => (line::RATIO_TEST, said.text(self.ratio_said(ratio, passes))),
+            Compared::CrossCheck { back, passes } => {
+                let told = match passes {
+                    true => said.text("Cross-check: the nearest neighbour of b in frame t is the keypoint itself, so both choose each other."),
+                    false => said
+                        .text("Cross-check: the nearest neighbour of b in frame t is ")
+                        .ink(Role::Rejected, words::place(here.points[back].at))
+                        .text(", another keypoint: rejected."),
+                };
+                (line::CROSS_CHECK, told)
+            }
+            Compared::Outcome(outcome) => (line::ACCEPT, self.outcome_said(state, outcome)),
+        }
+    }
+
+    fn ratio_said(&self, ratio: f32, passes: bool) -> String {
+        let limit = words::fine(self.settings.ratio);
+        match passes {
+            true => format!(
+                "Ratio test: d₁ / d₂ = {} is below the limit {limit}, so the match is distinctive.",
+                words::fine(ratio)
+            ),
+            false => format!(
+                "Ratio test: d₁ / d₂ = {} is not below the limit {limit}: two candidates look alike, so the nearest may be wrong. Rejected.",
+                words::fine(ratio)
+            ),
+        }
+    }
+
+    fn outcome_said(&self, state: &State, outcome: Option<Outcome>) -> Sentence {
+        let said = Sentence::default();
+        let Some(outcome) = outcome else { return said.text("No candidate, so no match.") };
+        let found = state.match_of(state.found.len(), &outcome);
+        let [u, v] = found.displacement().map(words::fine);
+        let told = match found.status {
+            MatchStatus::Match => said.ink(Role::Result, "Match").text(format!(" with the displacement ({u}, {v}) px")),
+            MatchStatus::RejectedRatio => said.ink(Role::Rejected, "No match").text(" after the ratio test"),
+            _ => said.ink(Role::Rejected, "No match").text(" after the cross-check"),
+        };
+        let is_right = state.fixed.truth.as_ref().and_then(|truth| MatchField::is_right(&found, truth));
+        match (is_right, found.status) {
+            (Some(true), MatchStatus::Match) => told.text(": right, within 3 px of the true displacement."),
+            (Some(false), MatchStatus::Match) => told.text(": wrong, more than 3 px from the true displacement."),
+            (Some(true), _) => told.text(", although the nearest neighbour is right."),
+            (Some(false), _) => told.text("; the nearest neighbour is wrong."),
+            (None, _) => told.text("."),
+        }
+    }
+
+    fn readouts(&self, seen: &Seen<Self>, is_end: bool) -> Vec<Readout> {
+        let state = seen.before;
+        let index = state.found.len();
+        let [here, there] = state.fixed.pair.sides.each_ref();
+        let Some(keypoint) = here.keypoints.get(index) else { return Vec::new() };
+        let found = seen.events.iter().rev().find_map(|event| match event {
+            Event::Of(Compared::Found(neighbors)) => Some(*neighbors),
+            _ => None,
+        });
+        let nearer = seen.events.iter().rev().find_map(|event| match event {
+            Event::Of(Compared::Nearer { index, distance }) => Some((*index, *distance)),
+            _ => None,
+        });
+        let neighbors = found.unwrap_or(Neighbors { first: nearer, second: None });
+        let mut facts = vec![
+            Fact::new("Keypoint", format!("{} of {}", index + 1, here.points.len()), None),
+            Fact::new("Position", format!("{} px", words::place(here.points[index].at)), Some(Role::Reference)),
+        ];
+        let neighbor = |label, role, (index, distance): (usize, f32)| {
+            Fact::new(label, format!("{} at {} px", apart(distance), words::place(there.points[index].at)), Some(role))
+        };
+        facts.extend(neighbors.first.map(|first| neighbor("Nearest, d₁", Role::Best, first)));
+        facts.extend(neighbors.second.map(|second| neighbor("Second nearest, d₂", Role::Rejected, second)));
+        let accepted = state.found.iter().flatten().filter(|outcome| outcome.status == MatchStatus::Match).count();
+        facts.push(Fact::new("Matches so far", grouped(accepted), Some(Role::Result)));
+        let mut all = vec![Readout::Facts(facts)];
+        all.extend(neighbors.ratio().map(|ratio| Readout::Equation(self.ratio_equation(&neighbors, ratio))));
+        all.push(Readout::Tiles(self.tiles(state, index, &neighbors)));
+        let after = seen.after.unwrap_or(state);
+        all.extend(match is_end {
+            true => precision(after).map(Readout::Series),
+            false => {
+                let other = neighbors.first.map(|(index, _)| &there.keypoints[index]);
+                descriptors(keypoint, other).map(Readout::Series)
+            }
+        });
+        all
+    }
+
+    fn ratio_equation(&self, neighbors: &Neighbors, ratio: f32) -> Vec<Math> {
+        let [first, second] = [neighbors.first, neighbors.second].map(|of| of.map_or(0.0, |(_, distance)| distance));
+        let index = |i: &'static str| Math::indexed(Math::Var("d"), Math::text(i));
+        vec![Math::Row(vec![
+            Math::over(index("1"), index("2")),
+            Math::text(" = "),
+            Math::over(Math::ink(Role::Best, apart(first)), Math::ink(Role::Rejected, apart(second))),
+            Math::text(format!(" = {}", words::fine(ratio))),
+        ])]
+    }
+
+    /// The neighbourhoods of the keypoint and of its neighbours.
+    fn tiles(&self, state: &State, index: usize, neighbors: &Neighbors) -> Vec<Tile> {
+        let reach = self.settings.reach().min(7);
+        let tile = |side: usize, index: usize, label, role| {
+            let luma = state.fixed.pair.frames[side].luma();
+            let place = luma.cell_at(state.fixed.pair.sides[side].points[index].at)?;
+            Some(Tile { label, role: Some(role), values: explain::around(luma, place, reach), range: [0.0, 255.0] })
+        };
+        let first = neighbors.first.and_then(|(index, _)| tile(1, index, "Nearest", Role::Best));
+        let second = neighbors.second.and_then(|(index, _)| tile(1, index, "Second nearest", Role::Rejected));
+        [tile(0, index, "Keypoint", Role::Reference), first, second].into_iter().flatten().collect()
+    }
+
+    pub(super) fn draw_step(&self, seen: &Seen<Self>, scene: &mut Scene) {
+        let state = seen.before;
+        let [here, there] = state.fixed.pair.sides.each_ref();
+        for (on, side) in [(Picture::CURRENT, here), (Picture::NEXT, there)] {
+            let points: Vec<_> = side.points.iter().map(|point| point.at).collect();
+            if !points.is_empty() {
+                scene.mark(on, Role::Window, Shape::Points(points));
+                scene.legend(Role::Window, "keypoint");
+            }
+        }
+        let shown = seen.after.unwrap_or(state);
+        let mut is_any = false;
+        for found in shown.matches().filter(|found| found.status == MatchStatus::Match) {
+            scene.links.push(link(Role::Result, found.from, found.to));
+            is_any = true;
+        }
+        if is_any {
+            scene.legend(Role::Result, "match");
+        }
+        let is_end = seen.after.is_some_and(|after| after.found.len() >= after.count());
+        if !is_end {
+            self.draw_current(seen, scene);
+        }
+    }
+
+    fn draw_current(&self, seen: &Seen<Self>, scene: &mut Scene) {
+        let state = seen.before;
+        let [here, there] = state.fixed.pair.sides.each_ref();
+        let index = state.found.len();
+        let (Some(point), false) = (here.points.get(index), seen.events.is_empty()) else { return };
+        self.draw_keypoint((Picture::CURRENT, Role::Reference), point.at, &here.keypoints[index], scene);
+        scene.legend(Role::Reference, "keypoint compared");
+        if self.settings.radius > 0 {
+            let radii = [self.settings.radius as f32; 2];
+            scene.mark(Picture::NEXT, Role::Predicted, Shape::Ellipse { center: point.at, radii, angle_rad: 0.0 });
+            scene.legend(Role::Predicted, "search radius");
+        }
+        let mut candidate = |index: usize, role, meaning| {
+            let to = there.points[index].at;
+            self.draw_keypoint((Picture::NEXT, role), to, &there.keypoints[index], scene);
+            scene.links.push(link(role, point.at, to));
+            scene.legend(role, meaning);
+        };
+        for event in seen.events {
+            match event {
+                Event::Of(Compared::Found(Neighbors { first, second })) => {
+                    if let Some((index, _)) = second {
+                        candidate(*index, Role::Rejected, "second nearest");
+                    }
+                    if let Some((index, _)) = first {
+                        candidate(*index, Role::Best, "nearest");
+                    }
+                }
+                Event::Of(Compared::Nearer { index, .. })
+                    if std::ptr::eq(event, seen.events.last().unwrap_or(event)) =>
+                {
+                    candidate(*index, Role::Candidate, "nearest so far");
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// A circle as large as the described neighbourhood, or the square of a patch.
+    fn draw_keypoint(&self, (on, role): (Picture, Role), at: [f32; 2], keypoint: &Keypoint, scene: &mut Scene) {
+        let shape = match keypoint.scale_px {
+            // Half the side of the descriptor's window of 4 cells of 3 σ each.
+            Some(scale) => Shape::Ellipse { center: at, radii: [6.0 * scale; 2], angle_rad: 0.0 },
+            None => {
+                let reach = self.settings.reach() as f32 + 0.5;
+                Shape::Rect { min: at.map(|c| c - reach), max: at.map(|c| c + reach) }
+            }
+        };
+        scene.mark(on, role, shape);
+    }
+}
+
+fn link(role: Role, from: [f32; 2], to: [f32; 2]) -> Link {
+    Link { role, ends: [(Picture::CURRENT, from), (Picture::NEXT, to)] }
+}
+
+fn concluded(state: &State, sentence: Sentence) -> Sentence {
+    let all: Vec<Match> = state.matches().collect();
+    let count = |status| all.iter().filter(|found| found.status == status).count();
+    let accepted = count(MatchStatus::Match);
+    let errors = state
+        .fixed
+        .truth
+        .as_ref()
+        .map(|truth| MatchField::compare(all.iter().filter(|found| found.status == MatchStatus::Match), truth));
+    let quality = match errors.and_then(|errors| Some((errors, errors.precision()?))) {
+        Some((errors, precision)) => format!(
+            " {} of {} with known true displacement are right, {:.1} %.",
+            errors.right,
+            errors.known,
+            100.0 * precision
+        ),
+        None => String::new(),
+    };
+    let rejected = [count(MatchStatus::RejectedRatio), count(MatchStatus::RejectedCrossCheck)];
+    sentence.text(format!(
+        " End of the run: {} of {} keypoints matched; the ratio test rejected {}, the cross-check {}.{quality} A lower ratio limit rejects \
+         more wrong matches, and right ones on repeating texture.",
+        grouped(accepted),
+        grouped(state.count()),
+        grouped(rejected[0]),
+        grouped(rejected[1])
+    ))
+}
+
+/// The entries of two descriptors of real values.
+fn descriptors(keypoint: &Keypoint, other: Option<&Keypoint>) -> Option<Series> {
+    let entries = |keypoint: &Keypoint| match keypoint.descriptor.as_ref()? {
+        Descriptor::Reals(values) => {
+            Some(values.iter().enumerate().map(|(i, v)| [(i + 1) as f32, *v]).collect::<Vec<_>>())
+        }
+        Descriptor::Bits(_) => None,
+    };
+    let own = entries(keypoint)?;
+    let x_max = own.len();
+    let mut lines = vec![("a, of the keypoint", Role::Reference, own)];
+    lines.extend(other.and_then(entries).map(|values| ("b, of the nearest", Role::Best, values)));
+    Some(Series {
+        title: "Descriptors",
+        x_label: "entry",
+        y_label: "value",
+        x_max,
+        lines,
+        is_sweep: true,
+        fits_values: true,
+        ..Series::default()
+    })
+}
+
+/// Precision and share of the nearest neighbours that limits of the ratio accept, where the truth is known; else the share alone.
+fn precision(state: &State) -> Option<Series> {
+    let all: Vec<Match> = state.matches().filter(|found| found.ratio.is_some()).collect();
+    if all.is_empty() {
+        return None;
+    }
+    let limits = (0..=LIMITS).map(|i| 0.5 + 0.5 * i as f32 / LIMITS as f32);
+    let (mut shares, mut precisions) = (Vec::new(), Vec::new());
+    for limit in limits {
+        let accepted = || all.iter().filter(|found| found.ratio.is_some_and(|ratio| ratio < limit));
+        shares.push([limit, accepted().count() as f32 / all.len() as f32]);
+        let truth = state.fixed.truth.as_ref();
+        let precision = truth.and_then(|truth| MatchField::compare(accepted(), truth).precision());
+        precisions.push([limit, precision.map_or(f32::NAN, |share| share as f32)]);
+    }
+    let mut lines = vec![("accepted", Role::Reference, shares)];
+    if precisions.iter().any(|point| point[1].is_finite()) {
+        lines.push(("precision: right of accepted", Role::Result, precisions));
+    }
+    Some(Series {
+        title: "Ratio test",
+        x_label: "ratio limit",
+        y_label: "share",
+        x_max: 1,
+        lines,
+        is_sweep: true,
+        ..Series::default()
+    })
+}

@@ -1,0 +1,8 @@
+//! Correspondence of keypoints and the motion that explains it, one file each; the shared parts are in `methods/matching` and
+//! `methods/geometric`.
+
+mod feature_matching;
+mod global_motion;
+
+pub use feature_matching::FeatureMatching;
+pub use global_motion::GlobalMotion;

@@ -1,0 +1,251 @@
+//! Least-squares fits of the transformations of the plane (Hartley and Zisserman 2004, chapter 4).
+
+use nalgebra::{SMatrix, SVector};
+
+use super::Correspondence;
+use crate::products::model::{Matrix3, Model, mapped};
+
+/// Fits `model` to correspondences. With as many as determine it the fit is exact; with more, translation, rigid, similarity and affine
+/// minimise the squared distance in frame t + 1, a homography the algebraic distance of the normalised DLT. `None` if they do not determine
+/// it: too few, or on a line.
+pub fn fit(model: Model, matches: &[Correspondence]) -> Option<Matrix3> {
+    if matches.len() < model.sample_size() {
+        return None;
+    }
+    let matrix = match model {
+        Model::Translation => translation(matches),
+        Model::Rigid => rotation(matches, false)?,
+        Model::Similarity => rotation(matches, true)?,
+        Model::Affine => affine(matches)?,
+        Model::Homography => homography(matches)?,
+    };
+    matrix.iter().flatten().all(|entry| entry.is_finite()).then_some(matrix)
+}
+
+fn mean(points: impl Iterator<Item = [f64; 2]> + Clone) -> [f64; 2] {
+    let count = points.clone().count().max(1) as f64;
+    points.fold([0.0; 2], |sum, p| [sum[0] + p[0], sum[1] + p[1]]).map(|sum| sum / count)
+}
+
+fn translation(matches: &[Correspondence]) -> Matrix3 {
+    let [u, v] = mean(matches.iter().map(|m| [m.to[0] - m.from[0], m.to[1] - m.from[1]]));
+    [[1.0, 0.0, u], [0.0, 1.0, v], [0.0, 0.0, 1.0]]
+}
+
+/// Rotation and translation, with scale or without, in closed form (Umeyama 1991, in the plane).
+fn rotation(matches: &[Correspondence], has_scale: bool) -> Option<Matrix3> {
+    let (from, to) = (mean(matches.iter().map(|m| m.from)), mean(matches.iter().map(|m| m.to)));
+    let (mut along, mut across, mut spread) = (0.0, 0.0, 0.0);
+    for m in matches {
+        let [x, y] = [m.from[0] - from[0], m.from[1] - from[1]];
+        let [u, v] = [m.to[0] - to[0], m.to[1] - to[1]];
+        along += x * u + y * v;
+        across += x * v - y * u;
+        spread += x * x + y * y;
+    }
+    let length = along.hypot(across);
+    if spread < 1e-9 || length < 1e-9 {
+        return None;
+    }
+    let scale = if has_scale { length / spread } else { 1.0 };
+    let (cos, sin) = (scale * along / length, scale * across / length);
+    let offset = [to[0] - cos * from[0] + sin * from[1], to[1] - sin * from[0] - cos * from[1]];
+    Some([[cos, -sin, offset[0]], [sin, cos, offset[1]], [0.0, 0.0, 1.0]])
+}
+
+fn affine(matches: &[Correspondence]) -> Option<Matrix3> {
+    let centre = mean(matches.iter().map(|m| m.from));
+    let (mut normal, mut right) = (SMatrix::<f64, 3, 3>::zeros(), SMatrix::<f64, 3, 2>::zeros());
+    for m in matches {
+        let row = SVector::<f64, 3>::new(m.from[0] - centre[0], m.from[1] - centre[1], 1.0);
+        normal += row * row.transpose();
+        right += row * SMatrix::<f64, 1, 2>::new(m.to[0], m.to[1]);
+    }
+    // The spread of points across the line that fits them best decides whether they determine the map.
+    let spread = normal[(0, 0)] * normal[(1, 1)] - normal[(0, 1)] * normal[(1, 0)];
+    let size = normal[(0, 0)] + normal[(1, 1)];
+    if spread < 1e-9 * size * size {
+        return None;
+    }
+    let solution = normal.cholesky()?.solve(&right);
+    let row = |i: usize| {
+        let [a, b, c] = [solution[(0, i)], solution[(1, i)], solution[(2, i)]];
+        [a, b, c - a * centre[0] - b * centre[1]]
+    };
+    Some([row(0), row(1), [0.0, 0.0, 1.0]])
+}
+
+/// A similarity that moves points to mean zero and mean distance √2, as the factor and the mean.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Normalisation {
+    /// The mean.
+    pub mean: [f64; 2],
+    /// The factor.
+    pub scale: f64,
+}
+
+impl Normalisation {
+    /// The normalisation of points; `None` if all are at one place.
+    pub fn of(points: impl Iterator<Item = [f64; 2]> + Clone) -> Option<Self> {
+        let mean = mean(points.clone());
+        let count = points.clone().count() as f64;
+        let distance = points.map(|p| (p[0] - mean[0]).hypot(p[1] - mean[1])).sum::<f64>() / count;
+        (distance > 1e-9).then(|| Self { mean, scale: std::f64::consts::SQRT_2 / distance })
+    }
+
+    /// A normalised point.
+    pub fn apply(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        [(x - self.mean[0]) * self.scale, (y - self.mean[1]) * self.scale]
+    }
+
+    /// Its matrix.
+    pub fn matrix(&self) -> Matrix3 {
+        let Self { mean: [x, y], scale } = *self;
+        [[scale, 0.0, -scale * x], [0.0, scale, -scale * y], [0.0, 0.0, 1.0]]
+    }
+
+    fn inverse(&self) -> Matrix3 {
+        let Self { mean: [x, y], scale } = *self;
+        [[1.0 / scale, 0.0, x], [0.0, 1.0 / scale, y], [0.0, 0.0, 1.0]]
+    }
+}
+
+/// The product of two matrices.
+pub fn product(a: &Matrix3, b: &Matrix3) -> Matrix3 {
+    std::array::from_fn(|i| std::array::from_fn(|j| (0..3).map(|k| a[i][k] * b[k][j]).sum()))
+}
+
+/// The inverse of a matrix; `None` if it is singular.
+pub fn inverse(matrix: &Matrix3) -> Option<Matrix3> {
+    let [[a, b, c], [d, e, f], [g, h, i]] = *matrix;
+    let adjugate = [
+        [e * i - f * h, c * h - b * i, b * f - c * e],
+        [f * g - d * i, a * i - c * g, c * d - a * f],
+        [d * h - e * g, b * g - a * h, a * e - b * d],
+    ];
+    let determinant = a * adjugate[0][0] + b * adjugate[1][0] + c * adjugate[2][0];
+    (determinant.abs() > 1e-15).then(|| adjugate.map(|row| row.map(|entry| entry / determinant)))
+}
+
+/// The homography by the normalised direct linear transformation (Hartley 1997).
+fn homography(matches: &[Correspondence]) -> Option<Matrix3> {
+    let from = Normalisation::of(matches.iter().map(|m| m.from))?;
+    let to = Normalisation::of(matches.iter().map(|m| m.to))?;
+    let normalised = matches.iter().map(|m| Correspondence { from: from.apply(m.from), to: to.apply(m.to) });
+    let matrix = if matches.len() == 4 { exact(normalised)? } else { direct_linear(normalised)? };
+    let matrix = product(&to.inverse(), &product(&matrix, &from.matrix()));
+    let last = matrix[2][2];
+    let scaled = matrix.map(|row| row.map(|entry| entry / last));
+    let is_regular = last.abs() > 1e-12 && matches.iter().all(|m| mapped(&scaled, m.from).is_some());
+    is_regular.then_some(scaled)
+}
+
+/// The homography through four correspondences, with its last entry 1.
+fn exact(matches: impl Iterator<Item = Correspondence>) -> Option<Matrix3> {
+    let (mut system, mut right) = (SMatrix::<f64, 8, 8>::zeros(), SVector::<f64, 8>::zeros());
+    for (i, Correspondence { from: [x, y], to: [u, v] }) in matches.enumerate() {
+        let rows = [[x, y, 1.0, 0.0, 0.0, 0.0, -x * u, -y * u], [0.0, 0.0, 0.0, x, y, 1.0, -x * v, -y * v]];
+        for (j, row) in rows.into_iter().enumerate() {
+            row.into_iter().enumerate().for_each(|(k, entry)| system[(2 * i + j, k)] = entry);
+        }
+        (right[2 * i], right[2 * i + 1]) = (u, v);
+    }
+    let lu = system.lu();
+    // Three of four points on a line make it singular.
+    let pivots = (0..8).map(|i| lu.u()[(i, i)].abs());
+    if pivots.fold(f64::INFINITY, f64::min) < 1e-6 {
+        return None;
+    }
+    let h = lu.solve(&right)?;
+    Some([[h[0], h[1], h[2]], [h[3], h[4], h[5]], [h[6], h[7], 1.0]])
+}
+
+/// The unit vector h that minimises |A h| for the equations A of normalised correspondences.
+fn direct_linear(matches: impl Iterator<Item = Correspondence>) -> Option<Matrix3> {
+    let mut normal = SMatrix::<f64, 9, 9>::zeros();
+    for Correspondence { from: [x, y], to: [u, v] } in matches {
+        let rows = [[x, y, 1.0, 0.0, 0.0, 0.0, -x * u, -y * u, -u], [0.0, 0.0, 0.0, x, y, 1.0, -x * v, -y * v, -v]];
+        for row in rows.map(SVector::<f64, 9>::from) {
+            normal += row * row.transpose();
+        }
+    }
+    let eigen = normal.symmetric_eigen();
+    let mut order: Vec<usize> = (0..9).collect();
+    order.sort_by(|a, b| eigen.eigenvalues[*a].total_cmp(&eigen.eigenvalues[*b]));
+    // Two solutions are as good as each other where points lie on a line.
+    let [least, next, most] = [order[0], order[1], order[8]].map(|i| eigen.eigenvalues[i]);
+    if next - least < 1e-9 * most {
+        return None;
+    }
+    let h = eigen.eigenvectors.column(order[0]);
+    Some([[h[0], h[1], h[2]], [h[3], h[4], h[5]], [h[6], h[7], h[8]]])
+}
+
+/// The squared distance of a correspondence from the model in px², in frame t + 1; infinite beyond the horizon.
+pub fn squared_error(matrix: &Matrix3, m: &Correspondence) -> f64 {
+    mapped(matrix, m.from).map_or(f64::INFINITY, |[x, y]| (x - m.to[0]).powi(2) + (y - m.to[1]).powi(2))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ALL: [Model; 5] = [Model::Translation, Model::Rigid, Model::Similarity, Model::Affine, Model::Homography];
+
+    fn truth(model: Model) -> Matrix3 {
+        let (sin, cos) = 0.3f64.sin_cos();
+        match model {
+            Model::Translation => [[1.0, 0.0, 12.5], [0.0, 1.0, -3.25], [0.0, 0.0, 1.0]],
+            Model::Rigid => [[cos, -sin, 5.0], [sin, cos, 40.0], [0.0, 0.0, 1.0]],
+            Model::Similarity => [[1.4 * cos, -1.4 * sin, 5.0], [1.4 * sin, 1.4 * cos, 40.0], [0.0, 0.0, 1.0]],
+            Model::Affine => [[1.1, 0.2, -7.0], [-0.3, 0.9, 22.0], [0.0, 0.0, 1.0]],
+            Model::Homography => [[1.1, 0.2, -7.0], [-0.3, 0.9, 22.0], [4e-4, -3e-4, 1.0]],
+        }
+    }
+
+    fn matches(matrix: &Matrix3, count: usize) -> Vec<Correspondence> {
+        let point = |i: usize| [((i * 197 + 31) % 640) as f64, ((i * 331 + 77) % 480) as f64];
+        let moved = |from| mapped(matrix, from).expect("before the horizon");
+        (0..count).map(point).map(|from| Correspondence { from, to: moved(from) }).collect()
+    }
+
+    #[test]
+    fn exact_correspondences_give_the_exact_model() {
+        for model in ALL {
+            let matrix = truth(model);
+            for count in [model.sample_size(), model.sample_size() + 1, 50] {
+                let found = fit(model, &matches(&matrix, count)).expect("points in general position");
+                let off = matches(&matrix, 80).iter().map(|m| squared_error(&found, m).sqrt()).fold(0.0, f64::max);
+                assert!(off < 1e-6, "{model:?} from {count}: {off}");
+            }
+        }
+    }
+
+    #[test]
+    fn degenerate_points_determine_no_model() {
+        let on_line = |i: usize| {
+            let from = [10.0 + 7.0 * i as f64, 20.0 + 3.5 * i as f64];
+            Correspondence { from, to: [from[0] + 1.0, from[1]] }
+        };
+        let line: Vec<_> = (0..9).map(on_line).collect();
+        let one_place = vec![Correspondence { from: [3.0, 4.0], to: [5.0, 6.0] }; 9];
+        for model in [Model::Affine, Model::Homography] {
+            assert_eq!(fit(model, &line), None, "{model:?}");
+            assert_eq!(fit(model, &line[..model.sample_size()]), None, "{model:?}");
+        }
+        for model in &ALL[1..] {
+            assert_eq!(fit(*model, &one_place), None, "{model:?}");
+            assert_eq!(fit(*model, &line[..model.sample_size() - 1]), None, "{model:?}");
+        }
+    }
+
+    #[test]
+    fn an_inverse_undoes_its_matrix() {
+        let matrix = truth(Model::Homography);
+        let one = product(&matrix, &inverse(&matrix).expect("regular"));
+        for (i, row) in one.iter().enumerate() {
+            assert!(row.iter().enumerate().all(|(j, v)| (v - f64::from(u8::from(i == j))).abs() < 1e-12));
+        }
+        assert_eq!(inverse(&[[1.0, 2.0, 3.0], [2.0, 4.0, 6.0], [0.0, 0.0, 1.0]]), None);
+    }
+}

@@ -1,0 +1,152 @@
+//! Descriptors of keypoints that a detector has found without describing them.
+
+use std::sync::Arc;
+
+use super::settings::{DescriptorKind, PatchCost};
+use crate::base::{Error, Threads};
+use crate::geometry::Gray;
+use crate::methods::scale_space::{Descriptor as Gradients, Histogram, Place, ScaleSpace, Shape};
+use crate::products::keypoints::Descriptor;
+use crate::products::{Feature, Keypoint, PointField};
+
+/// Keypoints of a frame with a descriptor each.
+#[derive(Clone, Debug)]
+pub struct Described {
+    /// The keypoints.
+    pub points: Vec<Feature>,
+    /// Their detection results, each with a descriptor.
+    pub keypoints: Vec<Keypoint>,
+}
+
+/// How keypoints are described.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Describe {
+    /// The descriptor.
+    pub kind: DescriptorKind,
+    /// The patches, if these are the descriptor.
+    pub patches: Patches,
+}
+
+/// Square patches around keypoints, upright and of one size.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Patches {
+    /// Half the side without the middle, in px.
+    pub reach: usize,
+    /// How two patches are compared.
+    pub cost: PatchCost,
+}
+
+impl Describe {
+    /// Describes the keypoints of a picture that was found by the detector called `id`. Keypoints whose window leaves the picture are
+    /// left out.
+    ///
+    /// # Errors
+    /// If their own descriptors are asked for and there are none.
+    pub fn describe(
+        &self,
+        (picture, field): (&Gray, PointField),
+        id: &str,
+        threads: &Threads,
+    ) -> Result<Described, Error> {
+        let PointField { points, mut keypoints, .. } = field;
+        keypoints.resize(points.len(), Keypoint::default());
+        let has_own = keypoints.iter().all(|keypoint| keypoint.descriptor.is_some()) && !keypoints.is_empty();
+        let kind = match (self.kind, has_own) {
+            (DescriptorKind::Auto, false) => DescriptorKind::Patch,
+            (kind, _) => kind,
+        };
+        let is_own = kind == DescriptorKind::Auto || (kind.is_of(id) && has_own);
+        if is_own || points.is_empty() {
+            return Ok(Described { points, keypoints });
+        }
+        let descriptors: Vec<Option<Descriptor>> = match kind {
+            DescriptorKind::Sift => self.gradients(picture, (&points, &mut keypoints), threads),
+            _ => threads.map(points.len(), |i| self.patches.around(picture, points[i].at)),
+        };
+        let described = points.into_iter().zip(keypoints).zip(descriptors);
+        let known = described.filter_map(|((point, keypoint), descriptor)| {
+            Some((point, Keypoint { descriptor: Some(descriptor?), ..keypoint }))
+        });
+        let (points, keypoints) = known.unzip();
+        Ok(Described { points, keypoints })
+    }
+
+    /// SIFT descriptors at the scale of each keypoint, turned by its orientation; both are set where the detector has not.
+    fn gradients(
+        &self,
+        picture: &Gray,
+        (points, keypoints): (&[Feature], &mut [Keypoint]),
+        threads: &Threads,
+    ) -> Vec<Option<Descriptor>> {
+        /// Standard deviation of keypoints without scale, in px.
+        const USUAL_PX: f32 = 2.0;
+        let shape = Shape { scales: 3, sigma_px: 1.6, is_doubled: false, octaves: 8 };
+        let space = ScaleSpace::of(picture, &shape, threads);
+        let place = |i: usize, keypoint: &Keypoint| {
+            let sigma = keypoint.scale_px.unwrap_or(USUAL_PX).max(shape.sigma_px);
+            // The Gaussian image with the standard deviation nearest to that of the keypoint.
+            let steps = ((sigma / shape.sigma_px).log2() * shape.scales as f32).round().max(0.0) as usize;
+            let octave = (steps / shape.scales).min(space.octaves.len() - 1);
+            let level = (steps - octave * shape.scales).min(shape.levels() - 1);
+            let pixel = shape.pixel_px(octave);
+            (octave, level, Place { at: points[i].at.map(|c| c / pixel), sigma_px: sigma / pixel, angle_rad: 0.0 })
+        };
+        let described = threads.map(points.len(), |i| {
+            let (octave, level, place) = place(i, &keypoints[i]);
+            let image = &space.octaves[octave].gaussians[level];
+            let (x, y) = image.cell_at(place.at)?;
+            let angle_rad = keypoints[i].angle_rad.unwrap_or_else(|| {
+                let histogram = Histogram::around(image, (x, y), place.sigma_px);
+                let highest = histogram.peaks().into_iter().max_by(|a, b| a.share.total_cmp(&b.share));
+                highest.map_or(0.0, |peak| peak.angle_rad)
+            });
+            let entries = Gradients::around(image, &Place { angle_rad, ..place }).finished().0;
+            Some((angle_rad, Descriptor::Reals(Arc::new(entries))))
+        });
+        let of_one = |(keypoint, described): (&mut Keypoint, Option<(f32, Descriptor)>)| {
+            let (angle_rad, descriptor) = described?;
+            keypoint.angle_rad = Some(angle_rad);
+            keypoint.scale_px = Some(keypoint.scale_px.unwrap_or(USUAL_PX));
+            Some(descriptor)
+        };
+        keypoints.iter_mut().zip(described).map(of_one).collect()
+    }
+}
+
+impl Patches {
+    /// The patch around a position, as its descriptor; `None` where it leaves the picture.
+    fn around(&self, picture: &Gray, at: [f32; 2]) -> Option<Descriptor> {
+        let (x, y) = picture.cell_at(at)?;
+        let reach = self.reach;
+        let is_inside = x >= reach && y >= reach && x + reach < picture.width() && y + reach < picture.height();
+        if !is_inside {
+            return None;
+        }
+        let rows = (y - reach..=y + reach).flat_map(|j| &picture.row(j)[x - reach..=x + reach]);
+        let mut values: Vec<f32> = rows.map(|value| f32::from(*value)).collect();
+        if self.cost == PatchCost::Zncc {
+            let mean = values.iter().sum::<f32>() / values.len() as f32;
+            values.iter_mut().for_each(|value| *value -= mean);
+            let length = values.iter().map(|value| value * value).sum::<f32>().sqrt();
+            let factor = if length > 0.0 { 1.0 / length } else { 0.0 };
+            values.iter_mut().for_each(|value| *value *= factor);
+        }
+        Some(Descriptor::Reals(values.into()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Grid;
+
+    #[test]
+    fn normalised_patches_do_not_depend_on_gain_and_offset() {
+        let picture = Grid::from_fn(20, 20, |x, y| (x * x + 3 * y) as u8 / 4);
+        let brighter = picture.map(|value| value * 2 + 30);
+        let of = |picture: &Gray, cost| Patches { reach: 3, cost }.around(picture, [9.2, 10.4]).expect("inside");
+        let apart = |cost| of(&picture, cost).distance(&of(&brighter, cost)).expect("patches of one size");
+        assert!(apart(PatchCost::Zncc) < 1e-3 && apart(PatchCost::Ssd) > 100.0);
+        assert!(Patches { reach: 3, cost: PatchCost::Ssd }.around(&picture, [2.0, 10.0]).is_none());
+    }
+}
