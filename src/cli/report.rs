@@ -5,7 +5,7 @@ use std::time::Duration;
 use motionscope_core::products::model::Matrix3;
 use motionscope_core::products::{Assessment, Figure};
 use motionscope_core::scene::Fact;
-use motionscope_core::{Error, Extent, ModelField, Output};
+use motionscope_core::{EpipolarField, Error, Extent, ModelField, Output};
 use serde::{Serialize, Serializer};
 use serde_json::Map;
 
@@ -109,7 +109,8 @@ impl Checked {
 #[derive(Serialize)]
 struct ModelReport {
     kind: &'static str,
-    /// By rows; maps homogeneous pixel positions of frame t to frame t + 1. Null without an estimate.
+    /// By rows; maps homogeneous pixel positions of frame t to positions, or to epipolar lines, in frame t + 1. Null without an
+    /// estimate.
     matrix: Option<Matrix3>,
     inliers: Option<usize>,
     matches: Option<usize>,
@@ -117,11 +118,19 @@ struct ModelReport {
     residual_px: Option<f64>,
 }
 
-impl From<&ModelField> for ModelReport {
-    fn from(field: &ModelField) -> Self {
-        let ModelField { model, matrix, iterations, residual_px, support, .. } = *field;
-        let [inliers, matches] = [support.map(|of| of.inliers), support.map(|of| of.matches)];
-        Self { kind: model.id(), matrix, inliers, matches, iterations, residual_px }
+impl ModelReport {
+    fn of(output: &Output) -> Option<Self> {
+        let plane = output.get().map(|field: &ModelField| {
+            let ModelField { model, matrix, iterations, residual_px, support, .. } = *field;
+            let [inliers, matches] = [support.map(|of| of.inliers), support.map(|of| of.matches)];
+            Self { kind: model.id(), matrix, inliers, matches, iterations, residual_px }
+        });
+        let epipolar = |field: &EpipolarField| {
+            let EpipolarField { matrix, iterations, residual_px, support, .. } = *field;
+            let [inliers, matches] = [Some(support.inliers), Some(support.matches)];
+            Self { kind: "fundamental", matrix, inliers, matches, iterations, residual_px }
+        };
+        plane.or_else(|| output.get().map(epipolar))
     }
 }
 
@@ -166,7 +175,7 @@ impl Report {
             ms: Milliseconds { median, min: times.first().copied().map_or(0.0, ms) },
             truth_files: clip.truth().map(|truth| truth.names()).unwrap_or_default(),
             metrics,
-            model: output.get().map(ModelReport::from),
+            model: ModelReport::of(output),
             consistency: check.map(Checked::of),
             live,
         }

@@ -2,8 +2,8 @@
 
 use motionscope_core::table::Table;
 use motionscope_core::{
-    BlockField, DenseField, Error, MaskField, MatchField, ModelField, ObjectField, Output, PointField, Product,
-    TrackField,
+    BlockField, DenseField, EpipolarField, Error, MaskField, MatchField, ModelField, ObjectField, Output, PointField,
+    Product, TrackField,
 };
 
 use super::{EncodedFiles, Export, Format};
@@ -21,6 +21,7 @@ pub const EXPORT: Export = Export {
         TrackField::KIND,
         MatchField::KIND,
         ModelField::KIND,
+        EpipolarField::KIND,
         ObjectField::KIND,
         MaskField::KIND,
     ],

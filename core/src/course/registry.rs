@@ -6,7 +6,7 @@ use crate::families::{
         AdaptiveRood, Diamond, FourStep, FullSearch, Hexagon, Hierarchical, LogSearch, NewThreeStep, Predictive,
         QuadrantSearch, SuccessiveElimination, ThreeStep,
     },
-    correspondence::{FeatureMatching, GlobalMotion},
+    correspondence::{EpipolarGeometry, FeatureMatching, GlobalMotion},
     interest_points::{Harris, ShiTomasi, Sift},
     moving_objects::{
         ConnectedComponents, FlowMagnitude, FrameDifference, KnnBackground, MedianBackground, MixtureOfGaussians,
@@ -17,7 +17,9 @@ use crate::families::{
     },
     tracking::{BlobTracker, KalmanFilter, KalmanTracker, TrajectoryAnalysis},
 };
-use crate::methods::{features::Corners, subtraction::Subtraction, variational::Variational};
+use crate::methods::{
+    features::Corners, geometric::robust::Robust, subtraction::Subtraction, variational::Variational,
+};
 use crate::run::{AnyEstimator, Course, Entries, Entry};
 
 impl Entries for Course {
@@ -47,7 +49,8 @@ impl Entries for Course {
         Entry::of::<Corners<ShiTomasi>>(),
         Entry::of::<Sift>(),
         Entry::of::<FeatureMatching>(),
-        Entry::of::<GlobalMotion>(),
+        Entry::of::<Robust<GlobalMotion>>(),
+        Entry::of::<Robust<EpipolarGeometry>>(),
         Entry::of::<Subtraction<FrameDifference>>(),
         Entry::of::<Subtraction<RunningAverage>>(),
         Entry::of::<Subtraction<MedianBackground>>(),

@@ -8,6 +8,7 @@ mod block_vectors;
 mod coding;
 pub mod consistency;
 mod dense_flow;
+mod epipolar;
 mod flow_error;
 pub mod keypoints;
 mod mask;
@@ -28,6 +29,7 @@ pub use block_vectors::{Block, BlockField, BlockGrid, BlockVector};
 pub use coding::Coding;
 pub use consistency::{Agreement, Consistency};
 pub use dense_flow::DenseField;
+pub use epipolar::EpipolarField;
 pub use keypoints::{Descriptor, Feature, Keypoint, PointField, Status};
 pub use mask::MaskField;
 pub use matches::{Match, MatchErrors, MatchField, MatchStatus, RIGHT_WITHIN_PX};
@@ -50,6 +52,7 @@ pub const KINDS: &[&ProductKind] = &[
     TrackField::KIND,
     MatchField::KIND,
     ModelField::KIND,
+    EpipolarField::KIND,
     MaskField::KIND,
     ObjectField::KIND,
 ];

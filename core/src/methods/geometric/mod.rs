@@ -1,8 +1,10 @@
 //! Geometric models from correspondences: least squares, the normalised DLT, and robust estimation by RANSAC.
 
+pub mod epipolar;
 pub mod fit;
 pub mod ransac;
 pub mod refine;
+pub mod robust;
 
 /// A correspondence: the positions of a point in frame t and in frame t + 1 in px.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,0 +1,289 @@
+//! Epipolar geometry of a pair of frames: the fundamental matrix, and the pose of a calibrated camera.
+
+use crate::base::words;
+use crate::methods::geometric::{
+    Correspondence,
+    epipolar::{
+        Camera, Pose, eight_point, epipoles, least_sampson, line as line_of, line_back, sampson_squared, seven_point,
+    },
+    fit::{fit, squared_error},
+    ransac::{chosen, sample},
+    robust::{self, Best, Estimate, RobustModel, robust_pseudocode},
+};
+use crate::methods::matching;
+use crate::products::model::{Matrix3, Model, Support};
+use crate::products::{EpipolarField, Output, Product, ProductKind};
+use crate::run::Info;
+use crate::scene::{Focus, Math, Picture, Role, Scene, Shape};
+use crate::{choices, params};
+
+choices! {
+    /// Number of matches of a sample.
+    pub enum Sampling {
+        /// Seven: the smallest sample. The constraint det F = 0 gives one to three solutions.
+        Seven = "seven" "7 points",
+        /// Eight: a linear solution, but more iterations for the same share of outliers.
+        Eight = "eight" "8 points",
+    }
+}
+
+params! {
+    /// The fundamental matrix of a pair of frames: RANSAC over matched keypoints.
+    pub struct EpipolarGeometry {
+        /// Algorithm for a sample.
+        sampling: Sampling = Sampling::Seven;
+        /// Detector, descriptor and tests of the matches.
+        matching: matching::Settings = matching::Settings::default();
+        /// Parameters of random sample consensus.
+        robust: robust::Settings = robust::Settings { threshold: 1.5, ..robust::Settings::default() };
+        /// Focal length of the camera; its principal point is the centre of the frame. With it the essential matrix and the pose are computed. 0: unknown.
+        focal_length: f32 = 0.0, 0.0..=20000.0, "px";
+    }
+}
+
+robust_pseudocode!(
+    "  F ← the fundamental matrices through the sample, of rank 2",
+    "  count the inliers: matches with a Sampson distance of at most the threshold",
+    "fit F to all inliers by the eight-point algorithm, weighted for the Sampson distance, until these stay the same"
+);
+
+/// Share of the inliers that a homography must explain for the geometry to be degenerate.
+const PLANAR: f64 = 0.8;
+/// Samples of the homography.
+const PLANAR_SAMPLES: usize = 60;
+
+impl RobustModel for EpipolarGeometry {
+    const INFO: Info = Info {
+        id: "epipolar-geometry",
+        name: "Epipolar geometry",
+        family: "Correspondence",
+        summary: "The fundamental matrix of a moving camera: each point corresponds to a point on its epipolar line.",
+        source: "R. Hartley, In defense of the eight-point algorithm, IEEE PAMI 19(6), 1997; R. Hartley and A. Zisserman, Multiple view \
+                 geometry in computer vision, 2004, chapter 11",
+        pseudocode: line::ALL,
+        granularities: &["frame", "iteration", "step"],
+        frames: 2,
+    };
+    const PRODUCT: &'static ProductKind = EpipolarField::KIND;
+    const SYMBOL: &'static str = "F";
+    const DISTANCE: &'static str = "Sampson distance";
+
+    fn matching(&self) -> &matching::Settings {
+        &self.matching
+    }
+
+    fn settings(&self) -> &robust::Settings {
+        &self.robust
+    }
+
+    fn name(&self) -> &'static str {
+        "fundamental matrix"
+    }
+
+    fn sample_size(&self) -> usize {
+        match self.sampling {
+            Sampling::Seven => 7,
+            Sampling::Eight => 8,
+        }
+    }
+
+    fn counting(&self) -> String {
+        match self.sampling {
+            Sampling::Seven => {
+                "Each gives one equation; with det F = 0 the 7 degrees of freedom of F are determined up to three solutions."
+            }
+            Sampling::Eight => "Each gives one linear equation in the 9 entries of F, which is defined up to its scale.",
+        }
+        .into()
+    }
+
+    fn hypotheses(&self, sample: &[Correspondence]) -> Vec<Matrix3> {
+        match self.sampling {
+            Sampling::Seven => seven_point(sample),
+            Sampling::Eight => eight_point(sample).into_iter().collect(),
+        }
+    }
+
+    fn local(&self, inliers: &[Correspondence]) -> Option<Matrix3> {
+        eight_point(inliers)
+    }
+
+    fn last(&self, inliers: &[Correspondence]) -> Option<Matrix3> {
+        least_sampson(inliers)
+    }
+
+    fn squared_error(matrix: &Matrix3, of: &Correspondence) -> f64 {
+        sampson_squared(matrix, of)
+    }
+
+    fn output(&self, estimate: &Estimate<'_>) -> Output {
+        Output::of(EpipolarField {
+            matrix: estimate.best.map(|best| best.matrix),
+            iterations: estimate.iterations,
+            residual_px: estimate.best.map(|best| best.rms_px()),
+            support: Support {
+                inliers: estimate.best.map_or(0, |best| best.score.inliers),
+                matches: estimate.points.len(),
+            },
+            planar_share: self.planar_share(estimate),
+        })
+    }
+
+    fn conclusion(&self, estimate: &Estimate<'_>) -> String {
+        let Some(best) = estimate.best else { return String::new() };
+        let found = format!("rms Sampson distance {} px.", words::fixed(best.rms_px(), 3));
+        let planar = self.planar_share(estimate).unwrap_or_default();
+        if planar >= PLANAR {
+            return format!(
+                "{found} But a homography explains {} of the inliers as well: the scene is a plane, or the camera has only turned. F is not \
+                 determined by such points; use the global motion with a homography.",
+                words::percent(planar as f32)
+            );
+        }
+        let pose = self.pose(estimate).map_or_else(
+            || " With the focal length, the pose of the camera follows from F.".to_owned(),
+            |pose| {
+                let [x, y, z] = pose.translation.map(|c| words::fixed(c, 2));
+                format!(
+                    " The camera turned by {}° and moved along ({x}, {y}, {z}); {} of the inliers lie in front of both cameras.",
+                    words::fixed(pose.angle_deg(), 2),
+                    pose.in_front
+                )
+            },
+        );
+        format!("{found}{pose} Points of moving objects violate F unless they move along their epipolar lines.")
+    }
+
+    fn equations(&self, estimate: &Estimate<'_>) -> Vec<Math> {
+        let Some(Best { matrix, .. }) = estimate.best else { return Vec::new() };
+        let constraint = Math::Row(vec![
+            Math::power(Math::Bold("x′"), Math::text("⊤")),
+            Math::text(" "),
+            Math::Var("F"),
+            Math::text(" "),
+            Math::Bold("x"),
+            Math::text(" = 0"),
+        ]);
+        let Some([here, there]) = epipoles(&matrix) else { return vec![constraint] };
+        let epipole = |name: &'static str, e: [f64; 3]| {
+            let told = match on_plane(e) {
+                Some([x, y]) => format!(" = ({}, {}) px", words::fixed(x, 1), words::fixed(y, 1)),
+                None => " at infinity".to_owned(),
+            };
+            Math::Row(vec![Math::Bold(name), Math::ink(Role::Best, told)])
+        };
+        vec![constraint, epipole("e", here), epipole("e′", there)]
+    }
+
+    fn draw(&self, estimate: &Estimate<'_>, (matrix, _): (Matrix3, bool), focus: Option<Focus>, scene: &mut Scene) {
+        let size = estimate.size();
+        if let Some(found) = epipoles(&matrix) {
+            for (on, epipole) in [Picture::CURRENT, Picture::NEXT].into_iter().zip(found) {
+                let inside = on_plane(epipole).filter(|at| is_inside(*at, size));
+                if let Some(at) = inside {
+                    scene.mark(on, Role::Best, Shape::Points(vec![at.map(|c| c as f32)]));
+                    scene.legend(Role::Best, "epipole");
+                }
+            }
+        }
+        // Those of a few matches, where no point is pointed at.
+        const SHOWN: usize = 8;
+        let few = estimate.points.iter().step_by(estimate.points.len().div_ceil(SHOWN).max(1));
+        let lines: Vec<(Picture, [f64; 3])> = match focus {
+            Some(Focus { on: Picture::CURRENT, at }) => vec![(Picture::NEXT, line_of(&matrix, at.map(f64::from)))],
+            Some(Focus { on: Picture::NEXT, at }) => vec![(Picture::CURRENT, line_back(&matrix, at.map(f64::from)))],
+            _ => few
+                .flat_map(|m| [(Picture::NEXT, line_of(&matrix, m.from)), (Picture::CURRENT, line_back(&matrix, m.to))])
+                .collect(),
+        };
+        if let Some(Focus { on, at }) = focus {
+            scene.mark(on, Role::Reference, Shape::Ellipse { center: at, radii: [3.0; 2], angle_rad: 0.0 });
+            scene.legend(Role::Reference, "point, whose match lies on the epipolar line");
+        }
+        for (on, ends) in lines.into_iter().filter_map(|(on, line)| Some((on, cut(line, size)?))) {
+            scene.mark(on, Role::Predicted, Shape::Path { points: ends.to_vec(), closed: false });
+            scene.legend(Role::Predicted, "epipolar line");
+        }
+    }
+}
+
+impl EpipolarGeometry {
+    fn inliers(&self, estimate: &Estimate<'_>, matrix: &Matrix3) -> Vec<Correspondence> {
+        let limit = f64::from(self.robust.threshold).powi(2);
+        estimate.points.iter().copied().filter(|m| sampson_squared(matrix, m) <= limit).collect()
+    }
+
+    /// The largest share of the inliers that one of some homographies explains.
+    fn planar_share(&self, estimate: &Estimate<'_>) -> Option<f64> {
+        let inliers = self.inliers(estimate, &estimate.best?.matrix);
+        if inliers.len() < 2 * Model::Homography.sample_size() {
+            return None;
+        }
+        let limit = f64::from(self.robust.threshold).powi(2);
+        let share = |iteration: usize| {
+            let indices = sample(4, inliers.len(), self.robust.seed as u64 + 1, iteration);
+            let Some(matrix) = fit(Model::Homography, &chosen(&inliers, &indices)) else { return 0.0 };
+            let count = inliers.iter().filter(|m| squared_error(&matrix, m) <= limit).count();
+            count as f64 / inliers.len() as f64
+        };
+        Some((0..PLANAR_SAMPLES).map(share).fold(0.0, f64::max))
+    }
+
+    fn pose(&self, estimate: &Estimate<'_>) -> Option<Pose> {
+        let matrix = estimate.best.filter(|_| self.focal_length > 0.0)?.matrix;
+        let (width, height) = estimate.size();
+        let centre = [(width - 1) as f64 / 2.0, (height - 1) as f64 / 2.0];
+        let camera = Camera { focal_px: self.focal_length.into(), centre };
+        camera.pose(&matrix, &self.inliers(estimate, &matrix))
+    }
+}
+
+/// A homogeneous point in px; `None` at infinity.
+fn on_plane([x, y, w]: [f64; 3]) -> Option<[f64; 2]> {
+    /// Farther away the direction alone counts.
+    const FAR_PX: f64 = 1e6;
+    let at = [x / w, y / w];
+    at.iter().all(|c| c.abs() < FAR_PX).then_some(at)
+}
+
+fn is_inside([x, y]: [f64; 2], (width, height): (usize, usize)) -> bool {
+    (0.0..width as f64).contains(&x) && (0.0..height as f64).contains(&y)
+}
+
+/// The part of the line a x + b y + c = 0 inside a picture.
+fn cut([a, b, c]: [f64; 3], (width, height): (usize, usize)) -> Option<[[f32; 2]; 2]> {
+    let norm = a.hypot(b);
+    if norm < 1e-12 {
+        return None;
+    }
+    let (foot, way) = ([-a * c / (norm * norm), -b * c / (norm * norm)], [-b / norm, a / norm]);
+    let mut span = [f64::NEG_INFINITY, f64::INFINITY];
+    for (i, extent) in [width, height].into_iter().enumerate() {
+        let (low, high) = (-0.5, extent as f64 - 0.5);
+        if way[i].abs() < 1e-12 {
+            if foot[i] < low || foot[i] > high {
+                return None;
+            }
+            continue;
+        }
+        let ends = [low, high].map(|edge| (edge - foot[i]) / way[i]);
+        span = [span[0].max(ends[0].min(ends[1])), span[1].min(ends[0].max(ends[1]))];
+    }
+    let at = |s: f64| [0, 1].map(|i| (foot[i] + s * way[i]) as f32);
+    (span[0] < span[1]).then(|| span.map(at))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_is_cut_at_the_edges_of_the_picture() {
+        let ends = cut([1.0, -1.0, 0.0], (11, 6)).expect("it passes through");
+        for [x, y] in ends {
+            assert!((x - y).abs() < 1e-4 && (-0.51..=5.51).contains(&y), "({x}, {y})");
+        }
+        assert_eq!(cut([1.0, 0.0, 20.0], (11, 6)), None);
+        assert_eq!(cut([0.0, 0.0, 1.0], (11, 6)), None);
+    }
+}

@@ -1,0 +1,367 @@
+//! Epipolar geometry: the fundamental matrix from seven, eight or more correspondences, epipoles, and the pose of a calibrated camera
+//! (Hartley and Zisserman 2004, chapters 9 and 11).
+
+use nalgebra::{Matrix3 as Square, SMatrix, SVector, Vector3};
+
+use super::Correspondence;
+use super::fit::{Normalisation, product};
+use crate::products::model::Matrix3;
+
+/// The fundamental matrices through seven correspondences: one to three. None if they do not determine one.
+pub fn seven_point(matches: &[Correspondence]) -> Vec<Matrix3> {
+    let Some((normal, from, to)) = normal_matrix(matches) else { return Vec::new() };
+    let Some([a, b]) = two_least(&normal) else { return Vec::new() };
+    // det(λ A + (1 − λ) B) is a cubic in λ, known by four values.
+    let at = |lambda: f64| mixed(&a, &b, lambda).determinant();
+    let [d0, d1, d2, d3] = [0.0, 1.0, -1.0, 2.0].map(at);
+    let (c0, c2) = (d0, (d1 + d2) / 2.0 - d0);
+    let c3 = (d3 - 2.0 * d1 + d0 - 2.0 * c2) / 6.0;
+    let c1 = d1 - c0 - c2 - c3;
+    let of_root = |lambda: f64| denormalised(&mixed(&a, &b, lambda), (&from, &to));
+    cubic_roots([c0, c1, c2, c3]).into_iter().filter_map(of_root).collect()
+}
+
+/// The fundamental matrix by the normalised eight-point algorithm (Hartley 1997), from eight correspondences or more. `None` if they do not
+/// determine one.
+pub fn eight_point(matches: &[Correspondence]) -> Option<Matrix3> {
+    weighted_eight_point(matches, |_| 1.0)
+}
+
+/// Rounds of reweighting.
+const ROUNDS: usize = 6;
+
+/// The fundamental matrix that minimises the sum of squared Sampson distances, by the eight-point algorithm with weights from the estimate before.
+pub fn least_sampson(matches: &[Correspondence]) -> Option<Matrix3> {
+    let mut matrix = eight_point(matches)?;
+    let cost = |matrix: &Matrix3| matches.iter().map(|m| sampson_squared(matrix, m)).sum::<f64>();
+    let mut least = cost(&matrix);
+    for _ in 0..ROUNDS {
+        let before = matrix;
+        let Some(next) = weighted_eight_point(matches, |m| 1.0 / gradient_squared(&before, m).max(1e-12)) else {
+            break;
+        };
+        let sum = cost(&next);
+        if sum >= least {
+            break;
+        }
+        (matrix, least) = (next, sum);
+    }
+    Some(matrix)
+}
+
+fn weighted_eight_point(matches: &[Correspondence], weight: impl Fn(&Correspondence) -> f64) -> Option<Matrix3> {
+    if matches.len() < 8 {
+        return None;
+    }
+    let from = Normalisation::of(matches.iter().map(|m| m.from))?;
+    let to = Normalisation::of(matches.iter().map(|m| m.to))?;
+    let mean = matches.iter().map(&weight).sum::<f64>() / matches.len() as f64;
+    let mut normal = SMatrix::<f64, 9, 9>::zeros();
+    for m in matches {
+        let row = equation(from.apply(m.from), to.apply(m.to));
+        normal += row * row.transpose() * (weight(m) / mean);
+    }
+    let [least, next] = two_least_values(&normal);
+    // A second solution is as good: the points lie in a plane, or the camera has only turned.
+    if next.0 < 1e-10 * normal.trace() {
+        return None;
+    }
+    denormalised(&square(&least.1), (&from, &to))
+}
+
+/// The epipolar constraint of a correspondence as a linear equation in the entries of F by rows.
+fn equation([x, y]: [f64; 2], [u, v]: [f64; 2]) -> SVector<f64, 9> {
+    SVector::from([u * x, u * y, u, v * x, v * y, v, x, y, 1.0])
+}
+
+type Normalised = (SMatrix<f64, 9, 9>, Normalisation, Normalisation);
+
+fn normal_matrix(matches: &[Correspondence]) -> Option<Normalised> {
+    let from = Normalisation::of(matches.iter().map(|m| m.from))?;
+    let to = Normalisation::of(matches.iter().map(|m| m.to))?;
+    let mut normal = SMatrix::<f64, 9, 9>::zeros();
+    for m in matches {
+        let row = equation(from.apply(m.from), to.apply(m.to));
+        normal += row * row.transpose();
+    }
+    Some((normal, from, to))
+}
+
+/// The two smallest eigenvalues with their eigenvectors.
+fn two_least_values(normal: &SMatrix<f64, 9, 9>) -> [(f64, SVector<f64, 9>); 2] {
+    let eigen = normal.symmetric_eigen();
+    let mut order: Vec<usize> = (0..9).collect();
+    order.sort_by(|a, b| eigen.eigenvalues[*a].total_cmp(&eigen.eigenvalues[*b]));
+    [0, 1].map(|i| (eigen.eigenvalues[order[i]], eigen.eigenvectors.column(order[i]).into_owned()))
+}
+
+/// The null space of seven equations; `None` if it has more than two dimensions.
+fn two_least(normal: &SMatrix<f64, 9, 9>) -> Option<[Square<f64>; 2]> {
+    let eigen = normal.symmetric_eigen();
+    let mut order: Vec<usize> = (0..9).collect();
+    order.sort_by(|a, b| eigen.eigenvalues[*a].total_cmp(&eigen.eigenvalues[*b]));
+    let third = eigen.eigenvalues[order[2]];
+    (third > 1e-10 * normal.trace()).then(|| [0, 1].map(|i| square(&eigen.eigenvectors.column(order[i]).into_owned())))
+}
+
+fn square(entries: &SVector<f64, 9>) -> Square<f64> {
+    Square::from_row_slice(entries.as_slice())
+}
+
+fn mixed(a: &Square<f64>, b: &Square<f64>, lambda: f64) -> Square<f64> {
+    a * lambda + b * (1.0 - lambda)
+}
+
+/// The real roots of c₀ + c₁ x + c₂ x² + c₃ x³.
+fn cubic_roots([c0, c1, c2, c3]: [f64; 4]) -> Vec<f64> {
+    if c3.abs() < 1e-12 {
+        return quadratic_roots([c0, c1, c2]);
+    }
+    let (a, b, c) = (c2 / c3, c1 / c3, c0 / c3);
+    let (q, r) = ((a * a - 3.0 * b) / 9.0, (2.0 * a * a * a - 9.0 * a * b + 27.0 * c) / 54.0);
+    if r * r < q * q * q {
+        let angle = (r / q.powf(1.5)).clamp(-1.0, 1.0).acos();
+        let root = |k: f64| -2.0 * q.sqrt() * ((angle + k * std::f64::consts::TAU) / 3.0).cos() - a / 3.0;
+        return [0.0, 1.0, -1.0].map(root).to_vec();
+    }
+    let large = -r.signum() * (r.abs() + (r * r - q * q * q).sqrt()).cbrt();
+    let small = if large == 0.0 { 0.0 } else { q / large };
+    vec![large + small - a / 3.0]
+}
+
+fn quadratic_roots([c0, c1, c2]: [f64; 3]) -> Vec<f64> {
+    let inner = c1 * c1 - 4.0 * c2 * c0;
+    if c2.abs() < 1e-12 || inner < 0.0 {
+        return if c2.abs() < 1e-12 && c1.abs() > 1e-12 { vec![-c0 / c1] } else { Vec::new() };
+    }
+    [1.0, -1.0].map(|sign: f64| (-c1 + sign * inner.sqrt()) / (2.0 * c2)).to_vec()
+}
+
+/// The matrix with rank two in px, of unit norm.
+fn denormalised(matrix: &Square<f64>, (from, to): (&Normalisation, &Normalisation)) -> Option<Matrix3> {
+    let svd = matrix.svd(true, true);
+    let (u, v_t) = (svd.u?, svd.v_t?);
+    let mut values = svd.singular_values;
+    let least = values.imin();
+    values[least] = 0.0;
+    let ranked = u * Square::from_diagonal(&values) * v_t;
+    let rows: Matrix3 = std::array::from_fn(|i| std::array::from_fn(|j| ranked[(i, j)]));
+    let transposed = |m: Matrix3| -> Matrix3 { std::array::from_fn(|i| std::array::from_fn(|j| m[j][i])) };
+    let matrix = product(&transposed(to.matrix()), &product(&rows, &from.matrix()));
+    let norm = matrix.iter().flatten().map(|v| v * v).sum::<f64>().sqrt();
+    let is_sound = norm.is_finite() && norm > 0.0;
+    is_sound.then(|| matrix.map(|row| row.map(|v| v / norm)))
+}
+
+/// The epipolar line a x + b y + c = 0 in frame t + 1 of a point of frame t, as (a, b, c).
+pub fn line(matrix: &Matrix3, [x, y]: [f64; 2]) -> [f64; 3] {
+    matrix.map(|row| row[0] * x + row[1] * y + row[2])
+}
+
+/// The same in frame t of a point of frame t + 1.
+pub fn line_back(matrix: &Matrix3, [x, y]: [f64; 2]) -> [f64; 3] {
+    std::array::from_fn(|j| matrix[0][j] * x + matrix[1][j] * y + matrix[2][j])
+}
+
+/// Squared length of the gradient of x′ᵀ F x over the four coordinates.
+fn gradient_squared(matrix: &Matrix3, m: &Correspondence) -> f64 {
+    let ([a, b, _], [c, d, _]) = (line(matrix, m.from), line_back(matrix, m.to));
+    a * a + b * b + c * c + d * d
+}
+
+/// The squared Sampson distance of a correspondence in px²: first-order distance from the nearest pair that satisfies x′ᵀ F x = 0.
+pub fn sampson_squared(matrix: &Matrix3, m: &Correspondence) -> f64 {
+    let [a, b, c] = line(matrix, m.from);
+    let constraint = a * m.to[0] + b * m.to[1] + c;
+    let gradient = gradient_squared(matrix, m);
+    if gradient > 0.0 { constraint * constraint / gradient } else { f64::INFINITY }
+}
+
+/// The epipoles in frames t and t + 1 in homogeneous coordinates: F e = 0 and Fᵀ e′ = 0.
+pub fn epipoles(matrix: &Matrix3) -> Option<[[f64; 3]; 2]> {
+    let square = Square::from_fn(|i, j| matrix[i][j]);
+    let svd = square.svd(true, true);
+    let (u, v_t, least) = (svd.u?, svd.v_t?, svd.singular_values.imin());
+    let [right, left] = [v_t.row(least).transpose(), u.column(least).into_owned()];
+    Some([right, left].map(|e| [e[0], e[1], e[2]]))
+}
+
+/// A pinhole camera with square pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// Focal length in px.
+    pub focal_px: f64,
+    /// Principal point in px.
+    pub centre: [f64; 2],
+}
+
+/// Rotation and direction of translation of the camera between both frames: X′ = R X + t.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// The rotation matrix, by rows.
+    pub rotation: Matrix3,
+    /// The direction of the translation, of length 1.
+    pub translation: [f64; 3],
+    /// Number of correspondences in front of both cameras.
+    pub in_front: usize,
+}
+
+impl Pose {
+    /// The angle of the rotation in degrees.
+    pub fn angle_deg(&self) -> f64 {
+        let trace: f64 = (0..3).map(|i| self.rotation[i][i]).sum();
+        ((trace - 1.0) / 2.0).clamp(-1.0, 1.0).acos().to_degrees()
+    }
+}
+
+impl Camera {
+    fn ray(&self, [x, y]: [f64; 2]) -> Vector3<f64> {
+        Vector3::new((x - self.centre[0]) / self.focal_px, (y - self.centre[1]) / self.focal_px, 1.0)
+    }
+
+    /// The pose from a fundamental matrix: of the four that its essential matrix allows, the one with the most points in front of both
+    /// cameras.
+    pub fn pose(&self, matrix: &Matrix3, matches: &[Correspondence]) -> Option<Pose> {
+        let intrinsics =
+            Square::new(self.focal_px, 0.0, self.centre[0], 0.0, self.focal_px, self.centre[1], 0.0, 0.0, 1.0);
+        let essential = intrinsics.transpose() * Square::from_fn(|i, j| matrix[i][j]) * intrinsics;
+        let svd = essential.svd(true, true);
+        let (mut u, mut v_t, least) = (svd.u?, svd.v_t?, svd.singular_values.imin());
+        // The singular value 0 last, and proper rotations.
+        u.swap_columns(least, 2);
+        v_t.swap_rows(least, 2);
+        u *= u.determinant().signum();
+        v_t *= v_t.determinant().signum();
+        let turn = Square::new(0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0);
+        let direction = u.column(2).into_owned();
+        let rotations = [u * turn * v_t, u * turn.transpose() * v_t];
+        let all = rotations.iter().flat_map(|rotation| [direction, -direction].map(|t| (*rotation, t)));
+        let counted = all.map(|(rotation, t)| {
+            let rays = matches.iter().map(|m| (self.ray(m.from), self.ray(m.to)));
+            (rays.filter(|rays| is_in_front(&rotation, &t, rays)).count(), rotation, t)
+        });
+        let (in_front, rotation, t) = counted.reduce(|best, other| if other.0 > best.0 { other } else { best })?;
+        let rotation = std::array::from_fn(|i| std::array::from_fn(|j| rotation[(i, j)]));
+        Some(Pose { rotation, translation: [t[0], t[1], t[2]], in_front })
+    }
+}
+
+/// Whether the point on both rays, in the least-squares sense, lies in front of both cameras.
+fn is_in_front(rotation: &Square<f64>, t: &Vector3<f64>, (from, to): &(Vector3<f64>, Vector3<f64>)) -> bool {
+    // λ′ x′ = λ R x + t.
+    let along = rotation * from;
+    let (aa, bb, ab) = (along.dot(&along), to.dot(to), along.dot(to));
+    let (at, bt) = (along.dot(t), to.dot(t));
+    let determinant = aa * bb - ab * ab;
+    let depths = [(ab * bt - bb * at) / determinant, (aa * bt - ab * at) / determinant];
+    determinant > 1e-12 && depths.iter().all(|depth| *depth > 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synth::random::{gaussian, hash, unit};
+
+    const CAMERA: Camera = Camera { focal_px: 500.0, centre: [320.0, 240.0] };
+
+    /// A rotation about y and a small one about x.
+    fn rotation(angle: f64) -> Square<f64> {
+        let (sin, cos) = angle.sin_cos();
+        let (s, c) = (0.4 * angle).sin_cos();
+        Square::new(cos, 0.0, sin, 0.0, 1.0, 0.0, -sin, 0.0, cos) * Square::new(1.0, 0.0, 0.0, 0.0, c, -s, 0.0, s, c)
+    }
+
+    /// Points of a cloud seen by two cameras.
+    fn views(count: usize, noise_px: f64) -> (Vec<Correspondence>, Square<f64>, Vector3<f64>) {
+        let (turn, t) = (rotation(0.08), Vector3::new(0.9, 0.1, 0.3).normalize());
+        let view = |i: usize| {
+            let random = |k: u64| unit(hash(5, i as u64, k)) - 0.5;
+            let point = Vector3::new(6.0 * random(0), 4.0 * random(1), 6.0 + 5.0 * random(2));
+            let seen = |p: Vector3<f64>, k: u64| {
+                let off = |axis: u64| noise_px * gaussian(hash(9, i as u64, 10 * k + axis));
+                [
+                    CAMERA.focal_px * p[0] / p[2] + CAMERA.centre[0] + off(0),
+                    CAMERA.focal_px * p[1] / p[2] + CAMERA.centre[1] + off(1),
+                ]
+            };
+            Correspondence { from: seen(point, 1), to: seen(turn * point + t, 2) }
+        };
+        ((0..count).map(view).collect(), turn, t)
+    }
+
+    #[test]
+    fn exact_points_satisfy_the_epipolar_constraint() {
+        let (all, ..) = views(60, 0.0);
+        let worst = |matrix: &Matrix3| all.iter().map(|m| sampson_squared(matrix, m).sqrt()).fold(0.0, f64::max);
+        let eight = eight_point(&all[..8]).expect("points in general position");
+        assert!(worst(&eight) < 1e-5, "{}", worst(&eight));
+        assert!(worst(&least_sampson(&all).expect("points in general position")) < 1e-6);
+        let seven = seven_point(&all[..7]);
+        assert!((1..=3).contains(&seven.len()));
+        let best = seven.iter().map(worst).fold(f64::INFINITY, f64::min);
+        assert!(best < 1e-4, "one of {} is right: {best}", seven.len());
+        for matrix in seven.iter().chain([&eight]) {
+            let determinant = Square::from_fn(|i, j| matrix[i][j]).determinant();
+            assert!(determinant.abs() < 1e-9, "rank two: {determinant}");
+        }
+    }
+
+    #[test]
+    fn epipoles_lie_on_all_epipolar_lines() {
+        let (all, ..) = views(40, 0.0);
+        let matrix = least_sampson(&all).expect("points in general position");
+        let [here, there] = epipoles(&matrix).expect("a matrix of rank two").map(|e| [e[0] / e[2], e[1] / e[2]]);
+        for m in &all {
+            let on = |[a, b, c]: [f64; 3], [x, y]: [f64; 2]| (a * x + b * y + c).abs() / a.hypot(b);
+            assert!(on(line(&matrix, m.from), there) < 1e-3 && on(line_back(&matrix, m.to), here) < 1e-3);
+        }
+    }
+
+    #[test]
+    fn the_pose_is_recovered_up_to_scale() {
+        let (all, turn, t) = views(60, 0.0);
+        let matrix = least_sampson(&all).expect("points in general position");
+        let pose = CAMERA.pose(&matrix, &all).expect("a pose");
+        assert_eq!(pose.in_front, all.len());
+        let off = (0..9).map(|i| (pose.rotation[i / 3][i % 3] - turn[(i / 3, i % 3)]).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-4, "{off}");
+        let along: f64 = (0..3).map(|i| pose.translation[i] * t[i]).sum();
+        assert!(along > 0.9999, "{along}");
+    }
+
+    #[test]
+    fn least_sampson_is_no_worse_than_eight_points_under_noise() {
+        let (all, ..) = views(200, 0.5);
+        let (exact, ..) = views(200, 0.0);
+        let cost = |matrix: &Matrix3, of: &[Correspondence]| of.iter().map(|m| sampson_squared(matrix, m)).sum::<f64>();
+        let [plain, refined] = [eight_point(&all), least_sampson(&all)].map(|found| found.expect("general position"));
+        assert!(cost(&refined, &all) <= cost(&plain, &all));
+        assert!((cost(&refined, &exact) / 200.0).sqrt() < 0.15);
+    }
+
+    #[test]
+    fn points_of_a_plane_determine_no_matrix() {
+        let plane = |i: usize| {
+            let from = [((i * 197 + 31) % 640) as f64, ((i * 331 + 77) % 480) as f64];
+            Correspondence { from, to: [1.1 * from[0] + 4.0, 0.9 * from[1] - 7.0] }
+        };
+        let all: Vec<_> = (0..30).map(plane).collect();
+        assert_eq!(eight_point(&all), None);
+        assert!(seven_point(&all[..7]).is_empty());
+        assert_eq!(eight_point(&all[..7]), None);
+    }
+
+    #[test]
+    fn roots_of_a_cubic_are_found() {
+        let near = |found: Vec<f64>, expected: &[f64]| {
+            let mut found = found;
+            found.sort_by(f64::total_cmp);
+            found.len() == expected.len() && found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-9)
+        };
+        // (x − 1)(x − 2)(x + 3), (x − 2)(x² + 1), (x − 1)(x + 2), and 2 x − 1.
+        assert!(near(cubic_roots([6.0, -7.0, 0.0, 1.0]), &[-3.0, 1.0, 2.0]));
+        assert!(near(cubic_roots([-2.0, 1.0, -2.0, 1.0]), &[2.0]));
+        assert!(near(cubic_roots([-2.0, 1.0, 1.0, 0.0]), &[-2.0, 1.0]));
+        assert!(near(cubic_roots([-1.0, 2.0, 0.0, 0.0]), &[0.5]));
+    }
+}

@@ -1,0 +1,23 @@
+//! The pseudocode that all robust estimators share.
+
+/// The lines that all robust estimators share.
+pub(super) mod line {
+    crate::line_names!(MATCH, REPEAT, DRAW, HYPOTHESISE, COUNT, OPTIMISE, KEEP_BEST, REFIT);
+}
+
+/// The pseudocode of a robust estimator; `model` is the line of the hypothesis, `count` that of the inliers.
+macro_rules! robust_pseudocode {
+    ($model:literal, $count:literal, $refit:literal) => {
+        $crate::pseudocode! {
+            MATCH: "match the keypoints of frames t and t+1; N ← max-iterations",
+            REPEAT: "for each iteration k = 1, 2, … N",
+            DRAW: "  draw a random sample of n matches, as many as determine the model",
+            HYPOTHESISE: $model,
+            COUNT: $count,
+            OPTIMISE: "    LO-RANSAC: fit the model to its inliers while that adds inliers",
+            KEEP_BEST: "  if it is the best so far: keep it; w ← share of inliers, N ← log(1 − p) / log(1 − wⁿ)",
+            REFIT: $refit,
+        }
+    };
+}
+pub(crate) use robust_pseudocode;

@@ -1,0 +1,392 @@
+//! Robust estimation of a geometric model from matches: RANSAC as an estimator, for any model.
+
+mod declare;
+mod explain;
+mod settings;
+
+use std::sync::Arc;
+
+use super::Correspondence;
+use super::ransac::{Score, Scoring, chosen, sample, samples_needed};
+use crate::base::{Error, Observer, Tally, Threads};
+use crate::data::{Clip, Flow};
+use crate::methods::differential::truth;
+use crate::methods::matching::{self, Pair};
+use crate::params::{Params, inner_params};
+use crate::products::model::Matrix3;
+use crate::products::{Match, MatchField, MatchStatus, Output, Product, ProductKind};
+use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
+use crate::scene::{Chart, Focus, Math, Picture, Role, Scene, Step};
+use crate::synth::random::{hash, unit};
+
+pub(crate) use declare::robust_pseudocode;
+pub use settings::Settings;
+
+/// A geometric model that is estimated from matches.
+pub trait RobustModel: Params + Default + Clone + Send + Sync + 'static {
+    /// Its declaration.
+    const INFO: Info;
+    /// The kind of its product.
+    const PRODUCT: &'static ProductKind;
+    /// The symbol of its matrix.
+    const SYMBOL: &'static str;
+    /// The distance of a match from it, in words.
+    const DISTANCE: &'static str;
+
+    /// The parameters of the matching.
+    fn matching(&self) -> &matching::Settings;
+
+    /// The parameters of the robust estimation.
+    fn settings(&self) -> &Settings;
+
+    /// Its name in a sentence.
+    fn name(&self) -> &'static str;
+
+    /// Number of matches of a sample.
+    fn sample_size(&self) -> usize;
+
+    /// Why a sample has so many matches, as a sentence.
+    fn counting(&self) -> String;
+
+    /// The models through a sample; none if it determines none.
+    fn hypotheses(&self, sample: &[Correspondence]) -> Vec<Matrix3>;
+
+    /// The model fitted to inliers quickly.
+    fn local(&self, inliers: &[Correspondence]) -> Option<Matrix3>;
+
+    /// The model fitted to all inliers at the end.
+    fn last(&self, inliers: &[Correspondence]) -> Option<Matrix3>;
+
+    /// The squared distance of a match from the model in px².
+    fn squared_error(matrix: &Matrix3, of: &Correspondence) -> f64;
+
+    /// The product of a run so far.
+    fn output(&self, estimate: &Estimate<'_>) -> Output;
+
+    /// The quality of the final model and what it means, as sentences.
+    fn conclusion(&self, estimate: &Estimate<'_>) -> String;
+
+    /// Further formulas about the final model.
+    fn equations(&self, _estimate: &Estimate<'_>) -> Vec<Math> {
+        Vec::new()
+    }
+
+    /// Draws a model; `focus` is the point pointed at, `is_final` whether it is the final one.
+    fn draw(&self, estimate: &Estimate<'_>, shown: (Matrix3, bool), focus: Option<Focus>, scene: &mut Scene);
+}
+
+/// The estimate at some time of a run.
+pub struct Estimate<'a> {
+    /// The frames with their keypoints.
+    pub pair: &'a Pair,
+    /// The matches, some replaced by random ones.
+    pub points: &'a [Correspondence],
+    /// The true flow, if it is known.
+    pub truth: Option<&'a Flow>,
+    /// The model, once there is a hypothesis.
+    pub best: Option<Best>,
+    /// Number of iterations done.
+    pub iterations: usize,
+}
+
+/// A model with its score.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Best {
+    /// The matrix.
+    pub matrix: Matrix3,
+    /// Its score.
+    pub score: Score,
+}
+
+impl Estimate<'_> {
+    /// Width and height of a frame in px.
+    pub fn size(&self) -> (usize, usize) {
+        self.pair.frames[0].size()
+    }
+}
+
+impl Best {
+    /// Root mean square distance of the inliers in px.
+    pub fn rms_px(&self) -> f64 {
+        (self.score.squared / self.score.inliers.max(1) as f64).sqrt()
+    }
+}
+
+/// The estimator of the model `M`.
+#[derive(Clone, Debug, Default)]
+pub struct Robust<M>(pub M);
+
+inner_params!(Robust<M: RobustModel>);
+
+/// The state of a run.
+#[derive(Clone)]
+pub struct State {
+    fixed: Arc<Fixed>,
+    /// Number of iterations done.
+    iterations: usize,
+    /// Number of iterations that are needed with the best hypothesis so far.
+    needed: usize,
+    best: Option<Best>,
+    /// Number of inliers of the best hypothesis after each iteration.
+    history: Vec<u32>,
+    /// The model after the final fit.
+    fitted: Option<Best>,
+}
+
+/// The constant part of a run.
+struct Fixed {
+    pair: Pair,
+    /// The accepted matches, some replaced by random ones.
+    matches: Vec<Match>,
+    points: Vec<Correspondence>,
+    truth: Option<Arc<Flow>>,
+}
+
+/// An event of a unit.
+#[derive(Clone, Debug)]
+pub enum Event {
+    /// There are fewer matches than the model needs, or none of the samples determines it.
+    TooFew,
+    /// A sample is drawn.
+    Sample(Vec<usize>),
+    /// The sample determines no model.
+    Degenerate,
+    /// A model through the sample.
+    Hypothesis(Matrix3),
+    /// The inliers of the hypothesis were counted.
+    Scored(Score),
+    /// The new best hypothesis was fitted to its inliers.
+    Local(Matrix3, Score),
+    /// The hypothesis is the best so far; so many iterations are needed with it.
+    Best(usize),
+    /// The model was fitted to all inliers.
+    Refit(Matrix3, Score),
+}
+
+/// Rounds of local optimisation of a new best hypothesis.
+const LOCAL_ROUNDS: usize = 3;
+/// Rounds of the final fit, each to the inliers of the one before.
+const FINAL_ROUNDS: usize = 8;
+
+impl State {
+    fn estimate(&self) -> Estimate<'_> {
+        Estimate {
+            pair: &self.fixed.pair,
+            points: &self.fixed.points,
+            truth: self.fixed.truth.as_deref(),
+            best: self.fitted.or(self.best),
+            iterations: self.iterations,
+        }
+    }
+}
+
+impl<M: RobustModel> Robust<M> {
+    fn prepare(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
+        let matching = self.0.matching();
+        let pair = matching.pair(clip, frame, threads)?;
+        let mut matches = matching.matches(&pair, clip, threads)?;
+        matches.retain(|found| found.status == MatchStatus::Match);
+        self.replace_some(&mut matches, clip.size());
+        let position = |at: [f32; 2]| at.map(f64::from);
+        let points = matches.iter().map(|m| Correspondence { from: position(m.from), to: position(m.to) }).collect();
+        let fixed = Fixed { pair, matches, points, truth: truth(clip, frame) };
+        Ok(State {
+            fixed: Arc::new(fixed),
+            iterations: 0,
+            needed: self.0.settings().max_iterations,
+            best: None,
+            history: Vec::new(),
+            fitted: None,
+        })
+    }
+
+    /// Replaces a share of the matches by random ones.
+    fn replace_some(&self, matches: &mut [Match], (width, height): (usize, usize)) {
+        /// Apart from the numbers of the samples.
+        const STREAM: u64 = 0x6f75_746c;
+        let Settings { seed, outliers, .. } = *self.0.settings();
+        for (i, found) in matches.iter_mut().enumerate() {
+            let random = |k: u64| unit(hash(seed as u64 ^ STREAM, i as u64, k));
+            if random(0) < f64::from(outliers) {
+                found.to = [(random(1) * width as f64) as f32, (random(2) * height as f64) as f32];
+            }
+        }
+    }
+
+    fn score(&self, points: &[Correspondence], matrix: &Matrix3) -> Score {
+        let Settings { threshold, scoring, .. } = *self.0.settings();
+        Score::of(points.iter().map(|m| M::squared_error(matrix, m)), threshold.into(), scoring)
+    }
+
+    fn inliers(&self, points: &[Correspondence], matrix: &Matrix3) -> Vec<Correspondence> {
+        points.iter().copied().filter(|m| self.is_inlier(matrix, m)).collect()
+    }
+
+    fn is_inlier(&self, matrix: &Matrix3, m: &Correspondence) -> bool {
+        M::squared_error(matrix, m) <= f64::from(self.0.settings().threshold).powi(2)
+    }
+
+    /// Draws a sample, and keeps its model if it is the best so far.
+    fn iterate(&self, state: &mut State, observer: &mut impl Observer<Event>) {
+        let fixed = Arc::clone(&state.fixed);
+        let seed = self.0.settings().seed as u64;
+        let indices = sample(self.0.sample_size(), fixed.points.len(), seed, state.iterations);
+        state.iterations += 1;
+        let hypotheses = self.0.hypotheses(&chosen(&fixed.points, &indices));
+        observer.see(|| Event::Sample(indices));
+        if hypotheses.is_empty() {
+            observer.see(|| Event::Degenerate);
+        }
+        for matrix in hypotheses {
+            observer.see(|| Event::Hypothesis(matrix));
+            let score = self.score(&fixed.points, &matrix);
+            observer.see(|| Event::Scored(score));
+            if state.best.is_none_or(|best| score.is_better(&best.score)) {
+                self.keep(state, Best { matrix, score }, observer);
+            }
+        }
+        state.history.push(state.best.map_or(0, |best| best.score.inliers as u32));
+    }
+
+    fn keep(&self, state: &mut State, mut best: Best, observer: &mut impl Observer<Event>) {
+        let fixed = Arc::clone(&state.fixed);
+        let Settings { scoring, confidence, max_iterations, .. } = *self.0.settings();
+        let rounds = if scoring == Scoring::LoRansac { LOCAL_ROUNDS } else { 0 };
+        for _ in 0..rounds {
+            let Some(matrix) = self.0.local(&self.inliers(&fixed.points, &best.matrix)) else { break };
+            let score = self.score(&fixed.points, &matrix);
+            if !score.is_better(&best.score) {
+                break;
+            }
+            observer.see(|| Event::Local(matrix, score));
+            best = Best { matrix, score };
+        }
+        let share = best.score.inliers as f64 / fixed.points.len() as f64;
+        state.needed = samples_needed(share, self.0.sample_size(), confidence.into(), max_iterations);
+        observer.see(|| Event::Best(state.needed));
+        state.best = Some(best);
+    }
+
+    /// Fits the best hypothesis to all of its inliers, until these stay the same.
+    fn refit(&self, state: &mut State, observer: &mut impl Observer<Event>) {
+        let fixed = Arc::clone(&state.fixed);
+        let Some(mut best) = state.best else { return observer.see(|| Event::TooFew) };
+        for round in 0..FINAL_ROUNDS {
+            let before = best.score;
+            let refined = self.0.last(&self.inliers(&fixed.points, &best.matrix));
+            let matrix = refined.unwrap_or(best.matrix);
+            best = Best { matrix, score: self.score(&fixed.points, &matrix) };
+            observer.see(|| Event::Refit(matrix, best.score));
+            let is_same = best.score.inliers == before.inliers && (best.score.squared - before.squared).abs() < 1e-9;
+            if round > 0 && is_same {
+                break;
+            }
+        }
+        state.fitted = Some(best);
+    }
+
+    /// The matches, with outliers marked once the model is known.
+    fn judged(&self, state: &State) -> Vec<Match> {
+        let all = state.fixed.matches.iter().zip(&state.fixed.points);
+        let judge = |(found, point): (&Match, &Correspondence)| match state.fitted {
+            Some(Best { matrix, .. }) if !self.is_inlier(&matrix, point) => {
+                Match { status: MatchStatus::Outlier, ..*found }
+            }
+            _ => *found,
+        };
+        all.map(judge).collect()
+    }
+}
+
+impl<M: RobustModel> Estimator for Robust<M> {
+    const INFO: Info = M::INFO;
+    const GUARANTEE: Guarantee = Guarantee::Better;
+    const CHARTS: &'static [Chart] = &[Chart::Matrices, Chart::Series];
+    const PRODUCES: &'static [&'static ProductKind] = &[M::PRODUCT, MatchField::KIND];
+    type State = State;
+    type Event = Event;
+
+    fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
+        self.prepare(clip, frame, &Threads::single())
+    }
+
+    fn advance(&self, _: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
+        if state.fixed.points.len() < self.0.sample_size() {
+            observer.see(|| Event::TooFew);
+            return Ok(Progress::Done);
+        }
+        if state.iterations < state.needed {
+            self.iterate(state, observer);
+            return Ok(Progress::More);
+        }
+        self.refit(state, observer);
+        Ok(Progress::Done)
+    }
+
+    fn units(&self, _: &State) -> Option<usize> {
+        None
+    }
+
+    fn place(&self, state: &State) -> Vec<Granularity> {
+        let iterations = Granularity { index: state.iterations, of: Some(state.needed.max(state.iterations) + 1) };
+        vec![Granularity { index: 0, of: Some(1) }, iterations]
+    }
+
+    fn landmark(&self, event: &Event) -> Option<Role> {
+        matches!(event, Event::Best(_)).then_some(Role::Best)
+    }
+
+    fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {
+        Some(self)
+    }
+
+    fn step(&self, seen: &Seen<Self>) -> Step {
+        self.explanation(seen)
+    }
+
+    fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
+        self.draw_step(seen, scene);
+    }
+
+    fn output(&self, state: &State) -> Output {
+        let matches = MatchField { picture: state.fixed.pair.frames[0].size(), matches: self.judged(state) };
+        self.0.output(&state.estimate()).and(matches)
+    }
+
+    fn run(&self, clip: &Clip, frame: usize, threads: &Threads, tally: &impl Tally<Event>) -> Result<State, Error> {
+        let mut state = self.prepare(clip, frame, threads)?;
+        let (mut counter, mut units) = (tally.counter(), 1);
+        while self.advance(clip, &mut state, &mut counter)? == Progress::More {
+            clip.wanted()?;
+            units += 1;
+        }
+        tally.add_units(units);
+        Ok(state)
+    }
+}
+
+impl<M: RobustModel> Footprint<State> for Robust<M> {
+    fn need(&self, clip: &Clip) -> Need {
+        self.0.matching().need(clip)
+    }
+
+    fn state_bytes(&self, state: &State) -> usize {
+        size_of::<State>() + size_of_val(&state.history[..])
+    }
+
+    fn memory_bytes(&self, state: &State) -> usize {
+        /// Of a match and its positions.
+        const MATCH: usize = size_of::<Match>() + size_of::<Correspondence>();
+        self.state_bytes(state) + state.fixed.pair.bytes() + MATCH * state.fixed.matches.len()
+    }
+}
+
+impl<M: RobustModel> Pointed<State> for Robust<M> {
+    fn takes(&self, picture: Picture) -> bool {
+        [Picture::CURRENT, Picture::NEXT].contains(&picture)
+    }
+
+    fn explained(&self, _: &State, _: Focus) -> Option<Explained> {
+        Some(Explained::Always)
+    }
+}

@@ -1,0 +1,61 @@
+//! Epipolar geometry: the fundamental matrix of a pair of frames.
+
+use super::assessment::{fact, scores};
+use super::model::{Matrix3, Support};
+use super::{Assessment, Cell, Figure, Measure, Motion, Product, ProductKind, Reference, Table};
+use crate::base::{Error, words::grouped};
+
+/// The fundamental matrix of a pair of frames: x′ᵀ F x = 0 for corresponding points of a rigid scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EpipolarField {
+    /// The matrix with unit norm and rank two, if it could be estimated.
+    pub matrix: Option<Matrix3>,
+    /// Number of iterations of the estimation.
+    pub iterations: usize,
+    /// Root mean square Sampson distance of the inliers in px.
+    pub residual_px: Option<f64>,
+    /// Number of inliers and of all matches.
+    pub support: Support,
+    /// Share of the inliers that a single homography explains as well; near 1 the matrix is not determined.
+    pub planar_share: Option<f64>,
+}
+
+const MEASURES: [Measure; 4] = [
+    Measure::new("epipolar_inliers", "Number of matches that agree with the epipolar geometry.")
+        .in_column("inliers", 0),
+    Measure::new("epipolar_inlier_share", "Share of the matches that agree with the epipolar geometry.")
+        .in_column("inlier share", 3),
+    Measure::new("sampson_px", "Root mean square Sampson distance of the inliers in px.").in_column("Sampson px", 3),
+    Measure::new("planar_share", "Share of the inliers that a single homography explains as well."),
+];
+
+impl Product for EpipolarField {
+    const KIND: &'static ProductKind = &ProductKind {
+        id: "epipolar-geometry",
+        name: "Epipolar geometry",
+        summary: "The fundamental matrix, which maps a point of frame t to its epipolar line in frame t + 1.",
+        motion: Motion::Nowhere,
+        is_of_single_frames: false,
+        measures: &[&MEASURES],
+    };
+
+    /// The matrix, row by row.
+    fn table(&self) -> Option<Table> {
+        let rows = self.matrix.into_iter().flatten().map(|row| row.map(Cell::from));
+        Some(Table::new(["column_1", "column_2", "column_3"], rows))
+    }
+
+    fn assess(&self, _: &Reference<'_>) -> Result<Assessment, Error> {
+        let Support { inliers, matches } = self.support;
+        let share = inliers as f64 / matches.max(1) as f64;
+        let values = [inliers.into(), Figure::from(share), self.residual_px.into(), self.planar_share.into()];
+        let told = format!("{} of {} matches, {:.1} %", grouped(inliers), grouped(matches), 100.0 * share);
+        let mut facts = vec![fact("Inliers", told.clone())];
+        facts.extend(self.residual_px.map(|residual| fact("Sampson distance (rms)", format!("{residual:.3} px"))));
+        facts.extend(
+            self.planar_share.map(|share| fact("Explained by a homography", format!("{:.0} %", 100.0 * share))),
+        );
+        let headline = format!("{} inliers", grouped(inliers));
+        Ok(Assessment { headline, ..Assessment::default() }.with(scores(&MEASURES, values), facts))
+    }
+}
