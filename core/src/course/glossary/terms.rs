@@ -387,6 +387,12 @@ pub static GLOSSARY: &[Term] = &[
     )
     .symbol("P"),
     term(
+        InterestPoints,
+        "cross-check",
+        &["cross check", "mutual nearest neighbours"],
+        "The rejection of a match unless both descriptors are the nearest neighbours of each other.",
+    ),
+    term(
         MultipleObjects,
         "data association",
         &["association", "associate", "associates", "associated"],
@@ -436,6 +442,13 @@ pub static GLOSSARY: &[Term] = &[
         &["dilations", "dilate", "dilated"],
         "The morphological operation that sets every pixel under a structuring element placed on a foreground pixel; \
         regions grow.",
+    ),
+    term(
+        InterestPoints,
+        "direct linear transformation",
+        &["DLT"],
+        "A linear least-squares fit of a homography or another projective relation from correspondences, in \
+        normalised coordinates.",
     ),
     term(
         DynamicScenes,
@@ -517,6 +530,13 @@ pub static GLOSSARY: &[Term] = &[
         the one perpendicular to it.",
     ),
     term(
+        InterestPoints,
+        "eight-point algorithm",
+        &["eight-point"],
+        "The linear estimation of the fundamental matrix from eight or more matches in normalised coordinates, \
+        followed by the constraint of rank 2.",
+    ),
+    term(
         Evaluation,
         "endpoint error",
         &["end-point error", "EPE", "AEE", "average endpoint error", "mean endpoint error"],
@@ -545,6 +565,12 @@ pub static GLOSSARY: &[Term] = &[
         "The condition x′^T F x = 0: the match x′ of a point x of a static scene lies on its epipolar line F x.",
     )
     .symbol("x′^T F x = 0"),
+    term(
+        InterestPoints,
+        "epipole",
+        &["epipoles"],
+        "The image of the other camera's centre, in which all epipolar lines meet.",
+    ),
     term(
         MovingObjects,
         "erosion",
@@ -863,6 +889,12 @@ pub static GLOSSARY: &[Term] = &[
         "The algorithm that solves the assignment problem exactly in cubic time.",
     ),
     term(
+        InterestPoints,
+        "hypothesis",
+        &["hypotheses"],
+        "A model computed from a random sample, to be tested against all matches.",
+    ),
+    term(
         MovingObjects,
         "hysteresis thresholding",
         &["hysteresis"],
@@ -1079,6 +1111,12 @@ pub static GLOSSARY: &[Term] = &[
         for small increments.",
     ),
     term(
+        InterestPoints,
+        "LO-RANSAC",
+        &[],
+        "RANSAC that fits each new best model to its inliers before the next sample.",
+    ),
+    term(
         MotionVectors,
         "local minimum",
         &["local minima", "local optimum"],
@@ -1198,6 +1236,12 @@ pub static GLOSSARY: &[Term] = &[
         "Tracking that fits a known model of an object's shape or appearance to every frame.",
     ),
     term(
+        InterestPoints,
+        "mosaic",
+        &["mosaics", "panorama"],
+        "Frames registered by their global motion in the coordinates of one of them.",
+    ),
+    term(
         Evaluation,
         "MOTA",
         &["multiple object tracking accuracy"],
@@ -1261,6 +1305,12 @@ pub static GLOSSARY: &[Term] = &[
         &["camera motion compensation", "global motion compensation"],
         "The alignment of frames by the global motion before they are compared, so that a moving camera does not make \
         everything foreground.",
+    ),
+    term(
+        InterestPoints,
+        "MSAC",
+        &[],
+        "RANSAC with a score that sums the squared errors of inliers, so that better inliers count more.",
     ),
     term(
         MultipleObjects,
@@ -1358,6 +1408,12 @@ pub static GLOSSARY: &[Term] = &[
         no correspondence in the other.",
     ),
     term(
+        InterestPoints,
+        "octave",
+        &["octaves"],
+        "A doubling of scale: the Gaussian images of a scale space between one resolution and half of it.",
+    ),
+    term(
         MovingObjects,
         "opening",
         &["morphological opening"],
@@ -1383,6 +1439,12 @@ pub static GLOSSARY: &[Term] = &[
         &["BRIEF", "Hamming distance"],
         "A fast binary feature: FAST corners with orientation, described by BRIEF bits and compared by Hamming \
         distance.",
+    ),
+    term(
+        InterestPoints,
+        "orientation histogram",
+        &["orientation histograms"],
+        "A histogram of the gradient directions around a keypoint; its peaks are the orientations of the keypoint.",
     ),
     term(
         MovingObjects,
@@ -1591,9 +1653,22 @@ pub static GLOSSARY: &[Term] = &[
     ),
     term(
         InterestPoints,
+        "Sampson distance",
+        &["Sampson error"],
+        "A first-order approximation of the distance of a match from the nearest pair of points that satisfies the \
+        epipolar constraint.",
+    ),
+    term(
+        InterestPoints,
         "scale invariance",
         &["scale-invariant"],
         "The property of features to be found again when an object comes nearer or the camera zooms.",
+    ),
+    term(
+        InterestPoints,
+        "scale space",
+        &["Gaussian scale space"],
+        "An image at all scales: a stack of Gaussian images with increasing standard deviation.",
     ),
     term(
         DynamicScenes,

@@ -1,0 +1,290 @@
+//! SIFT, matching, global motion and epipolar geometry against plain references, a recorded peer and exactly known motion.
+
+mod common;
+
+use common::set;
+use motionscope_core::products::{EpipolarField, keypoints::Descriptor};
+use motionscope_core::{
+    Clip, Frame, Grid, MatchField, MatchStatus, ModelField, Move, Output, PointField, Threads, synth,
+};
+
+fn scene(id: &str) -> Clip {
+    let scene = synth::scene(id).expect("a scene");
+    synth::make(scene.id, &scene.difficulty()).expect("a clip")
+}
+
+fn run(id: &str, settings: &[(&str, &str)], clip: &Clip) -> Output {
+    set(id, settings).run(clip, 0, &Threads::single()).expect("a run")
+}
+
+fn keypoints(id: &str, settings: &[(&str, &str)], clip: &Clip) -> PointField {
+    run(id, settings, clip).get::<PointField>().expect("keypoints").clone()
+}
+
+/// The strongest keypoints of frame 0 of the scene `translation` by OpenCV 5.0.0, SIFT_create(0, 3, 0.04, 10, 1.6, enable_precise_upscale =
+/// True): x, y, size / 2 and angle.
+const OPENCV: [[f32; 4]; 40] = [
+    [33.93, 182.22, 4.53, 70.2],
+    [33.93, 182.22, 4.53, 267.0],
+    [59.68, 143.59, 4.02, 39.6],
+    [59.68, 143.59, 4.02, 238.6],
+    [214.60, 154.51, 3.98, 138.1],
+    [49.35, 25.29, 6.60, 40.7],
+    [49.35, 25.29, 6.60, 268.4],
+    [114.08, 46.33, 4.10, 108.0],
+    [206.19, 59.01, 4.48, 272.5],
+    [201.52, 169.02, 7.43, 235.0],
+    [238.23, 156.60, 2.97, 248.5],
+    [297.24, 110.61, 4.57, 238.1],
+    [171.91, 131.59, 7.36, 2.7],
+    [171.91, 131.59, 7.36, 33.9],
+    [171.91, 131.59, 7.36, 81.5],
+    [234.81, 79.63, 2.54, 107.8],
+    [187.96, 116.83, 5.71, 65.4],
+    [187.96, 116.83, 5.71, 352.9],
+    [310.77, 101.75, 3.28, 49.0],
+    [310.77, 101.75, 3.28, 252.3],
+    [292.39, 84.89, 2.79, 92.1],
+    [292.39, 84.89, 2.79, 231.4],
+    [87.38, 193.98, 6.19, 37.0],
+    [125.81, 32.18, 3.92, 2.2],
+    [50.07, 161.21, 3.68, 46.1],
+    [50.07, 161.21, 3.68, 264.6],
+    [48.62, 195.99, 8.13, 65.8],
+    [75.77, 15.87, 5.09, 84.9],
+    [75.77, 15.87, 5.09, 195.2],
+    [306.87, 94.55, 3.00, 250.8],
+    [149.09, 116.47, 3.12, 294.8],
+    [149.22, 116.50, 3.15, 293.9],
+    [254.05, 154.76, 6.19, 281.3],
+    [14.13, 180.85, 2.88, 120.2],
+    [14.13, 180.85, 2.88, 281.1],
+    [295.82, 155.07, 7.91, 76.6],
+    [295.82, 155.07, 7.91, 236.8],
+    [277.95, 162.27, 3.86, 66.6],
+    [277.95, 162.27, 3.86, 219.5],
+    [130.71, 141.83, 4.98, 83.2],
+];
+
+#[test]
+fn sift_keypoints_are_those_of_opencv() {
+    let found = keypoints("sift", &[("max-points", "100000")], &scene("translation"));
+    let agrees = |[x, y, sigma, angle]: [f32; 4]| {
+        found.points.iter().zip(&found.keypoints).any(|(point, keypoint)| {
+            let own = keypoint.angle_rad.expect("an orientation").to_degrees();
+            let turned = (own - angle + 180.0).rem_euclid(360.0) - 180.0;
+            let scale = keypoint.scale_px.expect("a scale") / sigma;
+            (point.at[0] - x).hypot(point.at[1] - y) < 0.1 && (0.95..1.05).contains(&scale) && turned.abs() < 5.0
+        })
+    };
+    let count = OPENCV.into_iter().filter(|keypoint| agrees(*keypoint)).count();
+    assert!(count >= 38, "{count} of {}", OPENCV.len());
+    // 589 by OpenCV.
+    assert!((560..620).contains(&found.points.len()), "{}", found.points.len());
+}
+
+/// The share of the keypoints of `a`, moved by `map`, that have one of `b` within `off` px and a factor of 1.2 of their scale.
+fn repeated(a: &PointField, b: &PointField, map: impl Fn([f32; 2]) -> [f32; 2], off: f32) -> f32 {
+    let is_again = |(point, keypoint): (&motionscope_core::Feature, &motionscope_core::Keypoint)| {
+        let [x, y] = map(point.at);
+        b.points.iter().zip(&b.keypoints).any(|(other, of)| {
+            let factor = of.scale_px.unwrap_or(1.0) / keypoint.scale_px.unwrap_or(1.0);
+            (other.at[0] - x).hypot(other.at[1] - y) < off && (1.0 / 1.2..1.2).contains(&factor)
+        })
+    };
+    let again = a.points.iter().zip(&a.keypoints).filter(|pair| is_again(*pair)).count();
+    again as f32 / a.points.len() as f32
+}
+
+fn still(frame: Frame) -> Clip {
+    Clip::from_frames("still", vec![frame.clone(), frame]).expect("frames of one size")
+}
+
+#[test]
+fn keypoints_are_found_again_after_a_quarter_turn_and_another_gain() {
+    let clip = scene("translation");
+    let picture = clip.frame(0).expect("a frame").luma().clone();
+    let (width, height) = picture.size();
+    let here = keypoints("sift", &[], &clip);
+    // (x, y) goes to (height − 1 − y, x).
+    let turned = Frame::gray(Grid::from_fn(height, width, |x, y| picture[(y, height - 1 - x)]));
+    let there = keypoints("sift", &[], &still(turned));
+    let share = repeated(&here, &there, |[x, y]| [(height - 1) as f32 - y, x], 0.5);
+    assert!(share > 0.95, "{share} after a quarter turn");
+    let darker = Frame::gray(picture.map(|value| value / 2 + 20));
+    let there = keypoints("sift", &[("contrast-threshold", "0.02")], &still(darker));
+    let share = repeated(&here, &there, |at| at, 0.5);
+    assert!(share > 0.9, "{share} at half the contrast");
+}
+
+#[test]
+fn matches_are_the_nearest_neighbours_that_pass_both_tests() {
+    let clip = scene("spin-zoom");
+    let settings = [("detector.max-points", "120")];
+    let found = run("feature-matching", &settings, &clip);
+    let found = found.get::<MatchField>().expect("matches");
+    let side = |t| {
+        let output = set("sift", &[("max-points", "120")]).run(&clip, t, &Threads::single()).expect("a run");
+        let field = output.get::<PointField>().expect("keypoints").clone();
+        let entries = |keypoint: &motionscope_core::Keypoint| match &keypoint.descriptor {
+            Some(Descriptor::Reals(values)) => values.iter().map(|v| f64::from(*v)).collect::<Vec<f64>>(),
+            _ => panic!("SIFT describes"),
+        };
+        let descriptors: Vec<_> = field.keypoints.iter().map(entries).collect();
+        (field.points, descriptors)
+    };
+    let ((here, a), (there, b)) = (side(0), side(1));
+    let distance = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+    let ranked = |of: &[f64], all: &[Vec<f64>]| {
+        let mut order: Vec<(f64, usize)> = all.iter().enumerate().map(|(i, other)| (distance(of, other), i)).collect();
+        order.sort_by(|x, y| x.0.total_cmp(&y.0));
+        [order[0], order[1]]
+    };
+    assert_eq!(found.matches.len(), here.len());
+    let mut counts = [0; 3];
+    for (i, own) in found.matches.iter().enumerate() {
+        let [(first, nearest), (second, _)] = ranked(&a[i], &b);
+        let status = match () {
+            () if first / second >= 0.8 => MatchStatus::RejectedRatio,
+            () if ranked(&b[nearest], &a)[0].1 != i => MatchStatus::RejectedCrossCheck,
+            () => MatchStatus::Match,
+        };
+        assert_eq!((own.from, own.to, own.status), (here[i].at, there[nearest].at, status), "keypoint {i}");
+        assert!((f64::from(own.distance) - first).abs() < 1e-4);
+        counts[[MatchStatus::Match, MatchStatus::RejectedRatio, MatchStatus::RejectedCrossCheck]
+            .iter()
+            .position(|other| *other == status)
+            .expect("one of three")] += 1;
+    }
+    assert!(counts[0] > 40 && counts[1] > 5, "{counts:?}");
+}
+
+#[test]
+fn matches_on_known_motion_are_right() {
+    for (id, descriptor) in
+        [("translation", "auto"), ("spin-zoom", "sift"), ("translation", "patch"), ("parallax", "auto")]
+    {
+        let clip = scene(id);
+        let output = run("feature-matching", &[("descriptor", descriptor)], &clip);
+        let field = output.get::<MatchField>().expect("matches");
+        let truth = clip.truth().expect("truth").flow(0).expect("a flow").expect("a flow");
+        let errors = MatchField::compare(field.accepted(), &truth);
+        let precision = errors.precision().expect("known matches");
+        assert!(errors.known > 60 && precision > 0.95, "{id}, {descriptor}: {errors:?}");
+    }
+    // Corners have no descriptor of their own, so patches are compared.
+    let clip = scene("translation");
+    let output = run("feature-matching", &[("detector", "harris"), ("detector.max-points", "200")], &clip);
+    assert!(output.get::<MatchField>().expect("matches").count(MatchStatus::Match) > 60);
+}
+
+#[test]
+fn candidates_lie_within_the_search_radius() {
+    let clip = scene("translation");
+    let far = |radius: &str| {
+        let output = run("feature-matching", &[("radius", radius), ("ratio", "1"), ("cross-check", "off")], &clip);
+        let field = output.get::<MatchField>().expect("matches").clone();
+        field.matches.iter().map(|found| found.displacement()).map(|[u, v]| u.hypot(v)).fold(0.0, f32::max)
+    };
+    assert!(far("6") <= 6.0 && far("0") > 6.0);
+}
+
+/// The mean and the largest distance of the model's displacements from the true ones.
+fn errors(output: &Output, clip: &Clip) -> [f32; 2] {
+    let flow = output.get::<ModelField>().expect("a model").displacements_of_pixels();
+    let truth = clip.truth().expect("truth").flow(0).expect("a flow").expect("a flow");
+    let (width, height) = clip.size();
+    let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    let off = places.filter_map(|(x, y)| {
+        let ([u, v], [true_u, true_v]) = (flow.at(x, y)?, truth.at(x, y)?);
+        Some((u - true_u).hypot(v - true_v))
+    });
+    let all: Vec<f32> = off.collect();
+    assert!(!all.is_empty());
+    [all.iter().sum::<f32>() / all.len() as f32, all.iter().copied().fold(0.0, f32::max)]
+}
+
+#[test]
+fn every_model_finds_a_translation_and_those_with_rotation_a_turn() {
+    let clip = scene("translation");
+    for model in ["translation", "rigid", "similarity", "affine", "homography"] {
+        let [mean, most] = errors(&run("global-motion", &[("model", model)], &clip), &clip);
+        assert!(mean < 0.1 && most < 0.6, "{model}: {mean}, {most}");
+    }
+    let clip = scene("spin-zoom");
+    for model in ["similarity", "affine", "homography"] {
+        let [mean, _] = errors(&run("global-motion", &[("model", model)], &clip), &clip);
+        assert!(mean < 0.3, "{model}: {mean}");
+    }
+    let [mean, _] = errors(&run("global-motion", &[("model", "translation")], &clip), &clip);
+    assert!(mean > 1.0, "a translation is no rotation: {mean}");
+}
+
+#[test]
+fn outliers_cost_iterations_and_not_accuracy() {
+    let clip = scene("translation");
+    let with = |outliers: &str, scoring: &str| {
+        let settings = [("outliers", outliers), ("scoring", scoring), ("max-iterations", "100000")];
+        let output = run("global-motion", &settings, &clip);
+        (errors(&output, &clip)[0], output.get::<ModelField>().expect("a model").iterations)
+    };
+    for scoring in ["ransac", "msac", "lo-ransac"] {
+        let all = ["0", "0.3", "0.6"].map(|share| with(share, scoring));
+        assert!(all.iter().all(|(mean, _)| *mean < 0.15), "{scoring}: {all:?}");
+        assert!(all[0].1 < all[1].1 && 3 * all[1].1 < all[2].1, "{scoring}: {all:?}");
+    }
+}
+
+#[test]
+fn epipolar_lines_pass_through_the_true_matches() {
+    // Layers at four depths, seen by a camera that moves sideways.
+    let clip = scene("parallax");
+    let output = run("epipolar-geometry", &[], &clip);
+    let field = output.get::<EpipolarField>().expect("epipolar geometry");
+    let matrix = field.matrix.expect("an estimate");
+    let truth = clip.truth().expect("truth").flow(0).expect("a flow").expect("a flow");
+    let (width, height) = clip.size();
+    let (mut near, mut all) = (0, 0);
+    for (x, y) in (4..height - 4).step_by(7).flat_map(|y| (4..width - 4).step_by(7).map(move |x| (x, y))) {
+        let Some([u, v]) = truth.at(x, y) else { continue };
+        let (x, y) = (x as f64, y as f64);
+        let [a, b, c] = matrix.map(|row| row[0] * x + row[1] * y + row[2]);
+        let distance = (a * (x + f64::from(u)) + b * (y + f64::from(v)) + c).abs() / a.hypot(b);
+        near += usize::from(distance < 1.0);
+        all += 1;
+    }
+    assert!(10 * near > 9 * all, "{near} of {all}");
+    assert!(field.support.inliers > 60 && field.residual_px.is_some_and(|residual| residual < 0.75), "{field:?}");
+}
+
+/// What the last step of a run says.
+fn last_sentence(id: &str, settings: &[(&str, &str)], clip: &Clip) -> String {
+    let mut walk = set(id, settings).walk(clip, 0).expect("a walk");
+    walk.jump(Move::End);
+    walk.step(None).sentence.plain()
+}
+
+#[test]
+fn a_plane_does_not_determine_the_epipolar_geometry_and_that_is_said() {
+    let clip = scene("spin-zoom");
+    let told = last_sentence("epipolar-geometry", &[], &clip);
+    assert!(told.contains("homography explains") && told.contains("plane"), "{told}");
+    let told = last_sentence("epipolar-geometry", &[], &scene("parallax"));
+    assert!(!told.contains("homography explains"), "{told}");
+}
+
+#[test]
+fn without_texture_the_number_that_was_too_small_is_said() {
+    let flat = still(Frame::gray(Grid::new(64, 48, 90)));
+    for (id, number) in [("sift", "no keypoints"), ("feature-matching", "0 keypoints")] {
+        let told = last_sentence(id, &[], &flat);
+        assert!(told.contains(number), "{id}: {told}");
+    }
+    for (id, needed) in [("global-motion", "0 of the needed 4"), ("epipolar-geometry", "0 of the needed 7")] {
+        let told = last_sentence(id, &[], &flat);
+        assert!(told.contains(needed), "{id}: {told}");
+    }
+    let output = run("global-motion", &[], &flat);
+    assert_eq!(output.get::<ModelField>().expect("a model").matrix, None);
+    assert!(output.flow().expect("a flow").0.cells().iter().flatten().all(|c| c.is_nan()));
+}
