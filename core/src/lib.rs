@@ -92,7 +92,7 @@ pub use data::{
 };
 pub use families::{block_matching, correspondence, interest_points, moving_objects, optical_flow, tracking};
 pub use geometry::{Border, Bounds, Gray, Grid};
-pub use methods::kalman;
+pub use methods::{geometric, kalman};
 pub use params::{Params, Spec, Value};
 pub use products::{
     Agreement, Block, BlockField, BlockGrid, BlockVector, Coding, Confidence, Consistency, DenseField, Descriptor,

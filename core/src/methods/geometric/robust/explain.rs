@@ -32,7 +32,7 @@ impl<M: RobustModel> Robust<M> {
         };
         let (line, sentence) = self.said(seen, last);
         let sentence = match seen.after {
-            Some(after) if after.fitted.is_some() => self.concluded(after, sentence),
+            Some(after) if after.consensus.fitted.is_some() => self.concluded(after, sentence),
             _ => sentence,
         };
         Step { line, sentence, readouts: self.readouts(seen, last) }
@@ -46,7 +46,7 @@ impl<M: RobustModel> Robust<M> {
             Event::Sample(_) => {
                 let told = format!(
                     "Iteration {}: a random sample of {}. {}",
-                    state.iterations + 1,
+                    state.consensus.iterations + 1,
                     matches(size),
                     self.0.counting()
                 );
@@ -112,7 +112,7 @@ impl<M: RobustModel> Robust<M> {
             _ => String::new(),
         };
         let said = said.text(cost);
-        match state.best {
+        match state.consensus.best {
             None => said.text(": the first hypothesis, so the best so far."),
             Some(best) if score.is_better(&best.score) => {
                 said.text(format!(": better than {} so far.", grouped(best.score.inliers)))
@@ -126,7 +126,7 @@ impl<M: RobustModel> Robust<M> {
     /// The best hypothesis at the end of the events so far.
     fn best_now(&self, seen: &Seen<Self>) -> Option<(Matrix3, Score)> {
         let mut matrix = None;
-        let mut best = seen.before.best.map(|best| (best.matrix, best.score));
+        let mut best = seen.before.consensus.best.map(|best| (best.matrix, best.score));
         let mut candidate: Option<(Matrix3, Score)> = None;
         for event in seen.events {
             match event {
@@ -163,7 +163,8 @@ impl<M: RobustModel> Robust<M> {
 
     fn concluded(&self, after: &State, sentence: Sentence) -> Sentence {
         let told = self.0.conclusion(&after.estimate());
-        sentence.text(format!(" End of the run after {}: {told}", words::counted(after.iterations, "iteration")))
+        sentence
+            .text(format!(" End of the run after {}: {told}", words::counted(after.consensus.iterations, "iteration")))
     }
 
     fn readouts(&self, seen: &Seen<Self>, event: &Event) -> Vec<Readout> {
@@ -171,12 +172,16 @@ impl<M: RobustModel> Robust<M> {
         let (count, best) = (state.fixed.points.len(), self.best_now(seen));
         let mut facts = vec![
             Fact::new("Matches", grouped(count), None),
-            Fact::new("Iterations", grouped(state.iterations + usize::from(!matches!(event, Event::Refit(..)))), None),
+            Fact::new(
+                "Iterations",
+                grouped(state.consensus.iterations + usize::from(!matches!(event, Event::Refit(..)))),
+                None,
+            ),
         ];
         let inliers = |score: &Score| format!("{} of {}", grouped(score.inliers), grouped(count));
         facts.extend(best.map(|(_, score)| Fact::new("Inliers of the best", inliers(&score), Some(Role::Best))));
         facts.extend(best.map(|(_, score)| Fact::new("rms distance", format!("{} px", rms(&score)), None)));
-        let needed = if let Event::Best(needed) = event { *needed } else { state.needed };
+        let needed = if let Event::Best(needed) = event { *needed } else { state.consensus.needed };
         facts.push(Fact::new("Iterations needed", grouped(needed), None));
         let mut all = vec![Readout::Facts(facts)];
         all.extend(best.map(|(_, score)| Readout::Equation(self.equation(seen, &score, needed))));
@@ -187,7 +192,10 @@ impl<M: RobustModel> Robust<M> {
 
     /// The formulas about the final model, or N = log(1 − p) / log(1 − wⁿ) in symbols and in numbers.
     fn equation(&self, seen: &Seen<Self>, score: &Score, needed: usize) -> Vec<Math> {
-        let own = seen.after.filter(|after| after.fitted.is_some()).map(|after| self.0.equations(&after.estimate()));
+        let own = seen
+            .after
+            .filter(|after| after.consensus.fitted.is_some())
+            .map(|after| self.0.equations(&after.estimate()));
         if let Some(own) = own.filter(|own| !own.is_empty()) {
             return own;
         }
@@ -232,16 +240,25 @@ impl<M: RobustModel> Robust<M> {
 
     /// Inliers of the best hypothesis over the iterations.
     fn series(&self, seen: &Seen<Self>, best: Option<(Matrix3, Score)>) -> Option<Series> {
-        let mut points: Vec<[f32; 2]> =
-            seen.before.history.iter().enumerate().map(|(i, inliers)| [(i + 1) as f32, *inliers as f32]).collect();
+        let mut points: Vec<[f32; 2]> = seen
+            .before
+            .consensus
+            .history
+            .iter()
+            .enumerate()
+            .map(|(i, inliers)| [(i + 1) as f32, *inliers as f32])
+            .collect();
         if !matches!(seen.events.last(), Some(Event::Refit(..))) {
-            points.push([(seen.before.iterations + 1) as f32, best.map_or(0.0, |(_, score)| score.inliers as f32)]);
+            points.push([
+                (seen.before.consensus.iterations + 1) as f32,
+                best.map_or(0.0, |(_, score)| score.inliers as f32),
+            ]);
         }
         (!points.is_empty()).then(|| Series {
             title: "Inliers of the best hypothesis",
             x_label: "iteration",
             y_label: "inliers",
-            x_max: points.len().max(seen.before.needed.min(4 * points.len())),
+            x_max: points.len().max(seen.before.consensus.needed.min(4 * points.len())),
             lines: vec![("inliers", Role::Best, points)],
             ..Series::default()
         })

@@ -122,15 +122,22 @@ inner_params!(Robust<M: RobustModel>);
 #[derive(Clone)]
 pub struct State {
     fixed: Arc<Fixed>,
+    consensus: Consensus,
+}
+
+/// The progress of random sample consensus.
+#[derive(Clone, Debug)]
+pub struct Consensus {
     /// Number of iterations done.
-    iterations: usize,
+    pub iterations: usize,
     /// Number of iterations that are needed with the best hypothesis so far.
-    needed: usize,
-    best: Option<Best>,
+    pub needed: usize,
+    /// The best hypothesis so far.
+    pub best: Option<Best>,
     /// Number of inliers of the best hypothesis after each iteration.
-    history: Vec<u32>,
+    pub history: Vec<u32>,
     /// The model after the final fit.
-    fitted: Option<Best>,
+    pub fitted: Option<Best>,
 }
 
 /// The constant part of a run.
@@ -174,8 +181,8 @@ impl State {
             pair: &self.fixed.pair,
             points: &self.fixed.points,
             truth: self.fixed.truth.as_deref(),
-            best: self.fitted.or(self.best),
-            iterations: self.iterations,
+            best: self.consensus.fitted.or(self.consensus.best),
+            iterations: self.consensus.iterations,
         }
     }
 }
@@ -190,14 +197,22 @@ impl<M: RobustModel> Robust<M> {
         let position = |at: [f32; 2]| at.map(f64::from);
         let points = matches.iter().map(|m| Correspondence { from: position(m.from), to: position(m.to) }).collect();
         let fixed = Fixed { pair, matches, points, truth: truth(clip, frame) };
-        Ok(State {
-            fixed: Arc::new(fixed),
-            iterations: 0,
-            needed: self.0.settings().max_iterations,
-            best: None,
-            history: Vec::new(),
-            fitted: None,
-        })
+        Ok(State { fixed: Arc::new(fixed), consensus: self.begin() })
+    }
+
+    fn begin(&self) -> Consensus {
+        let needed = self.0.settings().max_iterations;
+        Consensus { iterations: 0, needed, best: None, history: Vec::new(), fitted: None }
+    }
+
+    /// Estimates the model from given matches. The consensus has no final model if there are too few of them.
+    pub fn estimate(&self, points: &[Correspondence]) -> Consensus {
+        let mut consensus = self.begin();
+        while points.len() >= self.0.sample_size() && consensus.iterations < consensus.needed {
+            self.iterate(points, &mut consensus, &mut ());
+        }
+        self.refit(points, &mut consensus, &mut ());
+        consensus
     }
 
     /// Replaces a share of the matches by random ones.
@@ -227,68 +242,71 @@ impl<M: RobustModel> Robust<M> {
     }
 
     /// Draws a sample, and keeps its model if it is the best so far.
-    fn iterate(&self, state: &mut State, observer: &mut impl Observer<Event>) {
-        let fixed = Arc::clone(&state.fixed);
+    fn iterate(&self, points: &[Correspondence], consensus: &mut Consensus, observer: &mut impl Observer<Event>) {
         let seed = self.0.settings().seed as u64;
-        let indices = sample(self.0.sample_size(), fixed.points.len(), seed, state.iterations);
-        state.iterations += 1;
-        let hypotheses = self.0.hypotheses(&chosen(&fixed.points, &indices));
+        let indices = sample(self.0.sample_size(), points.len(), seed, consensus.iterations);
+        consensus.iterations += 1;
+        let hypotheses = self.0.hypotheses(&chosen(points, &indices));
         observer.see(|| Event::Sample(indices));
         if hypotheses.is_empty() {
             observer.see(|| Event::Degenerate);
         }
         for matrix in hypotheses {
             observer.see(|| Event::Hypothesis(matrix));
-            let score = self.score(&fixed.points, &matrix);
+            let score = self.score(points, &matrix);
             observer.see(|| Event::Scored(score));
-            if state.best.is_none_or(|best| score.is_better(&best.score)) {
-                self.keep(state, Best { matrix, score }, observer);
+            if consensus.best.is_none_or(|best| score.is_better(&best.score)) {
+                self.keep(points, consensus, Best { matrix, score }, observer);
             }
         }
-        state.history.push(state.best.map_or(0, |best| best.score.inliers as u32));
+        consensus.history.push(consensus.best.map_or(0, |best| best.score.inliers as u32));
     }
 
-    fn keep(&self, state: &mut State, mut best: Best, observer: &mut impl Observer<Event>) {
-        let fixed = Arc::clone(&state.fixed);
+    fn keep(
+        &self,
+        points: &[Correspondence],
+        consensus: &mut Consensus,
+        mut best: Best,
+        observer: &mut impl Observer<Event>,
+    ) {
         let Settings { scoring, confidence, max_iterations, .. } = *self.0.settings();
         let rounds = if scoring == Scoring::LoRansac { LOCAL_ROUNDS } else { 0 };
         for _ in 0..rounds {
-            let Some(matrix) = self.0.local(&self.inliers(&fixed.points, &best.matrix)) else { break };
-            let score = self.score(&fixed.points, &matrix);
+            let Some(matrix) = self.0.local(&self.inliers(points, &best.matrix)) else { break };
+            let score = self.score(points, &matrix);
             if !score.is_better(&best.score) {
                 break;
             }
             observer.see(|| Event::Local(matrix, score));
             best = Best { matrix, score };
         }
-        let share = best.score.inliers as f64 / fixed.points.len() as f64;
-        state.needed = samples_needed(share, self.0.sample_size(), confidence.into(), max_iterations);
-        observer.see(|| Event::Best(state.needed));
-        state.best = Some(best);
+        let share = best.score.inliers as f64 / points.len() as f64;
+        consensus.needed = samples_needed(share, self.0.sample_size(), confidence.into(), max_iterations);
+        observer.see(|| Event::Best(consensus.needed));
+        consensus.best = Some(best);
     }
 
     /// Fits the best hypothesis to all of its inliers, until these stay the same.
-    fn refit(&self, state: &mut State, observer: &mut impl Observer<Event>) {
-        let fixed = Arc::clone(&state.fixed);
-        let Some(mut best) = state.best else { return observer.see(|| Event::TooFew) };
+    fn refit(&self, points: &[Correspondence], consensus: &mut Consensus, observer: &mut impl Observer<Event>) {
+        let Some(mut best) = consensus.best else { return observer.see(|| Event::TooFew) };
         for round in 0..FINAL_ROUNDS {
             let before = best.score;
-            let refined = self.0.last(&self.inliers(&fixed.points, &best.matrix));
+            let refined = self.0.last(&self.inliers(points, &best.matrix));
             let matrix = refined.unwrap_or(best.matrix);
-            best = Best { matrix, score: self.score(&fixed.points, &matrix) };
+            best = Best { matrix, score: self.score(points, &matrix) };
             observer.see(|| Event::Refit(matrix, best.score));
             let is_same = best.score.inliers == before.inliers && (best.score.squared - before.squared).abs() < 1e-9;
             if round > 0 && is_same {
                 break;
             }
         }
-        state.fitted = Some(best);
+        consensus.fitted = Some(best);
     }
 
     /// The matches, with outliers marked once the model is known.
     fn judged(&self, state: &State) -> Vec<Match> {
         let all = state.fixed.matches.iter().zip(&state.fixed.points);
-        let judge = |(found, point): (&Match, &Correspondence)| match state.fitted {
+        let judge = |(found, point): (&Match, &Correspondence)| match state.consensus.fitted {
             Some(Best { matrix, .. }) if !self.is_inlier(&matrix, point) => {
                 Match { status: MatchStatus::Outlier, ..*found }
             }
@@ -311,15 +329,16 @@ impl<M: RobustModel> Estimator for Robust<M> {
     }
 
     fn advance(&self, _: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
-        if state.fixed.points.len() < self.0.sample_size() {
+        let (fixed, consensus) = (Arc::clone(&state.fixed), &mut state.consensus);
+        if fixed.points.len() < self.0.sample_size() {
             observer.see(|| Event::TooFew);
             return Ok(Progress::Done);
         }
-        if state.iterations < state.needed {
-            self.iterate(state, observer);
+        if consensus.iterations < consensus.needed {
+            self.iterate(&fixed.points, consensus, observer);
             return Ok(Progress::More);
         }
-        self.refit(state, observer);
+        self.refit(&fixed.points, consensus, observer);
         Ok(Progress::Done)
     }
 
@@ -328,7 +347,8 @@ impl<M: RobustModel> Estimator for Robust<M> {
     }
 
     fn place(&self, state: &State) -> Vec<Granularity> {
-        let iterations = Granularity { index: state.iterations, of: Some(state.needed.max(state.iterations) + 1) };
+        let Consensus { iterations, needed, .. } = state.consensus;
+        let iterations = Granularity { index: iterations, of: Some(needed.max(iterations) + 1) };
         vec![Granularity { index: 0, of: Some(1) }, iterations]
     }
 
@@ -371,7 +391,7 @@ impl<M: RobustModel> Footprint<State> for Robust<M> {
     }
 
     fn state_bytes(&self, state: &State) -> usize {
-        size_of::<State>() + size_of_val(&state.history[..])
+        size_of::<State>() + size_of_val(&state.consensus.history[..])
     }
 
     fn memory_bytes(&self, state: &State) -> usize {
