@@ -18,7 +18,7 @@ pub struct LinkSite {
 }
 
 /// Thinner than marks: there are many.
-const WIDTH: f32 = 1.0;
+const WIDTH: f32 = 1.25;
 /// Radius of an end.
 const END: f32 = 2.0;
 /// Opacity where there are many, so that those below are felt.

@@ -63,6 +63,8 @@ pub struct RunState {
     pub is_lockstep: bool,
     /// Whether these search blocks of frame t + 1.
     pub is_search: bool,
+    /// Whether the step relates its pictures to each other, by links or by the response of a filter.
+    pub is_joined: bool,
 }
 
 impl Look {
@@ -85,10 +87,11 @@ impl Look {
     }
 
     /// Returns the chosen view of `pictures`, or the automatic one: frame t for a finished field or an estimator of single frames,
-    /// both frames during a search, and one picture for each estimator in lockstep.
+    /// both frames during a search and where the step relates them, and one picture for each estimator in lockstep.
     pub fn view_of(&self, pictures: &Pictures, stands: RunState) -> View {
-        let RunState { is_of_single_frames, at_end, is_lockstep, is_search } = stands;
-        let fitting = if at_end || is_of_single_frames { View::Current } else { View::SideBySide };
+        let RunState { is_of_single_frames, at_end, is_lockstep, is_search, is_joined } = stands;
+        let is_alone = !is_joined && (at_end || is_of_single_frames);
+        let fitting = if is_alone { View::Current } else { View::SideBySide };
         let view = self.view.unwrap_or(fitting).or_current(pictures);
         if is_lockstep { view.alone(is_search && !at_end) } else { view }
     }

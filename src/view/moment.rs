@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use motionscope_core::products::{Assessment, Reference};
-use motionscope_core::scene::{Fact, Focus, Picture, Readout};
+use motionscope_core::scene::{Canvas, Fact, Focus, Picture, PictureRole, Readout};
 use motionscope_core::{Clip, Cursor, Error, Frame, Histogram, Levels, Role, Scene, Step, Walk};
 
 use super::look::{Look, RunState};
@@ -104,7 +104,8 @@ impl Moment {
         let mut pictures = Pictures { prediction: end.and_then(|end| end.prediction.clone()), ..pair.clone() };
         let motion = motion(Site { walk, clip, scene: &scene })?;
         motion.put(&mut pictures, &mut tiles);
-        let Named { frames, missing } = if beside { named(&scene, standing) } else { Named::default() };
+        let Named { frames, missing } =
+            if beside || is_joined(&scene) { named(&scene, standing) } else { Named::default() };
         pictures.beside = frames;
         let missing = missing.map(|(picture, error)| {
             Error::new(format!("{} is not shown: {error}", picture.title(Some(walk.at_frame()))))
@@ -126,7 +127,13 @@ impl Moment {
     /// Where the run of an estimator that looks at single frames, or at pairs, stands for the choice of a view.
     pub fn stands(&self, is_of_single_frames: bool) -> RunState {
         let search = self.tiles.iter().any(|tile| tile.counts_candidates);
-        RunState { is_of_single_frames, at_end: self.at_end, is_lockstep: !self.tiles.is_empty(), is_search: search }
+        RunState {
+            is_of_single_frames,
+            at_end: self.at_end,
+            is_lockstep: !self.tiles.is_empty(),
+            is_search: search,
+            is_joined: is_joined(&self.scene),
+        }
     }
 
     /// Returns why `layer` is not shown, as part of a sentence; `None` if it is.
@@ -173,6 +180,12 @@ fn told(RunView { walk, focus, end, .. }: RunView<'_>, motion: &Motion, missing:
     }
     step.readouts.extend(end.histogram.clone().map(Readout::Histogram));
     step
+}
+
+/// Whether a step relates its pictures to each other, so that they are shown side by side.
+fn is_joined(scene: &Scene) -> bool {
+    let has_response = |canvas: &Canvas| canvas.picture.role == PictureRole::Response;
+    !scene.links.is_empty() || scene.pictures.iter().any(has_response)
 }
 
 /// Frames `t` and `t + 1` of `clip`, and what their files are called; the last frame stands beside itself.

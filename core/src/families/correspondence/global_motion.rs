@@ -122,8 +122,8 @@ impl RobustModel for GlobalMotion {
         let Some(to) = mapped(&matrix, middle) else { return Vec::new() };
         let point = |[x, y]: [f64; 2]| Math::column([x, y].map(|c| Math::text(words::fixed(c, 2))));
         vec![
-            Math::Row(vec![Math::Bold("x′"), Math::text(" ∼ "), Math::Var("H"), Math::Bold("x")]),
-            Math::Row(vec![Math::text("centre "), point(middle), Math::text(" ↦ "), point(to)]),
+            Math::Row(vec![Math::Bold("x′"), Math::text(" = "), Math::Var("H"), Math::text(" "), Math::Bold("x")]),
+            Math::Row(vec![Math::text("centre "), point(middle), Math::text(" → "), point(to)]),
         ]
     }
 

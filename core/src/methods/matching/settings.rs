@@ -14,7 +14,7 @@ choices! {
     /// Descriptor of the keypoints.
     pub enum DescriptorKind {
         /// That of the detector, if it has one; else patches.
-        Auto = "auto" "That of the detector",
+        Auto = "auto" "of the detector",
         /// SIFT: histograms of gradient directions, compared by Euclidean distance.
         Sift = "sift" "SIFT",
         /// Upright patches of gray values.

@@ -199,8 +199,8 @@ impl FeatureMatching {
         for (on, side) in [(Picture::CURRENT, here), (Picture::NEXT, there)] {
             let points: Vec<_> = side.points.iter().map(|point| point.at).collect();
             if !points.is_empty() {
-                scene.mark(on, Role::Window, Shape::Points(points));
-                scene.legend(Role::Window, "keypoint");
+                scene.mark(on, Role::Rejected, Shape::Points(points));
+                scene.legend(Role::Rejected, "keypoint; second nearest");
             }
         }
         let shown = seen.after.unwrap_or(state);
@@ -240,7 +240,7 @@ impl FeatureMatching {
             match event {
                 Event::Of(Compared::Found(Neighbors { first, second })) => {
                     if let Some((index, _)) = second {
-                        candidate(*index, Role::Rejected, "second nearest");
+                        candidate(*index, Role::Rejected, "keypoint; second nearest");
                     }
                     if let Some((index, _)) = first {
                         candidate(*index, Role::Best, "nearest");
