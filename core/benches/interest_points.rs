@@ -1,6 +1,6 @@
 //! How fast interest points are detected: `cargo bench -p motionscope-core --bench interest_points`.
 //!
-//! The texture of `shared/bench/make_clips.py` is not at hand here; this one has about as many corners in a frame.
+//! FAST without limits of distance and number, as the peers that it is held against; the others with their defaults.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use motionscope_core::{Clip, Frame, Gray, Grid, Threads, estimator};
@@ -26,7 +26,7 @@ fn texture(width: usize, height: usize) -> Gray {
 fn detectors(c: &mut Criterion) {
     for (name, width, height) in [("VGA", 640, 480), ("1080p", 1920, 1080)] {
         let clip = Clip::from_frames("texture", vec![Frame::gray(texture(width, height))]).expect("a frame");
-        for id in ["fast"] {
+        for id in ["fast", "orb", "surf"] {
             let mut estimator = estimator(id).expect("it is registered");
             let all = || [("min-distance", "0"), ("max-points", "100000")];
             if id == "fast" {

@@ -6,7 +6,7 @@ use crate::families::{
         AdaptiveRood, Diamond, FourStep, FullSearch, Hexagon, Hierarchical, LogSearch, NewThreeStep, Predictive,
         QuadrantSearch, SuccessiveElimination, ThreeStep,
     },
-    interest_points::{Fast, Harris, ShiTomasi},
+    interest_points::{Fast, Harris, Orb, ShiTomasi, Surf},
     moving_objects::{
         ConnectedComponents, FlowMagnitude, FrameDifference, KnnBackground, MedianBackground, MixtureOfGaussians,
         RunningAverage, SingleGaussian,
@@ -45,6 +45,8 @@ impl Entries for Course {
         Entry::of::<Corners<Harris>>(),
         Entry::of::<Corners<ShiTomasi>>(),
         Entry::of::<Fast>(),
+        Entry::of::<Surf>(),
+        Entry::of::<Orb>(),
         Entry::of::<Subtraction<FrameDifference>>(),
         Entry::of::<Subtraction<RunningAverage>>(),
         Entry::of::<Subtraction<MedianBackground>>(),

@@ -2,9 +2,13 @@
 
 mod fast;
 mod harris;
+mod orb;
 mod shi_tomasi;
+mod surf;
 
 pub use crate::methods::features::Corners;
 pub use fast::Fast;
 pub use harris::Harris;
+pub use orb::Orb;
 pub use shi_tomasi::ShiTomasi;
+pub use surf::Surf;

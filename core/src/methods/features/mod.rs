@@ -1,14 +1,17 @@
 //! Feature detection by structure tensors, and feature tracking by Lucas and Kanade's method.
 
 pub mod affine;
+pub mod brief;
 mod conclusion;
 mod corners;
 mod declare;
 mod eigenvalues;
 mod explain;
 pub mod follow;
+pub mod integral;
 mod level_trace;
 mod response;
+pub mod scale_pyramid;
 pub mod segment;
 mod select;
 mod trace;
