@@ -27,13 +27,14 @@ pub struct Blob {
 }
 
 impl Blob {
-    /// The pixel nearest to an offset in px.
-    fn pixel(&self, [i, j]: [f32; 2]) -> [i32; 2] {
-        [self.at[0] + i, self.at[1] + j].map(|c| c.round() as i32)
+    /// The corner of pixels nearest to an offset in px: the wavelets have even sides, so that their middles are corners. A corner
+    /// is called like the pixel below to its right.
+    fn corner(&self, [i, j]: [f32; 2]) -> [i32; 2] {
+        [self.at[0] + i, self.at[1] + j].map(|c| (c + 0.5).round() as i32)
     }
 }
 
-/// The responses of the Haar wavelets along x and y at a pixel, of side 2 `half`: the mean of one half less that of the other, in gray
+/// The responses of the Haar wavelets along x and y at a corner of pixels, of side 2 `half`: the mean of one half less that of the other, in gray
 /// levels.
 pub fn haar(integral: &Integral, [x, y]: [i32; 2], half: i32) -> [f32; 2] {
     let sum = |min: [i32; 2], size: [i32; 2]| integral.sum(PixelBox::new(min, size)) as f32;
@@ -65,7 +66,7 @@ pub fn wheel(integral: &Integral, blob: Blob) -> Vec<Spoke> {
     let spoke = |(i, j): (i32, i32)| {
         let offset = [i, j].map(|c| c as f32 * blob.scale);
         let weight = (-((i * i + j * j) as f32) / 8.0).exp();
-        let response = haar(integral, blob.pixel(offset), half).map(|response| weight * response);
+        let response = haar(integral, blob.corner(offset), half).map(|response| weight * response);
         Spoke { response, angle_rad: response[1].atan2(response[0]).rem_euclid(TAU) }
     };
     inside.map(spoke).collect()
@@ -113,7 +114,7 @@ pub fn subregion(integral: &Integral, blob: Blob, angle_rad: f32, k: usize) -> [
         let [u, v] = [left + i, top + j].map(|index| index as f32 - middle);
         let weight = (-(u * u + v * v) / (2.0 * 3.3 * 3.3)).exp();
         let offset = [cos * u - sin * v, sin * u + cos * v].map(|c| c * blob.scale);
-        let [x, y] = haar(integral, blob.pixel(offset), half);
+        let [x, y] = haar(integral, blob.corner(offset), half);
         let [along, across] = [cos * x + sin * y, cos * y - sin * x].map(|response| weight * response);
         for (sum, value) in sums.iter_mut().zip([along, across, along.abs(), across.abs()]) {
             *sum += value;
