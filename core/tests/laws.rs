@@ -479,14 +479,14 @@ fn features_of_a_moved_picture_are_moved_alike() {
             Guarantee::SubPixelPlaces { off_centi_px } => f32::from(off_centi_px) / 100.0,
             _ => continue,
         };
-        let clip = moving_texture(smooth_texture, (96, 80), (3, -2), 3);
+        let clip = moving_texture(smooth_texture, (160, 128), (3, -2), 3);
         let features = |frame| {
             let output = estimator.run(&clip, frame, &Threads::single()).unwrap();
             output.get::<PointField>().expect("features").points.iter().map(|point| point.at).collect::<Vec<_>>()
         };
         let (here, there) = (features(0), features(1));
         // What lies near the border is not seen in both, and may have taken the place of others.
-        let inner = here.iter().filter(|[x, y]| (16.0..80.0).contains(x) && (16.0..64.0).contains(y));
+        let inner = here.iter().filter(|[x, y]| (32.0..128.0).contains(x) && (32.0..96.0).contains(y));
         let is_near = |a: [f32; 2], b: [f32; 2]| (0..2).all(|i| (a[i] - b[i]).abs() <= off_px);
         let is_there = |at: [f32; 2]| there.iter().any(|other| is_near(*other, at));
         let (all, again): (Vec<_>, Vec<_>) = inner.map(|[x, y]| (1, is_there([x + 3.0, y - 2.0]))).unzip();

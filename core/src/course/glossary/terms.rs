@@ -834,6 +834,13 @@ pub static GLOSSARY: &[Term] = &[
     ),
     term(
         InterestPoints,
+        "Haar wavelet",
+        &["Haar wavelets"],
+        "A filter of two boxes side by side, one positive and one negative, whose response is a difference of means and \
+        costs six values of an integral image.",
+    ),
+    term(
+        InterestPoints,
         "Harris detector",
         &["Harris corner detector", "Harris", "Harris corner", "Harris corners"],
         "A corner detector that takes local maxima of det T − k (tr T)² of the structure tensor T, which needs no \
@@ -844,6 +851,13 @@ pub static GLOSSARY: &[Term] = &[
         "heading",
         &["headings", "direction of motion"],
         "The direction of a velocity as an angle, here counter-clockwise from the right.",
+    ),
+    term(
+        InterestPoints,
+        "Hessian determinant",
+        &["determinant of the Hessian", "Hessian matrix"],
+        "The product of the second derivatives along both axes minus the square of the mixed one, which is large and \
+        positive at blobs.",
     ),
     term(
         MotionVectors,
@@ -991,11 +1005,25 @@ pub static GLOSSARY: &[Term] = &[
     )
     .symbol("S"),
     term(
+        InterestPoints,
+        "integral image",
+        &["integral images", "summed-area table", "box filter", "box filters"],
+        "A picture that holds at each corner the sum of all pixels above and to the left, so that the sum of any box needs \
+        four of its values.",
+    ),
+    term(
         DifferentialMethods,
         "integration window",
         &["integration windows"],
         "The neighbourhood with gradient constraints that are solved together, often with weights that fall off from \
         its centre.",
+    ),
+    term(
+        InterestPoints,
+        "intensity centroid",
+        &["intensity centroids"],
+        "The mean position of a patch weighted by gray level, whose direction from the centre serves as orientation of a \
+        keypoint.",
     ),
     term(
         InterestPoints,
@@ -1702,6 +1730,13 @@ pub static GLOSSARY: &[Term] = &[
         "search window",
         &["search windows"],
         "The set of all displacements within the search range, (2p + 1)² candidates for a range of ±p.",
+    ),
+    term(
+        InterestPoints,
+        "segment test",
+        &["accelerated segment test", "high-speed test"],
+        "The test of FAST: whether enough contiguous pixels of a circle are all brighter or all darker than its centre by \
+        a threshold.",
     ),
     term(
         KalmanFilters,

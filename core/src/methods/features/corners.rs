@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::response::Tensors;
-use super::select::{Chosen, Peaks, Settings, largest, rank};
+use super::select::{Peaks, Settings, choose, largest, rank};
 use crate::base::{Error, Observer, Tally, Threads};
 use crate::data::{Clip, Frame};
 use crate::geometry::{Gray, Grid};
@@ -177,21 +177,10 @@ impl<M: Measure> Corners<M> {
 
     /// Selects the strongest local maxima with the minimum distance.
     fn choose(&self, state: &mut State, observer: &mut impl Observer<Event>) {
-        let Settings { min_distance, max_points, .. } = self.0.settings();
         state.peaks = rank(&state.map, &state.peaks);
         observer.see(|| Event::Ranked);
-        // Local maxima are at least 2 px apart anyway.
-        let mut chosen = (min_distance > 1).then(|| Chosen::new(state.map.size(), min_distance));
-        for &peak in &state.peaks {
-            if state.kept.len() == max_points {
-                return;
-            }
-            let near = chosen.as_mut().and_then(|chosen| chosen.take(peak));
-            observer.see(|| Event::Peak(peak, near));
-            if near.is_none() {
-                state.kept.push(peak);
-            }
-        }
+        let tested = |peak, near| observer.see(|| Event::Peak(peak, near));
+        state.kept = choose(&state.peaks, state.map.size(), self.0.settings().selection, tested);
     }
 
     /// Runs from start to end.
@@ -293,7 +282,7 @@ impl<M: Measure> Estimator for Corners<M> {
 
 impl<M: Measure> Footprint<State> for Corners<M> {
     fn need(&self, clip: &Clip) -> Need {
-        Need::per_pixel(clip, [0.0; 2]).and(need_of_corners(clip, self.0.settings().min_distance))
+        Need::per_pixel(clip, [0.0; 2]).and(need_of_corners(clip, self.0.settings().selection.min_distance))
     }
 
     fn state_bytes(&self, state: &State) -> usize {

@@ -3,7 +3,7 @@
 use super::corners::{Corners, Event, Measure, Stage, State};
 use super::declare::line;
 use super::eigenvalues::{self, Pixel};
-use super::select::{Peaks, Settings};
+use super::select::{Peaks, Selection, Settings};
 use crate::base::words::{self, pixel};
 use crate::geometry::Grid;
 use crate::methods::differential::{Tensor, explain, numbers};
@@ -92,7 +92,7 @@ impl<M: Measure> Corners<M> {
     fn concluded(&self, seen: &Seen<Self>, sentence: Sentence) -> Sentence {
         let Some(after) = seen.after.filter(|_| seen.before.stage == Stage::Choice) else { return sentence };
         let (Some(first), Some(last)) = (after.kept.first(), after.kept.last()) else { return sentence };
-        let Settings { max_points, .. } = self.0.settings();
+        let Selection { max_points, .. } = self.0.settings().selection;
         let response = |index: u32| numbers::gray(after.map[after.place(index)]);
         let kept = words::counted(after.kept.len(), "corner");
         let maxima = match after.peaks.len() {
@@ -112,7 +112,7 @@ impl<M: Measure> Corners<M> {
 
     fn sentence(&self, seen: &Seen<Self>, event: Event, probe: Option<&Probe>) -> Sentence {
         let (state, peaks, said) = (seen.before, self.peaks(seen.before), Sentence::default());
-        let Settings { threshold, max_points, min_distance, .. } = self.0.settings();
+        let Settings { threshold, selection: Selection { max_points, min_distance }, .. } = self.0.settings();
         match event {
             Event::Response(_) => match probe {
                 Some(probe) => self.responds(probe),
@@ -181,7 +181,7 @@ impl<M: Measure> Corners<M> {
         said.ink(Role::Rejected, pixel(state.place(peak)))
             .text(format!(
                 "{with} is closer than the minimum distance ({} px) to corner ",
-                self.0.settings().min_distance
+                self.0.settings().selection.min_distance
             ))
             .ink(Role::Result, pixel(state.place(near)))
             .text(format!(", which {why}: rejected."))
@@ -234,7 +234,7 @@ impl<M: Measure> Corners<M> {
         if let Some(by) = peaks.suppressed_by(place) {
             return (line::SUPPRESS, format!("suppressed by {}", pixel(by)));
         }
-        let Settings { min_distance, max_points, .. } = self.0.settings();
+        let Selection { min_distance, max_points } = self.0.settings().selection;
         let index = (place.1 * state.map.width() + place.0) as u32;
         let choice = seen.events.iter().find_map(|event| match event {
             Event::Peak(peak, near) if *peak == index => Some(*near),
@@ -317,7 +317,7 @@ impl<M: Measure> Corners<M> {
     fn draw_pixel(&self, seen: &Seen<Self>, scene: &mut Scene) {
         let Some(probe) = self.probe(seen) else { return };
         let (x, y) = (probe.place.0 as i32, probe.place.1 as i32);
-        let Settings { window, min_distance, .. } = self.0.settings();
+        let Settings { window, selection: Selection { min_distance, .. }, .. } = self.0.settings();
         if let (Some(Event::Peak(..)), None) = (seen.events.last(), seen.point()) {
             let radius = min_distance as f32;
             let shape = Shape::Ellipse { center: point(probe.place), radii: [radius; 2], angle_rad: 0.0 };

@@ -1,14 +1,18 @@
 //! Feature detection by structure tensors, and feature tracking by Lucas and Kanade's method.
 
 pub mod affine;
+pub mod brief;
 mod conclusion;
 mod corners;
 mod declare;
 mod eigenvalues;
 mod explain;
 pub mod follow;
+pub mod integral;
 mod level_trace;
 mod response;
+pub mod scale_pyramid;
+pub mod segment;
 mod select;
 mod trace;
 pub mod tracker;
@@ -18,5 +22,5 @@ pub use conclusion::{conclusion, reason_of};
 pub use corners::{Corners, FLAT_AREA, Measure};
 pub(crate) use declare::corner_pseudocode;
 pub use level_trace::{LevelTrace, why};
-pub use select::{Settings, spread};
+pub use select::{Selection, Settings, choose, spread};
 pub use trace::Trace;

@@ -6,7 +6,18 @@ use crate::params;
 use crate::products::PointField;
 
 params! {
-    /// Parameters that all corner detectors share.
+    /// Limits that all detectors of points share.
+    #[derive(Copy)]
+    pub struct Selection {
+        /// Smallest distance between two corners; the stronger one is kept. 0 allows any distance.
+        min_distance: usize = 7, 0..=100, "px";
+        /// Largest number of corners; the strongest are kept.
+        max_points: usize = 500, 1..=100_000;
+    }
+}
+
+params! {
+    /// Parameters that the corner detectors with a structure tensor share.
     #[derive(Copy)]
     pub struct Settings {
         /// Side of the window of the structure tensor; an even side is rounded up.
@@ -17,10 +28,8 @@ params! {
         derivatives: Scheme = Scheme::Sobel;
         /// Smallest response of a corner, relative to the largest response in the frame (quality level). Lower values find more and weaker corners.
         threshold: f32 = 0.01, 0.0..=1.0;
-        /// Smallest distance between two corners; the stronger one is kept. 0 allows any distance.
-        min_distance: usize = 7, 0..=100, "px";
-        /// Largest number of corners; the strongest are kept.
-        max_points: usize = 500, 1..=100_000;
+        /// Limits of distance and number.
+        selection: Selection = Selection::default();
     }
     advanced { "weights", "derivatives" }
 }
@@ -112,6 +121,30 @@ pub fn rank(map: &Grid<f32>, peaks: &[u32]) -> Vec<u32> {
     let mut ranked: Vec<(f32, u32)> = peaks.iter().map(|&peak| (map.cells()[peak as usize], peak)).collect();
     ranked.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
     ranked.into_iter().map(|(_, peak)| peak).collect()
+}
+
+/// Selects from `ranked` places of a picture of this size, the strongest first, and calls `see` with each that is tested and the
+/// chosen place within the minimum distance that rejects it, if there is one.
+pub fn choose(
+    ranked: &[u32],
+    size: (usize, usize),
+    Selection { min_distance, max_points }: Selection,
+    mut see: impl FnMut(u32, Option<u32>),
+) -> Vec<u32> {
+    // Local maxima are at least 2 px apart anyway.
+    let mut chosen = (min_distance > 1).then(|| Chosen::new(size, min_distance));
+    let mut kept = Vec::new();
+    for &place in ranked {
+        if kept.len() == max_points {
+            break;
+        }
+        let near = chosen.as_mut().and_then(|chosen| chosen.take(place));
+        see(place, near);
+        if near.is_none() {
+            kept.push(place);
+        }
+    }
+    kept
 }
 
 /// The chosen points in a grid of buckets, for fast distance tests.

@@ -1,0 +1,282 @@
+//! Rosten and Drummond's FAST corner detector.
+
+mod explain;
+
+use std::cmp::Reverse;
+use std::sync::Arc;
+
+use crate::base::{Error, Mapped, Observer, Tally, Threads};
+use crate::data::{Clip, Frame};
+use crate::geometry::Grid;
+use crate::methods::features::{
+    Selection, choose,
+    segment::{self, Candidate, SegmentTest},
+};
+use crate::params;
+use crate::products::{Feature, Keypoint, Output, PointField, Product, ProductKind, Status};
+use crate::pseudocode;
+use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
+use crate::scene::{Chart, Focus, Scene, Step};
+
+params! {
+    /// FAST corners: pixels with n contiguous pixels of the circle around them that are all brighter or all darker.
+    pub struct Fast {
+        /// Threshold t: a pixel of the circle is brighter than the centre p above I_p + t, and darker below I_p − t. Higher values find fewer corners, of more contrast.
+        threshold: usize = 20, 1..=254, "gray levels";
+        /// Length n of the arc: contiguous pixels of the 16 that must be all brighter or all darker. 9 is the most repeatable; 12 allows the original high-speed test with three of four pixels.
+        arc: usize = 9, 9..=12, "px";
+        /// Limits of distance and number.
+        selection: Selection = Selection::default();
+    }
+}
+
+pseudocode! {
+    EACH_PIXEL: "for each pixel p with gray level I_p, at least 3 px from the border",
+    HIGH_SPEED: "  reject p unless adjacent compass pixels of the circle, 2 or for n = 12 three, are all > I_p + t or all < I_p − t",
+    SEGMENT_TEST: "  reject p unless n contiguous pixels of the 16 on the circle are all > I_p + t or all < I_p − t",
+    SCORE: "  else p is a corner with score V ← the largest t for which it is one",
+    EACH_CORNER: "for each corner",
+    SUPPRESS: "  suppress it unless V exceeds the scores of its 8 neighbours",
+    EACH_PEAK: "for each remaining corner, in order of decreasing V",
+    DROP_NEAR: "  reject it if a corner was kept within min-distance",
+    KEEP: "  else keep it, up to max-points",
+}
+
+/// The state of a run.
+#[derive(Clone)]
+pub struct State {
+    /// Frame t.
+    picture: Arc<Frame>,
+    /// The scores; 0 where there is no corner, and in rows not yet tested.
+    scores: Arc<Grid<u8>>,
+    stage: Stage,
+    /// The next row of this stage.
+    row: usize,
+    /// The corners that are not suppressed; once ranked, in order of decreasing score.
+    peaks: Vec<u32>,
+    kept: Vec<u32>,
+}
+
+/// The stages of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stage {
+    /// The segment test, a row per unit.
+    Test,
+    /// Non-maximum suppression, a row per unit.
+    Suppression,
+    /// Selection by score and distance, in one unit.
+    Choice,
+}
+
+/// An event of a unit.
+#[derive(Clone, Copy, Debug)]
+pub enum Event {
+    /// The high-speed test is applied to a row.
+    Row,
+    /// The segment test of a pixel that passes the high-speed test.
+    Tested(Candidate),
+    /// The corners of a row are compared with their neighbours.
+    Corners,
+    /// A corner, and the neighbour that suppresses it, if one does.
+    Compared((usize, usize), Option<(usize, usize)>),
+    /// The remaining corners are ranked.
+    Ranked,
+    /// The next of them, and the corner within min-distance that rejects it, if there is one.
+    Peak(u32, Option<u32>),
+}
+
+impl State {
+    fn new(clip: &Clip, frame: usize) -> Result<Self, Error> {
+        let picture = clip.frame(frame)?;
+        let (width, height) = picture.size();
+        let scores = Arc::new(Grid::new(width, height, 0));
+        Ok(Self { picture, scores, stage: Stage::Test, row: 0, peaks: Vec::new(), kept: Vec::new() })
+    }
+
+    /// Returns the position of a row-major index.
+    fn place(&self, index: u32) -> (usize, usize) {
+        let width = self.scores.width();
+        (index as usize % width, index as usize / width)
+    }
+
+    fn next_row(&mut self, then: Stage) -> Progress {
+        self.row += 1;
+        if self.row == self.scores.height() {
+            (self.stage, self.row) = (then, 0);
+        }
+        Progress::More
+    }
+
+    /// Returns the corners as features.
+    fn features(&self) -> PointField {
+        let feature = |&index: &u32| {
+            let (x, y) = self.place(index);
+            Feature { at: [x as f32, y as f32], displacement: None, status: Status::Found, residual: None }
+        };
+        let keypoint = |&index: &u32| Keypoint::of_response(self.scores.cells()[index as usize].into());
+        PointField {
+            picture: self.scores.size(),
+            points: self.kept.iter().map(feature).collect(),
+            keypoints: self.kept.iter().map(keypoint).collect(),
+        }
+    }
+}
+
+impl Fast {
+    fn test(&self) -> SegmentTest {
+        SegmentTest { threshold: self.threshold as u8, arc: self.arc }
+    }
+
+    /// Tests the pixels of row `y`.
+    fn test_row(&self, picture: &Frame, y: usize, scores: &mut [u8], observer: &mut impl Observer<Event>) {
+        observer.see(|| Event::Row);
+        self.test().row(picture.luma(), y, scores, &mut Mapped { observer, map: Event::Tested });
+    }
+
+    /// Finds the corners of row `y` that are not suppressed.
+    fn suppress(&self, scores: &Grid<u8>, y: usize, found: &mut Vec<u32>, observer: &mut impl Observer<Event>) {
+        observer.see(|| Event::Corners);
+        if watches(observer) {
+            for place in corners(scores, y) {
+                observer.see(|| Event::Compared(place, segment::suppressed_by(scores, place)));
+            }
+        }
+        segment::maxima(scores, y, |x| found.push((y * scores.width() + x) as u32));
+    }
+
+    /// Selects the corners of the highest scores with the minimum distance.
+    fn choose(&self, state: &mut State, observer: &mut impl Observer<Event>) {
+        let State { scores, peaks, .. } = state;
+        peaks.sort_unstable_by_key(|&peak| (Reverse(scores.cells()[peak as usize]), peak));
+        observer.see(|| Event::Ranked);
+        let tested = |peak, near| observer.see(|| Event::Peak(peak, near));
+        state.kept = choose(peaks, scores.size(), self.selection, tested);
+    }
+}
+
+/// Whether anything that `observer` is shown is seen.
+fn watches<O: Observer<Event>>(_: &O) -> bool {
+    O::WATCHES
+}
+
+/// The corners of a row.
+fn corners(scores: &Grid<u8>, y: usize) -> impl Iterator<Item = (usize, usize)> {
+    scores.row(y).iter().enumerate().filter(|(_, score)| **score > 0).map(move |(x, _)| (x, y))
+}
+
+impl Estimator for Fast {
+    const INFO: Info = Info {
+        id: "fast",
+        name: "FAST corners",
+        family: "Interest points",
+        summary: "Corner detection by comparing each pixel with a circle of 16 pixels, without any derivative.",
+        source: "E. Rosten and T. Drummond, Machine learning for high-speed corner detection, ECCV 2006",
+        pseudocode: line::ALL,
+        granularities: &["frame", "stage", "row", "step"],
+        frames: 1,
+    };
+    const GUARANTEE: Guarantee = Guarantee::Places;
+    const CHARTS: &'static [Chart] = &[Chart::Series, Chart::Tiles];
+    const PRODUCES: &'static [&'static ProductKind] = &[PointField::KIND];
+    type State = State;
+    type Event = Event;
+
+    fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
+        State::new(clip, frame)
+    }
+
+    fn advance(&self, _: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
+        match state.stage {
+            Stage::Test => {
+                let State { picture, scores, row, .. } = state;
+                self.test_row(picture, *row, Arc::make_mut(scores).row_mut(*row), observer);
+                Ok(state.next_row(Stage::Suppression))
+            }
+            Stage::Suppression => {
+                let State { scores, row, peaks, .. } = state;
+                self.suppress(scores, *row, peaks, observer);
+                Ok(state.next_row(Stage::Choice))
+            }
+            Stage::Choice => {
+                self.choose(state, observer);
+                Ok(Progress::Done)
+            }
+        }
+    }
+
+    fn units(&self, state: &State) -> Option<usize> {
+        Some(2 * state.scores.height() + 1)
+    }
+
+    fn place(&self, state: &State) -> Vec<Granularity> {
+        let granularity = |index, of| Granularity { index, of: Some(of) };
+        let rows = if state.stage == Stage::Choice { 1 } else { state.scores.height() };
+        vec![granularity(0, 1), granularity(state.stage as usize, 3), granularity(state.row, rows)]
+    }
+
+    fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {
+        Some(self)
+    }
+
+    fn step(&self, seen: &Seen<Self>) -> Step {
+        self.explanation(seen)
+    }
+
+    fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
+        self.draw_step(seen, scene);
+    }
+
+    fn output(&self, state: &State) -> Output {
+        Output::of(state.features())
+    }
+
+    fn run(&self, clip: &Clip, frame: usize, threads: &Threads, tally: &impl Tally<Event>) -> Result<State, Error> {
+        let mut state = State::new(clip, frame)?;
+        let (width, height) = state.scores.size();
+        let (rows, mut scores) = (threads.rows_at_once(height), Grid::new(width, height, 0));
+        let parts = scores.cells_mut().chunks_mut(rows * width).enumerate().collect();
+        threads.each(parts, |(i, part): (usize, &mut [u8])| {
+            let mut counter = tally.counter();
+            let of_rows = part.chunks_exact_mut(width).enumerate();
+            of_rows.for_each(|(j, scores)| self.test_row(&state.picture, i * rows + j, scores, &mut counter));
+        });
+        let of_rows = threads.map(height.div_ceil(rows), |i| {
+            let (mut found, mut counter) = (Vec::new(), tally.counter());
+            let rows = i * rows..((i + 1) * rows).min(height);
+            rows.for_each(|y| self.suppress(&scores, y, &mut found, &mut counter));
+            found
+        });
+        tally.add_units(2 * height + 1);
+        (state.scores, state.peaks, state.stage) = (Arc::new(scores), of_rows.concat(), Stage::Choice);
+        self.choose(&mut state, &mut tally.counter());
+        Ok(state)
+    }
+}
+
+impl Footprint<State> for Fast {
+    fn need(&self, clip: &Clip) -> Need {
+        let (width, height) = clip.size();
+        let pixels = (width * height) as f64;
+        // At most every fourth pixel is a local maximum; buckets hold them by place.
+        let buckets = pixels * 40.0 / (self.selection.min_distance.max(2) as f64).powi(2);
+        let points = 200.0 * (self.selection.max_points as f64).min(pixels / 4.0);
+        Need::per_pixel(clip, [6.0, 16.0]).and([points + buckets; 2]).and([0.0, points])
+    }
+
+    fn state_bytes(&self, state: &State) -> usize {
+        let lists = size_of_val(&state.peaks[..]) + size_of_val(&state.kept[..]);
+        size_of::<State>() + size_of_val(state.scores.cells()) + lists
+    }
+}
+
+impl Pointed<State> for Fast {
+    fn unit_at(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<usize> {
+        let (_, y) = state.scores.cell_at(point)?;
+        Some(if state.stage == Stage::Test { y } else { state.scores.height() + y })
+    }
+
+    fn explained(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<Explained> {
+        // The segment test of a pixel depends on the frame alone.
+        state.scores.cell_at(point).map(|_| Explained::Always)
+    }
+}

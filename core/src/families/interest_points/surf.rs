@@ -1,0 +1,469 @@
+//! SURF: blobs by the determinant of the Hessian from box filters, described by Haar wavelets.
+
+mod describe;
+mod explain;
+mod hessian;
+
+use std::sync::Arc;
+
+use crate::base::{Error, Observer, Tally, Threads};
+use crate::data::{Clip, Frame};
+use crate::methods::features::{Selection, choose, integral::Integral};
+use crate::params;
+use crate::products::{Descriptor, Feature, Keypoint, Output, PointField, Product, ProductKind, Status};
+use crate::pseudocode;
+use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
+use crate::scene::{Chart, Focus, Scene, Step};
+use describe::{Blob, SIDE, VALUES};
+use hessian::{Filter, LAYERS, Layer, Neighbor, Refined, Three, scale_of, suppressed_by};
+
+params! {
+    /// SURF keypoints: maxima of the determinant of the Hessian over place and scale, with an orientation and a descriptor of 64 values.
+    pub struct Surf {
+        /// Number of octaves. Each doubles the distance between filter sizes and samples, and finds larger blobs.
+        octaves: usize = 4, 1..=5;
+        /// Smallest response R of a keypoint. Higher values find fewer blobs, of more contrast.
+        threshold: f32 = 25.0, 0.0..=2000.0;
+        /// Whether the descriptor stays upright instead of being turned by an orientation (U-SURF): faster, for a camera that does not roll.
+        upright: bool = false;
+        /// Limits of distance and number.
+        selection: Selection = Selection { min_distance: 0, ..Selection::default() };
+    }
+}
+
+pseudocode! {
+    INTEGRAL: "Σ(x, y) ← sum of all pixels above and to the left: the integral image",
+    EACH_LAYER: "for each octave, for each of its 4 filter sizes L",
+    DERIVE_XX: "  D_xx ← box filter for the second derivative along x, from corners of Σ",
+    DERIVE_YY: "  D_yy ← box filter for the second derivative along y",
+    DERIVE_XY: "  D_xy ← box filter for the mixed derivative",
+    DETERMINANT: "  R ← D_xx D_yy − (0.9 D_xy)²",
+    EACH_SAMPLE: "for each sample of the two middle layers of each octave with R > threshold",
+    SUPPRESS: "  suppress it unless R exceeds its 26 neighbours in place and scale",
+    REFINE: "  refine place and scale by a quadratic function; reject it if that moves it by more than a sample",
+    EACH_PEAK: "for each maximum, in order of decreasing R",
+    DROP_NEAR: "  reject it if a keypoint was kept within min-distance",
+    KEEP: "  else keep it, up to max-points",
+    EACH_KEYPOINT: "for each keypoint of scale s",
+    WAVELETS: "  d_x, d_y ← responses of Haar wavelets of side 4 s within 6 s of it",
+    SECTOR: "  for each direction: sum ← Σ (d_x, d_y) in a sector of 60° from there on",
+    ORIENT: "  θ ← the direction of the longest sum, or 0 if upright",
+    SUBREGION: "  for each of 4×4 subregions of 5 s, turned by θ: Σ d_x, Σ d_y, Σ |d_x|, Σ |d_y|",
+    UNIT_LENGTH: "  scale the 64 values to unit length",
+}
+
+/// The state of a run.
+#[derive(Clone)]
+pub struct State {
+    /// Frame t.
+    picture: Arc<Frame>,
+    integral: Option<Arc<Integral>>,
+    /// Number of octaves that there will be.
+    octaves: usize,
+    /// The layers so far, octave after octave.
+    layers: Vec<Arc<Layer>>,
+    /// Number of layers searched for maxima.
+    searched: usize,
+    /// The maxima; once chosen, in order of decreasing response.
+    maxima: Arc<Vec<Maximum>>,
+    /// The indices of those kept, once they are chosen.
+    kept: Option<Arc<[usize]>>,
+    /// Orientation and descriptor of the first of those.
+    described: Vec<Described>,
+}
+
+/// A maximum over place and scale.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Maximum {
+    octave: usize,
+    /// Its layer in the octave.
+    layer: usize,
+    /// Its sample of the layer.
+    sample: (usize, usize),
+    refined: Refined,
+    /// Refined place and scale.
+    blob: Blob,
+}
+
+/// Orientation and descriptor of a keypoint.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Described {
+    angle_rad: f32,
+    values: Arc<[f32]>,
+}
+
+/// An event of a unit.
+#[derive(Clone, Debug)]
+pub enum Event {
+    /// The integral image is computed.
+    Summed,
+    /// A layer is filtered for D_xx.
+    Filtered(Arc<Layer>),
+    /// The same for D_yy.
+    Down,
+    /// The same for D_xy.
+    Mixed,
+    /// Its determinants are computed.
+    Determinant,
+    /// The threshold is applied to a layer.
+    Thresholded,
+    /// A sample above the threshold, and the neighbour that suppresses it, if one does.
+    Compared((usize, usize), Option<Neighbor>),
+    /// A maximum is refined; `None` where the quadratic function has no vertex.
+    Refined((usize, usize), Option<Refined>),
+    /// The maxima are ranked.
+    Ranked(Arc<Vec<Maximum>>),
+    /// The next of them, and the one within min-distance that rejects it, if there is one.
+    Peak(usize, Option<usize>),
+    /// The wavelets around a keypoint are computed.
+    Wavelets,
+    /// The sum of the next position of the sector.
+    Sector([f32; 2]),
+    /// The orientation is assigned.
+    Oriented(f32),
+    /// The sums of the next subregion.
+    Subregion([f32; 4]),
+    /// The descriptor is scaled; its length before.
+    UnitLength(f32),
+}
+
+/// The unit at work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Part {
+    /// The integral image.
+    Integral,
+    /// The responses of a layer.
+    Layer(usize),
+    /// The maxima of a middle layer.
+    Search(usize),
+    /// The selection of keypoints.
+    Choice,
+    /// A keypoint.
+    Keypoint(usize),
+}
+
+/// Middle layers of an octave.
+const MIDDLE: usize = LAYERS - 2;
+
+impl State {
+    fn part(&self) -> Part {
+        match &self.kept {
+            Some(_) => Part::Keypoint(self.described.len()),
+            None if self.integral.is_none() => Part::Integral,
+            None if self.layers.len() < LAYERS * self.octaves => Part::Layer(self.layers.len()),
+            None if self.searched < MIDDLE * self.octaves => Part::Search(self.searched),
+            None => Part::Choice,
+        }
+    }
+
+    /// The units before the first keypoint.
+    fn units_before(&self) -> usize {
+        1 + (LAYERS + MIDDLE) * self.octaves + 1
+    }
+
+    fn kept(&self) -> &[usize] {
+        self.kept.as_deref().unwrap_or_default()
+    }
+
+    /// Returns the maximum that is keypoint `index`.
+    fn keypoint(&self, index: usize) -> Option<&Maximum> {
+        self.maxima.get(*self.kept().get(index)?)
+    }
+
+    /// Returns the layers around middle layer `index`.
+    fn three(&self, index: usize) -> Option<Three<'_>> {
+        let first = index / MIDDLE * LAYERS + index % MIDDLE;
+        match &self.layers.get(first..first + 3)? {
+            [below, here, above] => Some([&**below, &**here, &**above]),
+            _ => None,
+        }
+    }
+
+    /// Returns the described keypoints, the strongest first.
+    fn features(&self) -> PointField {
+        let described =
+            || self.kept().iter().zip(&self.described).map(|(index, described)| (&self.maxima[*index], described));
+        let feature = |(maximum, _): (&Maximum, &Described)| Feature {
+            at: maximum.blob.at,
+            displacement: None,
+            status: Status::Found,
+            residual: None,
+        };
+        let keypoint = |(maximum, described): (&Maximum, &Described)| Keypoint {
+            response: maximum.refined.response,
+            scale_px: Some(maximum.blob.scale),
+            angle_rad: Some(described.angle_rad),
+            descriptor: Some(Descriptor::Reals(Arc::clone(&described.values))),
+        };
+        PointField {
+            picture: self.picture.size(),
+            points: described().map(feature).collect(),
+            keypoints: described().map(keypoint).collect(),
+        }
+    }
+}
+
+impl Surf {
+    fn begin(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
+        let picture = clip.frame(frame)?;
+        let octaves = self.octaves_in(picture.size());
+        Ok(State {
+            picture,
+            integral: None,
+            octaves,
+            layers: Vec::new(),
+            searched: 0,
+            maxima: Arc::default(),
+            kept: None,
+            described: Vec::new(),
+        })
+    }
+
+    /// The number of octaves whose largest filter fits into a picture; at least one.
+    fn octaves_in(&self, (width, height): (usize, usize)) -> usize {
+        let fits = |octave: &usize| Filter::of(*octave, LAYERS - 1).size <= width.min(height);
+        (1..self.octaves).take_while(fits).count() + 1
+    }
+
+    /// Finds and refines the maxima of middle layer `index`.
+    fn search(&self, state: &State, index: usize, observer: &mut impl Observer<Event>) -> Vec<Maximum> {
+        observer.see(|| Event::Thresholded);
+        let Some(layers) = state.three(index) else { return Vec::new() };
+        let (width, height) = layers[1].responses.size();
+        let mut maxima = Vec::new();
+        for j in 1..height.saturating_sub(1) {
+            let row = layers[1].responses.row(j);
+            for i in (1..width.saturating_sub(1)).filter(|i| row[*i] > self.threshold) {
+                let sample = (i, j);
+                // A neighbour in a layer whose filter does not fit is unknown.
+                if !layers[2].fits(sample, state.picture.size()) {
+                    continue;
+                }
+                let by = suppressed_by(layers, sample);
+                observer.see(|| Event::Compared(sample, by));
+                if by.is_some() {
+                    continue;
+                }
+                let refined = Refined::of(layers, sample);
+                observer.see(|| Event::Refined(sample, refined));
+                maxima.extend(refined.filter(Refined::is_near).map(|refined| maximum(layers, index, sample, refined)));
+            }
+        }
+        maxima
+    }
+
+    /// Ranks the maxima and selects the strongest with the minimum distance.
+    fn choose(&self, state: &mut State, observer: &mut impl Observer<Event>) {
+        let mut maxima = state.maxima.to_vec();
+        maxima.sort_by(|a, b| b.refined.response.total_cmp(&a.refined.response));
+        let maxima = Arc::new(maxima);
+        observer.see(|| Event::Ranked(Arc::clone(&maxima)));
+        let (width, height) = state.picture.size();
+        let nearest = |c: f32, extent: usize| (c.round().max(0.0) as usize).min(extent.saturating_sub(1));
+        let place = |[x, y]: [f32; 2]| (nearest(y, height) * width + nearest(x, width)) as u32;
+        let places: Vec<u32> = maxima.iter().map(|maximum| place(maximum.blob.at)).collect();
+        let (mut next, mut kept) = (0, Vec::new());
+        choose(&places, (width, height), self.selection, |_, near| {
+            let near = near.and_then(|near| kept.iter().copied().find(|index: &usize| places[*index] == near));
+            observer.see(|| Event::Peak(next, near));
+            if near.is_none() {
+                kept.push(next);
+            }
+            next += 1;
+        });
+        (state.maxima, state.kept) = (maxima, Some(kept.into()));
+    }
+
+    /// Orients and describes a keypoint.
+    fn describe(&self, integral: &Integral, blob: Blob, observer: &mut impl Observer<Event>) -> Described {
+        let angle_rad = if self.upright { 0.0 } else { orientation(integral, blob, observer) };
+        observer.see(|| Event::Oriented(angle_rad));
+        let mut values = Vec::with_capacity(VALUES);
+        for k in 0..SIDE * SIDE {
+            let sums = describe::subregion(integral, blob, angle_rad, k);
+            observer.see(|| Event::Subregion(sums));
+            values.extend(sums);
+        }
+        let (values, length) = describe::normalized(&values);
+        observer.see(|| Event::UnitLength(length));
+        Described { angle_rad, values: values.into() }
+    }
+
+    /// Does the work of a part.
+    fn work(&self, state: &mut State, observer: &mut impl Observer<Event>) {
+        match (state.part(), state.integral.clone()) {
+            (Part::Layer(index), Some(integral)) => {
+                let layer = Arc::new(Layer::of(&integral, index / LAYERS, index % LAYERS));
+                see_layer(&layer, observer);
+                state.layers.push(layer);
+            }
+            (Part::Search(index), _) => {
+                let found = self.search(state, index, observer);
+                Arc::make_mut(&mut state.maxima).extend(found);
+                state.searched += 1;
+            }
+            (Part::Choice, _) => self.choose(state, observer),
+            (Part::Keypoint(index), Some(integral)) => {
+                if let Some(blob) = state.keypoint(index).map(|maximum| maximum.blob) {
+                    let described = self.describe(&integral, blob, observer);
+                    state.described.push(described);
+                }
+            }
+            (Part::Integral | Part::Layer(_) | Part::Keypoint(_), _) => {
+                state.integral = Some(Arc::new(Integral::of(state.picture.luma())));
+                observer.see(|| Event::Summed);
+            }
+        }
+    }
+}
+
+/// Reports the steps of a layer.
+fn see_layer(layer: &Arc<Layer>, observer: &mut impl Observer<Event>) {
+    observer.see(|| Event::Filtered(Arc::clone(layer)));
+    observer.see(|| Event::Down);
+    observer.see(|| Event::Mixed);
+    observer.see(|| Event::Determinant);
+}
+
+/// Computes the orientation of a keypoint.
+fn orientation(integral: &Integral, blob: Blob, observer: &mut impl Observer<Event>) -> f32 {
+    let spokes = describe::wheel(integral, blob);
+    observer.see(|| Event::Wavelets);
+    let sums = describe::sector_sums(&spokes, |sum| observer.see(|| Event::Sector(sum)));
+    describe::dominant(&sums).1
+}
+
+/// A refined maximum of middle layer `index`, in px.
+fn maximum([below, here, _]: Three<'_>, index: usize, sample: (usize, usize), refined: Refined) -> Maximum {
+    let [dx, dy, ds] = refined.offset;
+    let (x, y) = here.pixel(sample);
+    let step = here.step as f32;
+    let size = here.filter.size as f32 + ds * (here.filter.size - below.filter.size) as f32;
+    Maximum {
+        octave: index / MIDDLE,
+        layer: index % MIDDLE + 1,
+        sample,
+        refined,
+        blob: Blob { at: [x as f32 + dx * step, y as f32 + dy * step], scale: scale_of(size) },
+    }
+}
+
+impl Estimator for Surf {
+    const INFO: Info = Info {
+        id: "surf",
+        name: "SURF keypoints",
+        family: "Interest points",
+        summary: "Blobs by box filters on an integral image, with an orientation and a descriptor of 64 values from Haar wavelets.",
+        source: "H. Bay, A. Ess, T. Tuytelaars and L. Van Gool, Speeded-up robust features (SURF), CVIU 110(3), 2008",
+        pseudocode: line::ALL,
+        granularities: &["frame", "stage", "part", "step"],
+        frames: 1,
+    };
+    // Samples of coarse octaves do not move with the picture.
+    const GUARANTEE: Guarantee = Guarantee::SubPixelPlaces { off_centi_px: 50 };
+    const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series];
+    const PRODUCES: &'static [&'static ProductKind] = &[PointField::KIND];
+    type State = State;
+    type Event = Event;
+
+    fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
+        self.begin(clip, frame)
+    }
+
+    fn advance(&self, _: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
+        self.work(state, observer);
+        let is_done = state.kept.is_some() && state.described.len() == state.kept().len();
+        Ok(if is_done { Progress::Done } else { Progress::More })
+    }
+
+    fn units(&self, state: &State) -> Option<usize> {
+        state.kept.as_ref().map(|kept| state.units_before() + kept.len())
+    }
+
+    fn place(&self, state: &State) -> Vec<Granularity> {
+        let (stage, index, of) = match state.part() {
+            Part::Integral => (0, 0, 1),
+            Part::Layer(index) => (1, index, LAYERS * state.octaves),
+            Part::Search(index) => (2, index, MIDDLE * state.octaves),
+            Part::Choice => (3, 0, 1),
+            Part::Keypoint(index) => (4, index, state.kept().len()),
+        };
+        let granularity = |index, of| Granularity { index, of: Some(of) };
+        vec![granularity(0, 1), granularity(stage, 5), granularity(index, of)]
+    }
+
+    fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {
+        Some(self)
+    }
+
+    fn step(&self, seen: &Seen<Self>) -> Step {
+        self.explanation(seen)
+    }
+
+    fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
+        self.draw_step(seen, scene);
+    }
+
+    fn output(&self, state: &State) -> Output {
+        Output::of(state.features())
+    }
+
+    fn run(&self, clip: &Clip, frame: usize, threads: &Threads, tally: &impl Tally<Event>) -> Result<State, Error> {
+        let mut state = self.begin(clip, frame)?;
+        let integral = Arc::new(Integral::of(state.picture.luma()));
+        tally.add_events(1);
+        state.integral = Some(Arc::clone(&integral));
+        state.layers = threads.gather(0..LAYERS * state.octaves, |index| {
+            let layer = Arc::new(Layer::of(&integral, index / LAYERS, index % LAYERS));
+            see_layer(&layer, &mut tally.counter());
+            layer
+        });
+        state.searched = MIDDLE * state.octaves;
+        let maxima = threads.gather(0..state.searched, |index| self.search(&state, index, &mut tally.counter()));
+        state.maxima = Arc::new(maxima.concat());
+        self.choose(&mut state, &mut tally.counter());
+        let blobs: Vec<Blob> = state.kept().iter().map(|index| state.maxima[*index].blob).collect();
+        tally.add_units(state.units_before() + blobs.len());
+        state.described =
+            threads.gather(blobs.into_iter(), |blob| self.describe(&integral, blob, &mut tally.counter()));
+        Ok(state)
+    }
+}
+
+impl Footprint<State> for Surf {
+    fn need(&self, clip: &Clip) -> Need {
+        let (width, height) = clip.size();
+        let pixels = (width * height) as f64;
+        // The layers of all octaves take a third more than those of the first; every eighth sample may be a maximum.
+        let maxima = 4.0 / 3.0 * pixels / 8.0 * MIDDLE as f64 * size_of::<Maximum>() as f64;
+        let points = (self.selection.max_points as f64).min(pixels / 4.0) * 600.0;
+        let buckets = 40.0 * pixels / (self.selection.min_distance.max(2) as f64).powi(2);
+        let events = pixels * size_of::<Event>() as f64;
+        let run = 30.0 * pixels + 2.0 * maxima + points + buckets;
+        Need::per_pixel(clip, [0.0; 2]).and([run, run + maxima + events + 3.0 * points])
+    }
+
+    fn state_bytes(&self, state: &State) -> usize {
+        let described = state.described.len() * (size_of::<Described>() + VALUES * size_of::<f32>());
+        size_of::<State>() + size_of_val(&state.layers[..]) + size_of_val(&state.maxima[..]) + described
+    }
+
+    fn memory_bytes(&self, state: &State) -> usize {
+        let layers: usize = state.layers.iter().map(|layer| size_of_val(layer.responses.cells())).sum();
+        self.state_bytes(state) + layers + state.integral.as_ref().map_or(0, |integral| integral.bytes())
+    }
+}
+
+impl Pointed<State> for Surf {
+    fn unit_at(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<usize> {
+        let distance = |index: &usize| {
+            let [x, y] = state.maxima[*index].blob.at;
+            (x - point[0]).hypot(y - point[1])
+        };
+        let nearest = state.kept().iter().map(distance).enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
+        nearest.filter(|(_, distance)| *distance < NEAR).map(|(index, _)| state.units_before() + index)
+    }
+}
+
+/// A click this near is one on a keypoint, in px.
+const NEAR: f32 = 8.0;

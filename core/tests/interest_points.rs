@@ -1,0 +1,447 @@
+//! Detectors of interest points against plain references, against OpenCV's figures, and under rotation and gain.
+
+mod common;
+
+use common::set;
+use motionscope_core::{
+    AnyEstimator, Clip, Cursor, Descriptor, Direction, Frame, Gray, Grid, Keypoint, Move, PointField, Threads,
+    products::repeatability,
+    scene::{Focus, Readout},
+};
+
+/// A texture of small blocks, each of one gray level, smoothed over 2×2 px.
+fn blocks(width: usize, height: usize) -> Gray {
+    let hash = |x: usize, y: usize| {
+        let mixed = ((x as u64 / 5) * 0x9E37_79B9) ^ ((y as u64 / 4) * 0x85EB_CA6B);
+        (mixed.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 40) & 255
+    };
+    Grid::from_fn(width, height, |x, y| ((hash(x, y) + hash(x + 1, y) + hash(x, y + 1) + hash(x + 1, y + 1)) / 4) as u8)
+}
+
+fn clip_of(picture: Gray) -> Clip {
+    Clip::from_frames("made", vec![Frame::gray(picture)]).expect("a frame")
+}
+
+fn found(estimator: &dyn AnyEstimator, picture: &Gray) -> PointField {
+    let output = estimator.run(&clip_of(picture.clone()), 0, &Threads::single()).expect("a run");
+    output.get::<PointField>().expect("keypoints").clone()
+}
+
+/// Everything that the detector finds: no limit of distance or number.
+const ALL: [(&str, &str); 2] = [("min-distance", "0"), ("max-points", "100000")];
+
+fn fast(threshold: usize, arc: usize, picture: &Gray) -> Vec<(usize, usize, u8)> {
+    let (threshold, arc) = (threshold.to_string(), arc.to_string());
+    let estimator = set("fast", &[&ALL[..], &[("threshold", &threshold), ("arc", &arc)]].concat());
+    let PointField { points, keypoints, .. } = found(&*estimator, picture);
+    let place = |(i, keypoint): (usize, &Keypoint)| {
+        let [x, y] = points[i].at.map(|c| c as usize);
+        (x, y, keypoint.response as u8)
+    };
+    keypoints.iter().enumerate().map(place).collect()
+}
+
+/// FNV-1a over x, y and score of corners in raster order.
+fn checksum(corners: &[(usize, usize, u8)]) -> u64 {
+    let mut sorted: Vec<_> = corners.iter().map(|(x, y, score)| (*y, *x, *score)).collect();
+    sorted.sort_unstable();
+    sorted
+        .iter()
+        .flat_map(|(y, x, score)| [*x as u64, *y as u64, u64::from(*score)])
+        .fold(0xcbf2_9ce4_8422_2325, |hash: u64, value| (hash ^ value).wrapping_mul(0x100_0000_01b3))
+}
+
+/// Recorded with OpenCV 5.0.0: `FastFeatureDetector_create(threshold, True, FAST_FEATURE_DETECTOR_TYPE_9_16)` on [`blocks`] of
+/// 320×240 px; the number of corners, and the checksum of their places and responses.
+const OPENCV: [(usize, usize, u64); 5] = [
+    (1, 2558, 0x593f_26c9_f25f_ea28),
+    (10, 2461, 0x35df_90af_1a4a_2b1b),
+    (20, 2335, 0x5331_16ec_28f6_f2bc),
+    (40, 2025, 0x2cb5_3d84_af47_d753),
+    (80, 1236, 0xad2d_4024_f886_9c5e),
+];
+
+#[test]
+fn fast_corners_and_their_scores_are_those_of_opencv() {
+    let picture = blocks(320, 240);
+    assert_eq!(
+        picture.cells().iter().map(|level| u64::from(*level)).sum::<u64>(),
+        9_847_868,
+        "the picture is the same"
+    );
+    for (threshold, count, sum) in OPENCV {
+        let corners = fast(threshold, 9, &picture);
+        assert_eq!((corners.len(), checksum(&corners)), (count, sum), "threshold {threshold}");
+    }
+}
+
+/// The circle of the paper, written down once more.
+const RING: [(i32, i32); 16] = [
+    (0, 3),
+    (1, 3),
+    (2, 2),
+    (3, 1),
+    (3, 0),
+    (3, -1),
+    (2, -2),
+    (1, -3),
+    (0, -3),
+    (-1, -3),
+    (-2, -2),
+    (-3, -1),
+    (-3, 0),
+    (-3, 1),
+    (-2, 2),
+    (-1, 3),
+];
+
+/// Whether a pixel is a corner at a threshold, by the definition of the paper.
+fn is_corner(picture: &Gray, (x, y): (usize, usize), threshold: i32, arc: usize) -> bool {
+    let level = |(i, j): (i32, i32)| i32::from(picture[((x as i32 + i) as usize, (y as i32 + j) as usize)]);
+    let center = level((0, 0));
+    let all = |is: &dyn Fn(i32) -> bool| (0..16).any(|start| (0..arc).all(|k| is(level(RING[(start + k) % 16]))));
+    all(&|other| other > center + threshold) || all(&|other| other < center - threshold)
+}
+
+#[test]
+fn fast_corners_are_those_of_the_definition_for_every_arc() {
+    let picture = blocks(61, 47);
+    for (arc, threshold) in [(9, 12), (10, 20), (11, 20), (12, 5)] {
+        let score = |place: (usize, usize)| {
+            let is_inside = place.0 >= 3 && place.1 >= 3 && place.0 + 3 < 61 && place.1 + 3 < 47;
+            let last =
+                if is_inside { (threshold..255).rev().find(|t| is_corner(&picture, place, *t, arc)) } else { None };
+            last.unwrap_or(0)
+        };
+        let scores = Grid::from_fn(61, 47, |x, y| score((x, y)));
+        let mut plain = Vec::new();
+        for (x, y) in (3..44).flat_map(|y| (3..58).map(move |x| (x, y))) {
+            let mut around = (y - 1..=y + 1).flat_map(|j| (x - 1..=x + 1).map(move |i| (i, j)));
+            if scores[(x, y)] > 0 && around.all(|place| place == (x, y) || scores[place] < scores[(x, y)]) {
+                plain.push((x, y, scores[(x, y)] as u8));
+            }
+        }
+        assert!(plain.len() > 20, "{} corners with an arc of {arc}", plain.len());
+        // Found in order of decreasing score, equal ones in raster order.
+        plain.sort_by_key(|(x, y, score)| (std::cmp::Reverse(*score), *y, *x));
+        assert_eq!(fast(threshold as usize, arc, &picture), plain, "arc {arc}");
+    }
+}
+
+/// The picture rotated by 90°: pixel (x, y) goes to (height − 1 − y, x).
+fn rotated(picture: &Gray) -> Gray {
+    let (width, height) = picture.size();
+    Grid::from_fn(height, width, |x, y| picture[(y, height - 1 - x)])
+}
+
+#[test]
+fn fast_corners_turn_with_the_picture_and_ignore_a_change_of_brightness() {
+    let picture = blocks(80, 60).map(|level| level / 2);
+    let corners = fast(15, 9, &picture);
+    let mut turned: Vec<_> = corners.iter().map(|(x, y, score)| (59 - y, *x, *score)).collect();
+    let mut found = fast(15, 9, &rotated(&picture));
+    turned.sort_unstable();
+    found.sort_unstable();
+    assert!(found.len() > 50 && found == turned);
+    assert_eq!(fast(15, 9, &picture.map(|level| level + 60)), corners, "only differences count");
+    // With twice the contrast and twice the threshold the places stay the same.
+    let places = |corners: Vec<(usize, usize, u8)>| corners.into_iter().map(|(x, y, _)| (x, y)).collect::<Vec<_>>();
+    let doubled = fast(31, 9, &picture.map(|level| level * 2));
+    assert_eq!(places(doubled), places(corners));
+}
+
+#[test]
+fn fast_tells_the_run_that_decides_and_shows_the_circle() {
+    // A dark square on a bright ground, darkest at its corner (20, 18): without that, equal scores suppress each other.
+    let picture = Grid::from_fn(40, 36, |x, y| match (x, y) {
+        (20, 18) => 40,
+        (20.., 18..) => 50,
+        _ => 170,
+    });
+    let estimator = set("fast", &ALL);
+    let mut walk = estimator.walk(&clip_of(picture), 0).expect("a walk");
+    let mut told = Vec::new();
+    while !walk.at_end() {
+        walk.jump(Move::Granularity(3, Direction::Forward));
+        told.push(walk.step(None).sentence.plain());
+    }
+    let has = |part: &str| assert!(told.iter().any(|said| said.contains(part)), "no step says {part}: {told:#?}");
+    has("11 contiguous pixels (10 to 4) are brighter than I_p + 20 = 60, at least 9: a corner. Its score is V = 129");
+    has("Row 2: no pixel is 3 px away from the border");
+    has("pixels pass the high-speed test, with 2 adjacent compass pixels");
+    has("kept as number 1.");
+    has("End of the run: 1 corner kept");
+    // The pixel pointed at is explained at any step, with its circle and its chart.
+    walk.jump(Move::To(Cursor { unit: 4, event: 1 }));
+    let focus = Some(Focus::current([10.0, 10.0]));
+    let step = walk.step(focus);
+    assert!(step.sentence.plain().contains("rejected by the high-speed test"), "{}", step.sentence.plain());
+    let series = step.readouts.iter().find_map(|readout| match readout {
+        Readout::Series(series) => Some(series.lines[0].2.len()),
+        _ => None,
+    });
+    assert_eq!(series, Some(16), "a difference for each pixel of the circle");
+    let border = walk.step(Some(Focus::current([1.0, 10.0]))).sentence.plain();
+    assert!(border.contains("its circle does not fit"), "{border}");
+}
+
+#[test]
+fn a_picture_without_corners_says_so() {
+    for (picture, part) in [
+        (Grid::new(30, 20, 90), "No pixel has 9 contiguous circle pixels that differ by more than 20 gray levels"),
+        (Grid::from_fn(30, 20, |x, _| (8 * x) as u8), "there are no corners"),
+    ] {
+        let mut walk = set("fast", &[]).walk(&clip_of(picture), 0).expect("a walk");
+        walk.jump(Move::End);
+        let said = walk.step(None).sentence.plain();
+        assert!(said.contains(part), "{said}");
+    }
+}
+
+#[test]
+fn a_tracker_follows_what_a_detector_finds() {
+    let frame = |t: usize| {
+        let whole = blocks(140, 110);
+        Frame::gray(Grid::from_fn(120, 96, |x, y| whole[(x + 3 * t, y + 2 * t)]))
+    };
+    let clip = Clip::from_frames("moved", vec![frame(0), frame(1)]).expect("frames");
+    for id in ["fast", "orb", "surf"] {
+        let tracker = set("pyramidal-lucas-kanade", &[("points", "detect"), ("detector", id)]);
+        let output = tracker.run(&clip, 0, &Threads::single()).expect("a run");
+        let points = &output.get::<PointField>().expect("points").points;
+        let is_right = |[u, v]: [f32; 2]| (u + 3.0).hypot(v + 2.0) < 0.2;
+        let right = points.iter().filter(|point| point.displacement.is_some_and(is_right)).count();
+        assert!(points.len() > 20 && 10 * right > 7 * points.len(), "{id}: {right} of {}", points.len());
+    }
+}
+
+/// Descriptors, angles and places, in order of the places.
+fn described(field: &PointField) -> Vec<([f32; 2], f32, Descriptor)> {
+    let one = |(i, keypoint): (usize, &Keypoint)| {
+        let descriptor = keypoint.descriptor.clone().expect("it is described");
+        (field.points[i].at, keypoint.angle_rad.expect("it is oriented"), descriptor)
+    };
+    let mut all: Vec<_> = field.keypoints.iter().enumerate().map(one).collect();
+    all.sort_by(|a, b| a.0[1].total_cmp(&b.0[1]).then(a.0[0].total_cmp(&b.0[0])));
+    all
+}
+
+/// The difference of two angles, −π to π.
+fn angle_between(a: f32, b: f32) -> f32 {
+    use std::f32::consts::{PI, TAU};
+    (a - b + PI).rem_euclid(TAU) - PI
+}
+
+/// A picture of waves, whose blobs and corners have many sizes.
+fn wavy(width: usize, height: usize, of: impl Fn(f64) -> f64) -> Gray {
+    let value = |x: f64, y: f64| {
+        let long = common::waves(0.45 * x + 7.0, 0.4 * y) - 128.0;
+        128.0 + 0.6 * (common::waves(x, y) - 128.0) + 0.7 * long
+    };
+    Grid::from_fn(width, height, |x, y| of(value(x as f64, y as f64)).clamp(0.0, 255.0) as u8)
+}
+
+#[test]
+fn orb_ranks_by_the_harris_response_and_points_to_the_intensity_centroid() {
+    let picture = blocks(90, 74);
+    let level = |x: i32, y: i32| f64::from(picture[(x as usize, y as usize)]);
+    let field = found(&*set("orb", &[("levels", "1"), ("max-points", "40")]), &picture);
+    assert!(field.points.len() == 40 && field.keypoints.is_sorted_by(|a, b| a.response >= b.response));
+    for (point, keypoint) in field.points.iter().zip(&field.keypoints) {
+        let [x, y] = point.at.map(|c| c as i32);
+        let (mut tensor, mut moments) = ([0.0; 3], [0.0; 2]);
+        for (i, j) in (-3..=3).flat_map(|j| (-3..=3).map(move |i| (x + i, y + j))) {
+            let across = level(i + 1, j - 1) + 2.0 * level(i + 1, j) + level(i + 1, j + 1)
+                - level(i - 1, j - 1)
+                - 2.0 * level(i - 1, j)
+                - level(i - 1, j + 1);
+            let down = level(i - 1, j + 1) + 2.0 * level(i, j + 1) + level(i + 1, j + 1)
+                - level(i - 1, j - 1)
+                - 2.0 * level(i, j - 1)
+                - level(i + 1, j - 1);
+            let [a, b] = [across / 8.0, down / 8.0];
+            tensor.iter_mut().zip([a * a, a * b, b * b]).for_each(|(sum, product)| *sum += product / 49.0);
+        }
+        let [xx, xy, yy] = tensor;
+        let plain = xx * yy - xy * xy - 0.04 * (xx + yy).powi(2);
+        assert!((f64::from(keypoint.response) - plain).abs() < 1e-3 * plain.abs(), "{} not {plain}", keypoint.response);
+        for (i, j) in (-15..=15).flat_map(|j| (-15..=15).map(move |i| (i, j))).filter(|(i, j)| i * i + j * j <= 225) {
+            moments[0] += f64::from(i) * level(x + i, y + j);
+            moments[1] += f64::from(j) * level(x + i, y + j);
+        }
+        let plain = moments[1].atan2(moments[0]) as f32;
+        assert!(angle_between(keypoint.angle_rad.expect("oriented"), plain).abs() < 1e-4);
+    }
+}
+
+#[test]
+fn orb_tells_the_windows_of_each_bit_as_they_are() {
+    let picture = blocks(90, 74);
+    let estimator = set("orb", &[("levels", "1"), ("max-points", "3")]);
+    let field = found(&*estimator, &picture);
+    let Some(Descriptor::Bits(bits)) = &field.keypoints[0].descriptor else { panic!("a binary descriptor") };
+    let mut walk = estimator.walk(&clip_of(picture.clone()), 0).expect("a walk");
+    let mean = |x: f64, y: f64| {
+        let window = (-2..=2).flat_map(|j| (-2..=2).map(move |i| (x as i32 + i, y as i32 + j)));
+        window.map(|(i, j)| f64::from(picture[(i as usize, j as usize)])).sum::<f64>() / 25.0
+    };
+    for k in 0..256 {
+        walk.jump(Move::To(Cursor { unit: 1, event: k + 2 }));
+        let said = walk.step(None).sentence.plain();
+        let told = common::numbers(&said.replace("5×5", ""));
+        // Pair, of 256, angle, x, y, mean, mean, x, y, bit.
+        let [pair, _, _, x, y, a, b, u, v, bit] = told[..] else { panic!("{said}: {told:?}") };
+        assert_eq!(pair as usize, k + 1);
+        assert!((mean(x, y) - a).abs() < 0.006 && (mean(u, v) - b).abs() < 0.006, "{said}");
+        assert_eq!((bit == 1.0, bits[k / 64] >> (k % 64) & 1 == 1), (mean(x, y) < mean(u, v), bit == 1.0), "{said}");
+    }
+    walk.jump(Move::End);
+    let said = walk.step(None).sentence.plain();
+    assert!(said.contains("End of the run: 3 keypoints on 1 level (3, from level 0 on)"), "{said}");
+}
+
+#[test]
+fn orb_descriptors_turn_with_the_picture_and_ignore_brightness() {
+    let picture = blocks(91, 91).map(|level| level / 2);
+    let estimator = set("orb", &[("levels", "1"), ("threshold", "10")]);
+    let here = found(&*estimator, &picture);
+    let there = found(&*estimator, &rotated(&picture));
+    assert!(here.points.len() > 60 && here.points.len() == there.points.len());
+    for (at, angle, descriptor) in described(&here) {
+        let turned = [90.0 - at[1], at[0]];
+        let all = described(&there);
+        let again = all.iter().find(|(at, ..)| *at == turned).expect("it is found again");
+        assert!((angle_between(again.1, angle) - std::f32::consts::FRAC_PI_2).abs() < 1e-4);
+        assert_eq!(again.2.distance(&descriptor), Some(0.0), "the pattern turns exactly");
+    }
+    let brighter = found(&*estimator, &picture.map(|level| level + 100));
+    assert_eq!(described(&brighter), described(&here));
+}
+
+#[test]
+fn orb_finds_corners_again_at_other_sizes() {
+    let large = wavy(240, 200, |value| value);
+    let small = Grid::from_fn(200, 167, |x, y| large.sample(x as f32 * 1.2 + 0.1, y as f32 * 1.2 + 0.1).round() as u8);
+    let estimator = set("orb", &[("max-points", "200"), ("threshold", "10")]);
+    let fields = [found(&*estimator, &large), found(&*estimator, &small)];
+    let shrink = [[1.0 / 1.2, 0.0, -0.1], [0.0, 1.0 / 1.2, -0.1], [0.0, 0.0, 1.0]];
+    let found = repeatability(fields.each_ref(), shrink, 1.5).expect("an inverse");
+    let share = found.share().expect("keypoints");
+    assert!(share > 0.7, "{share} of {found:?}");
+}
+
+/// D_xx, D_yy and D_xy as the plainest sums over the pixels of a filter of this size.
+fn plain_hessian(picture: &Gray, (x, y): (usize, usize), size: i32) -> [f64; 3] {
+    let (lobe, half) = (size / 3, size / 2);
+    let mut sums = [0.0; 3];
+    for (i, j) in (-half..=half).flat_map(|j| (-half..=half).map(move |i| (i, j))) {
+        let level = f64::from(picture[((x as i32 + i) as usize, (y as i32 + j) as usize)]);
+        let along = |c: i32| if c.abs() <= lobe / 2 { -2.0 } else { 1.0 };
+        if j.abs() < lobe {
+            sums[0] += along(i) * level;
+        }
+        if i.abs() < lobe {
+            sums[1] += along(j) * level;
+        }
+        if i != 0 && j != 0 && i.abs() <= lobe && j.abs() <= lobe {
+            sums[2] += f64::from(i.signum() * j.signum()) * level;
+        }
+    }
+    sums.map(|sum| sum / f64::from(size * size))
+}
+
+#[test]
+fn surf_keypoints_are_maxima_of_the_plain_determinant() {
+    let (width, height) = (84usize, 70usize);
+    let picture = wavy(width, height, |value| value);
+    let layer = |size: usize| {
+        Grid::from_fn(width, height, |x, y| {
+            let half = size / 2;
+            let fits = x >= half && y >= half && x + half < width && y + half < height;
+            let [xx, yy, xy] = if fits { plain_hessian(&picture, (x, y), size as i32) } else { [0.0; 3] };
+            xx * yy - 0.81 * xy * xy
+        })
+    };
+    let layers = [9, 15, 21, 27].map(layer);
+    let mut plain = Vec::new();
+    for k in 1..3 {
+        let margin = [21, 27][k - 1] / 2;
+        for (x, y) in (margin..height - margin).flat_map(|y| (margin..width - margin).map(move |x| (x, y))) {
+            let here = layers[k][(x, y)];
+            let around = (k - 1..=k + 1)
+                .flat_map(|k| (y - 1..=y + 1).flat_map(move |j| (x - 1..=x + 1).map(move |i| (k, i, j))));
+            let mut others = around.filter(|other| *other != (k, x, y));
+            if here > 25.0 && others.all(|(k, i, j)| layers[k][(i, j)] < here) {
+                plain.push(([x as f32, y as f32], here));
+            }
+        }
+    }
+    let field = found(&*set("surf", &[("octaves", "1")]), &picture);
+    assert!(plain.len() > 5 && !field.points.is_empty(), "{} maxima", plain.len());
+    for (point, keypoint) in field.points.iter().zip(&field.keypoints) {
+        let is_here = |(at, _): &&([f32; 2], f64)| (0..2).all(|i| (at[i] - point.at[i]).abs() <= 1.0);
+        let (at, response) = plain.iter().find(is_here).expect("a plain maximum");
+        let ratio = f64::from(keypoint.response) / response;
+        assert!((0.98..1.6).contains(&ratio), "{} at {at:?}, plainly {response}", keypoint.response);
+    }
+    assert!(10 * field.points.len() >= 7 * plain.len(), "{} of {} are refined", field.points.len(), plain.len());
+}
+
+#[test]
+fn surf_descriptors_turn_with_the_picture_and_ignore_contrast_and_brightness() {
+    let picture = wavy(121, 121, |value| value / 2.0);
+    let estimator = set("surf", &[("octaves", "2"), ("threshold", "5")]);
+    let here = described(&found(&*estimator, &picture));
+    let compare = |other: &Gray, place: &dyn Fn([f32; 2]) -> [f32; 2], turn: f32| {
+        let there = described(&found(&*estimator, other));
+        let mut distances = Vec::new();
+        for (at, angle, descriptor) in &here {
+            let [x, y] = place(*at);
+            let again = there.iter().filter(|(other, ..)| (other[0] - x).hypot(other[1] - y) < 0.5);
+            let best = again.filter(|(_, other, _)| (angle_between(*other, *angle) - turn).abs() < 0.15);
+            distances.extend(best.filter_map(|(.., other)| other.distance(descriptor)).reduce(f32::min));
+        }
+        distances.sort_by(f32::total_cmp);
+        (distances.len(), distances.get(distances.len() / 2).copied().unwrap_or(f32::INFINITY))
+    };
+    assert!(here.len() > 15, "{} keypoints", here.len());
+    for (.., descriptor) in &here {
+        let Descriptor::Reals(values) = descriptor else { panic!("64 values") };
+        assert!(values.len() == 64 && (values.iter().map(|v| v * v).sum::<f32>() - 1.0).abs() < 1e-4);
+    }
+    let (count, median) = compare(&rotated(&picture), &|[x, y]| [120.0 - y, x], std::f32::consts::FRAC_PI_2);
+    assert!(10 * count >= 8 * here.len() && median < 0.15, "{count} of {}, median distance {median}", here.len());
+    let (count, median) = compare(&picture.map(|level| level + 90), &|at| at, 0.0);
+    assert!(count == here.len() && median < 1e-4, "{count}: {median}");
+    let (count, median) = compare(&picture.map(|level| level * 2), &|at| at, 0.0);
+    assert!(count == here.len() && median < 0.01, "{count}: {median}");
+}
+
+#[test]
+fn surf_finds_a_blob_with_its_size() {
+    for sigma in [3.0f32, 6.0] {
+        let value = |x: usize, y: usize| {
+            let squared = (x as f32 - 60.0).powi(2) + (y as f32 - 50.0).powi(2);
+            (40.0 + 180.0 * (-squared / (2.0 * sigma * sigma)).exp()).round() as u8
+        };
+        let field = found(&*set("surf", &[]), &Grid::from_fn(120, 100, value));
+        let (point, keypoint) = (field.points.first().expect("a blob"), &field.keypoints[0]);
+        let scale = keypoint.scale_px.expect("a scale");
+        assert!((point.at[0] - 60.0).hypot(point.at[1] - 50.0) < 0.5, "{:?}", point.at);
+        assert!((scale / sigma - 1.0).abs() < 0.35, "scale {scale} of a blob of {sigma}");
+    }
+}
+
+#[test]
+fn flat_and_tiny_pictures_have_no_keypoints_and_say_so() {
+    for id in ["orb", "surf"] {
+        for size in [(1, 1), (1, 40), (9, 9), (48, 40)] {
+            let clip = clip_of(Grid::new(size.0, size.1, 90));
+            let mut walk = set(id, &[]).walk(&clip, 0).expect("a walk");
+            walk.jump(Move::End);
+            let said = walk.step(None).sentence.plain();
+            assert!(said.contains("no keypoint"), "{id} in {size:?}: {said}");
+            assert!(walk.output().get::<PointField>().expect("keypoints").points.is_empty());
+        }
+    }
+}
