@@ -96,8 +96,9 @@ pub use methods::kalman;
 pub use params::{Params, Spec, Value};
 pub use products::{
     Agreement, Block, BlockField, BlockGrid, BlockVector, Coding, Confidence, Consistency, DenseField, Descriptor,
-    Feature, Followed, Keypoint, MaskField, Object, ObjectField, ObjectFrame, Output, PointField, Product, ProductKind,
-    Status, Streak, Streaks, Track, TrackField, TrackStatus, metrics, predict, table,
+    Feature, Followed, Keypoint, MaskField, Match, MatchField, MatchStatus, Model, ModelField, Object, ObjectField,
+    ObjectFrame, Output, PointField, Product, ProductKind, Status, Streak, Streaks, Track, TrackField, TrackStatus,
+    metrics, predict, table,
 };
 pub use run::{
     AnyEstimator, AnyRun, Beside, CandidateCount, Cursor, Direction, Estimator, Explained, Extent, FRAMES, Footprint,

@@ -2,9 +2,10 @@
 
 use std::time::Duration;
 
+use motionscope_core::products::model::Matrix3;
 use motionscope_core::products::{Assessment, Figure};
 use motionscope_core::scene::Fact;
-use motionscope_core::{Error, Extent, Output};
+use motionscope_core::{Error, Extent, ModelField, Output};
 use serde::{Serialize, Serializer};
 use serde_json::Map;
 
@@ -29,6 +30,8 @@ pub struct Report {
     truth_files: Vec<String>,
     #[serde(serialize_with = "figures")]
     metrics: Assessment,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    model: Option<ModelReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
     consistency: Option<Checked>,
     /// The scores of the causal variant, without later frames.
@@ -102,6 +105,26 @@ impl Checked {
     }
 }
 
+/// The geometric model of a run.
+#[derive(Serialize)]
+struct ModelReport {
+    kind: &'static str,
+    /// By rows; maps homogeneous pixel positions of frame t to frame t + 1.
+    matrix: Matrix3,
+    inliers: Option<usize>,
+    matches: Option<usize>,
+    iterations: usize,
+    residual_px: Option<f64>,
+}
+
+impl From<&ModelField> for ModelReport {
+    fn from(field: &ModelField) -> Self {
+        let ModelField { model, matrix, iterations, residual_px, support, .. } = *field;
+        let [inliers, matches] = [support.map(|of| of.inliers), support.map(|of| of.matches)];
+        Self { kind: model.id(), matrix, inliers, matches, iterations, residual_px }
+    }
+}
+
 /// Time of the estimation without decoding and drawing.
 #[derive(Serialize)]
 struct Milliseconds {
@@ -143,6 +166,7 @@ impl Report {
             ms: Milliseconds { median, min: times.first().copied().map_or(0.0, ms) },
             truth_files: clip.truth().map(|truth| truth.names()).unwrap_or_default(),
             metrics,
+            model: output.get().map(ModelReport::from),
             consistency: check.map(Checked::of),
             live,
         }

@@ -1,6 +1,8 @@
 //! A displacement for each pixel, as a field.
 
-use motionscope_core::{BlockField, DenseField, Error, Flow, Output, PointField, Product, TrackField};
+use motionscope_core::{
+    BlockField, DenseField, Error, Flow, MatchField, ModelField, Output, PointField, Product, TrackField,
+};
 
 use super::{EncodedFiles, Export, Format};
 use crate::media::export::{flo, kitti_result, npy};
@@ -11,7 +13,14 @@ pub const EXPORT: Export = Export {
     help: "Save the dense flow as Middlebury .flo, KITTI .png or .npy; `-` is a .flo on standard output",
     name: "Flow",
     explained: "The flow field: one displacement per pixel.",
-    takes: &[BlockField::KIND, DenseField::KIND, PointField::KIND, TrackField::KIND],
+    takes: &[
+        BlockField::KIND,
+        DenseField::KIND,
+        PointField::KIND,
+        TrackField::KIND,
+        MatchField::KIND,
+        ModelField::KIND,
+    ],
     folder: None,
     formats: &[
         Format {

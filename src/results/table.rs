@@ -2,7 +2,8 @@
 
 use motionscope_core::table::Table;
 use motionscope_core::{
-    BlockField, DenseField, Error, MaskField, ObjectField, Output, PointField, Product, TrackField,
+    BlockField, DenseField, Error, MaskField, MatchField, ModelField, ObjectField, Output, PointField, Product,
+    TrackField,
 };
 
 use super::{EncodedFiles, Export, Format};
@@ -10,7 +11,7 @@ use super::{EncodedFiles, Export, Format};
 pub const EXPORT: Export = Export {
     flag: "table",
     value: "FILE.csv",
-    help: "Save motion vectors, features, objects or detections as CSV; `-` is standard output",
+    help: "Save motion vectors, features, matches, objects or detections as CSV; `-` is standard output",
     name: "Table",
     explained: "A table with units in its headings.",
     takes: &[
@@ -18,6 +19,8 @@ pub const EXPORT: Export = Export {
         DenseField::KIND,
         PointField::KIND,
         TrackField::KIND,
+        MatchField::KIND,
+        ModelField::KIND,
         ObjectField::KIND,
         MaskField::KIND,
     ],

@@ -6,7 +6,7 @@ use crate::families::{
         AdaptiveRood, Diamond, FourStep, FullSearch, Hexagon, Hierarchical, LogSearch, NewThreeStep, Predictive,
         QuadrantSearch, SuccessiveElimination, ThreeStep,
     },
-    interest_points::{Harris, ShiTomasi},
+    interest_points::{Harris, ShiTomasi, Sift},
     moving_objects::{
         ConnectedComponents, FlowMagnitude, FrameDifference, KnnBackground, MedianBackground, MixtureOfGaussians,
         RunningAverage, SingleGaussian,
@@ -44,6 +44,7 @@ impl Entries for Course {
         Entry::of::<PointTrajectories>(),
         Entry::of::<Corners<Harris>>(),
         Entry::of::<Corners<ShiTomasi>>(),
+        Entry::of::<Sift>(),
         Entry::of::<Subtraction<FrameDifference>>(),
         Entry::of::<Subtraction<RunningAverage>>(),
         Entry::of::<Subtraction<MedianBackground>>(),

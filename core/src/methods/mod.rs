@@ -9,5 +9,6 @@ pub mod kalman;
 pub mod multi_object;
 pub(crate) mod numbers;
 pub mod polynomial;
+pub mod scale_space;
 pub mod subtraction;
 pub mod variational;

@@ -9,9 +9,11 @@ mod coding;
 pub mod consistency;
 mod dense_flow;
 mod flow_error;
-mod keypoints;
+pub mod keypoints;
 mod mask;
+mod matches;
 pub mod metrics;
+pub mod model;
 pub mod objects;
 mod output;
 mod prediction;
@@ -28,7 +30,9 @@ pub use consistency::{Agreement, Consistency};
 pub use dense_flow::DenseField;
 pub use keypoints::{Descriptor, Feature, Keypoint, PointField, Status};
 pub use mask::MaskField;
+pub use matches::{Match, MatchErrors, MatchField, MatchStatus, RIGHT_WITHIN_PX};
 pub use metrics::FlowError;
+pub use model::{Model, ModelField, Support};
 pub use objects::{Followed, Object, ObjectField, ObjectFrame, TrackStatus};
 pub use output::Output;
 pub use prediction::{PSNR, predict};
@@ -39,8 +43,16 @@ pub use table::{Cell, Table};
 pub use tracks::{Track, TrackField};
 
 /// Every kind of product, in display order.
-pub const KINDS: &[&ProductKind] =
-    &[BlockField::KIND, DenseField::KIND, PointField::KIND, TrackField::KIND, MaskField::KIND, ObjectField::KIND];
+pub const KINDS: &[&ProductKind] = &[
+    BlockField::KIND,
+    DenseField::KIND,
+    PointField::KIND,
+    TrackField::KIND,
+    MatchField::KIND,
+    ModelField::KIND,
+    MaskField::KIND,
+    ObjectField::KIND,
+];
 
 #[cfg(test)]
 mod tests {

@@ -55,6 +55,11 @@ pub enum Guarantee {
     },
     /// Feature points that move with the picture (covariance); no displacement.
     Places,
+    /// Feature points with sub-pixel positions that move with the picture up to an error; no displacement.
+    SubPixelPlaces {
+        /// Largest error of a component in hundredths of a px.
+        off_centi_px: u8,
+    },
     /// Moving objects before a static background; no displacement.
     Objects,
     /// The normal flow of a sub-pixel translation, on smooth texture.

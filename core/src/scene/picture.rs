@@ -29,6 +29,8 @@ pub enum PictureRole {
     Template,
     /// Frames registered in the coordinates of one of them.
     Mosaic,
+    /// The response of a filter, such as a difference of Gaussians, in the coordinates of the frame.
+    Response,
 }
 
 /// The name of a picture: viewpoint, time, pyramid level, and role in the step.
@@ -53,6 +55,8 @@ impl Picture {
     pub const NEXT: Self = Self::at(1);
     /// The picture that frame t is compared with.
     pub const REFERENCE: Self = Self { role: PictureRole::Reference, ..Self::CURRENT };
+    /// The response of a filter to frame t.
+    pub const RESPONSE: Self = Self { role: PictureRole::Response, ..Self::CURRENT };
 
     /// The frame `time` frames after frame t.
     pub const fn at(time: i32) -> Self {
@@ -61,7 +65,7 @@ impl Picture {
 
     /// Whether a pixel of one has its counterpart at the same place in the other, so that both are zoomed together.
     pub fn is_aligned_with(self, other: Self) -> bool {
-        let has_the_frame = |role| matches!(role, PictureRole::Frame | PictureRole::Reference);
+        let has_the_frame = |role| matches!(role, PictureRole::Frame | PictureRole::Reference | PictureRole::Response);
         let is_same_role = self.role == other.role || (has_the_frame(self.role) && has_the_frame(other.role));
         self.viewpoint == other.viewpoint && self.level == other.level && is_same_role
     }
@@ -75,6 +79,7 @@ impl Picture {
             PictureRole::Reference => "Reference".into(),
             PictureRole::Template => "Template".into(),
             PictureRole::Mosaic => "Mosaic".into(),
+            PictureRole::Response => "Filter response".into(),
         };
         let of = if self.viewpoint == Viewpoint::Right { "Right view · " } else { "" };
         let level = if self.level > 0 { format!(" · level {}", self.level) } else { String::new() };
@@ -102,6 +107,7 @@ impl fmt::Display for Picture {
             PictureRole::Reference => "reference".into(),
             PictureRole::Template => "template".into(),
             PictureRole::Mosaic => "mosaic".into(),
+            PictureRole::Response => "response".into(),
         })?;
         if self.level > 0 { write!(f, "-level-{}", self.level) } else { Ok(()) }
     }
@@ -113,7 +119,7 @@ impl FromStr for Picture {
     fn from_str(text: &str) -> Result<Self, Error> {
         let invalid = || {
             Error::new(format!(
-                "a picture must be t, t+1, t-1, reference, template or mosaic, with the prefix right- for the right \
+                "a picture must be t, t+1, t-1, reference, template, mosaic or response, with the prefix right- for the right \
                  view and the suffix -level-2 for a level of a pyramid, not {text}"
             ))
         };
@@ -129,6 +135,7 @@ impl FromStr for Picture {
             "reference" => (PictureRole::Reference, Some(0)),
             "template" => (PictureRole::Template, Some(0)),
             "mosaic" => (PictureRole::Mosaic, Some(0)),
+            "response" => (PictureRole::Response, Some(0)),
             "t" => (PictureRole::Frame, Some(0)),
             moment => (PictureRole::Frame, moment.strip_prefix('t').and_then(|time| time.parse().ok())),
         };
@@ -215,6 +222,7 @@ mod tests {
             (template, "template"),
             (mosaic, "mosaic"),
             (Picture::REFERENCE, "reference"),
+            (Picture::RESPONSE, "response"),
         ] {
             assert_eq!(picture.to_string(), name);
             assert_eq!(name.parse(), Ok(picture));

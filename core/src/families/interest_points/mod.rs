@@ -2,7 +2,9 @@
 
 mod harris;
 mod shi_tomasi;
+mod sift;
 
 pub use crate::methods::features::Corners;
 pub use harris::Harris;
 pub use shi_tomasi::ShiTomasi;
+pub use sift::Sift;

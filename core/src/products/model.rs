@@ -1,0 +1,199 @@
+//! A geometric model of the motion of the whole picture: one matrix for all pixels.
+
+use super::assessment::{fact, scores};
+use super::{
+    Assessment, Cell, Figure, Measure, Motion, Product, ProductKind, Reference, Table, flow_error, predict, prediction,
+};
+use crate::base::{Error, words::grouped};
+use crate::choices;
+use crate::data::{Flow, Interpolation};
+use crate::geometry::{Border, Gray, Grid};
+
+choices! {
+    /// A group of transformations of the plane, in the order of their degrees of freedom.
+    pub enum Model {
+        /// Translation: 2 degrees of freedom.
+        Translation = "translation" "Translation",
+        /// Rotation and translation: 3 degrees of freedom; lengths are kept.
+        Rigid = "rigid" "Rigid",
+        /// Rotation, translation and scale: 4 degrees of freedom; angles are kept.
+        Similarity = "similarity" "Similarity",
+        /// Affine map: 6 degrees of freedom; parallel lines stay parallel.
+        Affine = "affine" "Affine",
+        /// Projective map: 8 degrees of freedom; straight lines stay straight. Exact for a plane and for a rotating camera.
+        Homography = "homography" "Homography",
+    }
+}
+
+impl Model {
+    /// Number of degrees of freedom.
+    pub fn freedom(self) -> usize {
+        match self {
+            Self::Translation => 2,
+            Self::Rigid => 3,
+            Self::Similarity => 4,
+            Self::Affine => 6,
+            Self::Homography => 8,
+        }
+    }
+
+    /// Number of correspondences that determine it; each gives two equations.
+    pub fn sample_size(self) -> usize {
+        self.freedom().div_ceil(2)
+    }
+
+    /// Its kebab-case name.
+    pub fn id(self) -> &'static str {
+        match self {
+            Self::Translation => "translation",
+            Self::Rigid => "rigid",
+            Self::Similarity => "similarity",
+            Self::Affine => "affine",
+            Self::Homography => "homography",
+        }
+    }
+}
+
+/// A 3×3 matrix by rows, that maps homogeneous pixel positions of frame t to frame t + 1.
+pub type Matrix3 = [[f64; 3]; 3];
+
+/// The matrix of no motion.
+pub const IDENTITY: Matrix3 = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+/// The position to which `matrix` maps a position; `None` where it lies on or behind the horizon.
+pub fn mapped(matrix: &Matrix3, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
+    let [a, b, w] = matrix.map(|row| row[0] * x + row[1] * y + row[2]);
+    (w > 1e-9).then(|| [a / w, b / w])
+}
+
+/// One transformation for all pixels of a picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ModelField {
+    /// Width and height of the picture in px.
+    pub picture: (usize, usize),
+    /// The group of transformations.
+    pub model: Model,
+    /// Its matrix, normalised to a last entry of 1; the identity before there is an estimate.
+    pub matrix: Matrix3,
+    /// Number of iterations of the estimation.
+    pub iterations: usize,
+    /// Root mean square distance of the inliers from their predicted positions in px, if it was estimated from matches.
+    pub residual_px: Option<f64>,
+    /// Number of inliers and of all matches, if it was estimated from matches.
+    pub support: Option<Support>,
+}
+
+/// The matches behind a model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Support {
+    /// Number of matches that agree with it.
+    pub inliers: usize,
+    /// Number of all matches.
+    pub matches: usize,
+}
+
+impl ModelField {
+    /// The displacement of every pixel; unknown beyond the horizon of a homography.
+    pub fn displacements_of_pixels(&self) -> Flow {
+        let (width, height) = self.picture;
+        Flow(Grid::from_fn(width, height, |x, y| {
+            let place = [x as f64, y as f64];
+            mapped(&self.matrix, place).map_or(Flow::UNKNOWN, |to| [0, 1].map(|i| (to[i] - place[i]) as f32))
+        }))
+    }
+}
+
+const MEASURES: [Measure; 4] = [
+    Measure::new("inliers", "Number of matches that agree with the model.").in_column("inliers", 0),
+    Measure::new("inlier_share", "Share of the matches that agree with the model.").in_column("inlier share", 3),
+    Measure::new("residual_px", "Root mean square distance of the inliers from their predicted positions in px.")
+        .in_column("residual px", 3),
+    Measure::new("iterations", "Number of iterations of the estimation.").in_column("iterations", 0),
+];
+
+/// Border and interpolation of the prediction of frame t from frame t + 1.
+const SAMPLING: (Border, Interpolation) = (Border::Replicate, Interpolation::Bilinear);
+
+impl Product for ModelField {
+    const KIND: &'static ProductKind = &ProductKind {
+        id: "model",
+        name: "Geometric model",
+        summary: "One transformation of the plane for all pixels of the picture.",
+        motion: Motion::Pixels,
+        is_of_single_frames: false,
+        measures: &[&prediction::MEASURES, &flow_error::MEASURES, &MEASURES],
+    };
+
+    /// The matrix, row by row.
+    fn table(&self) -> Option<Table> {
+        Some(Table::new(["column_1", "column_2", "column_3"], self.matrix.map(|row| row.map(Cell::from))))
+    }
+
+    fn assess(&self, reference: &Reference<'_>) -> Result<Assessment, Error> {
+        let next = &reference.clip.pair_or_last(reference.frame)?[1];
+        let flow = self.displacements_of_pixels();
+        let share = self.support.map(|of| of.inliers as f64 / of.matches.max(1) as f64);
+        let values = [
+            Figure::from(self.support.map(|of| of.inliers)),
+            share.into(),
+            self.residual_px.into(),
+            self.iterations.into(),
+        ];
+        let mut facts = Vec::new();
+        facts.extend(self.support.map(|Support { inliers, matches }| {
+            let share = 100.0 * inliers as f64 / matches.max(1) as f64;
+            fact("Inliers", format!("{} of {} matches, {share:.1} %", grouped(inliers), grouped(matches)))
+        }));
+        facts.extend(self.residual_px.map(|residual| fact("Residual (rms)", format!("{residual:.3} px"))));
+        let picture = predict(&flow, next.luma(), SAMPLING);
+        let compared = prediction::assess(&picture, None, reference)?.and(flow_error::of_field(&flow, reference));
+        Ok(compared.with(scores(&MEASURES, values), facts))
+    }
+
+    fn flow(&self) -> Option<Flow> {
+        Some(self.displacements_of_pixels())
+    }
+
+    fn prediction(&self, next: &Gray) -> Option<Gray> {
+        Some(predict(&self.displacements_of_pixels(), next, SAMPLING))
+    }
+
+    fn displacements(&self) -> Option<Vec<Option<[f32; 2]>>> {
+        let known = |uv: &[f32; 2]| Some(*uv).filter(|uv| uv.iter().all(|c| c.is_finite()));
+        Some(self.displacements_of_pixels().0.cells().iter().map(known).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_matrix_moves_every_pixel() {
+        let shear = [[1.0, 0.5, 2.0], [0.0, 1.0, -1.0], [0.0, 0.0, 1.0]];
+        let field = ModelField {
+            picture: (4, 3),
+            model: Model::Affine,
+            matrix: shear,
+            iterations: 1,
+            residual_px: None,
+            support: None,
+        };
+        assert_eq!(field.displacements_of_pixels().at(3, 2), Some([3.0, -1.0]));
+        assert_eq!(field.table().map(|table| table.rows().count()), Some(3));
+    }
+
+    #[test]
+    fn beyond_the_horizon_nothing_is_known() {
+        let tilted = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-0.5, 0.0, 1.0]];
+        assert_eq!(mapped(&tilted, [1.0, 1.0]), Some([2.0, 2.0]));
+        assert_eq!(mapped(&tilted, [2.0, 1.0]), None);
+    }
+
+    #[test]
+    fn two_equations_of_a_match_determine_two_parameters() {
+        let sizes = [Model::Translation, Model::Rigid, Model::Similarity, Model::Affine, Model::Homography]
+            .map(Model::sample_size);
+        assert_eq!(sizes, [1, 2, 2, 3, 4]);
+    }
+}
