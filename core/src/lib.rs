@@ -90,7 +90,7 @@ pub use data::{
     Blob, Clip, ClipInfo, Counted, Detection, Flow, Frame, FrameSource, Histogram, Interpolation, Mask, MaskErrors,
     ObjectBox, PackedMask, PixelClass, TrueMask, Truth,
 };
-pub use families::{block_matching, interest_points, moving_objects, optical_flow, tracking};
+pub use families::{block_matching, correspondence, interest_points, moving_objects, optical_flow, tracking};
 pub use geometry::{Border, Bounds, Gray, Grid};
 pub use methods::kalman;
 pub use params::{Params, Spec, Value};

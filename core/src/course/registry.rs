@@ -6,6 +6,7 @@ use crate::families::{
         AdaptiveRood, Diamond, FourStep, FullSearch, Hexagon, Hierarchical, LogSearch, NewThreeStep, Predictive,
         QuadrantSearch, SuccessiveElimination, ThreeStep,
     },
+    correspondence::{PhaseCorrelation, TemplateMatching},
     interest_points::{Harris, ShiTomasi, Sift},
     moving_objects::{
         ConnectedComponents, FlowMagnitude, FrameDifference, KnnBackground, MedianBackground, MixtureOfGaussians,
@@ -45,6 +46,8 @@ impl Entries for Course {
         Entry::of::<Corners<Harris>>(),
         Entry::of::<Corners<ShiTomasi>>(),
         Entry::of::<Sift>(),
+        Entry::of::<TemplateMatching>(),
+        Entry::of::<PhaseCorrelation>(),
         Entry::of::<Subtraction<FrameDifference>>(),
         Entry::of::<Subtraction<RunningAverage>>(),
         Entry::of::<Subtraction<MedianBackground>>(),

@@ -1,6 +1,7 @@
 //! The estimators: a folder for each family, a file for each of its estimators.
 
 pub mod block_matching;
+pub mod correspondence;
 pub mod interest_points;
 pub mod moving_objects;
 pub mod optical_flow;

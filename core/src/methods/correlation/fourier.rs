@@ -125,7 +125,7 @@ fn multiply_rows(template: &[Lanes], area: &[Lanes], totals: &mut [Lanes; BELOW]
 }
 
 /// The smallest even length of at least `least` that is a product of small primes, for which transforms are fast.
-pub fn fast_length(least: usize) -> usize {
+fn fast_length(least: usize) -> usize {
     let is_smooth = |mut length: usize| {
         for prime in [2, 3, 5] {
             while length.is_multiple_of(prime) {

@@ -5,5 +5,5 @@
 mod fourier;
 mod scores;
 
-pub use fourier::{bytes, fast_length};
+pub use fourier::bytes;
 pub use scores::{MOST_PX, Moments, Score, Way, faster, map};

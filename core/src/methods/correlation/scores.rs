@@ -20,14 +20,13 @@ choices! {
     }
 }
 
-choices! {
-    /// Computation of the sums over all places.
-    pub enum Way {
-        /// The sum over the template at each place: effort grows with the area of the template.
-        Direct = "direct" "Direct",
-        /// Products of spectra: effort grows with the height of the template only.
-        Fourier = "fft" "Fourier transform",
-    }
+/// Computation of the sums over all places.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Way {
+    /// The sum over the template at each place: effort grows with the area of the template.
+    Direct,
+    /// Products of spectra: effort grows with the height of the template only.
+    Fourier,
 }
 
 /// The largest side of a template in px: sums of squares over it fit into 32 bits.
