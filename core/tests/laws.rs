@@ -468,7 +468,7 @@ fn known_fractions_of_a_pixel_are_recovered_as_far_as_promised() {
         }
         ran += 1;
     }
-    assert_eq!(ran, 9, "all methods of optical flow");
+    assert_eq!(ran, 10, "all methods of optical flow, and image alignment");
 }
 
 #[test]

@@ -6,7 +6,7 @@ use crate::families::{
         AdaptiveRood, Diamond, FourStep, FullSearch, Hexagon, Hierarchical, LogSearch, NewThreeStep, Predictive,
         QuadrantSearch, SuccessiveElimination, ThreeStep,
     },
-    correspondence::{PhaseCorrelation, TemplateMatching},
+    correspondence::{ImageAlignment, PhaseCorrelation, TemplateMatching},
     interest_points::{Harris, ShiTomasi, Sift},
     moving_objects::{
         ConnectedComponents, FlowMagnitude, FrameDifference, KnnBackground, MedianBackground, MixtureOfGaussians,
@@ -48,6 +48,7 @@ impl Entries for Course {
         Entry::of::<Sift>(),
         Entry::of::<TemplateMatching>(),
         Entry::of::<PhaseCorrelation>(),
+        Entry::of::<ImageAlignment>(),
         Entry::of::<Subtraction<FrameDifference>>(),
         Entry::of::<Subtraction<RunningAverage>>(),
         Entry::of::<Subtraction<MedianBackground>>(),

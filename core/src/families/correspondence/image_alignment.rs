@@ -183,7 +183,12 @@ impl State {
 
     /// The error of the iteration before, on the same level.
     fn previous_error(&self) -> Option<f64> {
-        self.errors.len().checked_sub(2).and_then(|i| self.errors.get(i)).filter(|(level, _)| *level == self.level).map(|(_, rms)| *rms)
+        self.errors
+            .len()
+            .checked_sub(2)
+            .and_then(|i| self.errors.get(i))
+            .filter(|(level, _)| *level == self.level)
+            .map(|(_, rms)| *rms)
     }
 }
 
