@@ -108,6 +108,7 @@ pub fn chapters_of(family: &str) -> &'static [Chapter] {
     match family {
         "Block matching" => &[Chapter::MotionVectors],
         "Optical flow" => &[Chapter::DifferentialMethods, Chapter::DynamicScenes, Chapter::MotionVectors],
+        "Correspondence" => &[Chapter::InterestPoints, Chapter::MotionVectors],
         "Interest points" => &[Chapter::InterestPoints, Chapter::DifferentialMethods],
         "Moving objects" => &[Chapter::MovingObjects, Chapter::DynamicScenes],
         "Tracking" => &[Chapter::KalmanFilters, Chapter::MultipleObjects],

@@ -6,7 +6,9 @@ use crate::families::{
         AdaptiveRood, Diamond, FourStep, FullSearch, Hexagon, Hierarchical, LogSearch, NewThreeStep, Predictive,
         QuadrantSearch, SuccessiveElimination, ThreeStep,
     },
-    correspondence::{EpipolarGeometry, FeatureMatching, GlobalMotion},
+    correspondence::{
+        EpipolarGeometry, FeatureMatching, GlobalMotion, ImageAlignment, PhaseCorrelation, TemplateMatching,
+    },
     interest_points::{Fast, Harris, Orb, ShiTomasi, Sift, Surf},
     moving_objects::{
         ConnectedComponents, FlowMagnitude, FrameDifference, KnnBackground, MedianBackground, MixtureOfGaussians,
@@ -51,9 +53,12 @@ impl Entries for Course {
         Entry::of::<Sift>(),
         Entry::of::<Surf>(),
         Entry::of::<Orb>(),
+        Entry::of::<TemplateMatching>(),
         Entry::of::<FeatureMatching>(),
         Entry::of::<Robust<GlobalMotion>>(),
         Entry::of::<Robust<EpipolarGeometry>>(),
+        Entry::of::<PhaseCorrelation>(),
+        Entry::of::<ImageAlignment>(),
         Entry::of::<Subtraction<FrameDifference>>(),
         Entry::of::<Subtraction<RunningAverage>>(),
         Entry::of::<Subtraction<MedianBackground>>(),

@@ -57,6 +57,9 @@ impl Model {
 /// A 3×3 matrix by rows, that maps homogeneous pixel positions of frame t to frame t + 1.
 pub type Matrix3 = [[f64; 3]; 3];
 
+/// The matrix of no motion.
+pub const IDENTITY: Matrix3 = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
 /// The position to which `matrix` maps a position; `None` where it lies on or behind the horizon.
 pub fn mapped(matrix: &Matrix3, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
     let [a, b, w] = matrix.map(|row| row[0] * x + row[1] * y + row[2]);

@@ -65,7 +65,8 @@ fn parameters_are_called_by_their_names() {
     for (estimator, seen) in ALL.iter() {
         let specs = estimator.specs();
         let ids = specs.iter().filter_map(|spec| spec.name.rsplit('.').next()).filter(|id| id.contains('-'));
-        let ids: Vec<&str> = ids.collect();
+        // Some ids are terms of the field.
+        let ids: Vec<&str> = ids.filter(|id| glossary::find(id).is_none()).collect();
         let prose = seen.texts.iter().filter(|(place, _)| ["sentence", "fact", "legend", "plot"].contains(place));
         for (place, text) in prose {
             let words = text.split(|c: char| !(c.is_alphanumeric() || c == '-'));

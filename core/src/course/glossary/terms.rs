@@ -393,6 +393,13 @@ pub static GLOSSARY: &[Term] = &[
         "The rejection of a match unless both descriptors are the nearest neighbours of each other.",
     ),
     term(
+        InterestPoints,
+        "cross-power spectrum",
+        &["cross-power spectra"],
+        "The product of the spectrum of one picture with the complex conjugate of that of another: its phase \
+        is the difference of their phases.",
+    ),
+    term(
         MultipleObjects,
         "data association",
         &["association", "associate", "associates", "associated"],
@@ -714,6 +721,13 @@ pub static GLOSSARY: &[Term] = &[
         with a 3×3 pattern.",
     ),
     term(
+        InterestPoints,
+        "Fourier transform",
+        &["Fourier transforms", "fast Fourier transform", "FFT"],
+        "The decomposition of a signal into frequencies with magnitude and phase; a correlation becomes a \
+        product of spectra.",
+    ),
+    term(
         Evaluation,
         "fragmentation",
         &["fragmentations"],
@@ -841,6 +855,13 @@ pub static GLOSSARY: &[Term] = &[
     ),
     term(
         InterestPoints,
+        "Hann window",
+        &["Hann windows"],
+        "A weight that falls from 1 in the middle of a picture to 0 at its border along half a wave of the \
+        cosine, so that the periodic continuation has no jumps.",
+    ),
+    term(
+        InterestPoints,
         "Harris detector",
         &["Harris corner detector", "Harris", "Harris corner", "Harris corners"],
         "A corner detector that takes local maxima of det T − k (tr T)² of the structure tensor T, which needs no \
@@ -851,6 +872,13 @@ pub static GLOSSARY: &[Term] = &[
         "heading",
         &["headings", "direction of motion"],
         "The direction of a velocity as an angle, here counter-clockwise from the right.",
+    ),
+    term(
+        InterestPoints,
+        "Hessian",
+        &["Hessian matrix"],
+        "The matrix of the second derivatives of a function; in a least-squares problem approximated by the \
+        products of first derivatives (Gauss–Newton).",
     ),
     term(
         InterestPoints,
@@ -939,6 +967,13 @@ pub static GLOSSARY: &[Term] = &[
             "lighting changes",
         ],
         "A change of brightness that is not caused by motion, which violates brightness constancy.",
+    ),
+    term(
+        InterestPoints,
+        "image alignment",
+        &["image registration"],
+        "The estimation of the warp that brings one whole picture into agreement with another, from their \
+        gray levels.",
     ),
     term(
         DifferentialMethods,
@@ -1042,6 +1077,13 @@ pub static GLOSSARY: &[Term] = &[
         "intersection over union",
         &["IoU", "Jaccard index"],
         "The area that two regions share divided by the area that they cover together, from 0 to 1.",
+    ),
+    term(
+        InterestPoints,
+        "inverse compositional algorithm",
+        &["inverse compositional"],
+        "An image alignment that applies the increment to the picture at rest and composes its inverse with \
+        the warp, so that derivatives and Hessian are computed only once.",
     ),
     term(
         Evaluation,
@@ -1522,6 +1564,13 @@ pub static GLOSSARY: &[Term] = &[
         outliers count less.",
     )
     .symbol("ρ"),
+    term(
+        InterestPoints,
+        "phase correlation",
+        &[],
+        "The inverse Fourier transform of the phase of the cross-power spectrum, which has its peak at the \
+        translation between two pictures.",
+    ),
     term(Evaluation, "precision", &[], "The share of detections that are correct.").symbol("TP / (TP + FP)"),
     term(KalmanFilters, "predicted measurement", &[], "The measurement H x that the predicted state implies.")
         .symbol("H x"),
@@ -1808,6 +1857,13 @@ pub static GLOSSARY: &[Term] = &[
         "steady state",
         &["steady-state"],
         "The condition in which gain and covariance no longer change from frame to frame.",
+    ),
+    term(
+        InterestPoints,
+        "steepest-descent images",
+        &["steepest-descent image"],
+        "The derivatives of the gray levels of a picture with respect to each parameter of a warp, one \
+        picture for each parameter.",
     ),
     term(
         DynamicScenes,

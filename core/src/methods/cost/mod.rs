@@ -3,7 +3,7 @@
 //! The kernels of a whole search window give exactly the results of [`until`] for each candidate, as a test checks.
 
 pub mod bounds;
-mod products;
+pub mod products;
 pub mod whole;
 pub mod windows;
 #[cfg(target_arch = "x86_64")]

@@ -88,14 +88,14 @@ impl Windows {
 
 /// Width and height of a candidate in px, and the places of a search window.
 #[derive(Clone, Copy)]
-pub(super) struct Boxes {
+pub struct Boxes {
     pub block: (usize, usize),
     pub size: Size,
 }
 
 /// Sums gray levels, or their squares, over all candidates, row by row: the sums of columns move down a row at a time, and runs of
 /// them are doubled.
-pub(super) fn box_sums<const SQUARED: bool>(sums: &mut Vec<u32>, area: &Cut, boxes: Boxes, columns: &mut Vec<u32>) {
+pub fn box_sums<const SQUARED: bool>(sums: &mut Vec<u32>, area: &Cut, boxes: Boxes, columns: &mut Vec<u32>) {
     let Boxes { block: (width, height), size } = boxes;
     sums.clear();
     sums.resize(size.0 * size.1, 0);

@@ -1,0 +1,418 @@
+//! Image alignment by Lucas and Kanade's method in its inverse compositional form, coarse to fine.
+
+mod explain;
+mod warp;
+
+use std::sync::{Arc, OnceLock};
+
+use crate::base::{Error, Observer};
+use crate::data::{Clip, Flow, Frame};
+use crate::geometry::{Grid, Sampling, pyramid::halvings};
+use crate::methods::differential::truth;
+use crate::params;
+use crate::products::model::{IDENTITY, Matrix3, mapped};
+use crate::products::{Model, ModelField, Output, Product, ProductKind};
+use crate::pseudocode;
+use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Progress, Seen};
+use crate::scene::{Chart, Scene, Step};
+use warp::{Normalized, columns, solve, warp_of};
+
+params! {
+    /// Image alignment.
+    pub struct ImageAlignment {
+        /// Group of transformations. More degrees of freedom fit more motions, but need more texture.
+        model: Model = Model::Affine;
+        /// Number of pyramid levels including full resolution, each half the size of the one below, down to 16 px per side. More levels
+        /// reach larger motion.
+        levels: usize = 4, 1..=8;
+        /// Largest number of iterations per level.
+        iterations: usize = 30, 1..=200;
+        /// Stopping criterion: the iterations of a level end with an increment that moves no corner of the picture farther, in px of
+        /// the level.
+        epsilon: f32 = 0.001, 0.0..=1.0, "px";
+        /// Smallest share of the pixels that the warp keeps inside frame t + 1. Below it the alignment has diverged.
+        min_overlap: f32 = 0.25, 0.0..=1.0;
+    }
+    advanced { "iterations", "epsilon", "min-overlap" }
+}
+
+/// A level of both pyramids.
+struct Level {
+    pictures: [Grid<f32>; 2],
+    /// Derivatives of frame t, in gray levels per px of the level.
+    gradients: OnceLock<[Grid<f32>; 2]>,
+}
+
+impl Level {
+    fn gradients(&self) -> &[Grid<f32>; 2] {
+        self.gradients.get_or_init(|| warp::gradients(&self.pictures[0]))
+    }
+
+    fn bytes(&self) -> usize {
+        4 * self.pictures[0].cells().len() * size_of::<f32>()
+    }
+}
+
+/// The constant part of a run.
+struct Fixed {
+    pair: [Arc<Frame>; 2],
+    levels: Vec<Level>,
+    truth: Option<Arc<Flow>>,
+}
+
+impl Fixed {
+    /// The coordinates of a level in which parameters are estimated.
+    fn coordinates(&self, level: usize) -> Normalized {
+        Normalized::of(self.levels[level].pictures[0].size())
+    }
+}
+
+/// The comparison of frame t with the warped frame t + 1.
+#[derive(Clone, Debug, Default)]
+struct Compared {
+    /// Root mean square difference in gray levels.
+    rms: f64,
+    /// Share of the pixels that lie inside frame t + 1.
+    overlap: f64,
+    /// The right-hand side: sums of steepest-descent images times difference.
+    right: Vec<f64>,
+}
+
+/// The solution of an iteration.
+#[derive(Clone, Debug)]
+struct Increment {
+    parameters: Vec<f64>,
+    /// The warp of the parameters in px of the level.
+    matrix: Matrix3,
+    /// Farthest motion of a corner, in px of the level.
+    moved_px: f64,
+}
+
+/// The next unit of a level.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Turn {
+    SteepestDescent,
+    Hessian,
+    Iteration(usize),
+}
+
+/// The state of a run.
+#[derive(Clone)]
+pub struct State {
+    fixed: Arc<Fixed>,
+    level: usize,
+    turn: Turn,
+    /// The Hessian of the level, row by row.
+    hessian: Arc<Vec<f64>>,
+    /// The warp in px of level 0, and the one before the last update.
+    matrix: Matrix3,
+    before: Matrix3,
+    compared: Option<Arc<Compared>>,
+    increment: Option<Arc<Increment>>,
+    /// Level and error of all iterations so far.
+    errors: Arc<Vec<(usize, f64)>>,
+    /// Number of unsuitable levels: without texture, or diverged.
+    failed: usize,
+    is_over: bool,
+}
+
+/// The outcome of a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// The steepest-descent images.
+    SteepestDescent,
+    /// The Hessian.
+    Hessian,
+    /// A Hessian that is singular.
+    Singular,
+    /// The warped picture and its difference.
+    Warp,
+    /// A warp that leaves the picture.
+    Diverged,
+    /// A larger error than before the last update.
+    Worse,
+    /// The right-hand side and the increment.
+    Solve,
+    /// The new warp.
+    Update,
+    /// The last warp of a level.
+    Converged,
+}
+
+/// A step with the state after it.
+#[derive(Clone)]
+pub struct Event {
+    stage: Stage,
+    state: Arc<State>,
+}
+
+/// The warp of level 0 in px of a level.
+fn on_level(matrix: &Matrix3, level: usize) -> Matrix3 {
+    let scale = f64::from(1u32 << level);
+    let [a, b, c] = *matrix;
+    [[a[0], a[1], a[2] / scale], [b[0], b[1], b[2] / scale], [c[0] * scale, c[1] * scale, c[2]]]
+}
+
+/// A warp of a level in px of level 0.
+fn on_picture(matrix: &Matrix3, level: usize) -> Matrix3 {
+    let scale = f64::from(1u32 << level);
+    let [a, b, c] = *matrix;
+    [[a[0], a[1], a[2] * scale], [b[0], b[1], b[2] * scale], [c[0] / scale, c[1] / scale, c[2]]]
+}
+
+impl State {
+    fn level(&self) -> &Level {
+        &self.fixed.levels[self.level]
+    }
+
+    /// The warp in px of the current level.
+    fn warp(&self) -> Matrix3 {
+        on_level(&self.matrix, self.level)
+    }
+
+    fn model(&self, model: Model) -> ModelField {
+        ModelField {
+            picture: self.fixed.pair[0].size(),
+            model,
+            matrix: Some(self.matrix),
+            iterations: self.errors.len(),
+            residual_px: None,
+            support: None,
+        }
+    }
+
+    /// The error of the iteration before, on the same level.
+    fn previous_error(&self) -> Option<f64> {
+        self.errors
+            .len()
+            .checked_sub(2)
+            .and_then(|i| self.errors.get(i))
+            .filter(|(level, _)| *level == self.level)
+            .map(|(_, rms)| *rms)
+    }
+}
+
+impl ImageAlignment {
+    /// The products of the steepest-descent images: the Gauss–Newton approximation of the Hessian.
+    fn hessian(&self, state: &State) -> Vec<f64> {
+        let (count, coordinates) = (self.model.freedom(), state.fixed.coordinates(state.level));
+        let ([along, down], mut hessian) = (state.level().gradients(), vec![0.0; count * count]);
+        for (x, y) in places(along) {
+            let row = columns(self.model, coordinates.of_pixel(x, y), [along[(x, y)], down[(x, y)]], coordinates.scale);
+            for i in 0..count {
+                for j in 0..=i {
+                    hessian[i * count + j] += row[i] * row[j];
+                }
+            }
+        }
+        for i in 0..count {
+            for j in 0..i {
+                hessian[j * count + i] = hessian[i * count + j];
+            }
+        }
+        hessian
+    }
+
+    /// Compares frame t with the warped frame t + 1.
+    fn compare(&self, state: &State) -> Compared {
+        let (count, coordinates) = (self.model.freedom(), state.fixed.coordinates(state.level));
+        let ([along, down], warp) = (state.level().gradients(), state.warp());
+        let [template, image] = &state.level().pictures;
+        let (mut right, mut squares, mut inside) = (vec![0.0; count], 0.0, 0usize);
+        for (x, y) in places(template) {
+            let Some(difference) = difference([template, image], &warp, (x, y)) else { continue };
+            let row = columns(self.model, coordinates.of_pixel(x, y), [along[(x, y)], down[(x, y)]], coordinates.scale);
+            right.iter_mut().zip(&row).for_each(|(sum, value)| *sum += value * f64::from(difference));
+            squares += f64::from(difference * difference);
+            inside += 1;
+        }
+        let rms = (squares / inside.max(1) as f64).sqrt();
+        Compared { rms, overlap: inside as f64 / template.cells().len() as f64, right }
+    }
+
+    /// Solves for the increment; `None` if the Hessian is singular.
+    fn increment(&self, state: &State, right: &[f64]) -> Option<Increment> {
+        let parameters = solve(&state.hessian, right)?;
+        let coordinates = state.fixed.coordinates(state.level);
+        let matrix = coordinates.in_px(&warp_of(self.model, &parameters));
+        Some(Increment { moved_px: moved_px(&matrix, state.level().pictures[0].size()), parameters, matrix })
+    }
+
+    /// Moves on to the next finer level, or ends the run.
+    fn next_level(state: &mut State) {
+        match state.level.checked_sub(1) {
+            Some(finer) => (state.level, state.turn) = (finer, Turn::SteepestDescent),
+            None => state.is_over = true,
+        }
+    }
+
+    /// Performs an iteration; `report` is called after each of its stages.
+    fn iterate(&self, state: &mut State, iteration: usize, mut report: impl FnMut(Stage, &State)) {
+        let compared = self.compare(state);
+        Arc::make_mut(&mut state.errors).push((state.level, compared.rms));
+        let (is_diverged, rms) = (compared.overlap < f64::from(self.min_overlap), compared.rms);
+        let right = compared.right.clone();
+        state.compared = Some(Arc::new(compared));
+        report(Stage::Warp, state);
+        if is_diverged || state.previous_error().is_some_and(|previous| rms > previous) {
+            let stage = if is_diverged { Stage::Diverged } else { Stage::Worse };
+            state.failed += usize::from(is_diverged);
+            state.matrix = state.before;
+            report(stage, state);
+            return Self::next_level(state);
+        }
+        // The Hessian was found regular.
+        let Some(increment) = self.increment(state, &right) else { return Self::next_level(state) };
+        state.increment = Some(Arc::new(increment.clone()));
+        report(Stage::Solve, state);
+        let Some(updated) = warp::composed(&state.warp(), &increment.matrix) else { return Self::next_level(state) };
+        (state.before, state.matrix) = (state.matrix, on_picture(&updated, state.level));
+        let is_last = increment.moved_px <= f64::from(self.epsilon) || iteration + 1 == self.iterations;
+        report(if is_last { Stage::Converged } else { Stage::Update }, state);
+        if is_last { Self::next_level(state) } else { state.turn = Turn::Iteration(iteration + 1) }
+    }
+}
+
+/// The pixels of a picture, row by row.
+fn places(picture: &Grid<f32>) -> impl Iterator<Item = (usize, usize)> + use<> {
+    let (width, height) = picture.size();
+    (0..height).flat_map(move |y| (0..width).map(move |x| (x, y)))
+}
+
+/// The difference I(W(x)) − T(x) of a pixel, if it is warped into the picture.
+fn difference([template, image]: [&Grid<f32>; 2], warp: &Matrix3, (x, y): (usize, usize)) -> Option<f32> {
+    let [u, v] = mapped(warp, [x as f64, y as f64])?;
+    let value = Sampling::Bilinear.sample_inside(image, u as f32, v as f32);
+    value.is_finite().then(|| value - template[(x, y)])
+}
+
+/// The farthest motion of a corner of a picture, in px.
+fn moved_px(matrix: &Matrix3, (width, height): (usize, usize)) -> f64 {
+    let [right, bottom] = [width, height].map(|extent| extent as f64 - 1.0);
+    let corners = [[0.0, 0.0], [right, 0.0], [right, bottom], [0.0, bottom]];
+    let moved = |at: [f64; 2]| mapped(matrix, at).map_or(f64::INFINITY, |to| (to[0] - at[0]).hypot(to[1] - at[1]));
+    corners.into_iter().map(moved).fold(0.0, f64::max)
+}
+
+pseudocode! {
+    START: "build the pyramids of frames t and t+1; W ← no motion",
+    EACH_LEVEL: "for each pyramid level, from the coarsest to full resolution",
+    STEEPEST_DESCENT: "  D ← steepest-descent images ∇T · ∂W/∂p of frame t",
+    HESSIAN: "  H ← Σ Dᵀ D; next level if it is singular",
+    REPEAT: "  repeat",
+    WARP: "    e(x) ← I(W(x)) − T(x), where W(x) is inside frame t+1",
+    STEP_BACK: "    if overlap < min-overlap or rms of e has risen: W ← W before; next level",
+    SOLVE: "    Δp ← H⁻¹ Σ Dᵀ e",
+    UPDATE: "    W ← W ∘ W(Δp)⁻¹",
+    UNTIL_CONVERGED: "  until W(Δp) moves no corner farther than epsilon, or iterations are done",
+}
+
+impl Estimator for ImageAlignment {
+    const INFO: Info = Info {
+        id: "image-alignment",
+        name: "Image alignment",
+        family: "Correspondence",
+        summary: "One transformation of the whole picture by Gauss–Newton iterations on its gray levels, coarse to fine.",
+        source: "S. Baker and I. Matthews, Lucas–Kanade 20 years on: a unifying framework, IJCV 56(3), 2004; B. D. Lucas and \
+                 T. Kanade, An iterative image registration technique with an application to stereo vision, IJCAI 1981",
+        pseudocode: line::ALL,
+        granularities: &["pair", "level", "iteration", "step"],
+        frames: 2,
+    };
+    const GUARANTEE: Guarantee = Guarantee::SubPixel { off_centi_px: 3 };
+    const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Matrices, Chart::Series];
+    const PRODUCES: &'static [&'static ProductKind] = &[ModelField::KIND];
+    type State = State;
+    type Event = Event;
+
+    fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
+        let pair = clip.pair(frame)?;
+        let [first, second] = pair.each_ref().map(|frame| halvings(frame.luma(), self.levels));
+        let real = |picture: Grid<u8>| picture.map(|&pixel| f32::from(pixel));
+        let level = |(a, b)| Level { pictures: [real(a), real(b)], gradients: OnceLock::new() };
+        let levels: Vec<Level> = first.into_iter().zip(second).map(level).collect();
+        let level = levels.len() - 1;
+        Ok(State {
+            fixed: Arc::new(Fixed { pair, levels, truth: truth(clip, frame) }),
+            level,
+            turn: Turn::SteepestDescent,
+            hessian: Arc::default(),
+            matrix: IDENTITY,
+            before: IDENTITY,
+            compared: None,
+            increment: None,
+            errors: Arc::default(),
+            failed: 0,
+            is_over: false,
+        })
+    }
+
+    fn advance(&self, _: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
+        let mut report = |stage, state: &State| observer.see(|| Event { stage, state: Arc::new(state.clone()) });
+        match state.turn {
+            Turn::SteepestDescent => {
+                (state.compared, state.increment, state.before) = (None, None, state.matrix);
+                report(Stage::SteepestDescent, state);
+                state.turn = Turn::Hessian;
+            }
+            Turn::Hessian => {
+                state.hessian = Arc::new(self.hessian(state));
+                let is_regular = solve(&state.hessian, &vec![0.0; self.model.freedom()]).is_some();
+                report(if is_regular { Stage::Hessian } else { Stage::Singular }, state);
+                state.turn = Turn::Iteration(0);
+                if !is_regular {
+                    state.failed += 1;
+                    Self::next_level(state);
+                }
+            }
+            Turn::Iteration(iteration) => self.iterate(state, iteration, report),
+        }
+        Ok(if state.is_over { Progress::Done } else { Progress::More })
+    }
+
+    fn units(&self, _: &State) -> Option<usize> {
+        None
+    }
+
+    fn place(&self, state: &State) -> Vec<Granularity> {
+        let levels = state.fixed.levels.len();
+        let index = match state.turn {
+            Turn::SteepestDescent => 0,
+            Turn::Hessian => 1,
+            Turn::Iteration(iteration) => 2 + iteration,
+        };
+        vec![
+            Granularity { index: 0, of: Some(1) },
+            Granularity { index: levels - 1 - state.level, of: Some(levels) },
+            Granularity { index, of: None },
+        ]
+    }
+
+    fn step(&self, seen: &Seen<Self>) -> Step {
+        self.explanation(seen)
+    }
+
+    fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
+        self.draw_step(seen, scene);
+    }
+
+    fn output(&self, state: &State) -> Output {
+        Output::of(state.model(self.model))
+    }
+}
+
+impl Footprint<State> for ImageAlignment {
+    fn need(&self, clip: &Clip) -> Need {
+        // Pictures and derivatives of all levels; in a walk the error and its tiles.
+        Need::per_pixel(clip, [26.0, 50.0])
+    }
+
+    fn state_bytes(&self, state: &State) -> usize {
+        let sums = size_of_val(&state.hessian[..]) + size_of_val(&state.errors[..]);
+        size_of::<State>() + sums + 2 * size_of::<Increment>() + 4 * self.model.freedom() * size_of::<f64>()
+    }
+
+    fn memory_bytes(&self, state: &State) -> usize {
+        self.state_bytes(state) + state.fixed.levels.iter().map(Level::bytes).sum::<usize>()
+    }
+}

@@ -1,0 +1,137 @@
+//! The choice of a template, and the peaks of a score.
+
+use super::{LEAST_PX, MOST_PX, Template, TemplateMatching};
+use crate::base::Error;
+use crate::geometry::{Border, Bounds, Gray, Grid};
+
+/// A peak this near to the best one is part of it, in px.
+const APART_PX: usize = 2;
+/// Distances between blocks that compete for the template, as a part of their side.
+const STEPS: usize = 4;
+
+impl TemplateMatching {
+    /// Returns the template of the first frame.
+    ///
+    /// # Errors
+    /// If it is not inside the picture, or too small or large.
+    pub(super) fn choose(&self, luma: &Gray, frame: usize) -> Result<Template, Error> {
+        match self.template {
+            Some(zone) => placed(luma, frame, zone),
+            None => self.textured(luma, frame),
+        }
+    }
+
+    /// The block near the middle with the largest smaller eigenvalue.
+    fn textured(&self, luma: &Gray, frame: usize) -> Result<Template, Error> {
+        let (width, height) = luma.size();
+        let side = self.size.min(width / 2).min(height / 2);
+        if side < LEAST_PX {
+            return Err(Error::new(format!(
+                "the picture of {width}×{height} px is too small for template matching: the template of {LEAST_PX} px a side \
+                 is at most half as wide and high; open a larger one"
+            )));
+        }
+        let step = (side / STEPS).max(1);
+        // Blocks with their middles in the middle half of the picture.
+        let along = |extent: usize| {
+            let first = (extent / 4).saturating_sub(side / 2);
+            (first..=(extent - extent / 4 - side / 2).min(extent - side).max(first)).step_by(step)
+        };
+        let off_middle = |x: usize, y: usize| (2 * x + side).abs_diff(width) + (2 * y + side).abs_diff(height);
+        let all = along(height).flat_map(|y| along(width).map(move |x| (x, y)));
+        let of = |(x, y)| ((x, y), smaller_eigenvalue(luma, (x, y), side));
+        let best = all.map(of).max_by(|((x, y), a), ((u, v), b)| {
+            a.total_cmp(b).then_with(|| off_middle(*u, *v).cmp(&off_middle(*x, *y)))
+        });
+        let ((x, y), eigenvalue) = best.unwrap_or_default();
+        let template = Template::cut(luma, frame, [x as i32, y as i32], (side, side));
+        Ok(Template { eigenvalue: Some(eigenvalue as f32), ..template })
+    }
+}
+
+/// A template that was placed on the picture: the pixels with their centres in the zone, as far as they lie inside.
+fn placed(luma: &Gray, frame: usize, zone: Bounds) -> Result<Template, Error> {
+    let extent = [luma.width(), luma.height()];
+    let low = [0, 1].map(|i| zone.min[i].ceil().max(0.0) as usize);
+    let high = [0, 1].map(|i| (zone.max[i].ceil().max(0.0) as usize).min(extent[i]));
+    let size = [0, 1].map(|i| high[i].saturating_sub(low[i]));
+    if size.iter().any(|side| !(LEAST_PX..=MOST_PX).contains(side)) {
+        return Err(Error::new(format!(
+            "the template has {}×{} px inside the picture of {}×{} px, and needs {LEAST_PX} to {MOST_PX} px a side; place it \
+             anew, or set template to none",
+            size[0], size[1], extent[0], extent[1]
+        )));
+    }
+    Ok(Template::cut(luma, frame, low.map(|c| c as i32), (size[0], size[1])))
+}
+
+/// The smaller eigenvalue of the structure tensor of a block, in (gray levels per px)².
+fn smaller_eigenvalue(luma: &Gray, (x, y): (usize, usize), side: usize) -> f64 {
+    let at = |x: isize, y: isize| i64::from(luma.at(x, y, Border::Replicate));
+    let mut sums = [0i64; 3];
+    for (x, y) in (y..y + side).flat_map(|y| (x..x + side).map(move |x| (x as isize, y as isize))) {
+        let [dx, dy] = [at(x + 1, y) - at(x - 1, y), at(x, y + 1) - at(x, y - 1)];
+        sums = [sums[0] + dx * dx, sums[1] + dx * dy, sums[2] + dy * dy];
+    }
+    // Central differences are half as large.
+    let [xx, xy, yy] = sums.map(|sum| sum as f64 / (4 * side * side) as f64);
+    let root = ((xx - yy) * (xx - yy) + 4.0 * xy * xy).sqrt();
+    ((xx + yy - root) / 2.0).max(0.0)
+}
+
+/// The sub-pixel part of a minimum, by parabolas along x and y through the costs of its neighbours.
+pub(super) fn subpixel(costs: &Grid<f64>, (x, y): (usize, usize)) -> ([f32; 2], [Option<[f64; 3]>; 2]) {
+    let along_x = || Some([*costs.get(x.checked_sub(1)?, y)?, costs[(x, y)], *costs.get(x + 1, y)?]);
+    let along_y = || Some([*costs.get(x, y.checked_sub(1)?)?, costs[(x, y)], *costs.get(x, y + 1)?]);
+    let around = [along_x(), along_y()];
+    let vertex = |of: Option<[f64; 3]>| {
+        let [before, at, after] = of?;
+        let curvature = before - 2.0 * at + after;
+        (curvature > 0.0).then(|| ((before - after) / (2.0 * curvature)).clamp(-0.5, 0.5) as f32)
+    };
+    (around.map(|of| vertex(of).unwrap_or(0.0)), around)
+}
+
+/// The second-best peak: the lowest local minimum that is not a neighbour of the best place.
+pub(super) fn second(costs: &Grid<f64>, best: (usize, usize)) -> Option<(usize, usize)> {
+    let (width, height) = costs.size();
+    let is_apart = |(x, y): (usize, usize)| x.abs_diff(best.0).max(y.abs_diff(best.1)) >= APART_PX;
+    let mut second: Option<(usize, usize)> = None;
+    for place in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+        // The comparison with the second first: it excludes nearly all places.
+        let is_lower = second.is_none_or(|second| costs[place] < costs[second]);
+        if is_lower && is_apart(place) && is_minimum(costs, place) {
+            second = Some(place);
+        }
+    }
+    second
+}
+
+/// Whether no neighbour of a place has a lower cost.
+fn is_minimum(costs: &Grid<f64>, (x, y): (usize, usize)) -> bool {
+    let columns = x.saturating_sub(1)..=(x + 1).min(costs.width() - 1);
+    let rows = y.saturating_sub(1)..=(y + 1).min(costs.height() - 1);
+    rows.into_iter().all(|v| columns.clone().all(|u| costs[(u, v)] >= costs[(x, y)]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_parabola_has_its_vertex_between_pixels() {
+        let costs = Grid::from_fn(9, 8, |x, y| (x as f64 - 4.25).powi(2) + 2.0 * (y as f64 - 2.6).powi(2));
+        let ([u, v], around) = subpixel(&costs, (4, 3));
+        assert!((u - 0.25).abs() < 1e-6 && (v + 0.4).abs() < 1e-6 && around.iter().all(Option::is_some));
+        assert_eq!(subpixel(&costs, (0, 0)), ([0.0; 2], [None; 2]), "no neighbours on both sides");
+    }
+
+    #[test]
+    fn the_second_peak_is_no_slope_of_the_best() {
+        let well = |x: usize, y: usize, at: [f64; 2]| (x as f64 - at[0]).hypot(y as f64 - at[1]);
+        let costs = Grid::from_fn(20, 15, |x, y| well(x, y, [4.0, 5.0]).min(2.0 + well(x, y, [15.0, 9.0])));
+        assert_eq!(second(&costs, (4, 5)), Some((15, 9)));
+        let single = Grid::from_fn(20, 15, |x, y| well(x, y, [4.0, 5.0]));
+        assert_eq!(second(&single, (4, 5)), None);
+    }
+}
