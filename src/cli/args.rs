@@ -179,8 +179,8 @@ pub struct PictureArgs {
     pub scale: u32,
     #[command(flatten, next_help_heading = "Picture")]
     pub look: LookFlags,
-    /// Pixel to explain instead of the current one, from 0, for estimators that explain single pixels; in another picture
-    /// than frame t as t-1:X,Y or reference:X,Y.
+    /// Pixel to explain instead of the current one, from 0; `run` reports it. In another picture than frame t as t-1:X,Y or
+    /// reference:X,Y.
     #[arg(long, help_heading = "Picture", value_name = "X,Y", value_parser = pixel)]
     pub pixel: Option<Pixel>,
 }
@@ -202,7 +202,7 @@ pub struct RunArgs {
     pub picture: PictureArgs,
     #[command(flatten)]
     pub sheet: SheetArgs,
-    /// Step of the overlay: UNIT.EVENT as in 35.412, both counted from 1, UNIT for its end, 0 for the start, or end for the end of the run; end by default.
+    /// Step of the overlay and of --pixel: UNIT.EVENT as in 35.412, both counted from 1, UNIT for its end, 0 for the start, or end for the end of the run; end by default.
     #[arg(long, help_heading = "Picture", value_name = "CURSOR", value_parser = cursor)]
     pub step: Option<Cursor>,
     /// Number of runs, for the timing.

@@ -52,6 +52,7 @@ Examples:
   motionscope run synth:pillar --estimator hierarchical --step 15.9 --level 2 --overlay coarse.png
   motionscope run frame10.png --estimator horn-schunck --layer error --legend --overlay error.png
   motionscope run frame10.png --estimator horn-schunck --step 20.1 --pixel 303,202 --caption --overlay pixel.png
+  motionscope run synth:pillar --estimator full-search --pixel 30,20 --json
   motionscope run synth:pillar --estimator lucas-kanade --layer consistency --json
   motionscope run hall.mp4 --estimator mixture-of-gaussians --frames 0..99 --masks masks
   motionscope run --detections det.txt --truth gt.txt --estimator kalman-tracker --tracks tracks.txt --json
