@@ -264,6 +264,35 @@ fn a_pixel_is_explained_in_the_report() {
 }
 
 #[test]
+fn two_pictures_are_a_clip() {
+    let folder = tempfile::tempdir().unwrap();
+    stdout(folder.path(), "synth translation --out clip --set width=64 --set height=48 --set frames=3");
+    let mut frames: Vec<_> =
+        fs::read_dir(folder.path().join("clip")).unwrap().map(|entry| entry.unwrap().path()).collect();
+    frames.retain(|path| path.extension().is_some_and(|extension| extension == "png"));
+    frames.sort();
+    fs::copy(&frames[0], folder.path().join("one.png")).unwrap();
+    fs::copy(&frames[2], folder.path().join("two.png")).unwrap();
+    let info = json(folder.path(), "info one.png two.png --json");
+    assert_eq!((&info["frames"], &info["container"]), (&2.into(), &"images".into()));
+    let run = json(folder.path(), "run one.png two.png --estimator full-search --set block-size=8 --json");
+    assert_eq!((&run["clip"], &run["last_frame"]), (&"pair:one.png|two.png".into(), &1.into()));
+    // What is read is not overwritten.
+    let refused = refusal(folder.path(), "run one.png two.png --estimator full-search --overlay two.png");
+    assert!(refused.contains("two.png"), "{refused}");
+    fs::write(folder.path().join("text.txt"), "text").unwrap();
+    for (line, told) in [
+        ("info one.png text.txt", "text.txt"),
+        ("info one.png gone.png", "gone.png"),
+        ("info one.png .", "folder"),
+        ("info one.png synth:pillar", "cannot be one of two pictures"),
+    ] {
+        let refused = refusal(folder.path(), line);
+        assert!(refused.contains(told), "{line}: {refused}");
+    }
+}
+
+#[test]
 fn run_tells_one_object_with_time_and_errors() {
     let folder = tempfile::tempdir().unwrap();
     let line = format!(

@@ -20,6 +20,9 @@ use crate::view::rendering::Format;
 pub struct Args {
     /// Clip or session to open in the window; a bundled clip by default.
     pub clip: Option<OsString>,
+    /// Second picture: CLIP and it are the two frames of the clip.
+    #[arg(value_name = "PICTURE")]
+    pub next: Option<OsString>,
     #[command(subcommand)]
     pub command: Option<Command>,
 }
@@ -50,6 +53,9 @@ pub enum Command {
     Info {
         /// Clip to describe.
         clip: OsString,
+        /// Second picture: CLIP and it are the two frames of the clip.
+        #[arg(value_name = "PICTURE")]
+        next: Option<OsString>,
         /// Print JSON.
         #[arg(long)]
         json: bool,
@@ -91,6 +97,9 @@ pub enum Command {
 pub struct CompareArgs {
     /// Clip or session.
     pub clip: OsString,
+    /// Second picture: CLIP and it are the two frames of the clip.
+    #[arg(value_name = "PICTURE")]
+    pub next: Option<OsString>,
     /// Ids of the estimators, separated by commas; see `motionscope list`.
     #[arg(
         long,
@@ -142,6 +151,9 @@ pub struct TaskArgs {
     /// Clip or session; optional with --detections.
     #[arg(required_unless_present = "detections")]
     pub clip: Option<OsString>,
+    /// Second picture: CLIP and it are the two frames of the clip.
+    #[arg(value_name = "PICTURE")]
+    pub next: Option<OsString>,
     /// Id of the estimator; see `motionscope list`. A session has its own.
     #[arg(long, help_heading = "Estimation", value_name = "ID")]
     pub estimator: Option<String>,

@@ -20,7 +20,7 @@ use crate::session::{Named, Session};
 /// One sentence if anything named does not exist, cannot run or cannot be written.
 pub fn compare(args: &CompareArgs) -> Result<(), Error> {
     let given = Given { truth: args.truth.clone(), detections: None };
-    let Named { source, given, session } = Named::find(&args.clip, given)?;
+    let Named { source, given, session } = Named::find(&task::clip_name(args.clip.clone(), args.next.clone())?, given)?;
     let frame = args.frame.or(session.map(|session| session.experiment.frame)).unwrap_or(0);
     if args.course {
         return course(args, &source, frame);

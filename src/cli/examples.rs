@@ -5,12 +5,13 @@ pub const ALL: &str = "\
 Examples:
   motionscope                                    open the window with a bundled clip
   motionscope ball.mp4                           open the window with your clip
+  motionscope frame10.png frame11.png            open the window with two pictures as a clip
   motionscope list                               list estimators and their parameters
   motionscope run ball.mp4 --estimator full-search --frame 3 --set search-range=8 --overlay ball.png
   motionscope run synth:pillar --estimator full-search --json
   motionscope export synth:pillar --estimator full-search --steps 35..36 --out steps
 
-A CLIP is a video, an animation, an image of a numbered sequence, a folder of images, a printf
+A CLIP is a video, an animation, an image of a numbered sequence, two pictures, a folder of images, a printf
 pattern such as frame%02d.png, a session (*.motionscope), `-` for Y4M on standard input, or
 synth:NAME[,SLIDER=VALUE]... for a synthetic clip; see `motionscope synth --list`.";
 

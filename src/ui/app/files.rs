@@ -287,7 +287,7 @@ impl App {
         }
         let name = self.document.clip().map_or_else(String::new, |clip| clip.info().name.clone());
         let beside = match self.document.source() {
-            Some(Source::File(path)) => path.parent().map(Path::to_owned),
+            Some(Source::File(path) | Source::Pair([path, _])) => path.parent().map(Path::to_owned),
             _ => None,
         };
         let folder = self.folder.clone().or(beside).unwrap_or_else(|| std::env::current_dir().unwrap_or_default());

@@ -472,7 +472,7 @@ impl App {
         let edge = egui::Stroke::new(2.0, style::color(chrome.accent));
         painter.rect_stroke(rect.shrink(16.0), 12.0, edge, egui::StrokeKind::Inside);
         let font = TextStyle::Heading.resolve(ui.style());
-        let text = "Drop a clip, a folder of pictures or a session";
+        let text = "Drop a clip, two pictures, a folder of pictures or a session";
         painter.text(rect.center(), egui::Align2::CENTER_CENTER, text, font, style::color(chrome.text));
     }
 }
