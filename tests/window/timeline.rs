@@ -19,6 +19,32 @@ fn it_plays_and_pauses() {
 }
 
 #[test]
+fn it_plays_backwards_to_the_start() {
+    let mut window = Window::usual();
+    let before = window.cursor();
+    window.harness.key_press_modifiers(Modifiers::SHIFT, Key::Space);
+    let begun = Instant::now();
+    while window.cursor().event + 5 > before.event {
+        window.harness.step();
+        assert!(begun.elapsed() < Duration::from_secs(20), "it does not play");
+    }
+    assert_eq!(window.cursor().unit, before.unit);
+    window.click("Pause");
+    let paused = window.cursor();
+    window.harness.run_steps(30);
+    assert_eq!(window.cursor(), paused);
+    window.harness.state_mut().walk_from(Place::at(Cursor { unit: 0, event: 2 }));
+    window.settle();
+    window.harness.get_by_label("Play backwards").click();
+    while window.cursor() != Cursor::default() {
+        window.harness.step();
+        assert!(begun.elapsed() < Duration::from_secs(40), "it does not come to the start");
+    }
+    window.settle();
+    assert!(window.harness.query_by_label("Pause").is_none(), "it stops there");
+}
+
+#[test]
 fn the_timeline_is_scrubbed() {
     let mut window = Window::usual();
     let unit = window.cursor().unit;

@@ -145,6 +145,8 @@ commands! {
     ReducedMotion,
     /// Play or pause.
     Play,
+    /// Play backwards or pause.
+    PlayBack,
     /// Next event.
     Into,
     /// Previous event.
@@ -387,7 +389,7 @@ impl Command {
             C::ResetParameters => now.has_clip && now.is_tuned,
             C::IntoBack | C::OverBack | C::OutBack | C::PreviousUnit | C::Start => now.has_run && !now.at_start,
             C::Into | C::Over | C::Out | C::NextUnit | C::End => now.has_run && !now.at_end,
-            C::Play => now.has_run,
+            C::Play | C::PlayBack => now.has_run,
             C::Compare => now.has_clip,
             C::Lockstep => now.has_clip && !now.in_stage,
             C::IntoStage => now.has_run && now.has_stage && !now.in_lockstep,

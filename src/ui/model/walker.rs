@@ -84,6 +84,8 @@ enum Request {
     Go(Move),
     /// To the end or the start of the unit whose result lies at a pixel, or to that pixel itself.
     GoAt(Focus, Side),
+    /// To the event of the unit at hand that tests a displacement, or to the end of the unit.
+    GoToCandidate([i32; 2]),
     /// No pixel is held any longer.
     Release,
     /// To where the run stands, whatever it was on its way to.
@@ -257,6 +259,14 @@ impl Walker {
         self.ask(true, |mailbox| {
             mailbox.take_up();
             mailbox.requests.push_back(Request::GoAt(focus, side));
+        });
+    }
+
+    /// Goes to the event of the unit at hand that tests the displacement `candidate`, in px; if none does, to the end of the unit.
+    pub fn go_to_candidate(&self, candidate: [i32; 2]) {
+        self.ask(true, |mailbox| {
+            mailbox.take_up();
+            mailbox.requests.push_back(Request::GoToCandidate(candidate));
         });
     }
 
@@ -532,6 +542,7 @@ impl<'a> Worker<'a> {
                 self.go(to);
             }
             Task::Request(Request::GoAt(focus, side)) => self.go_at(focus, side),
+            Task::Request(Request::GoToCandidate(candidate)) => self.go_to_candidate(candidate),
             Task::Request(Request::Release) => {
                 if self.held.take().is_some() {
                     self.publish();
@@ -665,6 +676,15 @@ impl<'a> Worker<'a> {
             (None, None) => here,
         };
         self.go(Move::To(to));
+    }
+
+    fn go_to_candidate(&mut self, candidate: [i32; 2]) {
+        let Some(run) = &mut self.run else { return };
+        let Cursor { unit, .. } = run.walk.cursor();
+        // In lockstep each search tests it, or not, at a step of its own.
+        let is_alone = run.walk.beside(None).is_empty();
+        let event = is_alone.then(|| event_of(&mut *run.walk, Cursor { unit, event: 0 }, candidate)).flatten();
+        self.go(Move::To(Cursor { unit, event: event.unwrap_or(usize::MAX) }));
     }
 
     /// The pixel that was clicked, where it can be explained.

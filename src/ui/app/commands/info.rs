@@ -285,6 +285,13 @@ impl Command {
                 "Play or pause the run; at the end, play it again from the start.",
                 const { &[key(Key::Space)] },
             ),
+            C::PlayBack => (
+                Menu::Walk,
+                Icon::StepBack,
+                "Play backwards",
+                "Play the run backwards, or pause; at the start, play it backwards from the end.",
+                const { &[shift(Key::Space)] },
+            ),
             C::Into => (
                 Menu::Walk,
                 Icon::ChevronRight,
