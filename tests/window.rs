@@ -865,6 +865,37 @@ fn the_list_of_sweeps_opens_as_often_as_it_is_asked_for() {
 }
 
 #[test]
+fn the_plot_of_a_sweep_and_the_table_are_saved() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut window = Window::new(vec2(1600.0, 1000.0));
+    window.harness.key_press(Key::C);
+    window.compared();
+    let save = |window: &mut Window, name: &str| {
+        let path = folder.path().join(name);
+        let field = window.harness.get_by_label("File of the plot or the table");
+        field.set_text_value_accesskit(&path.display().to_string());
+        window.compared();
+        window.harness.get_by_label("Save").click();
+        let begun = Instant::now();
+        while window.harness.query_by_label_contains(name).is_none() || !path.is_file() {
+            window.harness.run_steps(2);
+            if begun.elapsed() > Duration::from_secs(10) {
+                break;
+            }
+        }
+        fs::read_to_string(path).ok()
+    };
+    assert!(save(&mut window, "table.csv").is_some_and(|table| table.starts_with("estimator,candidates_mean")));
+    assert_eq!(save(&mut window, "plot.svg"), None, "without a sweep there is no plot");
+    window.harness.get_by_role_and_label(Role::ComboBox, "Sweep").click();
+    window.compared();
+    window.harness.get_by_label_contains("Search range: ").click();
+    window.compared();
+    let plot = save(&mut window, "plot.svg").expect("a plot");
+    assert!(plot.contains("Search range") && plot.contains("EPE px"), "the error over the parameter");
+}
+
+#[test]
 fn the_courses_table_is_measured_in_the_window_too() {
     let mut window = Window::new(vec2(1600.0, 1000.0));
     window.harness.key_press(Key::C);

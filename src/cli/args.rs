@@ -137,6 +137,12 @@ pub struct CompareArgs {
     /// Save the table as CSV; `-` is standard output.
     #[arg(long, help_heading = "Output", value_name = "FILE.csv")]
     pub csv: Option<PathBuf>,
+    /// Save the plot of a sweep as .png, .svg or .pdf: the error where truth is known, over the swept values.
+    #[arg(long, help_heading = "Output", value_name = "FILE", requires = "sweep")]
+    pub plot: Option<PathBuf>,
+    /// Column to plot, as it is called in CSV, e.g. ms.
+    #[arg(long, help_heading = "Output", value_name = "NAME", requires = "plot")]
+    pub column: Option<String>,
     /// Overwrite input files.
     #[arg(long, help_heading = "Output")]
     pub force: bool,

@@ -70,5 +70,5 @@ pub const COMPARE: &str = "\
 Examples:
   motionscope compare synth:pillar --estimators full-search,three-step,diamond
   motionscope compare synth:pillar --estimators full-search,log-search --sweep search-range=4,8,16,32,64
-  motionscope compare synth:pillar --estimators full-search,diamond --sweep noise=0,10,20,40 --csv noise.csv
+  motionscope compare synth:pillar --estimators full-search,diamond --sweep noise=0,10,20,40 --csv noise.csv --plot noise.svg
   motionscope compare ball.mp4 --frame 7 --estimators full-search,hexagon --set block-size=8 --set hexagon.cost=ssd --markdown";

@@ -93,6 +93,7 @@ impl App {
         match (path, &mut self.overlay) {
             (Ok(Some(path)), _) if opens => self.open(path),
             (Ok(Some(path)), Overlay::Save(state)) => state.path.text = path.display().to_string(),
+            (Ok(Some(path)), Overlay::Compare(state)) => state.file.text = path.display().to_string(),
             (Ok(_), _) => {}
             (Err(_), _) => {
                 self.toasts.fail("The system has no file dialog. Type or paste the path instead.");
