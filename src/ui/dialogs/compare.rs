@@ -389,12 +389,11 @@ fn results(ui: &mut Ui, state: &mut State, of: (&Document, Theme), actions: &mut
         });
         ui.add_space(4.0);
     }
-    let visited = table(ui, &rows, state, actions);
-    ui.add_space(8.0);
     if !rows.is_empty() {
         export(ui, &rows, state, (document, theme), actions);
+        ui.add_space(4.0);
     }
-    visited
+    table(ui, &rows, state, actions)
 }
 
 /// Copies the table, or saves the plot or the table in a file.

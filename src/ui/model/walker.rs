@@ -832,6 +832,7 @@ impl Run {
             units: walk.units(),
             place: walk.place(),
             landmarks: walk.landmarks(),
+            faults: self.end.get().and_then(|end| Some(Arc::clone(end.as_ref()?.faults()))).unwrap_or_default(),
             failure: walk.failure().cloned(),
             pointed: None,
             clickable,
