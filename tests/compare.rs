@@ -174,6 +174,11 @@ fn the_courses_table_is_measured_cell_by_cell() {
     for feature in ["search space", "complexity", "accuracy", "large motion", "memory"] {
         assert_eq!(row(feature)["holds"], true, "{feature}");
     }
+    // It says of which course it is, and which estimators are measured.
+    let text = stdout(&format!("compare {clip} --course --repeat 1"));
+    for words in ["unit VI, motion analysis", "sequential search is full search", "logarithmic search by quadrants"] {
+        assert!(text.contains(words), "{words}: {text}");
+    }
     // The cells are those of the table that everyone can ask for.
     let rows = json(&format!("compare {clip} --estimators full-search,quadrant-search,hierarchical --json"));
     for (i, name) in ["sequential", "logarithmic", "hierarchical"].into_iter().enumerate() {

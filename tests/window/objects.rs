@@ -82,10 +82,8 @@ fn a_click_on_a_box_explains_its_track() {
     };
     let (corner, id) = objects(&window).into_iter().next().expect("a track with its number");
     let focus = Focus::current([corner[0] + 3.0, corner[1] + 3.0]);
-    window
-        .harness
-        .state_mut()
-        .walk_from(Place { hold: Hold::Set(Some(Pixel::of(focus))), ..Place::at(window.cursor()) });
+    let place = Place { hold: Hold::Set(Some(Pixel::of(focus))), ..Place::at(window.cursor()) };
+    window.harness.state_mut().walk_from(place);
     window.settle();
     let told = window.shown().step.sentence.plain();
     assert!(told.starts_with(&format!("Selected: track {id} ")), "{told}");

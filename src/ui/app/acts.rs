@@ -161,6 +161,11 @@ impl App {
             }
             C::Into | C::IntoBack | C::Over | C::OverBack | C::Out | C::OutBack => self.step(command),
             C::NextUnit | C::PreviousUnit | C::Start | C::End => self.step(command),
+            C::NextMark | C::PreviousMark => {
+                self.player.pause();
+                let is_back = command == C::PreviousMark;
+                self.walker.go_to_mark(if is_back { Direction::Back } else { Direction::Forward });
+            }
         }
     }
 

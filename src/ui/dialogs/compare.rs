@@ -127,6 +127,9 @@ pub fn show(ctx: &egui::Context, state: &mut State, document: &Document, theme: 
             None => "All estimators run on this pair of frames, with the current parameters.",
         };
         ui.label(RichText::new(on).weak());
+        if state.course.is_some() {
+            ui.label(RichText::new(course_table::named()).weak());
+        }
         ui.add_space(8.0);
         subject(ui, state, document);
         let left = |ui: &Ui| (bottom - ui.cursor().min.y).max(120.0);

@@ -296,12 +296,13 @@ impl SeenFrame {
             let boxes = truth.iter().zip(&self.pairs).filter(move |(_, pair)| pair.is_some() == is_matched);
             boxes.map(|(found, _)| *found).collect()
         };
-        let is_free = |x: &usize| !self.pairs.contains(&Some(*x));
+        let mut is_free = vec![true; told.len()];
+        self.pairs.iter().flatten().for_each(|x| is_free[*x] = false);
         FrameErrors {
             frame: t,
             matches: of(true),
             misses: of(false),
-            false_alarms: (0..told.len()).filter(is_free).map(|x| told[x]).collect(),
+            false_alarms: told.iter().zip(is_free).filter(|(_, is_free)| *is_free).map(|(found, _)| *found).collect(),
             switches: self.switches,
         }
     }

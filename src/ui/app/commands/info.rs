@@ -348,6 +348,20 @@ impl Command {
                 "Skip back to the end of the {over} before this one; a presenter's clicker sends this key.",
                 const { &[key(Key::PageUp)] },
             ),
+            C::NextMark => (
+                Menu::Walk,
+                Icon::SkipForward,
+                "Next marked step",
+                "Go to the next step that the timeline marks, such as a union of labels, a new track or a crossing.",
+                const { &[key(Key::J)] },
+            ),
+            C::PreviousMark => (
+                Menu::Walk,
+                Icon::SkipBack,
+                "Previous marked step",
+                "Go back to the last step before this one that the timeline marks.",
+                const { &[shift(Key::J)] },
+            ),
             C::Start => (
                 Menu::Walk,
                 Icon::SkipBack,
