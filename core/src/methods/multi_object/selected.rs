@@ -93,8 +93,11 @@ impl Selected {
         };
         match self.truth {
             Some((object, iou)) => {
-                let compared =
-                    if iou >= 0.5 { "at least 0.5, so they match" } else { "below 0.5, so they do not match" };
+                let compared = match self.last.status {
+                    _ if iou < 0.5 => "below 0.5, so they do not match",
+                    TrackStatus::Confirmed => "at least 0.5, so they match",
+                    TrackStatus::Tentative | TrackStatus::Coasting => "but only confirmed tracks count as matches",
+                };
                 said.text(" The box of ")
                     .ink(Role::Truth, format!("true object {object}"))
                     .text(format!(" overlaps with IoU {}, {compared}.", fixed(iou.into(), 2)))

@@ -144,7 +144,7 @@ impl ConnectedComponents {
                 .text(format!(" {} ", verb(run, "touch", "touches")))
                 .ink(Role::Reference, name(*other))
                 .text(" too, which have another root. Union: ")
-                .ink(Role::Result, format!("{} becomes a child of {}", label(*child), label(*root)))
+                .ink(Role::Measured, format!("{} becomes a child of {}", label(*child), label(*root)))
                 .text("."),
             Some(Event::Final(_, _, count)) => said
                 .text(format!("{} with ", words::counted(state.labelling.parents().len(), "provisional label")))
@@ -255,8 +255,9 @@ fn draw_forest(scene: &mut Scene, labels: &Labels) {
     };
     let edges: Vec<Arrow> = labels.parents.iter().enumerate().filter_map(edge).collect();
     if !edges.is_empty() {
-        scene.mark(Picture::CURRENT, Role::Result, Shape::Arrows(edges));
-        scene.legend(Role::Result, "union–find forest: label → parent");
+        // Not a displacement: it must reach its parent.
+        scene.mark(Picture::CURRENT, Role::Measured, Shape::Arrows(edges));
+        scene.legend(Role::Measured, "union–find forest: label → parent");
     }
 }
 
