@@ -43,12 +43,12 @@ impl Selected {
     pub fn at(run: &TrackerRun, clip: &Clip, point: [f32; 2]) -> Option<Self> {
         let id = track_at(run, point)?;
         let first = run.span.first;
-        let of_track =
-            || run.frames().iter().enumerate().filter_map(|(i, frame)| Some((first + i, *frame.object(id)?)));
-        let (begun, _) = of_track().next()?;
-        let (t, last) = of_track().last()?;
-        let hits = of_track().filter(|(_, object)| object.detection.is_some()).count();
-        let places: Vec<[f64; 2]> = of_track().map(|(_, object)| object.position).collect();
+        let frames = run.frames().iter().enumerate();
+        let of_track: Vec<(usize, Object)> =
+            frames.filter_map(|(i, frame)| Some((first + i, *frame.object(id)?))).collect();
+        let (&(begun, _), &(t, last)) = (of_track.first()?, of_track.last()?);
+        let hits = of_track.iter().filter(|(_, object)| object.detection.is_some()).count();
+        let places: Vec<[f64; 2]> = of_track.iter().map(|(_, object)| object.position).collect();
         let step = |pair: &[[f64; 2]]| (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1]);
         let truth = clip.truth().and_then(|truth| truth.objects(t).ok().flatten()).unwrap_or_default();
         let overlaps = truth.iter().map(|object| (object.id, last.bounds.iou(&Bounds::from(object))));
