@@ -52,12 +52,12 @@ impl Sweep {
 
 /// Returns the label of the parameter `name` of `estimators`, or of the slider of a clip.
 pub fn label(name: &str, estimators: &[Box<dyn AnyEstimator>], sliders: Option<&impl Params>) -> Option<&'static str> {
-    let own = |estimator: &Box<dyn AnyEstimator>| {
+    let own = |estimator: &dyn AnyEstimator| {
         let name = name.strip_prefix(estimator.info().id).and_then(|rest| rest.strip_prefix('.')).unwrap_or(name);
         estimator.specs().iter().find(|spec| spec.name == name).map(|spec| &*spec.label)
     };
     let of_clip = || sliders?.specs().iter().find(|spec| spec.name == name).map(|spec| &*spec.label);
-    estimators.iter().find_map(own).or_else(of_clip)
+    estimators.iter().find_map(|estimator| own(&**estimator)).or_else(of_clip)
 }
 
 fn sweep(spec: &'static Spec, takes: impl Fn(&str) -> bool) -> Option<Sweep> {
