@@ -235,6 +235,64 @@ fn the_check_with_the_reverse_pair_is_told_in_numbers() {
 }
 
 #[test]
+fn a_pixel_is_explained_in_the_report() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = format!("run {SMALL} --estimator horn-schunck --set iterations=12 --pixel 7,9");
+    let pixel = |line: &str| json(folder.path(), &format!("{line} --json"))["pixel"].clone();
+    let explained = pixel(&format!("{run} --step 3.1"));
+    let keys: Vec<_> = explained.as_object().unwrap().keys().map(String::as_str).collect();
+    assert_eq!(keys, ["x", "y", "step", "flow", "sentence", "facts"]);
+    assert_eq!((&explained["x"], &explained["y"], &explained["step"]), (&7.into(), &9.into(), &"3.1".into()));
+    assert!(explained["sentence"].as_str().unwrap().contains("pixel (3, 4)"), "{explained}");
+    assert!(!explained["facts"].as_object().unwrap().is_empty(), "{explained}");
+    // At the end the flow is that of the file.
+    stdout(folder.path(), &format!("{run} --flow end.flo"));
+    let bytes = fs::read(folder.path().join("end.flo")).unwrap();
+    let cell = 12 + 8 * (9 * 64 + 7);
+    let [u, v] = [0, 4].map(|i| f32::from_le_bytes(bytes[cell + i..][..4].try_into().unwrap()));
+    let flow = pixel(&run)["flow"].clone();
+    assert_eq!([&flow[0], &flow[1]].map(|c| c.as_f64().unwrap() as f32), [u, v]);
+    let text = stdout(folder.path(), &run);
+    assert!(text.contains("pixel       (7, 9) at step ") && text.contains("\nflow        ("), "{text}");
+    // Blocks are explained where theirs ends, and what is not known yet is not stated.
+    let block = format!("run {SMALL} --estimator full-search --pixel 40,20");
+    let explained = pixel(&block);
+    assert!(explained["step"].as_str().unwrap().starts_with("7."), "{explained}");
+    assert!(explained["flow"].is_array(), "{explained}");
+    let frame = pixel(&format!("run {SMALL} --estimator running-average --pixel reference:7,9"));
+    assert_eq!((&frame["picture"], frame.get("flow")), (&"reference".into(), None));
+}
+
+#[test]
+fn two_pictures_are_a_clip() {
+    let folder = tempfile::tempdir().unwrap();
+    stdout(folder.path(), "synth translation --out clip --set width=64 --set height=48 --set frames=3");
+    let mut frames: Vec<_> =
+        fs::read_dir(folder.path().join("clip")).unwrap().map(|entry| entry.unwrap().path()).collect();
+    frames.retain(|path| path.extension().is_some_and(|extension| extension == "png"));
+    frames.sort();
+    fs::copy(&frames[0], folder.path().join("one.png")).unwrap();
+    fs::copy(&frames[2], folder.path().join("two.png")).unwrap();
+    let info = json(folder.path(), "info one.png two.png --json");
+    assert_eq!((&info["frames"], &info["container"]), (&2.into(), &"images".into()));
+    let run = json(folder.path(), "run one.png two.png --estimator full-search --set block-size=8 --json");
+    assert_eq!((&run["clip"], &run["last_frame"]), (&"pair:one.png|two.png".into(), &1.into()));
+    // What is read is not overwritten.
+    let refused = refusal(folder.path(), "run one.png two.png --estimator full-search --overlay two.png");
+    assert!(refused.contains("two.png"), "{refused}");
+    fs::write(folder.path().join("text.txt"), "text").unwrap();
+    for (line, told) in [
+        ("info one.png text.txt", "text.txt"),
+        ("info one.png gone.png", "gone.png"),
+        ("info one.png .", "folder"),
+        ("info one.png synth:pillar", "cannot be one of two pictures"),
+    ] {
+        let refused = refusal(folder.path(), line);
+        assert!(refused.contains(told), "{line}: {refused}");
+    }
+}
+
+#[test]
 fn run_tells_one_object_with_time_and_errors() {
     let folder = tempfile::tempdir().unwrap();
     let line = format!(
@@ -568,7 +626,6 @@ fn what_is_wrong_is_one_sentence_and_leaves_no_file() {
             format!("run {SMALL} --estimator running-average --pixel reference:64,5 --overlay o.png"),
             "pixel (64, 5) is outside the picture of 64×48 px",
         ),
-        (format!("run {SMALL} --estimator horn-schunck --pixel 7,9"), "--overlay"),
         (
             format!("run {SMALL} --estimator normal-flow --step 3.7 --pixel 7,9 --overlay o.png"),
             "is processed at step 10.8, but this is step 3.7",

@@ -65,6 +65,32 @@ fn a_sweep_runs_a_parameter_or_a_slider_through_its_values() {
 }
 
 #[test]
+fn a_sweep_is_plotted_in_a_file() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let line = format!("compare {SMALL} --estimators full-search,diamond --sweep search-range=4,8,16,32");
+    for name in ["sweep.svg", "sweep.png"] {
+        stdout(&format!("{line} --plot {name}"));
+    }
+    let svg = std::fs::read_to_string(folder.join("sweep.svg")).unwrap();
+    // The true motion of the scene is known, so the error is plotted, over the parameter, for each estimator.
+    for words in ["EPE px", "Search range", "Full search", "Diamond search"] {
+        assert!(svg.to_lowercase().contains(&words.to_lowercase()), "{words}: {svg}");
+    }
+    assert!(std::fs::read(folder.join("sweep.png")).unwrap().starts_with(b"\x89PNG"));
+    stdout(&format!("{line} --plot sweep.svg --column candidates_mean"));
+    assert!(std::fs::read_to_string(folder.join("sweep.svg")).unwrap().contains("candidates"));
+    for (rest, told) in [
+        ("--plot sweep.txt", ".svg"),
+        ("--plot sweep.svg --column speed", "no column speed"),
+        ("--column ms", "--plot"),
+    ] {
+        let output = motionscope(&format!("{line} {rest}"));
+        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(!output.status.success() && error.contains(told), "{rest}: {error}");
+    }
+}
+
+#[test]
 fn every_format_has_the_same_cells() {
     let line = format!("compare {SMALL} --estimators three-step,hexagon --sweep block=8,16");
     let text = stdout(&line);
@@ -147,6 +173,11 @@ fn the_courses_table_is_measured_cell_by_cell() {
     assert_eq!(row("complexity")["sequential"], "289 → 1089 → 4225");
     for feature in ["search space", "complexity", "accuracy", "large motion", "memory"] {
         assert_eq!(row(feature)["holds"], true, "{feature}");
+    }
+    // It says of which course it is, and which estimators are measured.
+    let text = stdout(&format!("compare {clip} --course --repeat 1"));
+    for words in ["unit VI, motion analysis", "sequential search is full search", "logarithmic search by quadrants"] {
+        assert!(text.contains(words), "{words}: {text}");
     }
     // The cells are those of the table that everyone can ask for.
     let rows = json(&format!("compare {clip} --estimators full-search,quadrant-search,hierarchical --json"));

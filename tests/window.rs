@@ -679,6 +679,43 @@ fn a_click_on_a_chart_goes_to_the_candidate() {
 }
 
 #[test]
+fn a_click_on_what_was_not_tested_goes_where_it_is_told() {
+    let mut window = Window::usual();
+    let surface = |window: &Window| {
+        let step = &window.shown().step;
+        step.readouts.iter().find_map(|readout| match readout {
+            Readout::Surface(surface) => Some(surface.clone()),
+            _ => None,
+        })
+    };
+    let click = |window: &mut Window, cell: (usize, usize)| {
+        let surface = surface(window).expect("a block is being searched");
+        let map = window.harness.get_by_role_and_label(Role::Image, &heat_map::summary(&surface)).rect();
+        let size = map.width() / surface.values.width() as f32;
+        window.click_at(map.min + vec2(cell.0 as f32 + 0.5, cell.1 as f32 + 0.5) * size);
+    };
+    // A later step of the same block tests it.
+    let unit = window.cursor().unit;
+    let now = surface(&window).expect("a block is being searched");
+    let last = (now.values.width() - 2, now.values.height() - 2);
+    assert_eq!(now.events[last], None, "it is not its turn yet");
+    click(&mut window, last);
+    let there = surface(&window).expect("a block is being searched");
+    assert_eq!((window.cursor().unit, Some(window.cursor().event)), (unit, there.events[last]));
+    // No step tests it: the end of the block has its cost, and it is said why.
+    window.click("Estimator: Full search");
+    window.click("Diamond search");
+    window.harness.state_mut().walk_from(Place::at(Cursor { unit, event: 3 }));
+    window.settle();
+    let corner = (1, 1);
+    assert_eq!(surface(&window).expect("a block is being searched").events[corner], None);
+    click(&mut window, corner);
+    assert_eq!(window.cursor(), Cursor { unit, event: window.shown().events });
+    let told = window.app().message().map(str::to_owned);
+    assert!(told.as_ref().is_some_and(|told| told.contains("Diamond search does not test")), "{told:?}");
+}
+
+#[test]
 fn keys_zoom_the_picture_and_not_the_interface() {
     let mut window = Window::usual();
     window.command(Command::FocusNever);
@@ -825,6 +862,37 @@ fn the_list_of_sweeps_opens_as_often_as_it_is_asked_for() {
         window.compared();
         assert!(!has_list(&window), "it is closed");
     }
+}
+
+#[test]
+fn the_plot_of_a_sweep_and_the_table_are_saved() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut window = Window::new(vec2(1600.0, 1000.0));
+    window.harness.key_press(Key::C);
+    window.compared();
+    let save = |window: &mut Window, name: &str| {
+        let path = folder.path().join(name);
+        let field = window.harness.get_by_label("File of the plot or the table");
+        field.set_text_value_accesskit(&path.display().to_string());
+        window.compared();
+        window.harness.get_by_label("Save").click();
+        let begun = Instant::now();
+        while window.harness.query_by_label_contains(name).is_none() || !path.is_file() {
+            window.harness.run_steps(2);
+            if begun.elapsed() > Duration::from_secs(10) {
+                break;
+            }
+        }
+        fs::read_to_string(path).ok()
+    };
+    assert!(save(&mut window, "table.csv").is_some_and(|table| table.starts_with("estimator,candidates_mean")));
+    assert_eq!(save(&mut window, "plot.svg"), None, "without a sweep there is no plot");
+    window.harness.get_by_role_and_label(Role::ComboBox, "Sweep").click();
+    window.compared();
+    window.harness.get_by_label_contains("Search range: ").click();
+    window.compared();
+    let plot = save(&mut window, "plot.svg").expect("a plot");
+    assert!(plot.contains("Search range") && plot.contains("EPE px"), "the error over the parameter");
 }
 
 #[test]

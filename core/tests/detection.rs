@@ -5,7 +5,7 @@ mod common;
 use std::sync::Arc;
 
 use common::{Objects, set, waves};
-use motionscope_core::scene::Focus;
+use motionscope_core::scene::{Focus, Shape};
 use motionscope_core::{
     AnyEstimator, Bounds, Clip, ClipInfo, Cursor, Error, Frame, FrameSource, Grid, Guarantee, Mask, Move, ObjectBox,
     ObjectField, Stop, Threads, estimators, synth,
@@ -626,6 +626,37 @@ fn connected_components_label_what_is_bright() {
     let bounds = |min: [f32; 2], max: [f32; 2]| Bounds { min: min.map(|c| c - 0.5), max: max.map(|c| c - 0.5) };
     let expected = [(bounds([30.0, 2.0], [36.0, 28.0]), 156), (bounds([3.0, 4.0], [20.0, 20.0]), 140)];
     assert_eq!(found, expected);
+}
+
+#[test]
+fn a_union_is_marked_and_drawn_and_empty_rows_are_idle() {
+    // Two bars that meet in row 12 below: one union.
+    let frame = |_| {
+        Frame::gray(Grid::from_fn(40, 30, |x, y| match (x, y) {
+            (4..8, 6..12) | (20..24, 8..12) | (4..24, 12..16) => 200,
+            _ => 20,
+        }))
+    };
+    let clip = Clip::from_frames("bright", (0..2).map(frame).collect()).expect("frames of one size");
+    let settings = [("pixels", "bright"), ("threshold", "100"), ("closing", "0"), ("min-area", "30")];
+    let mut walk = set("connected-components", &settings).walk(&clip, 0).expect("a run");
+    let (mut idle, mut marks) = (Vec::new(), Vec::new());
+    for row in 0..30 {
+        walk.jump(Move::To(Cursor { unit: row, event: usize::MAX }));
+        idle.extend(walk.is_idle().then_some(row));
+        marks.extend(walk.landmarks().into_iter().map(|(event, _)| (row, event)));
+    }
+    assert_eq!(idle, (0..6).chain(16..30).collect::<Vec<_>>());
+    let &[(row, event)] = &marks[..] else { panic!("one union, not {marks:?}") };
+    walk.jump(Move::To(Cursor { unit: row, event }));
+    assert_eq!(row, 12);
+    let arrows = walk.scene(None).marks.into_iter().find_map(|mark| match mark.shape {
+        Shape::Arrows(arrows) => Some(arrows),
+        _ => None,
+    });
+    // From the first run of label 2 to the first run of label 1.
+    let arrows = arrows.expect("the forest is drawn");
+    assert_eq!(arrows.iter().map(|arrow| (arrow.from, arrow.to)).collect::<Vec<_>>(), [([21.5, 8.0], [5.5, 6.0])]);
 }
 
 #[test]

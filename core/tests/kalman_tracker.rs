@@ -7,10 +7,10 @@ use std::time::{Duration, Instant};
 
 use common::set;
 use motionscope_core::objects::score::{scores, scores_on};
-use motionscope_core::scene::Readout;
+use motionscope_core::scene::{Focus, Readout, Scene, Shape};
 use motionscope_core::{
-    AnyEstimator, Bounds, Clip, Cursor, Detection, Direction, Error, Flow, Move, ObjectBox, ObjectField, Stop, Threads,
-    TrackStatus, Truth, Walk, synth,
+    AnyEstimator, Bounds, Clip, Cursor, Detection, Direction, Error, Flow, Move, ObjectBox, ObjectField, Role, Stop,
+    Threads, TrackStatus, Truth, Walk, synth,
 };
 
 fn run(settings: &[(&str, &str)], clip: &Clip) -> ObjectField {
@@ -30,6 +30,55 @@ fn rows(frames: Vec<Vec<Detection>>) -> Clip {
 fn seen(field: &ObjectField, t: usize) -> Vec<u32> {
     let objects = field.frames[t].objects.iter().filter(|object| object.status == TrackStatus::Confirmed);
     objects.map(|object| object.id).collect()
+}
+
+/// The marks of a role at a step.
+fn rects(scene: &Scene, role: Role) -> Vec<[f32; 2]> {
+    let of = scene.marks.iter().filter(|mark| mark.role == role);
+    of.filter_map(|mark| if let Shape::Rect { min, .. } = &mark.shape { Some(*min) } else { None }).collect()
+}
+
+#[test]
+fn the_end_of_a_frame_shows_the_truth_and_the_errors() {
+    let clip = synth::make("traffic", &synth::scene("traffic").expect("a scene").difficulty()).expect("a clip");
+    let estimator = set("kalman-tracker", &[("source", "truth"), ("added-noise", "0"), ("frames", "6")]);
+    let mut walk = estimator.walk(&clip, 0).expect("a run");
+    let field = run(&[("source", "truth"), ("added-noise", "0"), ("frames", "6"), ("backdate", "off")], &clip);
+    for t in [1, 5] {
+        walk.jump(Move::To(Cursor { unit: t, event: usize::MAX }));
+        let truth = clip.truth().and_then(|truth| truth.objects(t).expect("truth")).expect("objects");
+        let (scene, confirmed) = (walk.scene(None), seen(&field, t).len());
+        let [matched, missed, alarms] =
+            [Role::Truth, Role::Error, Role::Rejected].map(|role| rects(&scene, role).len());
+        assert_eq!((matched, missed, alarms), (confirmed, truth.len() - confirmed, 0), "frame {t}");
+    }
+    // Before the end of a frame a tracker knows no truth.
+    walk.jump(Move::To(Cursor { unit: 5, event: 1 }));
+    assert!(rects(&walk.scene(None), Role::Truth).is_empty());
+}
+
+#[test]
+fn a_box_that_is_pointed_at_explains_its_track() {
+    for id in ["kalman-tracker", "blob-tracker"] {
+        let clip = walker(20, 8..12);
+        let mut walk = set(id, &[]).walk(&clip, 0).expect("a run");
+        walk.jump(Move::To(Cursor { unit: 15, event: usize::MAX }));
+        let there = Focus::current([100.0 + 4.0 * 15.0, 200.0]);
+        assert!(walk.explained(there).is_some() && walk.explained(Focus::current([500.0, 20.0])).is_none(), "{id}");
+        let step = walk.step(Some(there));
+        let told = step.sentence.plain();
+        assert!(
+            told.starts_with(
+                "Selected: track 1 is confirmed. Since frame 0 it was matched in 12 frames and coasted in 4."
+            ),
+            "{told}"
+        );
+        assert!(told.contains("4 px/frame") || told.contains("px long"), "{told}");
+        let facts = step.readouts.iter().find_map(|r| if let Readout::Facts(facts) = r { Some(facts) } else { None });
+        assert!(facts.expect("facts").iter().any(|fact| fact.label == "Selected track" && fact.value == "1"), "{id}");
+        // What is not about one track goes on as it is.
+        assert!(!walk.step(None).sentence.plain().contains("Selected"), "{id}");
+    }
 }
 
 const BOX: [f32; 2] = [40.0, 80.0];

@@ -20,6 +20,9 @@ use crate::view::rendering::Format;
 pub struct Args {
     /// Clip or session to open in the window; a bundled clip by default.
     pub clip: Option<OsString>,
+    /// Second picture: CLIP and it are the two frames of the clip.
+    #[arg(value_name = "PICTURE")]
+    pub next: Option<OsString>,
     #[command(subcommand)]
     pub command: Option<Command>,
 }
@@ -50,6 +53,9 @@ pub enum Command {
     Info {
         /// Clip to describe.
         clip: OsString,
+        /// Second picture: CLIP and it are the two frames of the clip.
+        #[arg(value_name = "PICTURE")]
+        next: Option<OsString>,
         /// Print JSON.
         #[arg(long)]
         json: bool,
@@ -91,6 +97,9 @@ pub enum Command {
 pub struct CompareArgs {
     /// Clip or session.
     pub clip: OsString,
+    /// Second picture: CLIP and it are the two frames of the clip.
+    #[arg(value_name = "PICTURE")]
+    pub next: Option<OsString>,
     /// Ids of the estimators, separated by commas; see `motionscope list`.
     #[arg(
         long,
@@ -128,6 +137,12 @@ pub struct CompareArgs {
     /// Save the table as CSV; `-` is standard output.
     #[arg(long, help_heading = "Output", value_name = "FILE.csv")]
     pub csv: Option<PathBuf>,
+    /// Save the plot of a sweep as .png, .svg or .pdf: the error where truth is known, over the swept values.
+    #[arg(long, help_heading = "Output", value_name = "FILE", requires = "sweep")]
+    pub plot: Option<PathBuf>,
+    /// Column to plot, as it is called in CSV, e.g. ms.
+    #[arg(long, help_heading = "Output", value_name = "NAME", requires = "plot")]
+    pub column: Option<String>,
     /// Overwrite input files.
     #[arg(long, help_heading = "Output")]
     pub force: bool,
@@ -142,6 +157,9 @@ pub struct TaskArgs {
     /// Clip or session; optional with --detections.
     #[arg(required_unless_present = "detections")]
     pub clip: Option<OsString>,
+    /// Second picture: CLIP and it are the two frames of the clip.
+    #[arg(value_name = "PICTURE")]
+    pub next: Option<OsString>,
     /// Id of the estimator; see `motionscope list`. A session has its own.
     #[arg(long, help_heading = "Estimation", value_name = "ID")]
     pub estimator: Option<String>,
@@ -179,8 +197,8 @@ pub struct PictureArgs {
     pub scale: u32,
     #[command(flatten, next_help_heading = "Picture")]
     pub look: LookFlags,
-    /// Pixel to explain instead of the current one, from 0, for estimators that explain single pixels; in another picture
-    /// than frame t as t-1:X,Y or reference:X,Y.
+    /// Pixel to explain instead of the current one, from 0; `run` reports it. In another picture than frame t as t-1:X,Y or
+    /// reference:X,Y.
     #[arg(long, help_heading = "Picture", value_name = "X,Y", value_parser = pixel)]
     pub pixel: Option<Pixel>,
 }
@@ -202,7 +220,7 @@ pub struct RunArgs {
     pub picture: PictureArgs,
     #[command(flatten)]
     pub sheet: SheetArgs,
-    /// Step of the overlay: UNIT.EVENT as in 35.412, both counted from 1, UNIT for its end, 0 for the start, or end for the end of the run; end by default.
+    /// Step of the overlay and of --pixel: UNIT.EVENT as in 35.412, both counted from 1, UNIT for its end, 0 for the start, or end for the end of the run; end by default.
     #[arg(long, help_heading = "Picture", value_name = "CURSOR", value_parser = cursor)]
     pub step: Option<Cursor>,
     /// Number of runs, for the timing.

@@ -8,11 +8,17 @@ use super::args::CompareArgs;
 use super::outputs::{Place, check_folder, refuse_losses};
 use super::{say, task};
 use crate::experiment::comparison::{self, Arena, Round, Row};
-use crate::experiment::course_table;
 use crate::experiment::source::Source;
+use crate::experiment::{course_table, sweeps};
 use crate::media::export::{self, Inputs, Target, What};
 use crate::media::{Given, Open};
+use crate::paint::Theme;
 use crate::session::{Named, Session};
+use crate::view::rendering::Format;
+use crate::view::sweep_plot;
+
+/// Pixels per point of a plot as PNG.
+const PLOT_SCALE: u32 = 2;
 
 /// Runs the comparison that `args` describe.
 ///
@@ -20,7 +26,7 @@ use crate::session::{Named, Session};
 /// One sentence if anything named does not exist, cannot run or cannot be written.
 pub fn compare(args: &CompareArgs) -> Result<(), Error> {
     let given = Given { truth: args.truth.clone(), detections: None };
-    let Named { source, given, session } = Named::find(&args.clip, given)?;
+    let Named { source, given, session } = Named::find(&task::clip_name(args.clip.clone(), args.next.clone())?, given)?;
     let frame = args.frame.or(session.map(|session| session.experiment.frame)).unwrap_or(0);
     if args.course {
         return course(args, &source, frame);
@@ -29,6 +35,9 @@ pub fn compare(args: &CompareArgs) -> Result<(), Error> {
     task::warn_of_idle(&estimators.iter().map(|estimator| &**estimator).collect::<Vec<_>>(), &args.set);
     let threads = Threads::new(args.threads as usize)?;
     args.csv.as_deref().filter(|path| *path != Path::new("-")).map_or(Ok(()), check_folder)?;
+    let plot =
+        args.plot.as_deref().map(|path| Ok::<_, Error>((path, Format::of(path)?, plotted(args)?))).transpose()?;
+    args.plot.as_deref().filter(|path| *path != Path::new("-")).map_or(Ok(()), check_folder)?;
     let mut rows = Vec::new();
     let given = Open::from(given);
     let rounds = comparison::rounds(&source, &estimators, args.sweep.as_deref())?;
@@ -55,6 +64,15 @@ pub fn compare(args: &CompareArgs) -> Result<(), Error> {
             rows.push(row);
         }
     }
+    if let Some((path, format, column)) = plot {
+        let columns = comparison::all_columns();
+        let column = columns[column.unwrap_or_else(|| comparison::telling(&rows)).min(columns.len() - 1)];
+        let name = args.sweep.as_deref().and_then(|sweep| sweep.split_once('=')).map_or("", |(name, _)| name);
+        let sliders = if let Source::Synth { difficulty, .. } = &source { Some(difficulty) } else { None };
+        let axis = sweeps::label(name, &estimators, sliders).unwrap_or("Swept parameter");
+        let series = sweep_plot::series(&rows, &column, axis);
+        export::save_result(path, &sweep_plot::encode(&series, Theme::default(), format, PLOT_SCALE)?)?;
+    }
     if let Some(path) = &args.csv {
         export::save(path, comparison::csv(&rows).as_bytes())?;
     }
@@ -62,13 +80,28 @@ pub fn compare(args: &CompareArgs) -> Result<(), Error> {
         (true, ..) => say(&comparison::json(&rows).to_string()),
         (_, true, _) => say(&comparison::markdown(&rows)),
         (_, _, Some(path)) if path.as_os_str() == "-" => Ok(()),
+        _ if args.plot.as_deref() == Some(Path::new("-")) => Ok(()),
         _ => say(&comparison::text(&rows)),
     }
 }
 
 /// Returns the output files of `args`.
 fn places(args: &CompareArgs) -> Vec<Place<'_>> {
-    args.csv.iter().map(|path| ("csv", Target::File(path))).collect()
+    let plot = args.plot.iter().map(|path| ("plot", Target::File(path)));
+    args.csv.iter().map(|path| ("csv", Target::File(path))).chain(plot).collect()
+}
+
+/// Returns the index of the column that `args` want to be plotted, if they name one.
+///
+/// # Errors
+/// If there is no such column.
+fn plotted(args: &CompareArgs) -> Result<Option<usize>, Error> {
+    let columns = comparison::all_columns();
+    let Some(name) = &args.column else { return Ok(None) };
+    let found = columns.iter().position(|column| column.name == name);
+    found
+        .map(Some)
+        .ok_or_else(|| Error::new(format!("there is no column {name}; --csv - shows the names of all columns")))
 }
 
 /// Returns all files that the comparison reads.

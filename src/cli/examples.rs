@@ -5,12 +5,13 @@ pub const ALL: &str = "\
 Examples:
   motionscope                                    open the window with a bundled clip
   motionscope ball.mp4                           open the window with your clip
+  motionscope frame10.png frame11.png            open the window with two pictures as a clip
   motionscope list                               list estimators and their parameters
   motionscope run ball.mp4 --estimator full-search --frame 3 --set search-range=8 --overlay ball.png
   motionscope run synth:pillar --estimator full-search --json
   motionscope export synth:pillar --estimator full-search --steps 35..36 --out steps
 
-A CLIP is a video, an animation, an image of a numbered sequence, a folder of images, a printf
+A CLIP is a video, an animation, an image of a numbered sequence, two pictures, a folder of images, a printf
 pattern such as frame%02d.png, a session (*.motionscope), `-` for Y4M on standard input, or
 synth:NAME[,SLIDER=VALUE]... for a synthetic clip; see `motionscope synth --list`.";
 
@@ -52,6 +53,7 @@ Examples:
   motionscope run synth:pillar --estimator hierarchical --step 15.9 --level 2 --overlay coarse.png
   motionscope run frame10.png --estimator horn-schunck --layer error --legend --overlay error.png
   motionscope run frame10.png --estimator horn-schunck --step 20.1 --pixel 303,202 --caption --overlay pixel.png
+  motionscope run synth:pillar --estimator full-search --pixel 30,20 --json
   motionscope run synth:pillar --estimator lucas-kanade --layer consistency --json
   motionscope run hall.mp4 --estimator mixture-of-gaussians --frames 0..99 --masks masks
   motionscope run --detections det.txt --truth gt.txt --estimator kalman-tracker --tracks tracks.txt --json
@@ -68,5 +70,5 @@ pub const COMPARE: &str = "\
 Examples:
   motionscope compare synth:pillar --estimators full-search,three-step,diamond
   motionscope compare synth:pillar --estimators full-search,log-search --sweep search-range=4,8,16,32,64
-  motionscope compare synth:pillar --estimators full-search,diamond --sweep noise=0,10,20,40 --csv noise.csv
+  motionscope compare synth:pillar --estimators full-search,diamond --sweep noise=0,10,20,40 --csv noise.csv --plot noise.svg
   motionscope compare ball.mp4 --frame 7 --estimators full-search,hexagon --set block-size=8 --set hexagon.cost=ssd --markdown";

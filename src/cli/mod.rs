@@ -62,13 +62,14 @@ fn usage(error: &clap::Error) -> ExitCode {
 
 fn run(args: Args) -> Result<(), Error> {
     match args.command {
-        None => window(args.clip),
+        None => window(args.clip.map(|clip| task::clip_name(clip, args.next)).transpose()?),
         Some(Command::List { estimators, json }) => {
             let all = list::chosen(&estimators)?;
             say(&if json { list::json(&all) } else { list::text(&all, !estimators.is_empty()) })
         }
         Some(Command::Glossary { term, json }) => say(&glossary(&term.join(" "), json)?),
-        Some(Command::Info { clip, json, count, truth }) => {
+        Some(Command::Info { clip, next, json, count, truth }) => {
+            let clip = task::clip_name(clip, next)?;
             let Named { source, given, .. } = Named::find(&clip, Given { truth, detections: None })?;
             let info = Info::of(&source.open(&Open { count, given, ..Open::default() })?);
             say(&if json { report::to_json(&info)? } else { info.to_string() })

@@ -4,13 +4,14 @@ use std::time::Duration;
 
 use motionscope_core::products::model::Matrix3;
 use motionscope_core::products::{Assessment, Figure};
-use motionscope_core::scene::Fact;
-use motionscope_core::{EpipolarField, Error, Extent, ModelField, Output};
+use motionscope_core::scene::{Fact, Picture, Readout};
+use motionscope_core::{Cursor, EpipolarField, Error, Extent, ModelField, Output, Step, fixed};
 use serde::{Serialize, Serializer};
 use serde_json::Map;
 
 use super::list::value;
 use crate::experiment::Prepared;
+use crate::experiment::pixel::Pixel;
 use crate::view::motion::Check;
 
 /// One run in numbers.
@@ -37,6 +38,54 @@ pub struct Report {
     /// The scores of the causal variant, without later frames.
     #[serde(serialize_with = "live_figures", skip_serializing_if = "Option::is_none")]
     live: Option<Assessment>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pixel: Option<ExplainedPixel>,
+}
+
+/// The explanation of a pixel at a step.
+#[derive(Serialize)]
+pub struct ExplainedPixel {
+    x: u32,
+    y: u32,
+    /// The picture, if it is not frame t.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    picture: Option<String>,
+    step: String,
+    /// The displacement in px per frame, if it is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    flow: Option<[f32; 2]>,
+    sentence: String,
+    facts: Map<String, serde_json::Value>,
+}
+
+impl ExplainedPixel {
+    /// Creates the explanation of a pixel from `step` at `cursor`, with its `motion` if it is known.
+    pub fn new(Pixel { on, x, y }: Pixel, cursor: Cursor, step: &Step, motion: Option<[f32; 2]>) -> Self {
+        let facts = step.readouts.iter().filter_map(|r| if let Readout::Facts(facts) = r { Some(facts) } else { None });
+        Self {
+            x,
+            y,
+            picture: (on != Picture::CURRENT).then(|| on.to_string()),
+            step: cursor.to_string(),
+            flow: motion,
+            sentence: step.sentence.plain(),
+            facts: facts.flatten().map(|fact| (fact.label.into(), fact.value.clone().into())).collect(),
+        }
+    }
+
+    fn text(&self) -> String {
+        let Self { x, y, picture, step, flow, sentence, facts } = self;
+        let of = picture.as_ref().map_or_else(String::new, |picture| format!(" of the picture {picture}"));
+        let mut text = format!("pixel       ({x}, {y}){of} at step {step}: {sentence}\n");
+        if let Some([u, v]) = flow.map(|flow| flow.map(|c| fixed(c.into(), 3))) {
+            text += &format!("flow        ({u}, {v}) px\n");
+        }
+        let width = facts.keys().map(|label| label.chars().count()).max().unwrap_or(0).max(10);
+        for (label, value) in facts {
+            text += &format!("  {:<width$}  {}\n", label.to_lowercase(), bare(value));
+        }
+        text
+    }
 }
 
 /// The evaluation of a run's output.
@@ -47,6 +96,8 @@ pub struct Findings {
     pub check: Option<Check>,
     /// The assessment of the causal variant, if the estimator uses later frames.
     pub live: Option<Assessment>,
+    /// The explanation of a pixel, if requested.
+    pub pixel: Option<ExplainedPixel>,
 }
 
 /// The scores by their keys.
@@ -154,7 +205,7 @@ impl Report {
     pub fn new(
         Prepared { experiment, clip, .. }: &Prepared,
         output: &Output,
-        Findings { assessment: metrics, check, live }: Findings,
+        Findings { assessment: metrics, check, live, pixel }: Findings,
         extent: Extent,
         timing: Timing,
     ) -> Self {
@@ -178,13 +229,14 @@ impl Report {
             model: ModelReport::of(output),
             consistency: check.map(Checked::of),
             live,
+            pixel,
         }
     }
 
     /// Returns the report as text.
     pub fn text(&self) -> String {
         let Self { clip, estimator, params, frame, last_frame, units, events, threads, ms, .. } = self;
-        let Self { truth_files, metrics, consistency, live, .. } = self;
+        let Self { truth_files, metrics, consistency, live, pixel, .. } = self;
         let params: Vec<_> = params.iter().map(|(name, value)| format!("{name}={}", bare(value))).collect();
         let mut text = format!("{estimator} on {clip}, frame {frame} to {last_frame}\n");
         text += &format!("parameters  {}\n", params.join(" "));
@@ -210,7 +262,7 @@ impl Report {
                 100.0 * share
             );
         }
-        text
+        text + &pixel.as_ref().map(ExplainedPixel::text).unwrap_or_default()
     }
 }
 

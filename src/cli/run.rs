@@ -4,20 +4,22 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use motionscope_core::products::Reference;
-use motionscope_core::{AnyEstimator, Consistency, Cursor, Error, Levels, Move, Output, Ran, Threads};
+use motionscope_core::scene::Picture;
+use motionscope_core::{AnyEstimator, Consistency, Cursor, Error, Levels, Move, Output, Ran, Step, Threads};
 
 use super::args::RunArgs;
-use super::outputs::{Place, check_folder, refuse_losses};
-use super::report::{Findings, Report, Timing, to_json};
+use super::outputs::{self, check_folder, refuse_losses};
+use super::report::{ExplainedPixel, Findings, Report, Timing, to_json};
 use super::say;
 use super::task;
+use crate::experiment::pixel::{Chosen, Pixel};
 use crate::experiment::{Position, Prepared};
 use crate::media::export::{self, Target};
 use crate::paint::{FlowLayer, LevelShown};
 use crate::results::{self, Export};
 use crate::view::look::Look;
-use crate::view::moment::Viewer;
-use crate::view::motion::{Check, Reverse};
+use crate::view::moment::{Moment, Viewer};
+use crate::view::motion::{self, Check, Reverse, Site};
 use crate::view::panes::Selection;
 use crate::view::rendering::{Format, Rendering};
 
@@ -28,7 +30,7 @@ use crate::view::rendering::{Format, Rendering};
 pub fn run(args: &RunArgs) -> Result<(), Error> {
     let outputs = Outputs::new(args)?;
     let session = task::session(&args.task, &args.picture)?;
-    let overlay = Overlay { args, look: task::look(&session), position: session.position };
+    let place = Place { args, look: task::look(&session), position: session.position };
     let prepared = task::prepare(&args.task, session.experiment)?;
     refuse_losses(&prepared.inputs, &places(args), args.force)?;
     let Prepared { experiment, clip, .. } = &prepared;
@@ -40,9 +42,6 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
     }
     if !args.sheet.panes.is_empty() && outputs.overlay.is_none() {
         return Err(Error::new("--panes affects only the picture; add --overlay FILE"));
-    }
-    if args.picture.pixel.is_some() && outputs.overlay.is_none() {
-        return Err(Error::new("--pixel affects only the picture; add --overlay FILE"));
     }
     let threads = args.threads.map_or_else(Threads::all, |n| Threads::new(n as usize))?;
     // Decoded here, so that the timing covers the estimation alone.
@@ -63,9 +62,15 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
     let check = check(&prepared, args, &output, &reverse)?;
     let live = experiment.causal(clip, causal)?;
     let timing = Timing { threads: threads.count(), times };
-    let report = Report::new(&prepared, &output, Findings { assessment, check, live }, extent, timing);
-    let paint = |(path, format)| Ok((path, overlay.paint(&prepared, format, &reverse)?));
-    let picture = outputs.overlay.map(paint).transpose()?;
+    let shown = outputs.overlay.is_some() || args.picture.pixel.is_some();
+    let seen = shown.then(|| place.seen(&prepared, &reverse)).transpose()?;
+    let picture = match (outputs.overlay, &seen) {
+        (Some((path, format)), Some(seen)) => Some((path, place.paint(seen, &*experiment.estimator, format)?)),
+        _ => None,
+    };
+    let explain = |(pixel, Seen { moment, step, motion })| ExplainedPixel::new(pixel, moment.cursor, &step, motion);
+    let pixel = args.picture.pixel.zip(seen).map(explain);
+    let report = Report::new(&prepared, &output, Findings { assessment, check, live, pixel }, extent, timing);
     let encode = |(export, path, format): &(&'static Export, &PathBuf, &results::Format)| {
         let made = (format.encode)(&output)?;
         if let Some(lost) = &made.lost {
@@ -90,7 +95,7 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
 }
 
 /// Where `args` want results.
-fn places(args: &RunArgs) -> Vec<Place<'_>> {
+fn places(args: &RunArgs) -> Vec<outputs::Place<'_>> {
     let overlay = args.overlay.iter().map(|path| ("overlay", Target::File(path)));
     let results = args.results.0.iter().map(|(export, path)| (export.flag, export.target(path)));
     overlay.chain(results).collect()
@@ -169,23 +174,39 @@ fn check(
     Check::of(&consistency, clip, experiment.frame).map(Some)
 }
 
-/// The picture of the requested step.
-struct Overlay<'a> {
+/// The step that a picture shows, or at which a pixel is explained.
+struct Place<'a> {
     args: &'a RunArgs,
     look: Look,
     /// The position in the session.
     position: Position,
 }
 
-impl Overlay<'_> {
-    fn paint(&self, prepared: &Prepared, format: Format, reverse: &Reverse<'_>) -> Result<Vec<u8>, Error> {
+/// What is seen at a step.
+struct Seen {
+    /// The step with its pictures.
+    moment: Moment,
+    /// The explanation of the step alone, without the assessment of the run.
+    step: Step,
+    /// The motion at the requested pixel, if it is known.
+    motion: Option<[f32; 2]>,
+}
+
+impl Place<'_> {
+    /// Goes there.
+    fn seen(&self, prepared: &Prepared, reverse: &Reverse<'_>) -> Result<Seen, Error> {
         let Self { args, look, position } = self;
-        let RunArgs { picture, step, .. } = args;
         let Prepared { experiment, clip, .. } = prepared;
         let mut viewer = Viewer::new(experiment, clip, look, reverse)?;
-        let step = step.or(position.cursor).filter(|step| *step != Cursor::END);
         let walk = &mut *viewer.walk;
+        let step = args.step.or(position.cursor).filter(|step| *step != Cursor::END);
         walk.jump(step.map_or(Move::End, Move::To));
+        let focus = match task::pixel(*position, &args.picture) {
+            // An estimator that explains blocks, at no chosen step: that of the pixel's block.
+            Some(Chosen::Asked(pixel)) if args.step.is_none() && pixel.go_to_unit(walk, clip)? => None,
+            Some(pixel) => pixel.here(walk, clip)?,
+            None => None,
+        };
         if let Some(failure) = walk.failure() {
             return Err(failure.clone());
         }
@@ -193,7 +214,7 @@ impl Overlay<'_> {
             return Err(Error::new(format!("there is no step {step}: the run ends at {}", walk.cursor())));
         }
         if let Some(step) = step.filter(|step| step.event != usize::MAX && step.event > walk.cursor().event) {
-            eprintln!("note: there is no step {step}; the picture shows the last one of its unit, {}", walk.cursor());
+            eprintln!("note: there is no step {step}; the last one of its unit is shown, {}", walk.cursor());
         }
         if let Some(view) = look.view.filter(|view| view.is_of_the_end() && !walk.at_end()) {
             let view = view.id();
@@ -201,20 +222,37 @@ impl Overlay<'_> {
                 "the {view} exists only at the end of the run; omit --step or choose another --view"
             )));
         }
-        let focus = task::pixel(*position, picture).map_or(Ok(None), |pixel| pixel.here(walk, clip))?;
         let moment = viewer.moment(focus)?;
+        let walk = &*viewer.walk;
+        let motion = args.picture.pixel.and_then(|pixel| motion_at(pixel, Site { walk, clip, scene: &moment.scene }));
+        Ok(Seen { step: walk.step(focus), moment, motion })
+    }
+
+    /// Draws what is `seen`.
+    fn paint(
+        &self,
+        Seen { moment, .. }: &Seen,
+        estimator: &dyn AnyEstimator,
+        format: Format,
+    ) -> Result<Vec<u8>, Error> {
+        let Self { args, look, .. } = self;
         let asked = asked(args);
         if let Some((layer, why)) = asked.layer.and_then(|layer| Some((layer, moment.available.why_not(layer)?))) {
             return Err(Error::new(format!("there is no layer {} here: {why}; choose another --layer", layer.id())));
         }
         if let LevelShown::Number(level) = asked.level {
-            check_level(level, moment.levels(), experiment.estimator.info().id)?;
+            check_level(level, moment.levels(), estimator.info().id)?;
         }
         let panes = Selection::of(&args.sheet.panes);
-        panes.check_step(experiment.estimator.info(), &moment.step)?;
-        Rendering { moment: &moment, estimator: &*experiment.estimator, look, panes: &panes }
-            .encode(format, picture.scale)
+        panes.check_step(estimator.info(), &moment.step)?;
+        Rendering { moment, estimator, look, panes: &panes }.encode(format, args.picture.scale)
     }
+}
+
+/// Returns the motion known at `pixel`, if it is one of frame t.
+fn motion_at(pixel: Pixel, site: Site<'_>) -> Option<[f32; 2]> {
+    let is_first = pixel.on == Picture::CURRENT;
+    is_first.then(|| motion::known_at([pixel.x, pixel.y].map(|c| c as usize), site)).flatten()
 }
 
 /// Refuses a pyramid level that does not exist.

@@ -1,5 +1,6 @@
 //! The task of a run or an export: a session from a file, or one put together from flags.
 
+use std::ffi::OsString;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -9,6 +10,7 @@ use super::args::{PictureArgs, TaskArgs};
 use crate::experiment::comparison;
 use crate::experiment::pixel::Chosen;
 use crate::experiment::side_by_side::SideBySide;
+use crate::experiment::source::Source;
 use crate::experiment::{Experiment, Position, Prepared};
 use crate::media::export::{Inputs, What};
 use crate::media::{self, Given, Open};
@@ -51,7 +53,7 @@ pub fn session(args: &TaskArgs, picture: &PictureArgs) -> Result<Session, Error>
 fn named(args: &TaskArgs) -> Result<Named, Error> {
     let given = Given { truth: args.truth.clone(), detections: args.detections.clone() };
     match (&args.clip, &args.detections) {
-        (Some(clip), _) => Named::find(clip, given),
+        (Some(clip), _) => Named::find(&clip_name(clip.clone(), args.next.clone())?, given),
         // Detections by themselves are a clip of empty pictures.
         (None, Some(detections)) => {
             // What is meant as detections is told about as such, not as a clip that it is not.
@@ -60,6 +62,14 @@ fn named(args: &TaskArgs) -> Result<Named, Error> {
         }
         (None, None) => Err(Error::new("no clip is given; name one, or give --detections FILE")),
     }
+}
+
+/// Returns the name of the clip `clip`, or of the two pictures `clip` and `next`.
+///
+/// # Errors
+/// If they cannot be two pictures.
+pub fn clip_name(clip: OsString, next: Option<OsString>) -> Result<OsString, Error> {
+    next.map_or(Ok(clip.clone()), |next| Source::pair(&clip, &next))
 }
 
 /// Adds the estimators of --beside in lockstep with `leader`.

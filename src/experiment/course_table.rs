@@ -215,12 +215,24 @@ pub fn text(course_table: &[CourseRow]) -> String {
     format!("{}\n{fails}\n{}", columns(&cells(course_table)), key())
 }
 
+/// Returns the course, and the estimators that its names stand for.
+pub fn named() -> String {
+    let name = |id: &str| estimator(id).map_or_else(|_| id.to_owned(), |found| found.info().name.to_lowercase());
+    let [sequential, logarithmic, hierarchical] = IDS.map(name);
+    format!(
+        "Course: computer vision, unit VI, motion analysis. Its sequential search is {sequential}; logarithmic: {logarithmic}; \
+         hierarchical: {hierarchical}."
+    )
+}
+
 /// Returns the conditions under which the table was measured.
 pub fn key() -> String {
     format!(
-        "Default parameters except where stated. Noise: Gaussian, σ = {NOISE_SIGMA} gray levels, in both frames. Light: gray levels I of \
+        "{} Default parameters except where stated. Noise: Gaussian, σ = {NOISE_SIGMA} gray levels, in both frames. Light: gray levels I of \
          frame t + 1 become {} I + {}.\n",
-        LIGHT.0, LIGHT.1
+        named(),
+        LIGHT.0,
+        LIGHT.1
     )
 }
 

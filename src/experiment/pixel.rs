@@ -4,7 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use motionscope_core::scene::{Canvas, Focus, Picture, Pixels};
-use motionscope_core::{Clip, Error, Explained, Walk};
+use motionscope_core::{Clip, Cursor, Error, Explained, Move, Walk};
 
 /// A pixel by column and row from 0: `X,Y`, or `t+1:X,Y` in another picture than frame t.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,6 +22,21 @@ impl Pixel {
     pub fn of(focus: Focus) -> Self {
         let [x, y] = focus.at.map(|c| c.round() as u32);
         Self { on: focus.on, x, y }
+    }
+
+    /// Sends `walk` to the end of the unit with the result at this pixel, where single pixels are not explained; gives whether it went.
+    ///
+    /// # Errors
+    /// If there is no such pixel.
+    pub fn go_to_unit(self, walk: &mut dyn Walk, clip: &Clip) -> Result<bool, Error> {
+        let focus = self.focus();
+        if walk.explained(focus).is_some() || !walk.takes(self.on) || !walk.beside(None).is_empty() {
+            return Ok(false);
+        }
+        check_inside(self, walk, clip)?;
+        let Some(unit) = walk.unit_at(focus) else { return Ok(false) };
+        walk.jump(Move::To(Cursor { unit, event: usize::MAX }));
+        Ok(true)
     }
 
     /// Its centre.
@@ -97,7 +112,23 @@ pub fn walks_pixels(walk: &dyn Walk, focus: Focus) -> bool {
 }
 
 fn explain(pixel: Pixel, walk: &dyn Walk, clip: &Clip) -> Result<Focus, Error> {
-    let (Pixel { on, x, y }, here) = (pixel, walk.cursor());
+    check_inside(pixel, walk, clip)?;
+    let (Pixel { x, y, .. }, here) = (pixel, walk.cursor());
+    match walk.explained(pixel.focus()) {
+        Some(explained) if explained.at(here) => Ok(pixel.focus()),
+        Some(Explained::From(turn)) => Err(Error::new(format!(
+            "pixel ({x}, {y}) is processed at step {turn}, but this is step {here}; choose a later step or another --pixel"
+        ))),
+        _ => Err(Error::new(format!(
+            "{} cannot explain pixel ({x}, {y}) at step {here}; omit --pixel, or choose another",
+            walk.info().id
+        ))),
+    }
+}
+
+/// Refuses a pixel outside the pictures of the step, and one of a picture that `walk` explains no pixels of.
+fn check_inside(pixel: Pixel, walk: &dyn Walk, clip: &Clip) -> Result<(), Error> {
+    let Pixel { on, x, y } = pixel;
     let canvases = walk.scene(None).pictures;
     let canvas = canvases.iter().find(|canvas| canvas.picture == on);
     let pair = [Picture::CURRENT, Picture::NEXT];
@@ -116,16 +147,7 @@ fn explain(pixel: Pixel, walk: &dyn Walk, clip: &Clip) -> Result<Focus, Error> {
         let told = format!("pixel ({x}, {y}) is outside the picture of {width}×{height} px, counted from 0");
         return Err(Error::new(told));
     }
-    match walk.explained(pixel.focus()) {
-        Some(explained) if explained.at(here) => Ok(pixel.focus()),
-        Some(Explained::From(turn)) => Err(Error::new(format!(
-            "pixel ({x}, {y}) is processed at step {turn}, but this is step {here}; choose a later step or another --pixel"
-        ))),
-        _ => Err(Error::new(format!(
-            "{} cannot explain pixel ({x}, {y}) at step {here}; omit --pixel, or choose another",
-            walk.info().id
-        ))),
-    }
+    Ok(())
 }
 
 /// Returns the error that a step with `canvases` (frames t and t + 1 if empty) does not show the picture `on`.

@@ -1,6 +1,6 @@
-//! The source of a clip: a file, or a synthetic scene with its sliders.
+//! The source of a clip: a file, a pair of pictures, or a synthetic scene with its sliders.
 
-use std::ffi::OsStr;
+use std::ffi::{OsStr, OsString};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -13,11 +13,18 @@ use crate::media::{self, Open};
 /// The prefix of a synthetic scene: `synth:pillar`, `synth:pillar,noise=5,speed=2`.
 const SYNTH: &str = "synth:";
 
+/// The prefix of two pictures: `pair:a.png|b.png`.
+const PAIR: &str = "pair:";
+/// Stands between the two.
+const BETWEEN: char = '|';
+
 /// The source of a clip.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Source {
     /// A file or folder, or `-` for standard input.
     File(PathBuf),
+    /// Two pictures, frames 0 and 1.
+    Pair([PathBuf; 2]),
     /// A synthetic scene.
     Synth {
         /// Its id.
@@ -28,12 +35,17 @@ pub enum Source {
 }
 
 impl Source {
-    /// Parses a path, or `synth:` with a scene and its sliders.
+    /// Parses a path, `pair:` with two of them, or `synth:` with a scene and its sliders.
     ///
     /// # Errors
-    /// If there is no such scene or slider, or a value is out of range.
+    /// If there is no such scene or slider, a value is out of range, or there are not two pictures.
     pub fn parse(name: impl AsRef<OsStr>) -> Result<Self, Error> {
         let name = name.as_ref();
+        if let Some(pair) = name.to_str().and_then(|name| name.strip_prefix(PAIR)) {
+            let told = || Error::new(format!("a pair of pictures has the form {PAIR}A{BETWEEN}B, not {PAIR}{pair}"));
+            let [first, second] = two(pair).ok_or_else(told)?;
+            return Ok(Self::Pair([first.into(), second.into()]));
+        }
         let Some(scene) = name.to_str().and_then(|name| name.strip_prefix(SYNTH)) else {
             return Ok(Self::File(name.into()));
         };
@@ -43,6 +55,23 @@ impl Source {
             source.set(setting)?;
         }
         Ok(source)
+    }
+
+    /// Returns the name of the clip of two pictures, as [`Source::parse`] reads it.
+    ///
+    /// # Errors
+    /// If one of them cannot be part of such a name.
+    pub fn pair(first: &OsStr, second: &OsStr) -> Result<OsString, Error> {
+        let is_plain = |name: &OsStr| {
+            name.to_str().is_some_and(|name| !name.is_empty() && !name.contains(BETWEEN) && !name.starts_with(SYNTH))
+        };
+        if let Some(odd) = [first, second].into_iter().find(|name| !is_plain(name)) {
+            return Err(Error::new(format!(
+                "{} cannot be one of two pictures; name two picture files, without {BETWEEN} in their names",
+                Error::short_name(&odd.display().to_string())
+            )));
+        }
+        Ok(format!("{PAIR}{}{BETWEEN}{}", first.display(), second.display()).into())
     }
 
     /// Returns the scene `id` with its default sliders.
@@ -61,6 +90,7 @@ impl Source {
     pub fn set(&mut self, setting: &str) -> Result<(), Error> {
         match self {
             Self::File(path) => Err(Error::new(format!("{} is a file and has no sliders", path.display()))),
+            Self::Pair(_) => Err(Error::new("two pictures have no sliders")),
             Self::Synth { difficulty, .. } => set(difficulty, setting),
         }
     }
@@ -72,6 +102,7 @@ impl Source {
     pub fn open(&self, options: &Open) -> Result<Clip, Error> {
         match self {
             Self::File(path) => media::open(path, options),
+            Self::Pair(files) => media::open_pair(files, options),
             Self::Synth { id, difficulty } => {
                 let clip = synth::make(id, difficulty)?;
                 let clip = match &options.given.truth {
@@ -85,17 +116,18 @@ impl Source {
 
     /// Returns the files from which `clip`, opened with `options`, is read.
     pub fn inputs(&self, clip: &Clip, options: &Open) -> Inputs {
-        let path = match self {
-            Self::File(path) => Some(path.as_path()),
-            Self::Synth { .. } => None,
-        };
-        media::inputs(path, clip, options)
+        match self {
+            Self::File(path) => media::inputs(Some(path), clip, options),
+            Self::Pair(files) => media::inputs_of_pair(files, clip, options),
+            Self::Synth { .. } => media::inputs(None, clip, options),
+        }
     }
 
-    /// Returns the same source with `f` applied to the path of a file.
+    /// Returns the same source with `f` applied to the path of each file.
     #[must_use]
-    pub fn map_path(self, f: impl FnOnce(&Path) -> PathBuf) -> Self {
+    pub fn map_path(self, f: impl Fn(&Path) -> PathBuf) -> Self {
         match self {
+            Self::Pair(files) => Self::Pair(files.map(|file| f(&file))),
             Self::File(path) if path != Path::new("-") => Self::File(f(&path)),
             other => other,
         }
@@ -106,6 +138,7 @@ impl fmt::Display for Source {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::File(path) => write!(f, "{}", path.display()),
+            Self::Pair([first, second]) => write!(f, "{PAIR}{}{BETWEEN}{}", first.display(), second.display()),
             Self::Synth { id, difficulty } => {
                 write!(f, "{SYNTH}{id}")?;
                 let usual = synth::scene(id).map(|scene| scene.difficulty()).unwrap_or_default();
@@ -114,6 +147,13 @@ impl fmt::Display for Source {
             }
         }
     }
+}
+
+/// The two names in `pair`.
+fn two(pair: &str) -> Option<[&str; 2]> {
+    let (first, second) = pair.split_once(BETWEEN)?;
+    let is_two = !first.is_empty() && !second.is_empty() && !second.contains(BETWEEN);
+    is_two.then_some([first, second])
 }
 
 /// Sets a parameter from `NAME=VALUE`.
@@ -134,7 +174,12 @@ mod tests {
     #[test]
     fn a_name_is_read_as_it_is_written() {
         let id = synth::SCENES[0].id;
-        for name in [format!("synth:{id}"), format!("synth:{id},speed=2,noise=5.5"), "clips/a,b=c.png".into()] {
+        for name in [
+            format!("synth:{id}"),
+            format!("synth:{id},speed=2,noise=5.5"),
+            "clips/a,b=c.png".into(),
+            "pair:clips/a.png|b.png".into(),
+        ] {
             assert_eq!(Source::parse(&name).unwrap().to_string(), name);
         }
     }
@@ -147,9 +192,12 @@ mod tests {
             (format!("synth:{id},noise"), "NAME=VALUE"),
             (format!("synth:{id},noise=99"), "0 to 50"),
             (format!("synth:{id},nois=1"), "the nearest is noise"),
+            ("pair:a.png".into(), "pair:A|B"),
+            ("pair:a.png|b.png|c.png".into(), "pair:A|B"),
         ] {
             assert!(Source::parse(&name).unwrap_err().to_string().contains(told), "{name}");
         }
         assert!(Source::parse("a.mp4").unwrap().set("noise=1").is_err());
+        assert!(Source::pair("a|b.png".as_ref(), "c.png".as_ref()).is_err());
     }
 }

@@ -12,8 +12,6 @@ pub struct Sweep {
     pub title: String,
     /// The label of the plot's x axis.
     pub axis: &'static str,
-    /// Whether each value is a multiple of the one before.
-    pub is_geometric: bool,
 }
 
 /// Factors of the default.
@@ -52,6 +50,16 @@ impl Sweep {
     }
 }
 
+/// Returns the label of the parameter `name` of `estimators`, or of the slider of a clip.
+pub fn label(name: &str, estimators: &[Box<dyn AnyEstimator>], sliders: Option<&impl Params>) -> Option<&'static str> {
+    let own = |estimator: &dyn AnyEstimator| {
+        let name = name.strip_prefix(estimator.info().id).and_then(|rest| rest.strip_prefix('.')).unwrap_or(name);
+        estimator.specs().iter().find(|spec| spec.name == name).map(|spec| &*spec.label)
+    };
+    let of_clip = || sliders?.specs().iter().find(|spec| spec.name == name).map(|spec| &*spec.label);
+    estimators.iter().find_map(|estimator| own(&**estimator)).or_else(of_clip)
+}
+
 fn sweep(spec: &'static Spec, takes: impl Fn(&str) -> bool) -> Option<Sweep> {
     let (min, max, usual, is_whole) = match (&spec.kind, &spec.default) {
         (Kind::Int { min, max }, Value::Int(usual)) => (*min as f64, *max as f64, *usual as f64, true),
@@ -81,7 +89,6 @@ fn sweep(spec: &'static Spec, takes: impl Fn(&str) -> bool) -> Option<Sweep> {
         setting: format!("{}={}", spec.name, all.join(",")),
         title: format!("{}: {first} to {last}{unit}", spec.label),
         axis: &spec.label,
-        is_geometric,
     })
 }
 

@@ -189,25 +189,57 @@ fn open_clip(path: &Path, options: &Open) -> Result<Clip, Error> {
             None => clip,
         });
     }
-    let mut source = catch_panic::catch_panic(|| open_source(path, options))
-        .unwrap_or_else(|panic| {
-            Err(Error::new(format!("it is damaged and cannot be decoded{}", reason::bracketed(&panic))))
-        })
-        .map_err(|error| about(path, &error))?;
+    let source = guarded(|| open_source(path, options)).map_err(|error| about(path, &error))?;
+    let clip = with_given_truth(path, options, source)?;
+    if options.given.detections.is_none() && path != Path::new("-") {
+        return Ok(with_detections_beside(clip, path));
+    }
+    with_detections(clip, options)
+}
+
+/// Opens two pictures as a clip of two frames. Call it off the window's thread.
+///
+/// # Errors
+/// One sentence that names the file, tells what is wrong and what to do.
+pub fn open_pair(files: &[PathBuf; 2], options: &Open) -> Result<Clip, Error> {
+    for file in files {
+        let kind = guarded(|| picture_kind(file)).map_err(|error| about(file, &error))?;
+        if !matches!(kind, Kind::Still) {
+            let why = "it is no picture; two files are a clip only if both are pictures";
+            return Err(about(file, &Error::new(why)));
+        }
+    }
+    let source = guarded(|| stills::pair(files, options)).map_err(|error| about(&files[0], &error))?;
+    with_detections(with_given_truth(&files[0], options, source)?, options)
+}
+
+/// The kind of the file at `path`.
+fn picture_kind(path: &Path) -> Result<Kind, Error> {
+    if path.is_dir() {
+        return Err(Error::new("it is a folder; name two picture files"));
+    }
+    detect_format::kind(&mut Input::open(path)?)
+}
+
+/// What `read` gives; a panic in a decoder is an error.
+fn guarded<T>(read: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
+    catch_panic::catch_panic(read).unwrap_or_else(|panic| {
+        Err(Error::new(format!("it is damaged and cannot be decoded{}", reason::bracketed(&panic))))
+    })
+}
+
+/// The clip of `source`, read from `path`, behind the frame cache and with its ground truth.
+fn with_given_truth(path: &Path, options: &Open, mut source: Source) -> Result<Clip, Error> {
     let truth = catch_panic::catch_panic(|| find_truth(path, options, &mut source)).unwrap_or_else(|panic| {
         let why = format!("its ground truth is damaged and cannot be decoded{}", reason::bracketed(&panic));
         Err(about(path, &Error::new(why)))
     })?;
     let info = source.info.clone();
     let clip = Clip::new(info, Arc::new(cache::Lazy::new(source, options.cache_bytes)));
-    let clip = match truth {
+    Ok(match truth {
         Some(truth) => clip.with_truth(truth),
         None => clip,
-    };
-    if options.given.detections.is_none() && path != Path::new("-") {
-        return Ok(with_detections_beside(clip, path));
-    }
-    with_detections(clip, options)
+    })
 }
 
 /// The same clip with the detections that lie beside it, if there are any; with a warning if they cannot be read.
@@ -240,17 +272,10 @@ pub fn check_detections(path: &Path) -> Result<(), Error> {
 /// The files that `clip` is read from, which nothing must be written over: those that `path` stands for, if it is no synthetic
 /// clip, and the truth and the detections that `options` name or that lie beside it.
 pub fn inputs(path: Option<&Path>, clip: &Clip, options: &Open) -> Inputs {
-    let mut inputs = Inputs::default();
     let path = path.filter(|path| *path != Path::new("-"));
     let pictures = path.filter(|_| clip.info().container == stills::CONTAINER).map(Sequence::find);
     let pictures = pictures.and_then(Result::ok).map(|found| found.files).unwrap_or_default();
-    let subject = truth::Subject::new(path.unwrap_or(Path::new(&clip.info().name)), clip.info(), &pictures);
-    let truth = match &options.given.truth {
-        Some(given) => truth::TruthFiles::given(given, &subject),
-        None if path.is_some() => truth::TruthFiles::beside(&subject),
-        None => truth::TruthFiles::default(),
-    };
-    truth.into_files().for_each(|file| inputs.add(What::Truth, file));
+    let mut inputs = truth_inputs(path, &pictures, clip, options);
     let beside = || path.filter(|path| path.is_dir()).and_then(detections::beside);
     options.given.detections.clone().or_else(beside).into_iter().for_each(|file| inputs.add(What::Detections, file));
     match path {
@@ -259,6 +284,27 @@ pub fn inputs(path: Option<&Path>, clip: &Clip, options: &Open) -> Inputs {
         Some(path) => inputs.add_pictures(path, pictures),
         None => {}
     }
+    inputs
+}
+
+/// The files that `clip`, opened from the two pictures `files` with `options`, is read from.
+pub fn inputs_of_pair(files: &[PathBuf; 2], clip: &Clip, options: &Open) -> Inputs {
+    let mut inputs = truth_inputs(Some(&files[0]), files, clip, options);
+    options.given.detections.iter().for_each(|file| inputs.add(What::Detections, file));
+    files.iter().for_each(|file| inputs.add(What::Frame, file));
+    inputs
+}
+
+/// The files of ground truth of `clip`, which is opened from `path` and made of `pictures`, if it is.
+fn truth_inputs(path: Option<&Path>, pictures: &[PathBuf], clip: &Clip, options: &Open) -> Inputs {
+    let mut inputs = Inputs::default();
+    let subject = truth::Subject::new(path.unwrap_or(Path::new(&clip.info().name)), clip.info(), pictures);
+    let truth = match &options.given.truth {
+        Some(given) => truth::TruthFiles::given(given, &subject),
+        None if path.is_some() => truth::TruthFiles::beside(&subject),
+        None => truth::TruthFiles::default(),
+    };
+    truth.into_files().for_each(|file| inputs.add(What::Truth, file));
     inputs
 }
 

@@ -14,13 +14,38 @@ use super::{Decoder, Open, Source, name_of, picture};
 /// # Errors
 /// One sentence, without the file's name.
 pub(crate) fn open(path: &Path, options: &Open) -> Result<Source, Error> {
-    let Sequence { files, mut warnings } = Sequence::find(path)?;
+    clip(path, name_of(path), Sequence::find(path)?, options)
+}
+
+/// Opens two pictures as one clip.
+///
+/// # Errors
+/// One sentence, without the name of the first file.
+pub(crate) fn pair(files: &[PathBuf; 2], options: &Open) -> Result<Source, Error> {
+    let [first, second] = files;
+    let name = format!("{} → {}", name_of(first), name_of(second));
+    let source = clip(first, name, Sequence { files: files.to_vec(), warnings: Vec::new() }, options)?;
+    // Of two frames none can be left out.
+    match picture::size(second).filter(|size| *size != (source.info.width, source.info.height)) {
+        Some((w, h)) => Err(Error::new(format!(
+            "it is {}×{} px, but {} is {w}×{h} px; scale one of them",
+            source.info.width,
+            source.info.height,
+            file_name(second)
+        ))),
+        None => Ok(source),
+    }
+}
+
+/// The clip `name` of a `sequence` of pictures, opened from `path`.
+fn clip(path: &Path, name: String, sequence: Sequence, options: &Open) -> Result<Source, Error> {
+    let Sequence { files, mut warnings } = sequence;
     let Some(first) = files.first() else { return Err(Error::new("it holds no pictures")) };
     let picture = picture::open(first).map_err(|why| if first == path { why } else { about(first, &why) })?;
     warnings.extend(picture.warnings());
     warnings.extend(misfits(&files, picture.size, options)?);
     let info = ClipInfo {
-        name: name_of(path),
+        name,
         width: picture.size.0,
         height: picture.size.1,
         frames: Some(files.len()),

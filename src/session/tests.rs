@@ -54,6 +54,16 @@ fn what_was_saved_opens_exactly() {
 }
 
 #[test]
+fn both_pictures_of_a_pair_are_saved() {
+    let folder = tempfile::tempdir().unwrap();
+    let files = ["a.png", "b.png"].map(|name| folder.path().join("clips").join(name));
+    let path = folder.path().join("one.motionscope");
+    session(Source::Pair(files.clone())).save(&path).unwrap();
+    assert!(fs::read_to_string(&path).unwrap().contains("clip = \"pair:clips/a.png|clips/b.png\""));
+    assert!(Session::load(&path).unwrap().experiment.source == Source::Pair(files));
+}
+
+#[test]
 fn paths_are_told_from_where_the_session_is() {
     let top = tempfile::tempdir().unwrap();
     let here = top.path().join("here");

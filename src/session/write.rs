@@ -73,6 +73,10 @@ pub(super) fn text(session: &Session, folder: &Path) -> Result<String, Error> {
         motionscope: VERSION,
         clip: match source.clone().map_path(|path| relative(path, folder)) {
             Source::File(path) => slashed(&path)?,
+            Source::Pair(files) => {
+                let [first, second] = [slashed(&files[0])?, slashed(&files[1])?];
+                Source::Pair([first, second].map(PathBuf::from)).to_string()
+            }
             synth => synth.to_string(),
         },
         truth: truth.as_ref().map(path).transpose()?,

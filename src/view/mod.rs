@@ -8,4 +8,5 @@ pub mod panes;
 pub mod rendering;
 pub mod sheet;
 pub mod steps;
+pub mod sweep_plot;
 pub mod tile;

@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
+use motionscope_core::products::objects::score::{FrameErrors, errors_on};
 use motionscope_core::products::{Assessment, Reference};
 use motionscope_core::scene::{Canvas, Fact, Focus, Picture, PictureRole, Readout};
-use motionscope_core::{Clip, Cursor, Error, Frame, Histogram, Levels, Role, Scene, Step, Walk};
+use motionscope_core::{Clip, Cursor, Error, Frame, Histogram, Levels, ObjectField, Output, Role, Scene, Step, Walk};
 
 use super::look::{Look, RunState};
 use super::motion::{AvailableLayers, Motion, Reverse, Site};
@@ -69,9 +70,67 @@ pub struct End {
     histogram: Option<Histogram>,
     /// The results of the estimators in lockstep.
     beside: Vec<Ending>,
+    /// The units with errors of tracks, by their worst.
+    faults: Arc<[(usize, Fault)]>,
+}
+
+/// The worst error of the tracks of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Fault {
+    /// A true object without a track.
+    Miss,
+    /// A track without a true object.
+    FalseAlarm,
+    /// A true object with another track than before.
+    IdentitySwitch,
+}
+
+impl Fault {
+    /// Returns the role of its mark, as on the picture.
+    pub fn role(self) -> Role {
+        match self {
+            Self::Miss => Role::Error,
+            Self::FalseAlarm => Role::Rejected,
+            Self::IdentitySwitch => Role::Window,
+        }
+    }
+
+    /// Returns its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Miss => "miss",
+            Self::FalseAlarm => "false alarm",
+            Self::IdentitySwitch => "identity switch",
+        }
+    }
+
+    /// Returns the worst error of a frame.
+    fn of(errors: &FrameErrors) -> Option<Self> {
+        let FrameErrors { misses, false_alarms, switches, .. } = errors;
+        let all = [
+            (Self::IdentitySwitch, switches.is_empty()),
+            (Self::FalseAlarm, false_alarms.is_empty()),
+            (Self::Miss, misses.is_empty()),
+        ];
+        all.into_iter().find(|(_, is_absent)| !is_absent).map(|(fault, _)| fault)
+    }
+}
+
+/// Returns the units of `walk` with errors of tracks, where a unit is a frame and the truth is known.
+fn faults(walk: &dyn Walk, clip: &Clip, output: &Output) -> Arc<[(usize, Fault)]> {
+    let Some(field) = output.get::<ObjectField>().filter(|field| walk.units() == Some(field.frames.len())) else {
+        return Arc::default();
+    };
+    let errors = errors_on(clip, field).ok().flatten().unwrap_or_default();
+    errors.iter().filter_map(|of| Some((of.frame - field.first, Fault::of(of)?))).collect()
 }
 
 impl End {
+    /// The units with errors of tracks, by their worst.
+    pub fn faults(&self) -> &Arc<[(usize, Fault)]> {
+        &self.faults
+    }
+
     /// That of `walk`, the run of `experiment` on `clip`, whose last frames are `pair`; `None` where the run is not at its end.
     pub fn of(walk: &dyn Walk, experiment: &Experiment, clip: &Clip, pair: &Pictures) -> Option<Self> {
         let causal = || {
@@ -86,6 +145,7 @@ impl End {
                 assessment: output.assess(&Reference { clip, frame: walk.frame() }).ok(),
                 causal: causal(),
                 histogram: output.histogram(),
+                faults: if walk.beside(None).is_empty() { faults(walk, clip, &output) } else { Arc::default() },
                 beside: endings(walk, clip, pair),
             }
         })

@@ -258,6 +258,15 @@ fn true_flow(site: Site<'_>) -> Result<Arc<Flow>, Error> {
     }
 }
 
+/// Returns the displacement of pixel `at` of frame t that is known at `site`, in px; of estimators in lockstep that of the first.
+pub fn known_at(at: [usize; 2], site: Site<'_>) -> Option<[f32; 2]> {
+    let flow = Found::at(site).flows().into_iter().next()?;
+    // A flow of a pyramid level has other pixels.
+    let is_whole = flow.0.size() == site.clip.size();
+    let known = flow.0.get(at[0], at[1]).filter(|uv| uv.iter().all(|c| c.is_finite()));
+    known.filter(|_| is_whole).copied()
+}
+
 /// The motion known at a step.
 enum Found<'a> {
     /// The flow that the step draws, and at the end the output.

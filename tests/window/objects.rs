@@ -1,5 +1,9 @@
 //! Estimators of single frames: what moves, and objects that are followed.
 
+use motionscope::experiment::pixel::Pixel;
+use motionscope::ui::model::snapshot::Hold;
+use motionscope_core::scene::Shape;
+
 use super::*;
 
 /// A window on an estimator at a step of a small clip with cars.
@@ -43,6 +47,47 @@ fn the_last_frame_of_a_clip_is_reached_and_shown() {
     assert!(window.shown().at_end);
     assert_eq!(window.shown().frame, 7);
     assert!(window.harness.query_by_label("frame 7").is_some(), "the header names one frame");
+}
+
+#[test]
+fn errors_of_tracks_are_marked_on_the_timeline() {
+    let mut window = window("kalman-tracker", "2.1");
+    assert!(window.shown().faults.is_empty(), "the run is not known yet");
+    window.key(Key::End);
+    let faults = window.shown().faults.clone();
+    assert!(!faults.is_empty(), "tentative tracks are misses");
+    window.key(Key::Home);
+    assert_eq!(window.shown().faults, faults, "they stay");
+    // A click on a mark goes to the frame.
+    let (unit, fault) = faults[0];
+    let rail = window.harness.get_by_label("Timeline, frames").rect();
+    let share = (unit as f32 + 0.5) / window.shown().units.expect("the run is known") as f32;
+    let at = Pos2::new(rail.left() + share * rail.width(), rail.center().y);
+    window.harness.hover_at(at);
+    window.harness.run_steps(60);
+    assert!(window.harness.query_all_by_label_contains(fault.name()).next().is_some(), "its tip names it");
+    window.click_at(at);
+    assert_eq!(window.cursor().unit, unit);
+}
+
+#[test]
+fn a_click_on_a_box_explains_its_track() {
+    let mut window = window("kalman-tracker", "6");
+    let objects = |window: &Window| {
+        let texts = window.shown().scene.marks.iter().filter_map(|mark| match &mark.shape {
+            Shape::Text { at, text } => Some((*at, text.clone())),
+            _ => None,
+        });
+        texts.collect::<Vec<_>>()
+    };
+    let (corner, id) = objects(&window).into_iter().next().expect("a track with its number");
+    let focus = Focus::current([corner[0] + 3.0, corner[1] + 3.0]);
+    let place = Place { hold: Hold::Set(Some(Pixel::of(focus))), ..Place::at(window.cursor()) };
+    window.harness.state_mut().walk_from(place);
+    window.settle();
+    let told = window.shown().step.sentence.plain();
+    assert!(told.starts_with(&format!("Selected: track {id} ")), "{told}");
+    assert!(window.harness.query_all_by_label_contains("Selected track").next().is_some(), "with its numbers");
 }
 
 #[test]

@@ -19,6 +19,58 @@ fn it_plays_and_pauses() {
 }
 
 #[test]
+fn it_plays_backwards_to_the_start() {
+    let mut window = Window::usual();
+    let before = window.cursor();
+    window.harness.key_press_modifiers(Modifiers::SHIFT, Key::Space);
+    let begun = Instant::now();
+    while window.cursor().event + 5 > before.event {
+        window.harness.step();
+        assert!(begun.elapsed() < Duration::from_secs(20), "it does not play");
+    }
+    assert_eq!(window.cursor().unit, before.unit);
+    window.click("Pause");
+    let paused = window.cursor();
+    window.harness.run_steps(30);
+    assert_eq!(window.cursor(), paused);
+    window.harness.state_mut().walk_from(Place::at(Cursor { unit: 0, event: 2 }));
+    window.settle();
+    window.harness.get_by_label("Play backwards").click();
+    while window.cursor() != Cursor::default() {
+        window.harness.step();
+        assert!(begun.elapsed() < Duration::from_secs(40), "it does not come to the start");
+    }
+    window.settle();
+    assert!(window.harness.query_by_label("Pause").is_none(), "it stops there");
+}
+
+#[test]
+fn marked_steps_are_jumped_to_and_empty_rows_pass_in_one_step() {
+    let clip = "synth:traffic,width=160,height=120,frames=8";
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("one.motionscope");
+    let lines = format!("motionscope = 1\nclip = \"{clip}\"\nestimator = \"connected-components\"\nstep = \"1.1\"\n");
+    fs::write(&path, lines).expect("it is written");
+    let mut window = Window::with(vec2(1440.0, 900.0), Start { open: Some(path.into()) });
+    let marked = |window: &Window| {
+        let shown = window.shown();
+        shown.landmarks.iter().any(|(event, _)| *event == shown.cursor.event)
+    };
+    window.key(Key::ArrowRight);
+    let first = window.cursor();
+    assert!(first.unit > 1, "the first rows are empty: {first}");
+    assert!(window.shown().step.sentence.plain().contains("foreground pixel"));
+    window.key(Key::J);
+    let one = window.cursor();
+    assert!(marked(&window) && one > first, "{one}");
+    window.key(Key::J);
+    let two = window.cursor();
+    assert!(marked(&window) && two > one, "{two}");
+    window.press(Modifiers::SHIFT, Key::J);
+    assert_eq!(window.cursor(), one);
+}
+
+#[test]
 fn the_timeline_is_scrubbed() {
     let mut window = Window::usual();
     let unit = window.cursor().unit;

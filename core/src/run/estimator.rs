@@ -194,6 +194,11 @@ pub trait Estimator: Params + Footprint<<Self as Estimator>::State> + Default + 
         None
     }
 
+    /// Whether nothing happens at an event, so that stepping passes over it.
+    fn is_idle(&self, _event: &Self::Event) -> bool {
+        false
+    }
+
     /// The line of pseudocode of an event, where each stands for a stage of the unit: in lockstep, events of one stage stand side
     /// by side.
     fn stage(&self, _event: &Self::Event) -> Option<Name> {

@@ -447,6 +447,11 @@ impl<E: Estimator> Walk for Timeline<E> {
         roles.enumerate().filter_map(|(i, role)| role.map(|role| (i + 1, role))).collect()
     }
 
+    fn is_idle(&self) -> bool {
+        let event = self.cursor().event.checked_sub(1).and_then(|last| self.unit.events.get(last));
+        event.is_some_and(|event| self.estimator.is_idle(event))
+    }
+
     fn takes(&self, picture: Picture) -> bool {
         self.estimator.pointed().map_or(picture == Picture::CURRENT, |pointed| pointed.takes(picture))
     }

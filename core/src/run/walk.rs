@@ -65,6 +65,10 @@ pub trait Walk: Send {
     fn failure(&self) -> Option<&Error>;
     /// Marked events of the current unit: their numbers and roles.
     fn landmarks(&self) -> Vec<(usize, Role)>;
+    /// Whether nothing happens at the event before the cursor, so that stepping passes over it.
+    fn is_idle(&self) -> bool {
+        false
+    }
     /// The unit with its result at `focus`.
     fn unit_at(&self, focus: Focus) -> Option<usize>;
     /// From when on the pixel at `focus` can be explained by itself, if it can.

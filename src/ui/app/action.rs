@@ -78,6 +78,8 @@ pub enum Action {
     ResetAll(Owner),
     /// Go to a position in the run.
     Seek(Cursor),
+    /// Go to the step of this unit that tests a displacement in px, or to the end of the unit if none does.
+    SeekCandidate([i32; 2]),
     /// Go to the unit at a pixel, or hold that pixel to explain it.
     SeekAt(Focus, Side),
     /// Explain a pixel.

@@ -61,6 +61,12 @@ impl App {
                 self.player.pause();
                 self.walker.go(Move::To(cursor));
             }
+            Action::SeekCandidate(candidate) => {
+                self.player.pause();
+                let shown = self.view.shown.as_deref();
+                self.states.sought = shown.map(|shown| (shown.cursor.unit, candidate));
+                self.walker.go_to_candidate(candidate);
+            }
             Action::SeekAt(focus, side) => {
                 self.player.pause();
                 let shown = self.view.shown.as_ref();
@@ -141,13 +147,8 @@ impl App {
                 self.ctx.send_viewport_cmd(ViewportCommand::Fullscreen(!now));
             }
             C::ReducedMotion => self.settings.reduced_motion = !self.settings.reduced_motion,
-            C::Play if self.player.is_playing() => self.player.pause(),
-            C::Play => {
-                if self.now().at_end {
-                    self.walker.go(Move::To(Cursor::default()));
-                }
-                self.player.play();
-            }
+            C::Play => self.toggle_play(Direction::Forward),
+            C::PlayBack => self.toggle_play(Direction::Back),
             C::Slower | C::Faster => {
                 self.player.shift(command == C::Faster);
                 self.settings.speed = self.player.speed;
@@ -160,7 +161,26 @@ impl App {
             }
             C::Into | C::IntoBack | C::Over | C::OverBack | C::Out | C::OutBack => self.step(command),
             C::NextUnit | C::PreviousUnit | C::Start | C::End => self.step(command),
+            C::NextMark | C::PreviousMark => {
+                self.player.pause();
+                let is_back = command == C::PreviousMark;
+                self.walker.go_to_mark(if is_back { Direction::Back } else { Direction::Forward });
+            }
         }
+    }
+
+    /// Plays in the direction `way`, or pauses if it does; from where it cannot go on, it begins at the other end.
+    fn toggle_play(&mut self, way: Direction) {
+        if self.player.plays(way) {
+            return self.player.pause();
+        }
+        let now = self.now();
+        match way {
+            Direction::Forward if now.at_end => self.walker.go(Move::To(Cursor::default())),
+            Direction::Back if now.at_start => self.walker.go(Move::End),
+            _ => {}
+        }
+        self.player.play(way);
     }
 
     fn step(&mut self, command: Command) {

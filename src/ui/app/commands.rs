@@ -145,6 +145,8 @@ commands! {
     ReducedMotion,
     /// Play or pause.
     Play,
+    /// Play backwards or pause.
+    PlayBack,
     /// Next event.
     Into,
     /// Previous event.
@@ -161,6 +163,10 @@ commands! {
     NextUnit,
     /// End of the previous unit.
     PreviousUnit,
+    /// The next step that is marked on the timeline.
+    NextMark,
+    /// The marked step before.
+    PreviousMark,
     /// Start of the run.
     Start,
     /// End of the run.
@@ -385,9 +391,11 @@ impl Command {
             C::Undo => now.can_undo,
             C::Redo => now.can_redo,
             C::ResetParameters => now.has_clip && now.is_tuned,
-            C::IntoBack | C::OverBack | C::OutBack | C::PreviousUnit | C::Start => now.has_run && !now.at_start,
-            C::Into | C::Over | C::Out | C::NextUnit | C::End => now.has_run && !now.at_end,
-            C::Play => now.has_run,
+            C::IntoBack | C::OverBack | C::OutBack | C::PreviousUnit | C::PreviousMark | C::Start => {
+                now.has_run && !now.at_start
+            }
+            C::Into | C::Over | C::Out | C::NextUnit | C::NextMark | C::End => now.has_run && !now.at_end,
+            C::Play | C::PlayBack => now.has_run,
             C::Compare => now.has_clip,
             C::Lockstep => now.has_clip && !now.in_stage,
             C::IntoStage => now.has_run && now.has_stage && !now.in_lockstep,

@@ -14,13 +14,15 @@ use crate::experiment::first;
 use crate::experiment::source::Source;
 use crate::experiment::{Experiment, Position};
 use crate::media::{Given, Open};
+use crate::paint::charts::heat_map;
+use crate::paint::number;
 use crate::session::{Session, VisiblePart};
 use crate::ui::app::action::Browse;
 use crate::ui::app::window::{App, Overlay, title};
 use crate::ui::dialogs::save::{self, Kind};
 use crate::ui::model::loader::{Beside, Loading, Opened};
 use crate::ui::model::settings::LeftAt;
-use crate::ui::model::snapshot::{Hold, Place, Snapshot};
+use crate::ui::model::snapshot::{Hold, Place, Snapshot, surface};
 use crate::ui::model::writer::{self, Order, What, Work, Writing};
 use crate::ui::panes::status;
 use crate::ui::stage::Zoom;
@@ -44,6 +46,7 @@ impl App {
         {
             self.view.shown = Some(coming);
         }
+        self.tell_of_untested();
         // A clip that no run can be made of is not shown under another's name.
         if self.view.refused.is_some() {
             self.view.shown = self.view.shown.take().filter(|shown| self.document.is_of_clip(shown));
@@ -62,6 +65,22 @@ impl App {
         self.browsed();
     }
 
+    /// Says of a displacement that was clicked, and that no step of its unit tests, that it was not tested.
+    fn tell_of_untested(&mut self) {
+        let Some((unit, at)) = self.states.sought.filter(|_| !self.view.busy) else { return };
+        self.states.sought = None;
+        let Some(shown) = self.view.shown.as_deref().filter(|shown| shown.cursor.unit == unit) else { return };
+        let Some(surface) = surface(&shown.step) else { return };
+        if heat_map::event(surface, at).is_none() {
+            let whose = shown.info.name;
+            let cost = heat_map::any_cost(surface, at).map_or_else(String::new, |cost| {
+                format!(" Its {} is {}, as the faint part of the surface shows.", surface.title, number(cost))
+            });
+            let at = heat_map::vector(at);
+            self.toasts.tell(format!("{whose} does not test {at} for this block, so this is its end.{cost}"));
+        }
+    }
+
     /// Receives the path from the system's file dialog.
     fn browsed(&mut self) {
         let Some((wanted, delivery)) = &self.browsing else { return };
@@ -74,6 +93,7 @@ impl App {
         match (path, &mut self.overlay) {
             (Ok(Some(path)), _) if opens => self.open(path),
             (Ok(Some(path)), Overlay::Save(state)) => state.path.text = path.display().to_string(),
+            (Ok(Some(path)), Overlay::Compare(state)) => state.file.text = path.display().to_string(),
             (Ok(_), _) => {}
             (Err(_), _) => {
                 self.toasts.fail("The system has no file dialog. Type or paste the path instead.");
@@ -287,7 +307,7 @@ impl App {
         }
         let name = self.document.clip().map_or_else(String::new, |clip| clip.info().name.clone());
         let beside = match self.document.source() {
-            Some(Source::File(path)) => path.parent().map(Path::to_owned),
+            Some(Source::File(path) | Source::Pair([path, _])) => path.parent().map(Path::to_owned),
             _ => None,
         };
         let folder = self.folder.clone().or(beside).unwrap_or_else(|| std::env::current_dir().unwrap_or_default());

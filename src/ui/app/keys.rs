@@ -1,9 +1,14 @@
 //! The keyboard, the clipboard and dropped files: what they ask for.
 
 use std::collections::BTreeSet;
+use std::ffi::OsString;
+use std::path::PathBuf;
 
 use eframe::egui::{self, Event, FocusDirection, Id, Key, Popup};
 
+use crate::experiment::source::Source;
+use crate::media::{self, names};
+use crate::session::Session;
 use crate::ui::app::action::{Action, Actions};
 use crate::ui::app::commands::{Command, Situation};
 use crate::ui::dialogs::open as open_dialog;
@@ -125,9 +130,9 @@ pub fn take(ctx: &egui::Context, overlaid: bool, now: &Situation, actions: &mut 
     // Also while something lies over the panes: a key that opened it is let go there.
     held.follow(ctx);
     ctx.data_mut(|data| data.insert_temp(Id::NULL, held.clone()));
-    let dropped = ctx.input(|i| i.raw.dropped_files.first().map(|file| file.path().to_owned()));
-    if let Some(path) = dropped {
-        actions.ask(Action::Open(path.into()));
+    let dropped = ctx.input(|i| i.raw.dropped_files.iter().map(|file| file.path().to_owned()).collect::<Vec<_>>());
+    if let Some(name) = dropped_clip(dropped) {
+        actions.ask(Action::Open(name));
     }
     if overlaid || ctx.text_edit_focused() {
         return;
@@ -178,9 +183,33 @@ pub fn take(ctx: &egui::Context, overlaid: bool, now: &Situation, actions: &mut 
     }
 }
 
+/// The clip that dropped `files` are: two pictures in the order of their names, or else the first file.
+fn dropped_clip(mut files: Vec<PathBuf>) -> Option<OsString> {
+    let is_picture = |path: &PathBuf| path.is_file() && !Session::is_named(path) && !media::is_truth(path);
+    if files.len() == 2 && files.iter().all(is_picture) {
+        files.sort_by(|a, b| names::natural_order(&a.to_string_lossy(), &b.to_string_lossy()));
+        if let Ok(pair) = Source::pair(files[0].as_os_str(), files[1].as_os_str()) {
+            return Some(pair);
+        }
+    }
+    files.into_iter().next().map(Into::into)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn two_dropped_pictures_are_a_clip() {
+        let folder = tempfile::tempdir().unwrap();
+        let [a, b, session] = ["f2.png", "f10.png", "one.motionscope"].map(|name| folder.path().join(name));
+        [&a, &b, &session].into_iter().for_each(|file| std::fs::write(file, "").unwrap());
+        let pair = Source::pair(a.as_os_str(), b.as_os_str()).unwrap();
+        assert_eq!(dropped_clip(vec![b.clone(), a.clone()]), Some(pair));
+        assert_eq!(dropped_clip(vec![session.clone(), a]), Some(session.into()));
+        assert_eq!(dropped_clip(vec![b.clone()]), Some(b.into()));
+        assert_eq!(dropped_clip(vec![]), None);
+    }
 
     /// Whatever is the case, one press undoes the first of it in this order, and nothing else.
     #[test]

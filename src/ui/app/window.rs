@@ -5,7 +5,7 @@ use std::sync::mpsc::Receiver;
 
 use eframe::egui::{self, Align, CentralPanel, Frame, Label, Layout, Margin, Panel, RichText, TextStyle, Ui};
 use eframe::egui_wgpu::RenderState;
-use motionscope_core::{Error, Role};
+use motionscope_core::{Cursor, Direction, Error, Role};
 
 use crate::experiment::side_by_side::SideBySide;
 use crate::ui::app::action::{Action, Actions, Browse};
@@ -272,7 +272,11 @@ impl App {
         let now = ctx.input(|i| i.time);
         let seconds = now - std::mem::replace(&mut self.played, now);
         let Some(shown) = self.view.shown.as_deref().filter(|_| self.player.is_playing()) else { return };
-        if shown.at_end && !self.view.busy {
+        let is_over = match self.player.plays(Direction::Back) {
+            true => shown.cursor == Cursor::default(),
+            false => shown.at_end,
+        };
+        if is_over && !self.view.busy {
             self.player.pause();
             return;
         }
@@ -472,7 +476,7 @@ impl App {
         let edge = egui::Stroke::new(2.0, style::color(chrome.accent));
         painter.rect_stroke(rect.shrink(16.0), 12.0, edge, egui::StrokeKind::Inside);
         let font = TextStyle::Heading.resolve(ui.style());
-        let text = "Drop a clip, a folder of pictures or a session";
+        let text = "Drop a clip, two pictures, a folder of pictures or a session";
         painter.text(rect.center(), egui::Align2::CENTER_CENTER, text, font, style::color(chrome.text));
     }
 }

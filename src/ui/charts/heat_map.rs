@@ -24,10 +24,19 @@ pub type State = Chart<Map>;
 /// What the person did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Response {
-    /// The event that tested the displacement that was clicked.
-    pub clicked: Option<usize>,
+    /// What was clicked.
+    pub clicked: Option<Clicked>,
     /// The displacement under the pointer, in px.
     pub hovered: Option<[i32; 2]>,
+}
+
+/// A displacement that was clicked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Clicked {
+    /// It was tested by this event.
+    Tested(usize),
+    /// It was not tested up to this step; in px.
+    Untested([i32; 2]),
 }
 
 /// Shows the map as large as it fits.
@@ -49,6 +58,7 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
         }
         None => state.head(&painter),
     }
-    let clicked = hovered.filter(|_| sensed.clicked()).and_then(|at| event(surface, at));
+    let clicked = hovered.filter(|_| sensed.clicked());
+    let clicked = clicked.map(|at| event(surface, at).map_or(Clicked::Untested(at), Clicked::Tested));
     Response { clicked, hovered }
 }

@@ -1,5 +1,6 @@
 //! The comparison of estimators: a table, and a plot of a sweep.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use eframe::egui::style::ScrollStyle;
@@ -8,15 +9,18 @@ use eframe::egui::{
 };
 use motionscope_core::compare::changed_alike;
 use motionscope_core::scene::Series;
-use motionscope_core::{AnyEstimator, Error, Info, Role, Threads, estimators, lockstep};
+use motionscope_core::{AnyEstimator, Error, Info, Threads, estimators, lockstep};
 
+use super::path::PathField;
 use crate::experiment::comparison::{self, Arena, Column, Row};
 use crate::experiment::course_table::{self, CourseRow};
 use crate::experiment::first;
 use crate::experiment::source::Source;
 use crate::experiment::sweeps::{self, Sweep};
+use crate::media;
+use crate::media::export::{Inputs, Target};
 use crate::paint::{ColorMap, Theme};
-use crate::ui::app::action::{Action, Actions};
+use crate::ui::app::action::{Action, Actions, Browse};
 use crate::ui::app::commands::Command;
 use crate::ui::charts::series;
 use crate::ui::drawing::chart::Subject;
@@ -26,14 +30,14 @@ use crate::ui::model::comparing::{Comparing, Plan};
 use crate::ui::model::document::Document;
 use crate::ui::panes::glossary;
 use crate::ui::parts::widgets;
+use crate::view::rendering::Format;
+use crate::view::sweep_plot;
 
 /// The largest number of estimators in a comparison.
 const MOST: usize = *lockstep::MEMBERS.end();
-/// The roles of the plot's lines, one per estimator.
-const ROLES: [Role; MOST] = [Role::Reference, Role::Result, Role::Predicted, Role::Candidate];
+/// Pixels per point of a plot that is saved as a PNG.
+const SCALE: u32 = 2;
 
-/// The ratio of largest to smallest value from which a plot has a logarithmic axis.
-const WIDE: f64 = 30.0;
 /// The state of the open dialog.
 pub struct State {
     chosen: Vec<&'static str>,
@@ -55,6 +59,10 @@ pub struct State {
     course: Option<Background<Vec<CourseRow>>>,
     /// The number of rows of the last layout.
     laid_out: usize,
+    /// Where plot or table are saved.
+    pub file: PathField,
+    /// What was saved last, or why it was not.
+    saved: Option<Background<String>>,
 }
 
 impl State {
@@ -85,6 +93,8 @@ impl State {
             refused: None,
             course: None,
             laid_out: 0,
+            file: PathField::waiting(file_of(false)),
+            saved: None,
         }
     }
 
@@ -117,6 +127,9 @@ pub fn show(ctx: &egui::Context, state: &mut State, document: &Document, theme: 
             None => "All estimators run on this pair of frames, with the current parameters.",
         };
         ui.label(RichText::new(on).weak());
+        if state.course.is_some() {
+            ui.label(RichText::new(course_table::named()).weak());
+        }
         ui.add_space(8.0);
         subject(ui, state, document);
         let left = |ui: &Ui| (bottom - ui.cursor().min.y).max(120.0);
@@ -137,7 +150,7 @@ pub fn show(ctx: &egui::Context, state: &mut State, document: &Document, theme: 
         // Bars that are always there say that the table goes on.
         ui.spacing_mut().scroll = ScrollStyle { bar_width: 8.0, ..ScrollStyle::solid() };
         ScrollArea::both().max_height(height).min_scrolled_height(height).show(ui, |ui| {
-            visited |= results(ui, state, theme, actions);
+            visited |= results(ui, state, (document, theme), actions);
         });
     });
     !(modal.should_close() || visited)
@@ -329,6 +342,11 @@ fn step_by_step(ui: &mut Ui, state: &State, actions: &mut Actions) -> bool {
 fn start(ui: &Ui, state: &mut State, document: &Document) {
     let wanted = (state.chosen.clone(), state.sweep.clone());
     if state.begun.as_ref() != Some(&wanted) {
+        // The name that nobody has changed fits what there is to save.
+        let (table, plot) = (file_of(false), file_of(true));
+        if [&table, &plot].contains(&&state.file.text) {
+            state.file.text = if wanted.1.is_some() { plot } else { table };
+        }
         state.begun = Some(wanted);
         let ctx = ui.ctx().clone();
         (state.comparing, state.refused) = match plan(state, document) {
@@ -352,7 +370,8 @@ fn plan(state: &State, document: &Document) -> Result<Option<Plan>, Error> {
 }
 
 /// Shows plot and table; returns whether a block is to be visited.
-fn results(ui: &mut Ui, state: &mut State, theme: Theme, actions: &mut Actions) -> bool {
+fn results(ui: &mut Ui, state: &mut State, of: (&Document, Theme), actions: &mut Actions) -> bool {
+    let (document, theme) = of;
     let rows = state.comparing.as_ref().map_or_else(Vec::new, Comparing::rows);
     if std::mem::replace(&mut state.laid_out, rows.len()) != rows.len() {
         // The columns are as wide as their rows only in the next frame.
@@ -363,25 +382,121 @@ fn results(ui: &mut Ui, state: &mut State, theme: Theme, actions: &mut Actions) 
         return false;
     }
     if rows.iter().any(|row| row.swept.is_some()) {
-        let columns = comparison::all_columns();
-        let plotted = &columns[state.plotted.unwrap_or_else(|| comparison::telling(&rows)).min(columns.len() - 1)];
-        let series = plot(&rows, plotted, state.sweep.as_ref());
+        let plotted = plotted(&rows, state);
+        let series = sweep_plot::series(&rows, &plotted, state.sweep.as_ref().map_or("", |sweep| sweep.axis));
         let size = TextStyle::Body.resolve(ui.style()).size;
         ui.allocate_ui(vec2(ui.available_width().min(64.0 * size), 15.0 * size), |ui| {
             let subject = Subject { step: None, whose: "", theme, colors: ColorMap::default() };
-            let input = series::Input { series: &series, subject, logarithmic: is_wide(&series) };
+            let input = series::Input { series: &series, subject, logarithmic: sweep_plot::is_wide(&series) };
             series::show(ui, input, &mut state.plot);
         });
         ui.add_space(4.0);
     }
-    let visited = table(ui, &rows, state, actions);
-    ui.add_space(8.0);
-    if !rows.is_empty()
-        && ui.button("Copy as CSV").on_hover_text("Copy all rows so far as CSV, for a spreadsheet.").clicked()
-    {
-        ui.copy_text(comparison::csv(&rows));
+    if !rows.is_empty() {
+        export(ui, &rows, state, (document, theme), actions);
+        ui.add_space(4.0);
     }
-    visited
+    table(ui, &rows, state, actions)
+}
+
+/// Copies the table, or saves the plot or the table in a file.
+fn export(ui: &mut Ui, rows: &[Arc<Row>], state: &mut State, of: (&Document, Theme), actions: &mut Actions) {
+    let is_swept = rows.iter().any(|row| row.swept.is_some());
+    let size = TextStyle::Body.resolve(ui.style()).size;
+    let mut is_entered = false;
+    ui.horizontal(|ui| {
+        if ui.button("Copy as CSV").on_hover_text("Copy all rows so far as CSV, for a spreadsheet.").clicked() {
+            ui.copy_text(comparison::csv(rows));
+        }
+        ui.add_space(8.0);
+        is_entered = state.file.show(ui, "File of the plot or the table", 24.0 * size);
+        if ui.button("Browse…").clicked() {
+            actions.ask(Action::Browse(Browse::SaveFile));
+        }
+        let tip = match is_swept {
+            true => "Save the plot as .png, .svg or .pdf, or all rows as .csv: the end of the name decides.",
+            false => "Save all rows as .csv. A sweep has a plot as well.",
+        };
+        is_entered |= ui.button("Save").on_hover_text(tip).clicked();
+    });
+    state.file.show_found(ui);
+    if is_entered {
+        let ctx = ui.ctx().clone();
+        let saved = encoded(rows, state, of);
+        state.saved = Some(Background::new("save", move || ctx.request_repaint(), move |_| saved?.save()));
+    }
+    if let Some(saved) = &state.saved {
+        saved.look(|outcome| match outcome {
+            Some(Ok(told)) => drop(ui.label(told.as_str())),
+            Some(Err(why)) => {
+                drop(ui.label(RichText::new(why.to_string()).color(ui.visuals().error_fg_color)));
+            }
+            None => {}
+        });
+    }
+}
+
+/// A plot or a table on its way to a file.
+struct Outgoing {
+    path: PathBuf,
+    inputs: Arc<Inputs>,
+    content: Content,
+}
+
+/// What is written.
+enum Content {
+    /// Rows as text.
+    Table(String),
+    /// A plot.
+    Plot(Series, Theme, Format),
+}
+
+/// The first name for a table, or for the plot of a sweep.
+fn file_of(is_swept: bool) -> String {
+    let name = if is_swept { "comparison.svg" } else { "comparison.csv" };
+    std::env::current_dir().unwrap_or_default().join(name).display().to_string()
+}
+
+/// What the path asks for: the table, or the plot of the column that is shown.
+fn encoded(rows: &[Arc<Row>], state: &State, (document, theme): (&Document, Theme)) -> Result<Outgoing, Error> {
+    let told = || Error::new("no file is named; type a path that ends in .svg, .png, .pdf or .csv");
+    let path = super::open::parse(&state.file.text).map(PathBuf::from).ok_or_else(told)?;
+    let inputs = document.prepared_alone().map(|prepared| prepared.inputs).unwrap_or_default();
+    let is_table = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
+    let content = if is_table {
+        Content::Table(comparison::csv(rows))
+    } else if rows.iter().any(|row| row.swept.is_some()) {
+        let plotted = plotted(rows, state);
+        let axis = state.sweep.as_ref().map_or("", |sweep| sweep.axis);
+        Content::Plot(sweep_plot::series(rows, &plotted, axis), theme, Format::of(&path)?)
+    } else {
+        return Err(Error::new("only a sweep has a plot; choose one under Sweep, or save the table as .csv"));
+    };
+    Ok(Outgoing { path, inputs, content })
+}
+
+impl Outgoing {
+    /// Writes the file, if there is none yet; gives what was written.
+    fn save(self) -> Result<String, Error> {
+        let Self { path, inputs, content } = self;
+        if path.exists() {
+            return Err(Error::new(format!("{} is there already; choose another name", path.display())));
+        }
+        media::export::check(&inputs, &[Target::File(&path)])
+            .map_err(|conflict| Error::new(format!("{} {}; choose another name", path.display(), conflict.why)))?;
+        let bytes = match content {
+            Content::Table(table) => table.into_bytes(),
+            Content::Plot(series, theme, format) => sweep_plot::encode(&series, theme, format, SCALE)?,
+        };
+        media::export::save_result(&path, &bytes)?;
+        Ok(format!("Saved {}.", path.display()))
+    }
+}
+
+/// The column that is plotted.
+fn plotted(rows: &[Arc<Row>], state: &State) -> Column {
+    let columns = comparison::all_columns();
+    columns[state.plotted.unwrap_or_else(|| comparison::telling(rows)).min(columns.len() - 1)]
 }
 
 fn table(ui: &mut Ui, rows: &[Arc<Row>], state: &mut State, actions: &mut Actions) -> bool {
@@ -439,37 +554,4 @@ fn cell(ui: &mut Ui, column: &Column, row: &Arc<Row>, actions: &mut Actions) -> 
         actions.ask(Action::Visit(Arc::clone(row)));
     }
     clicked
-}
-
-/// Returns a column over the swept values, one line per estimator.
-fn plot(rows: &[Arc<Row>], column: &Column, sweep: Option<&Sweep>) -> Series {
-    let mut lines: Vec<(&'static str, Role, Vec<[f32; 2]>)> = Vec::new();
-    for row in rows {
-        let name = row.estimator.info().name;
-        let x = row.swept.as_ref().and_then(|(_, value)| value.parse::<f32>().ok());
-        let (Some(x), Some(y)) = (x, column.value(row)) else { continue };
-        match lines.iter_mut().find(|(known, ..)| *known == name) {
-            Some((.., points)) => points.push([x, y as f32]),
-            None => lines.push((name, ROLES[lines.len() % MOST], vec![[x, y as f32]])),
-        }
-    }
-    let most = lines.iter().flat_map(|(.., points)| points).map(|point| point[0]).fold(1.0, f32::max);
-    let x_max = most.ceil() as usize;
-    Series {
-        title: column.heading,
-        x_label: sweep.map_or("", |sweep| sweep.axis),
-        y_label: "over the swept parameter",
-        x_max,
-        lines,
-        is_sweep: true,
-        has_logarithmic_x: sweep.is_some_and(|sweep| sweep.is_geometric),
-        ..Series::default()
-    }
-}
-
-/// Whether the ratio of largest to smallest value asks for a logarithmic axis.
-fn is_wide(series: &Series) -> bool {
-    let values = series.lines.iter().flat_map(|(.., points)| points).map(|point| f64::from(point[1]));
-    let (low, high) = (values.clone().fold(f64::INFINITY, f64::min), values.fold(0.0, f64::max));
-    low > 0.0 && high > WIDE * low
 }

@@ -171,7 +171,7 @@ fn tags(command: Command) -> &'static str {
         C::Lecture | C::FullScreen => "presentation projector beamer class",
         C::ReducedMotion => "animation accessibility",
         C::Compare | C::Lockstep => "side by side table benchmark versus",
-        C::Play | C::Slower | C::Faster => "speed animate pause",
+        C::Play | C::PlayBack | C::Slower | C::Faster => "speed animate pause reverse",
         C::NextFrame | C::PreviousFrame => "pair time",
         C::Undo | C::Redo | C::ResetParameters => "history default change",
         C::Layer(FlowLayer::Difference) => "flow colour layer overlay compare lockstep",

@@ -105,6 +105,11 @@ impl PathField {
         Self { text: text.into(), ..Self::default() }
     }
 
+    /// The field with a path that does not take the keyboard when it appears.
+    pub fn waiting(text: impl Into<String>) -> Self {
+        Self { is_focused: true, ..Self::new(text) }
+    }
+
     /// Gives it the keyboard once more.
     pub fn focus(&mut self) {
         self.is_focused = false;

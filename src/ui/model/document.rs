@@ -78,7 +78,7 @@ impl Document {
     pub fn sample(&self) -> Option<&'static Sample> {
         match self.source()? {
             Source::Synth { id, .. } => synth::scene(id).ok(),
-            Source::File(_) => None,
+            Source::File(_) | Source::Pair(_) => None,
         }
     }
 
@@ -144,7 +144,7 @@ impl Document {
     fn difficulty(&self) -> Option<&Difficulty> {
         match self.source()? {
             Source::Synth { difficulty, .. } => Some(difficulty),
-            Source::File(_) => None,
+            Source::File(_) | Source::Pair(_) => None,
         }
     }
 
@@ -231,7 +231,7 @@ impl Document {
                 side_by_side.beside.get_mut(companion).map_or(Ok(()), |companion| companion.set_value(index, value))?;
             }
             (Owner::Difficulty, Source::Synth { difficulty, .. }) => difficulty.set_value(index, value)?,
-            (Owner::Difficulty, Source::File(_)) => {}
+            (Owner::Difficulty, Source::File(_) | Source::Pair(_)) => {}
         }
         self.setup.change(&format!("{owner:?} {index}"), next);
         self.remake();
@@ -259,7 +259,7 @@ impl Document {
             (Owner::Difficulty, Source::Synth { id, difficulty }) => {
                 synth::scene(id).into_iter().for_each(|scene| *difficulty = scene.difficulty());
             }
-            (Owner::Difficulty, Source::File(_)) => {}
+            (Owner::Difficulty, Source::File(_) | Source::Pair(_)) => {}
         }
         self.take("reset", next);
         self.remake();

@@ -1,6 +1,6 @@
 //! Playback of a run: the number of steps due, and the cursor they lead to.
 
-use motionscope_core::{Cursor, Move};
+use motionscope_core::{Cursor, Direction, Move};
 
 /// The unit of playback speed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,14 +57,15 @@ impl Speed {
 pub struct Player {
     /// Index into [`SPEEDS`].
     pub speed: usize,
-    playing: bool,
+    /// Which way it plays, if it does.
+    playing: Option<Direction>,
     /// Steps due, with a fraction.
     due: f64,
 }
 
 impl Default for Player {
     fn default() -> Self {
-        Self { speed: 3, playing: false, due: 0.0 }
+        Self { speed: 3, playing: None, due: 0.0 }
     }
 }
 
@@ -76,17 +77,22 @@ impl Player {
 
     /// Whether it plays.
     pub fn is_playing(&self) -> bool {
-        self.playing
+        self.playing.is_some()
     }
 
-    /// Starts playback, with the first step at once.
-    pub fn play(&mut self) {
-        (self.playing, self.due) = (true, 1.0);
+    /// Whether it plays in the direction `way`.
+    pub fn plays(&self, way: Direction) -> bool {
+        self.playing == Some(way)
+    }
+
+    /// Starts playback in the direction `way`, with the first step at once.
+    pub fn play(&mut self, way: Direction) {
+        (self.playing, self.due) = (Some(way), 1.0);
     }
 
     /// Pauses playback.
     pub fn pause(&mut self) {
-        self.playing = false;
+        self.playing = None;
     }
 
     /// Returns the speed.
@@ -102,7 +108,7 @@ impl Player {
 
     /// Advances the clock by `seconds`.
     pub fn pass(&mut self, seconds: f64) {
-        if self.playing {
+        if self.is_playing() {
             let rate = f64::from(self.speed().per_second);
             // What a slow machine cannot do in time is left out, not caught up with.
             self.due = (self.due + seconds * rate).min(rate.max(1.0) / 4.0 + 1.0);
@@ -111,12 +117,13 @@ impl Player {
 
     /// Returns the move that is due at `cursor` in a unit of `events` events.
     pub fn due(&mut self, cursor: Cursor, events: usize) -> Option<Move> {
-        if !self.playing {
-            return None;
-        }
+        let way = self.playing?;
         let steps = self.due as usize;
         self.due -= steps as f64;
-        (steps > 0).then(|| Move::To(ahead(self.speed().pace, cursor, events, steps)))
+        (steps > 0).then(|| match way {
+            Direction::Forward => Move::To(ahead(self.speed().pace, cursor, events, steps)),
+            Direction::Back => Move::To(behind(self.speed().pace, cursor, steps)),
+        })
     }
 
     /// Returns the seconds until the next step is due.
@@ -138,6 +145,17 @@ fn ahead(pace: Pace, cursor: Cursor, events: usize, steps: usize) -> Cursor {
     }
 }
 
+/// Returns the cursor `steps` back, stopping at the first event and at the end of every unit.
+fn behind(pace: Pace, cursor: Cursor, steps: usize) -> Cursor {
+    let Cursor { unit, event } = cursor;
+    let end_of = |unit| Cursor { unit, event: usize::MAX };
+    match pace {
+        Pace::Events if event > 1 => Cursor { unit, event: event.saturating_sub(steps).max(1) },
+        Pace::Events => unit.checked_sub(1).map_or(Cursor::default(), end_of),
+        Pace::Units => unit.checked_sub(steps).map_or(Cursor::default(), end_of),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -151,7 +169,7 @@ mod tests {
             player.due(cursor, events)
         };
         assert_eq!(pass(&mut player, 1.0, at(0, 0), 50), None);
-        player.play();
+        player.play(Direction::Forward);
         assert_eq!(pass(&mut player, 0.0, at(0, 0), 50), Some(Move::To(at(0, 1))));
         assert_eq!(pass(&mut player, 0.05, at(0, 1), 50), None);
         assert!((player.wait_secs() - 0.05).abs() < 1e-9);
@@ -170,9 +188,25 @@ mod tests {
     }
 
     #[test]
+    fn backwards_the_same_steps_are_seen() {
+        let at = |unit, event| Cursor { unit, event };
+        let back = |cursor, steps| behind(Pace::Events, cursor, steps);
+        assert_eq!(back(at(2, 9), 1), at(2, 8));
+        assert_eq!(back(at(2, 3), 5), at(2, 1), "the first event is seen");
+        assert_eq!(back(at(2, 1), 1), at(1, usize::MAX), "and the end of the unit before");
+        assert_eq!(back(at(0, 1), 1), at(0, 0));
+        assert_eq!(behind(Pace::Units, at(5, 2), 2), at(3, usize::MAX));
+        assert_eq!(behind(Pace::Units, at(1, 2), 2), at(0, 0));
+        let mut player = Player { speed: 2, ..Player::default() };
+        player.play(Direction::Back);
+        assert!(player.plays(Direction::Back) && !player.plays(Direction::Forward));
+        assert_eq!(player.due(at(1, 7), 9), Some(Move::To(at(1, 6))));
+    }
+
+    #[test]
     fn time_lost_is_not_caught_up_with() {
         let mut player = Player { speed: 6, ..Player::default() };
-        player.play();
+        player.play(Direction::Forward);
         player.pass(60.0);
         let Some(Move::To(cursor)) = player.due(Cursor::default(), 100_000) else { panic!("nothing is due") };
         assert!(cursor.event <= 252, "{cursor}");

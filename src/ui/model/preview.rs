@@ -35,6 +35,7 @@ pub fn preview(subject: &Arc<Prepared>, clip: &Clip) -> Result<Snapshot, Error> 
         units: None,
         place: Vec::new(),
         landmarks: Vec::new(),
+        faults: Arc::default(),
         failure: None,
         pointed: None,
         clickable: Vec::new(),

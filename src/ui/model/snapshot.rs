@@ -8,7 +8,7 @@ use motionscope_core::{Cursor, Error, Granularity, Info, Move, Pace, Role, Step,
 
 use crate::experiment::Prepared;
 use crate::experiment::pixel::Pixel;
-use crate::view::moment::Moment;
+use crate::view::moment::{Fault, Moment};
 
 /// The held pixel at the start of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -129,6 +129,8 @@ pub struct Snapshot {
     pub place: Vec<Granularity>,
     /// Events marked on the timeline, with their roles.
     pub landmarks: Vec<(usize, Role)>,
+    /// The units with errors of tracks, once the run was at its end.
+    pub faults: Arc<[(usize, Fault)]>,
     /// The error that ended the run early, if any.
     pub failure: Option<Error>,
     /// The explained pixel, if not the current one.

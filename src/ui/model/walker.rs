@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 
 use long_move::LongMove;
 use motionscope_core::scene::{Focus, Picture};
-use motionscope_core::{Clip, Cursor, Error, Explained, Flow, Move, Output, Stop, Walk};
+use motionscope_core::{Clip, Cursor, Direction, Error, Explained, Flow, Move, Output, Stop, Walk};
 
 use super::preview::{preview, stopped};
 use super::snapshot::{Hold, Job, Place, Pointed, Snapshot, event_of};
@@ -84,6 +84,10 @@ enum Request {
     Go(Move),
     /// To the end or the start of the unit whose result lies at a pixel, or to that pixel itself.
     GoAt(Focus, Side),
+    /// To the event of the unit at hand that tests a displacement, or to the end of the unit.
+    GoToCandidate([i32; 2]),
+    /// To the next step in this direction that is marked on the timeline, or to the end of the run on that side.
+    GoToMark(Direction),
     /// No pixel is held any longer.
     Release,
     /// To where the run stands, whatever it was on its way to.
@@ -257,6 +261,22 @@ impl Walker {
         self.ask(true, |mailbox| {
             mailbox.take_up();
             mailbox.requests.push_back(Request::GoAt(focus, side));
+        });
+    }
+
+    /// Goes to the event of the unit at hand that tests the displacement `candidate`, in px; if none does, to the end of the unit.
+    pub fn go_to_candidate(&self, candidate: [i32; 2]) {
+        self.ask(true, |mailbox| {
+            mailbox.take_up();
+            mailbox.requests.push_back(Request::GoToCandidate(candidate));
+        });
+    }
+
+    /// Goes to the next step in the direction `way` that is marked on the timeline; where none is, to that end of the run.
+    pub fn go_to_mark(&self, way: Direction) {
+        self.ask(true, |mailbox| {
+            mailbox.take_up();
+            mailbox.requests.push_back(Request::GoToMark(way));
         });
     }
 
@@ -532,6 +552,8 @@ impl<'a> Worker<'a> {
                 self.go(to);
             }
             Task::Request(Request::GoAt(focus, side)) => self.go_at(focus, side),
+            Task::Request(Request::GoToCandidate(candidate)) => self.go_to_candidate(candidate),
+            Task::Request(Request::GoToMark(way)) => self.go_to_mark(way),
             Task::Request(Request::Release) => {
                 if self.held.take().is_some() {
                     self.publish();
@@ -646,8 +668,55 @@ impl<'a> Worker<'a> {
     }
 
     fn go(&mut self, to: Move) {
-        if self.travel(to) {
+        if self.travel(to) && self.pass_idle(to) {
             self.publish();
+        }
+    }
+
+    /// Goes on with a small move as long as nothing happens where it leads; gives whether it is done.
+    fn pass_idle(&mut self, to: Move) -> bool {
+        let is_idle = |worker: &Self| worker.run.as_ref().is_some_and(|run| run.walk.is_idle() && !run.walk.at_end());
+        while matches!(to, Move::Granularity(..)) && is_idle(self) {
+            let before = self.run.as_ref().map(|run| run.walk.cursor());
+            if !self.travel(to) {
+                return false;
+            }
+            if before == self.run.as_ref().map(|run| run.walk.cursor()) {
+                break;
+            }
+        }
+        true
+    }
+
+    fn go_to_mark(&mut self, way: Direction) {
+        loop {
+            let Some(run) = &self.run else { return };
+            let (walk, here) = (&*run.walk, run.walk.cursor());
+            let marks = walk.landmarks();
+            let of_unit = |event: usize| Cursor { unit: here.unit, event };
+            let next = match way {
+                Direction::Forward => marks.iter().find(|(event, _)| *event > here.event),
+                Direction::Back => marks.iter().rev().find(|(event, _)| *event < here.event),
+            };
+            if let Some((event, _)) = next {
+                return self.go(Move::To(of_unit(*event)));
+            }
+            // A unit is entered at the side that it is searched from.
+            let to = match way {
+                Direction::Forward if walk.at_end() => return self.publish(),
+                Direction::Forward => Cursor { unit: here.unit + 1, event: 1 },
+                Direction::Back if here.unit == 0 => return self.go(Move::To(Cursor::default())),
+                Direction::Back => Cursor { unit: here.unit - 1, event: usize::MAX },
+            };
+            if !self.travel(Move::To(to)) {
+                return;
+            }
+            let Some(run) = &self.run else { return };
+            let (now, marks) = (run.walk.cursor(), run.walk.landmarks());
+            let is_marked = marks.iter().any(|(event, _)| *event == now.event);
+            if is_marked || now.unit == here.unit {
+                return self.go(if is_marked { Move::To(now) } else { Move::End });
+            }
         }
     }
 
@@ -665,6 +734,15 @@ impl<'a> Worker<'a> {
             (None, None) => here,
         };
         self.go(Move::To(to));
+    }
+
+    fn go_to_candidate(&mut self, candidate: [i32; 2]) {
+        let Some(run) = &mut self.run else { return };
+        let Cursor { unit, .. } = run.walk.cursor();
+        // In lockstep each search tests it, or not, at a step of its own.
+        let is_alone = run.walk.beside(None).is_empty();
+        let event = is_alone.then(|| event_of(&mut *run.walk, Cursor { unit, event: 0 }, candidate)).flatten();
+        self.go(Move::To(Cursor { unit, event: event.unwrap_or(usize::MAX) }));
     }
 
     /// The pixel that was clicked, where it can be explained.
@@ -812,6 +890,7 @@ impl Run {
             units: walk.units(),
             place: walk.place(),
             landmarks: walk.landmarks(),
+            faults: self.end.get().and_then(|end| Some(Arc::clone(end.as_ref()?.faults()))).unwrap_or_default(),
             failure: walk.failure().cloned(),
             pointed: None,
             clickable,

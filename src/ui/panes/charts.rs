@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::Panes;
 use crate::ui::app::action::Action;
 use crate::ui::app::commands::Command;
+use crate::ui::charts::heat_map::Clicked;
 use crate::ui::charts::{
     distribution, heat_map, histogram, matrices, plane, plots, regions, stack3d, surface3d, tiles,
 };
@@ -157,7 +158,12 @@ impl Panes<'_> {
         for readout in &step.readouts {
             match readout {
                 Readout::Surface(surface) if *pane == panes::SURFACE => {
-                    event = heat_map::show(ui, heat_map::Input { surface, subject }, &mut self.states.heat_map).clicked;
+                    let input = heat_map::Input { surface, subject };
+                    match heat_map::show(ui, input, &mut self.states.heat_map).clicked {
+                        Some(Clicked::Tested(tester)) => event = Some(tester),
+                        Some(Clicked::Untested(at)) => self.actions.ask(Action::SeekCandidate(at)),
+                        None => {}
+                    }
                 }
                 Readout::Surface(surface) if *pane == panes::SURFACE_3D => {
                     let input = surface3d::Input { surface, subject, gpu: self.gpu };

@@ -58,6 +58,9 @@ pub struct States {
     /// Which of several estimators is explained.
     #[serde(skip)]
     pub explained: usize,
+    /// The unit and the displacement in px of a click on the cost surface, until the run is there.
+    #[serde(skip)]
+    pub sought: Option<(usize, [i32; 2])>,
     /// The explanation.
     #[serde(skip)]
     pub explanation: explanation::State,

@@ -9,6 +9,7 @@ use crate::paint::{Theme, grouped};
 use crate::ui::drawing::style;
 use crate::ui::model::snapshot::Snapshot;
 use crate::ui::parts::slider::Scale;
+use crate::view::moment::Fault;
 
 /// Least distance of two ticks in points.
 const TICK_PT: f32 = 9.0;
@@ -27,7 +28,9 @@ struct Track<'a> {
     counts: Counts,
     /// What the counter says: `35 / 1200`.
     counter: String,
-    marks: &'a [(usize, Role)],
+    marks: Vec<(f32, Role)>,
+    /// The units with errors of tracks.
+    faults: &'a [(usize, Fault)],
 }
 
 /// How a place on a track is counted.
@@ -69,7 +72,9 @@ pub fn show(ui: &mut Ui, rect: Rect, shown: &Snapshot, theme: Theme) -> Option<C
         number: unit + 1,
         counts: Counts::Stretches,
         counter: format!("{}{of}", grouped(unit + 1)),
-        marks: &[],
+        // In the middle of its stretch, so that a click on it goes there.
+        marks: shown.faults.iter().map(|(unit, fault)| (*unit as f32 + 0.5, fault.role())).collect(),
+        faults: &shown.faults,
     };
     let events = Track {
         name: name(1).unwrap_or("step"),
@@ -79,7 +84,8 @@ pub fn show(ui: &mut Ui, rect: Rect, shown: &Snapshot, theme: Theme) -> Option<C
         number: event,
         counts: Counts::Ticks,
         counter: format!("{} / {}", grouped(event), grouped(shown.events)),
-        marks: &shown.landmarks,
+        marks: shown.landmarks.iter().map(|(event, role)| (*event as f32, *role)).collect(),
+        faults: &[],
     };
     let columns = Columns::of(ui, [&run, &events]);
     let to_unit = run.show(ui, upper, &columns, theme);
@@ -151,7 +157,11 @@ impl Track<'_> {
         self.rail(ui, rail, &response, theme);
         let number_at = |at: egui::Pos2| self.number_at(self.value_at(rail, at.x));
         if let Some(at) = response.hover_pos().filter(|_| !response.dragged()) {
-            response.clone().on_hover_text_at_pointer(format!("{} {}", self.name, grouped(number_at(at))));
+            let number = number_at(at);
+            let place = format!("{} {}", self.name, grouped(number));
+            let fault = self.faults.iter().find(|(unit, _)| unit + 1 == number);
+            let told = fault.map_or_else(|| place.clone(), |(_, fault)| format!("{place}: {}", fault.name()));
+            response.clone().on_hover_text_at_pointer(told);
         }
         // The last move and the release may come in one frame.
         let held = response.is_pointer_button_down_on() || response.clicked() || response.drag_stopped();
@@ -215,13 +225,13 @@ impl Track<'_> {
     /// What is worth a look: at most one mark per point of the screen.
     fn landmarks(&self, painter: &egui::Painter, rail: Rect, thickness: f32, theme: Theme) {
         let mut last = f32::NEG_INFINITY;
-        for (event, role) in self.marks {
-            let x = self.x_of(rail, *event as f32);
+        for (at, role) in &self.marks {
+            let x = self.x_of(rail, *at);
             if x - last < 1.0 {
                 continue;
             }
             last = x;
-            let seen = *event as f32 <= self.at;
+            let seen = *at <= self.at;
             let ink = style::color(theme.ink(*role).color);
             let ink = if seen { ink } else { ink.gamma_multiply(0.45) };
             let y = rail.center().y;
@@ -273,7 +283,8 @@ mod tests {
             number: 0,
             counts,
             counter: String::new(),
-            marks: &[],
+            marks: Vec::new(),
+            faults: &[],
         }
     }
 

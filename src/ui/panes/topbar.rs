@@ -281,9 +281,9 @@ fn section(command: Command) -> u8 {
         | C::FullScreen => 3,
         C::ResetLayout | C::ReducedMotion => 3,
         C::Into | C::IntoBack | C::Over | C::OverBack | C::Out | C::OutBack => 5,
-        C::NextUnit | C::PreviousUnit | C::Start | C::End => 6,
+        C::NextUnit | C::PreviousUnit | C::NextMark | C::PreviousMark | C::Start | C::End => 6,
         C::Compare | C::Lockstep => 9,
-        C::Stop | C::Slower | C::Faster | C::Play => 7,
+        C::Stop | C::Slower | C::Faster | C::Play | C::PlayBack => 7,
         C::NextFrame | C::PreviousFrame => 8,
         _ => 0,
     }

@@ -4,6 +4,7 @@ use eframe::egui::{
     self, Align2, Button, ComboBox, FontId, Rect, Response, Sense, Stroke, TextStyle, Ui, WidgetInfo, vec2,
 };
 use lucide_icons::Icon;
+use motionscope_core::Direction;
 
 use crate::paint::Theme;
 use crate::ui::app::action::{Action, Actions};
@@ -43,6 +44,7 @@ pub fn show(ui: &mut Ui, input: &Input, actions: &mut Actions) {
             step(ui, command, named, input, actions);
         }
         ui.add_space(4.0);
+        play_back(ui, input, actions);
         play(ui, input, actions);
         ui.add_space(4.0);
         for command in [Command::Into, Command::Over, Command::Out, Command::End].into_iter().filter(listed) {
@@ -100,7 +102,7 @@ fn step(ui: &mut Ui, command: Command, named: bool, input: &Input, actions: &mut
 }
 
 fn play(ui: &mut Ui, input: &Input, actions: &mut Actions) {
-    let playing = input.player.is_playing();
+    let playing = input.player.plays(Direction::Forward);
     let chrome = input.theme.chrome();
     let side = (ui.spacing().interact_size.y * 1.35).round();
     let enabled = Command::Play.enabled(&input.now);
@@ -121,6 +123,37 @@ fn play(ui: &mut Ui, input: &Input, actions: &mut Actions) {
     }
     if tooltip(response, Command::Play, &input.granularities).clicked() {
         actions.command(Command::Play);
+    }
+}
+
+/// The triangle that points back, or the bars of a pause while it plays backwards.
+fn play_back(ui: &mut Ui, input: &Input, actions: &mut Actions) {
+    let playing = input.player.plays(Direction::Back);
+    let side = (ui.spacing().interact_size.y * 1.25).round();
+    let enabled = Command::PlayBack.enabled(&input.now);
+    let (rect, response) =
+        ui.allocate_exact_size(vec2(side, side), if enabled { Sense::click() } else { Sense::hover() });
+    let text = if playing { "Pause" } else { "Play backwards" };
+    response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, enabled, text));
+    let chrome = input.theme.chrome();
+    let ink = match (enabled, response.hovered() || playing) {
+        (false, _) => chrome.line,
+        (true, false) => chrome.dim,
+        (true, true) => chrome.accent,
+    };
+    if playing {
+        let font = FontId::new((side * 0.6).round(), style::icons());
+        ui.painter().text(rect.center(), Align2::CENTER_CENTER, char::from(Icon::Pause), font, style::color(ink));
+    } else {
+        let corner = |x: f32, y: f32| rect.center() + vec2(x, y) * side;
+        let corners = vec![corner(-0.24, 0.0), corner(0.18, -0.24), corner(0.18, 0.24)];
+        ui.painter().add(egui::Shape::convex_polygon(corners, style::color(ink), Stroke::NONE));
+    }
+    if response.has_focus() {
+        ui.painter().rect_stroke(rect, 4.0, Stroke::new(1.5, style::color(chrome.text)), egui::StrokeKind::Inside);
+    }
+    if tooltip(response, Command::PlayBack, &input.granularities).clicked() {
+        actions.command(Command::PlayBack);
     }
 }
 

@@ -104,7 +104,7 @@ pub fn costs<'a>(painter: &Painter, marks: impl Iterator<Item = &'a Mark>, lens:
     }
 }
 
-/// The gray value in each pixel, where there is room and none of `marks` tells its cost.
+/// The gray value in each pixel, or its label where `marks` have one, where there is room and none of `marks` tells its cost.
 pub fn numbers<'a>(
     painter: &Painter,
     shown: Shown,
@@ -114,7 +114,11 @@ pub fn numbers<'a>(
 ) {
     let Some([[left, right], [top, bottom]]) = lens.visible().filter(|_| has_numbers(lens)) else { return };
     let font = ink::font(Face::Sans, (0.36 * lens.scale).clamp(LEAST_TYPE, 18.0).floor());
-    let costs: Vec<_> = marks.filter(|mark| tells_costs(mark, lens)).filter_map(|mark| Costs::of(mark, lens)).collect();
+    let marks: Vec<_> = marks.collect();
+    let costs = marks.iter().filter(|mark| tells_costs(mark, lens)).filter_map(|mark| Costs::of(mark, lens));
+    let costs: Vec<_> = costs.collect();
+    let labels =
+        marks.iter().find_map(|mark| if let Shape::Labels(labels) = &mark.shape { Some(labels) } else { None });
     for y in top..=bottom {
         for x in left..=right {
             if costs.iter().any(|costs| costs.covers(x, y)) {
@@ -122,7 +126,10 @@ pub fn numbers<'a>(
             }
             let Some((value, shade)) = value(shown, pictures, x, y) else { continue };
             let at = lens.to_screen([x as f32, y as f32]);
-            painter.text(at, Align2::CENTER_CENTER, value.to_string(), font.clone(), ink::color(on_gray(shade)));
+            // A labelled pixel tells its label.
+            let label = labels.and_then(|labels| labels.get(x, y)).filter(|label| **label > 0);
+            let text = label.map_or_else(|| value.to_string(), u32::to_string);
+            painter.text(at, Align2::CENTER_CENTER, text, font.clone(), ink::color(on_gray(shade)));
         }
     }
 }

@@ -12,7 +12,7 @@ use crate::products::{MaskField, ObjectField, ObjectFrame, Output, Product, Prod
 use crate::run::{
     Estimator, Footprint, Frames, Granularity, Guarantee, Info, Masks, Need, Pointed, Progress, Seen, Span, Stage, need,
 };
-use crate::scene::{Chart, Focus, Scene, Step};
+use crate::scene::{Chart, Focus, Role, Scene, Step};
 use crate::{choices, params, pseudocode};
 
 use super::FrameDifference;
@@ -77,8 +77,8 @@ pub struct MaskedFrame {
 /// The events of a unit.
 #[derive(Clone)]
 pub enum Event {
-    /// A row starts.
-    Row(Arc<MaskedFrame>),
+    /// A row starts, with this number of foreground pixels.
+    Row(Arc<MaskedFrame>, u32),
     /// The labelling of a run of pixels.
     Run(LabelEvent),
     /// The final label of each pixel and the number of components.
@@ -190,7 +190,8 @@ impl Estimator for ConnectedComponents {
         if state.row == state.picture.1 {
             return Ok(self.finish(clip, state, &masked, observer));
         }
-        observer.see(|| Event::Row(Arc::clone(&masked)));
+        let row = masked.mask.row(state.row);
+        observer.see(|| Event::Row(Arc::clone(&masked), row.iter().map(|word| word.count_ones()).sum()));
         let labelling = Arc::make_mut(&mut state.labelling);
         labelling.row(&masked.mask, state.row, &mut Mapped { observer, map: Event::Run });
         state.row += 1;
@@ -213,6 +214,14 @@ impl Estimator for ConnectedComponents {
 
     fn at_frame(&self, state: &State) -> Option<usize> {
         Some(state.frame)
+    }
+
+    fn landmark(&self, event: &Event) -> Option<Role> {
+        matches!(event, Event::Run(LabelEvent::Merged(..))).then_some(Role::Result)
+    }
+
+    fn is_idle(&self, event: &Event) -> bool {
+        matches!(event, Event::Row(_, 0))
     }
 
     fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {

@@ -10,6 +10,7 @@ use crate::data::{Clip, Detection};
 use crate::geometry::{Bounds, Grid};
 use crate::methods::multi_object::{
     lifecycle::{Rules, TrackAge},
+    selected::track_at,
     tracker_run::{self, Conclusion, TrackerRun},
 };
 use crate::products::{
@@ -19,8 +20,8 @@ use crate::products::{
         pairs::Pairs,
     },
 };
-use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Progress, Seen};
-use crate::scene::{Chart, Role, Scene, Step};
+use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
+use crate::scene::{Chart, Focus, Role, Scene, Step};
 use crate::{choices, params, pseudocode};
 use correspond::{Blob, Correspondence};
 
@@ -461,6 +462,10 @@ impl Estimator for BlobTracker {
         }
     }
 
+    fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {
+        Some(self)
+    }
+
     fn step(&self, seen: &Seen<Self>) -> Step {
         self.told(seen)
     }
@@ -475,6 +480,12 @@ impl Estimator for BlobTracker {
 
     fn output(&self, state: &State) -> Output {
         Output::of(state.run.field())
+    }
+}
+
+impl Pointed<State> for BlobTracker {
+    fn explained(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<Explained> {
+        track_at(&state.run, point).map(|_| Explained::Always)
     }
 }
 

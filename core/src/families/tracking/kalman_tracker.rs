@@ -14,12 +14,13 @@ use crate::methods::{
     multi_object::{
         Extent,
         lifecycle::{Rules, TrackAge},
+        selected::track_at,
         tracker_run::{self, Conclusion, TrackerRun},
     },
 };
 use crate::products::{Object, ObjectField, ObjectFrame, Output, Product, ProductKind};
-use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Progress, Seen};
-use crate::scene::{Chart, Role, Scene, Step};
+use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
+use crate::scene::{Chart, Focus, Role, Scene, Step};
 use crate::{choices, params, pseudocode};
 
 pub use association::Costs;
@@ -267,6 +268,10 @@ impl Estimator for KalmanTracker {
         }
     }
 
+    fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {
+        Some(self)
+    }
+
     fn step(&self, seen: &Seen<Self>) -> Step {
         self.told(seen)
     }
@@ -295,6 +300,12 @@ impl Footprint<State> for KalmanTracker {
 
     fn memory_bytes(&self, state: &State) -> usize {
         self.state_bytes(state) + state.run.shared_bytes()
+    }
+}
+
+impl Pointed<State> for KalmanTracker {
+    fn explained(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<Explained> {
+        track_at(&state.run, point).map(|_| Explained::Always)
     }
 }
 

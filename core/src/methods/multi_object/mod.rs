@@ -4,7 +4,9 @@ pub mod directions;
 pub(crate) mod explain;
 mod extent;
 pub(crate) mod lifecycle;
+pub(crate) mod selected;
 pub mod source;
 pub(crate) mod tracker_run;
+pub(crate) mod truth;
 
 pub use extent::Extent;

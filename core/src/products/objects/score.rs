@@ -44,6 +44,34 @@ pub struct Scores {
     pub greedy: usize,
 }
 
+/// The errors of confirmed tracks in one frame.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FrameErrors {
+    /// The frame.
+    pub frame: usize,
+    /// The true boxes with a match.
+    pub matches: Boxes,
+    /// The true boxes without a match.
+    pub misses: Boxes,
+    /// The boxes of tracks without a match.
+    pub false_alarms: Boxes,
+    /// The identity switches.
+    pub switches: Vec<Switch>,
+}
+
+/// An identity switch: a true object is matched with another track than before.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Switch {
+    /// The identity of the true object.
+    pub object: u32,
+    /// The track that it was matched with last.
+    pub before: u32,
+    /// Its track now.
+    pub now: u32,
+    /// The true box.
+    pub bounds: Bounds,
+}
+
 /// Estimates matched one to one with the truth: boxes at an IoU of at least 0.5, or pixels of a mask.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Matches {
@@ -59,7 +87,7 @@ impl Matches {
     /// Matches the true and the estimated boxes of a frame at the least cost 1 − IoU.
     pub fn of(frame: &(Boxes, Boxes)) -> Self {
         let (mut clear, go_on) = (Clear::default(), &|| Ok::<_, Infallible>(()));
-        let Ok(()) = overlaps(frame, go_on).and_then(|overlaps| clear.see(frame, &overlaps, go_on));
+        let Ok(()) = overlaps(frame, go_on).and_then(|overlaps| clear.see(frame, &overlaps, go_on).map(drop));
         Self { truths: frame.0.len(), estimates: frame.1.len(), pairs: clear.matches }
     }
 
@@ -149,7 +177,30 @@ pub fn scores_on(clip: &Clip, field: &ObjectField) -> Result<Option<Scores>, Err
     scored.transpose().map(Option::flatten)
 }
 
+/// Returns the errors of each frame of a run on a clip; `None` where the clip has no truth or nothing is tracked.
+///
+/// # Errors
+/// If the truth cannot be read, or the work is cancelled (see [`Clip::until`]).
+pub fn errors_on(clip: &Clip, field: &ObjectField) -> Result<Option<Vec<FrameErrors>>, Error> {
+    let Some(truth) = clip.truth() else { return Ok(None) };
+    let wanted: Wanted<Error> = &|| clip.wanted();
+    let Some(frames) = boxes_of(field, &**truth)? else { return Ok(None) };
+    let mut clear = Clear::default();
+    let errors = frames.iter().enumerate().map(|(i, frame)| {
+        let seen = clear.see(frame, &overlaps(frame, wanted)?, wanted)?;
+        Ok(seen.errors(field.first + i, frame))
+    });
+    errors.collect::<Result<_, Error>>().map(Some)
+}
+
 fn scores_while(field: &ObjectField, truth: &dyn Truth, wanted: Wanted<Error>) -> Result<Option<Scores>, Error> {
+    let frames = boxes_of(field, truth)?;
+    frames.map(|frames| Scores::of_frames(&frames, wanted)).transpose()
+}
+
+/// Returns the true boxes and those of the confirmed tracks of each frame; `None` where the truth of a frame is unknown or nothing
+/// is tracked.
+fn boxes_of(field: &ObjectField, truth: &dyn Truth) -> Result<Option<Vec<(Boxes, Boxes)>>, Error> {
     let counts = |id: u32| match &field.followed {
         Followed::Nothing => false,
         Followed::One(ids) => ids.contains(&id),
@@ -171,7 +222,7 @@ fn scores_while(field: &ObjectField, truth: &dyn Truth, wanted: Wanted<Error>) -
         let confirmed = frame.objects.iter().filter(|object| object.status == TrackStatus::Confirmed);
         frames.push((known, confirmed.map(|object| (object.id, object.bounds)).collect()));
     }
-    Scores::of_frames(&frames, wanted).map(Some)
+    Ok(Some(frames))
 }
 
 impl Scores {
@@ -231,6 +282,32 @@ fn paired(numbers: &Pairs, columns: &[Option<usize>]) -> f64 {
     pairs.sum()
 }
 
+/// The matches of a frame.
+struct SeenFrame {
+    /// The estimated box of each true one.
+    pairs: Vec<Option<usize>>,
+    switches: Vec<Switch>,
+}
+
+impl SeenFrame {
+    /// Returns the errors of frame `t`.
+    fn errors(self, t: usize, (truth, told): &(Boxes, Boxes)) -> FrameErrors {
+        let of = |is_matched: bool| {
+            let boxes = truth.iter().zip(&self.pairs).filter(move |(_, pair)| pair.is_some() == is_matched);
+            boxes.map(|(found, _)| *found).collect()
+        };
+        let mut is_free = vec![true; told.len()];
+        self.pairs.iter().flatten().for_each(|x| is_free[*x] = false);
+        FrameErrors {
+            frame: t,
+            matches: of(true),
+            misses: of(false),
+            false_alarms: told.iter().zip(is_free).filter(|(_, is_free)| *is_free).map(|(found, _)| *found).collect(),
+            switches: self.switches,
+        }
+    }
+}
+
 /// The counts of CLEAR MOT.
 #[derive(Default)]
 struct Clear {
@@ -245,7 +322,7 @@ struct Clear {
 
 impl Clear {
     /// Adds a frame. Matches of the previous frame are kept where possible; the others are assigned anew.
-    fn see<E>(&mut self, (truth, told): &(Boxes, Boxes), overlaps: &Pairs, wanted: Wanted<E>) -> Result<(), E> {
+    fn see<E>(&mut self, (truth, told): &(Boxes, Boxes), overlaps: &Pairs, wanted: Wanted<E>) -> Result<SeenFrame, E> {
         let mut first: BTreeMap<u32, usize> = BTreeMap::new();
         told.iter().enumerate().for_each(|(x, (id, _))| _ = first.entry(*id).or_insert(x));
         let (mut pairs, mut is_taken) = (vec![None; truth.len()], vec![false; told.len()]);
@@ -263,13 +340,16 @@ impl Clear {
         for (pair, new) in pairs.iter_mut().zip(new.columns) {
             *pair = pair.or(new);
         }
+        let mut switches = Vec::new();
         for (y, x) in pairs.iter().enumerate().filter_map(|(y, x)| Some((y, (*x)?))) {
-            let before = self.found_as.insert(truth[y].0, told[x].0);
-            self.switches += usize::from(before.is_some_and(|before| before != told[x].0));
+            let ((object, bounds), now) = (truth[y], told[x].0);
+            let before = self.found_as.insert(object, now).filter(|before| *before != now);
+            switches.extend(before.map(|before| Switch { object, before, now, bounds }));
             self.matches += 1;
             self.overlap += overlaps.get(y, x).unwrap_or_default();
         }
-        Ok(())
+        self.switches += switches.len();
+        Ok(SeenFrame { pairs, switches })
     }
 }
 
@@ -385,6 +465,35 @@ mod tests {
 
     fn at(id: u32, x: f32) -> (u32, Bounds) {
         (id, Bounds { min: [x, 0.0], max: [x + 10.0, 10.0] })
+    }
+
+    #[test]
+    fn the_errors_of_a_frame_are_those_that_are_counted() {
+        // Object 1 is lost for a frame and found as another track; 9 is no object.
+        let told = [vec![at(5, 0.0), at(9, 80.0)], vec![at(9, 80.0)], vec![at(6, 2.0)]];
+        let frames: Vec<(Boxes, Boxes)> =
+            told.into_iter().enumerate().map(|(t, told)| (vec![at(1, t as f32)], told)).collect();
+        let (mut clear, go_on) = (Clear::default(), &|| Ok::<_, Infallible>(()));
+        let errors: Vec<FrameErrors> = frames
+            .iter()
+            .enumerate()
+            .map(|(t, frame)| {
+                let Ok(seen) = overlaps(frame, go_on).and_then(|overlaps| clear.see(frame, &overlaps, go_on));
+                seen.errors(t, frame)
+            })
+            .collect();
+        let ids = |boxes: &Boxes| boxes.iter().map(|(id, _)| *id).collect::<Vec<_>>();
+        let of = |errors: &FrameErrors| [&errors.matches, &errors.misses, &errors.false_alarms].map(ids);
+        assert_eq!(of(&errors[0]), [vec![1], vec![], vec![9]]);
+        assert_eq!(of(&errors[1]), [vec![], vec![1], vec![9]]);
+        assert_eq!(of(&errors[2]), [vec![1], vec![], vec![]]);
+        let switch = errors[2].switches[0];
+        assert_eq!((switch.object, switch.before, switch.now), (1, 5, 6));
+        let scores = Scores::of(&frames);
+        let sum = |of: fn(&FrameErrors) -> usize| errors.iter().map(of).sum::<usize>();
+        assert_eq!(scores.truths - scores.matches, sum(|of| of.misses.len()));
+        assert_eq!(scores.told - scores.matches, sum(|of| of.false_alarms.len()));
+        assert_eq!(scores.switches, sum(|of| of.switches.len()));
     }
 
     #[test]

@@ -285,6 +285,13 @@ impl Command {
                 "Play or pause the run; at the end, play it again from the start.",
                 const { &[key(Key::Space)] },
             ),
+            C::PlayBack => (
+                Menu::Walk,
+                Icon::StepBack,
+                "Play backwards",
+                "Play the run backwards, or pause; at the start, play it backwards from the end.",
+                const { &[shift(Key::Space)] },
+            ),
             C::Into => (
                 Menu::Walk,
                 Icon::ChevronRight,
@@ -340,6 +347,20 @@ impl Command {
                 "Result of the previous {over}",
                 "Skip back to the end of the {over} before this one; a presenter's clicker sends this key.",
                 const { &[key(Key::PageUp)] },
+            ),
+            C::NextMark => (
+                Menu::Walk,
+                Icon::SkipForward,
+                "Next marked step",
+                "Go to the next step that the timeline marks, such as a union of labels, a new track or a crossing.",
+                const { &[key(Key::J)] },
+            ),
+            C::PreviousMark => (
+                Menu::Walk,
+                Icon::SkipBack,
+                "Previous marked step",
+                "Go back to the last step before this one that the timeline marks.",
+                const { &[shift(Key::J)] },
             ),
             C::Start => (
                 Menu::Walk,

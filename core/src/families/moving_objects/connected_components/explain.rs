@@ -8,7 +8,7 @@ use crate::data::{LabelEvent, Run};
 use crate::geometry::Grid;
 use crate::methods::subtraction::{self, MaskHistory, plots};
 use crate::run::Seen;
-use crate::scene::{Fact, Picture, Readout, Role, Scene, Sentence, Shape, Step};
+use crate::scene::{Arrow, Fact, Picture, Readout, Role, Scene, Sentence, Shape, Step};
 
 /// The maximum number of labels listed with their parents.
 const LISTED: usize = 24;
@@ -96,7 +96,7 @@ impl Labels {
 impl ConnectedComponents {
     pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
         let line = match seen.events.last() {
-            None | Some(Event::Row(_)) => line::EACH_ROW,
+            None | Some(Event::Row(..)) => line::EACH_ROW,
             Some(Event::Run(LabelEvent::Made(_))) => line::NEW_LABEL,
             Some(Event::Run(LabelEvent::Took(..))) => line::TAKE_ROOT,
             Some(Event::Run(LabelEvent::Met(..))) => line::EACH_OTHER_RUN,
@@ -114,15 +114,11 @@ impl ConnectedComponents {
                 "Each run of foreground pixels takes the label of a run that it touches in the row above. Where two labels meet, \
                  union–find makes them equivalent.",
             ),
-            Some(Event::Row(masked)) => {
-                let row = masked.mask.row(state.row);
-                let count: u32 = row.iter().map(|word| word.count_ones()).sum();
-                said.text(match count {
-                    0 => format!("Row {} has no foreground pixels.", state.row),
-                    1 => format!("Row {} has 1 foreground pixel.", state.row),
-                    _ => format!("Row {} has {count} foreground pixels.", state.row),
-                })
-            }
+            Some(Event::Row(_, count)) => said.text(match count {
+                0 => format!("Row {} has no foreground pixels.", state.row),
+                1 => format!("Row {} has 1 foreground pixel.", state.row),
+                _ => format!("Row {} has {count} foreground pixels.", state.row),
+            }),
             Some(Event::Run(LabelEvent::Made(run))) => said
                 .ink(Role::Candidate, words::capital(&name(*run)))
                 .text(format!(" {} no run of the row above, so a new label starts: ", verb(run, "touch", "touches")))
@@ -148,7 +144,7 @@ impl ConnectedComponents {
                 .text(format!(" {} ", verb(run, "touch", "touches")))
                 .ink(Role::Reference, name(*other))
                 .text(" too, which have another root. Union: ")
-                .ink(Role::Result, format!("{} becomes a child of {}", label(*child), label(*root)))
+                .ink(Role::Measured, format!("{} becomes a child of {}", label(*child), label(*root)))
                 .text("."),
             Some(Event::Final(_, _, count)) => said
                 .text(format!("{} with ", words::counted(state.labelling.parents().len(), "provisional label")))
@@ -210,14 +206,15 @@ impl ConnectedComponents {
                 let events = [subtraction::Event::Kept(Arc::clone(blobs))];
                 MaskHistory::new(&events).draw(scene);
             }
-            Some(Event::Row(_) | Event::Run(_)) => {
+            Some(Event::Row(..) | Event::Run(_)) => {
                 let masked = seen
                     .events
                     .iter()
-                    .find_map(|event| if let Event::Row(masked) = event { Some(masked) } else { None });
+                    .find_map(|event| if let Event::Row(masked, _) = event { Some(masked) } else { None });
                 masked.into_iter().for_each(|masked| draw_unlabelled(scene, masked, state.row));
-                let labels = Labels::new(seen).labels(state.picture);
-                draw_labels(scene, Arc::new(labels), "provisional labels, one colour per root");
+                let labels = Labels::new(seen);
+                draw_labels(scene, Arc::new(labels.labels(state.picture)), "provisional labels, one colour per root");
+                draw_forest(scene, &labels);
                 let (x, width) = (0, state.picture.0);
                 scene.mark(Picture::CURRENT, Role::Window, Shape::pixels(x, state.row as i32, width, 1));
                 scene.legend(Role::Window, "current row");
@@ -243,6 +240,25 @@ impl ConnectedComponents {
 fn draw_labels(scene: &mut Scene, labels: Arc<Grid<u32>>, meaning: &'static str) {
     scene.mark(Picture::CURRENT, Role::Best, Shape::Labels(labels));
     scene.legend(Role::Best, meaning);
+}
+
+/// Draws the equivalence forest: an arrow from the first run of each label that is no root to the first run of its parent.
+fn draw_forest(scene: &mut Scene, labels: &Labels) {
+    let mut first: Vec<Option<[f32; 2]>> = vec![None; labels.parents.len()];
+    for run in &labels.runs {
+        let middle = [(run.start + run.end - 1) as f32 / 2.0, run.y as f32];
+        first[run.label as usize].get_or_insert(middle);
+    }
+    let edge = |(label, parent): (usize, &u32)| {
+        let (from, to) = (first[label]?, first[*parent as usize]?);
+        (label != *parent as usize).then_some(Arrow { from, to })
+    };
+    let edges: Vec<Arrow> = labels.parents.iter().enumerate().filter_map(edge).collect();
+    if !edges.is_empty() {
+        // Not a displacement: it must reach its parent.
+        scene.mark(Picture::CURRENT, Role::Measured, Shape::Arrows(edges));
+        scene.legend(Role::Measured, "union–find forest: label → parent");
+    }
 }
 
 /// Draws the foreground of the rows to come.

@@ -6,9 +6,13 @@ use super::correspond::MOST_NEAR;
 use super::{BlobTracker, Correspondence, Decision, Event, EventKind, Identity, Member, State, TrackedBlob, line};
 use crate::base::words;
 use crate::geometry::Bounds;
-use crate::methods::multi_object::explain::{self, Names, count};
+use crate::methods::multi_object::{
+    explain::{self, Names, count},
+    selected::Selected,
+    truth,
+};
 use crate::methods::numbers::{fixed, percent, px, ratio};
-use crate::products::TrackStatus;
+use crate::products::{TrackStatus, objects::score::FrameErrors};
 use crate::run::Seen;
 use crate::scene::{Arrow, Fact, Matrix, Picture, Readout, Role, Scene, Sentence, Shape, Step};
 
@@ -160,7 +164,11 @@ impl BlobTracker {
             EventKind::Done(done, conclusion) => {
                 // The detections of a file have no shape: boxes of a person detector overlap where persons do.
                 let are_boxes = !done.detections.is_empty() && done.detections.iter().all(|found| found.blob.is_none());
-                said.text(explain::done(frame, done, conclusion)).text(match are_boxes && conclusion.run.is_some() {
+                if let Some(selected) = selected(seen) {
+                    return selected.sentence();
+                }
+                let switches = errors(seen).as_ref().map(truth::switches).unwrap_or_default();
+                said.text(explain::done(frame, done, conclusion) + &switches).text(match are_boxes && conclusion.run.is_some() {
                     true => " These detections are boxes, not blobs: where they overlap, tracks merge. The Kalman tracker suits them.",
                     false => "",
                 })
@@ -268,6 +276,10 @@ impl BlobTracker {
                 facts.push(Fact::new("Groups", groups.to_string(), None));
             }
         }
+        facts.extend(errors(seen).iter().flat_map(truth::facts));
+        if seen.after.is_some() {
+            facts.extend(selected(seen).iter().flat_map(Selected::facts));
+        }
         if let Some((table, decision)) = table_of(seen) {
             let rows = table.tracked_blobs.iter().map(|tracked| ids_short(&tracked.members));
             let names = Names::new(rows, 0..table.blobs.len());
@@ -311,12 +323,23 @@ impl BlobTracker {
                 explain::label(scene, Role::Measured, [min[0], max[1]], format!("blob {}", i + 1));
             }
         }
+        errors(seen).iter().for_each(|errors| truth::draw(scene, errors));
         let state = seen.after.unwrap_or(seen.before);
         if seen.after.is_some() || seen.events.is_empty() {
             return state.tracked_blobs.iter().for_each(|tracked| draw_tracked(scene, tracked, state));
         }
         draw_work(seen, scene);
     }
+}
+
+/// The track that is pointed at.
+fn selected(seen: &Seen<BlobTracker>) -> Option<Selected> {
+    Selected::at(&seen.after.unwrap_or(seen.before).run, seen.clip, seen.point()?)
+}
+
+/// The errors of the frame beside the truth, at its end.
+fn errors(seen: &Seen<BlobTracker>) -> Option<FrameErrors> {
+    truth::errors_of_last(seen.clip, &seen.after?.run)
 }
 
 fn tracked_facts(tracked: &TrackedBlob) -> Vec<Fact> {

@@ -3,15 +3,19 @@
 use std::collections::BTreeMap;
 
 use super::association::{Costs, MOST_NEAR, MatchingStage};
-use super::{Event, KalmanTracker, PairCost, Track, line};
+use super::{Event, KalmanTracker, PairCost, State, Track, line};
 use crate::base::words;
 use crate::geometry::Grid;
 use crate::methods::{
     kalman::{Filter, Measurement, ellipse},
-    multi_object::explain::{self, Names, count},
+    multi_object::{
+        explain::{self, Names, count},
+        selected::Selected,
+        truth,
+    },
     numbers::{fixed, px, ratio, squared},
 };
-use crate::products::TrackStatus;
+use crate::products::{TrackStatus, objects::score::FrameErrors};
 use crate::run::Seen;
 use crate::scene::{Arrow, Fact, Math, Matrix, Picture, Readout, Role, Scene, Sentence, Shape, Step};
 
@@ -126,7 +130,12 @@ impl KalmanTracker {
                     px(track.filter.covariance()[(2, 2)].max(0.0).sqrt()),
                     self.rules.min_hits
                 )),
-            Event::Done(done, conclusion) => said.text(explain::done(frame, done, conclusion)),
+            Event::Done(done, conclusion) => match selected(seen) {
+                Some(selected) => selected.sentence(),
+                None => said
+                    .text(explain::done(frame, done, conclusion))
+                    .text(errors(seen).as_ref().map(truth::switches).unwrap_or_default()),
+            },
         }
     }
 
@@ -256,6 +265,14 @@ impl KalmanTracker {
         if let Some(Event::Updated(both, _)) = seen.events.last() {
             (tables, equation) = (state_matrices(&both[0].filter, &both[1].filter), None);
         }
+        facts.extend(errors(seen).iter().flat_map(truth::facts));
+        if let Some(selected) = selected(seen).filter(|_| track_of(seen).is_none()) {
+            facts.extend(selected.facts());
+            let filter = |state: &State| state.tracks.iter().find(|track| track.id == selected.id).map(|of| of.filter);
+            if let Some((before, after)) = filter(state).zip(seen.after.and_then(filter)) {
+                (tables, equation) = (state_matrices(&before, &after), None);
+            }
+        }
         let mut readouts = vec![Readout::Facts(facts)];
         readouts.extend(equation.map(Readout::Equation));
         readouts.extend((!tables.is_empty()).then_some(Readout::Matrices(tables)));
@@ -333,7 +350,10 @@ impl KalmanTracker {
         explain::draw_detections(scene, detected.into_iter().flat_map(|all| all.iter()));
         let after = seen.after.map(|state| &state.tracks);
         match (after, seen.events.last()) {
-            (Some(tracks), _) => tracks.iter().for_each(|track| draw_track(scene, track, seen)),
+            (Some(tracks), _) => {
+                errors(seen).iter().for_each(|errors| truth::draw(scene, errors));
+                tracks.iter().for_each(|track| draw_track(scene, track, seen));
+            }
             (None, None) => seen.before.tracks.iter().for_each(|track| draw_track(scene, track, seen)),
             (None, Some(_)) => self.draw_work(seen, scene),
         }
@@ -395,6 +415,16 @@ fn pairs(seen: &Seen<KalmanTracker>, scene: &mut Scene) {
     if !arrows.is_empty() {
         scene.mark(Picture::CURRENT, Role::Measured, Shape::Arrows(arrows));
     }
+}
+
+/// The track that is pointed at.
+fn selected(seen: &Seen<KalmanTracker>) -> Option<Selected> {
+    Selected::at(&seen.after.unwrap_or(seen.before).run, seen.clip, seen.point()?)
+}
+
+/// The errors of the frame beside the truth, at its end.
+fn errors(seen: &Seen<KalmanTracker>) -> Option<FrameErrors> {
+    truth::errors_of_last(seen.clip, &seen.after?.run)
 }
 
 /// The track of the step.

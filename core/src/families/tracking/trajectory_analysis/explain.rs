@@ -12,7 +12,7 @@ use crate::products::{
     objects::trajectory::{TrackPoint, Trajectory},
 };
 use crate::run::Seen;
-use crate::scene::{Arrow, Fact, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step};
+use crate::scene::{Arrow, Fact, Math, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step};
 
 /// The frames after which an ended trajectory is no longer drawn.
 const TRAIL_FRAMES: usize = 40;
@@ -176,11 +176,53 @@ impl TrajectoryAnalysis {
             facts.extend(self.facts(trajectory));
         }
         let mut readouts = vec![Readout::Facts(facts)];
+        readouts.extend(subject.as_ref().and_then(|of| self.equation(of)).map(Readout::Equation));
         if let Some(trajectory) = subject {
             let x_max = state.span.first + state.span.frames().unwrap_or(state.frames.len()).saturating_sub(1);
             readouts.extend(series(&trajectory, x_max).into_iter().map(Readout::Series));
         }
         readouts
+    }
+
+    /// The formulas of velocity, speed and heading with the numbers of the last position.
+    fn equation(&self, trajectory: &Trajectory) -> Option<Vec<Math>> {
+        let [x, y] = trajectory.sightings.last()?.velocity?;
+        let ((bold, var), mean) = ((Math::Bold, Math::Var), |name| Math::mean(Math::Var(name)));
+        let of = |name: Math| Math::indexed(name, var("i"));
+        let late = || Math::Row(vec![Math::text("("), of(var("t")), Math::text(" − "), mean("t"), Math::text(")")]);
+        let away = vec![Math::text(" ("), of(bold("x")), Math::text(" − "), Math::mean(bold("x")), Math::text(")")];
+        let sum = || Math::Sum(Box::new(var("i")));
+        let along = Math::Row([vec![sum(), late()], away].concat());
+        let spread = Math::Row(vec![sum(), Math::squared(late())]);
+        let slope = Math::ink(Role::Result, format!("({}, {}) px/frame", px(x), px(y)));
+        let part = |name| Math::indexed(var("v"), Math::text(name));
+        let squares =
+            |x: Math, y: Math| Math::root(Math::Row(vec![Math::squared(x), Math::text(" + "), Math::squared(y)]));
+        let bracketed = |v: f64| Math::text(if v < 0.0 { format!("({})", px(v)) } else { px(v) });
+        let speed = Math::ink(Role::Result, format!("{} px/frame", px(x.hypot(y))));
+        let mut lines = vec![
+            Math::Row(vec![bold("v"), Math::text(" = "), Math::over(along, spread), Math::text(" = "), slope]),
+            Math::Row(vec![
+                Math::abs(bold("v")),
+                Math::text(" = "),
+                squares(part("x"), part("y")),
+                Math::text(" = "),
+                squares(bracketed(x), bracketed(y)),
+                Math::text(" = "),
+                speed,
+            ]),
+        ];
+        if x.hypot(y) >= f64::from(self.min_speed) {
+            lines.push(Math::Row(vec![
+                Math::text("heading = atan2(−"),
+                part("y"),
+                Math::text(", "),
+                part("x"),
+                Math::text(format!(") = atan2({}, {}) = ", px(0.0 - y), px(x))),
+                Math::ink(Role::Result, heading([x, y])),
+            ]));
+        }
+        Some(lines)
     }
 
     fn facts(&self, trajectory: &Trajectory) -> Vec<Fact> {
