@@ -1474,9 +1474,6 @@ pub static GLOSSARY: &[Term] = &[
         outliers count less.",
     )
     .symbol("ρ"),
-    term(Evaluation, "precision", &[], "The share of detections that are correct.").symbol("TP / (TP + FP)"),
-    term(KalmanFilters, "predicted measurement", &[], "The measurement H x that the predicted state implies.")
-        .symbol("H x"),
     term(
         InterestPoints,
         "phase correlation",
@@ -1484,6 +1481,9 @@ pub static GLOSSARY: &[Term] = &[
         "The inverse Fourier transform of the phase of the cross-power spectrum, which has its peak at the \
         translation between two pictures.",
     ),
+    term(Evaluation, "precision", &[], "The share of detections that are correct.").symbol("TP / (TP + FP)"),
+    term(KalmanFilters, "predicted measurement", &[], "The measurement H x that the predicted state implies.")
+        .symbol("H x"),
     term(
         KalmanFilters,
         "prediction",

@@ -23,7 +23,7 @@ choices! {
     pub enum Subpixel {
         /// Whole px.
         None = "none" "Off",
-        /// Ratio of the peak to its larger neighbour, as a downsampled translation leaves it (Foroosh et al. 2002).
+        /// Ratios of the neighbours to their sum with the peak, as a downsampled translation leaves them (Foroosh et al. 2002).
         Ratio = "ratio" "Ratio of neighbours",
         /// Vertex of the parabola through the peak and its neighbours.
         Parabola = "parabola" "Parabola",
@@ -255,8 +255,9 @@ impl PhaseCorrelation {
         match self.subpixel {
             Subpixel::None => 0.0,
             Subpixel::Ratio => {
-                let (side, sign) = if after > before { (after, 1.0) } else { (before, -1.0) };
-                if side > 0.0 { sign * side / (side + at) } else { 0.0 }
+                // Each neighbour gives the offset; what the window adds to both cancels in their mean.
+                let share = |side: f64| if side + at > 0.0 { side / (side + at) } else { 0.0 };
+                ((share(after) - share(before)) / 2.0).clamp(-0.5, 0.5)
             }
             Subpixel::Parabola => {
                 let curvature = before - 2.0 * at + after;
