@@ -1,6 +1,6 @@
 //! The explanation and the drawing of phase correlation.
 
-use super::{Event, PhaseCorrelation, Stage, State, Subpixel, line, spectrum};
+use super::{Event, PhaseCorrelation, Stage, State, Subpixel, larger_side, line, spectrum};
 use crate::base::words::{fixed, grouped};
 use crate::geometry::Grid;
 use crate::methods::differential::numbers;
@@ -164,8 +164,8 @@ impl PhaseCorrelation {
         match self.subpixel {
             Subpixel::None => said.text("Sub-pixel refinement is off, so the displacement stays whole."),
             Subpixel::Ratio => said
-                .text("A fraction of a pixel spreads the peak over its neighbours: half the difference of their shares in the sum with \
-                       the peak is the offset, ")
+                .text("A fraction of a pixel spreads the peak to one side. The share of the higher neighbour in the sum with the peak, \
+                       without what the window adds to both sides, is the offset, ")
                 .ink(Role::Estimate, offset)
                 .text("."),
             Subpixel::Parabola => said
@@ -283,10 +283,11 @@ impl PhaseCorrelation {
                         Math::text(format!("2 · ({} − 2 · {} + {})", show(before), show(at), show(after))),
                     ),
                     _ => {
-                        let share = |side: f64| {
-                            Math::over(Math::text(show(side)), Math::text(format!("{} + {}", show(side), show(at))))
-                        };
-                        Math::Row(vec![text("½ · ("), share(after), text(" − "), share(before), text(")")])
+                        let (side, sign) = larger_side([before, after]);
+                        let sign = if sign > 0.0 { "" } else { "−" };
+                        let share =
+                            Math::over(Math::text(show(side)), Math::text(format!("{} + {}", show(side), show(at))));
+                        Math::Row(vec![text(sign), share])
                     }
                 };
                 vec![Math::Row(vec![
