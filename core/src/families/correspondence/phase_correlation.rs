@@ -23,7 +23,7 @@ choices! {
     pub enum Subpixel {
         /// Whole px.
         None = "none" "Off",
-        /// Ratio of the peak to its larger neighbour, as a downsampled translation leaves it (Foroosh et al. 2002).
+        /// Ratio of the larger neighbour to its sum with the peak, as a downsampled translation leaves it (Foroosh et al. 2002).
         Ratio = "ratio" "Ratio of neighbours",
         /// Vertex of the parabola through the peak and its neighbours.
         Parabola = "parabola" "Parabola",
@@ -255,8 +255,8 @@ impl PhaseCorrelation {
         match self.subpixel {
             Subpixel::None => 0.0,
             Subpixel::Ratio => {
-                let (side, sign) = if after > before { (after, 1.0) } else { (before, -1.0) };
-                if side > 0.0 { sign * side / (side + at) } else { 0.0 }
+                let (side, sign) = larger_side([before, after]);
+                if side > 0.0 { (sign * side / (side + at)).clamp(-0.5, 0.5) } else { 0.0 }
             }
             Subpixel::Parabola => {
                 let curvature = before - 2.0 * at + after;
@@ -264,6 +264,11 @@ impl PhaseCorrelation {
             }
         }
     }
+}
+
+/// The larger neighbour of a peak and its side. What the window adds to both sides is subtracted.
+fn larger_side([before, after]: [f64; 2]) -> (f64, f64) {
+    if after > before { (after - before.max(0.0), 1.0) } else { (before - after.max(0.0), -1.0) }
 }
 
 pseudocode! {

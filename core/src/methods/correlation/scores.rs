@@ -249,27 +249,4 @@ mod tests {
             assert_eq!(map(Score::Zncc, way, &template, &area), Grid::new(4, 3, 1.0), "without texture");
         }
     }
-
-    /// `cargo test --release -p motionscope-core -- --ignored --nocapture template_over`
-    #[test]
-    #[ignore = "measures time"]
-    fn a_template_over_a_picture_takes_milliseconds() {
-        let area = Grid::from_fn(640, 480, |x, y| (x * x * 3 + y * 37 + x * y * 5) as u8);
-        for side in [8, 16, 32, 64, 128] {
-            let template = Grid::from_fn(side, side, |x, y| area[(x + 200, y + 100)]);
-            for (score, way) in [
-                (Score::Sad, Way::Direct),
-                (Score::Ssd, Way::Direct),
-                (Score::Ssd, Way::Fourier),
-                (Score::Zncc, Way::Fourier),
-            ] {
-                let time = (0..12).map(|_| {
-                    let start = std::time::Instant::now();
-                    std::hint::black_box(map(score, way, &template, &area));
-                    start.elapsed()
-                });
-                println!("{side} {score:?} {way:?}: {:?}", time.min());
-            }
-        }
-    }
 }

@@ -29,7 +29,7 @@ impl ImageAlignment {
         let Some(Event { stage, state }) = seen.events.last() else {
             let levels = seen.before.fixed.levels.len();
             let said = format!(
-                "Image alignment fits one {} to all gray levels, from the coarsest of {levels} levels to full resolution.",
+                "Image alignment fits one warp ({}) to all gray levels, from the coarsest of {levels} levels to full resolution.",
                 self.model.label().to_lowercase()
             );
             return Step { line: line::START, sentence: Sentence::default().text(said), readouts: Vec::new() };
@@ -90,7 +90,7 @@ impl ImageAlignment {
                 .text(", and the last update is taken back."),
             Stage::Worse => {
                 let previous = state.previous_error().unwrap_or(rms);
-                said.text(format!("The error has risen from {} to {}: ", gray(previous), gray(rms)))
+                said.text(format!("The error has risen from {} to {}: ", fixed(previous, 2), gray(rms)))
                     .ink(Role::Rejected, "the last update is taken back")
                     .text(", and the level ends with the warp before it.")
             }
@@ -132,7 +132,7 @@ impl ImageAlignment {
                 after.errors.len()
             ))
             .ink(Role::Result, format!("{} px", numbers::vector([0, 1].map(|i| (to[i] - middle[i]) as f32))))
-            .text(format!(". The rms difference has fallen from {} to {}.", gray(at_rest), gray(aligned)));
+            .text(format!(". The rms difference has gone from {} to {}.", fixed(at_rest, 2), gray(aligned)));
         let truth = after.fixed.truth.as_deref();
         let error = truth.and_then(|truth| metrics::flow_error(&model.displacements_of_pixels(), truth).ok().flatten());
         let said = match error {

@@ -1,6 +1,6 @@
 //! The explanation and the drawing of phase correlation.
 
-use super::{Event, PhaseCorrelation, Stage, State, Subpixel, line, spectrum};
+use super::{Event, PhaseCorrelation, Stage, State, Subpixel, larger_side, line, spectrum};
 use crate::base::words::{fixed, grouped};
 use crate::geometry::Grid;
 use crate::methods::differential::numbers;
@@ -14,6 +14,8 @@ const CELLS: usize = 96;
 const REACH: i32 = 32;
 /// A peak this many times as high as the second is distinct.
 const DISTINCT: f64 = 2.0;
+/// A peak of this height has most phases in common.
+const AGREEMENT: f64 = 0.5;
 
 fn whole([u, v]: [i32; 2]) -> String {
     format!("({},\u{a0}{}) px", fixed(u.into(), 0), fixed(v.into(), 0))
@@ -162,9 +164,10 @@ impl PhaseCorrelation {
         match self.subpixel {
             Subpixel::None => said.text("Sub-pixel refinement is off, so the displacement stays whole."),
             Subpixel::Ratio => said
-                .text("The share of the higher neighbour in the sum of both is the offset, ")
+                .text("A fraction of a pixel spreads the peak to one side. The share of the higher neighbour in the sum with the peak, \
+                       without what the window adds to both sides, is the offset, ")
                 .ink(Role::Estimate, offset)
-                .text(", because a fraction of a pixel spreads the peak over two."),
+                .text("."),
             Subpixel::Parabola => said
                 .text("The parabola through them has its vertex at ")
                 .ink(Role::Estimate, offset)
@@ -184,6 +187,10 @@ impl PhaseCorrelation {
         };
         let advice = match (state.peak, Self::ratio(state)) {
             (None, _) => " Without texture no method finds a displacement.".to_owned(),
+            (_, Some(ratio)) if ratio < DISTINCT && height > AGREEMENT => {
+                " The peak is high but broad, because few frequencies are kept; a smaller minimum SNR keeps more."
+                    .to_owned()
+            }
             (_, Some(ratio)) if ratio < DISTINCT => format!(
                 " A peak of only {} means that few phases agree: rotation, zoom or several motions need image alignment or matched \
                  features.",
@@ -276,12 +283,11 @@ impl PhaseCorrelation {
                         Math::text(format!("2 · ({} − 2 · {} + {})", show(before), show(at), show(after))),
                     ),
                     _ => {
-                        let side = before.max(after);
-                        let sign = if after > before { "" } else { "−" };
-                        Math::Row(vec![
-                            text(sign),
-                            Math::over(Math::text(show(side)), Math::text(format!("{} + {}", show(side), show(at)))),
-                        ])
+                        let (side, sign) = larger_side([before, after]);
+                        let sign = if sign > 0.0 { "" } else { "−" };
+                        let share =
+                            Math::over(Math::text(show(side)), Math::text(format!("{} + {}", show(side), show(at))));
+                        Math::Row(vec![text(sign), share])
                     }
                 };
                 vec![Math::Row(vec![

@@ -343,7 +343,7 @@ impl TemplateMatching {
         let (pair, score) = (shown.pair, self.score);
         let all = pair.costs.cells().len();
         let mut facts = vec![
-            Fact::new("Template", whole(pair.from), Some(Role::Reference)),
+            Fact::new("Template", format!("at {}", whole(pair.from)), Some(Role::Reference)),
             Fact::new("Places", format!("{} of {}", grouped(shown.done + shown.here), grouped(all)), None),
         ];
         let of = |place| format!("{} px, {}", whole(pair.displacement(place)), score.named(pair.costs[place]));
