@@ -373,7 +373,7 @@ fn sliced_seeking_arrives_at_the_same_place() {
         let mut direct = estimator.walk(&clip, 0).unwrap();
         let mut sliced = estimator.walk(&clip, 0).unwrap();
         let units = estimator.extent(&clip, 0).unwrap().units;
-        let target = Move::To(Cursor { unit: units - 2, event: 3 });
+        let target = Move::To(Cursor { unit: units.saturating_sub(2), event: 3 });
         direct.jump(target);
         sliced.go(target);
         let mut slices = 1;
@@ -383,7 +383,8 @@ fn sliced_seeking_arrives_at_the_same_place() {
             assert_eq!(sliced.cursor(), Cursor::default(), "nothing shows before the move is finished");
             slices += 1;
         }
-        assert!(slices > 10, "one unit a slice");
+        // A consensus of few iterations has fewer units than that.
+        assert!(slices > 10.min(units.saturating_sub(3)), "one unit a slice");
         assert!(View::of(&*direct).same(&View::of(&*sliced)));
         // To the end of the run, however it is asked for, it is known how far that is.
         for to in [Move::End, Move::Granularity(0, Direction::Forward)] {

@@ -260,6 +260,15 @@ fn seen(estimator: &dyn AnyEstimator, [parts, objects]: [&Clip; 2]) -> Seen {
     if estimator.get("camera").is_ok() {
         seen.walk(&mut *estimator.walk(&panned(5), 0).expect("a run"));
     }
+    // Keypoints that reject each other need a picture with many of them.
+    let is_detector = matches!(estimator.guarantee(), Guarantee::Places | Guarantee::SubPixelPlaces { .. });
+    if is_detector && estimator.get("min-distance").is_ok() {
+        let mut sparse = estimator.boxed_clone();
+        for (name, value) in [("min-distance", "30"), ("max-points", "12")] {
+            sparse.set(name, value).expect("in range");
+        }
+        seen.walk(&mut *sparse.walk(&panned(1), 0).expect("a run"));
+    }
     seen
 }
 

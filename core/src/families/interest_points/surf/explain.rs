@@ -345,7 +345,7 @@ fn kept(seen: &Seen<Surf>) -> impl Iterator<Item = usize> {
 fn introduction() -> Sentence {
     Sentence::default().text(
         "A blob has large second derivatives of one sign in all directions, so the determinant of its Hessian is large. SURF computes the \
-         derivatives with box filters, whose sums need four values of an integral image each, whatever their size.",
+         derivatives with box filters: the sum of a box of any size needs four values of an integral image.",
     )
 }
 

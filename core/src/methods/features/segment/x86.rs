@@ -83,8 +83,8 @@ fn of_best_arc<const ARC: usize>(differences: &[__m256i; 16]) -> __m256i {
     let at = |k: usize| differences[k % 16];
     let (mut two, mut four, mut best) =
         ([_mm256_setzero_si256(); 8], [_mm256_setzero_si256(); 8], _mm256_setzero_si256());
-    for k in 0..8 {
-        two[k] = both(at(2 * k + 1), at(2 * k + 2));
+    for (k, two) in two.iter_mut().enumerate() {
+        *two = both(at(2 * k + 1), at(2 * k + 2));
     }
     for k in 0..8 {
         four[k] = both(two[k], two[(k + 1) % 8]);
