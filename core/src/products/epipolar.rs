@@ -22,9 +22,9 @@ pub struct EpipolarField {
 
 const MEASURES: [Measure; 4] = [
     Measure::new("epipolar_inliers", "Number of matches that agree with the epipolar geometry.")
-        .in_column("inliers", 0),
+        .in_column("epipolar inliers", 0),
     Measure::new("epipolar_inlier_share", "Share of the matches that agree with the epipolar geometry.")
-        .in_column("inlier share", 3),
+        .in_column("epipolar share", 3),
     Measure::new("sampson_px", "Root mean square Sampson distance of the inliers in px.").in_column("Sampson px", 3),
     Measure::new("planar_share", "Share of the inliers that a single homography explains as well."),
 ];

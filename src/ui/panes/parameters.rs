@@ -172,21 +172,13 @@ fn estimator(ui: &mut Ui, document: &Document, actions: &mut Actions) {
     ui.add_space(4.0);
 }
 
-/// Every estimator under its family, to choose from, in two columns about as long.
+/// Every estimator under its family, to choose from, in three columns about as long.
 pub fn estimators_by_family(ui: &mut Ui, choosing: Choosing<'_>, actions: &mut Actions) {
     let all: Vec<&'static Info> = estimators().iter().map(|estimator| estimator.info()).collect();
-    let families: Vec<&[&Info]> = all.chunk_by(|a, b| a.family == b.family).collect();
-    let half = (all.len() + families.len()).div_ceil(2);
-    let mut rows = 0;
-    let left = families.iter().take_while(|family| {
-        let is_left = rows < half;
-        rows += family.len() + 1;
-        is_left
-    });
-    let (left, right) = families.split_at(left.count());
+    let families: Vec<&[&'static Info]> = all.chunk_by(|a, b| a.family == b.family).collect();
     ui.horizontal_top(|ui| {
         ui.spacing_mut().item_spacing.x = 16.0;
-        for column in [left, right] {
+        for column in columns(&families) {
             ui.vertical(|ui| {
                 for (i, family) in column.iter().enumerate() {
                     if i > 0 {
@@ -197,6 +189,17 @@ pub fn estimators_by_family(ui: &mut Ui, choosing: Choosing<'_>, actions: &mut A
             });
         }
     });
+}
+
+/// Divides families, in their order, into three columns of which the longest is as short as can be.
+fn columns<'a>(families: &'a [&'a [&'static Info]]) -> [&'a [&'a [&'static Info]]; 3] {
+    // A row for each estimator and one for the name of its family.
+    let rows = |part: &[&[&Info]]| part.iter().map(|family| family.len() + 1).sum::<usize>();
+    let count = families.len();
+    let cuts = (0..=count).flat_map(|first| (first..=count).map(move |second| (first, second)));
+    let parts = |(first, second): (usize, usize)| [&families[..first], &families[first..second], &families[second..]];
+    let longest = |cut: &(usize, usize)| parts(*cut).map(rows).into_iter().max();
+    parts(cuts.min_by_key(longest).unwrap_or_default())
 }
 
 /// The estimators of a family below its name.

@@ -850,7 +850,7 @@ pub static GLOSSARY: &[Term] = &[
         InterestPoints,
         "Haar wavelet",
         &["Haar wavelets"],
-        "A filter of two boxes side by side, one positive and one negative, whose response is a difference of means and \
+        "A filter of two boxes side by side, one positive and one negative; its response is a difference of means and \
         costs six values of an integral image.",
     ),
     term(
@@ -876,14 +876,14 @@ pub static GLOSSARY: &[Term] = &[
     term(
         InterestPoints,
         "Hessian",
-        &["Hessian matrix"],
+        &["Hessian matrix", "Hessians"],
         "The matrix of the second derivatives of a function; in a least-squares problem approximated by the \
         products of first derivatives (Gauss–Newton).",
     ),
     term(
         InterestPoints,
         "Hessian determinant",
-        &["determinant of the Hessian", "Hessian matrix"],
+        &["determinant of the Hessian"],
         "The product of the second derivatives along both axes minus the square of the mixed one, which is large and \
         positive at blobs.",
     ),
@@ -1057,7 +1057,7 @@ pub static GLOSSARY: &[Term] = &[
         InterestPoints,
         "intensity centroid",
         &["intensity centroids"],
-        "The mean position of a patch weighted by gray level, whose direction from the centre serves as orientation of a \
+        "The mean position of a patch weighted by gray level; its direction from the centre serves as orientation of a \
         keypoint.",
     ),
     term(

@@ -37,7 +37,7 @@ params! {
         /// Parameters of random sample consensus.
         robust: robust::Settings = robust::Settings { threshold: 1.5, ..robust::Settings::default() };
         /// Focal length of the camera; its principal point is the centre of the frame. With it the essential matrix and the pose are computed. 0: unknown.
-        focal_length: f32 = 0.0, 0.0..=20000.0, "px";
+        focal_length: f32 = 0.0, 0.0..=9999.0, "px";
     }
 }
 
@@ -157,7 +157,7 @@ impl RobustModel for EpipolarGeometry {
     fn equations(&self, estimate: &Estimate<'_>) -> Vec<Math> {
         let Some(Best { matrix, .. }) = estimate.best else { return Vec::new() };
         let constraint = Math::Row(vec![
-            Math::power(Math::Bold("x′"), Math::text("⊤")),
+            Math::power(Math::Bold("x′"), Math::text("T")),
             Math::text(" "),
             Math::Var("F"),
             Math::text(" "),

@@ -298,11 +298,11 @@ pseudocode! {
     START: "build the pyramids of frames t and t+1; W ← no motion",
     EACH_LEVEL: "for each pyramid level, from the coarsest to full resolution",
     STEEPEST_DESCENT: "  D ← steepest-descent images ∇T · ∂W/∂p of frame t",
-    HESSIAN: "  H ← Σ Dᵀ D; next level if it is singular",
+    HESSIAN: "  H ← Σ D^T D; next level if it is singular",
     REPEAT: "  repeat",
     WARP: "    e(x) ← I(W(x)) − T(x), where W(x) is inside frame t+1",
     STEP_BACK: "    if overlap < min-overlap or rms of e has risen: W ← W before; next level",
-    SOLVE: "    Δp ← H⁻¹ Σ Dᵀ e",
+    SOLVE: "    Δp ← H⁻¹ Σ D^T e",
     UPDATE: "    W ← W ∘ W(Δp)⁻¹",
     UNTIL_CONVERGED: "  until W(Δp) moves no corner farther than epsilon, or iterations are done",
 }

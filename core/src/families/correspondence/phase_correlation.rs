@@ -40,7 +40,7 @@ params! {
         subpixel: Subpixel = Subpixel::Ratio;
         /// Smallest ratio of a frequency's cross power to that of rounding to whole gray levels. Frequencies below it are left out,
         /// because their phase is noise.
-        min_snr: f32 = 10.0, 0.0..=10_000.0;
+        min_snr: f32 = 10.0, 0.0..=1000.0;
     }
     advanced { "min-snr" }
 }

@@ -418,7 +418,7 @@ impl Estimator for TemplateMatching {
         family: "Correspondence",
         summary: "Slides a template over a search area of the next frame, scores every window, and follows the best through the clip.",
         source: "D. I. Barnea and H. F. Silverman, A class of algorithms for fast digital image registration, IEEE Trans. Computers \
-                 21(2), 1972; J. P. Lewis, Fast normalized cross-correlation, Vision Interface 1995; template update: I. Matthews, \
+                 21(2), 1972; J. P. Lewis, Vision Interface 1995; template update: I. Matthews, \
                  T. Ishikawa and S. Baker, The template update problem, PAMI 26(6), 2004",
         pseudocode: line::ALL,
         granularities: &["clip", "pair", "row", "candidate"],

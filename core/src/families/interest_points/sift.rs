@@ -426,7 +426,8 @@ impl Footprint<State> for Sift {
         // Gaussian images and differences of all octaves, and one being filtered.
         let images = (2 * self.shape().levels()) as f64 * 4.0 * 4.0 / 3.0;
         let bytes = images * if self.double { 4.0 } else { 1.0 } + 20.0;
-        Need::per_pixel(clip, [bytes, bytes + 20.0])
+        // A part that is walked again exists twice for a while.
+        Need::per_pixel(clip, [bytes, 2.0 * bytes])
     }
 
     fn state_bytes(&self, state: &State) -> usize {

@@ -189,6 +189,7 @@ pub fn squared_error(matrix: &Matrix3, m: &Correspondence) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::synth::random::{hash, unit};
 
     const ALL: [Model; 5] = [Model::Translation, Model::Rigid, Model::Similarity, Model::Affine, Model::Homography];
 
@@ -204,7 +205,8 @@ mod tests {
     }
 
     fn matches(matrix: &Matrix3, count: usize) -> Vec<Correspondence> {
-        let point = |i: usize| [((i * 197 + 31) % 640) as f64, ((i * 331 + 77) % 480) as f64];
+        let random = |i: usize, k: u64| unit(hash(3, i as u64, k));
+        let point = |i: usize| [640.0 * random(i, 0), 480.0 * random(i, 1)];
         let moved = |from| mapped(matrix, from).expect("before the horizon");
         (0..count).map(point).map(|from| Correspondence { from, to: moved(from) }).collect()
     }

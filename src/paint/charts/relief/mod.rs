@@ -199,7 +199,20 @@ impl Stand {
         }
         // Left of the corner: the cost of a pin may stand above it.
         let name = [high[0] - 4.0, high[1] - 0.9 * small];
-        canvas.text(name, (Anchor::End, Level::Bottom), surface.title, Type::text(self.theme));
+        // The heading names the cost as well.
+        if !self.has_pin_near(surface, name) {
+            canvas.text(name, (Anchor::End, Level::Bottom), surface.title, Type::text(self.theme));
+        }
+    }
+
+    /// Whether the cost at the top of a pin would lie on a title that ends at `at`.
+    fn has_pin_near(&self, surface: &Surface, at: Point) -> bool {
+        let small = self.theme.sizes().small;
+        let heads = mesh::pins(surface).into_iter().filter_map(|(_, cell, top)| {
+            let cost = heat_map::any_cost(surface, cell)?;
+            Some(self.at(Vec3 { y: top, ..self.bench.place(cell.map(|c| c as f32), cost) }))
+        });
+        heads.into_iter().any(|[x, y]| (x - at[0]).abs() < 8.0 * small && (y - at[1]).abs() < 2.0 * small)
     }
 
     /// The cost at the top of each pin.
