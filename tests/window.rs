@@ -435,7 +435,7 @@ fn every_menu_can_be_reached_on_a_projector() {
         window.harness.hover_at(first.center());
         window.harness.event(Event::MouseWheel {
             unit: MouseWheelUnit::Point,
-            delta: vec2(0.0, -500.0),
+            delta: vec2(0.0, -1500.0),
             source: MouseWheelSource::Unknown,
             phase: TouchPhase::Move,
             modifiers: Modifiers::NONE,

@@ -21,8 +21,10 @@ pub struct LinkSite {
 const WIDTH: f32 = 1.25;
 /// Radius of an end.
 const END: f32 = 2.0;
-/// Opacity where there are many, so that those below are felt.
-const ALPHA: u8 = 0xc8;
+/// Opacity, and where there are many, so that the pictures below are seen.
+const ALPHA: u8 = 0xd8;
+const FAINT: u8 = 0x70;
+const MANY: usize = 60;
 
 impl LinkSite {
     fn point(&self, at: [f32; 2]) -> Option<Point> {
@@ -35,17 +37,18 @@ impl LinkSite {
 /// The lines of `scene` over the pictures of its estimator. Where the picture of one end is not shown, the line is a displacement on the
 /// other picture.
 pub fn links(scene: &Scene, look: &Look, sites: &[LinkSite]) -> Vec<Primitive> {
-    scene.links.iter().filter_map(|link| line(link, look, sites)).flatten().collect()
+    let alpha = if scene.links.len() > MANY { FAINT } else { ALPHA };
+    scene.links.iter().filter_map(|link| line(link, (look, alpha), sites)).flatten().collect()
 }
 
-fn line(link: &Link, look: &Look, sites: &[LinkSite]) -> Option<Vec<Primitive>> {
+fn line(link: &Link, (look, alpha): (&Look, u8), sites: &[LinkSite]) -> Option<Vec<Primitive>> {
     let [(first, from), (second, to)] = link.ends;
     let site = |picture: Picture| sites.iter().find(|site| site.panel.shows(picture));
     let (here, there) = (site(first).or(site(second))?, site(second).or(site(first))?);
     let points = [here.point(from)?, there.point(to)?];
     let ink = look.theme.ink(link.role);
     let Color([r, g, b, _]) = ink.color;
-    let stroke = Stroke { width: WIDTH, color: Color([r, g, b, ALPHA]), dash: &[] };
+    let stroke = Stroke { width: WIDTH, color: Color([r, g, b, alpha]), dash: &[] };
     let line = Primitive::Polyline { points: points.to_vec(), closed: false, stroke };
     let end = |center| Primitive::Disc { center, radius: END, color: ink.color };
     Some(vec![line, end(points[0]), end(points[1])])

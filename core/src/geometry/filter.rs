@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use super::{Border, Grid};
-use crate::base::{Threads, effort, wide::wide};
+use crate::base::{Threads, effort, wide::widest};
 
 /// Extrapolation of a picture beyond its edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,7 +60,7 @@ pub fn separable<T: Copy + Into<f32> + Sync>(
     threads.rows(&mut filtered, |y, target| row_of(image, filter, (beyond, y), target));
     filtered
 }
-wide! {
+widest! {
     fn row_of(image: &Grid<impl Copy + Into<f32>>, filter: (&[f32], &[f32]), at: (Beyond, usize), target: &mut [f32])
         = row_of_anyhow
 }

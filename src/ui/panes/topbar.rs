@@ -228,7 +228,7 @@ fn is_on(command: Command, input: &Input) -> Option<bool> {
 fn items(ui: &mut Ui, menu: Menu, input: &Input, actions: &mut Actions) {
     ui.set_min_width(16.0 * TextStyle::Body.resolve(ui.style()).size);
     // Large type in a small window: what does not fit is scrolled to.
-    let most = ui.ctx().content_rect().height() - 4.0 * ui.spacing().interact_size.y;
+    let most = ui.ctx().content_rect().height() - 3.0 * ui.spacing().interact_size.y;
     egui::ScrollArea::vertical().max_height(most).show(ui, |ui| all_items(ui, menu, input, actions));
 }
 

@@ -1,7 +1,7 @@
 //! Extrema of differences of Gaussians among their 26 neighbours in position and scale.
 
 use super::Octave;
-use crate::base::wide::wide;
+use crate::base::wide::widest;
 use crate::geometry::Grid;
 
 /// Pixels at the border of an octave in which no extremum is sought.
@@ -54,7 +54,7 @@ pub fn extrema_of_row(octave: &Octave, (level, y): (usize, usize), least: f32, m
     }
 }
 
-wide! {
+widest! {
     fn ends_of_columns(rows: [&[f32]; 9], columns: &mut Columns) = ends_of_columns_anyhow
 }
 

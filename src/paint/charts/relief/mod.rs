@@ -208,11 +208,15 @@ impl Stand {
     /// Whether the cost at the top of a pin would lie on a title that ends at `at`.
     fn has_pin_near(&self, surface: &Surface, at: Point) -> bool {
         let small = self.theme.sizes().small;
-        let heads = mesh::pins(surface).into_iter().filter_map(|(_, cell, top)| {
-            let cost = heat_map::any_cost(surface, cell)?;
-            Some(self.at(Vec3 { y: top, ..self.bench.place(cell.map(|c| c as f32), cost) }))
-        });
-        heads.into_iter().any(|[x, y]| (x - at[0]).abs() < 8.0 * small && (y - at[1]).abs() < 2.0 * small)
+        let start = at[0] - 0.6 * small * surface.title.chars().count() as f32;
+        mesh::pins(surface).into_iter().any(|(_, cell, top)| {
+            let Some(cost) = heat_map::any_cost(surface, cell) else { return false };
+            let [x, y] = self.at(Vec3 { y: top, ..self.bench.place(cell.map(|c| c as f32), cost) });
+            // The number may stand on either side of its pin.
+            let width = 0.6 * small * number(cost).chars().count() as f32;
+            let is_beside = x + width > start && x - width < at[0] - 0.5 * small;
+            is_beside && (y - 3.0 - at[1]).abs() < 0.9 * small
+        })
     }
 
     /// The cost at the top of each pin.

@@ -448,7 +448,7 @@ fn ranked(level: &Level, index: usize) -> Sentence {
 /// The responses of a level by rank, and how many of them it may keep.
 fn responses(level: &Level) -> Series {
     let of = |range: std::ops::Range<usize>| -> Vec<[f32; 2]> {
-        range.map(|rank| [(rank + 1) as f32, level.ranked[rank].1]).collect()
+        range.map(|rank| [(rank + 1) as f32, level.ranked[rank].1 / 1000.0]).collect()
     };
     let shown = level.ranked.len().min(PLOTTED);
     let within = level.share.min(shown);
@@ -459,7 +459,7 @@ fn responses(level: &Level) -> Series {
     Series {
         title: "Harris response by rank",
         x_label: "rank",
-        y_label: "R",
+        y_label: "R / 1000",
         x_max: shown,
         lines,
         is_sweep: true,
