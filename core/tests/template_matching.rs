@@ -113,7 +113,11 @@ fn the_truth_of_bundled_clips_is_met() {
 
 #[test]
 fn peaks_of_texture_that_repeats_are_ambiguous() {
-    let periodic = |x: usize, y: usize| (128.0 + 50.0 * ((x as f64 * 0.7854).sin() + (y as f64 * 0.7854).cos())) as u8;
+    let periodic = |x: usize, y: usize| {
+        (128.0
+            + 50.0 * ((x as f64 * std::f64::consts::FRAC_PI_4).sin() + (y as f64 * std::f64::consts::FRAC_PI_4).cos()))
+            as u8
+    };
     let clip = Clip::from_frames("wallpaper", vec![Frame::gray(Grid::from_fn(96, 80, periodic)); 2]).expect("frames");
     let told = |clip: &Clip| {
         let mut walk = set("template-matching", &[("size", "16")]).walk(clip, 0).expect("a walk");
