@@ -144,7 +144,7 @@ fn what_features_do_not_have_is_absent_for_them() {
 }
 
 #[test]
-fn what_cannot_be_compared_is_told() {
+fn what_cannot_be_compared_is_reported() {
     for (more, told) in [
         ("--estimators diamnd", "diamond"),
         ("--estimators diamond --set hexagon.block=8", "hexagon is not compared"),

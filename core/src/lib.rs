@@ -102,7 +102,7 @@ pub use products::{
 };
 pub use run::{
     AnyEstimator, AnyRun, Beside, CandidateCount, Cursor, Direction, Estimator, Explained, Extent, FRAMES, Footprint,
-    Granularity, Guarantee, Info, LEVEL, Move, Pace, Pointed, Progress, Ran, Seen, StageView, TestsCandidates,
+    Granularity, Guarantee, Info, LEVEL, Move, Pace, Pointed, Progress, RunSummary, Seen, StageView, TestsCandidates,
     Timeline, Walk, lockstep, run_observed, stage,
 };
 pub use scene::{Floor, Level, Levels, Role, Scene, Stack, Step, pseudocode};

@@ -341,7 +341,7 @@ fn subtractions() -> Vec<Box<dyn AnyEstimator>> {
 }
 
 #[test]
-fn what_is_told_of_a_pixel_is_what_was_decided() {
+fn what_is_reported_a_pixel_is_what_was_decided() {
     const FRAMES: usize = 20;
     let colorful = colorful(FRAMES);
     for clip in [in_gray(&colorful, FRAMES), colorful] {

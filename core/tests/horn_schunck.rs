@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{central, equation, fact, flow, linear_motion, numbers, plane, plotted, point, set, told};
+use common::{central, equation, explained_at, fact, flow, linear_motion, numbers, plane, plotted, point, set};
 use motionscope_core::scene::{Focus, Quantity};
 use motionscope_core::{Clip, Cursor, DenseField, Direction, Flow, Frame, Move, Threads, synth};
 
@@ -100,7 +100,7 @@ fn horn_schunck_stops_when_little_changes() {
 }
 
 #[test]
-fn the_update_that_is_told_is_the_one_that_is_done() {
+fn the_update_that_is_reported_is_the_one_that_is_done() {
     let (clip, _) = linear_motion([[0.01, 0.0], [0.0, 0.01]], [0.2, 0.4]);
     for (solver, relaxation) in [("jacobi", 1.0), ("gauss-seidel", 1.0), ("sor", 1.9f32)] {
         let estimator = set("horn-schunck", &[&PAPER[..], &[("solver", solver), ("relaxation", "1.9")]].concat());
@@ -151,17 +151,17 @@ fn what_a_later_warp_tells_of_a_pixel_can_be_recomputed() {
 }
 
 #[test]
-fn displacements_on_a_level_are_told_in_its_px_and_as_on_the_picture() {
+fn displacements_on_a_level_are_reported_in_its_px_and_as_on_the_picture() {
     let (clip, _) = linear_motion([[0.0; 2]; 2], [2.4, -1.2]);
     for id in ["horn-schunck", "clg", "tv-l1"] {
         let estimator = set(id, &[("levels", "2"), ("warps", "1"), ("iterations", "20")]);
-        let coarse = told(&*estimator, &clip, 19, [40.0, 30.0]);
+        let coarse = explained_at(&*estimator, &clip, 19, [40.0, 30.0]);
         assert!(fact(&coarse, "Flow before").is_some_and(|value| value.ends_with("px of level 1")), "{id}");
         let (on_level, on_picture) = (point(&coarse, "after"), numbers(&fact(&coarse, "At full resolution").unwrap()));
         for i in 0..2 {
             assert!((2.0 * f64::from(on_level[i]) - on_picture[i]).abs() < 0.01, "{id}: {on_level:?}, {on_picture:?}");
         }
-        let fine = told(&*estimator, &clip, 39, [40.0, 30.0]);
+        let fine = explained_at(&*estimator, &clip, 39, [40.0, 30.0]);
         assert!(
             fact(&fine, "Flow before").is_some_and(|value| value.ends_with(" px"))
                 && fact(&fine, "At full resolution").is_none()
@@ -170,7 +170,7 @@ fn displacements_on_a_level_are_told_in_its_px_and_as_on_the_picture() {
 }
 
 #[test]
-fn medians_are_told_where_they_are_taken() {
+fn medians_are_reported_where_they_are_taken() {
     let (clip, _) = linear_motion([[0.0; 2]; 2], [0.4, 0.2]);
     for id in ["horn-schunck", "clg", "tv-l1"] {
         let estimator = set(id, &[("levels", "2"), ("warps", "2"), ("iterations", "3")]);

@@ -234,7 +234,7 @@ fn what_has_left_the_picture_is_given_up() {
 }
 
 #[test]
-fn what_is_told_is_true_of_the_step() {
+fn what_is_reported_is_true_of_the_step() {
     let mut frames = vec![vec![found([100.0, 100.0], [10.0; 2], 1.0)]; 3];
     frames.push(vec![found([400.0, 300.0], [10.0; 2], 1.0)]);
     frames.extend([vec![], vec![]]);

@@ -610,7 +610,7 @@ fn has_lone_index(text: &str) -> bool {
 }
 
 #[test]
-fn every_mark_is_finite_and_every_event_is_told() {
+fn every_mark_is_finite_and_every_event_is_reported() {
     each(|estimator| {
         let clip = clip_for(&*estimator, moving(24, 24, (1, 1), 2));
         let mut walk = estimator.walk(&clip, 0).unwrap();

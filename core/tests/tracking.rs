@@ -172,7 +172,7 @@ fn blobs_that_merge_keep_their_names_inside_and_get_them_back() {
 }
 
 #[test]
-fn a_merge_and_a_split_are_told_with_their_numbers() {
+fn a_merge_and_a_split_are_reported_with_their_numbers() {
     let (clip, _) = meeting(false);
     let tracker = set("blob-tracker", &[("source", "moving")]);
     let mut walk = tracker.walk(&clip, 0).expect("a run");

@@ -64,7 +64,7 @@ fn speed_heading_counts_and_stays_are_those_of_the_objects() {
 }
 
 #[test]
-fn who_goes_against_the_others_is_told_and_nobody_else() {
+fn who_goes_against_the_others_is_reported_and_nobody_else() {
     let stream = (0..6).map(|i| (10 * i, [20.0, 100.0], [5.0, 0.0], 50));
     let against: Vec<_> = stream.chain([(70, [310.0, 118.0], [-5.0, 0.0], 40)]).collect();
     let field = run(&*analysis(&[]), &clip(&against, 115));

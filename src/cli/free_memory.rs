@@ -6,8 +6,8 @@ pub fn free_bytes() -> Option<u64> {
 }
 
 /// The same from what Linux tells: `MemAvailable:   12345 kB`.
-fn free_of(told: &str) -> Option<u64> {
-    let line = told.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+fn free_of(message: &str) -> Option<u64> {
+    let line = message.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
     let kilobytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
     kilobytes.checked_mul(1024)
 }
@@ -18,8 +18,8 @@ mod tests {
 
     #[test]
     fn what_linux_tells_is_read() {
-        let told = "MemTotal:       24000000 kB\nMemFree:  100 kB\nMemAvailable:   23000000 kB\n";
-        assert_eq!(free_of(told), Some(23_000_000 * 1024));
+        let message = "MemTotal:       24000000 kB\nMemFree:  100 kB\nMemAvailable:   23000000 kB\n";
+        assert_eq!(free_of(message), Some(23_000_000 * 1024));
         for odd in ["", "MemAvailable: many kB", "MemAvailable: 5", "MemAvailable: 99999999999999999999 kB"] {
             assert_eq!(free_of(odd), None, "{odd}");
         }

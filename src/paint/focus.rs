@@ -85,8 +85,12 @@ pub struct Work {
 }
 
 impl Work {
-    /// The work that `scene` shows on a picture of `size` px; `None` where none of its marks is at work.
+    /// The work that `scene` shows on a picture of `size` px; `None` where none of its marks is at work, and where it sums up the
+    /// whole picture.
     pub fn of(scene: &Scene, size: (usize, usize)) -> Option<Self> {
+        if scene.is_overview {
+            return None;
+        }
         let picture = [size.0 as f32, size.1 as f32];
         let marks = || scene.marks.iter().filter(|mark| mark.on.is_aligned_with(Picture::CURRENT));
         let own = marks().filter(|mark| !has_twin(mark, scene)).filter_map(bounds_at_work).collect::<Vec<_>>();
@@ -390,6 +394,14 @@ mod tests {
         scene.mark(Picture::CURRENT, Role::Measured, Shape::Points(vec![[69.0, 88.0]]));
         let close = one(FocusMode::Auto, &scene).unwrap();
         assert!(close.times >= 8.0 && close.center[0] > 60.0 && close.center[0] < 70.0, "{close:?}");
+    }
+
+    #[test]
+    fn a_step_that_sums_up_the_picture_shows_all_of_it() {
+        let mut scene = search(100, 80);
+        let close = [one(FocusMode::Auto, &scene)];
+        scene.is_overview = true;
+        assert!(close[0].is_some() && of(FocusMode::Auto, &[scene], &close) == [None]);
     }
 
     #[test]

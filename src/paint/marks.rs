@@ -132,14 +132,34 @@ pub fn resolve<'a>(marks: impl IntoIterator<Item = &'a Mark>, look: &Look, place
     // What is under test is seen also where it lies on the best; its costs lie below all lines.
     let is_under_test = |mark: &&Mark| mark.role == Role::Candidate && !mark.shape.is_layer();
     let (under_test, others): (Vec<_>, Vec<_>) = marks.into_iter().partition(is_under_test);
+    let mut of_measurements = Vec::new();
     for mark in others.into_iter().chain(under_test) {
         if mark.shape.is_finite() {
+            if mark.role == Role::Measured && matches!(mark.shape, Shape::Text { .. }) {
+                of_measurements.push(primitives.len());
+            }
             let mut ink = look.theme.ink(mark.role);
             ink.color = mark.of.map_or(ink.color, own_color);
             Painter { ink, look, place, out: &mut primitives }.shape(mark.role, &mark.shape);
         }
     }
+    leave_out_crowded(&mut primitives, &of_measurements);
     primitives
+}
+
+/// Leaves out those of the `labels` of measurements, by index, that would lie over another label.
+fn leave_out_crowded(primitives: &mut Vec<Primitive>, labels: &[usize]) {
+    let words = primitives.iter().enumerate().filter(|(_, one)| matches!(one, Primitive::Text(_)));
+    let mut taken: Vec<Rect> = words.filter(|(i, _)| !labels.contains(i)).map(|(_, one)| one.bounds()).collect();
+    let mut crowded = Vec::new();
+    for &i in labels {
+        let bounds = primitives[i].bounds();
+        match taken.iter().any(|other| other.meets(&bounds)) {
+            true => crowded.push(i),
+            false => taken.push(bounds),
+        }
+    }
+    crowded.into_iter().rev().for_each(|i| drop(primitives.remove(i)));
 }
 
 struct Painter<'a> {

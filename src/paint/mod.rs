@@ -23,6 +23,7 @@ mod png;
 pub mod primitive;
 mod raster;
 mod reduced;
+pub mod script;
 mod svg;
 mod theme;
 mod wrap;

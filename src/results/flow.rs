@@ -50,8 +50,8 @@ fn field(output: &Output) -> Result<Flow, Error> {
 fn as_kitti(output: &Output) -> Result<EncodedFiles, Error> {
     let made = kitti_result(&field(output)?)?;
     let lost = made.out_of_range;
-    let told = format!("{lost} pixels exceed the ±512 px of a KITTI flow and are marked as unknown");
-    Ok(EncodedFiles { lost: (lost > 0).then_some(told), ..EncodedFiles::file(made.bytes) })
+    let message = format!("{lost} pixels exceed the ±512 px of a KITTI flow and are marked as unknown");
+    Ok(EncodedFiles { lost: (lost > 0).then_some(message), ..EncodedFiles::file(made.bytes) })
 }
 
 #[cfg(test)]

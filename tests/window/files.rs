@@ -142,7 +142,7 @@ fn what_the_clip_is_read_from_is_not_written_over() {
     }
     // The writer itself refuses as well, whoever asks it.
     let order = Order {
-        what: What::Result(EXPORTS[0]),
+        what: OutputKind::Result(EXPORTS[0]),
         path: flow.clone(),
         scale: 1,
         look: Look::default(),
@@ -202,7 +202,7 @@ fn a_session_reopens_exactly() {
     }
     window.press(Modifiers::COMMAND, Key::S);
     write_to(&mut window, &file);
-    let before = window.told();
+    let before = window.sentence();
     let stage = window.harness.get_by_label_contains("Stage: ").rect();
     let looks = |window: &Window| {
         let zoom = window.harness.query_all_by_label_contains(" %").filter_map(|node| node.accesskit_node().value());
@@ -212,7 +212,7 @@ fn a_session_reopens_exactly() {
     };
 
     let again = Window::with(vec2(1280.0, 720.0), Start { open: Some(file.clone().into()) });
-    assert!(again.told() == before, "the session does not show the same step");
+    assert!(again.sentence() == before, "the session does not show the same step");
     assert_eq!(looks(&again), looks(&window));
     assert!(!looks(&again).2, "the legend is folded");
     let (mine, theirs) = (Session::load(&file).expect("a session"), folder.path().join("again.motionscope"));
@@ -293,7 +293,7 @@ fn a_session_leaves_alone_what_it_does_not_name() {
 }
 
 #[test]
-fn a_truth_that_cannot_be_read_is_told_beside_the_quality() {
+fn a_truth_that_cannot_be_read_is_reported_beside_the_quality() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("clip");
     let words = ["motionscope", "synth", "translation", "--set", "width=64", "--set", "height=48", "--set", "frames=3"];
@@ -326,12 +326,12 @@ fn several_pasted_lines_are_one_path() {
 }
 
 #[test]
-fn a_bad_file_is_told_and_the_picture_stays() {
+fn a_bad_file_is_reported_and_the_picture_stays() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("broken.png");
     fs::write(&file, b"\x89PNG\r\n\x1a\nthis is no picture").expect("a file");
     let mut window = Window::usual();
-    let before = window.told();
+    let before = window.sentence();
     for name in [file.display().to_string(), folder.path().join("gone.mp4").display().to_string()] {
         window.harness.state_mut().open(&name);
         window.settle();
@@ -339,12 +339,12 @@ fn a_bad_file_is_told_and_the_picture_stays() {
         let last = Path::new(&name).file_name().expect("a name").to_string_lossy().into_owned();
         assert!(error.contains(&last), "{error}");
         assert!(window.harness.query_by_role(Role::Alert).is_some(), "the error is on the stage");
-        assert!(window.told() == before);
+        assert!(window.sentence() == before);
     }
     window.click("Dismiss error");
     assert!(window.app().error().is_none());
     window.key(Key::ArrowRight);
-    assert_ne!(window.told(), before, "it goes on");
+    assert_ne!(window.sentence(), before, "it goes on");
 }
 
 #[test]
@@ -455,7 +455,7 @@ fn objects_and_masks_are_exported() {
 }
 
 #[test]
-fn what_is_wrong_with_a_clip_is_not_told_of_the_next_one() {
+fn what_is_wrong_with_a_clip_is_not_reported_for_the_next_one() {
     let folders = [0; 3].map(|_| tempfile::tempdir().expect("a folder"));
     let [damaged, single, good] = &folders;
     let picture = |folder: &tempfile::TempDir, index: u32| {

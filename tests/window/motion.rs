@@ -129,7 +129,7 @@ fn what_is_chosen_is_kept_in_a_session() {
     let path = folder.path().join("two.motionscope");
     let look = Look::default();
     window.harness.state_mut().write(Order {
-        what: What::Session,
+        what: OutputKind::Session,
         path: path.clone(),
         scale: 1,
         look,

@@ -5,7 +5,7 @@ use super::*;
 #[test]
 fn a_parameter_changes_the_run_and_undo_brings_it_back() {
     let mut window = Window::usual();
-    let (before, place) = (window.told(), window.shown().reference().expect("a block").at);
+    let (before, place) = (window.sentence(), window.shown().reference().expect("a block").at);
     window.harness.get_by_role_and_label(Role::Slider, "Block size").set_value_accesskit(24.0);
     window.settle();
     assert_eq!(window.value("block"), Value::Int(24));
@@ -17,7 +17,7 @@ fn a_parameter_changes_the_run_and_undo_brings_it_back() {
     assert_eq!(window.value("block"), Value::Int(24));
     window.press(Modifiers::COMMAND, Key::Z);
     assert_eq!(window.value("block"), Value::Int(16));
-    assert!(window.told() == before, "undo shows what was there before");
+    assert!(window.sentence() == before, "undo shows what was there before");
     window.press(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
     assert_eq!(window.value("block"), Value::Int(24));
 }

@@ -40,7 +40,7 @@ fn clicks_measure_an_object_frame_by_frame() {
         assert!(spot.frame == frame && off < 0.5, "{spot:?} where {at:?} was clicked");
     }
     window.command(Command::PreviousUnit);
-    assert!(window.told().contains("Measured"), "what was clicked is measured");
+    assert!(window.sentence().contains("Measured"), "what was clicked is measured");
     window.command(Command::Undo);
     assert_eq!(placed(&window, "clicks").words(), "2 points", "each click is taken back by itself");
     window.key(Key::Escape);

@@ -219,7 +219,7 @@ mod tests {
     #[test]
     fn what_was_not_looked_for_is_left_empty() {
         let found = Feature { at: [1.0, 2.5], displacement: None, status: Status::Found, residual: None };
-        let told = |keypoints| {
+        let message = |keypoints| {
             let field = PointField { picture: (8, 8), points: vec![found], keypoints };
             assert_eq!(Product::flow(&field), None);
             let table = Product::table(&field).expect("a table");
@@ -227,13 +227,13 @@ mod tests {
             (table.columns().join(","), rows.join(","))
         };
         let usual = "x_px,y_px,u_px,v_px,status,residual".to_owned();
-        assert_eq!(told(Vec::new()), (usual.clone(), "1,2.5,,,found,".to_owned()));
+        assert_eq!(message(Vec::new()), (usual.clone(), "1,2.5,,,found,".to_owned()));
         let corner = Keypoint::of_response(12.5);
-        assert_eq!(told(vec![corner.clone()]), (format!("{usual},response"), "1,2.5,,,found,,12.5".to_owned()));
+        assert_eq!(message(vec![corner.clone()]), (format!("{usual},response"), "1,2.5,,,found,,12.5".to_owned()));
         let blob = Keypoint { scale_px: Some(3.5), angle_rad: Some(std::f32::consts::FRAC_PI_2), ..corner };
         let (columns, cells) =
             (format!("{usual},response,scale_px,angle_deg"), "1,2.5,,,found,,12.5,3.5,90".to_owned());
-        assert_eq!(told(vec![blob]), (columns, cells));
+        assert_eq!(message(vec![blob]), (columns, cells));
     }
 
     #[test]

@@ -47,7 +47,7 @@ pub struct Extent {
 }
 
 /// What a whole run amounts to.
-pub struct Ran {
+pub struct RunSummary {
     /// The products.
     pub output: Output,
     /// The products as they were in real time, where the parameters look back.
@@ -123,7 +123,7 @@ pub trait AnyEstimator: Params + Send + Sync {
     ///
     /// # Errors
     /// If the clip, the frame, the parameters or the memory do not allow a run.
-    fn run_counted(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Ran, Error>;
+    fn run_counted(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<RunSummary, Error>;
 
     /// A run that goes on unit after unit.
     ///
@@ -246,12 +246,12 @@ impl<E: Estimator> AnyEstimator for E {
         Estimator::run(self, clip, frame, threads, &()).map(|state| self.output(&state))
     }
 
-    fn run_counted(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Ran, Error> {
+    fn run_counted(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<RunSummary, Error> {
         check_run(self, clip)?;
         let count = Count::default();
         let state = Estimator::run(self, clip, frame, threads, &count)?;
         let extent = Extent { units: count.units(), events: count.events(), memory_bytes: self.memory_bytes(&state) };
-        Ok(Ran { causal: Estimator::causal(self, &state), output: self.output(&state), extent })
+        Ok(RunSummary { causal: Estimator::causal(self, &state), output: self.output(&state), extent })
     }
 
     fn begin(&self, clip: &Clip, frame: usize) -> Result<Box<dyn AnyRun>, Error> {

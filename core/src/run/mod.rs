@@ -11,7 +11,7 @@ pub mod stage;
 mod timeline;
 mod walk;
 
-pub use any::{AnyEstimator, AnyRun, Extent, Ran};
+pub use any::{AnyEstimator, AnyRun, Extent, RunSummary};
 pub use cursor::Cursor;
 pub use estimator::{Estimator, Granularity, Guarantee, Info, LEVEL, Progress, Seen, run_observed};
 pub use facets::{Explained, Footprint, Pointed, StageView, TestsCandidates};

@@ -228,8 +228,8 @@ mod tests {
             assert_eq!(name.parse(), Ok(picture));
         }
         for wrong in ["", "u", "t1x", "right", "t-level-x", "level-2"] {
-            let told = wrong.parse::<Picture>().map_err(|error| error.to_string());
-            assert!(told.as_ref().is_err_and(|told| told.contains("right-")), "{wrong}: {told:?}");
+            let message = wrong.parse::<Picture>().map_err(|error| error.to_string());
+            assert!(message.as_ref().is_err_and(|message| message.contains("right-")), "{wrong}: {message:?}");
         }
     }
 

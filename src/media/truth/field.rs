@@ -244,8 +244,8 @@ mod tests {
     #[test]
     fn another_size_is_a_sentence_and_nothing_is_allocated_for_it() {
         for bytes in formats() {
-            let told = read(&bytes, (5, 4)).unwrap_err().to_string();
-            assert!(told.contains("5×3") && told.contains("5×4") && told.contains("flow10.flo"), "{told}");
+            let message = read(&bytes, (5, 4)).unwrap_err().to_string();
+            assert!(message.contains("5×3") && message.contains("5×4") && message.contains("flow10.flo"), "{message}");
         }
         let mut hostile = export::flo(&sample());
         hostile[4..12].copy_from_slice(&[0xff, 0xff, 0xff, 0x7f, 0xff, 0xff, 0xff, 0x7f]);
@@ -268,7 +268,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(128))]
         #[test]
-        fn damage_is_told(which in 0..2_usize, at in any::<prop::sample::Index>(), flip in 1..=255_u8, cut: bool) {
+        fn damage_is_reported(which in 0..2_usize, at in any::<prop::sample::Index>(), flip in 1..=255_u8, cut: bool) {
             let mut bytes = formats()[which].clone();
             let at = at.index(bytes.len());
             if cut {

@@ -70,11 +70,11 @@ pub fn head(data: HeatMap<'_>, map: &Map, area: Rect, pointed: Option<[i32; 2]>,
         }
     }
     let (left, text) = (map.head_left(area, theme), Type::text(theme));
-    let told = match pointed {
-        Some(at) => told(data.surface, at),
+    let description = match pointed {
+        Some(at) => description(data.surface, at),
         None => titled(data.whose, &format!("{} by displacement", data.surface.title), (small, right - left)),
     };
-    canvas.text([left, y], (Anchor::Start, Level::Middle), &shortened(&told, text, right - left), text);
+    canvas.text([left, y], (Anchor::Start, Level::Middle), &shortened(&description, text, right - left), text);
     canvas.into_primitives()
 }
 
@@ -229,7 +229,7 @@ fn cross(canvas: &mut Canvas, map: &Map, at: [i32; 2], role: Role, theme: Theme)
 }
 
 /// What is known of the displacement that is pointed at.
-fn told(surface: &Surface, at: [i32; 2]) -> String {
+fn description(surface: &Surface, at: [i32; 2]) -> String {
     let untested = any_cost(surface, at);
     match (cost(surface, at), event(surface, at)) {
         (Some(cost), _) => format!("{} at {} is {}", surface.title, vector(at), number(cost)),
@@ -355,8 +355,8 @@ mod tests {
 
     #[test]
     fn the_map_tells_itself_in_words() {
-        let told = "SAD by displacement: 297 of 561 tested, minimum 0 gray levels at (−16, −8)";
-        assert_eq!(summary(&surface()), told);
+        let description = "SAD by displacement: 297 of 561 tested, minimum 0 gray levels at (−16, −8)";
+        assert_eq!(summary(&surface()), description);
         assert_eq!(cost(&surface(), [0, 8]), None);
         assert_eq!((event(&surface(), [-15, -7]), event(&surface(), [0, 8])), (Some(36), None));
         assert_eq!(cost(&surface(), [-40, 0]), None);
@@ -405,7 +405,7 @@ mod tests {
         let joined =
             |primitive: &&Primitive| matches!(primitive, Primitive::Polyline { points, .. } if points.len() == 3);
         assert_eq!(primitives.iter().filter(joined).count(), 1, "the tested cells are joined");
-        assert_eq!(told(&surface, [-12, -8]), "(−12, −8) was not tested; its SAD is 10");
+        assert_eq!(description(&surface, [-12, -8]), "(−12, −8) was not tested; its SAD is 10");
     }
 
     fn costs_of(primitives: &[Primitive]) -> Grid<[u8; 4]> {
@@ -425,7 +425,7 @@ mod tests {
             summary(&surface),
             "SAD by displacement: 299 of 561 tested, 2 of them rejected early, minimum 0 gray levels at (−16, −8)"
         );
-        let told = [[-15, -8], [-13, 1], [-11, 1]].map(|at| told(&surface, at));
-        assert_eq!(told, ["SAD at (−15, −8) is 1", "(−13, 1) was rejected early", "(−11, 1) is not tested yet"]);
+        let description = [[-15, -8], [-13, 1], [-11, 1]].map(|at| description(&surface, at));
+        assert_eq!(description, ["SAD at (−15, −8) is 1", "(−13, 1) was rejected early", "(−11, 1) is not tested yet"]);
     }
 }

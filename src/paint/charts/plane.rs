@@ -415,14 +415,14 @@ mod tests {
     }
 
     #[test]
-    fn the_plane_is_told_in_words() {
+    fn the_plane_is_reported_in_words() {
         assert_eq!(
             summary(&plane()),
             "Gradient constraint: one line, 1 px from the origin, normal flow at (1, −0.250)"
         );
         let spread = Spread { center: [1.0, 0.0], radii: [0.5, 0.25], angle_rad: 0.0 };
-        let told = summary(&Plane { ellipse: Some(spread), ..plane() });
-        assert!(told.ends_with("one standard deviation 0.500 by 0.250 px"), "{told}");
+        let description = summary(&Plane { ellipse: Some(spread), ..plane() });
+        assert!(description.ends_with("one standard deviation 0.500 by 0.250 px"), "{description}");
     }
 
     #[test]
@@ -493,8 +493,8 @@ mod tests {
         let area = Rect::new([0.0; 2], [640.0, 400.0]);
         let drawing = draw(data, area, style());
         let square = drawing.place;
-        let told = texts(&head(data, &square, area, Some(center), style())).concat();
-        assert_eq!(told, "(6.50, −3) px: 0 gray levels²");
+        let description = texts(&head(data, &square, area, Some(center), style())).concat();
+        assert_eq!(description, "(6.50, −3) px: 0 gray levels²");
         assert_eq!(plane.cost_at([6.5, -5.5]), None, "it ends where the plane ends");
         let primitives = flat(drawing);
         let images = primitives.iter().filter(|primitive| matches!(primitive, Primitive::Image { .. })).count();

@@ -143,8 +143,9 @@ pub fn head(data: Shown<'_>, area: Rect, pointed: Option<[f32; 2]>, style: Chart
 /// The plane in words, in one line.
 pub fn summary(regions: &Regions) -> String {
     let [x, y] = regions.labels;
-    let told = |(name, _, [a, b]): &(String, _, [f32; 2])| format!("{name}: {x} {}, {y} {}", number(*a), number(*b));
-    let points: Vec<_> = regions.points.iter().map(told).collect();
+    let description =
+        |(name, _, [a, b]): &(String, _, [f32; 2])| format!("{name}: {x} {}, {y} {}", number(*a), number(*b));
+    let points: Vec<_> = regions.points.iter().map(description).collect();
     let names: Vec<_> = regions.names.iter().map(|(name, _)| *name).collect();
     format!("{}: {}; regions {}", regions.title, points.join("; "), names.join(", "))
 }

@@ -636,8 +636,8 @@ mod tests {
         let mut series = series(3);
         (series.title, series.y_label) = ("Objects", "objects");
         let wide = Rect::new([0.0; 2], [600.0, 200.0]);
-        let told = title(Plotted { whose: "Blob tracker", ..plotted(&series, false) }, wide, 12.0);
-        assert_eq!(told, "Blob tracker · Objects");
+        let description = title(Plotted { whose: "Blob tracker", ..plotted(&series, false) }, wide, 12.0);
+        assert_eq!(description, "Blob tracker · Objects");
     }
 
     #[test]

@@ -305,6 +305,14 @@ pub fn strip(ui: &mut Ui, (input, most): (Input<'_>, f32), state: &mut Strip) {
     let room = ui.available_height();
     egui::ScrollArea::vertical().id_salt("strip").auto_shrink(false).max_height(room).show(ui, |ui| {
         let top = ui.cursor().min;
+        // Formulas in two columns are read down, not across.
+        if let [.., (_, first), (left, second)] = &parts[..]
+            && parts.len() > 2
+        {
+            let bottom = first.size.y.max(second.size.y);
+            let x = top.x + left - STRIP_GAP / 2.0;
+            ui.painter().vline(x, top.y..=top.y + bottom, ui.visuals().widgets.noninteractive.bg_stroke);
+        }
         for (i, (left, part)) in parts.iter().enumerate() {
             let place = Rect::from_min_size(top + vec2(*left, 0.0), vec2(width as f32, needed));
             let mut inside = ui.new_child(egui::UiBuilder::new().id_salt(i).max_rect(place));

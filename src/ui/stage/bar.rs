@@ -428,13 +428,13 @@ mod tests {
     use std::sync::Arc;
 
     #[test]
-    fn a_pixel_is_told_in_both_frames() {
+    fn a_pixel_is_reported_in_both_frames() {
         let gray = Arc::new(Frame::gray(Grid::from_fn(4, 4, |x, y| (10 * y + x) as u8)));
         let rgb = Arc::new(Frame::rgb(Grid::new(4, 4, [30, 30, 30])));
-        let told: Vec<_> = columns(&[(Picture::CURRENT, gray), (Picture::NEXT, rgb)], [3, 2])
+        let message: Vec<_> = columns(&[(Picture::CURRENT, gray), (Picture::NEXT, rgb)], [3, 2])
             .into_iter()
             .map(|c| format!("{} {}", c.label, c.value))
             .collect();
-        assert_eq!(told, ["x 3", "y 2", "t 23", "t+1 30", "change 7", "RGB t+1 30 30 30"]);
+        assert_eq!(message, ["x 3", "y 2", "t 23", "t+1 30", "change 7", "RGB t+1 30 30 30"]);
     }
 }

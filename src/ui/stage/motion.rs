@@ -51,14 +51,14 @@ fn choices(ui: &mut Ui, input: &Input<'_>, state: &mut State, look: &mut Look) {
         let item = ui.add_enabled(why.is_none(), Button::selectable(now == layer, layer.name()).min_size(wide(ui)));
         let is_now = now == layer;
         item.widget_info(|| WidgetInfo::selected(egui::Role::RadioButton, why.is_none(), is_now, layer.name()));
-        let told = match why {
+        let message = match why {
             Some(why) => format!("{} Not here: {why}.", layer.tip()),
             None if input.available.awaited(Some(layer)).is_some() => {
                 format!("{} It is there at the end of the run.", layer.tip())
             }
             None => layer.tip().into(),
         };
-        if item.on_hover_text(&told).on_disabled_hover_text(&told).clicked() {
+        if item.on_hover_text(&message).on_disabled_hover_text(&message).clicked() {
             look.layer = Some(layer);
         }
     }

@@ -66,7 +66,7 @@ pub enum Grip {
 pub fn tools(ui: &mut Ui, input: &Input<'_>, response: &mut Response) {
     let Some(placing) = input.placing else { return };
     let what = placing.spec.label.to_lowercase();
-    let told = match placing.now.figure() {
+    let message = match placing.now.figure() {
         Figure::Spots if !placing.is_by_frame => {
             "Click on points of the picture, or drag one. A right click takes one away.".into()
         }
@@ -87,7 +87,7 @@ pub fn tools(ui: &mut Ui, input: &Input<'_>, response: &mut Response) {
         if done.on_hover_text("Esc").clicked() {
             response.placing = Gesture::Done;
         }
-        ui.label(RichText::new(told).text_style(TextStyle::Small));
+        ui.label(RichText::new(message).text_style(TextStyle::Small));
     });
 }
 

@@ -50,8 +50,8 @@ pseudocode! {
     TAKE_MEDIANS: "    (u₀, v₀) ← 3×3 median filter of (u, v); not before the very first warp",
     WARP: "    warp frame t+1 toward frame t by (u₀, v₀); I_x, I_y, I_t ← derivatives; T ← their products, smoothed by a Gaussian of ρ px",
     EACH_ITERATION: "    for each iteration",
-    AVERAGE: "      for each pixel: m ← weighted mean of its eight neighbours",
-    SOLVE: "      (u, v) ← solution of (T + α² I) (u, v) = α² m + T (u₀, v₀) − (T_xt, T_yt)",
+    AVERAGE: "      for each pixel: (ū, v\u{304}) ← weighted mean of its eight neighbours",
+    SOLVE: "      (u, v) ← solution of (T + α² I) (u, v) = α² (ū, v\u{304}) + T (u₀, v₀) − (T_xt, T_yt)",
 }
 
 impl Model for Clg {

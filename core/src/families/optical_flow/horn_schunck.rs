@@ -40,8 +40,8 @@ pseudocode! {
     TAKE_MEDIANS: "    (u₀, v₀) ← 3×3 median filter of (u, v); not before the very first warp",
     WARP: "    warp frame t+1 toward frame t by (u₀, v₀); I_x, I_y, I_t ← derivatives; c ← I_t − I_x u₀ − I_y v₀",
     EACH_ITERATION: "    for each iteration",
-    AVERAGE: "      for each pixel: m ← weighted mean of its eight neighbours",
-    UPDATE: "      (u, v) ← m − ∇I (∇I · m + c) / (α² + |∇I|²)",
+    AVERAGE: "      for each pixel: (ū, v\u{304}) ← weighted mean of its eight neighbours",
+    UPDATE: "      (u, v) ← (ū, v\u{304}) − ∇I (I_x ū + I_y v\u{304} + c) / (α² + |∇I|²)",
 }
 
 impl Model for HornSchunck {

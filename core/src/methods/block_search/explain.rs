@@ -204,10 +204,10 @@ impl Probe<'_> {
             .into();
         }
         let margin = self.settings.matching.cost.of_levels(RIVAL_LEVELS, self.block());
-        let rivals = surface.rivals(found.displacement, whole + margin);
-        if !rivals.is_empty() {
-            let rival = |rival: &Match| format!("{} at {}", self.settings.number(rival.cost), vector(rival.vector()));
-            return ambiguity("Nearly the same cost:", rivals.iter().map(rival).collect());
+        let near_minima = surface.near_minima(found.displacement, whole + margin);
+        if !near_minima.is_empty() {
+            let other = |other: &Match| format!("{} at {}", self.settings.number(other.cost), vector(other.vector()));
+            return ambiguity("Nearly the same cost:", near_minima.iter().map(other).collect());
         }
         let range = self.settings.matching.search_range as u32;
         if found.displacement.iter().any(|c| c.unsigned_abs() == range) {

@@ -205,8 +205,8 @@ impl<'a> MaskHistory<'a> {
         if let Some(Event::Updated(conclusion)) = self.events.last() {
             facts.extend(conclusion.pixels().map(|all| {
                 let [precision, recall, f1] = scores(all);
-                let told = format!("{precision}, {recall}, {f1}");
-                Fact::new("Mask precision, recall, F₁", told, Some(Role::Truth))
+                let explained_step = format!("{precision}, {recall}, {f1}");
+                Fact::new("Mask precision, recall, F₁", explained_step, Some(Role::Truth))
             }));
         }
         facts
@@ -433,7 +433,7 @@ pub(super) fn stage(event: &Event) -> Name {
 }
 
 impl<M: Background> Subtraction<M> {
-    pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
+    pub(super) fn explained_step(&self, seen: &Seen<Self>) -> Step {
         let line = seen.events.last().map_or(line::BEGIN_MODEL, stage);
         Step { line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
     }

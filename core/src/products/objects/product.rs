@@ -90,15 +90,15 @@ fn counted(field: &ObjectField) -> Assessment {
     let objects = field.frames.iter().flat_map(confirmed).collect::<BTreeSet<u32>>().len();
     let detections: usize = field.frames.iter().map(|frame| frame.detections.len()).sum();
     let frames = field.frames.len();
-    let [told, from, of] = [objects, detections, frames].map(grouped);
-    let text = format!("{told}, from {from} detections in {of} frames");
+    let [tracks, from, of] = [objects, detections, frames].map(grouped);
+    let text = format!("{tracks}, from {from} detections in {of} frames");
     let values = [frames, detections, objects].map(Figure::from);
-    let told = match field.followed {
+    let counted = match field.followed {
         // Frames were processed by themselves: there are no tracks to count.
         Followed::Nothing => fact("Detections", format!("{from} in {of} frames")),
         _ => fact("Tracks", text),
     };
-    Assessment::default().with(scores(&COUNTS, values), vec![told])
+    Assessment::default().with(scores(&COUNTS, values), vec![counted])
 }
 
 /// The counts of line, zone and anomalous directions, where trajectories were analysed.
@@ -146,9 +146,9 @@ fn tracking(of: Scores) -> Assessment {
         ),
     ];
     if greedy > 0 {
-        let told =
+        let approximation =
             format!("{} boxes are matched greedily: the frame is too dense for an optimal assignment", grouped(greedy));
-        facts.push(fact("Approximate", told));
+        facts.push(fact("Approximate", approximation));
     }
     let headline = format!("MOTA {mota:.3}, MOTP {motp:.3}, IDF1 {idf1:.3}, HOTA {hota:.3}, {switches} switches");
     Assessment { headline, ..Assessment::default() }.with(scores(&TRACKING, values), facts)

@@ -17,7 +17,7 @@ const CHANGE_PX: f64 = 3.0;
 
 /// A blob that moves: its frame, counted from the current one, its index there, and the length of its motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Mover {
+pub(super) struct ConsistentObject {
     pub frame: usize,
     pub index: usize,
     pub length_px: f64,
@@ -25,7 +25,11 @@ pub(super) struct Mover {
 
 impl KalmanFilter {
     /// Returns the blob of the next frames that moves most consistently: over the greatest distance at a displacement that changes little.
-    pub(super) fn most_consistent(&self, (clip, t): (&Clip, usize), state: &State) -> Result<Option<Mover>, Error> {
+    pub(super) fn most_consistent(
+        &self,
+        (clip, t): (&Clip, usize),
+        state: &State,
+    ) -> Result<Option<ConsistentObject>, Error> {
         let mut frames = Vec::new();
         for ahead in t..t + AHEAD {
             let is_over = match state.span.frames() {
@@ -47,7 +51,7 @@ impl KalmanFilter {
             frames.iter().enumerate().flat_map(|(frame, found)| (0..found.len()).map(move |index| (frame, index)));
         let movers = all.filter_map(|(frame, index)| {
             let length_px = longest(&frames[frame..], index);
-            (length_px > 0.0).then_some(Mover { frame, index, length_px })
+            (length_px > 0.0).then_some(ConsistentObject { frame, index, length_px })
         });
         // Of equal motions the first one.
         Ok(movers.reduce(|best, mover| if mover.length_px > best.length_px { mover } else { best }))

@@ -70,7 +70,7 @@ impl KalmanFilter {
         now
     }
 
-    pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
+    pub(super) fn explained_step(&self, seen: &Seen<Self>) -> Step {
         let line = match seen.events.last() {
             None => line::EACH_FRAME,
             Some(Event::Predicted(_)) => line::PREDICT,
@@ -356,7 +356,6 @@ impl KalmanFilter {
     /// The formula of the step, with the numbers along x.
     fn equation(&self, event: Option<&Event>) -> Option<Readout> {
         let var = Math::Var;
-        let sub = |name, index| Math::indexed(Math::Var(name), Math::Var(index));
         let text = |text: &str| Math::text(text);
         let lines = match event? {
             Event::Predicted(both) => {
@@ -379,9 +378,9 @@ impl KalmanFilter {
                         Math::Bold("Q"),
                     ]),
                     Math::Row(vec![
-                        sub("x", "x"),
+                        Math::Var("x"),
                         text(&format!(" = {}, u = {} px/frame; predicted ", px(x), px(u))),
-                        sub("x", "x"),
+                        Math::Var("x"),
                         text(" = "),
                         Math::ink(Role::Predicted, px(after.place()[0])),
                     ]),
@@ -390,6 +389,8 @@ impl KalmanFilter {
             Event::Gated(gated) => {
                 let numbers = gated.expected.update_numbers(gated.measurement())?;
                 vec![Math::Row(vec![
+                    Math::power(Math::Var("d"), text("2")),
+                    text(" = "),
                     Math::power(Math::Bold("ν"), text("T")),
                     Math::power(Math::Bold("S"), text("−1")),
                     Math::Bold("ν"),
@@ -411,7 +412,7 @@ impl KalmanFilter {
                             .to_vec(),
                     ),
                     Math::Row(vec![
-                        sub("x", "x"),
+                        Math::Var("x"),
                         text(" = "),
                         Math::ink(Role::Predicted, px(gated.expected.place()[0])),
                         text(&format!(" + {} · ", ratio(gain))),
@@ -635,12 +636,12 @@ fn deviation(filter: &Filter) -> f64 {
 
 /// The true position in the current frame.
 fn truth(seen: &Seen<KalmanFilter>) -> Option<[f64; 2]> {
-    let told = seen.events.iter().find_map(|event| match event {
+    let observed = seen.events.iter().find_map(|event| match event {
         Event::Observed(observed) => observed.truth,
         _ => None,
     });
     let index = frame_of(seen.before) - seen.before.span.first;
-    told.or_else(|| seen.before.records.get(index)?.truth)
+    observed.or_else(|| seen.before.records.get(index)?.truth)
 }
 
 /// Draws the filtered and the smoothed trajectory so far.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::association::{Costs, MOST_NEAR, MatchingStage};
 use super::{Event, KalmanTracker, PairCost, State, Track, line};
 use crate::base::words;
-use crate::geometry::Grid;
+use crate::geometry::{Bounds, Grid};
 use crate::methods::{
     kalman::{Filter, Measurement, ellipse},
     multi_object::{
@@ -62,7 +62,7 @@ fn state_matrices(before: &Filter, after: &Filter) -> Vec<Matrix> {
 }
 
 impl KalmanTracker {
-    pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
+    pub(super) fn explained_step(&self, seen: &Seen<Self>) -> Step {
         let line = match seen.events.last() {
             None | Some(Event::Done(..)) => line::EACH_FRAME,
             Some(Event::Detected(..)) => line::DETECT,
@@ -299,7 +299,7 @@ impl KalmanTracker {
         };
         let d_squared = Math::power(Math::Var("d"), Math::text("2"));
         let symbols = cost([d_squared, Math::text("gate"), Math::text("IoU"), Math::text("IoU threshold")]);
-        let mut lines = vec![Math::Row(vec![Math::Var("C"), Math::text(" = "), symbols])];
+        let mut lines = vec![Math::Row(vec![Math::Var("C"), Math::text(" = "), symbols]), self.conditions(costs, pair)];
         if let Some([row, column]) = pair {
             // A pair by the last box has another cost.
             let total = Math::ink(Role::Best, ratio(costs.costs.get(row, column)?));
@@ -315,6 +315,31 @@ impl KalmanTracker {
             lines.push(Math::Row(numbers));
         }
         Some(lines)
+    }
+
+    /// The conditions under which a pair may be assigned, with its numbers.
+    fn conditions(&self, costs: &Costs, pair: Option<[usize; 2]>) -> Math {
+        let distance = || {
+            let value = pair.map(|[row, column]| self.distance(costs, row, column));
+            let is_inside = value.is_none_or(|distance| distance <= costs.limit);
+            let value = value.map_or_else(String::new, |distance| format!(" = {}", squared(distance)));
+            let sign = if is_inside { "≤" } else { ">" };
+            let compared = format!("{value} {sign} gate {}", squared(costs.limit));
+            Math::Row(vec![Math::power(Math::Var("d"), Math::text("2")), Math::text(compared)])
+        };
+        let overlap = || {
+            let value = pair.map(|[row, column]| costs.overlap(row, column));
+            let least = f64::from(self.iou_threshold);
+            let sign = if value.is_none_or(|overlap| overlap >= least) { "≥" } else { "<" };
+            let value = value.map_or_else(String::new, |overlap| format!(" = {}", fixed(overlap, 2)));
+            Math::text(format!("IoU{value} {sign} {}", fixed(least, 2)))
+        };
+        let all = match self.cost {
+            PairCost::Mahalanobis => vec![distance()],
+            PairCost::Overlap => vec![overlap()],
+            PairCost::Both => vec![distance(), Math::text(", "), overlap()],
+        };
+        Math::Row(std::iter::once(Math::text(if pair.is_some() { "with " } else { "if " })).chain(all).collect())
     }
 
     /// Returns the squared Mahalanobis distance of a detection from a track.
@@ -349,6 +374,13 @@ impl KalmanTracker {
             seen.events.iter().find_map(|event| if let Event::Detected(all, _) = event { Some(all) } else { None });
         explain::draw_detections(scene, detected.into_iter().flat_map(|all| all.iter()));
         let after = seen.after.map(|state| &state.tracks);
+        if after.is_none() {
+            for (i, found) in detected.into_iter().flat_map(|all| all.iter()).enumerate() {
+                let Bounds { min, max } = found.bounds;
+                explain::label(scene, Role::Measured, [min[0], max[1]], format!("detection {}", i + 1));
+            }
+        }
+        scene.is_overview = after.is_some() && seen.point().is_none();
         match (after, seen.events.last()) {
             (Some(tracks), _) => {
                 errors(seen).iter().for_each(|errors| truth::draw(scene, errors));

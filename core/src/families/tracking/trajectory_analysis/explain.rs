@@ -18,7 +18,7 @@ use crate::scene::{Arrow, Fact, Math, Picture, Readout, Role, Scene, Sentence, S
 const TRAIL_FRAMES: usize = 40;
 
 impl TrajectoryAnalysis {
-    pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
+    pub(super) fn explained_step(&self, seen: &Seen<Self>) -> Step {
         let line = match seen.events.last() {
             None => line::EACH_FRAME,
             Some(Event::Tracked(_)) => line::TRACK,
@@ -255,6 +255,7 @@ impl TrajectoryAnalysis {
     }
 
     pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
+        scene.is_overview = seen.after.is_some() && seen.point().is_none();
         let all = now(seen);
         if let Some(Event::Learned(directions)) = seen.events.last() {
             self.draw_directions(directions, scene);
