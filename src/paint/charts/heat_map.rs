@@ -253,6 +253,13 @@ pub fn minimum_words(surface: &Surface) -> Option<String> {
     })
 }
 
+/// The smallest cost so far, and how many displacements have it where several do: `minimum 0 (5 equal)`.
+fn brief_minimum(surface: &Surface) -> String {
+    let Some((least, at)) = surface.minimum() else { return String::new() };
+    let ties = if at.len() > 1 { format!(" ({} equal)", grouped(at.len())) } else { String::new() };
+    format!("minimum {}{ties}", number(least))
+}
+
 /// Names the smallest cost below the map and rings the cells that tie for it.
 fn minimum(canvas: &mut Canvas, map: &Map, (surface, area): (&Surface, Rect), theme: Theme) {
     /// So many are told apart; more are a plain.
@@ -268,8 +275,10 @@ fn minimum(canvas: &mut Canvas, map: &Map, (surface, area): (&Surface, Rect), th
     // The unit stands at the bar of colors.
     let bare = Surface { unit: "", ..surface.clone() };
     let Some(words) = minimum_words(&bare).filter(|_| !map.is_tight()) else { return };
-    let dim = Type::dim(theme);
-    let words = shortened(&words, dim, map.name_left(theme) - map.small - area.min[0]);
+    let (dim, room) = (Type::dim(theme), map.name_left(theme) - map.small - area.min[0]);
+    // Where it is has less room than how small it is; the cells are ringed.
+    let fitting = [words.clone(), brief_minimum(&bare)].into_iter().find(|words| dim.width(words) <= room);
+    let words = fitting.unwrap_or_else(|| shortened(&words, dim, room));
     canvas.text([area.min[0], map.below()], (Anchor::Start, Level::Top), &words, dim);
 }
 
