@@ -8,7 +8,7 @@
 //! estimator = "full-search"
 //! pace = "block"                   # of the lockstep: block, budget, frame, iteration, level, stage or result
 //! frame = 12
-//! step = "35.412"
+//! step = "35.412"                  # without it: where the run was left, or its start
 //! pixel = "303,202"                # the held pixel to explain
 //!
 //! [set]

@@ -492,7 +492,7 @@ fn the_palette_runs_a_command() {
     window.press(Modifiers::COMMAND, Key::K);
     window.harness.get_by_label("What to find").type_text("export");
     window.settle();
-    assert!(window.harness.query_by_label_contains("Nothing is called that").is_none());
+    assert!(window.harness.query_by_label_contains("No command matches").is_none());
     window.key(Key::Escape);
 
     window.press(Modifiers::COMMAND, Key::K);

@@ -114,8 +114,8 @@ fn the_update_that_is_reported_is_the_one_that_is_done() {
         let [a, b, c] = plane(&step).lines[0].factors;
         let off = (a * mean[0] + b * mean[1] + c) / (100.0 + a * a + b * b);
         let update = [mean[0] - a * off, mean[1] - b * off];
-        let told = [0, 1].map(|i| before[i] + relaxation * (update[i] - before[i]));
-        assert!((0..2).all(|i| (told[i] - after[i]).abs() < 1e-4), "{solver}: {told:?}, done {after:?}");
+        let computed = [0, 1].map(|i| before[i] + relaxation * (update[i] - before[i]));
+        assert!((0..2).all(|i| (computed[i] - after[i]).abs() < 1e-4), "{solver}: {computed:?}, done {after:?}");
         // The numbers of the last line are what was done.
         let last = equation(&step).pop().unwrap();
         assert!((numbers(&last).pop().unwrap() - f64::from(after[1])).abs() < 2e-3, "{last}");
@@ -223,11 +223,11 @@ fn the_share_of_the_smoothness_term_is_that_of_the_update() {
     let shares = layers[0].values();
     for (x, y) in [(20, 20), (48, 40), (70, 11)] {
         let step = walk.step(Some(Focus::current([x as f32, y as f32])));
-        let told = step.sentence.plain();
-        let (_, covered) = told.split_once("covers ").expect("the way to the constraint line");
+        let sentence = step.sentence.plain();
+        let (_, covered) = sentence.split_once("covers ").expect("the way to the constraint line");
         assert!(
             (100.0 * f64::from(shares[(x, y)]) + numbers(covered)[0] - 100.0).abs() < 0.51,
-            "{told}: {}",
+            "{sentence}: {}",
             shares[(x, y)]
         );
     }

@@ -357,3 +357,39 @@ fn sentences_until(estimator: &dyn AnyEstimator, clip: &Clip, events: usize) -> 
         })
         .collect()
 }
+
+#[test]
+fn the_formula_of_a_pair_ends_with_the_condition_that_it_meets() {
+    // Track 1 stands still, track 2 turns back while it is not seen: only its last box still overlaps.
+    let at = |x: f32, y: f32| found([x, y], [60.0, 60.0], 1.0);
+    let moving = (0..8).map(|t| vec![at(100.0, 100.0), at(200.0 + 25.0 * t as f32, 300.0)]);
+    let hidden = (0..4).map(|_| vec![at(100.0, 100.0)]);
+    let clip = rows(moving.chain(hidden).chain([vec![at(100.0, 100.0), at(380.0, 300.0)]]).collect());
+    let formulas = |settings: &[(&str, &str)]| {
+        let settings = [&[("source", "detections"), ("score-threshold", "0.5"), ("max-age", "20")], settings].concat();
+        let mut walk = set("kalman-tracker", &settings).walk(&clip, 0).expect("a run");
+        let mut all = Vec::new();
+        while !walk.at_end() {
+            walk.jump(Move::Granularity(1, Direction::Forward));
+            let step = walk.step(None);
+            if step.sentence.plain().contains("is assigned to") {
+                all.push((step.sentence.plain(), common::equation(&step)));
+            }
+        }
+        all
+    };
+    for (settings, condition) in [
+        (&[("cost", "both"), ("iou-threshold", "0.25")][..], "IoU = 1.00 ≥ 0.25"),
+        (&[("cost", "overlap"), ("iou-threshold", "0")], "with IoU = 1.00 > 0"),
+        (&[("cost", "mahalanobis")], "≤ gate 13.82"),
+    ] {
+        let all = formulas(settings);
+        let (sentence, lines) = all.iter().find(|(sentence, _)| sentence.contains("detection 1")).expect("a pair");
+        assert!(lines[0].starts_with("C = ") && lines.last().expect("a line").contains(condition), "{lines:?}");
+        assert!(!sentence.contains("≥ 0.00"), "{sentence}");
+    }
+    let all = formulas(&[("cost", "both"), ("iou-threshold", "0.25")]);
+    let (sentence, lines) = all.last().expect("a pair");
+    assert!(sentence.contains("IoU with the last box"), "{sentence}");
+    assert!(lines[0] == "C = 1 − IoU of the last box" && lines[2].ends_with("≥ 0.25"), "{lines:?}");
+}

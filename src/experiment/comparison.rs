@@ -18,7 +18,7 @@ pub struct ComparedEstimator {
     pub swept: Option<(String, String)>,
 }
 
-/// Contenders that run on the same clip.
+/// Estimators that run on the same clip.
 pub struct Round {
     /// The source of the clip.
     pub source: Source,

@@ -80,7 +80,7 @@ impl Lazy {
         };
         let result = catch_panic::catch_panic(|| decoder.decode(index, stop, &mut keep))
             .unwrap_or_else(|panic| Err(Error::new(format!("its data are damaged{}", reason::bracketed(&panic)))));
-        stop.tell(0, 0);
+        stop.report(0, 0);
         match (wanted, misfit, result) {
             (Some(frame), _, _) => Ok(Some(frame)),
             (None, Some((number, (w, h))), _) if number == index => {

@@ -78,26 +78,25 @@ const FEW: usize = 24;
 pub struct Work {
     /// Bounds of the marks at work.
     pub bounds: Rect,
-    /// Whether the step works on all pixels at once, or builds a map of them all; then a pixel is only an example.
+    /// Whether the step works on all pixels at once, builds a map of them all or sums up the picture; then a pixel is only an
+    /// example.
     pub is_picture_wide: bool,
     /// Whether there are only several of a kind, as all detections of a frame: then the step is about none of them alone.
     pub is_of_many: bool,
 }
 
 impl Work {
-    /// The work that `scene` shows on a picture of `size` px; `None` where none of its marks is at work, and where it sums up the
-    /// whole picture.
+    /// The work that `scene` shows on a picture of `size` px; `None` where none of its marks is at work.
     pub fn of(scene: &Scene, size: (usize, usize)) -> Option<Self> {
-        if scene.is_overview {
-            return None;
-        }
         let picture = [size.0 as f32, size.1 as f32];
         let marks = || scene.marks.iter().filter(|mark| mark.on.is_aligned_with(Picture::CURRENT));
         let own = marks().filter(|mark| !has_twin(mark, scene)).filter_map(bounds_at_work).collect::<Vec<_>>();
         let bounds = match own.is_empty() {
             false => own.iter().copied().reduce(union),
             true => marks().filter_map(bounds_at_work).reduce(union),
-        }?;
+        };
+        let whole = Rect { min: [-0.5; 2], max: picture.map(|extent| extent - 0.5) };
+        let bounds = bounds.or(scene.is_overview.then_some(whole))?;
         let inside = Rect {
             min: [0, 1].map(|i| bounds.min[i].clamp(-0.5, picture[i] - 0.5)),
             max: [0, 1].map(|i| bounds.max[i].clamp(-0.5, picture[i] - 0.5)),
@@ -112,7 +111,11 @@ impl Work {
             Shape::Rect { .. } => mark.role == Role::Result,
             _ => false,
         };
-        Some(Self { bounds: inside, is_picture_wide: marks().any(is_map), is_of_many: own.is_empty() })
+        Some(Self {
+            bounds: inside,
+            is_picture_wide: scene.is_overview || marks().any(is_map),
+            is_of_many: own.is_empty() && !scene.is_overview,
+        })
     }
 
     /// Its longer side in px.
@@ -401,7 +404,12 @@ mod tests {
         let mut scene = search(100, 80);
         let close = [one(FocusMode::Auto, &scene)];
         scene.is_overview = true;
-        assert!(close[0].is_some() && of(FocusMode::Auto, &[scene], &close) == [None]);
+        assert!(close[0].is_some() && of(FocusMode::Auto, std::slice::from_ref(&scene), &close) == [None]);
+        // Beside another one the view stays on the whole picture, whether or not marks are at work.
+        let empty = Scene { is_overview: true, ..Scene::default() };
+        for overview in [scene, empty] {
+            assert_eq!(of(FocusMode::Auto, &[search(100, 80), overview], &[]), [None, None]);
+        }
     }
 
     #[test]

@@ -147,19 +147,29 @@ pub fn resolve<'a>(marks: impl IntoIterator<Item = &'a Mark>, look: &Look, place
     primitives
 }
 
-/// Leaves out those of the `labels` of measurements, by index, that would lie over another label.
+/// Labels of measurements beyond this number are left out: so many cannot be read, and each is compared with all others.
+const MOST_LABELS: usize = 200;
+
+/// Leaves out those of the `labels` of measurements, by ascending index, that would lie over another label.
 fn leave_out_crowded(primitives: &mut Vec<Primitive>, labels: &[usize]) {
-    let words = primitives.iter().enumerate().filter(|(_, one)| matches!(one, Primitive::Text(_)));
-    let mut taken: Vec<Rect> = words.filter(|(i, _)| !labels.contains(i)).map(|(_, one)| one.bounds()).collect();
-    let mut crowded = Vec::new();
-    for &i in labels {
-        let bounds = primitives[i].bounds();
-        match taken.iter().any(|other| other.meets(&bounds)) {
-            true => crowded.push(i),
-            false => taken.push(bounds),
+    let is_label = |i: usize| labels.binary_search(&i).is_ok();
+    let words = primitives.iter().enumerate().filter(|(i, one)| matches!(one, Primitive::Text(_)) && !is_label(*i));
+    let mut taken: Vec<Rect> = words.map(|(_, one)| one.bounds()).collect();
+    let (mut i, mut count) = (0, 0);
+    primitives.retain(|one| {
+        let is_measured = is_label(i);
+        i += 1;
+        if !is_measured {
+            return true;
         }
-    }
-    crowded.into_iter().rev().for_each(|i| drop(primitives.remove(i)));
+        let bounds = one.bounds();
+        let has_room = count < MOST_LABELS && !taken.iter().any(|other| other.meets(&bounds));
+        if has_room {
+            taken.push(bounds);
+            count += 1;
+        }
+        has_room
+    });
 }
 
 struct Painter<'a> {

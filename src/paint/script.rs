@@ -79,7 +79,8 @@ fn index_length(after: &str) -> usize {
         Some('.') => rest.next().is_none_or(|c| !c.is_alphanumeric()),
         // A power of the symbol with its index.
         Some('²' | '³') => true,
-        next => next.is_none_or(|c| !c.is_alphanumeric() && !"_-/\\".contains(c)),
+        // An index of several terms, as in `I_t+1`, is left as it is written.
+        next => next.is_none_or(|c| !c.is_alphanumeric() && !"_-/\\+".contains(c)),
     };
     if is_end && letters <= MOST_LETTERS { letters } else { 0 }
 }
@@ -112,7 +113,9 @@ mod tests {
         ] {
             assert_eq!(marked(text), shown);
         }
-        for text in ["frame_10.png", "a_x.png", "clips/a_x", "shift_px", "im_a_x", "det_x2", "2^n", "_x", "^T", ""] {
+        for text in
+            ["frame_10.png", "a_x.png", "clips/a_x", "shift_px", "im_a_x", "det_x2", "2^n", "I_t+1", "_x", "^T", ""]
+        {
             assert_eq!(marked(text), text);
         }
     }

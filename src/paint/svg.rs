@@ -172,7 +172,12 @@ fn text(line: &Line) -> Blob {
         };
         let opacity = attribute("fill-opacity", run.color);
         for (words, script) in script::parts(&run.text) {
-            let words = ::svg::node::Text::new(if script == Script::Over { "\u{304}" } else { words });
+            // The mark of a mean belongs to the letter before it.
+            if let Some(end) = text.rfind("</tspan>").filter(|_| script == Script::Over) {
+                text.insert(end, script::MEAN);
+                continue;
+            }
+            let words = ::svg::node::Text::new(words);
             let rise = script.rise() * line.size;
             // A shift counts for all that follows.
             let place = match short(risen - rise) {

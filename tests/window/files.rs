@@ -293,6 +293,34 @@ fn a_session_leaves_alone_what_it_does_not_name() {
 }
 
 #[test]
+fn a_session_without_a_step_goes_on_where_its_run_was_left() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("one.motionscope");
+    let text = "motionscope = 1\nclip = \"synth:translation,frames=4\"\nestimator = \"full-search\"\n";
+    let mut window = Window::usual();
+    let mut open = |more: &str| {
+        fs::write(&file, format!("{text}{more}")).expect("the session");
+        window.harness.state_mut().open(file.as_os_str());
+        window.settle();
+        let opened = window.cursor();
+        window.press(Modifiers::SHIFT, Key::ArrowRight);
+        window.key(Key::ArrowRight);
+        let left = window.cursor();
+        window.harness.state_mut().open("synth:rotation,frames=3");
+        window.settle();
+        (opened, left)
+    };
+    let (opened, left) = open("");
+    assert_eq!((opened, left), (Cursor::default(), Cursor { unit: 1, event: 1 }));
+    assert_eq!(open("").0, left, "the same run");
+    assert_eq!(open("[set]\nsearch-range = 3\n").0, Cursor::default(), "another run has other steps");
+    open("");
+    let beside = "[[beside]]\nestimator = \"diamond-search\"\nset = {}\n";
+    assert_eq!(open(beside).0, Cursor::default(), "so has a lockstep");
+    assert_eq!(open("step = \"2.3\"\n").0, Cursor { unit: 1, event: 3 }, "a step that is named goes before");
+}
+
+#[test]
 fn a_truth_that_cannot_be_read_is_reported_beside_the_quality() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("clip");

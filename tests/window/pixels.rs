@@ -110,7 +110,7 @@ fn a_pixel_that_is_clicked_stays_explained() {
     window.harness.hover_at(high);
     window.settle();
     let hovered = pointed(&window).expect("it is explained while the pointer is on it");
-    assert!(!hovered.is_held && status(&window).contains("a click holds it"));
+    assert!(!hovered.is_held && status(&window).contains("click to pin it"));
     window.click_at(high);
     let held = pointed(&window).expect("it is held");
     assert!(held.is_held && held.at == hovered.at, "{held:?}");
@@ -119,7 +119,7 @@ fn a_pixel_that_is_clicked_stays_explained() {
     window.harness.hover_at(Pos2::new(700.0, 880.0));
     window.settle();
     assert!(window.sentence() == told, "it stays explained when the pointer goes elsewhere");
-    assert!(status(&window).contains("Esc releases it") && status(&window).contains("row 150 of 240"));
+    assert!(status(&window).contains("Esc unpins it") && status(&window).contains("row 150 of 240"));
     window.key(Key::Escape);
     assert_eq!(pointed(&window), None);
     assert!(window.sentence() != told && window.cursor() == cursor);
@@ -186,7 +186,7 @@ fn a_pixel_that_is_held_stays_held_in_a_session() {
         let mut again = Window::with(vec2(1440.0, 900.0), Start { open: Some(file.clone().into()) });
         assert_eq!(pointed(&again), Some(pixel), "{estimator}");
         assert!(again.sentence() == window.sentence(), "{estimator}: another step is told");
-        assert!(status(&again).contains("Esc releases it"));
+        assert!(status(&again).contains("Esc unpins it"));
         paint(&file, 1, &line);
         assert!(fs::read(&mine).expect("a picture") == fs::read(&line).expect("a picture"), "the pictures differ");
 

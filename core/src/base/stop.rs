@@ -9,12 +9,12 @@ use super::Error;
 ///
 /// The work may also report its progress, which the waiting thread shows.
 #[derive(Clone, Debug, Default)]
-pub struct Stop(Arc<ProgressCounter>);
+pub struct Stop(Arc<Shared>);
 
 #[derive(Debug, Default)]
-struct ProgressCounter {
+struct Shared {
     stop: AtomicBool,
-    /// Parts that are done, and above them in 32 bits all parts that there are; 0 where nothing was told.
+    /// Parts that are done, and above them in 32 bits all parts that there are; 0 where none are reported.
     done: AtomicU64,
 }
 
@@ -43,7 +43,7 @@ impl Stop {
     }
 
     /// Reports that `done` of `of` parts of the work are done; ignored if `of` is 0.
-    pub fn tell(&self, done: usize, of: usize) {
+    pub fn report(&self, done: usize, of: usize) {
         let [done, of] = [done, of].map(|parts| u32::try_from(parts).unwrap_or(u32::MAX));
         self.0.done.store(u64::from(of) << 32 | u64::from(done.min(of)), Ordering::Relaxed);
     }
@@ -67,11 +67,11 @@ mod tests {
         assert!(worker.check().is_ok() && worker.progress().is_none());
         ours.set(true);
         assert!(worker.check().is_err() && theirs.check().is_ok());
-        worker.tell(3, 7);
+        worker.report(3, 7);
         assert_eq!((ours.progress(), theirs.progress()), (Some((3, 7)), None));
-        worker.tell(usize::MAX, usize::MAX);
+        worker.report(usize::MAX, usize::MAX);
         assert_eq!(ours.progress(), Some((u32::MAX as usize, u32::MAX as usize)));
-        worker.tell(9, 0);
+        worker.report(9, 0);
         assert_eq!(ours.progress(), None);
     }
 }

@@ -304,7 +304,7 @@ mod tests {
     #[test]
     fn what_is_written_is_read_again() {
         let mut all = All::default();
-        for (name, text, message) in [
+        for (name, text, written) in [
             ("line", "1.5, 2, 3,-4.25", "1.5,2,3,-4.25"),
             ("zone", "30,40,10,20", "10,20,30,40"),
             ("clicks", "12:3,4  7:1.5,2 12:5,6", "7:1.5,2 12:3,4 12:5,6"),
@@ -312,7 +312,7 @@ mod tests {
             assert_eq!(all.get(name).unwrap().to_string(), "none");
             all.set(name, text).unwrap();
             let now = all.get(name).unwrap();
-            assert_eq!(now.to_string(), message);
+            assert_eq!(now.to_string(), written);
             all.set(name, &now.to_string()).unwrap();
             assert_eq!(all.get(name).unwrap(), now);
         }

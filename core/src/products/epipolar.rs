@@ -49,8 +49,8 @@ impl Product for EpipolarField {
         let Support { inliers, matches } = self.support;
         let share = inliers as f64 / matches.max(1) as f64;
         let values = [inliers.into(), Figure::from(share), self.residual_px.into(), self.planar_share.into()];
-        let message = format!("{} of {} matches, {:.1} %", grouped(inliers), grouped(matches), 100.0 * share);
-        let mut facts = vec![fact("Inliers", message.clone())];
+        let share = format!("{} of {} matches, {:.1} %", grouped(inliers), grouped(matches), 100.0 * share);
+        let mut facts = vec![fact("Inliers", share.clone())];
         facts.extend(self.residual_px.map(|residual| fact("Sampson distance (rms)", format!("{residual:.3} px"))));
         facts.extend(
             self.planar_share.map(|share| fact("Explained by a homography", format!("{:.0} %", 100.0 * share))),

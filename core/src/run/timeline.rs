@@ -1,4 +1,4 @@
-//! Time proceed for any estimator: checkpoints, and replay of one unit for everything in between.
+//! Walks of any estimator, forwards and backwards: checkpoints, and replay of one unit for everything in between.
 
 use std::collections::BTreeMap;
 use std::time::Duration;

@@ -282,7 +282,7 @@ fn no_picture_is_far_once_all_were_met() {
     gif.keep_every(20);
     let (stop, mut message) = (Stop::default(), Vec::new());
     let mut way = |gif: &mut gif::Gif, index: usize| {
-        stop.tell(0, 0);
+        stop.report(0, 0);
         gif.decode(index, &stop, &mut |_, _| message.push(stop.progress())).unwrap();
         stop.progress().map_or(0, |(_, of)| of)
     };

@@ -175,8 +175,8 @@ fn refuse(inputs: &Inputs, target: Target<'_>, known: &mut Option<HashMap<Identi
         if let Some(&i) = known.get(&identity) {
             let (what, input) = &inputs.files[i];
             let (name, what) = (file_name(input), what.words());
-            let is_told = name == file_name(target.path());
-            return Some(if is_told {
+            let is_target = name == file_name(target.path());
+            return Some(if is_target {
                 format!("would replace {what}")
             } else {
                 format!("would replace {name}, {what}")

@@ -225,7 +225,7 @@ impl Coded {
                 continue;
             }
             stop.check()?;
-            stop.tell(number - next, target + 1 - next);
+            stop.report(number - next, target + 1 - next);
             let sample = self.sample(number)?;
             if number + RUN_UP_SAMPLES < target && self.codec.disposable(&sample) {
                 continue;

@@ -348,7 +348,7 @@ impl Decoder for Ffmpeg {
         let from = self.next;
         while self.next <= index {
             let number = self.next;
-            stop.tell(number - from, index + 1 - from);
+            stop.report(number - from, index + 1 - from);
             let Some(frame) = self.read(&|| stop.check())? else { return Ok(()) };
             keep(number, frame);
         }

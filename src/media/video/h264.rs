@@ -37,7 +37,7 @@ impl H264 {
         drop(record);
         // What the stream says of its colours goes before what the container says.
         let (matrix, full_range) = match colors {
-            Some(wording) if info.matrix == 2 => wording,
+            Some(container) if info.matrix == 2 => container,
             _ => (u32::from(info.matrix), info.full_range),
         };
         let colors = Colors { matrix: Matrix::from_code(matrix, info.height as usize), full_range };

@@ -22,7 +22,7 @@ fn damaged(what: &str) -> Error {
 }
 
 impl Vp9 {
-    /// A decoder; `told` is what the container tells of the colours.
+    /// A decoder; `container` is what the container says of the colours.
     pub(crate) fn new(container: Option<(u32, bool)>) -> Self {
         Self { decoder: Vp9Decoder::new(), size: (0, 0), depth: 8, colors: None, container }
     }

@@ -77,7 +77,7 @@ impl App {
                 format!(" Its {} is {}, as the faint part of the surface shows.", surface.title, number(cost))
             });
             let at = heat_map::vector(at);
-            self.toasts.tell(format!("{whose} does not test {at} for this block, so this is its end.{cost}"));
+            self.toasts.tell(format!("{whose} does not test {at} for this block; its last step is shown.{cost}"));
         }
     }
 
@@ -168,12 +168,13 @@ impl App {
         self.settings.left_at(&clip)
     }
 
-    /// The step at which the present run of that clip was left: with other parameters or on another pair the same step is another
-    /// one.
+    /// The step at which the present run of that clip was left: with other parameters, on another pair or in lockstep the same
+    /// step is another one.
     fn left_in_run(&self) -> Option<Cursor> {
+        let is_alone = self.document.side_by_side().is_empty();
         let is_same =
             |left: &&LeftAt| left.run == run_of(self.document.estimator()) && left.frame == self.document.frame();
-        self.left_at().filter(is_same)?.step.parse().ok()
+        self.left_at().filter(|left| is_alone && is_same(left))?.step.parse().ok()
     }
 
     fn opened(&mut self, opened: Opened, path: &Path) {

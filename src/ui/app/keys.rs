@@ -34,7 +34,7 @@ impl Held {
         });
     }
 
-    /// Whether a key that was pressed was down already; `told` says so where its place is not known.
+    /// Whether a key that was pressed was down already; `repeats` says so where its place is not known.
     fn press(&mut self, place: Option<Key>, repeats: bool) -> bool {
         place.map_or(repeats, |key| !self.0.insert(key))
     }

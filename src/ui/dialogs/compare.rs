@@ -459,7 +459,7 @@ fn file_of(is_swept: bool) -> String {
 
 /// What the path asks for: the table, or the plot of the column that is shown.
 fn encoded(rows: &[Arc<Row>], state: &State, (document, theme): (&Document, Theme)) -> Result<PendingFile, Error> {
-    let message = || Error::new("no file is named; type a path that ends in .svg, .png, .pdf or .csv");
+    let message = || Error::new("enter a path that ends in .svg, .png, .pdf or .csv");
     let path = super::open::parse(&state.file.text).map(PathBuf::from).ok_or_else(message)?;
     let inputs = document.prepared_alone().map(|prepared| prepared.inputs).unwrap_or_default();
     let is_table = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));

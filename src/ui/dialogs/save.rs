@@ -283,10 +283,10 @@ impl State {
 
     /// What the dialog asks for, or what is wrong with it.
     fn order(&self) -> Result<Order, String> {
-        let path = self.target().ok_or("Type where to write it.")?;
+        let path = self.target().ok_or("Enter an output path.")?;
         let what = match self.kind {
             Kind::Picture => OutputKind::Picture,
-            Kind::Result => OutputKind::Result(self.export(&path).ok_or("Choose what to write.")?),
+            Kind::Result => OutputKind::Result(self.export(&path).ok_or("Choose a result to save.")?),
             Kind::Session => OutputKind::Session,
             Kind::Steps => {
                 let cursor = |text: &str| text.trim().parse::<Cursor>().map_err(|error| format!("{error}."));
@@ -381,7 +381,7 @@ fn options(ui: &mut Ui, state: &mut State, granularities: Granularities) {
         line(ui, "Scale", |ui| {
             ui.spacing_mut().item_spacing.x = 4.0;
             for scale in SCALES {
-                let tip = "Pixels of the file for each pixel of the clip.";
+                let tip = "Scale: pixels of the file per pixel of the clip.";
                 if ui.selectable_label(state.scale == scale, format!("{scale}×")).on_hover_text(tip).clicked() {
                     state.scale = scale;
                 }
@@ -410,7 +410,7 @@ fn caption(ui: &mut Ui, state: &mut State, is_sheet: bool) {
     line(ui, "Caption", |ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
         for (words, text, tip) in [
-            (CaptionWords::Off, "None", "No words around the pictures."),
+            (CaptionWords::Off, "None", "No caption."),
             (CaptionWords::On, "Sentence", "Clip, estimator, parameters, step and its sentence."),
             (CaptionWords::Full, "With formula", "The same with the formula of the step and its numbers."),
         ] {
@@ -475,7 +475,7 @@ fn path_row(ui: &mut Ui, state: &mut State, actions: &mut Actions) -> bool {
     line(ui, if several { "Folder" } else { "File" }, |ui| {
         let size = TextStyle::Body.resolve(ui.style()).size;
         let width = ui.available_width() - 6.5 * size;
-        entered = state.path.show(ui, "Where to write it", width);
+        entered = state.path.show(ui, "Output path", width);
         if ui.button("Browse…").clicked() {
             actions.ask(Action::Browse(if several { Browse::SaveFolder } else { Browse::SaveFile }));
         }

@@ -211,28 +211,28 @@ impl Walker {
         let Ok(thread) = spawn(&shared) else { return };
         let old = std::mem::replace(&mut self.shared, Arc::clone(&shared));
         self.left.extend(self.thread.replace(thread));
-        let mut old_desk = old.mailbox();
+        let mut old_mailbox = old.mailbox();
         old.stop.set(true);
         old.superseded.store(true, Ordering::Relaxed);
-        old_desk.stop_check.set(true);
-        old_desk.quit = true;
+        old_mailbox.stop_check.set(true);
+        old_mailbox.quit = true;
         let mut mailbox = shared.mailbox();
-        let shown = old_desk.stopped();
-        let subject = old_desk.subject.take();
-        (mailbox.job, mailbox.starting) = (old_desk.job.take(), old_desk.starting);
+        let shown = old_mailbox.stopped();
+        let subject = old_mailbox.subject.take();
+        (mailbox.job, mailbox.starting) = (old_mailbox.job.take(), old_mailbox.starting);
         if mailbox.job.is_none() {
             let place = |shown: &Snapshot| Place { hold: Hold::Set(shown.held()), ..Place::at(shown.cursor) };
             let job = |subject| Job { place: shown.as_deref().map_or(Place::default(), place), subject };
             (mailbox.dormant, mailbox.starting) = (subject.clone().map(job), false);
         }
-        (mailbox.focus, mailbox.look, mailbox.subject) = (old_desk.focus, old_desk.look, subject);
+        (mailbox.focus, mailbox.look, mailbox.subject) = (old_mailbox.focus, old_mailbox.look, subject);
         let refused = (shown.is_none() && mailbox.job.is_none()).then(|| {
             Error::new(
                 "the run was cancelled before its frames were decoded; change a parameter or the frame to restart it",
             )
         });
         mailbox.view = View { shown, refused, busy: mailbox.job.is_some(), ..View::default() };
-        drop(old_desk);
+        drop(old_mailbox);
         drop(mailbox);
         shared.wake.notify_one();
         (shared.changed)();
@@ -917,13 +917,13 @@ impl Run {
         motion
     }
 
-    /// Whether another step is told with the pixel `focus` than the one that was shown last.
+    /// Whether another step is explained with the pixel `focus` than the one that was shown last.
     fn has_another_explanation(&self, focus: Option<Focus>) -> bool {
         let walk = &*self.walk;
-        let message = |focus: &Focus| {
+        let explains = |focus: &Focus| {
             walk.takes(focus.on) && walk.explained(*focus).is_none_or(|explained| explained.at(walk.cursor()))
         };
-        self.focus.get().filter(message) != focus.filter(message)
+        self.focus.get().filter(explains) != focus.filter(explains)
     }
 
     /// What the end of the run shows, if that is where it stands.

@@ -140,7 +140,7 @@ pub struct Arrangement {
 }
 
 /// Letters across the window, and lines down, below which its panes do not fit beside each other.
-const DESK_LETTERS: Vec2 = vec2(84.0, 42.0);
+const WORKING_LETTERS: Vec2 = vec2(84.0, 42.0);
 /// Letters across below which the parameters are a drawer.
 const DOCKED_LETTERS: f32 = 100.0;
 /// Lines down from which charts stand below the stage.
@@ -160,7 +160,7 @@ impl Mode {
     /// How the panes of a window of `size` lie, in points, with type of `type_pt`.
     pub fn of(size: Vec2, type_pt: f32, is_lecture: bool) -> Self {
         let letters = size / type_pt.max(1.0);
-        let is_small = letters.x < DESK_LETTERS.x || letters.y < DESK_LETTERS.y;
+        let is_small = letters.x < WORKING_LETTERS.x || letters.y < WORKING_LETTERS.y;
         if is_lecture || is_small { Mode::Lecture } else { Mode::Working }
     }
 }

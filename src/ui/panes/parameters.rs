@@ -97,8 +97,7 @@ fn beside(ui: &mut Ui, input: Input<'_>, state: &mut State, actions: &mut Action
                 ui.set_max_width(room);
                 ui.add(label)
             });
-            let tip =
-                "Parameters of this estimator. Those that the first one has as well follow it until they are changed.";
+            let tip = "Parameters of this estimator. Those shared with the first estimator follow it until changed.";
             if label.inner.on_hover_text(tip).clicked() {
                 fold.toggle(ui);
             }
@@ -291,7 +290,7 @@ fn fold_advanced(ui: &mut Ui, section: &str, rows: &[Row<'_>], state: &mut State
 fn of_stage(ui: &mut Ui, parent: &Row<'_>, stage: &StageValue, state: &mut State, actions: &mut Actions) {
     let &Row { owner, index, theme, .. } = parent;
     // A stage of a stage is walked from there.
-    let tip = Command::IntoStage.with_key("Walk this stage by itself.");
+    let tip = Command::IntoStage.with_key("Step through this stage alone.");
     if parent.within.is_none() && ui.button("Step into").on_hover_text(tip).clicked() {
         actions.ask(Action::Enter(index));
     }

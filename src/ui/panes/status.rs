@@ -79,14 +79,14 @@ pub fn line(shown: &Snapshot) -> String {
             // A granularity of one is no news.
             (_, Some(1)) => {}
             // Levels are called by their number in the pyramid, as everywhere else: the last is the picture itself.
-            (LEVEL, Some(of)) => parts.push(format!("level {} of {} to 0", of - 1 - granularity.index, of - 1)),
+            (LEVEL, Some(of)) => parts.push(format!("level {} (coarsest {})", of - 1 - granularity.index, of - 1)),
             (name, of) => parts.push(counted(name, granularity.index + 1, of)),
         }
     }
     if let Some(name) = granularities.last() {
         parts.push(counted(name, shown.cursor.event, Some(shown.events)));
     }
-    // What is told of the pixel pointed at is not where the run stands.
+    // What explains the pixel pointed at is not where the run stands.
     parts.extend(if shown.pointed.is_none() { best(shown) } else { None });
     if let Some(share) = shown.share() {
         parts.push(format!("{} % done", percent(share)));
@@ -99,7 +99,7 @@ pub fn line(shown: &Snapshot) -> String {
 
 /// Which pixel is explained, and how another one is.
 fn explained(Pointed { at: Focus { on, at: [x, y] }, is_held }: Pointed) -> String {
-    let hint = if is_held { "Esc releases it" } else { "a click holds it" };
+    let hint = if is_held { "Esc unpins it" } else { "click to pin it" };
     let of = if on == Picture::CURRENT { String::new() } else { format!(" of {}", on.title(None).to_lowercase()) };
     format!("explained: pixel ({x}, {y}){of}, {hint}")
 }
@@ -109,11 +109,11 @@ pub fn keys(granularities: Granularities) -> String {
     let (event, unit) = (granularities.name(granularities.event()), granularities.name(granularities.unit()));
     let named =
         [(Command::Into, event), (Command::Over, unit), (Command::Play, "play"), (Command::Shortcuts, "all keys")];
-    let message = named.iter().filter_map(|(command, name)| {
+    let keys = named.iter().filter_map(|(command, name)| {
         let key = command.info().keys.first()?;
         Some(format!("{} {name}", key_text(*key)))
     });
-    message.collect::<Vec<_>>().join("   ")
+    keys.collect::<Vec<_>>().join("   ")
 }
 
 /// The number that matters most: the best so far or the result.

@@ -78,7 +78,7 @@ fn more(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut Respon
             state.one_to_one(pixels_per_point);
         }
         let is_shown = response.look.legend;
-        if ui.selectable_label(is_shown, "Legend").on_hover_text("What the marks mean.").clicked() {
+        if ui.selectable_label(is_shown, "Legend").on_hover_text("Show the legend of the marks.").clicked() {
             response.look.legend = !is_shown;
         }
         if let Some(lockstep) = &input.lockstep {
@@ -142,16 +142,16 @@ fn short(view: View) -> &'static str {
 
 fn right_side(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut Response) {
     let is_shown = response.look.legend;
-    let legend = ui.selectable_label(is_shown, "Legend").on_hover_text("What the marks mean.");
+    let legend = ui.selectable_label(is_shown, "Legend").on_hover_text("Show the legend of the marks.");
     if legend.clicked() {
         response.look.legend = !is_shown;
     }
     motion::button(ui, input, state, response);
     let pixels_per_point = ui.pixels_per_point();
-    if ui.button("1:1").on_hover_text("One pixel of the picture to one of the screen.").clicked() {
+    if ui.button("1:1").on_hover_text("One pixel of the picture to one pixel of the screen.").clicked() {
         state.one_to_one(pixels_per_point);
     }
-    if ui.button("Fit").on_hover_text("The whole picture.").clicked() {
+    if ui.button("Fit").on_hover_text("Show the whole picture.").clicked() {
         state.fit();
     }
     let percent = state.shown.map_or(100.0, |lens| lens.scale * pixels_per_point * 100.0);

@@ -52,9 +52,9 @@ fn choices(ui: &mut Ui, input: &Input<'_>, state: &mut State, look: &mut Look) {
         let is_now = now == layer;
         item.widget_info(|| WidgetInfo::selected(egui::Role::RadioButton, why.is_none(), is_now, layer.name()));
         let message = match why {
-            Some(why) => format!("{} Not here: {why}.", layer.tip()),
+            Some(why) => format!("{} Unavailable: {why}.", layer.tip()),
             None if input.available.awaited(Some(layer)).is_some() => {
-                format!("{} It is there at the end of the run.", layer.tip())
+                format!("{} Available at the end of the run.", layer.tip())
             }
             None => layer.tip().into(),
         };
@@ -246,7 +246,7 @@ fn wheel(ui: &mut Ui, input: &Input<'_>, longest: f32) {
     let (rect, response) =
         ui.allocate_exact_size(vec2(ui.available_width(), WHEEL + 2.0 * line + 8.0), egui::Sense::hover());
     let radius = format!("{} px/frame", number(longest));
-    ink::name(&response, || format!("Wheel of colours, {radius} from its middle to its rim"));
+    ink::name(&response, || format!("Flow colour wheel, radius {radius}"));
     let center = rect.center();
     let painter = ui.painter_at(rect);
     painter.extend(primitives::shapes(&painter, &legend::wheel(center.into(), WHEEL / 2.0)));

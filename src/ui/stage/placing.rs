@@ -68,17 +68,17 @@ pub fn tools(ui: &mut Ui, input: &Input<'_>, response: &mut Response) {
     let what = placing.spec.label.to_lowercase();
     let message = match placing.now.figure() {
         Figure::Spots if !placing.is_by_frame => {
-            "Click on points of the picture, or drag one. A right click takes one away.".into()
+            "Click on points of the picture, or drag one. Right-click a point to remove it.".into()
         }
         Figure::Spots => format!(
-            "Click where it is in frame {}; the next frame follows. A right click takes one away.",
+            "Click where it is in frame {}; the next frame follows. Right-click a point to remove it.",
             placing.frame
         ),
-        Figure::Line => format!(
-            "Drag from one end of the {what} to the other, or move an end. A right click on an end takes it away."
-        ),
+        Figure::Line => {
+            format!("Drag from one end of the {what} to the other, or move an end. Right-click an end to remove it.")
+        }
         Figure::Zone => format!(
-            "Drag from one corner of the {what} to the opposite one, or move a corner. A right click on one takes it away."
+            "Drag from one corner of the {what} to the opposite one, or move a corner. Right-click a corner to remove it."
         ),
     };
     ui.horizontal_wrapped(|ui| {
@@ -138,7 +138,7 @@ pub fn act(
     is_gripped
 }
 
-/// The place under the mouse, to a tenth of a pixel: nobody holds it more steadily.
+/// The place under the mouse, to a tenth of a pixel: a hand is no steadier.
 fn place(lens: &Lens, at: Pos2) -> [f32; 2] {
     lens.to_image(at).map(|c| (c * 10.0).round() / 10.0)
 }

@@ -166,11 +166,11 @@ impl RobustModel for EpipolarGeometry {
         ]);
         let Some([here, there]) = epipoles(&matrix) else { return vec![constraint] };
         let epipole = |name: &'static str, e: [f64; 3]| {
-            let told = match on_plane(e) {
+            let value = match on_plane(e) {
                 Some([x, y]) => format!(" = ({}, {}) px", words::fixed(x, 1), words::fixed(y, 1)),
                 None => " at infinity".to_owned(),
             };
-            Math::Row(vec![Math::Bold(name), Math::ink(Role::Best, told)])
+            Math::Row(vec![Math::Bold(name), Math::ink(Role::Best, value)])
         };
         vec![constraint, epipole("e", here), epipole("e′", there)]
     }

@@ -11,7 +11,7 @@ use crate::scene::{Role, Sentence};
 /// A match is called poor from this mean (or root-mean-square) difference on, in gray levels per pixel.
 const POOR_MATCH: f64 = 10.0;
 /// Other minima are called nearly as low up to this mean difference above the match, in gray levels per pixel.
-const RIVAL_LEVELS: f64 = 0.5;
+const COMPETING_LEVELS: f64 = 0.5;
 /// A motion vector is called wrong from this distance on from the true motion, in px.
 const CLOSE_PX: f32 = 1.0;
 /// How many ties are listed.
@@ -203,11 +203,11 @@ impl Probe<'_> {
             }
             .into();
         }
-        let margin = self.settings.matching.cost.of_levels(RIVAL_LEVELS, self.block());
-        let near_minima = surface.near_minima(found.displacement, whole + margin);
-        if !near_minima.is_empty() {
+        let margin = self.settings.matching.cost.of_levels(COMPETING_LEVELS, self.block());
+        let competing_minima = surface.competing_minima(found.displacement, whole + margin);
+        if !competing_minima.is_empty() {
             let other = |other: &Match| format!("{} at {}", self.settings.number(other.cost), vector(other.vector()));
-            return ambiguity("Nearly the same cost:", near_minima.iter().map(other).collect());
+            return ambiguity("Nearly the same cost:", competing_minima.iter().map(other).collect());
         }
         let range = self.settings.matching.search_range as u32;
         if found.displacement.iter().any(|c| c.unsigned_abs() == range) {

@@ -36,7 +36,7 @@ impl FramePair {
     }
 
     /// Returns the inner pixel with the largest product of spatial gradient and temporal difference, |∇I| |I_t|; the first of
-    /// several. Its constraint determines most about the motion.
+    /// several: an example with both texture and change.
     pub fn strongest_constraint(&self) -> (usize, usize) {
         let [current, next] = &self.pictures;
         effort::add(current.cells().len());

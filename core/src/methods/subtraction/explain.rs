@@ -205,8 +205,8 @@ impl<'a> MaskHistory<'a> {
         if let Some(Event::Updated(conclusion)) = self.events.last() {
             facts.extend(conclusion.pixels().map(|all| {
                 let [precision, recall, f1] = scores(all);
-                let explained_step = format!("{precision}, {recall}, {f1}");
-                Fact::new("Mask precision, recall, F₁", explained_step, Some(Role::Truth))
+                let values = format!("{precision}, {recall}, {f1}");
+                Fact::new("Mask precision, recall, F₁", values, Some(Role::Truth))
             }));
         }
         facts

@@ -417,13 +417,13 @@ impl Tracks {
     /// Adds the similarity of tracks in a frame, normalised over all that overlap there.
     fn add_shared(&self, frame: &(Boxes, Boxes), overlaps: &Pairs, shared: &mut Sums) {
         let [rows, columns] = self.places(frame);
-        let (mut of_truth, mut of_told) = (vec![0.0; rows.len()], vec![0.0; columns.len()]);
+        let (mut of_truth, mut of_hypothesis) = (vec![0.0; rows.len()], vec![0.0; columns.len()]);
         for (y, x, overlap) in overlaps.iter() {
             of_truth[y] += overlap;
-            of_told[x] += overlap;
+            of_hypothesis[x] += overlap;
         }
         for (y, x, overlap) in overlaps.iter() {
-            shared.add((rows[y], columns[x]), share(overlap, of_truth[y] + of_told[x] - overlap));
+            shared.add((rows[y], columns[x]), share(overlap, of_truth[y] + of_hypothesis[x] - overlap));
         }
     }
 

@@ -48,25 +48,25 @@ impl FeatureMatching {
         let from = words::place(here.points[state.found.len().min(here.points.len() - 1)].at);
         match event {
             Compared::Nearer { index, distance } => {
-                let told = said.ink(Role::Candidate, at(index)).text(format!(
+                let sentence = said.ink(Role::Candidate, at(index)).text(format!(
                     " in frame t+1 has the distance d = {} from keypoint {from}: the nearest so far.",
                     apart(distance)
                 ));
-                (line::EACH_CANDIDATE, told)
+                (line::EACH_CANDIDATE, sentence)
             }
             Compared::Candidates(count) => {
                 let within = match self.settings.radius {
                     0 => "in the whole frame".to_owned(),
                     radius => format!("within the search radius of {radius} px"),
                 };
-                let told = match count {
+                let sentence = match count {
                     0 => format!("Keypoint {from} has no candidate {within}."),
                     count => format!("Keypoint {from} was compared with all {} candidates {within}.", grouped(count)),
                 };
-                (line::EACH_KEYPOINT, said.text(told))
+                (line::EACH_KEYPOINT, said.text(sentence))
             }
             Compared::Found(Neighbors { first, second }) => {
-                let told = match (first, second) {
+                let sentence = match (first, second) {
                     (Some((a, first)), Some((b, second))) => said
                         .text("Nearest neighbour ")
                         .ink(Role::Best, at(a))
@@ -79,18 +79,18 @@ impl FeatureMatching {
                         .text(format!(", d₁ = {}: without a second one there is no ratio to test.", apart(first))),
                     _ => said.text("Without a candidate there is no nearest neighbour."),
                 };
-                (line::KEEP_NEAREST, told)
+                (line::KEEP_NEAREST, sentence)
             }
             Compared::Ratio { ratio, passes } => (line::RATIO_TEST, said.text(self.ratio_said(ratio, passes))),
             Compared::CrossCheck { back, passes } => {
-                let told = match passes {
+                let sentence = match passes {
                     true => said.text("Cross-check: the nearest neighbour of b in frame t is the keypoint itself, so both choose each other."),
                     false => said
                         .text("Cross-check: the nearest neighbour of b in frame t is ")
                         .ink(Role::Rejected, words::place(here.points[back].at))
                         .text(", another keypoint: rejected."),
                 };
-                (line::CROSS_CHECK, told)
+                (line::CROSS_CHECK, sentence)
             }
             Compared::Outcome(outcome) => (line::ACCEPT, self.outcome_said(state, outcome)),
         }
@@ -115,18 +115,18 @@ impl FeatureMatching {
         let Some(outcome) = outcome else { return said.text("No candidate, so no match.") };
         let found = state.match_of(state.found.len(), &outcome);
         let [u, v] = found.displacement().map(words::fine);
-        let told = match found.status {
+        let sentence = match found.status {
             MatchStatus::Match => said.ink(Role::Result, "Match").text(format!(" with the displacement ({u}, {v}) px")),
             MatchStatus::RejectedRatio => said.ink(Role::Rejected, "No match").text(" after the ratio test"),
             _ => said.ink(Role::Rejected, "No match").text(" after the cross-check"),
         };
         let is_right = state.fixed.truth.as_ref().and_then(|truth| MatchField::is_right(&found, truth));
         match (is_right, found.status) {
-            (Some(true), MatchStatus::Match) => told.text(": right, within 3 px of the true displacement."),
-            (Some(false), MatchStatus::Match) => told.text(": wrong, more than 3 px from the true displacement."),
-            (Some(true), _) => told.text(", although the nearest neighbour is right."),
-            (Some(false), _) => told.text("; the nearest neighbour is wrong."),
-            (None, _) => told.text("."),
+            (Some(true), MatchStatus::Match) => sentence.text(": right, within 3 px of the true displacement."),
+            (Some(false), MatchStatus::Match) => sentence.text(": wrong, more than 3 px from the true displacement."),
+            (Some(true), _) => sentence.text(", although the nearest neighbour is right."),
+            (Some(false), _) => sentence.text("; the nearest neighbour is wrong."),
+            (None, _) => sentence.text("."),
         }
     }
 

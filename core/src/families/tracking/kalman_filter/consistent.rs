@@ -49,12 +49,12 @@ impl KalmanFilter {
         clip.wanted()?;
         let all =
             frames.iter().enumerate().flat_map(|(frame, found)| (0..found.len()).map(move |index| (frame, index)));
-        let movers = all.filter_map(|(frame, index)| {
+        let moving = all.filter_map(|(frame, index)| {
             let length_px = longest(&frames[frame..], index);
             (length_px > 0.0).then_some(ConsistentObject { frame, index, length_px })
         });
         // Of equal motions the first one.
-        Ok(movers.reduce(|best, mover| if mover.length_px > best.length_px { mover } else { best }))
+        Ok(moving.reduce(|best, blob| if blob.length_px > best.length_px { blob } else { best }))
     }
 }
 

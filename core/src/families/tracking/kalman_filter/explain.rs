@@ -283,7 +283,8 @@ impl KalmanFilter {
             said += &format!(" Rejected by the gate: {rejected} of {} measurements.", gated.len());
         }
         let Some(dof) = nis.first().map(|gated| gated.measurement().numbers()) else {
-            return said + " No measurement was accepted, so the innovations say nothing about the covariance.";
+            return said
+                + " No measurement was accepted, so the innovations do not show whether the covariance is right.";
         };
         let mean = nis.iter().map(|gated| gated.squared_distance).sum::<f64>() / nis.len() as f64;
         let [low, high] = [0.025, 0.975].map(|p| chi_square::quantile(p, dof * nis.len()) / nis.len() as f64);

@@ -128,9 +128,9 @@ impl KalmanFilter {
         if self.object == 1
             && state.detector.is_moving()
             && !detections.is_empty()
-            && let Some(mover) = self.most_consistent((clip, t), state)?
+            && let Some(blob) = self.most_consistent((clip, t), state)?
         {
-            return Ok((mover.frame == 0).then_some(mover.index));
+            return Ok((blob.frame == 0).then_some(blob.index));
         }
         let mut ranked: Vec<usize> = (0..detections.len()).collect();
         if state.detector.has_scores() {

@@ -44,44 +44,45 @@ impl<M: RobustModel> Robust<M> {
         match event {
             Event::TooFew => (line::REPEAT, said.text(self.too_few(count))),
             Event::Sample(_) => {
-                let told = format!(
+                let sentence = format!(
                     "Iteration {}: a random sample of {}. {}",
                     state.consensus.iterations + 1,
                     matches(size),
                     self.0.counting()
                 );
-                (line::DRAW, said.text(told))
+                (line::DRAW, said.text(sentence))
             }
             Event::Degenerate => {
-                let told = "The sample determines no model: its points lie on a line or at one place. It is skipped.";
-                (line::HYPOTHESISE, said.ink(Role::Rejected, told))
+                let sentence =
+                    "The sample determines no model: its points lie on a line or at one place. It is skipped.";
+                (line::HYPOTHESISE, said.ink(Role::Rejected, sentence))
             }
             Event::Hypothesis(_) => {
-                let told = format!(
+                let sentence = format!(
                     "The {} through the sample is the hypothesis {}; it is right if all of the sample are inliers.",
                     self.0.name(),
                     M::SYMBOL
                 );
-                (line::HYPOTHESISE, said.text(told))
+                (line::HYPOTHESISE, said.text(sentence))
             }
             Event::Scored(score) => (line::COUNT, self.scored_said(state, score)),
             Event::Local(_, score) => {
-                let told = format!(
+                let sentence = format!(
                     "Local optimisation: fitted to its inliers, the model has {} inliers with an rms distance of {} px.",
                     grouped(score.inliers),
                     rms(score)
                 );
-                (line::OPTIMISE, said.text(told))
+                (line::OPTIMISE, said.text(sentence))
             }
             Event::Best(needed) => (line::KEEP_BEST, said.text(self.best_said(seen, *needed))),
             Event::Refit(_, score) => {
-                let told = format!(
+                let sentence = format!(
                     "Least squares over all inliers: {} of {} matches are inliers, rms distance {} px.",
                     grouped(score.inliers),
                     grouped(count),
                     rms(score)
                 );
-                (line::REFIT, said.ink(Role::Result, told))
+                (line::REFIT, said.ink(Role::Result, sentence))
             }
         }
     }
@@ -162,9 +163,11 @@ impl<M: RobustModel> Robust<M> {
     }
 
     fn concluded(&self, after: &State, sentence: Sentence) -> Sentence {
-        let told = self.0.conclusion(&after.estimate());
-        sentence
-            .text(format!(" End of the run after {}: {told}", words::counted(after.consensus.iterations, "iteration")))
+        let conclusion = self.0.conclusion(&after.estimate());
+        sentence.text(format!(
+            " End of the run after {}: {conclusion}",
+            words::counted(after.consensus.iterations, "iteration")
+        ))
     }
 
     fn readouts(&self, seen: &Seen<Self>, event: &Event) -> Vec<Readout> {
