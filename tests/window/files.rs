@@ -315,7 +315,7 @@ fn a_session_without_a_step_goes_on_where_its_run_was_left() {
     assert_eq!(open("").0, left, "the same run");
     assert_eq!(open("[set]\nsearch-range = 3\n").0, Cursor::default(), "another run has other steps");
     open("");
-    let beside = "[[beside]]\nestimator = \"diamond-search\"\nset = {}\n";
+    let beside = "[[beside]]\nestimator = \"diamond\"\nset = {}\n";
     assert_eq!(open(beside).0, Cursor::default(), "so has a lockstep");
     assert_eq!(open("step = \"2.3\"\n").0, Cursor { unit: 1, event: 3 }, "a step that is named goes before");
 }
