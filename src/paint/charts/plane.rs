@@ -330,18 +330,30 @@ fn names(canvas: &mut Canvas, square: &Square, area: Rect, (plane, style): (&Pla
             canvas.extend(legend::point(*role, theme, square.at(*uv)));
         }
         canvas.extend(legend::point(*role, theme, at.map(|c| c + small / 2.0)));
-        let place = format!("({}, {})", number(uv[0]), number(uv[1]));
         let left = at[0] + 1.8 * small;
         let room = area.max[0] - left;
         let place_at = (Anchor::Start, Level::Middle);
         let y = at[1] + small / 2.0;
         let end = canvas.text([left, y], place_at, &shortened(name, text, room), text).max[0];
         let (x, y) = if is_short { (end + 0.6 * small, y) } else { (left, y + 1.4 * small) };
-        canvas.text([x, y], place_at, &shortened(&place, dim, area.max[0] - x), dim);
+        canvas.text([x, y], place_at, &place_within(*uv, dim, area.max[0] - x), dim);
         at[1] += if is_short { 1.7 } else { 3.2 } * small;
     }
     let below = Rect::new(at, [area.max[0] - at[0], square.rect.max[1] - at[1]]);
     scale(canvas, below, (plane, style));
+}
+
+/// A displacement as `(3.83, 0.75)`, or with fewer decimals where that is wider than `width` points.
+fn place_within([u, v]: [f32; 2], style: Type, width: f32) -> String {
+    let whole = format!("({}, {})", number(u), number(v));
+    let coarse = |decimals: usize| {
+        let unit = 10f32.powi(decimals as i32);
+        // Adding 0 takes the sign from a zero.
+        let rounded = |c: f32| format!("{:.decimals$}", (c * unit).round() / unit + 0.0).replace('-', "−");
+        format!("({}, {})", rounded(u), rounded(v))
+    };
+    let fitting = [whole.clone(), coarse(1), coarse(0)].into_iter().find(|words| style.width(words) <= width);
+    fitting.unwrap_or_else(|| shortened(&whole, style, width))
 }
 
 /// The scale of the colors of a cost, as much of it as has room.

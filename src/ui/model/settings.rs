@@ -105,6 +105,8 @@ impl Settings {
         for share in [column, charts, parameters] {
             *share = if share.is_finite() { share.clamp(*SHARES.start(), *SHARES.end()) } else { 1.0 };
         }
+        // View and colours belonged to the run that was open then.
+        (settings.look.view, settings.look.layer) = (Self::default().look.view, Self::default().look.layer);
         settings
     }
 

@@ -3,8 +3,8 @@
 use std::ops::RangeInclusive;
 
 use eframe::egui::{
-    self, Align, Button, Layout, Popup, PopupCloseBehavior, RichText, Slider, SliderClamping, Ui, WidgetInfo, pos2,
-    vec2,
+    self, Align, Button, Layout, Popup, PopupCloseBehavior, RichText, ScrollArea, Slider, SliderClamping, Ui,
+    WidgetInfo, pos2, vec2,
 };
 use lucide_icons::Icon;
 use motionscope_core::params::Kind;
@@ -39,7 +39,11 @@ pub fn button(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut 
     let tip = Command::NextLayer.with_key("Colours, arrows and streaklines that show the motion.");
     let opener = opener.on_hover_text(tip);
     let popup = Popup::menu(&opener).close_behavior(PopupCloseBehavior::CloseOnClickOutside);
-    popup.show(|ui| choices(ui, input, state, &mut response.look));
+    popup.show(|ui| {
+        // In a low window the choices are scrolled, and the last of them stays in reach.
+        let room = ui.content_rect().height() - 2.0 * ui.spacing().interact_size.y;
+        ScrollArea::vertical().max_height(room).show(ui, |ui| choices(ui, input, state, &mut response.look));
+    });
 }
 
 fn choices(ui: &mut Ui, input: &Input<'_>, state: &mut State, look: &mut Look) {

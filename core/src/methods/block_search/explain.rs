@@ -192,8 +192,20 @@ impl Probe<'_> {
                     displacement is taken."
                 .into();
         }
+        // Between two pixels both whole displacements cost alike; that is no ambiguity of the texture.
+        let is_beside = |other: &Match| (0..2).all(|i| (other.displacement[i] - found.displacement[i]).abs() <= 1);
+        let may_lie_between =
+            self.settings.refinement.subpixel == Subpixel::None && ties.len() <= BESIDE && ties.iter().all(is_beside);
         if !ties.is_empty() {
-            return ambiguity("The cost is the same at", ties.iter().map(|tie| vector(tie.vector())).collect());
+            let at: Vec<String> = ties.iter().map(|tie| vector(tie.vector())).collect();
+            return match may_lie_between {
+                true => format!(
+                    "The cost is the same at {}, one pixel away: the displacement may lie in between. Sub-pixel refinement resolves \
+                     it.",
+                    at.join(", ")
+                ),
+                false => ambiguity("The cost is the same at", at),
+            };
         }
         if self.rate.distortion(found) == 0.0 {
             return match self.settings.matching.cost {
@@ -368,6 +380,9 @@ impl Probe<'_> {
         said.text(verdict)
     }
 }
+
+/// The most displacements beside the match that a displacement between pixels explains.
+const BESIDE: usize = 3;
 
 /// Displacements that cost as much, or nearly, as the match; what precedes them is `same`.
 fn ambiguity(same: &str, at: Vec<String>) -> String {
