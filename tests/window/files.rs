@@ -71,7 +71,7 @@ fn a_range_of_steps_is_exported() {
 }
 
 pub(super) fn write_to(window: &mut Window, path: &Path) {
-    window.harness.get_by_label("Where to write it").set_text_value_accesskit(&path.display().to_string());
+    window.harness.get_by_label("Output path").set_text_value_accesskit(&path.display().to_string());
     window.settle();
     let exists = path.is_file();
     window.click_role(Role::Button, if exists { "Replace" } else { "Save" });
@@ -86,7 +86,7 @@ fn nothing_is_replaced_unasked() {
     window.command(Command::SaveSession);
     // The ending may be left away, and names the same file.
     let typed = folder.path().join("lesson").display().to_string();
-    window.harness.get_by_label("Where to write it").set_text_value_accesskit(&typed);
+    window.harness.get_by_label("Output path").set_text_value_accesskit(&typed);
     window.settle();
     assert!(window.harness.query_by_role_and_label(Role::Button, "Save").is_none());
     assert!(window.harness.query_by_label("There is a lesson.motionscope already.").is_some());
@@ -96,13 +96,13 @@ fn nothing_is_replaced_unasked() {
     assert!(Session::load(&file).is_ok(), "the button in focus is pressed: {:?}", window.app().message());
 
     window.command(Command::ExportSteps);
-    window.harness.get_by_label("Where to write it").set_text_value_accesskit(&folder.path().display().to_string());
+    window.harness.get_by_label("Output path").set_text_value_accesskit(&folder.path().display().to_string());
     window.settle();
     assert!(window.harness.query_by_role_and_label(Role::Button, "Save").is_some(), "a folder alone is no harm");
     fs::write(folder.path().join("step_00000.png"), "mine").expect("a file");
     window.key(Key::Escape);
     window.command(Command::ExportSteps);
-    window.harness.get_by_label("Where to write it").set_text_value_accesskit(&folder.path().display().to_string());
+    window.harness.get_by_label("Output path").set_text_value_accesskit(&folder.path().display().to_string());
     window.settle();
     assert!(window.harness.query_by_role_and_label(Role::Button, "Replace").is_some());
 }
@@ -120,12 +120,12 @@ fn what_the_clip_is_read_from_is_not_written_over() {
     assert!(window.harness.query_by_label_contains("from flow/frame_0000.flo and 1 more").is_some(), "truth is named");
     let refused = |window: &mut Window, command: Command, path: &Path, why: &str| {
         window.command(command);
-        window.harness.get_by_label("Where to write it").set_text_value_accesskit(&path.display().to_string());
+        window.harness.get_by_label("Output path").set_text_value_accesskit(&path.display().to_string());
         window.settle();
         assert!(window.harness.query_by_label_contains(why).is_some(), "{} is not refused", path.display());
         window.key(Key::Enter);
         window.key(Key::Enter);
-        assert!(window.harness.query_by_label("Where to write it").is_some(), "it has been written");
+        assert!(window.harness.query_by_label("Output path").is_some(), "it has been written");
         window.key(Key::Escape);
     };
     let (picture, flow) = (clip.join("frame_0001.png"), clip.join("flow/frame_0000.flo"));
@@ -449,7 +449,7 @@ fn a_session_keeps_detections_given_by_hand() {
     // Nothing is written over them.
     window.command(Command::ExportResult);
     let det = folder.path().join("det.txt");
-    window.harness.get_by_label("Where to write it").set_text_value_accesskit(&det.display().to_string());
+    window.harness.get_by_label("Output path").set_text_value_accesskit(&det.display().to_string());
     window.settle();
     assert!(window.harness.query_by_label_contains("would replace the detections").is_some());
 }
