@@ -85,7 +85,7 @@ pub mod objects {
 
 pub use base::words::{fixed, grouped, spaced};
 pub use base::{Count, Error, Observer, Stop, Tally, Threads};
-pub use course::{compare, estimator, estimators, glossary};
+pub use course::{compare, detection, estimator, estimators, glossary};
 pub use data::{
     Blob, Clip, ClipInfo, Counted, Detection, Flow, Frame, FrameSource, Histogram, Interpolation, Mask, MaskErrors,
     ObjectBox, PackedMask, PixelClass, TrueMask, Truth,

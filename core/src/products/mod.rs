@@ -41,7 +41,7 @@ pub use output::Output;
 pub use prediction::{PSNR, predict};
 pub use product::{AnyProduct, Confidence, Motion, Product, ProductKind, Tested};
 pub use record::Record;
-pub use repeatability::{Repeatability, repeatability};
+pub use repeatability::{Repeatability, TOLERANCE_PX, repeatability, repeatability_in_flow};
 pub use streaks::{Streak, Streaks};
 pub use table::{Cell, Table};
 pub use tracks::{Track, TrackField};

@@ -60,10 +60,13 @@ pub type Matrix3 = [[f64; 3]; 3];
 /// The matrix of no motion.
 pub const IDENTITY: Matrix3 = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
+/// Smallest third homogeneous coordinate of a position before the horizon.
+pub const HORIZON: f64 = 1e-9;
+
 /// The position to which `matrix` maps a position; `None` where it lies on or behind the horizon.
 pub fn mapped(matrix: &Matrix3, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
     let [a, b, w] = matrix.map(|row| row[0] * x + row[1] * y + row[2]);
-    (w > 1e-9).then(|| [a / w, b / w])
+    (w > HORIZON).then(|| [a / w, b / w])
 }
 
 /// One transformation for all pixels of a picture.

@@ -4,7 +4,8 @@ use crate::base::words;
 use crate::methods::geometric::{
     Correspondence,
     epipolar::{
-        Camera, Pose, eight_point, epipoles, least_sampson, line as line_of, line_back, sampson_squared, seven_point,
+        Camera, Pose, eight_point, epipoles, least_sampson, line as line_of, line_back, sampson_all, sampson_squared,
+        seven_point,
     },
     fit::{fit, squared_error},
     ransac::{chosen, sample},
@@ -112,8 +113,17 @@ impl RobustModel for EpipolarGeometry {
         least_sampson(inliers)
     }
 
-    fn squared_error(matrix: &Matrix3, of: &Correspondence) -> f64 {
-        sampson_squared(matrix, of)
+    fn squared_errors(matrix: &Matrix3, matches: &[Correspondence], errors: &mut [f64]) {
+        sampson_all(matrix, matches, errors);
+    }
+
+    /// A strip on both sides of the epipolar line.
+    fn share_of_area(threshold_px: f64, [width, height]: [f64; 2]) -> f64 {
+        2.0 * threshold_px * width.hypot(height) / (width * height)
+    }
+
+    fn is_known_on_line(&self) -> bool {
+        false
     }
 
     fn output(&self, estimate: &Estimate<'_>) -> Output {
@@ -140,17 +150,10 @@ impl RobustModel for EpipolarGeometry {
                 words::percent(planar as f32)
             );
         }
-        let pose = self.pose(estimate).map_or_else(
-            || " With the focal length, the pose of the camera follows from F.".to_owned(),
-            |pose| {
-                let [x, y, z] = pose.translation.map(|c| words::fixed(c, 2));
-                format!(
-                    " The camera turned by {}° and moved along ({x}, {y}, {z}); {} of the inliers lie in front of both cameras.",
-                    words::fixed(pose.angle_deg(), 2),
-                    pose.in_front
-                )
-            },
-        );
+        let pose = match self.pose(estimate) {
+            None => " With the focal length, the pose of the camera follows from F.".to_owned(),
+            Some(pose) => posed(&pose, best.score.inliers),
+        };
         format!("{found}{pose} Points of moving objects violate F unless they move along their epipolar lines.")
     }
 
@@ -236,6 +239,35 @@ impl EpipolarGeometry {
         let camera = Camera { focal_px: self.focal_length.into(), centre };
         camera.pose(&matrix, &self.inliers(estimate, &matrix))
     }
+}
+
+/// Smallest ratio of both singular values of an essential matrix for which the intrinsics are accepted.
+const LEAST_RATIO: f64 = 0.8;
+
+/// The pose of the camera in words, or why it is refused.
+fn posed(pose: &Pose, inliers: usize) -> String {
+    let ratio = words::fixed(pose.singular_ratio, 2);
+    if pose.singular_ratio < LEAST_RATIO {
+        return format!(
+            " The pose is refused: the ratio of the singular values of the essential matrix is {ratio}, and at least {} is needed (1 with the right \
+             intrinsics). The focal length does not fit.",
+            words::fixed(LEAST_RATIO, 2)
+        );
+    }
+    if 2 * pose.in_front <= inliers {
+        return format!(
+            " The pose is refused: only {} of the {} inliers lie in front of both cameras, and more than half are needed.",
+            words::grouped(pose.in_front),
+            words::grouped(inliers)
+        );
+    }
+    let [x, y, z] = pose.translation.map(|c| words::fixed(c, 2));
+    format!(
+        " The camera turned by {}° and moved along ({x}, {y}, {z}); {} of the inliers lie in front of both cameras. Ratio of the singular values of the \
+         essential matrix: {ratio}.",
+        words::fixed(pose.angle_deg(), 2),
+        words::grouped(pose.in_front)
+    )
 }
 
 /// A homogeneous point in px; `None` at infinity.

@@ -2,6 +2,7 @@
 
 pub mod epipolar;
 pub mod fit;
+mod moments;
 pub mod ransac;
 pub mod refine;
 pub mod robust;

@@ -1,7 +1,8 @@
 //! The explanation and the drawing of robust estimation.
 
 use super::declare::line;
-use super::{Event, Robust, RobustModel, Settings, State};
+use super::doubt::{Doubt, LEAST_SPREAD_PX};
+use super::{Event, Fixed, Robust, RobustModel, Settings, State};
 use crate::base::words::{self, grouped};
 use crate::geometry::Grid;
 use crate::methods::geometric::Correspondence;
@@ -42,7 +43,7 @@ impl<M: RobustModel> Robust<M> {
         let (state, said) = (seen.before, Sentence::default());
         let (count, size) = (state.fixed.points.len(), self.0.sample_size());
         match event {
-            Event::TooFew => (line::REPEAT, said.text(self.too_few(count))),
+            Event::TooFew => (line::REPEAT, said.text(self.too_few(count, state.consensus.iterations))),
             Event::Sample(_) => {
                 let told = format!(
                     "Iteration {}: a random sample of {}. {}",
@@ -83,10 +84,30 @@ impl<M: RobustModel> Robust<M> {
                 );
                 (line::REFIT, said.ink(Role::Result, told))
             }
+            Event::Doubted(doubt) => (line::REFIT, said.ink(Role::Rejected, self.doubted(*doubt, count))),
         }
     }
 
-    fn too_few(&self, count: usize) -> String {
+    fn doubted(&self, doubt: Doubt, count: usize) -> String {
+        let (name, count) = (self.0.name(), grouped(count));
+        match doubt {
+            Doubt::OnLine { inliers, spread_px } => format!(
+                "The model is refused: its {} inliers lie on a line, with an rms distance of {} px from it, and the {name} needs at least {} px. A \
+                 similarity or a translation is determined by them.",
+                grouped(inliers),
+                words::fixed(spread_px, 2),
+                words::fixed(LEAST_SPREAD_PX, 2)
+            ),
+            Doubt::ByChance { inliers, needed } => format!(
+                "The model is refused: {} of {count} matches are inliers, and so many random matches agree as well (number of false alarms at \
+                 least 1). At least {} inliers are needed; more keypoints, better matches or a simpler model help.",
+                grouped(inliers),
+                grouped(needed)
+            ),
+        }
+    }
+
+    fn too_few(&self, count: usize, iterations: usize) -> String {
         let (size, name) = (self.0.sample_size(), self.0.name());
         match count < size {
             true => format!(
@@ -94,7 +115,8 @@ impl<M: RobustModel> Robust<M> {
                  or a simpler model helps."
             ),
             false => format!(
-                "No sample of {count} matches determined this model ({name}): their points lie on a line or at one place."
+                "0 of {} of {size} matches determined this model ({name}): the points lie on a line or at one place. A simpler model helps.",
+                words::counted(iterations, "sample")
             ),
         }
     }
@@ -135,6 +157,7 @@ impl<M: RobustModel> Robust<M> {
                 Event::Local(matrix, score) => candidate = Some((*matrix, *score)),
                 Event::Best(_) => best = candidate,
                 Event::Refit(matrix, score) => best = Some((*matrix, *score)),
+                Event::Doubted(_) => best = None,
                 Event::TooFew | Event::Degenerate | Event::Sample(_) => {}
             }
         }
@@ -172,11 +195,7 @@ impl<M: RobustModel> Robust<M> {
         let (count, best) = (state.fixed.points.len(), self.best_now(seen));
         let mut facts = vec![
             Fact::new("Matches", grouped(count), None),
-            Fact::new(
-                "Iterations",
-                grouped(state.consensus.iterations + usize::from(!matches!(event, Event::Refit(..)))),
-                None,
-            ),
+            Fact::new("Iterations", grouped(state.consensus.iterations + usize::from(!is_last(event))), None),
         ];
         let inliers = |score: &Score| format!("{} of {}", grouped(score.inliers), grouped(count));
         facts.extend(best.map(|(_, score)| Fact::new("Inliers of the best", inliers(&score), Some(Role::Best))));
@@ -248,7 +267,7 @@ impl<M: RobustModel> Robust<M> {
             .enumerate()
             .map(|(i, inliers)| [(i + 1) as f32, *inliers as f32])
             .collect();
-        if !matches!(seen.events.last(), Some(Event::Refit(..))) {
+        if !seen.events.last().is_some_and(is_last) {
             points.push([
                 (seen.before.consensus.iterations + 1) as f32,
                 best.map_or(0.0, |(_, score)| score.inliers as f32),
@@ -297,16 +316,23 @@ impl<M: RobustModel> Robust<M> {
 
     /// Inliers and outliers of a model.
     fn draw_matches(&self, state: &State, shown: Option<Matrix3>, scene: &mut Scene) {
-        for (found, point) in state.fixed.matches.iter().zip(&state.fixed.points) {
-            let (role, meaning) = match shown {
+        let Fixed { matches, points, .. } = &*state.fixed;
+        let inliers = shown.map(|matrix| self.are_inliers(points, &matrix).collect::<Vec<_>>());
+        for (i, found) in matches.iter().enumerate() {
+            let (role, meaning) = match inliers.as_ref().map(|inliers| inliers[i]) {
                 None => (Role::Reference, "match"),
-                Some(matrix) if self.is_inlier(&matrix, point) => (Role::Result, "inlier"),
-                Some(_) => (Role::Rejected, "outlier"),
+                Some(true) => (Role::Result, "inlier"),
+                Some(false) => (Role::Rejected, "outlier"),
             };
             scene.links.push(link(role, found.from, found.to));
             scene.legend(role, meaning);
         }
     }
+}
+
+/// Whether an event belongs to the fit to all inliers, after the iterations.
+fn is_last(event: &Event) -> bool {
+    matches!(event, Event::Refit(..) | Event::Doubted(_))
 }
 
 fn link(role: Role, from: [f32; 2], to: [f32; 2]) -> Link {

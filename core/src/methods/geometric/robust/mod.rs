@@ -1,6 +1,7 @@
 //! Robust estimation of a geometric model from matches: RANSAC as an estimator, for any model.
 
 mod declare;
+mod doubt;
 mod explain;
 mod settings;
 
@@ -20,6 +21,8 @@ use crate::scene::{Chart, Focus, Math, Picture, Role, Scene, Step};
 use crate::synth::random::{hash, unit};
 
 pub(crate) use declare::robust_pseudocode;
+pub use doubt::Doubt;
+use doubt::sides_px;
 pub use settings::Settings;
 
 /// A geometric model that is estimated from matches.
@@ -57,8 +60,14 @@ pub trait RobustModel: Params + Default + Clone + Send + Sync + 'static {
     /// The model fitted to all inliers at the end.
     fn last(&self, inliers: &[Correspondence]) -> Option<Matrix3>;
 
-    /// The squared distance of a match from the model in px².
-    fn squared_error(matrix: &Matrix3, of: &Correspondence) -> f64;
+    /// Writes the squared distance of each match from the model in px².
+    fn squared_errors(matrix: &Matrix3, matches: &[Correspondence], errors: &mut [f64]);
+
+    /// Share of a picture of this many px² in which a random match is an inlier.
+    fn share_of_area(threshold_px: f64, sides_px: [f64; 2]) -> f64;
+
+    /// Whether points on a line determine it.
+    fn is_known_on_line(&self) -> bool;
 
     /// The product of a run so far.
     fn output(&self, estimate: &Estimate<'_>) -> Output;
@@ -168,6 +177,8 @@ pub enum Event {
     Best(usize),
     /// The model was fitted to all inliers.
     Refit(Matrix3, Score),
+    /// The model is not kept, because its inliers do not support it.
+    Doubted(Doubt),
 }
 
 /// Rounds of local optimisation of a new best hypothesis.
@@ -230,15 +241,33 @@ impl<M: RobustModel> Robust<M> {
 
     fn score(&self, points: &[Correspondence], matrix: &Matrix3) -> Score {
         let Settings { threshold, scoring, .. } = *self.0.settings();
-        Score::of(points.iter().map(|m| M::squared_error(matrix, m)), threshold.into(), scoring)
+        Score::of(&Self::errors(points, matrix), threshold.into(), scoring)
     }
 
     fn inliers(&self, points: &[Correspondence], matrix: &Matrix3) -> Vec<Correspondence> {
-        points.iter().copied().filter(|m| self.is_inlier(matrix, m)).collect()
+        let all = points.iter().zip(self.are_inliers(points, matrix));
+        all.filter(|(_, is_inlier)| *is_inlier).map(|(m, _)| *m).collect()
     }
 
-    fn is_inlier(&self, matrix: &Matrix3, m: &Correspondence) -> bool {
-        M::squared_error(matrix, m) <= f64::from(self.0.settings().threshold).powi(2)
+    fn are_inliers(&self, points: &[Correspondence], matrix: &Matrix3) -> impl Iterator<Item = bool> + use<M> {
+        let limit = f64::from(self.0.settings().threshold).powi(2);
+        Self::errors(points, matrix).into_iter().map(move |error| error <= limit)
+    }
+
+    fn errors(points: &[Correspondence], matrix: &Matrix3) -> Vec<f64> {
+        let mut errors = vec![0.0; points.len()];
+        M::squared_errors(matrix, points, &mut errors);
+        errors
+    }
+
+    /// Why the inliers of a model do not support it, if they do not.
+    fn doubt(&self, points: &[Correspondence], best: &Best) -> Option<Doubt> {
+        let inliers = self.inliers(points, &best.matrix);
+        let on_line = (!self.0.is_known_on_line()).then(|| Doubt::on_line(&inliers)).flatten();
+        on_line.or_else(|| {
+            let share = M::share_of_area(self.0.settings().threshold.into(), sides_px(points));
+            Doubt::by_chance(self.0.sample_size(), [inliers.len(), points.len()], share)
+        })
     }
 
     /// Draws a sample, and keeps its model if it is the best so far.
@@ -300,19 +329,23 @@ impl<M: RobustModel> Robust<M> {
                 break;
             }
         }
-        consensus.fitted = Some(best);
+        let doubt = self.doubt(points, &best);
+        if let Some(doubt) = doubt {
+            observer.see(|| Event::Doubted(doubt));
+        }
+        let kept = Some(best).filter(|_| doubt.is_none());
+        (consensus.fitted, consensus.best) = (kept, kept);
     }
 
     /// The matches, with outliers marked once the model is known.
     fn judged(&self, state: &State) -> Vec<Match> {
-        let all = state.fixed.matches.iter().zip(&state.fixed.points);
-        let judge = |(found, point): (&Match, &Correspondence)| match state.consensus.fitted {
-            Some(Best { matrix, .. }) if !self.is_inlier(&matrix, point) => {
-                Match { status: MatchStatus::Outlier, ..*found }
-            }
-            _ => *found,
+        let Fixed { matches, points, .. } = &*state.fixed;
+        let Some(Best { matrix, .. }) = state.consensus.fitted else { return matches.clone() };
+        let judge = |(found, is_inlier): (&Match, bool)| match is_inlier {
+            true => *found,
+            false => Match { status: MatchStatus::Outlier, ..*found },
         };
-        all.map(judge).collect()
+        matches.iter().zip(self.are_inliers(points, &matrix)).map(judge).collect()
     }
 }
 
