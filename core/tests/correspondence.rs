@@ -288,7 +288,100 @@ fn without_texture_the_number_that_was_too_small_is_said() {
         let told = last_sentence(id, &[], &flat);
         assert!(told.contains(needed), "{id}: {told}");
     }
+    for (model, needed) in [("translation", 1), ("rigid", 2), ("similarity", 2), ("affine", 3)] {
+        let told = last_sentence("global-motion", &[("model", model)], &flat);
+        assert!(told.contains(&format!("0 of the needed {needed}")), "{model}: {told}");
+    }
     let output = run("global-motion", &[], &flat);
     assert_eq!(output.get::<ModelField>().expect("a model").matrix, None);
+    assert_eq!(run("epipolar-geometry", &[], &flat).get::<EpipolarField>().expect("no estimate").matrix, None);
     assert!(output.flow().expect("a flow").0.cells().iter().flatten().all(|c| c.is_nan()));
+}
+
+/// Different patches of 9×9 px around these positions on a gray ground; those of frame t + 1 are 5 px to the right and 2 px down.
+fn patches(positions: &[[usize; 2]]) -> Clip {
+    let level = |k: usize, i: usize, j: usize| {
+        let mixed = (k as u64 * 0x9E37_79B9) ^ (i as u64 / 3 * 0x85EB_CA6B) ^ (j as u64 / 3 * 0xC2B2_AE35);
+        (mixed.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 56) as u8
+    };
+    let frame = |[dx, dy]: [usize; 2]| {
+        let mut picture = Grid::new(320, 240, 128);
+        for (k, [x, y]) in positions.iter().enumerate() {
+            for (i, j) in (0..9).flat_map(|j| (0..9).map(move |i| (i, j))) {
+                picture[(x + dx + i - 4, y + dy + j - 4)] = level(k, i, j);
+            }
+        }
+        Frame::gray(picture)
+    };
+    Clip::from_frames("patches", vec![frame([0, 0]), frame([5, 2])]).expect("frames of one size")
+}
+
+/// One keypoint in the middle of each patch at most, compared by patches.
+const FEW: [(&str, &str); 4] =
+    [("detector", "harris"), ("detector.min-distance", "12"), ("detector.threshold", "0.001"), ("descriptor", "patch")];
+
+#[test]
+fn fewer_matches_than_a_model_needs_are_told_with_their_number() {
+    let clip = patches(&[[60, 60], [200, 70], [120, 180]]);
+    let told = last_sentence("global-motion", &FEW, &clip);
+    assert!(told.contains("3 of the needed 4 matches"), "{told}");
+    let told = last_sentence("epipolar-geometry", &FEW, &clip);
+    assert!(told.contains("3 of the needed 7 matches"), "{told}");
+    let output = run("global-motion", &FEW, &clip);
+    let field = output.get::<ModelField>().expect("a model");
+    assert!(field.matrix.is_none() && field.residual_px.is_none(), "{field:?}");
+    // A translation needs one.
+    let output = run("global-motion", &[&FEW[..], &[("model", "translation")]].concat(), &clip);
+    let [[_, _, u], [_, _, v], _] = output.get::<ModelField>().expect("a model").matrix.expect("an estimate");
+    assert!((u - 5.0).abs() < 0.1 && (v - 2.0).abs() < 0.1, "({u}, {v})");
+}
+
+#[test]
+fn points_on_a_line_determine_no_homography_and_the_spread_is_told() {
+    let line: Vec<[usize; 2]> = (0..14).map(|i| [20 + 19 * i, 40 + 9 * i]).collect();
+    let clip = patches(&line);
+    for (id, settings) in [
+        ("global-motion", [("model", "homography")]),
+        ("global-motion", [("model", "affine")]),
+        ("epipolar-geometry", [("sampling", "eight")]),
+    ] {
+        let settings = [&FEW[..], &settings].concat();
+        let told = last_sentence(id, &settings, &clip);
+        assert!(told.contains("line"), "{id}, {settings:?}: {told}");
+        let output = run(id, &settings, &clip);
+        let matrix = output.get::<ModelField>().map(|field| field.matrix);
+        let matrix = matrix.unwrap_or_else(|| output.get::<EpipolarField>().expect("one of both").matrix);
+        assert_eq!(matrix, None, "{id}, {settings:?}");
+    }
+    let output = run("global-motion", &[&FEW[..], &[("model", "similarity")]].concat(), &clip);
+    assert!(output.get::<ModelField>().expect("a model").matrix.is_some(), "a line determines a similarity");
+}
+
+#[test]
+fn matches_that_agree_by_chance_give_no_matrix() {
+    let noise = |seed: u64| {
+        Frame::gray(Grid::from_fn(320, 240, |x, y| {
+            let mixed = ((x as u64 / 4) * 0x9E37_79B9) ^ ((y as u64 / 4) * 0x85EB_CA6B) ^ (seed * 0xC2B2_AE35);
+            (mixed.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 56) as u8
+        }))
+    };
+    let clip = Clip::from_frames("cut", vec![noise(1), noise(2)]).expect("frames of one size");
+    for id in ["global-motion", "epipolar-geometry"] {
+        let settings = [("ratio", "1")];
+        let told = last_sentence(id, &settings, &clip);
+        assert!(told.contains("refused") && told.contains("random matches"), "{id}: {told}");
+        let output = run(id, &settings, &clip);
+        let matrix = output.get::<ModelField>().map(|field| field.matrix);
+        assert_eq!(matrix.unwrap_or_else(|| output.get::<EpipolarField>().expect("one of both").matrix), None, "{id}");
+        assert!(output.get::<MatchField>().expect("matches").matches.len() > 8);
+    }
+}
+
+#[test]
+fn a_wrong_focal_length_is_told_with_the_ratio_of_the_singular_values() {
+    let clip = scene("parallax");
+    let right = last_sentence("epipolar-geometry", &[("focal-length", "400")], &clip);
+    assert!(right.contains("Ratio of the singular values"), "{right}");
+    let wrong = last_sentence("epipolar-geometry", &[("focal-length", "5")], &clip);
+    assert!(wrong.contains("The pose is refused") && !wrong.contains("NaN"), "{wrong}");
 }

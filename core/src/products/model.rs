@@ -130,8 +130,11 @@ impl Product for ModelField {
         measures: &[&prediction::MEASURES, &flow_error::MEASURES, &MEASURES],
     };
 
-    /// The matrix, row by row.
+    /// The matrix, row by row; none if it was estimated from matches, whose table says which of them agree.
     fn table(&self) -> Option<Table> {
+        if self.support.is_some() {
+            return None;
+        }
         let rows = self.matrix.into_iter().flatten().map(|row| row.map(Cell::from));
         Some(Table::new(["column_1", "column_2", "column_3"], rows))
     }

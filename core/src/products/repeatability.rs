@@ -73,20 +73,49 @@ pub fn repeatability_in_flow(
     Repeatability { first: here.len(), second: there.len(), repeated }
 }
 
-/// The pixels of frame t + 1 that are seen in frame t: the four around the true position of each pixel.
+/// The pixels of frame t + 1 that are seen in frame t: those within the quadrilateral to which the flow moves a square of four neighbouring
+/// pixels.
 fn seen_from(flow: &Flow, is_hidden: impl Fn((usize, usize)) -> bool, size: (usize, usize)) -> Grid<bool> {
     let (width, height) = flow.0.size();
+    let to = |(x, y): (usize, usize)| {
+        let [u, v] = flow.at(x, y).filter(|_| !is_hidden((x, y)))?;
+        Some([x as f32 + u, y as f32 + v])
+    };
     let mut seen = Grid::new(size.0, size.1, false);
-    for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
-        let Some([u, v]) = flow.at(x, y).filter(|_| !is_hidden((x, y))) else { continue };
-        let [left, top] = [x as f32 + u, y as f32 + v].map(f32::floor);
-        for to in [[left, top], [left + 1.0, top], [left, top + 1.0], [left + 1.0, top + 1.0]] {
-            if let Some(place) = seen.cell_at(to) {
-                seen[place] = true;
-            }
+    let squares = (1..height).flat_map(|y| (1..width).map(move |x| (x, y)));
+    for (x, y) in squares {
+        let corners = [(x - 1, y - 1), (x, y - 1), (x, y), (x - 1, y)].map(to);
+        if let [Some(a), Some(b), Some(c), Some(d)] = corners {
+            [[a, b, c], [a, c, d]].iter().for_each(|triangle| cover(&mut seen, triangle));
         }
     }
     seen
+}
+
+/// Marks the pixels within a triangle and on its border, unless it stretches from one motion to another.
+fn cover(seen: &mut Grid<bool>, triangle: &[[f32; 2]; 3]) {
+    /// Longest side of a triangle within one motion, in px.
+    const MOST_PX: f32 = 8.0;
+    /// What rounding takes from a border.
+    const MARGIN: f32 = 1e-3;
+    let span = [0, 1].map(|i| {
+        let (low, high) = triangle.iter().fold((f32::MAX, f32::MIN), |(a, b), p| (a.min(p[i]), b.max(p[i])));
+        ((low - MARGIN).ceil(), (high + MARGIN).floor())
+    });
+    if span.iter().any(|(low, high)| high - low > MOST_PX) {
+        return;
+    }
+    let [columns, rows] = span.map(|(low, high)| low.max(0.0) as usize..(high + 1.0).max(0.0) as usize);
+    for (x, y) in rows.flat_map(|y| columns.clone().map(move |x| (x, y))) {
+        let sides = [0, 1, 2].map(|i| {
+            let ([ax, ay], [bx, by]) = (triangle[i], triangle[(i + 1) % 3]);
+            (bx - ax) * (y as f32 - ay) - (by - ay) * (x as f32 - ax)
+        });
+        let is_inside = sides.iter().all(|side| *side >= -MARGIN) || sides.iter().all(|side| *side <= MARGIN);
+        if is_inside && seen.get(x, y).is_some() {
+            seen[(x, y)] = true;
+        }
+    }
 }
 
 /// Largest distance of a repeated keypoint from its true position in px.

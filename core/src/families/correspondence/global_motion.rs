@@ -85,6 +85,11 @@ impl RobustModel for GlobalMotion {
         fit(self.model, sample).into_iter().collect()
     }
 
+    /// Twice as many as determine it, so that errors average out and another consensus is within reach.
+    fn resample_size(&self) -> usize {
+        2 * self.sample_size()
+    }
+
     fn local(&self, inliers: &[Correspondence]) -> Option<Matrix3> {
         fit(self.model, inliers)
     }

@@ -12,7 +12,7 @@ choices! {
         Ransac = "ransac" "RANSAC",
         /// MSAC (Torr and Zisserman 2000): the sum of squared errors, each at most the squared threshold, so that better inliers count more.
         Msac = "msac" "MSAC",
-        /// LO-RANSAC (Chum, Matas and Kittler 2003): each new best hypothesis is refitted to its inliers before the next sample.
+        /// LO-RANSAC (Chum, Matas and Kittler 2003): each new best hypothesis is refitted to its inliers before the next sample, and the last one to random samples of them. Scored as MSAC (Lebeda, Matas and Chum 2012).
         LoRansac = "lo-ransac" "LO-RANSAC",
     }
 }
@@ -35,7 +35,7 @@ impl Score {
         let [inliers, squared] = sums(errors, limit);
         let inliers = inliers as usize;
         let limited = squared + limit * (errors.len() - inliers) as f64;
-        let cost = if scoring == Scoring::Msac { limited } else { -(inliers as f64) };
+        let cost = if scoring == Scoring::Ransac { -(inliers as f64) } else { limited };
         Self { inliers, cost, squared }
     }
 
@@ -128,7 +128,7 @@ mod tests {
     fn msac_prefers_the_better_inliers() {
         let [near, far] = [[0.1, 0.2, 50.0], [3.0, 3.5, 50.0]];
         let score = |errors: [f64; 3], scoring| Score::of(&errors, 2.0, scoring);
-        for scoring in [Scoring::Ransac, Scoring::Msac] {
+        for scoring in [Scoring::Ransac, Scoring::Msac, Scoring::LoRansac] {
             assert!(score(near, scoring).is_better(&score(far, scoring)));
             assert_eq!(score(near, scoring).inliers, 2);
         }

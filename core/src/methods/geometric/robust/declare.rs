@@ -14,7 +14,7 @@ macro_rules! robust_pseudocode {
             DRAW: "  draw a random sample of n matches, as many as determine the model",
             HYPOTHESISE: $model,
             COUNT: $count,
-            OPTIMISE: "    LO-RANSAC: fit the model to its inliers while that adds inliers",
+            OPTIMISE: "    LO-RANSAC: fit the model to its inliers while that lowers the cost",
             KEEP_BEST: "  if it is the best so far: keep it; w ← share of inliers, N ← log(1 − p) / log(1 − wⁿ)",
             REFIT: $refit,
         }

@@ -75,6 +75,17 @@ impl<M: RobustModel> Robust<M> {
                 (line::OPTIMISE, said.text(told))
             }
             Event::Best(needed) => (line::KEEP_BEST, said.text(self.best_said(seen, *needed))),
+            Event::Resampled(tried, _, score) => {
+                let told = format!(
+                    "Local optimisation of the best hypothesis: {} fitted to {} of its inliers each, then to their own inliers. The best of all has {} \
+                     inliers and a cost of {} px².",
+                    words::counted(*tried, "model"),
+                    grouped(self.0.resample_size()),
+                    grouped(score.inliers),
+                    words::fixed(score.cost, 1)
+                );
+                (line::OPTIMISE, said.text(told))
+            }
             Event::Refit(_, score) => {
                 let told = format!(
                     "Least squares over all inliers: {} of {} matches are inliers, rms distance {} px.",
@@ -129,18 +140,26 @@ impl<M: RobustModel> Robust<M> {
             M::DISTANCE,
             words::fine(self.0.settings().threshold)
         ));
-        let cost = match self.0.settings().scoring {
-            Scoring::Msac => format!(" (MSAC cost {} px²)", words::fixed(score.cost, 1)),
-            _ => String::new(),
-        };
-        let said = said.text(cost);
+        if self.0.settings().scoring == Scoring::Ransac {
+            return match state.consensus.best {
+                None => said.text(": the first hypothesis, so the best so far."),
+                Some(best) if score.is_better(&best.score) => {
+                    said.text(format!(": better than {} so far.", grouped(best.score.inliers)))
+                }
+                Some(best) => {
+                    said.text(format!(": not better than the best, {} so far. Discarded.", grouped(best.score.inliers)))
+                }
+            };
+        }
+        let cost = |score: &Score| words::fixed(score.cost, 1);
+        let said = said.text(format!(", MSAC cost {} px²", cost(score)));
         match state.consensus.best {
             None => said.text(": the first hypothesis, so the best so far."),
             Some(best) if score.is_better(&best.score) => {
-                said.text(format!(": better than {} so far.", grouped(best.score.inliers)))
+                said.text(format!(": lower than {} px² so far, so better.", cost(&best.score)))
             }
             Some(best) => {
-                said.text(format!(": not better than the best, {} so far. Discarded.", grouped(best.score.inliers)))
+                said.text(format!(": not below the lowest cost so far, {} px². Discarded.", cost(&best.score)))
             }
         }
     }
@@ -156,7 +175,7 @@ impl<M: RobustModel> Robust<M> {
                 Event::Scored(score) => candidate = matrix.map(|matrix| (matrix, *score)),
                 Event::Local(matrix, score) => candidate = Some((*matrix, *score)),
                 Event::Best(_) => best = candidate,
-                Event::Refit(matrix, score) => best = Some((*matrix, *score)),
+                Event::Resampled(_, matrix, score) | Event::Refit(matrix, score) => best = Some((*matrix, *score)),
                 Event::Doubted(_) => best = None,
                 Event::TooFew | Event::Degenerate | Event::Sample(_) => {}
             }
@@ -293,7 +312,10 @@ impl<M: RobustModel> Robust<M> {
             return;
         };
         let shown = seen.events.iter().rev().find_map(|event| match event {
-            Event::Hypothesis(matrix) | Event::Local(matrix, _) | Event::Refit(matrix, _) => Some(*matrix),
+            Event::Hypothesis(matrix)
+            | Event::Local(matrix, _)
+            | Event::Resampled(_, matrix, _)
+            | Event::Refit(matrix, _) => Some(*matrix),
             _ => None,
         });
         self.draw_matches(state, shown, scene);
@@ -332,7 +354,7 @@ impl<M: RobustModel> Robust<M> {
 
 /// Whether an event belongs to the fit to all inliers, after the iterations.
 fn is_last(event: &Event) -> bool {
-    matches!(event, Event::Refit(..) | Event::Doubted(_))
+    matches!(event, Event::Resampled(..) | Event::Refit(..) | Event::Doubted(_))
 }
 
 fn link(role: Role, from: [f32; 2], to: [f32; 2]) -> Link {

@@ -54,6 +54,11 @@ pub trait RobustModel: Params + Default + Clone + Send + Sync + 'static {
     /// The models through a sample; none if it determines none.
     fn hypotheses(&self, sample: &[Correspondence]) -> Vec<Matrix3>;
 
+    /// Number of inliers of each further sample by which the last hypothesis is optimised; 0 for none.
+    fn resample_size(&self) -> usize {
+        0
+    }
+
     /// The model fitted to inliers quickly.
     fn local(&self, inliers: &[Correspondence]) -> Option<Matrix3>;
 
@@ -175,6 +180,8 @@ pub enum Event {
     Local(Matrix3, Score),
     /// The hypothesis is the best so far; so many iterations are needed with it.
     Best(usize),
+    /// The best hypothesis was compared with so many models through samples of its inliers; the best of all, and its score.
+    Resampled(usize, Matrix3, Score),
     /// The model was fitted to all inliers.
     Refit(Matrix3, Score),
     /// The model is not kept, because its inliers do not support it.
@@ -183,6 +190,12 @@ pub enum Event {
 
 /// Rounds of local optimisation of a new best hypothesis.
 const LOCAL_ROUNDS: usize = 3;
+/// Most samples of the inliers of the best hypothesis.
+const RESAMPLES: usize = 50;
+/// Samples in succession that lead to the same cost, after which no further one is drawn.
+const RESAMPLES_ALIKE: usize = 5;
+/// Largest relative difference of the same cost.
+const ALIKE: f64 = 0.01;
 /// Rounds of the final fit, each to the inliers of the one before.
 const FINAL_ROUNDS: usize = 8;
 
@@ -315,9 +328,43 @@ impl<M: RobustModel> Robust<M> {
         consensus.best = Some(best);
     }
 
+    /// Compares the best hypothesis with models through samples of its inliers, each fitted to its own inliers again.
+    fn resample(&self, points: &[Correspondence], mut best: Best, observer: &mut impl Observer<Event>) -> Best {
+        /// Apart from the numbers of the other samples.
+        const STREAM: u64 = 0x696e_6e65;
+        let Settings { scoring, seed, .. } = *self.0.settings();
+        if scoring != Scoring::LoRansac || self.0.resample_size() == 0 {
+            return best;
+        }
+        let (mut inliers, mut alike, mut tried) = (self.inliers(points, &best.matrix), 0, 0);
+        while tried < RESAMPLES && alike < RESAMPLES_ALIKE {
+            let size = self.0.resample_size().min(inliers.len() / 2);
+            if size < self.0.sample_size() {
+                break;
+            }
+            let indices = sample(size, inliers.len(), seed as u64 ^ STREAM, tried);
+            tried += 1;
+            let through = self.0.local(&chosen(&inliers, &indices));
+            let fitted = through.and_then(|matrix| self.0.local(&self.inliers(points, &matrix)).or(Some(matrix)));
+            let Some(matrix) = fitted else { continue };
+            let score = self.score(points, &matrix);
+            let is_alike = (score.cost - best.score.cost).abs() <= ALIKE * best.score.cost;
+            alike = if is_alike { alike + 1 } else { 0 };
+            if score.is_better(&best.score) {
+                best = Best { matrix, score };
+                inliers = self.inliers(points, &matrix);
+            }
+        }
+        if tried > 0 {
+            observer.see(|| Event::Resampled(tried, best.matrix, best.score));
+        }
+        best
+    }
+
     /// Fits the best hypothesis to all of its inliers, until these stay the same.
     fn refit(&self, points: &[Correspondence], consensus: &mut Consensus, observer: &mut impl Observer<Event>) {
-        let Some(mut best) = consensus.best else { return observer.see(|| Event::TooFew) };
+        let Some(best) = consensus.best else { return observer.see(|| Event::TooFew) };
+        let mut best = self.resample(points, best, observer);
         for round in 0..FINAL_ROUNDS {
             let before = best.score;
             let refined = self.0.last(&self.inliers(points, &best.matrix));
