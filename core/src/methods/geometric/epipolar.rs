@@ -204,6 +204,8 @@ pub struct Pose {
     pub translation: [f64; 3],
     /// Number of correspondences in front of both cameras.
     pub in_front: usize,
+    /// The second singular value of the essential matrix divided by the first: 1 with the right camera.
+    pub equality: f64,
 }
 
 impl Pose {
@@ -227,6 +229,9 @@ impl Camera {
         let essential = intrinsics.transpose() * Square::from_fn(|i, j| matrix[i][j]) * intrinsics;
         let svd = essential.svd(true, true);
         let (mut u, mut v_t, least) = (svd.u?, svd.v_t?, svd.singular_values.imin());
+        let most = svd.singular_values.max();
+        let second = svd.singular_values.sum() - most - svd.singular_values.min();
+        let equality = if most > 0.0 { second / most } else { 0.0 };
         // The singular value 0 last, and proper rotations.
         u.swap_columns(least, 2);
         v_t.swap_rows(least, 2);
@@ -242,7 +247,7 @@ impl Camera {
         });
         let (in_front, rotation, t) = counted.reduce(|best, other| if other.0 > best.0 { other } else { best })?;
         let rotation = std::array::from_fn(|i| std::array::from_fn(|j| rotation[(i, j)]));
-        Some(Pose { rotation, translation: [t[0], t[1], t[2]], in_front })
+        Some(Pose { rotation, translation: [t[0], t[1], t[2]], in_front, equality })
     }
 }
 
@@ -326,7 +331,10 @@ mod tests {
         let off = (0..9).map(|i| (pose.rotation[i / 3][i % 3] - turn[(i / 3, i % 3)]).abs()).fold(0.0, f64::max);
         assert!(off < 1e-4, "{off}");
         let along: f64 = (0..3).map(|i| pose.translation[i] * t[i]).sum();
-        assert!(along > 0.9999, "{along}");
+        assert!(along > 0.9999 && pose.equality > 0.999, "{along}, {}", pose.equality);
+        // A wrong focal length contradicts itself.
+        let wrong = Camera { focal_px: 150.0, ..CAMERA }.pose(&matrix, &all).expect("a pose");
+        assert!(wrong.equality < 0.9, "{}", wrong.equality);
     }
 
     #[test]

@@ -3,6 +3,7 @@
 pub mod epipolar;
 pub mod fit;
 pub mod ransac;
+pub mod rectify;
 pub mod refine;
 pub mod robust;
 

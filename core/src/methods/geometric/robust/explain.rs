@@ -1,7 +1,7 @@
 //! The explanation and the drawing of robust estimation.
 
 use super::declare::line;
-use super::{Event, Robust, RobustModel, Settings, State};
+use super::{Best, Estimate, Event, Robust, RobustModel, Sequel, Settings, State};
 use crate::base::words::{self, grouped};
 use crate::geometry::Grid;
 use crate::methods::geometric::Correspondence;
@@ -74,6 +74,10 @@ impl<M: RobustModel> Robust<M> {
                 (line::OPTIMISE, said.text(told))
             }
             Event::Best(needed) => (line::KEEP_BEST, said.text(self.best_said(seen, *needed))),
+            Event::Sequel(index, best) => {
+                let Sequel { line, sentence, .. } = self.0.sequel(*index, &ended(state, *best), seen.focus);
+                (line.unwrap_or(line::REFIT), sentence)
+            }
             Event::Refit(_, score) => {
                 let told = format!(
                     "Least squares over all inliers: {} of {} matches are inliers, rms distance {} px.",
@@ -134,7 +138,9 @@ impl<M: RobustModel> Robust<M> {
                 Event::Scored(score) => candidate = matrix.map(|matrix| (matrix, *score)),
                 Event::Local(matrix, score) => candidate = Some((*matrix, *score)),
                 Event::Best(_) => best = candidate,
-                Event::Refit(matrix, score) => best = Some((*matrix, *score)),
+                Event::Refit(matrix, score) | Event::Sequel(_, Best { matrix, score }) => {
+                    best = Some((*matrix, *score))
+                }
                 Event::TooFew | Event::Degenerate | Event::Sample(_) => {}
             }
         }
@@ -174,7 +180,9 @@ impl<M: RobustModel> Robust<M> {
             Fact::new("Matches", grouped(count), None),
             Fact::new(
                 "Iterations",
-                grouped(state.consensus.iterations + usize::from(!matches!(event, Event::Refit(..)))),
+                grouped(
+                    state.consensus.iterations + usize::from(!matches!(event, Event::Refit(..) | Event::Sequel(..))),
+                ),
                 None,
             ),
         ];
@@ -183,9 +191,17 @@ impl<M: RobustModel> Robust<M> {
         facts.extend(best.map(|(_, score)| Fact::new("rms distance", format!("{} px", rms(&score)), None)));
         let needed = if let Event::Best(needed) = event { *needed } else { state.consensus.needed };
         facts.push(Fact::new("Iterations needed", grouped(needed), None));
+        let sequel = match event {
+            Event::Sequel(index, best) => self.0.sequel(*index, &ended(state, *best), seen.focus),
+            _ => Sequel::default(),
+        };
+        facts.extend(sequel.facts);
         let mut all = vec![Readout::Facts(facts)];
         all.extend(best.map(|(_, score)| Readout::Equation(self.equation(seen, &score, needed))));
-        all.push(Readout::Matrices(self.matrices(seen, best)));
+        all.push(Readout::Matrices(match sequel.matrices.is_empty() {
+            true => self.matrices(seen, best),
+            false => sequel.matrices,
+        }));
         all.extend(self.series(seen, best).map(Readout::Series));
         all
     }
@@ -248,7 +264,7 @@ impl<M: RobustModel> Robust<M> {
             .enumerate()
             .map(|(i, inliers)| [(i + 1) as f32, *inliers as f32])
             .collect();
-        if !matches!(seen.events.last(), Some(Event::Refit(..))) {
+        if !matches!(seen.events.last(), Some(Event::Refit(..) | Event::Sequel(..))) {
             points.push([
                 (seen.before.consensus.iterations + 1) as f32,
                 best.map_or(0.0, |(_, score)| score.inliers as f32),
@@ -273,6 +289,9 @@ impl<M: RobustModel> Robust<M> {
             }
             return;
         };
+        if let Event::Sequel(index, best) = last {
+            return self.0.draw_sequel(*index, &ended(state, *best), seen.focus, scene);
+        }
         let shown = seen.events.iter().rev().find_map(|event| match event {
             Event::Hypothesis(matrix) | Event::Local(matrix, _) | Event::Refit(matrix, _) => Some(*matrix),
             _ => None,
@@ -307,6 +326,11 @@ impl<M: RobustModel> Robust<M> {
             scene.legend(role, meaning);
         }
     }
+}
+
+/// The estimate at the end of a run that `state` has not quite reached.
+fn ended(state: &State, best: Best) -> Estimate<'_> {
+    Estimate { best: Some(best), ..state.estimate() }
 }
 
 fn link(role: Role, from: [f32; 2], to: [f32; 2]) -> Link {
