@@ -97,8 +97,8 @@ pub use params::{Params, Spec, Value};
 pub use products::{
     Agreement, Block, BlockField, BlockGrid, BlockVector, Coding, Confidence, Consistency, DenseField, Descriptor,
     EpipolarField, Feature, Followed, Keypoint, MaskField, Match, MatchField, MatchStatus, Model, ModelField, Object,
-    ObjectField, ObjectFrame, Output, PointField, Product, ProductKind, Status, Streak, Streaks, Track, TrackField,
-    TrackStatus, metrics, predict, table,
+    ObjectField, ObjectFrame, Output, PathField, PointField, Product, ProductKind, Status, Streak, Streaks, Track,
+    TrackField, TrackStatus, metrics, predict, table,
 };
 pub use run::{
     AnyEstimator, AnyRun, Beside, CandidateCount, Cursor, Direction, Estimator, Explained, Extent, FRAMES, Footprint,

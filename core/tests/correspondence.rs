@@ -385,3 +385,71 @@ fn a_wrong_focal_length_is_told_with_the_ratio_of_the_singular_values() {
     let wrong = last_sentence("epipolar-geometry", &[("focal-length", "5")], &clip);
     assert!(wrong.contains("The pose is refused") && !wrong.contains("NaN"), "{wrong}");
 }
+
+/// The steps that follow from the fundamental matrix: what is said, and the scene.
+fn sequels(clip: &Clip) -> [(String, motionscope_core::Scene); 2] {
+    let mut walk = set("epipolar-geometry", &[]).walk(clip, 0).expect("a walk");
+    walk.jump(Move::End);
+    let rectified = (walk.step(None).sentence.plain(), walk.scene(None));
+    let event = walk.info().granularities.len() - 1;
+    walk.jump(Move::Granularity(event, motionscope_core::Direction::Back));
+    [(walk.step(None).sentence.plain(), walk.scene(None)), rectified]
+}
+
+/// The number before ` of ` and after the last space before it, at the `index`-th occurrence.
+fn count_of(told: &str, index: usize) -> usize {
+    let before = told.split(" of ").nth(index).expect("counts are told");
+    before.rsplit(' ').next().and_then(|word| word.parse().ok()).expect("a number")
+}
+
+#[test]
+fn guided_matching_finds_more_right_matches_than_unguided() {
+    let clip = scene("parallax");
+    let [(told, guided), _] = sequels(&clip);
+    assert!(told.contains("Guided matching"), "{told}");
+    // "… 123 matches, 120 of 121 right. Without guidance there are 99 matches, 97 of 98 right."
+    let [guided_right, plain_right] = [count_of(&told, 0), count_of(&told, 1)];
+    assert!(guided_right > plain_right, "{told}");
+    assert!(guided.links.len() >= guided_right);
+}
+
+#[test]
+fn a_rectified_pair_has_equal_rows() {
+    // Layers at four depths, seen by a camera that moves sideways: the rows are nearly equal as they are.
+    let [_, (told, scene)] = sequels(&scene("parallax"));
+    assert!(told.contains("Rectification: both frames are warped"), "{told}");
+    let names: Vec<String> = scene.pictures.iter().map(|canvas| canvas.picture.to_string()).collect();
+    assert_eq!(names, ["warped-t", "warped-t+1"]);
+}
+
+#[test]
+fn keypoints_are_tracked_through_a_clip_by_matching() {
+    let clip = scene("hand-held");
+    for detector in ["sift", "surf", "orb"] {
+        let output = run("feature-tracker", &[("detector", detector), ("frames", "8")], &clip);
+        let field = output.get::<motionscope_core::TrackField>().expect("tracks");
+        assert_eq!((field.first, field.last), (0, 7), "{detector}");
+        let mut off: Vec<f32> = Vec::new();
+        for t in 0..7 {
+            let truth = clip.truth().expect("truth").flow(t).expect("a flow").expect("a flow");
+            for point in field.at(t).points {
+                let (Some([u, v]), Some([true_u, true_v])) = (point.displacement, truth.sample(point.at)) else {
+                    continue;
+                };
+                off.push((u - true_u).hypot(v - true_v));
+            }
+        }
+        off.sort_by(f32::total_cmp);
+        let long = field.tracks.iter().filter(|track| track.points.len() >= 6).count();
+        assert!(off.len() > 300 && off[off.len() / 2] < 0.7, "{detector}: {} px of {}", off[off.len() / 2], off.len());
+        assert!(long > 20, "{detector}: only {long} tracks last 6 frames");
+        // A track goes on where it stopped.
+        for track in &field.tracks {
+            for pair in track.points.windows(2) {
+                let [u, v] = pair[0].displacement.expect("tracked in all but its last frame");
+                let off = (pair[0].at[0] + u - pair[1].at[0]).hypot(pair[0].at[1] + v - pair[1].at[1]);
+                assert!(off < 1e-3, "{detector}: {pair:?}");
+            }
+        }
+    }
+}

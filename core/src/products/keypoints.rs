@@ -93,6 +93,8 @@ pub enum Status {
     Astray,
     /// Lost: it is too dissimilar to its first appearance.
     Changed,
+    /// Lost: no keypoint of frame t + 1 is its match.
+    Unmatched,
 }
 
 impl Status {
@@ -106,6 +108,7 @@ impl Status {
             Status::Unlike => "lost-unlike",
             Status::Astray => "lost-astray",
             Status::Changed => "lost-changed",
+            Status::Unmatched => "lost-unmatched",
         }
     }
 }

@@ -69,6 +69,30 @@ pub fn mapped(matrix: &Matrix3, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
     (w > HORIZON).then(|| [a / w, b / w])
 }
 
+/// The product of two matrices.
+pub fn product(a: &Matrix3, b: &Matrix3) -> Matrix3 {
+    std::array::from_fn(|i| std::array::from_fn(|j| (0..3).map(|k| a[i][k] * b[k][j]).sum()))
+}
+
+/// The inverse of a matrix; `None` if it is singular.
+pub fn inverse(matrix: &Matrix3) -> Option<Matrix3> {
+    let [[a, b, c], [d, e, f], [g, h, i]] = *matrix;
+    let adjugate = [
+        [e * i - f * h, c * h - b * i, b * f - c * e],
+        [f * g - d * i, a * i - c * g, c * d - a * f],
+        [d * h - e * g, b * g - a * h, a * e - b * d],
+    ];
+    let determinant = a * adjugate[0][0] + b * adjugate[1][0] + c * adjugate[2][0];
+    (determinant.abs() > 1e-15).then(|| adjugate.map(|row| row.map(|entry| entry / determinant)))
+}
+
+/// The same map with a last entry of 1; `None` where that is 0 or not finite.
+pub fn normalised(matrix: &Matrix3) -> Option<Matrix3> {
+    let last = matrix[2][2];
+    let scaled = matrix.map(|row| row.map(|entry| entry / last));
+    (last.abs() > 1e-12 && scaled.iter().flatten().all(|entry| entry.is_finite())).then_some(scaled)
+}
+
 /// One transformation for all pixels of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ModelField {

@@ -1,5 +1,7 @@
 //! Epipolar geometry of a pair of frames: the fundamental matrix, and the pose of a calibrated camera.
 
+mod sequels;
+
 use crate::base::words;
 use crate::methods::geometric::{
     Correspondence,
@@ -9,7 +11,7 @@ use crate::methods::geometric::{
     },
     fit::{fit, squared_error},
     ransac::{chosen, sample},
-    robust::{self, Best, Estimate, RobustModel, robust_pseudocode},
+    robust::{self, Best, Estimate, RobustModel, Sequel, robust_pseudocode},
 };
 use crate::methods::matching;
 use crate::products::model::{Matrix3, Model, Support};
@@ -45,7 +47,9 @@ params! {
 robust_pseudocode!(
     "  F ← the fundamental matrices through the sample, of rank 2",
     "  count the inliers: matches with a Sampson distance of at most the threshold",
-    "fit F to all inliers by the eight-point algorithm, weighted for the Sampson distance, until these stay the same"
+    "fit F to all inliers by the eight-point algorithm, weighted for the Sampson distance, until these stay the same",
+    GUIDE: "match each keypoint again, only with those near its epipolar line",
+    RECTIFY: "rectify both frames: H′ sends e′ to infinity along x, H makes the rows equal"
 );
 
 /// Share of the inliers that a homography must explain for the geometry to be degenerate.
@@ -66,6 +70,7 @@ impl RobustModel for EpipolarGeometry {
         frames: 2,
     };
     const PRODUCT: &'static ProductKind = EpipolarField::KIND;
+    const SEQUELS: usize = 2;
     const SYMBOL: &'static str = "F";
     const DISTANCE: &'static str = "Sampson distance";
 
@@ -176,6 +181,14 @@ impl RobustModel for EpipolarGeometry {
             Math::Row(vec![Math::Bold(name), Math::ink(Role::Best, told)])
         };
         vec![constraint, epipole("e", here), epipole("e′", there)]
+    }
+
+    fn sequel(&self, index: usize, estimate: &Estimate<'_>, focus: Option<Focus>) -> Sequel {
+        if index == 0 { self.guided(estimate, focus) } else { self.rectified(estimate) }
+    }
+
+    fn draw_sequel(&self, index: usize, estimate: &Estimate<'_>, focus: Option<Focus>, scene: &mut Scene) {
+        if index == 0 { self.draw_guided(estimate, focus, scene) } else { self.draw_rectified(estimate, scene) }
     }
 
     fn draw(&self, estimate: &Estimate<'_>, (matrix, _): (Matrix3, bool), focus: Option<Focus>, scene: &mut Scene) {

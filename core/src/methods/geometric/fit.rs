@@ -6,6 +6,7 @@ use super::Correspondence;
 use super::moments::Moments;
 use crate::base::wide::wide;
 use crate::products::model::{HORIZON, Matrix3, Model, mapped};
+pub use crate::products::model::{inverse, product};
 
 /// Fits `model` to correspondences. With as many as determine it the fit is exact; with more, translation, rigid, similarity and affine
 /// minimise the squared distance in frame t + 1, a homography the algebraic distance of the normalised DLT. `None` if they do not determine
@@ -112,23 +113,6 @@ impl Normalisation {
         let Self { mean: [x, y], scale } = *self;
         [[1.0 / scale, 0.0, x], [0.0, 1.0 / scale, y], [0.0, 0.0, 1.0]]
     }
-}
-
-/// The product of two matrices.
-pub fn product(a: &Matrix3, b: &Matrix3) -> Matrix3 {
-    std::array::from_fn(|i| std::array::from_fn(|j| (0..3).map(|k| a[i][k] * b[k][j]).sum()))
-}
-
-/// The inverse of a matrix; `None` if it is singular.
-pub fn inverse(matrix: &Matrix3) -> Option<Matrix3> {
-    let [[a, b, c], [d, e, f], [g, h, i]] = *matrix;
-    let adjugate = [
-        [e * i - f * h, c * h - b * i, b * f - c * e],
-        [f * g - d * i, a * i - c * g, c * d - a * f],
-        [d * h - e * g, b * g - a * h, a * e - b * d],
-    ];
-    let determinant = a * adjugate[0][0] + b * adjugate[1][0] + c * adjugate[2][0];
-    (determinant.abs() > 1e-15).then(|| adjugate.map(|row| row.map(|entry| entry / determinant)))
 }
 
 /// The homography by the normalised direct linear transformation (Hartley 1997).

@@ -7,7 +7,7 @@ pub(super) mod line {
 
 /// The pseudocode of a robust estimator; `model` is the line of the hypothesis, `count` that of the inliers.
 macro_rules! robust_pseudocode {
-    ($model:literal, $count:literal, $refit:literal) => {
+    ($model:literal, $count:literal, $refit:literal $(, $name:ident: $text:literal)*) => {
         $crate::pseudocode! {
             MATCH: "match the keypoints of frames t and t+1; N ← max-iterations",
             REPEAT: "for each iteration k = 1, 2, … N",
@@ -17,6 +17,7 @@ macro_rules! robust_pseudocode {
             OPTIMISE: "    LO-RANSAC: fit the model to its inliers while that lowers the cost",
             KEEP_BEST: "  if it is the best so far: keep it; w ← share of inliers, N ← log(1 − p) / log(1 − wⁿ)",
             REFIT: $refit,
+            $($name: $text,)*
         }
     };
 }

@@ -2,7 +2,7 @@
 
 use super::declare::line;
 use super::doubt::{Doubt, LEAST_SPREAD_PX};
-use super::{Event, Fixed, Robust, RobustModel, Settings, State};
+use super::{Best, Estimate, Event, Fixed, Robust, RobustModel, Sequel, Settings, State};
 use crate::base::words::{self, grouped};
 use crate::geometry::Grid;
 use crate::methods::geometric::Correspondence;
@@ -85,6 +85,10 @@ impl<M: RobustModel> Robust<M> {
                     words::fixed(score.cost, 1)
                 );
                 (line::OPTIMISE, said.text(told))
+            }
+            Event::Sequel(index, best) => {
+                let Sequel { line, sentence, .. } = self.0.sequel(*index, &ended(state, *best), seen.focus);
+                (line.unwrap_or(line::REFIT), sentence)
             }
             Event::Refit(_, score) => {
                 let told = format!(
@@ -175,7 +179,9 @@ impl<M: RobustModel> Robust<M> {
                 Event::Scored(score) => candidate = matrix.map(|matrix| (matrix, *score)),
                 Event::Local(matrix, score) => candidate = Some((*matrix, *score)),
                 Event::Best(_) => best = candidate,
-                Event::Resampled(_, matrix, score) | Event::Refit(matrix, score) => best = Some((*matrix, *score)),
+                Event::Resampled(_, matrix, score)
+                | Event::Refit(matrix, score)
+                | Event::Sequel(_, Best { matrix, score }) => best = Some((*matrix, *score)),
                 Event::Doubted(_) => best = None,
                 Event::TooFew | Event::Degenerate | Event::Sample(_) => {}
             }
@@ -221,9 +227,17 @@ impl<M: RobustModel> Robust<M> {
         facts.extend(best.map(|(_, score)| Fact::new("rms distance", format!("{} px", rms(&score)), None)));
         let needed = if let Event::Best(needed) = event { *needed } else { state.consensus.needed };
         facts.push(Fact::new("Iterations needed", grouped(needed), None));
+        let sequel = match event {
+            Event::Sequel(index, best) => self.0.sequel(*index, &ended(state, *best), seen.focus),
+            _ => Sequel::default(),
+        };
+        facts.extend(sequel.facts);
         let mut all = vec![Readout::Facts(facts)];
         all.extend(best.map(|(_, score)| Readout::Equation(self.equation(seen, &score, needed))));
-        all.push(Readout::Matrices(self.matrices(seen, best)));
+        all.push(Readout::Matrices(match sequel.matrices.is_empty() {
+            true => self.matrices(seen, best),
+            false => sequel.matrices,
+        }));
         all.extend(self.series(seen, best).map(Readout::Series));
         all
     }
@@ -311,6 +325,9 @@ impl<M: RobustModel> Robust<M> {
             }
             return;
         };
+        if let Event::Sequel(index, best) = last {
+            return self.0.draw_sequel(*index, &ended(state, *best), seen.focus, scene);
+        }
         let shown = seen.events.iter().rev().find_map(|event| match event {
             Event::Hypothesis(matrix)
             | Event::Local(matrix, _)
@@ -354,7 +371,12 @@ impl<M: RobustModel> Robust<M> {
 
 /// Whether an event belongs to the fit to all inliers, after the iterations.
 fn is_last(event: &Event) -> bool {
-    matches!(event, Event::Resampled(..) | Event::Refit(..) | Event::Doubted(_))
+    matches!(event, Event::Resampled(..) | Event::Refit(..) | Event::Doubted(_) | Event::Sequel(..))
+}
+
+/// The estimate at the end of a run that `state` has not quite reached.
+fn ended(state: &State, best: Best) -> Estimate<'_> {
+    Estimate { best: Some(best), ..state.estimate() }
 }
 
 fn link(role: Role, from: [f32; 2], to: [f32; 2]) -> Link {

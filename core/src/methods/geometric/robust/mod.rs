@@ -17,7 +17,7 @@ use crate::params::{Params, inner_params};
 use crate::products::model::Matrix3;
 use crate::products::{Match, MatchField, MatchStatus, Output, Product, ProductKind};
 use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
-use crate::scene::{Chart, Focus, Math, Picture, Role, Scene, Step};
+use crate::scene::{Chart, Fact, Focus, Math, Matrix, Name, Picture, Role, Scene, Sentence, Step};
 use crate::synth::random::{hash, unit};
 
 pub(crate) use declare::robust_pseudocode;
@@ -85,8 +85,32 @@ pub trait RobustModel: Params + Default + Clone + Send + Sync + 'static {
         Vec::new()
     }
 
+    /// Number of steps that follow from the final model.
+    const SEQUELS: usize = 0;
+
+    /// Explains one of them.
+    fn sequel(&self, _index: usize, _estimate: &Estimate<'_>, _focus: Option<Focus>) -> Sequel {
+        Sequel::default()
+    }
+
+    /// Draws one of them.
+    fn draw_sequel(&self, _index: usize, _estimate: &Estimate<'_>, _focus: Option<Focus>, _scene: &mut Scene) {}
+
     /// Draws a model; `focus` is the point pointed at, `is_final` whether it is the final one.
     fn draw(&self, estimate: &Estimate<'_>, shown: (Matrix3, bool), focus: Option<Focus>, scene: &mut Scene);
+}
+
+/// The explanation of a step that follows from the final model.
+#[derive(Default)]
+pub struct Sequel {
+    /// Its line of pseudocode.
+    pub line: Option<Name>,
+    /// What happened and why.
+    pub sentence: Sentence,
+    /// Its numbers.
+    pub facts: Vec<Fact>,
+    /// Its matrices.
+    pub matrices: Vec<Matrix>,
 }
 
 /// The estimate at some time of a run.
@@ -186,6 +210,8 @@ pub enum Event {
     Refit(Matrix3, Score),
     /// The model is not kept, because its inliers do not support it.
     Doubted(Doubt),
+    /// A step that follows from the final model, by its index.
+    Sequel(usize, Best),
 }
 
 /// Rounds of local optimisation of a new best hypothesis.
@@ -382,6 +408,9 @@ impl<M: RobustModel> Robust<M> {
         }
         let kept = Some(best).filter(|_| doubt.is_none());
         (consensus.fitted, consensus.best) = (kept, kept);
+        if let Some(best) = kept {
+            (0..M::SEQUELS).for_each(|index| observer.see(|| Event::Sequel(index, best)));
+        }
     }
 
     /// The matches, with outliers marked once the model is known.
