@@ -4,7 +4,7 @@ mod common;
 
 use common::set;
 use motionscope_core::products::Reference;
-use motionscope_core::{Clip, Threads, detection, estimator, synth};
+use motionscope_core::{Clip, Params, Threads, detection, estimator, synth};
 
 /// The scene with some of its sliders moved.
 fn scene(sliders: &[(&str, &str)]) -> Clip {
