@@ -7,6 +7,7 @@ use motionscope_core::products::{EpipolarField, keypoints::Descriptor};
 use motionscope_core::{
     Clip, Frame, Grid, MatchField, MatchStatus, ModelField, Move, Output, PointField, Threads, synth,
 };
+use nalgebra::{Rotation3, Vector3};
 
 fn scene(id: &str) -> Clip {
     let scene = synth::scene(id).expect("a scene");
@@ -298,22 +299,31 @@ fn without_texture_the_number_that_was_too_small_is_said() {
     assert!(output.flow().expect("a flow").0.cells().iter().flatten().all(|c| c.is_nan()));
 }
 
-/// Different patches of 9×9 px around these positions on a gray ground; those of frame t + 1 are 5 px to the right and 2 px down.
+/// Patches around these positions; those of frame t + 1 are 5 px to the right and 2 px down.
 fn patches(positions: &[[usize; 2]]) -> Clip {
+    let moved: Vec<[usize; 2]> = positions.iter().map(|[x, y]| [x + 5, y + 2]).collect();
+    moved_patches([positions, &moved])
+}
+
+/// Different patches of 9×9 px around the positions in both frames. Their middle is the brightest, so that corners are found there.
+fn moved_patches(positions: [&[[usize; 2]]; 2]) -> Clip {
     let level = |k: usize, i: usize, j: usize| {
+        if i / 3 == 1 && j / 3 == 1 {
+            return 255;
+        }
         let mixed = (k as u64 * 0x9E37_79B9) ^ (i as u64 / 3 * 0x85EB_CA6B) ^ (j as u64 / 3 * 0xC2B2_AE35);
-        (mixed.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 56) as u8
+        96 + (mixed.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 58) as u8
     };
-    let frame = |[dx, dy]: [usize; 2]| {
+    let frame = |positions: &[[usize; 2]]| {
         let mut picture = Grid::new(320, 240, 128);
         for (k, [x, y]) in positions.iter().enumerate() {
             for (i, j) in (0..9).flat_map(|j| (0..9).map(move |i| (i, j))) {
-                picture[(x + dx + i - 4, y + dy + j - 4)] = level(k, i, j);
+                picture[(x + i - 4, y + j - 4)] = level(k, i, j);
             }
         }
         Frame::gray(picture)
     };
-    Clip::from_frames("patches", vec![frame([0, 0]), frame([5, 2])]).expect("frames of one size")
+    Clip::from_frames("patches", positions.map(frame).to_vec()).expect("frames of one size")
 }
 
 /// One keypoint in the middle of each patch at most, compared by patches.
@@ -379,10 +389,23 @@ fn matches_that_agree_by_chance_give_no_matrix() {
 
 #[test]
 fn a_wrong_focal_length_is_told_with_the_ratio_of_the_singular_values() {
-    let clip = scene("parallax");
-    let right = last_sentence("epipolar-geometry", &[("focal-length", "400")], &clip);
-    assert!(right.contains("Ratio of the singular values"), "{right}");
-    let wrong = last_sentence("epipolar-geometry", &[("focal-length", "5")], &clip);
+    // Points at different depths, seen by a camera of 300 px that moves and turns.
+    let (turn, moved) = (Rotation3::new(Vector3::new(0.09, 0.1, 0.02)), Vector3::new(0.35, 0.2, 0.08));
+    let view = |k: usize| {
+        let (x, y) = (30 + 26 * (k % 10), 30 + 26 * (k / 10));
+        let depth = 4.0 + 1.5 * (x as f64 / 40.0).sin() * (y as f64 / 30.0).cos();
+        let point = Vector3::new((x as f64 - 159.5) / 300.0, (y as f64 - 119.5) / 300.0, 1.0) * depth;
+        let seen = turn * point + moved;
+        let to = [300.0 * seen[0] / seen[2] + 159.5, 300.0 * seen[1] / seen[2] + 119.5];
+        let is_inside = to[0] > 12.0 && to[0] < 307.0 && to[1] > 12.0 && to[1] < 227.0;
+        is_inside.then(|| ([x, y], to.map(|c| c.round() as usize)))
+    };
+    let (here, there): (Vec<_>, Vec<_>) = (0..70).filter_map(view).unzip();
+    let clip = moved_patches([&here, &there]);
+    let settings = |focal: &'static str| [&FEW[..], &[("focal-length", focal)]].concat();
+    let right = last_sentence("epipolar-geometry", &settings("300"), &clip);
+    assert!(right.contains("Ratio of the singular values") && !right.contains("refused"), "{right}");
+    let wrong = last_sentence("epipolar-geometry", &settings("30"), &clip);
     assert!(wrong.contains("The pose is refused") && !wrong.contains("NaN"), "{wrong}");
 }
 
@@ -396,10 +419,10 @@ fn sequels(clip: &Clip) -> [(String, motionscope_core::Scene); 2] {
     [(walk.step(None).sentence.plain(), walk.scene(None)), rectified]
 }
 
-/// The number before ` of ` and after the last space before it, at the `index`-th occurrence.
-fn count_of(told: &str, index: usize) -> usize {
-    let before = told.split(" of ").nth(index).expect("counts are told");
-    before.rsplit(' ').next().and_then(|word| word.parse().ok()).expect("a number")
+/// The first number of the `index`-th "120 of 121 right".
+fn right(told: &str, index: usize) -> usize {
+    let before = told.split(" right").nth(index).expect("counts are told");
+    before.rsplit(' ').nth(2).and_then(|word| word.parse().ok()).expect("a number")
 }
 
 #[test]
@@ -408,7 +431,7 @@ fn guided_matching_finds_more_right_matches_than_unguided() {
     let [(told, guided), _] = sequels(&clip);
     assert!(told.contains("Guided matching"), "{told}");
     // "… 123 matches, 120 of 121 right. Without guidance there are 99 matches, 97 of 98 right."
-    let [guided_right, plain_right] = [count_of(&told, 0), count_of(&told, 1)];
+    let [guided_right, plain_right] = [right(&told, 0), right(&told, 1)];
     assert!(guided_right > plain_right, "{told}");
     assert!(guided.links.len() >= guided_right);
 }
@@ -425,7 +448,8 @@ fn a_rectified_pair_has_equal_rows() {
 #[test]
 fn keypoints_are_tracked_through_a_clip_by_matching() {
     let clip = scene("hand-held");
-    for detector in ["sift", "surf", "orb"] {
+    // ORB finds whole pixels of its levels.
+    for (detector, off_px) in [("sift", 0.3), ("surf", 0.5), ("orb", 0.9)] {
         let output = run("feature-tracker", &[("detector", detector), ("frames", "8")], &clip);
         let field = output.get::<motionscope_core::TrackField>().expect("tracks");
         assert_eq!((field.first, field.last), (0, 7), "{detector}");
@@ -441,7 +465,12 @@ fn keypoints_are_tracked_through_a_clip_by_matching() {
         }
         off.sort_by(f32::total_cmp);
         let long = field.tracks.iter().filter(|track| track.points.len() >= 6).count();
-        assert!(off.len() > 300 && off[off.len() / 2] < 0.7, "{detector}: {} px of {}", off[off.len() / 2], off.len());
+        assert!(
+            off.len() > 300 && off[off.len() / 2] < off_px,
+            "{detector}: {} px of {}",
+            off[off.len() / 2],
+            off.len()
+        );
         assert!(long > 20, "{detector}: only {long} tracks last 6 frames");
         // A track goes on where it stopped.
         for track in &field.tracks {

@@ -12,7 +12,7 @@ type Image = Grid<f64>;
 
 /// Blobs of many sizes.
 fn picture() -> Gray {
-    Grid::from_fn(72, 60, |x, y| {
+    Grid::from_fn(132, 110, |x, y| {
         let (x, y) = (x as f64, y as f64);
         let value = 128.0 + 0.7 * (waves(x, y) - 128.0) + 0.8 * (waves(0.4 * x + 9.0, 0.45 * y) - 128.0);
         value.clamp(0.0, 255.0) as u8

@@ -13,6 +13,8 @@ use crate::scene::{Canvas, Fact, Math, Picture, Readout, Role, Scene, Sentence, 
 
 /// More of the picture empty than this is much.
 const MUCH_EMPTY: f64 = 0.1;
+/// A smaller share of a stabilised frame is not told.
+const LEAST_EMPTY: f64 = 5e-4;
 /// A motion with a larger error at the corners is not that of the background, in px.
 const FOREIGN_PX: f64 = 1.0;
 /// A jitter below this share of that before is suppressed well.
@@ -73,10 +75,13 @@ impl Stabilization {
 
     fn warped(&self, seen: &Seen<Self>, stable: &Stable) -> Sentence {
         let number = seen.before.chain.span.first + seen.before.corrections.len();
-        let said = Sentence::default()
-            .text(format!("Frame {number} is warped by S. "))
-            .ink(Role::Rejected, percent(stable.empty()))
-            .text(" of the stabilised frame is empty, because the frame does not reach so far; zoom hides that.");
+        let said = Sentence::default().text(format!("Frame {number} is warped by S. "));
+        let said = match stable.empty() < LEAST_EMPTY {
+            true => said.text("It covers the whole stabilised frame."),
+            false => said
+                .ink(Role::Rejected, percent(stable.empty()))
+                .text(" of the stabilised frame is empty, because the frame does not reach so far; zoom hides that."),
+        };
         match seen.after.filter(|after| after.corrections.len() == after.chain.to_frames.len()) {
             Some(after) => said.text(self.concluded(seen, after)),
             None => said,

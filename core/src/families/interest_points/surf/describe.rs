@@ -89,11 +89,6 @@ pub fn sector_start(k: usize) -> f32 {
     k as f32 * TAU / SECTORS as f32
 }
 
-/// Whether a direction lies in a sector.
-pub fn is_in_sector(angle_rad: f32, k: usize) -> bool {
-    beyond_start(angle_rad, sector_start(k)) < SECTOR_RAD
-}
-
 /// The angle from `start_rad` to `angle_rad`, both from 0 to 2π, in the same range.
 #[inline(always)]
 fn beyond_start(angle_rad: f32, start_rad: f32) -> f32 {
