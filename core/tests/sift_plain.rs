@@ -236,8 +236,9 @@ fn keypoints_orientations_and_descriptors_are_those_of_the_paper() {
                 let turned =
                     (f64::from(keypoint.angle_rad.expect("oriented")) - angle + 0.5 * TAU).rem_euclid(TAU) - 0.5 * TAU;
                 let scale = f64::from(keypoint.scale_px.expect("a scale")) / (extremum.sigma() * extremum.pixel_px());
+                // A direction on the border of two bins of 10° may be rounded into either, which turns the peak a little.
                 let near =
-                    (x - place[0]).hypot(y - place[1]) < 0.01 && (scale - 1.0).abs() < 0.01 && turned.abs() < 0.01;
+                    (x - place[0]).hypot(y - place[1]) < 0.01 && (scale - 1.0).abs() < 0.01 && turned.abs() < 0.02;
                 near && (f64::from(keypoint.response) / extremum.response - 1.0).abs() < 0.01
             };
             let Some((i, keypoint)) = field.keypoints.iter().enumerate().find(|pair| is_same(*pair)) else {
