@@ -62,7 +62,7 @@ pub enum Command {
         /// Count the frames by decoding the whole file if the container does not say.
         #[arg(long)]
         count: bool,
-        /// Ground truth: .flo, KITTI .png, masks of the foreground as .png, a folder of them, or a MOTChallenge gt.txt.
+        /// Ground truth: .flo, KITTI .png, a homography as .xml, masks of the foreground as .png, a folder of them, or a MOTChallenge gt.txt.
         #[arg(long, value_name = "FILE")]
         truth: Option<PathBuf>,
     },

@@ -5,7 +5,9 @@ use std::time::{Duration, Instant};
 
 use motionscope_core::products::Reference;
 use motionscope_core::scene::Picture;
-use motionscope_core::{AnyEstimator, Consistency, Cursor, Error, Levels, Move, Output, RunSummary, Step, Threads};
+use motionscope_core::{
+    AnyEstimator, Consistency, Cursor, Error, Levels, Move, Output, RunSummary, Step, Threads, detection,
+};
 
 use super::args::RunArgs;
 use super::outputs::{self, check_folder, refuse_losses};
@@ -52,7 +54,9 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
     {
         return Err(Error::new(format!("there is no step {step}: the run ends at {}", extent.units)));
     }
-    let assessment = output.assess(&Reference { clip, frame })?;
+    let reference = Reference { clip, frame };
+    let repeated = detection::repeatability(estimator, &output, &reference, &threads)?;
+    let assessment = output.assess(&reference)?.and(repeated);
     match &assessment.truth_error {
         Some(error) if experiment.given.truth.is_some() => return Err(error.clone()),
         Some(error) => eprintln!("warning: {error}"),

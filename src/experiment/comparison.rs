@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use motionscope_core::compare::Figures;
 use motionscope_core::products::{self, Assessment, KINDS, Measure, Reference};
-use motionscope_core::{AnyEstimator, Clip, Error, Threads, estimator, grouped};
+use motionscope_core::{AnyEstimator, Clip, Error, Threads, detection, estimator, grouped};
 use serde_json::{Map, Value, json};
 
 use crate::experiment::source::Source;
@@ -72,7 +72,9 @@ impl Row {
             time = time.min(start.elapsed());
         }
         let figures = Figures::of(estimator, &ran, (clip, frame), threads)?;
-        let assessment = ran.output.assess(&Reference { clip, frame })?;
+        let reference = Reference { clip, frame };
+        let repeated = detection::repeatability(estimator, &ran.output, &reference, threads)?;
+        let assessment = ran.output.assess(&reference)?.and(repeated);
         Ok(Self { estimator: estimator.boxed_clone(), swept: compared.swept.clone(), time, assessment, figures })
     }
 

@@ -244,8 +244,10 @@ fn explained_step(RunView { walk, focus, end, .. }: RunView<'_>, motion: &Motion
 
 /// Whether a step relates its pictures to each other, so that they are shown side by side.
 fn is_joined(scene: &Scene) -> bool {
-    let has_response = |canvas: &Canvas| canvas.picture.role == PictureRole::Response;
-    !scene.links.is_empty() || scene.pictures.iter().any(has_response)
+    let is_derived = |canvas: &Canvas| {
+        matches!(canvas.picture.role, PictureRole::Response | PictureRole::Warped | PictureRole::Mosaic)
+    };
+    !scene.links.is_empty() || scene.pictures.iter().any(is_derived)
 }
 
 /// Frames `t` and `t + 1` of `clip`, and what their files are called; the last frame stands beside itself.

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use super::{Border, Grid};
-use crate::base::{Threads, effort, wide::widest};
+use crate::base::{LANES, Threads, effort, wide::widest};
 
 /// Extrapolation of a picture beyond its edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,6 +28,9 @@ pub trait Numbers: Copy {
 
     /// Number `i`.
     fn at(self, i: usize) -> f32;
+
+    /// The numbers from `start` on, so many that the compiler makes vector instructions of a loop over them.
+    fn lane(self, start: usize) -> [f32; LANES];
 }
 
 impl<T: Copy + Into<f32>> Numbers for &[T] {
@@ -39,6 +42,15 @@ impl<T: Copy + Into<f32>> Numbers for &[T] {
     #[inline(always)]
     fn at(self, i: usize) -> f32 {
         self[i].into()
+    }
+
+    #[inline(always)]
+    fn lane(self, start: usize) -> [f32; LANES] {
+        let mut lane = [0.0; LANES];
+        for (value, &number) in lane.iter_mut().zip(&self[start..start + LANES]) {
+            *value = number.into();
+        }
+        lane
     }
 }
 
@@ -178,10 +190,20 @@ fn add_some<const ON: bool, N: Numbers>(target: &mut [f32], taps: &mut impl Iter
 #[inline(always)]
 fn add_scaled<const ON: bool, const TAPS: usize, N: Numbers>(target: &mut [f32], taps: [(N, f32); TAPS]) {
     let taps = taps.map(|(source, weight)| (source.first(target.len()), weight));
-    for (i, value) in target.iter_mut().enumerate() {
+    let (whole, rest) = target.as_chunks_mut::<LANES>();
+    let mut start = 0;
+    for values in whole {
+        let mut sums = if ON { *values } else { [0.0; LANES] };
+        for &(source, weight) in &taps {
+            sums.iter_mut().zip(source.lane(start)).for_each(|(sum, number)| *sum += weight * number);
+        }
+        *values = sums;
+        start += LANES;
+    }
+    for (i, value) in rest.iter_mut().enumerate() {
         let mut sum = if ON { *value } else { 0.0 };
-        for (source, weight) in taps {
-            sum += weight * source.at(i);
+        for &(source, weight) in &taps {
+            sum += weight * source.at(start + i);
         }
         *value = sum;
     }

@@ -2,7 +2,7 @@
 
 use super::assessment::{fact, scores};
 use super::model::{Matrix3, Support};
-use super::{Assessment, Cell, Figure, Measure, Motion, Product, ProductKind, Reference, Table};
+use super::{Assessment, Figure, Measure, Motion, Product, ProductKind, Reference, Table};
 use crate::base::{Error, words::grouped};
 
 /// The fundamental matrix of a pair of frames: x′ᵀ F x = 0 for corresponding points of a rigid scene.
@@ -39,10 +39,9 @@ impl Product for EpipolarField {
         measures: &[&MEASURES],
     };
 
-    /// The matrix, row by row.
+    /// None: the table of the matches says which of them agree.
     fn table(&self) -> Option<Table> {
-        let rows = self.matrix.into_iter().flatten().map(|row| row.map(Cell::from));
-        Some(Table::new(["column_1", "column_2", "column_3"], rows))
+        None
     }
 
     fn assess(&self, _: &Reference<'_>) -> Result<Assessment, Error> {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::assessment::{fact, scores};
-use super::{Assessment, Cell, Measure, Motion, Product, ProductKind, Reference, Table, flow_error};
+use super::{Assessment, Cell, Measure, Motion, Product, ProductKind, Reference, Table, flow_error, repeatability};
 use crate::base::{Error, words::grouped};
 use crate::data::Flow;
 use crate::geometry::Grid;
@@ -93,6 +93,8 @@ pub enum Status {
     Astray,
     /// Lost: it is too dissimilar to its first appearance.
     Changed,
+    /// Lost: no keypoint of frame t + 1 is its match.
+    Unmatched,
 }
 
 impl Status {
@@ -106,6 +108,7 @@ impl Status {
             Status::Unlike => "lost-unlike",
             Status::Astray => "lost-astray",
             Status::Changed => "lost-changed",
+            Status::Unmatched => "lost-unmatched",
         }
     }
 }
@@ -155,7 +158,7 @@ impl Product for PointField {
         summary: "Feature points of a picture, with their displacements if they were tracked.",
         motion: Motion::Points,
         is_of_single_frames: false,
-        measures: &[&MEASURES, &flow_error::MEASURES],
+        measures: &[&MEASURES, &repeatability::MEASURES, &flow_error::MEASURES],
     };
 
     /// Place of each feature, its displacement per frame if it has one, what became of it, and how it was detected: the

@@ -70,7 +70,7 @@ fn not_truth(results: &[PathBuf]) -> Option<String> {
 /// Opens ground truth at a given path: a flow, a mask of the foreground, a `gt.txt`, a folder of flows or masks, or a folder written by
 /// `motionscope synth`.
 ///
-/// A single flow or mask whose name fits no frame belongs to the first.
+/// A single flow or mask whose name fits no frame belongs to the first, and so does a homography.
 ///
 /// # Errors
 /// One sentence that names the file if it is no truth, or not that of this clip.
@@ -152,6 +152,7 @@ impl TruthFiles {
             return Self { objects: Some(path.into()), ..Self::default() };
         }
         let t = subject.named(path).or_else(|| subject.numbered(path)).filter(|_| subject.has_pictures());
+        let t = t.filter(|_| Node::of(path) != Ok(Node::File) || !field::is_homography(path));
         let only = BTreeMap::from([(t.unwrap_or(0), path.into())]);
         // A pipe can be read only once.
         match Node::of(path) == Ok(Node::File) && field::is_mask(path) {

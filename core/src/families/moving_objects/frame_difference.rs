@@ -4,25 +4,14 @@ use std::sync::Arc;
 
 use crate::base::{Threads, wide::wide};
 use crate::data::{Clip, Frame, Mask};
-use crate::geometry::Gray;
 use crate::methods::numbers::{level, ratio};
 use crate::methods::subtraction::{
-    Background, Expected, Explanation, Flags, Found, Settings, Steadiness, compared, displaced, resampled,
-    subtraction_pseudocode,
+    Background, Differencing, Expected, Explanation, Flags, Found, NOISE_SIGMAS, Settings, Steadiness,
+    automatic_threshold, compared, displaced, noise_of, resampled, subtraction_pseudocode,
 };
+use crate::params;
 use crate::run::{Info, Need};
 use crate::scene::{Canvas, Fact, Math, Picture, Role, Sentence};
-use crate::{choices, params};
-
-choices! {
-    /// The number of frames that are compared.
-    pub enum Differencing {
-        /// Two-frame differencing: |I(t) − I(t−1)|. Uncovered background behind an object is foreground too, as a ghost.
-        Two = "2" "Two frames",
-        /// Three-frame differencing: a foreground pixel differs from both previous frames, which reduces ghosts.
-        Three = "3" "Three frames",
-    }
-}
 
 params! {
     /// Frame differencing: thresholded differences of consecutive frames.
@@ -40,40 +29,17 @@ params! {
     renamed { "compared" => "differencing", "open" => "opening", "close" => "closing" }
 }
 
-/// The automatic threshold in standard deviations of the noise.
-const NOISE_SIGMAS: f32 = 4.0;
-/// The least automatic threshold in gray levels: rounding and compression.
-const LEAST_THRESHOLD: f32 = 8.0;
-/// The standard deviation of a normal distribution, as a multiple of its median absolute deviation.
-const SIGMA_OF_MAD: f32 = 1.4826;
-
-/// Returns the standard deviation of the noise of a frame difference: most pixels are background, so the median absolute difference
-/// does not depend on objects (P. J. Rousseeuw and C. Croux, JASA 88, 1993).
-fn noise_of([now, before]: [&Gray; 2]) -> f32 {
-    let mut counts = [0usize; 256];
-    now.cells().iter().zip(before.cells()).for_each(|(a, b)| counts[usize::from(a.abs_diff(*b))] += 1);
-    let half = now.cells().len() as f32 / 2.0;
-    let mut below = 0.0;
-    for (level, count) in counts.iter().enumerate() {
-        let count = *count as f32;
-        if below + count >= half {
-            // Whole levels are intervals: 0 stands for 0 to 0.5, others for half a level to either side.
-            let (start, width) = if level == 0 { (0.0, 0.5) } else { (level as f32 - 0.5, 1.0) };
-            return SIGMA_OF_MAD * (start + width * (half - below) / count.max(1.0));
-        }
-        below += count;
-    }
-    0.0
-}
-
 impl FrameDifference {
     /// Returns the threshold for a frame in gray levels.
     fn limit(&self, before: &[Arc<Frame>], frame: &Frame) -> u8 {
         if self.threshold > 0 {
             return self.threshold as u8;
         }
-        let noise = before.first().map_or(0.0, |before| noise_of([frame.luma(), before.luma()]));
-        (NOISE_SIGMAS * noise).ceil().max(LEAST_THRESHOLD) as u8
+        let noise = before.first().map_or(0.0, |before| {
+            let both = frame.luma().cells().iter().zip(before.luma().cells());
+            noise_of(both.map(|(now, before)| now.abs_diff(*before)))
+        });
+        automatic_threshold(noise)
     }
 
     /// Returns the pixels that differ from each frame of `before` by more than the threshold.

@@ -18,6 +18,17 @@ pub struct Explanation {
     pub update: Sentence,
 }
 
+/// The comparison of a whole frame with the model.
+#[derive(Default)]
+pub struct Comparison {
+    /// Its result, as sentences.
+    pub sentence: Sentence,
+    /// Its numbers.
+    pub facts: Vec<Fact>,
+    /// Its matrices.
+    pub matrices: Vec<Matrix>,
+}
+
 /// The background value that a pixel is compared with.
 #[derive(Clone, Copy)]
 pub struct Expected {

@@ -7,6 +7,7 @@ mod explanation;
 mod exposure;
 mod history;
 mod initial;
+mod noise;
 mod rows;
 mod shadow;
 
@@ -17,10 +18,11 @@ pub(crate) use camera::{displaced, resampled, shifted};
 pub use declare::Settings;
 pub(crate) use declare::subtraction_pseudocode;
 pub(crate) use explain::{MaskHistory, plots};
-pub(crate) use explanation::{Expected, Explanation, compared};
+pub(crate) use explanation::{Comparison, Expected, Explanation, compared};
 pub use exposure::Exposure;
 pub(crate) use history::Accepted;
 pub use initial::Initial;
+pub use noise::{Differencing, NOISE_SIGMAS, automatic_threshold, noise_of};
 pub(crate) use rows::{Flags, by_rows};
 pub(crate) use shadow::{ShadowLimits, is_shadow};
 
@@ -52,6 +54,14 @@ pub trait Background: Params + Default + Clone + Send + Sync + 'static {
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series];
     /// Whether each frame replaces the model.
     const IS_REPLACED: bool = false;
+    /// Whether the model is registered to each frame by a motion of the camera.
+    const IS_REGISTERED: bool = false;
+    /// The cause of a foreground that covers much of the frame, and what to do about it.
+    const FLOODED: [&'static str; 2] = [
+        "the camera moves, or the light has changed",
+        "This method needs a camera at rest and steady light. With a moving camera compare the motion of objects with that of \
+         their surroundings (motion-compensated difference, optical flow, KLT, point trajectories).",
+    ];
     /// The background model.
     type Model: Clone + Send + Sync + 'static;
 
@@ -142,6 +152,11 @@ pub trait Background: Params + Default + Clone + Send + Sync + 'static {
     /// Explains the class of a pixel by the model before the frame, and the update by the model after it, once that exists.
     fn explain(&self, models: [Option<&Self::Model>; 2], frame: &Frame, place: (usize, usize)) -> Explanation;
 
+    /// Further about the comparison of a frame with the model as a whole.
+    fn comparison(&self, _model: &Self::Model, _frame: &Frame) -> Option<Comparison> {
+        None
+    }
+
     /// The criterion of foreground pixels, as a sentence without its full stop.
     fn rule(&self) -> String;
 
@@ -225,6 +240,8 @@ pub enum Event {
     Followed([f32; 2], [f32; 2]),
     /// The frame as it was before its exposure was corrected, and the transfer from the background to it.
     Exposed(Arc<Frame>, Arc<Transfer>),
+    /// The frame, to which the model was registered by a motion.
+    Registered(Arc<Frame>),
     /// The frame and the difference of each pixel from the background.
     Compared(Arc<Frame>, Arc<Grid<f32>>),
     /// The foreground mask by the threshold.
@@ -398,6 +415,9 @@ impl<M: Background> Subtraction<M> {
             return Ok(state.go_on(clip));
         };
         self.0.look(clip, model, &frame, threads)?;
+        if M::IS_REGISTERED {
+            observer.see(|| Event::Registered(Arc::clone(&frame)));
+        }
         observer.see(|| {
             let (width, height) = frame.size();
             let difference = Grid::from_fn(width, height, |x, y| self.0.difference(model, &frame, (x, y)));

@@ -8,7 +8,9 @@ mod fast_ball;
 mod flag;
 mod flat_wall;
 mod flicker;
+mod hand_held;
 mod parallax;
+mod passing_bus;
 mod pillar;
 mod spin_zoom;
 mod sub_pixel;
@@ -32,5 +34,7 @@ pub const SCENES: &[Sample] = &[
     flicker::SAMPLE,
     crossing_stars::SAMPLE,
     traffic::SAMPLE,
+    hand_held::SAMPLE,
+    passing_bus::SAMPLE,
     flag::SAMPLE,
 ];

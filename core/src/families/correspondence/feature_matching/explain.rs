@@ -160,10 +160,10 @@ impl FeatureMatching {
         all.push(Readout::Tiles(self.tiles(state, index, &neighbors)));
         let after = seen.after.unwrap_or(state);
         all.extend(match is_end {
-            true => precision(after).map(Readout::Series),
+            true => [distances(after), precision(after)].into_iter().flatten().map(Readout::Series).collect::<Vec<_>>(),
             false => {
                 let other = neighbors.first.map(|(index, _)| &there.keypoints[index]);
-                descriptors(keypoint, other).map(Readout::Series)
+                descriptors(keypoint, other).into_iter().map(Readout::Series).collect()
             }
         });
         all
@@ -323,6 +323,42 @@ fn descriptors(keypoint: &Keypoint, other: Option<&Keypoint>) -> Option<Series> 
         lines,
         is_sweep: true,
         fits_values: true,
+        ..Series::default()
+    })
+}
+
+/// Bins of the histogram of distances.
+const BINS: usize = 16;
+
+/// The histogram of the distances of all nearest neighbours: of right and of wrong ones where the truth is known.
+fn distances(state: &State) -> Option<Series> {
+    let all: Vec<Match> = state.matches().collect();
+    let most = all.iter().map(|found| found.distance).fold(0.0, f32::max);
+    if all.len() < 2 || most <= 0.0 {
+        return None;
+    }
+    let line = |is_counted: &dyn Fn(&Match) -> bool| {
+        let mut counts = [0.0f32; BINS];
+        for found in all.iter().filter(|found| is_counted(found)) {
+            counts[((found.distance / most * BINS as f32) as usize).min(BINS - 1)] += 1.0;
+        }
+        let middle = |i: usize| (i as f32 + 0.5) / BINS as f32 * most;
+        counts.iter().enumerate().map(|(i, count)| [middle(i), *count]).collect::<Vec<_>>()
+    };
+    let lines = match state.fixed.truth.as_deref() {
+        Some(truth) => vec![
+            ("right", Role::Result, line(&|found| MatchField::is_right(found, truth) == Some(true))),
+            ("wrong", Role::Rejected, line(&|found| MatchField::is_right(found, truth) == Some(false))),
+        ],
+        None => vec![("nearest neighbours", Role::Reference, line(&|_| true))],
+    };
+    Some(Series {
+        title: "Distances of nearest neighbours",
+        x_label: "distance of the descriptors",
+        y_label: "keypoints",
+        x_max: most.ceil() as usize,
+        lines,
+        is_sweep: true,
         ..Series::default()
     })
 }
