@@ -65,6 +65,10 @@ fn every_entry_is_the_same_by_flag_by_session_and_in_the_window() {
         let session = |look: Look| Session { experiment: experiment.clone(), position, look: look.into(), sight: None };
         session(usual).save(&base).expect("it is written");
         let mut window = Window::with(vec2(1200.0, 800.0), Start { open: Some(base.clone().into()) });
+        if cursor.is_none() {
+            // The command line paints the end of a run.
+            window.command(Command::End);
+        }
         let mut seen = Vec::new();
         // The coarsest level of three is level 2; a difference of flows needs two estimators, and
         // Lucas–Kanade has no model.
