@@ -321,11 +321,19 @@ pub fn row<const N: usize, U: Update<N>>(
     let (width, mut start) = (u.len(), 0);
     while start < width {
         let (Some(mean_u), Some(mean_v)) = (around[0].mean(start), around[1].mean(start)) else { return };
-        let lanes = factors.map(|row| lane(row, start));
+        let mut lanes = [&[0.0; LANES]; N];
+        for (lanes, row) in lanes.iter_mut().zip(factors) {
+            let Some(row) = lane(row, start) else { return };
+            *lanes = row;
+        }
         let mut to = [[0.0; LANES]; 2];
         for i in 0..LANES {
-            let factors = lanes.map(|row| row.map_or(0.0, |row| row[i]));
-            [to[0][i], to[1][i]] = U::update([mean_u[i], mean_v[i]], factors);
+            // A loop, where a function of arrays would not become vector instructions.
+            let mut own = [0.0; N];
+            for k in 0..N {
+                own[k] = lanes[k][i];
+            }
+            [to[0][i], to[1][i]] = U::update([mean_u[i], mean_v[i]], own);
         }
         for (values, to) in [(&mut *u, &to[0]), (&mut *v, &to[1])] {
             relax(&mut values[start..], to, relaxation);

@@ -117,11 +117,8 @@ impl Local {
         let size @ (width, height) = tensor.parts[0].size();
         let [xx, xy, yy, xt, yt, _] = &tensor.parts;
         let write = |y: usize, to: [&mut [f32]; 5]| {
-            let parts = [xx, xy, yy, xt, yt].map(|part| part.row(y));
-            (0..width).for_each(|x| {
-                let solution = solved(parts.map(|row| row[x]), alpha);
-                (0..5).for_each(|i| to[i][x] = solution[i]);
-            });
+            let rows = [xx.row(y), xy.row(y), yy.row(y), xt.row(y), yt.row(y)];
+            solved_row(rows, alpha, to);
         };
         if let Some(relaxation) = relaxation {
             return Self::Sor(sor::Factors::new(size, write, threads), relaxation);
@@ -143,20 +140,24 @@ impl Local {
     }
 }
 
-/// A and b of a pixel with this motion tensor.
+widest! {
+    fn solved_row(tensor: [&[f32]; 5], alpha: f32, to: [&mut [f32]; 5]) = solved
+}
+
+/// A and b of the pixels of a row with these motion tensors.
 #[inline(always)]
-fn solved(tensor: [f32; 5], alpha: f32) -> [f32; 5] {
-    let ([xx, xy, yy, xt, yt], weight) = (tensor.map(f64::from), f64::from(alpha) * f64::from(alpha));
-    let (xx, yy) = (xx + weight, yy + weight);
-    let det = xx * yy - xy * xy;
-    let solution = [
-        weight * yy / det,
-        -weight * xy / det,
-        weight * xx / det,
-        (xy * yt - yy * xt) / det,
-        (xy * xt - xx * yt) / det,
-    ];
-    solution.map(|value| value as f32)
+fn solved([xx, xy, yy, xt, yt]: [&[f32]; 5], alpha: f32, [uu, uv, vv, u, v]: [&mut [f32]; 5]) {
+    let weight = f64::from(alpha) * f64::from(alpha);
+    for x in 0..uu.len() {
+        let (xy, xt, yt) = (f64::from(xy[x]), f64::from(xt[x]), f64::from(yt[x]));
+        let (xx, yy) = (f64::from(xx[x]) + weight, f64::from(yy[x]) + weight);
+        let det = xx * yy - xy * xy;
+        uu[x] = (weight * yy / det) as f32;
+        uv[x] = (-weight * xy / det) as f32;
+        vv[x] = (weight * xx / det) as f32;
+        u[x] = ((xy * yt - yy * xt) / det) as f32;
+        v[x] = ((xy * xt - xx * yt) / det) as f32;
+    }
 }
 
 impl sor::Update<5> for Local {
