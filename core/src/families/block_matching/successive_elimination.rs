@@ -95,12 +95,15 @@ impl BlockSearch for SuccessiveElimination {
 
 impl SuccessiveElimination {
     /// Tests the candidates that no bound excludes.
-    fn eliminate(&self, tester: &mut Tester<impl Observer<Event>>, sum: Sum) {
+    fn eliminate<O: Observer<Event>>(&self, tester: &mut Tester<O>, sum: Sum) {
         let sums = tester.sums.clone().unwrap_or_else(|| Arc::new(self.sums_of_window(tester)));
         let parts = sums.parts(&tester.work.patch.block);
         let (window, elimination) = (tester.window, Elimination { sum, sums: &sums, parts: &parts });
         for row in 0..window.size.1 {
-            for first in (0..window.size.0).step_by(LANES) {
+            // The limit only falls along the row: what it excludes now stays excluded. Bounds that are watched are told one by one.
+            let excluded = if O::WATCHES { 0 } else { elimination.excluded(tester, row) };
+            let runs = (0..window.size.0).step_by(LANES).enumerate();
+            for (_, first) in runs.filter(|(run, _)| *run >= 64 || excluded >> run & 1 == 0) {
                 let displacement = [window.min[0] + first as i32, window.min[1] + row as i32];
                 elimination.run(tester, Run { displacement, count: LANES.min(window.size.0 - first) });
             }
@@ -145,6 +148,14 @@ struct Elimination<'a> {
 }
 
 impl Elimination<'_> {
+    /// Which runs of a row of the search window the sum of the whole block excludes, a bit for each of the first 64.
+    fn excluded(&self, tester: &Tester<impl Observer<Event>>, row: usize) -> u64 {
+        let (block, window) = (tester.block, tester.window);
+        let [x, y] = [block.x as isize + window.min[0] as isize, block.y as isize + window.min[1] as isize];
+        let candidates = ((x, y + row as isize), window.size.0);
+        self.parts.first().map_or(0, |parts| self.sums.excluded(self.sum, parts, candidates, tester.sum_limit(None)))
+    }
+
     /// Skips or tests the candidates of a run, level by level until all of them are excluded.
     fn run<O: Observer<Event>>(&self, tester: &mut Tester<O>, run: Run) {
         let (block, first) = (tester.block, run.displacement);
