@@ -113,7 +113,8 @@ impl Parts {
 
 /// The sum of the `side × side` px of `cut` from `(x, y)` on.
 fn sum_of(cut: &Cut, (x, y): (usize, usize), side: usize) -> u32 {
-    (y..y + side).flat_map(|y| &cut.row(x, y)[..side]).map(|&pixel| u32::from(pixel)).sum()
+    let of_row = |y| cut.row(x, y)[..side].iter().map(|&pixel| u32::from(pixel)).sum::<u32>();
+    (y..y + side).map(of_row).sum()
 }
 
 wide!(fn excluded_runs(own: u32, row: &[u32], limit: u32) -> u64 = excluded_runs_of);
@@ -168,13 +169,15 @@ fn squared_of(level: &Level, parts: &Parts, start: usize) -> [u32; LANES] {
 #[inline(always)]
 fn each_part(level: &Level, parts: &Parts, start: usize, mut add: impl FnMut(u32, &[u32; LANES])) {
     // A block that is cut at the border may hold no part, and reach less far than one.
-    let rows = level.sums.get(start..).unwrap_or_default().chunks(level.side * level.stride);
-    for (own, row) in parts.sums.chunks(parts.counts.0.max(1)).zip(rows) {
-        for (&own, sums) in own.iter().zip(row.windows(LANES).step_by(level.side)) {
-            if let Some(sums) = sums.first_chunk() {
-                add(own, sums);
-            }
+    let mut row = start;
+    for own in parts.sums.chunks(parts.counts.0.max(1)) {
+        let mut place = row;
+        for &own in own {
+            let Some(sums) = level.sums.get(place..).and_then(|sums| sums.first_chunk()) else { return };
+            add(own, sums);
+            place += level.side;
         }
+        row += level.side * level.stride;
     }
 }
 
