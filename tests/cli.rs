@@ -73,9 +73,9 @@ fn a_parameter_without_effect_is_reported_in_the_list_and_where_it_is_set() {
         assert!(output.status.success());
         String::from_utf8(output.stderr).unwrap()
     };
-    let warned = told("--set relaxation=1.5");
+    let warned = told("--set relaxation=1.5 --set solver=jacobi");
     assert!(warned.starts_with("warning: --set relaxation=1.5: ") && warned.lines().count() == 1, "{warned}");
-    assert_eq!(told("--set relaxation=1.5 --set solver=sor"), "");
+    assert_eq!(told("--set relaxation=1.5"), "");
 }
 
 #[test]

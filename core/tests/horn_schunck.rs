@@ -38,8 +38,14 @@ fn plain_horn_schunck(clip: &Clip, alpha: f64, iterations: usize) -> Vec<[f64; 2
     field
 }
 
-const PAPER: [(&str, &str); 5] =
-    [("levels", "1"), ("warps", "1"), ("sigma", "0"), ("derivatives", "central"), ("alpha", "10")];
+const PAPER: [(&str, &str); 6] = [
+    ("levels", "1"),
+    ("warps", "1"),
+    ("sigma", "0"),
+    ("derivatives", "central"),
+    ("alpha", "10"),
+    ("solver", "jacobi"),
+];
 
 #[test]
 fn horn_schunck_agrees_with_a_plain_one() {
@@ -81,6 +87,25 @@ fn energy_never_rises_and_the_error_falls() {
         assert!(energy.windows(2).all(|pair| pair[1] <= pair[0] * (1.0 + 1e-6)), "{solver}: {energy:?}");
         let error = plotted(&*estimator, &clip, "Mean endpoint error", "mean endpoint error");
         assert!(error[59] < 0.5 * error[0], "{solver}: {} px, then {}", error[0], error[59]);
+    }
+}
+
+#[test]
+fn the_default_solver_is_no_less_exact_than_a_hundred_jacobi_iterations() {
+    for scene in ["pillar", "flat-wall", "spin-zoom", "sub-pixel", "translation"] {
+        let scene = synth::scene(scene).unwrap();
+        let clip = scene.clip(&scene.difficulty()).unwrap();
+        let truth = clip.truth().and_then(|truth| truth.flow(0).ok().flatten()).unwrap();
+        let error = |id, settings: &[(&str, &str)]| {
+            let found = flow(id, settings, &clip);
+            let off = |(a, b): (&[f32; 2], &[f32; 2])| f64::from((a[0] - b[0]).hypot(a[1] - b[1]));
+            let off: Vec<_> = found.0.cells().iter().zip(truth.0.cells()).map(off).filter(|e| e.is_finite()).collect();
+            off.iter().sum::<f64>() / off.len() as f64
+        };
+        for id in ["horn-schunck", "clg"] {
+            let [sor, jacobi] = [error(id, &[]), error(id, &[("solver", "jacobi"), ("iterations", "100")])];
+            assert!(sor < 1.02 * jacobi, "{id} on {}: {sor} px, {jacobi} px", scene.id);
+        }
     }
 }
 

@@ -194,7 +194,7 @@ fn search(id: &str, plain: &mut Plain) {
     }
 }
 
-/// The predictive search with its thresholds of 0.5 and 4 gray levels and its three squares of fixed predictors, 4 px apart.
+/// The predictive search with its thresholds of 0.5 and 2.5 gray levels and its three squares of fixed predictors, 4 px apart.
 fn predictive(plain: &mut Plain) {
     let Nearby { left, above, above_right, before, earlier } = plain.nearby;
     let middle = |part: fn(Vector) -> i64| {
@@ -216,13 +216,13 @@ fn predictive(plain: &mut Plain) {
     let share = plain.cost_of(1.0) / (plain.block * plain.block) as f64;
     let least = spatial.iter().map(|(_, cost)| *cost as f64 * share).fold(f64::INFINITY, f64::min);
     let threshold =
-        if least.is_finite() { least.min(plain.cost_of(4.0)).max(plain.cost_of(0.5)) } else { plain.cost_of(0.5) };
+        if least.is_finite() { least.min(plain.cost_of(2.5)).max(plain.cost_of(0.5)) } else { plain.cost_of(0.5) };
     if plain.best_cost() <= threshold {
         return;
     }
     plain.walk(CROSS);
     let twice = if least.is_finite() { 2.0 * least } else { 0.0 };
-    if plain.best_cost() > plain.cost_of(4.0).max(twice) {
+    if plain.best_cost() > plain.cost_of(2.5).max(twice) {
         let range = plain.range;
         for square in [4, 8, 12].into_iter().filter(|square| *square <= range) {
             plain.test(NEIGHBOURS, square, (0, 0));
@@ -488,7 +488,7 @@ fn every_decision_says_why() {
         "Neighbours: left (7, 0), above (2, 7), above right (−7, 7). The median predictor is (2, 7).",
     );
     let fixed = explained("predictive", &range, &pit(0, (2, 0)), 0);
-    let expected = "SAD 4096 exceeds 1024, a poor match: no predictor is near the motion, which differs from that of the neighbours or \
+    let expected = "SAD 4096 exceeds 640, a poor match: no predictor is near the motion, which differs from that of the neighbours or \
                     is too large. Squares with a spacing of 4 px around (0, 0) are tested. \
                     Of these 8, 3 are new and inside the search window.";
     assert!(fixed.iter().any(|told| told == expected), "{fixed:#?}");
@@ -496,7 +496,7 @@ fn every_decision_says_why() {
         "predictive",
         &range,
         "The lowest cost of a neighbour is 6656, and texture and noise are similar here: the termination threshold is raised from \
-         128 to 1024.",
+         128 to 640.",
     );
     let enough = [("enough", "16")];
     let rest = explained("predictive", &enough, &pit(0, (0, 0)), 0);

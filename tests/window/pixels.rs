@@ -258,7 +258,7 @@ fn another_estimator_keeps_its_own_defaults() {
     window.settle();
     window.key(Key::Enter);
     assert_eq!(window.app().document().estimator().info().id, "horn-schunck");
-    assert_eq!(iterations(&window), Value::Int(100));
+    assert_eq!(iterations(&window), Value::Int(20));
 }
 
 #[test]

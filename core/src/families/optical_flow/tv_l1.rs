@@ -80,7 +80,7 @@ impl Model for TvL1 {
 
     fn iterate(&self, warp: &Warp<Self>, from: &Dual, count: usize, threads: &Threads) -> Dual {
         let mut unknowns = from.clone();
-        (0..count).for_each(|_| unknowns.iterate(&warp.linear, self.weights(), threads));
+        unknowns.iterate(&warp.linear, self.weights(), count, threads);
         unknowns
     }
 
