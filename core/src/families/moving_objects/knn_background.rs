@@ -29,7 +29,8 @@ params! {
         threshold: f32 = 20.0, 1.0..=200.0;
         /// Learning rate α, about 1 / history in frames: it sets how often samples are replaced.
         learning_rate: f32 = 0.002, 0.0..=1.0;
-        /// Detect cast shadows, pixels of the colour of the background but darker, and remove them from the foreground. Needs colour.
+        /// Detect cast shadows, pixels of the colour of the background but darker, and remove them from the foreground. Needs colour. Pixels with
+        /// foreground on both sides, in their row or column, belong to the object.
         detect_shadows: bool = true;
         /// Minimum brightness τ of a shadow, as a share of the brightness of the background. Darker pixels are objects.
         shadow_threshold: f32 = 0.5, 0.05..=1.0;

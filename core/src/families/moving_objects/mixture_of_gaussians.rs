@@ -36,7 +36,8 @@ params! {
         initial_sigma: f32 = 4.0, 0.5..=50.0;
         /// Minimum standard deviation σ of a mode in gray levels.
         min_sigma: f32 = 2.0, 0.5..=50.0;
-        /// Detect cast shadows, pixels of the colour of the background but darker, and remove them from the foreground. Needs colour.
+        /// Detect cast shadows, pixels of the colour of the background but darker, and remove them from the foreground. Needs colour. Pixels with
+        /// foreground on both sides, in their row or column, belong to the object.
         detect_shadows: bool = true;
         /// Minimum brightness τ of a shadow, as a share of the brightness of the background. Darker pixels are objects.
         shadow_threshold: f32 = 0.5, 0.05..=1.0;

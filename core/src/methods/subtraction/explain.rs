@@ -525,7 +525,7 @@ impl<M: Background> Subtraction<M> {
             }
             Event::Shadows(_, shadows) => said
                 .ink(Role::Rejected, format!("{} of the foreground are cast shadows", pixels(shadows.count())))
-                .text(": darker than the background, but of the same colour. They are removed."),
+                .text(": darker than the background, but of the same colour, and not enclosed by foreground. They are removed."),
             Event::Steadied(_, displaced) => said
                 .ink(Role::Rejected, format!("{} of the foreground fit", pixels(displaced.count())))
                 .text(format!(

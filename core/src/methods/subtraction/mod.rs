@@ -22,6 +22,7 @@ pub use exposure::Exposure;
 pub(crate) use history::Accepted;
 pub use initial::Initial;
 pub(crate) use rows::{Flags, by_rows};
+use shadow::enclosed;
 pub(crate) use shadow::{ShadowLimits, is_shadow};
 
 use camera::Camera;
@@ -183,7 +184,7 @@ impl Past {
 pub struct Found {
     /// The foreground pixels, shadows included.
     pub mask: Mask,
-    /// The shadow pixels, where shadows are detected.
+    /// The pixels of the colour of a shadow, where shadows are detected.
     pub shadows: Option<Mask>,
 }
 
@@ -409,6 +410,7 @@ impl<M: Background> Subtraction<M> {
         let Found { mut mask, shadows } = self.0.subtract(Arc::make_mut(model), &frame, threads);
         observer.see(|| Event::Decided(Arc::new(mask.clone())));
         if let Some(shadows) = shadows {
+            let shadows = shadows.without(&enclosed(&mask.without(&shadows), &shadows));
             mask = mask.without(&shadows);
             observer.see(|| Event::Shadows(Arc::new(mask.clone()), Arc::new(shadows)));
         }
