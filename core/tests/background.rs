@@ -4,11 +4,14 @@ mod common;
 #[path = "common/rough.rs"]
 mod rough;
 
+use std::collections::BTreeSet;
+
 use common::set;
 use motionscope_core::products::Reference;
 use motionscope_core::scene::{Focus, Quantity, Readout, Series, Shape};
 use motionscope_core::{
-    AnyEstimator, Clip, Cursor, Frame, Grid, Mask, MaskField, Move, ObjectField, PixelClass, Threads, Walk, synth,
+    AnyEstimator, Bounds, Clip, Cursor, Frame, Grid, Mask, MaskField, Move, ObjectField, PixelClass, Threads,
+    TrackStatus, Walk, synth,
 };
 use rough::{Rough, scored};
 
@@ -63,6 +66,41 @@ fn a_drifting_camera_is_followed() {
         let [_, _, still] = score(&*set(id, &[("camera", "still")]), &clip);
         println!("{id}: F {followed:.3} followed, {still:.3} at rest");
         assert!(followed > 0.7 && followed > still + 0.1, "{id}: {followed:.3} followed, {still:.3} at rest");
+    }
+}
+
+#[test]
+fn on_a_shaking_and_drifting_street_each_car_is_tracked_once() {
+    for seed in [707, 708, 709] {
+        let street = Rough { seed, frames: 90, drift: [0.1, 0.3], ..Rough::default() };
+        let (clip, _) = street.clip();
+        let output = set("kalman-tracker", &[]).run(&clip, 0, &Threads::single()).expect("a run");
+        let field = output.get::<ObjectField>().expect("tracks");
+        // The tracks that lie on each car, and all of them.
+        let mut on_car = vec![BTreeSet::new(); street.boxes(0).len()];
+        let mut all = BTreeSet::new();
+        for (t, frame) in field.frames.iter().enumerate() {
+            let confirmed = frame.objects.iter().filter(|object| object.status == TrackStatus::Confirmed);
+            for object in confirmed {
+                all.insert(object.id);
+                let cars = street.boxes(t);
+                let found = (0..cars.len()).filter(|i| object.bounds.iou(&cars[*i]) >= 0.4);
+                found.for_each(|i| _ = on_car[i].insert(object.id));
+            }
+        }
+        let is_in_view = |bounds: &Bounds| bounds.min[0] > 0.0 && bounds.max[0] < 320.0;
+        for (i, tracks) in on_car.iter().enumerate() {
+            let views = (0..90).filter(|t| is_in_view(&street.boxes(*t)[i])).count();
+            // A car that has left comes again from the other side.
+            let is_back = street.boxes(0)[i].center()[0] > street.boxes(89)[i].center()[0] && i % 2 == 0
+                || street.boxes(0)[i].center()[0] < street.boxes(89)[i].center()[0] && i % 2 == 1;
+            let most = 1 + usize::from(is_back);
+            println!("seed {seed}, car {i}: {} tracks, in view {views} frames", tracks.len());
+            assert!(views < 30 || (1..=most).contains(&tracks.len()), "seed {seed}, car {i}: {tracks:?}");
+        }
+        let false_tracks = all.iter().filter(|id| on_car.iter().all(|tracks| !tracks.contains(*id))).count();
+        println!("seed {seed}: {false_tracks} false tracks");
+        assert!(false_tracks <= 2, "seed {seed}: {false_tracks} false tracks");
     }
 }
 

@@ -241,6 +241,25 @@ impl Plain {
     }
 }
 
+/// The objects with the shadows that they enclose: from a shadow, straight ways over foreground lead to objects in opposite directions.
+fn with_enclosed(all: &Mask, objects: &Mask) -> Mask {
+    let (width, height) = all.size();
+    // Part of a square of 3×3 px, so that single pixels do not count.
+    let is_solid = |x: usize, y: usize| {
+        let has_square = |left: usize, top: usize| (left..left + 3).all(|u| (top..top + 3).all(|v| objects.get(u, v)));
+        (x.saturating_sub(2)..=x).any(|left| (y.saturating_sub(2)..=y).any(|top| has_square(left, top)))
+    };
+    let leads = |(x, y): (usize, usize), by: [isize; 2]| {
+        let steps =
+            (1isize..).map_while(|k| Some((x.checked_add_signed(k * by[0])?, y.checked_add_signed(k * by[1])?)));
+        steps.take_while(|(x, y)| all.get(*x, *y)).any(|(x, y)| is_solid(x, y))
+    };
+    Mask::from_fn(width, height, |x, y| {
+        let lies_between = |by: [isize; 2]| leads((x, y), by) && leads((x, y), by.map(|c| -c));
+        objects.get(x, y) || all.get(x, y) && (lies_between([1, 0]) || lies_between([0, 1]))
+    })
+}
+
 #[test]
 fn the_mixture_decides_as_its_papers_say() {
     const FRAMES: usize = 60;
@@ -250,7 +269,10 @@ fn the_mixture_decides_as_its_papers_say() {
             let darkest = (shadows && is_color).then_some(0.5);
             let plain_one = Plain { rate: 0.02, prune, threshold: 3.1, background: 0.7, most, darkest };
             let begin = |i: &[f64]| vec![Mode { weight: 1.0, mean: i.to_vec(), variance: 16.0 }];
-            let expected = plain(clip, FRAMES, begin, |modes, i| plain_one.is_foreground(modes, i));
+            let objects = plain(clip, FRAMES, begin, |modes, i| plain_one.is_foreground(modes, i));
+            let with_shadows = Plain { darkest: None, ..plain_one };
+            let all = plain(clip, FRAMES, begin, |modes, i| with_shadows.is_foreground(modes, i));
+            let expected: Vec<_> = all.iter().zip(&objects).map(|(all, objects)| with_enclosed(all, objects)).collect();
             let settings = [
                 ("learning-rate", "0.02"),
                 ("complexity-reduction", &prune.to_string()),
@@ -401,6 +423,29 @@ fn a_shadow_is_taken_off_and_a_dark_object_is_not() {
     let gray = in_gray(&clip, 6);
     let field = objects(&*set("mixture-of-gaussians", &[]), &gray);
     assert_eq!(field.frames.last().expect("a frame").detections.len(), 2);
+}
+
+#[test]
+fn gray_clothes_on_a_gray_floor_belong_to_the_person() {
+    // Dark hair and shoes, and a coat of the colour of a shadow; a true shadow falls to the right.
+    let frame = |t: usize| {
+        Frame::rgb(Grid::from_fn(80, 60, |x, y| {
+            let base = [180.0; 3];
+            let pixel = match (t > 3, (x, y)) {
+                (true, (30..42, 10..16 | 34..46)) => [40.0; 3],
+                (true, (30..42, 16..34)) => [120.0; 3],
+                (true, (42..60, 38..46)) => [125.0; 3],
+                _ => base,
+            };
+            [0, 1, 2].map(|c| (pixel[c] + noise(x, y, 3 * t + c) / 2.0).round() as u8)
+        }))
+    };
+    let clip = Clip::from_frames("coat", (0..6).map(frame).collect()).expect("frames of one size");
+    for id in ["mixture-of-gaussians", "knn-background"] {
+        let field = objects(&*set(id, &[("exposure", "ignored")]), &clip);
+        let found: Vec<_> = field.frames.last().expect("a frame").detections.iter().map(|found| found.bounds).collect();
+        assert_eq!(found, [Bounds { min: [29.5, 9.5], max: [41.5, 45.5] }], "{id}");
+    }
 }
 
 #[test]
