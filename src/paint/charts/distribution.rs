@@ -4,7 +4,7 @@ use motionscope_core::Role;
 use motionscope_core::scene::Distribution;
 
 use super::super::primitive::{Anchor, Point, Primitive, Rect, Stroke};
-use super::super::{Theme, grouped, number};
+use super::super::{Theme, grouped, labels, number};
 use super::axis::Axis;
 use super::canvas::{Canvas, Level, Type, shortened};
 use super::{ChartStyle, Drawing, titled};
@@ -144,10 +144,11 @@ fn axes(canvas: &mut Canvas, bars: &Bars, distribution: &Distribution, theme: Th
     let small = text.size;
     let Rect { min: [left, top], max: [right, bottom] } = bars.rect;
     canvas.across([left, right], bottom, chrome.dim);
-    for tick in bars.x.ticks(5.0 * small, 0.0) {
+    let ticks = bars.x.ticks(5.0 * small, 0.0);
+    for (&tick, words) in ticks.iter().zip(labels(&ticks)) {
         let x = bars.x.place(tick);
         canvas.down(x, [bottom, bottom + 4.0], chrome.dim);
-        canvas.text([x, bottom + 6.0], (Anchor::Middle, Level::Top), &number(tick), dim);
+        canvas.text([x, bottom + 6.0], (Anchor::Middle, Level::Top), &words, dim);
     }
     let below = bottom + 6.0 + 1.25 * small;
     let name = format!("{}, {}", distribution.title.to_lowercase(), distribution.unit);
@@ -236,7 +237,7 @@ mod tests {
             "95 % 1.75 px",
             "largest bar 0 to 0.500 px, 40.0 %",
             "4",
-            "2",
+            "2.0",
         ] {
             assert!(words.iter().any(|word| word == label), "{label} is missing in {words:?}");
         }

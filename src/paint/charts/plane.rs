@@ -6,7 +6,7 @@ use motionscope_core::scene::{Constraint, Plane, Spread};
 use motionscope_core::{Grid, Role};
 
 use super::super::primitive::{Anchor, Point, Primitive, Rect};
-use super::super::{Color, Face, Theme, legend, marks, number};
+use super::super::{Color, Face, Theme, labels, legend, marks, number};
 use super::axis::Axis;
 use super::canvas::{Canvas, Level, Type, shortened, solid};
 use super::{ChartStyle, Drawing, titled};
@@ -270,15 +270,17 @@ fn axes(canvas: &mut Canvas, square: &Square, (plane, is_near): (&Plane, bool), 
     let Rect { min: [left, top], max: [right, bottom] } = square.rect;
     canvas.frame(square.rect.grown(0.5), 1.0, chrome.line);
     let ticks = |axis: &Axis, spacing: f32| if is_near { axis.ticks(spacing, 0.0) } else { halves(axis, spacing) };
-    for u in ticks(&square.axes[0], 3.6 * small) {
+    let across = ticks(&square.axes[0], 3.6 * small);
+    for (&u, words) in across.iter().zip(labels(&across)) {
         let x = square.axes[0].place(u);
         canvas.down(x, [top, bottom], chrome.line);
-        canvas.text([x, bottom + 4.0], (Anchor::Middle, Level::Top), &tick(u), dim);
+        canvas.text([x, bottom + 4.0], (Anchor::Middle, Level::Top), &words, dim);
     }
-    for v in ticks(&square.axes[1], 2.0 * small) {
+    let down = ticks(&square.axes[1], 2.0 * small);
+    for (&v, words) in down.iter().zip(labels(&down)) {
         let y = square.axes[1].place(v);
         canvas.across([left, right], y, chrome.line);
-        canvas.text([left - 6.0, y], (Anchor::End, Level::Middle), &tick(v), dim);
+        canvas.text([left - 6.0, y], (Anchor::End, Level::Middle), &words, dim);
     }
     let name = Type::text(theme).face(Face::Italic);
     // The first axis goes to the right, the second down, as in the picture.
@@ -301,12 +303,6 @@ fn halves(axis: &Axis, spacing: f32) -> Vec<f32> {
     let step = steps.take(4).take_while(|step| apart(*step) >= spacing).last().unwrap_or(reach);
     let count = (reach / step).round() as i32;
     (-count..=count).map(|i| i as f32 * step).collect()
-}
-
-/// A number at an axis, without zeros that tell nothing: `0.5`.
-fn tick(value: f32) -> String {
-    let shown = number(value);
-    if shown.contains('.') { shown.trim_end_matches('0').trim_end_matches('.').into() } else { shown }
 }
 
 fn spread(square: &Square, spread: &Spread, theme: Theme) -> Primitive {

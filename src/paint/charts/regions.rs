@@ -3,7 +3,7 @@
 use motionscope_core::scene::Regions;
 
 use super::super::primitive::{Anchor, Point, Primitive, Rect};
-use super::super::{Face, Theme, number};
+use super::super::{Face, Theme, labels, number};
 use super::axis::Axis;
 use super::canvas::{Canvas, Level, Type, shortened, solid};
 use super::{ChartStyle, Drawing, titled};
@@ -155,13 +155,14 @@ fn axes(canvas: &mut Canvas, square: &Square, regions: &Regions, theme: Theme) {
     let Rect { min: [left, top], max: [right, bottom] } = square.rect;
     canvas.across([left, right], bottom, chrome.dim);
     canvas.down(left, [top, bottom], chrome.dim);
-    for tick in square.axes[0].ticks(5.0 * dim.size, 0.0) {
+    let ticks = square.axes[0].ticks(5.0 * dim.size, 0.0);
+    for (&tick, words) in ticks.iter().zip(labels(&ticks)) {
         let [x, y] = square.at([tick; 2]);
         canvas.down(x, [bottom, bottom + 4.0], chrome.dim);
-        canvas.text([x, bottom + 6.0], (Anchor::Middle, Level::Top), &number(tick), dim);
+        canvas.text([x, bottom + 6.0], (Anchor::Middle, Level::Top), &words, dim);
         if tick > 0.0 {
             canvas.across([left - 4.0, left], y, chrome.dim);
-            canvas.text([left - 6.0, y], (Anchor::End, Level::Middle), &number(tick), dim);
+            canvas.text([left - 6.0, y], (Anchor::End, Level::Middle), &words, dim);
         }
     }
     let below = bottom + 6.0 + 1.25 * dim.size;
