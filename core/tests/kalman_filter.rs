@@ -341,6 +341,24 @@ fn thrown_ball() -> (Clip, Vec<[f64; 2]>) {
 }
 
 #[test]
+fn a_click_where_nothing_is_detected_begins_the_track() {
+    let place = |t: usize| [60.0 + 6.0 * t as f32, 200.0 - 3.0 * t as f32];
+    let found =
+        |center: [f32; 2]| Detection { bounds: Bounds::around(center, [10.0, 10.0]), center, score: 0.9, blob: None };
+    // Something else stands still; the object is missed in frame 3.
+    let frame = |t: usize| [vec![found([400.0, 80.0])], if t == 3 { vec![] } else { vec![found(place(t))] }].concat();
+    let clip = Clip::blank("missed", (640, 480), 14).with_detections((0..14).map(frame).collect());
+    let [x, y] = place(3);
+    let field = run(&*set("kalman-filter", &[("clicks", &format!("3:{x},{y}"))]), &clip);
+    assert!(field.frames[..3].iter().all(|frame| frame.objects.is_empty()), "it starts in the frame of the click");
+    for t in 4..14 {
+        let object = field.frames[t].objects.first().expect("it is followed");
+        let off = distance(object.position, place(t).map(f64::from));
+        assert!(off < 1.0, "frame {t}: {off:.2} px");
+    }
+}
+
+#[test]
 fn one_click_or_none_follows_a_thrown_ball() {
     let (clip, places) = thrown_ball();
     let is_in = |place: &[f64; 2]| (5.0..315.0).contains(&place[0]) && (5.0..235.0).contains(&place[1]);

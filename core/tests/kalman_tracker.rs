@@ -41,9 +41,9 @@ fn rects(scene: &Scene, role: Role) -> Vec<[f32; 2]> {
 #[test]
 fn the_end_of_a_frame_shows_the_truth_and_the_errors() {
     let clip = synth::make("traffic", &synth::scene("traffic").expect("a scene").difficulty()).expect("a clip");
-    let estimator = set("kalman-tracker", &[("source", "truth"), ("added-noise", "0"), ("frames", "6")]);
-    let mut walk = estimator.walk(&clip, 0).expect("a run");
-    let field = run(&[("source", "truth"), ("added-noise", "0"), ("frames", "6"), ("backdate", "off")], &clip);
+    let settings = [("source", "truth"), ("added-noise", "0"), ("frames", "6"), ("backdate", "off")];
+    let mut walk = set("kalman-tracker", &settings).walk(&clip, 0).expect("a run");
+    let field = run(&settings, &clip);
     for t in [1, 5] {
         walk.jump(Move::To(Cursor { unit: t, event: usize::MAX }));
         let truth = clip.truth().and_then(|truth| truth.objects(t).expect("truth")).expect("objects");

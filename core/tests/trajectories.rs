@@ -82,11 +82,15 @@ fn several_lines_and_zones_have_counts_of_their_own() {
     walk.jump(Move::End);
     let step = walk.step(None);
     let facts = step.readouts.iter().find_map(|r| if let Readout::Facts(facts) = r { Some(facts) } else { None });
-    let fact = |label: &str| facts.and_then(|facts| facts.iter().find(|fact| fact.label == label)).expect("it is there");
+    let fact =
+        |label: &str| facts.and_then(|facts| facts.iter().find(|fact| fact.label == label)).expect("it is there");
     let counts = "line 1: 1 to the right, 0 to the left; line 2: 1 to the right, 1 to the left";
     assert_eq!((&*fact("Crossings").value, &*fact("Tracks in zones").value), (counts, "0 in zone 1, 0 in zone 2"));
     let told = step.sentence.plain();
-    assert!(told.contains("1 crossing of line 2 to the right and 1 to the left") && told.contains("1 in zones"), "{told}");
+    assert!(
+        told.contains("1 crossing of line 2 to the right and 1 to the left") && told.contains("1 in zones"),
+        "{told}"
+    );
     // The old names still mean the same.
     let old = run(&*analysis(&[("line", "100,239,100,0"), ("zone", "80,40,120,100")]), &clip);
     assert_eq!(crossings(&old.trajectories), of_line(0));

@@ -2,6 +2,23 @@
 
 use crate::data::Mask;
 use crate::geometry::Grid;
+use crate::params;
+
+params! {
+    /// The detection of cast shadows.
+    #[derive(Copy)]
+    pub struct ShadowDetection {
+        /// Detect cast shadows, pixels of the colour of the background but darker, and remove them from the foreground. Needs colour. Pixels with
+        /// foreground on both sides, in their row or column, belong to the object.
+        detect_shadows: bool = true;
+        /// Minimum brightness τ of a shadow, as a share of the brightness of the background. Darker pixels are objects.
+        shadow_threshold: f32 = 0.5, 0.05..=1.0;
+    }
+    advanced { "shadow-threshold" }
+    when {
+        "shadow-threshold": |p| p.detect_shadows, "The shadow threshold has no effect without shadow detection.";
+    }
+}
 
 /// The tolerated deviation from the colour of the background, as a share of the shadow's brightness: a shadow is lit by the sky, not by
 /// the sun.

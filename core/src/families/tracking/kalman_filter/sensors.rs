@@ -64,17 +64,26 @@ impl KalmanFilter {
             Some(expected) => self.nearest((expected, state.extent), &detections),
             None => self.begin_with((clip, t), state, &detections)?,
         };
-        let first = chosen.map(|i| SensorReading {
+        let detected = chosen.map(|i| SensorReading {
             sensor: 0,
             measurement: self.first(&detections[i]),
             detection: Some(i),
             is_clicked: state.detector.is_clicked(),
         });
+        let clicked = || self.clicked_alone(state, t).filter(|_| expected.is_none() && !is_hidden);
+        let first = detected.or_else(clicked);
         // Before a track starts its true object is unknown.
         let second = expected.map(|_| self.second(clip, state, t)).transpose()?.flatten();
         let second =
             second.map(|measurement| SensorReading { sensor: 1, measurement, detection: None, is_clicked: false });
         Ok(Observations { detections, measured: first.into_iter().chain(second).collect(), truth, is_hidden })
+    }
+
+    /// Returns the position of a click that chooses the object, where no detection is near: the object is there all the same.
+    fn clicked_alone(&self, state: &State, t: usize) -> Option<SensorReading> {
+        let place = self.clicks.of_frame(t).next().filter(|_| !state.detector.is_clicked())?.map(f64::from);
+        let measurement = Measurement { place, place_deviation: f64::from(self.measurement_noise), velocity: None };
+        Some(SensorReading { sensor: 0, measurement, detection: None, is_clicked: true })
     }
 
     /// Returns the first sensor's measurement of a detection.
