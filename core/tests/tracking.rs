@@ -39,6 +39,25 @@ fn hidden_and_crossing_objects_keep_their_identities() {
     }
 }
 
+#[test]
+fn cars_behind_a_bridge_keep_their_boxes_where_blobs_are_what_is_seen() {
+    let mota = |settings: &[(&str, &str)], clip: &Clip| {
+        let settings = [&[("source", "moving")], settings].concat();
+        scored(&*set("kalman-tracker", &settings), clip).mota
+    };
+    let clip = scene("traffic");
+    let [partial, visible] = ["on", "off"].map(|partial| mota(&[("partial", partial)], &clip));
+    assert!(partial >= 0.8 && partial > visible + 0.1, "MOTA {partial:.3}, without partial observation {visible:.3}");
+    // With other noise and shake of the camera.
+    let usual = synth::scene("traffic").expect("a scene");
+    for seed in [11, 12, 13] {
+        let difficulty = synth::Difficulty { noise: 3.0, seed, ..usual.difficulty() };
+        let clip = usual.clip(&difficulty).expect("sound");
+        let mota = mota(&[], &clip);
+        assert!(mota >= 0.75, "seed {seed}: MOTA {mota:.3}");
+    }
+}
+
 /// A thrown ball in every frame but some, beside something that stands still and is found there.
 fn thrown(missing: std::ops::Range<usize>) -> (Clip, Vec<[f32; 2]>) {
     let place = |t: usize| {

@@ -92,7 +92,7 @@ mod tests {
     use std::sync::Arc;
 
     use motionscope_core::objects::trajectory::{Places, Trajectory};
-    use motionscope_core::params::Line;
+    use motionscope_core::params::{Line, Zones};
     use motionscope_core::{Blob, Bounds, Detection, ObjectFrame};
 
     use super::*;
@@ -136,7 +136,8 @@ mod tests {
 
     #[test]
     fn a_table_of_trajectories_tells_what_became_of_each() {
-        let places = Places { line: Some(Line { from: [10.0, 9.0], to: [10.0, 0.0] }), zone: None, window: 3 };
+        let lines = [Line { from: [10.0, 9.0], to: [10.0, 0.0] }].into_iter().collect();
+        let places = Places { lines, zones: Zones::default(), window: 3 };
         let mut of = Trajectory { id: 4, ..Trajectory::default() };
         for (t, x) in [(6, 8.0), (7, 9.0), (8, 12.0)] {
             of.add(t, [x, 5.0], &places);

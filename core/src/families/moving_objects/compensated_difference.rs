@@ -8,8 +8,8 @@ use crate::geometry::Grid;
 use crate::methods::camera_path::{matrix, usable};
 use crate::methods::numbers::{level, ratio};
 use crate::methods::subtraction::{
-    Background, CameraMotion, Comparison, Differencing, Expected, Explanation, Exposure, Found, NOISE_SIGMAS, Settings,
-    Steadiness, automatic_threshold, compared, displaced, noise_of, subtraction_pseudocode,
+    Background, CameraMotion, Comparison, Differencing, Explanation, Exposure, Found, FrameComparison, NOISE_SIGMAS, Settings,
+    Steadiness, automatic_threshold, displaced, noise_of, subtraction_pseudocode,
 };
 use crate::params;
 use crate::products::model::{IDENTITY, Matrix3, inverse, mapped, product};
@@ -216,7 +216,7 @@ impl Background for CompensatedDifference {
         (f32::from(frame.luma()[place]) - self.compared_with(model, frame, place)).abs()
     }
 
-    fn comparison(&self, model: &Model, frame: &Frame) -> Option<Comparison> {
+    fn comparison(&self, model: &Model, frame: &Frame) -> Option<FrameComparison> {
         let registered = self.registered(model, frame);
         let from = middle(frame.size());
         let moved = mapped(&registered.motion, from).map_or([0.0; 2], |to| [to[0] - from[0], to[1] - from[1]]);
@@ -243,7 +243,7 @@ impl Background for CompensatedDifference {
             ),
         };
         let matrices = vec![matrix("M", "motion of the background", Role::Predicted, &registered.motion)];
-        Some(Comparison { sentence, facts, matrices })
+        Some(FrameComparison { sentence, facts, matrices })
     }
 
     fn explain(&self, [before, _]: [Option<&Model>; 2], frame: &Frame, place: (usize, usize)) -> Explanation {
@@ -262,8 +262,13 @@ impl Background for CompensatedDifference {
                 .text(", so it counts as background.");
             return Explanation { verdict, update, ..Explanation::default() };
         }
-        let expected = Expected { value: nearest, symbol: "B", is_whole: false };
-        Explanation { update, ..compared(value, expected, f32::from(registered.limit)) }
+        let comparison = Comparison {
+            pixel: &[frame.luma()[place]],
+            background: &[nearest],
+            is_whole: false,
+            threshold: f32::from(registered.limit),
+        };
+        Explanation { update, ..comparison.explained() }
     }
 
     fn rule(&self) -> String {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::declare::line;
 use super::exposure::Transfer;
-use super::{Background, Comparison, Conclusion, Event, Explanation, Initial, Past, State, Subtraction};
+use super::{Background, Channel, Conclusion, Event, Explanation, FrameComparison, Initial, Past, State, Subtraction};
 use crate::base::words::{self, capital, counted as count, grouped, pixel};
 use crate::data::{Detection, Frame, Mask, MaskErrors};
 use crate::methods::differential::explain;
@@ -409,6 +409,16 @@ pub(crate) fn plots(record: &Record, span: &Span) -> Vec<Readout> {
     ]
 }
 
+/// The names of the tiles of the frame and of the background.
+fn tile_labels(channel: Channel) -> [&'static str; 2] {
+    match channel {
+        Channel::Gray => ["Frame t", "Background"],
+        Channel::Color(0) => ["Frame t, red", "Background, red"],
+        Channel::Color(1) => ["Frame t, green", "Background, green"],
+        Channel::Color(_) => ["Frame t, blue", "Background, blue"],
+    }
+}
+
 /// The line of pseudocode of an event.
 pub(super) fn stage(event: &Event) -> Name {
     match event {
@@ -466,7 +476,7 @@ impl<M: Background> Subtraction<M> {
     }
 
     /// The comparison of the whole frame, once it is done.
-    fn comparison(&self, seen: &Seen<Self>) -> Option<Comparison> {
+    fn comparison(&self, seen: &Seen<Self>) -> Option<FrameComparison> {
         let frame = seen.events.iter().find_map(|event| match event {
             Event::Registered(frame) | Event::Compared(frame, _) => Some(frame),
             _ => None,
@@ -532,7 +542,7 @@ impl<M: Background> Subtraction<M> {
             }
             Event::Shadows(_, shadows) => said
                 .ink(Role::Rejected, format!("{} of the foreground are cast shadows", pixels(shadows.count())))
-                .text(": darker than the background, but of the same colour. They are removed."),
+                .text(": darker than the background, but of the same colour, and not enclosed by foreground. They are removed."),
             Event::Steadied(_, displaced) => said
                 .ink(Role::Rejected, format!("{} of the foreground fit", pixels(displaced.count())))
                 .text(format!(
@@ -586,8 +596,8 @@ impl<M: Background> Subtraction<M> {
             let matrices = std::mem::take(&mut whole.matrices);
             readouts.extend(Some(matrices).filter(|all| !all.is_empty()).map(Readout::Matrices));
             readouts.extend(self.tiles(seen, place).map(Readout::Tiles));
-            if let Some(model) = self.compared_model(seen) {
-                readouts.extend(super::history::plots(&self.0, (seen.clip, state), &model, place));
+            if let Some((model, frame)) = self.compared_model(seen).zip(history.frame()) {
+                readouts.extend(super::history::plots(&self.0, (seen.clip, state), (&*model, &**frame), place));
             }
         }
         facts.extend(history.facts());
@@ -598,7 +608,7 @@ impl<M: Background> Subtraction<M> {
         readouts
     }
 
-    /// Tiles of the frame, the background and their difference around a pixel.
+    /// Tiles of the frame and the background, in the channel that decides about a pixel, and of their difference around it.
     fn tiles(&self, seen: &Seen<Self>, place: (usize, usize)) -> Option<Vec<Tile>> {
         let frame = MaskHistory::new(seen.events).frame()?;
         let model = self.compared_model(seen)?;
@@ -606,13 +616,15 @@ impl<M: Background> Subtraction<M> {
         let around = |of: &dyn Fn((usize, usize)) -> f32| explain::around_with(frame.size(), place, TILE_REACH_PX, of);
         let difference = around(&|place| self.0.difference(model, frame, place));
         let most = difference.cells().iter().filter(|v| v.is_finite()).fold(1.0f32, |most, v| most.max(*v));
+        let channel = self.0.channel(model, frame, place);
+        let [shown, background] = tile_labels(channel);
         let tile = |label, role, values, range| Tile { label, role, values, range };
         Some(vec![
-            tile("Frame t", Some(Role::Measured), around(&|place| f32::from(frame.luma()[place])), [0.0, 255.0]),
+            tile(shown, Some(Role::Measured), around(&|place| f32::from(channel.level(frame, place))), [0.0, 255.0]),
             tile(
-                "Background",
+                background,
                 Some(Role::Predicted),
-                around(&|place| self.0.compared_with(model, frame, place)),
+                around(&|place| self.0.compared_in(model, frame, place, channel)),
                 [0.0, 255.0],
             ),
             tile("Difference", None, difference, [0.0, most]),

@@ -1,6 +1,7 @@
 //! Background subtraction: a background model, a foreground mask, its clean-up by opening and closing, and blobs.
 
 mod camera;
+mod channels;
 mod declare;
 mod explain;
 mod explanation;
@@ -15,15 +16,21 @@ use std::sync::Arc;
 
 pub use camera::{CameraMotion, Steadiness};
 pub(crate) use camera::{displaced, resampled, shifted};
+pub use channels::Channels;
+pub(crate) use channels::{Channel, Channelwise, Planes, Row, SHADOW_SHARE, classify, largest, levels, luma};
 pub use declare::Settings;
 pub(crate) use declare::subtraction_pseudocode;
 pub(crate) use explain::{MaskHistory, plots};
-pub(crate) use explanation::{Comparison, Expected, Explanation, compared};
+pub(crate) use explanation::{
+    Comparison, Explanation, FrameComparison, in_channel, kind, most, of_channel, tuple,
+};
 pub use exposure::Exposure;
 pub(crate) use history::Accepted;
 pub use initial::Initial;
 pub use noise::{Differencing, NOISE_SIGMAS, automatic_threshold, noise_of};
 pub(crate) use rows::{Flags, by_rows};
+pub use shadow::ShadowDetection;
+use shadow::enclosed;
 pub(crate) use shadow::{ShadowLimits, is_shadow};
 
 use camera::Camera;
@@ -121,18 +128,37 @@ pub trait Background: Params + Default + Clone + Send + Sync + 'static {
         self.expected(model, place)
     }
 
+    /// The color of the background at a pixel, if the model has one for each channel.
+    fn expected_color(&self, _model: &Self::Model, _place: (usize, usize)) -> Option<[u8; 3]> {
+        None
+    }
+
+    /// The channel that decides about a pixel.
+    fn channel(&self, _model: &Self::Model, _frame: &Frame, _place: (usize, usize)) -> Channel {
+        Channel::Gray
+    }
+
+    /// As [`Background::compared_with`], in a channel.
+    fn compared_in(&self, model: &Self::Model, frame: &Frame, place: (usize, usize), _channel: Channel) -> f32 {
+        self.compared_with(model, frame, place)
+    }
+
     /// The frame and the pictures that it is compared with, from left to right.
     fn pictures(&self, model: &Arc<Self::Model>, size: (usize, usize)) -> Vec<Canvas> {
         let (detector, model) = (self.clone(), Arc::clone(model));
         let expected = move || {
+            if detector.expected_color(&model, (0, 0)).is_some() {
+                let color = |x, y| detector.expected_color(&model, (x, y)).unwrap_or_default();
+                return Frame::rgb(Grid::from_fn(size.0, size.1, color));
+            }
             let gray = |x, y| detector.expected(&model, (x, y)).round().clamp(0.0, 255.0) as u8;
             Frame::gray(Grid::from_fn(size.0, size.1, gray))
         };
         vec![Canvas::of_clip(Picture::CURRENT), Canvas::made(Picture::REFERENCE, expected)]
     }
 
-    /// The gray levels that the model takes for background at a pixel: one range for each background mode.
-    fn accepted(&self, _model: &Self::Model, _place: (usize, usize)) -> Vec<Accepted> {
+    /// The levels of a channel that the model takes for background at a pixel: one range for each background mode.
+    fn accepted(&self, _model: &Self::Model, _place: (usize, usize), _channel: Channel) -> Vec<Accepted> {
         Vec::new()
     }
 
@@ -153,7 +179,7 @@ pub trait Background: Params + Default + Clone + Send + Sync + 'static {
     fn explain(&self, models: [Option<&Self::Model>; 2], frame: &Frame, place: (usize, usize)) -> Explanation;
 
     /// Further about the comparison of a frame with the model as a whole.
-    fn comparison(&self, _model: &Self::Model, _frame: &Frame) -> Option<Comparison> {
+    fn comparison(&self, _model: &Self::Model, _frame: &Frame) -> Option<FrameComparison> {
         None
     }
 
@@ -198,7 +224,7 @@ impl Past {
 pub struct Found {
     /// The foreground pixels, shadows included.
     pub mask: Mask,
-    /// The shadow pixels, where shadows are detected.
+    /// The pixels of the colour of a shadow, where shadows are detected.
     pub shadows: Option<Mask>,
 }
 
@@ -429,6 +455,7 @@ impl<M: Background> Subtraction<M> {
         let Found { mut mask, shadows } = self.0.subtract(Arc::make_mut(model), &frame, threads);
         observer.see(|| Event::Decided(Arc::new(mask.clone())));
         if let Some(shadows) = shadows {
+            let shadows = shadows.without(&enclosed(&mask.without(&shadows), &shadows));
             mask = mask.without(&shadows);
             observer.see(|| Event::Shadows(Arc::new(mask.clone()), Arc::new(shadows)));
         }

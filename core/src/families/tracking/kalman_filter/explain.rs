@@ -122,7 +122,7 @@ impl KalmanFilter {
                     ". Its velocity is unknown: 0 ± {} px/frame, the initial speed.",
                     px(f64::from(self.initial_speed))
                 ))
-                .text(if self.object > *there {
+                .text(if *there > 0 && self.object > *there {
                     format!(" Object {} was chosen, but {} detected; the last one is tracked.", self.object, are(*there))
                 } else {
                     String::new()

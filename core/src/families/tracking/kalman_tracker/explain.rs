@@ -200,6 +200,12 @@ impl KalmanTracker {
             deviations(after),
             speed(after)
         ));
+        let said = match after.size.hidden_frames {
+            0 => said,
+            _ => {
+                said.text(" One side of the blob is hidden: its visible edges and the size of the track give the box.")
+            }
+        };
         match (before.age.status, after.age.status) {
             (TrackStatus::Tentative, TrackStatus::Confirmed) => said.text(format!(
                 " Confirmed: {} reach the minimum number of hits, {}{}.",
@@ -363,7 +369,11 @@ impl KalmanTracker {
 
     /// Returns the squared Mahalanobis distance of a detection from a track.
     fn distance(&self, costs: &Costs, row: usize, column: usize) -> f64 {
-        let measured = self.measurement(&costs.detections[column]);
+        let (track, detection) = (&costs.tracks[row], &costs.detections[column]);
+        let measured = match self.cost {
+            PairCost::Mahalanobis => self.measurement(detection),
+            PairCost::Overlap | PairCost::Both => self.measured(track, detection, costs.picture),
+        };
         costs.tracks[row].filter.squared_distance(&measured).unwrap_or(f64::INFINITY)
     }
 
