@@ -75,6 +75,9 @@ pub trait AnyEstimator: Params + Send + Sync {
     /// As [`Estimator::units_of`].
     fn units_of(&self, picture: (usize, usize), frames: usize) -> Option<usize>;
 
+    /// As [`Estimator::earlier_frames`].
+    fn earlier_frames(&self) -> Option<usize>;
+
     /// Whether a unit of a run is a frame of the clip.
     fn is_by_frame(&self) -> bool {
         self.units_of((1, 1), 1) == Some(1)
@@ -198,6 +201,10 @@ impl<E: Estimator> AnyEstimator for E {
 
     fn units_of(&self, picture: (usize, usize), frames: usize) -> Option<usize> {
         Estimator::units_of(self, picture, frames)
+    }
+
+    fn earlier_frames(&self) -> Option<usize> {
+        Estimator::earlier_frames(self)
     }
 
     fn lends(&self) -> Option<Box<dyn Any>> {

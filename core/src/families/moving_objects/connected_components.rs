@@ -186,6 +186,13 @@ impl Estimator for ConnectedComponents {
         })
     }
 
+    fn earlier_frames(&self) -> Option<usize> {
+        match self.pixels {
+            Pixels::Foreground => self.mask.estimator().earlier_frames(),
+            Pixels::Moving | Pixels::Bright | Pixels::Dark => Some(1),
+        }
+    }
+
     fn advance(&self, clip: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
         let masked = self.masked(clip, state)?;
         if state.row == state.picture.1 {

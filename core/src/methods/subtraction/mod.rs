@@ -80,6 +80,11 @@ pub trait Background: Params + Default + Clone + Send + Sync + 'static {
         Ok(None)
     }
 
+    /// As [`Estimator::earlier_frames`].
+    fn earlier_frames(&self) -> Option<usize> {
+        None
+    }
+
     /// The parameters that all background subtractions have.
     fn settings(&self) -> Settings;
 
@@ -560,6 +565,10 @@ impl<M: Background> Estimator for Subtraction<M> {
 
     fn place(&self, state: &Self::State) -> Vec<Granularity> {
         state.span.place(state.frame - state.span.first)
+    }
+
+    fn earlier_frames(&self) -> Option<usize> {
+        self.0.earlier_frames()
     }
 
     fn units_of(&self, _picture: (usize, usize), frames: usize) -> Option<usize> {
