@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::assessment::{fact, scores};
-use super::{Assessment, Cell, Measure, Motion, Product, ProductKind, Reference, Table, flow_error, repeatability};
+use super::{Assessment, Cell, Measure, Motion, Product, ProductKind, Reference, Table, flow_error};
 use crate::base::{Error, words::grouped};
 use crate::data::Flow;
 use crate::geometry::Grid;
@@ -137,6 +137,18 @@ pub(super) const MEASURES: [Measure; 2] = [
     Measure::new("tracked", "Number of features tracked; tracks that were not lost."),
 ];
 
+/// The measures of a detector that runs on the next frame as well.
+pub(super) const REPEATABILITY: [Measure; 2] = [
+    Measure::new(
+        "repeatability",
+        "Share of the keypoints that are detected again in frame t + 1, within 1.5 px of their true positions, of the fewer of those visible in \
+         both frames.",
+    )
+    .in_column("repeatability", 3)
+    .against_truth(),
+    Measure::new("repeatable", "Number of keypoints that could be detected again: the fewer of those visible in both frames."),
+];
+
 /// The number of features and, if tracking was attempted, of tracked ones.
 pub(super) fn counts(points: usize, tracked: Option<usize>) -> Assessment {
     let of_tracked = tracked.map_or_else(String::new, |tracked| format!(", tracked {}", grouped(tracked)));
@@ -158,7 +170,7 @@ impl Product for PointField {
         summary: "Feature points of a picture, with their displacements if they were tracked.",
         motion: Motion::Points,
         is_of_single_frames: false,
-        measures: &[&MEASURES, &repeatability::MEASURES, &flow_error::MEASURES],
+        measures: &[&MEASURES, &REPEATABILITY, &flow_error::MEASURES],
     };
 
     /// Place of each feature, its displacement per frame if it has one, what became of it, and how it was detected: the

@@ -3,7 +3,8 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::assessment::{fact, scores};
-use super::{Assessment, Measure, PointField, Reference};
+use super::keypoints::REPEATABILITY;
+use super::{Assessment, PointField, Reference};
 use crate::base::words::grouped;
 use crate::data::Flow;
 use crate::geometry::Grid;
@@ -121,17 +122,6 @@ fn cover(seen: &mut Grid<bool>, triangle: &[[f32; 2]; 3]) {
 /// Largest distance of a repeated keypoint from its true position in px.
 pub const TOLERANCE_PX: f64 = 1.5;
 
-pub(super) const MEASURES: [Measure; 2] = [
-    Measure::new(
-        "repeatability",
-        "Share of the keypoints that are detected again in frame t + 1, within 1.5 px of their true positions, of the fewer of those visible in \
-         both frames.",
-    )
-    .in_column("repeatability", 3)
-    .against_truth(),
-    Measure::new("repeatable", "Number of keypoints that could be detected again: the fewer of those visible in both frames."),
-];
-
 impl PointField {
     /// The repeatability of a detector whose result this is, given its result on frame t + 1; without figures where the true flow is not known.
     pub fn repeated(&self, in_next: &Self, reference: &Reference<'_>) -> Assessment {
@@ -155,7 +145,7 @@ impl PointField {
             }
         };
         let values = [found.share().into(), possible.into()];
-        Assessment::default().with(scores(&MEASURES, values), vec![fact("Repeatability", told)])
+        Assessment::default().with(scores(&REPEATABILITY, values), vec![fact("Repeatability", told)])
     }
 }
 

@@ -115,7 +115,7 @@ impl<M: RobustModel> Robust<M> {
                 words::fixed(LEAST_SPREAD_PX, 2)
             ),
             Doubt::ByChance { inliers, needed } => format!(
-                "The model is refused: {} of {count} matches are inliers, and so many random matches agree as well (number of false alarms at \
+                "The model is refused: {} of {count} matches are inliers, and as many are expected of random matches (number of false alarms at \
                  least 1). At least {} inliers are needed; more keypoints, better matches or a simpler model help.",
                 grouped(inliers),
                 grouped(needed)
