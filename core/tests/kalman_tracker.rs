@@ -399,7 +399,7 @@ fn the_formula_of_a_pair_ends_with_the_condition_that_it_meets() {
         let mut walk = set("kalman-tracker", &settings).walk(&clip, 0).expect("a run");
         let mut all = Vec::new();
         while !walk.at_end() {
-            walk.jump(Move::Granularity(1, Direction::Forward));
+            walk.jump(Move::Granularity(2, Direction::Forward));
             let step = walk.step(None);
             if step.sentence.plain().contains("is assigned to") {
                 all.push((step.sentence.plain(), common::equation(&step)));
