@@ -147,6 +147,8 @@ pub fn resolve<'a>(marks: impl IntoIterator<Item = &'a Mark>, look: &Look, place
     primitives
 }
 
+/// The width of a label's rim in points.
+const LABEL_RIM: f32 = 3.0;
 /// Labels of measurements beyond this number are left out: so many cannot be read, and each is compared with all others.
 const MOST_LABELS: usize = 200;
 
@@ -162,7 +164,8 @@ fn leave_out_crowded(primitives: &mut Vec<Primitive>, labels: &[usize]) {
         if !is_measured {
             return true;
         }
-        let bounds = one.bounds();
+        // Rims may touch.
+        let bounds = one.bounds().grown(-LABEL_RIM);
         let has_room = count < MOST_LABELS && !taken.iter().any(|other| other.meets(&bounds));
         if has_room {
             taken.push(bounds);

@@ -105,8 +105,10 @@ impl Settings {
         for share in [column, charts, parameters] {
             *share = if share.is_finite() { share.clamp(*SHARES.start(), *SHARES.end()) } else { 1.0 };
         }
-        // View and colours belonged to the run that was open then.
-        (settings.look.view, settings.look.layer) = (Self::default().look.view, Self::default().look.layer);
+        // Frame t alone belonged to an estimator of single frames; a start opens one of pairs.
+        if settings.look.view == Some(View::Current) {
+            settings.look.view = Some(View::default());
+        }
         settings
     }
 

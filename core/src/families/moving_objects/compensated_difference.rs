@@ -8,8 +8,8 @@ use crate::geometry::Grid;
 use crate::methods::camera_path::{matrix, usable};
 use crate::methods::numbers::{level, ratio};
 use crate::methods::subtraction::{
-    Background, CameraMotion, Comparison, Differencing, Explanation, Exposure, Found, FrameComparison, NOISE_SIGMAS, Settings,
-    Steadiness, automatic_threshold, displaced, noise_of, subtraction_pseudocode,
+    Background, CameraMotion, Comparison, Differencing, Explanation, Exposure, Found, FrameComparison, NOISE_SIGMAS,
+    Settings, Steadiness, automatic_threshold, displaced, noise_of, subtraction_pseudocode,
 };
 use crate::params;
 use crate::products::model::{IDENTITY, Matrix3, inverse, mapped, product};

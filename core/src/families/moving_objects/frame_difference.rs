@@ -7,7 +7,8 @@ use crate::data::{Clip, Frame, Mask};
 use crate::methods::numbers::{level, ratio};
 use crate::methods::subtraction::{
     Background, Channel, Channels, Comparison, Differencing, Explanation, Flags, Found, NOISE_SIGMAS, Row, Settings,
-    Steadiness, automatic_threshold, displaced, kind, largest, levels, noise_of, resampled, subtraction_pseudocode, tuple,
+    Steadiness, automatic_threshold, displaced, kind, largest, levels, noise_of, resampled, subtraction_pseudocode,
+    tuple,
 };
 use crate::params;
 use crate::run::{Info, Need};

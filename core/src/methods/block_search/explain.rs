@@ -192,10 +192,12 @@ impl Probe<'_> {
                     displacement is taken."
                 .into();
         }
-        // Between two pixels both whole displacements cost alike; that is no ambiguity of the texture.
+        // Between two pixels both whole displacements cost alike, and more than nothing; that is no ambiguity of the texture.
         let is_beside = |other: &Match| (0..2).all(|i| (other.displacement[i] - found.displacement[i]).abs() <= 1);
-        let may_lie_between =
-            self.settings.refinement.subpixel == Subpixel::None && ties.len() <= BESIDE && ties.iter().all(is_beside);
+        let may_lie_between = found.cost > 0.0
+            && self.settings.refinement.subpixel == Subpixel::None
+            && ties.len() <= BESIDE
+            && ties.iter().all(is_beside);
         if !ties.is_empty() {
             let at: Vec<String> = ties.iter().map(|tie| vector(tie.vector())).collect();
             return match may_lie_between {

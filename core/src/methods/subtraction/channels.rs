@@ -12,7 +12,7 @@ choices! {
     pub enum Channels {
         /// Red, green and blue, each with a background of its own; the largest difference decides. An object as bright as the background,
         /// but of another colour, is found. Gray frames have one channel.
-        Color = "color" "Colour",
+        Color = "rgb" "RGB",
         /// The gray level alone. An object as bright as the background is missed, whatever its colour.
         Gray = "gray" "Gray",
     }
@@ -312,7 +312,7 @@ mod tests {
     }
 
     fn pixel(x: usize, y: usize) -> [u8; 3] {
-        [0, 1, 2].map(|c| (40 * c + 3 * x + 5 * y) as u8)
+        [0, 1, 2].map(|c| (20 + 20 * c + 2 * x + 5 * y) as u8)
     }
 
     #[test]

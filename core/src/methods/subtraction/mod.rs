@@ -21,9 +21,7 @@ pub(crate) use channels::{Channel, Channelwise, Planes, Row, SHADOW_SHARE, class
 pub use declare::Settings;
 pub(crate) use declare::subtraction_pseudocode;
 pub(crate) use explain::{MaskHistory, plots};
-pub(crate) use explanation::{
-    Comparison, Explanation, FrameComparison, in_channel, kind, most, of_channel, tuple,
-};
+pub(crate) use explanation::{Comparison, Explanation, FrameComparison, in_channel, kind, most, of_channel, tuple};
 pub use exposure::Exposure;
 pub(crate) use history::Accepted;
 pub use initial::Initial;

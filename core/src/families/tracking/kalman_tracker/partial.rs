@@ -8,8 +8,9 @@ use crate::geometry::Bounds;
 
 /// The share of its size that a box is shorter by at least, where a side is hidden.
 const LEAST_HIDDEN: f32 = 0.12;
-/// The greatest deviation of the visible edge from its prediction, as a share of the hidden length.
-const VISIBLE: f32 = 0.5;
+/// The greatest deviation of the visible edge from its prediction, as a share of the hidden length. Where both edges move inward one
+/// of them is always within half of it.
+const VISIBLE: f32 = 0.4;
 /// The greatest change of the other side, along which nothing is hidden, as a share.
 const OTHER: f32 = 0.3;
 /// The greatest change of the size between frames as a share: by growing and by shrinking.
@@ -39,7 +40,7 @@ impl WholeSize {
             return Self { hidden_frames: self.hidden_frames + 1, ..*self };
         }
         let size = found.bounds.size();
-        let next = [0, 1].map(|i| size[i].clamp(self.size[i] * (1.0 - CHANGE[1]), self.size[i] * (1.0 + CHANGE[0])));
+        let next = [0, 1].map(|i| size[i].max(self.size[i] * (1.0 - CHANGE[1])).min(self.size[i] * (1.0 + CHANGE[0])));
         Self { size: next, hidden_frames: 0 }
     }
 
