@@ -192,9 +192,9 @@ fn gray_models_miss_an_object_as_bright_as_the_background_and_models_of_channels
             let field = objects(&*set(id, &[("channels", channels), ("shake", "0")]), &clip);
             field.frames[8].mask.as_ref().expect("a mask").unpacked().count()
         };
-        let (gray, color) = (found("gray"), found("color"));
-        println!("{id}: {gray} px in gray, {color} px in colour");
-        assert!(gray == 0 && color >= 240, "{id}: {gray} px in gray, {color} px in colour");
+        let (gray, rgb) = (found("gray"), found("rgb"));
+        println!("{id}: {gray} px in gray, {rgb} px in colour");
+        assert!(gray == 0 && rgb >= 240, "{id}: {gray} px in gray, {rgb} px in colour");
     }
     // The explanation names the channel that decides.
     let mut walk = set("running-average", &[("shake", "0")]).walk(&clip, 0).expect("a run");
