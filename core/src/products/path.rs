@@ -18,7 +18,7 @@ pub struct PathField {
     pub first: usize,
     /// The map from each frame to the next.
     pub motions: Vec<Matrix3>,
-    /// The map from each frame to its stabilised one, as far as these are computed.
+    /// The map from each frame to its stabilised one; one entry for each frame that is stabilised already.
     pub corrections: Vec<Matrix3>,
     /// The pictures made with it.
     pub views: Views,

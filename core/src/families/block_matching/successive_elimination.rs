@@ -168,7 +168,7 @@ impl Elimination<'_> {
             open &= within(&bounds[known], limit);
             known += 1;
         }
-        // What is excluded is told where that is watched.
+        // An observed run reports each excluded candidate.
         let mut left = if O::WATCHES { all } else { open };
         while left != 0 {
             let lane = left.trailing_zeros() as usize;

@@ -14,7 +14,7 @@ pub(crate) mod pairs_line {
     crate::line_names!(ESTIMATE, CHAIN);
 }
 
-/// The pseudocode of an estimator that first chains the motions of all pairs.
+/// The pseudocode of an estimator whose first pass composes the motions of all pairs.
 macro_rules! path_pseudocode {
     ($($name:ident: $text:literal,)*) => {
         $crate::pseudocode! {

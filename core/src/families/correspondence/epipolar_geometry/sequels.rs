@@ -17,8 +17,8 @@ use crate::scene::{Canvas, Fact, Focus, Link, Picture, Role, Scene, Sentence, Sh
 /// Largest number of rows drawn on the rectified pair.
 const ROWS: usize = 12;
 
-/// Matches and how many of them are right, as far as that is known.
-fn told(all: &[Match], estimate: &Estimate<'_>) -> String {
+/// The number of matches, and of the right ones among them where the true displacement is known.
+fn counted_matches(all: &[Match], estimate: &Estimate<'_>) -> String {
     let count = words::counted(all.len(), "match").replace("matchs", "matches");
     let errors = estimate.truth.map(|truth| MatchField::compare(all.iter(), truth));
     match errors.filter(|errors| errors.known > 0) {
@@ -57,8 +57,8 @@ impl EpipolarGeometry {
         let (plain, found) = (self.unguided(estimate), self.along_lines(estimate, &matrix));
         let limit = words::fine(self.robust.threshold);
         let mut facts = vec![
-            Fact::new("Unguided", told(&plain, estimate), Some(Role::Reference)),
-            Fact::new("Guided", told(&found, estimate), Some(Role::Result)),
+            Fact::new("Unguided", counted_matches(&plain, estimate), Some(Role::Reference)),
+            Fact::new("Guided", counted_matches(&found, estimate), Some(Role::Result)),
         ];
         if let Some((_, near)) = self.example(estimate, &matrix, (&found, focus)) {
             let of = estimate.pair.sides[1].points.len();
@@ -70,11 +70,11 @@ impl EpipolarGeometry {
         }
         let sentence = Sentence::default()
             .text(format!("Guided matching compares each keypoint only with those within {limit} px of its epipolar line: "))
-            .ink(Role::Result, told(&found, estimate))
+            .ink(Role::Result, counted_matches(&found, estimate))
             .text(format!(
                 ". Without guidance there are {}. Fewer candidates look alike, so the ratio test rejects fewer right matches; and what lies \
                  off the line is not matched at all.",
-                told(&plain, estimate)
+                counted_matches(&plain, estimate)
             ));
         Sequel { line: Some(line::GUIDE), sentence, facts, matrices: Vec::new() }
     }
