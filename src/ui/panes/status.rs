@@ -101,10 +101,15 @@ fn place(shown: &Snapshot) -> Vec<String> {
     all.filter_map(part).collect()
 }
 
-/// The same in short, where the timeline does not say it: for runs whose units are parts of larger ones.
+/// The same in short, `level 3, warp 2, iteration 5`, where the timeline does not say it: for runs whose units are parts of larger ones.
 pub fn nested_place(shown: &Snapshot) -> Option<String> {
-    let parts = place(shown);
-    (parts.len() > 1 && shown.cursor != Cursor::default() && !shown.at_end).then(|| parts.join(" · "))
+    let all = shown.place.iter().zip(shown.info.granularities).filter(|(granularity, _)| granularity.of != Some(1));
+    let number = |(granularity, name): (&Granularity, &&str)| match (*name, granularity.of) {
+        (LEVEL, Some(of)) => format!("level {}", of - 1 - granularity.index),
+        (name, _) => format!("{name} {}", grouped(granularity.index + 1)),
+    };
+    let parts: Vec<String> = all.map(number).collect();
+    (parts.len() > 1 && shown.cursor != Cursor::default() && !shown.at_end).then(|| parts.join(", "))
 }
 
 /// Which pixel is explained, and how another one is.

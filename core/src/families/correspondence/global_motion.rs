@@ -120,11 +120,18 @@ impl RobustModel for GlobalMotion {
         let quality = self
             .error(estimate)
             .map_or_else(String::new, |error| format!(" Mean endpoint error {} px.", words::fixed(error, 3)));
-        let advice = match score.inliers * 2 < estimate.points.len() {
-            true => {
-                "Fewer than half of the matches agree: parallax or moving objects need a model with more freedom, or local motion."
+        let is_few = score.inliers * 2 < estimate.points.len();
+        let advice = match (is_few, self.robust.outliers > 0.0, self.model) {
+            (true, true, _) => {
+                "Fewer than half of the matches agree, because a share of them was replaced by random ones."
             }
-            false => "Outliers are wrong matches, moving objects, or depth that the model cannot explain.",
+            (true, false, Model::Homography) => {
+                "Fewer than half of the matches agree: many are wrong, or parallax and moving objects need local motion."
+            }
+            (true, false, _) => {
+                "Fewer than half of the matches agree: many are wrong, or parallax and moving objects need a model with more freedom."
+            }
+            (false, ..) => "Outliers are wrong matches, moving objects, or depth that the model cannot explain.",
         };
         format!("{}.{quality} {advice}", self.described(&matrix))
     }

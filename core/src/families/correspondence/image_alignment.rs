@@ -113,6 +113,8 @@ pub struct State {
     errors: Arc<Vec<(usize, f64)>>,
     /// Number of unsuitable levels: without texture, or diverged.
     failed: usize,
+    /// Number of updates of the warp, on all levels.
+    updates: usize,
     is_over: bool,
 }
 
@@ -174,7 +176,8 @@ impl State {
         ModelField {
             picture: self.fixed.pair[0].size(),
             model,
-            matrix: Some(self.matrix),
+            // Where no level has an update, nothing is known.
+            matrix: (!self.is_over || self.updates > 0).then_some(self.matrix),
             iterations: self.errors.len(),
             residual_px: None,
             support: None,
@@ -267,6 +270,7 @@ impl ImageAlignment {
         report(Stage::Solve, state);
         let Some(updated) = warp::composed(&state.warp(), &increment.matrix) else { return Self::next_level(state) };
         (state.before, state.matrix) = (state.matrix, on_picture(&updated, state.level));
+        state.updates += 1;
         let is_last = increment.moved_px <= f64::from(self.epsilon) || iteration + 1 == self.iterations;
         report(if is_last { Stage::Converged } else { Stage::Update }, state);
         if is_last { Self::next_level(state) } else { state.turn = Turn::Iteration(iteration + 1) }
@@ -343,6 +347,7 @@ impl Estimator for ImageAlignment {
             increment: None,
             errors: Arc::default(),
             failed: 0,
+            updates: 0,
             is_over: false,
         })
     }

@@ -72,7 +72,7 @@ const LEAST_PX: usize = 4;
 /// The smallest standard deviation of a template with texture, in gray levels.
 const LEAST_DEVIATION: f64 = 1.0;
 /// The largest drift that is measured, in px.
-const DRIFT_PX: i32 = 4;
+const DRIFT_PX: i32 = 12;
 
 /// A template and its origin.
 pub struct Template {
@@ -222,7 +222,8 @@ impl Found {
     fn ratio(&self, score: Score) -> Option<f64> {
         let [best, second] = [self.pair.costs[self.best], self.pair.costs[self.second?]];
         let ratio = if score.is_similarity() { (1.0 - best) / (1.0 - second) } else { second / best };
-        (ratio >= 1.0).then_some(ratio)
+        // The cost of a perfect match is 0.
+        (ratio.is_finite() && ratio >= 1.0).then_some(ratio)
     }
 }
 

@@ -39,6 +39,11 @@ impl Score {
         Self { inliers, cost, squared }
     }
 
+    /// The sum of the squared errors of all `count` correspondences, each at most `limit`, in px².
+    pub fn limited(&self, limit: f64, count: usize) -> f64 {
+        self.squared + limit * (count - self.inliers) as f64
+    }
+
     /// Whether it is better than another; of equal ones, the one with the smaller errors.
     pub fn is_better(&self, than: &Self) -> bool {
         self.cost < than.cost || (self.cost == than.cost && self.squared < than.squared)

@@ -8,8 +8,10 @@ use super::moments::Moments;
 use crate::base::wide::wide;
 use crate::products::model::{HORIZON, Matrix3, Model};
 
-/// Gauss–Newton steps after the DLT: more change nothing in double precision.
-const STEPS: usize = 4;
+/// Most Gauss–Newton steps after the DLT.
+const STEPS: usize = 12;
+/// A step that lowers the sum by a smaller share is the last.
+const LEAST_GAIN: f64 = 1e-12;
 
 /// Fits `model` to all of `matches` by least squares of the distance in frame t + 1.
 pub fn least_squares(model: Model, matches: &[Correspondence]) -> Option<Matrix3> {
@@ -17,20 +19,28 @@ pub fn least_squares(model: Model, matches: &[Correspondence]) -> Option<Matrix3
     if model != Model::Homography {
         return Some(first);
     }
+    // In units of about 1, so that the normal equations are well conditioned.
+    let size = matches.iter().flat_map(|m| m.from).fold(1.0f64, |most, c| most.max(c.abs()));
     let mut matrix = first;
+    let mut at = Some(equations(&matrix, matches, size)).filter(|at| at.is_regular)?;
     for _ in 0..STEPS {
-        matrix = step(&matrix, matches)?;
+        let Some(next) = step(&matrix, &at, size) else { break };
+        let there = equations(&next, matches, size);
+        // Far from the minimum a step may lead upwards.
+        if !there.is_regular || there.squared >= at.squared {
+            break;
+        }
+        let is_last = there.squared >= at.squared * (1.0 - LEAST_GAIN);
+        (matrix, at) = (next, there);
+        if is_last {
+            break;
+        }
     }
     Some(matrix)
 }
 
-fn step(matrix: &Matrix3, matches: &[Correspondence]) -> Option<Matrix3> {
-    // In units of about 1, so that the normal equations are well conditioned.
-    let size = matches.iter().flat_map(|m| m.from).fold(1.0f64, |most, c| most.max(c.abs()));
-    let Equations { moments, right, is_regular } = equations(matrix, matches, size);
-    if !is_regular {
-        return None;
-    }
+/// The matrix after a step; `None` where the equations are singular.
+fn step(matrix: &Matrix3, Equations { moments, right, .. }: &Equations, size: f64) -> Option<Matrix3> {
     let normal = moments.transfer().fixed_view::<8, 8>(0, 0).into_owned();
     let right = SVector::<f64, 8>::from_fn(|i, _| right[i]);
     let d = normal.cholesky()?.solve(&right);
@@ -44,6 +54,8 @@ struct Equations {
     /// Those of the entries of the matrix; the last one is kept.
     moments: Moments,
     right: [f64; 9],
+    /// The sum of the squared distances in px².
+    squared: f64,
     /// Whether all points lie before the horizon.
     is_regular: bool,
 }
@@ -54,18 +66,19 @@ wide! {
 
 #[inline(always)]
 fn equations_anyhow(matrix: &Matrix3, matches: &[Correspondence], size: f64) -> Equations {
-    let (mut moments, mut right, mut least) = (Moments::default(), [0.0; 9], f64::INFINITY);
+    let (mut moments, mut right, mut squared, mut least) = (Moments::default(), [0.0; 9], 0.0, f64::INFINITY);
     for Correspondence { from: [x, y], to } in matches {
         let [a, b, w] = matrix.map(|row| row[0] * x + row[1] * y + row[2]);
         let (u, v, p) = (a / w, b / w, [x / w, y / w, size / w]);
         let [off_x, off_y] = [to[0] - u, to[1] - v];
+        squared += off_x * off_x + off_y * off_y;
         least = if w < least { w } else { least };
         moments.add(p, [u, v, 1.0], 1.0);
         for (block, factor) in [off_x, off_y, -(u * off_x + v * off_y)].into_iter().enumerate() {
             (0..3).for_each(|i| right[3 * block + i] += factor * p[i]);
         }
     }
-    Equations { moments, right, is_regular: least > HORIZON }
+    Equations { moments, right, squared, is_regular: least > HORIZON }
 }
 
 #[cfg(test)]
@@ -89,7 +102,7 @@ mod tests {
         let refined = least_squares(Model::Homography, &all).expect("points in general position");
         assert!(sum(&refined) <= sum(&linear), "{} after {}", sum(&refined), sum(&linear));
         // At the minimum no entry can be changed for the better.
-        for (i, j) in [(0, 0), (0, 2), (1, 1), (1, 2), (2, 0), (2, 1)] {
+        for (i, j) in [(0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (1, 2), (2, 0), (2, 1)] {
             for by in [-1e-5, 1e-5] {
                 let mut other = refined;
                 other[i][j] *= 1.0 + by;

@@ -113,8 +113,11 @@ impl Describe {
     }
 }
 
+/// Smallest length of a patch without its mean that is not flat, in gray levels.
+const LEAST_LENGTH: f32 = 0.5;
+
 impl Patches {
-    /// The patch around a position, as its descriptor; `None` where it leaves the picture.
+    /// The patch around a position, as its descriptor; `None` where it leaves the picture, and for the ZNCC where it is flat.
     fn around(&self, picture: &Gray, at: [f32; 2]) -> Option<Descriptor> {
         let (x, y) = picture.cell_at(at)?;
         let reach = self.reach;
@@ -128,8 +131,11 @@ impl Patches {
             let mean = values.iter().sum::<f32>() / values.len() as f32;
             values.iter_mut().for_each(|value| *value -= mean);
             let length = values.iter().map(|value| value * value).sum::<f32>().sqrt();
-            let factor = if length > 0.0 { 1.0 / length } else { 0.0 };
-            values.iter_mut().for_each(|value| *value *= factor);
+            // A flat patch has no correlation with any: the length of another is at least that of one gray level.
+            if length < LEAST_LENGTH {
+                return None;
+            }
+            values.iter_mut().for_each(|value| *value /= length);
         }
         Some(Descriptor::Reals(values.into()))
     }
@@ -148,5 +154,15 @@ mod tests {
         let apart = |cost| of(&picture, cost).distance(&of(&brighter, cost)).expect("patches of one size");
         assert!(apart(PatchCost::Zncc) < 1e-3 && apart(PatchCost::Ssd) > 100.0);
         assert!(Patches { reach: 3, cost: PatchCost::Ssd }.around(&picture, [2.0, 10.0]).is_none());
+    }
+
+    #[test]
+    fn flat_patches_have_no_correlation() {
+        let flat: Gray = Grid::new(20, 20, 97);
+        let around = |cost| Patches { reach: 3, cost }.around(&flat, [9.0, 9.0]);
+        assert!(around(PatchCost::Zncc).is_none() && around(PatchCost::Ssd).is_some());
+        let mut spot = flat.clone();
+        spot[(9, 9)] = 98;
+        assert!(Patches { reach: 3, cost: PatchCost::Zncc }.around(&spot, [9.0, 9.0]).is_some());
     }
 }

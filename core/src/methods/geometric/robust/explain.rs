@@ -100,6 +100,16 @@ impl<M: RobustModel> Robust<M> {
                 );
                 (line::REFIT, said.ink(Role::Result, sentence))
             }
+            Event::Kept(_, score) => {
+                let sentence = format!(
+                    "Least squares over all inliers finds no smaller distances, so the model stays: {} of {} matches are inliers, rms \
+                     distance {} px.",
+                    grouped(score.inliers),
+                    grouped(count),
+                    rms(score)
+                );
+                (line::REFIT, said.ink(Role::Result, sentence))
+            }
             Event::Doubted(doubt) => (line::REFIT, said.ink(Role::Rejected, self.doubted(*doubt, count))),
         }
     }
@@ -182,6 +192,7 @@ impl<M: RobustModel> Robust<M> {
                 Event::Best(_) => best = candidate,
                 Event::Resampled(_, matrix, score)
                 | Event::Refit(matrix, score)
+                | Event::Kept(matrix, score)
                 | Event::Sequel(_, Best { matrix, score }) => best = Some((*matrix, *score)),
                 Event::Doubted(_) => best = None,
                 Event::TooFew | Event::Degenerate | Event::Sample(_) => {}
@@ -335,7 +346,8 @@ impl<M: RobustModel> Robust<M> {
             Event::Hypothesis(matrix)
             | Event::Local(matrix, _)
             | Event::Resampled(_, matrix, _)
-            | Event::Refit(matrix, _) => Some(*matrix),
+            | Event::Refit(matrix, _)
+            | Event::Kept(matrix, _) => Some(*matrix),
             _ => None,
         });
         self.draw_matches(state, shown, scene);
@@ -350,7 +362,7 @@ impl<M: RobustModel> Robust<M> {
             }
             scene.legend(Role::Candidate, "sample");
         }
-        let is_final = matches!(last, Event::Refit(..)) && seen.after.is_some();
+        let is_final = matches!(last, Event::Refit(..) | Event::Kept(..)) && seen.after.is_some();
         if let Some(matrix) = shown {
             self.0.draw(&state.estimate(), (matrix, is_final), seen.focus, scene);
         }
@@ -374,7 +386,7 @@ impl<M: RobustModel> Robust<M> {
 
 /// Whether an event belongs to the fit to all inliers, after the iterations.
 fn is_last(event: &Event) -> bool {
-    matches!(event, Event::Resampled(..) | Event::Refit(..) | Event::Doubted(_) | Event::Sequel(..))
+    matches!(event, Event::Resampled(..) | Event::Refit(..) | Event::Kept(..) | Event::Doubted(_) | Event::Sequel(..))
 }
 
 /// The estimate at the end of a run that `state` has not quite reached.

@@ -206,8 +206,10 @@ pub enum Event {
     Best(usize),
     /// The best hypothesis was compared with so many models through samples of its inliers; the best of all, and its score.
     Resampled(usize, Matrix3, Score),
-    /// The model was fitted to all inliers.
+    /// The model was fitted to all inliers, which lowers its cost.
     Refit(Matrix3, Score),
+    /// A fit to all inliers does not lower the cost of the model, which stays.
+    Kept(Matrix3, Score),
     /// The model is not kept, because its inliers do not support it.
     Doubted(Doubt),
     /// A step that follows from the final model, by its index.
@@ -387,20 +389,24 @@ impl<M: RobustModel> Robust<M> {
         best
     }
 
-    /// Fits the best hypothesis to all of its inliers, until these stay the same.
+    /// Fits the best hypothesis to all of its inliers, as long as that lowers the limited sum of squared errors.
     fn refit(&self, points: &[Correspondence], consensus: &mut Consensus, observer: &mut impl Observer<Event>) {
         let Some(best) = consensus.best else { return observer.see(|| Event::TooFew) };
         let mut best = self.resample(points, best, observer);
+        let limit = f64::from(self.0.settings().threshold).powi(2);
+        let limited = |score: &Score| score.limited(limit, points.len());
         for round in 0..FINAL_ROUNDS {
-            let before = best.score;
             let refined = self.0.last(&self.inliers(points, &best.matrix));
-            let matrix = refined.unwrap_or(best.matrix);
-            best = Best { matrix, score: self.score(points, &matrix) };
-            observer.see(|| Event::Refit(matrix, best.score));
-            let is_same = best.score.inliers == before.inliers && (best.score.squared - before.squared).abs() < 1e-9;
-            if round > 0 && is_same {
+            let next = refined.map(|matrix| Best { matrix, score: self.score(points, &matrix) });
+            // What changes less is rounding.
+            let Some(next) = next.filter(|next| limited(&next.score) < limited(&best.score) - 1e-9) else {
+                if round == 0 {
+                    observer.see(|| Event::Kept(best.matrix, best.score));
+                }
                 break;
-            }
+            };
+            best = next;
+            observer.see(|| Event::Refit(best.matrix, best.score));
         }
         let doubt = self.doubt(points, &best);
         if let Some(doubt) = doubt {
