@@ -54,9 +54,7 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
     {
         return Err(Error::new(format!("there is no step {step}: the run ends at {}", extent.units)));
     }
-    let reference = Reference { clip, frame };
-    let repeated = detection::repeatability(estimator, &output, &reference, &threads)?;
-    let assessment = output.assess(&reference)?.and(repeated);
+    let assessment = detection::assess(estimator, &output, &Reference { clip, frame }, &threads)?;
     match &assessment.truth_error {
         Some(error) if experiment.given.truth.is_some() => return Err(error.clone()),
         Some(error) => eprintln!("warning: {error}"),

@@ -72,9 +72,7 @@ impl Row {
             time = time.min(start.elapsed());
         }
         let figures = Figures::of(estimator, &ran, (clip, frame), threads)?;
-        let reference = Reference { clip, frame };
-        let repeated = detection::repeatability(estimator, &ran.output, &reference, threads)?;
-        let assessment = ran.output.assess(&reference)?.and(repeated);
+        let assessment = detection::assess(estimator, &ran.output, &Reference { clip, frame }, threads)?;
         Ok(Self { estimator: estimator.boxed_clone(), swept: compared.swept.clone(), time, assessment, figures })
     }
 

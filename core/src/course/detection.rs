@@ -1,4 +1,4 @@
-//! The repeatability of a detector, for which it runs on the next frame as well.
+//! The assessment of a run, with the repeatability of a detector, for which it runs on the next frame as well.
 
 use crate::base::{Error, Threads};
 use crate::products::{Assessment, Output, PointField, Product, Reference};
@@ -7,6 +7,21 @@ use crate::run::AnyEstimator;
 /// Whether `estimator` detects keypoints in single frames.
 pub fn is_detector(estimator: &dyn AnyEstimator) -> bool {
     estimator.info().frames == 1 && estimator.produces().contains(&PointField::KIND)
+}
+
+/// Assesses `output`, the result of `estimator` on the frame of `reference`; for a detector with its repeatability.
+///
+/// # Errors
+/// If the result cannot be assessed, or a detector cannot run on the next frame. Unreadable ground truth is reported in
+/// [`Assessment::truth_error`].
+pub fn assess(
+    estimator: &dyn AnyEstimator,
+    output: &Output,
+    reference: &Reference<'_>,
+    threads: &Threads,
+) -> Result<Assessment, Error> {
+    let repeated = repeatability(estimator, output, reference, threads)?;
+    Ok(output.assess(reference)?.and(repeated))
 }
 
 /// Assesses how many of the keypoints of `output`, the result of `estimator` on the frame of `reference`, it detects again in the next frame. Empty

@@ -76,6 +76,25 @@ pub struct Feature {
     pub residual: Option<f32>,
 }
 
+impl Feature {
+    /// A feature that is detected, and not tracked.
+    pub const fn found(at: [f32; 2]) -> Self {
+        Self { at, displacement: None, status: Status::Found, residual: None }
+    }
+
+    /// A feature with the displacement and the residual of its tracking, or the reason of its loss.
+    pub fn tracked(at: [f32; 2], result: Result<([f32; 2], f32), Status>) -> Self {
+        let displacement = result.ok().map(|(displacement, _)| displacement);
+        let status = result.err().unwrap_or(Status::Tracked);
+        Self { at, displacement, status, residual: result.ok().map(|(_, residual)| residual) }
+    }
+
+    /// Its position in frame t + 1, unless it is lost.
+    pub fn end(&self) -> Option<[f32; 2]> {
+        self.displacement.map(|uv| [0, 1].map(|i| self.at[i] + uv[i]))
+    }
+}
+
 /// Outcome of tracking a feature.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {

@@ -163,10 +163,10 @@ fn is_in([x, y]: [f64; 2], (width, height): (usize, usize)) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::products::{Feature, Status};
+    use crate::products::Feature;
 
     fn field(points: &[[f32; 2]]) -> PointField {
-        let feature = |at: &[f32; 2]| Feature { at: *at, displacement: None, status: Status::Found, residual: None };
+        let feature = |at: &[f32; 2]| Feature::found(*at);
         PointField { picture: (100, 80), points: points.iter().map(feature).collect(), keypoints: Vec::new() }
     }
 

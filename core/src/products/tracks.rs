@@ -33,6 +33,19 @@ pub struct Track {
 }
 
 impl Track {
+    /// The track of a feature that is detected in frame `first`.
+    pub fn begin(first: usize, at: [f32; 2]) -> Self {
+        Self { first, points: vec![Feature::found(at)] }
+    }
+
+    /// Stores the outcome of tracking from its last frame, and its position in the next one, unless it is lost.
+    pub fn record(&mut self, outcome: Feature, next: Option<[f32; 2]>) {
+        if let Some(last) = self.points.last_mut() {
+            *last = outcome;
+        }
+        self.points.extend(next.map(Feature::found));
+    }
+
     /// Returns the feature in frame `t`.
     pub fn at(&self, t: usize) -> Option<&Feature> {
         self.points.get(t.checked_sub(self.first)?)

@@ -144,24 +144,17 @@ impl FeatureTracker {
             (Some(number), _) => number,
             (None, None) => return None,
             (None, Some(_)) => {
-                state.tracks.push(Arc::new(Track { first: state.frame, points: vec![found(at)] }));
+                state.tracks.push(Arc::new(Track::begin(state.frame, at)));
                 state.tracks.len() as u32 - 1
             }
         };
-        let track = Arc::make_mut(&mut state.tracks[number as usize]);
         let to = linked.to.map(|to| pair.sides[1].points[to].at);
-        if let Some(last) = track.points.last_mut() {
-            let displacement = to.map(|to| [to[0] - at[0], to[1] - at[1]]);
-            let status = if to.is_some() { Status::Tracked } else { Status::Unmatched };
-            *last = Feature { at, displacement, status, residual: None };
-        }
-        track.points.extend(to.map(found));
+        let displacement = to.map(|to| [to[0] - at[0], to[1] - at[1]]);
+        let status = if to.is_some() { Status::Tracked } else { Status::Unmatched };
+        let outcome = Feature { at, displacement, status, residual: None };
+        Arc::make_mut(&mut state.tracks[number as usize]).record(outcome, to);
         Some(number)
     }
-}
-
-fn found(at: [f32; 2]) -> Feature {
-    Feature { at, displacement: None, status: Status::Found, residual: None }
 }
 
 pseudocode! {

@@ -147,32 +147,19 @@ impl Estimator for Mosaic {
     }
 
     fn units(&self, state: &State) -> Option<usize> {
-        state.chain.frames().map(|frames| 2 * frames - 1)
+        state.chain.units()
     }
 
     fn place(&self, state: &State) -> Vec<Granularity> {
-        let (chain, frames) = (&state.chain, state.chain.frames());
-        let (pass, index, of) = match chain.is_complete {
-            false => (0, chain.motions.len(), frames.map(|frames| frames - 1)),
-            true => (1, state.placed, frames),
-        };
-        vec![Granularity { index: 0, of: Some(1) }, Granularity { index: pass, of: Some(2) }, Granularity { index, of }]
+        state.chain.place(state.placed)
     }
 
     fn at_frame(&self, state: &State) -> Option<usize> {
-        let last = state.chain.to_frames.len() - 1;
-        Some(match state.chain.is_complete {
-            false => state.chain.frame,
-            true => state.chain.span.first + state.placed.min(last),
-        })
+        Some(state.chain.at_frame(state.placed))
     }
 
     fn stage_view(&self, clip: &Clip, now: usize) -> Result<Option<StageView>, Error> {
-        // Behind the last pair the stage shows that.
-        if now == 0 || clip.has_frame(now + 1)? {
-            return Ok(None);
-        }
-        clip.pair_from(now - 1).map(|clip| Some(StageView { clip, set: Vec::new() }))
+        Chain::stage_view(clip, now)
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {

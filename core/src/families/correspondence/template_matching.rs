@@ -375,7 +375,7 @@ impl TemplateMatching {
         if found.is_lost() {
             return true;
         }
-        track.points.push(Feature { at: found.point, displacement: None, status: Status::Found, residual: None });
+        track.points.push(Feature::found(found.point));
         state.at = found.pair.corner(found.best);
         if self.update == Update::EveryFrame {
             state.template = Arc::new(self.updated(state, found));
@@ -435,7 +435,7 @@ impl Estimator for TemplateMatching {
         let span = Span::new(clip, frame, self.frames)?;
         let template = Arc::new(self.choose(clip.frame(frame)?.luma(), frame)?);
         let point = [0, 1].map(|i| template.at[i] as f32 + template.anchor[i]);
-        let begin = Feature { at: point, displacement: None, status: Status::Found, residual: None };
+        let begin = Feature::found(point);
         Ok(State {
             span,
             frame,

@@ -13,7 +13,7 @@ use crate::methods::features::{
     segment::{self, Candidate, SegmentTest},
 };
 use crate::params;
-use crate::products::{Feature, Keypoint, Output, PointField, Product, ProductKind, Status};
+use crate::products::{Feature, Keypoint, Output, PointField, Product, ProductKind};
 use crate::pseudocode;
 use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
 use crate::scene::{Chart, Focus, Scene, Step};
@@ -111,7 +111,7 @@ impl State {
     fn features(&self) -> PointField {
         let feature = |&index: &u32| {
             let (x, y) = self.place(index);
-            Feature { at: [x as f32, y as f32], displacement: None, status: Status::Found, residual: None }
+            Feature::found([x as f32, y as f32])
         };
         let keypoint = |&index: &u32| Keypoint::of_response(self.scores.cells()[index as usize].into());
         PointField {

@@ -10,7 +10,7 @@ use crate::methods::scale_space::{
     BORDER, CELLS, Descriptor, Extremum, Histogram, Iteration, Peak, Place, Refined, Rejection, ScaleSpace, Shape,
     Thresholds, extrema_of_row, refine,
 };
-use crate::products::{Feature, Keypoint, Output, PointField, Product, ProductKind, Status, keypoints};
+use crate::products::{Feature, Keypoint, Output, PointField, Product, ProductKind, keypoints};
 use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
 use crate::scene::{Chart, Focus, Picture, Scene, Step};
 use crate::{params, pseudocode};
@@ -260,7 +260,7 @@ impl Sift {
 
     fn keypoint(&self, oriented: &Oriented, descriptor: Option<&Arc<[f32]>>) -> (Feature, Keypoint) {
         let (at, sigma_px) = self.in_frame(&oriented.refined);
-        let feature = Feature { at, displacement: None, status: Status::Found, residual: None };
+        let feature = Feature::found(at);
         let keypoint = Keypoint {
             response: oriented.refined.response,
             scale_px: Some(sigma_px),

@@ -15,7 +15,7 @@ use crate::pseudocode;
 use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
 use crate::scene::{Chart, Focus, Scene, Step};
 use describe::{Blob, SIDE, VALUES};
-use hessian::{Filter, LAYERS, Layer, Neighbor, Refined, Three, scale_of, suppressed_by};
+use hessian::{Filter, LAYERS, Layer, Neighbor, Refined, Three, is_suppressed, scale_of, suppressed_by};
 
 params! {
     /// SURF keypoints: maxima of the determinant of the Hessian over place and scale, with an orientation and a descriptor of 64 values.
@@ -239,9 +239,9 @@ impl Surf {
                 if !layers[2].fits(sample, state.picture.size()) {
                     continue;
                 }
-                let by = suppressed_by(layers, sample);
-                observer.see(|| Event::Compared(sample, by));
-                if by.is_some() {
+                // Which of its neighbours suppresses it is found only where it is looked at.
+                observer.see(|| Event::Compared(sample, suppressed_by(layers, sample)));
+                if is_suppressed(layers, sample) {
                     continue;
                 }
                 let refined = Refined::of(layers, sample);

@@ -189,8 +189,7 @@ impl Klt {
             let track = state.tracks.len() as u32;
             let view = Arc::new(View::new(&pair.pyramids[0][0], at, self.window / 2));
             state.live.push(Live { track, at, view, matrix: IDENTITY, light: SAME_LIGHT });
-            let point = Feature { at, displacement: None, status: Status::Found, residual: None };
-            state.tracks.push(Arc::new(Track { first: state.frame, points: vec![point] }));
+            state.tracks.push(Arc::new(Track::begin(state.frame, at)));
         }
         state.turn = Some(0);
     }
@@ -204,15 +203,7 @@ impl Klt {
             Ok((residual, next)) => (Ok(residual), next),
             Err(status) => (Err(status), live.clone()),
         };
-        let feature = match result {
-            Ok(residual) => Feature {
-                at: live.at,
-                displacement: Some(displacement),
-                status: Status::Tracked,
-                residual: Some(residual),
-            },
-            Err(status) => Feature { at: live.at, displacement: None, status, residual: None },
-        };
+        let feature = Feature::tracked(live.at, result.map(|residual| (displacement, residual)));
         observer.see(|| Event::Verdict(feature));
         (feature, next)
     }
@@ -262,12 +253,9 @@ impl Klt {
 
     /// Stores the result of the current feature.
     fn note(state: &mut State, (feature, next): (Feature, Live)) {
-        let track = Arc::make_mut(&mut state.tracks[next.track as usize]);
-        if let Some(last) = track.points.last_mut() {
-            *last = feature;
-        }
-        if feature.displacement.is_some() {
-            track.points.push(Feature { at: next.at, displacement: None, status: Status::Found, residual: None });
+        let is_tracked = feature.displacement.is_some();
+        Arc::make_mut(&mut state.tracks[next.track as usize]).record(feature, is_tracked.then_some(next.at));
+        if is_tracked {
             state.next.push(next);
         }
     }

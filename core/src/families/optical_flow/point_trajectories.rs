@@ -143,21 +143,17 @@ enum What {
 impl Moved {
     /// Returns its end position by flow, unless lost.
     fn to(&self) -> Option<[f32; 2]> {
-        end(&self.feature)
+        self.feature.end()
     }
 
     fn twin_to(&self) -> Option<[f32; 2]> {
-        end(&self.twin?)
+        self.twin?.end()
     }
 
     /// Returns the drift between both tracks, in px.
     fn apart(&self) -> Option<f32> {
         Some(distance(self.to()?, self.twin_to()?))
     }
-}
-
-fn end(feature: &Feature) -> Option<[f32; 2]> {
-    feature.displacement.map(|uv| [0, 1].map(|i| feature.at[i] + uv[i]))
 }
 
 fn distance(a: [f32; 2], b: [f32; 2]) -> f32 {
@@ -243,8 +239,7 @@ impl PointTrajectories {
                 continue;
             }
             state.live.push(Live { track: state.tracks.len() as u32, at, twin: Some(at), truth: Some(at) });
-            let point = Feature { at, displacement: None, status: Status::Found, residual: None };
-            let track = Arc::new(Track { first: state.frame, points: vec![point] });
+            let track = Arc::new(Track::begin(state.frame, at));
             state.tracks.push(Arc::clone(&track));
             state.twins.push(track);
         }
@@ -268,7 +263,7 @@ impl PointTrajectories {
             }
             _ => Err(Status::Astray),
         };
-        let feature = feature(live.at, result);
+        let feature = Feature::tracked(live.at, result);
         let twin = live.twin.map(|at| self.followed(pair, at));
         let truth = live.truth.and_then(|at| pair.true_end(at));
         Moved { live, structure, there, back, feature, twin, truth }
@@ -285,7 +280,7 @@ impl PointTrajectories {
         };
         let pyramids = pair.pyramids.each_ref().map(|levels| levels.as_slice());
         let (displacement, result) = follow.through(pyramids, at, &mut ());
-        feature(at, result.map(|residual| (displacement, residual)))
+        Feature::tracked(at, result.map(|residual| (displacement, residual)))
     }
 
     /// Processes one pair.
@@ -322,23 +317,11 @@ impl PointTrajectories {
     }
 }
 
-/// A feature with displacement and residual, or the reason of its loss.
-fn feature(at: [f32; 2], result: Result<([f32; 2], f32), Status>) -> Feature {
-    match result {
-        Ok((uv, residual)) => Feature { at, displacement: Some(uv), status: Status::Tracked, residual: Some(residual) },
-        Err(status) => Feature { at, displacement: None, status, residual: None },
-    }
-}
-
 /// Stores the result of a point in its track.
 fn note(track: &mut Arc<Track>, feature: Option<Feature>) {
-    let Some(feature) = feature else { return };
-    let track = Arc::make_mut(track);
-    if let Some(last) = track.points.last_mut() {
-        *last = feature;
+    if let Some(feature) = feature {
+        Arc::make_mut(track).record(feature, feature.end());
     }
-    let next = end(&feature).map(|at| Feature { at, displacement: None, status: Status::Found, residual: None });
-    track.points.extend(next);
 }
 
 pseudocode! {

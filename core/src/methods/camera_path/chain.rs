@@ -7,7 +7,7 @@ use crate::data::Clip;
 use crate::products::ModelField;
 use crate::products::model::{IDENTITY, Matrix3, inverse, normalised, product};
 use crate::products::path::corner_error;
-use crate::run::{GlobalModel, Span, Stage, need};
+use crate::run::{GlobalModel, Granularity, Span, Stage, StageView, need};
 
 /// The lines of the pseudocode that chain the motions.
 pub(crate) mod pairs_line {
@@ -91,6 +91,40 @@ impl Chain {
     /// Number of frames of the run, if known.
     pub fn frames(&self) -> Option<usize> {
         if self.is_complete { Some(self.to_frames.len()) } else { self.span.frames() }
+    }
+
+    /// Number of units of a run whose second pass goes through all frames, if known.
+    pub fn units(&self) -> Option<usize> {
+        self.frames().map(|frames| 2 * frames - 1)
+    }
+
+    /// The place of such a run after so many frames of the second pass: clip, pass, and pair or frame.
+    pub fn place(&self, done: usize) -> Vec<Granularity> {
+        let frames = self.frames();
+        let (pass, index, of) = match self.is_complete {
+            false => (0, self.motions.len(), frames.map(|frames| frames - 1)),
+            true => (1, done, frames),
+        };
+        vec![Granularity { index: 0, of: Some(1) }, Granularity { index: pass, of: Some(2) }, Granularity { index, of }]
+    }
+
+    /// The frame of such a run after so many frames of the second pass.
+    pub fn at_frame(&self, done: usize) -> usize {
+        match self.is_complete {
+            false => self.frame,
+            true => self.span.first + done.min(self.to_frames.len() - 1),
+        }
+    }
+
+    /// What the motion stage processes at frame `now`: behind the last pair that pair.
+    ///
+    /// # Errors
+    /// If a frame cannot be read.
+    pub fn stage_view(clip: &Clip, now: usize) -> Result<Option<StageView>, Error> {
+        if now == 0 || clip.has_frame(now + 1)? {
+            return Ok(None);
+        }
+        clip.pair_from(now - 1).map(|clip| Some(StageView { clip, set: Vec::new() }))
     }
 
     /// Adds the next pair.

@@ -9,7 +9,7 @@ use crate::data::{Clip, Frame};
 use crate::geometry::{Gray, Grid};
 use crate::methods::differential::Tensor;
 use crate::params::{Params, inner_params};
-use crate::products::{Feature, Keypoint, Output, PointField, Product, ProductKind, Status};
+use crate::products::{Feature, Keypoint, Output, PointField, Product, ProductKind};
 use crate::run::{
     Cursor, Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen,
 };
@@ -119,7 +119,7 @@ impl State {
     fn features(&self) -> PointField {
         let feature = |&index: &u32| {
             let (x, y) = self.place(index);
-            Feature { at: [x as f32, y as f32], displacement: None, status: Status::Found, residual: None }
+            Feature::found([x as f32, y as f32])
         };
         let keypoint = |&index: &u32| Keypoint::of_response(self.map.cells()[index as usize]);
         PointField {

@@ -195,10 +195,10 @@ fn squared_anyhow(a: &[f32], b: &[f32]) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::products::{Feature, Status};
+    use crate::products::Feature;
 
     fn described(all: &[([f32; 2], [f32; 2])]) -> Described {
-        let point = |at| Feature { at, displacement: None, status: Status::Found, residual: None };
+        let point = |at| Feature::found(at);
         let keypoint = |values: [f32; 2]| Keypoint {
             descriptor: Some(Descriptor::Reals(values.to_vec().into())),
             ..Keypoint::default()

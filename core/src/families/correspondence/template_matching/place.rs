@@ -1,8 +1,10 @@
 //! The choice of a template, and the peaks of a score.
 
+use std::ops::Range;
+
 use super::{LEAST_PX, MOST_PX, Template, TemplateMatching};
 use crate::base::Error;
-use crate::geometry::{Border, Bounds, Gray, Grid};
+use crate::geometry::{Bounds, Gray, Grid};
 
 /// A peak this near to the best one is part of it, in px.
 const APART_PX: usize = 2;
@@ -38,9 +40,11 @@ impl TemplateMatching {
             (first..=(extent - extent / 4 - side / 2).min(extent - side).max(first)).step_by(step)
         };
         let off_middle = |x: usize, y: usize| (2 * x + side).abs_diff(width) + (2 * y + side).abs_diff(height);
-        let all = along(height).flat_map(|y| along(width).map(move |x| (x, y)));
-        let of = |(x, y)| ((x, y), smaller_eigenvalue(luma, (x, y), side));
-        let best = all.map(of).max_by(|((x, y), a), ((u, v), b)| {
+        let all = along(height).flat_map(|y| {
+            let columns = Columns::of(luma, y..y + side);
+            along(width).map(move |x| ((x, y), columns.smaller_eigenvalue(x, side)))
+        });
+        let best = all.max_by(|((x, y), a), ((u, v), b)| {
             a.total_cmp(b).then_with(|| off_middle(*u, *v).cmp(&off_middle(*x, *y)))
         });
         let ((x, y), eigenvalue) = best.unwrap_or_default();
@@ -65,18 +69,33 @@ fn placed(luma: &Gray, frame: usize, zone: Bounds) -> Result<Template, Error> {
     Ok(Template::cut(luma, frame, low.map(|c| c as i32), (size[0], size[1])))
 }
 
-/// The smaller eigenvalue of the structure tensor of a block, in (gray levels per px)².
-fn smaller_eigenvalue(luma: &Gray, (x, y): (usize, usize), side: usize) -> f64 {
-    let at = |x: isize, y: isize| i64::from(luma.at(x, y, Border::Replicate));
-    let mut sums = [0i64; 3];
-    for (x, y) in (y..y + side).flat_map(|y| (x..x + side).map(move |x| (x as isize, y as isize))) {
-        let [dx, dy] = [at(x + 1, y) - at(x - 1, y), at(x, y + 1) - at(x, y - 1)];
-        sums = [sums[0] + dx * dx, sums[1] + dx * dy, sums[2] + dy * dy];
+/// The sums of the structure tensor down the columns of a band of rows, shared by the blocks beside each other.
+struct Columns(Vec<[i64; 3]>);
+
+impl Columns {
+    fn of(luma: &Gray, rows: Range<usize>) -> Self {
+        let (width, height) = luma.size();
+        let mut sums = vec![[0i64; 3]; width];
+        for y in rows {
+            let [above, row, below] = [y.saturating_sub(1), y, (y + 1).min(height - 1)].map(|y| luma.row(y));
+            for (x, sums) in sums.iter_mut().enumerate() {
+                let [left, right] = [x.saturating_sub(1), (x + 1).min(width - 1)].map(|x| i64::from(row[x]));
+                let [dx, dy] = [right - left, i64::from(below[x]) - i64::from(above[x])];
+                *sums = [sums[0] + dx * dx, sums[1] + dx * dy, sums[2] + dy * dy];
+            }
+        }
+        Self(sums)
     }
-    // Central differences are half as large.
-    let [xx, xy, yy] = sums.map(|sum| sum as f64 / (4 * side * side) as f64);
-    let root = ((xx - yy) * (xx - yy) + 4.0 * xy * xy).sqrt();
-    ((xx + yy - root) / 2.0).max(0.0)
+
+    /// The smaller eigenvalue of the structure tensor of a square block from column `x` on, in (gray levels per px)².
+    fn smaller_eigenvalue(&self, x: usize, side: usize) -> f64 {
+        let add = |sums: [i64; 3], column: &[i64; 3]| [0, 1, 2].map(|i| sums[i] + column[i]);
+        let sums = self.0[x..x + side].iter().fold([0; 3], add);
+        // Central differences are half as large.
+        let [xx, xy, yy] = sums.map(|sum| sum as f64 / (4 * side * side) as f64);
+        let root = ((xx - yy) * (xx - yy) + 4.0 * xy * xy).sqrt();
+        ((xx + yy - root) / 2.0).max(0.0)
+    }
 }
 
 /// The sub-pixel part of a minimum, by parabolas along x and y through the costs of its neighbours.
@@ -117,6 +136,27 @@ fn is_minimum(costs: &Grid<f64>, (x, y): (usize, usize)) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Border;
+
+    #[test]
+    fn columns_give_the_eigenvalue_of_a_block() {
+        let luma = Grid::from_fn(23, 17, |x, y| ((x * x * 3 + y * 37 + x * y * 5) % 251) as u8);
+        let at = |x: usize, y: usize, [u, v]: [isize; 2]| {
+            f64::from(luma.at(x as isize + u, y as isize + v, Border::Replicate)) / 2.0
+        };
+        for (x, y, side) in [(0, 0, 5), (4, 3, 8), (15, 9, 8), (22, 16, 1)] {
+            let (mut trace, mut sums) = (0.0, [0.0; 3]);
+            for (i, j) in (y..y + side).flat_map(|j| (x..x + side).map(move |i| (i, j))) {
+                let [dx, dy] = [[1, 0], [0, 1]].map(|to| at(i, j, to) - at(i, j, to.map(|c: isize| -c)));
+                sums = [sums[0] + dx * dx, sums[1] + dx * dy, sums[2] + dy * dy];
+                trace += dx * dx + dy * dy;
+            }
+            let determinant = sums[0] * sums[2] - sums[1] * sums[1];
+            let plain = (trace - (trace * trace - 4.0 * determinant).max(0.0).sqrt()) / 2.0 / (side * side) as f64;
+            let found = Columns::of(&luma, y..y + side).smaller_eigenvalue(x, side);
+            assert!((found - plain).abs() < 1e-6 * trace.max(1.0), "{found} at ({x}, {y}), plainly {plain}");
+        }
+    }
 
     #[test]
     fn a_parabola_has_its_vertex_between_pixels() {

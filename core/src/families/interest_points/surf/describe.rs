@@ -31,6 +31,7 @@ pub struct Blob {
 impl Blob {
     /// The corner of pixels nearest to an offset in px: the wavelets have even sides, so that their middles are corners. A corner
     /// is called like the pixel below to its right.
+    #[inline(always)]
     fn corner(&self, [i, j]: [f32; 2]) -> [i32; 2] {
         [self.at[0] + i, self.at[1] + j].map(|c| (c + 0.5).round() as i32)
     }
@@ -38,17 +39,17 @@ impl Blob {
 
 /// The responses of the Haar wavelets along x and y at a corner of pixels, of side 2 `half`: the mean of one half less that of the other, in gray
 /// levels.
-#[inline]
+#[inline(always)]
 pub fn haar(integral: &Integral, at: [i32; 2], half: i32) -> [f32; 2] {
     let corners = integral.around(at, half);
     let sum = |[left, top]: [usize; 2], [right, bottom]: [usize; 2]| {
         let [above, below] = [corners[top], corners[bottom]];
-        below[right].wrapping_sub(above[right]).wrapping_sub(below[left]).wrapping_add(above[left]) as f32
+        below[right].wrapping_sub(above[right]).wrapping_sub(below[left]).wrapping_add(above[left])
     };
     let area = (2 * half * half) as f32;
-    let across = sum([1, 0], [2, 2]) - sum([0, 0], [1, 2]);
-    let down = sum([0, 1], [2, 2]) - sum([0, 0], [2, 1]);
-    [across / area, down / area]
+    // A half has less than 2²⁴ gray levels, so the difference is exact.
+    let difference = |one: u32, other: u32| one.wrapping_sub(other) as i32 as f32 / area;
+    [difference(sum([1, 0], [2, 2]), sum([0, 0], [1, 2])), difference(sum([0, 1], [2, 2]), sum([0, 0], [2, 1]))]
 }
 
 /// Half the side of a wavelet of `sides` scales, at least 1 px.
@@ -74,14 +75,23 @@ static WHEEL: LazyLock<Vec<([f32; 2], f32)>> = LazyLock::new(|| {
 
 /// The wavelet responses within 6 s, of wavelets of side 4 s, weighted with a Gaussian of 2 s.
 pub fn wheel(integral: &Integral, blob: Blob) -> Vec<Spoke> {
+    wide! {
+        fn measure(spokes: &mut Vec<Spoke>, integral: &Integral, blob: Blob) = measure_spokes
+    }
+    let mut spokes = Vec::with_capacity(WHEEL.len());
+    measure(&mut spokes, integral, blob);
+    spokes
+}
+
+#[inline(always)]
+fn measure_spokes(spokes: &mut Vec<Spoke>, integral: &Integral, blob: Blob) {
     let half = half_side(blob.scale, 4.0);
-    let spoke = |(offset, weight): &([f32; 2], f32)| {
+    for (offset, weight) in WHEEL.iter() {
         let offset = offset.map(|c| c * blob.scale);
         let response = haar(integral, blob.corner(offset), half).map(|response| weight * response);
         let angle = response[1].atan2(response[0]);
-        Spoke { response, angle_rad: if angle < 0.0 { angle + TAU } else { angle } }
-    };
-    WHEEL.iter().map(spoke).collect()
+        spokes.push(Spoke { response, angle_rad: if angle < 0.0 { angle + TAU } else { angle } });
+    }
 }
 
 /// The first direction of sector `k`.
@@ -114,16 +124,30 @@ pub fn sector_sums(spokes: &[Spoke], mut tell: impl FnMut([f32; 2])) -> Vec<[f32
 
 wide!(fn add_spokes(spokes: &[Spoke], sums: &mut [[f32; SECTORS]; 2]) = add_spokes_anyhow);
 
+/// Sectors that are compared at once.
+const GROUP: usize = 8;
+/// Groups among which the sectors of a direction lie: 60° are 12 sectors, with one more at each end for rounding.
+const GROUPS: usize = 3;
+
 /// Adds each response to the sectors in which its direction lies.
 #[inline(always)]
 fn add_spokes_anyhow(spokes: &[Spoke], [x, y]: &mut [[f32; SECTORS]; 2]) {
     let mut starts = [0.0; SECTORS];
     starts.iter_mut().enumerate().for_each(|(k, start)| *start = sector_start(k));
+    let (starts, _) = starts.as_chunks::<GROUP>();
+    let [x, y] = [x, y].map(|sums| sums.as_chunks_mut::<GROUP>().0);
     for Spoke { response, angle_rad } in spokes {
-        for k in 0..SECTORS {
-            let is_inside = beyond_start(*angle_rad, starts[k]) < SECTOR_RAD;
-            x[k] += if is_inside { response[0] } else { 0.0 };
-            y[k] += if is_inside { response[1] } else { 0.0 };
+        let last = (angle_rad * (SECTORS as f32 / TAU)) as usize + 1;
+        // The first of 14 sectors, and its group.
+        let first = (last + SECTORS - 13) % SECTORS / GROUP;
+        for group in first..first + GROUPS {
+            let group = if group < starts.len() { group } else { group - starts.len() };
+            let (starts, x, y) = (&starts[group], &mut x[group], &mut y[group]);
+            for k in 0..GROUP {
+                let is_inside = beyond_start(*angle_rad, starts[k]) < SECTOR_RAD;
+                x[k] += if is_inside { response[0] } else { 0.0 };
+                y[k] += if is_inside { response[1] } else { 0.0 };
+            }
         }
     }
 }
@@ -151,6 +175,14 @@ static SUBREGIONS: LazyLock<Vec<([f32; 2], f32)>> = LazyLock::new(|| {
 /// The sums Σ d_x, Σ d_y, Σ |d_x|, Σ |d_y| of subregion `k` of the square of 20 s, of wavelets of side 2 s turned by the orientation
 /// and weighted with a Gaussian of 3.3 s.
 pub fn subregion(integral: &Integral, blob: Blob, angle_rad: f32, k: usize) -> [f32; 4] {
+    wide! {
+        fn sums(integral: &Integral, blob: Blob, angle_rad: f32, k: usize) -> [f32; 4] = subregion_sums
+    }
+    sums(integral, blob, angle_rad, k)
+}
+
+#[inline(always)]
+fn subregion_sums(integral: &Integral, blob: Blob, angle_rad: f32, k: usize) -> [f32; 4] {
     let (sin, cos) = angle_rad.sin_cos();
     let half = half_side(blob.scale, 2.0);
     let mut sums = [0.0; 4];

@@ -1,6 +1,6 @@
 //! The explanation and the drawing of point trajectories.
 
-use super::{Event, Moved, Note, Pair, PointTrajectories, State, What, distance, end, line};
+use super::{Event, Moved, Note, Pair, PointTrajectories, State, What, distance, line};
 use crate::base::words;
 use crate::geometry::Grid;
 use crate::methods::{
@@ -199,7 +199,7 @@ impl PointTrajectories {
             ));
         }
         if let Some(twin) = moved.twin {
-            let value = match (end(&twin), reason_of(twin.status)) {
+            let value = match (twin.end(), reason_of(twin.status)) {
                 (Some(to), _) => format!("at {}", numbers::vector(to)),
                 (None, Some(reason)) => format!("lost: {reason}"),
                 (None, None) => "lost".into(),
