@@ -20,6 +20,7 @@ mod output;
 mod prediction;
 mod product;
 mod record;
+pub mod region;
 mod repeatability;
 mod streaks;
 pub mod table;
@@ -41,6 +42,7 @@ pub use output::Output;
 pub use prediction::{PSNR, predict};
 pub use product::{AnyProduct, Confidence, Motion, Product, ProductKind, Tested};
 pub use record::Record;
+pub use region::{Region, RegionField, RegionFrame};
 pub use repeatability::{Repeatability, repeatability};
 pub use streaks::{Streak, Streaks};
 pub use table::{Cell, Table};
@@ -57,6 +59,7 @@ pub const KINDS: &[&ProductKind] = &[
     EpipolarField::KIND,
     MaskField::KIND,
     ObjectField::KIND,
+    RegionField::KIND,
 ];
 
 #[cfg(test)]
