@@ -1,8 +1,8 @@
 //! Results hold bit for bit: what every estimator makes of bundled clips, as one number each.
 
 use motionscope_core::{
-    AnyEstimator, BlockField, Clip, Feature, MaskField, ObjectField, Output, Params, Threads, TrackField, estimators,
-    products, synth,
+    AnyEstimator, BlockField, Clip, Feature, MaskField, ObjectField, Output, Params, RegionField, Threads, TrackField,
+    estimators, products, synth,
 };
 
 /// Keypoints as the line of an estimator holds them: scale, orientation and descriptor have a line of their own.
@@ -54,7 +54,8 @@ fn further(output: &Output) -> Vec<(&'static str, u64)> {
         let has_any = all.iter().any(|told| *told != (None, None, None));
         has_any.then(|| ("keypoints", format!("{all:?}")))
     });
-    let told = [masks, confidence, keypoints].into_iter().flatten();
+    let region = output.get::<RegionField>().map(|field| ("region", format!("{field:?}")));
+    let told = [masks, confidence, keypoints, region].into_iter().flatten();
     told.map(|(name, told)| (name, hash(told.bytes()))).collect()
 }
 

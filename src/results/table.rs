@@ -3,7 +3,7 @@
 use motionscope_core::table::Table;
 use motionscope_core::{
     BlockField, DenseField, EpipolarField, Error, MaskField, MatchField, ModelField, ObjectField, Output, PointField,
-    Product, TrackField,
+    Product, RegionField, TrackField,
 };
 
 use super::{EncodedFiles, Export, Format};
@@ -24,6 +24,7 @@ pub const EXPORT: Export = Export {
         EpipolarField::KIND,
         ObjectField::KIND,
         MaskField::KIND,
+        RegionField::KIND,
     ],
     folder: None,
     formats: &[Format { ending: "csv", doc: "CSV", encode }],

@@ -8,12 +8,14 @@ mod fast_ball;
 mod flag;
 mod flat_wall;
 mod flicker;
+mod leaves;
 mod parallax;
 mod pillar;
 mod spin_zoom;
 mod sub_pixel;
 mod traffic;
 mod translation;
+mod tunnel;
 mod wallpaper;
 
 use super::Sample;
@@ -33,4 +35,6 @@ pub const SCENES: &[Sample] = &[
     crossing_stars::SAMPLE,
     traffic::SAMPLE,
     flag::SAMPLE,
+    tunnel::SAMPLE,
+    leaves::SAMPLE,
 ];
