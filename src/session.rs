@@ -8,7 +8,7 @@
 //! estimator = "full-search"
 //! pace = "block"                   # of the lockstep: block, budget, frame, iteration, level, stage or result
 //! frame = 12
-//! step = "35.412"
+//! step = "35.412"                  # without it: where the run was left, or its start
 //! pixel = "303,202"                # the held pixel to explain
 //!
 //! [set]
@@ -150,8 +150,8 @@ fn key(name: &'static str) -> &'static str {
 /// # Errors
 /// A sentence with the known paces.
 pub fn pace(id: &str) -> Result<Pace, Error> {
-    let told = || Error::new(format!("there is no pace {id}; there are {}", Pace::ALL.map(Pace::name).join(", ")));
-    Pace::ALL.into_iter().find(|pace| pace.name() == id).ok_or_else(told)
+    let message = || Error::new(format!("there is no pace {id}; there are {}", Pace::ALL.map(Pace::name).join(", ")));
+    Pace::ALL.into_iter().find(|pace| pace.name() == id).ok_or_else(message)
 }
 
 fn folder_of(path: &Path) -> &Path {

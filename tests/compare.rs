@@ -107,7 +107,7 @@ fn every_format_has_the_same_cells() {
     }
     let lines: Vec<&str> = csv.lines().collect();
     assert!(lines[0].starts_with("estimator,block,candidates_mean,candidates_most,ms,"));
-    assert!(lines.len() == 5 && lines.iter().all(|line| line.split(',').count() == 34));
+    assert!(lines.len() == 5 && lines.iter().all(|line| line.split(',').count() == 41));
     assert!(lines[4].starts_with("hexagon,16,"));
 }
 
@@ -144,7 +144,7 @@ fn what_features_do_not_have_is_absent_for_them() {
 }
 
 #[test]
-fn what_cannot_be_compared_is_told() {
+fn what_cannot_be_compared_is_reported() {
     for (more, told) in [
         ("--estimators diamnd", "diamond"),
         ("--estimators diamond --set hexagon.block=8", "hexagon is not compared"),

@@ -302,7 +302,7 @@ fn names() -> Vec<PathBuf> {
 
 #[cfg(unix)]
 #[test]
-fn names_that_are_long_or_odd_are_told_in_a_sentence() {
+fn names_that_are_long_or_odd_are_reported_in_a_sentence() {
     let cut = &fixture("h264_bframes.mp4")[..3000];
     for name in names() {
         let folder = tempfile::tempdir().expect("a folder");

@@ -114,7 +114,7 @@ fn frames_on_the_way_are_at_hand() {
 }
 
 #[test]
-fn a_false_name_is_told_and_the_clip_opens() {
+fn a_false_name_is_reported_and_the_clip_opens() {
     let folder = tempfile::tempdir().unwrap();
     for (name, false_name, words) in [
         ("vp9.webm", "clip.mp4", "named .mp4 but holds Matroska or WebM"),

@@ -293,7 +293,7 @@ fn own_results_are_never_truth() {
 }
 
 #[test]
-fn truth_is_named_wherever_errors_are_told() {
+fn truth_is_named_wherever_errors_are_reported() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     inputs(here);
@@ -314,7 +314,7 @@ fn truth_is_named_wherever_errors_are_told() {
 }
 
 #[test]
-fn a_layer_that_steps_lack_is_told() {
+fn a_layer_that_steps_lack_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     let export = |estimator: &str, rest: &str| format!("export {SMALL} --estimator {estimator} {rest} --out steps");

@@ -4,7 +4,7 @@
 //! window looks like now, tile by tile, so that one wrong digit is seen: drivers smooth edges differently, but in no
 //! square of 32 pixels a side may more than a few pixels differ by more than 40 of 255 in any channel. Where no graphics driver is installed there is nothing to compare, unless
 //! `REQUIRE_SCREENSHOTS` is set. `SCREENSHOTS=FOLDER` draws every estimator into a folder instead, as large as a lecture hall
-//! and a desk have it. A software driver will do (on Debian: mesa-vulkan-drivers).
+//! and a desktop screen have it. A software driver will do (on Debian: mesa-vulkan-drivers).
 
 use std::fs;
 use std::io::Cursor as Bytes;

@@ -50,7 +50,7 @@ use motionscope::ui::app::{App, Region};
 use motionscope::ui::charts::heat_map;
 use motionscope::ui::model::document::Owner;
 use motionscope::ui::model::snapshot::{Place, Snapshot};
-use motionscope::ui::model::writer::{Order, What};
+use motionscope::ui::model::writer::{Order, OutputKind};
 use motionscope::ui::{self, Start};
 use motionscope::view::look::Look;
 use motionscope::view::motion::Reverse;
@@ -156,7 +156,7 @@ impl Window {
     }
 
     /// Everything that the cursor tells and shows. Costs that are not known are NaN, so it is compared as text.
-    fn told(&self) -> String {
+    fn sentence(&self) -> String {
         let shown = self.shown();
         format!("{} {:?} {:?}", shown.cursor, shown.step, shown.scene)
     }
@@ -266,15 +266,15 @@ fn the_first_screen_shows_a_search_at_work() {
 #[test]
 fn a_step_there_and_back_shows_the_same() {
     let mut window = Window::usual();
-    let before = window.told();
+    let before = window.sentence();
     for (there, back) in [
         ((Modifiers::NONE, Key::ArrowRight), (Modifiers::NONE, Key::ArrowLeft)),
         ((Modifiers::NONE, Key::ArrowLeft), (Modifiers::NONE, Key::ArrowRight)),
     ] {
         window.press(there.0, there.1);
-        assert_ne!(window.told(), before);
+        assert_ne!(window.sentence(), before);
         window.press(back.0, back.1);
-        assert!(window.told() == before, "{there:?} and back");
+        assert!(window.sentence() == before, "{there:?} and back");
     }
     window.press(Modifiers::SHIFT, Key::ArrowRight);
     let end = window.cursor();
@@ -326,17 +326,17 @@ fn a_click_on_the_stage_goes_to_the_block() {
 #[test]
 fn another_pair_of_frames_is_run_on() {
     let mut window = Window::usual();
-    let (unit, before) = (window.cursor().unit, window.told());
+    let (unit, before) = (window.cursor().unit, window.sentence());
     window.key(Key::Period);
     assert_eq!((window.shown().subject.experiment.frame, window.cursor().unit), (1, unit));
     let sample = Source::synth("pillar").and_then(|source| source.open(&Open::default())).expect("the sample");
     for (t, frame) in [1, 2].into_iter().zip(&window.shown().pictures.pair) {
         assert!(frame.luma() == sample.frame(t).expect("a frame").luma(), "frame {t} is run on");
     }
-    assert!(window.told() != before, "another pair has other costs");
+    assert!(window.sentence() != before, "another pair has other costs");
     window.key(Key::Comma);
     assert_eq!(window.shown().subject.experiment.frame, 0);
-    assert!(window.told() == before, "and back is as before");
+    assert!(window.sentence() == before, "and back is as before");
 }
 
 #[test]
@@ -465,12 +465,12 @@ fn what_cannot_be_done_is_announced_so() {
 fn keys_are_letters_while_one_types() {
     let mut window = Window::usual();
     window.press(Modifiers::COMMAND, Key::O);
-    let before = window.told();
+    let before = window.sentence();
     window.harness.get_by_label("Path of the clip").type_text("l");
     window.settle();
     window.key(Key::L);
     window.key(Key::ArrowRight);
-    assert!(!window.app().settings().lecture && window.told() == before);
+    assert!(!window.app().settings().lecture && window.sentence() == before);
     window.key(Key::Escape);
     window.key(Key::L);
     assert!(window.app().settings().lecture);
@@ -492,7 +492,7 @@ fn the_palette_runs_a_command() {
     window.press(Modifiers::COMMAND, Key::K);
     window.harness.get_by_label("What to find").type_text("export");
     window.settle();
-    assert!(window.harness.query_by_label_contains("Nothing is called that").is_none());
+    assert!(window.harness.query_by_label_contains("No command matches").is_none());
     window.key(Key::Escape);
 
     window.press(Modifiers::COMMAND, Key::K);
@@ -619,9 +619,9 @@ fn what_is_still_being_written_is_not_cut_short_by_the_next() {
     };
     let mut window = Window::usual();
     let (from, to) = (Cursor { unit: 0, event: 1 }, Cursor { unit: 0, event: 12 });
-    let steps = What::Steps { from, to, granularity: 2, format: Format::Png };
+    let steps = OutputKind::Steps { from, to, granularity: 2, format: Format::Png };
     window.harness.state_mut().write(order(steps, "steps"));
-    window.harness.state_mut().write(order(What::Picture, "one.png"));
+    window.harness.state_mut().write(order(OutputKind::Picture, "one.png"));
     assert!(window.app().message().is_some_and(|text| text.contains("still being saved")));
     let begun = Instant::now();
     while window.app().written().expect("it is being written") < 1.0 {
@@ -679,7 +679,7 @@ fn a_click_on_a_chart_goes_to_the_candidate() {
 }
 
 #[test]
-fn a_click_on_what_was_not_tested_goes_where_it_is_told() {
+fn a_click_on_what_was_not_tested_goes_where_it_is_reported() {
     let mut window = Window::usual();
     let surface = |window: &Window| {
         let step = &window.shown().step;

@@ -1,9 +1,9 @@
 //! How fast interest points are detected: `cargo bench -p motionscope-core --bench interest_points`.
 //!
-//! FAST without limits of distance and number, as the peers that it is held against; the others with their defaults.
+//! Without limits of distance and number, as the peers that they are held against; ORB with its defaults.
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use motionscope_core::{Clip, Frame, Gray, Grid, Threads, estimator};
+use motionscope_core::{Clip, Frame, Gray, Grid, PointField, Threads, estimator};
 
 /// Smooth noise on several scales with some edges.
 fn texture(width: usize, height: usize) -> Gray {
@@ -24,20 +24,22 @@ fn texture(width: usize, height: usize) -> Gray {
 }
 
 fn detectors(c: &mut Criterion) {
-    for (name, width, height) in [("VGA", 640, 480), ("1080p", 1920, 1080)] {
+    let vga = ("VGA", 640, 480);
+    let all = [("max-points", "100000")];
+    for (id, (name, width, height), settings) in [
+        ("fast", vga, &[("max-points", "100000"), ("min-distance", "0")][..]),
+        ("fast", ("1080p", 1920, 1080), &[("max-points", "100000"), ("min-distance", "0")]),
+        ("sift", vga, &all),
+        ("surf", vga, &all),
+        ("surf", vga, &[("max-points", "1024")]),
+        ("orb", vga, &[]),
+    ] {
         let clip = Clip::from_frames("texture", vec![Frame::gray(texture(width, height))]).expect("a frame");
-        for id in ["fast", "orb", "surf"] {
-            let mut estimator = estimator(id).expect("it is registered");
-            let all = || [("min-distance", "0"), ("max-points", "100000")];
-            if id == "fast" {
-                all().into_iter().for_each(|(name, value)| estimator.set(name, value).expect("in range"));
-            }
-            let count = estimator.run(&clip, 0, &Threads::single()).expect("a run");
-            let points = count.get::<motionscope_core::PointField>().expect("points").points.len();
-            c.bench_function(&format!("{id} {name}, {points} points, 1 thread(s)"), |b| {
-                b.iter(|| estimator.run(&clip, 0, &Threads::single()).expect("a run"));
-            });
-        }
+        let mut estimator = estimator(id).expect("it is registered");
+        settings.iter().for_each(|(name, value)| estimator.set(name, value).expect("in range"));
+        let run = || estimator.run(&clip, 0, &Threads::single()).expect("a run");
+        let points = run().get::<PointField>().expect("points").points.len();
+        c.bench_function(&format!("{id} {name}, {points} points, 1 thread"), |b| b.iter(run));
     }
 }
 

@@ -1,10 +1,16 @@
-//! How fast keypoints are found, matched and explained by one model: `cargo bench -p motionscope-core --bench matching`.
+//! How fast keypoints are found, matched and explained by one model, and how accurate the models are: `cargo bench -p motionscope-core --bench
+//! matching`.
 
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use motionscope_core::correspondence::{EpipolarGeometry, GlobalMotion};
-use motionscope_core::geometric::{Correspondence, robust::Robust};
+use motionscope_core::geometric::{
+    Correspondence,
+    epipolar::{line, line_back},
+    robust::Robust,
+};
+use motionscope_core::products::model::mapped;
 use motionscope_core::{Clip, Params, Threads, estimator, synth};
 
 fn vga() -> Clip {
@@ -48,20 +54,48 @@ fn matches(map: impl Fn([f64; 2]) -> [f64; 2]) -> Vec<Correspondence> {
     (0..1000).map(one).collect()
 }
 
-fn models(c: &mut Criterion) {
-    let plane = matches(|[x, y]| {
-        let w = 1.0 + 3e-4 * x - 1e-4 * y;
-        [(0.9 * x + 0.1 * y + 12.0) / w, (1.05 * y - 0.08 * x + 5.0) / w]
+/// The homography of the peers' task.
+const PLANE: [[f64; 3]; 3] = [[1.05, 0.03, 12.0], [-0.02, 0.97, -8.0], [4e-5, -3e-5, 1.0]];
+
+/// Mean distance in px of the corners of the picture from where they belong.
+fn corner_error(matrix: &[[f64; 3]; 3]) -> f64 {
+    let corners = [[0.0, 0.0], [639.0, 0.0], [639.0, 479.0], [0.0, 479.0]];
+    let off = corners.map(|corner| {
+        let [a, b] = [matrix, &PLANE].map(|matrix| mapped(matrix, corner).expect("before the horizon"));
+        (a[0] - b[0]).hypot(a[1] - b[1])
     });
-    let homography = Robust(GlobalMotion::default());
+    off.iter().sum::<f64>() / 4.0
+}
+
+/// Mean distance in px of exact points from the epipolar lines of their partners, in both frames.
+fn epipolar_error(matrix: &[[f64; 3]; 3], exact: &[Correspondence]) -> f64 {
+    let off = exact.iter().map(|m| {
+        let of = |[a, b, c]: [f64; 3], [x, y]: [f64; 2]| (a * x + b * y + c).abs() / a.hypot(b);
+        0.5 * (of(line(matrix, m.from), m.to) + of(line_back(matrix, m.to), m.from))
+    });
+    off.sum::<f64>() / exact.len() as f64
+}
+
+fn models(c: &mut Criterion) {
+    let plane = matches(|from| mapped(&PLANE, from).expect("before the horizon"));
+    let mut homography = Robust(GlobalMotion::default());
+    homography.set("confidence", "0.995").expect("in range");
+    let found = homography.estimate(&plane).fitted.expect("an estimate");
+    println!("homography: mean corner error {:.3} px, {} inliers", corner_error(&found.matrix), found.score.inliers);
     c.bench_function("homography, 1000 matches, 30 % outliers", |b| b.iter(|| homography.estimate(black_box(&plane))));
     // A camera that moves sideways and forward past points at different depths.
-    let scene = matches(|[x, y]| {
+    let moved = |[x, y]: [f64; 2]| {
         let depth = 4.0 + 3.0 * ((0.13 * x).sin() * (0.17 * y).cos());
         let scale = depth / (depth - 0.2);
         [320.0 + scale * (x - 320.0) + 60.0 / depth, 240.0 + scale * (y - 240.0)]
-    });
-    let fundamental = Robust(EpipolarGeometry::default());
+    };
+    let scene = matches(moved);
+    let exact: Vec<_> = scene.iter().map(|m| Correspondence { from: m.from, to: moved(m.from) }).collect();
+    let mut fundamental = Robust(EpipolarGeometry::default());
+    fundamental.set("confidence", "0.995").expect("in range");
+    let found = fundamental.estimate(&scene).fitted.expect("an estimate");
+    let error = epipolar_error(&found.matrix, &exact);
+    println!("fundamental matrix: mean distance from epipolar lines {error:.3} px, {} inliers", found.score.inliers);
     c.bench_function("fundamental matrix, 1000 matches, 30 % outliers", |b| {
         b.iter(|| fundamental.estimate(black_box(&scene)));
     });

@@ -37,13 +37,13 @@ fn main() -> Result<(), Error> {
 
 /// A picture of 8-bit gray or colour values.
 fn read(name: &str) -> Result<Frame, Error> {
-    let told = |error: String| Error::new(format!("{name} cannot be read: {error}"));
-    let file = File::open(name).map_err(|error| told(error.to_string()))?;
+    let unreadable = |error: String| Error::new(format!("{name} cannot be read: {error}"));
+    let file = File::open(name).map_err(|error| unreadable(error.to_string()))?;
     let mut decoder = png::Decoder::new(BufReader::new(file));
     decoder.set_transformations(png::Transformations::normalize_to_color8());
-    let mut reader = decoder.read_info().map_err(|error| told(error.to_string()))?;
-    let mut samples = vec![0; reader.output_buffer_size().ok_or_else(|| told("it is too large".into()))?];
-    let info = reader.next_frame(&mut samples).map_err(|error| told(error.to_string()))?;
+    let mut reader = decoder.read_info().map_err(|error| unreadable(error.to_string()))?;
+    let mut samples = vec![0; reader.output_buffer_size().ok_or_else(|| unreadable("it is too large".into()))?];
+    let info = reader.next_frame(&mut samples).map_err(|error| unreadable(error.to_string()))?;
     let (width, height) = (info.width as usize, info.height as usize);
     let channels = info.color_type.samples();
     let pixel = |x: usize, y: usize| &samples[(y * width + x) * channels..][..channels];

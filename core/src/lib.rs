@@ -85,7 +85,7 @@ pub mod objects {
 
 pub use base::words::{fixed, grouped, spaced};
 pub use base::{Count, Error, Observer, Stop, Tally, Threads};
-pub use course::{compare, estimator, estimators, glossary};
+pub use course::{compare, detection, estimator, estimators, glossary};
 pub use data::{
     Blob, Clip, ClipInfo, Counted, Detection, Flow, Frame, FrameSource, Histogram, Interpolation, Mask, MaskErrors,
     ObjectBox, PackedMask, PixelClass, TrueMask, Truth,
@@ -99,12 +99,12 @@ pub use params::{Params, Spec, Value};
 pub use products::{
     Agreement, Block, BlockField, BlockGrid, BlockVector, Coding, Confidence, Consistency, DenseField, Descriptor,
     EpipolarField, Feature, Followed, Keypoint, MaskField, Match, MatchField, MatchStatus, Model, ModelField, Object,
-    ObjectField, ObjectFrame, Output, PointField, Product, ProductKind, Region, RegionField, RegionFrame, Status,
-    Streak, Streaks, Track, TrackField, TrackStatus, metrics, predict, table,
+    ObjectField, ObjectFrame, Output, PathField, PointField, Product, ProductKind, Region, RegionField, RegionFrame,
+    Status, Streak, Streaks, Track, TrackField, TrackStatus, metrics, predict, table,
 };
 pub use run::{
     AnyEstimator, AnyRun, Beside, CandidateCount, Cursor, Direction, Estimator, Explained, Extent, FRAMES, Footprint,
-    Granularity, Guarantee, Info, LEVEL, Move, Pace, Pointed, Progress, Ran, Seen, StageView, TestsCandidates,
+    Granularity, Guarantee, Info, LEVEL, Move, Pace, Pointed, Progress, RunSummary, Seen, StageView, TestsCandidates,
     Timeline, Walk, lockstep, run_observed, stage,
 };
 pub use scene::{Floor, Level, Levels, Role, Scene, Stack, Step, pseudocode};

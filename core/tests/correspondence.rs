@@ -7,6 +7,7 @@ use motionscope_core::products::{EpipolarField, keypoints::Descriptor};
 use motionscope_core::{
     Clip, Frame, Grid, MatchField, MatchStatus, ModelField, Move, Output, PointField, Threads, synth,
 };
+use nalgebra::{Rotation3, Vector3};
 
 fn scene(id: &str) -> Clip {
     let scene = synth::scene(id).expect("a scene");
@@ -288,7 +289,196 @@ fn without_texture_the_number_that_was_too_small_is_said() {
         let told = last_sentence(id, &[], &flat);
         assert!(told.contains(needed), "{id}: {told}");
     }
+    for (model, needed) in [("translation", 1), ("rigid", 2), ("similarity", 2), ("affine", 3)] {
+        let told = last_sentence("global-motion", &[("model", model)], &flat);
+        assert!(told.contains(&format!("0 of the needed {needed}")), "{model}: {told}");
+    }
     let output = run("global-motion", &[], &flat);
     assert_eq!(output.get::<ModelField>().expect("a model").matrix, None);
+    assert_eq!(run("epipolar-geometry", &[], &flat).get::<EpipolarField>().expect("no estimate").matrix, None);
     assert!(output.flow().expect("a flow").0.cells().iter().flatten().all(|c| c.is_nan()));
+}
+
+/// Patches around these positions; those of frame t + 1 are 5 px to the right and 2 px down.
+fn patches(positions: &[[usize; 2]]) -> Clip {
+    let moved: Vec<[usize; 2]> = positions.iter().map(|[x, y]| [x + 5, y + 2]).collect();
+    moved_patches([positions, &moved])
+}
+
+/// Different patches of 9×9 px around the positions in both frames. Their middle is the brightest, so that corners are found there.
+fn moved_patches(positions: [&[[usize; 2]]; 2]) -> Clip {
+    let level = |k: usize, i: usize, j: usize| {
+        if i / 3 == 1 && j / 3 == 1 {
+            return 255;
+        }
+        let mixed = (k as u64 * 0x9E37_79B9) ^ (i as u64 / 3 * 0x85EB_CA6B) ^ (j as u64 / 3 * 0xC2B2_AE35);
+        96 + (mixed.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 58) as u8
+    };
+    let frame = |positions: &[[usize; 2]]| {
+        let mut picture = Grid::new(320, 240, 128);
+        for (k, [x, y]) in positions.iter().enumerate() {
+            for (i, j) in (0..9).flat_map(|j| (0..9).map(move |i| (i, j))) {
+                picture[(x + i - 4, y + j - 4)] = level(k, i, j);
+            }
+        }
+        Frame::gray(picture)
+    };
+    Clip::from_frames("patches", positions.map(frame).to_vec()).expect("frames of one size")
+}
+
+/// One keypoint in the middle of each patch at most, compared by patches.
+const FEW: [(&str, &str); 4] =
+    [("detector", "harris"), ("detector.min-distance", "12"), ("detector.threshold", "0.001"), ("descriptor", "patch")];
+
+#[test]
+fn fewer_matches_than_a_model_needs_are_told_with_their_number() {
+    let clip = patches(&[[60, 60], [200, 70], [120, 180]]);
+    let told = last_sentence("global-motion", &FEW, &clip);
+    assert!(told.contains("3 of the needed 4 matches"), "{told}");
+    let told = last_sentence("epipolar-geometry", &FEW, &clip);
+    assert!(told.contains("3 of the needed 7 matches"), "{told}");
+    let output = run("global-motion", &FEW, &clip);
+    let field = output.get::<ModelField>().expect("a model");
+    assert!(field.matrix.is_none() && field.residual_px.is_none(), "{field:?}");
+    // A translation needs one.
+    let output = run("global-motion", &[&FEW[..], &[("model", "translation")]].concat(), &clip);
+    let [[_, _, u], [_, _, v], _] = output.get::<ModelField>().expect("a model").matrix.expect("an estimate");
+    assert!((u - 5.0).abs() < 0.1 && (v - 2.0).abs() < 0.1, "({u}, {v})");
+}
+
+#[test]
+fn points_on_a_line_determine_no_homography_and_the_spread_is_told() {
+    let line: Vec<[usize; 2]> = (0..14).map(|i| [20 + 19 * i, 40 + 9 * i]).collect();
+    let clip = patches(&line);
+    for (id, settings) in [
+        ("global-motion", [("model", "homography")]),
+        ("global-motion", [("model", "affine")]),
+        ("epipolar-geometry", [("sampling", "eight")]),
+    ] {
+        let settings = [&FEW[..], &settings].concat();
+        let told = last_sentence(id, &settings, &clip);
+        assert!(told.contains("line"), "{id}, {settings:?}: {told}");
+        let output = run(id, &settings, &clip);
+        let matrix = output.get::<ModelField>().map(|field| field.matrix);
+        let matrix = matrix.unwrap_or_else(|| output.get::<EpipolarField>().expect("one of both").matrix);
+        assert_eq!(matrix, None, "{id}, {settings:?}");
+    }
+    let output = run("global-motion", &[&FEW[..], &[("model", "similarity")]].concat(), &clip);
+    assert!(output.get::<ModelField>().expect("a model").matrix.is_some(), "a line determines a similarity");
+}
+
+#[test]
+fn matches_that_agree_by_chance_give_no_matrix() {
+    let noise = |seed: u64| {
+        Frame::gray(Grid::from_fn(320, 240, |x, y| {
+            let mixed = ((x as u64 / 4) * 0x9E37_79B9) ^ ((y as u64 / 4) * 0x85EB_CA6B) ^ (seed * 0xC2B2_AE35);
+            (mixed.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 56) as u8
+        }))
+    };
+    let clip = Clip::from_frames("cut", vec![noise(1), noise(2)]).expect("frames of one size");
+    for id in ["global-motion", "epipolar-geometry"] {
+        let settings = [("ratio", "1")];
+        let told = last_sentence(id, &settings, &clip);
+        assert!(told.contains("refused") && told.contains("random matches"), "{id}: {told}");
+        let output = run(id, &settings, &clip);
+        let matrix = output.get::<ModelField>().map(|field| field.matrix);
+        assert_eq!(matrix.unwrap_or_else(|| output.get::<EpipolarField>().expect("one of both").matrix), None, "{id}");
+        assert!(output.get::<MatchField>().expect("matches").matches.len() > 8);
+    }
+}
+
+#[test]
+fn a_wrong_focal_length_is_told_with_the_ratio_of_the_singular_values() {
+    // Points at different depths, seen by a camera of 300 px that moves and turns.
+    let (turn, moved) = (Rotation3::new(Vector3::new(0.09, 0.1, 0.02)), Vector3::new(0.35, 0.2, 0.08));
+    let view = |k: usize| {
+        let (x, y) = (30 + 26 * (k % 10), 30 + 26 * (k / 10));
+        let depth = 4.0 + 1.5 * (x as f64 / 40.0).sin() * (y as f64 / 30.0).cos();
+        let point = Vector3::new((x as f64 - 159.5) / 300.0, (y as f64 - 119.5) / 300.0, 1.0) * depth;
+        let seen = turn * point + moved;
+        let to = [300.0 * seen[0] / seen[2] + 159.5, 300.0 * seen[1] / seen[2] + 119.5];
+        let is_inside = to[0] > 12.0 && to[0] < 307.0 && to[1] > 12.0 && to[1] < 227.0;
+        is_inside.then(|| ([x, y], to.map(|c| c.round() as usize)))
+    };
+    let (here, there): (Vec<_>, Vec<_>) = (0..70).filter_map(view).unzip();
+    let clip = moved_patches([&here, &there]);
+    let settings = |focal: &'static str| [&FEW[..], &[("focal-length", focal)]].concat();
+    let right = last_sentence("epipolar-geometry", &settings("300"), &clip);
+    assert!(right.contains("Ratio of the singular values") && !right.contains("refused"), "{right}");
+    let wrong = last_sentence("epipolar-geometry", &settings("30"), &clip);
+    assert!(wrong.contains("The pose is refused") && !wrong.contains("NaN"), "{wrong}");
+}
+
+/// The steps that follow from the fundamental matrix: what is said, and the scene.
+fn sequels(clip: &Clip) -> [(String, motionscope_core::Scene); 2] {
+    let mut walk = set("epipolar-geometry", &[]).walk(clip, 0).expect("a walk");
+    walk.jump(Move::End);
+    let rectified = (walk.step(None).sentence.plain(), walk.scene(None));
+    let event = walk.info().granularities.len() - 1;
+    walk.jump(Move::Granularity(event, motionscope_core::Direction::Back));
+    [(walk.step(None).sentence.plain(), walk.scene(None)), rectified]
+}
+
+/// The first number of the `index`-th "120 of 121 right".
+fn right(told: &str, index: usize) -> usize {
+    let before = told.split(" right").nth(index).expect("counts are told");
+    before.rsplit(' ').nth(2).and_then(|word| word.parse().ok()).expect("a number")
+}
+
+#[test]
+fn guided_matching_finds_more_right_matches_than_unguided() {
+    let clip = scene("parallax");
+    let [(told, guided), _] = sequels(&clip);
+    assert!(told.contains("Guided matching"), "{told}");
+    // "… 123 matches, 120 of 121 right. Without guidance there are 99 matches, 97 of 98 right."
+    let [guided_right, plain_right] = [right(&told, 0), right(&told, 1)];
+    assert!(guided_right > plain_right, "{told}");
+    assert!(guided.links.len() >= guided_right);
+}
+
+#[test]
+fn a_rectified_pair_has_equal_rows() {
+    // Layers at four depths, seen by a camera that moves sideways: the rows are nearly equal as they are.
+    let [_, (told, scene)] = sequels(&scene("parallax"));
+    assert!(told.contains("Rectification: both frames are warped"), "{told}");
+    let names: Vec<String> = scene.pictures.iter().map(|canvas| canvas.picture.to_string()).collect();
+    assert_eq!(names, ["warped-t", "warped-t+1"]);
+}
+
+#[test]
+fn keypoints_are_tracked_through_a_clip_by_matching() {
+    let clip = scene("hand-held");
+    // ORB finds whole pixels of its levels.
+    for (detector, off_px) in [("sift", 0.3), ("surf", 0.5), ("orb", 0.9)] {
+        let output = run("feature-tracker", &[("detector", detector), ("frames", "8")], &clip);
+        let field = output.get::<motionscope_core::TrackField>().expect("tracks");
+        assert_eq!((field.first, field.last), (0, 7), "{detector}");
+        let mut off: Vec<f32> = Vec::new();
+        for t in 0..7 {
+            let truth = clip.truth().expect("truth").flow(t).expect("a flow").expect("a flow");
+            for point in field.at(t).points {
+                let (Some([u, v]), Some([true_u, true_v])) = (point.displacement, truth.sample(point.at)) else {
+                    continue;
+                };
+                off.push((u - true_u).hypot(v - true_v));
+            }
+        }
+        off.sort_by(f32::total_cmp);
+        let long = field.tracks.iter().filter(|track| track.points.len() >= 6).count();
+        assert!(
+            off.len() > 300 && off[off.len() / 2] < off_px,
+            "{detector}: {} px of {}",
+            off[off.len() / 2],
+            off.len()
+        );
+        assert!(long > 20, "{detector}: only {long} tracks last 6 frames");
+        // A track goes on where it stopped.
+        for track in &field.tracks {
+            for pair in track.points.windows(2) {
+                let [u, v] = pair[0].displacement.expect("tracked in all but its last frame");
+                let off = (pair[0].at[0] + u - pair[1].at[0]).hypot(pair[0].at[1] + v - pair[1].at[1]);
+                assert!(off < 1e-3, "{detector}: {pair:?}");
+            }
+        }
+    }
 }

@@ -223,7 +223,7 @@ fn the_tracker_agrees_with_a_plain_one() {
 }
 
 #[test]
-fn lost_points_are_told_why() {
+fn lost_points_are_reported_why() {
     let status = |clip: &Clip, settings: &[(&str, &str)]| -> Vec<Status> {
         let settings = [&[("points", "grid"), ("max-points", "40")], settings].concat();
         points("pyramidal-lucas-kanade", &settings, clip).iter().map(|point| point.status).collect()
@@ -264,7 +264,7 @@ fn pictures_too_small_for_a_corner_have_none_and_run_all_the_same() {
 }
 
 #[test]
-fn an_iteration_is_told_with_its_numbers_and_its_trail() {
+fn an_iteration_is_reported_with_its_numbers_and_its_trail() {
     let clip = moving([1.2, -0.7]);
     let estimator = set("pyramidal-lucas-kanade", &[("levels", "2"), ("max-points", "5")]);
     let mut walk = estimator.walk(&clip, 0).expect("a walk");
@@ -289,7 +289,7 @@ fn an_iteration_is_told_with_its_numbers_and_its_trail() {
 }
 
 #[test]
-fn a_faint_corner_is_no_less_one_and_ties_are_told_as_such() {
+fn a_faint_corner_is_no_less_one_and_ties_are_reported_as_such() {
     // A checkerboard of contrast 2, whose corners are all alike.
     let board = Grid::from_fn(72, 60, |x, y| 128 + 2 * ((x / 12 + y / 12) % 2) as u8);
     let clip = clip([board.clone(), board]);

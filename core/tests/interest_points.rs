@@ -447,3 +447,53 @@ fn flat_and_tiny_pictures_have_no_keypoints_and_say_so() {
         }
     }
 }
+
+/// The 64 values of SURF from the pixels themselves: sums over both halves of each Haar wavelet, without an integral image.
+fn plain_surf(picture: &Gray, [x, y]: [f64; 2], scale: f64, angle: f64) -> Vec<f64> {
+    let level = |i: i64, j: i64| {
+        let (i, j) = (usize::try_from(i).unwrap_or(usize::MAX), usize::try_from(j).unwrap_or(usize::MAX));
+        picture.get(i, j).map_or(0.0, |level| f64::from(*level))
+    };
+    let half = (scale.round() as i64).max(1);
+    let (sin, cos) = angle.sin_cos();
+    let mut values = vec![0.0; 64];
+    for (i, j) in (0..20).flat_map(|j| (0..20).map(move |i| (i, j))) {
+        let [u, v] = [i, j].map(|k: usize| k as f64 - 9.5);
+        let place = [x + scale * (cos * u - sin * v), y + scale * (sin * u + cos * v)];
+        // The wavelet has an even side, so that its middle is a corner of pixels.
+        let [a, b] = place.map(|c| (c + 0.5).round() as i64);
+        let mut wavelet = [0.0; 2];
+        for (p, q) in (-half..half).flat_map(|q| (-half..half).map(move |p| (p, q))) {
+            let value = level(a + p, b + q) / (2 * half * half) as f64;
+            wavelet[0] += if p < 0 { -value } else { value };
+            wavelet[1] += if q < 0 { -value } else { value };
+        }
+        let weight = (-(u * u + v * v) / (2.0 * 3.3 * 3.3)).exp();
+        let along = weight * (cos * wavelet[0] + sin * wavelet[1]);
+        let across = weight * (cos * wavelet[1] - sin * wavelet[0]);
+        let first = 4 * (j / 5 * 4 + i / 5);
+        for (value, part) in values[first..first + 4].iter_mut().zip([along, across, along.abs(), across.abs()]) {
+            *value += part;
+        }
+    }
+    let length = values.iter().map(|v| v * v).sum::<f64>().sqrt();
+    values.into_iter().map(|v| v / length).collect()
+}
+
+#[test]
+fn surf_descriptors_are_those_of_the_pixels() {
+    let picture = wavy(140, 120, |value| value);
+    let field = found(&*set("surf", &[("threshold", "5")]), &picture);
+    assert!(field.points.len() > 20, "{} keypoints", field.points.len());
+    let mut differing = 0;
+    for (point, keypoint) in field.points.iter().zip(&field.keypoints) {
+        let Some(Descriptor::Reals(values)) = &keypoint.descriptor else { panic!("64 values") };
+        let (scale, angle) = (keypoint.scale_px.expect("a scale"), keypoint.angle_rad.expect("oriented"));
+        let plain = plain_surf(&picture, point.at.map(f64::from), scale.into(), angle.into());
+        let off = values.iter().zip(&plain).map(|(a, b)| (f64::from(*a) - b).abs()).fold(0.0, f64::max);
+        // A sample between two corners is rounded to one or the other.
+        differing += usize::from(off > 1e-4);
+        assert!(off < 0.05, "{:?}: {off}", point.at);
+    }
+    assert!(10 * differing < field.points.len(), "{differing} of {}", field.points.len());
+}

@@ -7,7 +7,7 @@ use motionscope_core::kalman::chi_square;
 use motionscope_core::objects::score::scores;
 use motionscope_core::scene::{Matrix, Readout, Series};
 use motionscope_core::{
-    AnyEstimator, Bounds, Clip, Detection, Move, ObjectField, Role, Threads, TrackStatus, Walk, synth,
+    AnyEstimator, Bounds, Clip, Detection, Frame, Grid, Move, ObjectField, Role, Threads, TrackStatus, Walk, synth,
 };
 
 fn run(estimator: &dyn AnyEstimator, clip: &Clip) -> ObjectField {
@@ -234,7 +234,7 @@ fn what_has_left_the_picture_is_given_up() {
 }
 
 #[test]
-fn what_is_told_is_true_of_the_step() {
+fn what_is_reported_is_true_of_the_step() {
     let mut frames = vec![vec![found([100.0, 100.0], [10.0; 2], 1.0)]; 3];
     frames.push(vec![found([400.0, 300.0], [10.0; 2], 1.0)]);
     frames.extend([vec![], vec![]]);
@@ -308,6 +308,79 @@ fn a_click_chooses_the_object_that_another_source_detects() {
     let nothing = [("source", "truth"), ("clicks", "3:-900,-900"), ("smooth", "off")];
     let field = run(&*set("kalman-filter", &nothing), &clip);
     assert!(field.frames.iter().all(|frame| frame.objects.is_empty()), "nobody is there");
+}
+
+/// A bright ball that is thrown before a dark wall, passing a bright ruler that flickers, with the arm that throws it; true places
+/// from frame 6 on.
+fn thrown_ball() -> (Clip, Vec<[f64; 2]>) {
+    let place = |t: usize| {
+        let t = t as f64 - 6.0;
+        [90.0 + 11.0 * t, 120.0 - 15.0 * t + 1.1 * t * t]
+    };
+    let frame = |t: usize| {
+        Frame::gray(Grid::from_fn(320, 240, |x, y| {
+            let [bx, by] = place(t);
+            let (dx, dy) = (x as f64 - bx, y as f64 - by);
+            let noise = (x * 31 + y * 17 + t * 53) % 5;
+            let is_ruler = (190..196).contains(&x) && y % 24 > 2;
+            // Every piece of the ruler flickers for itself.
+            let flicker = 40 * ((y / 24 * 7 + t * 5) % 3);
+            let reach = 60 + 2 * t.min(8);
+            let is_arm = t > 1 && (118..138).contains(&y) && x < reach;
+            let level = match () {
+                () if t >= 6 && dx.hypot(dy) <= 5.0 => 230,
+                () if is_ruler => 120 + flicker,
+                () if is_arm => 140,
+                () => 25,
+            };
+            (level + noise) as u8
+        }))
+    };
+    let clip = Clip::from_frames("ball", (0..26).map(frame).collect()).expect("frames of one size");
+    (clip, (6..26).map(place).collect())
+}
+
+#[test]
+fn a_click_where_nothing_is_detected_begins_the_track() {
+    let place = |t: usize| [60.0 + 6.0 * t as f32, 200.0 - 3.0 * t as f32];
+    let found =
+        |center: [f32; 2]| Detection { bounds: Bounds::around(center, [10.0, 10.0]), center, score: 0.9, blob: None };
+    // Something else stands still; the object is missed in frame 3.
+    let frame = |t: usize| [vec![found([400.0, 80.0])], if t == 3 { vec![] } else { vec![found(place(t))] }].concat();
+    let clip = Clip::blank("missed", (640, 480), 14).with_detections((0..14).map(frame).collect());
+    let [x, y] = place(3);
+    let field = run(&*set("kalman-filter", &[("clicks", &format!("3:{x},{y}"))]), &clip);
+    assert!(field.frames[..3].iter().all(|frame| frame.objects.is_empty()), "it starts in the frame of the click");
+    for t in 4..14 {
+        let object = field.frames[t].objects.first().expect("it is followed");
+        let off = distance(object.position, place(t).map(f64::from));
+        assert!(off < 1.0, "frame {t}: {off:.2} px");
+    }
+}
+
+#[test]
+fn one_click_or_none_follows_a_thrown_ball() {
+    let (clip, places) = thrown_ball();
+    let is_in = |place: &[f64; 2]| (5.0..315.0).contains(&place[0]) && (5.0..235.0).contains(&place[1]);
+    let error = |settings: &[(&str, &str)], from: usize| {
+        let field = run(&*set("kalman-filter", settings), &clip);
+        let off = (from..26).filter(|t| is_in(&places[t - 6])).map(|t| {
+            let object = field.frames[t].objects.first();
+            object.map_or(f64::INFINITY, |object| distance(object.position, places[t - 6]))
+        });
+        let off: Vec<f64> = off.collect();
+        off.iter().sum::<f64>() / off.len() as f64
+    };
+    for t in [7, 9, 12, 15] {
+        let [x, y] = places[t - 6];
+        let click = format!("{t}:{x},{y}");
+        let found = error(&[("clicks", &click)], t);
+        println!("click in frame {t}: {found:.2} px");
+        assert!(found <= 3.0, "a click in frame {t}: {found:.2} px off on average");
+    }
+    let found = error(&[], 10);
+    println!("no click: {found:.2} px");
+    assert!(found <= 3.0, "without a click: {found:.2} px off on average");
 }
 
 #[test]

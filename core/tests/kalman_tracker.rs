@@ -41,9 +41,9 @@ fn rects(scene: &Scene, role: Role) -> Vec<[f32; 2]> {
 #[test]
 fn the_end_of_a_frame_shows_the_truth_and_the_errors() {
     let clip = synth::make("traffic", &synth::scene("traffic").expect("a scene").difficulty()).expect("a clip");
-    let estimator = set("kalman-tracker", &[("source", "truth"), ("added-noise", "0"), ("frames", "6")]);
-    let mut walk = estimator.walk(&clip, 0).expect("a run");
-    let field = run(&[("source", "truth"), ("added-noise", "0"), ("frames", "6"), ("backdate", "off")], &clip);
+    let settings = [("source", "truth"), ("added-noise", "0"), ("frames", "6"), ("backdate", "off")];
+    let mut walk = set("kalman-tracker", &settings).walk(&clip, 0).expect("a run");
+    let field = run(&settings, &clip);
     for t in [1, 5] {
         walk.jump(Move::To(Cursor { unit: t, event: usize::MAX }));
         let truth = clip.truth().and_then(|truth| truth.objects(t).expect("truth")).expect("objects");
@@ -100,17 +100,19 @@ fn sentences(estimator: &dyn AnyEstimator, clip: &Clip) -> String {
 
 #[test]
 fn bridging_and_backdating_look_back_and_nothing_else_does() {
-    let clip = walker(20, 8..12);
+    // The object comes in frame 4: what is there in the first frames counts at once.
+    let place = |t: usize| found([100.0 + 4.0 * t as f32, 200.0], BOX, 0.9);
+    let clip = rows((0..20).map(|t| if t < 4 || (8..12).contains(&t) { vec![] } else { vec![place(t)] }).collect());
     let causal = [("interpolate", "off"), ("backdate", "off")];
     let of = |settings: &[(&str, &str)]| {
         let field = run(settings, &clip);
         (0..20).map(|t| !seen(&field, t).is_empty()).collect::<Vec<_>>()
     };
     let at = |frames: &dyn Fn(usize) -> bool| (0..20).map(frames).collect::<Vec<_>>();
-    assert_eq!(of(&causal), at(&|t| (2..8).contains(&t) || t >= 12));
-    assert_eq!(of(&[("interpolate", "off")]), at(&|t| !(8..12).contains(&t)));
-    assert_eq!(of(&[("backdate", "off")]), at(&|t| t >= 2));
-    assert_eq!(of(&[]), at(&|_| true));
+    assert_eq!(of(&causal), at(&|t| (6..8).contains(&t) || t >= 12));
+    assert_eq!(of(&[("interpolate", "off")]), at(&|t| (4..8).contains(&t) || t >= 12));
+    assert_eq!(of(&[("backdate", "off")]), at(&|t| t >= 6));
+    assert_eq!(of(&[]), at(&|t| t >= 4));
     // What is put in between is a place, and nothing is known of how the object moved there.
     let interpolated = run(&[], &clip);
     let object = &interpolated.frames[10].objects[0];
@@ -119,6 +121,33 @@ fn bridging_and_backdating_look_back_and_nothing_else_does() {
     // A run that ends earlier says the same of its frames.
     let (whole, part) = (run(&causal, &clip), run(&[&causal[..], &[("frames", "14")]].concat(), &clip));
     assert_eq!(whole.frames[..14], part.frames[..]);
+}
+
+#[test]
+fn in_real_time_the_tracks_of_the_first_frames_count_at_once() {
+    // One object from the first frame on, one from frame 10 on, and a false detection in frame 1.
+    let frame = |t: usize| {
+        let walking = |y: f32| found([100.0 + 4.0 * t as f32, y], BOX, 0.9);
+        let later = (t >= 10).then(|| walking(400.0));
+        let wrong = (t == 1).then(|| found([500.0, 100.0], BOX, 0.9));
+        [Some(walking(200.0)), later, wrong].into_iter().flatten().collect()
+    };
+    let clip = rows((0..20).map(frame).collect());
+    let of = |settings: &[(&str, &str)]| {
+        let field = run(settings, &clip);
+        (0..20).map(|t| seen(&field, t).len()).collect::<Vec<_>>()
+    };
+    let at = |frames: &dyn Fn(usize) -> usize| (0..20).map(frames).collect::<Vec<_>>();
+    // As SORT does: the first three frames show all tracks.
+    assert_eq!(of(&[("backdate", "off")]), at(&|t| 1 + usize::from(t == 1) + usize::from(t >= 12)));
+    // With hindsight the false one is known to be false.
+    assert_eq!(of(&[]), at(&|t| 1 + usize::from(t >= 10)));
+    let causal = set("kalman-tracker", &[]).walk(&clip, 0).map(|mut walk| {
+        walk.jump(Move::End);
+        walk.causal().and_then(|output| output.get::<ObjectField>().cloned())
+    });
+    let causal = causal.expect("a run").expect("it looks back");
+    assert_eq!((0..20).map(|t| seen(&causal, t).len()).collect::<Vec<_>>(), of(&[("backdate", "off")]));
 }
 
 #[test]
@@ -356,4 +385,40 @@ fn sentences_until(estimator: &dyn AnyEstimator, clip: &Clip, events: usize) -> 
             format!("{}\n", walk.step(None).sentence.plain())
         })
         .collect()
+}
+
+#[test]
+fn the_formula_of_a_pair_ends_with_the_condition_that_it_meets() {
+    // Track 1 stands still, track 2 turns back while it is not seen: only its last box still overlaps.
+    let at = |x: f32, y: f32| found([x, y], [60.0, 60.0], 1.0);
+    let moving = (0..8).map(|t| vec![at(100.0, 100.0), at(200.0 + 25.0 * t as f32, 300.0)]);
+    let hidden = (0..4).map(|_| vec![at(100.0, 100.0)]);
+    let clip = rows(moving.chain(hidden).chain([vec![at(100.0, 100.0), at(380.0, 300.0)]]).collect());
+    let formulas = |settings: &[(&str, &str)]| {
+        let settings = [&[("source", "detections"), ("score-threshold", "0.5"), ("max-age", "20")], settings].concat();
+        let mut walk = set("kalman-tracker", &settings).walk(&clip, 0).expect("a run");
+        let mut all = Vec::new();
+        while !walk.at_end() {
+            walk.jump(Move::Granularity(2, Direction::Forward));
+            let step = walk.step(None);
+            if step.sentence.plain().contains("is assigned to") {
+                all.push((step.sentence.plain(), common::equation(&step)));
+            }
+        }
+        all
+    };
+    for (settings, condition) in [
+        (&[("cost", "both"), ("iou-threshold", "0.25")][..], "IoU = 1.00 ≥ 0.25"),
+        (&[("cost", "overlap"), ("iou-threshold", "0")], "with IoU = 1.00 > 0"),
+        (&[("cost", "mahalanobis")], "≤ gate 13.82"),
+    ] {
+        let all = formulas(settings);
+        let (sentence, lines) = all.iter().find(|(sentence, _)| sentence.contains("detection 1")).expect("a pair");
+        assert!(lines[0].starts_with("C = ") && lines.last().expect("a line").contains(condition), "{lines:?}");
+        assert!(!sentence.contains("≥ 0.00"), "{sentence}");
+    }
+    let all = formulas(&[("cost", "both"), ("iou-threshold", "0.25")]);
+    let (sentence, lines) = all.last().expect("a pair");
+    assert!(sentence.contains("IoU with the last box"), "{sentence}");
+    assert!(lines[0] == "C = 1 − IoU of the last box" && lines[2].ends_with("≥ 0.25"), "{lines:?}");
 }

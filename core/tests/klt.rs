@@ -152,7 +152,7 @@ fn what_does_not_come_back_is_lost() {
 }
 
 #[test]
-fn every_step_of_a_feature_is_told() {
+fn every_step_of_a_feature_is_reported() {
     let clip = clip(3, |t, [x, y]| [x - 1.3 * t, y + 0.7 * t]);
     let mut walk = klt(&[("max-points", "12"), ("levels", "2")]).walk(&clip, 0).expect("a walk");
     assert_eq!(walk.at_frame(), 0);
@@ -213,7 +213,7 @@ impl FrameSource for Stream {
 }
 
 #[test]
-fn a_damaged_frame_is_told_and_the_end_of_a_clip_is_none() {
+fn a_damaged_frame_is_reported_and_the_end_of_a_clip_is_none() {
     let stream = |is_damaged| {
         let frames = clip(4, |t, [x, y]| [x - 1.3 * t, y + 0.7 * t]);
         let info = ClipInfo { frames: None, ..frames.info().clone() };

@@ -515,8 +515,12 @@ fn square_on_background(frames: usize) -> (Clip, Vec<Bounds>) {
 
 #[test]
 fn what_moves_before_a_background_is_found_in_its_place() {
-    for estimator in estimators().into_iter().filter(|estimator| estimator.guarantee() == Guarantee::Objects) {
+    for mut estimator in estimators().into_iter().filter(|estimator| estimator.guarantee() == Guarantee::Objects) {
         let (clip, bounds) = square_on_background(24);
+        // The registration of frames is exact here. The details of the square move by 1 px, and would count as its errors.
+        if estimator.get("motion").is_ok() && estimator.get("shake").is_ok() {
+            estimator.set("shake", "0").expect("in range");
+        }
         let output = estimator.run(&clip, 0, &Threads::single()).unwrap();
         let field = output.get::<ObjectField>().expect("objects");
         let id = estimator.info().id;
@@ -631,7 +635,7 @@ fn has_lone_index(text: &str) -> bool {
 }
 
 #[test]
-fn every_mark_is_finite_and_every_event_is_told() {
+fn every_mark_is_finite_and_every_event_is_reported() {
     each(|estimator| {
         let clip = clip_for(&*estimator, moving(24, 24, (1, 1), 2));
         let mut walk = estimator.walk(&clip, 0).unwrap();

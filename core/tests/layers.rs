@@ -67,7 +67,7 @@ fn an_arrow_that_runs_back_up_is_found_wherever_it_is_written() {
 }
 
 #[test]
-fn rooms_side_by_side_and_circles_are_told() {
+fn rooms_side_by_side_and_circles_are_reported() {
     let side = faults(&[("left.rs", "use crate::right::R;"), ("right.rs", "pub struct R;")]);
     assert_eq!(side, ["left.rs:1: left → right (R) runs to the side"]);
     let circle = [

@@ -89,7 +89,7 @@ fn stand<'a>(stops: &'a [Stop], way: &[usize], mut candidates: u64) -> &'a Stop 
 }
 
 /// What a step tells but for where a click on its readouts leads, and the events that it names for that.
-fn told(mut step: Step) -> (String, Vec<usize>) {
+fn explained(mut step: Step) -> (String, Vec<usize>) {
     let mut named = Vec::new();
     for readout in &mut step.readouts {
         match readout {
@@ -103,7 +103,7 @@ fn told(mut step: Step) -> (String, Vec<usize>) {
 }
 
 fn shows(member: &Beside, stop: &Stop) -> bool {
-    let told = told(member.step.clone()).0 == told(stop.step.clone()).0;
+    let told = explained(member.step.clone()).0 == explained(stop.step.clone()).0;
     member.cursor == stop.cursor && told && member.scene.same(&stop.scene) && counted(member).in_all == stop.tested
 }
 
@@ -135,7 +135,7 @@ fn each_shows_what_it_shows_alone_at_the_same_candidate() {
                 assert_eq!(member.is_done, stop.ends_unit && stop.cursor.unit == way[way.len() - 1], "{id}");
                 let leg = way.iter().position(|unit| *unit == stop.cursor.unit).expect("a unit of its way");
                 assert_eq!(counted(member).leg, (leg + 1, way.len()), "{id}");
-                let named = told(member.step.clone()).1;
+                let named = explained(member.step.clone()).1;
                 assert!(named.windows(2).all(|pair| pair[0] + 1 == pair[1]), "candidates one after the other");
                 assert!(named.last().is_none_or(|last| *last == counted(member).here), "{id}: {named:?}");
                 let here = counted(member).here;
@@ -151,22 +151,22 @@ fn each_shows_what_it_shows_alone_at_the_same_candidate() {
 #[test]
 fn back_is_forward_reversed_and_seeking_is_walking() {
     for (ids, pace) in TEAMS.into_iter().flat_map(|ids| [(ids, Pace::Block), (ids, Pace::Budget)]) {
-        let told = |walk: &dyn Walk| format!("{} {} {:?}", walk.cursor(), walk.events(), walk.beside(None));
+        let explained = |walk: &dyn Walk| format!("{} {} {:?}", walk.cursor(), walk.events(), walk.beside(None));
         let mut walk = in_lockstep(ids, pace);
-        let mut views = vec![(walk.cursor(), told(&*walk))];
+        let mut views = vec![(walk.cursor(), explained(&*walk))];
         while !walk.at_end() && views.len() < 700 {
             forward(&mut *walk);
-            views.push((walk.cursor(), told(&*walk)));
+            views.push((walk.cursor(), explained(&*walk)));
         }
         for (cursor, view) in views.iter().rev() {
-            assert!(*view == told(&*walk), "walking back to {cursor}");
+            assert!(*view == explained(&*walk), "walking back to {cursor}");
             walk.jump(Move::Granularity(2, Direction::Back));
         }
         for i in 0..60 {
             let (cursor, view) = &views[(i * 7919 + 13) % views.len()];
             walk.go(Move::To(*cursor));
             while !walk.work(&mut || false) {}
-            assert!(*view == told(&*walk), "seeking {cursor} in slices");
+            assert!(*view == explained(&*walk), "seeking {cursor} in slices");
         }
         walk.jump(Move::End);
         assert!(walk.at_end() && Some(walk.cursor().unit + 1) == walk.units());
@@ -202,7 +202,7 @@ fn nobody_spends_more_than_the_leader() {
         assert_eq!(budget, totals[0], "the run ends where the leader's ends");
         let solo = alone(ids[1]);
         let member = &walk.beside(None)[1];
-        assert!(told(member.step.clone()).1.is_empty(), "its candidates are not those of the leader's block");
+        assert!(explained(member.step.clone()).1.is_empty(), "its candidates are not those of the leader's block");
         assert!(solo.iter().any(|stop| shows(member, stop)), "it shows what it shows alone");
     }
 }
@@ -347,7 +347,7 @@ fn every_family_goes_in_lockstep_and_shows_what_each_shows_alone() {
                 let alone = by_itself(*estimator, &clip, member.cursor);
                 let what = format!("{ids:?} {pace:?} at {}: {}", walk.cursor(), estimator.info().id);
                 assert_eq!(alone.cursor(), member.cursor, "{what}");
-                assert!(told(alone.step(None)).0 == told(member.step.clone()).0, "{what}");
+                assert!(explained(alone.step(None)).0 == explained(member.step.clone()).0, "{what}");
                 assert!(alone.scene(None).same(&member.scene) && alone.output() == member.output, "{what}");
             }
         }

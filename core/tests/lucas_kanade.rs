@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{SIZE, fact, linear_motion, numbers, set, tile, told};
+use common::{SIZE, explained_at, fact, linear_motion, numbers, set, tile};
 use motionscope_core::scene::Focus;
 use motionscope_core::{Clip, Cursor, DenseField, Direction, Frame, Grid, Move, Role, Threads, Walk, scene};
 
@@ -60,12 +60,12 @@ fn slope() -> Clip {
 }
 
 #[test]
-fn a_slope_is_told_alike_at_the_edge_and_inside() {
+fn a_slope_is_reported_alike_at_the_edge_and_inside() {
     for scheme in ["central", "sobel", "scharr", "cube", "five-point"] {
         for sigma in ["0", "1"] {
             let estimator = set("normal-flow", &[("sigma", sigma), ("derivatives", scheme)]);
             for x in [0.0, 1.0, 20.0, 38.0, 39.0] {
-                let step = told(&*estimator, &slope(), 4, [x, 4.0]);
+                let step = explained_at(&*estimator, &slope(), 4, [x, 4.0]);
                 let derivatives = numbers(&fact(&step, "I_x, I_y, I_t").expect("derivatives"));
                 assert_eq!(derivatives, [4.0, 0.0, -2.0], "{scheme} at {x}");
                 let found = numbers(&fact(&step, "Normal flow").expect("a displacement"));
@@ -77,14 +77,15 @@ fn a_slope_is_told_alike_at_the_edge_and_inside() {
 
 #[test]
 fn the_tensor_of_a_slope_is_the_square_of_it() {
-    let step = told(&*set("lucas-kanade", &[("sigma", "0")]), &slope(), 4, [20.0, 4.0]);
+    let step = explained_at(&*set("lucas-kanade", &[("sigma", "0")]), &slope(), 4, [20.0, 4.0]);
     assert_eq!(fact(&step, "Eigenvalues λ₁, λ₂").as_deref(), Some("16.00 and 0.00: edge"));
-    let without = told(&*set("lucas-kanade", &[("sigma", "0"), ("min-eigenvalue", "0")]), &slope(), 4, [20.0, 4.0]);
+    let without =
+        explained_at(&*set("lucas-kanade", &[("sigma", "0"), ("min-eigenvalue", "0")]), &slope(), 4, [20.0, 4.0]);
     let said = without.sentence.plain();
     assert!(said.contains("λ₂ = 0.00 is 0 up to rounding, an edge"), "{said}");
     let flat = Clip::from_frames("flat", vec![Frame::gray(Grid::new(40, 12, 77)); 2]).unwrap();
     for (threshold, why) in [("0", "0 up to rounding"), ("0.5", "below the threshold of 0.50")] {
-        let step = told(&*set("lucas-kanade", &[("min-eigenvalue", threshold)]), &flat, 4, [20.0, 4.0]);
+        let step = explained_at(&*set("lucas-kanade", &[("min-eigenvalue", threshold)]), &flat, 4, [20.0, 4.0]);
         assert!(step.sentence.plain().contains(why), "{}", step.sentence.plain());
         assert!(fact(&step, "Eigenvalues λ₁, λ₂").is_some_and(|value| value.ends_with("flat")));
     }
@@ -96,7 +97,7 @@ fn what_left_the_picture_does_not_count() {
     let estimator = set("lucas-kanade", &[("window", "15"), ("weights", "box"), ("iterations", "2"), ("sigma", "0")]);
     let height = SIZE.1;
     // The windows in the last column see less of the picture in the second iteration, but what they see is as it was.
-    let [before, after] = [30, height + 30].map(|unit| told(&*estimator, &clip, unit, [95.0, 30.0]));
+    let [before, after] = [30, height + 30].map(|unit| explained_at(&*estimator, &clip, unit, [95.0, 30.0]));
     let larger = |step: &scene::Step| numbers(&fact(step, "Eigenvalues λ₁, λ₂").expect("eigenvalues"))[0];
     assert!(larger(&after) > 0.5 * larger(&before), "{} was {}", larger(&after), larger(&before));
     assert!(fact(&before, "Outside frame t+1").is_none());
@@ -125,7 +126,8 @@ fn what_left_the_picture_does_not_count() {
 #[test]
 fn what_a_later_iteration_tells_of_a_pixel_can_be_recomputed() {
     let (clip, _) = linear_motion([[0.0; 2]; 2], [1.3, -0.6]);
-    let step = told(&*set("lucas-kanade", &[("iterations", "2"), ("sigma", "0")]), &clip, SIZE.1 + 30, [40.0, 30.0]);
+    let step =
+        explained_at(&*set("lucas-kanade", &[("iterations", "2"), ("sigma", "0")]), &clip, SIZE.1 + 30, [40.0, 30.0]);
     let [x, y, t] = numbers(&fact(&step, "I_x, I_y, I_t").unwrap())[..] else { panic!("three") };
     let [u, v] = numbers(&fact(&step, "Linearised at (u₀, v₀)").unwrap())[..] else { panic!("two") };
     // What is told of time is the difference of the pictures that are shown.
@@ -213,7 +215,7 @@ impl Random {
 }
 
 #[test]
-fn the_spread_that_is_told_is_that_of_many_noisy_pairs() {
+fn the_spread_that_is_reported_is_that_of_many_noisy_pairs() {
     let (clean, _) = linear_motion([[0.0; 2]; 2], [0.3, 0.2]);
     let place = (48, 40);
     let settings = [("iterations", "1"), ("sigma", "0"), ("window", "11"), ("weights", "box")];

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{SIZE, error, fact, flow, linear_motion, moving, set, told, waves};
+use common::{SIZE, error, explained_at, fact, flow, linear_motion, moving, set, waves};
 use motionscope_core::scene::Focus;
 use motionscope_core::{Clip, Cursor, Flow, Frame, Grid, Move};
 
@@ -99,9 +99,9 @@ fn windows_larger_than_the_picture_and_half_known_truth_show_no_nan() {
 }
 
 #[test]
-fn a_pixel_without_a_constraint_is_told_as_such() {
+fn a_pixel_without_a_constraint_is_reported_as_such() {
     let flat = Clip::from_frames("flat", vec![Frame::gray(Grid::new(40, 30, 77)); 2]).unwrap();
-    let said = told(&*set("horn-schunck", &[]), &flat, 0, [20.0, 15.0]).sentence.plain();
+    let said = explained_at(&*set("horn-schunck", &[]), &flat, 0, [20.0, 15.0]).sentence.plain();
     assert!(said.contains("has no gradient") && said.contains("takes the neighbourhood mean"), "{said}");
     let (clip, _) = linear_motion([[0.0; 2]; 2], [1.5, 0.0]);
     for (id, event) in [("horn-schunck", usize::MAX), ("tv-l1", 1)] {

@@ -194,7 +194,7 @@ fn search(id: &str, plain: &mut Plain) {
     }
 }
 
-/// The predictive search with its thresholds of 0.5 and 4 gray levels and its three squares of fixed predictors, 4 px apart.
+/// The predictive search with its thresholds of 0.5 and 2.5 gray levels and its three squares of fixed predictors, 4 px apart.
 fn predictive(plain: &mut Plain) {
     let Nearby { left, above, above_right, before, earlier } = plain.nearby;
     let middle = |part: fn(Vector) -> i64| {
@@ -216,13 +216,13 @@ fn predictive(plain: &mut Plain) {
     let share = plain.cost_of(1.0) / (plain.block * plain.block) as f64;
     let least = spatial.iter().map(|(_, cost)| *cost as f64 * share).fold(f64::INFINITY, f64::min);
     let threshold =
-        if least.is_finite() { least.min(plain.cost_of(4.0)).max(plain.cost_of(0.5)) } else { plain.cost_of(0.5) };
+        if least.is_finite() { least.min(plain.cost_of(2.5)).max(plain.cost_of(0.5)) } else { plain.cost_of(0.5) };
     if plain.best_cost() <= threshold {
         return;
     }
     plain.walk(CROSS);
     let twice = if least.is_finite() { 2.0 * least } else { 0.0 };
-    if plain.best_cost() > plain.cost_of(4.0).max(twice) {
+    if plain.best_cost() > plain.cost_of(2.5).max(twice) {
         let range = plain.range;
         for square in [4, 8, 12].into_iter().filter(|square| *square <= range) {
             plain.test(NEIGHBOURS, square, (0, 0));
@@ -412,7 +412,7 @@ fn candidates_grow_with_the_logarithm_of_the_window() {
 }
 
 /// All that is told about block `unit`.
-fn told(id: &str, settings: &[(&str, &str)], clip: &Clip, unit: usize) -> Vec<String> {
+fn explained(id: &str, settings: &[(&str, &str)], clip: &Clip, unit: usize) -> Vec<String> {
     let mut search = estimator(id).expect("sound");
     settings.iter().for_each(|(name, value)| search.set(name, value).expect("sound"));
     let mut walk = search.walk(clip, 0).expect("sound");
@@ -430,7 +430,7 @@ fn every_decision_says_why() {
     let clip = pit(12, (2, 0));
     let range = [("range", "7")];
     let has = |id: &str, settings: &[(&str, &str)], sentence: &str| {
-        let told = told(id, settings, &clip, 12);
+        let told = explained(id, settings, &clip, 12);
         assert!(told.iter().any(|told| told == sentence), "{id}: {told:#?}");
     };
     has("three-step", &range, "The step is half the remaining 3 px of the search range, rounded up: 2 px.");
@@ -467,7 +467,7 @@ fn every_decision_says_why() {
     );
     has("log-search", &range, "The minimum (2, 0) is the centre: the step is halved to 1 px.");
     has("quadrant-search", &range, "The minimum (0, 0) lies in the quadrant around (3, 3): this quadrant is kept.");
-    let still = told("adaptive-rood", &[("still", "16")], &pit(12, (0, 0)), 12);
+    let still = explained("adaptive-rood", &[("still", "16")], &pit(12, (0, 0)), 12);
     assert!(
         still.contains(
             &"SAD 4096 at (0, 0) does not exceed the zero-motion threshold 4096: static block, the search stops."
@@ -487,8 +487,8 @@ fn every_decision_says_why() {
         &range,
         "Neighbours: left (7, 0), above (2, 7), above right (−7, 7). The median predictor is (2, 7).",
     );
-    let fixed = told("predictive", &range, &pit(0, (2, 0)), 0);
-    let expected = "SAD 4096 exceeds 1024, a poor match: no predictor is near the motion, which differs from that of the neighbours or \
+    let fixed = explained("predictive", &range, &pit(0, (2, 0)), 0);
+    let expected = "SAD 4096 exceeds 640, a poor match: no predictor is near the motion, which differs from that of the neighbours or \
                     is too large. Squares with a spacing of 4 px around (0, 0) are tested. \
                     Of these 8, 3 are new and inside the search window.";
     assert!(fixed.iter().any(|told| told == expected), "{fixed:#?}");
@@ -496,10 +496,10 @@ fn every_decision_says_why() {
         "predictive",
         &range,
         "The lowest cost of a neighbour is 6656, and texture and noise are similar here: the termination threshold is raised from \
-         128 to 1024.",
+         128 to 640.",
     );
     let enough = [("enough", "16")];
-    let rest = told("predictive", &enough, &pit(0, (0, 0)), 0);
+    let rest = explained("predictive", &enough, &pit(0, (0, 0)), 0);
     assert!(rest[1].starts_with("No neighbour is searched yet"), "{rest:#?}");
     assert!(rest.iter().any(|told| told.ends_with(": early termination.")), "{rest:#?}");
     let early = [("range", "8"), ("least-gain", "50")];
@@ -512,7 +512,7 @@ fn the_smallest_window_of_a_search_by_quadrants_ends_it() {
         Clip::from_frames("pair", vec![Frame::gray(picture(80, 80, 1, 64)), Frame::gray(picture(80, 80, 2, 64))])
             .expect("sound");
     let rounds = |smallest: &str| {
-        let told = told("quadrant-search", &[("range", "8"), ("smallest", smallest)], &clip, 12);
+        let told = explained("quadrant-search", &[("range", "8"), ("smallest", smallest)], &clip, 12);
         told.iter().filter(|told| told.contains("is divided into quadrants")).count()
     };
     assert_eq!([rounds("1"), rounds("2"), rounds("3"), rounds("5"), rounds("9"), rounds("17")], [4, 4, 3, 2, 1, 1]);

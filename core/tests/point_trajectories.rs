@@ -139,7 +139,7 @@ fn ends(readouts: &[Readout], title: &str) -> Vec<(&'static str, f32)> {
 }
 
 #[test]
-fn what_is_told_of_the_errors_is_what_the_truth_says() {
+fn what_is_reported_the_errors_is_what_the_truth_says() {
     let scene = synth::scene("spin-zoom").expect("it is bundled");
     let clip = synth::make("spin-zoom", &scene.difficulty()).expect("a clip");
     let estimator = set("point-trajectories", &[("frames", "9"), ("replenish", "off"), ("spacing", "16")]);
@@ -170,7 +170,7 @@ fn what_is_told_of_the_errors_is_what_the_truth_says() {
 }
 
 #[test]
-fn the_point_that_is_pointed_at_is_told_of() {
+fn the_point_that_is_pointed_at_is_reported() {
     let clip = moving_waves(3, |t, [x, y]| [x - t as f64, y]);
     let estimator = set("point-trajectories", &[]);
     let mut walk = estimator.walk(&clip, 0).expect("a run");

@@ -73,7 +73,7 @@ fn scores_agree_with_those_of_others() {
         (found.recall, 0.8534798534798534),
         (found.hota, 0.4691626756628416),
     ];
-    assert_eq!((found.truths, found.told, found.switches), (273, 285, 16));
+    assert_eq!((found.truths, found.hypotheses, found.switches), (273, 285, 16));
     for (i, (found, recorded)) in recorded.into_iter().enumerate() {
         assert!((found - recorded).abs() < 1e-6, "number {i}: {found} instead of {recorded}");
     }

@@ -44,9 +44,9 @@ fn every_stage_offers_what_makes_its_product_and_nothing_else() {
         }
     }
     // Coarse search; detectors of KLT and pyramidal Lucas–Kanade; flow of trajectories and of flow magnitude; masks of
-    // connected components; detectors of three trackers, and the tracker of trajectory analysis; detectors of matching, global
-    // motion and epipolar geometry.
-    assert_eq!(stages, 13);
+    // connected components; detectors of three trackers, and the tracker of trajectory analysis; detectors of matching, tracking by
+    // matching, global motion and epipolar geometry; motions of stabilisation, mosaic and compensated difference.
+    assert_eq!(stages, 17);
 }
 
 #[test]
@@ -240,6 +240,26 @@ fn a_stage_opens_on_what_its_parent_looks_at() {
     // A pair of the clip itself.
     let points = opened("klt", "detector", 2);
     assert!(points.clip.is_none() && points.frame == 2);
+}
+
+#[test]
+fn a_stage_that_depends_on_one_earlier_frame_opens_without_the_flows_before() {
+    let clip = clip("traffic", &[("width", "96"), ("height", "72"), ("frames", "9")]);
+    let parent = set("kalman-tracker", &[("detector", "flow-magnitude"), ("source", "moving"), ("frames", "8")]);
+    let index = parent.specs().iter().position(|spec| spec.name == "detector").expect("it is a parameter");
+    let run = set("flow-magnitude", &[]).run(&clip, 1, &Threads::single()).expect("a run");
+    let whole = run.get::<ObjectField>().expect("objects");
+    for (now, begins) in [(1, 1), (2, 1), (7, 6), (8, 7)] {
+        let opened = stage::open(&*parent, index, &clip, (1, now)).expect("frames").expect("a stage");
+        assert_eq!((opened.frame, opened.cursor.unit), (begins, now - begins), "it begins one frame before");
+        let mut walk = opened.estimator.walk(&clip, opened.frame).expect("a walk");
+        assert!(walk.units().is_some_and(|units| units <= 8 - (begins - 1)), "it ends where its parent does");
+        walk.jump(Move::To(opened.cursor));
+        let output = walk.output();
+        let field = output.get::<ObjectField>().expect("objects");
+        let [last, same] = [field.frames.last(), whole.frames.get(now - 1)].map(|frame| frame.expect("a frame"));
+        assert_eq!((walk.at_frame(), &last.mask, &last.detections), (now, &same.mask, &same.detections));
+    }
 }
 
 #[test]

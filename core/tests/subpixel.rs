@@ -112,10 +112,10 @@ fn numbers(text: &str) -> Vec<f64> {
 }
 
 /// What is told at an event: the lines of its formula, and its facts.
-type Told = (Vec<String>, Vec<(&'static str, String)>);
+type Explained = (Vec<String>, Vec<(&'static str, String)>);
 
 /// What is told at each event of block 7 of `id`.
-fn told(id: &str, settings: &[(&str, &str)]) -> Vec<Told> {
+fn explained(id: &str, settings: &[(&str, &str)]) -> Vec<Explained> {
     let mut search = estimator(id).expect("it");
     settings.iter().for_each(|(name, value)| search.set(name, value).expect("it has it"));
     let mut walk = search.walk(&moving(WAVES, [2.25, -1.5]), 0).expect("a walk");
@@ -138,9 +138,9 @@ fn told(id: &str, settings: &[(&str, &str)]) -> Vec<Told> {
 }
 
 #[test]
-fn the_price_of_a_displacement_is_told_with_its_numbers() {
+fn the_price_of_a_displacement_is_reported_with_its_numbers() {
     let mut priced = 0;
-    for (lines, facts) in told("diamond", &[("subpixel", "quarter"), ("lambda", "2.5"), ("filter", "six-tap")]) {
+    for (lines, facts) in explained("diamond", &[("subpixel", "quarter"), ("lambda", "2.5"), ("filter", "six-tap")]) {
         let Some(line) = lines.iter().find(|line| line.starts_with("SAD + λR")) else { continue };
         let [distortion, lambda, bits, cost] = numbers(line)[..] else { panic!("four numbers: {line}") };
         assert_eq!((lambda, cost), (2.5, distortion + lambda * bits), "{line}");
@@ -152,8 +152,8 @@ fn the_price_of_a_displacement_is_told_with_its_numbers() {
 }
 
 #[test]
-fn a_parabola_is_told_with_the_costs_it_goes_through() {
-    let told = told("full-search", &[("subpixel", "parabola"), ("cost", "ssd"), ("range", "4")]);
+fn a_parabola_is_reported_with_the_costs_it_goes_through() {
+    let told = explained("full-search", &[("subpixel", "parabola"), ("cost", "ssd"), ("range", "4")]);
     let mut lines = told.iter().flat_map(|(lines, _)| lines).filter(|line| line.starts_with(['u', 'v']));
     for name in ["u", "v"] {
         let line = lines.next().expect("one along u and one along v");

@@ -39,6 +39,25 @@ fn hidden_and_crossing_objects_keep_their_identities() {
     }
 }
 
+#[test]
+fn cars_behind_a_bridge_keep_their_boxes_where_blobs_are_what_is_seen() {
+    let mota = |settings: &[(&str, &str)], clip: &Clip| {
+        let settings = [&[("source", "moving")], settings].concat();
+        scored(&*set("kalman-tracker", &settings), clip).mota
+    };
+    let clip = scene("traffic");
+    let [partial, visible] = ["on", "off"].map(|partial| mota(&[("partial", partial)], &clip));
+    assert!(partial >= 0.8 && partial > visible + 0.1, "MOTA {partial:.3}, without partial observation {visible:.3}");
+    // With other noise and shake of the camera.
+    let usual = synth::scene("traffic").expect("a scene");
+    for seed in [11, 12, 13] {
+        let difficulty = synth::Difficulty { noise: 3.0, seed, ..usual.difficulty() };
+        let clip = usual.clip(&difficulty).expect("sound");
+        let mota = mota(&[], &clip);
+        assert!(mota >= 0.75, "seed {seed}: MOTA {mota:.3}");
+    }
+}
+
 /// A thrown ball in every frame but some, beside something that stands still and is found there.
 fn thrown(missing: std::ops::Range<usize>) -> (Clip, Vec<[f32; 2]>) {
     let place = |t: usize| {
@@ -172,7 +191,7 @@ fn blobs_that_merge_keep_their_names_inside_and_get_them_back() {
 }
 
 #[test]
-fn a_merge_and_a_split_are_told_with_their_numbers() {
+fn a_merge_and_a_split_are_reported_with_their_numbers() {
     let (clip, _) = meeting(false);
     let tracker = set("blob-tracker", &[("source", "moving")]);
     let mut walk = tracker.walk(&clip, 0).expect("a run");

@@ -64,7 +64,40 @@ fn speed_heading_counts_and_stays_are_those_of_the_objects() {
 }
 
 #[test]
-fn who_goes_against_the_others_is_told_and_nobody_else() {
+fn several_lines_and_zones_have_counts_of_their_own() {
+    let objects = [(0, [20.0, 60.0], [4.0, 0.0], 60), (0, [300.0, 180.0], [-4.0, 0.0], 30)];
+    let settings = [("lines", "100,239,100,0 200,239,200,0"), ("zones", "80,40,120,100 90,40,240,100")];
+    let clip = clip(&objects, 60);
+    let field = run(&*analysis(&settings), &clip);
+    let of_line = |line: usize| {
+        let all = field.trajectories.iter().flat_map(|of| &of.crossings).filter(move |c| c.line == line);
+        let right = all.clone().filter(|crossing| crossing.is_forward).count();
+        [right, all.count() - right]
+    };
+    // The second object ends at x = 184, between the lines.
+    assert_eq!([of_line(0), of_line(1)], [[1, 0], [1, 1]]);
+    let dwells = [0, 1].map(|zone| field.trajectories[0].dwell_frames_in(zone));
+    assert!((10..=11).contains(&dwells[0]) && (37..=38).contains(&dwells[1]), "{dwells:?}");
+    let mut walk = analysis(&settings).walk(&clip, 0).expect("it starts");
+    walk.jump(Move::End);
+    let step = walk.step(None);
+    let facts = step.readouts.iter().find_map(|r| if let Readout::Facts(facts) = r { Some(facts) } else { None });
+    let fact =
+        |label: &str| facts.and_then(|facts| facts.iter().find(|fact| fact.label == label)).expect("it is there");
+    let counts = "line 1: 1 to the right, 0 to the left; line 2: 1 to the right, 1 to the left";
+    assert_eq!((&*fact("Crossings").value, &*fact("Tracks in zones").value), (counts, "0 in zone 1, 0 in zone 2"));
+    let sentence = step.sentence.plain();
+    assert!(
+        sentence.contains("1 crossing of line 2 to the right and 1 to the left") && sentence.contains("1 in zones"),
+        "{sentence}"
+    );
+    // The old names still mean the same.
+    let old = run(&*analysis(&[("line", "100,239,100,0"), ("zone", "80,40,120,100")]), &clip);
+    assert_eq!(crossings(&old.trajectories), of_line(0));
+}
+
+#[test]
+fn objects_against_the_main_direction_are_reported_and_no_others() {
     let stream = (0..6).map(|i| (10 * i, [20.0, 100.0], [5.0, 0.0], 50));
     let against: Vec<_> = stream.chain([(70, [310.0, 118.0], [-5.0, 0.0], 40)]).collect();
     let field = run(&*analysis(&[]), &clip(&against, 115));

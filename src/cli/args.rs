@@ -62,7 +62,7 @@ pub enum Command {
         /// Count the frames by decoding the whole file if the container does not say.
         #[arg(long)]
         count: bool,
-        /// Ground truth: .flo, KITTI .png, masks of the foreground as .png, a folder of them, or a MOTChallenge gt.txt.
+        /// Ground truth: .flo, KITTI .png, a homography as .xml, masks of the foreground as .png, a folder of them, or a MOTChallenge gt.txt.
         #[arg(long, value_name = "FILE")]
         truth: Option<PathBuf>,
     },
@@ -293,9 +293,9 @@ fn cursor(text: &str) -> Result<Cursor, String> {
 }
 
 fn frames(text: &str) -> Result<(usize, usize), String> {
-    let told = || format!("a range of frames has the form A..B, as in 0..99, not {text}");
-    let (first, last) = text.split_once("..").ok_or_else(told)?;
-    let number = |text: &str| text.trim().parse::<usize>().map_err(|_| told());
+    let message = || format!("a range of frames has the form A..B, as in 0..99, not {text}");
+    let (first, last) = text.split_once("..").ok_or_else(message)?;
+    let number = |text: &str| text.trim().parse::<usize>().map_err(|_| message());
     let (first, last) = (number(first)?, number(last)?);
     if last <= first {
         return Err(format!("a range of frames A..B needs A < B, unlike {text}"));

@@ -7,10 +7,10 @@ use motionscope_core::{AnyEstimator, Clip, Error, Stop, Threads};
 use super::args::CompareArgs;
 use super::outputs::{Place, check_folder, refuse_losses};
 use super::{say, task};
-use crate::experiment::comparison::{self, Arena, Round, Row};
+use crate::experiment::comparison::{self, Conditions, Round, Row};
 use crate::experiment::source::Source;
 use crate::experiment::{course_table, sweeps};
-use crate::media::export::{self, Inputs, Target, What};
+use crate::media::export::{self, InputKind, Inputs, Target};
 use crate::media::{Given, Open};
 use crate::paint::Theme;
 use crate::session::{Named, Session};
@@ -31,7 +31,7 @@ pub fn compare(args: &CompareArgs) -> Result<(), Error> {
     if args.course {
         return course(args, &source, frame);
     }
-    let estimators = comparison::contenders(&args.estimators, &args.set)?;
+    let estimators = comparison::compared_estimators(&args.estimators, &args.set)?;
     task::warn_of_idle(&estimators.iter().map(|estimator| &**estimator).collect::<Vec<_>>(), &args.set);
     let threads = Threads::new(args.threads as usize)?;
     args.csv.as_deref().filter(|path| *path != Path::new("-")).map_or(Ok(()), check_folder)?;
@@ -43,19 +43,19 @@ pub fn compare(args: &CompareArgs) -> Result<(), Error> {
     let rounds = comparison::rounds(&source, &estimators, args.sweep.as_deref())?;
     if let (Some(sweep), Some(first)) = (&args.sweep, rounds.first()) {
         let id = |estimator: &dyn AnyEstimator| estimator.info().id;
-        let is_left_out = |own: &str| first.contenders.iter().all(|other| id(&*other.estimator) != own);
+        let is_left_out = |own: &str| first.compared_estimators.iter().all(|other| id(&*other.estimator) != own);
         let left_out = estimators.iter().map(|estimator| id(&**estimator)).filter(|own| is_left_out(own));
         left_out.for_each(|id| eprintln!("note: --sweep {sweep}: {id} has no such parameter and is left out"));
     }
-    for Round { source, contenders } in rounds {
+    for Round { source, compared_estimators } in rounds {
         let clip = source.open(&given)?;
         if rows.is_empty() {
             refuse_losses(&inputs(args, &source, &clip, &given), &places(args), args.force)?;
             tell_truth(&clip);
         }
-        let arena = Arena { clip: &clip, frame, threads: &threads, repeat: args.repeat };
-        for contender in &contenders {
-            let row = Row::of(contender, &arena)?;
+        let conditions = Conditions { clip: &clip, frame, threads: &threads, repeat: args.repeat };
+        for compared in &compared_estimators {
+            let row = Row::of(compared, &conditions)?;
             match &row.assessment.truth_error {
                 Some(error) if args.truth.is_some() => return Err(error.clone()),
                 Some(error) => eprintln!("warning: {error}"),
@@ -108,7 +108,7 @@ fn plotted(args: &CompareArgs) -> Result<Option<usize>, Error> {
 fn inputs(args: &CompareArgs, source: &Source, clip: &Clip, given: &Open) -> Inputs {
     let mut inputs = source.inputs(clip, given);
     if Session::is_named(Path::new(&args.clip)) {
-        inputs.add(What::Session, &args.clip);
+        inputs.add(InputKind::Session, &args.clip);
     }
     inputs
 }
@@ -126,7 +126,7 @@ fn course(args: &CompareArgs, source: &Source, frame: usize) -> Result<(), Error
     let clip = source.open(&Open::default())?;
     let threads = Threads::new(args.threads as usize)?;
     let course_table = course_table::course_table(
-        &Arena { clip: &clip, frame, threads: &threads, repeat: args.repeat },
+        &Conditions { clip: &clip, frame, threads: &threads, repeat: args.repeat },
         &Stop::default(),
     )?;
     match (args.json, args.markdown) {

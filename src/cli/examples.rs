@@ -11,9 +11,9 @@ Examples:
   motionscope run synth:pillar --estimator full-search --json
   motionscope export synth:pillar --estimator full-search --steps 35..36 --out steps
 
-A CLIP is a video, an animation, an image of a numbered sequence, two pictures, a folder of images, a printf
-pattern such as frame%02d.png, a session (*.motionscope), `-` for Y4M on standard input, or
-synth:NAME[,SLIDER=VALUE]... for a synthetic clip; see `motionscope synth --list`.";
+A CLIP is a video, an animation, an image of a numbered sequence, two pictures, a folder of
+images, a printf pattern such as frame%02d.png, a session (*.motionscope), `-` for Y4M on
+standard input, or synth:NAME[,SLIDER=VALUE]... for a synthetic clip; see `motionscope synth --list`.";
 
 /// Of `list`.
 pub const LIST: &str = "\

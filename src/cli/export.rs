@@ -46,6 +46,6 @@ pub fn export(args: &ExportArgs) -> Result<(), Error> {
 fn granularity(info: &Info, name: &str) -> Result<usize, Error> {
     let granularities = &info.granularities[1..];
     let found = granularities.iter().position(|granularity| *granularity == name);
-    let told = || Error::new(format!("{} has no granularity {name}; it has {}", info.id, granularities.join(", ")));
-    found.map(|index| index + 1).ok_or_else(told)
+    let message = || Error::new(format!("{} has no granularity {name}; it has {}", info.id, granularities.join(", ")));
+    found.map(|index| index + 1).ok_or_else(message)
 }

@@ -79,15 +79,15 @@ fn line(line: &Line) -> serde_json::Value {
 }
 
 fn spec(spec: &Spec) -> serde_json::Value {
-    let mut told = Map::new();
-    told.insert("name".into(), json!(spec.name));
-    told.insert("label".into(), json!(spec.label));
-    told.insert("doc".into(), json!(spec.doc));
-    told.insert("unit".into(), json!(spec.unit));
-    told.insert("default".into(), value(spec.default.clone()));
-    told.insert("advanced".into(), json!(spec.advanced));
+    let mut described = Map::new();
+    described.insert("name".into(), json!(spec.name));
+    described.insert("label".into(), json!(spec.label));
+    described.insert("doc".into(), json!(spec.doc));
+    described.insert("unit".into(), json!(spec.unit));
+    described.insert("default".into(), value(spec.default.clone()));
+    described.insert("advanced".into(), json!(spec.advanced));
     // Why it has no effect with some values of other parameters; nothing where it always has one.
-    told.insert("no_effect".into(), json!(spec.idle));
+    described.insert("no_effect".into(), json!(spec.idle));
     let (of, word) = match &spec.kind {
         Kind::Optional { of, word } => (&**of, Some(*word)),
         of => (of, None),
@@ -101,20 +101,20 @@ fn spec(spec: &Spec) -> serde_json::Value {
         Kind::Stage(kind) => ("stage", json!(kind.ids())),
         Kind::Optional { .. } => ("optional", json!(spec.allowed())),
     };
-    told.insert("type".into(), json!(kind));
+    described.insert("type".into(), json!(kind));
     let name = match of {
         Kind::Int { .. } | Kind::Real { .. } => "range",
         Kind::Switch | Kind::Choice(_) | Kind::Stage(_) => "choices",
         Kind::Placed(_) | Kind::Optional { .. } => "form",
     };
-    told.insert(name.into(), range);
+    described.insert(name.into(), range);
     if let Some(word) = word {
-        told.insert("or".into(), json!(word));
+        described.insert("or".into(), json!(word));
     }
     if let Kind::Stage(kind) = &spec.kind {
-        told.insert("product".into(), json!(kind.product));
+        described.insert("product".into(), json!(kind.product));
     }
-    told.into()
+    described.into()
 }
 
 /// Returns a value as JSON.

@@ -28,8 +28,8 @@ impl clap::FromArgMatches for LookFlags {
         let mut changes = Changes::default();
         for (index, spec) in Look::entries().iter().enumerate() {
             if let Some(text) = matches.get_one::<String>(&spec.name) {
-                let told = |error| clap::Error::raw(clap::error::ErrorKind::ValueValidation, error);
-                changes.set(index, text).map_err(told)?;
+                let message = |error| clap::Error::raw(clap::error::ErrorKind::ValueValidation, error);
+                changes.set(index, text).map_err(message)?;
             }
         }
         Ok(Self(changes))
@@ -110,9 +110,9 @@ mod tests {
 
     #[test]
     fn a_word_behind_the_caption_belongs_to_it_and_a_clip_does_not() {
-        let told = |words: &[&str]| joined(words.iter().map(OsString::from));
-        assert_eq!(told(&["run", "--caption", "full", "a.png"]), ["run", "--caption=full", "a.png"]);
-        assert_eq!(told(&["run", "--caption", "a.png"]), ["run", "--caption", "a.png"]);
-        assert_eq!(told(&["run", "--legend", "off"]), ["run", "--legend", "off"], "as it was");
+        let message = |words: &[&str]| joined(words.iter().map(OsString::from));
+        assert_eq!(message(&["run", "--caption", "full", "a.png"]), ["run", "--caption=full", "a.png"]);
+        assert_eq!(message(&["run", "--caption", "a.png"]), ["run", "--caption", "a.png"]);
+        assert_eq!(message(&["run", "--legend", "off"]), ["run", "--legend", "off"], "as it was");
     }
 }

@@ -52,8 +52,8 @@ fn usage(error: &clap::Error) -> ExitCode {
             Err(_) => ExitCode::FAILURE,
         };
     }
-    let told = error.to_string();
-    let sentence: Vec<_> = told.lines().map(str::trim).take_while(|line| !line.is_empty()).collect();
+    let message = error.to_string();
+    let sentence: Vec<_> = message.lines().map(str::trim).take_while(|line| !line.is_empty()).collect();
     let sentence = sentence.join(" ");
     let why = sentence.strip_prefix("error: ").unwrap_or(&sentence);
     eprintln!("error: {}", Error::new(format!("{why} (see motionscope --help)")));

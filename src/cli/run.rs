@@ -5,7 +5,9 @@ use std::time::{Duration, Instant};
 
 use motionscope_core::products::Reference;
 use motionscope_core::scene::Picture;
-use motionscope_core::{AnyEstimator, Consistency, Cursor, Error, Levels, Move, Output, Ran, Step, Threads};
+use motionscope_core::{
+    AnyEstimator, Consistency, Cursor, Error, Levels, Move, Output, RunSummary, Step, Threads, detection,
+};
 
 use super::args::RunArgs;
 use super::outputs::{self, check_folder, refuse_losses};
@@ -46,13 +48,15 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
     let threads = args.threads.map_or_else(Threads::all, |n| Threads::new(n as usize))?;
     // Decoded here, so that the timing covers the estimation alone.
     clip.pair_or_last(frame)?;
-    let (Ran { output, causal, extent }, times) = timed(&prepared, &threads, args.repeat)?;
+    let (RunSummary { output, causal, extent }, times) = timed(&prepared, &threads, args.repeat)?;
     if let Some(step) =
         args.step.filter(|step| experiment.side_by_side.is_empty() && *step != Cursor::END && step.unit >= extent.units)
     {
         return Err(Error::new(format!("there is no step {step}: the run ends at {}", extent.units)));
     }
-    let assessment = output.assess(&Reference { clip, frame })?;
+    let reference = Reference { clip, frame };
+    let repeated = detection::repeatability(estimator, &output, &reference, &threads)?;
+    let assessment = output.assess(&reference)?.and(repeated);
     match &assessment.truth_error {
         Some(error) if experiment.given.truth.is_some() => return Err(error.clone()),
         Some(error) => eprintln!("warning: {error}"),
@@ -143,7 +147,7 @@ fn timed(
     Prepared { experiment, clip, .. }: &Prepared,
     threads: &Threads,
     repeat: u32,
-) -> Result<(Ran, Vec<Duration>), Error> {
+) -> Result<(RunSummary, Vec<Duration>), Error> {
     let start = Instant::now();
     let ran = experiment.estimator.run_counted(clip, experiment.frame, threads)?;
     let first = start.elapsed();

@@ -12,7 +12,7 @@ use crate::experiment::pixel::Chosen;
 use crate::experiment::side_by_side::SideBySide;
 use crate::experiment::source::Source;
 use crate::experiment::{Experiment, Position, Prepared};
-use crate::media::export::{Inputs, What};
+use crate::media::export::{InputKind, Inputs};
 use crate::media::{self, Given, Open};
 use crate::paint::View;
 use crate::session::{Named, Session};
@@ -105,7 +105,7 @@ pub fn prepare(args: &TaskArgs, experiment: Experiment) -> Result<Prepared, Erro
     let mut prepared = Prepared::open(experiment, Open::default())?;
     if let Some(session) = args.clip.as_deref().map(Path::new).filter(|path| Session::is_named(path)) {
         let mut inputs = Inputs::clone(&prepared.inputs);
-        inputs.add(What::Session, session);
+        inputs.add(InputKind::Session, session);
         prepared.inputs = Arc::new(inputs);
     }
     let Prepared { experiment: Experiment { estimator, side_by_side, frame, .. }, clip, .. } = &mut prepared;

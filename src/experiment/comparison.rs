@@ -5,29 +5,29 @@ use std::time::{Duration, Instant};
 
 use motionscope_core::compare::Figures;
 use motionscope_core::products::{self, Assessment, KINDS, Measure, Reference};
-use motionscope_core::{AnyEstimator, Clip, Error, Threads, estimator, grouped};
+use motionscope_core::{AnyEstimator, Clip, Error, Threads, detection, estimator, grouped};
 use serde_json::{Map, Value, json};
 
 use crate::experiment::source::Source;
 
 /// One estimator of a comparison, with its parameters.
-pub struct Contender {
+pub struct ComparedEstimator {
     /// The estimator.
     pub estimator: Box<dyn AnyEstimator>,
     /// The swept parameter or slider, and its value here.
     pub swept: Option<(String, String)>,
 }
 
-/// Contenders that run on the same clip.
+/// Estimators that run on the same clip.
 pub struct Round {
     /// The source of the clip.
     pub source: Source,
     /// The estimators that run on it.
-    pub contenders: Vec<Contender>,
+    pub compared_estimators: Vec<ComparedEstimator>,
 }
 
 /// The conditions of a comparison: clip, frame, threads and repetitions.
-pub struct Arena<'a> {
+pub struct Conditions<'a> {
     /// The clip.
     pub clip: &'a Clip,
     /// Frame t.
@@ -53,13 +53,13 @@ pub struct Row {
 }
 
 impl Row {
-    /// Runs `contender` in `arena`.
+    /// Runs `compared` in `conditions`.
     ///
     /// # Errors
     /// If it cannot run there, or a frame cannot be read.
-    pub fn of(contender: &Contender, arena: &Arena<'_>) -> Result<Self, Error> {
-        let Arena { clip, frame, threads, repeat } = *arena;
-        let estimator = &*contender.estimator;
+    pub fn of(compared: &ComparedEstimator, conditions: &Conditions<'_>) -> Result<Self, Error> {
+        let Conditions { clip, frame, threads, repeat } = *conditions;
+        let estimator = &*compared.estimator;
         // Decoded here, so that the time is of the estimation alone.
         clip.pair_or_last(frame)?;
         let start = Instant::now();
@@ -72,8 +72,10 @@ impl Row {
             time = time.min(start.elapsed());
         }
         let figures = Figures::of(estimator, &ran, (clip, frame), threads)?;
-        let assessment = ran.output.assess(&Reference { clip, frame })?;
-        Ok(Self { estimator: estimator.boxed_clone(), swept: contender.swept.clone(), time, assessment, figures })
+        let reference = Reference { clip, frame };
+        let repeated = detection::repeatability(estimator, &ran.output, &reference, threads)?;
+        let assessment = ran.output.assess(&reference)?.and(repeated);
+        Ok(Self { estimator: estimator.boxed_clone(), swept: compared.swept.clone(), time, assessment, figures })
     }
 
     /// The estimator's id.
@@ -333,8 +335,8 @@ pub fn json(rows: &[Row]) -> Value {
 pub fn rounds(source: &Source, estimators: &[Box<dyn AnyEstimator>], sweep: Option<&str>) -> Result<Vec<Round>, Error> {
     let copies = || estimators.iter().map(|estimator| estimator.boxed_clone()).collect::<Vec<_>>();
     let round = |source: Source, estimators: Vec<Box<dyn AnyEstimator>>, swept: Option<(String, String)>| {
-        let contender = |estimator| Contender { estimator, swept: swept.clone() };
-        Round { source, contenders: estimators.into_iter().map(contender).collect() }
+        let compared = |estimator| ComparedEstimator { estimator, swept: swept.clone() };
+        Round { source, compared_estimators: estimators.into_iter().map(compared).collect() }
     };
     let Some(sweep) = sweep else { return Ok(vec![round(source.clone(), copies(), None)]) };
     let (name, values) = sweep
@@ -362,7 +364,7 @@ pub fn rounds(source: &Source, estimators: &[Box<dyn AnyEstimator>], sweep: Opti
 ///
 /// # Errors
 /// If there is no such estimator or parameter, or a value is out of range.
-pub fn contenders(ids: &[String], settings: &[String]) -> Result<Vec<Box<dyn AnyEstimator>>, Error> {
+pub fn compared_estimators(ids: &[String], settings: &[String]) -> Result<Vec<Box<dyn AnyEstimator>>, Error> {
     let mut estimators = ids.iter().map(|id| estimator(id)).collect::<Result<Vec<_>, _>>()?;
     for setting in settings {
         let (name, value) = setting.split_once('=').ok_or_else(|| {

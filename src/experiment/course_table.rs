@@ -5,7 +5,7 @@ use motionscope_core::products::PSNR;
 use motionscope_core::{AnyEstimator, BlockField, Error, Stop, estimator};
 use serde_json::{Value, json};
 
-use crate::experiment::comparison::{Arena, Contender, Row, columns, markdown_table};
+use crate::experiment::comparison::{ComparedEstimator, Conditions, Row, columns, markdown_table};
 
 /// The three searches, in the order of the course's table.
 const IDS: [&str; 3] = ["full-search", "quadrant-search", "hierarchical"];
@@ -53,18 +53,18 @@ fn each<A, B>(all: &[A; 3], f: impl Fn(&A) -> Result<B, Error>) -> Result<[B; 3]
     Ok([a?, b?, c?])
 }
 
-/// Measures the course's table in `arena`, until `stop` cancels it.
+/// Measures the course's table in `conditions`, until `stop` cancels it.
 ///
 /// # Errors
 /// If one of them cannot run there.
-pub fn course_table(arena: &Arena<'_>, stop: &Stop) -> Result<Vec<CourseRow>, Error> {
+pub fn course_table(conditions: &Conditions<'_>, stop: &Stop) -> Result<Vec<CourseRow>, Error> {
     let rows = each(&three(&[])?, |search| {
         stop.check()?;
-        Row::of(&Contender { estimator: search.boxed_clone(), swept: None }, arena)
+        Row::of(&ComparedEstimator { estimator: search.boxed_clone(), swept: None }, conditions)
     })?;
     let mut course_table = of_one_window(&rows);
-    course_table.insert(1, growth(arena, stop)?);
-    course_table.insert(4, large_motion(arena, stop)?);
+    course_table.insert(1, growth(conditions, stop)?);
+    course_table.insert(4, large_motion(conditions, stop)?);
     Ok(course_table)
 }
 
@@ -135,10 +135,10 @@ fn of_one_window(rows: &[Row; 3]) -> Vec<CourseRow> {
 }
 
 /// Measures how the largest number of candidates per block grows with the search range.
-fn growth(arena: &Arena<'_>, stop: &Stop) -> Result<CourseRow, Error> {
+fn growth(conditions: &Conditions<'_>, stop: &Stop) -> Result<CourseRow, Error> {
     let most = |search: &dyn AnyEstimator| {
         stop.check()?;
-        let output = search.run(arena.clip, arena.frame, arena.threads)?;
+        let output = search.run(conditions.clip, conditions.frame, conditions.threads)?;
         let vectors = output.get::<BlockField>().map(|field| field.vectors.as_slice()).unwrap_or_default();
         Ok::<_, Error>(vectors.iter().flatten().map(|vector| vector.candidates).max().unwrap_or(0))
     };
@@ -162,8 +162,8 @@ fn growth(arena: &Arena<'_>, stop: &Stop) -> Result<CourseRow, Error> {
 }
 
 /// Measures the share of blocks found under a long camera pan, and the candidates needed.
-fn large_motion(arena: &Arena<'_>, stop: &Stop) -> Result<CourseRow, Error> {
-    let (clip, frame) = (arena.clip, arena.frame);
+fn large_motion(conditions: &Conditions<'_>, stop: &Stop) -> Result<CourseRow, Error> {
+    let (clip, frame) = (conditions.clip, conditions.frame);
     let (width, height) = clip.pair(frame)?[0].size();
     let pan_px = PAN.0.min(width / 4);
     let mut searches = three(&[("search-range", PAN.1)])?;
@@ -172,7 +172,7 @@ fn large_motion(arena: &Arena<'_>, stop: &Stop) -> Result<CourseRow, Error> {
     searches[2].set("levels", &levels.to_string())?;
     let found = each(&searches, |search| {
         stop.check()?;
-        kept_in_pan(&**search, (clip, frame), pan_px, arena.threads)
+        kept_in_pan(&**search, (clip, frame), pan_px, conditions.threads)
     })?;
     let [(sequential, many), (logarithmic, _), (hierarchical, few)] = found;
     Ok(CourseRow {

@@ -136,16 +136,17 @@ fn check_inside(pixel: Pixel, walk: &dyn Walk, clip: &Clip) -> Result<(), Error>
         return Err(not_shown(on, &canvases));
     }
     if !walk.takes(on) {
-        let told = format!("{} cannot explain pixels of the picture {on}; for frame t, write {x},{y}", walk.info().id);
-        return Err(Error::new(told));
+        let message =
+            format!("{} cannot explain pixels of the picture {on}; for frame t, write {x},{y}", walk.info().id);
+        return Err(Error::new(message));
     }
     let (width, height) = match canvas.map(|canvas| &canvas.pixels) {
         Some(Pixels::Made(make)) if !on.is_aligned_with(Picture::CURRENT) => make().size(),
         _ => clip.size(),
     };
     if x as usize >= width || y as usize >= height {
-        let told = format!("pixel ({x}, {y}) is outside the picture of {width}×{height} px, counted from 0");
-        return Err(Error::new(told));
+        let message = format!("pixel ({x}, {y}) is outside the picture of {width}×{height} px, counted from 0");
+        return Err(Error::new(message));
     }
     Ok(())
 }
@@ -175,10 +176,10 @@ mod tests {
         assert_eq!("reference:5,6".parse(), Ok(of(Picture::REFERENCE, 5, 6)));
         assert_eq!("7, 9".parse(), Ok(of(Picture::CURRENT, 7, 9)));
         for text in ["", "7", "7,", "7,-1", "7.5,1", "1,2,3", "x,y", "99999999999,1", "t+1:7"] {
-            let told = text.parse::<Pixel>().map_err(|error| error.to_string());
-            assert!(told.as_ref().is_err_and(|told| told.contains("X,Y")), "{text}: {told:?}");
+            let message = text.parse::<Pixel>().map_err(|error| error.to_string());
+            assert!(message.as_ref().is_err_and(|message| message.contains("X,Y")), "{text}: {message:?}");
         }
-        let told = "frame:7,9".parse::<Pixel>().map_err(|error| error.to_string());
-        assert!(told.as_ref().is_err_and(|told| told.contains("t+1, t-1")), "{told:?}");
+        let message = "frame:7,9".parse::<Pixel>().map_err(|error| error.to_string());
+        assert!(message.as_ref().is_err_and(|message| message.contains("t+1, t-1")), "{message:?}");
     }
 }

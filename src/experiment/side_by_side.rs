@@ -286,10 +286,10 @@ mod tests {
             (of(&side_by_side, 0, "order"), of(&side_by_side, 1, "block")),
             (Value::Choice("spiral"), Value::Int(12))
         );
-        let mut told = |setting: &str| side_by_side.set(&mut *leader, setting).unwrap_err().to_string();
-        assert!(told("hexagon.levels=4").contains("--beside"));
-        assert!(told("coarse.order=spiral").contains("coarse is not in lockstep"));
-        assert!(told("magic=4").contains("magic") && told("block").contains("NAME=VALUE"));
+        let mut message = |setting: &str| side_by_side.set(&mut *leader, setting).unwrap_err().to_string();
+        assert!(message("hexagon.levels=4").contains("--beside"));
+        assert!(message("coarse.order=spiral").contains("coarse is not in lockstep"));
+        assert!(message("magic=4").contains("magic") && message("block").contains("NAME=VALUE"));
     }
 
     #[test]
@@ -312,13 +312,13 @@ mod tests {
     #[test]
     fn what_cannot_go_together_is_refused() {
         let leader = estimator("diamond").unwrap();
-        let told = |ids: &[&str]| SideBySide::of(&*leader, ids, Pace::Block).err().unwrap().to_string();
+        let message = |ids: &[&str]| SideBySide::of(&*leader, ids, Pace::Block).err().unwrap().to_string();
         assert!(
-            told(&["hexagon", "kalman-tracker"])
+            message(&["hexagon", "kalman-tracker"])
                 .contains("Diamond search works on a pair of frames and Kalman tracker")
         );
-        assert!(told(&["hexagon", "three-step", "four-step", "predictive"]).contains("not 5"));
-        assert!(told(&["magic"]).contains("there is no estimator magic"));
+        assert!(message(&["hexagon", "three-step", "four-step", "predictive"]).contains("not 5"));
+        assert!(message(&["magic"]).contains("there is no estimator magic"));
         let mut side_by_side = SideBySide::of(&*leader, &["full-search", "hexagon"], Pace::Block).unwrap();
         let next = side_by_side.beside[1].estimator.boxed_clone();
         side_by_side.relieve(&*leader, &*next);

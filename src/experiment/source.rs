@@ -42,8 +42,8 @@ impl Source {
     pub fn parse(name: impl AsRef<OsStr>) -> Result<Self, Error> {
         let name = name.as_ref();
         if let Some(pair) = name.to_str().and_then(|name| name.strip_prefix(PAIR)) {
-            let told = || Error::new(format!("a pair of pictures has the form {PAIR}A{BETWEEN}B, not {PAIR}{pair}"));
-            let [first, second] = two(pair).ok_or_else(told)?;
+            let message = || Error::new(format!("a pair of pictures has the form {PAIR}A{BETWEEN}B, not {PAIR}{pair}"));
+            let [first, second] = two(pair).ok_or_else(message)?;
             return Ok(Self::Pair([first.into(), second.into()]));
         }
         let Some(scene) = name.to_str().and_then(|name| name.strip_prefix(SYNTH)) else {
@@ -185,9 +185,9 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_told() {
+    fn what_is_wrong_is_reported() {
         let id = synth::SCENES[0].id;
-        for (name, told) in [
+        for (name, message) in [
             ("synth:nowhere".to_string(), id),
             (format!("synth:{id},noise"), "NAME=VALUE"),
             (format!("synth:{id},noise=99"), "0 to 50"),
@@ -195,7 +195,7 @@ mod tests {
             ("pair:a.png".into(), "pair:A|B"),
             ("pair:a.png|b.png|c.png".into(), "pair:A|B"),
         ] {
-            assert!(Source::parse(&name).unwrap_err().to_string().contains(told), "{name}");
+            assert!(Source::parse(&name).unwrap_err().to_string().contains(message), "{name}");
         }
         assert!(Source::parse("a.mp4").unwrap().set("noise=1").is_err());
         assert!(Source::pair("a|b.png".as_ref(), "c.png".as_ref()).is_err());

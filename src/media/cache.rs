@@ -80,7 +80,7 @@ impl Lazy {
         };
         let result = catch_panic::catch_panic(|| decoder.decode(index, stop, &mut keep))
             .unwrap_or_else(|panic| Err(Error::new(format!("its data are damaged{}", reason::bracketed(&panic)))));
-        stop.tell(0, 0);
+        stop.report(0, 0);
         match (wanted, misfit, result) {
             (Some(frame), _, _) => Ok(Some(frame)),
             (None, Some((number, (w, h))), _) if number == index => {
@@ -254,12 +254,12 @@ mod tests {
     }
 
     #[test]
-    fn damage_is_told_and_its_neighbours_stay_usable() {
+    fn damage_is_reported_and_its_neighbours_stay_usable() {
         let (clip, _) = tens(100);
         for (bad, why) in [(25, "bits are wrong"), (35, "out of bounds"), (45, "5×10")] {
             for _ in 0..2 {
-                let told = frame(&clip, bad).unwrap_err().to_string();
-                assert!(told.contains(&format!("frame {bad} of tens")) && told.contains(why), "{told}");
+                let message = frame(&clip, bad).unwrap_err().to_string();
+                assert!(message.contains(&format!("frame {bad} of tens")) && message.contains(why), "{message}");
             }
             assert!(frame(&clip, bad - 1).is_ok() && frame(&clip, bad + 5).is_ok());
         }

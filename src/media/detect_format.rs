@@ -151,11 +151,11 @@ mod tests {
     }
 
     #[test]
-    fn a_false_name_is_told() {
+    fn a_false_name_is_reported() {
         assert_eq!(mislabelled(Path::new("a.MOV"), Kind::Video(Format::Mp4)), None);
         assert_eq!(mislabelled(Path::new("a.png"), Kind::Animation), None);
         assert_eq!(mislabelled(Path::new("clip"), Kind::Video(Format::Avi)), None);
-        let told = mislabelled(Path::new("a.mp4"), Kind::Video(Format::Y4m)).unwrap();
-        assert_eq!(told, "the file is named .mp4 but holds Y4M video");
+        let message = mislabelled(Path::new("a.mp4"), Kind::Video(Format::Y4m)).unwrap();
+        assert_eq!(message, "the file is named .mp4 but holds Y4M video");
     }
 }

@@ -136,11 +136,11 @@ mod tests {
 
     #[test]
     fn the_line_is_named() {
-        let told = opened("1,-1,11,21,40,80,0.9\n2,-1,1,1,-4,80,1\n").unwrap_err().to_string();
-        assert!(told.contains("det.txt") && told.contains("line 2"), "{told}");
-        let told = opened("1,-1,1,1,4,4,1\n1,-1,1,1,900000,80,1\n").unwrap_err().to_string();
-        assert!(told.contains("its boxes need") && !told.contains("header"), "{told}");
-        let told = opened(&"1,-1,1,1,4,4,1\n".repeat(5001)).unwrap_err().to_string();
-        assert!(told.contains("line 5001") && told.contains("5000 detections"), "{told}");
+        let message = opened("1,-1,11,21,40,80,0.9\n2,-1,1,1,-4,80,1\n").unwrap_err().to_string();
+        assert!(message.contains("det.txt") && message.contains("line 2"), "{message}");
+        let message = opened("1,-1,1,1,4,4,1\n1,-1,1,1,900000,80,1\n").unwrap_err().to_string();
+        assert!(message.contains("its boxes need") && !message.contains("header"), "{message}");
+        let message = opened(&"1,-1,1,1,4,4,1\n".repeat(5001)).unwrap_err().to_string();
+        assert!(message.contains("line 5001") && message.contains("5000 detections"), "{message}");
     }
 }

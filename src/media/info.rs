@@ -102,8 +102,11 @@ mod tests {
 
     #[test]
     fn a_person_reads_units() {
-        let told = Info::of(&clip(Some(7), Some(30_000.0 / 1001.0))).to_string();
-        assert!(told.contains("4×3 px\n") && told.contains("29.97 frames/s\n") && told.contains("0.234 s\n"), "{told}");
+        let message = Info::of(&clip(Some(7), Some(30_000.0 / 1001.0))).to_string();
+        assert!(
+            message.contains("4×3 px\n") && message.contains("29.97 frames/s\n") && message.contains("0.234 s\n"),
+            "{message}"
+        );
         assert!(Info::of(&clip(None, None)).to_string().contains("--count"));
     }
 }

@@ -28,7 +28,7 @@ use std::sync::Arc;
 use motionscope_core::{Clip, ClipInfo, Error, Frame, Stop, Truth};
 
 use detect_format::Kind;
-use export::{Inputs, What};
+use export::{InputKind, Inputs};
 pub use info::Info;
 use input::{Input, Node};
 use sequence::Sequence;
@@ -168,7 +168,7 @@ pub fn open(path: &Path, options: &Open) -> Result<Clip, Error> {
     }
     let clip = open_clip(path, options)?;
     // What is told of names and by others' decoders is one sentence as well.
-    let warnings = clip.info().warnings.iter().map(|told| Error::new(told.as_str()).to_string()).collect();
+    let warnings = clip.info().warnings.iter().map(|message| Error::new(message.as_str()).to_string()).collect();
     let info = ClipInfo { warnings, ..clip.info().clone() };
     Ok(clip.with_info(info))
 }
@@ -277,10 +277,16 @@ pub fn inputs(path: Option<&Path>, clip: &Clip, options: &Open) -> Inputs {
     let pictures = pictures.and_then(Result::ok).map(|found| found.files).unwrap_or_default();
     let mut inputs = truth_inputs(path, &pictures, clip, options);
     let beside = || path.filter(|path| path.is_dir()).and_then(detections::beside);
-    options.given.detections.clone().or_else(beside).into_iter().for_each(|file| inputs.add(What::Detections, file));
+    options
+        .given
+        .detections
+        .clone()
+        .or_else(beside)
+        .into_iter()
+        .for_each(|file| inputs.add(InputKind::Detections, file));
     match path {
-        Some(path) if clip.is_blank() => inputs.add(What::Detections, path),
-        Some(path) if pictures.is_empty() => inputs.add(What::Clip, path),
+        Some(path) if clip.is_blank() => inputs.add(InputKind::Detections, path),
+        Some(path) if pictures.is_empty() => inputs.add(InputKind::Clip, path),
         Some(path) => inputs.add_pictures(path, pictures),
         None => {}
     }
@@ -290,8 +296,8 @@ pub fn inputs(path: Option<&Path>, clip: &Clip, options: &Open) -> Inputs {
 /// The files that `clip`, opened from the two pictures `files` with `options`, is read from.
 pub fn inputs_of_pair(files: &[PathBuf; 2], clip: &Clip, options: &Open) -> Inputs {
     let mut inputs = truth_inputs(Some(&files[0]), files, clip, options);
-    options.given.detections.iter().for_each(|file| inputs.add(What::Detections, file));
-    files.iter().for_each(|file| inputs.add(What::Frame, file));
+    options.given.detections.iter().for_each(|file| inputs.add(InputKind::Detections, file));
+    files.iter().for_each(|file| inputs.add(InputKind::Frame, file));
     inputs
 }
 
@@ -304,7 +310,7 @@ fn truth_inputs(path: Option<&Path>, pictures: &[PathBuf], clip: &Clip, options:
         None if path.is_some() => truth::TruthFiles::beside(&subject),
         None => truth::TruthFiles::default(),
     };
-    truth.into_files().for_each(|file| inputs.add(What::Truth, file));
+    truth.into_files().for_each(|file| inputs.add(InputKind::Truth, file));
     inputs
 }
 

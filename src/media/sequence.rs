@@ -301,7 +301,7 @@ mod tests {
     }
 
     #[test]
-    fn a_picture_that_would_change_the_clip_is_told() {
+    fn a_picture_that_would_change_the_clip_is_reported() {
         let numbered = with_files(&["f1.png", "f2.png", "f3.png", "step_1.png"]);
         let (series, holiday) = (numbered.path(), with_files(&["a.png", "b.png"]));
         let joins = |opened: &Path, added: &Path| would_join(opened, added);
@@ -316,11 +316,11 @@ mod tests {
     }
 
     #[test]
-    fn gaps_are_told() {
+    fn gaps_are_reported() {
         let folder = with_files(&["f1.png", "f2.png", "f5.png", "f9.png"]);
-        let told = "numbers are missing between f2.png and f5.png and in 1 more place; the pictures are taken as \
+        let message = "numbers are missing between f2.png and f5.png and in 1 more place; the pictures are taken as \
                     consecutive";
-        assert_eq!(found(folder.path(), "").1, [told]);
+        assert_eq!(found(folder.path(), "").1, [message]);
     }
 
     #[test]

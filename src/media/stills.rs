@@ -186,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn deep_and_clear_pictures_are_told() {
+    fn deep_and_clear_pictures_are_reported() {
         let folder = tempfile::tempdir().unwrap();
         let deep: DynamicImage = image::ImageBuffer::<image::Luma<u16>, _>::from_pixel(2, 2, [0x8080].into()).into();
         let clear: DynamicImage = image::RgbaImage::from_pixel(2, 2, [200, 100, 50, 128].into()).into();
@@ -226,16 +226,16 @@ mod tests {
             fs::write(folder.path().join(name), bytes).unwrap();
         }
         let clip = open(folder.path()).unwrap();
-        let told = "f2.png cannot be shown: it is 9×6 px, not 8×6 px as the first picture";
-        assert_eq!(clip.info().warnings, [told]);
+        let message = "f2.png cannot be shown: it is 9×6 px, not 8×6 px as the first picture";
+        assert_eq!(clip.info().warnings, [message]);
         assert!(clip.frame(0).is_ok() && clip.frame(3).is_ok());
         assert!(clip.frame(1).unwrap_err().to_string().contains("f1.png"));
-        let told = clip.frame(2).unwrap_err().to_string();
-        assert!(told.contains("f2.png") && told.contains("9×6") && told.contains("8×6"), "{told}");
+        let message = clip.frame(2).unwrap_err().to_string();
+        assert!(message.contains("f2.png") && message.contains("9×6") && message.contains("8×6"), "{message}");
     }
 
     #[test]
-    fn pictures_of_another_size_are_told_in_every_format() {
+    fn pictures_of_another_size_are_reported_in_every_format() {
         for (extension, format) in FORMATS {
             let folder = tempfile::tempdir().unwrap();
             for (t, width) in [8, 8, 9, 8, 7, 9].into_iter().enumerate() {
@@ -243,10 +243,10 @@ mod tests {
                 fs::write(path, encode(&picture(width, 1), format)).unwrap();
             }
             let clip = open(folder.path()).unwrap();
-            let told = format!("f2.{extension} cannot be shown: it is 9×6 px");
+            let message = format!("f2.{extension} cannot be shown: it is 9×6 px");
             let warnings = &clip.info().warnings;
             assert!(
-                warnings[0].starts_with(&told) && warnings[0].ends_with("and 2 more differ as well"),
+                warnings[0].starts_with(&message) && warnings[0].ends_with("and 2 more differ as well"),
                 "{warnings:?}"
             );
             assert!((0..6).all(|t| clip.frame(t).is_ok() == [0, 1, 3].contains(&t)), "{extension}");
@@ -277,8 +277,8 @@ mod tests {
         for (name, bytes) in [("a.bmp", bmp), ("b.ppm", ppm), ("c.ppm", area), ("d.ppm", empty), ("e.png", png)] {
             let path = folder.path().join(name);
             fs::write(&path, bytes).unwrap();
-            let told = open(&path).unwrap_err().to_string();
-            assert!(told.contains(name), "{told}");
+            let message = open(&path).unwrap_err().to_string();
+            assert!(message.contains(name), "{message}");
         }
         assert!(open(&folder.path().join("gone.png")).unwrap_err().to_string().contains("no such file"));
     }

@@ -55,7 +55,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_a_file_is_and_what_to_do_is_told() {
+    fn what_a_file_is_and_what_to_do_is_reported() {
         let cases: [(&[u8], [&str; 2]); 12] = [
             (b"PIEH\x04\0\0\0", ["flow", "--truth"]),
             (b"1,1,10,20.5,30,40,1,1,0.9\n", ["MOTChallenge", "--truth"]),
@@ -71,8 +71,8 @@ mod tests {
             (b"\x1B[1mHELLO\x1B[0m", ["text", "open a video"]),
         ];
         for (head, words) in cases {
-            let told = refusal(head).map(|error| error.to_string()).unwrap_or_default();
-            assert!(words.iter().all(|word| told.contains(word)), "{head:?}: {told}");
+            let message = refusal(head).map(|error| error.to_string()).unwrap_or_default();
+            assert!(words.iter().all(|word| message.contains(word)), "{head:?}: {message}");
         }
     }
 

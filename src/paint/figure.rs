@@ -166,11 +166,11 @@ fn description(options: &FigureOptions, parts: &[Part<'_>]) -> String {
     let Some(Part { pictures, .. }) = parts.first() else { return String::new() };
     let shown = options.view.panels(pictures).into_iter().map(|panel| Shown { panel, share: options.share, gain: 1 });
     let titles: Vec<_> = shown.map(|shown| shown.title(options.frame, &pictures.names)).collect();
-    let told = parts.iter().filter_map(|part| part.heading).map(|([name, _], _, words)| {
+    let tiles = parts.iter().filter_map(|part| part.heading).map(|([name, _], _, words)| {
         let words = words.first().map_or_else(String::new, Sentence::plain);
         format!("{name}: {words}")
     });
-    let pictures = std::iter::once(titles.join(" and ")).chain(told).collect::<Vec<_>>().join(". ");
+    let pictures = std::iter::once(titles.join(" and ")).chain(tiles).collect::<Vec<_>>().join(". ");
     match &options.caption {
         None => pictures,
         Some(caption) => {

@@ -78,7 +78,8 @@ const FEW: usize = 24;
 pub struct Work {
     /// Bounds of the marks at work.
     pub bounds: Rect,
-    /// Whether the step works on all pixels at once, or builds a map of them all; then a pixel is only an example.
+    /// Whether the step works on all pixels at once, builds a map of them all or sums up the picture; then a pixel is only an
+    /// example.
     pub is_picture_wide: bool,
     /// Whether there are only several of a kind, as all detections of a frame: then the step is about none of them alone.
     pub is_of_many: bool,
@@ -93,7 +94,9 @@ impl Work {
         let bounds = match own.is_empty() {
             false => own.iter().copied().reduce(union),
             true => marks().filter_map(bounds_at_work).reduce(union),
-        }?;
+        };
+        let whole = Rect { min: [-0.5; 2], max: picture.map(|extent| extent - 0.5) };
+        let bounds = bounds.or(scene.is_overview.then_some(whole))?;
         let inside = Rect {
             min: [0, 1].map(|i| bounds.min[i].clamp(-0.5, picture[i] - 0.5)),
             max: [0, 1].map(|i| bounds.max[i].clamp(-0.5, picture[i] - 0.5)),
@@ -108,7 +111,11 @@ impl Work {
             Shape::Rect { .. } => mark.role == Role::Result,
             _ => false,
         };
-        Some(Self { bounds: inside, is_picture_wide: marks().any(is_map), is_of_many: own.is_empty() })
+        Some(Self {
+            bounds: inside,
+            is_picture_wide: scene.is_overview || marks().any(is_map),
+            is_of_many: own.is_empty() && !scene.is_overview,
+        })
     }
 
     /// Its longer side in px.
@@ -390,6 +397,19 @@ mod tests {
         scene.mark(Picture::CURRENT, Role::Measured, Shape::Points(vec![[69.0, 88.0]]));
         let close = one(FocusMode::Auto, &scene).unwrap();
         assert!(close.times >= 8.0 && close.center[0] > 60.0 && close.center[0] < 70.0, "{close:?}");
+    }
+
+    #[test]
+    fn a_step_that_sums_up_the_picture_shows_all_of_it() {
+        let mut scene = search(100, 80);
+        let close = [one(FocusMode::Auto, &scene)];
+        scene.is_overview = true;
+        assert!(close[0].is_some() && of(FocusMode::Auto, std::slice::from_ref(&scene), &close) == [None]);
+        // Beside another one the view stays on the whole picture, whether or not marks are at work.
+        let empty = Scene { is_overview: true, ..Scene::default() };
+        for overview in [scene, empty] {
+            assert_eq!(of(FocusMode::Auto, &[search(100, 80), overview], &[]), [None, None]);
+        }
     }
 
     #[test]

@@ -4,6 +4,8 @@ use std::sync::LazyLock;
 
 use ab_glyph::{Font, FontRef, GlyphId};
 
+use super::script::{self, Script};
+
 /// A face of the program's type.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Face {
@@ -62,26 +64,48 @@ pub(crate) struct Placed {
     pub c: char,
     /// Left edge, from the start of the line, in points.
     pub x: f32,
+    /// How far it stands above the baseline, in points.
+    pub rise: f32,
+    /// Size of its type in points.
+    pub size: f32,
     /// Size of an em's unit in points.
     pub unit: f32,
 }
 
-/// The characters of `text` in `face` at `size` points, and where the line ends.
+/// The characters of `text` in `face` at `size` points, subscripts and superscripts among them, and where the line ends.
 pub(crate) fn place(text: &str, face: Face, size: f32) -> (Vec<Placed>, f32) {
     let (mut line, mut x) = (Vec::new(), 0.0);
-    let mut before: Option<(Face, GlyphId)> = None;
-    for c in text.chars() {
-        let face = face.with(c);
-        let Some(font) = face.font() else { continue };
-        let glyph = font.glyph_id(c);
-        let unit = size / font.units_per_em().unwrap_or(1000.0);
-        if let Some((_, last)) = before.replace((face, glyph)).filter(|(last, _)| *last == face) {
-            x += font.kern_unscaled(last, glyph) * unit;
+    for (words, script) in script::parts(text) {
+        if script == Script::Over {
+            line.extend(over(words, line.last(), (face, size)));
+            continue;
         }
-        line.push(Placed { face, glyph, c, x, unit });
-        x += font.h_advance_unscaled(glyph) * unit;
+        let (size, rise) = (script.share() * size, script.rise() * size);
+        let mut before: Option<(Face, GlyphId)> = None;
+        for c in words.chars() {
+            let face = face.with(c);
+            let Some(font) = face.font() else { continue };
+            let glyph = font.glyph_id(c);
+            let unit = size / font.units_per_em().unwrap_or(1000.0);
+            if let Some((_, last)) = before.replace((face, glyph)).filter(|(last, _)| *last == face) {
+                x += font.kern_unscaled(last, glyph) * unit;
+            }
+            line.push(Placed { face, glyph, c, x, rise, size, unit });
+            x += font.h_advance_unscaled(glyph) * unit;
+        }
     }
     (line, x)
+}
+
+/// A sign in the middle over the character `below`.
+fn over(sign: &str, below: Option<&Placed>, (face, size): (Face, f32)) -> Option<Placed> {
+    let (below, c) = (below?, sign.chars().next()?);
+    let face = face.with(c);
+    let (font, lower) = (face.font()?, below.face.font()?);
+    let (glyph, unit) = (font.glyph_id(c), size / font.units_per_em().unwrap_or(1000.0));
+    let x =
+        below.x + (lower.h_advance_unscaled(below.glyph) * below.unit - font.h_advance_unscaled(glyph) * unit) / 2.0;
+    Some(Placed { face, glyph, c, x, rise: 0.0, size, unit })
 }
 
 /// Width of `text` in points.
@@ -118,6 +142,8 @@ mod tests {
                 [info.name, info.summary, info.source].into_iter().chain(info.pseudocode.iter().map(|line| line.text));
             let docs = estimator.specs().iter().map(|spec| spec.doc.as_str());
             for c in words.chain(docs).flat_map(str::chars) {
+                // Drawn as a macron.
+                let c = if c == script::MEAN { '¯' } else { c };
                 for face in [Face::Sans, Face::Mono].map(|face| face.with(c)) {
                     assert!(face.font().is_some_and(|font| font.glyph_id(c).0 != 0), "{}: {c}", info.id);
                 }

@@ -25,8 +25,8 @@ impl Opacity {
     /// # Errors
     /// If it does not lie between 0 and 1.
     pub fn new(opacity: f32) -> Result<Self, Error> {
-        let told = || Error::new(format!("a layer has an opacity from 0 to 1, as in 0.8, and not {opacity}"));
-        (0.0..=1.0).contains(&opacity).then_some(Self(opacity)).ok_or_else(told)
+        let message = || Error::new(format!("a layer has an opacity from 0 to 1, as in 0.8, and not {opacity}"));
+        (0.0..=1.0).contains(&opacity).then_some(Self(opacity)).ok_or_else(message)
     }
 
     /// Its number.

@@ -132,14 +132,47 @@ pub fn resolve<'a>(marks: impl IntoIterator<Item = &'a Mark>, look: &Look, place
     // What is under test is seen also where it lies on the best; its costs lie below all lines.
     let is_under_test = |mark: &&Mark| mark.role == Role::Candidate && !mark.shape.is_layer();
     let (under_test, others): (Vec<_>, Vec<_>) = marks.into_iter().partition(is_under_test);
+    let mut of_measurements = Vec::new();
     for mark in others.into_iter().chain(under_test) {
         if mark.shape.is_finite() {
+            if mark.role == Role::Measured && matches!(mark.shape, Shape::Text { .. }) {
+                of_measurements.push(primitives.len());
+            }
             let mut ink = look.theme.ink(mark.role);
             ink.color = mark.of.map_or(ink.color, own_color);
             Painter { ink, look, place, out: &mut primitives }.shape(mark.role, &mark.shape);
         }
     }
+    leave_out_crowded(&mut primitives, &of_measurements);
     primitives
+}
+
+/// The width of a label's rim in points.
+const LABEL_RIM: f32 = 3.0;
+/// Labels of measurements beyond this number are left out: so many cannot be read, and each is compared with all others.
+const MOST_LABELS: usize = 200;
+
+/// Leaves out those of the `labels` of measurements, by ascending index, that would lie over another label.
+fn leave_out_crowded(primitives: &mut Vec<Primitive>, labels: &[usize]) {
+    let is_label = |i: usize| labels.binary_search(&i).is_ok();
+    let words = primitives.iter().enumerate().filter(|(i, one)| matches!(one, Primitive::Text(_)) && !is_label(*i));
+    let mut taken: Vec<Rect> = words.map(|(_, one)| one.bounds()).collect();
+    let (mut i, mut count) = (0, 0);
+    primitives.retain(|one| {
+        let is_measured = is_label(i);
+        i += 1;
+        if !is_measured {
+            return true;
+        }
+        // Rims may touch.
+        let bounds = one.bounds().grown(-LABEL_RIM);
+        let has_room = count < MOST_LABELS && !taken.iter().any(|other| other.meets(&bounds));
+        if has_room {
+            taken.push(bounds);
+            count += 1;
+        }
+        has_room
+    });
 }
 
 struct Painter<'a> {

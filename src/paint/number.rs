@@ -17,7 +17,24 @@ pub fn number(value: f32) -> String {
         _ if (1e-6..0.01).contains(&size) => (2.0 - size.log10().floor()) as usize,
         _ => 3,
     };
-    let digits = format!("{size:.decimals$}");
+    with_decimals(value, decimals)
+}
+
+/// The labels at the ticks of an axis: at each as many decimals as the one that needs most, 0.8, 1.0, 1.2.
+pub fn labels(ticks: &[f32]) -> Vec<String> {
+    let is_exact = |decimals: i32| {
+        let scaled = |tick: f32| f64::from(tick) * 10f64.powi(decimals);
+        ticks.iter().all(|&tick| (scaled(tick) - scaled(tick).round()).abs() <= 1e-5 * scaled(tick).abs())
+    };
+    match (0..=6).find(|&decimals| is_exact(decimals)) {
+        Some(decimals) => ticks.iter().map(|&tick| with_decimals(tick, decimals as usize)).collect(),
+        None => ticks.iter().map(|&tick| number(tick)).collect(),
+    }
+}
+
+/// A finite number with this many decimals.
+fn with_decimals(value: f32, decimals: usize) -> String {
+    let digits = format!("{:.decimals$}", value.abs());
     let (whole, fraction) = digits.split_at(digits.find('.').unwrap_or(digits.len()));
     let is_negative = value < 0.0 && digits.bytes().any(|b| (b'1'..=b'9').contains(&b));
     format!("{}{}{fraction}", if is_negative { "−" } else { "" }, spaced(whole))
@@ -34,6 +51,14 @@ mod tests {
         assert_eq!(shown, ["−3", "812", "4096", "65\u{202f}025", "16\u{202f}646\u{202f}400", "3.17", "0.000", "–"]);
         assert_eq!([0.5, 12.34, 110.73, 10_234.4].map(number), ["0.500", "12.34", "110.7", "10\u{202f}234"]);
         assert_eq!([0.05, 0.0012, -0.0004, 2e-6].map(number), ["0.050", "0.00120", "−0.000400", "0.00000200"]);
+    }
+
+    #[test]
+    fn labels_of_an_axis_have_the_same_decimals() {
+        assert_eq!(labels(&[0.6, 0.8, 1.0, 1.2]), ["0.6", "0.8", "1.0", "1.2"]);
+        assert_eq!(labels(&[-0.05, 0.0, 0.05]), ["−0.05", "0.00", "0.05"]);
+        assert_eq!(labels(&[0.0, 5000.0, 10_000.0]), ["0", "5000", "10\u{202f}000"]);
+        assert_eq!(labels(&[1e-7, 2e-7]), [1e-7, 2e-7].map(number));
     }
 
     #[test]

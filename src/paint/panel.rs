@@ -102,8 +102,9 @@ impl Share {
     /// # Errors
     /// If it does not lie between 0 and 1.
     pub fn new(share: f32) -> Result<Self, Error> {
-        let told = || Error::new(format!("a blend has a share of frame t+1 from 0 to 1, as in 0.8, and not {share}"));
-        (0.0..=1.0).contains(&share).then_some(Self(share)).ok_or_else(told)
+        let message =
+            || Error::new(format!("a blend has a share of frame t+1 from 0 to 1, as in 0.8, and not {share}"));
+        (0.0..=1.0).contains(&share).then_some(Self(share)).ok_or_else(message)
     }
 
     /// Its number.
@@ -127,12 +128,12 @@ impl Phase {
     /// # Errors
     /// If it does not lie between 0 and 1.
     pub fn new(phase: f32) -> Result<Self, Error> {
-        let told = || {
+        let message = || {
             Error::new(format!(
                 "streaklines are seen at a moment from 0 to 1 of a particle's life, as 0.5, and not {phase}"
             ))
         };
-        (0.0..=1.0).contains(&phase).then_some(Self(phase)).ok_or_else(told)
+        (0.0..=1.0).contains(&phase).then_some(Self(phase)).ok_or_else(message)
     }
 
     /// Its number.
@@ -426,8 +427,8 @@ mod tests {
         let shown = [0.0, 0.8, 1.0].map(|share| blend(Share::new(share).expect("a share")));
         assert_eq!(shown, [[10, 10, 10, 255], [18, 18, 18, 255], [20, 20, 20, 255]]);
         for wrong in [-0.1, 1.01, f32::NAN] {
-            let told = Share::new(wrong).expect_err("no share").to_string();
-            assert!(told.contains("from 0 to 1"), "{told}");
+            let message = Share::new(wrong).expect_err("no share").to_string();
+            assert!(message.contains("from 0 to 1"), "{message}");
         }
     }
 

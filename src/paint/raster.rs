@@ -279,7 +279,7 @@ fn glyph_path(glyphs: &[fonts::Placed], [x, y]: Point) -> Option<Path> {
     let mut path = PathBuilder::new();
     for placed in glyphs {
         let Some(outline) = placed.face.font().and_then(|font| font.outline(placed.glyph)) else { continue };
-        let at = |p: ab_glyph::Point| (x + placed.x + p.x * placed.unit, y - p.y * placed.unit);
+        let at = |p: ab_glyph::Point| (x + placed.x + p.x * placed.unit, y - placed.rise - p.y * placed.unit);
         let mut end: Option<ab_glyph::Point> = None;
         for curve in outline.curves {
             let (start, stop) = match &curve {

@@ -9,6 +9,7 @@ use ::svg::node::{Blob, Node};
 use motionscope_core::{Error, Grid};
 
 use super::primitive::{Anchor, Arrow, Line, Point, Primitive, Rect, Stroke};
+use super::script::{self, Script};
 use super::{Color, Face, Figure};
 
 const SANS: &str = "Inter, Helvetica, Arial, sans-serif";
@@ -161,6 +162,7 @@ fn text(line: &Line) -> Blob {
         text += &format!("{rim} stroke-linejoin=\"round\" paint-order=\"stroke\"");
     }
     text.push('>');
+    let mut risen = 0.0;
     for run in &line.runs {
         let style = match run.face {
             Face::Sans => "",
@@ -168,9 +170,27 @@ fn text(line: &Line) -> Blob {
             Face::Italic => " font-style=\"italic\"",
             Face::Mono => MONO,
         };
-        let words = ::svg::node::Text::new(&run.text);
         let opacity = attribute("fill-opacity", run.color);
-        text += &format!("<tspan fill=\"{}\"{opacity}{style}>{words}</tspan>", hex(run.color));
+        for (words, script) in script::parts(&run.text) {
+            // The mark of a mean belongs to the letter before it.
+            if let Some(end) = text.rfind("</tspan>").filter(|_| script == Script::Over) {
+                text.insert(end, script::MEAN);
+                continue;
+            }
+            let words = ::svg::node::Text::new(words);
+            let rise = script.rise() * line.size;
+            // A shift counts for all that follows.
+            let place = match short(risen - rise) {
+                0.0 => String::new(),
+                down => format!(" dy=\"{down}\""),
+            };
+            let smaller = match script {
+                Script::Baseline | Script::Over => String::new(),
+                _ => format!(" font-size=\"{}\"", short(script.share() * line.size)),
+            };
+            risen = rise;
+            text += &format!("<tspan fill=\"{}\"{opacity}{style}{place}{smaller}>{words}</tspan>", hex(run.color));
+        }
     }
     Blob::new(text + "</text>")
 }
@@ -257,6 +277,13 @@ mod tests {
         assert!(svg.contains("<tspan fill=\"#000000\" fill-opacity=\"0.2\">a</tspan>"), "{svg}");
         assert!(svg.contains("stroke=\"#ffffff\" stroke-opacity=\"0.4\""), "{svg}");
         assert!(!written("a", Color::BLACK, Some(Color::WHITE)).contains("opacity"));
+    }
+
+    #[test]
+    fn an_index_is_small_and_low_and_what_follows_is_not() {
+        let svg = written("I_x u", Color::BLACK, None);
+        let spans = [">I</tspan>", "dy=\"2.16\" font-size=\"8.88\">x</tspan>", "dy=\"-2.16\"> u</tspan>"];
+        assert!(spans.iter().all(|span| svg.contains(span)), "{svg}");
     }
 
     #[test]

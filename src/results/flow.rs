@@ -50,8 +50,8 @@ fn field(output: &Output) -> Result<Flow, Error> {
 fn as_kitti(output: &Output) -> Result<EncodedFiles, Error> {
     let made = kitti_result(&field(output)?)?;
     let lost = made.out_of_range;
-    let told = format!("{lost} pixels exceed the ±512 px of a KITTI flow and are marked as unknown");
-    Ok(EncodedFiles { lost: (lost > 0).then_some(told), ..EncodedFiles::file(made.bytes) })
+    let message = format!("{lost} pixels exceed the ±512 px of a KITTI flow and are marked as unknown");
+    Ok(EncodedFiles { lost: (lost > 0).then_some(message), ..EncodedFiles::file(made.bytes) })
 }
 
 #[cfg(test)]
@@ -63,11 +63,11 @@ mod tests {
     #[test]
     fn each_format_writes_its_own_and_says_what_it_loses() {
         let output = Output::of(DenseField { flow: Flow(Grid::new(2, 2, [600.0, 0.0])), confidence: None });
-        for (ending, start, is_told) in [("flo", "PIEH", false), ("png", "PNG", true), ("npy", "NUMPY", false)] {
+        for (ending, start, is_reported) in [("flo", "PIEH", false), ("png", "PNG", true), ("npy", "NUMPY", false)] {
             let format = EXPORT.formats.iter().find(|format| format.ending == ending).unwrap();
             let EncodedFiles { files, lost } = (format.encode)(&output).unwrap();
             assert!(String::from_utf8_lossy(&files[0].1[..6]).contains(start));
-            assert_eq!(lost.is_some_and(|lost| lost.starts_with("4 pixels")), is_told);
+            assert_eq!(lost.is_some_and(|lost| lost.starts_with("4 pixels")), is_reported);
         }
     }
 

@@ -4,6 +4,7 @@
 
 mod flow;
 mod masks;
+mod pictures;
 mod table;
 mod tracks;
 
@@ -15,7 +16,7 @@ use crate::media::export::{self, Target};
 use crate::media::names::extension;
 
 /// All exports; where two share a file extension, the window offers the first.
-pub const EXPORTS: &[&Export] = &[&flow::EXPORT, &table::EXPORT, &tracks::EXPORT, &masks::EXPORT];
+pub const EXPORTS: &[&Export] = &[&flow::EXPORT, &table::EXPORT, &tracks::EXPORT, &masks::EXPORT, &pictures::EXPORT];
 
 /// An export of a product to files.
 #[derive(Debug)]

@@ -2,8 +2,8 @@
 
 use motionscope_core::table::Table;
 use motionscope_core::{
-    BlockField, DenseField, EpipolarField, Error, MaskField, MatchField, ModelField, ObjectField, Output, PointField,
-    Product, RegionField, TrackField,
+    BlockField, DenseField, EpipolarField, Error, MaskField, MatchField, ModelField, ObjectField, Output, PathField,
+    PointField, Product, RegionField, TrackField,
 };
 
 use super::{EncodedFiles, Export, Format};
@@ -22,6 +22,7 @@ pub const EXPORT: Export = Export {
         MatchField::KIND,
         ModelField::KIND,
         EpipolarField::KIND,
+        PathField::KIND,
         ObjectField::KIND,
         MaskField::KIND,
         RegionField::KIND,

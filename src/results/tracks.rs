@@ -97,7 +97,7 @@ mod tests {
     use std::sync::Arc;
 
     use motionscope_core::objects::trajectory::{Places, Trajectory};
-    use motionscope_core::params::Line;
+    use motionscope_core::params::{Line, Zones};
     use motionscope_core::{Blob, Bounds, Detection, ObjectFrame, Region, RegionFrame};
 
     use super::*;
@@ -147,13 +147,14 @@ mod tests {
         };
         let frames = vec![at(5.0, false), at(6.5, false), at(6.5, true)];
         let output = Output::of(RegionField { picture: (32, 24), first: 2, object: Some(7), frames });
-        let rows = mot(&field(&output).expect("a track")).expect("a track");
+        let rows = mot(&super::field(&output).expect("a track")).expect("a track");
         assert_eq!(rows, "3,1,3.5,7.5,6,4,1,-1,-1,-1\n4,1,5,7.5,6,4,1,-1,-1,-1\n", "where it is lost is no result");
     }
 
     #[test]
     fn a_table_of_trajectories_tells_what_became_of_each() {
-        let places = Places { line: Some(Line { from: [10.0, 9.0], to: [10.0, 0.0] }), zone: None, window: 3 };
+        let lines = [Line { from: [10.0, 9.0], to: [10.0, 0.0] }].into_iter().collect();
+        let places = Places { lines, zones: Zones::default(), window: 3 };
         let mut of = Trajectory { id: 4, ..Trajectory::default() };
         for (t, x) in [(6, 8.0), (7, 9.0), (8, 12.0)] {
             of.add(t, [x, 5.0], &places);

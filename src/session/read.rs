@@ -21,11 +21,11 @@ pub(super) fn session(text: &str, folder: &Path) -> Result<Session, Error> {
     let mut top = Section::parse(text).map_err(|why| if text.lines().any(is_version) { why } else { none() })?;
     let version = top.take("motionscope").ok_or_else(none)?;
     if version.count()? != VERSION as usize {
-        let told = format!(
+        let message = format!(
             "its format version is {}, but this Motionscope reads version {VERSION}; open it with the version that wrote it",
             version.plain()?
         );
-        return Err(Error::new(told));
+        return Err(Error::new(message));
     }
     let source = top.need("clip")?.parsed(|clip| Source::parse(clip))?.map_path(|path| folder.join(path));
     let mut path = |key| top.take(key).map(|entry| entry.text().map(|path| folder.join(path))).transpose();

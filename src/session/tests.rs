@@ -64,19 +64,19 @@ fn both_pictures_of_a_pair_are_saved() {
 }
 
 #[test]
-fn paths_are_told_from_where_the_session_is() {
+fn paths_are_reported_from_where_the_session_is() {
     let top = tempfile::tempdir().unwrap();
     let here = top.path().join("here");
     fs::create_dir_all(here.join("deep")).unwrap();
     let clip = here.join("a.mp4");
     fs::write(&clip, []).unwrap();
-    for (folder, told) in [
+    for (folder, message) in [
         (here.clone(), "a.mp4"),
         (here.join("deep"), "../a.mp4"),
         (here.join("deep").join(".."), "a.mp4"),
         (here.join("deep").join("..").join(".."), "here/a.mp4"),
     ] {
-        assert_eq!(slashed(&relative(&clip, &folder)).unwrap(), told, "{}", folder.display());
+        assert_eq!(slashed(&relative(&clip, &folder)).unwrap(), message, "{}", folder.display());
     }
     assert_eq!(folder_of(Path::new("one.motionscope")), Path::new("."));
 }
@@ -94,7 +94,7 @@ fn a_pixel_is_named_only_where_one_is_held() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn what_cannot_be_written_down_is_told() {
+fn what_cannot_be_written_down_is_reported() {
     use std::os::unix::ffi::OsStrExt;
     let clip = Path::new(std::ffi::OsStr::from_bytes(b"caf\xE9.mp4"));
     let given = |given: Given| {
@@ -105,8 +105,8 @@ fn what_cannot_be_written_down_is_told() {
     let truth = given(Given { truth: Some(clip.into()), detections: None });
     let detections = given(Given { truth: None, detections: Some(clip.into()) });
     for session in [session(Source::parse(clip).unwrap()), truth, detections] {
-        let told = session.text(Path::new(".")).unwrap_err().to_string();
-        assert!(told.contains("caf\u{FFFD}.mp4") && told.contains("rename"), "{told}");
+        let message = session.text(Path::new(".")).unwrap_err().to_string();
+        assert!(message.contains("caf\u{FFFD}.mp4") && message.contains("rename"), "{message}");
     }
 }
 
@@ -160,10 +160,10 @@ fn a_sight_that_cannot_be_is_left_out() {
 }
 
 #[test]
-fn what_is_no_session_is_told_in_a_sentence() {
+fn what_is_no_session_is_reported_in_a_sentence() {
     let parse = |text: &str| Session::parse(text, Path::new("")).err().map(|e| e.to_string()).unwrap_or_default();
     let start = "motionscope = 1\nclip = \"a.mp4\"\n";
-    for (text, told) in [
+    for (text, message) in [
         ("\u{0}PNG", "no Motionscope session"),
         ("clip = 3", "no Motionscope session"),
         ("motionscope = 2\nclip = \"a\"\nestimator = \"full-search\"", "its format version is 2"),
@@ -181,14 +181,14 @@ fn what_is_no_session_is_told_in_a_sentence() {
         (&format!("{start}estimator = \"full-search\"\n[picture]\narrows = nan"), "0.01 to 100 or auto"),
         (&format!("{start}estimator = \"full-search\"\n[picture]\narrows = \"long\""), "or auto"),
     ] {
-        assert!(parse(text).contains(told), "{text}: {}", parse(text));
+        assert!(parse(text).contains(message), "{text}: {}", parse(text));
     }
 }
 
 #[test]
-fn line_and_key_are_told_in_words() {
+fn line_and_key_are_reported_in_words() {
     let start = "motionscope = 1\nclip = \"a.mp4\"\nestimator = \"full-search\"\n";
-    for (text, told) in [
+    for (text, message) in [
         ("frame = \"x\"", "line 4, frame: a whole number is needed, not the text \"x\""),
         ("frame = -1", "line 4, frame: a whole number from 0 on is needed, not -1"),
         ("frame = 99999999999999999999", "line 4, frame: a whole number is needed, not 99999999999999999999"),
@@ -221,7 +221,7 @@ fn line_and_key_are_told_in_words() {
     ] {
         let whole = format!("{start}{text}\n");
         let found = Session::parse(&whole, Path::new("")).err().map(|e| e.to_string()).unwrap_or_default();
-        assert!(found.starts_with(told), "{text}: {found}");
+        assert!(found.starts_with(message), "{text}: {found}");
         assert!(!found.contains("variant") && !found.contains("expected"), "{found}");
     }
     let lacks = Session::parse("motionscope = 1\nestimator = \"full-search\"", Path::new("")).err().unwrap();

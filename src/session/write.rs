@@ -48,7 +48,7 @@ struct Companion {
 
 impl Companion {
     fn of(companion: &side_by_side::Companion, leader: &dyn AnyEstimator) -> Self {
-        let set = companion.own_values(leader).into_iter().map(|(name, value)| (name, told(&value))).collect();
+        let set = companion.own_values(leader).into_iter().map(|(name, value)| (name, toml_value(&value))).collect();
         Self { estimator: companion.estimator.info().id.into(), set }
     }
 }
@@ -59,7 +59,7 @@ struct Picture<'a>(&'a Changes);
 impl Serialize for Picture<'_> {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
         let mut map = to.serialize_map(None)?;
-        self.0.entries().try_for_each(|(spec, value)| map.serialize_entry(key(&spec.name), &told(value)))?;
+        self.0.entries().try_for_each(|(spec, value)| map.serialize_entry(key(&spec.name), &toml_value(value)))?;
         map.end()
     }
 }
@@ -86,7 +86,7 @@ pub(super) fn text(session: &Session, folder: &Path) -> Result<String, Error> {
         step: cursor.map(|cursor| cursor.to_string()),
         pixel: pixel.map(|pixel| pixel.to_string()),
         pace: (!side_by_side.is_empty()).then(|| side_by_side.pace.name().to_owned()),
-        set: estimator.all_values().into_iter().map(|(name, value)| (name, told(&value))).collect(),
+        set: estimator.all_values().into_iter().map(|(name, value)| (name, toml_value(&value))).collect(),
         beside: side_by_side.beside.iter().map(|one| Companion::of(one, &**estimator)).collect(),
         picture: Picture(look),
         sight: *sight,
@@ -126,7 +126,7 @@ pub(super) fn slashed(path: &Path) -> Result<String, Error> {
     Ok(if std::path::MAIN_SEPARATOR == '\\' { text.replace('\\', "/") } else { text.into() })
 }
 
-fn told(value: &Value) -> toml::Value {
+fn toml_value(value: &Value) -> toml::Value {
     match value {
         Value::Int(v) => (*v).into(),
         Value::Real(v) => (*v).into(),

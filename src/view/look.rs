@@ -217,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn every_entry_is_read_as_it_is_told_and_remembered() {
+    fn every_entry_is_read_as_it_is_reported_and_remembered() {
         let mut count = 0;
         for (index, spec) in Look::entries().iter().enumerate() {
             for value in tried(&spec.kind) {
@@ -251,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_worked_out_before_it_is_drawn_is_told_from_the_rest() {
+    fn what_is_worked_out_before_it_is_drawn_is_reported_from_the_rest() {
         let look = Look::of_window();
         let drawn = Look { theme: Theme::Light, legend: false, arrow_scale: Lengthen::Times(2.0), ..look };
         assert!(look.shows_same_step(&drawn) && look.shows_same_motion(&drawn));

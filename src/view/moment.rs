@@ -175,7 +175,7 @@ impl Moment {
             frame: walk.at_frame(),
             cursor: walk.cursor(),
             at_end: walk.at_end(),
-            step: Arc::new(told(standing, &motion, missing.as_ref())),
+            step: Arc::new(explained_step(standing, &motion, missing.as_ref())),
             scene: Arc::new(scene),
             pictures,
             tiles,
@@ -222,7 +222,7 @@ fn named(scene: &Scene, RunView { walk, clip, pair, named, .. }: RunView<'_>) ->
 }
 
 /// What the step tells; at the end, also how good the estimate is.
-fn told(RunView { walk, focus, end, .. }: RunView<'_>, motion: &Motion, missing: Option<&Error>) -> Step {
+fn explained_step(RunView { walk, focus, end, .. }: RunView<'_>, motion: &Motion, missing: Option<&Error>) -> Step {
     let mut step = walk.step(focus);
     if let Some(missing) = missing {
         add_facts(&mut step, vec![Fact::new("Missing picture", missing.to_string(), Some(Role::Rejected))]);
@@ -244,8 +244,10 @@ fn told(RunView { walk, focus, end, .. }: RunView<'_>, motion: &Motion, missing:
 
 /// Whether a step relates its pictures to each other, so that they are shown side by side.
 fn is_joined(scene: &Scene) -> bool {
-    let has_response = |canvas: &Canvas| canvas.picture.role == PictureRole::Response;
-    !scene.links.is_empty() || scene.pictures.iter().any(has_response)
+    let is_derived = |canvas: &Canvas| {
+        matches!(canvas.picture.role, PictureRole::Response | PictureRole::Warped | PictureRole::Mosaic)
+    };
+    !scene.links.is_empty() || scene.pictures.iter().any(is_derived)
 }
 
 /// Frames `t` and `t + 1` of `clip`, and what their files are called; the last frame stands beside itself.

@@ -414,8 +414,8 @@ impl Check {
         facts.push(fact("Criterion", Consistency::criterion()));
         if let Some(Agreement { precision, recall }) = self.agreement {
             let share = |share: Option<f64>| share.map_or("–".into(), |share| format!("{:.0} %", 100.0 * share));
-            let told = format!("precision {}, recall {}", share(precision), share(recall));
-            facts.push(fact("Occlusion", told));
+            let message = format!("precision {}, recall {}", share(precision), share(recall));
+            facts.push(fact("Occlusion", message));
         }
         facts
     }
@@ -426,7 +426,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_cannot_be_shown_is_told_why_and_something_else_is_shown() {
+    fn what_cannot_be_shown_is_reported_why_and_something_else_is_shown() {
         let dense = AvailableLayers { known: Known::Pixels, is_pair: true, ..AvailableLayers::default() };
         let why = |available: AvailableLayers, layer| available.why_not(layer).unwrap_or_default();
         assert_eq!((dense.layer(None), dense.layer(Some(FlowLayer::Error))), (FlowLayer::Wheel, FlowLayer::Wheel));

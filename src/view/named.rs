@@ -87,7 +87,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_read_is_told_and_the_rest_is_shown() {
+    fn what_cannot_be_read_is_reported_and_the_rest_is_shown() {
         let canvases = [Picture::at(-2), Picture::PREVIOUS, Picture::CURRENT].map(Canvas::of_clip);
         let frame = Arc::new(Frame::gray(Grid::new(4, 4, 0)));
         let read = |picture: Picture| {

@@ -59,7 +59,7 @@ pub struct Pane {
     /// The chart that an estimator must declare to fill it; `None` if any estimator may.
     pub chart: Option<Chart>,
     /// Whether a step has content for it.
-    pub is_told: fn(&Step) -> bool,
+    pub is_available: fn(&Step) -> bool,
     /// How well the content fits a size in points; 1 is just enough.
     pub room: fn(PaneContent<'_>, [f32; 2], ChartStyle) -> f32,
     /// Draws the content in a rectangle; nothing if the step has none.
@@ -79,7 +79,7 @@ pub const STAGE: Pane = Pane {
     doc: "the frames with the marks of the step",
     when: "at every step",
     chart: None,
-    is_told: |_| true,
+    is_available: |_| true,
     room: |_, _, _| f32::INFINITY,
     draw: |_, _, _| Vec::new(),
 };
@@ -91,9 +91,9 @@ pub const EXPLANATION: Pane = Pane {
     doc: "the explanation of the step: sentence, formulas, numbers and pseudocode",
     when: "at every step",
     chart: None,
-    is_told: |_| true,
+    is_available: |_| true,
     room: explanation_room,
-    draw: |told, area, style| explanation::draw(explained(told), area, style).into_layers(),
+    draw: |content, area, style| explanation::draw(explained(content), area, style).into_layers(),
 };
 
 /// The cost surface as a heat map.
@@ -103,11 +103,11 @@ pub const SURFACE: Pane = Pane {
     doc: "the cost of every tested candidate (u, v), as a heat map",
     when: "once a candidate is tested",
     chart: Some(Chart::Surface),
-    is_told: |step| find(step, surface).is_some(),
+    is_available: |step| find(step, surface).is_some(),
     room: |_, size, style| letters(size, [26.0, 19.0], style),
-    draw: |told, area, style| {
-        let draw = |surface| heat_map::draw(heat_map::HeatMap { surface, whose: told.info.name }, area, style);
-        find(told.step, surface).map(|surface| draw(surface).into_layers()).unwrap_or_default()
+    draw: |content, area, style| {
+        let draw = |surface| heat_map::draw(heat_map::HeatMap { surface, whose: content.info.name }, area, style);
+        find(content.step, surface).map(|surface| draw(surface).into_layers()).unwrap_or_default()
     },
 };
 
@@ -118,11 +118,13 @@ pub const SURFACE_3D: Pane = Pane {
     doc: "the cost of every tested candidate (u, v), as a 3-D surface",
     when: "once a candidate is tested",
     chart: Some(Chart::Surface),
-    is_told: |step| find(step, surface).is_some(),
+    is_available: |step| find(step, surface).is_some(),
     room: |_, size, style| letters(size, [26.0, 18.0], style),
-    draw: |told, area, style| {
-        let data = |surface| relief::Relief { surface, whose: told.info.name, orbit: told.angles.surface };
-        find(told.step, surface).map(|found| relief::draw(data(found), area, style).into_layers()).unwrap_or_default()
+    draw: |content, area, style| {
+        let data = |surface| relief::Relief { surface, whose: content.info.name, orbit: content.angles.surface };
+        find(content.step, surface)
+            .map(|found| relief::draw(data(found), area, style).into_layers())
+            .unwrap_or_default()
     },
 };
 
@@ -133,11 +135,11 @@ pub const PLANE: Pane = Pane {
     doc: "constraint lines and estimates in the (u, v) plane",
     when: "when a pixel or a window is explained",
     chart: Some(Chart::Plane),
-    is_told: |step| find(step, a_plane).is_some(),
+    is_available: |step| find(step, a_plane).is_some(),
     room: |_, size, style| letters(size, [31.0, 19.0], style),
-    draw: |told, area, style| {
-        let data = |plane| plane::Shown { plane, whose: told.info.name, window: told.angles.plane };
-        find(told.step, a_plane).map(|found| plane::draw(data(found), area, style).into_layers()).unwrap_or_default()
+    draw: |content, area, style| {
+        let data = |plane| plane::Shown { plane, whose: content.info.name, window: content.angles.plane };
+        find(content.step, a_plane).map(|found| plane::draw(data(found), area, style).into_layers()).unwrap_or_default()
     },
 };
 
@@ -148,11 +150,11 @@ pub const REGIONS: Pane = Pane {
     doc: "the regions of the decision in the plane of two quantities, with the pixel in it",
     when: "when a pixel is explained",
     chart: Some(Chart::Regions),
-    is_told: |step| find(step, some_regions).is_some(),
+    is_available: |step| find(step, some_regions).is_some(),
     room: |_, size, style| letters(size, [21.0, 19.0], style),
-    draw: |told, area, style| {
-        let draw = |regions| regions::draw(regions::Shown { regions, whose: told.info.name }, area, style);
-        find(told.step, some_regions).map(|found| draw(found).into_layers()).unwrap_or_default()
+    draw: |content, area, style| {
+        let draw = |regions| regions::draw(regions::Shown { regions, whose: content.info.name }, area, style);
+        find(content.step, some_regions).map(|found| draw(found).into_layers()).unwrap_or_default()
     },
 };
 
@@ -163,13 +165,13 @@ pub const SERIES: Pane = Pane {
     doc: "quantities over the steps, such as energy, change and error",
     when: "after the first values",
     chart: Some(Chart::Series),
-    is_told: |step| all_series(step).next().is_some(),
-    room: |told, size, style| series_room(all_series(told.step).count(), size, style).1,
-    draw: |told, area, style| {
-        let all: Vec<&Series> = all_series(told.step).collect();
+    is_available: |step| all_series(step).next().is_some(),
+    room: |content, size, style| series_room(all_series(content.step).count(), size, style).1,
+    draw: |content, area, style| {
+        let all: Vec<&Series> = all_series(content.step).collect();
         let plotted = |series| series::Plotted {
             series,
-            whose: told.info.name,
+            whose: content.info.name,
             logarithmic: series.is_logarithmic,
             window: None,
         };
@@ -189,16 +191,16 @@ pub const TILES: Pane = Pane {
     doc: "the compared pixels with their gray levels",
     when: "when windows of pixels are compared or a pixel is explained",
     chart: Some(Chart::Tiles),
-    is_told: |step| find(step, some_tiles).is_some(),
-    room: |told, size, style| {
-        let Some(tiles) = find(told.step, some_tiles) else { return letters(size, [26.0, 12.0], style) };
-        let places = tiles::places(whole(told, tiles), Rect::new([0.0; 2], size), style);
+    is_available: |step| find(step, some_tiles).is_some(),
+    room: |content, size, style| {
+        let Some(tiles) = find(content.step, some_tiles) else { return letters(size, [26.0, 12.0], style) };
+        let places = tiles::places(whole(content, tiles), Rect::new([0.0; 2], size), style);
         let fits = (0..2).all(|i| places.size[i] <= size[i] + 1.0);
         if fits { 0.6 + 0.4 * places.cell / tiles::NUMBERS } else { 0.5 }
     },
-    draw: |told, area, style| {
-        let draw = |tiles| tiles::draw(whole(told, tiles), area, style);
-        find(told.step, some_tiles).map(|tiles| draw(tiles).into_layers()).unwrap_or_default()
+    draw: |content, area, style| {
+        let draw = |tiles| tiles::draw(whole(content, tiles), area, style);
+        find(content.step, some_tiles).map(|tiles| draw(tiles).into_layers()).unwrap_or_default()
     },
 };
 
@@ -209,14 +211,14 @@ pub const MATRICES: Pane = Pane {
     doc: "state, covariances and gain of the step, with the entries that changed",
     when: "after the first step of the filter",
     chart: Some(Chart::Matrices),
-    is_told: |step| find(step, some_matrices).is_some(),
-    room: |told, size, style| {
-        let Some(all) = find(told.step, some_matrices) else { return letters(size, [26.0, 12.0], style) };
+    is_available: |step| find(step, some_matrices).is_some(),
+    room: |content, size, style| {
+        let Some(all) = find(content.step, some_matrices) else { return letters(size, [26.0, 12.0], style) };
         let needed = matrices::size(all, size[0], style);
         (size[0] / needed[0]).min(size[1] / needed[1]).min(1.3)
     },
-    draw: |told, area, style| {
-        find(told.step, some_matrices).map(|all| matrices::draw(all, area, style).into_layers()).unwrap_or_default()
+    draw: |content, area, style| {
+        find(content.step, some_matrices).map(|all| matrices::draw(all, area, style).into_layers()).unwrap_or_default()
     },
 };
 
@@ -228,11 +230,11 @@ pub const HISTOGRAM: Pane = Pane {
     when: "after the first block, or at the end of the run",
     // At the end of a run, the displacements of pixels are counted as well.
     chart: None,
-    is_told: |step| find(step, a_histogram).is_some(),
+    is_available: |step| find(step, a_histogram).is_some(),
     room: |_, size, style| letters(size, [34.0, 18.0], style),
-    draw: |told, area, style| {
-        let draw = |histogram| histogram::draw(histogram::Counts { histogram, whose: told.info.name }, area, style);
-        find(told.step, a_histogram).map(|found| draw(found).into_layers()).unwrap_or_default()
+    draw: |content, area, style| {
+        let draw = |histogram| histogram::draw(histogram::Counts { histogram, whose: content.info.name }, area, style);
+        find(content.step, a_histogram).map(|found| draw(found).into_layers()).unwrap_or_default()
     },
 };
 
@@ -243,11 +245,11 @@ pub const ERRORS: Pane = Pane {
     doc: "the distribution of the endpoint error",
     when: "at the end of the run, if the true flow is known",
     chart: None,
-    is_told: |step| find(step, errors).is_some(),
+    is_available: |step| find(step, errors).is_some(),
     room: |_, size, style| letters(size, [30.0, 15.0], style),
-    draw: |told, area, style| {
-        let data = |distribution| distribution::Counted { distribution, whose: told.info.name };
-        find(told.step, errors)
+    draw: |content, area, style| {
+        let data = |distribution| distribution::Counted { distribution, whose: content.info.name };
+        find(content.step, errors)
             .map(|found| distribution::draw(data(found), area, style).into_layers())
             .unwrap_or_default()
     },
@@ -260,12 +262,12 @@ pub const PYRAMID: Pane = Pane {
     doc: "the levels of the pyramid with the vectors found on each",
     when: "after the first level is built",
     chart: Some(Chart::Stack),
-    is_told: |step| find(step, a_stack).is_some(),
+    is_available: |step| find(step, a_stack).is_some(),
     room: |_, size, style| letters(size, [30.0, 19.0], style),
-    draw: |told, area, style| {
-        let Some(stack) = find(told.step, a_stack) else { return Vec::new() };
-        let on_stage = told.level.of(&stack.levels);
-        let data = stack::Pyramid { stack, whose: told.info.name, on_stage, orbit: told.angles.pyramid };
+    draw: |content, area, style| {
+        let Some(stack) = find(content.step, a_stack) else { return Vec::new() };
+        let on_stage = content.level.of(&stack.levels);
+        let data = stack::Pyramid { stack, whose: content.info.name, on_stage, orbit: content.angles.pyramid };
         stack::draw(data, area, style, &mut stack::Seen::default()).into_layers()
     },
 };
@@ -289,10 +291,10 @@ pub static PANES: [&Pane; 12] = [
 /// The charts that a step has something for: first those of `order`, what an estimator declares, then all others.
 pub fn charts(step: &Step, order: &[Chart]) -> Vec<&'static Pane> {
     let is_chart = |pane: &&'static Pane| **pane != STAGE && **pane != EXPLANATION;
-    let mut told: Vec<_> = PANES.into_iter().filter(is_chart).filter(|pane| (pane.is_told)(step)).collect();
+    let mut charts: Vec<_> = PANES.into_iter().filter(is_chart).filter(|pane| (pane.is_available)(step)).collect();
     let place = |pane: &&Pane| pane.chart.and_then(|chart| order.iter().position(|other| *other == chart));
-    told.sort_by_key(|pane| place(pane).unwrap_or(order.len()));
-    told
+    charts.sort_by_key(|pane| place(pane).unwrap_or(order.len()));
+    charts
 }
 
 /// The panes that stand on a picture, and from where they are looked at; without any, the stage stands alone.
@@ -329,7 +331,7 @@ impl Selection {
     /// # Errors
     /// As [`Pane::absent`].
     pub fn check_step(&self, info: &Info, step: &Step) -> Result<(), Error> {
-        let absent = self.panes.iter().find(|pane| !(pane.is_told)(step));
+        let absent = self.panes.iter().find(|pane| !(pane.is_available)(step));
         absent.map_or(Ok(()), |pane| {
             Err(Error::new(format!("{}; choose another --step, or remove it from --panes", pane.absent(info.id))))
         })
@@ -346,8 +348,8 @@ impl FromStr for Named {
     fn from_str(id: &str) -> Result<Self, Error> {
         let found = PANES.iter().find(|pane| pane.id == id.trim());
         let ids: Vec<_> = PANES.iter().map(|pane| pane.id).collect();
-        let told = || Error::new(format!("there is no pane {id}; there are {}", ids.join(", ")));
-        found.map(|pane| Self(pane)).ok_or_else(told)
+        let refused = || Error::new(format!("there is no pane {id}; there are {}", ids.join(", ")));
+        found.map(|pane| Self(pane)).ok_or_else(refused)
     }
 }
 
@@ -417,12 +419,12 @@ fn a_stack(readout: &Readout) -> Option<&motionscope_core::Stack> {
     if let Readout::Stack(stack) = readout { Some(stack) } else { None }
 }
 
-fn whole<'a>(told: PaneContent<'_>, tiles: &'a [motionscope_core::scene::Tile]) -> tiles::Tiles<'a> {
-    tiles::Tiles { tiles, is_centered: told.is_centered, closeness: tiles::Closeness::Whole }
+fn whole<'a>(content: PaneContent<'_>, tiles: &'a [motionscope_core::scene::Tile]) -> tiles::Tiles<'a> {
+    tiles::Tiles { tiles, is_centered: content.is_centered, closeness: tiles::Closeness::Whole }
 }
 
-fn explained(told: PaneContent<'_>) -> explanation::Explained<'_> {
-    explanation::Explained { info: told.info, step: told.step }
+fn explained(content: PaneContent<'_>) -> explanation::Explained<'_> {
+    explanation::Explained { info: content.info, step: content.step }
 }
 
 /// Returns how well a chart of `least` letters of small type across and down fits.
@@ -431,9 +433,9 @@ fn letters(size: [f32; 2], least: [f32; 2], style: ChartStyle) -> f32 {
     fits[0].min(fits[1])
 }
 
-fn explanation_room(told: PaneContent<'_>, [width, height]: [f32; 2], style: ChartStyle) -> f32 {
+fn explanation_room(content: PaneContent<'_>, [width, height]: [f32; 2], style: ChartStyle) -> f32 {
     let across = width / (21.0 * style.theme.sizes().body);
-    let [least, whole] = explanation::heights(explained(told), width, style);
+    let [least, whole] = explanation::heights(explained(content), width, style);
     let down = match height {
         height if height >= whole => 1.3,
         height if height >= least => 1.0 + 0.3 * (height - least) / (whole - least),

@@ -125,7 +125,7 @@ impl Rendering<'_> {
                 0 => self.estimator.info().name.into(),
                 count => format!("{count} estimators in lockstep"),
             },
-            details: format!("{clip} · {}", told(self.estimator)),
+            details: format!("{clip} · {}", settings_text(self.estimator)),
             place: format!("step {cursor}"),
             formula: match self.look.caption {
                 CaptionWords::Full => equation_of(step).to_vec(),
@@ -143,13 +143,13 @@ impl Rendering<'_> {
 }
 
 /// Largest number of parameters listed completely; of more, only those that differ from their defaults.
-const ALL_TOLD: usize = 11;
+const MOST_SETTINGS: usize = 11;
 
 /// Returns the parameters of an estimator with their values.
-fn told(estimator: &dyn AnyEstimator) -> String {
+fn settings_text(estimator: &dyn AnyEstimator) -> String {
     let specs = estimator.specs();
     let all = specs.iter().zip(estimator.values());
-    let chosen = all.filter(|(spec, (_, value))| specs.len() <= ALL_TOLD || spec.default != *value);
+    let chosen = all.filter(|(spec, (_, value))| specs.len() <= MOST_SETTINGS || spec.default != *value);
     let words: Vec<String> = chosen.map(|(spec, (_, value))| said(spec, value)).collect();
     if words.is_empty() { "default parameters".into() } else { words.join(" · ") }
 }
@@ -183,8 +183,8 @@ impl FromStr for Format {
 
     fn from_str(ending: &str) -> Result<Self, Error> {
         let all = [Self::Png, Self::Svg, Self::Pdf];
-        let told = || Error::new(format!("the formats of pictures are png, svg and pdf, not {ending}"));
-        all.into_iter().find(|format| format.extension() == ending.to_lowercase()).ok_or_else(told)
+        let refused = || Error::new(format!("the formats of pictures are png, svg and pdf, not {ending}"));
+        all.into_iter().find(|format| format.extension() == ending.to_lowercase()).ok_or_else(refused)
     }
 }
 
@@ -195,10 +195,11 @@ impl Format {
     /// A sentence with the extensions.
     pub fn of(path: &Path) -> Result<Self, Error> {
         let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
-        let told = || Error::new(format!("{}: the name of a picture must end in .png, .svg or .pdf", path.display()));
+        let refused =
+            || Error::new(format!("{}: the name of a picture must end in .png, .svg or .pdf", path.display()));
         match extension {
             None if path == Path::new("-") => Ok(Self::Png),
-            extension => extension.and_then(|ending| ending.parse().ok()).ok_or_else(told),
+            extension => extension.and_then(|ending| ending.parse().ok()).ok_or_else(refused),
         }
     }
 

@@ -28,7 +28,7 @@ const BELOW: [f32; 5] = [0.3, 0.36, 0.42, 0.48, 0.54];
 /// What is arranged.
 pub struct Contents<'a> {
     /// What the panes are made of.
-    pub told: PaneContent<'a>,
+    pub content: PaneContent<'a>,
     /// Which, in this order; the stage wherever it stands.
     pub panes: &'a [&'static Pane],
     /// Words above, and below unless there is an explanation.
@@ -94,7 +94,7 @@ impl Rendering<'_> {
             None => (self.estimator.info(), &*moment.step),
         };
         let is_centered = !self.estimator.tests_candidates();
-        let told = PaneContent { info, step, is_centered, level: look.level, angles: panes.angles };
+        let content = PaneContent { info, step, is_centered, level: look.level, angles: panes.angles };
         let figure = |zoom: f32| self.figure(Around { zoom, titles: true, caption: None }, scale);
         let across = self.view().panels(&moment.pictures).len();
         let [columns, rows] = match (moment.tiles.len(), across) {
@@ -110,7 +110,7 @@ impl Rendering<'_> {
         let beside = [8.0 * (columns - 1) as f32, above];
         let stage = Pictures { extent, beside, figure: &figure };
         let style = ChartStyle { theme: look.theme, colors: look.colors, density: scale as f32 };
-        let contents = Contents { told, panes: &panes.panes, caption: self.caption(), style, stage };
+        let contents = Contents { content, panes: &panes.panes, caption: self.caption(), style, stage };
         match shared {
             Some(shared) => shared.get_or_insert_with(|| Layout::of(&contents, Spare::FOR_OTHERS)).figure(&contents),
             None => Layout::of(&contents, Spare::NONE).figure(&contents),
@@ -193,7 +193,7 @@ impl Frame {
 
     fn figure(self, contents: &Contents<'_>, arrangement: &Arrangement) -> Figure {
         let Self { size, words, .. } = self;
-        let Contents { told, style, .. } = contents;
+        let Contents { content, style, .. } = contents;
         let chrome = style.theme.chrome();
         let mut layers = words;
         let mut said =
@@ -208,11 +208,11 @@ impl Frame {
         let mut rules = Canvas::default();
         for (pane, rect) in others(contents.panes).zip(&arrangement.others) {
             rules.frame(rect.grown(GAP / 2.0 - 2.0), 1.0, chrome.line);
-            if (pane.is_told)(told.step) {
-                layers.extend((pane.draw)(*told, *rect, *style));
+            if (pane.is_available)(content.step) {
+                layers.extend((pane.draw)(*content, *rect, *style));
                 said.push(pane.title.to_owned());
             } else {
-                let words = format!("{}.", pane.absent(told.info.name));
+                let words = format!("{}.", pane.absent(content.info.name));
                 let words = Sentence::default().text(words);
                 let (words, _) = paragraph(&words, rect.size()[0], style.theme);
                 let primitives = words.into_iter().map(|primitive| primitive.moved(rect.min)).collect();
@@ -269,10 +269,10 @@ impl Memory<'_> {
     }
 
     fn room(&mut self, pane: &'static Pane, size: [f32; 2]) -> f32 {
-        let Contents { told, style, .. } = self.contents;
+        let Contents { content, style, .. } = self.contents;
         let key = (pane.id, size.map(|side| side as u32));
         let spare = if *pane == EXPLANATION { self.spare.explanation } else { 1.0 };
-        *self.rooms.entry(key).or_insert_with(|| (pane.room)(*told, [size[0], size[1] / spare], *style))
+        *self.rooms.entry(key).or_insert_with(|| (pane.room)(*content, [size[0], size[1] / spare], *style))
     }
 }
 

@@ -154,15 +154,15 @@ fn counted(count: &CandidateCount, info: &Info) -> [String; 3] {
 fn said(step: &Step, [long, short, shortest]: &[String; 3], in_all: &str) -> Vec<Sentence> {
     let Some(best) = best(step) else { return vec![Sentence::default().text(long.clone())] };
     let role = best.role.unwrap_or(Role::Best);
-    let told =
+    let line =
         |before: String, after: String| Sentence::default().text(before).ink(role, best.value.clone()).text(after);
     // In a narrow tile the cost alone: where it lies is seen in the picture.
     let cost = best.value.split_once(" px, ").map_or(&*best.value, |(_, cost)| cost);
     vec![
-        told(format!("{long}  ·  "), format!("  ·  {in_all} in all")),
-        told(format!("{long}  ·  "), String::new()),
-        told(format!("{short}  ·  "), String::new()),
-        told(format!("{shortest}  ·  "), String::new()),
+        line(format!("{long}  ·  "), format!("  ·  {in_all} in all")),
+        line(format!("{long}  ·  "), String::new()),
+        line(format!("{short}  ·  "), String::new()),
+        line(format!("{shortest}  ·  "), String::new()),
         Sentence::default().text(format!("{shortest}  ·  ")).ink(role, cost),
     ]
 }
@@ -174,11 +174,11 @@ fn said_at_end(assessment: &Assessment, in_all: Option<String>) -> Vec<Sentence>
         Some(fact) => (format!("{} endpoint error", fact.value), Some(fact.value.clone())),
         None => (assessment.headline.clone(), None),
     };
-    let told =
+    let line =
         |words: &str, after: &str| Sentence::default().ink(Role::Result, words.to_owned()).text(after.to_owned());
     let counts = in_all.map(|in_all| [format!("  ·  {in_all} candidates in all"), format!("  ·  {in_all} in all")]);
-    let with_counts = counts.iter().flatten().map(|counts| told(&quality, counts));
-    with_counts.chain([told(&quality, "")]).chain(value.map(|value| told(&value, ""))).collect()
+    let with_counts = counts.iter().flatten().map(|counts| line(&quality, counts));
+    with_counts.chain([line(&quality, "")]).chain(value.map(|value| line(&value, ""))).collect()
 }
 
 /// The number that a step is about, with its name and without.

@@ -45,25 +45,25 @@ fn walk_through(id: &str) {
     let mut window = window(id, "0.0");
     assert_eq!(window.shown().info.id, id);
     assert!(!window.shown().step.sentence.plain().is_empty(), "{id} says nothing at its start");
-    let start = window.told();
+    let start = window.sentence();
     let mut told = vec![start.clone()];
     for key in [Key::ArrowRight, Key::ArrowRight, Key::PageDown] {
         window.key(key);
         assert!(window.app().view().refused.is_none(), "{id}: {:?}", window.app().view().refused);
         assert!(window.shown().failure.is_none(), "{id}: {:?}", window.shown().failure);
-        told.push(window.told());
+        told.push(window.sentence());
     }
     assert!(window.cursor() > Cursor::default(), "{id} does not move");
     // The same steps back show the same.
     window.key(Key::PageUp);
     window.key(Key::Home);
-    assert_eq!(window.told(), start, "{id}: the start is another one after going back to it");
+    assert_eq!(window.sentence(), start, "{id}: the start is another one after going back to it");
     for there in &told[1..3] {
         window.key(Key::ArrowRight);
-        assert_eq!(window.told(), *there, "{id}");
+        assert_eq!(window.sentence(), *there, "{id}");
     }
     window.key(Key::ArrowLeft);
-    assert_eq!(window.told(), told[1], "{id}: one step back");
+    assert_eq!(window.sentence(), told[1], "{id}: one step back");
 
     window.key(Key::PageDown);
     window.press(Modifiers::SHIFT, Key::ArrowRight);
@@ -77,11 +77,11 @@ fn walk_through(id: &str) {
     window.key(Key::End);
     assert!(window.shown().at_end && window.shown().failure.is_none(), "{id}: {:?}", window.shown().failure);
     check_picture(&mut window, &format!("{id}{}.png", NAMES[1]));
-    let before = window.told();
+    let before = window.sentence();
     window.key(Key::ArrowLeft);
     assert!(!window.shown().at_end, "{id}: a step back from the end");
     window.key(Key::End);
-    assert_eq!(window.told(), before, "{id}: the end is another one");
+    assert_eq!(window.sentence(), before, "{id}: the end is another one");
 }
 
 fn walk_part(part: usize) {

@@ -71,7 +71,7 @@ fn a_range_of_steps_is_exported() {
 }
 
 pub(super) fn write_to(window: &mut Window, path: &Path) {
-    window.harness.get_by_label("Where to write it").set_text_value_accesskit(&path.display().to_string());
+    window.harness.get_by_label("Output path").set_text_value_accesskit(&path.display().to_string());
     window.settle();
     let exists = path.is_file();
     window.click_role(Role::Button, if exists { "Replace" } else { "Save" });
@@ -86,7 +86,7 @@ fn nothing_is_replaced_unasked() {
     window.command(Command::SaveSession);
     // The ending may be left away, and names the same file.
     let typed = folder.path().join("lesson").display().to_string();
-    window.harness.get_by_label("Where to write it").set_text_value_accesskit(&typed);
+    window.harness.get_by_label("Output path").set_text_value_accesskit(&typed);
     window.settle();
     assert!(window.harness.query_by_role_and_label(Role::Button, "Save").is_none());
     assert!(window.harness.query_by_label("There is a lesson.motionscope already.").is_some());
@@ -96,13 +96,13 @@ fn nothing_is_replaced_unasked() {
     assert!(Session::load(&file).is_ok(), "the button in focus is pressed: {:?}", window.app().message());
 
     window.command(Command::ExportSteps);
-    window.harness.get_by_label("Where to write it").set_text_value_accesskit(&folder.path().display().to_string());
+    window.harness.get_by_label("Output path").set_text_value_accesskit(&folder.path().display().to_string());
     window.settle();
     assert!(window.harness.query_by_role_and_label(Role::Button, "Save").is_some(), "a folder alone is no harm");
     fs::write(folder.path().join("step_00000.png"), "mine").expect("a file");
     window.key(Key::Escape);
     window.command(Command::ExportSteps);
-    window.harness.get_by_label("Where to write it").set_text_value_accesskit(&folder.path().display().to_string());
+    window.harness.get_by_label("Output path").set_text_value_accesskit(&folder.path().display().to_string());
     window.settle();
     assert!(window.harness.query_by_role_and_label(Role::Button, "Replace").is_some());
 }
@@ -120,12 +120,12 @@ fn what_the_clip_is_read_from_is_not_written_over() {
     assert!(window.harness.query_by_label_contains("from flow/frame_0000.flo and 1 more").is_some(), "truth is named");
     let refused = |window: &mut Window, command: Command, path: &Path, why: &str| {
         window.command(command);
-        window.harness.get_by_label("Where to write it").set_text_value_accesskit(&path.display().to_string());
+        window.harness.get_by_label("Output path").set_text_value_accesskit(&path.display().to_string());
         window.settle();
         assert!(window.harness.query_by_label_contains(why).is_some(), "{} is not refused", path.display());
         window.key(Key::Enter);
         window.key(Key::Enter);
-        assert!(window.harness.query_by_label("Where to write it").is_some(), "it has been written");
+        assert!(window.harness.query_by_label("Output path").is_some(), "it has been written");
         window.key(Key::Escape);
     };
     let (picture, flow) = (clip.join("frame_0001.png"), clip.join("flow/frame_0000.flo"));
@@ -142,7 +142,7 @@ fn what_the_clip_is_read_from_is_not_written_over() {
     }
     // The writer itself refuses as well, whoever asks it.
     let order = Order {
-        what: What::Result(EXPORTS[0]),
+        what: OutputKind::Result(EXPORTS[0]),
         path: flow.clone(),
         scale: 1,
         look: Look::default(),
@@ -202,7 +202,7 @@ fn a_session_reopens_exactly() {
     }
     window.press(Modifiers::COMMAND, Key::S);
     write_to(&mut window, &file);
-    let before = window.told();
+    let before = window.sentence();
     let stage = window.harness.get_by_label_contains("Stage: ").rect();
     let looks = |window: &Window| {
         let zoom = window.harness.query_all_by_label_contains(" %").filter_map(|node| node.accesskit_node().value());
@@ -212,7 +212,7 @@ fn a_session_reopens_exactly() {
     };
 
     let again = Window::with(vec2(1280.0, 720.0), Start { open: Some(file.clone().into()) });
-    assert!(again.told() == before, "the session does not show the same step");
+    assert!(again.sentence() == before, "the session does not show the same step");
     assert_eq!(looks(&again), looks(&window));
     assert!(!looks(&again).2, "the legend is folded");
     let (mine, theirs) = (Session::load(&file).expect("a session"), folder.path().join("again.motionscope"));
@@ -286,14 +286,42 @@ fn a_session_leaves_alone_what_it_does_not_name() {
     let settings = window.app().settings();
     assert_eq!((settings.look.theme, settings.look.colors), (Theme::Light, ColorMap::Turbo));
     assert_eq!(settings.look.arrow_scale, Lengthen::Times(2.0));
-    assert!(window.harness.query_by_label_contains("Stage: Frames").is_some() || window.shown().at_end);
+    assert_eq!(window.cursor(), Cursor::default(), "it begins at the start");
     assert_eq!(window.shown().subject.experiment.frame, 1);
     let message = window.app().message().unwrap_or_default();
     assert!(message.contains("frame 9") && message.contains("frame 1"), "{message}");
 }
 
 #[test]
-fn a_truth_that_cannot_be_read_is_told_beside_the_quality() {
+fn a_session_without_a_step_goes_on_where_its_run_was_left() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("one.motionscope");
+    let text = "motionscope = 1\nclip = \"synth:translation,frames=4\"\nestimator = \"full-search\"\n";
+    let mut window = Window::usual();
+    let mut open = |more: &str| {
+        fs::write(&file, format!("{text}{more}")).expect("the session");
+        window.harness.state_mut().open(file.as_os_str());
+        window.settle();
+        let opened = window.cursor();
+        window.press(Modifiers::SHIFT, Key::ArrowRight);
+        window.key(Key::ArrowRight);
+        let left = window.cursor();
+        window.harness.state_mut().open("synth:rotation,frames=3");
+        window.settle();
+        (opened, left)
+    };
+    let (opened, left) = open("");
+    assert_eq!((opened, left), (Cursor::default(), Cursor { unit: 1, event: 1 }));
+    assert_eq!(open("").0, left, "the same run");
+    assert_eq!(open("[set]\nsearch-range = 3\n").0, Cursor::default(), "another run has other steps");
+    open("");
+    let beside = "[[beside]]\nestimator = \"diamond\"\nset = {}\n";
+    assert_eq!(open(beside).0, Cursor::default(), "so has a lockstep");
+    assert_eq!(open("step = \"2.3\"\n").0, Cursor { unit: 1, event: 3 }, "a step that is named goes before");
+}
+
+#[test]
+fn a_truth_that_cannot_be_read_is_reported_beside_the_quality() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("clip");
     let words = ["motionscope", "synth", "translation", "--set", "width=64", "--set", "height=48", "--set", "frames=3"];
@@ -326,12 +354,12 @@ fn several_pasted_lines_are_one_path() {
 }
 
 #[test]
-fn a_bad_file_is_told_and_the_picture_stays() {
+fn a_bad_file_is_reported_and_the_picture_stays() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("broken.png");
     fs::write(&file, b"\x89PNG\r\n\x1a\nthis is no picture").expect("a file");
     let mut window = Window::usual();
-    let before = window.told();
+    let before = window.sentence();
     for name in [file.display().to_string(), folder.path().join("gone.mp4").display().to_string()] {
         window.harness.state_mut().open(&name);
         window.settle();
@@ -339,12 +367,12 @@ fn a_bad_file_is_told_and_the_picture_stays() {
         let last = Path::new(&name).file_name().expect("a name").to_string_lossy().into_owned();
         assert!(error.contains(&last), "{error}");
         assert!(window.harness.query_by_role(Role::Alert).is_some(), "the error is on the stage");
-        assert!(window.told() == before);
+        assert!(window.sentence() == before);
     }
     window.click("Dismiss error");
     assert!(window.app().error().is_none());
     window.key(Key::ArrowRight);
-    assert_ne!(window.told(), before, "it goes on");
+    assert_ne!(window.sentence(), before, "it goes on");
 }
 
 #[test]
@@ -421,7 +449,7 @@ fn a_session_keeps_detections_given_by_hand() {
     // Nothing is written over them.
     window.command(Command::ExportResult);
     let det = folder.path().join("det.txt");
-    window.harness.get_by_label("Where to write it").set_text_value_accesskit(&det.display().to_string());
+    window.harness.get_by_label("Output path").set_text_value_accesskit(&det.display().to_string());
     window.settle();
     assert!(window.harness.query_by_label_contains("would replace the detections").is_some());
 }
@@ -455,7 +483,7 @@ fn objects_and_masks_are_exported() {
 }
 
 #[test]
-fn what_is_wrong_with_a_clip_is_not_told_of_the_next_one() {
+fn what_is_wrong_with_a_clip_is_not_reported_for_the_next_one() {
     let folders = [0; 3].map(|_| tempfile::tempdir().expect("a folder"));
     let [damaged, single, good] = &folders;
     let picture = |folder: &tempfile::TempDir, index: u32| {

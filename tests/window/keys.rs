@@ -138,7 +138,7 @@ fn nothing_is_proposed_into_the_folder_of_the_clips_own_frames() {
         window.key(Key::End);
         for command in [Command::ExportPicture, Command::ExportSteps, Command::ExportResult] {
             window.command(command);
-            let proposed = field(&window, "Where to write it").expect("a path");
+            let proposed = field(&window, "Output path").expect("a path");
             assert_ne!(Path::new(&proposed).parent(), Some(own.as_path()), "{command:?}");
             assert!(!proposed.contains("frames/"), "{command:?}: {proposed}");
             window.key(Key::Escape);

@@ -204,7 +204,7 @@ fn every_window_of_the_last_quarter_has_room() {
 }
 
 #[test]
-fn a_lecture_shows_stage_and_chart_at_every_desk() {
+fn a_lecture_shows_stage_and_chart_in_every_window() {
     let mut window = Window::new(vec2(1280.0, 720.0));
     window.key(Key::L);
     for pixels in [[1280.0, 720.0], [1920.0, 1080.0]] {

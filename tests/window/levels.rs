@@ -83,7 +83,7 @@ fn a_session_keeps_the_level_and_a_picture_is_what_is_shown() {
     let mut window = window("[picture]\nlevel = 1\nview = \"next\"\n");
     assert!(stage(&window, "Frame t+1 = 1 · level 1, 160×120 px"));
     let look = Look { level: LevelShown::Number(1), view: Some(View::Next), ..Look::default() };
-    for (name, what) in [("one.motionscope", What::Session), ("one.png", What::Picture)] {
+    for (name, what) in [("one.motionscope", OutputKind::Session), ("one.png", OutputKind::Picture)] {
         let path = folder.path().join(name);
         window.harness.state_mut().write(Order { what, path, scale: 1, look, panes: Selection::default() });
         window.settle();

@@ -36,7 +36,7 @@ fn four(window: &mut Window) {
 #[test]
 fn a_key_has_them_search_the_same_block_and_another_goes_on_alone() {
     let mut window = Window::usual();
-    let before = (window.cursor(), window.told());
+    let before = (window.cursor(), window.sentence());
     window.key(Key::B);
     assert_eq!(names(&window), ["Full search", "Three-step search", "Diamond search"]);
     assert_eq!(window.cursor().unit, before.0.unit, "the same block");
@@ -149,7 +149,7 @@ fn a_session_keeps_them_and_a_picture_is_what_is_shown() {
     window.click("same budget");
     let (here, told) = (window.cursor(), tiles(&window));
     let look = Look { view: None, ..Look::default() };
-    for (name, what) in [("one.motionscope", What::Session), ("one.png", What::Picture)] {
+    for (name, what) in [("one.motionscope", OutputKind::Session), ("one.png", OutputKind::Picture)] {
         let path = folder.path().join(name);
         window.harness.state_mut().write(Order { what, path, scale: 1, look, panes: Selection::default() });
         window.settle();

@@ -65,6 +65,10 @@ fn every_entry_is_the_same_by_flag_by_session_and_in_the_window() {
         let session = |look: Look| Session { experiment: experiment.clone(), position, look: look.into(), sight: None };
         session(usual).save(&base).expect("it is written");
         let mut window = Window::with(vec2(1200.0, 800.0), Start { open: Some(base.clone().into()) });
+        if cursor.is_none() {
+            // The command line paints the end of a run.
+            window.command(Command::End);
+        }
         let mut seen = Vec::new();
         // The coarsest level of three is level 2; a difference of flows needs two estimators, and
         // Lucas–Kanade has no model.
@@ -94,7 +98,7 @@ fn every_entry_is_the_same_by_flag_by_session_and_in_the_window() {
                 window.harness.state_mut().wait();
             }
             assert_eq!(window.app().settings().look, look, "{what}");
-            for (file, wanted) in [(path("window.png"), What::Picture), (kept.clone(), What::Session)] {
+            for (file, wanted) in [(path("window.png"), OutputKind::Picture), (kept.clone(), OutputKind::Session)] {
                 window.harness.state_mut().write(Order {
                     what: wanted,
                     path: file,
@@ -128,7 +132,7 @@ fn a_streakline_keeps_its_moment_through_the_window() {
     let mut window = Window::with(vec2(1200.0, 800.0), Start { open: Some(first.into()) });
     let look = window.app().settings().look;
     window.harness.state_mut().write(Order {
-        what: What::Session,
+        what: OutputKind::Session,
         path: second.clone(),
         scale: 1,
         look,

@@ -87,6 +87,7 @@ fn the_reverse_pair_is_checked_in_the_background() {
 #[test]
 fn blocks_have_colours_where_they_are_wanted() {
     let mut window = window(&format!("{CLIP}estimator = \"full-search\"\n[set]\nblock = 8\nrange = 4\n"));
+    window.command(Command::End);
     assert_eq!((kind(&window), window.shown().at_end), (FlowLayer::None, true));
     window.command(Command::Layer(FlowLayer::Magnitude));
     assert_eq!(kind(&window), FlowLayer::Magnitude);
@@ -129,7 +130,7 @@ fn what_is_chosen_is_kept_in_a_session() {
     let path = folder.path().join("two.motionscope");
     let look = Look::default();
     window.harness.state_mut().write(Order {
-        what: What::Session,
+        what: OutputKind::Session,
         path: path.clone(),
         scale: 1,
         look,

@@ -39,11 +39,11 @@ fn on_picture(window: &Window, title: &str, [x, y]: [f32; 2]) -> Pos2 {
 #[test]
 fn a_click_on_the_other_frame_is_none_on_frame_t() {
     let mut window = window("normal-flow", "150.20", "synth:pillar");
-    let before = window.told();
+    let before = window.sentence();
     let next = on_picture(&window, "Frame t+1", [0.5, 0.3]);
     window.harness.hover_at(next);
     window.settle();
-    assert!(window.told() == before, "the pixel of frame t at the same place is not explained");
+    assert!(window.sentence() == before, "the pixel of frame t at the same place is not explained");
     window.click_at(next);
     assert_eq!(pointed(&window), None);
     let message = window.app().message().unwrap_or_default();
@@ -75,14 +75,14 @@ fn a_pixel_of_the_background_is_explained_as_that_of_the_frame() {
         let mut window = objects::window(estimator, "3.2");
         window.key(Key::Num1);
         let [here, there] = ["Frame t =", title].map(|title| on_picture(&window, title, [0.5, 0.5]));
-        let before = window.told();
+        let before = window.sentence();
         window.harness.hover_at(here);
         window.settle();
-        let (told, at) = (window.told(), pointed(&window).expect("it is explained").at);
+        let (told, at) = (window.sentence(), pointed(&window).expect("it is explained").at);
         window.harness.hover_at(there);
         window.settle();
         let same = pointed(&window).expect("it is explained there as well").at;
-        assert!(told != before && window.told() == told, "{estimator}: the same pixel is told of");
+        assert!(told != before && window.sentence() == told, "{estimator}: the same pixel is told of");
         assert!(same.at == at.at && same.on != at.on, "{estimator}: {same:?} and not {at:?}");
         window.click_at(there);
         assert_eq!(pointed(&window).map(|pointed| (pointed.at, pointed.is_held)), Some((same, true)), "{estimator}");
@@ -110,19 +110,19 @@ fn a_pixel_that_is_clicked_stays_explained() {
     window.harness.hover_at(high);
     window.settle();
     let hovered = pointed(&window).expect("it is explained while the pointer is on it");
-    assert!(!hovered.is_held && status(&window).contains("a click holds it"));
+    assert!(!hovered.is_held && status(&window).contains("click to pin it"));
     window.click_at(high);
     let held = pointed(&window).expect("it is held");
     assert!(held.is_held && held.at == hovered.at, "{held:?}");
     assert_eq!(window.cursor(), cursor, "the run stays where it was");
-    let told = window.told();
+    let told = window.sentence();
     window.harness.hover_at(Pos2::new(700.0, 880.0));
     window.settle();
-    assert!(window.told() == told, "it stays explained when the pointer goes elsewhere");
-    assert!(status(&window).contains("Esc releases it") && status(&window).contains("row 150 of 240"));
+    assert!(window.sentence() == told, "it stays explained when the pointer goes elsewhere");
+    assert!(status(&window).contains("Esc unpins it") && status(&window).contains("row 150 of 240"));
     window.key(Key::Escape);
     assert_eq!(pointed(&window), None);
-    assert!(window.told() != told && window.cursor() == cursor);
+    assert!(window.sentence() != told && window.cursor() == cursor);
     window.click_at(high);
     window.harness.hover_at(Pos2::new(700.0, 880.0));
     window.key(Key::ArrowRight);
@@ -130,14 +130,14 @@ fn a_pixel_that_is_clicked_stays_explained() {
 }
 
 #[test]
-fn a_pixel_whose_turn_has_not_come_is_told_when_it_is_clicked_only() {
+fn a_pixel_whose_turn_has_not_come_is_reported_when_it_is_clicked_only() {
     let mut window = window("lucas-kanade", "3.5", "synth:pillar");
-    let before = window.told();
+    let before = window.sentence();
     let low = on_stage(&window, [0.5, 0.7]);
     window.harness.hover_at(low);
     window.settle();
     assert_eq!(pointed(&window), None);
-    assert!(window.told() == before, "nothing of what comes is told");
+    assert!(window.sentence() == before, "nothing of what comes is told");
     window.click_at(low);
     let at = pointed(&window).expect("the run has gone there").at.at;
     let Cursor { unit, event } = window.cursor();
@@ -185,8 +185,8 @@ fn a_pixel_that_is_held_stays_held_in_a_session() {
 
         let mut again = Window::with(vec2(1440.0, 900.0), Start { open: Some(file.clone().into()) });
         assert_eq!(pointed(&again), Some(pixel), "{estimator}");
-        assert!(again.told() == window.told(), "{estimator}: another step is told");
-        assert!(status(&again).contains("Esc releases it"));
+        assert!(again.sentence() == window.sentence(), "{estimator}: another step is told");
+        assert!(status(&again).contains("Esc unpins it"));
         paint(&file, 1, &line);
         assert!(fs::read(&mine).expect("a picture") == fs::read(&line).expect("a picture"), "the pictures differ");
 
@@ -200,7 +200,7 @@ fn a_pixel_that_is_held_stays_held_in_a_session() {
         again.harness.state_mut().open(&free);
         again.settle();
         assert_eq!(pointed(&again), None, "what another session held is let go");
-        assert!(again.told() != window.told());
+        assert!(again.sentence() != window.sentence());
     }
 }
 
@@ -211,7 +211,8 @@ fn steps_are_written_about_the_pixel_that_is_held() {
     let [mine, lines] = ["mine", "lines"].map(|name| folder.path().join(name));
     let look = Session::load(&file).expect("a session").look.over(Look::default());
     let (from, to) = (Cursor { unit: 1, event: 1 }, Cursor { unit: 3, event: 1 });
-    let what = What::Steps { from, to, granularity: window.shown().info.granularities.len() - 1, format: Format::Png };
+    let what =
+        OutputKind::Steps { from, to, granularity: window.shown().info.granularities.len() - 1, format: Format::Png };
     window.harness.state_mut().write(Order { what, path: mine.clone(), scale: 1, look, panes: Selection::default() });
     window.settle();
     let words = ["motionscope", "export", "LESSON", "--steps", "2.1..4.1", "--out", "LINES"].map(|word| match word {
@@ -257,7 +258,7 @@ fn another_estimator_keeps_its_own_defaults() {
     window.settle();
     window.key(Key::Enter);
     assert_eq!(window.app().document().estimator().info().id, "horn-schunck");
-    assert_eq!(iterations(&window), Value::Int(100));
+    assert_eq!(iterations(&window), Value::Int(20));
 }
 
 #[test]

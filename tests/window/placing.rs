@@ -40,7 +40,7 @@ fn clicks_measure_an_object_frame_by_frame() {
         assert!(spot.frame == frame && off < 0.5, "{spot:?} where {at:?} was clicked");
     }
     window.command(Command::PreviousUnit);
-    assert!(window.told().contains("Measured"), "what was clicked is measured");
+    assert!(window.sentence().contains("Measured"), "what was clicked is measured");
     window.command(Command::Undo);
     assert_eq!(placed(&window, "clicks").words(), "2 points", "each click is taken back by itself");
     window.key(Key::Escape);
@@ -73,23 +73,31 @@ fn a_spot_is_dragged_and_taken_away() {
 #[test]
 fn a_line_is_drawn_moved_and_taken_back() {
     let mut window = window("trajectory-analysis", "6.0");
-    window.click("Place line");
+    window.click("Place lines");
     let (from, to) = (on_stage(&window, [80.0, 100.0]), on_stage(&window, [80.0, 20.0]));
     window.drag(from, to);
-    let Placed::Line(Some(line)) = placed(&window, "line") else { panic!("a line is drawn") };
+    let lines = |window: &Window| {
+        let Placed::Lines(lines) = placed(window, "lines") else { panic!("lines are placed") };
+        lines.all().to_vec()
+    };
+    let line = lines(&window)[0];
     let near = |at: [f32; 2], expected: [f32; 2]| (0..2).all(|i| (at[i] - expected[i]).abs() < 0.5);
     assert!(near(line.from, [80.0, 100.0]) && near(line.to, [80.0, 20.0]), "{line:?}");
     let cursor = window.cursor();
     window.drag(to, on_stage(&window, [120.0, 30.0]));
-    let Placed::Line(Some(moved)) = placed(&window, "line") else { panic!("it is still there") };
+    let moved = lines(&window)[0];
     assert!(near(moved.from, [80.0, 100.0]) && near(moved.to, [120.0, 30.0]), "{moved:?}");
     assert_eq!(window.cursor(), cursor, "the run stays where it was");
     window.command(Command::Undo);
-    assert_eq!(placed(&window, "line"), Placed::Line(Some(line)), "a drag is one change");
+    assert_eq!(lines(&window), [line], "a drag is one change");
+    window.drag(on_stage(&window, [20.0, 90.0]), on_stage(&window, [60.0, 90.0]));
+    assert!(lines(&window).len() == 2 && lines(&window)[0] == line, "another drag adds a line: {:?}", lines(&window));
     window.command(Command::Undo);
-    assert!(placed(&window, "line").is_none());
+    assert_eq!(lines(&window), [line]);
+    window.command(Command::Undo);
+    assert!(placed(&window, "lines").is_none());
     window.click_at(on_stage(&window, [40.0, 40.0]));
-    assert!(placed(&window, "line").is_none() && window.cursor() == cursor, "a click draws nothing and leads nowhere");
+    assert!(placed(&window, "lines").is_none() && window.cursor() == cursor, "a click draws nothing and leads nowhere");
 }
 
 #[test]
@@ -101,7 +109,7 @@ fn what_was_placed_is_kept_in_a_session() {
     let folder = Path::new(".");
     let again = Session::parse(&text, folder).and_then(|session| session.text(folder)).expect("it is a session");
     // What was clicked is the tracker's by now; a session of before says it as it was said then.
-    for line in ["line = \"80,100,80,20\"", "zone = \"10,20,60,90\"", "tracker.clicks", "\"0:5,6 2:7.5,8\""] {
+    for line in ["lines = \"80,100,80,20\"", "zones = \"10,20,60,90\"", "tracker.clicks", "\"0:5,6 2:7.5,8\""] {
         assert!(again.contains(line), "{line} is not in {again}");
     }
 }

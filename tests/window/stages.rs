@@ -134,6 +134,32 @@ fn a_session_is_not_saved_on_pictures_that_it_cannot_name() {
 }
 
 #[test]
+fn an_estimator_that_depends_on_one_earlier_frame_begins_there_and_another_one_where_the_run_began() {
+    let mut window = tracker();
+    let choose = |window: &mut Window, name: &str| {
+        let now = window.app().document().estimator().info().name;
+        window.click(&format!("Estimator: {now}"));
+        window.click(name);
+    };
+    choose(&mut window, "Mixture of Gaussians");
+    for _ in 0..4 {
+        window.key(Key::PageDown);
+    }
+    let at = |window: &Window| (window.app().document().frame(), window.cursor().unit, window.shown().frame);
+    let (_, _, frame) = at(&window);
+    assert!(frame > 2 && at(&window) == (0, frame, frame), "{:?}", at(&window));
+    choose(&mut window, "Flow magnitude");
+    assert_eq!(at(&window), (frame - 1, 1, frame), "only one flow is computed");
+    let message = window.app().message().unwrap_or_default();
+    assert!(message.contains(&format!("begins at frame {}", frame - 1)), "{message}");
+    window.command(Command::Undo);
+    assert_eq!(at(&window), (0, frame, frame), "the mixture has seen all frames again");
+    window.command(Command::Redo);
+    choose(&mut window, "Single Gaussian");
+    assert_eq!(at(&window), (0, frame, frame));
+}
+
+#[test]
 fn undo_goes_back_to_where_the_parent_stood() {
     let mut window = tracker();
     window.key(Key::PageDown);

@@ -88,33 +88,36 @@ mod tests {
 
     use super::*;
 
-    fn told(sentence: &str) -> String {
+    fn cleaned(sentence: &str) -> String {
         Error::new(sentence).to_string()
     }
 
     #[test]
     fn a_sentence_that_fits_is_left_as_it_is() {
         for sentence in ["", "frame 3 of ball.mp4 is damaged; copy it again", "a name ends in .flo", "and so on..."] {
-            assert_eq!(told(sentence), sentence);
+            assert_eq!(cleaned(sentence), sentence);
         }
-        assert_eq!(told("cannot open a.mp4: it is damaged."), "cannot open a.mp4: it is damaged");
+        assert_eq!(cleaned("cannot open a.mp4: it is damaged."), "cannot open a.mp4: it is damaged");
     }
 
     #[test]
     fn it_is_one_line_without_control_characters() {
         assert_eq!(
-            told("cannot open a\u{1B}[31m\u{0}b.mp4:\r\nit is\tdamaged\n"),
+            cleaned("cannot open a\u{1B}[31m\u{0}b.mp4:\r\nit is\tdamaged\n"),
             "cannot open a�[31m�b.mp4: it is damaged"
         );
-        assert_eq!(told("a\u{202E}4pm.exe"), "a�4pm.exe");
+        assert_eq!(cleaned("a\u{202E}4pm.exe"), "a�4pm.exe");
     }
 
     #[test]
     fn long_names_are_shortened_in_the_middle() {
         let name = format!("/home/{}/ball.mp4", "x".repeat(4000));
-        let told = told(&format!("cannot open {name}: its index (the moov box) is missing; copy it again"));
-        assert_eq!(told.chars().count(), LONGEST);
-        assert!(told.starts_with("cannot open /home/xxx") && told.contains("xxx/ball.mp4: its index"), "{told}");
+        let cleaned = cleaned(&format!("cannot open {name}: its index (the moov box) is missing; copy it again"));
+        assert_eq!(cleaned.chars().count(), LONGEST);
+        assert!(
+            cleaned.starts_with("cannot open /home/xxx") && cleaned.contains("xxx/ball.mp4: its index"),
+            "{cleaned}"
+        );
         let short = Error::short_name(&name);
         assert!(
             short.chars().count() == LONGEST_NAME && short.contains('…') && short.ends_with("/ball.mp4"),
@@ -126,24 +129,25 @@ mod tests {
     #[test]
     fn two_long_names_share_the_room() {
         let [a, b] = ["a", "b"].map(|c| c.repeat(500));
-        let told = told(&format!("{a} and {b} differ"));
-        assert!(told.contains("aaa") && told.contains("bbb") && told.ends_with(" differ"), "{told}");
+        let cleaned = cleaned(&format!("{a} and {b} differ"));
+        assert!(cleaned.contains("aaa") && cleaned.contains("bbb") && cleaned.ends_with(" differ"), "{cleaned}");
     }
 
     #[test]
-    fn of_many_words_the_first_and_the_last_are_told() {
-        let told = told(&format!("there is no estimator magic; there are {}full-search", "three-step, ".repeat(60)));
-        assert!(told.starts_with("there is no estimator magic; there are three-step,"), "{told}");
-        assert!(told.contains("three-step, … three-step,") && told.ends_with("full-search"), "{told}");
+    fn of_many_words_the_first_and_the_last_are_reported() {
+        let cleaned =
+            cleaned(&format!("there is no estimator magic; there are {}full-search", "three-step, ".repeat(60)));
+        assert!(cleaned.starts_with("there is no estimator magic; there are three-step,"), "{cleaned}");
+        assert!(cleaned.contains("three-step, … three-step,") && cleaned.ends_with("full-search"), "{cleaned}");
     }
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(128))]
         #[test]
         fn any_text_makes_one_sentence(parts in prop::collection::vec(".{0,40}|[ a-z]{0,200}|[\\x00-\\x20]{0,9}", 0..12)) {
-            let told = told(&parts.concat());
-            prop_assert!(told.chars().count() <= LONGEST && !told.chars().any(char::is_control), "{told:?}");
-            prop_assert_eq!(Error::new(told.clone()).to_string().chars().count() <= LONGEST, true);
+            let cleaned = cleaned(&parts.concat());
+            prop_assert!(cleaned.chars().count() <= LONGEST && !cleaned.chars().any(char::is_control), "{cleaned:?}");
+            prop_assert_eq!(Error::new(cleaned.clone()).to_string().chars().count() <= LONGEST, true);
         }
     }
 }

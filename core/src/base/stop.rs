@@ -9,12 +9,12 @@ use super::Error;
 ///
 /// The work may also report its progress, which the waiting thread shows.
 #[derive(Clone, Debug, Default)]
-pub struct Stop(Arc<Board>);
+pub struct Stop(Arc<Shared>);
 
 #[derive(Debug, Default)]
-struct Board {
+struct Shared {
     stop: AtomicBool,
-    /// Parts that are done, and above them in 32 bits all parts that there are; 0 where nothing was told.
+    /// Parts that are done, and above them in 32 bits all parts that there are; 0 where none are reported.
     done: AtomicU64,
 }
 
@@ -43,15 +43,15 @@ impl Stop {
     }
 
     /// Reports that `done` of `of` parts of the work are done; ignored if `of` is 0.
-    pub fn tell(&self, done: usize, of: usize) {
+    pub fn report(&self, done: usize, of: usize) {
         let [done, of] = [done, of].map(|parts| u32::try_from(parts).unwrap_or(u32::MAX));
         self.0.done.store(u64::from(of) << 32 | u64::from(done.min(of)), Ordering::Relaxed);
     }
 
     /// Parts done and total parts, if reported.
-    pub fn told(&self) -> Option<(usize, usize)> {
-        let told = self.0.done.load(Ordering::Relaxed);
-        let (of, done) = (told >> 32, told & u64::from(u32::MAX));
+    pub fn progress(&self) -> Option<(usize, usize)> {
+        let progress = self.0.done.load(Ordering::Relaxed);
+        let (of, done) = (progress >> 32, progress & u64::from(u32::MAX));
         (of > 0).then_some((done as usize, of as usize))
     }
 }
@@ -64,14 +64,14 @@ mod tests {
     fn clones_are_one() {
         let (ours, theirs) = (Stop::default(), Stop::default());
         let worker = ours.clone();
-        assert!(worker.check().is_ok() && worker.told().is_none());
+        assert!(worker.check().is_ok() && worker.progress().is_none());
         ours.set(true);
         assert!(worker.check().is_err() && theirs.check().is_ok());
-        worker.tell(3, 7);
-        assert_eq!((ours.told(), theirs.told()), (Some((3, 7)), None));
-        worker.tell(usize::MAX, usize::MAX);
-        assert_eq!(ours.told(), Some((u32::MAX as usize, u32::MAX as usize)));
-        worker.tell(9, 0);
-        assert_eq!(ours.told(), None);
+        worker.report(3, 7);
+        assert_eq!((ours.progress(), theirs.progress()), (Some((3, 7)), None));
+        worker.report(usize::MAX, usize::MAX);
+        assert_eq!(ours.progress(), Some((u32::MAX as usize, u32::MAX as usize)));
+        worker.report(9, 0);
+        assert_eq!(ours.progress(), None);
     }
 }

@@ -3,8 +3,9 @@
 /// Declares a function that does the work of another, which has to be `#[inline(always)]`, with the registers of AVX2 where
 /// there are some. The work is named and not a closure: a closure is compiled for narrow ones where it is not inlined.
 macro_rules! wide {
-    (fn $name:ident($($arg:ident: $type:ty),* $(,)?) $(-> $out:ty)? = $work:path) => {
-        fn $name($($arg: $type),*) $(-> $out)? {
+    ($(#[$doc:meta])* $vis:vis fn $name:ident($($arg:ident: $type:ty),* $(,)?) $(-> $out:ty)? = $work:path) => {
+        $(#[$doc])*
+        $vis fn $name($($arg: $type),*) $(-> $out)? {
             crate::base::wide::with!("avx2", ($($arg: $type),*), ($($out)?), $work);
             $work($($arg),*)
         }
@@ -14,8 +15,9 @@ pub(crate) use wide;
 
 /// The same with the registers of AVX-512 where there are some, for long rows.
 macro_rules! widest {
-    (fn $name:ident($($arg:ident: $type:ty),* $(,)?) $(-> $out:ty)? = $work:path) => {
-        fn $name($($arg: $type),*) $(-> $out)? {
+    ($(#[$doc:meta])* $vis:vis fn $name:ident($($arg:ident: $type:ty),* $(,)?) $(-> $out:ty)? = $work:path) => {
+        $(#[$doc])*
+        $vis fn $name($($arg: $type),*) $(-> $out)? {
             crate::base::wide::with!("avx512f", ($($arg: $type),*), ($($out)?), $work);
             crate::base::wide::with!("avx2", ($($arg: $type),*), ($($out)?), $work);
             $work($($arg),*)

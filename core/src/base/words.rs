@@ -142,15 +142,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_name_that_was_probably_meant_is_told() {
+    fn the_name_that_was_probably_meant_is_reported() {
         let names = ["diamond", "full-search", "hexagon"];
-        let told = |given: &str| there_is_no("estimator", given, &names);
+        let message = |given: &str| there_is_no("estimator", given, &names);
         for slip in ["diamnod", "diamon", "diamonds", "dismond"] {
-            assert_eq!(told(slip), format!("there is no estimator {slip}; the nearest is diamond"));
+            assert_eq!(message(slip), format!("there is no estimator {slip}; the nearest is diamond"));
         }
-        assert_eq!(told("full-serach"), "there is no estimator full-serach; the nearest is full-search");
+        assert_eq!(message("full-serach"), "there is no estimator full-serach; the nearest is full-search");
         for other in ["magic", "", "a", "hex", "größe"] {
-            assert!(told(other).ends_with("; there are diamond, full-search, hexagon"), "{}", told(other));
+            assert!(message(other).ends_with("; there are diamond, full-search, hexagon"), "{}", message(other));
         }
         assert_eq!(edits("kitten", "sitting"), 3);
     }

@@ -8,7 +8,7 @@ use crate::data::{Clip, Frame};
 use crate::geometry::Gray;
 use crate::params::{Spec, Value};
 use crate::products::{Output, Tested};
-use crate::run::{AnyEstimator, Ran};
+use crate::run::{AnyEstimator, RunSummary};
 use crate::synth::disturb;
 
 /// Standard deviation of the noise in the robustness test, in gray levels.
@@ -53,7 +53,7 @@ impl Figures {
     /// If the estimator cannot run there, or a frame cannot be read.
     pub fn of(
         estimator: &dyn AnyEstimator,
-        Ran { output, extent, .. }: &Ran,
+        RunSummary { output, extent, .. }: &RunSummary,
         (clip, frame): (&Clip, usize),
         threads: &Threads,
     ) -> Result<Self, Error> {
@@ -247,7 +247,7 @@ mod tests {
     }
 
     #[test]
-    fn full_search_misses_nothing_and_the_others_are_told_where_they_do() {
+    fn full_search_misses_nothing_and_the_others_are_reported_where_they_do() {
         let (clip, threads) = (clip(), Threads::single());
         for estimator in estimators() {
             let run = estimator.run_counted(&clip, 0, &threads).expect("a run");

@@ -160,6 +160,15 @@ pub trait Truth: Send + Sync {
         Ok(None)
     }
 
+    /// The true map of the background from frame `t` to frame `t` + 1, a 3×3 matrix by rows in px: the apparent motion that the
+    /// camera causes.
+    ///
+    /// # Errors
+    /// If the truth is there but cannot be read.
+    fn background(&self, _t: usize) -> Result<Option<[[f64; 3]; 3]>, Error> {
+        Ok(None)
+    }
+
     /// What kinds of truth there are, in words for a person: `flow`, `occlusion`, `objects`, `foreground`.
     fn kinds(&self) -> Vec<&'static str>;
 
@@ -444,6 +453,16 @@ impl Clip {
         let [first, second] = self.pair(t)?;
         let info = ClipInfo { frames: Some(2), ..ClipInfo::clone(&self.info) };
         Ok(Self::new(info, Arc::new(InMemory(vec![second, first]))).part_of(self))
+    }
+
+    /// Frames `t` and `t + 1` as a clip of their own.
+    ///
+    /// # Errors
+    /// As [`Clip::pair`].
+    pub fn pair_from(&self, t: usize) -> Result<Self, Error> {
+        let frames = self.pair(t)?;
+        let info = ClipInfo { frames: Some(2), ..ClipInfo::clone(&self.info) };
+        Ok(Self::new(info, Arc::new(InMemory(frames.into()))).part_of(self))
     }
 }
 

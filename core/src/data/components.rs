@@ -393,7 +393,7 @@ mod tests {
     }
 
     #[test]
-    fn merges_are_told_where_labels_meet() {
+    fn merges_are_reported_where_labels_meet() {
         // A U: two labels until its bottom row.
         let mask = Mask::from_fn(5, 3, |x, y| y == 2 || x == 0 || x == 4);
         let mut labelling = Labelling::new(Connectivity::Eight);

@@ -1,7 +1,8 @@
 //! Gaussian pyramids.
 
+use super::warp::{cubic_taps, linear_taps, weighted};
 use super::{Border, Gray, Grid, Sampling, filter};
-use crate::base::Threads;
+use crate::base::{Threads, wide::wide};
 
 /// The weights of the 5×5 px over which a pixel of the next level is taken, along each axis; they sum to 16
 /// (P. J. Burt and E. H. Adelson, IEEE Trans. Communications 31(4), 1983).
@@ -84,14 +85,58 @@ pub fn resampled(
     threads: &Threads,
 ) -> Grid<f32> {
     let place = |i: usize, of: usize, count: usize| (i as f32 + 0.5) * (of as f32 / count as f32) - 0.5;
+    let (columns, rows) = ((picture.width(), width), (picture.height(), height));
+    let places = |(of, count): (usize, usize)| (0..count).map(move |i| place(i, of, count));
     let mut sampled = Grid::new(width, height, 0.0);
-    threads.rows(&mut sampled, |y, row| {
-        let y = place(y, picture.height(), height);
-        for (x, value) in row.iter_mut().enumerate() {
-            *value = sampling.sample(picture, place(x, picture.width(), width), y);
+    // Every row is sampled at the same columns.
+    match sampling {
+        Sampling::Bilinear => {
+            let across: Vec<_> = places(columns).map(|x| linear_taps(x, columns.0)).collect();
+            let down: Vec<_> = places(rows).map(|y| linear_taps(y, rows.0)).collect();
+            threads.rows(&mut sampled, |y, row| {
+                let (rows, f) = down[y];
+                bilinear_row(rows.map(|y| picture.row(y)), f, &across, row);
+            });
         }
-    });
+        Sampling::Bicubic => {
+            let across: Vec<_> = places(columns).map(|x| cubic_taps(x, columns.0)).collect();
+            let down: Vec<_> = places(rows).map(|y| cubic_taps(y, rows.0)).collect();
+            threads.rows(&mut sampled, |y, row| {
+                let (rows, weights) = down[y];
+                bicubic_row(rows.map(|y| picture.row(y)), weights, &across, row);
+            });
+        }
+    }
     sampled
+}
+
+/// A row between two others, the second at a distance `f` from 0 to 1, sampled at the places `across`.
+fn bilinear_row([above, below]: [&[f32]; 2], f: f32, across: &[([usize; 2], f32)], to: &mut [f32]) {
+    for (value, ([left, right], along)) in to.iter_mut().zip(across) {
+        let mix = |row: &[f32]| row[*left] + (row[*right] - row[*left]) * along;
+        let (top, bottom) = (mix(above), mix(below));
+        *value = top + (bottom - top) * f;
+    }
+}
+
+wide! {
+    fn sums_of_rows(rows: [&[f32]; 4], weights: [f32; 4], to: &mut [f32]) = sums_of_rows_anyhow
+}
+
+#[inline(always)]
+fn sums_of_rows_anyhow([a, b, c, d]: [&[f32]; 4], weights: [f32; 4], to: &mut [f32]) {
+    for ((to, (a, b)), (c, d)) in to.iter_mut().zip(a.iter().zip(b)).zip(c.iter().zip(d)) {
+        *to = weighted(weights, [*a, *b, *c, *d]);
+    }
+}
+
+/// A row between four others with their weights, sampled at the places `across`.
+fn bicubic_row(rows: [&[f32]; 4], weights: [f32; 4], across: &[([usize; 4], [f32; 4])], to: &mut [f32]) {
+    let mut sums = vec![0.0; rows[0].len()];
+    sums_of_rows(rows, weights, &mut sums);
+    for (value, ([a, b, c, d], weights)) in to.iter_mut().zip(across) {
+        *value = weighted(*weights, [sums[*a], sums[*b], sums[*c], sums[*d]]);
+    }
 }
 
 #[cfg(test)]
@@ -118,6 +163,21 @@ mod tests {
         let most = coarser(&picture, 0.5, 10, &Threads::single());
         assert_eq!(most.iter().map(Grid::size).collect::<Vec<_>>(), [(60, 45), (30, 23)]);
         assert!(coarser(&Grid::new(1, 200, 0.0), 0.5, 10, &Threads::single()).is_empty());
+    }
+
+    #[test]
+    fn a_resampled_picture_is_its_samples_one_by_one() {
+        let picture = Grid::from_fn(23, 17, |x, y| ((x * 37 + y * 101 + x * y * 13) % 256) as f32);
+        for (sampling, size) in
+            [Sampling::Bilinear, Sampling::Bicubic].into_iter().flat_map(|s| [(s, (12, 9)), (s, (46, 35))])
+        {
+            let found = resampled(&picture, size, sampling, &Threads::single());
+            for (x, y) in (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y))) {
+                let place = |i: usize, of: usize, count: usize| (i as f32 + 0.5) * (of as f32 / count as f32) - 0.5;
+                let plain = sampling.sample(&picture, place(x, 23, size.0), place(y, 17, size.1));
+                assert_eq!(found[(x, y)], plain, "{sampling:?} at ({x}, {y}) of {size:?}");
+            }
+        }
     }
 
     #[test]

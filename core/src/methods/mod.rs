@@ -1,6 +1,7 @@
 //! What the estimators of a family share: a folder for each method, of which several are made.
 
 pub mod block_search;
+pub mod camera_path;
 pub mod correlation;
 pub mod cost;
 pub mod differential;

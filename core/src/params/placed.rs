@@ -1,4 +1,4 @@
-//! Parameters that are placed on the picture: a line, a zone, points in frames.
+//! Parameters that are placed on the picture: lines, a zone or several, points in frames.
 
 use std::fmt;
 use std::sync::Arc;
@@ -14,6 +14,51 @@ pub struct Line {
     pub from: [f32; 2],
     /// Where it ends.
     pub to: [f32; 2],
+}
+
+/// Any number of lines or rectangles, in the order in which they were placed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Several<T>(Arc<[T]>);
+
+/// Any number of lines.
+pub type Lines = Several<Line>;
+/// Any number of rectangles by their outer edges, in px.
+pub type Zones = Several<Bounds>;
+
+impl<T> Several<T> {
+    /// All of them.
+    pub fn all(&self) -> &[T] {
+        &self.0
+    }
+}
+
+impl<T> Default for Several<T> {
+    fn default() -> Self {
+        Self(Arc::new([]))
+    }
+}
+
+impl<T> FromIterator<T> for Several<T> {
+    fn from_iter<I: IntoIterator<Item = T>>(all: I) -> Self {
+        Self(all.into_iter().collect())
+    }
+}
+
+impl<T: Copy> Several<T> {
+    /// The same with one more.
+    fn with(&self, next: T) -> Self {
+        self.0.iter().copied().chain([next]).collect()
+    }
+
+    /// The same without number `index`.
+    fn without(&self, index: usize) -> Self {
+        self.0.iter().enumerate().filter(|(i, _)| *i != index).map(|(_, one)| *one).collect()
+    }
+
+    /// The same with `change` made to number `index`.
+    fn changed(&self, index: usize, change: impl Fn(T) -> T) -> Self {
+        self.0.iter().enumerate().map(|(i, one)| if i == index { change(*one) } else { *one }).collect()
+    }
 }
 
 /// A place in a frame.
@@ -58,10 +103,12 @@ impl FromIterator<Spot> for Spots {
 /// What a parameter that is placed on the picture looks like.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Figure {
-    /// A [`Line`].
-    Line,
+    /// [`Lines`].
+    Lines,
     /// A rectangle: [`Bounds`].
     Zone,
+    /// Rectangles: [`Zones`].
+    Zones,
     /// [`Spots`].
     Spots,
 }
@@ -70,8 +117,9 @@ impl Figure {
     /// What it is called in scripts.
     pub fn name(self) -> &'static str {
         match self {
-            Self::Line => "line",
+            Self::Lines => "lines",
             Self::Zone => "zone",
+            Self::Zones => "zones",
             Self::Spots => "spots",
         }
     }
@@ -79,13 +127,14 @@ impl Figure {
     /// The allowed values in words.
     pub(super) fn allowed(self) -> &'static str {
         match self {
-            Self::Line => "x,y,x,y of two different points in px, or none",
+            Self::Lines => "x,y,x,y of two different points in px for each line, separated by spaces, or none",
             Self::Zone => "x,y,x,y of two opposite corners in px, or none",
+            Self::Zones => "x,y,x,y of two opposite corners in px for each zone, separated by spaces, or none",
             Self::Spots => "frame:x,y in px for each point, separated by spaces, or none",
         }
     }
 
-    /// What was typed: `120,40,120,200`, `10:131.5,206 11:150,190`, `none`.
+    /// What was typed: `120,40,120,200`, `120,40,120,200 10,90,60,90`, `10:131.5,206 11:150,190`, `none`.
     pub(super) fn parse(self, text: &str) -> Option<Placed> {
         let text = text.trim();
         if text.is_empty() || text == NONE {
@@ -94,6 +143,14 @@ impl Figure {
         if self == Self::Spots {
             return text.split_whitespace().map(spot).collect::<Option<Spots>>().map(Placed::Spots);
         }
+        if matches!(self, Self::Lines | Self::Zones) {
+            // A space after a comma does not separate.
+            let joined = text.split(',').map(str::trim).collect::<Vec<_>>().join(",");
+            return joined.split_whitespace().try_fold(self.none(), |all, one| {
+                let [x, y, u, v] = numbers(one)?;
+                Some(all.extended([x, y], [u, v]))
+            });
+        }
         let [x, y, u, v] = numbers(text)?;
         Some(self.spanned([x, y], [u, v]))
     }
@@ -101,8 +158,9 @@ impl Figure {
     /// Nothing of this figure.
     pub fn none(self) -> Placed {
         match self {
-            Self::Line => Placed::Line(None),
+            Self::Lines => Placed::Lines(Lines::default()),
             Self::Zone => Placed::Zone(None),
+            Self::Zones => Placed::Zones(Zones::default()),
             Self::Spots => Placed::Spots(Spots::default()),
         }
     }
@@ -110,11 +168,8 @@ impl Figure {
     /// The figure drawn by dragging from one point to another; none for spots.
     pub fn spanned(self, from: [f32; 2], to: [f32; 2]) -> Placed {
         match self {
-            Self::Line => Placed::Line(Some(Line { from, to })),
-            Self::Zone => {
-                let (min, max) = ([0, 1].map(|i| from[i].min(to[i])), [0, 1].map(|i| from[i].max(to[i])));
-                Placed::Zone(Some(Bounds { min, max }))
-            }
+            Self::Zone => Placed::Zone(Some(between(from, to))),
+            Self::Lines | Self::Zones => self.none().extended(from, to),
             Self::Spots => self.none(),
         }
     }
@@ -123,10 +178,12 @@ impl Figure {
 /// The value of a parameter that is placed on the picture.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Placed {
-    /// A line, if there is one.
-    Line(Option<Line>),
+    /// Any number of lines.
+    Lines(Lines),
     /// A rectangle by its outer edges, if there is one.
     Zone(Option<Bounds>),
+    /// Any number of rectangles by their outer edges.
+    Zones(Zones),
     /// Any number of places.
     Spots(Spots),
 }
@@ -137,6 +194,8 @@ const NONE: &str = "none";
 const REACH_PX: f32 = 100_000.0;
 /// A line or a zone is not smaller than this, in px.
 const LEAST_PX: f32 = 0.5;
+/// No more lines or zones than this.
+const MOST_FIGURES: usize = 100;
 /// No more spots than this.
 const MOST_SPOTS: usize = 100_000;
 
@@ -144,8 +203,9 @@ impl Placed {
     /// Its kind of figure.
     pub fn figure(&self) -> Figure {
         match self {
-            Self::Line(_) => Figure::Line,
+            Self::Lines(_) => Figure::Lines,
             Self::Zone(_) => Figure::Zone,
+            Self::Zones(_) => Figure::Zones,
             Self::Spots(_) => Figure::Spots,
         }
     }
@@ -155,14 +215,18 @@ impl Placed {
         *self == self.figure().none()
     }
 
-    /// Its size in words: `160 px`, `60 × 90 px`, `12 points`.
+    /// Its size in words: `160 px`, `2 lines`, `60 × 90 px`, `12 points`.
     pub fn words(&self) -> String {
         match self {
-            Self::Line(Some(line)) => format!("{} px", px(apart(line))),
-            Self::Zone(Some(zone)) => {
-                let [width, height] = zone.size().map(px);
-                format!("{width} × {height} px")
-            }
+            Self::Lines(Several(all)) if !all.is_empty() => match &all[..] {
+                [line] => format!("{} px", px(apart(line))),
+                lines => format!("{} lines", lines.len()),
+            },
+            Self::Zone(Some(zone)) => size(zone),
+            Self::Zones(Several(all)) if !all.is_empty() => match &all[..] {
+                [zone] => size(zone),
+                zones => format!("{} zones", zones.len()),
+            },
             Self::Spots(Spots(all)) if all.len() == 1 => "1 point".into(),
             Self::Spots(Spots(all)) if !all.is_empty() => format!("{} points", all.len()),
             _ => NONE.into(),
@@ -172,12 +236,13 @@ impl Placed {
     /// Whether it is valid: near the picture, and not too small to be visible.
     pub(super) fn is_sound(&self) -> bool {
         let is_near = |place: [f32; 2]| place.iter().all(|c| c.abs() <= REACH_PX);
+        let is_line = |line: &Line| is_near(line.from) && is_near(line.to) && apart(line) >= LEAST_PX;
+        let is_zone =
+            |zone: &Bounds| is_near(zone.min) && is_near(zone.max) && zone.size().iter().all(|side| *side >= LEAST_PX);
         match self {
-            Self::Line(None) | Self::Zone(None) => true,
-            Self::Line(Some(line)) => is_near(line.from) && is_near(line.to) && apart(line) >= LEAST_PX,
-            Self::Zone(Some(zone)) => {
-                is_near(zone.min) && is_near(zone.max) && zone.size().iter().all(|side| *side >= LEAST_PX)
-            }
+            Self::Lines(Several(all)) => all.len() <= MOST_FIGURES && all.iter().all(is_line),
+            Self::Zone(zone) => zone.iter().all(is_zone),
+            Self::Zones(Several(all)) => all.len() <= MOST_FIGURES && all.iter().all(is_zone),
             Self::Spots(Spots(all)) => all.len() <= MOST_SPOTS && all.iter().all(|spot| is_near(spot.at)),
         }
     }
@@ -185,8 +250,9 @@ impl Placed {
     /// The places by which it can be moved in a frame: ends, corners, the spots of that frame.
     pub fn handles(&self, frame: usize) -> Vec<[f32; 2]> {
         match self {
-            Self::Line(line) => line.iter().flat_map(|line| [line.from, line.to]).collect(),
+            Self::Lines(Several(all)) => all.iter().flat_map(|line| [line.from, line.to]).collect(),
             Self::Zone(zone) => zone.iter().flat_map(corners).collect(),
+            Self::Zones(Several(all)) => all.iter().flat_map(corners).collect(),
             Self::Spots(spots) => spots.of_frame(frame).collect(),
         }
     }
@@ -195,11 +261,15 @@ impl Placed {
     #[must_use]
     pub fn moved(&self, frame: usize, index: usize, to: [f32; 2]) -> Self {
         match self {
-            Self::Line(Some(line)) if index == 0 => Self::Line(Some(Line { from: to, ..*line })),
-            Self::Line(Some(line)) => Self::Line(Some(Line { to, ..*line })),
+            Self::Lines(lines) => Self::Lines(lines.changed(index / 2, |line| match index % 2 {
+                0 => Line { from: to, ..line },
+                _ => Line { to, ..line },
+            })),
             // The opposite corner stays.
-            Self::Zone(Some(zone)) => Figure::Zone.spanned(corners(zone)[(index + 2) % 4], to),
-            Self::Line(None) | Self::Zone(None) => self.clone(),
+            Self::Zone(zone) => Self::Zone(zone.map(|zone| between(corners(&zone)[(index + 2) % 4], to))),
+            Self::Zones(zones) => {
+                Self::Zones(zones.changed(index / 4, |zone| between(corners(&zone)[(index + 2) % 4], to)))
+            }
             Self::Spots(spots) => {
                 let mut all = spots.0.to_vec();
                 if let Some(i) = spots.place(frame, index) {
@@ -210,13 +280,28 @@ impl Placed {
         }
     }
 
-    /// The same without handle `index` of a frame: a spot is gone, and so is the whole of any other figure.
+    /// The same without handle `index` of a frame: a spot is gone, and so is the whole of any other figure with this handle.
     #[must_use]
     pub fn without(&self, frame: usize, index: usize) -> Self {
-        let Self::Spots(spots) = self else { return self.figure().none() };
+        let spots = match self {
+            Self::Spots(spots) => spots,
+            Self::Lines(lines) => return Self::Lines(lines.without(index / 2)),
+            Self::Zones(zones) => return Self::Zones(zones.without(index / 4)),
+            Self::Zone(_) => return self.figure().none(),
+        };
         let gone = spots.place(frame, index);
         let rest = spots.0.iter().enumerate().filter(|(i, _)| Some(*i) != gone);
         Self::Spots(Spots(rest.map(|(_, spot)| *spot).collect()))
+    }
+
+    /// The same with what is drawn by dragging from one point to another: one more line or zone, and another one where there is only one.
+    #[must_use]
+    pub fn extended(&self, from: [f32; 2], to: [f32; 2]) -> Self {
+        match self {
+            Self::Lines(lines) => Self::Lines(lines.with(Line { from, to })),
+            Self::Zones(zones) => Self::Zones(zones.with(between(from, to))),
+            Self::Zone(_) | Self::Spots(_) => self.figure().spanned(from, to),
+        }
     }
 
     /// The same with one more spot; any other figure stays.
@@ -227,6 +312,17 @@ impl Placed {
             other => other.clone(),
         }
     }
+}
+
+/// The rectangle between two opposite corners.
+fn between(from: [f32; 2], to: [f32; 2]) -> Bounds {
+    Bounds { min: [0, 1].map(|i| from[i].min(to[i])), max: [0, 1].map(|i| from[i].max(to[i])) }
+}
+
+/// The size of a rectangle in words.
+fn size(zone: &Bounds) -> String {
+    let [width, height] = zone.size().map(px);
+    format!("{width} × {height} px")
 }
 
 /// How long a line is, in px.
@@ -252,9 +348,14 @@ fn spot(text: &str) -> Option<Spot> {
 
 impl fmt::Display for Placed {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut write_all = |all: &mut dyn Iterator<Item = [[f32; 2]; 2]>| {
+            all.enumerate()
+                .try_for_each(|(i, [[x, y], [u, v]])| write!(f, "{}{x},{y},{u},{v}", if i == 0 { "" } else { " " }))
+        };
         match self {
-            Self::Line(Some(Line { from: [x, y], to: [u, v] })) => write!(f, "{x},{y},{u},{v}"),
-            Self::Zone(Some(Bounds { min: [x, y], max: [u, v] })) => write!(f, "{x},{y},{u},{v}"),
+            Self::Lines(Several(all)) if !all.is_empty() => write_all(&mut all.iter().map(|line| [line.from, line.to])),
+            Self::Zone(Some(zone)) => write_all(&mut [[zone.min, zone.max]].into_iter()),
+            Self::Zones(Several(all)) if !all.is_empty() => write_all(&mut all.iter().map(|zone| [zone.min, zone.max])),
             Self::Spots(Spots(all)) if !all.is_empty() => {
                 for (i, Spot { frame, at: [x, y] }) in all.iter().enumerate() {
                     write!(f, "{}{frame}:{x},{y}", if i == 0 { "" } else { " " })?;
@@ -282,7 +383,7 @@ macro_rules! placed {
         }
     )*};
 }
-placed!(Option<Line> => Line, Option<Bounds> => Zone, Spots => Spots);
+placed!(Lines => Lines, Option<Bounds> => Zone, Zones => Zones, Spots => Spots);
 
 #[cfg(test)]
 mod tests {
@@ -292,10 +393,12 @@ mod tests {
     crate::params! {
         /// Everything that can be placed.
         pub struct All {
-            /// A line.
-            line: Option<Line> = None;
+            /// Lines.
+            lines: Lines = Lines::default();
             /// A zone.
             zone: Option<Bounds> = None;
+            /// Zones.
+            zones: Zones = Zones::default();
             /// Places.
             clicks: Spots = Spots::default();
         }
@@ -304,31 +407,37 @@ mod tests {
     #[test]
     fn what_is_written_is_read_again() {
         let mut all = All::default();
-        for (name, text, told) in [
-            ("line", "1.5, 2, 3,-4.25", "1.5,2,3,-4.25"),
+        for (name, text, written) in [
+            ("lines", "1.5, 2, 3,-4.25", "1.5,2,3,-4.25"),
+            ("lines", " 1,2 , 3,4  5,6,7,-8", "1,2,3,4 5,6,7,-8"),
+            ("zones", "30,40,10,20 1,2,3,4", "10,20,30,40 1,2,3,4"),
             ("zone", "30,40,10,20", "10,20,30,40"),
             ("clicks", "12:3,4  7:1.5,2 12:5,6", "7:1.5,2 12:3,4 12:5,6"),
         ] {
+            all.set(name, "none").unwrap();
             assert_eq!(all.get(name).unwrap().to_string(), "none");
             all.set(name, text).unwrap();
             let now = all.get(name).unwrap();
-            assert_eq!(now.to_string(), told);
+            assert_eq!(now.to_string(), written);
             all.set(name, &now.to_string()).unwrap();
             assert_eq!(all.get(name).unwrap(), now);
         }
-        assert_eq!((all.line.unwrap().to, all.zone.unwrap().min), ([3.0, -4.25], [10.0, 20.0]));
+        assert_eq!((all.lines.all()[1].to, all.zone.unwrap().min), ([7.0, -8.0], [10.0, 20.0]));
         assert_eq!(all.clicks.of_frame(12).collect::<Vec<_>>(), [[3.0, 4.0], [5.0, 6.0]]);
-        all.set("line", "none").unwrap();
-        assert_eq!(all.line, None);
+        all.set("lines", "none").unwrap();
+        assert_eq!(all.lines.all(), []);
     }
 
     #[test]
     fn what_cannot_be_placed_is_refused() {
         let mut all = All::default();
         for (name, text) in [
-            ("line", "1,2,3"),
-            ("line", "1,2,1,2"),
-            ("line", "nan,2,3,4"),
+            ("lines", "1,2,3"),
+            ("lines", "1,2,1,2"),
+            ("lines", "1,2,3,4 5,6,5,6"),
+            ("lines", "1,2,3,4 5,6,7"),
+            ("lines", "nan,2,3,4"),
+            ("zones", "1,2,3,4 1,2,1,9"),
             ("zone", "1,2,1,9"),
             ("zone", "1,2,inf,9"),
             ("zone", "1:2,3"),
@@ -345,8 +454,16 @@ mod tests {
 
     #[test]
     fn handles_move_what_they_belong_to() {
-        let line = Figure::Line.spanned([1.0, 2.0], [3.0, 4.0]);
-        assert_eq!(line.moved(0, 1, [9.0, 8.0]), Figure::Line.spanned([1.0, 2.0], [9.0, 8.0]));
+        let line = Figure::Lines.spanned([1.0, 2.0], [3.0, 4.0]);
+        assert_eq!(line.moved(0, 1, [9.0, 8.0]), Figure::Lines.spanned([1.0, 2.0], [9.0, 8.0]));
+        let lines = line.extended([5.0, 6.0], [7.0, 8.0]);
+        assert_eq!((lines.to_string(), lines.words()), ("1,2,3,4 5,6,7,8".into(), "2 lines".into()));
+        assert_eq!(lines.moved(0, 2, [0.0, 0.0]).to_string(), "1,2,3,4 0,0,7,8");
+        assert_eq!((lines.without(0, 3), lines.without(0, 0).to_string()), (line.clone(), "5,6,7,8".into()));
+        let zones = Figure::Zones.spanned([0.0, 0.0], [4.0, 4.0]).extended([9.0, 9.0], [6.0, 7.0]);
+        assert_eq!((zones.to_string(), zones.handles(0).len()), ("0,0,4,4 6,7,9,9".into(), 8));
+        assert_eq!(zones.moved(0, 6, [12.0, 10.0]).to_string(), "0,0,4,4 6,7,12,10");
+        assert_eq!(zones.without(0, 1).to_string(), "6,7,9,9");
         let zone = Figure::Zone.spanned([0.0, 0.0], [10.0, 6.0]);
         for (index, corner) in zone.handles(0).into_iter().enumerate() {
             let to = corner.map(|c| c + 1.0);
@@ -360,6 +477,6 @@ mod tests {
         assert_eq!(spots.to_string(), "2:5,0 4:1,0 4:2,0");
         assert_eq!(spots.moved(4, 1, [7.0, 7.0]).to_string(), "2:5,0 4:1,0 4:7,7");
         assert_eq!(spots.without(4, 0).to_string(), "2:5,0 4:2,0");
-        assert_eq!((spots.without(2, 3), line.without(0, 0)), (spots.clone(), Figure::Line.none()));
+        assert_eq!((spots.without(2, 3), line.without(0, 0)), (spots.clone(), Figure::Lines.none()));
     }
 }

@@ -2,7 +2,7 @@
 
 use super::assessment::{fact, scores};
 use super::model::{Matrix3, Support};
-use super::{Assessment, Cell, Figure, Measure, Motion, Product, ProductKind, Reference, Table};
+use super::{Assessment, Figure, Measure, Motion, Product, ProductKind, Reference, Table};
 use crate::base::{Error, words::grouped};
 
 /// The fundamental matrix of a pair of frames: x′ᵀ F x = 0 for corresponding points of a rigid scene.
@@ -39,18 +39,17 @@ impl Product for EpipolarField {
         measures: &[&MEASURES],
     };
 
-    /// The matrix, row by row.
+    /// None: the table of the matches says which of them agree.
     fn table(&self) -> Option<Table> {
-        let rows = self.matrix.into_iter().flatten().map(|row| row.map(Cell::from));
-        Some(Table::new(["column_1", "column_2", "column_3"], rows))
+        None
     }
 
     fn assess(&self, _: &Reference<'_>) -> Result<Assessment, Error> {
         let Support { inliers, matches } = self.support;
         let share = inliers as f64 / matches.max(1) as f64;
         let values = [inliers.into(), Figure::from(share), self.residual_px.into(), self.planar_share.into()];
-        let told = format!("{} of {} matches, {:.1} %", grouped(inliers), grouped(matches), 100.0 * share);
-        let mut facts = vec![fact("Inliers", told.clone())];
+        let share = format!("{} of {} matches, {:.1} %", grouped(inliers), grouped(matches), 100.0 * share);
+        let mut facts = vec![fact("Inliers", share.clone())];
         facts.extend(self.residual_px.map(|residual| fact("Sampson distance (rms)", format!("{residual:.3} px"))));
         facts.extend(
             self.planar_share.map(|share| fact("Explained by a homography", format!("{:.0} %", 100.0 * share))),

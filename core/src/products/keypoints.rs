@@ -93,6 +93,8 @@ pub enum Status {
     Astray,
     /// Lost: it is too dissimilar to its first appearance.
     Changed,
+    /// Lost: no keypoint of frame t + 1 is its match.
+    Unmatched,
 }
 
 impl Status {
@@ -106,6 +108,7 @@ impl Status {
             Status::Unlike => "lost-unlike",
             Status::Astray => "lost-astray",
             Status::Changed => "lost-changed",
+            Status::Unmatched => "lost-unmatched",
         }
     }
 }
@@ -134,6 +137,18 @@ pub(super) const MEASURES: [Measure; 2] = [
     Measure::new("tracked", "Number of features tracked; tracks that were not lost."),
 ];
 
+/// The measures of a detector that runs on the next frame as well.
+pub(super) const REPEATABILITY: [Measure; 2] = [
+    Measure::new(
+        "repeatability",
+        "Share of the keypoints that are detected again in frame t + 1, within 1.5 px of their true positions, of the fewer of those visible in \
+         both frames.",
+    )
+    .in_column("repeatability", 3)
+    .against_truth(),
+    Measure::new("repeatable", "Number of keypoints that could be detected again: the fewer of those visible in both frames."),
+];
+
 /// The number of features and, if tracking was attempted, of tracked ones.
 pub(super) fn counts(points: usize, tracked: Option<usize>) -> Assessment {
     let of_tracked = tracked.map_or_else(String::new, |tracked| format!(", tracked {}", grouped(tracked)));
@@ -155,7 +170,7 @@ impl Product for PointField {
         summary: "Feature points of a picture, with their displacements if they were tracked.",
         motion: Motion::Points,
         is_of_single_frames: false,
-        measures: &[&MEASURES, &flow_error::MEASURES],
+        measures: &[&MEASURES, &REPEATABILITY, &flow_error::MEASURES],
     };
 
     /// Place of each feature, its displacement per frame if it has one, what became of it, and how it was detected: the
@@ -219,7 +234,7 @@ mod tests {
     #[test]
     fn what_was_not_looked_for_is_left_empty() {
         let found = Feature { at: [1.0, 2.5], displacement: None, status: Status::Found, residual: None };
-        let told = |keypoints| {
+        let message = |keypoints| {
             let field = PointField { picture: (8, 8), points: vec![found], keypoints };
             assert_eq!(Product::flow(&field), None);
             let table = Product::table(&field).expect("a table");
@@ -227,13 +242,13 @@ mod tests {
             (table.columns().join(","), rows.join(","))
         };
         let usual = "x_px,y_px,u_px,v_px,status,residual".to_owned();
-        assert_eq!(told(Vec::new()), (usual.clone(), "1,2.5,,,found,".to_owned()));
+        assert_eq!(message(Vec::new()), (usual.clone(), "1,2.5,,,found,".to_owned()));
         let corner = Keypoint::of_response(12.5);
-        assert_eq!(told(vec![corner.clone()]), (format!("{usual},response"), "1,2.5,,,found,,12.5".to_owned()));
+        assert_eq!(message(vec![corner.clone()]), (format!("{usual},response"), "1,2.5,,,found,,12.5".to_owned()));
         let blob = Keypoint { scale_px: Some(3.5), angle_rad: Some(std::f32::consts::FRAC_PI_2), ..corner };
         let (columns, cells) =
             (format!("{usual},response,scale_px,angle_deg"), "1,2.5,,,found,,12.5,3.5,90".to_owned());
-        assert_eq!(told(vec![blob]), (columns, cells));
+        assert_eq!(message(vec![blob]), (columns, cells));
     }
 
     #[test]

@@ -81,9 +81,9 @@ impl Product for MaskField {
             Ok(Some(matches)) => {
                 let values = [matches.f1(), matches.precision(), matches.recall()];
                 let [f1, precision, recall] = values.map(|share| format!("{share:.3}"));
-                let told = fact("Mask precision, recall, F₁", format!("{precision}, {recall}, {f1}"));
+                let scores_fact = fact("Mask precision, recall, F₁", format!("{precision}, {recall}, {f1}"));
                 let scored = Assessment { headline: format!("mask F₁ {f1}"), ..Assessment::default() };
-                scored.with(scores(&MEASURES, values.map(Figure::from)), vec![told])
+                scored.with(scores(&MEASURES, values.map(Figure::from)), vec![scores_fact])
             }
             Err(error) => Assessment { truth_error: Some(error), ..Assessment::default() },
         })

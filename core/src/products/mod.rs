@@ -17,10 +17,12 @@ pub mod metrics;
 pub mod model;
 pub mod objects;
 mod output;
+pub mod path;
 mod prediction;
 mod product;
 mod record;
 pub mod region;
+pub mod registration;
 mod repeatability;
 mod streaks;
 pub mod table;
@@ -39,11 +41,12 @@ pub use metrics::FlowError;
 pub use model::{Model, ModelField, Support};
 pub use objects::{Followed, Object, ObjectField, ObjectFrame, TrackStatus};
 pub use output::Output;
+pub use path::{PathField, Views};
 pub use prediction::{PSNR, predict};
 pub use product::{AnyProduct, Confidence, Motion, Product, ProductKind, Tested};
 pub use record::Record;
 pub use region::{Region, RegionField, RegionFrame};
-pub use repeatability::{Repeatability, repeatability};
+pub use repeatability::{Repeatability, TOLERANCE_PX, repeatability, repeatability_in_flow};
 pub use streaks::{Streak, Streaks};
 pub use table::{Cell, Table};
 pub use tracks::{Track, TrackField};
@@ -57,6 +60,7 @@ pub const KINDS: &[&ProductKind] = &[
     MatchField::KIND,
     ModelField::KIND,
     EpipolarField::KIND,
+    PathField::KIND,
     MaskField::KIND,
     ObjectField::KIND,
     RegionField::KIND,

@@ -60,10 +60,37 @@ pub type Matrix3 = [[f64; 3]; 3];
 /// The matrix of no motion.
 pub const IDENTITY: Matrix3 = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
+/// Smallest third homogeneous coordinate of a position before the horizon.
+pub const HORIZON: f64 = 1e-9;
+
 /// The position to which `matrix` maps a position; `None` where it lies on or behind the horizon.
 pub fn mapped(matrix: &Matrix3, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
     let [a, b, w] = matrix.map(|row| row[0] * x + row[1] * y + row[2]);
-    (w > 1e-9).then(|| [a / w, b / w])
+    (w > HORIZON).then(|| [a / w, b / w])
+}
+
+/// The product of two matrices.
+pub fn product(a: &Matrix3, b: &Matrix3) -> Matrix3 {
+    std::array::from_fn(|i| std::array::from_fn(|j| (0..3).map(|k| a[i][k] * b[k][j]).sum()))
+}
+
+/// The inverse of a matrix; `None` if it is singular.
+pub fn inverse(matrix: &Matrix3) -> Option<Matrix3> {
+    let [[a, b, c], [d, e, f], [g, h, i]] = *matrix;
+    let adjugate = [
+        [e * i - f * h, c * h - b * i, b * f - c * e],
+        [f * g - d * i, a * i - c * g, c * d - a * f],
+        [d * h - e * g, b * g - a * h, a * e - b * d],
+    ];
+    let determinant = a * adjugate[0][0] + b * adjugate[1][0] + c * adjugate[2][0];
+    (determinant.abs() > 1e-15).then(|| adjugate.map(|row| row.map(|entry| entry / determinant)))
+}
+
+/// The same map with a last entry of 1; `None` where that is 0 or not finite.
+pub fn normalised(matrix: &Matrix3) -> Option<Matrix3> {
+    let last = matrix[2][2];
+    let scaled = matrix.map(|row| row.map(|entry| entry / last));
+    (last.abs() > 1e-12 && scaled.iter().flatten().all(|entry| entry.is_finite())).then_some(scaled)
 }
 
 /// One transformation for all pixels of a picture.
@@ -127,8 +154,11 @@ impl Product for ModelField {
         measures: &[&prediction::MEASURES, &flow_error::MEASURES, &MEASURES],
     };
 
-    /// The matrix, row by row.
+    /// The matrix, row by row; none if it was estimated from matches, whose table says which of them agree.
     fn table(&self) -> Option<Table> {
+        if self.support.is_some() {
+            return None;
+        }
         let rows = self.matrix.into_iter().flatten().map(|row| row.map(Cell::from));
         Some(Table::new(["column_1", "column_2", "column_3"], rows))
     }

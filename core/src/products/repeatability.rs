@@ -2,7 +2,12 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::PointField;
+use super::assessment::{fact, scores};
+use super::keypoints::REPEATABILITY;
+use super::{Assessment, PointField, Reference};
+use crate::base::words::grouped;
+use crate::data::Flow;
+use crate::geometry::Grid;
 
 /// The repeatability of a detector on two pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,6 +49,106 @@ pub fn repeatability(
     Some(Repeatability { first: here.len(), second: there.len(), repeated })
 }
 
+/// Compares the keypoints of frames t and t + 1 where the true flow is known. A keypoint of frame t counts where its true position in frame t + 1
+/// is known, in the picture and not `hidden`; one of frame t + 1 counts where a pixel of frame t leads to.
+pub fn repeatability_in_flow(
+    [first, second]: [&PointField; 2],
+    flow: &Flow,
+    hidden: Option<&Grid<bool>>,
+    tolerance_px: f64,
+) -> Repeatability {
+    let is_hidden = |place: (usize, usize)| hidden.is_some_and(|hidden| hidden.get(place.0, place.1) == Some(&true));
+    let led = |at: [f32; 2]| {
+        let place = flow.0.cell_at(at).filter(|place| !is_hidden(*place))?;
+        // Between pixels of which one is unknown, that of the nearest.
+        let [u, v] = flow.sample(at).or_else(|| flow.at(place.0, place.1))?;
+        Some([at[0] + u, at[1] + v].map(f64::from)).filter(|to| is_in(*to, second.picture))
+    };
+    let seen = seen_from(flow, is_hidden, second.picture);
+    let here: Vec<[f64; 2]> = first.points.iter().filter_map(|point| led(point.at)).collect();
+    let is_seen = |at: &[f32; 2]| seen.cell_at(*at).is_some_and(|place| seen[place]);
+    let there: Vec<[f32; 2]> = second.points.iter().map(|point| point.at).filter(is_seen).collect();
+    let is_near =
+        |[x, y]: [f64; 2]| there.iter().any(|at| (f64::from(at[0]) - x).hypot(f64::from(at[1]) - y) <= tolerance_px);
+    let repeated = here.iter().filter(|place| is_near(**place)).count();
+    Repeatability { first: here.len(), second: there.len(), repeated }
+}
+
+/// The pixels of frame t + 1 that are seen in frame t: those within the quadrilateral to which the flow moves a square of four neighbouring
+/// pixels.
+fn seen_from(flow: &Flow, is_hidden: impl Fn((usize, usize)) -> bool, size: (usize, usize)) -> Grid<bool> {
+    let (width, height) = flow.0.size();
+    let to = |(x, y): (usize, usize)| {
+        let [u, v] = flow.at(x, y).filter(|_| !is_hidden((x, y)))?;
+        Some([x as f32 + u, y as f32 + v])
+    };
+    let mut seen = Grid::new(size.0, size.1, false);
+    let squares = (1..height).flat_map(|y| (1..width).map(move |x| (x, y)));
+    for (x, y) in squares {
+        let corners = [(x - 1, y - 1), (x, y - 1), (x, y), (x - 1, y)].map(to);
+        if let [Some(a), Some(b), Some(c), Some(d)] = corners {
+            [[a, b, c], [a, c, d]].iter().for_each(|triangle| cover(&mut seen, triangle));
+        }
+    }
+    seen
+}
+
+/// Marks the pixels within a triangle and on its border, unless it stretches from one motion to another.
+fn cover(seen: &mut Grid<bool>, triangle: &[[f32; 2]; 3]) {
+    /// Longest side of a triangle within one motion, in px.
+    const MOST_PX: f32 = 8.0;
+    /// What rounding takes from a border.
+    const MARGIN: f32 = 1e-3;
+    let span = [0, 1].map(|i| {
+        let (low, high) = triangle.iter().fold((f32::MAX, f32::MIN), |(a, b), p| (a.min(p[i]), b.max(p[i])));
+        ((low - MARGIN).ceil(), (high + MARGIN).floor())
+    });
+    if span.iter().any(|(low, high)| high - low > MOST_PX) {
+        return;
+    }
+    let [columns, rows] = span.map(|(low, high)| low.max(0.0) as usize..(high + 1.0).max(0.0) as usize);
+    for (x, y) in rows.flat_map(|y| columns.clone().map(move |x| (x, y))) {
+        let sides = [0, 1, 2].map(|i| {
+            let ([ax, ay], [bx, by]) = (triangle[i], triangle[(i + 1) % 3]);
+            (bx - ax) * (y as f32 - ay) - (by - ay) * (x as f32 - ax)
+        });
+        let is_inside = sides.iter().all(|side| *side >= -MARGIN) || sides.iter().all(|side| *side <= MARGIN);
+        if is_inside && seen.get(x, y).is_some() {
+            seen[(x, y)] = true;
+        }
+    }
+}
+
+/// Largest distance of a repeated keypoint from its true position in px.
+pub const TOLERANCE_PX: f64 = 1.5;
+
+impl PointField {
+    /// The repeatability of a detector whose result this is, given its result on frame t + 1; without figures where the true flow is not known.
+    pub fn repeated(&self, in_next: &Self, reference: &Reference<'_>) -> Assessment {
+        let Some(truth) = reference.clip.truth() else { return Assessment::default() };
+        let both = truth.flow(reference.frame).and_then(|flow| Ok((flow, truth.occlusion(reference.frame)?)));
+        let (flow, hidden) = match both {
+            Ok((Some(flow), hidden)) => (flow, hidden),
+            Ok((None, _)) => return Assessment::default(),
+            Err(error) => return Assessment { truth_error: Some(error), ..Assessment::default() },
+        };
+        let found = repeatability_in_flow([self, in_next], &flow, hidden.as_deref(), TOLERANCE_PX);
+        let possible = found.first.min(found.second);
+        let told = match found.share() {
+            None => "unknown: no keypoint is visible in both frames".to_owned(),
+            Some(share) => {
+                let repeated = found.repeated.min(possible);
+                let (repeated, possible) = (grouped(repeated), grouped(possible));
+                format!(
+                    "{share:.3}, {repeated} of {possible} keypoints within {TOLERANCE_PX} px of their true position"
+                )
+            }
+        };
+        let values = [found.share().into(), possible.into()];
+        Assessment::default().with(scores(&REPEATABILITY, values), vec![fact("Repeatability", told)])
+    }
+}
+
 /// A place mapped by a homography; `None` at infinity.
 fn mapped(homography: Matrix3<f64>, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
     let place = homography * Vector3::new(x, y, 1.0);
@@ -76,6 +181,24 @@ mod tests {
         assert_eq!(found.share(), Some(0.5));
         let wider = repeatability([&a, &b], shift, 3.0).expect("an inverse");
         assert_eq!(wider.share(), Some(1.0));
+    }
+
+    #[test]
+    fn in_a_flow_it_is_the_same_as_by_its_homography() {
+        let shift = [[1.0, 0.0, 10.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let flow = Flow(Grid::new(100, 80, [10.0, 0.0]));
+        let a = field(&[[20.0, 30.0], [50.0, 40.0], [95.0, 10.0], [70.4, 60.2]]);
+        let b = field(&[[31.0, 30.0], [63.0, 40.0], [4.0, 4.0], [15.0, 5.0], [80.0, 60.0]]);
+        for tolerance in [1.5, 3.0] {
+            let found = repeatability_in_flow([&a, &b], &flow, None, tolerance);
+            assert_eq!(Some(found), repeatability([&a, &b], shift, tolerance));
+        }
+        // What is hidden or unknown does not count.
+        let hidden = Grid::from_fn(100, 80, |x, y| (x, y) == (20, 30));
+        let found = repeatability_in_flow([&a, &b], &flow, Some(&hidden), 1.5);
+        assert_eq!((found.first, found.repeated), (2, 1));
+        let unknown = Flow(Grid::new(100, 80, Flow::UNKNOWN));
+        assert_eq!(repeatability_in_flow([&a, &b], &unknown, None, 1.5).share(), None);
     }
 
     #[test]

@@ -47,7 +47,7 @@ pub struct Extent {
 }
 
 /// What a whole run amounts to.
-pub struct Ran {
+pub struct RunSummary {
     /// The products.
     pub output: Output,
     /// The products as they were in real time, where the parameters look back.
@@ -74,6 +74,9 @@ pub trait AnyEstimator: Params + Send + Sync {
 
     /// As [`Estimator::units_of`].
     fn units_of(&self, picture: (usize, usize), frames: usize) -> Option<usize>;
+
+    /// As [`Estimator::earlier_frames`].
+    fn earlier_frames(&self) -> Option<usize>;
 
     /// Whether a unit of a run is a frame of the clip.
     fn is_by_frame(&self) -> bool {
@@ -123,7 +126,7 @@ pub trait AnyEstimator: Params + Send + Sync {
     ///
     /// # Errors
     /// If the clip, the frame, the parameters or the memory do not allow a run.
-    fn run_counted(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Ran, Error>;
+    fn run_counted(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<RunSummary, Error>;
 
     /// A run that goes on unit after unit.
     ///
@@ -200,6 +203,10 @@ impl<E: Estimator> AnyEstimator for E {
         Estimator::units_of(self, picture, frames)
     }
 
+    fn earlier_frames(&self) -> Option<usize> {
+        Estimator::earlier_frames(self)
+    }
+
     fn lends(&self) -> Option<Box<dyn Any>> {
         Estimator::lends(self)
     }
@@ -246,12 +253,12 @@ impl<E: Estimator> AnyEstimator for E {
         Estimator::run(self, clip, frame, threads, &()).map(|state| self.output(&state))
     }
 
-    fn run_counted(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<Ran, Error> {
+    fn run_counted(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<RunSummary, Error> {
         check_run(self, clip)?;
         let count = Count::default();
         let state = Estimator::run(self, clip, frame, threads, &count)?;
         let extent = Extent { units: count.units(), events: count.events(), memory_bytes: self.memory_bytes(&state) };
-        Ok(Ran { causal: Estimator::causal(self, &state), output: self.output(&state), extent })
+        Ok(RunSummary { causal: Estimator::causal(self, &state), output: self.output(&state), extent })
     }
 
     fn begin(&self, clip: &Clip, frame: usize) -> Result<Box<dyn AnyRun>, Error> {

@@ -172,6 +172,12 @@ pub trait Estimator: Params + Footprint<<Self as Estimator>::State> + Default + 
         None
     }
 
+    /// Number of earlier frames on which what it finds in a frame depends, for estimators that process a clip frame by frame; `None` if
+    /// on all of them.
+    fn earlier_frames(&self) -> Option<usize> {
+        None
+    }
+
     /// Number of units for this many frames of a width and height in px, for estimators with a fixed number of units per frame;
     /// `None` otherwise.
     fn units_of(&self, _picture: (usize, usize), _frames: usize) -> Option<usize> {

@@ -11,13 +11,15 @@ pub mod stage;
 mod timeline;
 mod walk;
 
-pub use any::{AnyEstimator, AnyRun, Extent, Ran};
+pub use any::{AnyEstimator, AnyRun, Extent, RunSummary};
 pub use cursor::Cursor;
 pub use estimator::{Estimator, Granularity, Guarantee, Info, LEVEL, Progress, Seen, run_observed};
 pub use facets::{Explained, Footprint, Pointed, StageView, TestsCandidates};
 pub use lockstep::Pace;
 pub use need::Need;
 pub use span::{FRAMES, Span};
-pub use stage::{BlockVectors, Course, DenseFlow, Entries, Entry, Foreground, Frames, Keypoints, Masks, Stage, Tracks};
+pub use stage::{
+    BlockVectors, Course, DenseFlow, Entries, Entry, Foreground, Frames, GlobalModel, Keypoints, Masks, Stage, Tracks,
+};
 pub use timeline::Timeline;
 pub use walk::{Beside, CandidateCount, Direction, Move, Walk};

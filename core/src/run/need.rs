@@ -72,9 +72,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sizes_are_told_in_the_unit_that_suits_them() {
-        let told = [0, 1536, 5 << 20, (1 << 30) - 1, 13 << 30, 1 << 52].map(size);
-        assert_eq!(told, ["0.0 KiB", "1.5 KiB", "5.0 MiB", "1.0 GiB", "13.0 GiB", "4096.0 TiB"]);
+    fn sizes_are_reported_in_the_unit_that_suits_them() {
+        let sizes = [0, 1536, 5 << 20, (1 << 30) - 1, 13 << 30, 1 << 52].map(size);
+        assert_eq!(sizes, ["0.0 KiB", "1.5 KiB", "5.0 MiB", "1.0 GiB", "13.0 GiB", "4096.0 TiB"]);
     }
 
     #[test]

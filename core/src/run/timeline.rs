@@ -1,4 +1,4 @@
-//! Time travel for any estimator: checkpoints, and replay of one unit for everything in between.
+//! Walks of any estimator, forwards and backwards: checkpoints, and replay of one unit for everything in between.
 
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -20,11 +20,9 @@ struct Unit<E: Estimator> {
 }
 
 impl<E: Estimator> Unit<E> {
-    fn observe(
-        estimator: &E,
-        clip: &Clip,
-        (index, before, work): (usize, E::State, Duration),
-    ) -> Result<(Self, Progress), Error> {
+    /// Runs the unit that starts at `start`, observed.
+    fn observe(estimator: &E, clip: &Clip, start: UnitStart<E>) -> Result<(Self, Progress), Error> {
+        let UnitStart { index, state: before, work } = start;
         let (begun, mut after) = (Stopwatch::start(), before.clone());
         let mut events = Vec::new();
         let progress = estimator.advance(clip, &mut after, &mut events)?;
@@ -32,8 +30,15 @@ impl<E: Estimator> Unit<E> {
     }
 }
 
+/// The start of a unit: its index, the state before it, and the work from a checkpoint to there.
+struct UnitStart<E: Estimator> {
+    index: usize,
+    state: E::State,
+    work: Duration,
+}
+
 /// A move that is not finished: its goal, and the state before unit `index` on the way to it.
-struct Journey<E: Estimator> {
+struct PendingMove<E: Estimator> {
     goal: Goal,
     origin: usize,
     index: usize,
@@ -56,7 +61,7 @@ impl Goal {
         Goal::Cursor(Cursor { unit, event: usize::MAX })
     }
 
-    /// The first unit that a journey there must not run past unobserved.
+    /// The first unit that a move there must not run past unobserved.
     fn unit(self) -> usize {
         match self {
             Goal::Cursor(cursor) => cursor.unit,
@@ -158,7 +163,7 @@ pub struct Timeline<E: Estimator> {
     /// Number of units, once it is known.
     units: Option<usize>,
     failure: Option<Error>,
-    journey: Option<Journey<E>>,
+    pending: Option<PendingMove<E>>,
     checkpoints: Checkpoints<E::State>,
     groups: Groups,
     /// Units performed so far, those performed again included.
@@ -175,7 +180,8 @@ impl<E: Estimator> Timeline<E> {
     /// If the clip, the frame or the parameters do not allow a run.
     pub fn new(estimator: E, clip: Clip, frame: usize) -> Result<Self, Error> {
         let start = estimator.start(&clip, frame)?;
-        let (unit, progress) = Unit::observe(&estimator, &clip, (0, start, Duration::ZERO))?;
+        let (unit, progress) =
+            Unit::observe(&estimator, &clip, UnitStart { index: 0, state: start, work: Duration::ZERO })?;
         let units = if progress == Progress::Done { Some(1) } else { estimator.units(&unit.before) };
         let mut timeline = Self {
             checkpoints: Checkpoints {
@@ -197,7 +203,7 @@ impl<E: Estimator> Timeline<E> {
             seen: 0,
             units,
             failure: None,
-            journey: None,
+            pending: None,
             unit,
             advanced: 1,
         };
@@ -291,7 +297,7 @@ impl<E: Estimator> Timeline<E> {
     }
 
     /// Starts towards `goal` from the nearest checkpoint.
-    fn depart(&self, goal: Goal) -> Journey<E> {
+    fn begin_move(&self, goal: Goal) -> PendingMove<E> {
         let goal = match (goal, self.units) {
             (Goal::Cursor(cursor), Some(units)) if cursor.unit >= units => Goal::end_of(units - 1),
             _ => goal,
@@ -304,45 +310,46 @@ impl<E: Estimator> Timeline<E> {
         let nearest = at_hand.into_iter().flatten().filter(|(index, ..)| *index <= goal.unit());
         let nearest = nearest.max_by_key(|(index, ..)| *index);
         let (index, state, work) = nearest.unwrap_or((here.index, &here.before, before));
-        Journey { goal, origin: index, index, state: state.clone(), work }
+        PendingMove { goal, origin: index, index, state: state.clone(), work }
     }
 
-    /// Runs some units of the journey unobserved; gives the journey that goes on, if one does.
-    fn travel(&mut self, mut journey: Journey<E>) -> Option<Journey<E>> {
-        let most = match journey.goal {
-            Goal::Cursor(cursor) => cursor.unit - journey.index,
+    /// Runs some units of a pending move unobserved; gives the move that goes on, if one does.
+    fn proceed(&mut self, mut pending: PendingMove<E>) -> Option<PendingMove<E>> {
+        let most = match pending.goal {
+            Goal::Cursor(cursor) => cursor.unit - pending.index,
             Goal::GroupEnd { .. } => usize::MAX,
         };
         let begun = Stopwatch::start();
-        let done = self.estimator.advance_many(&self.clip, &mut journey.state, most);
-        journey.work += begun.elapsed();
+        let done = self.estimator.advance_many(&self.clip, &mut pending.state, most);
+        pending.work += begun.elapsed();
         self.advanced += done.as_ref().map_or(1, |(units, _)| *units);
         match done {
             Ok((units, Progress::More)) => {
-                journey.index += units;
-                journey.work = self.come_by(journey.index, &journey.state, journey.work);
-                Some(match journey.goal {
+                pending.index += units;
+                pending.work = self.come_by(pending.index, &pending.state, pending.work);
+                Some(match pending.goal {
                     Goal::GroupEnd { granularity, from }
-                        if journey.index > from && self.groups.is_start(granularity, journey.index) =>
+                        if pending.index > from && self.groups.is_start(granularity, pending.index) =>
                     {
-                        self.depart(Goal::end_of(journey.index - 1))
+                        self.begin_move(Goal::end_of(pending.index - 1))
                     }
-                    _ => journey,
+                    _ => pending,
                 })
             }
             Ok((units, Progress::Done)) => {
-                self.units = Some(journey.index + units);
-                Some(self.depart(Goal::end_of(journey.index + units - 1)))
+                self.units = Some(pending.index + units);
+                Some(self.begin_move(Goal::end_of(pending.index + units - 1)))
             }
-            Err(error) => self.end(journey.index, error),
+            Err(error) => self.end(pending.index, error),
         }
     }
 
-    /// Runs the unit that the journey looked for before our eyes.
-    fn arrive(&mut self, journey: Journey<E>, cursor: Cursor) -> Option<Journey<E>> {
-        let work = self.come_by(journey.index, &journey.state, journey.work);
+    /// Runs the unit that the move looked for, observed.
+    fn complete_move(&mut self, pending: PendingMove<E>, cursor: Cursor) -> Option<PendingMove<E>> {
+        let work = self.come_by(pending.index, &pending.state, pending.work);
         self.advanced += 1;
-        match Unit::observe(&self.estimator, &self.clip, (journey.index, journey.state, work)) {
+        match Unit::observe(&self.estimator, &self.clip, UnitStart { index: pending.index, state: pending.state, work })
+        {
             Ok((unit, progress)) => {
                 if progress == Progress::Done {
                     self.units = Some(unit.index + 1);
@@ -351,19 +358,19 @@ impl<E: Estimator> Timeline<E> {
                 self.unit = unit;
                 None
             }
-            Err(error) => self.end(journey.index, error),
+            Err(error) => self.end(pending.index, error),
         }
     }
 
     /// Unit `index` fails: the run ends before it. The first unit has run once, so it stays. If it was cancelled, so is the move,
     /// and the run stays where it is.
-    fn end(&mut self, index: usize, error: Error) -> Option<Journey<E>> {
+    fn end(&mut self, index: usize, error: Error) -> Option<PendingMove<E>> {
         if error == Stop::cancelled() || self.clip.wanted().is_err() {
             return None;
         }
         self.failure = Some(error);
         self.units = Some(index.max(1));
-        index.checked_sub(1).map(|last| self.depart(Goal::end_of(last)))
+        index.checked_sub(1).map(|last| self.begin_move(Goal::end_of(last)))
     }
 }
 
@@ -409,19 +416,19 @@ impl<E: Estimator> Walk for Timeline<E> {
     }
 
     fn go(&mut self, to: Move) {
-        self.journey = None;
+        self.pending = None;
         if let Some(goal) = self.goal(to) {
-            self.journey = Some(self.depart(goal));
+            self.pending = Some(self.begin_move(goal));
         }
     }
 
     fn work(&mut self, more: &mut dyn FnMut() -> bool) -> bool {
-        while let Some(journey) = self.journey.take() {
-            self.journey = match journey.goal {
-                Goal::Cursor(cursor) if cursor.unit == journey.index => self.arrive(journey, cursor),
-                _ => self.travel(journey),
+        while let Some(pending) = self.pending.take() {
+            self.pending = match pending.goal {
+                Goal::Cursor(cursor) if cursor.unit == pending.index => self.complete_move(pending, cursor),
+                _ => self.proceed(pending),
             };
-            if self.journey.is_some() && !more() {
+            if self.pending.is_some() && !more() {
                 return false;
             }
         }
@@ -429,10 +436,10 @@ impl<E: Estimator> Walk for Timeline<E> {
     }
 
     fn progress(&self) -> Option<(usize, usize)> {
-        let journey = self.journey.as_ref()?;
-        match journey.goal {
+        let pending = self.pending.as_ref()?;
+        match pending.goal {
             Goal::Cursor(Cursor { unit, .. }) if unit < usize::MAX => {
-                Some((journey.index - journey.origin, unit - journey.origin))
+                Some((pending.index - pending.origin, unit - pending.origin))
             }
             _ => None,
         }

@@ -219,6 +219,8 @@ pub struct Scene {
     pub heat: Option<&'static str>,
     /// The values at both ends of the colours of a heat map, if they are known before all of it is; else its own.
     pub heat_scale: Option<[f32; 2]>,
+    /// Whether the step sums up the whole picture, so that no part of it is magnified.
+    pub is_overview: bool,
 }
 
 impl Scene {
@@ -232,6 +234,7 @@ impl Scene {
             && self.heat == other.heat
             && self.heat_scale == other.heat_scale
             && self.links == other.links
+            && self.is_overview == other.is_overview
             && self.marks.len() == other.marks.len()
             && self.marks.iter().zip(&other.marks).all(same)
     }
@@ -248,7 +251,8 @@ impl Scene {
 
     /// Adds the marks and the legend of `other`, a scene on a picture `factor` times smaller.
     pub fn add_enlarged(&mut self, other: Scene, factor: usize) {
-        let Scene { marks, legend, heat_scale, .. } = other;
+        let Scene { marks, legend, heat_scale, is_overview, .. } = other;
+        self.is_overview |= is_overview;
         // One scale for all that is drawn together.
         self.heat_scale = match (self.heat_scale, heat_scale) {
             (Some([low, high]), Some([lower, higher])) => Some([low.min(lower), high.max(higher)]),

@@ -29,6 +29,8 @@ pub enum PictureRole {
     Template,
     /// Frames registered in the coordinates of one of them.
     Mosaic,
+    /// A frame warped by a geometric transformation.
+    Warped,
     /// The response of a filter, such as a difference of Gaussians, in the coordinates of the frame.
     Response,
 }
@@ -63,6 +65,11 @@ impl Picture {
         Self { viewpoint: Viewpoint::Left, time, level: 0, role: PictureRole::Frame }
     }
 
+    /// The frame `time` frames after frame t, warped by a geometric transformation.
+    pub const fn warped(time: i32) -> Self {
+        Self { role: PictureRole::Warped, ..Self::at(time) }
+    }
+
     /// Whether a pixel of one has its counterpart at the same place in the other, so that both are zoomed together.
     pub fn is_aligned_with(self, other: Self) -> bool {
         let has_the_frame = |role| matches!(role, PictureRole::Frame | PictureRole::Reference | PictureRole::Response);
@@ -79,6 +86,7 @@ impl Picture {
             PictureRole::Reference => "Reference".into(),
             PictureRole::Template => "Template".into(),
             PictureRole::Mosaic => "Mosaic".into(),
+            PictureRole::Warped => format!("Warped frame {}{number}", self.moment("−")),
             PictureRole::Response => "Filter response".into(),
         };
         let of = if self.viewpoint == Viewpoint::Right { "Right view · " } else { "" };
@@ -107,6 +115,7 @@ impl fmt::Display for Picture {
             PictureRole::Reference => "reference".into(),
             PictureRole::Template => "template".into(),
             PictureRole::Mosaic => "mosaic".into(),
+            PictureRole::Warped => format!("warped-{}", self.moment("-")),
             PictureRole::Response => "response".into(),
         })?;
         if self.level > 0 { write!(f, "-level-{}", self.level) } else { Ok(()) }
@@ -119,7 +128,7 @@ impl FromStr for Picture {
     fn from_str(text: &str) -> Result<Self, Error> {
         let invalid = || {
             Error::new(format!(
-                "a picture must be t, t+1, t-1, reference, template, mosaic or response, with the prefix right- for the right \
+                "a picture must be t, t+1, t-1, warped-t, reference, template, mosaic or response, with the prefix right- for the right \
                  view and the suffix -level-2 for a level of a pyramid, not {text}"
             ))
         };
@@ -131,13 +140,18 @@ impl FromStr for Picture {
             Some((rest, level)) => (rest, level.parse().map_err(|_| invalid())?),
             None => (rest, 0),
         };
+        let time_of = |moment: &str| moment.strip_prefix('t').and_then(|time| time.parse().ok());
         let (role, time) = match rest {
             "reference" => (PictureRole::Reference, Some(0)),
             "template" => (PictureRole::Template, Some(0)),
             "mosaic" => (PictureRole::Mosaic, Some(0)),
             "response" => (PictureRole::Response, Some(0)),
             "t" => (PictureRole::Frame, Some(0)),
-            moment => (PictureRole::Frame, moment.strip_prefix('t').and_then(|time| time.parse().ok())),
+            "warped-t" => (PictureRole::Warped, Some(0)),
+            moment => match moment.strip_prefix("warped-") {
+                Some(moment) => (PictureRole::Warped, time_of(moment)),
+                None => (PictureRole::Frame, time_of(moment)),
+            },
         };
         Ok(Self { viewpoint, time: time.ok_or_else(invalid)?, level, role })
     }
@@ -223,13 +237,15 @@ mod tests {
             (mosaic, "mosaic"),
             (Picture::REFERENCE, "reference"),
             (Picture::RESPONSE, "response"),
+            (Picture::warped(0), "warped-t"),
+            (Picture::warped(1), "warped-t+1"),
         ] {
             assert_eq!(picture.to_string(), name);
             assert_eq!(name.parse(), Ok(picture));
         }
         for wrong in ["", "u", "t1x", "right", "t-level-x", "level-2"] {
-            let told = wrong.parse::<Picture>().map_err(|error| error.to_string());
-            assert!(told.as_ref().is_err_and(|told| told.contains("right-")), "{wrong}: {told:?}");
+            let message = wrong.parse::<Picture>().map_err(|error| error.to_string());
+            assert!(message.as_ref().is_err_and(|message| message.contains("right-")), "{wrong}: {message:?}");
         }
     }
 

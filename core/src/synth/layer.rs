@@ -4,6 +4,7 @@ use super::Setting;
 use super::difficulty::Difficulty;
 use super::maths::cos;
 use super::motion::{Affine, Motion, grown};
+use super::path::Path;
 use super::shape::{Point, Shape, length};
 use super::texture::{Rgb, Spot, mix, smooth};
 
@@ -112,12 +113,18 @@ pub struct TrackPoint {
 pub struct Stage {
     layers: Vec<Layer>,
     difficulty: Difficulty,
+    path: Path,
 }
 
 impl Stage {
     /// Layers from front to back, the last of which must fill the picture.
     pub fn new(layers: Vec<Layer>, difficulty: Difficulty) -> Self {
-        Self { layers, difficulty }
+        Self { layers, difficulty, path: Path::REST }
+    }
+
+    /// The same, seen by a camera that moves along `path`.
+    pub fn seen_along(self, path: Path) -> Self {
+        Self { path, ..self }
     }
 
     /// Whether the scene has objects.
@@ -128,8 +135,8 @@ impl Stage {
     /// Everything in its place at frame `t`, which need not be whole.
     pub fn at(&self, t: f64) -> Moment<'_> {
         let d = &self.difficulty;
-        let camera = camera(d, t);
         let time = t * f64::from(d.speed);
+        let camera = camera((d, t), &self.path.pose(time));
         let layers = self.layers.iter().map(|layer| Placed::new(layer, &camera, time)).collect();
         Moment { layers, difficulty: d }
     }
@@ -151,12 +158,13 @@ pub fn reach(d: &Difficulty) -> f64 {
     (length([d.width as f64, d.height as f64]) / 2.0 + MARGIN_PX) / (scale(d) * least)
 }
 
-/// The map from the scene to the picture at frame `t`.
-fn camera(d: &Difficulty, t: f64) -> Affine {
+/// The map from the scene to the picture at frame `t`, given the pose of the camera.
+fn camera((d, t): (&Difficulty, f64), pose: &Affine) -> Affine {
     let zoom = scale(d) * grown(f64::from(d.scale_change) / 100.0, t);
     let centre = [(d.width - 1) as f64 / 2.0, (d.height - 1) as f64 / 2.0];
     let turns = f64::from(d.rotation) / 360.0 * t;
-    Affine::similarity(0.0, 1.0, MIDDLE.map(|c| -c)).then(&Affine::similarity(turns, zoom, centre))
+    let about_middle = Affine::similarity(0.0, 1.0, MIDDLE.map(|c| -c)).then(pose);
+    about_middle.then(&Affine::similarity(turns, zoom, centre))
 }
 
 /// A scene at one moment.
@@ -213,6 +221,12 @@ impl Moment<'_> {
     pub fn carry(&self, index: usize, p: Point, next: &Self) -> Option<Point> {
         let (now, then) = (self.layers.get(index)?, next.layers.get(index)?);
         Some(then.forward(now.back(p)))
+    }
+
+    /// The map of the rearmost layer from now to the moment `next`; `None` if it bends.
+    pub fn background(&self, next: &Self) -> Option<Affine> {
+        let (now, then) = (self.layers.last()?, next.layers.last()?);
+        now.layer.motion.wave.is_none().then(|| now.to_layer.then(&then.to_picture))
     }
 
     /// Whether a layer in front of layer `index` covers `p`.

@@ -24,6 +24,7 @@ pub(crate) mod disturb;
 mod layer;
 mod maths;
 mod motion;
+mod path;
 pub(crate) mod random;
 mod recent;
 mod scenes;
@@ -36,6 +37,7 @@ use std::sync::Arc;
 use crate::base::{Error, Stop, words};
 use crate::data::{Clip, ClipInfo, Frame, FrameSource};
 use layer::{Layer, Stage, reach, scale};
+use path::Path;
 use recent::Recent;
 use truth::ExactTruth;
 
@@ -55,6 +57,8 @@ pub struct Sample {
     tune: fn(&mut Difficulty),
     /// Its layers, front to back.
     layers: fn(&Setting) -> Vec<Layer>,
+    /// The motion of its camera.
+    path: Path,
 }
 
 /// Parameters of a scene's layers.
@@ -70,8 +74,10 @@ struct Setting {
 }
 
 impl Setting {
-    fn new(d: &Difficulty) -> Self {
-        Self { seed: d.seed.wrapping_mul(1000), scale: scale(d), reach: reach(d), speed: f64::from(d.speed) }
+    fn new(d: &Difficulty, path: &Path) -> Self {
+        let speed = f64::from(d.speed);
+        let reach = reach(d) + path.reach(speed * d.frames as f64);
+        Self { seed: d.seed.wrapping_mul(1000), scale: scale(d), reach, speed }
     }
 }
 
@@ -83,13 +89,18 @@ impl Sample {
         difficulty
     }
 
+    /// Its layers and its camera.
+    fn stage(&self, difficulty: &Difficulty) -> Stage {
+        Stage::new((self.layers)(&Setting::new(difficulty, &self.path)), difficulty.clone()).seen_along(self.path)
+    }
+
     /// The clip with its ground truth; frames are rendered on demand.
     ///
     /// # Errors
     /// If a slider is out of range: a sentence with the range.
     pub fn clip(&self, difficulty: &Difficulty) -> Result<Clip, Error> {
         difficulty.check()?;
-        let stage = Arc::new(Stage::new((self.layers)(&Setting::new(difficulty)), difficulty.clone()));
+        let stage = Arc::new(self.stage(difficulty));
         let info = ClipInfo {
             name: self.title.into(),
             width: difficulty.width,

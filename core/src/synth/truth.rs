@@ -93,6 +93,16 @@ impl Truth for ExactTruth {
         }))
     }
 
+    fn background(&self, t: usize) -> Result<Option<[[f64; 3]; 3]>, Error> {
+        let is_known = t + 1 < self.difficulty.frames;
+        let moved = || self.stage.at(t as f64).background(&self.stage.at(t as f64 + 1.0));
+        Ok(is_known.then(moved).flatten().map(|map| {
+            let [[a, b], [c, d]] = map.linear;
+            let [u, v] = map.shift;
+            [[a, b, u], [c, d, v], [0.0, 0.0, 1.0]]
+        }))
+    }
+
     fn kinds(&self) -> Vec<&'static str> {
         let kinds = ["flow", "occlusion", "objects", "foreground"];
         kinds[..if self.stage.has_objects() { 4 } else { 2 }].to_vec()

@@ -109,7 +109,7 @@ pub fn error(found: &Flow, truth: &Flow, margin: usize) -> f64 {
 }
 
 /// The step at the end of unit `unit` for the pixel at `place`.
-pub fn told(estimator: &dyn AnyEstimator, clip: &Clip, unit: usize, place: [f32; 2]) -> scene::Step {
+pub fn explained_at(estimator: &dyn AnyEstimator, clip: &Clip, unit: usize, place: [f32; 2]) -> scene::Step {
     let mut walk = estimator.walk(clip, 0).expect("a walk");
     walk.jump(Move::To(Cursor { unit, event: usize::MAX }));
     walk.step(Some(Focus::current(place)))

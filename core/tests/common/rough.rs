@@ -1,6 +1,6 @@
 //! Clips of a street as a cheap camera sees it, with true masks: shake, noise, flicker, cast shadows and a tree in the wind.
 
-use motionscope_core::{Clip, Frame, Grid, Mask};
+use motionscope_core::{Bounds, Clip, Frame, Grid, Mask};
 
 /// The difficulties of a rough clip.
 #[derive(Clone, Copy, Debug)]
@@ -115,10 +115,25 @@ impl Rough {
         (if is_dark { ground.map(|c| self.shadow * c) } else { ground }, false)
     }
 
+    /// The displacement of the camera in px.
+    fn camera(&self, t: usize) -> [f64; 2] {
+        let jitter = |k: u64| self.shake * normal(self.seed + 20 + k, t as i64, 0);
+        [0, 1].map(|i| jitter(i as u64) + self.drift[i] * t as f64)
+    }
+
+    /// The boxes of the cars in a frame, in or beside the picture, each at its own place of the list.
+    pub fn boxes(&self, t: usize) -> Vec<Bounds> {
+        let camera = self.camera(t);
+        let of = |car: Car| {
+            let center = [0, 1].map(|i| (car.at[i] - camera[i]) as f32);
+            Bounds::around(center, car.half.map(|half| 2.0 * half as f32))
+        };
+        self.cars(t as f64).into_iter().map(of).collect()
+    }
+
     fn frame(&self, t: usize) -> (Frame, Mask) {
         let (width, height) = self.size;
-        let jitter = |k: u64| self.shake * normal(self.seed + 20 + k, t as i64, 0);
-        let camera = [0, 1].map(|i| jitter(i as u64) + self.drift[i] * t as f64);
+        let camera = self.camera(t);
         let gain = 1.0 + self.flicker * normal(self.seed + 30, t as i64, 1);
         let cars = self.cars(t as f64);
         let mut picture = Grid::new(width, height, [0u8; 3]);

@@ -261,6 +261,10 @@ fn seen(estimator: &dyn AnyEstimator, [parts, objects]: [&Clip; 2]) -> Seen {
     if estimator.get("camera").is_ok() {
         seen.walk(&mut *estimator.walk(&panned(5), 0).expect("a run"));
     }
+    // A model is kept where enough matches support it.
+    if estimator.get("outliers").is_ok() {
+        seen.walk(&mut *estimator.walk(&panned(2), 0).expect("a run"));
+    }
     // Keypoints that reject each other need a picture with many of them.
     let is_detector = matches!(estimator.guarantee(), Guarantee::Places | Guarantee::SubPixelPlaces { .. });
     if is_detector && estimator.get("min-distance").is_ok() {

@@ -129,7 +129,7 @@ impl Decoder for Gif {
         while position.next <= index {
             stop.check()?;
             if index - from > FAR {
-                stop.tell(position.next - from, index + 1 - from);
+                stop.report(position.next - from, index + 1 - from);
             }
             self.keep(&position)?;
             let number = position.next;

@@ -146,7 +146,7 @@ impl Decoder for Animation {
         let from = stream.next;
         while stream.next <= index {
             stop.check()?;
-            stop.tell(stream.next - from, index + 1 - from);
+            stop.report(stream.next - from, index + 1 - from);
             let Ok(picture) = stream.pictures.recv() else { return Ok(()) };
             keep(stream.next, picture::frame(picture?.into())?);
             stream.next += 1;

@@ -74,8 +74,8 @@ impl Walk<'_> {
     /// Tells how far it is after `pictures`; `None` where it is to go no further.
     fn report(&mut self, pictures: usize) -> Option<()> {
         if pictures.is_multiple_of(NEWS) {
-            let told = self.options.report(self.at() as f32 / self.all.max(1) as f32);
-            self.cancelled = told.err();
+            let message = self.options.report(self.at() as f32 / self.all.max(1) as f32);
+            self.cancelled = message.err();
         }
         self.cancelled.is_none().then_some(())
     }

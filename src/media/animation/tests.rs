@@ -164,13 +164,13 @@ fn what_is_before_the_cut_can_be_used() {
         let clip = open(&path, 0).unwrap();
         let frames = clip.info().frames.unwrap();
         assert!((1..FRAMES).contains(&frames), "{extension}: {frames}");
-        assert!(clip.info().warnings.iter().any(|told| told.contains("is lost")), "{extension}");
+        assert!(clip.info().warnings.iter().any(|message| message.contains("is lost")), "{extension}");
         assert!((0..frames).all(|t| shows(&clip.frame(t).unwrap(), t)), "{extension}");
     }
 }
 
 #[test]
-fn transparency_is_told() {
+fn transparency_is_reported() {
     let (_folder, path) = write(&gif(&[40]), "gif");
     assert!(open(&path, 0).unwrap().info().warnings.is_empty());
     let clear = image::Frame::new(RgbaImage::from_pixel(4, 4, [9, 9, 9, 0].into()));
@@ -280,17 +280,17 @@ fn no_picture_is_far_once_all_were_met() {
     assert_eq!(scan.pieces.iter().filter(|piece| piece.is_fresh).count(), 1);
     let mut gif = gif::Gif::new(&path, scan);
     gif.keep_every(20);
-    let (stop, mut told) = (Stop::default(), Vec::new());
+    let (stop, mut message) = (Stop::default(), Vec::new());
     let mut way = |gif: &mut gif::Gif, index: usize| {
-        stop.tell(0, 0);
-        gif.decode(index, &stop, &mut |_, _| told.push(stop.told())).unwrap();
-        stop.told().map_or(0, |(_, of)| of)
+        stop.report(0, 0);
+        gif.decode(index, &stop, &mut |_, _| message.push(stop.progress())).unwrap();
+        stop.progress().map_or(0, |(_, of)| of)
     };
     assert_eq!(way(&mut gif, 499), 500, "the first way there is the longest");
     for index in [0, 480, 17, 250, 499, 1] {
         assert_eq!(way(&mut gif, index), 0, "picture {index} is near");
     }
-    assert!(told.contains(&Some((499, 500))), "how far it is is told: {told:?}");
+    assert!(message.contains(&Some((499, 500))), "how far it is is told: {message:?}");
 }
 
 #[test]

@@ -29,7 +29,7 @@ pub fn clip(clip: &Clip, folder: &Path, progress: Option<&dyn Progress>) -> Resu
     refuse_other_pictures(folder, frames)?;
     let before = WrittenFiles::read(folder);
     refuse_foreign(folder, &before, frames)?;
-    let mut draft = Draft::new(folder)?;
+    let mut draft = UnfinishedClip::new(folder)?;
     for t in 0..frames {
         if let Some(progress) = progress {
             if progress.cancelled() {
@@ -61,12 +61,12 @@ fn names(t: usize) -> [String; 4] {
 }
 
 /// A clip in a folder of its own beside the place where it goes; gone if it does not get there.
-struct Draft {
+struct UnfinishedClip {
     folder: tempfile::TempDir,
     written: WrittenFiles,
 }
 
-impl Draft {
+impl UnfinishedClip {
     fn new(folder: &Path) -> Result<Self, Error> {
         let _at_work = temporary::at_work();
         let made = tempfile::Builder::new().prefix(&temporary::prefix(folder)).tempdir_in(folder);
@@ -271,8 +271,8 @@ mod tests {
                 fs::create_dir_all(folder.path().join(name).parent().unwrap()).unwrap();
                 fs::write(folder.path().join(name), "by hand").unwrap();
                 let before = contents(folder.path());
-                let told = clip(&made(4), folder.path(), None).unwrap_err().to_string();
-                assert!(told.contains(name) && told.contains("empty folder"), "{told}");
+                let message = clip(&made(4), folder.path(), None).unwrap_err().to_string();
+                assert!(message.contains(name) && message.contains("empty folder"), "{message}");
                 assert_eq!(contents(folder.path()), before);
             }
         }
@@ -295,8 +295,8 @@ mod tests {
         let mut other = synth::SCENES[0].difficulty();
         (other.frames, other.width, other.height) = (4, 96, 64);
         let other = synth::SCENES[0].clip(&other).unwrap();
-        let told = clip(&other, folder.path(), Some(&Late(AtomicUsize::new(0)))).unwrap_err().to_string();
-        assert!(told.contains("cancelled after 3"), "{told}");
+        let message = clip(&other, folder.path(), Some(&Late(AtomicUsize::new(0)))).unwrap_err().to_string();
+        assert!(message.contains("cancelled after 3"), "{message}");
         assert_eq!(contents(folder.path()), before);
     }
 
@@ -304,7 +304,7 @@ mod tests {
     fn other_pictures_are_not_mixed_in() {
         let folder = tempfile::tempdir().unwrap();
         clip(&made(4), folder.path(), None).unwrap();
-        let told = clip(&made(3), folder.path(), None).unwrap_err().to_string();
-        assert!(told.contains("frame_0003.png"), "{told}");
+        let message = clip(&made(3), folder.path(), None).unwrap_err().to_string();
+        assert!(message.contains("frame_0003.png"), "{message}");
     }
 }

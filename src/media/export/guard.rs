@@ -11,7 +11,7 @@ use crate::media::sequence::{parent, would_join};
 
 /// The role of an input file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum What {
+pub enum InputKind {
     /// The whole clip.
     Clip,
     /// A frame of the clip.
@@ -24,7 +24,7 @@ pub enum What {
     Session,
 }
 
-impl What {
+impl InputKind {
     fn words(self) -> &'static str {
         match self {
             Self::Clip => "the clip",
@@ -39,26 +39,26 @@ impl What {
 /// All input files of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Inputs {
-    files: Vec<(What, PathBuf)>,
+    files: Vec<(InputKind, PathBuf)>,
     /// The opened path, if the clip consists of images.
     pictures: Option<PathBuf>,
 }
 
 impl Inputs {
     /// Adds a file.
-    pub fn add(&mut self, what: What, file: impl Into<PathBuf>) {
+    pub fn add(&mut self, what: InputKind, file: impl Into<PathBuf>) {
         self.files.push((what, file.into()));
     }
 
     /// Adds the images of `opened`: a folder, a pattern, or the first image.
     pub fn add_pictures(&mut self, opened: &Path, files: impl IntoIterator<Item = PathBuf>) {
-        self.files.extend(files.into_iter().map(|file| (What::Frame, file)));
+        self.files.extend(files.into_iter().map(|file| (InputKind::Frame, file)));
         self.pictures = Some(opened.into());
     }
 
     /// Returns the inputs without those of role `what`.
     #[must_use]
-    pub fn without(mut self, what: What) -> Self {
+    pub fn without(mut self, what: InputKind) -> Self {
         self.files.retain(|(other, _)| *other != what);
         self
     }
@@ -75,7 +75,7 @@ impl Inputs {
     }
 
     fn first_frame(&self) -> Option<&Path> {
-        self.files.iter().find(|(what, _)| *what == What::Frame).map(|(_, file)| file.as_path())
+        self.files.iter().find(|(what, _)| *what == InputKind::Frame).map(|(_, file)| file.as_path())
     }
 }
 
@@ -175,8 +175,8 @@ fn refuse(inputs: &Inputs, target: Target<'_>, known: &mut Option<HashMap<Identi
         if let Some(&i) = known.get(&identity) {
             let (what, input) = &inputs.files[i];
             let (name, what) = (file_name(input), what.words());
-            let is_told = name == file_name(target.path());
-            return Some(if is_told {
+            let is_target = name == file_name(target.path());
+            return Some(if is_target {
                 format!("would replace {what}")
             } else {
                 format!("would replace {name}, {what}")

@@ -13,7 +13,7 @@ mod written_files;
 
 pub use clip::{clip, frame};
 pub use flo::flo;
-pub use guard::{Conflict, Inputs, Target, What, check};
+pub use guard::{Conflict, InputKind, Inputs, Target, check};
 pub use kitti::{Kitti, kitti, kitti_result};
 pub(crate) use mark::is_result;
 pub use mark::save_result;

@@ -114,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_written_is_told_and_leaves_nothing() {
+    fn what_cannot_be_written_is_reported_and_leaves_nothing() {
         let folder = tempfile::tempdir().unwrap();
         let missing = folder.path().join("gone").join("a.flo");
         assert!(save(&missing, b"x").unwrap_err().to_string().contains("there is no folder"));

@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek};
 use std::path::Path;
 
+use motionscope_core::products::model::{Matrix3, mapped};
 use motionscope_core::{Error, Flow, Grid, PixelClass, TrueMask};
 use png::{BitDepth, ColorType, Transformations};
 
@@ -22,7 +23,13 @@ pub fn flow(path: &Path, size: (usize, usize)) -> Result<Flow, Error> {
     match detect(&mut reader, path)? {
         Format::Flo => flo(reader, path, size),
         Format::Png => kitti(reader, path, size),
+        Format::Xml => homography(reader, path).map(|matrix| flow_of(&matrix, size)),
     }
+}
+
+/// Whether `path` is a homography, which belongs to the first frame whatever number its name has.
+pub fn is_homography(path: &Path) -> bool {
+    start(path).is_ok_and(|mut reader| matches!(detect(&mut reader, path), Ok(Format::Xml)))
 }
 
 /// Whether the header of the flow at `path` states this `size`.
@@ -34,6 +41,8 @@ pub fn check_flow(path: &Path, size: (usize, usize)) -> Result<(), Error> {
     let found = match detect(&mut reader, path)? {
         Format::Flo => flo_size(&mut reader, path)?,
         Format::Png => Picture::open(reader, path, Transformations::IDENTITY)?.flow_size(path)?,
+        // It is one for pictures of any size.
+        Format::Xml => return homography(reader, path).map(|_| ()),
     };
     must_fit(path, found, size)
 }
@@ -98,6 +107,7 @@ pub fn foreground(path: &Path, size: (usize, usize)) -> Result<TrueMask, Error> 
 enum Format {
     Flo,
     Png,
+    Xml,
 }
 
 fn start(path: &Path) -> Result<BufReader<File>, Error> {
@@ -110,10 +120,12 @@ fn detect(reader: &mut BufReader<File>, path: &Path) -> Result<Format, Error> {
         Ok(Format::Flo)
     } else if head.starts_with(b"\x89PNG") {
         Ok(Format::Png)
+    } else if head.starts_with(b"<?xml") {
+        Ok(Format::Xml)
     } else {
         Err(file_error(
             path,
-            "this is not ground truth; give a Middlebury .flo, a KITTI 16-bit PNG, or a MOTChallenge gt.txt",
+            "this is not ground truth; give a Middlebury .flo, a KITTI 16-bit PNG, a homography as .xml of OpenCV, or a MOTChallenge gt.txt",
         ))
     }
 }
@@ -159,6 +171,30 @@ fn kitti(reader: BufReader<File>, path: &Path, size: (usize, usize)) -> Result<F
         _ => [component(b), component(&b[2..])],
     };
     Grid::from_vec(size.0, size.1, samples.chunks_exact(6).map(pixel).collect()).map(Flow)
+}
+
+/// The homography in a file of OpenCV's XML storage: the nine entries of a 3×3 matrix, row by row.
+fn homography(reader: BufReader<File>, path: &Path) -> Result<Matrix3, Error> {
+    /// Longer than any such file.
+    const MOST_BYTES: u64 = 64 << 10;
+    let mut text = String::new();
+    reader.take(MOST_BYTES).read_to_string(&mut text).map_err(|e| file_error(path, cannot_read(&e)))?;
+    let entries = text.split_once("<data>").and_then(|(_, rest)| Some(rest.split_once("</data>")?.0));
+    let numbers = entries.unwrap_or_default().split_whitespace().map(|word| word.parse::<f64>().ok());
+    let numbers: Vec<f64> =
+        numbers.map(|number| number.filter(|n| n.is_finite())).collect::<Option<_>>().unwrap_or_default();
+    match numbers[..] {
+        [a, b, c, d, e, f, g, h, i] => Ok([[a, b, c], [d, e, f], [g, h, i]]),
+        _ => Err(file_error(path, "this is no homography: its <data> must be the 9 finite numbers of a 3×3 matrix")),
+    }
+}
+
+/// The flow of a homography; unknown beyond its horizon.
+fn flow_of(matrix: &Matrix3, (width, height): (usize, usize)) -> Flow {
+    Flow(Grid::from_fn(width, height, |x, y| {
+        let at = [x as f64, y as f64];
+        mapped(matrix, at).map_or(Flow::UNKNOWN, |to| known([0, 1].map(|i| (to[i] - at[i]) as f32)))
+    }))
 }
 
 /// A PNG whose header was read but not its pixels.
@@ -244,14 +280,35 @@ mod tests {
     #[test]
     fn another_size_is_a_sentence_and_nothing_is_allocated_for_it() {
         for bytes in formats() {
-            let told = read(&bytes, (5, 4)).unwrap_err().to_string();
-            assert!(told.contains("5×3") && told.contains("5×4") && told.contains("flow10.flo"), "{told}");
+            let message = read(&bytes, (5, 4)).unwrap_err().to_string();
+            assert!(message.contains("5×3") && message.contains("5×4") && message.contains("flow10.flo"), "{message}");
         }
         let mut hostile = export::flo(&sample());
         hostile[4..12].copy_from_slice(&[0xff, 0xff, 0xff, 0x7f, 0xff, 0xff, 0xff, 0x7f]);
         assert!(read(&hostile, (5, 3)).is_err());
         hostile[7] = 0xff;
         assert!(read(&hostile, (5, 3)).unwrap_err().to_string().contains("-1 pixels"));
+    }
+
+    #[test]
+    fn a_homography_moves_every_pixel_before_its_horizon() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("H1to3p.xml");
+        let save = |data: &str| {
+            let head =
+                "<?xml version=\"1.0\"?>\n<opencv_storage><H13 type_id=\"opencv-matrix\"><rows>3</rows><cols>3</cols>";
+            fs::write(&path, format!("{head}<data>\n{data}</data></H13></opencv_storage>")).unwrap();
+        };
+        save("1. 0.5 2.0\n 0. 1. -1.\n -2.5e-01 0. 1.");
+        assert!(is_homography(&path) && check_flow(&path, (7, 3)).is_ok());
+        let flow = flow(&path, (7, 3)).unwrap();
+        assert_eq!((flow.at(0, 2), flow.at(2, 0)), (Some([3.0, -1.0]), Some([6.0, -2.0])));
+        assert_eq!(flow.at(4, 1), None);
+        for data in ["1 2 3", "1 0 0 0 1 0 0 0 nan", "1 0 0 0 1 0 0 0 one"] {
+            save(data);
+            let told = check_flow(&path, (7, 3)).unwrap_err().to_string();
+            assert!(told.contains("9 finite numbers") && told.contains("H1to3p.xml"), "{told}");
+        }
     }
 
     #[test]
@@ -268,7 +325,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(128))]
         #[test]
-        fn damage_is_told(which in 0..2_usize, at in any::<prop::sample::Index>(), flip in 1..=255_u8, cut: bool) {
+        fn damage_is_reported(which in 0..2_usize, at in any::<prop::sample::Index>(), flip in 1..=255_u8, cut: bool) {
             let mut bytes = formats()[which].clone();
             let at = at.index(bytes.len());
             if cut {

@@ -77,7 +77,7 @@ fn not_truth(results: &[PathBuf]) -> Option<String> {
 /// Opens ground truth at a given path: a flow, a mask of the foreground, a `gt.txt`, a folder of flows or masks, or a folder written by
 /// `motionscope synth`.
 ///
-/// A single flow or mask whose name fits no frame belongs to the first.
+/// A single flow or mask whose name fits no frame belongs to the first, and so does a homography.
 ///
 /// # Errors
 /// One sentence that names the file if it is no truth, or not that of this clip.
@@ -159,6 +159,7 @@ impl TruthFiles {
             return Self { objects: Some(path.into()), ..Self::default() };
         }
         let t = subject.named(path).or_else(|| subject.numbered(path)).filter(|_| subject.has_pictures());
+        let t = t.filter(|_| Node::of(path) != Ok(Node::File) || !field::is_homography(path));
         let only = BTreeMap::from([(t.unwrap_or(0), path.into())]);
         // A pipe can be read only once.
         match Node::of(path) == Ok(Node::File) && field::is_mask(path) {
@@ -446,8 +447,8 @@ mod tests {
         assert_eq!((0..4).map(|t| u(&clip, t)).collect::<Vec<_>>(), [Some(7.0), None, None, None]);
         let truth = clip.truth().unwrap();
         assert_eq!((truth.kinds(), truth.names()), (vec!["flow"], vec!["flow/frame_0007.flo".to_owned()]));
-        let told = clip.info().warnings.join("\n");
-        assert!(told.contains("frame_0009.png and 3 more are results that Motionscope wrote"), "{told}");
+        let message = clip.info().warnings.join("\n");
+        assert!(message.contains("frame_0009.png and 3 more are results that Motionscope wrote"), "{message}");
         // What others write there afterwards is truth again.
         put(folder.path(), "flow08.flo", export::flo(&flow(5.0)));
         let clip = open(folder.path());
@@ -548,14 +549,17 @@ mod tests {
         put(folder.path(), "gt.txt", "1,2,3");
         let clip = open(folder.path());
         assert!(clip.truth().is_none());
-        let told = clip.info().warnings.join("\n");
-        assert!(told.contains("flow07.flo") && told.contains("5×3") && told.contains("gt.txt: line 1"), "{told}");
+        let message = clip.info().warnings.join("\n");
+        assert!(
+            message.contains("flow07.flo") && message.contains("5×3") && message.contains("gt.txt: line 1"),
+            "{message}"
+        );
         for (name, why) in
             [("flow/flow07.flo", "5×3"), ("gt.txt", "line 1"), ("frame07.png", "16-bit"), ("gone", "no such")]
         {
             let options = Open::from(Given { truth: Some(folder.path().join(name)), detections: None });
-            let told = media::open(folder.path(), &options).unwrap_err().to_string();
-            assert!(told.contains(name) && told.contains(why), "{told}");
+            let message = media::open(folder.path(), &options).unwrap_err().to_string();
+            assert!(message.contains(name) && message.contains(why), "{message}");
         }
     }
 

@@ -171,7 +171,7 @@ mod tests {
 
     #[test]
     fn the_line_is_named() {
-        let told = |row| objects(&format!("1,1,1,1,4,4,1\n{row}\n")).unwrap_err();
+        let message = |row| objects(&format!("1,1,1,1,4,4,1\n{row}\n")).unwrap_err();
         for (row, why) in [
             ("1,1,1,1,4", "5 values"),
             ("0,1,1,1,4,4", "frame 0"),
@@ -187,10 +187,10 @@ mod tests {
             ("1,1,1,1,4,1e-300", "no area"),
             ("1,1,1,1,4,4,1e300", "confidence"),
         ] {
-            assert!(told(row).starts_with("line 2: ") && told(row).contains(why), "{row}: {}", told(row));
+            assert!(message(row).starts_with("line 2: ") && message(row).contains(why), "{row}: {}", message(row));
         }
-        let told = objects("1,1,1,1,4,4\n\n\n1,1,9,1,4,4,0\n1,-1,1,1,4,4\n").unwrap_err();
-        assert!(told.starts_with("line 5: identity"), "blank lines and those left out count: {told}");
+        let message = objects("1,1,1,1,4,4\n\n\n1,1,9,1,4,4,0\n1,-1,1,1,4,4\n").unwrap_err();
+        assert!(message.starts_with("line 5: identity"), "blank lines and those left out count: {message}");
         assert!(objects("").is_err());
     }
 
@@ -216,7 +216,7 @@ mod tests {
             cells in prop::collection::vec("[1-9]|-1|0|-?[0-9]{1,3}(\\.[0-9])?(e-?[0-9]{1,3})?|", 5..10),
         ) {
             match parse(&cells.join(",")) {
-                Err(told) => prop_assert!(told.starts_with("line 1: "), "{}", told),
+                Err(message) => prop_assert!(message.starts_with("line 1: "), "{}", message),
                 Ok(rows) => for row in rows {
                     let numbers = [row.min, row.size].concat();
                     prop_assert!(numbers.iter().all(|v| v.is_finite()) && row.confidence.is_finite(), "{:?}", row);

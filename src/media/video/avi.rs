@@ -291,8 +291,8 @@ mod tests {
             (vec![], "header is missing"),
         ];
         for (header, why) in cases {
-            let told = read(file(header, &one)).unwrap_err().to_string();
-            assert!(told.contains(why), "{why}: {told}");
+            let message = read(file(header, &one)).unwrap_err().to_string();
+            assert!(message.contains(why), "{why}: {message}");
         }
     }
 }

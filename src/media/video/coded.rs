@@ -225,7 +225,7 @@ impl Coded {
                 continue;
             }
             stop.check()?;
-            stop.tell(number - next, target + 1 - next);
+            stop.report(number - next, target + 1 - next);
             let sample = self.sample(number)?;
             if number + RUN_UP_SAMPLES < target && self.codec.disposable(&sample) {
                 continue;
@@ -372,14 +372,14 @@ mod tests {
     }
 
     #[test]
-    fn damage_is_told_by_the_frame_where_it_is_and_stays_there() {
+    fn damage_is_reported_by_the_frame_where_it_is_and_stays_there() {
         // A key frame every five; the length in front of frame 6 is made too large.
         let mut clip = coded("h264_baseline.mp4");
         let mut bytes = std::fs::read(fixture("h264_baseline.mp4")).unwrap();
         bytes[clip.track.samples[6].offset as usize] = 0xFF;
         clip.input = Input::memory("damaged".into(), bytes);
         for _ in 0..2 {
-            let told: Vec<_> = (0..10)
+            let message: Vec<_> = (0..10)
                 .map(|i| {
                     clip.pictures(i, &Stop::default(), &mut |_, _| Ok(()))
                         .err()
@@ -387,9 +387,9 @@ mod tests {
                         .unwrap_or_default()
                 })
                 .collect();
-            assert!((0..6).all(|i| told[i].is_empty()), "{told:?}");
-            assert!(told[6].contains("a unit is cut off") && !told[6].contains("builds on"), "{told:?}");
-            assert!((7..10).all(|i| told[i].starts_with("it builds on frame 6, of which")), "{told:?}");
+            assert!((0..6).all(|i| message[i].is_empty()), "{message:?}");
+            assert!(message[6].contains("a unit is cut off") && !message[6].contains("builds on"), "{message:?}");
+            assert!((7..10).all(|i| message[i].starts_with("it builds on frame 6, of which")), "{message:?}");
         }
     }
 }

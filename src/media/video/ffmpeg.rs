@@ -13,13 +13,13 @@ use std::time::Duration;
 use motionscope_core::{ClipInfo, Error, Frame, Grid, Stop};
 use serde::Deserialize;
 
-use super::Why;
+use super::FfmpegReason;
 use crate::media::{Decoder, Open, Source, check_size, name_of};
 
 /// Frames that are decoded before the one sought, so that stepping back is at hand.
 const RUN_UP_FRAMES: usize = 24;
 /// Frames that are rather decoded than skipped.
-const PATIENCE_FRAMES: usize = 250;
+const MOST_FRAMES_AHEAD: usize = 250;
 /// Frames before the first one wanted at which ffmpeg is set: those next to a key frame may need what lies before it.
 const MARGIN_FRAMES: usize = 32;
 /// How often a waiting thread asks whether it should stop.
@@ -33,20 +33,20 @@ const STREAMS: [&str; 4] = ["mpegts", "mpeg", "mpegvideo", "h264"];
 ///
 /// # Errors
 /// One sentence, without the file's name, with `why` in it.
-pub(super) fn open(path: &Path, options: &Open, why: &Why) -> Result<Source, Error> {
+pub(super) fn open(path: &Path, options: &Open, why: &FfmpegReason) -> Result<Source, Error> {
     // A pipe has been read to its end already.
     if path == Path::new("-") || !path.is_file() {
         return Err(Error::new(format!("{}; save what the pipe holds to a file and open that", why.error)));
     }
     if !options.ffmpeg {
-        return Err(Failed::Absent.told(why));
+        return Err(Failed::Absent.explained(why));
     }
     let probe = Probe::run(path, options, why)?;
     let times = probe.times(path, options)?;
     let mut warnings = vec![format!("{} video is decoded by the ffmpeg of this computer", probe.stream.codec_name)];
     let frames = match (&times, probe.stream.nb_frames.as_deref().and_then(|n| n.parse().ok())) {
         (Some(times), _) => Some(times.len()),
-        (None, Some(told)) => Some(told),
+        (None, Some(explained)) => Some(explained),
         (None, None) if options.count => Some(probe.count(path, options)?),
         (None, None) => None,
     };
@@ -62,7 +62,7 @@ pub(super) fn open(path: &Path, options: &Open, why: &Why) -> Result<Source, Err
     decoder.start(0)?;
     let first = decoder.read(&|| options.report(0.0));
     options.report(0.0)?;
-    let first = first.ok().flatten().ok_or_else(|| Failed::Refused.told(why))?;
+    let first = first.ok().flatten().ok_or_else(|| Failed::Refused.explained(why))?;
     if probe.varies() {
         warnings.push("the frame rate varies; one frame is taken as one step of time".into());
     }
@@ -149,16 +149,16 @@ struct Probe {
 }
 
 impl Probe {
-    fn run(path: &Path, options: &Open, why: &Why) -> Result<Self, Error> {
+    fn run(path: &Path, options: &Open, why: &FfmpegReason) -> Result<Self, Error> {
         let entries = "stream=codec_name,avg_frame_rate,r_frame_rate,nb_frames:format=format_name";
         let what = ["-show_program_version", "-show_entries", entries];
-        let answer = ask(path, &what, options).map_err(|failed| failed.told(why))?;
+        let answer = ask(path, &what, options).map_err(|failed| failed.explained(why))?;
         let version = answer.program_version.map(|version| version.version).unwrap_or_default();
         match (answer.streams.into_iter().next(), answer.format) {
-            (_, Some(format)) if SCREENS.contains(&format.format_name.as_str()) => Err(Failed::Refused.told(why)),
+            (_, Some(format)) if SCREENS.contains(&format.format_name.as_str()) => Err(Failed::Refused.explained(why)),
             (Some(stream), Some(format)) => Ok(Self { stream, format, version }),
             (None, Some(_)) if !why.is_known => Err(Error::new("it holds no video; open a clip with pictures")),
-            _ => Err(Failed::Refused.told(why)),
+            _ => Err(Failed::Refused.explained(why)),
         }
     }
 
@@ -217,7 +217,7 @@ enum Failed {
 
 impl Failed {
     /// In words, where `why` tells what keeps us from opening the file ourselves.
-    fn told(self, Why { error, is_known }: &Why) -> Error {
+    fn explained(self, FfmpegReason { error, is_known }: &FfmpegReason) -> Error {
         Error::new(match self {
             // Where it says what to do, another program would not do better.
             Failed::Absent if *is_known && error.to_string().contains("; ") => return error.clone(),
@@ -342,13 +342,13 @@ impl Decoder for Ffmpeg {
             }
         }
         let seekable = self.times.is_some();
-        if self.running.is_none() || index < self.next || (seekable && index > self.next + PATIENCE_FRAMES) {
+        if self.running.is_none() || index < self.next || (seekable && index > self.next + MOST_FRAMES_AHEAD) {
             self.start(if seekable { index.saturating_sub(RUN_UP_FRAMES) } else { 0 })?;
         }
         let from = self.next;
         while self.next <= index {
             let number = self.next;
-            stop.tell(number - from, index + 1 - from);
+            stop.report(number - from, index + 1 - from);
             let Some(frame) = self.read(&|| stop.check())? else { return Ok(()) };
             keep(number, frame);
         }

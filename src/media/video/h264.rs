@@ -37,7 +37,7 @@ impl H264 {
         drop(record);
         // What the stream says of its colours goes before what the container says.
         let (matrix, full_range) = match colors {
-            Some(told) if info.matrix == 2 => told,
+            Some(container) if info.matrix == 2 => container,
             _ => (u32::from(info.matrix), info.full_range),
         };
         let colors = Colors { matrix: Matrix::from_code(matrix, info.height as usize), full_range };
@@ -204,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn cut_units_are_told() {
+    fn cut_units_are_reported() {
         let whole = [0, 0, 0, 2, 1, 2, 0, 0, 0, 1, 3];
         assert!(units(&whole, 4).all(|unit| unit.is_ok()));
         assert_eq!(units(&whole[..10], 4).filter(Result::is_err).count(), 1);

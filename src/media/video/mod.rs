@@ -64,11 +64,13 @@ pub(crate) fn open(path: &Path, format: Format, mut input: Input, options: &Open
     }
     // A file that our own decoders cannot begin may still be one that ffmpeg knows.
     let is_known = format != Format::Other;
-    track.and_then(|track| decode(input, track)).or_else(|error| ffmpeg::open(path, options, &Why { error, is_known }))
+    track
+        .and_then(|track| decode(input, track))
+        .or_else(|error| ffmpeg::open(path, options, &FfmpegReason { error, is_known }))
 }
 
 /// What keeps us from showing a video by ourselves.
-struct Why {
+struct FfmpegReason {
     error: Error,
     /// Whether the format is known: then the error is the best that can be told, if ffmpeg does not help.
     is_known: bool,

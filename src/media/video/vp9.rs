@@ -14,7 +14,7 @@ pub(crate) struct Vp9 {
     size: (usize, usize),
     depth: u32,
     colors: Option<Colors>,
-    told: Option<(u32, bool)>,
+    container: Option<(u32, bool)>,
 }
 
 fn damaged(what: &str) -> Error {
@@ -22,9 +22,9 @@ fn damaged(what: &str) -> Error {
 }
 
 impl Vp9 {
-    /// A decoder; `told` is what the container tells of the colours.
-    pub(crate) fn new(told: Option<(u32, bool)>) -> Self {
-        Self { decoder: Vp9Decoder::new(), size: (0, 0), depth: 8, colors: None, told }
+    /// A decoder; `container` is what the container says of the colours.
+    pub(crate) fn new(container: Option<(u32, bool)>) -> Self {
+        Self { decoder: Vp9Decoder::new(), size: (0, 0), depth: 8, colors: None, container }
     }
 
     /// Refuses sizes that no picture can have before the decoder makes room for them.
@@ -57,14 +57,14 @@ impl Vp9 {
 
     fn colors_of(&self, header: &FrameHeader) -> Colors {
         let height = header.height as usize;
-        let full_range = self.told.is_some_and(|(_, full)| full);
+        let full_range = self.container.is_some_and(|(_, full)| full);
         // VP9's own numbers: 2 is BT.709, 5 BT.2020, 7 RGB, 0 unknown.
         let matrix = match header.color_space {
             1 | 3 | 4 => Matrix::Bt601,
             2 => Matrix::Bt709,
             5 => Matrix::Bt2020,
             7 => Matrix::Identity,
-            _ => Matrix::from_code(self.told.filter(|&(code, _)| code != 0).map_or(2, |(code, _)| code), height),
+            _ => Matrix::from_code(self.container.filter(|&(code, _)| code != 0).map_or(2, |(code, _)| code), height),
         };
         Colors { matrix, full_range }
     }
@@ -85,7 +85,7 @@ impl Vp9 {
 
 impl Codec for Vp9 {
     fn reset(&mut self) -> Result<(), Error> {
-        *self = Self::new(self.told);
+        *self = Self::new(self.container);
         Ok(())
     }
 

@@ -296,7 +296,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cut_tail_is_told_and_the_rest_stays() {
+    fn a_cut_tail_is_reported_and_the_rest_stays() {
         let whole = file("", (8, 8), "420", 3);
         let (info, frames) = read(whole[..whole.len() - 5].to_vec()).unwrap();
         assert_eq!((info.frames, frames.len()), (Some(2), 2));
@@ -321,8 +321,8 @@ mod tests {
             ("YUV4MPEG2 W4 H4\nFRAME\nabc", "cut off"),
         ];
         for (bytes, why) in cases {
-            let told = read(bytes.into()).unwrap_err().to_string();
-            assert!(told.contains(why), "{bytes}: {told}");
+            let message = read(bytes.into()).unwrap_err().to_string();
+            assert!(message.contains(why), "{bytes}: {message}");
         }
     }
 

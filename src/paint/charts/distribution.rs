@@ -4,7 +4,7 @@ use motionscope_core::Role;
 use motionscope_core::scene::Distribution;
 
 use super::super::primitive::{Anchor, Point, Primitive, Rect, Stroke};
-use super::super::{Theme, grouped, number};
+use super::super::{Theme, grouped, labels, number};
 use super::axis::Axis;
 use super::canvas::{Canvas, Level, Type, shortened};
 use super::{ChartStyle, Drawing, titled};
@@ -83,7 +83,7 @@ pub fn head(data: Counted<'_>, bars: &Bars, area: Rect, pointed: Option<usize>, 
         canvas.text(at, (Anchor::Start, Level::Middle), &shortened(words, text, width), text);
     };
     row(0.0, &titled(whose, &format!("{}, {}", distribution.title, distribution.unit), (small, width)));
-    row(1.0, &pointed.map_or_else(|| beyond(distribution), |i| told(distribution, bars, i)));
+    row(1.0, &pointed.map_or_else(|| beyond(distribution), |i| description(distribution, bars, i)));
     canvas.into_primitives()
 }
 
@@ -99,12 +99,12 @@ pub fn summary(distribution: &Distribution) -> String {
 
 /// The shares that exceed a limit; all else stands in the picture.
 fn beyond(Distribution { unit, shares, .. }: &Distribution) -> String {
-    let told = |(limit, share): &(f32, f32)| format!("{limit} {unit}: {}", percent(f64::from(*share)));
-    format!("Off by more than {}", shares.iter().map(told).collect::<Vec<_>>().join(" · "))
+    let description = |(limit, share): &(f32, f32)| format!("{limit} {unit}: {}", percent(f64::from(*share)));
+    format!("Off by more than {}", shares.iter().map(description).collect::<Vec<_>>().join(" · "))
 }
 
 /// A bar in words.
-fn told(distribution: &Distribution, bars: &Bars, i: usize) -> String {
+fn description(distribution: &Distribution, bars: &Bars, i: usize) -> String {
     let width = distribution.top / bars.count.max(1) as f32;
     let [from, to] = [i, i + 1].map(|i| number(i as f32 * width));
     let count = distribution.counts[i];
@@ -144,21 +144,22 @@ fn axes(canvas: &mut Canvas, bars: &Bars, distribution: &Distribution, theme: Th
     let small = text.size;
     let Rect { min: [left, top], max: [right, bottom] } = bars.rect;
     canvas.across([left, right], bottom, chrome.dim);
-    for tick in bars.x.ticks(5.0 * small, 0.0) {
+    let ticks = bars.x.ticks(5.0 * small, 0.0);
+    for (&tick, words) in ticks.iter().zip(labels(&ticks)) {
         let x = bars.x.place(tick);
         canvas.down(x, [bottom, bottom + 4.0], chrome.dim);
-        canvas.text([x, bottom + 6.0], (Anchor::Middle, Level::Top), &number(tick), dim);
+        canvas.text([x, bottom + 6.0], (Anchor::Middle, Level::Top), &words, dim);
     }
     let below = bottom + 6.0 + 1.25 * small;
     let name = format!("{}, {}", distribution.title.to_lowercase(), distribution.unit);
     let name = canvas.text([right, below], (Anchor::End, Level::Top), &name, text);
-    let mut told: Vec<String> = largest(distribution).into_iter().collect();
+    let mut description: Vec<String> = largest(distribution).into_iter().collect();
     if distribution.beyond > 0 {
         let share = percent(f64::from(distribution.beyond) / total(distribution));
-        told.push(format!("{share} beyond {} {}", number(distribution.top), distribution.unit));
+        description.push(format!("{share} beyond {} {}", number(distribution.top), distribution.unit));
     }
-    if !told.is_empty() {
-        let words = told.join(" · ");
+    if !description.is_empty() {
+        let words = description.join(" · ");
         let words = shortened(&words, dim, name.min[0] - small - left);
         canvas.text([left, below], (Anchor::Start, Level::Top), &words, dim);
     }
@@ -236,7 +237,7 @@ mod tests {
             "95 % 1.75 px",
             "largest bar 0 to 0.500 px, 40.0 %",
             "4",
-            "2",
+            "2.0",
         ] {
             assert!(words.iter().any(|word| word == label), "{label} is missing in {words:?}");
         }

@@ -172,7 +172,7 @@ pub enum Light {
 /// at work is shown.
 pub fn draw(data: Explained<'_>, area: Rect, style: ChartStyle) -> Drawing<[f32; 2]> {
     let [width, height] = area.size();
-    let whole = told(data, width, style.theme, data.info.pseudocode.len());
+    let whole = description(data, width, style.theme, data.info.pseudocode.len());
     let shown = if whole.size[1] <= height { whole } else { fitting(data, [width, height], style.theme) };
     let Block { size, primitives, .. } = shown.moved(area.min);
     Drawing { place: size, body: vec![super::Layer { clip: None, primitives }], head: Vec::new() }
@@ -181,19 +181,21 @@ pub fn draw(data: Explained<'_>, area: Rect, style: ChartStyle) -> Drawing<[f32;
 /// Least height in which it can be laid out at a width, and the height that it has with nothing left out.
 pub fn heights(data: Explained<'_>, width: f32, style: ChartStyle) -> [f32; 2] {
     let lines = data.info.pseudocode.len();
-    [lines.min(FEWEST_LINES), lines].map(|lines| told(data, width, style.theme, lines).size[1])
+    [lines.min(FEWEST_LINES), lines].map(|lines| description(data, width, style.theme, lines).size[1])
 }
 
 /// As many lines of code as fit.
 fn fitting(data: Explained<'_>, [width, height]: [f32; 2], theme: Theme) -> Block {
     let all = data.info.pseudocode.len();
     let counts = (all.min(FEWEST_LINES)..all).rev();
-    let mut blocks = counts.map(|lines| told(data, width, theme, lines));
-    blocks.find(|block| block.size[1] <= height).unwrap_or_else(|| told(data, width, theme, all.min(FEWEST_LINES)))
+    let mut blocks = counts.map(|lines| description(data, width, theme, lines));
+    blocks
+        .find(|block| block.size[1] <= height)
+        .unwrap_or_else(|| description(data, width, theme, all.min(FEWEST_LINES)))
 }
 
 /// Everything, with so many lines of code around the one at work.
-fn told(Explained { info, step }: Explained<'_>, width: f32, theme: Theme, lines: usize) -> Block {
+fn description(Explained { info, step }: Explained<'_>, width: f32, theme: Theme, lines: usize) -> Block {
     let density = Density::close(theme);
     let mut whole = sentence(&step.sentence, (width, density), theme);
     let facts = facts_of(step);
@@ -278,13 +280,19 @@ pub fn equation(formulas: &[Math], (width, density): (f32, Density), theme: Them
 pub fn table(facts: &[Fact], (width, density): (f32, Density), theme: Theme) -> Block {
     let mut block = Block::default();
     for (i, fact) in facts.iter().enumerate() {
-        block.put_below(row(fact, (width, density.row, i > 0), theme), 0.0);
+        block.put_below(row(fact, RowLayout { width, margin: density.row, is_ruled: i > 0 }, theme), 0.0);
     }
     block
 }
 
-/// A row with its `margin` above and below, under a line where it is `ruled`.
-fn row(fact: &Fact, (width, margin, ruled): (f32, f32, bool), theme: Theme) -> Block {
+/// The width of a row of the table, its margin above and below, and whether it stands under a line.
+struct RowLayout {
+    width: f32,
+    margin: f32,
+    is_ruled: bool,
+}
+
+fn row(fact: &Fact, RowLayout { width, margin, is_ruled }: RowLayout, theme: Theme) -> Block {
     let Chrome { text, dim, line, .. } = theme.chrome();
     let size = theme.sizes().body;
     let style = Type { face: Face::Sans, size, color: dim };
@@ -295,7 +303,7 @@ fn row(fact: &Fact, (width, margin, ruled): (f32, f32, bool), theme: Theme) -> B
     let value = values.first().map_or(0.0, |runs| runs.iter().map(|run| fonts::width(&run.text, run.face, size)).sum());
     let beside = values.len() < 2 && left + style.width(fact.label) + 12.0 + value <= width;
     let mut canvas = Canvas::default();
-    if ruled {
+    if is_ruled {
         canvas.across([0.0, width], 0.0, line);
     }
     let place = Level::Middle;

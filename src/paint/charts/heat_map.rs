@@ -1,5 +1,6 @@
 //! A cost over displacements, as a map of colors that fills in as candidates are tested.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use motionscope_core::scene::Surface;
@@ -27,9 +28,10 @@ pub struct HeatMap<'a> {
     pub whose: &'a str,
 }
 
-/// Lays the map out as large as it fits into `area`.
+/// Lays the map out as large as it fits into `area`. While a search has tested only what lies around its first candidate, the
+/// rest of the window is left out.
 pub fn draw(data: HeatMap<'_>, area: Rect, style: ChartStyle) -> Drawing<Map> {
-    let (surface, theme) = (data.surface, style.theme);
+    let (surface, theme) = (&*around_first(data.surface), style.theme);
     // At the right stand the color bar and its numbers.
     let map = Map::new((surface.origin, surface.values.size()), area, 7.5, theme);
     let mut canvas = Canvas::default();
@@ -46,6 +48,39 @@ pub fn draw(data: HeatMap<'_>, area: Rect, style: ChartStyle) -> Drawing<Map> {
     color_bar(&mut canvas, &map, (surface, area), style);
     minimum(&mut canvas, &map, (surface, area), theme);
     Drawing { place: map, body: canvas.into_layers(), head: head(data, &map, area, None, style) }
+}
+
+/// Half sides in px of the part of a window that is shown: few, so that the map seldom changes its scale.
+const REACHES: [i32; 2] = [5, 9];
+
+/// The part of `surface` around the first candidate that holds all tested ones with a margin, where that is a small part. A search
+/// that is over is shown with all that it left out.
+fn around_first(surface: &Surface) -> Cow<'_, Surface> {
+    let whole = Cow::Borrowed(surface);
+    let tested = surface.path();
+    let Some(&first) = tested.first().filter(|_| surface.untested.is_none() && surface.truth.is_none()) else {
+        return whole;
+    };
+    let marked = tested.iter().chain(&surface.probe).chain(&surface.best);
+    let reach = marked.flat_map(|at| [0, 1].map(|i| (at[i] - first[i]).abs())).max().unwrap_or(0);
+    let (width, height) = surface.values.size();
+    let size = [width, height].map(|extent| extent as i32);
+    let is_small = |half: &i32| reach < *half && 3 * (2 * half + 1) <= 2 * size[0].min(size[1]);
+    let Some(half) = REACHES.into_iter().find(is_small) else { return whole };
+    // A raster begins at a corner.
+    let is_inside = |i: usize| (half..size[i] - half).contains(&(first[i] - surface.origin[i]));
+    if !is_inside(0) || !is_inside(1) {
+        return whole;
+    }
+    let origin = first.map(|c| c - half);
+    let [left, top] = [0, 1].map(|i| (origin[i] - surface.origin[i]) as usize);
+    let side = (2 * half + 1) as usize;
+    Cow::Owned(Surface {
+        origin,
+        values: Grid::from_fn(side, side, |x, y| surface.values[(left + x, top + y)]),
+        events: Grid::from_fn(side, side, |x, y| surface.events[(left + x, top + y)]),
+        ..surface.clone()
+    })
 }
 
 /// What stands above the map: what is mapped, or what is known of the displacement that is pointed at.
@@ -70,11 +105,11 @@ pub fn head(data: HeatMap<'_>, map: &Map, area: Rect, pointed: Option<[i32; 2]>,
         }
     }
     let (left, text) = (map.head_left(area, theme), Type::text(theme));
-    let told = match pointed {
-        Some(at) => told(data.surface, at),
+    let description = match pointed {
+        Some(at) => description(data.surface, at),
         None => titled(data.whose, &format!("{} by displacement", data.surface.title), (small, right - left)),
     };
-    canvas.text([left, y], (Anchor::Start, Level::Middle), &shortened(&told, text, right - left), text);
+    canvas.text([left, y], (Anchor::Start, Level::Middle), &shortened(&description, text, right - left), text);
     canvas.into_primitives()
 }
 
@@ -229,7 +264,7 @@ fn cross(canvas: &mut Canvas, map: &Map, at: [i32; 2], role: Role, theme: Theme)
 }
 
 /// What is known of the displacement that is pointed at.
-fn told(surface: &Surface, at: [i32; 2]) -> String {
+fn description(surface: &Surface, at: [i32; 2]) -> String {
     let untested = any_cost(surface, at);
     match (cost(surface, at), event(surface, at)) {
         (Some(cost), _) => format!("{} at {} is {}", surface.title, vector(at), number(cost)),
@@ -253,6 +288,13 @@ pub fn minimum_words(surface: &Surface) -> Option<String> {
     })
 }
 
+/// The smallest cost so far, and how many displacements have it where several do: `minimum 0 (5 equal)`.
+fn brief_minimum(surface: &Surface) -> String {
+    let Some((least, at)) = surface.minimum() else { return String::new() };
+    let ties = if at.len() > 1 { format!(" ({} equal)", grouped(at.len())) } else { String::new() };
+    format!("minimum {}{ties}", number(least))
+}
+
 /// Names the smallest cost below the map and rings the cells that tie for it.
 fn minimum(canvas: &mut Canvas, map: &Map, (surface, area): (&Surface, Rect), theme: Theme) {
     /// So many are told apart; more are a plain.
@@ -268,8 +310,10 @@ fn minimum(canvas: &mut Canvas, map: &Map, (surface, area): (&Surface, Rect), th
     // The unit stands at the bar of colors.
     let bare = Surface { unit: "", ..surface.clone() };
     let Some(words) = minimum_words(&bare).filter(|_| !map.is_tight()) else { return };
-    let dim = Type::dim(theme);
-    let words = shortened(&words, dim, map.name_left(theme) - map.small - area.min[0]);
+    let (dim, room) = (Type::dim(theme), map.name_left(theme) - map.small - area.min[0]);
+    // Where it is has less room than how small it is; the cells are ringed.
+    let fitting = [words.clone(), brief_minimum(&bare)].into_iter().find(|words| dim.width(words) <= room);
+    let words = fitting.unwrap_or_else(|| shortened(&words, dim, room));
     canvas.text([area.min[0], map.below()], (Anchor::Start, Level::Top), &words, dim);
 }
 
@@ -355,8 +399,8 @@ mod tests {
 
     #[test]
     fn the_map_tells_itself_in_words() {
-        let told = "SAD by displacement: 297 of 561 tested, minimum 0 gray levels at (−16, −8)";
-        assert_eq!(summary(&surface()), told);
+        let description = "SAD by displacement: 297 of 561 tested, minimum 0 gray levels at (−16, −8)";
+        assert_eq!(summary(&surface()), description);
         assert_eq!(cost(&surface(), [0, 8]), None);
         assert_eq!((event(&surface(), [-15, -7]), event(&surface(), [0, 8])), (Some(36), None));
         assert_eq!(cost(&surface(), [-40, 0]), None);
@@ -376,6 +420,31 @@ mod tests {
         assert!(words.iter().any(|word| word == "1000"), "the scale ends where it always does: {words:?}");
         let shades = Shades::of(&surface, ColorMap::Viridis);
         assert_eq!(shades.at(500.0), ColorMap::Viridis.at(0.5));
+    }
+
+    #[test]
+    fn a_search_near_its_first_candidate_is_shown_in_part_until_it_is_over() {
+        let tested = |all: &[[i32; 2]]| {
+            let at = |x: usize, y: usize| all.iter().position(|[u, v]| (u + 16, v + 16) == (x as i32, y as i32));
+            let values = Grid::from_fn(33, 33, |x, y| at(x, y).map_or(f32::NAN, |i| (10 + i) as f32));
+            let events = Grid::from_fn(33, 33, |x, y| at(x, y).map(|i| i + 2));
+            Surface::new("SAD", [-16, -16], values, events)
+        };
+        let part = |surface: &Surface| {
+            let part = around_first(surface);
+            (part.origin, part.values.size())
+        };
+        let diamond = [[0, 0], [0, -2], [1, -1], [2, 0]];
+        assert_eq!(part(&tested(&diamond)), ([-5, -5], (11, 11)));
+        assert_eq!(cost(&around_first(&tested(&diamond)), [1, -1]), Some(12.0), "at its own displacement");
+        let further = [&diamond[..], &[[6, 0]]].concat();
+        assert_eq!(part(&tested(&further)), ([-9, -9], (19, 19)));
+        let whole = ([-16, -16], (33, 33));
+        assert_eq!(part(&tested(&[&further[..], &[[10, 0]]].concat())), whole);
+        assert_eq!(part(&tested(&[[-16, -16], [-15, -16]])), whole, "a raster begins at a corner");
+        assert_eq!(part(&tested(&[])), whole);
+        let over = Surface { truth: Some([0.5, 0.0]), ..tested(&diamond) };
+        assert_eq!(part(&over), whole);
     }
 
     #[test]
@@ -405,7 +474,7 @@ mod tests {
         let joined =
             |primitive: &&Primitive| matches!(primitive, Primitive::Polyline { points, .. } if points.len() == 3);
         assert_eq!(primitives.iter().filter(joined).count(), 1, "the tested cells are joined");
-        assert_eq!(told(&surface, [-12, -8]), "(−12, −8) was not tested; its SAD is 10");
+        assert_eq!(description(&surface, [-12, -8]), "(−12, −8) was not tested; its SAD is 10");
     }
 
     fn costs_of(primitives: &[Primitive]) -> Grid<[u8; 4]> {
@@ -425,7 +494,7 @@ mod tests {
             summary(&surface),
             "SAD by displacement: 299 of 561 tested, 2 of them rejected early, minimum 0 gray levels at (−16, −8)"
         );
-        let told = [[-15, -8], [-13, 1], [-11, 1]].map(|at| told(&surface, at));
-        assert_eq!(told, ["SAD at (−15, −8) is 1", "(−13, 1) was rejected early", "(−11, 1) is not tested yet"]);
+        let description = [[-15, -8], [-13, 1], [-11, 1]].map(|at| description(&surface, at));
+        assert_eq!(description, ["SAD at (−15, −8) is 1", "(−13, 1) was rejected early", "(−11, 1) is not tested yet"]);
     }
 }

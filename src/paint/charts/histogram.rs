@@ -38,11 +38,11 @@ pub fn draw(data: Counts<'_>, area: Rect, style: ChartStyle) -> Drawing<Map> {
 }
 
 /// What stands above the map: what is counted, or `told` of the bin that is pointed at.
-pub fn head(data: Counts<'_>, map: &Map, area: Rect, told: Option<String>, style: ChartStyle) -> Vec<Primitive> {
+pub fn head(data: Counts<'_>, map: &Map, area: Rect, description: Option<String>, style: ChartStyle) -> Vec<Primitive> {
     let (text, left) = (Type::text(style.theme), map.head_left(area, style.theme));
     let width = area.max[0] - left;
     let what = || super::titled(data.whose, &summary(data.histogram), (text.size, width));
-    let words = shortened(&told.unwrap_or_else(what), text, width);
+    let words = shortened(&description.unwrap_or_else(what), text, width);
     let mut canvas = Canvas::default();
     let at = [left, area.min[1] + 0.8 * text.size];
     canvas.text(at, (Anchor::Start, Level::Middle), &words, text);
@@ -73,7 +73,7 @@ pub fn name(histogram: &Histogram) -> String {
 }
 
 /// A bin in words; `leads` if a click on it leads to a block.
-pub fn told(histogram: &Histogram, at: [i32; 2], leads: bool) -> String {
+pub fn description(histogram: &Histogram, at: [i32; 2], leads: bool) -> String {
     let cell = histogram.cell(at);
     let count = cell.map_or(0, |cell| histogram.counts[cell]);
     let percent = 100.0 * f64::from(count) / f64::from(histogram.total().max(1));
@@ -166,10 +166,10 @@ mod tests {
         let whole = Histogram::of(Counted::default(), &[[3.0, -1.0], [3.0, -1.0], [0.0, 0.0], [1.0, 0.0]], true);
         let whole = whole.expect("there are vectors");
         assert_eq!(summary(&whole), "4 blocks, 3 displacements; entropy 1.50 bits each");
-        let told = |at| told(&whole, at, true);
-        assert_eq!(told([3, -1]), "2 blocks by (3, −1) px, 50.0 %; a click goes to the first");
-        assert_eq!(told([2, 2]), "0 blocks by (2, 2) px, 0.0 %");
-        assert_eq!(told([0, 0]), "1 block by (0, 0) px, 25.0 %; a click goes to the first");
+        let description = |at| description(&whole, at, true);
+        assert_eq!(description([3, -1]), "2 blocks by (3, −1) px, 50.0 %; a click goes to the first");
+        assert_eq!(description([2, 2]), "0 blocks by (2, 2) px, 0.0 %");
+        assert_eq!(description([0, 0]), "1 block by (0, 0) px, 25.0 %; a click goes to the first");
         let fine =
             Histogram::of(Counted { first_unit: 20, level: Some(2) }, &[[0.25, 0.0]], false).expect("there is one");
         assert_eq!(summary(&fine), "1 block of level 2, one displacement, counted by whole px; entropy 0.00 bits each");

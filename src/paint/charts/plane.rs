@@ -6,7 +6,7 @@ use motionscope_core::scene::{Constraint, Plane, Spread};
 use motionscope_core::{Grid, Role};
 
 use super::super::primitive::{Anchor, Point, Primitive, Rect};
-use super::super::{Color, Face, Theme, legend, marks, number};
+use super::super::{Color, Face, Theme, labels, legend, marks, number};
 use super::axis::Axis;
 use super::canvas::{Canvas, Level, Type, shortened, solid};
 use super::{ChartStyle, Drawing, titled};
@@ -270,15 +270,17 @@ fn axes(canvas: &mut Canvas, square: &Square, (plane, is_near): (&Plane, bool), 
     let Rect { min: [left, top], max: [right, bottom] } = square.rect;
     canvas.frame(square.rect.grown(0.5), 1.0, chrome.line);
     let ticks = |axis: &Axis, spacing: f32| if is_near { axis.ticks(spacing, 0.0) } else { halves(axis, spacing) };
-    for u in ticks(&square.axes[0], 3.6 * small) {
+    let across = ticks(&square.axes[0], 3.6 * small);
+    for (&u, words) in across.iter().zip(labels(&across)) {
         let x = square.axes[0].place(u);
         canvas.down(x, [top, bottom], chrome.line);
-        canvas.text([x, bottom + 4.0], (Anchor::Middle, Level::Top), &tick(u), dim);
+        canvas.text([x, bottom + 4.0], (Anchor::Middle, Level::Top), &words, dim);
     }
-    for v in ticks(&square.axes[1], 2.0 * small) {
+    let down = ticks(&square.axes[1], 2.0 * small);
+    for (&v, words) in down.iter().zip(labels(&down)) {
         let y = square.axes[1].place(v);
         canvas.across([left, right], y, chrome.line);
-        canvas.text([left - 6.0, y], (Anchor::End, Level::Middle), &tick(v), dim);
+        canvas.text([left - 6.0, y], (Anchor::End, Level::Middle), &words, dim);
     }
     let name = Type::text(theme).face(Face::Italic);
     // The first axis goes to the right, the second down, as in the picture.
@@ -301,12 +303,6 @@ fn halves(axis: &Axis, spacing: f32) -> Vec<f32> {
     let step = steps.take(4).take_while(|step| apart(*step) >= spacing).last().unwrap_or(reach);
     let count = (reach / step).round() as i32;
     (-count..=count).map(|i| i as f32 * step).collect()
-}
-
-/// A number at an axis, without zeros that tell nothing: `0.5`.
-fn tick(value: f32) -> String {
-    let shown = number(value);
-    if shown.contains('.') { shown.trim_end_matches('0').trim_end_matches('.').into() } else { shown }
 }
 
 fn spread(square: &Square, spread: &Spread, theme: Theme) -> Primitive {
@@ -334,18 +330,30 @@ fn names(canvas: &mut Canvas, square: &Square, area: Rect, (plane, style): (&Pla
             canvas.extend(legend::point(*role, theme, square.at(*uv)));
         }
         canvas.extend(legend::point(*role, theme, at.map(|c| c + small / 2.0)));
-        let place = format!("({}, {})", number(uv[0]), number(uv[1]));
         let left = at[0] + 1.8 * small;
         let room = area.max[0] - left;
         let place_at = (Anchor::Start, Level::Middle);
         let y = at[1] + small / 2.0;
         let end = canvas.text([left, y], place_at, &shortened(name, text, room), text).max[0];
         let (x, y) = if is_short { (end + 0.6 * small, y) } else { (left, y + 1.4 * small) };
-        canvas.text([x, y], place_at, &shortened(&place, dim, area.max[0] - x), dim);
+        canvas.text([x, y], place_at, &place_within(*uv, dim, area.max[0] - x), dim);
         at[1] += if is_short { 1.7 } else { 3.2 } * small;
     }
     let below = Rect::new(at, [area.max[0] - at[0], square.rect.max[1] - at[1]]);
     scale(canvas, below, (plane, style));
+}
+
+/// A displacement as `(3.83, 0.75)`, or with fewer decimals where that is wider than `width` points.
+fn place_within([u, v]: [f32; 2], style: Type, width: f32) -> String {
+    let whole = format!("({}, {})", number(u), number(v));
+    let coarse = |decimals: usize| {
+        let unit = 10f32.powi(decimals as i32);
+        // Adding 0 takes the sign from a zero.
+        let rounded = |c: f32| format!("{:.decimals$}", (c * unit).round() / unit + 0.0).replace('-', "−");
+        format!("({}, {})", rounded(u), rounded(v))
+    };
+    let fitting = [whole.clone(), coarse(1), coarse(0)].into_iter().find(|words| style.width(words) <= width);
+    fitting.unwrap_or_else(|| shortened(&whole, style, width))
 }
 
 /// The scale of the colors of a cost, as much of it as has room.
@@ -415,14 +423,14 @@ mod tests {
     }
 
     #[test]
-    fn the_plane_is_told_in_words() {
+    fn the_plane_is_reported_in_words() {
         assert_eq!(
             summary(&plane()),
             "Gradient constraint: one line, 1 px from the origin, normal flow at (1, −0.250)"
         );
         let spread = Spread { center: [1.0, 0.0], radii: [0.5, 0.25], angle_rad: 0.0 };
-        let told = summary(&Plane { ellipse: Some(spread), ..plane() });
-        assert!(told.ends_with("one standard deviation 0.500 by 0.250 px"), "{told}");
+        let description = summary(&Plane { ellipse: Some(spread), ..plane() });
+        assert!(description.ends_with("one standard deviation 0.500 by 0.250 px"), "{description}");
     }
 
     #[test]
@@ -493,8 +501,8 @@ mod tests {
         let area = Rect::new([0.0; 2], [640.0, 400.0]);
         let drawing = draw(data, area, style());
         let square = drawing.place;
-        let told = texts(&head(data, &square, area, Some(center), style())).concat();
-        assert_eq!(told, "(6.50, −3) px: 0 gray levels²");
+        let description = texts(&head(data, &square, area, Some(center), style())).concat();
+        assert_eq!(description, "(6.50, −3) px: 0 gray levels²");
         assert_eq!(plane.cost_at([6.5, -5.5]), None, "it ends where the plane ends");
         let primitives = flat(drawing);
         let images = primitives.iter().filter(|primitive| matches!(primitive, Primitive::Image { .. })).count();

@@ -3,7 +3,7 @@
 use motionscope_core::scene::Regions;
 
 use super::super::primitive::{Anchor, Point, Primitive, Rect};
-use super::super::{Face, Theme, number};
+use super::super::{Face, Theme, labels, number};
 use super::axis::Axis;
 use super::canvas::{Canvas, Level, Type, shortened, solid};
 use super::{ChartStyle, Drawing, titled};
@@ -143,8 +143,9 @@ pub fn head(data: Shown<'_>, area: Rect, pointed: Option<[f32; 2]>, style: Chart
 /// The plane in words, in one line.
 pub fn summary(regions: &Regions) -> String {
     let [x, y] = regions.labels;
-    let told = |(name, _, [a, b]): &(String, _, [f32; 2])| format!("{name}: {x} {}, {y} {}", number(*a), number(*b));
-    let points: Vec<_> = regions.points.iter().map(told).collect();
+    let description =
+        |(name, _, [a, b]): &(String, _, [f32; 2])| format!("{name}: {x} {}, {y} {}", number(*a), number(*b));
+    let points: Vec<_> = regions.points.iter().map(description).collect();
     let names: Vec<_> = regions.names.iter().map(|(name, _)| *name).collect();
     format!("{}: {}; regions {}", regions.title, points.join("; "), names.join(", "))
 }
@@ -155,13 +156,14 @@ fn axes(canvas: &mut Canvas, square: &Square, regions: &Regions, theme: Theme) {
     let Rect { min: [left, top], max: [right, bottom] } = square.rect;
     canvas.across([left, right], bottom, chrome.dim);
     canvas.down(left, [top, bottom], chrome.dim);
-    for tick in square.axes[0].ticks(5.0 * dim.size, 0.0) {
+    let ticks = square.axes[0].ticks(5.0 * dim.size, 0.0);
+    for (&tick, words) in ticks.iter().zip(labels(&ticks)) {
         let [x, y] = square.at([tick; 2]);
         canvas.down(x, [bottom, bottom + 4.0], chrome.dim);
-        canvas.text([x, bottom + 6.0], (Anchor::Middle, Level::Top), &number(tick), dim);
+        canvas.text([x, bottom + 6.0], (Anchor::Middle, Level::Top), &words, dim);
         if tick > 0.0 {
             canvas.across([left - 4.0, left], y, chrome.dim);
-            canvas.text([left - 6.0, y], (Anchor::End, Level::Middle), &number(tick), dim);
+            canvas.text([left - 6.0, y], (Anchor::End, Level::Middle), &words, dim);
         }
     }
     let below = bottom + 6.0 + 1.25 * dim.size;

@@ -4,7 +4,7 @@ use motionscope_core::Role;
 use motionscope_core::scene::{Band, Series};
 
 use super::super::primitive::{Anchor, Point, Primitive, Rect, Stroke};
-use super::super::{Color, Face, Theme, number};
+use super::super::{Color, Face, Theme, labels, number};
 use super::axis::Axis;
 use super::canvas::{Canvas, Level, Type, shortened, solid};
 use super::{ChartStyle, Drawing};
@@ -393,12 +393,12 @@ fn clipped(canvas: &mut Canvas, plot: &Plot, points: &[[f32; 2]], color: Color) 
 fn axes(canvas: &mut Canvas, plot: &Plot, (series, area): (&Series, Rect), theme: Theme) {
     let (chrome, dim) = (theme.chrome(), Type::dim(theme));
     let Rect { min: [left, _], max: [right, bottom] } = plot.rect;
-    for (tick, y) in plot.ticks() {
+    let (values, places): (Vec<f32>, Vec<f32>) = plot.ticks().into_iter().unzip();
+    // Powers of ten have as many decimals as each needs: 0.001.
+    let words =
+        if plot.logarithmic { values.iter().flat_map(|tick| labels(&[*tick])).collect() } else { labels(&values) };
+    for (words, y) in words.iter().zip(places) {
         canvas.across([left, right], y, chrome.line);
-        let words = number(tick);
-        // Powers of ten need no zeros behind them: 0.001.
-        let is_long = plot.logarithmic && words.contains('.');
-        let words = if is_long { words.trim_end_matches('0').trim_end_matches('.') } else { &words };
         canvas.text([left - 7.0, y], (Anchor::End, Level::Middle), words, dim);
     }
     canvas.across([left, right], bottom, chrome.dim);
@@ -420,8 +420,9 @@ fn axes(canvas: &mut Canvas, plot: &Plot, (series, area): (&Series, Rect), theme
         true => swept(series, plot),
         false => plot.x.ticks(5.0 * plot.small, if series.is_sweep { 0.0 } else { 1.0 }),
     };
-    for tick in ticks {
-        let (x, words) = (plot.x.place(tick), number(tick));
+    let words = if plot.x.is_logarithmic { ticks.iter().map(|tick| number(*tick)).collect() } else { labels(&ticks) };
+    for (tick, words) in ticks.into_iter().zip(words) {
+        let x = plot.x.place(tick);
         canvas.down(x, [bottom, bottom + 4.0], chrome.dim);
         let half = dim.width(&words) / 2.0;
         let x = x.min(area.max[0] - half);
@@ -636,8 +637,8 @@ mod tests {
         let mut series = series(3);
         (series.title, series.y_label) = ("Objects", "objects");
         let wide = Rect::new([0.0; 2], [600.0, 200.0]);
-        let told = title(Plotted { whose: "Blob tracker", ..plotted(&series, false) }, wide, 12.0);
-        assert_eq!(told, "Blob tracker · Objects");
+        let description = title(Plotted { whose: "Blob tracker", ..plotted(&series, false) }, wide, 12.0);
+        assert_eq!(description, "Blob tracker · Objects");
     }
 
     #[test]

@@ -100,8 +100,8 @@ pub fn draw(data: Pyramid<'_>, area: Rect, style: ChartStyle, seen: &mut Seen) -
 /// What the stack shows, in words.
 pub fn summary(stack: &Stack) -> String {
     let level = |(level, floor): (usize, &Floor)| match floor.vector {
-        Some((vector, Role::Result)) => format!("{}: found {}", heading(stack, level), told(vector)),
-        Some((vector, _)) => format!("{}: best so far {}", heading(stack, level), told(vector)),
+        Some((vector, Role::Result)) => format!("{}: found {}", heading(stack, level), description(vector)),
+        Some((vector, _)) => format!("{}: best so far {}", heading(stack, level), description(vector)),
         None => heading(stack, level),
     };
     let levels: Vec<_> = stack.floors.iter().enumerate().rev().map(level).collect();
@@ -113,7 +113,7 @@ fn heading(stack: &Stack, level: usize) -> String {
     format!("Level {level}, {width}×{height} px")
 }
 
-fn told([u, v]: [f32; 2]) -> String {
+fn description([u, v]: [f32; 2]) -> String {
     format!("({}, {}) px", number(u), number(v))
 }
 
@@ -320,7 +320,8 @@ impl View<'_> {
             let corner = rightmost(level);
             let left = (corner[0] + 0.7 * small).min(rightmost_x + 0.5 * small);
             let style = if level == stack.levels.at_work { text } else { dim };
-            let (shown, role) = floor.vector.map_or((String::new(), Role::Reference), |(v, role)| (told(v), role));
+            let (shown, role) =
+                floor.vector.map_or((String::new(), Role::Reference), |(v, role)| (description(v), role));
             let found = text.color(self.theme.word(role));
             let place = (Anchor::Start, Level::Middle);
             if is_crowded {
@@ -370,8 +371,8 @@ mod tests {
 
     #[test]
     fn a_stack_tells_itself_in_words_from_the_top() {
-        let told = "Pyramid. Level 2, 20×10 px: found (1.50, 0) px; Level 1, 40×20 px: best so far (2, −1) px; Level 0, 80×40 px";
-        assert_eq!(summary(&stack()), told);
+        let description = "Pyramid. Level 2, 20×10 px: found (1.50, 0) px; Level 1, 40×20 px: best so far (2, −1) px; Level 0, 80×40 px";
+        assert_eq!(summary(&stack()), description);
     }
 
     #[test]

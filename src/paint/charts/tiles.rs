@@ -254,7 +254,7 @@ fn paint(canvas: &mut Canvas, tile: &Tile, (rect, cell): (Rect, f32), size: f32,
 }
 
 /// The numbers of a pixel in all tiles of one size, in words.
-pub fn told(tiles: &[Tile], pointed: Option<([usize; 2], (usize, usize))>) -> String {
+pub fn description(tiles: &[Tile], pointed: Option<([usize; 2], (usize, usize))>) -> String {
     let Some(([x, y], size)) = pointed else { return "Point at a pixel to compare its numbers.".into() };
     let number = |tile: &Tile| {
         let v = tile.values.get(x, y).copied().unwrap_or(f32::NAN);

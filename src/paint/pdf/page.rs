@@ -173,23 +173,24 @@ impl Page {
             }
             let (glyphs, width) = place(&run.text, run.face, line.size);
             self.content.begin_text().set_text_rendering_mode(mode);
-            for piece in glyphs.chunk_by(|a, b| a.face == b.face) {
+            for piece in glyphs.chunk_by(|a, b| (a.face, a.size, a.rise) == (b.face, b.size, b.rise)) {
+                let size = piece[0].size;
                 let font = self.fonts.get(piece[0].face);
                 let name = font.name();
-                self.content.set_font(Name(&name), line.size);
-                self.content.set_text_matrix([1.0, 0.0, 0.0, -1.0, x + piece[0].x, y]);
+                self.content.set_font(Name(&name), size);
+                self.content.set_text_matrix([1.0, 0.0, 0.0, -1.0, x + piece[0].x, y - piece[0].rise]);
                 let mut shown = self.content.show_positioned();
                 let mut items = shown.items();
                 let mut end = piece[0].x;
                 for glyph in piece {
                     // Pairs of letters may stand closer than their widths say; in thousandths of the size.
-                    let closer = (end - glyph.x) / line.size * 1000.0;
+                    let closer = (end - glyph.x) / size * 1000.0;
                     if closer.abs() > 0.5 {
                         items.adjust(closer);
                     }
                     let (id, advance) = font.letter(glyph.glyph.0, glyph.c);
                     items.show(Str(&id.to_be_bytes()));
-                    end = glyph.x + advance * line.size / 1000.0;
+                    end = glyph.x + advance * size / 1000.0;
                 }
             }
             self.content.end_text();

@@ -201,18 +201,22 @@ impl App {
     }
 
     fn edit(&mut self, command: Command) {
-        let before = self.document.estimator().info().id;
-        let was_single = self.is_of_single_frames();
+        let (before, depth) = (self.document.estimator().info().id, self.document.parents().len());
+        let (was_single, was_by_frame) = (self.is_of_single_frames(), self.document.estimator().is_by_frame());
         match command {
             Command::Undo => drop(self.document.undo()),
             Command::Redo => drop(self.document.redo()),
             _ => self.document.reset(Owner::Estimator),
         }
-        if self.document.estimator().info().id != before {
+        let is_another = self.document.estimator().info().id != before;
+        if is_another {
             self.states.stage.placing = None;
         }
         self.suit_view(was_single);
-        self.restart();
+        match is_another && was_by_frame && self.document.parents().len() == depth {
+            true => self.restart_from(was_by_frame),
+            false => self.restart(),
+        }
     }
 
     /// Sets the view option `name` from text.
@@ -331,14 +335,22 @@ impl App {
 
     /// Switches the estimator and keeps the position if both have the same units; for units that are frames, the shown frame.
     fn restart_from(&mut self, was_by_frame: bool) {
+        let before = self.document.frame();
         let place = match (was_by_frame, self.document.estimator().is_by_frame(), &self.view.shown) {
-            (true, true, _) | (false, false, _) => return self.restart(),
+            (false, false, _) => return self.restart(),
+            (true, true, shown) => self.document.begin_near(self.document.place(shown.as_deref())),
             (false, true, Some(shown)) => {
                 let unit = shown.frame.saturating_sub(self.document.frame());
-                Place { cursor: Cursor { unit, event: usize::MAX }, ..Place::default() }
+                let place = Place { cursor: Cursor { unit, event: usize::MAX }, ..Place::default() };
+                self.document.begin_near(place)
             }
             _ => Place::default(),
         };
+        if self.document.frame() > before {
+            let (name, frame) = (self.document.estimator().info().name, self.document.frame());
+            self.toasts
+                .hint(format!("{name} depends on few frames: its run begins at frame {frame}, near the one shown."));
+        }
         if let Some(job) = self.document.job_at(place) {
             self.walker.start(job);
         }

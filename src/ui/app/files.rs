@@ -23,7 +23,7 @@ use crate::ui::dialogs::save::{self, Kind};
 use crate::ui::model::loader::{Beside, Loading, Opened};
 use crate::ui::model::settings::LeftAt;
 use crate::ui::model::snapshot::{Hold, Place, Snapshot, surface};
-use crate::ui::model::writer::{self, Order, What, Work, Writing};
+use crate::ui::model::writer::{self, Order, OutputKind, Work, Writing};
 use crate::ui::panes::status;
 use crate::ui::stage::Zoom;
 
@@ -77,7 +77,7 @@ impl App {
                 format!(" Its {} is {}, as the faint part of the surface shows.", surface.title, number(cost))
             });
             let at = heat_map::vector(at);
-            self.toasts.tell(format!("{whose} does not test {at} for this block, so this is its end.{cost}"));
+            self.toasts.tell(format!("{whose} does not test {at} for this block; its last step is shown.{cost}"));
         }
     }
 
@@ -152,19 +152,29 @@ impl App {
 
     /// Goes on where the clip was left that is open now, or else begins at `start`; gives whether it was left anywhere.
     fn go_on(&mut self, start: Cursor) -> bool {
-        let whole = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.into());
-        let source = self.document.source().cloned().map(|source| source.map_path(whole).to_string());
-        let left = source.and_then(|clip| self.settings.left_at(&clip)).cloned();
-        let mut cursor = start;
-        if let Some(left) = &left {
-            self.document.go_to_frame(left.frame);
-            // With other parameters the same step is another one.
-            if left.run == run_of(self.document.estimator()) {
-                cursor = left.step.parse().unwrap_or(start);
-            }
+        let frame = self.left_at().map(|left| left.frame);
+        if let Some(frame) = frame {
+            self.document.go_to_frame(frame);
         }
+        let cursor = self.left_in_run().unwrap_or(start);
         self.walk_from(Place::at(cursor));
-        left.is_some()
+        frame.is_some()
+    }
+
+    /// Where the clip was left that is open now.
+    fn left_at(&self) -> Option<&LeftAt> {
+        let whole = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.into());
+        let clip = self.document.source()?.clone().map_path(whole).to_string();
+        self.settings.left_at(&clip)
+    }
+
+    /// The step at which the present run of that clip was left: with other parameters, on another pair or in lockstep the same
+    /// step is another one.
+    fn left_in_run(&self) -> Option<Cursor> {
+        let is_alone = self.document.side_by_side().is_empty();
+        let is_same =
+            |left: &&LeftAt| left.run == run_of(self.document.estimator()) && left.frame == self.document.frame();
+        self.left_at().filter(|left| is_alone && is_same(left))?.step.parse().ok()
     }
 
     fn opened(&mut self, opened: Opened, path: &Path) {
@@ -202,8 +212,8 @@ impl App {
             self.states.stage.zoom = Zoom::At { center, scale: zoom };
         }
         let Position { cursor, pixel } = position;
-        let place = cursor.map_or(Place::END, Place::at);
-        self.walk_from(Place { hold: Hold::Set(pixel), ..place });
+        let cursor = cursor.or_else(|| self.left_in_run()).unwrap_or_default();
+        self.walk_from(Place { hold: Hold::Set(pixel), ..Place::at(cursor) });
     }
 
     /// Begins with the first pair whose true flow is known, and says so.
@@ -330,13 +340,13 @@ impl App {
         let changed = move || ctx.request_repaint();
         let inputs = Arc::clone(&shown.subject.inputs);
         let work: Work = match order.what {
-            What::Picture => Box::new(move |order, _| writer::picture(order, &shown)),
-            What::Steps { .. } => Box::new(move |order, progress| writer::steps(order, &shown, progress)),
-            What::Session => {
+            OutputKind::Picture => Box::new(move |order, _| writer::picture(order, &shown)),
+            OutputKind::Steps { .. } => Box::new(move |order, progress| writer::steps(order, &shown, progress)),
+            OutputKind::Session => {
                 let session = self.session(&shown);
                 Box::new(move |order, _| save_session(&session, &order.path))
             }
-            What::Result(export) => {
+            OutputKind::Result(export) => {
                 let output = self.walker.output(&shown);
                 Box::new(move |order, progress| writer::result(&order.path, export, &output, progress))
             }

@@ -34,9 +34,9 @@ impl Held {
         });
     }
 
-    /// Whether a key that was pressed was down already; `told` says so where its place is not known.
-    fn press(&mut self, place: Option<Key>, told: bool) -> bool {
-        place.map_or(told, |key| !self.0.insert(key))
+    /// Whether a key that was pressed was down already; `repeats` says so where its place is not known.
+    fn press(&mut self, place: Option<Key>, repeats: bool) -> bool {
+        place.map_or(repeats, |key| !self.0.insert(key))
     }
 }
 

@@ -326,7 +326,7 @@ impl App {
             body,
             window,
             type_pt: self.settings.look.theme.sizes().body,
-            mode: self.settings.mode.unwrap_or(Mode::Desk),
+            mode: self.settings.mode.unwrap_or(Mode::Working),
             folded: self.settings.folded(),
             charts: self.charts().len(),
             is_enlarged: self.settings.charts.is_enlarged,

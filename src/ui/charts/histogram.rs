@@ -5,7 +5,7 @@ use motionscope_core::Histogram;
 
 use crate::paint::charts::Map;
 pub use crate::paint::charts::histogram::name;
-use crate::paint::charts::histogram::{Counts, draw, head, nearest, seen, told};
+use crate::paint::charts::histogram::{Counts, description, draw, head, nearest, seen};
 use crate::ui::drawing::chart::{Chart, Subject, over, rect_from, rect_of};
 use crate::ui::drawing::ink;
 
@@ -45,8 +45,8 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
         Some(at) => {
             let stroke = Stroke::new(1.5, ink::color(subject.theme.chrome().text));
             painter.rect_stroke(rect_from(seen(&map, at)).expand(1.0), 0.0, stroke, StrokeKind::Outside);
-            let told = Some(told(histogram, at, leads));
-            over(&painter, &head(data, &map, rect_of(area), told, subject.style(&painter)));
+            let description = Some(description(histogram, at, leads));
+            over(&painter, &head(data, &map, rect_of(area), description, subject.style(&painter)));
         }
         None => state.head(&painter),
     }

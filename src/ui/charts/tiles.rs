@@ -4,7 +4,7 @@ use eframe::egui::{self, Color32, Pos2, Rect, Sense, Stroke, StrokeKind, Ui, vec
 use motionscope_core::scene::Tile;
 
 use crate::paint::Face;
-use crate::paint::charts::tiles::{Closeness, Places, Tiles, caption, draw, places, told};
+use crate::paint::charts::tiles::{Closeness, Places, Tiles, caption, description, draw, places};
 use crate::ui::drawing::chart::{Chart, Subject, rect_from, rect_of};
 use crate::ui::drawing::ink;
 
@@ -59,9 +59,9 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
     scroll.show(ui, |ui| response = side_by_side(ui, input, state));
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), line), Sense::hover());
     let hint = if response.can_be_closer { state.hint() } else { "" };
-    let words = format!("{}{hint}", told(tiles, state.hovered));
+    let words = format!("{}{hint}", description(tiles, state.hovered));
     let (font, color) = (ink::font(Face::Sans, small), ink::color(subject.theme.chrome().dim));
-    ink::line(ui.painter(), rect.left_center(), (&words, font, color), rect.width());
+    ink::line(ui.painter(), rect.left_center(), ink::Words { text: &words, font, color }, rect.width());
     response
 }
 
@@ -80,7 +80,7 @@ fn side_by_side(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
         draw(data(closeness), area, style)
     });
     let (rect, whole) = ui.allocate_exact_size(places.size.into(), Sense::hover());
-    ink::name(&whole, || told(tiles, state.hovered));
+    ink::name(&whole, || description(tiles, state.hovered));
     let by = rect.min.to_vec2();
     state.chart.moved(ui.painter(), by);
     let mut hovered = None;

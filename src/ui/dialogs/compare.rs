@@ -12,7 +12,7 @@ use motionscope_core::scene::Series;
 use motionscope_core::{AnyEstimator, Error, Info, Threads, estimators, lockstep};
 
 use super::path::PathField;
-use crate::experiment::comparison::{self, Arena, Column, Row};
+use crate::experiment::comparison::{self, Column, Conditions, Row};
 use crate::experiment::course_table::{self, CourseRow};
 use crate::experiment::first;
 use crate::experiment::source::Source;
@@ -176,7 +176,7 @@ fn subject(ui: &mut Ui, state: &mut State, document: &Document) {
                 move |control| {
                     let (clip, threads) = (clip.until(control.stop.clone()), Threads::single());
                     course_table::course_table(
-                        &Arena { clip: &clip, frame, threads: &threads, repeat: 3 },
+                        &Conditions { clip: &clip, frame, threads: &threads, repeat: 3 },
                         &control.stop,
                     )
                 },
@@ -427,7 +427,7 @@ fn export(ui: &mut Ui, rows: &[Arc<Row>], state: &mut State, of: (&Document, The
     }
     if let Some(saved) = &state.saved {
         saved.look(|outcome| match outcome {
-            Some(Ok(told)) => drop(ui.label(told.as_str())),
+            Some(Ok(message)) => drop(ui.label(message.as_str())),
             Some(Err(why)) => {
                 drop(ui.label(RichText::new(why.to_string()).color(ui.visuals().error_fg_color)));
             }
@@ -437,7 +437,7 @@ fn export(ui: &mut Ui, rows: &[Arc<Row>], state: &mut State, of: (&Document, The
 }
 
 /// A plot or a table on its way to a file.
-struct Outgoing {
+struct PendingFile {
     path: PathBuf,
     inputs: Arc<Inputs>,
     content: Content,
@@ -458,9 +458,9 @@ fn file_of(is_swept: bool) -> String {
 }
 
 /// What the path asks for: the table, or the plot of the column that is shown.
-fn encoded(rows: &[Arc<Row>], state: &State, (document, theme): (&Document, Theme)) -> Result<Outgoing, Error> {
-    let told = || Error::new("no file is named; type a path that ends in .svg, .png, .pdf or .csv");
-    let path = super::open::parse(&state.file.text).map(PathBuf::from).ok_or_else(told)?;
+fn encoded(rows: &[Arc<Row>], state: &State, (document, theme): (&Document, Theme)) -> Result<PendingFile, Error> {
+    let message = || Error::new("enter a path that ends in .svg, .png, .pdf or .csv");
+    let path = super::open::parse(&state.file.text).map(PathBuf::from).ok_or_else(message)?;
     let inputs = document.prepared_alone().map(|prepared| prepared.inputs).unwrap_or_default();
     let is_table = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
     let content = if is_table {
@@ -472,10 +472,10 @@ fn encoded(rows: &[Arc<Row>], state: &State, (document, theme): (&Document, Them
     } else {
         return Err(Error::new("only a sweep has a plot; choose one under Sweep, or save the table as .csv"));
     };
-    Ok(Outgoing { path, inputs, content })
+    Ok(PendingFile { path, inputs, content })
 }
 
-impl Outgoing {
+impl PendingFile {
     /// Writes the file, if there is none yet; gives what was written.
     fn save(self) -> Result<String, Error> {
         let Self { path, inputs, content } = self;

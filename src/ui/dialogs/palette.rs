@@ -93,7 +93,7 @@ pub fn show(ctx: &egui::Context, state: &mut State, input: &Input) -> (Option<Ac
         }
         if entries.is_empty() {
             ui.add_space(8.0);
-            ui.label(RichText::new("Nothing is called that. Try fewer letters.").weak());
+            ui.label(RichText::new("No command matches. Try fewer letters.").weak());
         }
         ScrollArea::vertical().max_height(24.0 * size).min_scrolled_height(24.0 * size).show(ui, |ui| {
             ui.spacing_mut().item_spacing.y = 0.0;

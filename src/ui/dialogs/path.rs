@@ -11,7 +11,7 @@ use crate::ui::parts::widgets;
 /// Entries of a folder that are looked at.
 const MOST_ENTRIES: usize = 20_000;
 /// Names that are told below the field.
-const MOST_TOLD: usize = 6;
+const MOST_LISTED: usize = 6;
 
 /// A field for a path while its dialog is open.
 #[derive(Default)]
@@ -36,7 +36,7 @@ struct Completion {
     /// The text as Tab has left it.
     offered: String,
     /// What is told below the field.
-    told: String,
+    listed: String,
 }
 
 /// A path as far as it was typed: the folder as text, up to its last separator, and the beginning of a name.
@@ -137,15 +137,15 @@ impl PathField {
             response.request_focus();
         }
         if self.text != self.completion.offered {
-            self.completion.told.clear();
+            self.completion.listed.clear();
         }
         response.lost_focus() && ui.input(|i| i.key_pressed(Key::Enter))
     }
 
     /// What Tab has found, in a line below the field.
     pub fn show_found(&self, ui: &mut Ui) {
-        if !self.completion.told.is_empty() {
-            ui.add(egui::Label::new(RichText::new(&self.completion.told).small().weak()).wrap());
+        if !self.completion.listed.is_empty() {
+            ui.add(egui::Label::new(RichText::new(&self.completion.listed).small().weak()).wrap());
         }
     }
 
@@ -157,7 +157,7 @@ impl PathField {
         if !forward && !back {
             return;
         }
-        let Completion { base, names, chosen, offered, told, .. } = &mut self.completion;
+        let Completion { base, names, chosen, offered, listed, .. } = &mut self.completion;
         if self.text == *offered && names.len() > 1 {
             let next = match *chosen {
                 None => 0,
@@ -170,7 +170,7 @@ impl PathField {
             return to_end(ui.ctx(), id, &self.text);
         }
         let is_complete = names.len() == 1 && !offered.ends_with(std::path::is_separator);
-        if self.text == *offered && (names.is_empty() && !told.is_empty() || is_complete) {
+        if self.text == *offered && (names.is_empty() && !listed.is_empty() || is_complete) {
             let way = if forward { FocusDirection::Next } else { FocusDirection::Previous };
             return ui.memory_mut(|memory| memory.move_focus(way));
         }
@@ -223,19 +223,22 @@ impl PathField {
         } else if names.len() > 1 {
             (chosen, text) = (Some(0), format!("{}{}", typed.base, names[0]));
         }
-        let told = match names.as_slice() {
+        let listed = match names.as_slice() {
             [] if !typed.folder().is_dir() => format!("There is no folder {}.", widgets::elide(&typed.base, 60)),
             [] => format!("Nothing in this folder begins with {}.", widgets::elide(&typed.start, 40)),
             [_] => String::new(),
             all => {
-                let more =
-                    if all.len() > MOST_TOLD { format!(" and {} more", all.len() - MOST_TOLD) } else { String::new() };
-                let first: Vec<String> = all.iter().take(MOST_TOLD).map(|name| widgets::elide(name, 32)).collect();
+                let more = if all.len() > MOST_LISTED {
+                    format!(" and {} more", all.len() - MOST_LISTED)
+                } else {
+                    String::new()
+                };
+                let first: Vec<String> = all.iter().take(MOST_LISTED).map(|name| widgets::elide(name, 32)).collect();
                 format!("{}{more}. Tab takes the next.", first.join(", "))
             }
         };
         self.text.clone_from(&text);
-        self.completion = Completion { coming: None, base: typed.base.clone(), names, chosen, offered: text, told };
+        self.completion = Completion { coming: None, base: typed.base.clone(), names, chosen, offered: text, listed };
     }
 }
 
@@ -270,10 +273,10 @@ mod tests {
         assert_eq!(tab("fr"), (format!("frames{MAIN_SEPARATOR}"), 1));
         assert_eq!(tab("."), (".clip".into(), 1));
         assert_eq!(tab("nothing"), ("nothing".into(), 0));
-        assert!(field.completion.told.contains("begins with nothing"));
+        assert!(field.completion.listed.contains("begins with nothing"));
         let typed = Typed::of("/no/such/folder/x");
         field.complete(&typed, names(&typed));
-        assert!(field.completion.told.contains("no folder") && field.text == "/no/such/folder/x");
+        assert!(field.completion.listed.contains("no folder") && field.text == "/no/such/folder/x");
     }
 
     #[test]

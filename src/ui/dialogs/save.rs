@@ -15,7 +15,7 @@ use crate::ui::app::action::{Action, Actions, Browse};
 use crate::ui::app::commands::Granularities;
 use crate::ui::model::background::Background;
 use crate::ui::model::snapshot::Snapshot;
-use crate::ui::model::writer::{self, Order, What};
+use crate::ui::model::writer::{self, Order, OutputKind};
 use crate::ui::parts::widgets;
 use crate::view::look::{CaptionWords, Look};
 use crate::view::panes::{Angles, PANES, Pane, STAGE, Selection};
@@ -143,7 +143,7 @@ impl State {
         let estimator = &shown.subject.experiment.estimator;
         let offered = PANES.into_iter().filter(|pane| pane.check(estimator.info(), estimator.charts()).is_ok());
         let step = shown.tiles.first().map_or(&shown.step, |tile| &tile.step);
-        let absent = PANES.into_iter().filter(|pane| !(pane.is_told)(step)).map(|pane| pane.id).collect();
+        let absent = PANES.into_iter().filter(|pane| !(pane.is_available)(step)).map(|pane| pane.id).collect();
         let choices = kind.choices(estimator.produces());
         let from = Cursor { unit: shown.cursor.unit, event: 1 };
         // Before the first step the steps of the first unit are meant.
@@ -238,7 +238,8 @@ impl State {
 
     /// How many pictures the range comes to, in words; they are counted on a thread of their own.
     fn counted(&mut self, ctx: &egui::Context) -> Option<String> {
-        let Ok(Order { what: What::Steps { from, to, granularity, format }, scale, look, panes, .. }) = self.order()
+        let Ok(Order { what: OutputKind::Steps { from, to, granularity, format }, scale, look, panes, .. }) =
+            self.order()
         else {
             self.counting = None;
             return None;
@@ -282,18 +283,18 @@ impl State {
 
     /// What the dialog asks for, or what is wrong with it.
     fn order(&self) -> Result<Order, String> {
-        let path = self.target().ok_or("Type where to write it.")?;
+        let path = self.target().ok_or("Enter an output path.")?;
         let what = match self.kind {
-            Kind::Picture => What::Picture,
-            Kind::Result => What::Result(self.export(&path).ok_or("Choose what to write.")?),
-            Kind::Session => What::Session,
+            Kind::Picture => OutputKind::Picture,
+            Kind::Result => OutputKind::Result(self.export(&path).ok_or("Choose a result to save.")?),
+            Kind::Session => OutputKind::Session,
             Kind::Steps => {
                 let cursor = |text: &str| text.trim().parse::<Cursor>().map_err(|error| format!("{error}."));
                 let (from, to) = (cursor(&self.from)?, cursor(&self.to)?);
                 if to < from {
                     return Err("The last step lies before the first.".into());
                 }
-                What::Steps { from, to, granularity: self.granularity, format: self.format() }
+                OutputKind::Steps { from, to, granularity: self.granularity, format: self.format() }
             }
         };
         Ok(Order { what, path, scale: self.scale, look: self.look, panes: self.selection() })
@@ -380,7 +381,7 @@ fn options(ui: &mut Ui, state: &mut State, granularities: Granularities) {
         line(ui, "Scale", |ui| {
             ui.spacing_mut().item_spacing.x = 4.0;
             for scale in SCALES {
-                let tip = "Pixels of the file for each pixel of the clip.";
+                let tip = "Scale: pixels of the file per pixel of the clip.";
                 if ui.selectable_label(state.scale == scale, format!("{scale}×")).on_hover_text(tip).clicked() {
                     state.scale = scale;
                 }
@@ -409,7 +410,7 @@ fn caption(ui: &mut Ui, state: &mut State, is_sheet: bool) {
     line(ui, "Caption", |ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
         for (words, text, tip) in [
-            (CaptionWords::Off, "None", "No words around the pictures."),
+            (CaptionWords::Off, "None", "No caption."),
             (CaptionWords::On, "Sentence", "Clip, estimator, parameters, step and its sentence."),
             (CaptionWords::Full, "With formula", "The same with the formula of the step and its numbers."),
         ] {
@@ -474,7 +475,7 @@ fn path_row(ui: &mut Ui, state: &mut State, actions: &mut Actions) -> bool {
     line(ui, if several { "Folder" } else { "File" }, |ui| {
         let size = TextStyle::Body.resolve(ui.style()).size;
         let width = ui.available_width() - 6.5 * size;
-        entered = state.path.show(ui, "Where to write it", width);
+        entered = state.path.show(ui, "Output path", width);
         if ui.button("Browse…").clicked() {
             actions.ask(Action::Browse(if several { Browse::SaveFolder } else { Browse::SaveFile }));
         }
@@ -505,7 +506,7 @@ fn buttons(ui: &mut Ui, state: &mut State, entered: bool, actions: &mut Actions)
                 write.request_focus();
             }
             done = ui.button("Cancel").clicked();
-            let (told, ink) = match order {
+            let (message, ink) = match order {
                 Ok(order) if write.clicked() || entered && !replaces => {
                     actions.ask(Action::Write(Box::new(order)));
                     done = true;
@@ -516,7 +517,7 @@ fn buttons(ui: &mut Ui, state: &mut State, entered: bool, actions: &mut Actions)
                 Err(why) => (why, ui.visuals().error_fg_color),
             };
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                ui.add(egui::Label::new(RichText::new(told).small().color(ink)).wrap());
+                ui.add(egui::Label::new(RichText::new(message).small().color(ink)).wrap());
             });
         });
     });

@@ -165,8 +165,8 @@ fn shader() -> String {
         ("TAPER", form::TAPER),
         ("TIP", form::TIP),
     ];
-    let told = constants.map(|(name, value)| format!("const {name}: f32 = {value:?};\n"));
-    told.concat() + include_str!("arrows.wgsl")
+    let declared = constants.map(|(name, value)| format!("const {name}: f32 = {value:?};\n"));
+    declared.concat() + include_str!("arrows.wgsl")
 }
 
 impl Pipeline {

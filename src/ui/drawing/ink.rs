@@ -1,9 +1,12 @@
 //! The theme's colours and type in the window, and what is painted by hand there.
 
 use eframe::egui::text::{LayoutJob, TextWrapping};
-use eframe::egui::{self, Color32, FontFamily, FontId, Painter, Pos2, Vec2, vec2};
+use eframe::egui::{
+    self, Align, Color32, FontFamily, FontId, FontSelection, Painter, Pos2, RichText, TextStyle, Ui, Vec2, vec2,
+};
 
 use crate::paint::legend;
+use crate::paint::script::{self, Script};
 use crate::paint::{Color, Face};
 
 /// A colour of the theme as the window wants it.
@@ -41,16 +44,38 @@ pub fn atlas(ctx: &egui::Context) -> u64 {
     })
 }
 
+/// Words in one face, size and colour.
+pub struct Words<'a> {
+    /// The words.
+    pub text: &'a str,
+    /// Their face and size.
+    pub font: FontId,
+    /// Their colour.
+    pub color: Color32,
+}
+
 /// Paints one line of text from `left_center` on, cut short with … at `width` points; gives its right end.
-pub fn line(painter: &Painter, left_center: Pos2, text: (&str, FontId, Color32), width: f32) -> f32 {
-    let (words, font, color) = text;
-    let mut job = LayoutJob::simple_singleline(words.into(), font, color);
+pub fn line(painter: &Painter, left_center: Pos2, words: Words<'_>, width: f32) -> f32 {
+    let Words { text, font, color } = words;
+    let mut job = LayoutJob::simple_singleline(text.into(), font, color);
     job.wrap = TextWrapping::truncate_at_width(width.max(0.0));
     let galley = painter.layout_job(job);
     let at = left_center - vec2(0.0, galley.size().y / 2.0);
     let right = at.x + galley.size().x;
     painter.galley(at, galley, color);
     right
+}
+
+/// `text` with its subscripts and superscripts, every part of it in the same `look`.
+pub fn scripted(ui: &Ui, text: &str, look: impl Fn(RichText) -> RichText) -> LayoutJob {
+    let size = TextStyle::Body.resolve(ui.style()).size;
+    let mut job = LayoutJob::default();
+    for (words, script) in script::parts(text) {
+        let place = if script == Script::Super { Align::TOP } else { Align::BOTTOM };
+        let words = look(RichText::new(words).size(script.share() * size));
+        words.append_to(&mut job, ui.style(), FontSelection::Default, place);
+    }
+    job
 }
 
 /// Gives what was painted by hand a name for screen readers and tests.

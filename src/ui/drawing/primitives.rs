@@ -4,8 +4,9 @@ use eframe::egui::epaint::PathShape;
 use eframe::egui::{self, Color32, ColorImage, Mesh, Painter, Pos2, Shape, TextureHandle, TextureOptions, pos2, vec2};
 use eframe::egui_wgpu::RenderState;
 
-use crate::paint::Primitive;
 use crate::paint::primitive::{self, Arrows, Line, Point, Trails};
+use crate::paint::script::{self, Script};
+use crate::paint::{Primitive, fonts};
 use crate::ui::drawing::arrows::{Drawn, Sheet};
 use crate::ui::drawing::ink;
 
@@ -149,19 +150,27 @@ impl<'a> Maker<'a> {
 
     fn text(&mut self, line: &Line) {
         let mut at = Pos2::from(line.start());
-        // Of no letters, not even the place is known.
-        for run in line.runs.iter().filter(|run| !run.text.is_empty()) {
-            let galley =
-                self.painter.layout_no_wrap(run.text.clone(), ink::font(run.face, line.size), ink::color(run.color));
+        let parts = line.runs.iter().flat_map(|run| script::parts(&run.text).into_iter().map(move |part| (run, part)));
+        let mut before = "";
+        for (run, (words, script)) in parts {
+            let font = ink::font(run.face, script.share() * line.size);
+            let galley = self.painter.layout_no_wrap(words.to_owned(), font, ink::color(run.color));
             let baseline = galley.rows.first().and_then(|row| row.glyphs.first()).map_or(0.0, |glyph| glyph.pos.y);
-            let corner = at - vec2(0.0, baseline);
+            let mut corner = at - vec2(0.0, baseline + script.rise() * line.size);
+            if script == Script::Over {
+                let below = before.char_indices().next_back().map_or("", |(last, _)| &before[last..]);
+                corner.x -= (fonts::width(below, run.face, line.size) + galley.size().x) / 2.0;
+            }
             if let Some(halo) = line.halo {
                 let around = (0..8).map(|i| egui::Vec2::angled(i as f32 * std::f32::consts::FRAC_PI_4) * 1.2);
                 self.shapes.extend(around.map(|offset| {
                     Shape::galley_with_override_text_color(corner + offset, galley.clone(), ink::color(halo))
                 }));
             }
-            at.x += galley.size().x;
+            if script != Script::Over {
+                at.x += galley.size().x;
+            }
+            before = words;
             self.shapes.push(Shape::galley(corner, galley, Color32::PLACEHOLDER));
         }
         line.underlines().for_each(|underline| self.add(&underline));

@@ -102,7 +102,7 @@ fn text_styles(theme: Theme) -> BTreeMap<TextStyle, FontId> {
     .into()
 }
 
-/// How much larger than at the desk everything is.
+/// How much larger than in the other themes everything is.
 pub fn scale(theme: Theme) -> f32 {
     theme.sizes().body / Theme::Dark.sizes().body
 }

@@ -119,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn small_steps_are_told_as_well() {
+    fn small_steps_are_reported_as_well() {
         let (news, heard) = channel();
         let work = Background::new(
             "count",
@@ -129,13 +129,13 @@ mod tests {
                 Ok(())
             },
         );
-        let told = heard.iter().take(150).count();
-        assert_eq!(told, 150, "a bar of 5000 steps moves often");
+        let message = heard.iter().take(150).count();
+        assert_eq!(message, 150, "a bar of 5000 steps moves often");
         drop(work);
     }
 
     #[test]
-    fn work_that_nobody_wants_is_told() {
+    fn work_that_nobody_wants_is_reported() {
         let (stopped, heard) = channel();
         drop(Background::new(
             "wait",

@@ -6,7 +6,7 @@ use motionscope_core::{Error, Stop, Threads};
 
 use super::background::Background;
 use crate::experiment::Prepared;
-use crate::experiment::comparison::{Arena, Round, Row};
+use crate::experiment::comparison::{Conditions, Round, Row};
 use crate::media::{Open, Progress};
 
 /// The plan of a comparison.
@@ -28,7 +28,7 @@ pub struct Comparing {
 impl Comparing {
     /// Starts the comparison; `changed` is called from another thread after each row.
     pub fn new(plan: Plan, changed: impl Fn() + Send + Sync + 'static) -> Self {
-        let total = plan.rounds.iter().map(|round| round.contenders.len()).sum();
+        let total = plan.rounds.iter().map(|round| round.compared_estimators.len()).sum();
         let rows = Arc::<Mutex<Vec<_>>>::default();
         let done = Arc::clone(&rows);
         let work = Background::new("compare", changed, move |control| {
@@ -62,15 +62,15 @@ fn compare(plan: &Plan, add: impl Fn(Row), stop: &Stop) -> Result<(), Error> {
     // Times are told for one thread, as the command line does unless told otherwise.
     let threads = Threads::single();
     let Prepared { experiment, clip: open, .. } = &plan.prepared;
-    for Round { source, contenders } in &plan.rounds {
+    for Round { source, compared_estimators } in &plan.rounds {
         let clip = match *source == experiment.source {
             true => open.clone(),
             false => source.open(&Open::from(experiment.given.clone()))?,
         };
         let clip = clip.until(stop.clone());
-        for contender in contenders {
+        for compared in compared_estimators {
             stop.check()?;
-            add(Row::of(contender, &Arena { clip: &clip, frame: experiment.frame, threads: &threads, repeat: 3 })?);
+            add(Row::of(compared, &Conditions { clip: &clip, frame: experiment.frame, threads: &threads, repeat: 3 })?);
         }
     }
     Ok(())

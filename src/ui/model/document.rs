@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use motionscope_core::synth::{self, Difficulty, Sample};
-use motionscope_core::{AnyEstimator, Clip, Error, Info, Params, Value, estimators};
+use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Info, Params, Value, estimators};
 
 use super::history::History;
 use super::nested::Nested;
@@ -41,6 +41,8 @@ pub struct Document {
     /// What was run last, and where that run is to stand.
     run: Option<Arc<Prepared>>,
     place: Place,
+    /// Where the run began before [`Document::begin_near`] let it begin later, and where it begins now.
+    shortened: Option<(usize, usize)>,
 }
 
 impl Default for Document {
@@ -54,6 +56,7 @@ impl Default for Document {
             refused: None,
             run: None,
             place: Place::default(),
+            shortened: None,
         }
     }
 }
@@ -352,9 +355,29 @@ impl Document {
         Some(Job { subject, place })
     }
 
+    /// Lets the run of another estimator, whose units are frames, begin so near to `place` that no frames are worked on that it does
+    /// not depend on, and where it began before if it depends on all. Gives that place in the run.
+    pub fn begin_near(&mut self, place: Place) -> Place {
+        let shortened = self.shortened.take().filter(|(_, now)| *now == self.frame());
+        let whole = shortened.map_or(self.frame(), |(whole, _)| whole);
+        let is_end = place.cursor.unit == usize::MAX;
+        let frame = place.cursor.unit.saturating_add(self.frame());
+        let earlier = self.estimator().earlier_frames().filter(|_| !is_end && self.side_by_side().is_empty());
+        self.go_to_frame(earlier.map_or(whole, |earlier| whole.max(frame.saturating_sub(earlier))));
+        self.shortened = Some((whole, self.frame())).filter(|(whole, now)| whole < now);
+        let unit = if is_end { place.cursor.unit } else { frame - self.frame() };
+        Place { cursor: Cursor { unit, ..place.cursor }, ..place }
+    }
+
     /// The run of what is set now, from where the last one stands: as `shown` shows it, or on its way there.
     pub fn job(&mut self, shown: Option<&Snapshot>) -> Option<Job> {
-        let place = shown.filter(|shown| self.is_run(shown)).map_or(self.place, |shown| {
+        let place = self.place(shown);
+        self.job_at(place)
+    }
+
+    /// Where the last run stands: as `shown` shows it, or on its way there.
+    pub fn place(&self, shown: Option<&Snapshot>) -> Place {
+        shown.filter(|shown| self.is_run(shown)).map_or(self.place, |shown| {
             let (before, now) = (&shown.subject.experiment.side_by_side, self.side_by_side());
             match (before.is_empty(), now.is_empty()) {
                 (false, true) => Place::alone(shown),
@@ -362,8 +385,7 @@ impl Document {
                 (false, false) if before.pace != now.pace => Place::in_lockstep(shown, now.pace),
                 _ => Place::of(shown),
             }
-        });
-        self.job_at(place)
+        })
     }
 
     /// Whether `shown` is of the run that was started last.

@@ -8,7 +8,7 @@ use motionscope_core::{Clip, Error};
 
 use super::background::Background;
 use crate::experiment::source::Source;
-use crate::media::export::{Inputs, What};
+use crate::media::export::{InputKind, Inputs};
 use crate::media::{self, Given, Open, Progress};
 use crate::session::{Named, Session};
 
@@ -69,7 +69,7 @@ fn open(name: &OsStr, beside: Option<Beside>, progress: Arc<dyn Progress>) -> Re
     let clip = source.open(&options)?;
     let mut inputs = source.inputs(&clip, &options);
     if session.is_some() {
-        inputs.add(What::Session, name);
+        inputs.add(InputKind::Session, name);
     }
     let first_known = first_known(&clip, &*control);
     Ok(Opened { clip, source, given, session, inputs, first_known })
@@ -107,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_that_is_not_there_is_told() {
+    fn a_file_that_is_not_there_is_reported() {
         assert!(outcome("no/such/clip.png".into()).is_err_and(|error| error.to_string().contains("clip.png")));
     }
 

@@ -17,7 +17,7 @@ const RECENT: usize = 12;
 /// The key under which everything is stored.
 const KEY: &str = "motionscope";
 
-/// What is folded away by default at a desk too narrow for the parameters.
+/// What is folded away by default in a working layout too narrow for the parameters.
 const NARROW: Folded = Folded { parameters: true, explanation: false, charts: false };
 /// What is folded away by default in a lecture: what would lie over the stage.
 const LECTURE: Folded = Folded { parameters: true, explanation: true, charts: false };
@@ -49,9 +49,9 @@ pub struct Settings {
     zoom: f32,
     /// Whether things change at once.
     pub reduced_motion: bool,
-    /// What is folded away at a desk.
+    /// What is folded away in the working layout.
     folded: Folded,
-    /// What is folded away at a narrow desk.
+    /// What is folded away in a narrow working layout.
     folded_narrow: Folded,
     /// What is folded away in a lecture.
     folded_lecture: Folded,
@@ -104,6 +104,10 @@ impl Settings {
         let Shares { column, charts, parameters } = &mut settings.shares;
         for share in [column, charts, parameters] {
             *share = if share.is_finite() { share.clamp(*SHARES.start(), *SHARES.end()) } else { 1.0 };
+        }
+        // Frame t alone belonged to an estimator of single frames; a start opens one of pairs.
+        if settings.look.view == Some(View::Current) {
+            settings.look.view = Some(View::default());
         }
         settings
     }

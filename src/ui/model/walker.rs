@@ -31,7 +31,7 @@ use crate::view::motion::{AvailableLayers, Motion, Site, backward};
 use crate::view::named::LastNamed;
 
 /// A move that works longer than this gives way to the next request; less, and a drag would never arrive anywhere.
-const PATIENCE: Duration = Duration::from_millis(60);
+const SLOW_AFTER: Duration = Duration::from_millis(60);
 /// How often a long move tells how far it is.
 const NEWS: Duration = Duration::from_millis(30);
 /// How long work may go on after it was stopped before it is left behind.
@@ -211,28 +211,28 @@ impl Walker {
         let Ok(thread) = spawn(&shared) else { return };
         let old = std::mem::replace(&mut self.shared, Arc::clone(&shared));
         self.left.extend(self.thread.replace(thread));
-        let mut old_desk = old.mailbox();
+        let mut old_mailbox = old.mailbox();
         old.stop.set(true);
         old.superseded.store(true, Ordering::Relaxed);
-        old_desk.stop_check.set(true);
-        old_desk.quit = true;
+        old_mailbox.stop_check.set(true);
+        old_mailbox.quit = true;
         let mut mailbox = shared.mailbox();
-        let shown = old_desk.stopped();
-        let subject = old_desk.subject.take();
-        (mailbox.job, mailbox.starting) = (old_desk.job.take(), old_desk.starting);
+        let shown = old_mailbox.stopped();
+        let subject = old_mailbox.subject.take();
+        (mailbox.job, mailbox.starting) = (old_mailbox.job.take(), old_mailbox.starting);
         if mailbox.job.is_none() {
             let place = |shown: &Snapshot| Place { hold: Hold::Set(shown.held()), ..Place::at(shown.cursor) };
             let job = |subject| Job { place: shown.as_deref().map_or(Place::default(), place), subject };
             (mailbox.dormant, mailbox.starting) = (subject.clone().map(job), false);
         }
-        (mailbox.focus, mailbox.look, mailbox.subject) = (old_desk.focus, old_desk.look, subject);
+        (mailbox.focus, mailbox.look, mailbox.subject) = (old_mailbox.focus, old_mailbox.look, subject);
         let refused = (shown.is_none() && mailbox.job.is_none()).then(|| {
             Error::new(
                 "the run was cancelled before its frames were decoded; change a parameter or the frame to restart it",
             )
         });
         mailbox.view = View { shown, refused, busy: mailbox.job.is_some(), ..View::default() };
-        drop(old_desk);
+        drop(old_mailbox);
         drop(mailbox);
         shared.wake.notify_one();
         (shared.changed)();
@@ -243,7 +243,7 @@ impl Walker {
     pub fn go(&self, to: Move) {
         let mut mailbox = self.shared.mailbox();
         mailbox.take_up();
-        let slow = !mailbox.starting && mailbox.since.is_some_and(|since| since.elapsed() > PATIENCE);
+        let slow = !mailbox.starting && mailbox.since.is_some_and(|since| since.elapsed() > SLOW_AFTER);
         let replaces = slow || !matches!(to, Move::Granularity(..));
         if !replaces && mailbox.requests.len() >= QUEUE {
             return;
@@ -347,7 +347,7 @@ impl Walker {
         View {
             busy_for,
             stopping,
-            reading: self.shared.stop.told().filter(|_| mailbox.view.busy),
+            reading: self.shared.stop.progress().filter(|_| mailbox.view.busy),
             ..mailbox.view.clone()
         }
     }
@@ -577,7 +577,7 @@ impl<'a> Worker<'a> {
             Task::Focus if self.held().is_some() => {}
             Task::Focus => {
                 let focus = self.shared.mailbox().focus;
-                if self.run.as_ref().is_some_and(|run| run.is_told_otherwise(focus)) {
+                if self.run.as_ref().is_some_and(|run| run.has_another_explanation(focus)) {
                     self.publish();
                 }
             }
@@ -785,7 +785,7 @@ impl<'a> Worker<'a> {
         let Some(run) = &mut self.run else { return Leg::NotWanted };
         let shared = self.shared;
         let asked = long_move.begun;
-        let wanted = || asked.elapsed() < PATIENCE || !shared.superseded.load(Ordering::Relaxed);
+        let wanted = || asked.elapsed() < SLOW_AFTER || !shared.superseded.load(Ordering::Relaxed);
         let begun = Instant::now();
         run.walk.go(long_move.next);
         loop {
@@ -917,13 +917,13 @@ impl Run {
         motion
     }
 
-    /// Whether another step is told with the pixel `focus` than the one that was shown last.
-    fn is_told_otherwise(&self, focus: Option<Focus>) -> bool {
+    /// Whether another step is explained with the pixel `focus` than the one that was shown last.
+    fn has_another_explanation(&self, focus: Option<Focus>) -> bool {
         let walk = &*self.walk;
-        let told = |focus: &Focus| {
+        let explains = |focus: &Focus| {
             walk.takes(focus.on) && walk.explained(*focus).is_none_or(|explained| explained.at(walk.cursor()))
         };
-        self.focus.get().filter(told) != focus.filter(told)
+        self.focus.get().filter(explains) != focus.filter(explains)
     }
 
     /// What the end of the run shows, if that is where it stands.

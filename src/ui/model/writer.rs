@@ -22,7 +22,7 @@ const POLL: Duration = Duration::from_millis(50);
 
 /// What to write.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum What {
+pub enum OutputKind {
     /// The step that is shown.
     Picture,
     /// Steps from one cursor to another, at the stops of a granularity.
@@ -46,7 +46,7 @@ pub enum What {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Order {
     /// What.
-    pub what: What,
+    pub what: OutputKind,
     /// The file, or the folder for several.
     pub path: PathBuf,
     /// Pixels for each pixel of the clip.
@@ -57,7 +57,7 @@ pub struct Order {
     pub panes: Selection,
 }
 
-impl What {
+impl OutputKind {
     /// Where this is written to, if `path` is what was chosen.
     fn target(self, path: &Path) -> Target<'_> {
         match self {
@@ -73,7 +73,8 @@ impl What {
 /// # Errors
 /// One sentence that names the file.
 pub fn refuse_losses(order: &Order, inputs: &Inputs) -> Result<(), Error> {
-    let inputs = if order.what == What::Session { &inputs.clone().without(export::What::Session) } else { inputs };
+    let inputs =
+        if order.what == OutputKind::Session { &inputs.clone().without(export::InputKind::Session) } else { inputs };
     let target = order.what.target(&order.path);
     export::check(inputs, &[target]).map_err(|conflict| {
         let name = order.path.file_name().unwrap_or(order.path.as_os_str()).to_string_lossy();
@@ -120,7 +121,7 @@ pub fn picture(order: &Order, shown: &Snapshot) -> Result<String, Error> {
 /// # Errors
 /// As [`Steps::write`].
 pub fn steps(order: &Order, shown: &Snapshot, progress: &dyn Progress) -> Result<String, Error> {
-    let What::Steps { from, to, granularity, format } = order.what else { return picture(order, shown) };
+    let OutputKind::Steps { from, to, granularity, format } = order.what else { return picture(order, shown) };
     let pixel = shown.held().map(Chosen::Held);
     let (panes, scale) = (order.panes.clone(), order.scale);
     let steps = Steps { from, to, granularity, format, scale, look: order.look, panes, pixel, must_have_layer: false };

@@ -148,7 +148,7 @@ impl Panes<'_> {
 
     fn chart(&mut self, ui: &mut Ui, pane: &'static Pane) {
         let Some(shown) = self.view.shown.as_deref() else { return };
-        let (info, step) = self.told(shown);
+        let (info, step) = self.explained(shown);
         let subject = Subject { step: Some(step), whose: info.name, theme: self.look.theme, colors: self.look.colors };
         let estimator = &shown.subject.experiment.estimator;
         let mut event = None;

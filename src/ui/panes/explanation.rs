@@ -305,6 +305,14 @@ pub fn strip(ui: &mut Ui, (input, most): (Input<'_>, f32), state: &mut Strip) {
     let room = ui.available_height();
     egui::ScrollArea::vertical().id_salt("strip").auto_shrink(false).max_height(room).show(ui, |ui| {
         let top = ui.cursor().min;
+        // Formulas in two columns are read down, not across.
+        if let [.., (_, first), (left, second)] = &parts[..]
+            && parts.len() > 2
+        {
+            let bottom = first.size.y.max(second.size.y);
+            let x = top.x + left - STRIP_GAP / 2.0;
+            ui.painter().vline(x, top.y..=top.y + bottom, ui.visuals().widgets.noninteractive.bg_stroke);
+        }
         for (i, (left, part)) in parts.iter().enumerate() {
             let place = Rect::from_min_size(top + vec2(*left, 0.0), vec2(width as f32, needed));
             let mut inside = ui.new_child(egui::UiBuilder::new().id_salt(i).max_rect(place));
@@ -355,11 +363,15 @@ fn strip_columns(input: Input<'_>, (width, density): (f32, Density), most: f32) 
         return one(SENTENCE_SHARE, &|width| explanation::table(facts, (width, density), theme));
     }
     let two = |share: f32| {
-        let (first, second) = formula.split_at(formula.len().div_ceil(2));
         let left = share * width;
         let column = (width - left) / 2.0 - STRIP_GAP;
         let at = |i: f32| left + STRIP_GAP + i * (column + STRIP_GAP);
-        vec![(0.0, sentence(left)), (at(0.0), lines(first, column)), (at(1.0), lines(second, column))]
+        let cut_at = |cut: usize| {
+            let (first, second) = formula.split_at(cut);
+            vec![(0.0, sentence(left)), (at(0.0), lines(first, column)), (at(1.0), lines(second, column))]
+        };
+        let cuts = cuts(formula).into_iter().map(cut_at);
+        cuts.min_by(|a, b| height(a, width).total_cmp(&height(b, width))).unwrap_or_default()
     };
     let in_one = |share: &f32| one(*share, &|width| lines(formula, width));
     let narrow = if formula.len() > ONE_COLUMN { &NARROW_SHARES[..] } else { &[] };
@@ -374,6 +386,13 @@ fn strip_columns(input: Input<'_>, (width, density): (f32, Density), most: f32) 
     let others = SENTENCE_SHARES[1..].iter().map(in_one);
     let narrower = narrow.iter().skip(1).map(|share| two(*share));
     lowest(&mut std::iter::once(usual).chain(others).chain(narrower))
+}
+
+/// The lines at which a second column may begin: not with the numbers of the formula above them.
+fn cuts(formula: &[Math]) -> Vec<usize> {
+    let is_start = |line: &usize| !formula[*line].plain().trim_start().starts_with('=');
+    let starts: Vec<usize> = (1..formula.len()).filter(is_start).collect();
+    if starts.is_empty() { vec![formula.len().div_ceil(2)] } else { starts }
 }
 
 /// Where lines that may be seen from `top` down to `end` have to end so that none of them is cut.
@@ -404,6 +423,13 @@ mod tests {
     use eframe::egui::pos2;
 
     use super::*;
+
+    #[test]
+    fn a_column_begins_with_a_formula_and_not_with_its_numbers() {
+        let lines = ["c = a − b", "= 3 − 2", "u = m − c", "= 1", "v = n − c", "= 4"].map(Math::text);
+        assert_eq!(cuts(&lines), [2, 4]);
+        assert_eq!(cuts(&["u = m", "= 1", "= 2"].map(Math::text)), [2], "the middle where there is no other place");
+    }
 
     #[test]
     fn no_line_is_cut_where_others_end() {

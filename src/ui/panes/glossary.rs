@@ -5,6 +5,7 @@ use motionscope_core::glossary::{Chapter, GLOSSARY, Term, chapters_of, find, occ
 
 use crate::paint::charts::explanation::Block;
 use crate::ui::drawing::chart::rect_from;
+use crate::ui::drawing::ink;
 
 /// So many terms of one text are defined at most: more are not read.
 const MOST: usize = 4;
@@ -76,15 +77,15 @@ pub fn define(ui: &mut Ui, term: &Term) {
         Some(symbol) => format!("{}  {symbol}", capitalized(term.name)),
         None => capitalized(term.name),
     };
-    ui.label(RichText::new(name).strong());
-    ui.label(term.definition);
+    ui.label(ink::scripted(ui, &name, RichText::strong));
+    ui.label(ink::scripted(ui, term.definition, |words| words));
     ui.label(RichText::new(term.chapter.title()).weak().small());
 }
 
 /// `doc` and the definitions of the terms in it: for a parameter, a column, a layer.
 pub fn tooltip(ui: &mut Ui, doc: &str) {
     ui.set_max_width(WIDTH * ui.text_style_height(&eframe::egui::TextStyle::Body));
-    ui.label(doc);
+    ui.label(ink::scripted(ui, doc, |words| words));
     for (_, term) in occurrences(doc).into_iter().take(MOST) {
         ui.separator();
         define(ui, term);

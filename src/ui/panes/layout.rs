@@ -1,6 +1,6 @@
 //! Where the panes lie, worked out anew in each frame from the size of the window, its type and what there is to show.
 //!
-//! At a desk the stage stands in the middle, with the explanation right of it and the charts below it or below the
+//! In the working layout the stage stands in the middle, with the explanation right of it and the charts below it or below the
 //! explanation, whichever leaves them room. In a lecture hall, and wherever the window is small for its type, stage and chart
 //! stand beside each other over a strip with the sentence and its formula; everything else comes as a drawer over the edge.
 
@@ -34,7 +34,7 @@ pub struct Folded {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
     /// All panes beside each other.
-    Desk,
+    Working,
     /// Stage and chart over a strip, the rest in drawers.
     Lecture,
 }
@@ -140,7 +140,7 @@ pub struct Arrangement {
 }
 
 /// Letters across the window, and lines down, below which its panes do not fit beside each other.
-const DESK_LETTERS: Vec2 = vec2(84.0, 42.0);
+const WORKING_LETTERS: Vec2 = vec2(84.0, 42.0);
 /// Letters across below which the parameters are a drawer.
 const DOCKED_LETTERS: f32 = 100.0;
 /// Lines down from which charts stand below the stage.
@@ -160,15 +160,15 @@ impl Mode {
     /// How the panes of a window of `size` lie, in points, with type of `type_pt`.
     pub fn of(size: Vec2, type_pt: f32, is_lecture: bool) -> Self {
         let letters = size / type_pt.max(1.0);
-        let is_small = letters.x < DESK_LETTERS.x || letters.y < DESK_LETTERS.y;
-        if is_lecture || is_small { Mode::Lecture } else { Mode::Desk }
+        let is_small = letters.x < WORKING_LETTERS.x || letters.y < WORKING_LETTERS.y;
+        if is_lecture || is_small { Mode::Lecture } else { Mode::Working }
     }
 }
 
 impl Room {
     /// Whether the parameters have a place beside the stage, and do not lie over it.
     pub fn has_docked_parameters(&self) -> bool {
-        self.mode == Mode::Desk && self.window.x >= DOCKED_LETTERS * self.type_pt
+        self.mode == Mode::Working && self.window.x >= DOCKED_LETTERS * self.type_pt
     }
 
     /// How many charts are seen at once.
@@ -179,18 +179,18 @@ impl Room {
 
     /// Whether charts stand below the stage.
     fn is_below(&self) -> bool {
-        self.mode == Mode::Desk && self.body.height() >= BELOW_LINES * self.type_pt
+        self.mode == Mode::Working && self.body.height() >= BELOW_LINES * self.type_pt
     }
 
     /// Gives everything its place.
     pub fn arrange(&self) -> Arrangement {
         match self.mode {
-            Mode::Desk => self.desk(),
+            Mode::Working => self.working(),
             Mode::Lecture => self.lecture(),
         }
     }
 
-    fn desk(&self) -> Arrangement {
+    fn working(&self) -> Arrangement {
         let mut all = Arrangement::default();
         let mut rest = self.body;
         if !self.folded.parameters && self.has_docked_parameters() {
@@ -451,8 +451,8 @@ mod tests {
                 [stage, stage + all.charts.iter().map(|rect| rect.area()).sum::<f32>()]
                     .map(|area| area / size.x / size.y)
             };
-            let desk = share(Room { folded: Folded::default(), ..room(size, 14.0, false) });
-            assert!(desk[0] > 0.44, "{desk:?} of {size:?}");
+            let shares = share(Room { folded: Folded::default(), ..room(size, 14.0, false) });
+            assert!(shares[0] > 0.44, "{shares:?} of {size:?}");
             for type_pt in [14.0, 21.0] {
                 let lecture = share(room(size, type_pt, true));
                 assert!(lecture[1] > 0.6, "{lecture:?} of {size:?}");

@@ -255,7 +255,7 @@ impl Panes<'_> {
             self.nothing_yet(ui);
             return;
         };
-        let heat = self.told(shown).1.readouts.iter().find_map(|readout| match readout {
+        let heat = self.explained(shown).1.readouts.iter().find_map(|readout| match readout {
             Readout::Surface(surface) => Some(surface.title),
             _ => None,
         });
@@ -347,7 +347,7 @@ impl Panes<'_> {
     }
 
     /// The estimator that is explained, and what it tells.
-    fn told<'a>(&self, shown: &'a Snapshot) -> (&'static Info, &'a Arc<Step>) {
+    fn explained<'a>(&self, shown: &'a Snapshot) -> (&'static Info, &'a Arc<Step>) {
         match self.lockstep(shown) {
             Some(all) => (all.tiles[all.explained].info, &all.tiles[all.explained].step),
             None => (shown.info, &shown.step),
@@ -367,7 +367,7 @@ impl Panes<'_> {
         let failure = shown.and_then(|shown| shown.failure.as_ref());
         let error = self.error.or(self.view.refused.as_ref()).or(self.document.refused()).or(failure);
         let Some(error) = error else { return };
-        let told = sentence(error, self.document.clip());
+        let text = sentence(error, self.document.clip());
         let chrome = self.look.theme.chrome();
         let fill = style::color(chrome.panel.mix(chrome.error, 0.14));
         let edge = Stroke::new(1.0, style::color(chrome.error));
@@ -390,8 +390,8 @@ impl Panes<'_> {
                         self.actions.command(command);
                     }
                     ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
-                        let label = ui.add(egui::Label::new(&told).wrap().selectable(true));
-                        label.widget_info(|| WidgetInfo::labeled(egui::Role::Alert, true, &told));
+                        let label = ui.add(egui::Label::new(&text).wrap().selectable(true));
+                        label.widget_info(|| WidgetInfo::labeled(egui::Role::Alert, true, &text));
                     });
                 });
             });
@@ -452,7 +452,7 @@ impl Panes<'_> {
     fn explanation(&mut self, ui: &mut Ui) {
         match &self.view.shown {
             Some(shown) => {
-                let (info, step) = self.told(shown);
+                let (info, step) = self.explained(shown);
                 let input = explanation::Input { info, step, at_end: shown.at_end, theme: self.look.theme };
                 explanation::show(ui, input, &mut self.states.explanation);
             }
@@ -463,7 +463,7 @@ impl Panes<'_> {
     /// Sentence and formula.
     fn strip(&mut self, ui: &mut Ui, most: f32) {
         if let Some(shown) = &self.view.shown {
-            let (info, step) = self.told(shown);
+            let (info, step) = self.explained(shown);
             let input = explanation::Input { info, step, at_end: shown.at_end, theme: self.look.theme };
             explanation::strip(ui, (input, most), &mut self.states.strip);
         }
@@ -512,11 +512,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_are_told_as_they_are_written() {
+    fn names_are_reported_as_they_are_written() {
         let clip = Clip::from_frames("waves", vec![Frame::gray(Grid::new(4, 4, 0))]).unwrap();
-        let told = |text: &str| sentence(&Error::new(text), Some(&clip));
-        assert_eq!(told("only.png has a single frame"), "only.png has a single frame.");
-        assert_eq!(told("waves has a single frame"), "waves has a single frame.");
-        assert_eq!(told("cannot open a.mp4: it is empty"), "Cannot open a.mp4: it is empty.");
+        let explained = |text: &str| sentence(&Error::new(text), Some(&clip));
+        assert_eq!(explained("only.png has a single frame"), "only.png has a single frame.");
+        assert_eq!(explained("waves has a single frame"), "waves has a single frame.");
+        assert_eq!(explained("cannot open a.mp4: it is empty"), "Cannot open a.mp4: it is empty.");
     }
 }

@@ -6,8 +6,8 @@ use std::collections::BTreeSet;
 
 use eframe::egui::collapsing_header::{self, CollapsingState};
 use eframe::egui::{
-    self, Align, Button, ComboBox, DragValue, Layout, Response, RichText, ScrollArea, Sense, TextStyle, Ui, WidgetInfo,
-    vec2,
+    self, Align, Button, Color32, ComboBox, DragValue, Layout, Response, RichText, ScrollArea, Sense, TextStyle,
+    TextWrapMode, Ui, Vec2, WidgetInfo, vec2,
 };
 use lucide_icons::Icon;
 use motionscope_core::params::{Choice, Kind, PartKind, Placed, Spec, StageValue};
@@ -97,8 +97,7 @@ fn beside(ui: &mut Ui, input: Input<'_>, state: &mut State, actions: &mut Action
                 ui.set_max_width(room);
                 ui.add(label)
             });
-            let tip =
-                "Parameters of this estimator. Those that the first one has as well follow it until they are changed.";
+            let tip = "Parameters of this estimator. Those shared with the first estimator follow it until changed.";
             if label.inner.on_hover_text(tip).clicked() {
                 fold.toggle(ui);
             }
@@ -132,7 +131,6 @@ fn add_beside(ui: &mut Ui, document: &Document, actions: &mut Actions) {
     };
     let choosing = Choosing { now: "", action: Action::AddBeside, refused: &refused };
     let button = ui.menu_button("Add in lockstep", |ui| {
-        ui.set_max_height(ui.content_rect().height() - 2.0 * ui.spacing().interact_size.y);
         estimators_by_family(ui, choosing, actions);
     });
     button.response.on_hover_text(
@@ -172,34 +170,48 @@ fn estimator(ui: &mut Ui, document: &Document, actions: &mut Actions) {
     ui.add_space(4.0);
 }
 
-/// Every estimator under its family, to choose from, in three columns about as long.
+/// Every estimator under its family, to choose from, in columns about as long: as many as the window is wide enough for, and in
+/// rows as high as it has room for.
 pub fn estimators_by_family(ui: &mut Ui, choosing: Choosing<'_>, actions: &mut Actions) {
+    /// Space between columns.
+    const GAP: f32 = 16.0;
     let all: Vec<&'static Info> = estimators().iter().map(|estimator| estimator.info()).collect();
     let families: Vec<&[&'static Info]> = all.chunk_by(|a, b| a.family == b.family).collect();
-    ui.horizontal_top(|ui| {
-        ui.spacing_mut().item_spacing.x = 16.0;
-        for column in columns(&families) {
-            ui.vertical(|ui| {
-                for (i, family) in column.iter().enumerate() {
-                    if i > 0 {
-                        ui.add_space(4.0);
-                    }
-                    of_family(ui, family, choosing, actions);
-                }
-            });
-        }
+    // A list that opens near the right edge moves to the left instead of breaking its names.
+    ui.style_mut().wrap_mode = Some(TextWrapMode::Extend);
+    let font = TextStyle::Button.resolve(ui.style());
+    let width = |text: &str| ui.painter().layout_no_wrap(text.into(), font.clone(), Color32::PLACEHOLDER).size().x;
+    let name = all.iter().map(|info| width(info.name)).fold(0.0, f32::max);
+    let column = name + 2.0 * ui.spacing().button_padding.x + GAP;
+    let window = ui.content_rect().size() - 2.0 * Vec2::splat(GAP);
+    let columns = columns(&families, ((window.x / column) as usize).clamp(1, 3));
+    let longest = columns.iter().map(|column| rows_of(column)).max().unwrap_or(1);
+    let row = (window.y / longest as f32 - 1.0).clamp(1.25 * font.size, ui.spacing().interact_size.y);
+    ui.spacing_mut().item_spacing = vec2(GAP, 1.0);
+    ui.spacing_mut().interact_size.y = row;
+    ui.spacing_mut().button_padding.y = ((row - 1.25 * font.size) / 2.0).max(0.0);
+    ScrollArea::vertical().max_height(window.y).show(ui, |ui| {
+        ui.horizontal_top(|ui| {
+            for column in columns {
+                ui.vertical(|ui| column.iter().for_each(|family| of_family(ui, family, choosing, actions)));
+            }
+        });
     });
 }
 
-/// Divides families, in their order, into three columns of which the longest is as short as can be.
-fn columns<'a>(families: &'a [&'a [&'static Info]]) -> [&'a [&'a [&'static Info]]; 3] {
-    // A row for each estimator and one for the name of its family.
-    let rows = |part: &[&[&Info]]| part.iter().map(|family| family.len() + 1).sum::<usize>();
-    let count = families.len();
-    let cuts = (0..=count).flat_map(|first| (first..=count).map(move |second| (first, second)));
-    let parts = |(first, second): (usize, usize)| [&families[..first], &families[first..second], &families[second..]];
-    let longest = |cut: &(usize, usize)| parts(*cut).map(rows).into_iter().max();
-    parts(cuts.min_by_key(longest).unwrap_or_default())
+/// The rows of a column: one for each estimator and one for the name of each family.
+fn rows_of(column: &[&[&Info]]) -> usize {
+    column.iter().map(|family| family.len() + 1).sum()
+}
+
+/// Divides families, in their order, into `count` columns of which the longest is as short as can be.
+fn columns<'a>(families: &'a [&'a [&'static Info]], count: usize) -> Vec<&'a [&'a [&'static Info]]> {
+    if count <= 1 {
+        return vec![families];
+    }
+    let parts = |cut: usize| [vec![&families[..cut]], columns(&families[cut..], count - 1)].concat();
+    let longest = |parts: &Vec<&[&[&Info]]>| parts.iter().map(|part| rows_of(part)).max();
+    (0..=families.len()).map(parts).min_by_key(longest).unwrap_or_default()
 }
 
 /// The estimators of a family below its name.
@@ -291,7 +303,7 @@ fn fold_advanced(ui: &mut Ui, section: &str, rows: &[Row<'_>], state: &mut State
 fn of_stage(ui: &mut Ui, parent: &Row<'_>, stage: &StageValue, state: &mut State, actions: &mut Actions) {
     let &Row { owner, index, theme, .. } = parent;
     // A stage of a stage is walked from there.
-    let tip = Command::IntoStage.with_key("Walk this stage by itself.");
+    let tip = Command::IntoStage.with_key("Step through this stage alone.");
     if parent.within.is_none() && ui.button("Step into").on_hover_text(tip).clicked() {
         actions.ask(Action::Enter(index));
     }

@@ -79,14 +79,14 @@ pub fn line(shown: &Snapshot) -> String {
             // A granularity of one is no news.
             (_, Some(1)) => {}
             // Levels are called by their number in the pyramid, as everywhere else: the last is the picture itself.
-            (LEVEL, Some(of)) => parts.push(format!("level {} of {} to 0", of - 1 - granularity.index, of - 1)),
+            (LEVEL, Some(of)) => parts.push(format!("level {} (coarsest {})", of - 1 - granularity.index, of - 1)),
             (name, of) => parts.push(counted(name, granularity.index + 1, of)),
         }
     }
     if let Some(name) = granularities.last() {
         parts.push(counted(name, shown.cursor.event, Some(shown.events)));
     }
-    // What is told of the pixel pointed at is not where the run stands.
+    // What explains the pixel pointed at is not where the run stands.
     parts.extend(if shown.pointed.is_none() { best(shown) } else { None });
     if let Some(share) = shown.share() {
         parts.push(format!("{} % done", percent(share)));
@@ -99,7 +99,7 @@ pub fn line(shown: &Snapshot) -> String {
 
 /// Which pixel is explained, and how another one is.
 fn explained(Pointed { at: Focus { on, at: [x, y] }, is_held }: Pointed) -> String {
-    let hint = if is_held { "Esc releases it" } else { "a click holds it" };
+    let hint = if is_held { "Esc unpins it" } else { "click to pin it" };
     let of = if on == Picture::CURRENT { String::new() } else { format!(" of {}", on.title(None).to_lowercase()) };
     format!("explained: pixel ({x}, {y}){of}, {hint}")
 }
@@ -109,11 +109,11 @@ pub fn keys(granularities: Granularities) -> String {
     let (event, unit) = (granularities.name(granularities.event()), granularities.name(granularities.unit()));
     let named =
         [(Command::Into, event), (Command::Over, unit), (Command::Play, "play"), (Command::Shortcuts, "all keys")];
-    let told = named.iter().filter_map(|(command, name)| {
+    let keys = named.iter().filter_map(|(command, name)| {
         let key = command.info().keys.first()?;
         Some(format!("{} {name}", key_text(*key)))
     });
-    told.collect::<Vec<_>>().join("   ")
+    keys.collect::<Vec<_>>().join("   ")
 }
 
 /// The number that matters most: the best so far or the result.
@@ -144,18 +144,21 @@ mod tests {
     }
 
     #[test]
-    fn work_is_told_of_when_it_takes_a_while() {
-        let told = |view: View| work(&view).map(|work| work.what);
+    fn work_is_reported_when_it_takes_a_while() {
+        let message = |view: View| work(&view).map(|work| work.what);
         let busy = |time| View { busy: true, busy_for: Some(time), ..View::default() };
         let (short, long) = (busy(LATE / 2), busy(2 * LATE));
-        assert_eq!((told(View::default()), told(short.clone())), (None, None));
-        assert_eq!(told(long.clone()).as_deref(), Some("Starting the run…"));
-        assert_eq!(told(View { phase: Phase::Measuring, ..long.clone() }).as_deref(), Some("Measuring the result…"));
+        assert_eq!((message(View::default()), message(short.clone())), (None, None));
+        assert_eq!(message(long.clone()).as_deref(), Some("Starting the run…"));
+        assert_eq!(message(View { phase: Phase::Measuring, ..long.clone() }).as_deref(), Some("Measuring the result…"));
         let units = View { progress: Some((3, 20)), ..short };
-        assert_eq!(told(units).as_deref(), Some("3 of 20"));
+        assert_eq!(message(units).as_deref(), Some("3 of 20"));
         let reading = View { reading: Some((7, 20_000)), ..long };
-        assert_eq!(told(reading.clone()).as_deref(), Some(format!("Reading frame 7 of {}", grouped(20_000)).as_str()));
-        assert_eq!(told(View { stopping: true, ..reading.clone() }).as_deref(), Some("Stopping…"));
-        assert_eq!(told(View { busy: false, ..reading }), None);
+        assert_eq!(
+            message(reading.clone()).as_deref(),
+            Some(format!("Reading frame 7 of {}", grouped(20_000)).as_str())
+        );
+        assert_eq!(message(View { stopping: true, ..reading.clone() }).as_deref(), Some("Stopping…"));
+        assert_eq!(message(View { busy: false, ..reading }), None);
     }
 }

@@ -160,8 +160,8 @@ impl Track<'_> {
             let number = number_at(at);
             let place = format!("{} {}", self.name, grouped(number));
             let fault = self.faults.iter().find(|(unit, _)| unit + 1 == number);
-            let told = fault.map_or_else(|| place.clone(), |(_, fault)| format!("{place}: {}", fault.name()));
-            response.clone().on_hover_text_at_pointer(told);
+            let message = fault.map_or_else(|| place.clone(), |(_, fault)| format!("{place}: {}", fault.name()));
+            response.clone().on_hover_text_at_pointer(message);
         }
         // The last move and the release may come in one frame.
         let held = response.is_pointer_button_down_on() || response.clicked() || response.drag_stopped();
@@ -289,7 +289,7 @@ mod tests {
     }
 
     #[test]
-    fn a_run_that_does_not_know_its_length_is_told_about_how_long_it_is() {
+    fn a_run_that_does_not_know_its_length_is_reported_about_how_long_it_is() {
         let place = |[pair, feature]: [usize; 2], [pairs, features]: [Option<usize>; 2]| {
             let granularity = |index, of| Granularity { index, of };
             [granularity(0, Some(1)), granularity(pair, pairs), granularity(feature, features)]

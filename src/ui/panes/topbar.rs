@@ -128,7 +128,7 @@ fn title(ui: &mut Ui, input: &Input, actions: &mut Actions) {
     for parent in shown {
         let text = crumb(if has_whole_path { parent } else { "…" });
         let crumb = ui.add(Button::new(RichText::new(text).color(dim)).frame_when_inactive(false));
-        let tip = format!("Back out of the stage, to {parent}.");
+        let tip = format!("Return to {parent}.");
         if crumb.on_hover_text(Command::OutOfStage.with_key(&tip)).clicked() {
             actions.command(Command::OutOfStage);
         }

@@ -78,7 +78,7 @@ fn more(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut Respon
             state.one_to_one(pixels_per_point);
         }
         let is_shown = response.look.legend;
-        if ui.selectable_label(is_shown, "Legend").on_hover_text("What the marks mean.").clicked() {
+        if ui.selectable_label(is_shown, "Legend").on_hover_text("Show the legend of the marks.").clicked() {
             response.look.legend = !is_shown;
         }
         if let Some(lockstep) = &input.lockstep {
@@ -142,16 +142,16 @@ fn short(view: View) -> &'static str {
 
 fn right_side(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut Response) {
     let is_shown = response.look.legend;
-    let legend = ui.selectable_label(is_shown, "Legend").on_hover_text("What the marks mean.");
+    let legend = ui.selectable_label(is_shown, "Legend").on_hover_text("Show the legend of the marks.");
     if legend.clicked() {
         response.look.legend = !is_shown;
     }
     motion::button(ui, input, state, response);
     let pixels_per_point = ui.pixels_per_point();
-    if ui.button("1:1").on_hover_text("One pixel of the picture to one of the screen.").clicked() {
+    if ui.button("1:1").on_hover_text("One pixel of the picture to one pixel of the screen.").clicked() {
         state.one_to_one(pixels_per_point);
     }
-    if ui.button("Fit").on_hover_text("The whole picture.").clicked() {
+    if ui.button("Fit").on_hover_text("Show the whole picture.").clicked() {
         state.fit();
     }
     let percent = state.shown.map_or(100.0, |lens| lens.scale * pixels_per_point * 100.0);
@@ -428,13 +428,13 @@ mod tests {
     use std::sync::Arc;
 
     #[test]
-    fn a_pixel_is_told_in_both_frames() {
+    fn a_pixel_is_reported_in_both_frames() {
         let gray = Arc::new(Frame::gray(Grid::from_fn(4, 4, |x, y| (10 * y + x) as u8)));
         let rgb = Arc::new(Frame::rgb(Grid::new(4, 4, [30, 30, 30])));
-        let told: Vec<_> = columns(&[(Picture::CURRENT, gray), (Picture::NEXT, rgb)], [3, 2])
+        let message: Vec<_> = columns(&[(Picture::CURRENT, gray), (Picture::NEXT, rgb)], [3, 2])
             .into_iter()
             .map(|c| format!("{} {}", c.label, c.value))
             .collect();
-        assert_eq!(told, ["x 3", "y 2", "t 23", "t+1 30", "change 7", "RGB t+1 30 30 30"]);
+        assert_eq!(message, ["x 3", "y 2", "t 23", "t+1 30", "change 7", "RGB t+1 30 30 30"]);
     }
 }

@@ -94,13 +94,13 @@ impl Follow {
     fn aim(&mut self, next: Followed, animate: bool, time: f64) -> Vec<Zoom> {
         let lens = Lens::new(Rect::from_min_size(egui::Pos2::ZERO, next.pane), next.size, Zoom::Fit);
         let whole = Framing { center: lens.center.into(), scale: lens.scale };
-        let sight = |close: &Option<CloseUp>| match close {
+        let framing = |close: &Option<CloseUp>| match close {
             Some(CloseUp { center, times }) => Framing { center: *center, scale: lens.scale * times },
             None => whole,
         };
         let is_same_pane = self.last.as_ref().is_some_and(|last| (last.pane, last.size) == (next.pane, next.size));
         let moves = animate && is_same_pane && self.ways.len() == next.close_ups.len();
-        let targets: Vec<Framing> = next.close_ups.iter().map(sight).collect();
+        let targets: Vec<Framing> = next.close_ups.iter().map(framing).collect();
         let ways = targets.iter().enumerate().map(|(i, &to)| match self.ways.get(i) {
             Some(way) if is_same_pane && way.to == to => *way,
             Some(way) if moves => Transition { from: way.at(time), to, began: time },
@@ -109,7 +109,7 @@ impl Follow {
         self.ways = ways.collect();
         self.last = Some(next);
         let zoom = |way: &Transition| match way.at(time) {
-            sight if sight == whole => Zoom::Fit,
+            framing if framing == whole => Zoom::Fit,
             Framing { center, scale } => Zoom::At { center, scale },
         };
         self.ways.iter().map(zoom).collect()
@@ -139,7 +139,7 @@ impl State {
     }
 
     /// How closely the pictures with the marks of `scenes` are looked at, the first of them in `pane`.
-    pub(super) fn sights(&mut self, ui: &Ui, scenes: &[&Scene], pane: Rect, input: &Input<'_>) -> Vec<Zoom> {
+    pub(super) fn zooms_for(&mut self, ui: &Ui, scenes: &[&Scene], pane: Rect, input: &Input<'_>) -> Vec<Zoom> {
         let time = ui.input(|i| i.time);
         let mode = input.look.focus;
         if self.follow.last.as_ref().is_some_and(|last| last.mode != mode) {

@@ -15,7 +15,7 @@ pub fn choice(ui: &mut Ui, input: &Input<'_>, shown: &mut LevelShown) {
         let of = if level == 0 { "the picture itself" } else { "of the pyramid" };
         (LevelShown::Number(level), format!("Level {level}"), format!("Level {level}, {of}, {width}×{height} px."))
     };
-    let tip = "The level that the search works on: the pictures that it really sees.";
+    let tip = "Show the pyramid level on which this step searches.";
     let at_work = (LevelShown::AtWork, format!("Level at work ({})", levels.at_work), tip.to_owned());
     let now = format!("Level {}", shown.of(levels));
     let list = egui::ComboBox::from_id_salt("pyramid level").selected_text(now).show_ui(ui, |ui| {

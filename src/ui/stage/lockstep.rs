@@ -131,7 +131,7 @@ pub fn heading(ui: &Ui, input: &Input<'_>, index: usize, lens: &Lens, response: 
     let room = rect.width() - if tile.is_done { 8.0 + done.size().x } else { 0.0 };
     let share = if is_narrow { SHARES.into_iter().find(|share| fits(*share, done.size().x)) } else { Some(1.0) };
     let font = bold(share.unwrap_or(SHARES[SHARES.len() - 1]));
-    let name = (shown, font, ink::color(chrome.text));
+    let name = ink::Words { text: shown, font, color: ink::color(chrome.text) };
     let end = ink::line(&painter, pos2(rect.min.x, middle), name, room);
     if tile.is_done {
         painter.galley(pos2(end + 8.0, middle - done.size().y / 2.0), done, dim);

@@ -250,7 +250,7 @@ fn spots<'a>(ui: &Ui, area: Rect, panels: &[Panel], input: &Input<'a>, state: &m
         let aligned = |panel: &Panel| panel.picture().is_aligned_with(Picture::CURRENT);
         let first = panels.iter().position(aligned).unwrap_or(0);
         let pane = panes.get(first).copied().unwrap_or(area);
-        let zoom = state.sights(ui, &[input.scene], pane, input).first().copied().unwrap_or_default();
+        let zoom = state.zooms_for(ui, &[input.scene], pane, input).first().copied().unwrap_or_default();
         let spot = |(i, (panel, pane)): (usize, (&Panel, Rect))| Spot {
             member: 0,
             panel: *panel,
@@ -264,7 +264,7 @@ fn spots<'a>(ui: &Ui, area: Rect, panels: &[Panel], input: &Input<'a>, state: &m
     let view = view(input);
     let panes = lockstep::split(area, tiles.len(), size, lockstep::header(input.theme()));
     let scenes: Vec<&Scene> = tiles.iter().map(|tile| &*tile.scene).collect();
-    let zooms = state.sights(ui, &scenes, panes.first().copied().unwrap_or(area), input);
+    let zooms = state.zooms_for(ui, &scenes, panes.first().copied().unwrap_or(area), input);
     let spot = |(member, (tile, pane)): (usize, (&'a Tile, Rect))| Spot {
         member,
         panel: panels.first().copied().unwrap_or(Panel::NEXT),

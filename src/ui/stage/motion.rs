@@ -3,8 +3,8 @@
 use std::ops::RangeInclusive;
 
 use eframe::egui::{
-    self, Align, Button, Layout, Popup, PopupCloseBehavior, RichText, Slider, SliderClamping, Ui, WidgetInfo, pos2,
-    vec2,
+    self, Align, Button, Layout, Popup, PopupCloseBehavior, RichText, ScrollArea, Slider, SliderClamping, Ui,
+    WidgetInfo, pos2, vec2,
 };
 use lucide_icons::Icon;
 use motionscope_core::params::Kind;
@@ -39,7 +39,11 @@ pub fn button(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut 
     let tip = Command::NextLayer.with_key("Colours, arrows and streaklines that show the motion.");
     let opener = opener.on_hover_text(tip);
     let popup = Popup::menu(&opener).close_behavior(PopupCloseBehavior::CloseOnClickOutside);
-    popup.show(|ui| choices(ui, input, state, &mut response.look));
+    popup.show(|ui| {
+        // In a low window the choices are scrolled, and the last of them stays in reach.
+        let room = ui.content_rect().height() - 2.0 * ui.spacing().interact_size.y;
+        ScrollArea::vertical().max_height(room).show(ui, |ui| choices(ui, input, state, &mut response.look));
+    });
 }
 
 fn choices(ui: &mut Ui, input: &Input<'_>, state: &mut State, look: &mut Look) {
@@ -51,14 +55,14 @@ fn choices(ui: &mut Ui, input: &Input<'_>, state: &mut State, look: &mut Look) {
         let item = ui.add_enabled(why.is_none(), Button::selectable(now == layer, layer.name()).min_size(wide(ui)));
         let is_now = now == layer;
         item.widget_info(|| WidgetInfo::selected(egui::Role::RadioButton, why.is_none(), is_now, layer.name()));
-        let told = match why {
-            Some(why) => format!("{} Not here: {why}.", layer.tip()),
+        let message = match why {
+            Some(why) => format!("{} Unavailable: {why}.", layer.tip()),
             None if input.available.awaited(Some(layer)).is_some() => {
-                format!("{} It is there at the end of the run.", layer.tip())
+                format!("{} Available at the end of the run.", layer.tip())
             }
             None => layer.tip().into(),
         };
-        if item.on_hover_text(&told).on_disabled_hover_text(&told).clicked() {
+        if item.on_hover_text(&message).on_disabled_hover_text(&message).clicked() {
             look.layer = Some(layer);
         }
     }
@@ -246,7 +250,7 @@ fn wheel(ui: &mut Ui, input: &Input<'_>, longest: f32) {
     let (rect, response) =
         ui.allocate_exact_size(vec2(ui.available_width(), WHEEL + 2.0 * line + 8.0), egui::Sense::hover());
     let radius = format!("{} px/frame", number(longest));
-    ink::name(&response, || format!("Wheel of colours, {radius} from its middle to its rim"));
+    ink::name(&response, || format!("Flow colour wheel, radius {radius}"));
     let center = rect.center();
     let painter = ui.painter_at(rect);
     painter.extend(primitives::shapes(&painter, &legend::wheel(center.into(), WHEEL / 2.0)));

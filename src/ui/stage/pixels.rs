@@ -219,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn costs_are_told_where_all_their_digits_fit() {
+    fn costs_are_reported_where_all_their_digits_fit() {
         let at = |scale| {
             let pane = Rect::from_min_size(Pos2::ZERO, vec2(600.0, 400.0));
             Lens::new(pane, (320, 240), crate::ui::stage::Zoom::At { center: [99.0; 2], scale })

@@ -1,4 +1,4 @@
-//! Placing a line, a zone or points on the picture with the mouse.
+//! Placing lines, zones or points on the picture with the mouse.
 
 use eframe::egui::{Button, Color32, Painter, Pos2, RichText, Shape, Stroke, TextStyle, Ui, WidgetInfo};
 use motionscope_core::params::{Figure, Placed, Spec, Spot};
@@ -58,27 +58,34 @@ pub enum Gesture {
 pub enum Grip {
     /// A handle of what was there when it was taken.
     Handle(usize, Placed),
-    /// The far end of something that began at a place.
-    New([f32; 2]),
+    /// The far end of something that began at a place, beside what was there.
+    New([f32; 2], Placed),
 }
 
 /// What to do, and the way out.
 pub fn tools(ui: &mut Ui, input: &Input<'_>, response: &mut Response) {
     let Some(placing) = input.placing else { return };
     let what = placing.spec.label.to_lowercase();
-    let told = match placing.now.figure() {
+    let message = match placing.now.figure() {
         Figure::Spots if !placing.is_by_frame => {
-            "Click on points of the picture, or drag one. A right click takes one away.".into()
+            "Click on points of the picture, or drag one. Right-click a point to remove it.".into()
         }
         Figure::Spots => format!(
-            "Click where it is in frame {}; the next frame follows. A right click takes one away.",
+            "Click where it is in frame {}; the next frame follows. Right-click a point to remove it.",
             placing.frame
         ),
-        Figure::Line => format!(
-            "Drag from one end of the {what} to the other, or move an end. A right click on an end takes it away."
-        ),
+        Figure::Lines => {
+            "Drag from one end of a line to the other, or move an end. Each drag adds a line; right-click an end \
+             to remove its line."
+                .into()
+        }
+        Figure::Zones => {
+            "Drag from one corner of a zone to the opposite one, or move a corner. Each drag adds a zone; right-click \
+             a corner to remove its zone."
+                .into()
+        }
         Figure::Zone => format!(
-            "Drag from one corner of the {what} to the opposite one, or move a corner. A right click on one takes it away."
+            "Drag from one corner of the {what} to the opposite one, or move a corner. Right-click a corner to remove it."
         ),
     };
     ui.horizontal_wrapped(|ui| {
@@ -87,7 +94,7 @@ pub fn tools(ui: &mut Ui, input: &Input<'_>, response: &mut Response) {
         if done.on_hover_text("Esc").clicked() {
             response.placing = Gesture::Done;
         }
-        ui.label(RichText::new(told).text_style(TextStyle::Small));
+        ui.label(RichText::new(message).text_style(TextStyle::Small));
     });
 }
 
@@ -110,14 +117,14 @@ pub fn act(
     if sensed.drag_started()
         && let Some(origin) = ui.input(|i| i.pointer.press_origin())
     {
-        let new = || (now.figure() != Figure::Spots).then(|| Grip::New(place(lens, origin)));
+        let new = || (now.figure() != Figure::Spots).then(|| Grip::New(place(lens, origin), now.clone()));
         state.grip = handle_at(origin).map(|index| Grip::Handle(index, now.clone())).or_else(new);
     }
     if let (Some(grip), Some(at)) = (&state.grip, at) {
         let to = place(lens, at);
         response.placed = Some(match grip {
             Grip::Handle(index, from) => from.moved(*frame, *index, to),
-            Grip::New(from) => now.figure().spanned(*from, to),
+            Grip::New(from, before) => before.extended(*from, to),
         });
     }
     let is_gripped = state.grip.is_some();
@@ -138,7 +145,7 @@ pub fn act(
     is_gripped
 }
 
-/// The place under the mouse, to a tenth of a pixel: nobody holds it more steadily.
+/// The place under the mouse, to a tenth of a pixel: a hand is no steadier.
 fn place(lens: &Lens, at: Pos2) -> [f32; 2] {
     lens.to_image(at).map(|c| (c * 10.0).round() / 10.0)
 }
@@ -155,8 +162,8 @@ pub fn paint(painter: &Painter, lens: &Lens, placing: &Placing, theme: Theme) {
     };
     let handles: Vec<Pos2> = placing.now.handles(placing.frame).into_iter().map(|at| lens.to_screen(at)).collect();
     match &placing.now {
-        Placed::Line(_) => line(handles.clone(), false),
-        Placed::Zone(_) => line(handles.clone(), true),
+        Placed::Lines(_) => handles.chunks(2).for_each(|ends| line(ends.to_vec(), false)),
+        Placed::Zone(_) | Placed::Zones(_) => handles.chunks(4).for_each(|corners| line(corners.to_vec(), true)),
         Placed::Spots(spots) => {
             for spot in spots.all().iter().filter(|spot| spot.frame != placing.frame) {
                 painter.circle_filled(lens.to_screen(spot.at), 2.5, accent.gamma_multiply(0.7));

@@ -154,6 +154,12 @@ pub static GLOSSARY: &[Term] = &[
         with low scores.",
     ),
     term(
+        DynamicScenes,
+        "camera path",
+        &["path of the camera"],
+        "The motions of the background between consecutive frames, chained from the first frame on.",
+    ),
+    term(
         MovingObjects,
         "camouflage",
         &[],
@@ -644,6 +650,12 @@ pub static GLOSSARY: &[Term] = &[
         are all brighter or all darker.",
     ),
     term(
+        DynamicScenes,
+        "feathering",
+        &["feathered mean", "feathered"],
+        "The blending of overlapping pictures with weights that fall to 0 at the border of each, so that seams vanish.",
+    ),
+    term(
         InterestPoints,
         "feature",
         &["features", "image feature"],
@@ -845,6 +857,13 @@ pub static GLOSSARY: &[Term] = &[
         "ground truth",
         &["reference flow", "true flow"],
         "The known correct flow, mask or boxes with which results are compared.",
+    ),
+    term(
+        InterestPoints,
+        "guided matching",
+        &["match by guidance"],
+        "Matching that compares a keypoint only with those near its epipolar line or its predicted place, so that the ratio \
+        test rejects fewer right matches.",
     ),
     term(
         InterestPoints,
@@ -1102,6 +1121,12 @@ pub static GLOSSARY: &[Term] = &[
         "Jacobi method",
         &["Jacobi", "Jacobi iteration"],
         "An iterative solver that computes all new values from the values of the iteration before.",
+    ),
+    term(
+        DynamicScenes,
+        "jitter",
+        &["camera shake"],
+        "Fast changes of a path from frame to frame, measured by its second differences.",
     ),
     term(
         KalmanFilters,

@@ -30,7 +30,7 @@ block_search_params! {
         termination_threshold: f32 = 0.5, 0.0..=16.0, "gray levels";
         /// Mean difference above which the fixed predictors are tested too, if the best match also costs more than twice the lowest
         /// cost of a neighbour. It limits the adaptive threshold as well.
-        fixed_threshold: f32 = 4.0, 0.0..=16.0, "gray levels";
+        fixed_threshold: f32 = 2.5, 0.0..=16.0, "gray levels";
         /// Distance between the squares of fixed predictors around (0, 0).
         fixed_step: usize = 4, 1..=16, "px";
         /// Number of squares of 8 fixed predictors, each a step larger than the one before.

@@ -95,12 +95,15 @@ impl BlockSearch for SuccessiveElimination {
 
 impl SuccessiveElimination {
     /// Tests the candidates that no bound excludes.
-    fn eliminate(&self, tester: &mut Tester<impl Observer<Event>>, sum: Sum) {
+    fn eliminate<O: Observer<Event>>(&self, tester: &mut Tester<O>, sum: Sum) {
         let sums = tester.sums.clone().unwrap_or_else(|| Arc::new(self.sums_of_window(tester)));
         let parts = sums.parts(&tester.work.patch.block);
         let (window, elimination) = (tester.window, Elimination { sum, sums: &sums, parts: &parts });
         for row in 0..window.size.1 {
-            for first in (0..window.size.0).step_by(LANES) {
+            // The limit only falls along the row: what it excludes now stays excluded. Bounds that are watched are told one by one.
+            let excluded = if O::WATCHES { 0 } else { elimination.excluded(tester, row) };
+            let runs = (0..window.size.0).step_by(LANES).enumerate();
+            for (_, first) in runs.filter(|(run, _)| *run >= 64 || excluded >> run & 1 == 0) {
                 let displacement = [window.min[0] + first as i32, window.min[1] + row as i32];
                 elimination.run(tester, Run { displacement, count: LANES.min(window.size.0 - first) });
             }
@@ -145,33 +148,37 @@ struct Elimination<'a> {
 }
 
 impl Elimination<'_> {
+    /// Which runs of a row of the search window the sum of the whole block excludes, a bit for each of the first 64.
+    fn excluded(&self, tester: &Tester<impl Observer<Event>>, row: usize) -> u64 {
+        let (block, window) = (tester.block, tester.window);
+        let [x, y] = [block.x as isize + window.min[0] as isize, block.y as isize + window.min[1] as isize];
+        let candidates = ((x, y + row as isize), window.size.0);
+        self.parts.first().map_or(0, |parts| self.sums.excluded(self.sum, parts, candidates, tester.sum_limit(None)))
+    }
+
     /// Skips or tests the candidates of a run, level by level until all of them are excluded.
     fn run<O: Observer<Event>>(&self, tester: &mut Tester<O>, run: Run) {
         let (block, first) = (tester.block, run.displacement);
         let place = (block.x as isize + first[0] as isize, block.y as isize + first[1] as isize);
-        let (mut limit, mut bounds, mut known) = (tester.sum_limit(None), [[0; LANES]; MOST_LEVELS], 0);
-        let mut excludes_all = false;
-        for (level, parts) in self.parts.iter().enumerate() {
-            bounds[level] = self.sums.bounds(self.sum, level, parts, place);
-            known = level + 1;
-            excludes_all = all_exceed(&bounds[level], run.count, limit);
-            if excludes_all {
-                break;
-            }
+        let limit = tester.sum_limit(None);
+        let all = u8::MAX >> (LANES - run.count);
+        let (mut bounds, mut known, mut open) = ([[0; LANES]; MOST_LEVELS], 0, all);
+        while known < self.parts.len() && open != 0 {
+            bounds[known] = self.sums.bounds(self.sum, known, &self.parts[known], place);
+            open &= within(&bounds[known], limit);
+            known += 1;
         }
-        if excludes_all && !O::WATCHES {
-            return;
-        }
-        for lane in 0..run.count {
+        // An observed run reports each excluded candidate.
+        let mut left = if O::WATCHES { all } else { open };
+        while left != 0 {
+            let lane = left.trailing_zeros() as usize;
+            left &= left - 1;
             let at = [first[0] + lane as i32, first[1]];
-            let excluding = |limit: u32| bounds[..known].iter().position(|bounds| bounds[lane] > limit);
-            // The price of a displacement only lowers the limit.
-            match excluding(limit).or_else(|| excluding(tester.sum_limit(Some(at)))) {
+            // The minimum may have fallen since, and the price of a displacement lowers the limit.
+            let limit = tester.sum_limit(Some(at));
+            match bounds[..known].iter().position(|bounds| bounds[lane] > limit) {
                 Some(level) => tester.skip(line::SKIP_CANDIDATE, self.skipped(at, (level, bounds[level][lane]))),
-                None => {
-                    tester.test(at);
-                    limit = tester.sum_limit(None);
-                }
+                None => tester.test(at),
             }
         }
     }
@@ -185,9 +192,8 @@ impl Elimination<'_> {
 /// The most levels of a bound, and one to spare: sides from 64 to 4 px.
 const MOST_LEVELS: usize = 6;
 
-/// Whether the first `count` bounds all exceed `limit`.
+/// The candidates of a run whose bounds do not exceed `limit`, a bit for each.
 #[inline(always)]
-fn all_exceed(bounds: &[u32; LANES], count: usize, limit: u32) -> bool {
-    let least = bounds.iter().zip(0..).map(|(&bound, lane)| if lane < count { bound } else { u32::MAX });
-    least.fold(u32::MAX, u32::min) > limit
+fn within(bounds: &[u32; LANES], limit: u32) -> u8 {
+    bounds.iter().zip(0..).fold(0, |open, (bound, lane)| open | u8::from(*bound <= limit) << lane)
 }

@@ -1,14 +1,17 @@
 //! Epipolar geometry of a pair of frames: the fundamental matrix, and the pose of a calibrated camera.
 
+mod sequels;
+
 use crate::base::words;
 use crate::methods::geometric::{
     Correspondence,
     epipolar::{
-        Camera, Pose, eight_point, epipoles, least_sampson, line as line_of, line_back, sampson_squared, seven_point,
+        Camera, Pose, eight_point, epipoles, least_sampson, line as line_of, line_back, sampson_all, sampson_squared,
+        seven_point,
     },
     fit::{fit, squared_error},
     ransac::{chosen, sample},
-    robust::{self, Best, Estimate, RobustModel, robust_pseudocode},
+    robust::{self, Best, Estimate, RobustModel, Sequel, robust_pseudocode},
 };
 use crate::methods::matching;
 use crate::products::model::{Matrix3, Model, Support};
@@ -44,7 +47,9 @@ params! {
 robust_pseudocode!(
     "  F ← the fundamental matrices through the sample, of rank 2",
     "  count the inliers: matches with a Sampson distance of at most the threshold",
-    "fit F to all inliers by the eight-point algorithm, weighted for the Sampson distance, until these stay the same"
+    "fit F to all inliers by the eight-point algorithm, weighted for the Sampson distance, until these stay the same",
+    GUIDE: "match each keypoint again, only with those near its epipolar line",
+    RECTIFY: "rectify both frames: H′ sends e′ to infinity along x, H makes the rows equal"
 );
 
 /// Share of the inliers that a homography must explain for the geometry to be degenerate.
@@ -65,6 +70,7 @@ impl RobustModel for EpipolarGeometry {
         frames: 2,
     };
     const PRODUCT: &'static ProductKind = EpipolarField::KIND;
+    const SEQUELS: usize = 2;
     const SYMBOL: &'static str = "F";
     const DISTANCE: &'static str = "Sampson distance";
 
@@ -112,8 +118,17 @@ impl RobustModel for EpipolarGeometry {
         least_sampson(inliers)
     }
 
-    fn squared_error(matrix: &Matrix3, of: &Correspondence) -> f64 {
-        sampson_squared(matrix, of)
+    fn squared_errors(matrix: &Matrix3, matches: &[Correspondence], errors: &mut [f64]) {
+        sampson_all(matrix, matches, errors);
+    }
+
+    /// A strip on both sides of the epipolar line.
+    fn share_of_area(threshold_px: f64, [width, height]: [f64; 2]) -> f64 {
+        2.0 * threshold_px * width.hypot(height) / (width * height)
+    }
+
+    fn is_known_on_line(&self) -> bool {
+        false
     }
 
     fn output(&self, estimate: &Estimate<'_>) -> Output {
@@ -140,17 +155,10 @@ impl RobustModel for EpipolarGeometry {
                 words::percent(planar as f32)
             );
         }
-        let pose = self.pose(estimate).map_or_else(
-            || " With the focal length, the pose of the camera follows from F.".to_owned(),
-            |pose| {
-                let [x, y, z] = pose.translation.map(|c| words::fixed(c, 2));
-                format!(
-                    " The camera turned by {}° and moved along ({x}, {y}, {z}); {} of the inliers lie in front of both cameras.",
-                    words::fixed(pose.angle_deg(), 2),
-                    pose.in_front
-                )
-            },
-        );
+        let pose = match self.pose(estimate) {
+            None => " With the focal length, the pose of the camera follows from F.".to_owned(),
+            Some(pose) => posed(&pose, best.score.inliers),
+        };
         format!("{found}{pose} Points of moving objects violate F unless they move along their epipolar lines.")
     }
 
@@ -166,13 +174,21 @@ impl RobustModel for EpipolarGeometry {
         ]);
         let Some([here, there]) = epipoles(&matrix) else { return vec![constraint] };
         let epipole = |name: &'static str, e: [f64; 3]| {
-            let told = match on_plane(e) {
+            let value = match on_plane(e) {
                 Some([x, y]) => format!(" = ({}, {}) px", words::fixed(x, 1), words::fixed(y, 1)),
                 None => " at infinity".to_owned(),
             };
-            Math::Row(vec![Math::Bold(name), Math::ink(Role::Best, told)])
+            Math::Row(vec![Math::Bold(name), Math::ink(Role::Best, value)])
         };
         vec![constraint, epipole("e", here), epipole("e′", there)]
+    }
+
+    fn sequel(&self, index: usize, estimate: &Estimate<'_>, focus: Option<Focus>) -> Sequel {
+        if index == 0 { self.guided(estimate, focus) } else { self.rectified(estimate) }
+    }
+
+    fn draw_sequel(&self, index: usize, estimate: &Estimate<'_>, focus: Option<Focus>, scene: &mut Scene) {
+        if index == 0 { self.draw_guided(estimate, focus, scene) } else { self.draw_rectified(estimate, scene) }
     }
 
     fn draw(&self, estimate: &Estimate<'_>, (matrix, _): (Matrix3, bool), focus: Option<Focus>, scene: &mut Scene) {
@@ -236,6 +252,35 @@ impl EpipolarGeometry {
         let camera = Camera { focal_px: self.focal_length.into(), centre };
         camera.pose(&matrix, &self.inliers(estimate, &matrix))
     }
+}
+
+/// Smallest ratio of both singular values of an essential matrix for which the intrinsics are accepted.
+const LEAST_RATIO: f64 = 0.8;
+
+/// The pose of the camera in words, or why it is refused.
+fn posed(pose: &Pose, inliers: usize) -> String {
+    let ratio = words::fixed(pose.singular_ratio, 2);
+    if pose.singular_ratio < LEAST_RATIO {
+        return format!(
+            " The pose is refused: the ratio of the singular values of the essential matrix is {ratio}, and at least {} is needed (1 with the right \
+             intrinsics). The focal length does not fit.",
+            words::fixed(LEAST_RATIO, 2)
+        );
+    }
+    if 2 * pose.in_front <= inliers {
+        return format!(
+            " The pose is refused: only {} of the {} inliers lie in front of both cameras, and more than half are needed.",
+            words::grouped(pose.in_front),
+            words::grouped(inliers)
+        );
+    }
+    let [x, y, z] = pose.translation.map(|c| words::fixed(c, 2));
+    format!(
+        " The camera turned by {}° and moved along ({x}, {y}, {z}); {} of the inliers lie in front of both cameras. Ratio of the singular values of the \
+         essential matrix: {ratio}.",
+        words::fixed(pose.angle_deg(), 2),
+        words::grouped(pose.in_front)
+    )
 }
 
 /// A homogeneous point in px; `None` at infinity.

@@ -7,7 +7,7 @@ use mosaic::mosaic;
 use crate::base::words;
 use crate::methods::geometric::{
     Correspondence,
-    fit::{fit, squared_error},
+    fit::{fit, squared_errors},
     refine::least_squares,
     robust::{self, Best, Estimate, RobustModel, robust_pseudocode},
 };
@@ -85,6 +85,11 @@ impl RobustModel for GlobalMotion {
         fit(self.model, sample).into_iter().collect()
     }
 
+    /// Twice as many as determine it, so that errors average out and another consensus is within reach.
+    fn resample_size(&self) -> usize {
+        2 * self.sample_size()
+    }
+
     fn local(&self, inliers: &[Correspondence]) -> Option<Matrix3> {
         fit(self.model, inliers)
     }
@@ -93,8 +98,17 @@ impl RobustModel for GlobalMotion {
         least_squares(self.model, inliers)
     }
 
-    fn squared_error(matrix: &Matrix3, of: &Correspondence) -> f64 {
-        squared_error(matrix, of)
+    fn squared_errors(matrix: &Matrix3, matches: &[Correspondence], errors: &mut [f64]) {
+        squared_errors(matrix, matches, errors);
+    }
+
+    /// A disk around the predicted position.
+    fn share_of_area(threshold_px: f64, [width, height]: [f64; 2]) -> f64 {
+        std::f64::consts::PI * threshold_px * threshold_px / (width * height)
+    }
+
+    fn is_known_on_line(&self) -> bool {
+        self.model.freedom() < Model::Affine.freedom()
     }
 
     fn output(&self, estimate: &Estimate<'_>) -> Output {

@@ -3,14 +3,20 @@
 
 mod epipolar_geometry;
 mod feature_matching;
+mod feature_tracker;
 mod global_motion;
 mod image_alignment;
+mod mosaic;
 mod phase_correlation;
+mod stabilization;
 mod template_matching;
 
 pub use epipolar_geometry::EpipolarGeometry;
 pub use feature_matching::FeatureMatching;
+pub use feature_tracker::FeatureTracker;
 pub use global_motion::GlobalMotion;
 pub use image_alignment::ImageAlignment;
+pub use mosaic::Mosaic;
 pub use phase_correlation::PhaseCorrelation;
+pub use stabilization::Stabilization;
 pub use template_matching::TemplateMatching;

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use crate::base::{Error, Mapped, Observer, Threads};
 use crate::data::{Clip, Detection, Frame, LabelEvent, Labelling, Mask, PackedMask};
 use crate::geometry::Grid;
-use crate::methods::subtraction::{Settings, cleaned, need_of_blobs, sifted};
+use crate::methods::subtraction::{Channels, Settings, cleaned, need_of_blobs, sifted};
 use crate::products::{MaskField, ObjectField, ObjectFrame, Output, Product, ProductKind, Record};
 use crate::run::{
     Estimator, Footprint, Frames, Granularity, Guarantee, Info, Masks, Need, Pointed, Progress, Seen, Span, Stage, need,
@@ -98,7 +98,8 @@ impl ConnectedComponents {
         let mask = match self.pixels {
             Pixels::Moving => {
                 let other = if state.frame > state.span.first { state.frame - 1 } else { state.frame + 1 };
-                let difference = FrameDifference { threshold: self.threshold, ..FrameDifference::default() };
+                let (threshold, channels) = (self.threshold, Channels::Gray);
+                let difference = FrameDifference { threshold, channels, ..FrameDifference::default() };
                 difference.differs(&[clip.frame(other)?], &frame, &Threads::single())
             }
             Pixels::Foreground => {
@@ -185,6 +186,13 @@ impl Estimator for ConnectedComponents {
         })
     }
 
+    fn earlier_frames(&self) -> Option<usize> {
+        match self.pixels {
+            Pixels::Foreground => self.mask.estimator().earlier_frames(),
+            Pixels::Moving | Pixels::Bright | Pixels::Dark => Some(1),
+        }
+    }
+
     fn advance(&self, clip: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
         let masked = self.masked(clip, state)?;
         if state.row == state.picture.1 {
@@ -229,7 +237,7 @@ impl Estimator for ConnectedComponents {
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
-        self.told(seen)
+        self.explained_step(seen)
     }
 
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {

@@ -117,6 +117,11 @@ impl Background for FlowMagnitude {
     const COMPARED: &'static str = "magnitude of the optical flow";
     type Model = Model;
 
+    /// Each frame is compared with the previous one alone.
+    fn earlier_frames(&self) -> Option<usize> {
+        Some(1)
+    }
+
     fn settings(&self) -> Settings {
         self.settings
     }

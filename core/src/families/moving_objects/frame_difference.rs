@@ -4,33 +4,26 @@ use std::sync::Arc;
 
 use crate::base::{Threads, wide::wide};
 use crate::data::{Clip, Frame, Mask};
-use crate::geometry::Gray;
 use crate::methods::numbers::{level, ratio};
 use crate::methods::subtraction::{
-    Background, Expected, Explanation, Flags, Found, Settings, Steadiness, compared, displaced, resampled,
-    subtraction_pseudocode,
+    Background, Channel, Channels, Comparison, Differencing, Explanation, Flags, Found, NOISE_SIGMAS, Row, Settings,
+    Steadiness, automatic_threshold, displaced, kind, largest, levels, noise_of, resampled, subtraction_pseudocode,
+    tuple,
 };
+use crate::params;
 use crate::run::{Info, Need};
 use crate::scene::{Canvas, Fact, Math, Picture, Role, Sentence};
-use crate::{choices, params};
-
-choices! {
-    /// The number of frames that are compared.
-    pub enum Differencing {
-        /// Two-frame differencing: |I(t) − I(t−1)|. Uncovered background behind an object is foreground too, as a ghost.
-        Two = "2" "Two frames",
-        /// Three-frame differencing: a foreground pixel differs from both previous frames, which reduces ghosts.
-        Three = "3" "Three frames",
-    }
-}
 
 params! {
     /// Frame differencing: thresholded differences of consecutive frames.
     pub struct FrameDifference {
         /// Number of frames that are compared: two-frame or three-frame differencing.
         differencing: Differencing = Differencing::Two;
-        /// Difference threshold in gray levels. Pixels with a larger difference are foreground. 0 chooses 4 standard deviations of the
-        /// noise, which the median absolute difference of the two frames gives (1.4826 times the median), and at least 8.
+        /// The channels that are compared.
+        channels: Channels = Channels::Color;
+        /// Difference threshold in gray levels. Pixels with a larger difference, in colour in any channel, are foreground. 0 chooses 4
+        /// standard deviations of the noise, which the median absolute difference of the two frames gives (1.4826 times the median), and
+        /// at least 8.
         threshold: usize = 0, 0..=255;
         /// The treatment of a camera that is not quite at rest.
         steady: Steadiness = Steadiness { shake: 0, ..Steadiness::default() };
@@ -40,65 +33,78 @@ params! {
     renamed { "compared" => "differencing", "open" => "opening", "close" => "closing" }
 }
 
-/// The automatic threshold in standard deviations of the noise.
-const NOISE_SIGMAS: f32 = 4.0;
-/// The least automatic threshold in gray levels: rounding and compression.
-const LEAST_THRESHOLD: f32 = 8.0;
-/// The standard deviation of a normal distribution, as a multiple of its median absolute deviation.
-const SIGMA_OF_MAD: f32 = 1.4826;
-
-/// Returns the standard deviation of the noise of a frame difference: most pixels are background, so the median absolute difference
-/// does not depend on objects (P. J. Rousseeuw and C. Croux, JASA 88, 1993).
-fn noise_of([now, before]: [&Gray; 2]) -> f32 {
-    let mut counts = [0usize; 256];
-    now.cells().iter().zip(before.cells()).for_each(|(a, b)| counts[usize::from(a.abs_diff(*b))] += 1);
-    let half = now.cells().len() as f32 / 2.0;
-    let mut below = 0.0;
-    for (level, count) in counts.iter().enumerate() {
-        let count = *count as f32;
-        if below + count >= half {
-            // Whole levels are intervals: 0 stands for 0 to 0.5, others for half a level to either side.
-            let (start, width) = if level == 0 { (0.0, 0.5) } else { (level as f32 - 0.5, 1.0) };
-            return SIGMA_OF_MAD * (start + width * (half - below) / count.max(1.0));
-        }
-        below += count;
-    }
-    0.0
+/// The levels of a frame in all of its channels.
+fn values(frame: &Frame, channels: usize) -> &[u8] {
+    frame.color().filter(|_| channels == 3).map_or(frame.luma().cells(), |color| color.cells().as_flattened())
 }
 
 impl FrameDifference {
+    /// Returns the number of channels that are compared.
+    fn count(&self, before: &[Arc<Frame>], frame: &Frame) -> usize {
+        before.iter().map(|earlier| self.channels.count(earlier)).fold(self.channels.count(frame), usize::min)
+    }
+
     /// Returns the threshold for a frame in gray levels.
     fn limit(&self, before: &[Arc<Frame>], frame: &Frame) -> u8 {
         if self.threshold > 0 {
             return self.threshold as u8;
         }
-        let noise = before.first().map_or(0.0, |before| noise_of([frame.luma(), before.luma()]));
-        (NOISE_SIGMAS * noise).ceil().max(LEAST_THRESHOLD) as u8
+        let channels = self.count(before, frame);
+        let noise = before.first().map_or(0.0, |before| {
+            let both = values(frame, channels).iter().zip(values(before, channels));
+            noise_of(both.map(|(now, before)| now.abs_diff(*before)))
+        });
+        automatic_threshold(noise)
     }
 
     /// Returns the pixels that differ from each frame of `before` by more than the threshold.
     pub fn differs(&self, before: &[Arc<Frame>], frame: &Frame, threads: &Threads) -> Mask {
         let ((width, height), threshold) = (frame.size(), self.limit(before, frame));
-        let mut mask = Mask::new(width, height);
+        let (mut mask, channels) = (Mask::new(width, height), self.count(before, frame));
         mask.write(|words, in_row| {
             threads.chunks(words, in_row, |y, words| {
                 words.fill(u64::MAX);
                 for earlier in before {
-                    both([frame.luma().row(y), earlier.luma().row(y)], threshold, words);
+                    both([frame, &**earlier].map(|frame| Row::of(frame, y, channels)), threshold, words);
                 }
             });
         });
         mask
     }
+
+    /// Returns the previous frame that a pixel differs least from, which decides; the channel in which it differs from it most, and by how
+    /// much. The largest difference of a pixel from each frame counts.
+    fn nearest<'a>(
+        &self,
+        before: &'a [Arc<Frame>],
+        frame: &Frame,
+        place: (usize, usize),
+    ) -> Option<(&'a Frame, (Channel, f32))> {
+        let channels = self.count(before, frame);
+        let value = levels(frame, place, channels);
+        let off = |earlier: &Frame| {
+            let before = levels(earlier, place, channels);
+            largest(&[0, 1, 2].map(|c| f32::from(value[c].abs_diff(before[c])))[..channels])
+        };
+        let all = before.iter().map(|earlier| (&**earlier, off(earlier)));
+        all.reduce(|a, b| if b.1.1 < a.1.1 { b } else { a })
+    }
 }
 
-wide!(fn both(rows: [&[u8]; 2], threshold: u8, words: &mut [u64]) = both_differ);
+wide!(fn both(rows: [Row<'_>; 2], threshold: u8, words: &mut [u64]) = both_differ);
 
-/// Keeps the pixels of `words` whose rows differ by more than `threshold`.
+/// Keeps the pixels of `words` whose rows differ by more than `threshold` in any channel.
 #[inline(always)]
-fn both_differ([here, there]: [&[u8]; 2], threshold: u8, words: &mut [u64]) {
-    for ((a, b), word) in here.chunks(64).zip(there.chunks(64)).zip(words) {
-        *word &= Flags::of(a.len().min(b.len()), |i| a[i].abs_diff(b[i]) > threshold).word();
+fn both_differ(rows: [Row<'_>; 2], threshold: u8, words: &mut [u64]) {
+    for (index, word) in words.iter_mut().enumerate() {
+        let mut flags = Flags([0; 64]);
+        for c in 0..rows[0].channels() {
+            let [here, there] = rows.map(|row| row.block(c, 64 * index));
+            for ((flag, a), b) in flags.0.iter_mut().zip(here).zip(there) {
+                *flag |= u8::from(a.abs_diff(b) > threshold);
+            }
+        }
+        *word &= flags.word();
     }
 }
 
@@ -106,7 +112,7 @@ subtraction_pseudocode! {
     begin: "B ← frame 0",
     camera: "  shift B by the median displacement of the camera",
     exposure: "  correct the exposure of the frame to that of the background",
-    compare: "  d ← |I(t) − I(t−1)|; with three frames min(|I(t) − I(t−1)|, |I(t) − I(t−2)|)",
+    compare: "  d ← |I(t) − I(t−1)|, in colour the maximum over the channels; with three frames the smaller of it and that of t−2",
     decide: "  foreground if d > threshold",
     shake: "  suppress pixels that fit the background of a pixel within shake",
     update: "  frame t becomes the reference of frame t+1",
@@ -125,7 +131,7 @@ impl Background for FrameDifference {
         granularities: &["clip", "frame", "stage"],
         frames: 2,
     };
-    const SHOWN: &'static str = "|I(t) − B|; B is the previous frame, or the more similar of the two previous frames";
+    const SHOWN: &'static str = "|I(t) − B|, in colour the maximum over the channels; B is the previous frame, or the more similar of the two previous frames";
     const IS_REPLACED: bool = true;
     /// The previous frames, the latest one first.
     type Model = Vec<Arc<Frame>>;
@@ -143,8 +149,11 @@ impl Background for FrameDifference {
     }
 
     fn displaced(&self, model: &Self::Model, frame: &Frame, mask: &Mask) -> Option<Mask> {
-        let threshold = self.limit(model, frame);
-        let is_near = |earlier: &Arc<Frame>, place, of| frame.luma()[place].abs_diff(earlier.luma()[of]) <= threshold;
+        let (threshold, channels) = (self.limit(model, frame), self.count(model, frame));
+        let is_near = |earlier: &Frame, place, of| {
+            let [value, before] = [levels(frame, place, channels), levels(earlier, of, channels)];
+            (0..channels).all(|c| value[c].abs_diff(before[c]) <= threshold)
+        };
         displaced(mask, self.steady, |place, of| model.iter().any(|earlier| is_near(earlier, place, of)))
     }
 
@@ -178,38 +187,46 @@ impl Background for FrameDifference {
     }
 
     fn compared_with(&self, model: &Self::Model, frame: &Frame, place: (usize, usize)) -> f32 {
-        // Of two previous frames the more similar one decides.
-        let value = f32::from(frame.luma()[place]);
-        let before = model.iter().map(|earlier| f32::from(earlier.luma()[place]));
-        before.reduce(|a, b| if (b - value).abs() < (a - value).abs() { b } else { a }).unwrap_or(value)
+        self.compared_in(model, frame, place, Channel::Gray)
+    }
+
+    fn channel(&self, model: &Self::Model, frame: &Frame, place: (usize, usize)) -> Channel {
+        self.nearest(model, frame, place).map_or(Channel::Gray, |(_, (channel, _))| channel)
+    }
+
+    fn compared_in(&self, model: &Self::Model, frame: &Frame, place: (usize, usize), channel: Channel) -> f32 {
+        let earlier = self.nearest(model, frame, place).map_or(frame, |(earlier, _)| earlier);
+        f32::from(channel.level(earlier, place))
     }
 
     fn difference(&self, model: &Self::Model, frame: &Frame, place: (usize, usize)) -> f32 {
-        (f32::from(frame.luma()[place]) - self.compared_with(model, frame, place)).abs()
+        self.nearest(model, frame, place).map_or(0.0, |(_, (_, difference))| difference)
     }
 
     fn explain(&self, [before, _]: [Option<&Self::Model>; 2], frame: &Frame, place: (usize, usize)) -> Explanation {
         let Some(before) = before else { return Explanation::default() };
-        let value = f32::from(frame.luma()[place]);
-        let of = |earlier: &Arc<Frame>| f32::from(earlier.luma()[place]);
-        let nearest = self.compared_with(before, frame, place);
-        let mut explanation = compared(
-            value,
-            Expected { value: nearest, symbol: "B", is_whole: true },
-            f32::from(self.limit(before, frame)),
-        );
+        let Some((nearest, _)) = self.nearest(before, frame, place) else { return Explanation::default() };
+        let channels = self.count(before, frame);
+        let of = |frame: &Frame| levels(frame, place, channels);
+        let text = |frame: &Frame| tuple(&of(frame)[..channels], |value| level(value.into()));
+        let comparison = Comparison {
+            pixel: &of(frame)[..channels],
+            background: &of(nearest).map(f32::from)[..channels],
+            is_whole: true,
+            threshold: f32::from(self.limit(before, frame)),
+        };
+        let mut explanation = comparison.explained();
         if let [last, earlier] = &before[..] {
-            let [last, earlier] = [last, earlier].map(|frame| level(of(frame)));
             explanation.facts.push(Fact::new(
                 "Frames t−1 and t−2",
-                format!("{last} and {earlier}"),
+                format!("{} and {}", text(last), text(earlier)),
                 Some(Role::Predicted),
             ));
             explanation.equation.insert(0, Math::text("B = the more similar of I(t−1) and I(t−2)"));
         }
         explanation.update = Sentence::default()
-            .text(format!("the next frame is compared with gray level {} of this one", level(value)))
-            .text(format!(", this one was compared with {}.", level(of(&before[0]))));
+            .text(format!("the next frame is compared with {} {} of this one", kind(channels)[1], text(frame)))
+            .text(format!(", this one was compared with {}.", text(&before[0])));
         explanation
     }
 
@@ -217,10 +234,14 @@ impl Background for FrameDifference {
         let which = if self.differencing == Differencing::Two { "the previous frame" } else { "both previous frames" };
         match self.threshold {
             0 => format!(
-                "the difference from {which} exceeds {} standard deviations of the noise, at least 8 gray levels",
-                ratio(f64::from(NOISE_SIGMAS))
+                "the difference from {which} exceeds {} standard deviations of the noise, at least 8 gray levels{}",
+                ratio(f64::from(NOISE_SIGMAS)),
+                self.channels.any()
             ),
-            threshold => format!("the difference from {which} exceeds the threshold of {threshold} gray levels"),
+            threshold => format!(
+                "the difference from {which} exceeds the threshold of {threshold} gray levels{}",
+                self.channels.any()
+            ),
         }
     }
 

@@ -9,8 +9,8 @@ use crate::data::{Clip, Frame, Mask};
 use crate::geometry::Grid;
 use crate::methods::numbers::gray;
 use crate::methods::subtraction::{
-    Background, Explanation, Flags, Found, Initial, Settings, ShadowLimits, Steadiness, by_rows, displaced, is_shadow,
-    shifted, subtraction_pseudocode,
+    Background, Explanation, Flags, Found, Initial, SHADOW_SHARE, Settings, ShadowDetection, ShadowLimits, Steadiness,
+    by_rows, displaced, is_shadow, levels, luma, shifted, subtraction_pseudocode,
 };
 use crate::params;
 use crate::run::{Info, Need};
@@ -29,10 +29,8 @@ params! {
         threshold: f32 = 20.0, 1.0..=200.0;
         /// Learning rate α, about 1 / history in frames: it sets how often samples are replaced.
         learning_rate: f32 = 0.002, 0.0..=1.0;
-        /// Detect cast shadows, pixels of the colour of the background but darker, and remove them from the foreground. Needs colour.
-        detect_shadows: bool = true;
-        /// Minimum brightness τ of a shadow, as a share of the brightness of the background. Darker pixels are objects.
-        shadow_threshold: f32 = 0.5, 0.05..=1.0;
+        /// The detection of cast shadows.
+        shadow: ShadowDetection = ShadowDetection::default();
         /// Initial background: the first frame, or the median of the run, which uses later frames (non-causal).
         initial: Initial = Initial::Median;
         /// The treatment of a camera that is not quite at rest.
@@ -40,14 +38,9 @@ params! {
         /// The parameters of all background subtractions.
         settings: Settings = Settings::default();
     }
-    advanced { "samples", "shadow-threshold" }
-    when {
-        "shadow-threshold": |p| p.detect_shadows, "The shadow threshold has no effect without shadow detection.";
-    }
+    advanced { "samples" }
 }
 
-/// The tolerated distance of a shadow from the colour of a sample, as a share of the threshold: darker objects are not shadows.
-const SHADOW_SHARE: f32 = 0.4;
 /// The maximum number of samples of a set.
 const MOST: usize = 7;
 /// The weights of all values since the samples of a set, which the sets together cover: 30 %, 60 % and 90 % of the past.
@@ -84,11 +77,6 @@ struct Near {
     background: usize,
 }
 
-/// Returns the color of a pixel; its gray level three times where only one channel counts.
-fn color_of(frame: &Frame, place: (usize, usize), channels: usize) -> [u8; 3] {
-    frame.color().filter(|_| channels == 3).map_or_else(|| [frame.luma()[place]; 3], |color| color[place])
-}
-
 impl KnnBackground {
     /// Returns the samples of a pixel in use.
     fn used<'a>(&self, sets: &'a Sets) -> impl Iterator<Item = &'a Sample> {
@@ -111,7 +99,8 @@ impl KnnBackground {
 
     /// Returns whether enough background samples make the value a shadow.
     fn is_in_shadow(&self, sets: &Sets, color: [u8; 3], channels: usize) -> bool {
-        let limits = ShadowLimits { darkest: self.shadow_threshold, limit: (SHADOW_SHARE * self.threshold).powi(2) };
+        let limits =
+            ShadowLimits { darkest: self.shadow.shadow_threshold, limit: (SHADOW_SHARE * self.threshold).powi(2) };
         let pixel = color.map(f32::from);
         let is_one = |sample: &&Sample| sample.is_background && is_shadow(pixel, sample.color.map(f32::from), limits);
         channels == 3 && self.used(sets).filter(is_one).count() >= self.k
@@ -188,13 +177,13 @@ impl Background for KnnBackground {
     }
 
     fn moved(&self, model: &Samples, by: [f32; 2], frame: &Arc<Frame>) -> Samples {
-        let begun = |x, y| [[Sample { color: color_of(frame, (x, y), model.channels), is_background: true }; MOST]; 3];
+        let begun = |x, y| [[Sample { color: levels(frame, (x, y), model.channels), is_background: true }; MOST]; 3];
         Samples { sets: shifted(&model.sets, by, begun), ..*model }
     }
 
     fn displaced(&self, model: &Samples, frame: &Frame, mask: &Mask) -> Option<Mask> {
         displaced(mask, self.steady, |place, of| {
-            self.near(&model.sets[of], color_of(frame, place, model.channels), model.channels).background >= self.k
+            self.near(&model.sets[of], levels(frame, place, model.channels), model.channels).background >= self.k
         })
     }
 
@@ -210,7 +199,7 @@ impl Background for KnnBackground {
     fn begin(&self, first: &Arc<Frame>) -> Samples {
         let ((width, height), channels) = (first.size(), if first.color().is_some() { 3 } else { 1 });
         let sets = Grid::from_fn(width, height, |x, y| {
-            [[Sample { color: color_of(first, (x, y), channels), is_background: true }; MOST]; 3]
+            [[Sample { color: levels(first, (x, y), channels), is_background: true }; MOST]; 3]
         });
         Samples { sets, channels, frames: 0 }
     }
@@ -219,13 +208,13 @@ impl Background for KnnBackground {
         let (channels, width) = (model.channels, frame.size().0);
         model.frames += 1;
         let (frames, periods) = (model.frames, self.periods());
-        let tells_shadows = self.detect_shadows && channels == 3;
+        let tells_shadows = self.shadow.detect_shadows && channels == 3;
         let in_shadow = tells_shadows.then(|| model.sets.clone());
         let mask = by_rows(&mut model.sets, threads, |y, row, words| {
             for (index, (cells, word)) in row.chunks_mut(64).zip(words).enumerate() {
                 *word = Flags::of(cells.len(), |i| {
                     let x = 64 * index + i;
-                    let color = color_of(frame, (x, y), channels);
+                    let color = levels(frame, (x, y), channels);
                     let near = self.near(&cells[i], color, channels);
                     let value = Sample { color, is_background: near.all >= self.k };
                     if self.learning_rate > 0.0 {
@@ -238,7 +227,7 @@ impl Background for KnnBackground {
         });
         // Shadows are those on the samples before the frame.
         let shadows = in_shadow.map(|sets| {
-            let is_one = |x, y| self.is_in_shadow(&sets[(x, y)], color_of(frame, (x, y), channels), channels);
+            let is_one = |x, y| self.is_in_shadow(&sets[(x, y)], levels(frame, (x, y), channels), channels);
             Mask::from_fn(mask.width(), mask.height(), |x, y| mask.get(x, y) && is_one(x, y))
         });
         Found { mask, shadows }
@@ -247,10 +236,13 @@ impl Background for KnnBackground {
     fn expected(&self, model: &Samples, place: (usize, usize)) -> f32 {
         let sets = &model.sets[place];
         // The median of the gray levels is that of a typical sample.
-        let mut values: Vec<f32> =
-            self.used(sets).filter(|sample| sample.is_background).map(|sample| luma(sample.color)).collect();
+        let mut values: Vec<f32> = self
+            .used(sets)
+            .filter(|sample| sample.is_background)
+            .map(|sample| luma(sample.color.map(f32::from)))
+            .collect();
         values.sort_by(f32::total_cmp);
-        values.get(values.len() / 2).copied().unwrap_or_else(|| luma(sets[0][0].color))
+        values.get(values.len() / 2).copied().unwrap_or_else(|| luma(sets[0][0].color.map(f32::from)))
     }
 
     fn difference(&self, model: &Samples, frame: &Frame, place: (usize, usize)) -> f32 {
@@ -273,15 +265,10 @@ impl Background for KnnBackground {
 impl KnnBackground {
     /// Returns the distances of a pixel from its background samples, the least first.
     fn distances(&self, model: &Samples, frame: &Frame, place: (usize, usize)) -> Vec<f32> {
-        let color = color_of(frame, place, model.channels);
+        let color = levels(frame, place, model.channels);
         let background = self.used(&model.sets[place]).filter(|sample| sample.is_background);
         let mut all: Vec<f32> = background.map(|sample| square(sample.color, color, model.channels).sqrt()).collect();
         all.sort_by(f32::total_cmp);
         all
     }
-}
-
-/// Returns the gray level of a color.
-fn luma([red, green, blue]: [u8; 3]) -> f32 {
-    0.299 * f32::from(red) + 0.587 * f32::from(green) + 0.114 * f32::from(blue)
 }

@@ -4,11 +4,12 @@ use std::sync::Arc;
 
 use crate::base::{Threads, wide::wide, words};
 use crate::data::{Clip, Frame, Mask};
-use crate::geometry::{Gray, Grid};
+use crate::geometry::Grid;
 use crate::methods::numbers::level;
 use crate::methods::subtraction::{
-    Accepted, Background, Expected, Explanation, Flags, Found, Initial, Past, Settings, Steadiness, by_rows, compared,
-    displaced, shifted, subtraction_pseudocode,
+    Accepted, Background, Channel, Channels, Channelwise, Comparison, Explanation, Found, Initial, Past, Planes, Row,
+    SHADOW_SHARE, Settings, ShadowDetection, Steadiness, classify, displaced, kind, levels, subtraction_pseudocode,
+    tuple,
 };
 use crate::params;
 use crate::run::{Info, Need};
@@ -20,8 +21,12 @@ params! {
         /// Step of the background toward each frame in gray levels. The background converges to the median: half of the frames are
         /// brighter, half darker.
         step: usize = 1, 1..=16;
-        /// Difference threshold in gray levels. Pixels with a larger |I − B| are foreground.
+        /// The channels that are compared.
+        channels: Channels = Channels::Color;
+        /// Difference threshold in gray levels. Pixels with a larger |I − B|, in colour in any channel, are foreground.
         threshold: usize = 25, 0..=255;
+        /// The detection of cast shadows.
+        shadow: ShadowDetection = ShadowDetection::default();
         /// Initial background: the first frame, or the median of the run, which uses later frames (non-causal).
         initial: Initial = Initial::Median;
         /// The treatment of a camera that is not quite at rest.
@@ -30,34 +35,44 @@ params! {
         settings: Settings = Settings::default();
     }
     renamed { "open" => "opening", "close" => "closing" }
+    when {
+        "detect-shadows": |p| p.channels == Channels::Color, "Shadow detection has no effect in gray: it needs colour.";
+        "shadow-threshold": |p| p.channels == Channels::Color, "The shadow threshold has no effect in gray.";
+    }
 }
 
 /// The number of frames of the median that the approximate one is compared with.
 const MEDIAN_FRAMES: usize = 25;
 
-wide!(fn decide(model: &mut [u8], row: &[u8], words: &mut [u64], median: &MedianBackground) = decide_row);
+impl Channelwise for MedianBackground {
+    type Cell = u8;
 
-#[inline(always)]
-fn decide_row(model: &mut [u8], row: &[u8], words: &mut [u64], median: &MedianBackground) {
-    let (step, threshold) = (median.step as u8, median.threshold as u8);
-    for ((model, row), word) in model.chunks_mut(64).zip(row.chunks(64)).zip(words) {
-        *word = Flags::of(model.len().min(row.len()), |i| {
-            let (old, new) = (model[i], row[i]);
-            let up = new.saturating_sub(old).min(step);
-            let down = old.saturating_sub(new).min(step);
-            model[i] = old + up - down;
-            old.abs_diff(new) > threshold
-        })
-        .word();
+    #[inline(always)]
+    fn distance(&self, median: u8, level: u8) -> f32 {
+        f32::from(level.abs_diff(median))
+    }
+
+    #[inline(always)]
+    fn differs(&self, median: u8, level: u8) -> bool {
+        level.abs_diff(median) > self.threshold as u8
+    }
+
+    #[inline(always)]
+    fn updated(&self, median: u8, level: u8, _: bool) -> u8 {
+        let step = self.step as u8;
+        median + level.saturating_sub(median).min(step) - median.saturating_sub(level).min(step)
     }
 }
+
+wide!(fn decide(of: &MedianBackground, row: Row<'_>, model: &mut [u8], words: &mut [u64]) = classify);
 
 subtraction_pseudocode! {
     begin: "B ← the initial background",
     camera: "  shift the model by the median displacement of the camera, in whole px",
     exposure: "  correct the exposure of the frame to that of the background",
-    compare: "  d ← |I − B|",
+    compare: "  d ← |I − B|; in colour the maximum over the channels",
     decide: "  foreground if d > threshold",
+    shadows: "  shadow if I ≈ a B with shadow-threshold ≤ a ≤ 1",
     shake: "  suppress pixels that fit the background of a pixel within shake",
     update: "  B ← B + step where I > B, B − step where I < B, at most to I",
 }
@@ -75,8 +90,8 @@ impl Background for MedianBackground {
         granularities: &["clip", "frame", "stage"],
         frames: 2,
     };
-    const SHOWN: &'static str = "|I − B|";
-    type Model = Gray;
+    const SHOWN: &'static str = "|I − B|, in colour the maximum over the channels";
+    type Model = Planes<u8>;
 
     fn settings(&self) -> Settings {
         self.settings
@@ -87,64 +102,85 @@ impl Background for MedianBackground {
     }
 
     fn moved(&self, model: &Self::Model, by: [f32; 2], frame: &Arc<Frame>) -> Self::Model {
-        shifted(model, by, |x, y| frame.luma()[(x, y)])
+        model.shifted(by, &self.begin(frame))
     }
 
     fn displaced(&self, model: &Self::Model, frame: &Frame, mask: &Mask) -> Option<Mask> {
-        let fits = |place, of| usize::from(frame.luma()[place].abs_diff(model[of])) <= self.threshold;
-        displaced(mask, self.steady, fits)
+        displaced(mask, self.steady, |place, of| model.fits(self, (frame, place), of))
     }
 
     fn need(&self, clip: &Clip) -> Need {
-        Need::per_pixel(clip, [2.0, 2.0])
+        Need::per_pixel(clip, [1.0 + 2.0 * self.channels.most(clip) as f64; 2])
     }
 
     fn initial(&self) -> Initial {
         self.initial
     }
 
-    fn begin(&self, first: &Arc<Frame>) -> Gray {
-        first.luma().clone()
+    fn begin(&self, first: &Arc<Frame>) -> Planes<u8> {
+        Planes::begin(first, self.channels, |level| level)
     }
 
-    fn subtract(&self, model: &mut Gray, frame: &Arc<Frame>, threads: &Threads) -> Found {
-        let mask = by_rows(model, threads, |y, cells, words| decide(cells, frame.luma().row(y), words, self));
-        Found { mask, shadows: None }
+    fn subtract(&self, model: &mut Planes<u8>, frame: &Arc<Frame>, threads: &Threads) -> Found {
+        // Shadows are those on the background before the update.
+        let before = (self.shadow.detect_shadows && model.channels == 3).then(|| model.clone());
+        let mask = model.by_rows(frame, threads, |row, cells, words| decide(self, row, cells, words));
+        let limit = |_| (SHADOW_SHARE * self.threshold as f32).powi(2);
+        let darkest = self.shadow.shadow_threshold;
+        let shadows = before.map(|model| model.shadows((frame, &mask), darkest, f32::from, limit));
+        Found { mask, shadows }
     }
 
-    fn expected(&self, model: &Gray, place: (usize, usize)) -> f32 {
-        f32::from(model[place])
+    fn expected(&self, model: &Planes<u8>, place: (usize, usize)) -> f32 {
+        model.expected(place, Channel::Gray, f32::from)
     }
 
-    fn layers(&self, model: &Arc<Gray>, past: &Past) -> Vec<Layer> {
+    fn expected_color(&self, model: &Planes<u8>, place: (usize, usize)) -> Option<[u8; 3]> {
+        model.color(place, f32::from)
+    }
+
+    fn channel(&self, model: &Planes<u8>, frame: &Frame, place: (usize, usize)) -> Channel {
+        model.deciding(self, frame, place).0
+    }
+
+    fn compared_in(&self, model: &Planes<u8>, _: &Frame, place: (usize, usize), channel: Channel) -> f32 {
+        model.expected(place, channel, f32::from)
+    }
+
+    fn layers(&self, model: &Arc<Planes<u8>>, past: &Past) -> Vec<Layer> {
         let (model, past) = (Arc::clone(model), past.clone());
-        vec![Layer::new(Quantity::OffMedian, move || match past.median(MEDIAN_FRAMES) {
-            Ok(median) => {
-                let (width, height) = model.size();
-                Grid::from_fn(width, height, |x, y| (f32::from(model[(x, y)]) - median[(x, y)]).abs())
-            }
-            Err(_) => model.map(|_| f32::NAN),
+        vec![Layer::new(Quantity::OffMedian, move || {
+            let ((width, height), median) = (model.size(), past.median(MEDIAN_FRAMES));
+            let off = |place| match &median {
+                Ok(median) => (model.expected(place, Channel::Gray, f32::from) - median[place]).abs(),
+                Err(_) => f32::NAN,
+            };
+            Grid::from_fn(width, height, |x, y| off((x, y)))
         })]
     }
 
-    fn accepted(&self, model: &Self::Model, place: (usize, usize)) -> Vec<Accepted> {
-        vec![Accepted::around(model[place].into(), self.threshold as f32)]
+    fn accepted(&self, model: &Planes<u8>, place: (usize, usize), channel: Channel) -> Vec<Accepted> {
+        vec![Accepted::around(model.expected(place, channel, f32::from), self.threshold as f32)]
     }
 
-    fn difference(&self, model: &Gray, frame: &Frame, place: (usize, usize)) -> f32 {
-        f32::from(frame.luma()[place].abs_diff(model[place]))
+    fn difference(&self, model: &Planes<u8>, frame: &Frame, place: (usize, usize)) -> f32 {
+        model.deciding(self, frame, place).1
     }
 
-    fn explain(&self, [before, after]: [Option<&Gray>; 2], frame: &Frame, place: (usize, usize)) -> Explanation {
+    fn explain(&self, [before, after]: [Option<&Planes<u8>>; 2], frame: &Frame, place: (usize, usize)) -> Explanation {
         let Some(before) = before else { return Explanation::default() };
-        let value = f32::from(frame.luma()[place]);
-        let mut explanation = compared(
-            value,
-            Expected { value: f32::from(before[place]), symbol: "B", is_whole: true },
-            self.threshold as f32,
-        );
+        let (channels, pixel) = (before.channels, levels(frame, place, before.channels));
+        let pixel = &pixel[..channels];
+        let comparison = Comparison {
+            pixel,
+            background: &before.at(place).map(f32::from)[..channels],
+            is_whole: true,
+            threshold: self.threshold as f32,
+        };
+        let mut explanation = comparison.explained();
         if let Some(after) = after {
-            let [old, new] = [before[place], after[place]].map(|value| level(value.into()));
+            let text = |values: &[u8]| tuple(values, |value| level(value.into()));
+            let [old, new] = [before, after].map(|model| text(&model.at(place)[..channels]));
             explanation.facts.push(Fact::new("Background after update", new.clone(), Some(Role::Estimate)));
             explanation.update = Sentence::default()
                 .text("B moves from ")
@@ -152,8 +188,9 @@ impl Background for MedianBackground {
                 .text(" to ")
                 .ink(Role::Estimate, new)
                 .text(format!(
-                    " toward the gray level {}, by a step of at most {}.",
-                    level(value),
+                    " toward the {} {}, by a step of at most {}.",
+                    kind(channels)[1],
+                    text(pixel),
                     words::counted(self.step, "gray level")
                 ));
         }
@@ -161,10 +198,10 @@ impl Background for MedianBackground {
     }
 
     fn rule(&self) -> String {
-        format!("|I − B| exceeds the threshold of {} gray levels", self.threshold)
+        format!("|I − B| exceeds the threshold of {} gray levels{}", self.threshold, self.channels.any())
     }
 
-    fn model_bytes(&self, model: &Gray) -> usize {
-        model.cells().len()
+    fn model_bytes(&self, model: &Planes<u8>) -> usize {
+        model.bytes()
     }
 }

@@ -10,7 +10,8 @@ use crate::data::{Clip, Frame, Mask};
 use crate::geometry::Grid;
 use crate::methods::numbers::gray;
 use crate::methods::subtraction::{
-    Accepted, Background, Explanation, Found, Initial, Past, Settings, Steadiness, displaced, subtraction_pseudocode,
+    Accepted, Background, Channel, Explanation, Found, Initial, Past, Settings, ShadowDetection, Steadiness, displaced,
+    subtraction_pseudocode,
 };
 use crate::params;
 use crate::run::{Info, Need};
@@ -36,10 +37,8 @@ params! {
         initial_sigma: f32 = 4.0, 0.5..=50.0;
         /// Minimum standard deviation σ of a mode in gray levels.
         min_sigma: f32 = 2.0, 0.5..=50.0;
-        /// Detect cast shadows, pixels of the colour of the background but darker, and remove them from the foreground. Needs colour.
-        detect_shadows: bool = true;
-        /// Minimum brightness τ of a shadow, as a share of the brightness of the background. Darker pixels are objects.
-        shadow_threshold: f32 = 0.5, 0.05..=1.0;
+        /// The detection of cast shadows.
+        shadow: ShadowDetection = ShadowDetection::default();
         /// Initial background: the first frame, or the median of the run, which uses later frames (non-causal).
         initial: Initial = Initial::Median;
         /// The treatment of a camera that is not quite at rest.
@@ -57,10 +56,7 @@ params! {
         "open" => "opening",
         "close" => "closing",
     }
-    advanced { "background-ratio", "complexity-reduction", "initial-sigma", "min-sigma", "shadow-threshold" }
-    when {
-        "shadow-threshold": |p| p.detect_shadows, "The shadow threshold has no effect without shadow detection.";
-    }
+    advanced { "background-ratio", "complexity-reduction", "initial-sigma", "min-sigma" }
 }
 
 /// The maximum σ of a mode, as a multiple of that of a new one.
@@ -132,7 +128,7 @@ impl Background for MixtureOfGaussians {
         model.modes(place).first().map_or(0.0, Mode::gray)
     }
 
-    fn accepted(&self, model: &Self::Model, place: (usize, usize)) -> Vec<Accepted> {
+    fn accepted(&self, model: &Self::Model, place: (usize, usize), _: Channel) -> Vec<Accepted> {
         let modes = model.modes(place);
         let background = self.background_modes(&modes);
         modes[..background].iter().map(|mode| mode.accepted(self.threshold)).collect()

@@ -1,6 +1,7 @@
 //! Moving objects: from pixels that do not look like the background to blobs. One file per estimator; the shared parts are
 //! in `subtraction` and `objects`.
 
+mod compensated_difference;
 mod connected_components;
 mod flow_magnitude;
 mod frame_difference;
@@ -11,6 +12,7 @@ mod running_average;
 mod single_gaussian;
 
 pub use crate::methods::subtraction::Subtraction;
+pub use compensated_difference::CompensatedDifference;
 pub use connected_components::ConnectedComponents;
 pub use flow_magnitude::FlowMagnitude;
 pub use frame_difference::FrameDifference;

@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use crate::base::{Threads, wide::wide};
 use crate::data::{Clip, Frame, Mask};
-use crate::geometry::Grid;
 use crate::methods::numbers::{gray, level, ratio};
 use crate::methods::subtraction::{
-    Accepted, Background, Expected, Explanation, Flags, Found, Initial, Settings, Steadiness, by_rows, compared,
-    displaced, shifted, subtraction_pseudocode,
+    Accepted, Background, Channel, Channels, Channelwise, Comparison, Explanation, Found, Initial, Planes, Row,
+    SHADOW_SHARE, Settings, ShadowDetection, Steadiness, classify, displaced, kind, levels, subtraction_pseudocode,
+    tuple,
 };
 use crate::params;
 use crate::run::{Info, Need};
@@ -19,10 +19,14 @@ params! {
     pub struct RunningAverage {
         /// Learning rate α, about 1 / history in frames. Higher values absorb stopped objects and ghosts sooner, but leave trails behind slow ones.
         learning_rate: f32 = 0.02, 0.0..=1.0;
-        /// Difference threshold in gray levels. Pixels with a larger |I − B| are foreground.
+        /// The channels that are compared.
+        channels: Channels = Channels::Color;
+        /// Difference threshold in gray levels. Pixels with a larger |I − B|, in colour in any channel, are foreground.
         threshold: f32 = 25.0, 0.0..=255.0;
         /// Selective update: only background pixels update the model. Objects leave no trail, but ghosts and stopped objects stay foreground permanently.
         selective: bool = false;
+        /// The detection of cast shadows.
+        shadow: ShadowDetection = ShadowDetection::default();
         /// Initial background: the first frame, or the median of the run, which uses later frames (non-causal).
         initial: Initial = Initial::Median;
         /// The treatment of a camera that is not quite at rest.
@@ -31,31 +35,41 @@ params! {
         settings: Settings = Settings::default();
     }
     renamed { "rate" => "learning-rate", "open" => "opening", "close" => "closing" }
-}
-
-wide!(fn decide(model: &mut [f32], row: &[u8], words: &mut [u64], average: &RunningAverage) = decide_row);
-
-#[inline(always)]
-fn decide_row(model: &mut [f32], row: &[u8], words: &mut [u64], average: &RunningAverage) {
-    let (rate, threshold) = (average.learning_rate, average.threshold);
-    let rate_in_front = if average.selective { 0.0 } else { rate };
-    for ((model, row), word) in model.chunks_mut(64).zip(row.chunks(64)).zip(words) {
-        *word = Flags::of(model.len().min(row.len()), |i| {
-            let difference = f32::from(row[i]) - model[i];
-            let is_foreground = difference.abs() > threshold;
-            model[i] += if is_foreground { rate_in_front } else { rate } * difference;
-            is_foreground
-        })
-        .word();
+    when {
+        "detect-shadows": |p| p.channels == Channels::Color, "Shadow detection has no effect in gray: it needs colour.";
+        "shadow-threshold": |p| p.channels == Channels::Color, "The shadow threshold has no effect in gray.";
     }
 }
+
+impl Channelwise for RunningAverage {
+    type Cell = f32;
+
+    #[inline(always)]
+    fn distance(&self, mean: f32, level: u8) -> f32 {
+        (f32::from(level) - mean).abs()
+    }
+
+    #[inline(always)]
+    fn differs(&self, mean: f32, level: u8) -> bool {
+        self.distance(mean, level) > self.threshold
+    }
+
+    #[inline(always)]
+    fn updated(&self, mean: f32, level: u8, is_foreground: bool) -> f32 {
+        let rate = if is_foreground && self.selective { 0.0 } else { self.learning_rate };
+        mean + rate * (f32::from(level) - mean)
+    }
+}
+
+wide!(fn decide(of: &RunningAverage, row: Row<'_>, model: &mut [f32], words: &mut [u64]) = classify);
 
 subtraction_pseudocode! {
     begin: "B ← the initial background",
     camera: "  shift the model by the median displacement of the camera, in whole px",
     exposure: "  correct the exposure of the frame to that of the background",
-    compare: "  d ← |I − B|",
+    compare: "  d ← |I − B|; in colour the maximum over the channels",
     decide: "  foreground if d > threshold",
+    shadows: "  shadow if I ≈ a B with shadow-threshold ≤ a ≤ 1",
     shake: "  suppress pixels that fit the background of a pixel within shake",
     update: "  B ← (1 − α) B + α I with learning-rate α; if selective, at background pixels only",
 }
@@ -65,15 +79,16 @@ impl Background for RunningAverage {
         id: "running-average",
         name: "Running average",
         family: "Moving objects",
-        summary: "Models the background as an exponentially weighted mean of each pixel and thresholds the difference from it.",
+        summary: "Models the background as an exponentially weighted mean of each pixel and channel and thresholds the difference from it.",
         source: "J. Heikkilä and O. Silvén, A real-time system for monitoring of cyclists and pedestrians, VS 1999; selective: \
-                 D. Koller et al., Towards robust automatic traffic scene analysis in real-time, ICPR 1994",
+                 D. Koller et al., Towards robust automatic traffic scene analysis in real-time, ICPR 1994; shadows: T. Horprasert, D. Harwood and L. S. Davis, ICCV \
+                 frame-rate workshop 1999",
         pseudocode: line::ALL,
         granularities: &["clip", "frame", "stage"],
         frames: 2,
     };
-    const SHOWN: &'static str = "|I − B|";
-    type Model = Grid<f32>;
+    const SHOWN: &'static str = "|I − B|, in colour the maximum over the channels";
+    type Model = Planes<f32>;
 
     fn settings(&self) -> Settings {
         self.settings
@@ -84,51 +99,69 @@ impl Background for RunningAverage {
     }
 
     fn moved(&self, model: &Self::Model, by: [f32; 2], frame: &Arc<Frame>) -> Self::Model {
-        shifted(model, by, |x, y| f32::from(frame.luma()[(x, y)]))
+        model.shifted(by, &self.begin(frame))
     }
 
     fn displaced(&self, model: &Self::Model, frame: &Frame, mask: &Mask) -> Option<Mask> {
-        let fits = |place, of| (f32::from(frame.luma()[place]) - model[of]).abs() <= self.threshold;
-        displaced(mask, self.steady, fits)
+        displaced(mask, self.steady, |place, of| model.fits(self, (frame, place), of))
     }
 
     fn need(&self, clip: &Clip) -> Need {
-        Need::per_pixel(clip, [6.0, 6.0])
+        Need::per_pixel(clip, [2.0 + 8.0 * self.channels.most(clip) as f64; 2])
     }
 
     fn initial(&self) -> Initial {
         self.initial
     }
 
-    fn begin(&self, first: &Arc<Frame>) -> Grid<f32> {
-        first.luma().map(|gray| f32::from(*gray))
+    fn begin(&self, first: &Arc<Frame>) -> Planes<f32> {
+        Planes::begin(first, self.channels, f32::from)
     }
 
-    fn subtract(&self, model: &mut Grid<f32>, frame: &Arc<Frame>, threads: &Threads) -> Found {
-        let mask = by_rows(model, threads, |y, cells, words| decide(cells, frame.luma().row(y), words, self));
-        Found { mask, shadows: None }
+    fn subtract(&self, model: &mut Planes<f32>, frame: &Arc<Frame>, threads: &Threads) -> Found {
+        // Shadows are those on the background before the update.
+        let before = (self.shadow.detect_shadows && model.channels == 3).then(|| model.clone());
+        let mask = model.by_rows(frame, threads, |row, cells, words| decide(self, row, cells, words));
+        let limit = |_| (SHADOW_SHARE * self.threshold).powi(2);
+        let darkest = self.shadow.shadow_threshold;
+        let shadows = before.map(|model| model.shadows((frame, &mask), darkest, |mean| mean, limit));
+        Found { mask, shadows }
     }
 
-    fn expected(&self, model: &Grid<f32>, place: (usize, usize)) -> f32 {
-        model[place]
+    fn expected(&self, model: &Planes<f32>, place: (usize, usize)) -> f32 {
+        model.expected(place, Channel::Gray, |mean| mean)
     }
 
-    fn accepted(&self, model: &Self::Model, place: (usize, usize)) -> Vec<Accepted> {
-        vec![Accepted::around(model[place], self.threshold)]
+    fn expected_color(&self, model: &Planes<f32>, place: (usize, usize)) -> Option<[u8; 3]> {
+        model.color(place, |mean| mean)
     }
 
-    fn difference(&self, model: &Grid<f32>, frame: &Frame, place: (usize, usize)) -> f32 {
-        (f32::from(frame.luma()[place]) - model[place]).abs()
+    fn channel(&self, model: &Planes<f32>, frame: &Frame, place: (usize, usize)) -> Channel {
+        model.deciding(self, frame, place).0
     }
 
-    fn explain(&self, [before, after]: [Option<&Grid<f32>>; 2], frame: &Frame, place: (usize, usize)) -> Explanation {
+    fn compared_in(&self, model: &Planes<f32>, _: &Frame, place: (usize, usize), channel: Channel) -> f32 {
+        model.expected(place, channel, |mean| mean)
+    }
+
+    fn accepted(&self, model: &Planes<f32>, place: (usize, usize), channel: Channel) -> Vec<Accepted> {
+        vec![Accepted::around(model.expected(place, channel, |mean| mean), self.threshold)]
+    }
+
+    fn difference(&self, model: &Planes<f32>, frame: &Frame, place: (usize, usize)) -> f32 {
+        model.deciding(self, frame, place).1
+    }
+
+    fn explain(&self, [before, after]: [Option<&Planes<f32>>; 2], frame: &Frame, place: (usize, usize)) -> Explanation {
         let Some(before) = before else { return Explanation::default() };
-        let value = f32::from(frame.luma()[place]);
-        let mut explanation =
-            compared(value, Expected { value: before[place], symbol: "B", is_whole: false }, self.threshold);
+        let (channels, pixel) = (before.channels, levels(frame, place, before.channels));
+        let pixel = &pixel[..channels];
+        let comparison =
+            Comparison { pixel, background: &before.at(place)[..channels], is_whole: false, threshold: self.threshold };
+        let mut explanation = comparison.explained();
         if let Some(after) = after {
-            let [old, new] = [before[place], after[place]].map(gray);
-            let is_frozen = self.selective && (value - before[place]).abs() > self.threshold;
+            let [old, new] = [before, after].map(|model| tuple(&model.at(place)[..channels], gray));
+            let is_frozen = self.selective && before.deciding(self, frame, place).1 > self.threshold;
             explanation.facts.push(Fact::new("Background after update", new.clone(), Some(Role::Estimate)));
             explanation.update = match is_frozen {
                 true => Sentence::default().text(format!("foreground, and the update is selective, so B stays {old}.")),
@@ -138,8 +171,9 @@ impl Background for RunningAverage {
                     .text(" to ")
                     .ink(Role::Estimate, new)
                     .text(format!(
-                        " toward the gray level {}; the learning rate is α = {}.",
-                        level(value),
+                        " toward the {} {}; the learning rate is α = {}.",
+                        kind(channels)[1],
+                        tuple(pixel, |of| level(of.into())),
                         ratio(self.learning_rate.into())
                     )),
             };
@@ -148,10 +182,10 @@ impl Background for RunningAverage {
     }
 
     fn rule(&self) -> String {
-        format!("|I − B| exceeds the threshold of {} gray levels", gray(self.threshold))
+        format!("|I − B| exceeds the threshold of {} gray levels{}", gray(self.threshold), self.channels.any())
     }
 
-    fn model_bytes(&self, model: &Grid<f32>) -> usize {
-        size_of_val(model.cells())
+    fn model_bytes(&self, model: &Planes<f32>) -> usize {
+        model.bytes()
     }
 }

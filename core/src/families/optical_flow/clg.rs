@@ -21,11 +21,11 @@ params! {
         /// Standard deviation ρ of the Gaussian window that averages the gradient constraints around each pixel. Larger values suppress noise but blur motion boundaries; 0 is Horn–Schunck. The image border is mirrored.
         rho: f32 = 1.0, 0.0..=10.0, "px";
         /// Iterative solver of the linear system.
-        solver: Solver = Solver::Jacobi;
+        solver: Solver = Solver::Sor;
         /// Relaxation factor ω of SOR; the other solvers ignore it. 1 is Gauss–Seidel, and SOR diverges from 2 on.
         relaxation: f32 = 1.9, 1.0..=1.99;
         /// Parameters that all variational methods share.
-        settings: Settings = Settings { iterations: 100, levels: 4, warps: 3, sigma: 0.5, ..Settings::default() };
+        settings: Settings = Settings { iterations: 20, levels: 4, warps: 3, sigma: 0.5, ..Settings::default() };
     }
     renamed { "smoothing" => "sigma" }
     when {
@@ -50,8 +50,8 @@ pseudocode! {
     TAKE_MEDIANS: "    (u₀, v₀) ← 3×3 median filter of (u, v); not before the very first warp",
     WARP: "    warp frame t+1 toward frame t by (u₀, v₀); I_x, I_y, I_t ← derivatives; T ← their products, smoothed by a Gaussian of ρ px",
     EACH_ITERATION: "    for each iteration",
-    AVERAGE: "      for each pixel: m ← weighted mean of its eight neighbours",
-    SOLVE: "      (u, v) ← solution of (T + α² I) (u, v) = α² m + T (u₀, v₀) − (T_xt, T_yt)",
+    AVERAGE: "      for each pixel: (ū, v\u{304}) ← weighted mean of its eight neighbours (newest values unless Jacobi)",
+    SOLVE: "      (u, v) ← (1 − ω) (u, v) + ω w, w solves (T + α² I) w = α² (ū, v\u{304}) + T (u₀, v₀) − (T_xt, T_yt); ω = 1 unless SOR",
 }
 
 impl Model for Clg {
@@ -89,16 +89,12 @@ impl Model for Clg {
 
     fn system(&self, linear: &Linear, threads: &Threads) -> System {
         let tensor = MotionTensor::new(linear, self.rho, threads);
-        System { solutions: Local::new(&tensor, self.alpha), tensor: OnceLock::new() }
+        let relaxation = self.solver.relaxation(self.relaxation);
+        System { solutions: Local::new(&tensor, self.alpha, relaxation, threads), tensor: OnceLock::new() }
     }
 
     fn iterate(&self, warp: &Warp<Self>, from: &Field, count: usize, threads: &Threads) -> Field {
-        let Some(relaxation) = self.solver.relaxation(self.relaxation) else {
-            return warp.system.solutions.jacobi(from, count, threads);
-        };
-        let mut field = from.clone();
-        (0..count).for_each(|_| warp.system.solutions.sweep(&mut field, relaxation));
-        field
+        warp.system.solutions.iterate(from, count, threads)
     }
 
     fn energy(&self, warp: &Warp<Self>, at: &Field) -> [f64; 2] {
@@ -116,7 +112,7 @@ impl Model for Clg {
         let [xx, xy, yy, xt, yt] = about_zero(tensor, probe.start().unwrap_or_default()).map(numbers::gray);
         Explanation {
             sentence: if step == AVERAGED {
-                probe.averaged(mean)
+                probe.averaged(self.solver, mean)
             } else {
                 self.updated(probe, tensor[0] + tensor[2], update)
             },

@@ -7,7 +7,7 @@ use crate::data::Clip;
 use crate::geometry::Grid;
 use crate::methods::{
     differential::{Advice, Conclusion, Field, Multiscale, Weights, Window, explain, field, numbers, relax},
-    polynomial::{Applicability, Estimate, Expander, ExpansionPair, Packed, Part, Probe, WindowSolver},
+    polynomial::{Applicability, Estimate, Expander, ExpansionPair, Inspected, Packed, Part, Probe, WindowSolver},
 };
 use crate::products::{Confidence, DenseField, Output, Product, ProductKind};
 use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
@@ -83,8 +83,6 @@ struct Iteration {
     polynomials: Arc<[Grid<Packed>; 2]>,
     from: Arc<Field>,
     to: Arc<Field>,
-    /// The pixel with the largest change.
-    most: (usize, usize),
 }
 
 impl Farneback {
@@ -196,8 +194,7 @@ impl Estimator for Farneback {
             observer.see(|| {
                 let done = || {
                     let (from, to) = (Arc::clone(&from), Arc::clone(&state.field));
-                    let most = field::most_changed(&from, &to);
-                    Arc::new(Iteration { polynomials: Arc::clone(&polynomials), from, to, most })
+                    Arc::new(Iteration { polynomials: Arc::clone(&polynomials), from, to })
                 };
                 Event { part, iteration: Arc::clone(iteration.get_or_insert_with(done)) }
             });
@@ -299,15 +296,16 @@ impl Pointed<State> for Farneback {
 }
 
 impl Farneback {
-    /// Returns the iteration at the pixel pointed at, or else at the one with the largest change.
+    /// Returns the iteration at the pixel pointed at, or else at the default one.
     fn probe<'a>(&self, seen: &Seen<'a, Self>) -> Option<Probe<'a>> {
         let Event { part, iteration } = seen.events.last()?;
         let (frames, level) = (&*seen.before.frames, seen.before.level);
         let pointed_at = seen.point().and_then(|point| frames.pixel_at(level, point));
-        let place = pointed_at.unwrap_or(iteration.most);
+        let place = pointed_at.unwrap_or_else(|| frames.default_pixel(level));
         let expansions = ExpansionPair { pair: iteration.polynomials.each_ref(), from: &iteration.from };
         let solver = WindowSolver { window: self.window(), damping: self.damping };
-        Some(Probe::new(*part, (frames, level), (expansions, &iteration.to, place), solver, self.poly_n / 2))
+        let inspected = Inspected { expansions, to: &iteration.to, place };
+        Some(Probe::new(*part, (frames, level), inspected, solver, self.poly_n / 2))
     }
 
     /// Adds the conclusion of an iteration and of the run, at the end of each.

@@ -13,16 +13,16 @@ params! {
     /// Horn and Schunck's method, which minimises the energy ∫∫ (I_x u + I_y v + I_t)² + α² (|∇u|² + |∇v|²).
     /// Course notes that multiply the smoothness term by (I_x² + I_y²) are misprinted: it has the same weight everywhere.
     /// Discretised by the weighted differences to the eight neighbours, |∇u|² is three times as large; as in the paper the factor 3
-    /// is absorbed, so α² acts as α²/3. One level, one warp, sigma 0 and the 2×2×2 cube give the method of the paper.
+    /// is absorbed, so α² acts as α²/3. One level, one warp, sigma 0, the 2×2×2 cube and the Jacobi solver with 100 iterations give the method of the paper.
     pub struct HornSchunck {
         /// Regularisation weight α, in gray levels per px. Larger values give smoother flow and fill areas without texture; where |∇I| = α, data term and smoothness term weigh equally.
         alpha: f32 = 8.0, 0.1..=1000.0;
         /// Iterative solver of the linear system.
-        solver: Solver = Solver::Jacobi;
+        solver: Solver = Solver::Sor;
         /// Relaxation factor ω of SOR; the other solvers ignore it. 1 is Gauss–Seidel, and SOR diverges from 2 on.
         relaxation: f32 = 1.9, 1.0..=1.99;
         /// Parameters that all variational methods share.
-        settings: Settings = Settings { iterations: 100, levels: 4, warps: 3, sigma: 0.5, ..Settings::default() };
+        settings: Settings = Settings { iterations: 20, levels: 4, warps: 3, sigma: 0.5, ..Settings::default() };
     }
     renamed { "smoothing" => "sigma" }
     when {
@@ -40,8 +40,8 @@ pseudocode! {
     TAKE_MEDIANS: "    (u₀, v₀) ← 3×3 median filter of (u, v); not before the very first warp",
     WARP: "    warp frame t+1 toward frame t by (u₀, v₀); I_x, I_y, I_t ← derivatives; c ← I_t − I_x u₀ − I_y v₀",
     EACH_ITERATION: "    for each iteration",
-    AVERAGE: "      for each pixel: m ← weighted mean of its eight neighbours",
-    UPDATE: "      (u, v) ← m − ∇I (∇I · m + c) / (α² + |∇I|²)",
+    AVERAGE: "      for each pixel: (ū, v\u{304}) ← weighted mean of its eight neighbours (newest values unless Jacobi)",
+    UPDATE: "      (u, v) ← (1 − ω) (u, v) + ω [(ū, v\u{304}) − ∇I (I_x ū + I_y v\u{304} + c) / (α² + |∇I|²)]; ω = 1 unless SOR",
 }
 
 impl Model for HornSchunck {
@@ -53,7 +53,7 @@ impl Model for HornSchunck {
         source: "B. K. P. Horn and B. G. Schunck, Determining optical flow, Artificial Intelligence 17, 1981; pyramid and \
                  warping: E. Meinhardt-Llopis, J. Sánchez and D. Kondermann, Horn–Schunck optical flow with a multi-scale \
                  strategy, Image Processing On Line 3, 2013; medians: D. Sun, S. Roth and M. J. Black, Secrets of optical flow \
-                 estimation and their principles, CVPR 2010",
+                 estimation and their principles, CVPR 2010; SOR: D. M. Young, Iterative solution of large linear systems, Academic Press, 1971",
         pseudocode: line::ALL,
         granularities: &["frame", "level", "warp", "iteration", "step"],
         frames: 2,
@@ -79,16 +79,11 @@ impl Model for HornSchunck {
     }
 
     fn system(&self, linear: &Linear, threads: &Threads) -> relax::System {
-        relax::System::new(linear, self.alpha, threads)
+        relax::System::new(linear, self.alpha, self.solver.relaxation(self.relaxation), threads)
     }
 
     fn iterate(&self, warp: &Warp<Self>, from: &Field, count: usize, threads: &Threads) -> Field {
-        let Some(relaxation) = self.solver.relaxation(self.relaxation) else {
-            return warp.system.jacobi(from, count, threads);
-        };
-        let mut field = from.clone();
-        warp.system.sweep(&mut field, count, relaxation);
-        field
+        warp.system.iterate(from, count, threads)
     }
 
     fn energy(&self, warp: &Warp<Self>, at: &Field) -> [f64; 2] {
@@ -107,7 +102,11 @@ impl Model for HornSchunck {
             points.pop();
         }
         Explanation {
-            sentence: if step == AVERAGED { probe.averaged(update.mean) } else { update.sentence(self, probe) },
+            sentence: if step == AVERAGED {
+                probe.averaged(self.solver, update.mean)
+            } else {
+                update.sentence(self, probe)
+            },
             facts: Vec::new(),
             equation: update.equation(self, probe),
             points,

@@ -80,7 +80,7 @@ impl Model for TvL1 {
 
     fn iterate(&self, warp: &Warp<Self>, from: &Dual, count: usize, threads: &Threads) -> Dual {
         let mut unknowns = from.clone();
-        (0..count).for_each(|_| unknowns.iterate(&warp.linear, self.weights(), threads));
+        unknowns.iterate(&warp.linear, self.weights(), count, threads);
         unknowns
     }
 
@@ -232,11 +232,23 @@ impl Pixel {
             THRESHOLDED => self.fitting(model, probe),
             UPDATED => [("u", 0), ("v", 1)]
                 .into_iter()
-                .flat_map(|(name, i)| smoothing(model, name, (self.fitted[i], self.divergence[i], to[i])))
+                .flat_map(|(name, i)| {
+                    smoothing(
+                        model,
+                        name,
+                        Smoothing { fitted: self.fitted[i], divergence: self.divergence[i], to: to[i] },
+                    )
+                })
                 .collect(),
             _ => [("u", 0), ("v", 1)]
                 .into_iter()
-                .flat_map(|(name, i)| dual_update(model, name, (self.p[0][i], self.gradients[i], self.p[1][i])))
+                .flat_map(|(name, i)| {
+                    dual_update(
+                        model,
+                        name,
+                        DualUpdate { from: self.p[0][i], gradient: self.gradients[i], to: self.p[1][i] },
+                    )
+                })
                 .collect(),
         }
     }
@@ -298,8 +310,15 @@ fn dual(name: &'static str) -> Math {
     Math::indexed(Math::Var("p"), Math::Var(name))
 }
 
+/// One component of the flow after the data term was fitted, the divergence of its dual variable, and their sum.
+struct Smoothing {
+    fitted: f32,
+    divergence: f32,
+    to: f32,
+}
+
 /// u = u_f + θ div p, in symbols and numbers.
-fn smoothing(model: &TvL1, name: &'static str, (fitted, div, to): (f32, f32, f32)) -> [Math; 1] {
+fn smoothing(model: &TvL1, name: &'static str, Smoothing { fitted, divergence, to }: Smoothing) -> [Math; 1] {
     [Math::Row(vec![
         Math::Var(name),
         Math::text(" = "),
@@ -310,13 +329,20 @@ fn smoothing(model: &TvL1, name: &'static str, (fitted, div, to): (f32, f32, f32
         dual(name),
         Math::text(" = "),
         Math::ink(Role::Predicted, numbers::px(fitted)),
-        Math::text(format!(" + {} · {} = ", numbers::gray(model.theta), numbers::factor(numbers::px(div)))),
+        Math::text(format!(" + {} · {} = ", numbers::gray(model.theta), numbers::factor(numbers::px(divergence)))),
         Math::ink(Role::Result, numbers::px(to)),
     ])]
 }
 
+/// The dual variable of one component of the flow before and after its update, and the gradient of the component.
+struct DualUpdate {
+    from: [f32; 2],
+    gradient: [f32; 2],
+    to: [f32; 2],
+}
+
 /// The dual update of one flow component, in symbols and numbers.
-fn dual_update(model: &TvL1, name: &'static str, (from, gradient, to): ([f32; 2], [f32; 2], [f32; 2])) -> [Math; 2] {
+fn dual_update(model: &TvL1, name: &'static str, DualUpdate { from, gradient, to }: DualUpdate) -> [Math; 2] {
     let rate = || Math::Frac(Box::new(Math::Var("τ")), Box::new(Math::Var("θ")));
     let gradient_of = || Math::Row(vec![Math::text("∇"), Math::Var(name)]);
     let top = vec![dual(name), Math::text(" + "), rate(), Math::text(" "), gradient_of()];

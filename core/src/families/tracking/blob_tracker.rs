@@ -430,10 +430,10 @@ impl Estimator for BlobTracker {
         observer.see(|| Event(EventKind::Corresponded(Arc::clone(&table))));
         let objects = self.assign(clip, state, &table, observer)?;
         let detections: Vec<Detection> = table.blobs.iter().map(|blob| blob.detection).collect();
-        let frame = Arc::new(ObjectFrame { mask: None, detections, objects });
+        let frame = state.run.finished(self.rules, detections, objects);
         observer.see(|| Event(EventKind::Done(Arc::clone(&frame), Box::new(state.run.conclusion(clip, &frame)))));
         clip.wanted()?;
-        Ok(state.run.note(clip, frame))
+        Ok(state.run.note(clip, self.rules, frame))
     }
 
     fn units(&self, state: &State) -> Option<usize> {
@@ -467,7 +467,7 @@ impl Estimator for BlobTracker {
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
-        self.told(seen)
+        self.explained_step(seen)
     }
 
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {

@@ -58,7 +58,7 @@ params! {
         motion: MotionModel = MotionModel::Velocity;
         /// Standard deviation of the acceleration; with the constant acceleration model, of its change per frame. Raise it if NIS lies
         /// above its band.
-        process_noise: f32 = 2.0, 0.0..=50.0, "px/frame²";
+        process_noise: f32 = 3.0, 0.0..=50.0, "px/frame²";
         /// Standard deviation of the change of the turn rate. Used with motion = turn only.
         turn_noise: f32 = 0.5, 0.0..=45.0, "°/frame²";
         /// Standard deviation of a measured position along each axis: the root of the diagonal of R. Lower values trust measurements more.
@@ -68,7 +68,7 @@ params! {
         /// Detector of moving objects. Used with source = moving, or where there are neither clicks, detections nor truth.
         detector: Stage<Foreground> = default_detector();
         /// Clicked positions. Clicks in several frames are the measurements, and the gate rejects none of them. A click in one frame, or with
-        /// another source, selects the object and the first frame of its track.
+        /// another source, selects the object and the first frame of its track, which starts at the click where nothing is detected.
         clicks: Spots = Spots::default();
         /// Number of the tracked object in the first frame with detections. Detections are counted by score; true objects, blobs and
         /// clicks in their order. Of blobs, 1 is the one that moves most consistently over the next frames.
@@ -488,7 +488,7 @@ impl Estimator for KalmanFilter {
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
-        self.told(seen)
+        self.explained_step(seen)
     }
 
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {

@@ -2,6 +2,7 @@
 
 mod association;
 mod explain;
+mod partial;
 
 use std::sync::Arc;
 
@@ -18,12 +19,13 @@ use crate::methods::{
         tracker_run::{self, Conclusion, TrackerRun},
     },
 };
-use crate::products::{Object, ObjectField, ObjectFrame, Output, Product, ProductKind};
+use crate::products::{Object, ObjectField, ObjectFrame, Output, Product, ProductKind, TrackStatus};
 use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
 use crate::scene::{Chart, Focus, Role, Scene, Step};
 use crate::{choices, params, pseudocode};
 
 pub use association::Costs;
+use partial::WholeSize;
 
 choices! {
     /// The assignment method.
@@ -75,6 +77,9 @@ params! {
         score_threshold: f32 = 0.6, -1000.0..=1000.0;
         /// Observation-centric recovery (OC-SORT): match the remaining tracks by their last detected box too, for objects that stopped while occluded.
         recover: bool = true;
+        /// Partial observation: where one side of a blob is hidden, its visible edges and the size of the track give its box. Off: boxes
+        /// shrink with what is visible.
+        partial: bool = true;
         /// Track management.
         rules: Rules = Rules::default();
     }
@@ -86,7 +91,7 @@ params! {
         "patience" => "max-age",
         "bridge" => "interpolate",
     }
-    advanced { "cascade", "score-threshold", "recover" }
+    advanced { "cascade", "score-threshold", "recover", "partial" }
     when {
         "turn-noise": |p| p.motion == MotionModel::Turn,
             "Turn noise has no effect unless the motion is a coordinated turn.";
@@ -110,6 +115,7 @@ pub struct Track {
     id: u32,
     filter: Filter,
     extent: Extent,
+    size: WholeSize,
     /// The last detected box.
     last: Bounds,
     age: TrackAge,
@@ -156,12 +162,34 @@ impl KalmanTracker {
         Measurement { place: detection.center.map(f64::from), place_deviation, velocity: None }
     }
 
+    /// Returns the whole box of a blob of which a side is hidden, as a detection; `None` if none is.
+    fn completed(&self, track: &Track, detection: &Detection, picture: (usize, usize)) -> Option<Detection> {
+        let is_possible = self.partial
+            && detection.blob.is_some()
+            && track.age.status != TrackStatus::Tentative
+            && track.size.hidden_frames < self.rules.max_age;
+        let bounds = is_possible.then(|| track.size.completed(&detection.bounds, &track.bounds(), picture))??;
+        Some(Detection { bounds, center: track.extent.place_in(&bounds), ..*detection })
+    }
+
+    /// Returns the measurement of a track by a detection: of its whole box, if a side is hidden.
+    fn measured(&self, track: &Track, detection: &Detection, picture: (usize, usize)) -> Measurement {
+        self.measurement(&self.completed(track, detection, picture).unwrap_or(*detection))
+    }
+
     /// Updates a track with its detection.
-    fn updated(&self, track: &Track, detection: &Detection) -> Track {
-        let measurement = self.measurement(detection);
-        let filter = track.filter.updated(&measurement).map_or(track.filter, |(filter, _)| filter);
-        let extent = track.extent.towards(detection);
-        Track { filter, extent, last: detection.bounds, age: self.rules.seen(track.age, detection), id: track.id }
+    fn updated(&self, track: &Track, detection: &Detection, picture: (usize, usize)) -> Track {
+        let completed = self.completed(track, detection, picture);
+        let found = completed.as_ref().unwrap_or(detection);
+        let filter = track.filter.updated(&self.measurement(found)).map_or(track.filter, |(filter, _)| filter);
+        Track {
+            id: track.id,
+            filter,
+            extent: track.extent.towards(found),
+            size: track.size.seen(detection, completed.is_some()),
+            last: detection.bounds,
+            age: self.rules.seen(track.age, found),
+        }
     }
 
     fn begun(&self, detection: &Detection, id: u32) -> Track {
@@ -169,7 +197,8 @@ impl KalmanTracker {
         // Hardly any object moves farther than half its height per frame: two standard deviations.
         let speed = extent.height_px() / 4.0;
         let filter = Filter::begun(self.model(&extent), &self.measurement(detection), speed);
-        Track { id, filter, extent, last: detection.bounds, age: self.rules.begun(detection) }
+        let (size, age) = (WholeSize::of(detection), self.rules.begun(detection));
+        Track { id, filter, extent, size, last: detection.bounds, age }
     }
 
     /// Returns the motion model of an object of this size.
@@ -205,7 +234,7 @@ impl Estimator for KalmanTracker {
         summary: "Tracks many objects: predicts each with a Kalman filter, assigns the detections of a frame to the tracks, and updates them.",
         source: "A. Bewley, Z. Ge, L. Ott, F. Ramos and B. Upcroft, Simple online and realtime tracking, ICIP 2016; low-score \
                  detections: Y. Zhang and others, ByteTrack, ECCV 2022; recovery by the last box: J. Cao and others, Observation-centric SORT, CVPR \
-                 2023; gating and track management: S. Blackman and R. Popoli, Design and analysis of modern tracking systems, 1999; assignment: H. W. \
+                 2023; partial observation: M. Xu and T. Ellis, BMVC 2002; gating and track management: S. Blackman and R. Popoli, Design and analysis of modern tracking systems, 1999; assignment: H. W. \
                  Kuhn 1955, R. Jonker and A. Volgenant 1987",
         pseudocode: line::ALL,
         granularities: &["clip", "frame", "step"],
@@ -238,10 +267,10 @@ impl Estimator for KalmanTracker {
             observer.see(|| Event::Assigned(Arc::clone(&costs), [row, pair.column]));
         }
         let objects = self.update_tracks(state, &costs, observer);
-        let frame = Arc::new(ObjectFrame { mask: None, detections: Vec::clone(&costs.detections), objects });
+        let frame = state.run.finished(self.rules, Vec::clone(&costs.detections), objects);
         observer.see(|| Event::Done(Arc::clone(&frame), Box::new(state.run.conclusion(clip, &frame))));
         clip.wanted()?;
-        Ok(state.run.note(clip, frame))
+        Ok(state.run.note(clip, self.rules, frame))
     }
 
     fn units(&self, state: &State) -> Option<usize> {
@@ -273,7 +302,7 @@ impl Estimator for KalmanTracker {
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
-        self.told(seen)
+        self.explained_step(seen)
     }
 
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
@@ -319,10 +348,11 @@ impl KalmanTracker {
             let next = match column {
                 Some(column) => {
                     let detection = &costs.detections[column];
-                    let updated = self.updated(track, detection);
+                    let picture = state.run.picture();
+                    let updated = self.updated(track, detection, picture);
                     observer.see(|| {
                         let both = Box::new([track.clone(), updated.clone()]);
-                        Event::Updated(both, self.measurement(detection))
+                        Event::Updated(both, self.measured(track, detection, picture))
                     });
                     state.run.look_back(self.rules, &updated.object(Some(column)), track.age);
                     Some(updated)

@@ -6,9 +6,8 @@ use std::sync::Arc;
 
 use crate::base::{Error, Observer};
 use crate::data::Clip;
-use crate::geometry::Bounds;
 use crate::methods::multi_object::directions::Directions;
-use crate::params::Line;
+use crate::params::{Lines, Zones};
 use crate::products::{
     ObjectField, ObjectFrame, Output, Product, ProductKind, TrackStatus,
     objects::trajectory::{Crossing, DirectionAnomaly, Dwell, Places, Trajectory, TrajectoryEvents},
@@ -25,10 +24,10 @@ params! {
     pub struct TrajectoryAnalysis {
         /// Maximum number of frames, the first included.
         frames: usize = 300, 2..=10_000;
-        /// Counting line. Crossings are counted by direction: to its right and to its left.
-        line: Option<Line> = None::<Line>;
-        /// Zone in which dwell time is measured.
-        zone: Option<Bounds> = None::<Bounds>;
+        /// Counting lines. Crossings of each are counted by direction: to its right and to its left.
+        lines: Lines = Lines::default();
+        /// Zones in which dwell time is measured. They may overlap.
+        zones: Zones = Zones::default();
         /// Number of frames of the velocity estimate, the slope of the least-squares line through their positions.
         window: usize = 5, 2..=100, "frames";
         /// Minimum speed for a heading. Slower tracks have no heading, and no anomaly.
@@ -44,6 +43,8 @@ params! {
         tracker: Stage<Tracks> = Stage::named("kalman-tracker");
     }
     renamed {
+        "line" => "lines",
+        "zone" => "zones",
         "least-others" => "min-others",
         "part" => "cell-size",
         "source" => "tracker.source",
@@ -83,11 +84,11 @@ pub enum Event {
     Tracked(Arc<ObjectFrame>),
     /// A trajectory has a new position.
     Moved(Arc<Trajectory>),
-    /// A track crosses the line.
+    /// A track crosses a line.
     Crossed(Arc<Trajectory>, Crossing),
-    /// A track enters the zone.
+    /// A track enters a zone.
     Entered(Arc<Trajectory>, Dwell),
-    /// A track leaves the zone.
+    /// A track leaves a zone.
     Left(Arc<Trajectory>, Dwell),
     /// A track has an anomalous direction.
     Unusual(Arc<Trajectory>, DirectionAnomaly),
@@ -115,7 +116,7 @@ struct DirectionSample {
 
 impl TrajectoryAnalysis {
     fn places(&self) -> Places {
-        Places { line: self.line, zone: self.zone, window: self.window }
+        Places { lines: self.lines.clone(), zones: self.zones.clone(), window: self.window }
     }
 
     /// Adds the new positions of a track. Those of its tentative frames are added when it is confirmed.
@@ -169,15 +170,9 @@ impl TrajectoryAnalysis {
 fn emit(trajectory: &Arc<Trajectory>, events: TrajectoryEvents, observer: &mut impl Observer<Event>) {
     let of = || Arc::clone(trajectory);
     observer.see(|| Event::Moved(of()));
-    if let Some(crossing) = events.crossed {
-        observer.see(|| Event::Crossed(of(), crossing));
-    }
-    if let Some(dwell) = events.entered {
-        observer.see(|| Event::Entered(of(), dwell));
-    }
-    if let Some(dwell) = events.left {
-        observer.see(|| Event::Left(of(), dwell));
-    }
+    events.crossed.into_iter().for_each(|crossing| observer.see(|| Event::Crossed(of(), crossing)));
+    events.entered.into_iter().for_each(|dwell| observer.see(|| Event::Entered(of(), dwell)));
+    events.left.into_iter().for_each(|dwell| observer.see(|| Event::Left(of(), dwell)));
     if let Some(unusual) = trajectory.sightings.last().and_then(|last| last.anomaly) {
         observer.see(|| Event::Unusual(of(), unusual));
     }
@@ -188,8 +183,8 @@ pseudocode! {
     TRACK: "  track the objects",
     EACH_OBJECT: "  for each confirmed track with position x(t)",
     MEASURE_VELOCITY: "    v ← slope of the least-squares line through its last positions",
-    COUNT_CROSSING: "    count a crossing if the segment from its last position to x(t) meets the line",
-    NOTE_ZONE: "    update dwell time: note entry into and exit from the zone",
+    COUNT_CROSSING: "    count a crossing of each line that the segment from its last position to x(t) meets",
+    NOTE_ZONE: "    update dwell times: note entry into and exit from each zone",
     IS_UNUSUAL: "    anomalous if the angle of v and the mean direction of the others > unusual-angle",
     LEARN_DIRECTIONS: "  add the directions of this frame to the grid cells",
 }
@@ -199,7 +194,7 @@ impl Estimator for TrajectoryAnalysis {
         id: "trajectory-analysis",
         name: "Trajectory analysis",
         family: "Tracking",
-        summary: "Analyses the trajectories of tracks: speed and heading, line crossings, dwell time in a zone, anomalous directions.",
+        summary: "Analyses the trajectories of tracks: speed and heading, line crossings, dwell time in zones, anomalous directions.",
         source: "Tracks: A. Bewley et al., Simple online and realtime tracking, ICIP 2016; typical directions: C. Stauffer and \
                  W. E. L. Grimson, Learning patterns of activity using real-time tracking, PAMI 22, 2000; circular means: \
                  K. V. Mardia and P. E. Jupp, Directional statistics, 2000",
@@ -273,7 +268,7 @@ impl Estimator for TrajectoryAnalysis {
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
-        self.told(seen)
+        self.explained_step(seen)
     }
 
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {

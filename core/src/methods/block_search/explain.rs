@@ -11,7 +11,7 @@ use crate::scene::{Role, Sentence};
 /// A match is called poor from this mean (or root-mean-square) difference on, in gray levels per pixel.
 const POOR_MATCH: f64 = 10.0;
 /// Other minima are called nearly as low up to this mean difference above the match, in gray levels per pixel.
-const RIVAL_LEVELS: f64 = 0.5;
+const COMPETING_LEVELS: f64 = 0.5;
 /// A motion vector is called wrong from this distance on from the true motion, in px.
 const CLOSE_PX: f32 = 1.0;
 /// How many ties are listed.
@@ -192,8 +192,22 @@ impl Probe<'_> {
                     displacement is taken."
                 .into();
         }
+        // Between two pixels both whole displacements cost alike, and more than nothing; that is no ambiguity of the texture.
+        let is_beside = |other: &Match| (0..2).all(|i| (other.displacement[i] - found.displacement[i]).abs() <= 1);
+        let may_lie_between = found.cost > 0.0
+            && self.settings.refinement.subpixel == Subpixel::None
+            && ties.len() <= BESIDE
+            && ties.iter().all(is_beside);
         if !ties.is_empty() {
-            return ambiguity("The cost is the same at", ties.iter().map(|tie| vector(tie.vector())).collect());
+            let at: Vec<String> = ties.iter().map(|tie| vector(tie.vector())).collect();
+            return match may_lie_between {
+                true => format!(
+                    "The cost is the same at {}, one pixel away: the displacement may lie in between. Sub-pixel refinement resolves \
+                     it.",
+                    at.join(", ")
+                ),
+                false => ambiguity("The cost is the same at", at),
+            };
         }
         if self.rate.distortion(found) == 0.0 {
             return match self.settings.matching.cost {
@@ -203,11 +217,11 @@ impl Probe<'_> {
             }
             .into();
         }
-        let margin = self.settings.matching.cost.of_levels(RIVAL_LEVELS, self.block());
-        let rivals = surface.rivals(found.displacement, whole + margin);
-        if !rivals.is_empty() {
-            let rival = |rival: &Match| format!("{} at {}", self.settings.number(rival.cost), vector(rival.vector()));
-            return ambiguity("Nearly the same cost:", rivals.iter().map(rival).collect());
+        let margin = self.settings.matching.cost.of_levels(COMPETING_LEVELS, self.block());
+        let competing_minima = surface.competing_minima(found.displacement, whole + margin);
+        if !competing_minima.is_empty() {
+            let other = |other: &Match| format!("{} at {}", self.settings.number(other.cost), vector(other.vector()));
+            return ambiguity("Nearly the same cost:", competing_minima.iter().map(other).collect());
         }
         let range = self.settings.matching.search_range as u32;
         if found.displacement.iter().any(|c| c.unsigned_abs() == range) {
@@ -368,6 +382,9 @@ impl Probe<'_> {
         said.text(verdict)
     }
 }
+
+/// The most displacements beside the match that a displacement between pixels explains.
+const BESIDE: usize = 3;
 
 /// Displacements that cost as much, or nearly, as the match; what precedes them is `same`.
 fn ambiguity(same: &str, at: Vec<String>) -> String {

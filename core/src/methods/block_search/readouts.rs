@@ -88,7 +88,7 @@ impl Probe<'_> {
         }
     }
 
-    /// A scale of colors for all of the block: from half the smallest to the largest cost of displacements that are spread over
+    /// A scale of colors for all of the block: from 0, a perfect match, to the largest cost of displacements that are spread over
     /// the window, so that a color means the same at every step and for every search.
     pub(super) fn scale(&self) -> Option<[f32; 2]> {
         /// So many along each side.
@@ -103,8 +103,8 @@ impl Probe<'_> {
         let costs = spread
             .map(|at| (tester.distortion(at) + self.rate.price(at.map(|c| 4 * c))) as f32)
             .filter(|cost| cost.is_finite());
-        let ends = costs.fold([f32::INFINITY, 0.0], |[low, high], cost| [cost.min(low), cost.max(high)]);
-        (ends[0] < ends[1]).then_some([ends[0] / 2.0, ends[1]])
+        let largest = costs.fold(0.0, f32::max);
+        (largest > 0.0).then_some([0.0, largest])
     }
 
     /// The histogram of the motion vectors so far, with this block's own once it is found.

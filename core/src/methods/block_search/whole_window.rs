@@ -61,14 +61,14 @@ impl WholeWindow {
     }
 
     /// The other local minima that cost at most `most`, lowest first: not beside `displacement`, and none beside a lower cost.
-    pub fn rivals(&self, displacement: Displacement, most: f64) -> Vec<Match> {
+    pub fn competing_minima(&self, displacement: Displacement, most: f64) -> Vec<Match> {
         let is_beside = |at: Displacement| [0, 1].iter().all(|&i| (at[i] - displacement[i]).abs() < 2);
-        let mut rivals: Vec<Match> = self
+        let mut competing_minima: Vec<Match> = self
             .all()
-            .filter(|rival| rival.cost <= most && !is_beside(rival.displacement) && self.is_minimum(*rival))
+            .filter(|other| other.cost <= most && !is_beside(other.displacement) && self.is_minimum(*other))
             .collect();
-        rivals.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-        rivals
+        competing_minima.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        competing_minima
     }
 
     /// Whether none of the 8 neighbours costs less.

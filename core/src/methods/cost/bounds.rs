@@ -72,17 +72,33 @@ impl PartSums {
     /// first has its first pixel at `(x, y)` of the picture. Those of candidates beyond the area mean nothing.
     pub fn bounds(&self, sum: Sum, level: usize, parts: &Parts, place: (isize, isize)) -> [u32; LANES] {
         let level = &self.levels[level];
-        let from = |place: isize, first: isize| usize::try_from(place - first).unwrap_or(0);
-        let start = from(place.1, level.first.1) * level.stride + from(place.0, level.first.0);
+        let start = level.start(place);
         match sum {
             Sum::Absolute => absolute(level, parts, start),
             Sum::Squared => squared(level, parts, start),
         }
     }
 
+    /// Which of the first 64 runs of [`LANES`] candidates beside each other the sum of the whole block excludes, a bit for each: those
+    /// whose bounds by the first level all exceed `limit`. The first of `count` candidates has its first pixel at `(x, y)` of the
+    /// picture. Squared differences are left to [`PartSums::bounds`], and so is a block whose parts are smaller than itself.
+    pub fn excluded(&self, sum: Sum, parts: &Parts, (place, count): ((isize, isize), usize), limit: u32) -> u64 {
+        let (Some(level), [own], Sum::Absolute) = (self.levels.first(), &parts.sums[..], sum) else { return 0 };
+        let row = level.sums.get(level.start(place)..).and_then(|row| row.get(..count));
+        row.map_or(0, |row| excluded_runs(*own, row, limit))
+    }
+
     /// Memory in bytes.
     pub fn bytes(&self) -> usize {
         self.levels.iter().map(|level| size_of_val(&level.sums[..])).sum()
+    }
+}
+
+impl Level {
+    /// The index of the sum over the part whose first pixel lies at a place of the picture.
+    fn start(&self, place: (isize, isize)) -> usize {
+        let from = |place: isize, first: isize| usize::try_from(place - first).unwrap_or(0);
+        from(place.1, self.first.1) * self.stride + from(place.0, self.first.0)
     }
 }
 
@@ -97,7 +113,27 @@ impl Parts {
 
 /// The sum of the `side × side` px of `cut` from `(x, y)` on.
 fn sum_of(cut: &Cut, (x, y): (usize, usize), side: usize) -> u32 {
-    (y..y + side).flat_map(|y| &cut.row(x, y)[..side]).map(|&pixel| u32::from(pixel)).sum()
+    let of_row = |y| cut.row(x, y)[..side].iter().map(|&pixel| u32::from(pixel)).sum::<u32>();
+    (y..y + side).map(of_row).sum()
+}
+
+wide!(fn excluded_runs(own: u32, row: &[u32], limit: u32) -> u64 = excluded_runs_of);
+
+#[inline(always)]
+fn excluded_runs_of(own: u32, row: &[u32], limit: u32) -> u64 {
+    let mut excluded = 0;
+    for (bit, run) in row.chunks(LANES).take(64).enumerate() {
+        let least = match run.first_chunk::<LANES>() {
+            Some(run) => {
+                let mut bounds = [0u32; LANES];
+                (0..LANES).for_each(|i| bounds[i] = own.abs_diff(run[i]));
+                bounds.iter().fold(u32::MAX, |least, bound| least.min(*bound))
+            }
+            None => run.iter().fold(u32::MAX, |least, sum| least.min(own.abs_diff(*sum))),
+        };
+        excluded |= u64::from(least > limit) << bit;
+    }
+    excluded
 }
 
 wide!(fn absolute(level: &Level, parts: &Parts, start: usize) -> [u32; LANES] = absolute_of);
@@ -133,13 +169,15 @@ fn squared_of(level: &Level, parts: &Parts, start: usize) -> [u32; LANES] {
 #[inline(always)]
 fn each_part(level: &Level, parts: &Parts, start: usize, mut add: impl FnMut(u32, &[u32; LANES])) {
     // A block that is cut at the border may hold no part, and reach less far than one.
-    let rows = level.sums.get(start..).unwrap_or_default().chunks(level.side * level.stride);
-    for (own, row) in parts.sums.chunks(parts.counts.0.max(1)).zip(rows) {
-        for (&own, sums) in own.iter().zip(row.windows(LANES).step_by(level.side)) {
-            if let Some(sums) = sums.first_chunk() {
-                add(own, sums);
-            }
+    let mut row = start;
+    for own in parts.sums.chunks(parts.counts.0.max(1)) {
+        let mut place = row;
+        for &own in own {
+            let Some(sums) = level.sums.get(place..).and_then(|sums| sums.first_chunk()) else { return };
+            add(own, sums);
+            place += level.side;
         }
+        row += level.side * level.stride;
     }
 }
 
@@ -171,6 +209,14 @@ mod tests {
             let sides = [16, 8, 3];
             let sums = PartSums::of_picture(&picture, margin, Border::Mirror, &sides);
             for (level, parts) in sums.parts(&block).iter().enumerate() {
+                let whole = sums.bounds(Sum::Absolute, level, parts, first);
+                if level == 0 && parts.sums.len() == 1 {
+                    for limit in [0, whole[0], whole[3], u32::MAX] {
+                        let is_excluded = whole.iter().all(|bound| *bound > limit);
+                        let found = sums.excluded(Sum::Absolute, parts, (first, LANES), limit);
+                        prop_assert_eq!(found, u64::from(is_excluded));
+                    }
+                }
                 for sum in [Sum::Absolute, Sum::Squared] {
                     let bounds = sums.bounds(sum, level, parts, first);
                     for (lane, &bound) in bounds.iter().enumerate() {

@@ -1,6 +1,6 @@
 //! Dense flow fields with separate components, so that loops over rows vectorise.
 
-use crate::base::{Threads, effort};
+use crate::base::Threads;
 use crate::data::Flow;
 use crate::geometry::{Grid, Sampling, pyramid::resampled};
 use crate::scene::{Picture, Role, Scene, Shape};
@@ -58,15 +58,6 @@ impl Field {
         }
         Flow(flow)
     }
-}
-
-/// The pixel whose flow changes most from one field to the other; the first of several.
-pub fn most_changed(from: &Field, to: &Field) -> (usize, usize) {
-    effort::add(from.u.cells().len());
-    let squared = |place: (usize, usize)| (to.u[place] - from.u[place]).powi(2) + (to.v[place] - from.v[place]).powi(2);
-    let (width, height) = from.u.size();
-    let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-    places.fold((0, 0), |most, place| if squared(place) > squared(most) { place } else { most })
 }
 
 /// Draws a dense flow field.

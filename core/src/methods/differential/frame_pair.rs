@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::base::{Error, Threads};
+use crate::base::{Error, Threads, effort};
 use crate::data::{Clip, Flow};
 use crate::geometry::{Beyond, Grid, filter};
 
@@ -33,6 +33,23 @@ impl FramePair {
     /// Returns the pixel at `point`, if that lies in the frame.
     pub fn pixel_at(&self, point: [f32; 2]) -> Option<(usize, usize)> {
         self.pictures[0].cell_at(point)
+    }
+
+    /// Returns the inner pixel with the largest product of spatial gradient and temporal difference, |∇I| |I_t|; the first of
+    /// several: an example with both texture and change.
+    pub fn strongest_constraint(&self) -> (usize, usize) {
+        let [current, next] = &self.pictures;
+        effort::add(current.cells().len());
+        let squared = |(x, y): (usize, usize)| {
+            let across = current[(x + 1, y)] - current[(x - 1, y)];
+            let down = current[(x, y + 1)] - current[(x, y - 1)];
+            (across * across + down * down) * (next[(x, y)] - current[(x, y)]).powi(2)
+        };
+        let (width, height) = self.size();
+        let inner = (1..height.saturating_sub(1)).flat_map(|y| (1..width.saturating_sub(1)).map(move |x| (x, y)));
+        let strongest =
+            inner.map(|place| (place, squared(place))).reduce(|most, next| if next.1 > most.1 { next } else { most });
+        strongest.map_or((0, 0), |(place, _)| place)
     }
 
     /// Returns the size in memory, in bytes, without the ground truth, which the clip holds.

@@ -5,7 +5,7 @@ use super::stencil::{BESIDE, update};
 use crate::base::{Threads, wide::widest};
 
 /// Iterations in one pass over the rows.
-pub const DEPTH: usize = 16;
+const DEPTH: usize = 16;
 
 /// Values in a cache line.
 const LINE: usize = 16;
@@ -40,8 +40,19 @@ impl Rows {
     }
 }
 
+/// Does `iterations` from `field`.
+pub fn iterations(factors: &Rows, field: &Field, iterations: usize, threads: &Threads) -> Field {
+    let (mut from, mut spare) = (None, None);
+    for done in (0..iterations).step_by(DEPTH) {
+        let mut to = spare.take().unwrap_or_else(|| Field::new(field.u.size(), [0.0; 2]));
+        iterate(factors, from.as_ref().unwrap_or(field), &mut to, DEPTH.min(iterations - done), threads);
+        spare = from.replace(to);
+    }
+    from.unwrap_or_else(|| field.clone())
+}
+
 /// Does `depth` iterations from `from` to `to`, a band of rows per thread. `factors` has three rows for each image row.
-pub fn iterate(factors: &Rows, from: &Field, to: &mut Field, depth: usize, threads: &Threads) {
+fn iterate(factors: &Rows, from: &Field, to: &mut Field, depth: usize, threads: &Threads) {
     let (width, height) = from.u.size();
     let rows = height.div_ceil(threads.count()).max(1);
     let parts = to.u.cells_mut().chunks_mut(rows * width).zip(to.v.cells_mut().chunks_mut(rows * width));

@@ -21,6 +21,8 @@ pub struct Multiscale {
     coarser: [Vec<Grid<f32>>; 2],
     /// The true flow at the pixels of each level in px of level 0, NaN where it is unknown; computed when an error is needed.
     truths: Vec<OnceLock<Option<Field>>>,
+    /// The pixel of level 0 that is explained where none is chosen.
+    default_pixel: OnceLock<(usize, usize)>,
 }
 
 impl Multiscale {
@@ -33,7 +35,7 @@ impl Multiscale {
         let frame_pair = FramePair::new(clip, frame, sigma_px, threads)?;
         let coarser = frame_pair.pictures.each_ref().map(|picture| pyramid::coarser(picture, FACTOR, count, threads));
         let truths = (0..=coarser[0].len()).map(|_| OnceLock::new()).collect();
-        Ok(Self { frame_pair, coarser, truths })
+        Ok(Self { frame_pair, coarser, truths, default_pixel: OnceLock::new() })
     }
 
     /// Returns the number of levels.
@@ -63,6 +65,13 @@ impl Multiscale {
         let ((width, height), scale) = (self.size(level), self.scale(level));
         let on_level = |c: usize, scale: f32, extent: usize| (((c as f32 + 0.5) / scale) as usize).min(extent - 1);
         Some((on_level(x, scale[0], width), on_level(y, scale[1], height)))
+    }
+
+    /// Returns the pixel of a level that is explained where none is chosen: the one with the strongest constraint of the frames,
+    /// the same for all iterations.
+    pub fn default_pixel(&self, level: usize) -> (usize, usize) {
+        let (x, y) = *self.default_pixel.get_or_init(|| self.frame_pair.strongest_constraint());
+        self.pixel_at(level, [x as f32, y as f32]).unwrap_or_default()
     }
 
     /// Returns the rectangle in level 0 that the pixels of a level from `min` to before `max` cover.

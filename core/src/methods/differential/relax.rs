@@ -5,9 +5,9 @@
 //! For a linear field the second sum is a third of the squared slope per pixel, so α² stands for α²/3 in the integral: the paper
 //! absorbs the factor 3 of its Laplacian, 3 (mean − value), into α² as well.
 
-use super::jacobi::{self, DEPTH, Rows};
+use super::jacobi::{self, Rows};
 use super::sor;
-use super::stencil::{BESIDE, CORNER};
+use super::stencil::{BESIDE, CORNER, update};
 use super::{Field, Linear};
 use crate::base::{
     LANES, Threads, effort,
@@ -15,53 +15,90 @@ use crate::base::{
 };
 use crate::geometry::{Border, Grid};
 
-/// The constraints, divided by the root of α² + a² + b²: from the neighbourhood mean (u, v) the update is then
+/// The linear system of a warp, prepared for its solver.
+///
+/// The constraints are divided by the root of α² + a² + b²: from the neighbourhood mean (u, v) the update is then
 /// (u, v) − (a, b) (a u + b v + c).
-pub struct System {
-    /// Rows of a, b and c, interleaved.
-    factors: Rows,
+pub enum System {
+    /// Jacobi iterations: rows of a, b and c, interleaved.
+    Jacobi(Rows),
+    /// Gauss–Seidel and SOR, with the relaxation factor ω; 1 is Gauss–Seidel.
+    Sor(sor::Factors<3>, f32),
 }
 
 impl System {
-    /// Returns the system of `linear` for the regularisation weight `alpha`.
-    pub fn new(linear: &Linear, alpha: f32, threads: &Threads) -> Self {
+    /// Returns the system of `linear` for the regularisation weight `alpha`, for SOR with the factor `relaxation`, or for Jacobi
+    /// without one.
+    pub fn new(linear: &Linear, alpha: f32, relaxation: Option<f32>, threads: &Threads) -> Self {
         let parts = [&linear.factors.a, &linear.factors.b, &linear.factors.c];
-        let (width, height) = parts[0].size();
+        let size @ (width, height) = parts[0].size();
+        let write = |y, rows: [&mut [f32]; 3]| scaled_row(parts.map(|part| part.row(y)), alpha, rows);
+        if let Some(relaxation) = relaxation {
+            return Self::Sor(sor::Factors::new(size, write, threads), relaxation);
+        }
         let mut factors = Rows::new(width, 3 * height);
         let stride = factors.stride;
         threads.chunks(factors.cells_mut(), 3 * stride, |y, rows| {
-            let (to_a, rest) = rows.split_at_mut(stride);
-            let (to_b, to_c) = rest.split_at_mut(stride);
-            let to = to_a.iter_mut().zip(to_b).zip(to_c);
-            let [a, b, c] = parts.map(|part| part.row(y));
-            for (((to_a, to_b), to_c), ((a, b), c)) in to.zip(a.iter().zip(b).zip(c)) {
-                let share = 1.0 / (alpha * alpha + a * a + b * b).sqrt();
-                (*to_a, *to_b, *to_c) = (a * share, b * share, c * share);
-            }
+            let (a, rest) = rows.split_at_mut(stride);
+            let (b, c) = rest.split_at_mut(stride);
+            write(y, [&mut a[..width], &mut b[..width], &mut c[..width]]);
         });
-        Self { factors }
+        Self::Jacobi(factors)
     }
 
-    /// Does `iterations` Jacobi iterations from `field`: all pixels from the means of the previous iteration.
-    pub fn jacobi(&self, field: &Field, iterations: usize, threads: &Threads) -> Field {
+    /// Does `iterations` from `field`.
+    pub fn iterate(&self, field: &Field, iterations: usize, threads: &Threads) -> Field {
         effort::add(iterations * field.u.cells().len());
-        let (mut from, mut spare) = (None, None);
-        for done in (0..iterations).step_by(DEPTH) {
-            let mut to = spare.take().unwrap_or_else(|| Field::new(field.u.size(), [0.0; 2]));
-            let depth = DEPTH.min(iterations - done);
-            jacobi::iterate(&self.factors, from.as_ref().unwrap_or(field), &mut to, depth, threads);
-            spare = from.replace(to);
+        match self {
+            Self::Jacobi(factors) => jacobi::iterations(factors, field, iterations, threads),
+            Self::Sor(factors, relaxation) => {
+                sor::iterate::<3, GradientUpdate>(factors, field, (iterations, *relaxation), threads)
+            }
         }
-        from.unwrap_or_else(|| field.clone())
+    }
+}
+
+widest! {
+    fn scaled_row(factors: [&[f32]; 3], alpha: f32, to: [&mut [f32]; 3]) = scaled
+}
+
+/// Divides a row of constraints by the root of α² + a² + b².
+#[inline(always)]
+fn scaled([a, b, c]: [&[f32]; 3], alpha: f32, [to_a, to_b, to_c]: [&mut [f32]; 3]) {
+    let share = |a: f32, b: f32| 1.0 / (alpha * alpha + a * a + b * b).sqrt();
+    let (mut x, width) = (0, a.len());
+    while let (Some(a), Some(b), Some(c)) = (lane(a, x), lane(b, x), lane(c, x)) {
+        let mut to = [[0.0; LANES]; 3];
+        for i in 0..LANES {
+            let share = share(a[i], b[i]);
+            (to[0][i], to[1][i], to[2][i]) = (a[i] * share, b[i] * share, c[i] * share);
+        }
+        to_a[x..x + LANES].copy_from_slice(&to[0]);
+        to_b[x..x + LANES].copy_from_slice(&to[1]);
+        to_c[x..x + LANES].copy_from_slice(&to[2]);
+        x += LANES;
+    }
+    for x in x..width {
+        let share = share(a[x], b[x]);
+        (to_a[x], to_b[x], to_c[x]) = (a[x] * share, b[x] * share, c[x] * share);
+    }
+}
+
+/// The update of a pixel from its scaled constraint.
+pub struct GradientUpdate;
+
+impl sor::Update<3> for GradientUpdate {
+    #[inline(always)]
+    fn update(mean: [f32; 2], factors: [f32; 3]) -> [f32; 2] {
+        update(mean, factors)
     }
 
-    /// Does `iterations` in place, from the newest values of the neighbours, in the order of [`sor`]. `relaxation` is the factor ω of
-    /// successive over-relaxation; 1 is Gauss–Seidel.
-    pub fn sweep(&self, field: &mut Field, iterations: usize, relaxation: f32) {
-        effort::add(iterations * field.u.cells().len());
-        for done in (0..iterations).step_by(sor::DEPTH) {
-            sor::iterate(&self.factors, field, sor::DEPTH.min(iterations - done), relaxation);
+    fn row(around: [sor::Around; 2], factors: [&[f32]; 3], to: [&mut [f32]; 2], relaxation: f32) {
+        widest! {
+            fn wide(around: [sor::Around; 2], factors: [&[f32]; 3], to: [&mut [f32]; 2], relaxation: f32)
+                = sor::row::<3, GradientUpdate>
         }
+        wide(around, factors, to, relaxation);
     }
 }
 

@@ -62,6 +62,11 @@ fn reason(status: Status) -> Option<(&'static str, &'static str)> {
         Status::Changed => {
             Some(("changed in appearance", "A higher maximum dissimilarity keeps more of them, at the risk of drift."))
         }
+        Status::Unmatched => Some((
+            "without a match",
+            "The detector does not find them again, or their descriptors are ambiguous: a lower threshold or a higher ratio limit keeps \
+             more.",
+        )),
         Status::Found | Status::Tracked => None,
     }
 }

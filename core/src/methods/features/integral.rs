@@ -84,6 +84,16 @@ impl Integral {
         d.wrapping_sub(b).wrapping_sub(c).wrapping_add(a)
     }
 
+    /// The values at the corners of the four boxes of side `half` around a corner of pixels, in rows.
+    #[inline(always)]
+    pub fn around(&self, [x, y]: [i32; 2], half: i32) -> [[u32; 3]; 3] {
+        let columns = [x - half, x, x + half].map(|x| x.clamp(0, self.size.0 as i32) as usize);
+        [y - half, y, y + half].map(|y| {
+            let row = self.row(y.clamp(0, self.size.1 as i32) as usize);
+            columns.map(|x| row[x])
+        })
+    }
+
     /// The values above row `y`, one for each column and one more.
     #[inline(always)]
     pub fn row(&self, y: usize) -> &[u32] {

@@ -283,6 +283,7 @@ pub fn why(status: Status) -> &'static str {
         Status::Astray => ": the forward–backward error exceeds its maximum, a sign of occlusion or a wrong match.",
         Status::Changed => ": its dissimilarity from the first view exceeds the maximum, or no affine map fits.",
         Status::Unlike => ": the residual exceeds the maximum, a sign of occlusion or a wrong match.",
+        Status::Unmatched => ": no keypoint of the next frame is its match.",
         Status::Found | Status::Tracked => ".",
     }
 }

@@ -95,15 +95,16 @@ impl SegmentTest {
         if is_x86_feature_detected!("avx2") {
             #[target_feature(enable = "avx2")]
             fn row<const ARC: usize, const COMPASS_POINTS: usize>(
-                (picture, y, threshold): (&Gray, usize, u8),
+                segment: SegmentTest,
+                (picture, y): (&Gray, usize),
                 scores: &mut [u8],
                 observer: &mut impl Observer<Candidate>,
             ) {
-                let test = |rows: &Rows, x| x86::test::<ARC, COMPASS_POINTS>(rows, x, threshold);
+                let test = |rows: &Rows, x| x86::test::<ARC, COMPASS_POINTS>(rows, x, segment.threshold);
                 each_chunk((picture, y), scores, observer, test);
             }
             // SAFETY: the processor has AVX2.
-            return unsafe { row::<ARC, COMPASS_POINTS>((picture, y, threshold), scores, observer) };
+            return unsafe { row::<ARC, COMPASS_POINTS>(self, (picture, y), scores, observer) };
         }
         each_chunk((picture, y), scores, observer, |rows, x| {
             Chunk { rows, x, threshold }.test::<ARC, COMPASS_POINTS>()

@@ -1,30 +1,32 @@
 //! Epipolar geometry: the fundamental matrix from seven, eight or more correspondences, epipoles, and the pose of a calibrated camera
 //! (Hartley and Zisserman 2004, chapters 9 and 11).
 
-use nalgebra::{Matrix3 as Square, SMatrix, SVector, Vector3};
+use nalgebra::{Matrix3 as Square, SVector, Vector3};
 
 use super::Correspondence;
 use super::fit::{Normalisation, product};
+use super::moments::{Moments, Normal};
+use crate::base::wide::wide;
 use crate::products::model::Matrix3;
 
 /// The fundamental matrices through seven correspondences: one to three. None if they do not determine one.
 pub fn seven_point(matches: &[Correspondence]) -> Vec<Matrix3> {
-    let Some((normal, from, to)) = normal_matrix(matches) else { return Vec::new() };
-    let Some([a, b]) = two_least(&normal) else { return Vec::new() };
+    let Some([from, to]) = normalisations(matches) else { return Vec::new() };
+    let Some([a, b]) = null_space(matches, [&from, &to]) else { return Vec::new() };
     // det(λ A + (1 − λ) B) is a cubic in λ, known by four values.
     let at = |lambda: f64| mixed(&a, &b, lambda).determinant();
     let [d0, d1, d2, d3] = [0.0, 1.0, -1.0, 2.0].map(at);
     let (c0, c2) = (d0, (d1 + d2) / 2.0 - d0);
     let c3 = (d3 - 2.0 * d1 + d0 - 2.0 * c2) / 6.0;
     let c1 = d1 - c0 - c2 - c3;
-    let of_root = |lambda: f64| denormalised(&mixed(&a, &b, lambda), (&from, &to));
+    let of_root = |lambda: f64| in_px(&mixed(&a, &b, lambda), [&from, &to]);
     cubic_roots([c0, c1, c2, c3]).into_iter().filter_map(of_root).collect()
 }
 
 /// The fundamental matrix by the normalised eight-point algorithm (Hartley 1997), from eight correspondences or more. `None` if they do not
 /// determine one.
 pub fn eight_point(matches: &[Correspondence]) -> Option<Matrix3> {
-    weighted_eight_point(matches, |_| 1.0)
+    weighted_eight_point(matches, &normalisations(matches)?, &vec![1.0; matches.len()])
 }
 
 /// Rounds of reweighting.
@@ -32,15 +34,18 @@ const ROUNDS: usize = 6;
 
 /// The fundamental matrix that minimises the sum of squared Sampson distances, by the eight-point algorithm with weights from the estimate before.
 pub fn least_sampson(matches: &[Correspondence]) -> Option<Matrix3> {
-    let mut matrix = eight_point(matches)?;
-    let cost = |matrix: &Matrix3| matches.iter().map(|m| sampson_squared(matrix, m)).sum::<f64>();
-    let mut least = cost(&matrix);
+    let by = normalisations(matches)?;
+    let mut numbers = vec![1.0; matches.len()];
+    let mut matrix = weighted_eight_point(matches, &by, &numbers)?;
+    let cost = |matrix: &Matrix3, errors: &mut [f64]| {
+        sampson_all(matrix, matches, errors);
+        errors.iter().sum::<f64>()
+    };
+    let mut least = cost(&matrix, &mut numbers);
     for _ in 0..ROUNDS {
-        let before = matrix;
-        let Some(next) = weighted_eight_point(matches, |m| 1.0 / gradient_squared(&before, m).max(1e-12)) else {
-            break;
-        };
-        let sum = cost(&next);
+        weights_of(&matrix, matches, &mut numbers);
+        let Some(next) = weighted_eight_point(matches, &by, &numbers) else { break };
+        let sum = cost(&next, &mut numbers);
         if sum >= least {
             break;
         }
@@ -49,59 +54,73 @@ pub fn least_sampson(matches: &[Correspondence]) -> Option<Matrix3> {
     Some(matrix)
 }
 
-fn weighted_eight_point(matches: &[Correspondence], weight: impl Fn(&Correspondence) -> f64) -> Option<Matrix3> {
+/// The normalisations of the points of both frames; `None` if all points of a frame are at one place.
+fn normalisations(matches: &[Correspondence]) -> Option<[Normalisation; 2]> {
+    Some([Normalisation::of(matches.iter().map(|m| m.from))?, Normalisation::of(matches.iter().map(|m| m.to))?])
+}
+
+fn weighted_eight_point(
+    matches: &[Correspondence],
+    [from, to]: &[Normalisation; 2],
+    weights: &[f64],
+) -> Option<Matrix3> {
     if matches.len() < 8 {
         return None;
     }
-    let from = Normalisation::of(matches.iter().map(|m| m.from))?;
-    let to = Normalisation::of(matches.iter().map(|m| m.to))?;
-    let mean = matches.iter().map(&weight).sum::<f64>() / matches.len() as f64;
-    let mut normal = SMatrix::<f64, 9, 9>::zeros();
-    for m in matches {
-        let row = equation(from.apply(m.from), to.apply(m.to));
-        normal += row * row.transpose() * (weight(m) / mean);
-    }
+    let normal = Moments::of(matches, [from, to], weights).bilinear();
     let [least, next] = two_least_values(&normal);
     // A second solution is as good: the points lie in a plane, or the camera has only turned.
     if next.0 < 1e-10 * normal.trace() {
         return None;
     }
-    denormalised(&square(&least.1), (&from, &to))
+    denormalised(&square(&least.1), [from, to])
 }
 
 /// The epipolar constraint of a correspondence as a linear equation in the entries of F by rows.
-fn equation([x, y]: [f64; 2], [u, v]: [f64; 2]) -> SVector<f64, 9> {
-    SVector::from([u * x, u * y, u, v * x, v * y, v, x, y, 1.0])
-}
-
-type Normalised = (SMatrix<f64, 9, 9>, Normalisation, Normalisation);
-
-fn normal_matrix(matches: &[Correspondence]) -> Option<Normalised> {
-    let from = Normalisation::of(matches.iter().map(|m| m.from))?;
-    let to = Normalisation::of(matches.iter().map(|m| m.to))?;
-    let mut normal = SMatrix::<f64, 9, 9>::zeros();
-    for m in matches {
-        let row = equation(from.apply(m.from), to.apply(m.to));
-        normal += row * row.transpose();
-    }
-    Some((normal, from, to))
+fn equation([x, y]: [f64; 2], [u, v]: [f64; 2]) -> [f64; 9] {
+    [u * x, u * y, u, v * x, v * y, v, x, y, 1.0]
 }
 
 /// The two smallest eigenvalues with their eigenvectors.
-fn two_least_values(normal: &SMatrix<f64, 9, 9>) -> [(f64, SVector<f64, 9>); 2] {
+fn two_least_values(normal: &Normal) -> [(f64, SVector<f64, 9>); 2] {
     let eigen = normal.symmetric_eigen();
     let mut order: Vec<usize> = (0..9).collect();
     order.sort_by(|a, b| eigen.eigenvalues[*a].total_cmp(&eigen.eigenvalues[*b]));
     [0, 1].map(|i| (eigen.eigenvalues[order[i]], eigen.eigenvectors.column(order[i]).into_owned()))
 }
 
-/// The null space of seven equations; `None` if it has more than two dimensions.
-fn two_least(normal: &SMatrix<f64, 9, 9>) -> Option<[Square<f64>; 2]> {
-    let eigen = normal.symmetric_eigen();
-    let mut order: Vec<usize> = (0..9).collect();
-    order.sort_by(|a, b| eigen.eigenvalues[*a].total_cmp(&eigen.eigenvalues[*b]));
-    let third = eigen.eigenvalues[order[2]];
-    (third > 1e-10 * normal.trace()).then(|| [0, 1].map(|i| square(&eigen.eigenvectors.column(order[i]).into_owned())))
+/// Two matrices that span the solutions of seven equations, by elimination with complete pivoting; `None` if there are more.
+fn null_space(matches: &[Correspondence], [from, to]: [&Normalisation; 2]) -> Option<[Square<f64>; 2]> {
+    /// Smallest pivot of equations that do not depend on each other.
+    const LEAST_PIVOT: f64 = 1e-5;
+    let mut rows: [[f64; 9]; 7] = [[0.0; 9]; 7];
+    for (row, m) in rows.iter_mut().zip(matches) {
+        *row = equation(from.apply(m.from), to.apply(m.to));
+    }
+    // The unknown that stands in each column.
+    let mut unknowns: [usize; 9] = std::array::from_fn(|i| i);
+    for k in 0..7 {
+        let places = (k..7).flat_map(|i| (k..9).map(move |j| (i, j)));
+        let (i, j) = places.reduce(|a, b| if rows[b.0][b.1].abs() > rows[a.0][a.1].abs() { b } else { a })?;
+        rows.swap(k, i);
+        rows.iter_mut().for_each(|row| row.swap(k, j));
+        unknowns.swap(k, j);
+        let pivot = rows[k];
+        if pivot[k].abs() < LEAST_PIVOT {
+            return None;
+        }
+        for (_, row) in rows.iter_mut().enumerate().filter(|(i, _)| *i != k) {
+            let factor = row[k] / pivot[k];
+            row.iter_mut().zip(pivot).skip(k).for_each(|(entry, of_pivot)| *entry -= factor * of_pivot);
+        }
+    }
+    // One of the last two unknowns is 1, the other 0.
+    Some([7, 8].map(|free| {
+        let mut entries = SVector::<f64, 9>::zeros();
+        entries[unknowns[free]] = 1.0;
+        (0..7).for_each(|k| entries[unknowns[k]] = -rows[k][free] / rows[k][k]);
+        square(&entries.normalize())
+    }))
 }
 
 fn square(entries: &SVector<f64, 9>) -> Square<f64> {
@@ -138,14 +157,18 @@ fn quadratic_roots([c0, c1, c2]: [f64; 3]) -> Vec<f64> {
 }
 
 /// The matrix with rank two in px, of unit norm.
-fn denormalised(matrix: &Square<f64>, (from, to): (&Normalisation, &Normalisation)) -> Option<Matrix3> {
+fn denormalised(matrix: &Square<f64>, by: [&Normalisation; 2]) -> Option<Matrix3> {
     let svd = matrix.svd(true, true);
     let (u, v_t) = (svd.u?, svd.v_t?);
     let mut values = svd.singular_values;
     let least = values.imin();
     values[least] = 0.0;
-    let ranked = u * Square::from_diagonal(&values) * v_t;
-    let rows: Matrix3 = std::array::from_fn(|i| std::array::from_fn(|j| ranked[(i, j)]));
+    in_px(&(u * Square::from_diagonal(&values) * v_t), by)
+}
+
+/// The matrix of normalised points in px, of unit norm.
+fn in_px(matrix: &Square<f64>, [from, to]: [&Normalisation; 2]) -> Option<Matrix3> {
+    let rows: Matrix3 = std::array::from_fn(|i| std::array::from_fn(|j| matrix[(i, j)]));
     let transposed = |m: Matrix3| -> Matrix3 { std::array::from_fn(|i| std::array::from_fn(|j| m[j][i])) };
     let matrix = product(&transposed(to.matrix()), &product(&rows, &from.matrix()));
     let norm = matrix.iter().flatten().map(|v| v * v).sum::<f64>().sqrt();
@@ -154,27 +177,54 @@ fn denormalised(matrix: &Square<f64>, (from, to): (&Normalisation, &Normalisatio
 }
 
 /// The epipolar line a x + b y + c = 0 in frame t + 1 of a point of frame t, as (a, b, c).
+#[inline(always)]
 pub fn line(matrix: &Matrix3, [x, y]: [f64; 2]) -> [f64; 3] {
     matrix.map(|row| row[0] * x + row[1] * y + row[2])
 }
 
 /// The same in frame t of a point of frame t + 1.
+#[inline(always)]
 pub fn line_back(matrix: &Matrix3, [x, y]: [f64; 2]) -> [f64; 3] {
-    std::array::from_fn(|j| matrix[0][j] * x + matrix[1][j] * y + matrix[2][j])
+    let [a, b, c] = matrix;
+    [0, 1, 2].map(|j| a[j] * x + b[j] * y + c[j])
 }
 
-/// Squared length of the gradient of x′ᵀ F x over the four coordinates.
-fn gradient_squared(matrix: &Matrix3, m: &Correspondence) -> f64 {
-    let ([a, b, _], [c, d, _]) = (line(matrix, m.from), line_back(matrix, m.to));
-    a * a + b * b + c * c + d * d
+/// The value of x′ᵀ F x, and the squared length of its gradient over the four coordinates.
+#[inline(always)]
+fn constraint(matrix: &Matrix3, m: &Correspondence) -> [f64; 2] {
+    let ([a, b, e], [c, d, _]) = (line(matrix, m.from), line_back(matrix, m.to));
+    [a * m.to[0] + b * m.to[1] + e, a * a + b * b + c * c + d * d]
 }
 
 /// The squared Sampson distance of a correspondence in px²: first-order distance from the nearest pair that satisfies x′ᵀ F x = 0.
+#[inline(always)]
 pub fn sampson_squared(matrix: &Matrix3, m: &Correspondence) -> f64 {
-    let [a, b, c] = line(matrix, m.from);
-    let constraint = a * m.to[0] + b * m.to[1] + c;
-    let gradient = gradient_squared(matrix, m);
-    if gradient > 0.0 { constraint * constraint / gradient } else { f64::INFINITY }
+    let [value, gradient] = constraint(matrix, m);
+    if gradient > 0.0 { value * value / gradient } else { f64::INFINITY }
+}
+
+wide! {
+    /// Writes the squared Sampson distance of each correspondence.
+    pub fn sampson_all(matrix: &Matrix3, matches: &[Correspondence], errors: &mut [f64]) = sampson_anyhow
+}
+
+wide! {
+    /// Writes the weight of each correspondence, with which the algebraic distance becomes the Sampson distance, in terms of their mean.
+    fn weights_of(matrix: &Matrix3, matches: &[Correspondence], weights: &mut [f64]) = weights_anyhow
+}
+
+#[inline(always)]
+fn sampson_anyhow(matrix: &Matrix3, matches: &[Correspondence], errors: &mut [f64]) {
+    errors.iter_mut().zip(matches).for_each(|(error, m)| *error = sampson_squared(matrix, m));
+}
+
+#[inline(always)]
+fn weights_anyhow(matrix: &Matrix3, matches: &[Correspondence], weights: &mut [f64]) {
+    for (weight, m) in weights.iter_mut().zip(matches) {
+        *weight = 1.0 / constraint(matrix, m)[1].max(1e-12);
+    }
+    let mean = weights.iter().sum::<f64>() / weights.len() as f64;
+    weights.iter_mut().for_each(|weight| *weight /= mean);
 }
 
 /// The epipoles in frames t and t + 1 in homogeneous coordinates: F e = 0 and Fᵀ e′ = 0.
@@ -204,6 +254,8 @@ pub struct Pose {
     pub translation: [f64; 3],
     /// Number of correspondences in front of both cameras.
     pub in_front: usize,
+    /// Ratio of the second to the first singular value of the essential matrix: 1 for the right intrinsics and exact positions.
+    pub singular_ratio: f64,
 }
 
 impl Pose {
@@ -227,6 +279,9 @@ impl Camera {
         let essential = intrinsics.transpose() * Square::from_fn(|i, j| matrix[i][j]) * intrinsics;
         let svd = essential.svd(true, true);
         let (mut u, mut v_t, least) = (svd.u?, svd.v_t?, svd.singular_values.imin());
+        let mut values = svd.singular_values;
+        values[least] = 0.0;
+        let singular_ratio = (values.sum() - values.max()) / values.max();
         // The singular value 0 last, and proper rotations.
         u.swap_columns(least, 2);
         v_t.swap_rows(least, 2);
@@ -242,7 +297,7 @@ impl Camera {
         });
         let (in_front, rotation, t) = counted.reduce(|best, other| if other.0 > best.0 { other } else { best })?;
         let rotation = std::array::from_fn(|i| std::array::from_fn(|j| rotation[(i, j)]));
-        Some(Pose { rotation, translation: [t[0], t[1], t[2]], in_front })
+        Some(Pose { rotation, translation: [t[0], t[1], t[2]], in_front, singular_ratio })
     }
 }
 
@@ -323,10 +378,42 @@ mod tests {
         let matrix = least_sampson(&all).expect("points in general position");
         let pose = CAMERA.pose(&matrix, &all).expect("a pose");
         assert_eq!(pose.in_front, all.len());
+        assert!(pose.singular_ratio > 0.999, "{}", pose.singular_ratio);
         let off = (0..9).map(|i| (pose.rotation[i / 3][i % 3] - turn[(i / 3, i % 3)]).abs()).fold(0.0, f64::max);
         assert!(off < 1e-4, "{off}");
         let along: f64 = (0..3).map(|i| pose.translation[i] * t[i]).sum();
         assert!(along > 0.9999, "{along}");
+    }
+
+    #[test]
+    fn a_wrong_focal_length_makes_the_singular_values_differ() {
+        let (all, ..) = views(60, 0.0);
+        let matrix = least_sampson(&all).expect("points in general position");
+        let ratio = |factor: f64| {
+            let camera = Camera { focal_px: factor * CAMERA.focal_px, ..CAMERA };
+            camera.pose(&matrix, &all).expect("a pose").singular_ratio
+        };
+        let all = [0.1, 0.3, 0.7, 1.0, 1.5, 3.0].map(ratio);
+        assert!(all[..4].is_sorted() && all[3..].is_sorted_by(|a, b| a >= b), "{all:?}");
+        assert!(all[0] < 0.7 && all[3] > 0.9999 && all[5] < 0.9, "{all:?}");
+    }
+
+    #[test]
+    fn seven_points_solve_their_equations_as_the_null_space_of_the_singular_value_decomposition() {
+        let (all, ..) = views(21, 0.4);
+        for seven in all.chunks_exact(7) {
+            let [from, to] = normalisations(seven).expect("points in general position");
+            let rows = seven.iter().map(|m| equation(from.apply(m.from), to.apply(m.to)));
+            let system = nalgebra::SMatrix::<f64, 9, 9>::from_row_iterator(rows.chain([[0.0; 9]; 2]).flatten());
+            let v_t = system.svd(false, true).v_t.expect("it was asked for");
+            for found in null_space(seven, [&from, &to]).expect("independent equations") {
+                let entries = SVector::<f64, 9>::from_iterator(found.transpose().iter().copied());
+                assert!((system * entries).amax() < 1e-12);
+                // Of unit length, and within the span of the last two right singular vectors.
+                let along = (0..7).map(|i| v_t.row(i).transpose().dot(&entries).abs()).fold(0.0, f64::max);
+                assert!((entries.norm() - 1.0).abs() < 1e-12 && along < 1e-9, "{along}");
+            }
+        }
     }
 
     #[test]

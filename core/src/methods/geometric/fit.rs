@@ -3,7 +3,10 @@
 use nalgebra::{SMatrix, SVector};
 
 use super::Correspondence;
-use crate::products::model::{Matrix3, Model, mapped};
+use super::moments::Moments;
+use crate::base::wide::wide;
+use crate::products::model::{HORIZON, Matrix3, Model, mapped};
+pub use crate::products::model::{inverse, product};
 
 /// Fits `model` to correspondences. With as many as determine it the fit is exact; with more, translation, rigid, similarity and affine
 /// minimise the squared distance in frame t + 1, a homography the algebraic distance of the normalised DLT. `None` if they do not determine
@@ -89,11 +92,13 @@ impl Normalisation {
     pub fn of(points: impl Iterator<Item = [f64; 2]> + Clone) -> Option<Self> {
         let mean = mean(points.clone());
         let count = points.clone().count() as f64;
-        let distance = points.map(|p| (p[0] - mean[0]).hypot(p[1] - mean[1])).sum::<f64>() / count;
+        let length = |[x, y]: [f64; 2]| ((x - mean[0]).powi(2) + (y - mean[1]).powi(2)).sqrt();
+        let distance = points.map(length).sum::<f64>() / count;
         (distance > 1e-9).then(|| Self { mean, scale: std::f64::consts::SQRT_2 / distance })
     }
 
     /// A normalised point.
+    #[inline(always)]
     pub fn apply(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         [(x - self.mean[0]) * self.scale, (y - self.mean[1]) * self.scale]
     }
@@ -110,29 +115,15 @@ impl Normalisation {
     }
 }
 
-/// The product of two matrices.
-pub fn product(a: &Matrix3, b: &Matrix3) -> Matrix3 {
-    std::array::from_fn(|i| std::array::from_fn(|j| (0..3).map(|k| a[i][k] * b[k][j]).sum()))
-}
-
-/// The inverse of a matrix; `None` if it is singular.
-pub fn inverse(matrix: &Matrix3) -> Option<Matrix3> {
-    let [[a, b, c], [d, e, f], [g, h, i]] = *matrix;
-    let adjugate = [
-        [e * i - f * h, c * h - b * i, b * f - c * e],
-        [f * g - d * i, a * i - c * g, c * d - a * f],
-        [d * h - e * g, b * g - a * h, a * e - b * d],
-    ];
-    let determinant = a * adjugate[0][0] + b * adjugate[1][0] + c * adjugate[2][0];
-    (determinant.abs() > 1e-15).then(|| adjugate.map(|row| row.map(|entry| entry / determinant)))
-}
-
 /// The homography by the normalised direct linear transformation (Hartley 1997).
 fn homography(matches: &[Correspondence]) -> Option<Matrix3> {
     let from = Normalisation::of(matches.iter().map(|m| m.from))?;
     let to = Normalisation::of(matches.iter().map(|m| m.to))?;
-    let normalised = matches.iter().map(|m| Correspondence { from: from.apply(m.from), to: to.apply(m.to) });
-    let matrix = if matches.len() == 4 { exact(normalised)? } else { direct_linear(normalised)? };
+    let normalised = |m: &Correspondence| Correspondence { from: from.apply(m.from), to: to.apply(m.to) };
+    let matrix = match matches.len() {
+        4 => exact(matches.iter().map(normalised))?,
+        count => direct_linear(&Moments::of(matches, [&from, &to], &vec![1.0; count]))?,
+    };
     let matrix = product(&to.inverse(), &product(&matrix, &from.matrix()));
     let last = matrix[2][2];
     let scaled = matrix.map(|row| row.map(|entry| entry / last));
@@ -161,14 +152,8 @@ fn exact(matches: impl Iterator<Item = Correspondence>) -> Option<Matrix3> {
 }
 
 /// The unit vector h that minimises |A h| for the equations A of normalised correspondences.
-fn direct_linear(matches: impl Iterator<Item = Correspondence>) -> Option<Matrix3> {
-    let mut normal = SMatrix::<f64, 9, 9>::zeros();
-    for Correspondence { from: [x, y], to: [u, v] } in matches {
-        let rows = [[x, y, 1.0, 0.0, 0.0, 0.0, -x * u, -y * u, -u], [0.0, 0.0, 0.0, x, y, 1.0, -x * v, -y * v, -v]];
-        for row in rows.map(SVector::<f64, 9>::from) {
-            normal += row * row.transpose();
-        }
-    }
+fn direct_linear(moments: &Moments) -> Option<Matrix3> {
+    let normal = moments.transfer();
     let eigen = normal.symmetric_eigen();
     let mut order: Vec<usize> = (0..9).collect();
     order.sort_by(|a, b| eigen.eigenvalues[*a].total_cmp(&eigen.eigenvalues[*b]));
@@ -182,8 +167,22 @@ fn direct_linear(matches: impl Iterator<Item = Correspondence>) -> Option<Matrix
 }
 
 /// The squared distance of a correspondence from the model in px², in frame t + 1; infinite beyond the horizon.
+#[inline(always)]
 pub fn squared_error(matrix: &Matrix3, m: &Correspondence) -> f64 {
-    mapped(matrix, m.from).map_or(f64::INFINITY, |[x, y]| (x - m.to[0]).powi(2) + (y - m.to[1]).powi(2))
+    let [x, y] = m.from;
+    let [a, b, w] = matrix.map(|row| row[0] * x + row[1] * y + row[2]);
+    let [dx, dy] = [a / w - m.to[0], b / w - m.to[1]];
+    if w > HORIZON { dx * dx + dy * dy } else { f64::INFINITY }
+}
+
+wide! {
+    /// Writes the squared distance of each correspondence from the model.
+    pub fn squared_errors(matrix: &Matrix3, matches: &[Correspondence], errors: &mut [f64]) = squared_errors_anyhow
+}
+
+#[inline(always)]
+fn squared_errors_anyhow(matrix: &Matrix3, matches: &[Correspondence], errors: &mut [f64]) {
+    errors.iter_mut().zip(matches).for_each(|(error, m)| *error = squared_error(matrix, m));
 }
 
 #[cfg(test)]

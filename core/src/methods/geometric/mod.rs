@@ -2,7 +2,9 @@
 
 pub mod epipolar;
 pub mod fit;
+mod moments;
 pub mod ransac;
+pub mod rectify;
 pub mod refine;
 pub mod robust;
 

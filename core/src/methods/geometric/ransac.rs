@@ -1,6 +1,7 @@
 //! Random sample consensus (Fischler and Bolles 1981): hypotheses from minimal samples, scored by the correspondences that agree.
 
 use super::Correspondence;
+use crate::base::wide::wide;
 use crate::choices;
 use crate::synth::random::hash;
 
@@ -11,7 +12,7 @@ choices! {
         Ransac = "ransac" "RANSAC",
         /// MSAC (Torr and Zisserman 2000): the sum of squared errors, each at most the squared threshold, so that better inliers count more.
         Msac = "msac" "MSAC",
-        /// LO-RANSAC (Chum, Matas and Kittler 2003): each new best hypothesis is refitted to its inliers before the next sample.
+        /// LO-RANSAC (Chum, Matas and Kittler 2003): each new best hypothesis is refitted to its inliers before the next sample, and the last one to random samples of them. Scored as MSAC (Lebeda, Matas and Chum 2012).
         LoRansac = "lo-ransac" "LO-RANSAC",
     }
 }
@@ -29,17 +30,12 @@ pub struct Score {
 
 impl Score {
     /// Scores the squared errors of all correspondences.
-    pub fn of(errors: impl Iterator<Item = f64>, threshold_px: f64, scoring: Scoring) -> Self {
+    pub fn of(errors: &[f64], threshold_px: f64, scoring: Scoring) -> Self {
         let limit = threshold_px * threshold_px;
-        let (mut inliers, mut squared, mut total) = (0usize, 0.0, 0usize);
-        for error in errors {
-            let is_inlier = error <= limit;
-            inliers += usize::from(is_inlier);
-            squared += if is_inlier { error } else { 0.0 };
-            total += 1;
-        }
-        let limited = squared + limit * (total - inliers) as f64;
-        let cost = if scoring == Scoring::Msac { limited } else { -(inliers as f64) };
+        let [inliers, squared] = sums(errors, limit);
+        let inliers = inliers as usize;
+        let limited = squared + limit * (errors.len() - inliers) as f64;
+        let cost = if scoring == Scoring::Ransac { -(inliers as f64) } else { limited };
         Self { inliers, cost, squared }
     }
 
@@ -47,6 +43,28 @@ impl Score {
     pub fn is_better(&self, than: &Self) -> bool {
         self.cost < than.cost || (self.cost == than.cost && self.squared < than.squared)
     }
+}
+
+wide! {
+    /// The number of errors up to a limit, and their sum.
+    fn sums(errors: &[f64], limit: f64) -> [f64; 2] = sums_anyhow
+}
+
+#[inline(always)]
+fn sums_anyhow(errors: &[f64], limit: f64) -> [f64; 2] {
+    const LANES: usize = 16;
+    let mut lanes = [[0.0; LANES]; 2];
+    let (chunks, rest) = errors.as_chunks::<LANES>();
+    let mut last = [f64::INFINITY; LANES];
+    last[..rest.len()].copy_from_slice(rest);
+    for errors in chunks.iter().chain([&last]) {
+        for i in 0..LANES {
+            let is_inlier = errors[i] <= limit;
+            lanes[0][i] += if is_inlier { 1.0 } else { 0.0 };
+            lanes[1][i] += if is_inlier { errors[i] } else { 0.0 };
+        }
+    }
+    lanes.map(|lanes| lanes.iter().sum())
 }
 
 /// Number of samples after which one without outliers was drawn with probability `confidence`, for a share of inliers: log(1 − p) / log(1 −
@@ -109,8 +127,8 @@ mod tests {
     #[test]
     fn msac_prefers_the_better_inliers() {
         let [near, far] = [[0.1, 0.2, 50.0], [3.0, 3.5, 50.0]];
-        let score = |errors: [f64; 3], scoring| Score::of(errors.into_iter(), 2.0, scoring);
-        for scoring in [Scoring::Ransac, Scoring::Msac] {
+        let score = |errors: [f64; 3], scoring| Score::of(&errors, 2.0, scoring);
+        for scoring in [Scoring::Ransac, Scoring::Msac, Scoring::LoRansac] {
             assert!(score(near, scoring).is_better(&score(far, scoring)));
             assert_eq!(score(near, scoring).inliers, 2);
         }

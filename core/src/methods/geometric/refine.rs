@@ -1,10 +1,12 @@
 //! Refinement of a homography: the squared distance in frame t + 1, minimised by Gauss–Newton steps.
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::SVector;
 
 use super::Correspondence;
 use super::fit::fit;
-use crate::products::model::{Matrix3, Model};
+use super::moments::Moments;
+use crate::base::wide::wide;
+use crate::products::model::{HORIZON, Matrix3, Model};
 
 /// Gauss–Newton steps after the DLT: more change nothing in double precision.
 const STEPS: usize = 4;
@@ -23,28 +25,47 @@ pub fn least_squares(model: Model, matches: &[Correspondence]) -> Option<Matrix3
 }
 
 fn step(matrix: &Matrix3, matches: &[Correspondence]) -> Option<Matrix3> {
-    let (mut normal, mut right) = (SMatrix::<f64, 8, 8>::zeros(), SVector::<f64, 8>::zeros());
     // In units of about 1, so that the normal equations are well conditioned.
     let size = matches.iter().flat_map(|m| m.from).fold(1.0f64, |most, c| most.max(c.abs()));
-    for Correspondence { from, to } in matches {
-        let [x, y] = *from;
-        let [a, b, w] = matrix.map(|row| row[0] * x + row[1] * y + row[2]);
-        if w <= 1e-9 {
-            return None;
-        }
-        let (u, v, [x, y, one]) = (a / w, b / w, [x / w, y / w, size / w]);
-        let rows = [
-            (SVector::from([x, y, one, 0.0, 0.0, 0.0, -u * x, -u * y]), to[0] - u),
-            (SVector::from([0.0, 0.0, 0.0, x, y, one, -v * x, -v * y]), to[1] - v),
-        ];
-        for (row, error) in rows {
-            normal += row * row.transpose();
-            right += row * error;
-        }
+    let Equations { moments, right, is_regular } = equations(matrix, matches, size);
+    if !is_regular {
+        return None;
     }
+    let normal = moments.transfer().fixed_view::<8, 8>(0, 0).into_owned();
+    let right = SVector::<f64, 8>::from_fn(|i, _| right[i]);
     let d = normal.cholesky()?.solve(&right);
     let [[a, b, c], [e, f, g], [h, i, _]] = *matrix;
     Some([[a + d[0], b + d[1], c + size * d[2]], [e + d[3], f + d[4], g + size * d[5]], [h + d[6], i + d[7], 1.0]])
+}
+
+/// The normal equations of a Gauss–Newton step.
+#[derive(Default)]
+struct Equations {
+    /// Those of the entries of the matrix; the last one is kept.
+    moments: Moments,
+    right: [f64; 9],
+    /// Whether all points lie before the horizon.
+    is_regular: bool,
+}
+
+wide! {
+    fn equations(matrix: &Matrix3, matches: &[Correspondence], size: f64) -> Equations = equations_anyhow
+}
+
+#[inline(always)]
+fn equations_anyhow(matrix: &Matrix3, matches: &[Correspondence], size: f64) -> Equations {
+    let (mut moments, mut right, mut least) = (Moments::default(), [0.0; 9], f64::INFINITY);
+    for Correspondence { from: [x, y], to } in matches {
+        let [a, b, w] = matrix.map(|row| row[0] * x + row[1] * y + row[2]);
+        let (u, v, p) = (a / w, b / w, [x / w, y / w, size / w]);
+        let [off_x, off_y] = [to[0] - u, to[1] - v];
+        least = if w < least { w } else { least };
+        moments.add(p, [u, v, 1.0], 1.0);
+        for (block, factor) in [off_x, off_y, -(u * off_x + v * off_y)].into_iter().enumerate() {
+            (0..3).for_each(|i| right[3 * block + i] += factor * p[i]);
+        }
+    }
+    Equations { moments, right, is_regular: least > HORIZON }
 }
 
 #[cfg(test)]

@@ -5,5 +5,5 @@ mod nearest;
 mod settings;
 
 pub use describe::Described;
-pub use nearest::{Event, Neighbors, Outcome};
+pub use nearest::{Admits, Candidates, Event, Neighbors, Outcome};
 pub use settings::{Pair, Settings};

@@ -92,7 +92,12 @@ pub struct Candidates<'a> {
     pub ratio: f32,
     /// Whether the nearest neighbour must have the keypoint as its own.
     pub cross_check: bool,
+    /// A further condition on a pair of positions in frames t and t + 1, for guided matching.
+    pub admits: Option<&'a Admits<'a>>,
 }
+
+/// A condition on a pair of positions in frames t and t + 1.
+pub type Admits<'a> = dyn Fn([f32; 2], [f32; 2]) -> bool + Sync + 'a;
 
 impl Candidates<'_> {
     /// Whether two positions are within the radius.
@@ -108,7 +113,9 @@ impl Candidates<'_> {
         let (mut found, mut count) = (Neighbors::default(), 0);
         let Some(descriptor) = descriptor else { return (found, count) };
         for (i, keypoint) in there.keypoints.iter().enumerate() {
-            if !self.is_near(at, there.points[i].at) {
+            let other = there.points[i].at;
+            let [first, second] = if from == 0 { [at, other] } else { [other, at] };
+            if !self.is_near(at, other) || self.admits.is_some_and(|admits| !admits(first, second)) {
                 continue;
             }
             let Some(distance) = distance(descriptor, keypoint) else { continue };
@@ -206,7 +213,8 @@ mod tests {
     fn tests_reject_what_is_ambiguous_and_what_has_a_nearer_partner() {
         let here = described(&[([0.0, 0.0], [0.0, 0.0]), ([5.0, 0.0], [10.0, 0.0]), ([9.0, 0.0], [9.0, 0.0])]);
         let there = described(&[([1.0, 0.0], [0.0, 1.0]), ([0.0, 1.0], [1.0, 0.0]), ([6.0, 0.0], [10.5, 0.0])]);
-        let candidates = Candidates { sides: [&here, &there], radius_px: None, ratio: 0.8, cross_check: true };
+        let candidates =
+            Candidates { sides: [&here, &there], radius_px: None, ratio: 0.8, cross_check: true, admits: None };
         let status = |candidates: &Candidates, index| candidates.compare(index, &mut ()).map(|found| found.status);
         assert_eq!(status(&candidates, 0), Some(MatchStatus::RejectedRatio), "two are equally near");
         assert_eq!(status(&candidates, 1), Some(MatchStatus::Match));

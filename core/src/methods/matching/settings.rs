@@ -80,12 +80,17 @@ impl Settings {
     /// If a frame cannot be read, or the detector refuses it.
     pub fn pair(&self, clip: &Clip, t: usize, threads: &Threads) -> Result<Pair, Error> {
         let frames = clip.pair(t)?;
+        Ok(Pair { sides: [self.side(clip, t, threads)?, self.side(clip, t + 1, threads)?], frames })
+    }
+
+    /// Detects and describes the keypoints of frame `t`.
+    ///
+    /// # Errors
+    /// If it cannot be read, or the detector refuses it.
+    pub fn side(&self, clip: &Clip, t: usize, threads: &Threads) -> Result<Described, Error> {
         let id = self.detector.estimator().info().id;
-        let side = |i: usize| {
-            let field = self.detector.points(clip, t + i, threads)?;
-            self.describe().describe((frames[i].luma(), field), id, threads)
-        };
-        Ok(Pair { sides: [side(0)?, side(1)?], frames })
+        let field = self.detector.points(clip, t, threads)?;
+        self.describe().describe((clip.frame(t)?.luma(), field), id, threads)
     }
 
     /// The nearest neighbours of all keypoints of a pair that have one, with the outcome of the tests.
@@ -112,8 +117,14 @@ impl Settings {
 
     /// The candidates among the keypoints of a pair.
     pub fn candidates<'a>(&self, pair: &'a Pair) -> Candidates<'a> {
+        self.candidates_of(pair.sides.each_ref())
+    }
+
+    /// The candidates among the keypoints of two frames.
+    pub fn candidates_of<'a>(&self, sides: [&'a Described; 2]) -> Candidates<'a> {
         Candidates {
-            sides: pair.sides.each_ref(),
+            sides,
+            admits: None,
             radius_px: (self.radius > 0).then_some(self.radius as f32),
             ratio: self.ratio,
             cross_check: self.cross_check,
@@ -132,7 +143,13 @@ impl Settings {
 impl Pair {
     /// Memory of keypoints and descriptors in bytes.
     pub fn bytes(&self) -> usize {
-        let of = |side: &Described| side.points.len() * 700;
-        self.sides.iter().map(of).sum()
+        self.sides.iter().map(Described::bytes).sum()
+    }
+}
+
+impl Described {
+    /// Memory of keypoints and descriptors in bytes.
+    pub fn bytes(&self) -> usize {
+        self.points.len() * 700
     }
 }

@@ -167,7 +167,7 @@ pub(crate) fn done(number: usize, frame: &ObjectFrame, conclusion: &Conclusion) 
         let [misses, alarms] = [plural(all.misses(), "miss", "es"), plural(all.false_positives(), "false alarm", "s")];
         format!(" Most errors in frame {t}: {misses}, {alarms}.")
     });
-    let (misses, alarms) = (run.truths - run.matches, run.told - run.matches);
+    let (misses, alarms) = (run.truths - run.matches, run.hypotheses - run.matches);
     let advice = match run.switches {
         0 if misses + alarms == 0 => "",
         switches if switches > misses.max(alarms) => {

@@ -33,6 +33,19 @@ impl Extent {
         Bounds::around(center, self.size.map(|side| side as f32))
     }
 
+    /// Returns the squared distance of the size of a detection: of the logarithms of width and height, in standard deviations.
+    pub fn size_distance(&self, found: &Detection, deviation: f64) -> f64 {
+        let size = found.bounds.size().map(f64::from);
+        let off = [0, 1].map(|i| (size[i].max(1.0) / self.size[i].max(1.0)).ln() / deviation);
+        off[0] * off[0] + off[1] * off[1]
+    }
+
+    /// Returns the position of an object with this box.
+    pub fn place_in(&self, bounds: &Bounds) -> [f32; 2] {
+        let center = bounds.center();
+        [0, 1].map(|i| center[i] - self.offset[i] as f32)
+    }
+
     /// Height in px, at least 1.
     pub fn height_px(&self) -> f64 {
         self.size[1].max(1.0)

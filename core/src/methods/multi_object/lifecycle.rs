@@ -3,13 +3,14 @@
 use crate::data::Detection;
 use crate::geometry::Bounds;
 use crate::params;
-use crate::products::TrackStatus;
+use crate::products::{ObjectFrame, TrackStatus};
 
 params! {
     /// The parameters of track management.
     #[derive(Copy)]
     pub struct Rules {
-        /// Matched frames before a tentative track is confirmed. Higher values suppress false tracks, but delay new ones.
+        /// Matched frames before a tentative track is confirmed. Higher values suppress false tracks, but delay new ones. In real time the
+        /// tracks of the first min-hits frames of a run count as confirmed, as in SORT.
         min_hits: usize = 3, 1..=50;
         /// Minimum travel: the distance that the box of a blob has moved over the background, as a share of its longer side, that confirms
         /// the track. At least half of its path must lead away. Flicker persists in place, or grows and shrinks; objects move. Detections
@@ -101,6 +102,19 @@ impl Rules {
         self.backdate || self.interpolate
     }
 
+    /// Confirms the matched tracks of one of the first frames of a run, of which `earlier` came before: within the first min-hits frames none
+    /// can have as many hits (SORT). Blobs have to travel all the same.
+    pub(crate) fn confirm_early(&self, earlier: usize, frame: &mut ObjectFrame) {
+        if earlier >= self.min_hits {
+            return;
+        }
+        let detections = &frame.detections;
+        let is_box = |i: usize| detections.get(i).is_some_and(|found| found.blob.is_none());
+        for object in frame.objects.iter_mut().filter(|object| object.detection.is_some_and(is_box)) {
+            object.status = TrackStatus::Confirmed;
+        }
+    }
+
     /// Starts a track with its first detection.
     pub(crate) fn begun(&self, found: &Detection) -> TrackAge {
         let status = if self.min_hits <= 1 { TrackStatus::Confirmed } else { TrackStatus::Tentative };
@@ -128,6 +142,7 @@ impl Rules {
 mod tests {
     use super::*;
     use crate::data::Blob;
+    use crate::products::Object;
 
     fn found(min: [f32; 2], size: [f32; 2], background_px: [f32; 2]) -> Detection {
         let bounds = Bounds { min, max: [min[0] + size[0], min[1] + size[1]] };
@@ -139,6 +154,32 @@ mod tests {
         let rules = Rules::default();
         let age = all[1..].iter().fold(rules.begun(&all[0]), |age, found| rules.seen(age, found));
         age.status
+    }
+
+    #[test]
+    fn the_first_frames_of_a_run_need_no_hits_but_blobs_need_to_travel() {
+        let rules = Rules::default();
+        let blob = found([0.0, 5.0], [20.0, 10.0], [0.0; 2]);
+        let object = |detection| Object {
+            id: 1,
+            bounds: blob.bounds,
+            status: TrackStatus::Tentative,
+            position: [10.0; 2],
+            velocity: None,
+            covariance: None,
+            detection,
+        };
+        let status = |earlier, detection, blob| {
+            let detections = vec![Detection { blob, ..self::found([0.0, 5.0], [20.0, 10.0], [0.0; 2]) }];
+            let mut frame = ObjectFrame { detections, objects: vec![object(detection)], ..ObjectFrame::default() };
+            rules.confirm_early(earlier, &mut frame);
+            frame.objects[0].status
+        };
+        assert_eq!(status(0, Some(0), None), TrackStatus::Confirmed);
+        assert_eq!(status(2, Some(0), None), TrackStatus::Confirmed);
+        assert_eq!(status(3, Some(0), None), TrackStatus::Tentative, "it can have three hits by then");
+        assert_eq!(status(0, Some(0), blob.blob), TrackStatus::Tentative);
+        assert_eq!(status(0, None, None), TrackStatus::Tentative);
     }
 
     #[test]

@@ -144,9 +144,22 @@ impl TrackerRun {
         self.begun
     }
 
+    /// Returns the frame of these detections and objects, with the early confirmations of a run without hindsight.
+    pub fn finished(&self, rules: Rules, detections: Vec<Detection>, objects: Vec<Object>) -> Arc<ObjectFrame> {
+        let mut frame = ObjectFrame { mask: None, detections, objects };
+        if !rules.backdate {
+            rules.confirm_early(self.frames.len(), &mut frame);
+        }
+        Arc::new(frame)
+    }
+
     /// Adds a finished frame.
-    pub fn note(&mut self, clip: &Clip, frame: Arc<ObjectFrame>) -> Progress {
-        self.live.push(Arc::clone(&frame));
+    pub fn note(&mut self, clip: &Clip, rules: Rules, frame: Arc<ObjectFrame>) -> Progress {
+        let mut live = Arc::clone(&frame);
+        if rules.backdate && self.frames.len() < rules.min_hits {
+            rules.confirm_early(self.frames.len(), Arc::make_mut(&mut live));
+        }
+        self.live.push(live);
         self.frames.push(frame);
         if self.span.is_over(clip, self.frame()) { Progress::Done } else { Progress::More }
     }

@@ -51,13 +51,22 @@ pub struct Probe<'a> {
     tensor: Tensor,
 }
 
+/// What is inspected of an iteration.
+pub struct Inspected<'a> {
+    /// The polynomial expansions and the prior displacements.
+    pub expansions: ExpansionPair<'a>,
+    /// The displacements after the iteration.
+    pub to: &'a Field,
+    /// The pixel.
+    pub place: (usize, usize),
+}
+
 impl<'a> Probe<'a> {
-    /// Inspects pixel `place` in the iteration with the result `to`, on a level of `frames`, with neighbourhoods of radius `reach`
-    /// px.
+    /// Inspects a pixel in an iteration on a level of `frames`, with neighbourhoods of radius `reach` px.
     pub fn new(
         part: Part,
         (frames, level): (&'a Multiscale, usize),
-        (expansions, to, place): (ExpansionPair<'a>, &'a Field, (usize, usize)),
+        Inspected { expansions, to, place }: Inspected<'a>,
         solver: WindowSolver,
         reach: usize,
     ) -> Self {

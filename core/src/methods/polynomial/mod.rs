@@ -5,5 +5,5 @@ mod explain;
 mod shift;
 
 pub use expansion::{Applicability, Expander, Packed, Polynomial};
-pub use explain::{Part, Probe};
+pub use explain::{Inspected, Part, Probe};
 pub use shift::{DisplacementEquation, Estimate, ExpansionPair, WindowSolver};

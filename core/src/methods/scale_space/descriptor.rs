@@ -3,6 +3,7 @@
 use std::f32::consts::TAU;
 
 use super::angle;
+use crate::base::LANES;
 use crate::base::wide::wide;
 use crate::geometry::Grid;
 
@@ -92,15 +93,6 @@ wide! {
     fn accumulate(image: &Grid<f32>, place: &Place, sums: &mut [f32; PADDED * PADDED * WRAPPED]) = accumulate_anyhow
 }
 
-/// The samples of a stretch of a row.
-#[derive(Default)]
-struct Samples {
-    magnitude: Vec<f32>,
-    bin: Vec<f32>,
-    column: Vec<f32>,
-    row: Vec<f32>,
-}
-
 #[inline(always)]
 fn accumulate_anyhow(image: &Grid<f32>, place: &Place, sums: &mut [f32; PADDED * PADDED * WRAPPED]) {
     let (width, height) = image.size();
@@ -117,7 +109,6 @@ fn accumulate_anyhow(image: &Grid<f32>, place: &Place, sums: &mut [f32; PADDED *
     let first = inside((x - radius).ceil(), width);
     let last = inside((x + radius).floor() + 1.0, width);
     let of_columns: Vec<f32> = (first..last).map(|i| weight(i as f32 - x)).collect();
-    let mut samples = Samples::default();
     for j in rows {
         let dy = j as f32 - y;
         // The part of the row inside the rotated window.
@@ -136,44 +127,85 @@ fn accumulate_anyhow(image: &Grid<f32>, place: &Place, sums: &mut [f32; PADDED *
         if from >= to {
             continue;
         }
-        let count = to - from;
-        for buffer in [&mut samples.magnitude, &mut samples.bin, &mut samples.column, &mut samples.row] {
-            buffer.resize(count.max(buffer.len()), 0.0);
+        let stretch = Stretch { image, place, row: j, dy, of_row: weight(dy), scale, turn: [sin, cos] };
+        let whole = from + (to - from) / LANES * LANES;
+        for i in (from..whole).step_by(LANES) {
+            distribute(&stretch.samples::<LANES>(i, &of_columns[i - first..]), sums);
         }
-        let [above, below] = [j - 1, j + 1].map(|j| &image.row(j)[from..to]);
-        let [left, right] = [from - 1, from + 1].map(|i| &image.row(j)[i..i + count]);
-        let of_columns = &of_columns[from - first..to - first];
-        let of_row = weight(dy);
-        let Samples { magnitude, bin, column, row } = &mut samples;
-        let (magnitude, bin) = (&mut magnitude[..count], &mut bin[..count]);
-        let (column, row) = (&mut column[..count], &mut row[..count]);
-        for i in 0..count {
+        for i in whole..to {
+            distribute(&stretch.samples::<1>(i, &of_columns[i - first..]), sums);
+        }
+    }
+}
+
+/// A row of the window.
+struct Stretch<'a> {
+    image: &'a Grid<f32>,
+    place: &'a Place,
+    row: usize,
+    /// Distance of the row from the keypoint in px.
+    dy: f32,
+    /// The weight of the row.
+    of_row: f32,
+    /// Cells per px.
+    scale: f32,
+    /// Sine and cosine of the orientation.
+    turn: [f32; 2],
+}
+
+/// Neighbouring samples of a row.
+struct Samples<const N: usize> {
+    /// Weighted gradient magnitudes.
+    magnitudes: [f32; N],
+    /// Directions relative to the orientation, in bins.
+    bins: [f32; N],
+    /// Columns and rows in the padded cells.
+    columns: [f32; N],
+    rows: [f32; N],
+}
+
+impl Stretch<'_> {
+    /// The samples from column `start` on; `weights` are those of their columns.
+    #[inline(always)]
+    fn samples<const N: usize>(&self, start: usize, weights: &[f32]) -> Samples<N> {
+        let Self { image, place, row: j, dy, of_row, scale, turn: [sin, cos] } = *self;
+        let middle = (SIDE as f32 + 1.0) / 2.0;
+        let [above, below] = [j - 1, j + 1].map(|j| &image.row(j)[start..start + N]);
+        let [left, right] = [start - 1, start + 1].map(|i| &image.row(j)[i..i + N]);
+        let weights = &weights[..N];
+        let [mut magnitudes, mut bins, mut columns, mut rows] = [[0.0; N]; 4];
+        for i in 0..N {
             let (gx, gy) = (right[i] - left[i], below[i] - above[i]);
-            magnitude[i] = (gx * gx + gy * gy).sqrt() * of_row * of_columns[i];
+            magnitudes[i] = (gx * gx + gy * gy).sqrt() * of_row * weights[i];
             let turns = (angle(gx, gy) - place.angle_rad) / TAU;
-            let turns = turns - turns.floor();
-            bin[i] = turns * BINS as f32;
-            let dx = (from + i) as f32 - x;
-            column[i] = (cos * dx + sin * dy) * scale + (SIDE as f32 + 1.0) / 2.0;
-            row[i] = (cos * dy - sin * dx) * scale + (SIDE as f32 + 1.0) / 2.0;
+            bins[i] = (turns - turns.floor()) * BINS as f32;
+            let dx = start as f32 + i as i32 as f32 - place.at[0];
+            columns[i] = (cos * dx + sin * dy) * scale + middle;
+            rows[i] = (cos * dy - sin * dx) * scale + middle;
         }
-        for i in 0..count {
-            let (c, r, b) = (column[i], row[i], bin[i]);
-            let edge = SIDE as f32 + 1.0;
-            if !(c > 0.0 && c < edge && r > 0.0 && r < edge) {
-                continue;
-            }
-            let (c0, r0, b0) = (c as usize, r as usize, b as usize);
-            let (c1, r1, b1) = (c - c0 as f32, r - r0 as f32, b - b0 as f32);
-            let m = magnitude[i];
-            let start = (r0 * PADDED + c0) * WRAPPED + b0;
-            let (down, up) = (m * r1, m - m * r1);
-            let four = [up - up * c1, up * c1, down - down * c1, down * c1];
-            for (part, offset) in four.into_iter().zip([0, WRAPPED, PADDED * WRAPPED, (PADDED + 1) * WRAPPED]) {
-                let two = &mut sums[start + offset..start + offset + 2];
-                two[0] += part - part * b1;
-                two[1] += part * b1;
-            }
+        Samples { magnitudes, bins, columns, rows }
+    }
+}
+
+/// Distributes each sample over the two nearest cells in both directions and the two nearest bins.
+#[inline(always)]
+fn distribute<const N: usize>(samples: &Samples<N>, sums: &mut [f32; PADDED * PADDED * WRAPPED]) {
+    /// From the first of the eight entries of a sample to behind the last.
+    const REACH: usize = (PADDED + 1) * WRAPPED + 2;
+    let edge = SIDE as f32 + 1.0;
+    for i in 0..N {
+        let (c, r, b, m) = (samples.columns[i], samples.rows[i], samples.bins[i], samples.magnitudes[i]);
+        if !(c > 0.0 && c < edge && r > 0.0 && r < edge) {
+            continue;
+        }
+        let (c0, r0, b0) = (c as usize, r as usize, b as usize);
+        let (c1, r1, b1) = (c - c0 as f32, r - r0 as f32, b - b0 as f32);
+        let near = &mut sums[(r0 * PADDED + c0) * WRAPPED + b0..][..REACH];
+        let (down, up) = (m * r1, m - m * r1);
+        let four = [up - up * c1, up * c1, down - down * c1, down * c1];
+        for (part, offset) in four.into_iter().zip([0, WRAPPED, PADDED * WRAPPED, (PADDED + 1) * WRAPPED]) {
+            near[offset] += part - part * b1;
+            near[offset + 1] += part * b1;
         }
     }
 }

@@ -1,7 +1,8 @@
 //! Extrema of differences of Gaussians among their 26 neighbours in position and scale.
 
 use super::Octave;
-use crate::base::wide::widest;
+use crate::base::LANES;
+use crate::base::wide::{lane, widest};
 use crate::geometry::Grid;
 
 /// Pixels at the border of an octave in which no extremum is sought.
@@ -60,8 +61,21 @@ widest! {
 
 #[inline(always)]
 fn ends_of_columns_anyhow(rows: [&[f32]; 9], Columns { high, low }: &mut Columns) {
-    let rows = rows.map(|row| &row[..high.len()]);
-    for (x, (high, low)) in high.iter_mut().zip(low.iter_mut()).enumerate() {
+    let (whole, rest) = high.as_chunks_mut::<LANES>();
+    let (whole_low, rest_low) = low.as_chunks_mut::<LANES>();
+    let start = LANES * whole.len();
+    for (i, (high, low)) in whole.iter_mut().zip(whole_low).enumerate() {
+        let Some(first) = lane(rows[0], LANES * i) else { continue };
+        let (mut most, mut least) = (*first, *first);
+        for row in rows[1..].iter().filter_map(|row| lane(row, LANES * i)) {
+            for k in 0..LANES {
+                most[k] = if row[k] > most[k] { row[k] } else { most[k] };
+                least[k] = if row[k] < least[k] { row[k] } else { least[k] };
+            }
+        }
+        (*high, *low) = (most, least);
+    }
+    for (x, (high, low)) in (start..).zip(rest.iter_mut().zip(rest_low)) {
         let (mut most, mut least) = (rows[0][x], rows[0][x]);
         for row in &rows[1..] {
             most = if row[x] > most { row[x] } else { most };

@@ -3,6 +3,7 @@
 use std::f32::consts::TAU;
 
 use super::angle;
+use crate::base::LANES;
 use crate::base::wide::wide;
 use crate::geometry::Grid;
 
@@ -51,11 +52,11 @@ impl Histogram {
         let from = x.saturating_sub(radius).max(1);
         let to = (x + radius + 1).min(width.saturating_sub(1));
         if from < to {
-            let mut row = Row { gx: vec![0.0; to - from], gy: vec![0.0; to - from], bins: vec![0.0; to - from] };
+            let mut row = Row { magnitudes: vec![0.0; to - from], bins: vec![0.0; to - from] };
             for j in y.saturating_sub(radius).max(1)..(y + radius + 1).min(height.saturating_sub(1)) {
                 gradients(image, (from, j), &mut row);
                 let of_row = weights[j.abs_diff(y)];
-                for (i, (magnitude, bin)) in row.gx.iter().zip(&row.bins).enumerate() {
+                for (i, (magnitude, bin)) in row.magnitudes.iter().zip(&row.bins).enumerate() {
                     raw[*bin as usize] += magnitude * of_row * weights[(from + i).abs_diff(x)];
                 }
             }
@@ -84,10 +85,9 @@ impl Histogram {
     }
 }
 
-/// Gradients of a stretch of a row; after [`gradients`] the first has the magnitudes.
+/// Gradients of a stretch of a row.
 struct Row {
-    gx: Vec<f32>,
-    gy: Vec<f32>,
+    magnitudes: Vec<f32>,
     bins: Vec<f32>,
 }
 
@@ -96,21 +96,37 @@ wide! {
 }
 
 #[inline(always)]
-fn gradients_anyhow(image: &Grid<f32>, (from, y): (usize, usize), Row { gx, gy, bins }: &mut Row) {
+fn gradients_anyhow(image: &Grid<f32>, (from, y): (usize, usize), Row { magnitudes, bins }: &mut Row) {
     let count = bins.len();
     let [above, below] = [y - 1, y + 1].map(|y| &image.row(y)[from..from + count]);
     let [left, right] = [from - 1, from + 1].map(|x| &image.row(y)[x..x + count]);
-    let (gx, gy) = (&mut gx[..count], &mut gy[..count]);
-    for i in 0..count {
-        (gx[i], gy[i]) = (right[i] - left[i], below[i] - above[i]);
+    let around = [left, right, above, below];
+    let whole = count - count % LANES;
+    for i in (0..whole).step_by(LANES) {
+        let [found, bin] = gradients_at::<LANES>(around, i);
+        magnitudes[i..i + LANES].copy_from_slice(&found);
+        bins[i..i + LANES].copy_from_slice(&bin);
     }
-    for i in 0..count {
-        let turns = angle(gx[i], gy[i]) / TAU;
+    for i in whole..count {
+        let [[found], [bin]] = gradients_at::<1>(around, i);
+        (magnitudes[i], bins[i]) = (found, bin);
+    }
+}
+
+/// Magnitudes and bins of the gradients of `N` pixels, from the rows of their neighbours on the left, on the right, above and below.
+#[inline(always)]
+fn gradients_at<const N: usize>(around: [&[f32]; 4], start: usize) -> [[f32; N]; 2] {
+    let [mut magnitudes, mut bins] = [[0.0; N]; 2];
+    let [left, right, above, below] = around.map(|row| &row[start..start + N]);
+    for i in 0..N {
+        let (gx, gy) = (right[i] - left[i], below[i] - above[i]);
+        let turns = angle(gx, gy) / TAU;
         // Rounded to the nearest bin; 36 is 0 again.
         let bin = (turns * ORIENTATIONS as f32 + ORIENTATIONS as f32 + 0.5).floor();
         bins[i] = if bin >= ORIENTATIONS as f32 { bin - ORIENTATIONS as f32 } else { bin };
-        gx[i] = (gx[i] * gx[i] + gy[i] * gy[i]).sqrt();
+        magnitudes[i] = (gx * gx + gy * gy).sqrt();
     }
+    [magnitudes, bins]
 }
 
 fn smoothed(raw: &[f32; ORIENTATIONS]) -> [f32; ORIENTATIONS] {

@@ -265,14 +265,34 @@ pub(crate) fn shifted<T: Copy>(grid: &Grid<T>, by: [f32; 2], beyond: impl Fn(usi
     })
 }
 
-/// Returns the gray levels of a frame displaced by `by` px, interpolated between pixels and completed with another one.
+/// Returns a frame displaced by `by` px, interpolated between pixels and completed with another one.
 pub(crate) fn resampled(frame: &Frame, by: [f32; 2], beyond: &Frame) -> Frame {
-    let (luma, (width, height)) = (frame.luma(), frame.size());
-    Frame::gray(Grid::from_fn(width, height, |x, y| {
+    let (width, height) = frame.size();
+    let from = |x: usize, y: usize| {
         let from = [x as f32 - by[0], y as f32 - by[1]];
         let is_inside = (0.0..=width as f32 - 1.0).contains(&from[0]) && (0.0..=height as f32 - 1.0).contains(&from[1]);
-        if is_inside { luma.sample(from[0], from[1]).round() as u8 } else { beyond.luma()[(x, y)] }
-    }))
+        is_inside.then_some(from)
+    };
+    match (frame.color(), beyond.color()) {
+        (Some(color), Some(other)) => {
+            Frame::rgb(Grid::from_fn(width, height, |x, y| from(x, y).map_or(other[(x, y)], |from| mixed(color, from))))
+        }
+        _ => Frame::gray(Grid::from_fn(width, height, |x, y| {
+            from(x, y).map_or(beyond.luma()[(x, y)], |[x, y]| frame.luma().sample(x, y).round() as u8)
+        })),
+    }
+}
+
+/// The color of a picture between pixels, bilinear.
+fn mixed(color: &Grid<[u8; 3]>, [x, y]: [f32; 2]) -> [u8; 3] {
+    let (left, top) = (x as usize, y as usize);
+    let (right, bottom) = ((left + 1).min(color.width() - 1), (top + 1).min(color.height() - 1));
+    let (across, down) = (x - left as f32, y - top as f32);
+    let row = |y: usize, c: usize| {
+        let [a, b] = [color[(left, y)][c], color[(right, y)][c]].map(f32::from);
+        a + (b - a) * across
+    };
+    [0, 1, 2].map(|c| (row(top, c) + (row(bottom, c) - row(top, c)) * down).round() as u8)
 }
 
 /// Returns a frame displaced by `by` px, in whole px and completed with another one.
@@ -384,6 +404,19 @@ mod tests {
         let flat = Frame::gray(Grid::new(160, 120, 90));
         let mut camera = Camera::new(&flat);
         assert_eq!((camera.follow(&flat, false), camera.is_lost), ([0.0, 0.0], false));
+    }
+
+    #[test]
+    fn every_channel_is_interpolated_as_gray_levels_are() {
+        let color = |x: usize, y: usize| [(9 * x + 20 * y) as u8, (200 - 11 * x) as u8, (x * y) as u8];
+        let (frame, beyond) = (Frame::rgb(Grid::from_fn(8, 6, color)), Frame::rgb(Grid::new(8, 6, [7, 8, 9])));
+        let by = [0.4, -1.3];
+        let moved = resampled(&frame, by, &beyond);
+        for c in 0..3 {
+            let alone = |frame: &Frame| Frame::gray(frame.color().unwrap().map(|color| color[c]));
+            let expected = resampled(&alone(&frame), by, &alone(&beyond));
+            assert_eq!(&moved.color().unwrap().map(|color| color[c]), expected.luma(), "channel {c}");
+        }
     }
 
     #[test]

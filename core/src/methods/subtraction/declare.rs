@@ -33,13 +33,14 @@ impl Settings {
     }
 }
 
-/// Names of the lines of the pseudocode. `REMOVE_SHADOWS` exists only where shadows are detected, `FOLLOW_CAMERA`,
+/// Names of the lines of the pseudocode. `REMOVE_SHADOWS` exists only where shadows are detected, `FOLLOW_CAMERA`, `REGISTER`,
 /// `CORRECT_EXPOSURE` and `SUPPRESS_SHAKE` only in models of the background.
 pub(super) mod line {
     crate::line_names!(
         BEGIN_MODEL,
         FOLLOW_CAMERA,
         CORRECT_EXPOSURE,
+        REGISTER,
         COMPARE,
         DECIDE,
         REMOVE_SHADOWS,
@@ -56,7 +57,8 @@ pub(super) mod line {
 /// and update of the model.
 macro_rules! subtraction_pseudocode {
     (
-        begin: $begin:literal, $(camera: $camera:literal,)? $(exposure: $exposure:literal,)? compare: $compare:literal, decide: $decide:literal,
+        begin: $begin:literal, $(camera: $camera:literal,)? $(exposure: $exposure:literal,)? $(register: $register:literal,)?
+        compare: $compare:literal, decide: $decide:literal,
         $(shadows: $shadows:literal,)? $(shake: $shake:literal,)? update: $update:literal $(,)?
     ) => {
         $crate::pseudocode! {
@@ -64,6 +66,7 @@ macro_rules! subtraction_pseudocode {
             EACH_FRAME: "for each later frame t, at each pixel",
             $(FOLLOW_CAMERA: $camera,)?
             $(CORRECT_EXPOSURE: $exposure,)?
+            $(REGISTER: $register,)?
             COMPARE: $compare,
             DECIDE: $decide,
             $(REMOVE_SHADOWS: $shadows,)?

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::declare::line;
 use super::exposure::Transfer;
-use super::{Background, Conclusion, Event, Explanation, Initial, Past, State, Subtraction};
+use super::{Background, Channel, Conclusion, Event, Explanation, FrameComparison, Initial, Past, State, Subtraction};
 use crate::base::words::{self, capital, counted as count, grouped, pixel};
 use crate::data::{Detection, Frame, Mask, MaskErrors};
 use crate::methods::differential::explain;
@@ -41,7 +41,7 @@ impl<'a> MaskHistory<'a> {
 
     fn frame(&self) -> Option<&'a Arc<Frame>> {
         self.events.iter().find_map(|event| match event {
-            Event::Begun(frame) | Event::Compared(frame, _) => Some(frame),
+            Event::Begun(frame) | Event::Registered(frame) | Event::Compared(frame, _) => Some(frame),
             _ => None,
         })
     }
@@ -205,8 +205,8 @@ impl<'a> MaskHistory<'a> {
         if let Some(Event::Updated(conclusion)) = self.events.last() {
             facts.extend(conclusion.pixels().map(|all| {
                 let [precision, recall, f1] = scores(all);
-                let told = format!("{precision}, {recall}, {f1}");
-                Fact::new("Mask precision, recall, F₁", told, Some(Role::Truth))
+                let values = format!("{precision}, {recall}, {f1}");
+                Fact::new("Mask precision, recall, F₁", values, Some(Role::Truth))
             }));
         }
         facts
@@ -267,9 +267,9 @@ impl Conclusion {
     }
 
     /// The result of the frame, its score, the likely cause of its errors and the parameters that reduce them.
-    fn sentence(&self, t: usize) -> String {
+    fn sentence(&self, t: usize, flooded: [&str; 2]) -> String {
         let blobs = count(self.blobs, "blob");
-        let camera = self.of_camera();
+        let camera = self.of_camera(flooded);
         let Some(frame) = self.frame else {
             let mask = self.of_mask();
             return format!(" Frame {t}: {blobs}, {} of foreground.{mask}{camera}", pixels(self.foreground));
@@ -293,19 +293,14 @@ impl Conclusion {
     }
 
     /// A flooded mask with its cause, and what to use instead.
-    fn of_camera(&self) -> String {
+    fn of_camera(&self, [cause, advice]: [&str; 2]) -> String {
         if self.differing < FLOODED {
             return String::new();
         }
         let moved = self.camera.filter(|by| by[0].hypot(by[1]) > 1.0).map_or_else(String::new, |by| {
             format!(" The background is displaced by {} px since the first frame.", words::place(by))
         });
-        format!(
-            " {} of the frame differs from the background: the camera moves, or the light has changed.{moved} This method \
-             needs a camera at rest and steady light. With a moving camera compare the motion of objects with that of \
-             their surroundings (optical flow, KLT, point trajectories).",
-            percent(self.differing)
-        )
+        format!(" {} of the frame differs from the background: {cause}.{moved} {advice}", percent(self.differing))
     }
 
     fn advice(&self, all: Matches) -> String {
@@ -414,6 +409,16 @@ pub(crate) fn plots(record: &Record, span: &Span) -> Vec<Readout> {
     ]
 }
 
+/// The names of the tiles of the frame and of the background.
+fn tile_labels(channel: Channel) -> [&'static str; 2] {
+    match channel {
+        Channel::Gray => ["Frame t", "Background"],
+        Channel::Color(0) => ["Frame t, red", "Background, red"],
+        Channel::Color(1) => ["Frame t, green", "Background, green"],
+        Channel::Color(_) => ["Frame t, blue", "Background, blue"],
+    }
+}
+
 /// The line of pseudocode of an event.
 pub(super) fn stage(event: &Event) -> Name {
     match event {
@@ -421,6 +426,7 @@ pub(super) fn stage(event: &Event) -> Name {
         Event::Followed(..) => line::FOLLOW_CAMERA,
         Event::Exposed(..) => line::CORRECT_EXPOSURE,
         Event::Steadied(..) => line::SUPPRESS_SHAKE,
+        Event::Registered(_) => line::REGISTER,
         Event::Compared(..) => line::COMPARE,
         Event::Decided(_) => line::DECIDE,
         Event::Shadows(..) => line::REMOVE_SHADOWS,
@@ -433,7 +439,7 @@ pub(super) fn stage(event: &Event) -> Name {
 }
 
 impl<M: Background> Subtraction<M> {
-    pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
+    pub(super) fn explained_step(&self, seen: &Seen<Self>) -> Step {
         let line = seen.events.last().map_or(line::BEGIN_MODEL, stage);
         Step { line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
     }
@@ -469,6 +475,15 @@ impl<M: Background> Subtraction<M> {
         self.0.explain([before, after], frame, place)
     }
 
+    /// The comparison of the whole frame, once it is done.
+    fn comparison(&self, seen: &Seen<Self>) -> Option<FrameComparison> {
+        let frame = seen.events.iter().find_map(|event| match event {
+            Event::Registered(frame) | Event::Compared(frame, _) => Some(frame),
+            _ => None,
+        })?;
+        self.0.comparison(seen.before.model.as_deref()?, frame)
+    }
+
     fn sentence(&self, seen: &Seen<Self>) -> Sentence {
         let (said, number) = (Sentence::default(), seen.before.frame);
         let history = MaskHistory::new(seen.events);
@@ -483,7 +498,8 @@ impl<M: Background> Subtraction<M> {
         if let Event::Updated(conclusion) = event {
             return self.updated(seen, conclusion);
         }
-        let is_decided = !matches!(event, Event::Begun(_) | Event::Exposed(..) | Event::Compared(..));
+        let is_decided =
+            !matches!(event, Event::Begun(_) | Event::Exposed(..) | Event::Registered(_) | Event::Compared(..));
         if let Some((place, Explanation { verdict, .. })) = self.explanation(seen).filter(|_| is_decided) {
             let mut all = said.ink(Role::Reference, format!("Pixel {}", pixel(place)));
             all.0.extend(verdict.0);
@@ -513,6 +529,7 @@ impl<M: Background> Subtraction<M> {
                 .text(" than the background")
                 .text(by_level(transfer))
                 .text(". The frame is corrected by this change."),
+            Event::Registered(_) => self.comparison(seen).map_or(said, |whole| whole.sentence),
             Event::Compared(..) => said.text(format!(
                 "{} at each pixel of frame {number}. The heat map shows {}.",
                 capital(M::COMPARED),
@@ -525,7 +542,7 @@ impl<M: Background> Subtraction<M> {
             }
             Event::Shadows(_, shadows) => said
                 .ink(Role::Rejected, format!("{} of the foreground are cast shadows", pixels(shadows.count())))
-                .text(": darker than the background, but of the same colour. They are removed."),
+                .text(": darker than the background, but of the same colour, and not enclosed by foreground. They are removed."),
             Event::Steadied(_, displaced) => said
                 .ink(Role::Rejected, format!("{} of the foreground fit", pixels(displaced.count())))
                 .text(format!(
@@ -554,7 +571,7 @@ impl<M: Background> Subtraction<M> {
         let which = if pointed.is_some() { "" } else { ", with the largest difference" };
         let mut all = said.ink(Role::Reference, format!("Pixel {}", pixel(place))).text(format!("{which}: "));
         all.0.extend(self.explained_at(seen, frame, place).update.0);
-        all.text(conclusion.sentence(seen.before.frame))
+        all.text(conclusion.sentence(seen.before.frame, M::FLOODED))
     }
 
     fn readouts(&self, seen: &Seen<Self>) -> Vec<Readout> {
@@ -565,7 +582,10 @@ impl<M: Background> Subtraction<M> {
         let history = MaskHistory::new(seen.events);
         let mut facts = vec![Fact::new("Frame", state.frame.to_string(), None)];
         let mut readouts = Vec::new();
-        if let Some((place, explanation)) = self.explanation(seen) {
+        let mut whole = self.comparison(seen).unwrap_or_default();
+        facts.append(&mut whole.facts);
+        if let Some((place, mut explanation)) = self.explanation(seen) {
+            whole.matrices.append(&mut explanation.matrices);
             facts.push(Fact::new("Pixel", pixel(place), Some(Role::Reference)));
             if let Some((frame, _)) = history.exposed() {
                 let level = frame.luma()[place].to_string();
@@ -573,20 +593,22 @@ impl<M: Background> Subtraction<M> {
             }
             facts.extend(explanation.facts);
             readouts.extend(Some(explanation.equation).filter(|lines| !lines.is_empty()).map(Readout::Equation));
-            readouts.extend(Some(explanation.matrices).filter(|all| !all.is_empty()).map(Readout::Matrices));
+            let matrices = std::mem::take(&mut whole.matrices);
+            readouts.extend(Some(matrices).filter(|all| !all.is_empty()).map(Readout::Matrices));
             readouts.extend(self.tiles(seen, place).map(Readout::Tiles));
-            if let Some(model) = self.compared_model(seen) {
-                readouts.extend(super::history::plots(&self.0, (seen.clip, state), &model, place));
+            if let Some((model, frame)) = self.compared_model(seen).zip(history.frame()) {
+                readouts.extend(super::history::plots(&self.0, (seen.clip, state), (&*model, &**frame), place));
             }
         }
         facts.extend(history.facts());
         readouts.insert(0, Readout::Facts(facts));
+        readouts.extend(Some(whole.matrices).filter(|all| !all.is_empty()).map(Readout::Matrices));
         let now: &State<_> = seen.after.unwrap_or(state);
         readouts.extend(plots(&now.record, &state.span));
         readouts
     }
 
-    /// Tiles of the frame, the background and their difference around a pixel.
+    /// Tiles of the frame and the background, in the channel that decides about a pixel, and of their difference around it.
     fn tiles(&self, seen: &Seen<Self>, place: (usize, usize)) -> Option<Vec<Tile>> {
         let frame = MaskHistory::new(seen.events).frame()?;
         let model = self.compared_model(seen)?;
@@ -594,13 +616,15 @@ impl<M: Background> Subtraction<M> {
         let around = |of: &dyn Fn((usize, usize)) -> f32| explain::around_with(frame.size(), place, TILE_REACH_PX, of);
         let difference = around(&|place| self.0.difference(model, frame, place));
         let most = difference.cells().iter().filter(|v| v.is_finite()).fold(1.0f32, |most, v| most.max(*v));
+        let channel = self.0.channel(model, frame, place);
+        let [shown, background] = tile_labels(channel);
         let tile = |label, role, values, range| Tile { label, role, values, range };
         Some(vec![
-            tile("Frame t", Some(Role::Measured), around(&|place| f32::from(frame.luma()[place])), [0.0, 255.0]),
+            tile(shown, Some(Role::Measured), around(&|place| f32::from(channel.level(frame, place))), [0.0, 255.0]),
             tile(
-                "Background",
+                background,
                 Some(Role::Predicted),
-                around(&|place| self.0.compared_with(model, frame, place)),
+                around(&|place| self.0.compared_in(model, frame, place, channel)),
                 [0.0, 255.0],
             ),
             tile("Difference", None, difference, [0.0, most]),
@@ -619,6 +643,7 @@ impl<M: Background> Subtraction<M> {
             None => {}
             Some(Event::Followed(..)) => scene.legend(Role::Predicted, "background model, shifted with the camera"),
             Some(Event::Begun(_) | Event::Exposed(..)) => scene.legend(Role::Predicted, "background model"),
+            Some(Event::Registered(_)) => scene.legend(Role::Predicted, "previous frame, warped by the motion"),
             Some(Event::Compared(_, difference)) => {
                 let values = difference.as_ref().clone();
                 scene.mark(Picture::CURRENT, Role::Candidate, Shape::Heat { origin: [0.0; 2], values });

@@ -1,5 +1,6 @@
 //! The classification of a single pixel and the update of its model, in words and numbers.
 
+use super::channels::{Channel, largest};
 use crate::methods::numbers::{gray, level};
 use crate::scene::{Fact, Math, Matrix, Role, Sentence};
 
@@ -18,65 +19,115 @@ pub struct Explanation {
     pub update: Sentence,
 }
 
-/// The background value that a pixel is compared with.
-#[derive(Clone, Copy)]
-pub struct Expected {
-    /// The gray level.
-    pub value: f32,
-    /// Its symbol in the formula.
-    pub symbol: &'static str,
-    /// Whether the background holds whole gray levels only.
-    pub is_whole: bool,
+/// The comparison of a whole frame with the model.
+#[derive(Default)]
+pub struct FrameComparison {
+    /// Its result, as sentences.
+    pub sentence: Sentence,
+    /// Its numbers.
+    pub facts: Vec<Fact>,
+    /// Its matrices.
+    pub matrices: Vec<Matrix>,
 }
 
-impl Expected {
-    /// A gray level of this background as text.
-    pub fn text(self, value: f32) -> String {
-        if self.is_whole { level(value) } else { gray(value) }
+/// A pixel and the background that it is compared with, in one channel or in three.
+pub struct Comparison<'a> {
+    /// The levels of the pixel.
+    pub pixel: &'a [u8],
+    /// The levels of the background.
+    pub background: &'a [f32],
+    /// Whether the background holds whole levels only.
+    pub is_whole: bool,
+    /// The threshold on the difference.
+    pub threshold: f32,
+}
+
+/// Values in one channel or in three as text.
+pub fn tuple<T: Copy>(values: &[T], text: impl Fn(T) -> String) -> String {
+    match values {
+        [one] => text(*one),
+        // No-break spaces.
+        all => format!("({})", all.iter().map(|value| text(*value)).collect::<Vec<_>>().join(",\u{a0}")),
     }
 }
 
-/// The classification of a gray value by its absolute difference from the background and a threshold in gray levels.
-pub fn compared(value: f32, expected: Expected, threshold: f32) -> Explanation {
-    let difference = (value - expected.value).abs();
-    let is_foreground = difference > threshold;
-    let role = if is_foreground { Role::Result } else { Role::Rejected };
-    let [background, off, limit] = [expected.value, difference, threshold].map(|value| expected.text(value));
-    let shown = level(value);
-    let symbols = Math::Row(vec![
-        Math::Abs(Box::new(Math::Row(vec![Math::Var("I"), Math::text(" − "), Math::Var(expected.symbol)]))),
-        Math::text(" > "),
-        Math::Var("T"),
-    ]);
-    let numbers = Math::Row(vec![
-        Math::Abs(Box::new(Math::Row(vec![
-            Math::ink(Role::Measured, shown.clone()),
-            Math::text(" − "),
-            Math::ink(Role::Predicted, background.clone()),
-        ]))),
-        Math::text(" = "),
-        Math::ink(role, off.clone()),
-        Math::text(if is_foreground { format!(" > {limit}") } else { format!(" ≤ {limit}") }),
-    ]);
-    Explanation {
-        facts: vec![
-            Fact::new("Gray level", shown.clone(), Some(Role::Measured)),
-            Fact::new("Background", background.clone(), Some(Role::Predicted)),
-            Fact::new("Difference", off.clone(), Some(role)),
-            Fact::new("Threshold", limit.clone(), None),
-        ],
-        equation: vec![symbols, numbers],
-        verdict: Sentence::default()
-            .text(": gray level ")
-            .ink(Role::Measured, shown)
-            .text(", background ")
-            .ink(Role::Predicted, background)
-            .text(". The difference ")
-            .ink(role, off)
-            .text(match is_foreground {
-                true => format!(" exceeds the threshold {limit}: foreground."),
-                false => format!(" is within the threshold {limit}: background."),
-            }),
-        ..Explanation::default()
+/// What is compared, with and without a capital: a gray level or a color.
+pub fn kind(channels: usize) -> [&'static str; 2] {
+    if channels == 1 { ["Gray level", "gray level"] } else { ["Colour", "colour"] }
+}
+
+/// A variable, with c for the channel where there are several.
+pub fn of_channel(symbol: &'static str, channels: usize) -> Math {
+    if channels == 1 { Math::Var(symbol) } else { Math::indexed(Math::Var(symbol), Math::Var("c")) }
+}
+
+/// A difference with the channel that it is found in, where there are several.
+pub fn in_channel(difference: &str, channel: Channel) -> String {
+    channel.name().map_or_else(|| difference.to_owned(), |name| format!("{difference} in {name}"))
+}
+
+/// The maximum over the channels of a difference, where there are several.
+pub fn most(difference: Math, channels: usize) -> Math {
+    if channels == 1 {
+        return difference;
+    }
+    Math::Row(vec![Math::indexed(Math::text("max"), Math::Var("c")), Math::text(" "), difference])
+}
+
+impl Comparison<'_> {
+    /// The classification of the pixel by its largest absolute difference from the background and the threshold.
+    pub fn explained(&self) -> Explanation {
+        let channels = self.pixel.len();
+        let text = |value: f32| if self.is_whole { level(value) } else { gray(value) };
+        let offs: Vec<f32> = self.pixel.iter().zip(self.background).map(|(i, b)| (f32::from(*i) - b).abs()).collect();
+        let (channel, difference) = largest(&offs);
+        let at = channel.index();
+        let is_foreground = difference > self.threshold;
+        let role = if is_foreground { Role::Result } else { Role::Rejected };
+        let [off, limit] = [difference, self.threshold].map(text);
+        let [shown, background] = [tuple(self.pixel, |i| level(f32::from(i))), tuple(self.background, text)];
+        let size = |inner: Vec<Math>| Math::Abs(Box::new(Math::Row(inner)));
+        let [pixel, expected] =
+            [("I", channels), ("B", channels)].map(|(symbol, channels)| of_channel(symbol, channels));
+        let symbols = Math::Row(vec![
+            most(size(vec![pixel, Math::text(" − "), expected]), channels),
+            Math::text(" > "),
+            Math::Var("T"),
+        ]);
+        let numbers = Math::Row(vec![
+            size(vec![
+                Math::ink(Role::Measured, level(f32::from(self.pixel[at]))),
+                Math::text(" − "),
+                Math::ink(Role::Predicted, text(self.background[at])),
+            ]),
+            Math::text(" = "),
+            Math::ink(role, off.clone()),
+            Math::text(if is_foreground { format!(" > {limit}") } else { format!(" ≤ {limit}") }),
+            Math::text(channel.name().map_or_else(String::new, |name| format!(" in {name}"))),
+        ]);
+        let [name, lower] = kind(channels);
+        let label = if channels == 1 { "Difference" } else { "Largest difference" };
+        let off = in_channel(&off, channel);
+        Explanation {
+            facts: vec![
+                Fact::new(name, shown.clone(), Some(Role::Measured)),
+                Fact::new("Background", background.clone(), Some(Role::Predicted)),
+                Fact::new(label, off.clone(), Some(role)),
+                Fact::new("Threshold", limit.clone(), None),
+            ],
+            equation: vec![symbols, numbers],
+            verdict: Sentence::default()
+                .text(format!(": {lower} "))
+                .ink(Role::Measured, shown)
+                .text(", background ")
+                .ink(Role::Predicted, background)
+                .text(format!(". The {} ", label.to_lowercase()))
+                .ink(role, off)
+                .text(match is_foreground {
+                    true => format!(" exceeds the threshold {limit}: foreground."),
+                    false => format!(" is within the threshold {limit}: background."),
+                }),
+            ..Explanation::default()
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! The gray levels of a pixel over the last frames, among those that its model takes for background.
 
-use super::{Background, State};
-use crate::data::Clip;
+use super::{Background, Channel, State};
+use crate::data::{Clip, Frame};
 use crate::methods::numbers::ratio;
 use crate::scene::{Band, Readout, Role, Series};
 
@@ -48,35 +48,46 @@ const MOST_PIXELS: usize = 16 << 20;
 /// Gray levels that share a cell of the histogram.
 const CELL: usize = 4;
 
-/// The gray levels of a pixel in the last frames up to that of `state`, with their numbers; those that cannot be read are left out.
-fn levels<T>(clip: &Clip, state: &State<T>, place: (usize, usize)) -> Vec<[f32; 2]> {
+/// The levels of a pixel in the last frames up to that of `state`, with their numbers; those that cannot be read are left out.
+fn levels<T>((clip, state): (&Clip, &State<T>), place: (usize, usize), channel: Channel) -> Vec<[f32; 2]> {
     let pixels = (state.picture.0 * state.picture.1).max(1);
     let count = (MOST_PIXELS / pixels).clamp(2, MOST_FRAMES);
     let first = (state.frame + 1).saturating_sub(count).max(state.span.first);
-    let level = |t: usize| Some([t as f32, f32::from(*clip.frame(t).ok()?.luma().get(place.0, place.1)?)]);
+    let level = |t: usize| Some([t as f32, f32::from(channel.level(&*clip.frame(t).ok()?, place))]);
     (first..=state.frame).filter_map(level).collect()
 }
 
-/// Plots of a pixel: its gray levels over the frames with what the model takes for background, and their distribution
-/// with the densities of the modes.
+/// The title of the plot of a pixel over the frames.
+fn title(channel: Channel) -> &'static str {
+    match channel {
+        Channel::Gray => "Gray level of the pixel",
+        Channel::Color(0) => "Red of the pixel",
+        Channel::Color(1) => "Green of the pixel",
+        Channel::Color(_) => "Blue of the pixel",
+    }
+}
+
+/// Plots of a pixel: its levels over the frames, in the channel that decides, with what the model takes for background, and their
+/// distribution with the densities of the modes.
 pub(super) fn plots<M: Background>(
     detector: &M,
     (clip, state): (&Clip, &State<M::Model>),
-    model: &M::Model,
+    (model, frame): (&M::Model, &Frame),
     place: (usize, usize),
 ) -> Vec<Readout> {
-    let levels = levels(clip, state, place);
+    let channel = detector.channel(model, frame, place);
+    let levels = levels((clip, state), place, channel);
     let (Some(first), Some(last)) = (levels.first(), levels.last()) else { return Vec::new() };
     if first == last {
         return Vec::new();
     }
-    let accepted = detector.accepted(model, place);
+    let accepted = detector.accepted(model, place, channel);
     let over_time = Series {
-        title: "Gray level of the pixel",
+        title: title(channel),
         x_label: "frame",
-        y_label: "gray level",
+        y_label: "level",
         x_max: last[0] as usize,
-        lines: vec![("gray level", Role::Measured, levels.clone())],
+        lines: vec![(channel.name().unwrap_or("gray level"), Role::Measured, levels.clone())],
         fits_values: true,
         bands: accepted.iter().enumerate().map(|(i, accepted)| accepted.band(i + 1)).collect(),
         ..Series::default()
@@ -104,8 +115,8 @@ fn distribution(levels: &[[f32; 2]], accepted: &[Accepted]) -> Series {
     let predicted =
         (low * CELL..(high + 1) * CELL).map(|level| [level as f32, CELL as f32 * predicted(level as f32)]).collect();
     Series {
-        title: "Distribution of its gray levels",
-        x_label: "gray level",
+        title: "Distribution of its levels",
+        x_label: "level",
         y_label: "share of the frames",
         x_max: (high + 1) * CELL - 1,
         lines: vec![("frames", Role::Measured, found), ("model", Role::Predicted, predicted)],

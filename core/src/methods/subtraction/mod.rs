@@ -1,12 +1,14 @@
 //! Background subtraction: a background model, a foreground mask, its clean-up by opening and closing, and blobs.
 
 mod camera;
+mod channels;
 mod declare;
 mod explain;
 mod explanation;
 mod exposure;
 mod history;
 mod initial;
+mod noise;
 mod rows;
 mod shadow;
 
@@ -14,14 +16,19 @@ use std::sync::Arc;
 
 pub use camera::{CameraMotion, Steadiness};
 pub(crate) use camera::{displaced, resampled, shifted};
+pub use channels::Channels;
+pub(crate) use channels::{Channel, Channelwise, Planes, Row, SHADOW_SHARE, classify, largest, levels, luma};
 pub use declare::Settings;
 pub(crate) use declare::subtraction_pseudocode;
 pub(crate) use explain::{MaskHistory, plots};
-pub(crate) use explanation::{Expected, Explanation, compared};
+pub(crate) use explanation::{Comparison, Explanation, FrameComparison, in_channel, kind, most, of_channel, tuple};
 pub use exposure::Exposure;
 pub(crate) use history::Accepted;
 pub use initial::Initial;
+pub use noise::{Differencing, NOISE_SIGMAS, automatic_threshold, noise_of};
 pub(crate) use rows::{Flags, by_rows};
+pub use shadow::ShadowDetection;
+use shadow::enclosed;
 pub(crate) use shadow::{ShadowLimits, is_shadow};
 
 use camera::Camera;
@@ -52,6 +59,14 @@ pub trait Background: Params + Default + Clone + Send + Sync + 'static {
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series];
     /// Whether each frame replaces the model.
     const IS_REPLACED: bool = false;
+    /// Whether the model is registered to each frame by a motion of the camera.
+    const IS_REGISTERED: bool = false;
+    /// The cause of a foreground that covers much of the frame, and what to do about it.
+    const FLOODED: [&'static str; 2] = [
+        "the camera moves, or the light has changed",
+        "This method needs a camera at rest and steady light. With a moving camera compare the motion of objects with that of \
+         their surroundings (motion-compensated difference, optical flow, KLT, point trajectories).",
+    ];
     /// The background model.
     type Model: Clone + Send + Sync + 'static;
 
@@ -61,6 +76,11 @@ pub trait Background: Params + Default + Clone + Send + Sync + 'static {
     /// If a frame cannot be read.
     fn stage_view(&self, _clip: &Clip, _now: usize) -> Result<Option<StageView>, Error> {
         Ok(None)
+    }
+
+    /// As [`Estimator::earlier_frames`].
+    fn earlier_frames(&self) -> Option<usize> {
+        None
     }
 
     /// The parameters that all background subtractions have.
@@ -111,18 +131,37 @@ pub trait Background: Params + Default + Clone + Send + Sync + 'static {
         self.expected(model, place)
     }
 
+    /// The color of the background at a pixel, if the model has one for each channel.
+    fn expected_color(&self, _model: &Self::Model, _place: (usize, usize)) -> Option<[u8; 3]> {
+        None
+    }
+
+    /// The channel that decides about a pixel.
+    fn channel(&self, _model: &Self::Model, _frame: &Frame, _place: (usize, usize)) -> Channel {
+        Channel::Gray
+    }
+
+    /// As [`Background::compared_with`], in a channel.
+    fn compared_in(&self, model: &Self::Model, frame: &Frame, place: (usize, usize), _channel: Channel) -> f32 {
+        self.compared_with(model, frame, place)
+    }
+
     /// The frame and the pictures that it is compared with, from left to right.
     fn pictures(&self, model: &Arc<Self::Model>, size: (usize, usize)) -> Vec<Canvas> {
         let (detector, model) = (self.clone(), Arc::clone(model));
         let expected = move || {
+            if detector.expected_color(&model, (0, 0)).is_some() {
+                let color = |x, y| detector.expected_color(&model, (x, y)).unwrap_or_default();
+                return Frame::rgb(Grid::from_fn(size.0, size.1, color));
+            }
             let gray = |x, y| detector.expected(&model, (x, y)).round().clamp(0.0, 255.0) as u8;
             Frame::gray(Grid::from_fn(size.0, size.1, gray))
         };
         vec![Canvas::of_clip(Picture::CURRENT), Canvas::made(Picture::REFERENCE, expected)]
     }
 
-    /// The gray levels that the model takes for background at a pixel: one range for each background mode.
-    fn accepted(&self, _model: &Self::Model, _place: (usize, usize)) -> Vec<Accepted> {
+    /// The levels of a channel that the model takes for background at a pixel: one range for each background mode.
+    fn accepted(&self, _model: &Self::Model, _place: (usize, usize), _channel: Channel) -> Vec<Accepted> {
         Vec::new()
     }
 
@@ -141,6 +180,11 @@ pub trait Background: Params + Default + Clone + Send + Sync + 'static {
 
     /// Explains the class of a pixel by the model before the frame, and the update by the model after it, once that exists.
     fn explain(&self, models: [Option<&Self::Model>; 2], frame: &Frame, place: (usize, usize)) -> Explanation;
+
+    /// Further about the comparison of a frame with the model as a whole.
+    fn comparison(&self, _model: &Self::Model, _frame: &Frame) -> Option<FrameComparison> {
+        None
+    }
 
     /// The criterion of foreground pixels, as a sentence without its full stop.
     fn rule(&self) -> String;
@@ -183,7 +227,7 @@ impl Past {
 pub struct Found {
     /// The foreground pixels, shadows included.
     pub mask: Mask,
-    /// The shadow pixels, where shadows are detected.
+    /// The pixels of the colour of a shadow, where shadows are detected.
     pub shadows: Option<Mask>,
 }
 
@@ -225,6 +269,8 @@ pub enum Event {
     Followed([f32; 2], [f32; 2]),
     /// The frame as it was before its exposure was corrected, and the transfer from the background to it.
     Exposed(Arc<Frame>, Arc<Transfer>),
+    /// The frame, to which the model was registered by a motion.
+    Registered(Arc<Frame>),
     /// The frame and the difference of each pixel from the background.
     Compared(Arc<Frame>, Arc<Grid<f32>>),
     /// The foreground mask by the threshold.
@@ -398,6 +444,9 @@ impl<M: Background> Subtraction<M> {
             return Ok(state.go_on(clip));
         };
         self.0.look(clip, model, &frame, threads)?;
+        if M::IS_REGISTERED {
+            observer.see(|| Event::Registered(Arc::clone(&frame)));
+        }
         observer.see(|| {
             let (width, height) = frame.size();
             let difference = Grid::from_fn(width, height, |x, y| self.0.difference(model, &frame, (x, y)));
@@ -409,6 +458,7 @@ impl<M: Background> Subtraction<M> {
         let Found { mut mask, shadows } = self.0.subtract(Arc::make_mut(model), &frame, threads);
         observer.see(|| Event::Decided(Arc::new(mask.clone())));
         if let Some(shadows) = shadows {
+            let shadows = shadows.without(&enclosed(&mask.without(&shadows), &shadows));
             mask = mask.without(&shadows);
             observer.see(|| Event::Shadows(Arc::new(mask.clone()), Arc::new(shadows)));
         }
@@ -515,6 +565,10 @@ impl<M: Background> Estimator for Subtraction<M> {
         state.span.place(state.frame - state.span.first)
     }
 
+    fn earlier_frames(&self) -> Option<usize> {
+        self.0.earlier_frames()
+    }
+
     fn units_of(&self, _picture: (usize, usize), frames: usize) -> Option<usize> {
         Some(frames)
     }
@@ -536,7 +590,7 @@ impl<M: Background> Estimator for Subtraction<M> {
     }
 
     fn step(&self, seen: &Seen<Self>) -> Step {
-        self.told(seen)
+        self.explained_step(seen)
     }
 
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {

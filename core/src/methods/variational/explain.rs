@@ -19,15 +19,15 @@ mod line {
 }
 
 impl<M: Model> Probe<'_, M> {
-    /// Returns the iteration at the cursor, at the pixel pointed at or else the one with the largest change; `None` before its
-    /// first step.
+    /// Returns the iteration at the cursor, at the pixel pointed at or else at the default one; `None` before its first
+    /// step.
     fn at<'a>(seen: &'a Seen<Variational<M>>) -> Option<Probe<'a, M>> {
         let Some(Event::Step(_, iteration)) = seen.events.last() else { return None };
         let (frames, level) = (&seen.before.fixed.frames, seen.before.level);
         let pointed_at = seen.point().and_then(|point| frames.pixel_at(level, point));
         Some(Probe {
             iteration,
-            place: pointed_at.unwrap_or_else(|| iteration.most()),
+            place: pointed_at.unwrap_or_else(|| frames.default_pixel(level)),
             level,
             scale: frames.scale(level),
         })

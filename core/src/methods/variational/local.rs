@@ -1,6 +1,6 @@
 //! Relaxation with a windowed data term, as in the combined local-global method.
 //!
-//! Both solvers minimise the energy Σ (w, 1)ᵀ T (w, 1) + α² Σ w_n |w − w_n|² over the displacements w = (u, v), the second sum as in
+//! All solvers minimise the energy Σ (w, 1)ᵀ T (w, 1) + α² Σ w_n |w − w_n|² over the displacements w = (u, v), the second sum as in
 //! [`relax`](crate::methods::differential::relax).
 
 use crate::base::{
@@ -8,7 +8,7 @@ use crate::base::{
     wide::{lane, widest},
 };
 use crate::geometry::{Border, Grid, filter};
-use crate::methods::differential::{Field, Linear, stencil};
+use crate::methods::differential::{Field, Linear, sor, stencil};
 
 /// The motion tensor of every pixel: the Gaussian-smoothed products of the constraint coefficients.
 ///
@@ -103,79 +103,96 @@ fn temporal(linear: &Linear) -> Grid<f32> {
 }
 
 /// The update of a pixel from its neighbourhood mean (u, v): the solution of (T + α² I) w = α² (u, v) − (xt, yt), as A and b of
-/// A (u, v) + b.
-pub struct Local {
-    /// A: uu, uv, vv; then b: u, v.
-    factors: [Grid<f32>; 5],
+/// A (u, v) + b; prepared for its solver.
+pub enum Local {
+    /// Jacobi iterations. A: uu, uv, vv; then b: u, v.
+    Jacobi([Grid<f32>; 5]),
+    /// Gauss–Seidel and SOR, with the relaxation factor ω; 1 is Gauss–Seidel.
+    Sor(sor::Factors<5>, f32),
 }
 
 impl Local {
-    /// Solves for the regularisation weight `alpha`.
-    pub fn new(tensor: &MotionTensor, alpha: f32) -> Self {
-        let (width, height) = tensor.parts[0].size();
-        let mut factors = std::array::from_fn(|_| Grid::new(width, height, 0.0));
-        let weight = f64::from(alpha).powi(2);
-        for place in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
-            let [xx, xy, yy, xt, yt, _] = tensor.at(place).map(f64::from);
-            let (xx, yy) = (xx + weight, yy + weight);
-            let det = xx * yy - xy * xy;
-            let solution = [
-                weight * yy / det,
-                -weight * xy / det,
-                weight * xx / det,
-                (xy * yt - yy * xt) / det,
-                (xy * xt - xx * yt) / det,
-            ];
-            for (part, value) in factors.iter_mut().zip(solution) {
-                part[place] = value as f32;
-            }
+    /// Solves for the regularisation weight `alpha`, for SOR with the factor `relaxation`, or for Jacobi without one.
+    pub fn new(tensor: &MotionTensor, alpha: f32, relaxation: Option<f32>, threads: &Threads) -> Self {
+        let size @ (width, height) = tensor.parts[0].size();
+        let [xx, xy, yy, xt, yt, _] = &tensor.parts;
+        let write = |y: usize, to: [&mut [f32]; 5]| {
+            let rows = [xx.row(y), xy.row(y), yy.row(y), xt.row(y), yt.row(y)];
+            solved_row(rows, alpha, to);
+        };
+        if let Some(relaxation) = relaxation {
+            return Self::Sor(sor::Factors::new(size, write, threads), relaxation);
         }
-        Self { factors }
+        let mut factors = [(); 5].map(|()| Grid::new(width, height, 0.0));
+        threads.rows_of(factors.each_mut(), |y, mut to| write(y, to.each_mut().map(|row| &mut **row)));
+        Self::Jacobi(factors)
     }
 
-    fn rows(&self, y: usize) -> [&[f32]; 5] {
-        self.factors.each_ref().map(|part| part.row(y))
-    }
-
-    /// Does `iterations` Jacobi iterations from `field`: all pixels from the means of the previous iteration.
-    pub fn jacobi(&self, field: &Field, iterations: usize, threads: &Threads) -> Field {
+    /// Does `iterations` from `field`.
+    pub fn iterate(&self, field: &Field, iterations: usize, threads: &Threads) -> Field {
         effort::add(iterations * field.u.cells().len());
-        let (mut field, mut to) = (field.clone(), field.clone());
-        let (width, height) = field.u.size();
-        let rows = height.div_ceil(threads.count()).max(1);
-        for _ in 0..iterations {
-            let bands = to.u.cells_mut().chunks_mut(rows * width).zip(to.v.cells_mut().chunks_mut(rows * width));
-            threads.each(bands.enumerate().collect(), |(band, (u, v))| {
-                for (i, (u, v)) in u.chunks_exact_mut(width).zip(v.chunks_exact_mut(width)).enumerate() {
-                    let y = band * rows + i;
-                    let around = [y.saturating_sub(1), y, (y + 1).min(height - 1)];
-                    let around = [&field.u, &field.v].map(|part| around.map(|y| part.row(y)));
-                    row_widest(around, self.rows(y), [u, v]);
-                }
-            });
-            std::mem::swap(&mut field, &mut to);
-        }
-        field
-    }
-
-    /// Does one iteration in place, from the newest values of the neighbours; order and `relaxation` as in
-    /// [`System::sweep`](crate::methods::differential::relax::System::sweep).
-    pub fn sweep(&self, field: &mut Field, relaxation: f32) {
-        effort::add(field.u.cells().len());
-        let (width, height) = field.u.size();
-        for y in 0..height {
-            let factors = self.rows(y);
-            let rows = [y.saturating_sub(1), y, (y + 1).min(height - 1)];
-            for x in (0..width).step_by(2).chain((1..width).step_by(2)) {
-                let columns = [x.saturating_sub(1), (x + 1).min(width - 1)];
-                let mean = [&field.u, &field.v].map(|part| mean(rows.map(|y| part.row(y)), x, columns));
-                let new = solution(factors.map(|row| row[x]), mean);
-                for (part, new) in [&mut field.u, &mut field.v].into_iter().zip(new) {
-                    part[(x, y)] += relaxation * (new - part[(x, y)]);
-                }
+        match self {
+            Self::Jacobi(factors) => jacobi(factors, field, iterations, threads),
+            Self::Sor(factors, relaxation) => {
+                sor::iterate::<5, Self>(factors, field, (iterations, *relaxation), threads)
             }
         }
     }
+}
+
+widest! {
+    fn solved_row(tensor: [&[f32]; 5], alpha: f32, to: [&mut [f32]; 5]) = solved
+}
+
+/// A and b of the pixels of a row with these motion tensors.
+#[inline(always)]
+fn solved([xx, xy, yy, xt, yt]: [&[f32]; 5], alpha: f32, [uu, uv, vv, u, v]: [&mut [f32]; 5]) {
+    let weight = f64::from(alpha) * f64::from(alpha);
+    for x in 0..uu.len() {
+        let (xy, xt, yt) = (f64::from(xy[x]), f64::from(xt[x]), f64::from(yt[x]));
+        let (xx, yy) = (f64::from(xx[x]) + weight, f64::from(yy[x]) + weight);
+        let det = xx * yy - xy * xy;
+        uu[x] = (weight * yy / det) as f32;
+        uv[x] = (-weight * xy / det) as f32;
+        vv[x] = (weight * xx / det) as f32;
+        u[x] = ((xy * yt - yy * xt) / det) as f32;
+        v[x] = ((xy * xt - xx * yt) / det) as f32;
+    }
+}
+
+impl sor::Update<5> for Local {
+    #[inline(always)]
+    fn update(mean: [f32; 2], factors: [f32; 5]) -> [f32; 2] {
+        solution(factors, mean)
+    }
+
+    fn row(around: [sor::Around; 2], factors: [&[f32]; 5], to: [&mut [f32]; 2], relaxation: f32) {
+        widest! {
+            fn wide(around: [sor::Around; 2], factors: [&[f32]; 5], to: [&mut [f32]; 2], relaxation: f32)
+                = sor::row::<5, Local>
+        }
+        wide(around, factors, to, relaxation);
+    }
+}
+
+/// Does `iterations` Jacobi iterations from `field`: all pixels from the means of the previous iteration.
+fn jacobi(factors: &[Grid<f32>; 5], field: &Field, iterations: usize, threads: &Threads) -> Field {
+    let (mut field, mut to) = (field.clone(), field.clone());
+    let (width, height) = field.u.size();
+    let rows = height.div_ceil(threads.count()).max(1);
+    for _ in 0..iterations {
+        let bands = to.u.cells_mut().chunks_mut(rows * width).zip(to.v.cells_mut().chunks_mut(rows * width));
+        threads.each(bands.enumerate().collect(), |(band, (u, v))| {
+            for (i, (u, v)) in u.chunks_exact_mut(width).zip(v.chunks_exact_mut(width)).enumerate() {
+                let y = band * rows + i;
+                let around = [y.saturating_sub(1), y, (y + 1).min(height - 1)];
+                let around = [&field.u, &field.v].map(|part| around.map(|y| part.row(y)));
+                row_widest(around, factors.each_ref().map(|part| part.row(y)), [u, v]);
+            }
+        });
+        std::mem::swap(&mut field, &mut to);
+    }
+    field
 }
 
 /// The mean of the neighbours of pixel `x` in three rows, with the columns to its left and right.

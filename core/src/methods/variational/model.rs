@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use super::Settings;
 use super::run::Note;
 use crate::base::{Threads, words};
-use crate::methods::differential::{Advice, Field, Linear, explain, field, numbers, relax};
+use crate::methods::differential::{Advice, Field, Linear, explain, numbers, relax};
 use crate::params::Params;
 use crate::run::{Guarantee, Info};
 use crate::scene::{Constraint, Fact, Math, Name, Role, Sentence};
@@ -111,20 +111,13 @@ pub struct Iteration<M: Model> {
     pub from: Arc<M::Unknowns>,
     /// The unknowns after it.
     pub to: Arc<M::Unknowns>,
-    /// The pixel with the largest change.
-    most: OnceLock<(usize, usize)>,
     /// Energy, change and error.
     pub(super) note: OnceLock<Note>,
 }
 
 impl<M: Model> Iteration<M> {
     pub(super) fn new(warp: Arc<Warp<M>>, from: Arc<M::Unknowns>, to: Arc<M::Unknowns>) -> Self {
-        Self { warp, from, to, most: OnceLock::new(), note: OnceLock::new() }
-    }
-
-    /// Returns the pixel with the largest change; the first of several.
-    pub fn most(&self) -> (usize, usize) {
-        *self.most.get_or_init(|| field::most_changed(self.from.field(), self.to.field()))
+        Self { warp, from, to, note: OnceLock::new() }
     }
 }
 

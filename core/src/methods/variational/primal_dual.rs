@@ -3,6 +3,8 @@
 //! They minimise λ |ρ(f)| + |f − w|² / 2θ + |∇u| + |∇v|, summed over the pixels, where w = (u, v) is the flow, f the auxiliary
 //! flow of the data term, and ∇ forward differences, 0 at the image border.
 
+use std::ops::Range;
+
 use super::model::Unknowns;
 use crate::base::{
     LANES, Threads, effort,
@@ -82,40 +84,130 @@ impl Dual {
         })
     }
 
-    /// Does one iteration: thresholding of the data term, update of the flow, dual update.
-    pub fn iterate(&mut self, linear: &Linear, weights: Weights, threads: &Threads) {
-        effort::add(self.field.u.cells().len());
-        let height = self.field.u.height();
+    /// Does `iterations`, each thresholding of the data term, update of the flow, dual update.
+    pub fn iterate(&mut self, linear: &Linear, weights: Weights, iterations: usize, threads: &Threads) {
+        let (width, height) = self.field.u.size();
+        effort::add(iterations * width * height);
+        if threads.count() == 1 {
+            return Band { linear, weights, rows: 0..height, depth: iterations }.run(self, 0);
+        }
         let rows = height.div_ceil(threads.count()).max(1);
-        self.fit_and_smooth(linear, weights, (rows, threads));
-        let Self { field, p: [ux, uy, vx, vy] } = self;
-        for (part, along, down) in [(&field.u, ux, uy), (&field.v, vx, vy)] {
-            let bands = bands(along, rows).zip(bands(down, rows)).enumerate();
-            threads.each(bands.collect(), |(band, (along, down))| {
-                let width = part.width();
-                for (i, (along, down)) in along.chunks_exact_mut(width).zip(down.chunks_exact_mut(width)).enumerate() {
-                    let y = band * rows + i;
-                    dual_widest([along, down], [part.row(y), part.row((y + 1).min(height - 1))], weights.rate);
-                }
+        for done in (0..iterations).step_by(DEPTH) {
+            let band = |first: usize| Band {
+                linear,
+                weights,
+                rows: first..(first + rows).min(height),
+                depth: DEPTH.min(iterations - done),
+            };
+            let bands = threads.map(height.div_ceil(rows), |i| {
+                let band = band(i * rows);
+                let held = band.range(0);
+                let mut part = self.part(held.clone());
+                band.run(&mut part, held.start);
+                (part, held.start)
             });
+            self.write(&bands, rows, threads);
         }
     }
 
-    /// The thresholding and the update of the flow.
-    fn fit_and_smooth(&mut self, linear: &Linear, weights: Weights, (rows, threads): (usize, &Threads)) {
-        let Self { field, p } = self;
-        let width = field.u.width();
-        let factors = [&linear.factors.a, &linear.factors.b, &linear.factors.c];
-        let nothing = vec![0.0; width];
-        let bands = bands(&mut field.u, rows).zip(bands(&mut field.v, rows)).enumerate();
-        threads.each(bands.collect(), |(band, (u, v))| {
-            for (i, (u, v)) in u.chunks_exact_mut(width).zip(v.chunks_exact_mut(width)).enumerate() {
-                let y = band * rows + i;
-                let above = |i: usize| if y > 0 { p[i].row(y - 1) } else { &nothing };
-                let p = [0, 2].map(|i| [p[i].row(y), p[i + 1].row(y), above(i + 1)]);
-                smoothed_widest([u, v], factors.map(|part| part.row(y)), p, weights);
+    /// Returns all values, u and v first.
+    fn grids(&self) -> [&Grid<f32>; 6] {
+        let [a, b, c, d] = &self.p;
+        [&self.field.u, &self.field.v, a, b, c, d]
+    }
+
+    /// Returns a copy of some rows.
+    fn part(&self, rows: Range<usize>) -> Self {
+        let width = self.field.u.width();
+        let part = |grid: &Grid<f32>| {
+            let mut part = Grid::new(width, rows.len(), 0.0);
+            part.cells_mut().copy_from_slice(&grid.cells()[rows.start * width..rows.end * width]);
+            part
+        };
+        let [u, v, a, b, c, d] = self.grids().map(part);
+        Self { field: Field { u, v }, p: [a, b, c, d] }
+    }
+
+    /// Takes over bands of `rows` rows from parts, each with the first row that it holds.
+    fn write(&mut self, parts: &[(Self, usize)], rows: usize, threads: &Threads) {
+        let width = self.field.u.width();
+        let [a, b, c, d] = &mut self.p;
+        let mut bands = [&mut self.field.u, &mut self.field.v, a, b, c, d].map(|grid| bands(grid, rows));
+        let work = parts.iter().map(|part| (part, bands.each_mut().map(|bands| bands.next().unwrap_or_default())));
+        threads.each(work.enumerate().collect(), |(band, ((part, first), targets))| {
+            for (grid, target) in part.grids().into_iter().zip(targets) {
+                let start = (band * rows - first) * width;
+                target.copy_from_slice(&grid.cells()[start..start + target.len()]);
             }
         });
+    }
+}
+
+/// Iterations that a band of rows does before its neighbours' are needed.
+const DEPTH: usize = 20;
+
+/// Iterations that follow each other through rows that stay in the cache.
+const PASS: usize = 5;
+
+/// A band of rows through which several iterations pass in a wavefront. Rows beyond the band are computed only where its own need
+/// them.
+struct Band<'a> {
+    linear: &'a Linear,
+    weights: Weights,
+    rows: Range<usize>,
+    depth: usize,
+}
+
+impl Band<'_> {
+    /// Returns the rows that iteration `k` must compute: each reads what the one before left in the rows beside it.
+    fn range(&self, k: usize) -> Range<usize> {
+        let more = self.depth - k + 1;
+        self.rows.start.saturating_sub(more)..(self.rows.end + more).min(self.linear.start.u.height())
+    }
+
+    /// Does the iterations in `part`, which holds rows from `first` on.
+    fn run(&self, part: &mut Dual, first: usize) {
+        let range = self.range(0);
+        for done in (0..self.depth).step_by(PASS) {
+            let last = (done + PASS).min(self.depth);
+            // An iteration updates the flow in a row, then p in the row above, and follows the one before by two rows.
+            for time in range.start..range.end + 1 + 2 * (last - done) {
+                for k in done + 1..=last {
+                    let Some(y) = time.checked_sub(2 * (k - done - 1)) else { continue };
+                    let range = self.range(k);
+                    if range.contains(&y) {
+                        self.fit_and_smooth(part, y, first);
+                    }
+                    if let Some(above) = y.checked_sub(1).filter(|above| range.contains(above)) {
+                        self.update_dual(part, above, first);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The thresholding and the update of the flow in row `y`.
+    fn fit_and_smooth(&self, Dual { field, p }: &mut Dual, y: usize, first: usize) {
+        let factors = [&self.linear.factors.a, &self.linear.factors.b, &self.linear.factors.c].map(|part| part.row(y));
+        let i = y - first;
+        let rows = [0, 2].map(|k| [p[k].row(i), p[k + 1].row(i), p[k + 1].row(i.saturating_sub(1))]);
+        let to = [field.u.row_mut(i), field.v.row_mut(i)];
+        if y == 0 {
+            let nothing = vec![0.0; rows[0][0].len()];
+            smoothed_widest(to, factors, rows.map(|[along, down, _]| [along, down, &nothing]), self.weights);
+        } else {
+            smoothed_widest(to, factors, rows, self.weights);
+        }
+    }
+
+    /// The dual update in row `y`.
+    fn update_dual(&self, Dual { field, p }: &mut Dual, y: usize, first: usize) {
+        let i = y - first;
+        let below = (i + 1).min(field.u.height() - 1);
+        let [ux, uy, vx, vy] = p;
+        for (part, along, down) in [(&field.u, ux, uy), (&field.v, vx, vy)] {
+            dual_widest([along.row_mut(i), down.row_mut(i)], [part.row(i), part.row(below)], self.weights.rate);
+        }
     }
 }
 

@@ -10,8 +10,8 @@ choices! {
     pub enum Solver {
         /// All pixels from the neighbourhood means of the previous iteration, as in Horn and Schunck (1981).
         Jacobi = "jacobi" "Jacobi",
-        /// Row by row, in each row the even columns before the odd ones, from the newest values: converges in about half as many
-        /// iterations as Jacobi.
+        /// From the newest values, in four colours: the even rows before the odd ones, and in each row the even columns before the
+        /// odd ones. Converges in about half as many iterations as Jacobi.
         GaussSeidel = "gauss-seidel" "Gauss–Seidel",
         /// Successive over-relaxation: Gauss–Seidel steps, extrapolated by the factor ω. Fastest to converge.
         Sor = "sor" "SOR",
@@ -43,9 +43,14 @@ impl Solver {
 
 impl<M: Model<Unknowns = Field>> Probe<'_, M> {
     /// Explains the neighbourhood mean.
-    pub fn averaged(&self, mean: [f32; 2]) -> Sentence {
+    pub fn averaged(&self, solver: Solver, mean: [f32; 2]) -> Sentence {
+        let of = if solver == Solver::Jacobi {
+            "Neighbourhood mean at "
+        } else {
+            "Neighbourhood mean of the newest values at "
+        };
         Sentence::default()
-            .text("Neighbourhood mean at ")
+            .text(of)
             .ink(Role::Reference, self.pixel())
             .text(" m = ")
             .ink(Role::Predicted, self.px(mean))

@@ -66,7 +66,7 @@ impl BoxIndex {
     /// nearby too.
     pub fn touching(&self, [min, max]: Corners, found: &mut Vec<(usize, f64)>, of: impl Fn(usize) -> Option<f64>) {
         found.clear();
-        let mut ask = |index: u32| found.extend(of(index as usize).map(|told| (index as usize, told)));
+        let mut ask = |index: u32| found.extend(of(index as usize).map(|overlap| (index as usize, overlap)));
         if !is_finite([min, max]) {
             return (0..self.count as u32).for_each(ask);
         }
@@ -150,18 +150,18 @@ mod tests {
     fn no_box_that_has_something_in_common_is_left_out() {
         let (all, asked) = (boxes(400), boxes(530));
         let near = BoxIndex::new(all.iter().map(corners));
-        let (mut found, mut told, mut shared) = (Vec::new(), 0, 0);
+        let (mut found, mut compared, mut shared) = (Vec::new(), 0, 0);
         for one in &asked[130..] {
             let overlap = |index: usize| f64::from(one.iou(&all[index]));
             near.touching(corners(one), &mut found, |index| Some(overlap(index)));
-            told += found.len();
+            compared += found.len();
             assert!(found.windows(2).all(|pair| pair[0].0 < pair[1].0), "ascending, each once");
             found.retain(|(_, overlap)| *overlap > 0.0);
             shared += found.len();
             let all: Vec<_> = (0..400).map(|index| (index, overlap(index))).filter(|(_, o)| *o > 0.0).collect();
             assert_eq!(found, all, "{one:?}");
         }
-        assert!(shared > 4000 && told < 400 * 400 / 2, "{shared} of {told}");
+        assert!(shared > 4000 && compared < 400 * 400 / 2, "{shared} of {compared}");
     }
 
     #[test]

@@ -23,10 +23,10 @@ const COUNTS: [Measure; 3] = [
 ];
 
 const WAYS: [Measure; 5] = [
-    Measure::new("crossed_right", "Crossings of the line to its right."),
-    Measure::new("crossed_left", "Crossings of the line to its left."),
-    Measure::new("in_zone", "Objects that were in the zone."),
-    Measure::new("dwell_frames", "Mean dwell time in the zone in frames."),
+    Measure::new("crossed_right", "Crossings of the lines to their right."),
+    Measure::new("crossed_left", "Crossings of the lines to their left."),
+    Measure::new("in_zone", "Objects that were in a zone."),
+    Measure::new("dwell_frames", "Mean dwell time in the zones in frames, of the objects that were there."),
     Measure::new("unusual", "Objects with an anomalous direction of motion."),
 ];
 
@@ -90,18 +90,18 @@ fn counted(field: &ObjectField) -> Assessment {
     let objects = field.frames.iter().flat_map(confirmed).collect::<BTreeSet<u32>>().len();
     let detections: usize = field.frames.iter().map(|frame| frame.detections.len()).sum();
     let frames = field.frames.len();
-    let [told, from, of] = [objects, detections, frames].map(grouped);
-    let text = format!("{told}, from {from} detections in {of} frames");
+    let [tracks, from, of] = [objects, detections, frames].map(grouped);
+    let text = format!("{tracks}, from {from} detections in {of} frames");
     let values = [frames, detections, objects].map(Figure::from);
-    let told = match field.followed {
+    let counted = match field.followed {
         // Frames were processed by themselves: there are no tracks to count.
         Followed::Nothing => fact("Detections", format!("{from} in {of} frames")),
         _ => fact("Tracks", text),
     };
-    Assessment::default().with(scores(&COUNTS, values), vec![told])
+    Assessment::default().with(scores(&COUNTS, values), vec![counted])
 }
 
-/// The counts of line, zone and anomalous directions, where trajectories were analysed.
+/// The counts of lines, zones and anomalous directions, where trajectories were analysed.
 fn ways(all: &[Arc<Trajectory>]) -> Assessment {
     if all.is_empty() {
         return Assessment::default();
@@ -116,18 +116,37 @@ fn ways(all: &[Arc<Trajectory>]) -> Assessment {
     let unusual = all.iter().filter(is_unusual).count();
     let mut facts = Vec::new();
     if right + left > 0 {
-        facts.push(fact("Line crossings", format!("{} to the right, {} to the left", grouped(right), grouped(left))));
+        facts.push(fact("Line crossings", crossings(all)));
     }
     if let Some(frames) = dwell {
         let objects = if dwells.len() == 1 { "object" } else { "objects" };
-        facts
-            .push(fact("Dwell in zone", format!("{} {objects}, {frames:.1} frames on average", grouped(dwells.len()))));
+        let told = format!("{} {objects}, {frames:.1} frames on average", grouped(dwells.len()));
+        facts.push(fact(if zones(all) > 1 { "Dwell in zones" } else { "Dwell in zone" }, told));
     }
     if unusual > 0 {
         facts.push(fact("Anomalous", format!("{} by direction", grouped(unusual))));
     }
     let values = [right.into(), left.into(), dwells.len().into(), dwell.into(), unusual.into()];
     Assessment::default().with(scores(&WAYS, values), facts)
+}
+
+/// The number of zones that were entered, counted from the first one.
+fn zones(all: &[Arc<Trajectory>]) -> usize {
+    all.iter().flat_map(|of| &of.dwells).map(|dwell| dwell.zone + 1).max().unwrap_or(0)
+}
+
+/// The crossings of each line in words; of the only one without its number.
+fn crossings(all: &[Arc<Trajectory>]) -> String {
+    let count = all.iter().flat_map(|of| &of.crossings).map(|crossing| crossing.line + 1).max().unwrap_or(0);
+    let of_line = |line: usize| {
+        let crossed = |to_right: bool| {
+            let of = all.iter().flat_map(|of| &of.crossings);
+            grouped(of.filter(|crossing| crossing.line == line && crossing.is_forward == to_right).count())
+        };
+        let text = format!("{} to the right, {} to the left", crossed(true), crossed(false));
+        if count > 1 { format!("line {}: {text}", line + 1) } else { text }
+    };
+    (0..count).map(of_line).collect::<Vec<_>>().join("; ")
 }
 
 fn tracking(of: Scores) -> Assessment {
@@ -146,9 +165,9 @@ fn tracking(of: Scores) -> Assessment {
         ),
     ];
     if greedy > 0 {
-        let told =
+        let approximation =
             format!("{} boxes are matched greedily: the frame is too dense for an optimal assignment", grouped(greedy));
-        facts.push(fact("Approximate", told));
+        facts.push(fact("Approximate", approximation));
     }
     let headline = format!("MOTA {mota:.3}, MOTP {motp:.3}, IDF1 {idf1:.3}, HOTA {hota:.3}, {switches} switches");
     Assessment { headline, ..Assessment::default() }.with(scores(&TRACKING, values), facts)
@@ -195,9 +214,9 @@ impl ObjectField {
     }
 }
 
-/// The positions of each trajectory: `crossed` is 1 for a crossing of the line to its right and −1 to its left, `in_zone` is 1 in
-/// the zone, and `unusual_deg` is the angle to the mean direction of the others where that is anomalous. Headings count
-/// counter-clockwise from right.
+/// The positions of each trajectory: `crossed` is the number of the first line that is crossed, positive to its right and negative to
+/// its left, `in_zone` the number of the first zone that it is in; both count from 1, and 0 is none. `unusual_deg` is the angle to the
+/// mean direction of the others where that is anomalous. Headings count counter-clockwise from right.
 fn trajectories(field: &ObjectField) -> Table {
     let columns = [
         "frame",
@@ -215,7 +234,8 @@ fn trajectories(field: &ObjectField) -> Table {
         let [x, y] = seen.at.map(Cell::Real);
         let speed = |v: Option<[f64; 2]>| v.map(|[u, v]| u.hypot(v)).into();
         let crossing = of.crossings.iter().find(|crossing| crossing.frame == seen.frame);
-        let is_inside = of.dwells.iter().any(|dwell| (dwell.entered..=dwell.last).contains(&seen.frame));
+        let inside = of.dwells.iter().filter(|dwell| (dwell.entered..=dwell.last).contains(&seen.frame));
+        let zone = inside.map(|dwell| dwell.zone + 1).min().unwrap_or(0);
         [
             seen.frame.into(),
             of.id.into(),
@@ -224,8 +244,11 @@ fn trajectories(field: &ObjectField) -> Table {
             speed(seen.velocity),
             seen.heading_deg().into(),
             speed(seen.step),
-            Cell::Int(crossing.map_or(0, |crossing| if crossing.is_forward { 1 } else { -1 })),
-            Cell::Int(i64::from(is_inside)),
+            Cell::Int(crossing.map_or(0, |crossing| {
+                let number = crossing.line as i64 + 1;
+                if crossing.is_forward { number } else { -number }
+            })),
+            Cell::Int(zone as i64),
             seen.anomaly.map(|unusual| unusual.angle_deg).into(),
         ]
     };

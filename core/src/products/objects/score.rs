@@ -23,7 +23,7 @@ pub struct Scores {
     /// True objects, counted in each frame.
     pub truths: usize,
     /// Confirmed tracks, counted in each frame.
-    pub told: usize,
+    pub hypotheses: usize,
     /// True objects with a match.
     pub matches: usize,
     /// Identity switches: matches of a true object with another track than before.
@@ -145,14 +145,14 @@ const ROWS_AT_ONCE: usize = 64;
 const MOST_WORK: u64 = 100_000_000;
 
 /// Returns the IoU of the overlapping true (rows) and estimated boxes (columns).
-fn overlaps<E>((truth, told): &(Boxes, Boxes), wanted: Wanted<E>) -> Result<Pairs, E> {
-    let near = BoxIndex::new(told.iter().map(|(_, bounds)| corners(bounds)));
-    let (mut pairs, mut found) = (Pairs::new(told.len()), Vec::new());
+fn overlaps<E>((truth, hypotheses): &(Boxes, Boxes), wanted: Wanted<E>) -> Result<Pairs, E> {
+    let near = BoxIndex::new(hypotheses.iter().map(|(_, bounds)| corners(bounds)));
+    let (mut pairs, mut found) = (Pairs::new(hypotheses.len()), Vec::new());
     for (y, (_, bounds)) in truth.iter().enumerate() {
         if y.is_multiple_of(ROWS_AT_ONCE) {
             wanted()?;
         }
-        let overlap = |x: usize| f64::from(bounds.iou(&told[x].1));
+        let overlap = |x: usize| f64::from(bounds.iou(&hypotheses[x].1));
         near.touching(corners(bounds), &mut found, |x| Some(overlap(x)).filter(|overlap| *overlap > 0.0));
         pairs.push(found.iter().copied());
     }
@@ -246,23 +246,23 @@ impl Scores {
             tracks.add_agreement(frame, &overlaps, &mut agree);
             tracks.add_shared(frame, &overlaps, &mut shared);
         }
-        let columns = tracks.told.ids.len();
+        let columns = tracks.hypotheses.ids.len();
         let aligned = tracks.aligned(&shared.pairs(columns));
         let (matched, greedy) = tracks.matched(frames, &aligned, wanted)?;
         let (agree, hota) = (agree.pairs(columns), tracks.hota(&matched));
         let identities = most_worth(&agree, &mut WorkBudget::limited(MOST_WORK, wanted))?;
         clear.greedy += greedy + identities.greedy;
         let identities = paired(&agree, &identities.columns) as usize;
-        Ok(Self::from_counts([tracks.truth.total, tracks.told.total], &clear, (identities, hota)))
+        Ok(Self::from_counts([tracks.truth.total, tracks.hypotheses.total], &clear, (identities, hota)))
     }
 
-    fn from_counts([truths, told]: [usize; 2], clear: &Clear, (identities, hota): (usize, f64)) -> Self {
+    fn from_counts([truths, hypotheses]: [usize; 2], clear: &Clear, (identities, hota): (usize, f64)) -> Self {
         let Clear { matches, switches, overlap, greedy, .. } = *clear;
-        let wrong = (truths - matches) + (told - matches) + switches;
-        let [all, found] = [truths, told].map(|count| count as f64);
+        let wrong = (truths - matches) + (hypotheses - matches) + switches;
+        let [all, found] = [truths, hypotheses].map(|count| count as f64);
         Self {
             truths,
-            told,
+            hypotheses,
             matches,
             switches,
             mota: if truths > 0 { 1.0 - wrong as f64 / all } else { 0.0 },
@@ -291,18 +291,23 @@ struct SeenFrame {
 
 impl SeenFrame {
     /// Returns the errors of frame `t`.
-    fn errors(self, t: usize, (truth, told): &(Boxes, Boxes)) -> FrameErrors {
+    fn errors(self, t: usize, (truth, hypotheses): &(Boxes, Boxes)) -> FrameErrors {
         let of = |is_matched: bool| {
             let boxes = truth.iter().zip(&self.pairs).filter(move |(_, pair)| pair.is_some() == is_matched);
             boxes.map(|(found, _)| *found).collect()
         };
-        let mut is_free = vec![true; told.len()];
+        let mut is_free = vec![true; hypotheses.len()];
         self.pairs.iter().flatten().for_each(|x| is_free[*x] = false);
         FrameErrors {
             frame: t,
             matches: of(true),
             misses: of(false),
-            false_alarms: told.iter().zip(is_free).filter(|(_, is_free)| *is_free).map(|(found, _)| *found).collect(),
+            false_alarms: hypotheses
+                .iter()
+                .zip(is_free)
+                .filter(|(_, is_free)| *is_free)
+                .map(|(found, _)| *found)
+                .collect(),
             switches: self.switches,
         }
     }
@@ -322,10 +327,15 @@ struct Clear {
 
 impl Clear {
     /// Adds a frame. Matches of the previous frame are kept where possible; the others are assigned anew.
-    fn see<E>(&mut self, (truth, told): &(Boxes, Boxes), overlaps: &Pairs, wanted: Wanted<E>) -> Result<SeenFrame, E> {
+    fn see<E>(
+        &mut self,
+        (truth, hypotheses): &(Boxes, Boxes),
+        overlaps: &Pairs,
+        wanted: Wanted<E>,
+    ) -> Result<SeenFrame, E> {
         let mut first: BTreeMap<u32, usize> = BTreeMap::new();
-        told.iter().enumerate().for_each(|(x, (id, _))| _ = first.entry(*id).or_insert(x));
-        let (mut pairs, mut is_taken) = (vec![None; truth.len()], vec![false; told.len()]);
+        hypotheses.iter().enumerate().for_each(|(x, (id, _))| _ = first.entry(*id).or_insert(x));
+        let (mut pairs, mut is_taken) = (vec![None; truth.len()], vec![false; hypotheses.len()]);
         for (y, (id, _)) in truth.iter().enumerate() {
             // Two true objects may have matched one track before: the first keeps it.
             let same = self.found_as.get(id).and_then(|other| first.get(other)).copied();
@@ -342,7 +352,7 @@ impl Clear {
         }
         let mut switches = Vec::new();
         for (y, x) in pairs.iter().enumerate().filter_map(|(y, x)| Some((y, (*x)?))) {
-            let ((object, bounds), now) = (truth[y], told[x].0);
+            let ((object, bounds), now) = (truth[y], hypotheses[x].0);
             let before = self.found_as.insert(object, now).filter(|before| *before != now);
             switches.extend(before.map(|before| Switch { object, before, now, bounds }));
             self.matches += 1;
@@ -380,7 +390,7 @@ impl Identities {
 /// All true and all estimated tracks.
 struct Tracks {
     truth: Identities,
-    told: Identities,
+    hypotheses: Identities,
 }
 
 /// A match in a frame: the true and the estimated track, and their IoU.
@@ -389,11 +399,11 @@ type Matched = ((usize, usize), f64);
 impl Tracks {
     fn of(frames: &[(Boxes, Boxes)]) -> Self {
         let truth = Identities::of(frames.iter().map(|(truth, _)| truth));
-        Self { truth, told: Identities::of(frames.iter().map(|(_, told)| told)) }
+        Self { truth, hypotheses: Identities::of(frames.iter().map(|(_, hypotheses)| hypotheses)) }
     }
 
-    fn places(&self, (truth, told): &(Boxes, Boxes)) -> [Vec<usize>; 2] {
-        [self.truth.places(truth), self.told.places(told)]
+    fn places(&self, (truth, hypotheses): &(Boxes, Boxes)) -> [Vec<usize>; 2] {
+        [self.truth.places(truth), self.hypotheses.places(hypotheses)]
     }
 
     /// Counts the tracks that agree in a frame.
@@ -407,19 +417,19 @@ impl Tracks {
     /// Adds the similarity of tracks in a frame, normalised over all that overlap there.
     fn add_shared(&self, frame: &(Boxes, Boxes), overlaps: &Pairs, shared: &mut Sums) {
         let [rows, columns] = self.places(frame);
-        let (mut of_truth, mut of_told) = (vec![0.0; rows.len()], vec![0.0; columns.len()]);
+        let (mut of_truth, mut of_hypothesis) = (vec![0.0; rows.len()], vec![0.0; columns.len()]);
         for (y, x, overlap) in overlaps.iter() {
             of_truth[y] += overlap;
-            of_told[x] += overlap;
+            of_hypothesis[x] += overlap;
         }
         for (y, x, overlap) in overlaps.iter() {
-            shared.add((rows[y], columns[x]), share(overlap, of_truth[y] + of_told[x] - overlap));
+            shared.add((rows[y], columns[x]), share(overlap, of_truth[y] + of_hypothesis[x] - overlap));
         }
     }
 
     /// Returns the alignment of two tracks over the whole clip.
     fn aligned(&self, shared: &Pairs) -> Pairs {
-        shared.map(|y, x, both| share(both, self.truth.counts[y] + self.told.counts[x] - both))
+        shared.map(|y, x, both| share(both, self.truth.counts[y] + self.hypotheses.counts[x] - both))
     }
 
     /// Returns the matches of each frame for all thresholds, by global alignment times IoU, and the number matched greedily.
@@ -444,14 +454,14 @@ impl Tracks {
 
     /// Returns HOTA from the matches by tracks.
     fn hota(&self, matched: &[Matched]) -> f64 {
-        let all = (self.truth.total + self.told.total) as f64;
+        let all = (self.truth.total + self.hypotheses.total) as f64;
         let of_limit = |limit: f64| {
             let (mut hits, mut association) = (0.0, 0.0);
             for of_pair in matched.chunk_by(|a, b| a.0 == b.0) {
                 let count = of_pair.iter().filter(|(_, overlap)| *overlap >= limit - 1e-9).count() as f64;
                 let (y, x) = of_pair[0].0;
                 hits += count;
-                association += count * share(count, self.truth.counts[y] + self.told.counts[x] - count);
+                association += count * share(count, self.truth.counts[y] + self.hypotheses.counts[x] - count);
             }
             (share(hits, all - hits) * share(association, hits)).sqrt()
         };
@@ -470,9 +480,9 @@ mod tests {
     #[test]
     fn the_errors_of_a_frame_are_those_that_are_counted() {
         // Object 1 is lost for a frame and found as another track; 9 is no object.
-        let told = [vec![at(5, 0.0), at(9, 80.0)], vec![at(9, 80.0)], vec![at(6, 2.0)]];
+        let hypotheses = [vec![at(5, 0.0), at(9, 80.0)], vec![at(9, 80.0)], vec![at(6, 2.0)]];
         let frames: Vec<(Boxes, Boxes)> =
-            told.into_iter().enumerate().map(|(t, told)| (vec![at(1, t as f32)], told)).collect();
+            hypotheses.into_iter().enumerate().map(|(t, hypotheses)| (vec![at(1, t as f32)], hypotheses)).collect();
         let (mut clear, go_on) = (Clear::default(), &|| Ok::<_, Infallible>(()));
         let errors: Vec<FrameErrors> = frames
             .iter()
@@ -492,7 +502,7 @@ mod tests {
         let scores = Scores::of(&frames);
         let sum = |of: fn(&FrameErrors) -> usize| errors.iter().map(of).sum::<usize>();
         assert_eq!(scores.truths - scores.matches, sum(|of| of.misses.len()));
-        assert_eq!(scores.told - scores.matches, sum(|of| of.false_alarms.len()));
+        assert_eq!(scores.hypotheses - scores.matches, sum(|of| of.false_alarms.len()));
         assert_eq!(scores.switches, sum(|of| of.switches.len()));
     }
 

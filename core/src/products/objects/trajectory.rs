@@ -2,7 +2,7 @@
 
 use crate::base::words::heading_deg;
 use crate::geometry::Bounds;
-use crate::params::Line;
+use crate::params::{Line, Lines, Zones};
 
 /// A position of a trajectory.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,9 +30,11 @@ pub struct DirectionAnomaly {
     pub others: usize,
 }
 
-/// A crossing of the line.
+/// A crossing of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
+    /// The index of the line.
+    pub line: usize,
     /// The first frame on the other side.
     pub frame: usize,
     /// The intersection with the line in px.
@@ -41,9 +43,11 @@ pub struct Crossing {
     pub is_forward: bool,
 }
 
-/// A visit of the zone.
+/// A visit of a zone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Dwell {
+    /// The index of the zone.
+    pub zone: usize,
     /// The first frame inside.
     pub entered: usize,
     /// The last frame inside so far.
@@ -74,30 +78,30 @@ pub struct Trajectory {
     pub id: u32,
     /// Its positions, by frame.
     pub sightings: Vec<TrackPoint>,
-    /// Its crossings of the line.
+    /// Its crossings of lines.
     pub crossings: Vec<Crossing>,
-    /// Its visits of the zone.
+    /// Its visits of zones.
     pub dwells: Vec<Dwell>,
 }
 
 /// The events of a new position.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct TrajectoryEvents {
-    /// A crossing of the line.
-    pub crossed: Option<Crossing>,
-    /// The entry into the zone.
-    pub entered: Option<Dwell>,
-    /// The exit from the zone.
-    pub left: Option<Dwell>,
+    /// The crossings, by line.
+    pub crossed: Vec<Crossing>,
+    /// The entries, by zone.
+    pub entered: Vec<Dwell>,
+    /// The exits, by zone.
+    pub left: Vec<Dwell>,
 }
 
-/// The line, the zone and the window of an analysis.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// The lines, the zones and the window of an analysis.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Places {
-    /// The counting line.
-    pub line: Option<Line>,
-    /// The zone of dwell times.
-    pub zone: Option<Bounds>,
+    /// The counting lines.
+    pub lines: Lines,
+    /// The zones of dwell times.
+    pub zones: Zones,
     /// The frames that a velocity is fitted to.
     pub window: usize,
 }
@@ -117,31 +121,37 @@ impl Trajectory {
             // After a gap longer than the window only the step is known.
             last.velocity = velocity.or(step);
         }
-        let crossed = before.zip(places.line).and_then(|(before, line)| {
-            let (at, is_forward) = crossing(&line, before.at, at)?;
-            Some(Crossing { frame, at, is_forward })
-        });
-        self.crossings.extend(crossed);
-        let (entered, left) = self.update_dwell(frame, places.zone.is_some_and(|zone| holds(&zone, at)));
-        TrajectoryEvents { crossed, entered, left }
+        let lines =
+            before.iter().flat_map(|before| places.lines.all().iter().enumerate().map(move |line| (before, line)));
+        let crossed: Vec<Crossing> = lines
+            .filter_map(|(before, (line, of))| {
+                let (at, is_forward) = crossing(of, before.at, at)?;
+                Some(Crossing { line, frame, at, is_forward })
+            })
+            .collect();
+        self.crossings.extend(&crossed);
+        let mut events = TrajectoryEvents { crossed, ..TrajectoryEvents::default() };
+        for (zone, of) in places.zones.all().iter().enumerate() {
+            self.update_dwell(frame, (zone, holds(of, at)), &mut events);
+        }
+        events
     }
 
-    /// Updates the visits of the zone.
-    fn update_dwell(&mut self, frame: usize, is_inside: bool) -> (Option<Dwell>, Option<Dwell>) {
-        match self.dwells.last_mut().filter(|dwell| !dwell.is_over) {
+    /// Updates the visits of a zone, of which it is known whether the track is inside.
+    fn update_dwell(&mut self, frame: usize, (zone, is_inside): (usize, bool), events: &mut TrajectoryEvents) {
+        match self.dwells.iter_mut().rev().find(|dwell| dwell.zone == zone && !dwell.is_over) {
             Some(dwell) if is_inside => dwell.last = frame,
             Some(dwell) => {
                 dwell.is_over = true;
-                return (None, Some(*dwell));
+                events.left.push(*dwell);
             }
             None if is_inside => {
-                let dwell = Dwell { entered: frame, last: frame, is_over: false };
+                let dwell = Dwell { zone, entered: frame, last: frame, is_over: false };
                 self.dwells.push(dwell);
-                return (Some(dwell), None);
+                events.entered.push(dwell);
             }
             None => {}
         }
-        (None, None)
     }
 
     /// Returns the path length in px.
@@ -162,9 +172,14 @@ impl Trajectory {
         (last.frame > first.frame).then(|| self.length_px() / (last.frame - first.frame) as f64)
     }
 
-    /// Returns the total dwell time in frames.
+    /// Returns the total dwell time in frames, of all zones.
     pub fn dwell_frames(&self) -> usize {
         self.dwells.iter().map(Dwell::frames).sum()
+    }
+
+    /// Returns the total dwell time in a zone in frames.
+    pub fn dwell_frames_in(&self, zone: usize) -> usize {
+        self.dwells.iter().filter(|dwell| dwell.zone == zone).map(Dwell::frames).sum()
     }
 }
 
@@ -239,7 +254,8 @@ mod tests {
 
     #[test]
     fn a_stop_on_a_line_is_counted_once() {
-        let places = Places { line: Some(line([10.0, 20.0], [10.0, 0.0])), zone: None, window: 5 };
+        let lines = [line([10.0, 20.0], [10.0, 0.0])].into_iter().collect();
+        let places = Places { lines, zones: Zones::default(), window: 5 };
         let (there, _) = followed(&places, (0..5).map(|t| (t, [8.0 + t as f64, 9.0])));
         assert_eq!(there.crossings.iter().map(|c| (c.frame, c.is_forward)).collect::<Vec<_>>(), [(2, true)]);
         let (back, _) =
@@ -250,15 +266,32 @@ mod tests {
     #[test]
     fn dwell_time_lasts_from_the_first_frame_inside_to_the_last() {
         let zone = Bounds { min: [10.0, 0.0], max: [20.0, 9.0] };
-        let places = Places { line: None, zone: Some(zone), window: 5 };
+        let places = Places { lines: Lines::default(), zones: [zone].into_iter().collect(), window: 5 };
         let way = [(0, 5.0), (1, 10.0), (2, 15.0), (5, 19.0), (6, 20.0), (7, 12.0)].map(|(t, x)| (t, [x, 3.0]));
         let (trajectory, events) = followed(&places, way);
         let dwells: Vec<_> = trajectory.dwells.iter().map(|dwell| (dwell.entered, dwell.last, dwell.is_over)).collect();
         assert_eq!(dwells, [(1, 5, true), (7, 7, false)]);
         assert_eq!(
-            (trajectory.dwell_frames(), events[1].entered.is_some(), events[4].left.map(|s| s.frames())),
-            (6, true, Some(5))
+            (trajectory.dwell_frames(), events[1].entered.len(), events[4].left.iter().map(|s| s.frames()).next()),
+            (6, 1, Some(5))
         );
+    }
+
+    #[test]
+    fn lines_and_zones_are_counted_each_for_itself() {
+        let lines = [10.0, 20.0].map(|x| line([x, 20.0], [x, 0.0])).into_iter().collect();
+        // The second zone overlaps the first.
+        let zones = [[5.0, 16.0], [14.0, 30.0]].map(|[a, b]| Bounds { min: [a, 0.0], max: [b, 9.0] });
+        let places = Places { lines, zones: zones.into_iter().collect(), window: 5 };
+        let (found, events) = followed(&places, (0..12).map(|t| (t, [3.0 * t as f64, 5.0])));
+        let crossed: Vec<_> = found.crossings.iter().map(|c| (c.line, c.frame, c.is_forward)).collect();
+        assert_eq!(crossed, [(0, 4, true), (1, 7, true)]);
+        let dwells: Vec<_> = found.dwells.iter().map(|dwell| (dwell.zone, dwell.entered, dwell.last)).collect();
+        assert_eq!(dwells, [(0, 2, 5), (1, 5, 9)]);
+        assert_eq!([0, 1].map(|zone| found.dwell_frames_in(zone)), [4, 5]);
+        // A long step over both lines is a crossing of each.
+        let (fast, of_step) = followed(&places, [(0, [0.0, 5.0]), (1, [40.0, 5.0])]);
+        assert_eq!((fast.crossings.len(), of_step[1].crossed.len(), events.len()), (2, 2, 12));
     }
 
     #[test]

@@ -71,7 +71,7 @@ impl Member {
 }
 
 /// A move on its way: the members are asked for their units one after the other, and then stand where they belong.
-struct Journey {
+struct PendingMove {
     goal: Cursor,
     /// For each member the units that lead to the goal, and the candidate of them at which it is to stand.
     ways: Vec<(Vec<usize>, usize)>,
@@ -98,7 +98,7 @@ pub(super) struct Candidates {
     cursor: Cursor,
     /// Events of the unit at hand.
     events: usize,
-    journey: Option<Journey>,
+    pending: Option<PendingMove>,
 }
 
 impl Candidates {
@@ -114,17 +114,17 @@ impl Candidates {
     ) -> Result<Self, Error> {
         let is_budget = pace == Pace::Budget;
         let member = |(estimator, names): (&&dyn AnyEstimator, [String; 2])| {
-            let told = |error: Error| of_member(*estimator, &error);
+            let refused = |error: Error| of_member(*estimator, &error);
             let mut spent = Vec::new();
             if is_budget {
-                let evaluations = estimator.evaluations(clip, frame, threads).map_err(told)?;
+                let evaluations = estimator.evaluations(clip, frame, threads).map_err(refused)?;
                 spent.push(0);
                 spent.extend(evaluations.iter().scan(0, |sum, count| {
                     *sum += u64::from(*count);
                     Some(*sum)
                 }));
             }
-            let walk = estimator.walk(clip, frame).map_err(told)?;
+            let walk = estimator.walk(clip, frame).map_err(refused)?;
             Ok(Member { walk, names, spent, trails: Vec::new(), seen: 0 })
         };
         let members = estimators.iter().zip(names(estimators)).map(member).collect::<Result<Vec<_>, Error>>()?;
@@ -144,7 +144,7 @@ impl Candidates {
         }
         let units = if is_budget { members[0].spent.len() - 1 } else { blocks[0].len() };
         let mut lockstep =
-            Self { members, is_budget, blocks: blocks[0], units, cursor: Cursor::default(), events: 0, journey: None };
+            Self { members, is_budget, blocks: blocks[0], units, cursor: Cursor::default(), events: 0, pending: None };
         lockstep.jump(Move::To(Cursor::default()));
         Ok(lockstep)
     }
@@ -179,26 +179,30 @@ impl Candidates {
         }
     }
 
-    /// Does the next part of a journey; gives it back if it goes on, and whether it is only to be waited for.
-    fn travel(&mut self, mut journey: Journey, more: &mut dyn FnMut() -> bool) -> Result<Option<Journey>, Journey> {
-        let Some(member) = self.members.get_mut(journey.member) else {
-            let Some(_) = journey.trails.take() else {
-                self.arrive(journey.goal);
+    /// Does the next part of a move; gives it back if it goes on, and whether it is only to be waited for.
+    fn proceed(
+        &mut self,
+        mut pending: PendingMove,
+        more: &mut dyn FnMut() -> bool,
+    ) -> Result<Option<PendingMove>, PendingMove> {
+        let Some(member) = self.members.get_mut(pending.member) else {
+            let Some(_) = pending.trails.take() else {
+                self.complete_move(pending.goal);
                 return Ok(None);
             };
             // Every member knows its candidates: now each takes its stand.
-            (journey.member, journey.asked) = (0, false);
-            return Ok(Some(journey));
+            (pending.member, pending.asked) = (0, false);
+            return Ok(Some(pending));
         };
-        let (way, seen) = &journey.ways[journey.member];
-        let cursor = match &journey.trails {
+        let (way, seen) = &pending.ways[pending.member];
+        let cursor = match &pending.trails {
             Some(trails) => match way.get(trails.len()) {
                 Some(&unit) => Cursor { unit, event: usize::MAX },
                 None => {
                     member.trails = trails.clone();
-                    journey.trails = Some(Vec::new());
-                    journey.member += 1;
-                    return Ok(Some(journey));
+                    pending.trails = Some(Vec::new());
+                    pending.member += 1;
+                    return Ok(Some(pending));
                 }
             },
             None => {
@@ -206,32 +210,32 @@ impl Candidates {
                 member.stand(*seen)
             }
         };
-        if !std::mem::replace(&mut journey.asked, true) {
+        if !std::mem::replace(&mut pending.asked, true) {
             if let Some(trails) =
-                journey.trails.as_mut().filter(|_| way.iter().eq(member.trails.iter().map(|t| &t.unit)))
+                pending.trails.as_mut().filter(|_| way.iter().eq(member.trails.iter().map(|t| &t.unit)))
             {
                 // The same units as before: nobody has to go there to know them.
-                (*trails, journey.asked) = (member.trails.clone(), false);
-                return Ok(Some(journey));
+                (*trails, pending.asked) = (member.trails.clone(), false);
+                return Ok(Some(pending));
             }
             member.walk.go(Move::To(cursor));
         }
         if !member.walk.work(more) {
-            return Err(journey);
+            return Err(pending);
         }
-        journey.asked = false;
-        match &mut journey.trails {
+        pending.asked = false;
+        match &mut pending.trails {
             Some(trails) => trails.push(Trail {
                 unit: cursor.unit,
                 evaluations: member.walk.evaluations(),
                 events: member.walk.events(),
             }),
-            None => journey.member += 1,
+            None => pending.member += 1,
         }
-        Ok(Some(journey))
+        Ok(Some(pending))
     }
 
-    fn arrive(&mut self, goal: Cursor) {
+    fn complete_move(&mut self, goal: Cursor) {
         let candidates = self.members.iter().map(Member::candidates);
         let most = if self.is_budget { candidates.take(1).next() } else { candidates.max() };
         self.events = most.unwrap_or(0) + 1;
@@ -240,7 +244,7 @@ impl Candidates {
 
     /// What member `index` tells. A click on its readouts leads to a candidate of the block at hand; where the budget
     /// counts, only the leader has one.
-    fn told(&self, index: usize, focus: Option<Focus>) -> Step {
+    fn explained_step(&self, index: usize, focus: Option<Focus>) -> Step {
         let member = &self.members[index];
         let mut step = member.walk.step(in_frame_t(focus));
         let leads = !self.is_budget || index == 0;
@@ -312,15 +316,15 @@ impl Walk for Candidates {
     fn go(&mut self, to: Move) {
         let goal = self.goal(to);
         let ways = self.ways(goal);
-        self.journey = Some(Journey { goal, ways, member: 0, trails: Some(Vec::new()), asked: false });
+        self.pending = Some(PendingMove { goal, ways, member: 0, trails: Some(Vec::new()), asked: false });
     }
 
     fn work(&mut self, more: &mut dyn FnMut() -> bool) -> bool {
-        while let Some(journey) = self.journey.take() {
-            match self.travel(journey, more) {
-                Ok(journey) => self.journey = journey,
-                Err(journey) => {
-                    self.journey = Some(journey);
+        while let Some(pending) = self.pending.take() {
+            match self.proceed(pending, more) {
+                Ok(pending) => self.pending = pending,
+                Err(pending) => {
+                    self.pending = Some(pending);
                     return false;
                 }
             }
@@ -329,7 +333,7 @@ impl Walk for Candidates {
     }
 
     fn progress(&self) -> Option<(usize, usize)> {
-        let member = self.members.get(self.journey.as_ref()?.member)?;
+        let member = self.members.get(self.pending.as_ref()?.member)?;
         member.walk.progress()
     }
 
@@ -353,7 +357,7 @@ impl Walk for Candidates {
     }
 
     fn step(&self, focus: Option<Focus>) -> Step {
-        self.told(0, focus)
+        self.explained_step(0, focus)
     }
 
     fn scene(&self, focus: Option<Focus>) -> Scene {
@@ -381,7 +385,7 @@ impl Walk for Candidates {
             info: member.walk.info(),
             names: member.names.clone(),
             cursor: member.walk.cursor(),
-            step: self.told(index, focus),
+            step: self.explained_step(index, focus),
             scene: member.walk.scene(in_frame_t(focus)),
             output: member.walk.output(),
             candidates: Some(CandidateCount {

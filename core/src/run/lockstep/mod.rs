@@ -194,17 +194,18 @@ pub fn names(estimators: &[&dyn AnyEstimator]) -> Vec<[String; 2]> {
         let Info { id, name, .. } = *estimator.info();
         let twins = estimators.iter().filter(|other| other.info().id == id);
         let differs = |index: &usize| twins.clone().any(|twin| twin.value(*index) != estimator.value(*index));
-        let told: Vec<_> = (0..estimator.specs().len()).filter(differs).map(|index| told(*estimator, index)).collect();
-        match told.join(" · ") {
-            told if told.is_empty() => [name; 2].map(str::to_owned),
-            told => [format!("{name} · {told}"), told],
+        let set: Vec<_> =
+            (0..estimator.specs().len()).filter(differs).map(|index| setting(*estimator, index)).collect();
+        match set.join(" · ") {
+            set if set.is_empty() => [name; 2].map(str::to_owned),
+            set => [format!("{name} · {set}"), set],
         }
     };
     estimators.iter().map(name).collect()
 }
 
 /// A parameter with its value: `smoothness 20`, or the label of a choice.
-fn told(estimator: &dyn AnyEstimator, index: usize) -> String {
+fn setting(estimator: &dyn AnyEstimator, index: usize) -> String {
     let spec = &estimator.specs()[index];
     let value = estimator.value(index);
     match (&spec.kind, &value) {

@@ -94,7 +94,7 @@ enum Phase {
 }
 
 /// A move on its way.
-struct Journey {
+struct PendingMove {
     goal: Cursor,
     phase: Phase,
     /// The member that moves.
@@ -111,7 +111,7 @@ pub(super) struct Stops {
     cursor: Cursor,
     /// Events of the stop at hand.
     events: usize,
-    journey: Option<Journey>,
+    pending: Option<PendingMove>,
 }
 
 impl Stops {
@@ -130,7 +130,7 @@ impl Stops {
             Ok(Member { walk, names, stride, ends: Vec::new(), is_explored: false, events: Vec::new() })
         };
         let members = estimators.iter().zip(names(estimators)).map(member).collect::<Result<Vec<_>, Error>>()?;
-        let mut stops = Self { members, pace, cursor: Cursor::default(), events: 1, journey: None };
+        let mut stops = Self { members, pace, cursor: Cursor::default(), events: 1, pending: None };
         stops.align(0);
         Ok(stops)
     }
@@ -175,52 +175,56 @@ impl Stops {
         }
     }
 
-    /// Does the next part of a journey; gives it back if it goes on, and as an error if it is only to be waited for.
-    fn travel(&mut self, mut journey: Journey, more: &mut dyn FnMut() -> bool) -> Result<Option<Journey>, Journey> {
-        let Some(member) = self.members.get_mut(journey.member) else {
-            return Ok(match journey.phase {
+    /// Does the next part of a move; gives it back if it goes on, and as an error if it is only to be waited for.
+    fn proceed(
+        &mut self,
+        mut pending: PendingMove,
+        more: &mut dyn FnMut() -> bool,
+    ) -> Result<Option<PendingMove>, PendingMove> {
+        let Some(member) = self.members.get_mut(pending.member) else {
+            return Ok(match pending.phase {
                 Phase::Reach => {
                     let reached = self.members.iter().map(Member::stop).max().unwrap_or(0);
-                    self.cursor.unit = reached.min(journey.goal.unit);
+                    self.cursor.unit = reached.min(pending.goal.unit);
                     self.align(self.cursor.unit);
                     // A run that ends before the goal is seen to its end.
-                    let event = if reached < journey.goal.unit { usize::MAX } else { journey.goal.event };
+                    let event = if reached < pending.goal.unit { usize::MAX } else { pending.goal.event };
                     let goal = Cursor { unit: self.cursor.unit, event: event.min(self.events) };
-                    Some(Journey { goal, phase: Phase::Within, member: 0, asked: None })
+                    Some(PendingMove { goal, phase: Phase::Within, member: 0, asked: None })
                 }
                 Phase::Within => {
-                    self.cursor = journey.goal;
+                    self.cursor = pending.goal;
                     None
                 }
             });
         };
-        if journey.asked.is_none() {
-            let is_start = journey.goal == Cursor::default();
-            let next = match journey.phase {
-                _ if is_start => (member.walk.cursor() != journey.goal).then_some(Move::To(journey.goal)),
-                Phase::Reach => member.towards(journey.goal.unit),
-                Phase::Within => member.within(journey.goal.event),
+        if pending.asked.is_none() {
+            let is_start = pending.goal == Cursor::default();
+            let next = match pending.phase {
+                _ if is_start => (member.walk.cursor() != pending.goal).then_some(Move::To(pending.goal)),
+                Phase::Reach => member.towards(pending.goal.unit),
+                Phase::Within => member.within(pending.goal.event),
             };
             let Some(next) = next else {
-                journey.member += 1;
-                return Ok(Some(journey));
+                pending.member += 1;
+                return Ok(Some(pending));
             };
-            journey.asked = Some((next, member.walk.cursor()));
+            pending.asked = Some((next, member.walk.cursor()));
             member.walk.go(next);
         }
         if !member.walk.work(more) {
-            return Err(journey);
+            return Err(pending);
         }
-        if let Some((made, from)) = journey.asked.take() {
+        if let Some((made, from)) = pending.asked.take() {
             member.note(made);
             // A move that was cancelled leads nowhere.
-            journey.member += usize::from(member.walk.cursor() == from);
+            pending.member += usize::from(member.walk.cursor() == from);
         }
-        Ok(Some(journey))
+        Ok(Some(pending))
     }
 
     /// What member `index` tells. A click on its plots leads to an event of the stop at hand where these are stepped.
-    fn told(&self, index: usize, focus: Option<Focus>) -> Step {
+    fn explained_step(&self, index: usize, focus: Option<Focus>) -> Step {
         let member = &self.members[index];
         let mut step = member.walk.step(in_frame_t(focus));
         for readout in &mut step.readouts {
@@ -319,15 +323,15 @@ impl Walk for Stops {
     }
 
     fn go(&mut self, to: Move) {
-        self.journey = Some(Journey { goal: self.goal(to), phase: Phase::Reach, member: 0, asked: None });
+        self.pending = Some(PendingMove { goal: self.goal(to), phase: Phase::Reach, member: 0, asked: None });
     }
 
     fn work(&mut self, more: &mut dyn FnMut() -> bool) -> bool {
-        while let Some(journey) = self.journey.take() {
-            match self.travel(journey, more) {
-                Ok(journey) => self.journey = journey,
-                Err(journey) => {
-                    self.journey = Some(journey);
+        while let Some(pending) = self.pending.take() {
+            match self.proceed(pending, more) {
+                Ok(pending) => self.pending = pending,
+                Err(pending) => {
+                    self.pending = Some(pending);
                     return false;
                 }
             }
@@ -336,7 +340,7 @@ impl Walk for Stops {
     }
 
     fn progress(&self) -> Option<(usize, usize)> {
-        let member = self.members.get(self.journey.as_ref()?.member)?;
+        let member = self.members.get(self.pending.as_ref()?.member)?;
         member.walk.progress()
     }
 
@@ -369,7 +373,7 @@ impl Walk for Stops {
     }
 
     fn step(&self, focus: Option<Focus>) -> Step {
-        self.told(0, focus)
+        self.explained_step(0, focus)
     }
 
     fn scene(&self, focus: Option<Focus>) -> Scene {
@@ -397,7 +401,7 @@ impl Walk for Stops {
             info: member.walk.info(),
             names: member.names.clone(),
             cursor: member.walk.cursor(),
-            step: self.told(index, focus),
+            step: self.explained_step(index, focus),
             scene: member.walk.scene(in_frame_t(focus)),
             output: member.walk.output(),
             candidates: None,

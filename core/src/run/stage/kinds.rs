@@ -5,7 +5,7 @@ use super::chosen::FRAMES;
 use super::{Frames, Makes, Stage};
 use crate::base::{Error, Threads};
 use crate::data::{Clip, Flow, Frame};
-use crate::products::{BlockField, DenseField, MaskField, ObjectField, PointField, Product, ProductKind};
+use crate::products::{BlockField, DenseField, MaskField, ModelField, ObjectField, PointField, Product, ProductKind};
 
 /// Makes a dense flow.
 #[derive(Clone, Copy, Debug)]
@@ -39,6 +39,41 @@ impl Stage<DenseFlow> {
         let grays = frames.map(|frame| Frame::gray(frame.luma().clone()));
         let pair = Clip::from_frames("a pair of frames", grays.into())?;
         self.flow(&pair.part_of(clip), 0, threads)
+    }
+}
+
+/// Makes one motion for the whole picture.
+#[derive(Clone, Copy, Debug)]
+pub struct GlobalModel;
+
+impl Makes for GlobalModel {
+    const ASKS: &'static str = "motion";
+    const PRODUCT: &'static ProductKind = ModelField::KIND;
+    const WORDS: &'static str = "one motion for the whole picture";
+}
+
+impl Stage<GlobalModel> {
+    /// The motion from frame `t` of a clip to frame `t + 1`.
+    ///
+    /// # Errors
+    /// If there is no such pair, it cannot be read, or it is not wanted any more.
+    pub fn model(&self, clip: &Clip, t: usize, threads: &Threads) -> Result<ModelField, Error> {
+        let output = self.estimator.run(clip, t, threads)?;
+        output.get().cloned().ok_or_else(|| {
+            let id = self.estimator.info().id;
+            Error::new(format!(
+                "{id} makes no motion model with these parameters; change them, or choose another method"
+            ))
+        })
+    }
+
+    /// The motion from the first of two frames of one size to the second; frames of `clip`, with which the work is cancelled.
+    ///
+    /// # Errors
+    /// As [`Self::model`].
+    pub fn between_frames(&self, clip: &Clip, frames: [&Frame; 2], threads: &Threads) -> Result<ModelField, Error> {
+        let pair = Clip::from_frames("a pair of frames", frames.map(Frame::clone).into())?;
+        self.model(&pair.part_of(clip), 0, threads)
     }
 }
 

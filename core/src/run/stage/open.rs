@@ -1,7 +1,8 @@
 //! Opening a stage: stepping through it by itself, on the frames of its parent.
 
 use super::super::{AnyEstimator, Cursor};
-use super::{chosen, estimator_of};
+use super::chosen::{self, FRAMES};
+use super::estimator_of;
 use crate::base::Error;
 use crate::data::Clip;
 use crate::params::{Kind, Value};
@@ -20,8 +21,9 @@ pub struct Opened {
 
 /// Opens the stage that is parameter `index` of `parent`, whose run on `clip` began on frame `first` and works on frame `now`.
 ///
-/// A stage that goes through the clip begins where its parent began, and stands at the end of the frame at hand; one that looks
-/// at a pair runs on the pair that its parent looks at, from its start. `None` if that parameter is no stage.
+/// A stage that goes through the clip begins where its parent began, or later if it depends on few earlier frames
+/// ([`AnyEstimator::earlier_frames`]), and stands at the end of the frame at hand; one that looks at a pair runs on the pair that its
+/// parent looks at, from its start. `None` if that parameter is no stage.
 ///
 /// # Errors
 /// If a frame cannot be read.
@@ -32,29 +34,41 @@ pub fn open(
     (first, now): (usize, usize),
 ) -> Result<Option<Opened>, Error> {
     let Some(mut estimator) = stage_of(parent, index) else { return Ok(None) };
-    let units = estimator.units_of(clip.size(), now.saturating_sub(first) + 1);
+    let begin = estimator.earlier_frames().map_or(first, |earlier| first.max(now.saturating_sub(earlier)));
+    let units = estimator.units_of(clip.size(), now.saturating_sub(begin) + 1);
     let view = if units.is_some() { None } else { parent.stage_view(clip, now)? };
     // What its parent decides is as its parent has it.
     let given = |name: &str| {
         let set = view.iter().flat_map(|view| &view.set).find(|(other, _)| *other == name);
         set.map(|(_, value)| value.clone()).or_else(|| parent.get(name).ok())
     };
-    for name in decided_by(parent, index) {
+    for &name in decided_by(parent, index) {
         if let Some(value) = given(name)
-            && let Some(own) = estimator.specs().iter().position(|spec| spec.name == *name)
+            && let Some(own) = estimator.specs().iter().position(|spec| spec.name == name)
         {
             // A parent that may see more than its stage is cut there.
             estimator.set_value(own, value).ok();
+        }
+        if name == FRAMES {
+            end_alike(&mut *estimator, begin - first)?;
         }
     }
     Ok(Some(match (units, view) {
         (Some(units), _) => {
             let cursor = Cursor { unit: units - 1, event: usize::MAX };
-            Opened { estimator, clip: None, frame: first, cursor }
+            Opened { estimator, clip: None, frame: begin, cursor }
         }
         (None, Some(view)) => Opened { estimator, clip: Some(view.clip), frame: 0, cursor: Cursor::default() },
         (None, None) => Opened { estimator, clip: None, frame: now, cursor: Cursor::default() },
     }))
+}
+
+/// Shortens a run by the frames by which it begins later.
+fn end_alike(estimator: &mut dyn AnyEstimator, later: usize) -> Result<(), Error> {
+    match estimator.get(FRAMES) {
+        Ok(Value::Int(frames)) if later > 0 => estimator.set(FRAMES, &(frames - later as i64).max(2).to_string()),
+        _ => Ok(()),
+    }
 }
 
 /// The estimator that is parameter `index` of `parent`.

@@ -5,6 +5,7 @@ use crate::synth::{
     layer::Layer,
     maths::floor,
     motion::Motion,
+    path::Path,
     shape::Shape,
     texture::{Rgb, Spot, mix, over, ramp, rgb, shade, smooth},
 };
@@ -16,6 +17,7 @@ pub const SAMPLE: Sample = Sample {
               be measured.",
     tune: |_| {},
     layers,
+    path: Path::REST,
 };
 
 fn layers(setting: &Setting) -> Vec<Layer> {

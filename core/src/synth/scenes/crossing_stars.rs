@@ -5,6 +5,7 @@ use crate::synth::{
     layer::Layer,
     maths::floor,
     motion::Motion,
+    path::Path,
     random::{lattice, part},
     shape::{Shape, length},
     texture::{Rgb, Spot, mix, ramp, rgb, shade, smooth},
@@ -16,6 +17,7 @@ pub const SAMPLE: Sample = Sample {
     teaches: "Two objects of equal appearance meet and part: only a motion model keeps their identities apart.",
     tune: |_| {},
     layers,
+    path: Path::REST,
 };
 
 fn layers(setting: &Setting) -> Vec<Layer> {

@@ -5,6 +5,7 @@ use crate::synth::{
     layer::Layer,
     maths::floor,
     motion::Motion,
+    path::Path,
     random::{lattice, part},
     shape::Shape,
     texture::{Rgb, Spot, mix, ramp, rgb, shade, smooth},
@@ -18,6 +19,7 @@ pub const SAMPLE: Sample = Sample {
               the wall is static, so the mean endpoint error stays small even where the ball is missed.",
     tune: |d| d.frames = 16,
     layers,
+    path: Path::REST,
 };
 
 fn layers(setting: &Setting) -> Vec<Layer> {

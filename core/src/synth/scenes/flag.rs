@@ -4,6 +4,7 @@ use crate::synth::{
     Sample, Setting,
     layer::Layer,
     motion::{Motion, Wave},
+    path::Path,
     shape::{Shape, length},
     texture::{Rgb, Spot, mix, rgb, shade, smooth},
 };
@@ -14,6 +15,7 @@ pub const SAMPLE: Sample = Sample {
     teaches: "Motion varies smoothly from point to point. Dense flow can represent it; one vector per block cannot.",
     tune: |_| {},
     layers,
+    path: Path::REST,
 };
 
 fn layers(setting: &Setting) -> Vec<Layer> {

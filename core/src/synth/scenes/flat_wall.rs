@@ -4,6 +4,7 @@ use crate::synth::{
     Sample, Setting,
     layer::Layer,
     motion::Motion,
+    path::Path,
     shape::Shape,
     texture::{Rgb, Spot, mix, over, rgb, shade, smooth},
 };
@@ -15,6 +16,7 @@ pub const SAMPLE: Sample = Sample {
               noise determines the estimates.",
     tune: |d| d.noise = 2.0,
     layers,
+    path: Path::REST,
 };
 
 fn layers(setting: &Setting) -> Vec<Layer> {

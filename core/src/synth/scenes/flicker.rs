@@ -5,6 +5,7 @@ use crate::synth::{
     layer::Layer,
     maths::floor,
     motion::Motion,
+    path::Path,
     random::{lattice, part},
     shape::Shape,
     texture::{Rgb, Spot, mix, over, ramp, rgb, shade, smooth},
@@ -16,6 +17,7 @@ pub const SAMPLE: Sample = Sample {
     teaches: "Flicker violates brightness constancy, the assumption of nearly every estimator.",
     tune: |d| d.flicker = 20.0,
     layers,
+    path: Path::REST,
 };
 
 fn layers(setting: &Setting) -> Vec<Layer> {

@@ -5,6 +5,7 @@ use crate::synth::{
     Sample, Setting,
     layer::Layer,
     motion::Motion,
+    path::Path,
     random::part,
     shape::Shape,
     texture::{Rgb, Spot, cell, mix, ramp, rgb, shade},
@@ -16,6 +17,7 @@ pub const SAMPLE: Sample = Sample {
     teaches: "The leaves have the hue of the ball, which grows, and the light changes. A tracker that counts pixels by hue, as CamShift does, \
               spreads over the leaves; a correlation filter knows the pattern of the ball and stays on it.",
     tune: |d| (d.frames, d.gain) = (36, 2.0),
+    path: Path::REST,
     layers,
 };
 

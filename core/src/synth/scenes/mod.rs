@@ -8,8 +8,10 @@ mod fast_ball;
 mod flag;
 mod flat_wall;
 mod flicker;
+mod hand_held;
 mod leaves;
 mod parallax;
+mod passing_bus;
 mod pillar;
 mod spin_zoom;
 mod sub_pixel;
@@ -34,6 +36,8 @@ pub const SCENES: &[Sample] = &[
     flicker::SAMPLE,
     crossing_stars::SAMPLE,
     traffic::SAMPLE,
+    hand_held::SAMPLE,
+    passing_bus::SAMPLE,
     flag::SAMPLE,
     tunnel::SAMPLE,
     leaves::SAMPLE,

@@ -5,6 +5,7 @@ use crate::synth::{
     layer::Layer,
     maths::{floor, sin, there_and_back},
     motion::Motion,
+    path::Path,
     random::{lattice, part},
     shape::Shape,
     texture::{Rgb, Spot, mix, ramp, rgb, shade, smooth},
@@ -16,6 +17,7 @@ pub const SAMPLE: Sample = Sample {
     teaches: "Layers at different depths move at different speeds, so motion alone segments the pines from the hills.",
     tune: |_| {},
     layers,
+    path: Path::REST,
 };
 
 fn layers(setting: &Setting) -> Vec<Layer> {

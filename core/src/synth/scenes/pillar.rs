@@ -5,6 +5,7 @@ use crate::synth::{
     layer::Layer,
     maths::{floor, sin},
     motion::Motion,
+    path::Path,
     random::{lattice, part},
     shape::Shape,
     texture::{Rgb, Spot, mix, ramp, rgb, shade, smooth},
@@ -17,6 +18,7 @@ pub const SAMPLE: Sample = Sample {
               mask of occluded pixels.",
     tune: |_| {},
     layers,
+    path: Path::REST,
 };
 
 fn layers(setting: &Setting) -> Vec<Layer> {

@@ -5,6 +5,7 @@ use crate::synth::{
     layer::Layer,
     maths::floor,
     motion::Motion,
+    path::Path,
     random::{lattice, part},
     shape::{Point, Shape},
     texture::{Rgb, Spot, mix, ramp, rgb, shade},
@@ -16,6 +17,7 @@ pub const SAMPLE: Sample = Sample {
     teaches: "Rotation and scaling violate the translation model of block matching: errors grow with the distance from the centre.",
     tune: |_| {},
     layers,
+    path: Path::REST,
 };
 
 fn layers(setting: &Setting) -> Vec<Layer> {

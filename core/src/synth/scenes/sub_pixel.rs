@@ -4,6 +4,7 @@ use crate::synth::{
     Sample, Setting,
     layer::Layer,
     motion::Motion,
+    path::Path,
     random::part,
     shape::Shape,
     texture::{Rgb, Spot, cell, mix, ramp, rgb, shade, smooth},
@@ -16,6 +17,7 @@ pub const SAMPLE: Sample = Sample {
               methods and sub-pixel refinement can.",
     tune: |_| {},
     layers,
+    path: Path::REST,
 };
 
 fn layers(setting: &Setting) -> Vec<Layer> {

@@ -5,6 +5,7 @@ use crate::synth::{
     layer::Layer,
     maths::floor,
     motion::Motion,
+    path::Path,
     shape::{Point, Shape},
     texture::{Rgb, Spot, mix, over, ramp, rgb, shade, smooth},
 };
@@ -15,9 +16,10 @@ pub const SAMPLE: Sample = Sample {
     teaches: "Several objects, some of them occluded by a bridge for a while: a tracker must keep their identities.",
     tune: |_| {},
     layers,
+    path: Path::REST,
 };
 
-fn layers(setting: &Setting) -> Vec<Layer> {
+pub(super) fn layers(setting: &Setting) -> Vec<Layer> {
     let seed = setting.seed;
     let drive = |from: Point, velocity: Point, turned: f64| Motion { velocity, turned, ..Motion::still(from) };
     let car = |id, motion, color: u32| {
@@ -60,7 +62,7 @@ fn bodywork(seed: u32, spot: Spot, color: Rgb) -> Rgb {
 }
 
 /// Grass with a road of two lanes along y = 0.
-fn ground(seed: u32, spot: Spot) -> Rgb {
+pub(super) fn ground(seed: u32, spot: Spot) -> Rgb {
     let lawn = |spot: Spot| {
         let grass = spot.warped(seed, 30.0, 6.0).fractal(seed + 10, 26.0, 5);
         ramp(&[rgb(0x4a6b3c), rgb(0x7a9a58), rgb(0xb0bd7a)], 0.5 + 0.55 * grass)

@@ -4,6 +4,7 @@ use crate::synth::{
     Sample, Setting,
     layer::Layer,
     motion::Motion,
+    path::Path,
     shape::Shape,
     texture::{Rgb, Spot, ramp, rgb, shade},
 };
@@ -14,6 +15,7 @@ pub const SAMPLE: Sample = Sample {
     teaches: "Every pixel moves by (3, −2) px per frame: global motion, which every estimator must find.",
     tune: |_| {},
     layers,
+    path: Path::REST,
 };
 
 /// Always whole pixels, however large the picture.

@@ -5,6 +5,7 @@ use crate::synth::{
     layer::Layer,
     maths::floor,
     motion::Motion,
+    path::Path,
     random::{lattice, part},
     shape::Shape,
     texture::{Rgb, Spot, mix, ramp, rgb, shade, smooth},
@@ -16,6 +17,7 @@ pub const SAMPLE: Sample = Sample {
     teaches: "The tunnel hides the whole ball for 7 frames. A tracker that searches around the last position stays at the entrance; one that \
               predicts a velocity, as the particle filter does, finds the ball at the exit.",
     tune: |d| d.frames = 40,
+    path: Path::REST,
     layers,
 };
 

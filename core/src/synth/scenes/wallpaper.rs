@@ -5,6 +5,7 @@ use crate::synth::{
     layer::Layer,
     maths::{cos, floor},
     motion::Motion,
+    path::Path,
     shape::Shape,
     texture::{Rgb, Spot, mix, rgb},
 };
@@ -15,6 +16,7 @@ pub const SAMPLE: Sample = Sample {
     teaches: "The texture repeats every 24 px, so the cost surface has several equally deep minima, and only one is the motion.",
     tune: |_| {},
     layers,
+    path: Path::REST,
 };
 
 /// Distance between two equal leaves.

@@ -144,7 +144,7 @@ fn looks_never_change_the_truth() {
 }
 
 #[test]
-fn speed_scale_and_rotation_change_it_as_told() {
+fn speed_scale_and_rotation_change_it_as_stated() {
     let at = |d: Difficulty, t| flow(&make("translation", &d).unwrap(), t);
     let base = Difficulty::default;
     assert!(at(Difficulty { speed: 2.5, ..base() }, 0).0.cells().iter().all(|&uv| uv == [7.5, -5.0]));

@@ -66,7 +66,7 @@ fn a_wrong_truth_would_be_noticed() {
 fn colors_travel_with_the_motion() {
     for scene in SCENES {
         let d = clean(scene);
-        let stage = Stage::new((scene.layers)(&Setting::new(&d)), d.clone());
+        let stage = scene.stage(&d);
         let (now, next) = (stage.at(3.0), stage.at(4.0));
         let clip = scene.clip(&d).unwrap();
         let hidden = hidden(&clip, 3);
@@ -178,7 +178,7 @@ fn tracks_tell_extent_and_what_can_be_seen() {
 fn boxes_fit_the_masks() {
     for scene in SCENES {
         let d = clean(scene);
-        let stage = Stage::new((scene.layers)(&Setting::new(&d)), d.clone());
+        let stage = scene.stage(&d);
         let moment = stage.at(2.0);
         let seen = moment.sightings();
         assert!(seen.is_sorted_by_key(|s| s.id));

@@ -93,7 +93,7 @@ pub fn relief(surface: &Surface, colors: ColorMap, theme: Theme) -> Relief {
     let bench = Bench::new(surface);
     relief.sheet(&grid(surface, colors));
     for (role, at, top) in pins(surface) {
-        relief.pin(surface, &bench, (role, at, top), theme);
+        relief.pin(surface, &bench, Pin { role, at, top }, theme);
     }
     relief
 }
@@ -203,6 +203,13 @@ impl Vertex {
     }
 }
 
+/// A displacement that is pinned on the surface: its role, and the height of the needle.
+struct Pin {
+    role: Role,
+    at: [i32; 2],
+    top: f32,
+}
+
 impl Relief {
     fn sheet(&mut self, grid: &Corners) {
         let [width, height] = grid.size;
@@ -225,7 +232,7 @@ impl Relief {
     }
 
     /// A needle that can be seen above the surface, and a ball on the surface.
-    fn pin(&mut self, surface: &Surface, bench: &Bench, (role, at, top): (Role, [i32; 2], f32), theme: Theme) {
+    fn pin(&mut self, surface: &Surface, bench: &Bench, Pin { role, at, top }: Pin, theme: Theme) {
         let Some(cost) = any_cost(surface, at) else { return };
         let color = theme.ink(role).color.0;
         let foot = bench.place(at.map(|c| c as f32), cost);

@@ -10,7 +10,7 @@ use glam::Vec3;
 use motionscope_core::scene::Surface;
 
 use super::super::primitive::{Anchor, Line, Point, Primitive, Rect};
-use super::super::{Face, Layer, Theme, number};
+use super::super::{Face, Layer, Theme, labels, number};
 use super::axis::Axis;
 use super::canvas::{Canvas, Level, Type, covered, shortened, solid};
 use super::{ChartStyle, Drawing, Orbit, Room, Screen, heat_map, titled};
@@ -188,10 +188,11 @@ impl Stand {
         let axis = Axis::new([0.0, self.bench.top], [0.0, (low[0] - high[0]).hypot(low[1] - high[1])]);
         let dim = Type::dim(self.theme);
         if surface.range().is_some() {
-            for tick in axis.ticks(2.2 * small, 0.0) {
-                let [x, y] = self.at(foot + Vec3::Y * self.bench.height(tick));
+            let ticks = axis.ticks(2.2 * small, 0.0);
+            for (tick, words) in ticks.iter().zip(labels(&ticks)) {
+                let [x, y] = self.at(foot + Vec3::Y * self.bench.height(*tick));
                 canvas.across([x - 4.0, x], y, dim.color);
-                self.write(canvas, dim.line([x - 7.0, y], (Anchor::End, Level::Middle), &number(tick)));
+                self.write(canvas, dim.line([x - 7.0, y], (Anchor::End, Level::Middle), &words));
             }
         }
         if self.is_tight {

@@ -60,8 +60,8 @@ fn there_and_back_again() {
     walker.wait();
     let after = walker.view().shown.unwrap();
     // Costs that are not known yet are NaN, so it is the words that are compared.
-    let told = |shown: &Snapshot| format!("{} {:?} {:?}", shown.cursor, shown.step, shown.scene);
-    assert!(told(&after) == told(&before));
+    let message = |shown: &Snapshot| format!("{} {:?} {:?}", shown.cursor, shown.step, shown.scene);
+    assert!(message(&after) == message(&before));
 }
 
 #[test]
@@ -135,11 +135,11 @@ fn a_run_begins_where_it_is_wanted() {
 }
 
 #[test]
-fn nothing_is_told_while_nothing_changes() {
+fn nothing_is_reported_while_nothing_changes() {
     let count = Arc::new(AtomicUsize::new(0));
-    let told = Arc::clone(&count);
+    let message = Arc::clone(&count);
     let walker = Walker::new(move || {
-        told.fetch_add(1, Ordering::SeqCst);
+        message.fetch_add(1, Ordering::SeqCst);
     })
     .unwrap();
     walker.start(job());
@@ -197,7 +197,7 @@ fn a_place_replaces_what_was_asked_before() {
 fn a_small_move_waits_for_a_run_to_come_to_its_place() {
     let walker = Walker::new(|| {}).unwrap();
     walker.start(long());
-    std::thread::sleep(2 * PATIENCE);
+    std::thread::sleep(2 * SLOW_AFTER);
     assert!(walker.view().shown.is_none_or(|shown| !shown.at_end), "it takes longer than that");
     walker.go(Move::Granularity(2, Direction::Back));
     walker.wait();
@@ -209,7 +209,7 @@ fn a_small_move_waits_for_a_run_to_come_to_its_place() {
 fn a_run_that_is_stopped_on_its_way_stays_where_it_is() {
     let walker = Walker::new(|| {}).unwrap();
     walker.start(long());
-    std::thread::sleep(2 * PATIENCE);
+    std::thread::sleep(2 * SLOW_AFTER);
     walker.stop();
     walker.wait();
     assert!(walker.view().shown.is_some_and(|shown| !shown.at_end && shown.bound_for.is_none()));
@@ -253,14 +253,14 @@ fn a_check_that_takes_long_is_given_up_and_can_be_tried_again() {
     }
     walker.stop();
     walker.wait();
-    let told = |walker: &Walker| {
+    let message = |walker: &Walker| {
         let shown = walker.view().shown.unwrap();
         shown.step.readouts.iter().any(|readout| match readout {
             Readout::Facts(facts) => facts.iter().any(|fact| fact.label == "Reverse pair"),
             _ => false,
         })
     };
-    assert!(told(&walker), "why there is no check is told");
+    assert!(message(&walker), "why there is no check is told");
     source.1.store(false, Ordering::Relaxed);
     walker.look(&seen(FlowLayer::Wheel));
     walker.wait();
@@ -268,7 +268,7 @@ fn a_check_that_takes_long_is_given_up_and_can_be_tried_again() {
     walker.wait();
     let layer = walker.view().shown.unwrap().pictures.layer.clone();
     assert_eq!(layer.map(|layer| layer.kind), Some(FlowLayer::Consistency));
-    assert!(!told(&walker));
+    assert!(!message(&walker));
 }
 
 /// What never comes as long as it is held, whether it is wanted or not.
@@ -320,8 +320,8 @@ fn a_run_that_cannot_be_interrupted_is_left_behind() {
     let clip = Clip::new(clip().info().clone(), Arc::new(Deaf(clip(), Arc::clone(&held))));
     let deaf = || Job { subject: Arc::new(Prepared { clip: clip.clone(), ..subject() }), place: Place::default() };
     walker.start(deaf());
-    std::thread::sleep(2 * PATIENCE);
-    assert!(walker.view().busy_for.is_some_and(|time| time > PATIENCE));
+    std::thread::sleep(2 * SLOW_AFTER);
+    assert!(walker.view().busy_for.is_some_and(|time| time > SLOW_AFTER));
     let begun = Instant::now();
     walker.stop();
     tended(&mut walker);
@@ -330,7 +330,7 @@ fn a_run_that_cannot_be_interrupted_is_left_behind() {
 
     // Nor does it stand in the way of another one.
     walker.start(deaf());
-    std::thread::sleep(2 * PATIENCE);
+    std::thread::sleep(2 * SLOW_AFTER);
     walker.start(job());
     tended(&mut walker);
     assert!(walker.view().refused.is_none() && walker.view().shown.is_some());

@@ -48,25 +48,25 @@ impl FeatureMatching {
         let from = words::place(here.points[state.found.len().min(here.points.len() - 1)].at);
         match event {
             Compared::Nearer { index, distance } => {
-                let told = said.ink(Role::Candidate, at(index)).text(format!(
+                let sentence = said.ink(Role::Candidate, at(index)).text(format!(
                     " in frame t+1 has the distance d = {} from keypoint {from}: the nearest so far.",
                     apart(distance)
                 ));
-                (line::EACH_CANDIDATE, told)
+                (line::EACH_CANDIDATE, sentence)
             }
             Compared::Candidates(count) => {
                 let within = match self.settings.radius {
                     0 => "in the whole frame".to_owned(),
                     radius => format!("within the search radius of {radius} px"),
                 };
-                let told = match count {
+                let sentence = match count {
                     0 => format!("Keypoint {from} has no candidate {within}."),
                     count => format!("Keypoint {from} was compared with all {} candidates {within}.", grouped(count)),
                 };
-                (line::EACH_KEYPOINT, said.text(told))
+                (line::EACH_KEYPOINT, said.text(sentence))
             }
             Compared::Found(Neighbors { first, second }) => {
-                let told = match (first, second) {
+                let sentence = match (first, second) {
                     (Some((a, first)), Some((b, second))) => said
                         .text("Nearest neighbour ")
                         .ink(Role::Best, at(a))
@@ -79,18 +79,18 @@ impl FeatureMatching {
                         .text(format!(", d₁ = {}: without a second one there is no ratio to test.", apart(first))),
                     _ => said.text("Without a candidate there is no nearest neighbour."),
                 };
-                (line::KEEP_NEAREST, told)
+                (line::KEEP_NEAREST, sentence)
             }
             Compared::Ratio { ratio, passes } => (line::RATIO_TEST, said.text(self.ratio_said(ratio, passes))),
             Compared::CrossCheck { back, passes } => {
-                let told = match passes {
+                let sentence = match passes {
                     true => said.text("Cross-check: the nearest neighbour of b in frame t is the keypoint itself, so both choose each other."),
                     false => said
                         .text("Cross-check: the nearest neighbour of b in frame t is ")
                         .ink(Role::Rejected, words::place(here.points[back].at))
                         .text(", another keypoint: rejected."),
                 };
-                (line::CROSS_CHECK, told)
+                (line::CROSS_CHECK, sentence)
             }
             Compared::Outcome(outcome) => (line::ACCEPT, self.outcome_said(state, outcome)),
         }
@@ -115,18 +115,18 @@ impl FeatureMatching {
         let Some(outcome) = outcome else { return said.text("No candidate, so no match.") };
         let found = state.match_of(state.found.len(), &outcome);
         let [u, v] = found.displacement().map(words::fine);
-        let told = match found.status {
+        let sentence = match found.status {
             MatchStatus::Match => said.ink(Role::Result, "Match").text(format!(" with the displacement ({u}, {v}) px")),
             MatchStatus::RejectedRatio => said.ink(Role::Rejected, "No match").text(" after the ratio test"),
             _ => said.ink(Role::Rejected, "No match").text(" after the cross-check"),
         };
         let is_right = state.fixed.truth.as_ref().and_then(|truth| MatchField::is_right(&found, truth));
         match (is_right, found.status) {
-            (Some(true), MatchStatus::Match) => told.text(": right, within 3 px of the true displacement."),
-            (Some(false), MatchStatus::Match) => told.text(": wrong, more than 3 px from the true displacement."),
-            (Some(true), _) => told.text(", although the nearest neighbour is right."),
-            (Some(false), _) => told.text("; the nearest neighbour is wrong."),
-            (None, _) => told.text("."),
+            (Some(true), MatchStatus::Match) => sentence.text(": right, within 3 px of the true displacement."),
+            (Some(false), MatchStatus::Match) => sentence.text(": wrong, more than 3 px from the true displacement."),
+            (Some(true), _) => sentence.text(", although the nearest neighbour is right."),
+            (Some(false), _) => sentence.text("; the nearest neighbour is wrong."),
+            (None, _) => sentence.text("."),
         }
     }
 
@@ -160,10 +160,10 @@ impl FeatureMatching {
         all.push(Readout::Tiles(self.tiles(state, index, &neighbors)));
         let after = seen.after.unwrap_or(state);
         all.extend(match is_end {
-            true => precision(after).map(Readout::Series),
+            true => [distances(after), precision(after)].into_iter().flatten().map(Readout::Series).collect::<Vec<_>>(),
             false => {
                 let other = neighbors.first.map(|(index, _)| &there.keypoints[index]);
-                descriptors(keypoint, other).map(Readout::Series)
+                descriptors(keypoint, other).into_iter().map(Readout::Series).collect()
             }
         });
         all
@@ -323,6 +323,42 @@ fn descriptors(keypoint: &Keypoint, other: Option<&Keypoint>) -> Option<Series> 
         lines,
         is_sweep: true,
         fits_values: true,
+        ..Series::default()
+    })
+}
+
+/// Bins of the histogram of distances.
+const BINS: usize = 16;
+
+/// The histogram of the distances of all nearest neighbours: of right and of wrong ones where the truth is known.
+fn distances(state: &State) -> Option<Series> {
+    let all: Vec<Match> = state.matches().collect();
+    let most = all.iter().map(|found| found.distance).fold(0.0, f32::max);
+    if all.len() < 2 || most <= 0.0 {
+        return None;
+    }
+    let line = |is_counted: &dyn Fn(&Match) -> bool| {
+        let mut counts = [0.0f32; BINS];
+        for found in all.iter().filter(|found| is_counted(found)) {
+            counts[((found.distance / most * BINS as f32) as usize).min(BINS - 1)] += 1.0;
+        }
+        let middle = |i: usize| (i as f32 + 0.5) / BINS as f32 * most;
+        counts.iter().enumerate().map(|(i, count)| [middle(i), *count]).collect::<Vec<_>>()
+    };
+    let lines = match state.fixed.truth.as_deref() {
+        Some(truth) => vec![
+            ("right", Role::Result, line(&|found| MatchField::is_right(found, truth) == Some(true))),
+            ("wrong", Role::Rejected, line(&|found| MatchField::is_right(found, truth) == Some(false))),
+        ],
+        None => vec![("nearest neighbours", Role::Reference, line(&|_| true))],
+    };
+    Some(Series {
+        title: "Distances of nearest neighbours",
+        x_label: "distance of the descriptors",
+        y_label: "keypoints",
+        x_max: most.ceil() as usize,
+        lines,
+        is_sweep: true,
         ..Series::default()
     })
 }

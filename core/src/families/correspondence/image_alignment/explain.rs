@@ -60,7 +60,7 @@ impl ImageAlignment {
         let count = self.model.freedom();
         match stage {
             Stage::SteepestDescent => said.text(format!(
-                "Level {}: the steepest-descent images tell how each pixel of frame t changes with each of the {count} parameters. \
+                "Level {}: the steepest-descent images show how each pixel of frame t changes with each of the {count} parameters. \
                  They belong to frame t, which stays, so they are computed once for all iterations of the level.",
                 state.level
             )),
@@ -87,11 +87,11 @@ impl ImageAlignment {
                     percent(self.min_overlap)
                 ))
                 .ink(Role::Rejected, "diverged")
-                .text(", and the last update is taken back."),
+                .text(", and the last update is undone."),
             Stage::Worse => {
                 let previous = state.previous_error().unwrap_or(rms);
                 said.text(format!("The error has risen from {} to {}: ", fixed(previous, 2), gray(rms)))
-                    .ink(Role::Rejected, "the last update is taken back")
+                    .ink(Role::Rejected, "the last update is undone")
                     .text(", and the level ends with the warp before it.")
             }
             Stage::Solve => said
@@ -105,7 +105,7 @@ impl ImageAlignment {
                 px(self.epsilon.into())
             )),
             Stage::Converged if moved <= f64::from(self.epsilon) => said.text(format!(
-                "The increment moves no corner by more than {}, not above ε = {}: level {} has converged.",
+                "The increment moves the corners by at most {} ≤ ε = {}: level {} has converged.",
                 px(moved),
                 px(self.epsilon.into()),
                 state.level
@@ -142,9 +142,9 @@ impl ImageAlignment {
         said.text(match (after.failed > 0, self.model, aligned > 0.5 * at_rest && at_rest > 1.0) {
             (true, ..) => " Some levels found no alignment: fewer degrees of freedom or fewer levels would help.",
             (_, Model::Homography, true) => {
-                " Much difference remains: parallax, moving objects or a change of light, which no single warp explains."
+                " The residual stays large: parallax, moving objects or a change of light, which no single warp explains."
             }
-            (.., true) => " Much difference remains: a model with more degrees of freedom, or more levels for larger motion, would help.",
+            (.., true) => " The residual stays large: a model with more degrees of freedom, or more levels for larger motion, would help.",
             _ => " One warp explains the motion; the places that still differ move on their own or are new.",
         })
     }

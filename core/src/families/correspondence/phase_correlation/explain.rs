@@ -78,8 +78,8 @@ impl PhaseCorrelation {
                 grouped(width)
             )),
             Stage::Columns(i) => said.text(format!(
-                "The transform of each of the {} columns completes the spectrum {}. Its magnitude tells how much of a frequency \
-                 there is, its phase where.",
+                "The transform of each of the {} columns completes the spectrum {}. Its magnitude is the strength of a \
+                 frequency, its phase the position.",
                 grouped(width),
                 name(i)
             )),

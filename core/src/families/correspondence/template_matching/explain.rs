@@ -127,8 +127,8 @@ impl TemplateMatching {
             Event::Area(pair) => self.area_sentence(state, pair, said),
             Event::Candidate(..) => self.candidate(seen, said),
             Event::Decided(stage, found) => {
-                let told = self.decided(*stage, state, found, said);
-                self.concluded(seen, told)
+                let sentence = self.decided(*stage, state, found, said);
+                self.concluded(seen, sentence)
             }
         }
     }
@@ -290,19 +290,19 @@ impl TemplateMatching {
         let past = &after.past;
         let kept = after.track.points.len().saturating_sub(1);
         let lowest = past.iter().enumerate().min_by(|(_, a), (_, b)| a.zncc.total_cmp(&b.zncc));
-        let mut told = format!(" End of the run: tracked through {} of {}", kept, counted(past.len(), "pair"));
+        let mut sentence = format!(" End of the run: tracked through {} of {}", kept, counted(past.len(), "pair"));
         if let Some((i, Past { zncc, .. })) = lowest {
-            told += &format!(", lowest ZNCC {} in frame {}.", fixed((*zncc).into(), 3), after.span.first + i + 1);
+            sentence += &format!(", lowest ZNCC {} in frame {}.", fixed((*zncc).into(), 3), after.span.first + i + 1);
         }
         let last = |of: fn(&Past) -> Option<f32>| past.iter().rev().find_map(of);
         if let Some(error) = last(|past| past.error) {
-            told += &format!(" The final distance from the true position is {} px.", numbers::px(error));
+            sentence += &format!(" The final distance from the true position is {} px.", numbers::px(error));
         }
         if let Some(drift) = last(|past| past.drift) {
-            told += &format!(" The final drift from the first template is {} px.", numbers::px(drift));
+            sentence += &format!(" The final drift from the first template is {} px.", numbers::px(drift));
         }
         let is_lost = kept < past.len();
-        told += match (is_lost, self.update) {
+        sentence += match (is_lost, self.update) {
             (true, Update::Fixed) => {
                 " A larger search range helps if the motion is large, updates if the appearance changes."
             }
@@ -314,7 +314,7 @@ impl TemplateMatching {
             }
             (false, Update::EveryFrame) => " A fixed template would not drift, as long as the appearance stays.",
         };
-        said.text(told)
+        said.text(sentence)
     }
 
     fn readouts(&self, seen: &Seen<Self>) -> Vec<Readout> {

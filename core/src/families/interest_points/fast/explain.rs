@@ -69,8 +69,8 @@ impl Fast {
         let Self { threshold, arc, .. } = self;
         Sentence::default().text(format!(
             "At a corner most of a small circle differs from its centre p. FAST compares 16 pixels with I_p and looks for an arc \
-             of {arc} contiguous ones, all brighter than I_p + {threshold} or all darker than I_p − {threshold}. Comparisons of \
-             gray levels are all that it needs."
+             of {arc} contiguous ones, all brighter than I_p + {threshold} or all darker than I_p − {threshold}. It needs only \
+             comparisons of gray levels."
         ))
     }
 

@@ -176,29 +176,30 @@ impl Sift {
                 (line::UNSTABLE, said.ink(Role::Rejected, why))
             }
             Err(Rejection::LowContrast) => {
-                let told = format!(
+                let outcome = format!(
                     "|D| = {contrast} gray levels at the extremum is below the contrast threshold {}: rejected, noise would move it.",
                     gray(thresholds.contrast)
                 );
-                (line::LOW_CONTRAST, said.ink(Role::Rejected, told))
+                (line::LOW_CONTRAST, said.ink(Role::Rejected, outcome))
             }
             Err(Rejection::Edge) if determinant <= 0.0 => {
-                let told = "The principal curvatures have opposite signs, so this is a saddle in position: rejected.";
-                (line::ON_EDGE, said.ink(Role::Rejected, told))
+                let outcome =
+                    "The principal curvatures have opposite signs, so this is a saddle in position: rejected.";
+                (line::ON_EDGE, said.ink(Role::Rejected, outcome))
             }
             Err(Rejection::Edge) => {
-                let told = format!(
+                let outcome = format!(
                     "(tr H)² / det H = {} reaches (r + 1)² / r = {}: one principal curvature is more than {} times the other, an edge. \
                      Rejected, its position along the edge is uncertain.",
                     gray(trace * trace / determinant),
                     gray(limit),
                     words::fixed(thresholds.edge.into(), 0)
                 );
-                (line::ON_EDGE, said.ink(Role::Rejected, told))
+                (line::ON_EDGE, said.ink(Role::Rejected, outcome))
             }
             Ok(refined) => {
                 let (at, sigma_px) = self.in_frame(&refined);
-                let told = said.text("Kept at ").ink(Role::Result, words::place(at)).text(format!(
+                let outcome = said.text("Kept at ").ink(Role::Result, words::place(at)).text(format!(
                     " px of the frame with σ = {} px: |D| = {contrast} reaches the contrast threshold {}, and (tr H)² / det H = {} is below \
                      {}, so it is no edge.",
                     gray(sigma_px),
@@ -206,7 +207,7 @@ impl Sift {
                     gray(trace * trace / determinant),
                     gray(limit)
                 ));
-                (line::KEEP, told)
+                (line::KEEP, outcome)
             }
         }
     }

@@ -1,8 +1,10 @@
 //! Orientation and descriptor of SURF from Haar wavelets on the integral image.
 
 use std::f32::consts::{PI, TAU};
+use std::sync::LazyLock;
 
-use crate::methods::features::integral::{Integral, PixelBox};
+use crate::base::wide::wide;
+use crate::methods::features::integral::Integral;
 
 /// Samples within this many scales of the middle decide the orientation.
 pub const WHEEL_REACH: i32 = 6;
@@ -36,11 +38,16 @@ impl Blob {
 
 /// The responses of the Haar wavelets along x and y at a corner of pixels, of side 2 `half`: the mean of one half less that of the other, in gray
 /// levels.
-pub fn haar(integral: &Integral, [x, y]: [i32; 2], half: i32) -> [f32; 2] {
-    let sum = |min: [i32; 2], size: [i32; 2]| integral.sum(PixelBox::new(min, size)) as f32;
+#[inline]
+pub fn haar(integral: &Integral, at: [i32; 2], half: i32) -> [f32; 2] {
+    let corners = integral.around(at, half);
+    let sum = |[left, top]: [usize; 2], [right, bottom]: [usize; 2]| {
+        let [above, below] = [corners[top], corners[bottom]];
+        below[right].wrapping_sub(above[right]).wrapping_sub(below[left]).wrapping_add(above[left]) as f32
+    };
     let area = (2 * half * half) as f32;
-    let across = sum([x, y - half], [half, 2 * half]) - sum([x - half, y - half], [half, 2 * half]);
-    let down = sum([x - half, y], [2 * half, half]) - sum([x - half, y - half], [2 * half, half]);
+    let across = sum([1, 0], [2, 2]) - sum([0, 0], [1, 2]);
+    let down = sum([0, 1], [2, 2]) - sum([0, 0], [2, 1]);
     [across / area, down / area]
 }
 
@@ -58,18 +65,23 @@ pub struct Spoke {
     pub angle_rad: f32,
 }
 
+/// The offsets in scales of the wavelets that decide the orientation, and their weights.
+static WHEEL: LazyLock<Vec<([f32; 2], f32)>> = LazyLock::new(|| {
+    let places = (-WHEEL_REACH..=WHEEL_REACH).flat_map(|j| (-WHEEL_REACH..=WHEEL_REACH).map(move |i| (i, j)));
+    let inside = places.filter(|(i, j)| i * i + j * j < WHEEL_REACH * WHEEL_REACH);
+    inside.map(|(i, j)| ([i as f32, j as f32], (-((i * i + j * j) as f32) / 8.0).exp())).collect()
+});
+
 /// The wavelet responses within 6 s, of wavelets of side 4 s, weighted with a Gaussian of 2 s.
 pub fn wheel(integral: &Integral, blob: Blob) -> Vec<Spoke> {
     let half = half_side(blob.scale, 4.0);
-    let places = (-WHEEL_REACH..=WHEEL_REACH).flat_map(|j| (-WHEEL_REACH..=WHEEL_REACH).map(move |i| (i, j)));
-    let inside = places.filter(|(i, j)| i * i + j * j < WHEEL_REACH * WHEEL_REACH);
-    let spoke = |(i, j): (i32, i32)| {
-        let offset = [i, j].map(|c| c as f32 * blob.scale);
-        let weight = (-((i * i + j * j) as f32) / 8.0).exp();
+    let spoke = |(offset, weight): &([f32; 2], f32)| {
+        let offset = offset.map(|c| c * blob.scale);
         let response = haar(integral, blob.corner(offset), half).map(|response| weight * response);
-        Spoke { response, angle_rad: response[1].atan2(response[0]).rem_euclid(TAU) }
+        let angle = response[1].atan2(response[0]);
+        Spoke { response, angle_rad: if angle < 0.0 { angle + TAU } else { angle } }
     };
-    inside.map(spoke).collect()
+    WHEEL.iter().map(spoke).collect()
 }
 
 /// The first direction of sector `k`.
@@ -77,20 +89,43 @@ pub fn sector_start(k: usize) -> f32 {
     k as f32 * TAU / SECTORS as f32
 }
 
-/// Whether a direction lies in a sector.
-pub fn is_in_sector(angle_rad: f32, k: usize) -> bool {
-    (angle_rad - sector_start(k)).rem_euclid(TAU) < SECTOR_RAD
+/// The angle from `start_rad` to `angle_rad`, both from 0 to 2π, in the same range.
+#[inline(always)]
+fn beyond_start(angle_rad: f32, start_rad: f32) -> f32 {
+    let turned = angle_rad - start_rad;
+    if turned < 0.0 {
+        turned + TAU
+    } else if turned >= TAU {
+        turned - TAU
+    } else {
+        turned
+    }
 }
 
 /// The sum of the responses in each position of the sector; `tell` is called with each.
 pub fn sector_sums(spokes: &[Spoke], mut tell: impl FnMut([f32; 2])) -> Vec<[f32; 2]> {
-    let sum = |k: usize| {
-        let inside = spokes.iter().filter(|spoke| is_in_sector(spoke.angle_rad, k));
-        let sum = inside.fold([0.0; 2], |sum, spoke| [0, 1].map(|i| sum[i] + spoke.response[i]));
-        tell(sum);
-        sum
-    };
-    (0..SECTORS).map(sum).collect()
+    let mut sums = [[0.0; SECTORS]; 2];
+    add_spokes(spokes, &mut sums);
+    let [x, y] = sums;
+    let sums: Vec<_> = x.into_iter().zip(y).map(|(x, y)| [x, y]).collect();
+    sums.iter().for_each(|sum| tell(*sum));
+    sums
+}
+
+wide!(fn add_spokes(spokes: &[Spoke], sums: &mut [[f32; SECTORS]; 2]) = add_spokes_anyhow);
+
+/// Adds each response to the sectors in which its direction lies.
+#[inline(always)]
+fn add_spokes_anyhow(spokes: &[Spoke], [x, y]: &mut [[f32; SECTORS]; 2]) {
+    let mut starts = [0.0; SECTORS];
+    starts.iter_mut().enumerate().for_each(|(k, start)| *start = sector_start(k));
+    for Spoke { response, angle_rad } in spokes {
+        for k in 0..SECTORS {
+            let is_inside = beyond_start(*angle_rad, starts[k]) < SECTOR_RAD;
+            x[k] += if is_inside { response[0] } else { 0.0 };
+            y[k] += if is_inside { response[1] } else { 0.0 };
+        }
+    }
 }
 
 /// The sector with the longest sum, the first of equal ones, and the direction of that sum.
@@ -102,17 +137,24 @@ pub fn dominant(sums: &[[f32; 2]]) -> (usize, f32) {
     (best, y.atan2(x))
 }
 
+/// The offsets of the samples of all subregions in scales, and their weights, subregion by subregion.
+static SUBREGIONS: LazyLock<Vec<([f32; 2], f32)>> = LazyLock::new(|| {
+    let sample = |k: usize, n: usize| {
+        let [i, j] = [k % SIDE * SAMPLES + n % SAMPLES, k / SIDE * SAMPLES + n / SAMPLES];
+        let middle = (SIDE * SAMPLES - 1) as f32 / 2.0;
+        let [u, v] = [i, j].map(|index| index as f32 - middle);
+        ([u, v], (-(u * u + v * v) / (2.0 * 3.3 * 3.3)).exp())
+    };
+    (0..SIDE * SIDE).flat_map(|k| (0..SAMPLES * SAMPLES).map(move |n| sample(k, n))).collect()
+});
+
 /// The sums Σ d_x, Σ d_y, Σ |d_x|, Σ |d_y| of subregion `k` of the square of 20 s, of wavelets of side 2 s turned by the orientation
 /// and weighted with a Gaussian of 3.3 s.
 pub fn subregion(integral: &Integral, blob: Blob, angle_rad: f32, k: usize) -> [f32; 4] {
     let (sin, cos) = angle_rad.sin_cos();
     let half = half_side(blob.scale, 2.0);
-    let [left, top] = [k % SIDE, k / SIDE].map(|index| index * SAMPLES);
     let mut sums = [0.0; 4];
-    for (i, j) in (0..SAMPLES).flat_map(|j| (0..SAMPLES).map(move |i| (i, j))) {
-        let middle = (SIDE * SAMPLES - 1) as f32 / 2.0;
-        let [u, v] = [left + i, top + j].map(|index| index as f32 - middle);
-        let weight = (-(u * u + v * v) / (2.0 * 3.3 * 3.3)).exp();
+    for &([u, v], weight) in &SUBREGIONS[k * SAMPLES * SAMPLES..][..SAMPLES * SAMPLES] {
         let offset = [cos * u - sin * v, sin * u + cos * v].map(|c| c * blob.scale);
         let [x, y] = haar(integral, blob.corner(offset), half);
         let [along, across] = [cos * x + sin * y, cos * y - sin * x].map(|response| weight * response);
@@ -147,6 +189,7 @@ pub fn normalized(values: &[f32]) -> (Vec<f32>, f32) {
 mod tests {
     use super::*;
     use crate::geometry::Grid;
+    use crate::methods::features::integral::PixelBox;
 
     #[test]
     fn wavelets_see_a_slope_and_its_direction() {
@@ -159,6 +202,37 @@ mod tests {
         // Along the gradient all subregions have the same sign, across it nothing.
         let values = subregion(&integral, blob, angle, 5);
         assert!(values[0] > 0.0 && values[1].abs() < 1e-3 * values[0] && (values[2] - values[0]).abs() < 1e-3);
+    }
+
+    fn noise() -> Integral {
+        Integral::of(&Grid::from_fn(50, 40, |x, y| ((x * 37 + y * 101 + x * y * 13) % 256) as u8))
+    }
+
+    #[test]
+    fn wavelets_are_differences_of_the_sums_of_their_halves() {
+        let integral = noise();
+        for ([x, y], half) in [([20, 20], 4), ([1, 3], 3), ([49, 39], 6), ([-2, 20], 1), ([30, 45], 9)] {
+            let sum = |min, size| integral.sum(PixelBox::new(min, size)) as f32;
+            let area = (2 * half * half) as f32;
+            let across = sum([x, y - half], [half, 2 * half]) - sum([x - half, y - half], [half, 2 * half]);
+            let down = sum([x - half, y], [2 * half, half]) - sum([x - half, y - half], [2 * half, half]);
+            assert_eq!(haar(&integral, [x, y], half), [across / area, down / area], "({x}, {y}), {half}");
+        }
+    }
+
+    #[test]
+    fn the_sum_of_a_sector_is_that_of_the_responses_within_60_degrees() {
+        let mut spokes = wheel(&noise(), Blob { at: [22.3, 17.8], scale: 1.6 });
+        spokes.extend([0.0, TAU, PI / 3.0].map(|angle_rad| Spoke { response: [1.0, 2.0], angle_rad }));
+        let mut told = Vec::new();
+        let sums = sector_sums(&spokes, |sum| told.push(sum));
+        assert_eq!(sums, told);
+        for (k, sum) in sums.iter().enumerate() {
+            let is_inside = |spoke: &&Spoke| (spoke.angle_rad - sector_start(k)).rem_euclid(TAU) < SECTOR_RAD;
+            let inside = spokes.iter().filter(is_inside);
+            let plain = inside.fold([0.0; 2], |sum, spoke| [0, 1].map(|i| sum[i] + spoke.response[i]));
+            assert_eq!(*sum, plain, "sector {k}");
+        }
     }
 
     #[test]

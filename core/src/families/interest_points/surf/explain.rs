@@ -254,7 +254,9 @@ impl Surf {
                         "The 64 values have the length {}. Divided by it, they no longer depend on the contrast.",
                         numbers::gray(*length)
                     ),
-                    false => "All 64 values are 0: the neighbourhood is flat and cannot be told from others.".into(),
+                    false => {
+                        "All 64 values are 0: the neighbourhood is flat and cannot be distinguished from others.".into()
+                    }
                 };
                 (line::UNIT_LENGTH, Sentence::default().text(said))
             }
@@ -520,7 +522,7 @@ fn refined_to(at: (usize, usize), refined: Option<Refined>) -> Sentence {
     ));
     match refined.is_near() {
         true => said.ink(Role::Result, format!("with R = {}: accepted.", numbers::gray(refined.response))),
-        false => said.ink(Role::Rejected, "more than one sample away, where the function says little: rejected."),
+        false => said.ink(Role::Rejected, "more than one sample away, where the fit is unreliable: rejected."),
     }
 }
 

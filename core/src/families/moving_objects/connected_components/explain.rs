@@ -94,7 +94,7 @@ impl Labels {
 }
 
 impl ConnectedComponents {
-    pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
+    pub(super) fn explained_step(&self, seen: &Seen<Self>) -> Step {
         let line = match seen.events.last() {
             None | Some(Event::Row(..)) => line::EACH_ROW,
             Some(Event::Run(LabelEvent::Made(_))) => line::NEW_LABEL,

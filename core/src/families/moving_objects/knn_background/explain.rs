@@ -1,11 +1,11 @@
 //! The classification of a pixel by its samples, in words and numbers.
 
-use super::{KnnBackground, Samples, color_of, square};
+use super::{KnnBackground, Samples, square};
 use crate::base::words::counted;
 use crate::data::Frame;
 use crate::geometry::Grid;
 use crate::methods::numbers::{gray, level};
-use crate::methods::subtraction::Explanation;
+use crate::methods::subtraction::{Explanation, kind, levels, tuple};
 use crate::scene::{Fact, Math, Matrix, Role, Sentence};
 
 /// The names of the sets.
@@ -19,12 +19,12 @@ impl KnnBackground {
         place: (usize, usize),
     ) -> Explanation {
         let Some(before) = before else { return Explanation::default() };
-        let color = color_of(frame, place, before.channels);
+        let color = levels(frame, place, before.channels);
         let near = self.near(&before.sets[place], color, before.channels);
         let is_foreground = near.background < self.k;
         let role = if is_foreground { Role::Result } else { Role::Rejected };
-        let (shown, limit) = (levels(&color[..before.channels]), gray(self.threshold));
-        let name = if before.channels == 1 { "Gray level" } else { "Colour" };
+        let (shown, limit) = (tuple(&color[..before.channels], |of| level(of.into())), gray(self.threshold));
+        let [name, lower] = kind(before.channels);
         let sign = if is_foreground { " < " } else { " ≥ " };
         let mut facts = vec![
             Fact::new(name, shown.clone(), Some(Role::Measured)),
@@ -50,7 +50,7 @@ impl KnnBackground {
             ]),
         ];
         let verdict = Sentence::default()
-            .text(format!(": {} ", name.to_lowercase()))
+            .text(format!(": {lower} "))
             .ink(Role::Measured, shown)
             .text(" has ")
             .ink(role, counted(near.background, "background sample"))
@@ -79,7 +79,7 @@ impl KnnBackground {
 
     /// The samples of a pixel, one row each.
     fn table(&self, model: &Samples, frame: &Frame, place: (usize, usize)) -> Matrix {
-        let color = color_of(frame, place, model.channels);
+        let color = levels(frame, place, model.channels);
         let samples: Vec<_> = self.used(&model.sets[place]).collect();
         let mut columns = if model.channels == 1 { vec!["I"] } else { vec!["R", "G", "B"] };
         columns.extend(["background", "distance"]);
@@ -104,15 +104,5 @@ impl KnnBackground {
             columns: columns.into_iter().map(String::from).collect(),
             changed: Some(changed),
         }
-    }
-}
-
-/// A value as text.
-fn levels(of: &[u8]) -> String {
-    let shown: Vec<String> = of.iter().map(|value| level(f32::from(*value))).collect();
-    match &shown[..] {
-        [one] => one.clone(),
-        // No-break spaces.
-        all => format!("({})", all.join(",\u{a0}")),
     }
 }

@@ -47,8 +47,8 @@ impl MixtureOfGaussians {
             let ([_, _, _], [_, _, _]) = (pixel, &mode.mean[..]) else { return None };
             let [pixel, mean] = [pixel, &mode.mean].map(|of| [of[0], of[1], of[2]]);
             let [along, square] = [pixel, mean].map(|of| (0..3).map(|c| of[c] * mean[c]).sum::<f32>());
-            (self.detect_shadows
-                && is_shadow(pixel, mean, ShadowLimits { darkest: self.shadow_threshold, limit: limit(mode) }))
+            (self.shadow.detect_shadows
+                && is_shadow(pixel, mean, ShadowLimits { darkest: self.shadow.shadow_threshold, limit: limit(mode) }))
             .then_some((index, along / square))
         });
         Verdict { background, matched, shadow }
@@ -150,7 +150,7 @@ impl MixtureOfGaussians {
                 ". It has the colour of background mode {} at {} of its brightness, above the shadow threshold {}.",
                 mode + 1,
                 percent(light.into()),
-                words::percent(self.shadow_threshold)
+                words::percent(self.shadow.shadow_threshold)
             )),
         }
     }

@@ -118,7 +118,7 @@ impl Rates {
             least: of.min_sigma * of.min_sigma,
             largest: MAX_SIGMAS * MAX_SIGMAS * first * first,
             background: of.background_ratio,
-            darkest: of.detect_shadows.then_some(of.shadow_threshold),
+            darkest: of.shadow.detect_shadows.then_some(of.shadow.shadow_threshold),
         }
     }
 }
@@ -266,7 +266,7 @@ impl Mixture {
                 }
             });
         });
-        let tells_shadows = of.detect_shadows && self.channels == 3;
+        let tells_shadows = of.shadow.detect_shadows && self.channels == 3;
         Found { mask, shadows: tells_shadows.then_some(shadows) }
     }
 

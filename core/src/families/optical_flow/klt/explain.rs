@@ -414,8 +414,8 @@ fn lost(state: &State) -> Option<String> {
     for reason in last.filter_map(|point| reason_of(point.status)) {
         *counts.entry(reason).or_default() += 1;
     }
-    let told: Vec<String> = counts.into_iter().map(|(reason, count)| format!("{count} {reason}")).collect();
-    (!told.is_empty()).then(|| told.join(", "))
+    let reasons: Vec<String> = counts.into_iter().map(|(reason, count)| format!("{count} {reason}")).collect();
+    (!reasons.is_empty()).then(|| reasons.join(", "))
 }
 
 fn plots(state: &State) -> Option<Readout> {

@@ -76,7 +76,7 @@ fn gray(value: Option<f64>) -> String {
 }
 
 impl BlobTracker {
-    pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
+    pub(super) fn explained_step(&self, seen: &Seen<Self>) -> Step {
         let line = match last(seen.events) {
             None | Some(EventKind::Done(..)) => line::EACH_FRAME,
             Some(EventKind::Detected(..)) => line::DETECT,
@@ -323,6 +323,7 @@ impl BlobTracker {
                 explain::label(scene, Role::Measured, [min[0], max[1]], format!("blob {}", i + 1));
             }
         }
+        scene.is_overview = seen.after.is_some() && seen.point().is_none();
         errors(seen).iter().for_each(|errors| truth::draw(scene, errors));
         let state = seen.after.unwrap_or(seen.before);
         if seen.after.is_some() || seen.events.is_empty() {

@@ -12,6 +12,8 @@ use crate::scene::{Arrow, Band, Fact, Math, Picture, Readout, Role, Scene, Sente
 /// The mean innovation in standard deviations above which the filter is biased, and the least number of innovations that tell it.
 const BIAS_SIGMAS: f64 = 2.5;
 const LEAST_INNOVATIONS: usize = 6;
+/// The share of rejected measurements above which the others are no fair sample of the innovations.
+const MOST_REJECTED: f64 = 0.25;
 
 /// A line of a plot: its name, its role and its points.
 type Line = (&'static str, Role, Vec<[f32; 2]>);
@@ -70,7 +72,7 @@ impl KalmanFilter {
         now
     }
 
-    pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
+    pub(super) fn explained_step(&self, seen: &Seen<Self>) -> Step {
         let line = match seen.events.last() {
             None => line::EACH_FRAME,
             Some(Event::Predicted(_)) => line::PREDICT,
@@ -120,13 +122,13 @@ impl KalmanFilter {
                     ". Its velocity is unknown: 0 ± {} px/frame, the initial speed.",
                     px(f64::from(self.initial_speed))
                 ))
-                .text(if self.object > *there {
+                .text(if *there > 0 && self.object > *there {
                     format!(" Object {} was chosen, but {} detected; the last one is tracked.", self.object, are(*there))
                 } else {
                     String::new()
                 }),
             Event::Missed(None) => said.text(match seen.before.begun {
-                0 => format!("No measurement up to frame {frame}: no track has started yet."),
+                0 => self.waiting(seen, *frame),
                 _ => format!("No track after the deletion, and no measurement in frame {frame} to start one."),
             }),
             Event::Missed(Some(filter)) => self.coasting(seen, now, filter),
@@ -156,6 +158,28 @@ impl KalmanFilter {
             Event::Kept(None) => said.text(format!("Frame {frame} has no estimate to smooth.")),
         };
         said.text(self.conclusion(seen))
+    }
+
+    /// Why no track has started yet.
+    fn waiting(&self, seen: &Seen<Self>, frame: usize) -> String {
+        let detections = seen.events.iter().find_map(|event| match event {
+            Event::Observed(observed) => Some(observed.detections.len()),
+            _ => None,
+        });
+        match detections.filter(|count| *count > 0) {
+            Some(detections) if seen.before.detector.is_moving() => format!(
+                "No track has started yet: of {} in frame {frame} none is where the longest consistent motion begins. A click on \
+                 an object chooses it (parameter Clicks).",
+                count(detections, "detection")
+            ),
+            Some(detections) => {
+                format!(
+                    "No track has started yet: none of {} in frame {frame} was chosen.",
+                    count(detections, "detection")
+                )
+            }
+            None => format!("No measurement up to frame {frame}: no track has started yet."),
+        }
     }
 
     /// The comparison of d² with the gate.
@@ -283,11 +307,22 @@ impl KalmanFilter {
             said += &format!(" Rejected by the gate: {rejected} of {} measurements.", gated.len());
         }
         let Some(dof) = nis.first().map(|gated| gated.measurement().numbers()) else {
-            return said + " No measurement was accepted, so the innovations say nothing about the covariance.";
+            return said
+                + " No measurement was accepted, so the innovations do not show whether the covariance is right.";
         };
+        said += &self.bias(&nis);
+        // The gate cuts off the large values: their mean would look consistent whatever the filter does.
+        if rejected as f64 > MOST_REJECTED * gated.len() as f64 {
+            let share = (100.0 * rejected as f64 / gated.len() as f64).round();
+            return said
+                + &format!(
+                    " With {share} % rejected, the NIS of the rest does not test the filter. If the rejected measurements are of \
+                     the object, the filter has diverged: the motion model does not fit. {}",
+                    self.remedy()
+                );
+        }
         let mean = nis.iter().map(|gated| gated.squared_distance).sum::<f64>() / nis.len() as f64;
         let [low, high] = [0.025, 0.975].map(|p| chi_square::quantile(p, dof * nis.len()) / nis.len() as f64);
-        said += &self.bias(&nis);
         said += &format!(
             " Mean NIS of the accepted measurements {}, 95 % band {} to {}: {}",
             squared(mean),
@@ -355,21 +390,22 @@ impl KalmanFilter {
 
     /// The formula of the step, with the numbers along x.
     fn equation(&self, event: Option<&Event>) -> Option<Readout> {
-        let var = Math::Var;
-        let sub = |name, index| Math::indexed(Math::Var(name), Math::Var(index));
         let text = |text: &str| Math::text(text);
         let lines = match event? {
             Event::Predicted(both) => {
                 let (before, after) = (&both[0], &both[1]);
                 let [x, u] = [before.place()[0], before.velocity()[0]];
+                // A turn is no linear function of the state: the extended filter applies f, and its Jacobian F to P.
+                let transition = match self.motion {
+                    MotionModel::Turn => vec![Math::Var("f"), text("("), Math::Bold("x"), text(")")],
+                    _ => vec![Math::Bold("F"), Math::Bold("x")],
+                };
                 vec![
                     Math::Row(vec![
                         Math::Bold("x"),
                         text(" ← "),
-                        var("f"),
-                        text("("),
-                        Math::Bold("x"),
-                        text("),  "),
+                        Math::Row(transition),
+                        text(",  "),
                         Math::Bold("P"),
                         text(" ← "),
                         Math::Bold("F"),
@@ -379,9 +415,9 @@ impl KalmanFilter {
                         Math::Bold("Q"),
                     ]),
                     Math::Row(vec![
-                        sub("x", "x"),
+                        Math::Var("x"),
                         text(&format!(" = {}, u = {} px/frame; predicted ", px(x), px(u))),
-                        sub("x", "x"),
+                        Math::Var("x"),
                         text(" = "),
                         Math::ink(Role::Predicted, px(after.place()[0])),
                     ]),
@@ -389,34 +425,75 @@ impl KalmanFilter {
             }
             Event::Gated(gated) => {
                 let numbers = gated.expected.update_numbers(gated.measurement())?;
-                vec![Math::Row(vec![
-                    Math::power(Math::Bold("ν"), text("T")),
-                    Math::power(Math::Bold("S"), text("−1")),
+                let innovation = Math::Row(vec![
                     Math::Bold("ν"),
-                    text(&format!(
-                        " = {} {} {}",
-                        squared(numbers.squared_distance),
-                        if gated.is_inside() { "≤" } else { ">" },
-                        squared(gated.limit)
-                    )),
-                ])]
+                    text(" = "),
+                    Math::Bold("z"),
+                    text(" − "),
+                    Math::Bold("H"),
+                    Math::Bold("x"),
+                    text(",  "),
+                    Math::Bold("S"),
+                    text(" = "),
+                    Math::Bold("H"),
+                    Math::Bold("P"),
+                    Math::power(Math::Bold("H"), text("T")),
+                    text(" + "),
+                    Math::Bold("R"),
+                ]);
+                vec![
+                    innovation,
+                    Math::Row(vec![
+                        Math::power(Math::Var("d"), text("2")),
+                        text(" = "),
+                        Math::power(Math::Bold("ν"), text("T")),
+                        Math::power(Math::Bold("S"), text("−1")),
+                        Math::Bold("ν"),
+                        text(&format!(
+                            " = {} {} {}",
+                            squared(numbers.squared_distance),
+                            if gated.is_inside() { "≤" } else { ">" },
+                            squared(gated.limit)
+                        )),
+                    ]),
+                ]
             }
             Event::Updated(update) => {
                 let (gated, after) = (&update.0, &update.1);
                 let numbers = gated.expected.update_numbers(gated.measurement())?;
                 let (gain, residual) = (numbers.gain[(0, 0)], numbers.residual[0]);
+                let has_others = (1..numbers.residual.len()).any(|i| numbers.gain[(0, i)] * numbers.residual[i] != 0.0);
                 vec![
-                    Math::Row(
-                        [Math::Bold("x"), text(" ← "), Math::Bold("x"), text(" + "), Math::Bold("K"), Math::Bold("ν")]
-                            .to_vec(),
-                    ),
                     Math::Row(vec![
-                        sub("x", "x"),
+                        Math::Bold("K"),
+                        text(" = "),
+                        Math::Bold("P"),
+                        Math::power(Math::Bold("H"), text("T")),
+                        Math::power(Math::Bold("S"), text("−1")),
+                        text(",  "),
+                        Math::Bold("x"),
+                        text(" ← "),
+                        Math::Bold("x"),
+                        text(" + "),
+                        Math::Bold("K"),
+                        Math::Bold("ν"),
+                        text(",  "),
+                        Math::Bold("P"),
+                        text(" ← ("),
+                        Math::Bold("I"),
+                        text(" − "),
+                        Math::Bold("K"),
+                        Math::Bold("H"),
+                        text(")"),
+                        Math::Bold("P"),
+                    ]),
+                    Math::Row(vec![
+                        Math::Var("x"),
                         text(" = "),
                         Math::ink(Role::Predicted, px(gated.expected.place()[0])),
                         text(&format!(" + {} · ", ratio(gain))),
                         Math::ink(Role::Measured, px(residual)),
-                        text(" + … = "),
+                        text(if has_others { " + … = " } else { " = " }),
                         Math::ink(Role::Estimate, px(after.place()[0])),
                     ]),
                 ]
@@ -453,6 +530,7 @@ impl KalmanFilter {
         }
         let sigma = line(&|record| record.filtered.as_ref().map(deviation));
         let smoothed = line(&|record| record.smoothed.as_ref().map(deviation));
+        let has_estimates = !sigma.is_empty() || !smoothed.is_empty();
         let mut deviations = vec![("filtered", Role::Estimate, sigma)];
         if !smoothed.is_empty() {
             deviations.push(("smoothed", Role::Result, smoothed));
@@ -482,7 +560,9 @@ impl KalmanFilter {
             let nis = series(title, "d²", lines);
             all.push(Series { bands: vec![band(dof)], thresholds, ..nis });
         }
-        all.push(series("Standard deviation σ of the position", "px", deviations));
+        if has_estimates {
+            all.push(series("Standard deviation σ of the position", "px", deviations));
+        }
         let nees = line(&|record| record.filtered?.squared_error(record.truth?));
         if nees.len() > 1 {
             let off = |of: fn(&FrameRecord) -> Option<Filter>| {
@@ -635,12 +715,12 @@ fn deviation(filter: &Filter) -> f64 {
 
 /// The true position in the current frame.
 fn truth(seen: &Seen<KalmanFilter>) -> Option<[f64; 2]> {
-    let told = seen.events.iter().find_map(|event| match event {
+    let observed = seen.events.iter().find_map(|event| match event {
         Event::Observed(observed) => observed.truth,
         _ => None,
     });
     let index = frame_of(seen.before) - seen.before.span.first;
-    told.or_else(|| seen.before.records.get(index)?.truth)
+    observed.or_else(|| seen.before.records.get(index)?.truth)
 }
 
 /// Draws the filtered and the smoothed trajectory so far.

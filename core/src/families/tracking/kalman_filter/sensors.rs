@@ -8,8 +8,8 @@ use crate::choices;
 use crate::data::{Clip, Detection};
 use crate::geometry::Bounds;
 use crate::methods::{
-    kalman::{Filter, Measurement},
-    multi_object::source::truth_of,
+    kalman::{Filter, Measurement, chi_square},
+    multi_object::{Extent, source::truth_of},
 };
 
 choices! {
@@ -61,20 +61,29 @@ impl KalmanFilter {
         let is_hidden = index.checked_sub(self.occlusion_start).is_some_and(|index| index < self.occlusion_frames);
         let detections = Arc::new(if is_hidden { Vec::new() } else { state.detector.look(clip, t)? });
         let chosen = match expected {
-            Some(expected) => self.nearest(expected, &detections),
+            Some(expected) => self.nearest((expected, state.extent), &detections),
             None => self.begin_with((clip, t), state, &detections)?,
         };
-        let first = chosen.map(|i| SensorReading {
+        let detected = chosen.map(|i| SensorReading {
             sensor: 0,
             measurement: self.first(&detections[i]),
             detection: Some(i),
             is_clicked: state.detector.is_clicked(),
         });
+        let clicked = || self.clicked_alone(state, t).filter(|_| expected.is_none() && !is_hidden);
+        let first = detected.or_else(clicked);
         // Before a track starts its true object is unknown.
         let second = expected.map(|_| self.second(clip, state, t)).transpose()?.flatten();
         let second =
             second.map(|measurement| SensorReading { sensor: 1, measurement, detection: None, is_clicked: false });
         Ok(Observations { detections, measured: first.into_iter().chain(second).collect(), truth, is_hidden })
+    }
+
+    /// Returns the position of a click that chooses the object, where no detection is near: the object is there all the same.
+    fn clicked_alone(&self, state: &State, t: usize) -> Option<SensorReading> {
+        let place = self.clicks.of_frame(t).next().filter(|_| !state.detector.is_clicked())?.map(f64::from);
+        let measurement = Measurement { place, place_deviation: f64::from(self.measurement_noise), velocity: None };
+        Some(SensorReading { sensor: 0, measurement, detection: None, is_clicked: true })
     }
 
     /// Returns the first sensor's measurement of a detection.
@@ -106,10 +115,20 @@ impl KalmanFilter {
         Ok(Some(Measurement { place, place_deviation: deviation, velocity }))
     }
 
-    /// Returns the detection of the least Mahalanobis distance from the prediction.
-    fn nearest(&self, expected: &Filter, detections: &[Detection]) -> Option<usize> {
-        let far = |i: &usize| expected.squared_distance(&self.first(&detections[*i])).unwrap_or(f64::INFINITY);
-        (0..detections.len()).min_by(|a, b| far(a).total_cmp(&far(b)))
+    /// Returns the detection of the least Mahalanobis distance from the prediction. Of a blob, width and height count as well, as
+    /// attributes of the object (S. Blackman and R. Popoli, Design and analysis of modern tracking systems, 1999): a blob that differs
+    /// too much in size is another one.
+    fn nearest(&self, (expected, extent): (&Filter, Option<Extent>), detections: &[Detection]) -> Option<usize> {
+        let limit = chi_square::quantile(SIZE_GATE, 2);
+        let off = |found: &Detection| {
+            let extent = extent.filter(|_| found.blob.is_some());
+            extent.map_or(0.0, |extent| extent.size_distance(found, SIZE_DEVIATION))
+        };
+        let far = |i: &usize| {
+            let found = &detections[*i];
+            expected.squared_distance(&self.first(found)).unwrap_or(f64::INFINITY) + off(found)
+        };
+        (0..detections.len()).filter(|i| off(&detections[*i]) <= limit).min_by(|a, b| far(a).total_cmp(&far(b)))
     }
 
     /// Returns the detection that a track starts with: in the order of the source, by score where there are scores.
@@ -128,9 +147,9 @@ impl KalmanFilter {
         if self.object == 1
             && state.detector.is_moving()
             && !detections.is_empty()
-            && let Some(mover) = self.most_consistent((clip, t), state)?
+            && let Some(blob) = self.most_consistent((clip, t), state)?
         {
-            return Ok((mover.frame == 0).then_some(mover.index));
+            return Ok((blob.frame == 0).then_some(blob.index));
         }
         let mut ranked: Vec<usize> = (0..detections.len()).collect();
         if state.detector.has_scores() {
@@ -140,6 +159,11 @@ impl KalmanFilter {
         Ok(ranked.get(self.object - 1).or(ranked.last()).copied())
     }
 }
+
+/// The standard deviation of the logarithm of a blob's width and height between frames.
+const SIZE_DEVIATION: f64 = 0.35;
+/// The share of the blobs of an object that lie within the gate of its size.
+const SIZE_GATE: f64 = 0.99;
 
 /// Returns the detection whose box is nearest to a click, if it is near enough.
 fn nearest_to(click: [f32; 2], detections: &[Detection]) -> Option<usize> {

@@ -48,6 +48,8 @@ pub struct Costs {
     pub costs: Pairs,
     /// The gating threshold of d².
     pub limit: f64,
+    /// Width and height of the picture in px.
+    pub picture: (usize, usize),
     /// The detection of each track.
     pub pairs: Vec<Option<Pair>>,
     /// The number of tracks with more than [`MOST_NEAR`] detections nearby, of which only the nearest count.
@@ -102,7 +104,8 @@ impl KalmanTracker {
         }?;
         let is_high = detections.iter().map(is_high).collect();
         let pairs = vec![None; tracks.len()];
-        let mut all = Costs { tracks, detections, is_high, costs, limit, pairs, crowded, greedy: 0 };
+        let mut all =
+            Costs { tracks, detections, is_high, costs, limit, picture: clip.size(), pairs, crowded, greedy: 0 };
         self.associate(clip, &mut all, &boxes)?;
         Ok(all)
     }
@@ -133,7 +136,8 @@ impl KalmanTracker {
                 if self.cost == PairCost::Overlap {
                     return Some(1.0 - overlap);
                 }
-                let distance = track.filter.squared_distance(&frame.measured[x])?;
+                let measured = self.measured(track, &frame.detections[x], frame.clip.size());
+                let distance = track.filter.squared_distance(&measured)?;
                 let apart = (1.0 - overlap) / (1.0 - least);
                 (distance <= frame.limit).then(|| (distance / frame.limit + apart) / 2.0)
             };
@@ -312,7 +316,7 @@ mod tests {
                 .zip(1..)
                 .map(|(found, id)| {
                     let mut track = tracker.begun(found, id);
-                    track = tracker.updated(&track, &seen[id as usize % 140]);
+                    track = tracker.updated(&track, &seen[id as usize % 140], (640, 480));
                     (0..=unseen).for_each(|_| track.filter = track.filter.predicted());
                     track
                 })

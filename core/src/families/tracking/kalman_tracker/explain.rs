@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::association::{Costs, MOST_NEAR, MatchingStage};
 use super::{Event, KalmanTracker, PairCost, State, Track, line};
 use crate::base::words;
-use crate::geometry::Grid;
+use crate::geometry::{Bounds, Grid};
 use crate::methods::{
     kalman::{Filter, Measurement, ellipse},
     multi_object::{
@@ -62,7 +62,7 @@ fn state_matrices(before: &Filter, after: &Filter) -> Vec<Matrix> {
 }
 
 impl KalmanTracker {
-    pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
+    pub(super) fn explained_step(&self, seen: &Seen<Self>) -> Step {
         let line = match seen.events.last() {
             None | Some(Event::Done(..)) => line::EACH_FRAME,
             Some(Event::Detected(..)) => line::DETECT,
@@ -156,14 +156,14 @@ impl KalmanTracker {
         let overlap = fixed(costs.overlap(row, column), 2);
         let compared = match pair.map(|pair| pair.stage) {
             Some(MatchingStage::LastBox) => format!(
-                "The prediction is outside the gate or the IoU threshold; IoU with the last box {} ≥ {}.",
+                "The prediction is outside the gate or the IoU threshold; IoU with the last box {} {}.",
                 fixed(1.0 - pair.map_or(1.0, |pair| pair.cost), 2),
-                fixed(self.iou_threshold.into(), 2)
+                self.iou_limit()
             ),
             stage => {
                 let distance =
                     format!("d² = {} ≤ {}", squared(self.distance(costs, row, column)), squared(costs.limit));
-                let iou = format!("IoU {overlap} ≥ {}", fixed(self.iou_threshold.into(), 2));
+                let iou = format!("IoU {overlap} {}", self.iou_limit());
                 let decided = match self.cost {
                     PairCost::Mahalanobis => distance,
                     PairCost::Overlap => iou,
@@ -200,6 +200,12 @@ impl KalmanTracker {
             deviations(after),
             speed(after)
         ));
+        let said = match after.size.hidden_frames {
+            0 => said,
+            _ => {
+                said.text(" One side of the blob is hidden: its visible edges and the size of the track give the box.")
+            }
+        };
         match (before.age.status, after.age.status) {
             (TrackStatus::Tentative, TrackStatus::Confirmed) => said.text(format!(
                 " Confirmed: {} reach the minimum number of hits, {}{}.",
@@ -280,46 +286,94 @@ impl KalmanTracker {
         readouts
     }
 
-    /// The formula of the cost, and for one pair with its numbers.
+    /// The formula of the cost with its conditions, and for one pair with its numbers.
     fn equation(&self, costs: &Costs, pair: Option<[usize; 2]>) -> Option<Vec<Math>> {
-        let cost = |shown: [Math; 4]| {
-            let [distance, limit, overlap, least] = shown;
-            let from_one = |math: Math| Math::Row(vec![Math::text("1 − "), math]);
-            match self.cost {
-                PairCost::Mahalanobis => distance,
-                PairCost::Overlap => from_one(overlap),
-                PairCost::Both => Math::Row(vec![
-                    Math::text("½ ("),
-                    Math::Frac(Box::new(distance), Box::new(limit)),
-                    Math::text(" + "),
-                    Math::Frac(Box::new(from_one(overlap)), Box::new(from_one(least))),
-                    Math::text(")"),
-                ]),
-            }
-        };
+        let found = pair.and_then(|[row, column]| costs.pairs[row].filter(|found| found.column == column));
+        if let Some(found) = found.filter(|found| found.stage == MatchingStage::LastBox) {
+            return Some(self.last_box_equation(found.cost));
+        }
         let d_squared = Math::power(Math::Var("d"), Math::text("2"));
-        let symbols = cost([d_squared, Math::text("gate"), Math::text("IoU"), Math::text("IoU threshold")]);
+        let symbols = self.cost([d_squared, Math::text("gate"), Math::text("IoU"), Math::text("IoU threshold")]);
         let mut lines = vec![Math::Row(vec![Math::Var("C"), Math::text(" = "), symbols])];
         if let Some([row, column]) = pair {
-            // A pair by the last box has another cost.
             let total = Math::ink(Role::Best, ratio(costs.costs.get(row, column)?));
             let (distance, overlap) = (self.distance(costs, row, column), costs.overlap(row, column));
             let [distance, limit] = [distance, costs.limit].map(|v| Math::text(squared(v)));
             let [overlap, least] = [overlap, f64::from(self.iou_threshold)].map(|v| Math::text(fixed(v, 2)));
-            let shown = [distance, limit, overlap, least];
-            let mut numbers = vec![Math::text("= "), cost(shown)];
+            let mut numbers = vec![Math::text("= "), self.cost([distance, limit, overlap, least])];
             // d² is its own result.
             if self.cost != PairCost::Mahalanobis {
                 numbers.extend([Math::text(" = "), total]);
             }
             lines.push(Math::Row(numbers));
         }
+        lines.push(self.conditions(costs, pair));
         Some(lines)
+    }
+
+    /// The cost of d², the gate, the IoU and its threshold.
+    fn cost(&self, [distance, limit, overlap, least]: [Math; 4]) -> Math {
+        let from_one = |math: Math| Math::Row(vec![Math::text("1 − "), math]);
+        match self.cost {
+            PairCost::Mahalanobis => distance,
+            PairCost::Overlap => from_one(overlap),
+            PairCost::Both => Math::Row(vec![
+                Math::text("½ ("),
+                Math::Frac(Box::new(distance), Box::new(limit)),
+                Math::text(" + "),
+                Math::Frac(Box::new(from_one(overlap)), Box::new(from_one(least))),
+                Math::text(")"),
+            ]),
+        }
+    }
+
+    /// The formula of a pair that the last detected box has joined, at its `cost`.
+    fn last_box_equation(&self, cost: f64) -> Vec<Math> {
+        let iou = fixed(1.0 - cost, 2);
+        vec![
+            Math::Row(vec![Math::Var("C"), Math::text(" = 1 − IoU of the last box")]),
+            Math::Row(vec![Math::text(format!("= 1 − {iou} = ")), Math::ink(Role::Best, ratio(cost))]),
+            Math::text(format!("with IoU = {iou} {}", self.iou_limit())),
+        ]
+    }
+
+    /// The conditions under which a pair may be assigned, with its numbers: every pair with a cost meets them.
+    fn conditions(&self, costs: &Costs, pair: Option<[usize; 2]>) -> Math {
+        let equals = |text: String| if pair.is_some() { format!(" = {text}") } else { String::new() };
+        let distance = || {
+            let value = pair.map_or_else(String::new, |[row, column]| squared(self.distance(costs, row, column)));
+            let compared = format!("{} ≤ gate {}", equals(value), squared(costs.limit));
+            Math::Row(vec![Math::power(Math::Var("d"), Math::text("2")), Math::text(compared)])
+        };
+        let overlap = || {
+            let value = pair.map_or_else(String::new, |[row, column]| fixed(costs.overlap(row, column), 2));
+            Math::text(format!("IoU{} {}", equals(value), self.iou_limit()))
+        };
+        let all = match self.cost {
+            PairCost::Mahalanobis => vec![distance()],
+            PairCost::Overlap => vec![overlap()],
+            PairCost::Both => vec![distance(), Math::text(", "), overlap()],
+        };
+        let (before, after) = if pair.is_some() { ("with ", "") } else { ("if ", "; otherwise C = ∞") };
+        let parts = std::iter::once(Math::text(before)).chain(all).chain([Math::text(after)]);
+        Math::Row(parts.filter(|part| *part != Math::text("")).collect())
+    }
+
+    /// What the IoU of a pair has to meet: boxes that do not overlap are never a pair.
+    fn iou_limit(&self) -> String {
+        match self.iou_threshold > 0.0 {
+            true => format!("≥ {}", fixed(self.iou_threshold.into(), 2)),
+            false => "> 0".to_owned(),
+        }
     }
 
     /// Returns the squared Mahalanobis distance of a detection from a track.
     fn distance(&self, costs: &Costs, row: usize, column: usize) -> f64 {
-        let measured = self.measurement(&costs.detections[column]);
+        let (track, detection) = (&costs.tracks[row], &costs.detections[column]);
+        let measured = match self.cost {
+            PairCost::Mahalanobis => self.measurement(detection),
+            PairCost::Overlap | PairCost::Both => self.measured(track, detection, costs.picture),
+        };
         costs.tracks[row].filter.squared_distance(&measured).unwrap_or(f64::INFINITY)
     }
 
@@ -349,6 +403,13 @@ impl KalmanTracker {
             seen.events.iter().find_map(|event| if let Event::Detected(all, _) = event { Some(all) } else { None });
         explain::draw_detections(scene, detected.into_iter().flat_map(|all| all.iter()));
         let after = seen.after.map(|state| &state.tracks);
+        if after.is_none() {
+            for (i, found) in detected.into_iter().flat_map(|all| all.iter()).enumerate() {
+                let Bounds { min, max } = found.bounds;
+                explain::label(scene, Role::Measured, [min[0], max[1]], format!("detection {}", i + 1));
+            }
+        }
+        scene.is_overview = after.is_some() && seen.point().is_none();
         match (after, seen.events.last()) {
             (Some(tracks), _) => {
                 errors(seen).iter().for_each(|errors| truth::draw(scene, errors));

@@ -18,7 +18,7 @@ use crate::scene::{Arrow, Fact, Math, Picture, Readout, Role, Scene, Sentence, S
 const TRAIL_FRAMES: usize = 40;
 
 impl TrajectoryAnalysis {
-    pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
+    pub(super) fn explained_step(&self, seen: &Seen<Self>) -> Step {
         let line = match seen.events.last() {
             None => line::EACH_FRAME,
             Some(Event::Tracked(_)) => line::TRACK,
@@ -37,13 +37,13 @@ impl TrajectoryAnalysis {
             return said
                 .text("The trajectories of tracks give ")
                 .ink(Role::Result, "speed and heading")
-                .text(", crossings of a ")
-                .ink(Role::Window, "line")
-                .text(", dwell time in a ")
-                .ink(Role::Reference, "zone")
+                .text(", crossings of ")
+                .ink(Role::Window, "lines")
+                .text(", dwell times in ")
+                .ink(Role::Reference, "zones")
                 .text(" and ")
                 .ink(Role::Error, "anomalous directions")
-                .text(". Place line and zone on the picture with their buttons among the parameters.");
+                .text(". Place lines and zones on the picture with their buttons among the parameters.");
         };
         // The tentative frames of a track are added when it is confirmed.
         let name = |trajectory: &Trajectory| {
@@ -60,24 +60,28 @@ impl TrajectoryAnalysis {
             Event::Moved(of) => self.moved(said.ink(Role::Estimate, name(of)), of),
             Event::Crossed(of, crossing) => {
                 let side = if crossing.is_forward { "right (+)" } else { "left (−)" };
-                said.ink(Role::Estimate, name(of)).text(" crosses the ").ink(Role::Window, "line").text(format!(
-                    " to its {side} at {} px. {}",
-                    place(point(crossing.at)),
-                    crossings_so_far(counts(seen))
-                ))
+                said.ink(Role::Estimate, name(of)).text(" crosses ").ink(Role::Window, self.line_name(crossing.line)).text(
+                    format!(
+                        " to its {side} at {} px. {}",
+                        place(point(crossing.at)),
+                        crossings_so_far(counts(seen, crossing.line))
+                    ),
+                )
             }
             Event::Entered(of, dwell) => said
                 .ink(Role::Estimate, name(of))
-                .text(" enters the ")
-                .ink(Role::Reference, "zone")
+                .text(" enters ")
+                .ink(Role::Reference, self.zone_name(dwell.zone))
                 .text(format!("; dwell time counts from frame {}.", dwell.entered)),
             Event::Left(of, dwell) => {
-                said.ink(Role::Estimate, name(of)).text(" leaves the ").ink(Role::Reference, "zone").text(format!(
-                    ": dwell time {}, from frame {} to {}.",
-                    counted(dwell.frames(), "frame"),
-                    dwell.entered,
-                    dwell.last
-                ))
+                said.ink(Role::Estimate, name(of)).text(" leaves ").ink(Role::Reference, self.zone_name(dwell.zone)).text(
+                    format!(
+                        ": dwell time {}, from frame {} to {}.",
+                        counted(dwell.frames(), "frame"),
+                        dwell.entered,
+                        dwell.last
+                    ),
+                )
             }
             Event::Unusual(of, anomaly) => said
                 .ink(Role::Estimate, name(of))
@@ -108,18 +112,22 @@ impl TrajectoryAnalysis {
         let Some(state) = seen.after.filter(|after| after.span.frames() == Some(after.frames.len())) else {
             return String::new();
         };
-        let [right, left] = counts(seen);
         let (dwelt, unusual) = state.trajectories.iter().fold((0, 0), |(dwelt, unusual), of| {
             let is_unusual = of.sightings.iter().any(|seen| seen.anomaly.is_some());
             (dwelt + usize::from(!of.dwells.is_empty()), unusual + usize::from(is_unusual))
         });
         let all = counted(state.trajectories.len(), "trajectory").replace("ys", "ies");
         let mut said = format!(" Run: {all}, {unusual} with an anomalous direction");
-        if self.line.is_some() {
-            said += &format!("; {} to the right and {left} to the left", counted(right, "crossing"));
+        for line in 0..self.lines.all().len() {
+            let [right, left] = counts(seen, line);
+            said += &format!(
+                "; {} of {} to the right and {left} to the left",
+                counted(right, "crossing"),
+                self.line_name(line)
+            );
         }
-        if self.zone.is_some() {
-            said += &format!("; {dwelt} in the zone");
+        if !self.zones.all().is_empty() {
+            said += &format!("; {dwelt} in {}", if self.zones.all().len() > 1 { "zones" } else { "the zone" });
         }
         said + "."
     }
@@ -156,20 +164,25 @@ impl TrajectoryAnalysis {
     fn readouts(&self, seen: &Seen<Self>) -> Vec<Readout> {
         let state = seen.after.unwrap_or(seen.before);
         let mut facts = vec![Fact::new("Frame", frame_of(seen.before).to_string(), None)];
-        if self.line.is_some() {
-            let [forward, back] = counts(seen);
-            facts.push(Fact::new(
-                "Crossings",
-                format!("{forward} to the right, {back} to the left"),
-                Some(Role::Window),
-            ));
+        let lines = self.lines.all().len();
+        if lines > 0 {
+            let of_line = |line: usize| {
+                let [forward, back] = counts(seen, line);
+                let counted = format!("{forward} to the right, {back} to the left");
+                if lines > 1 { format!("line {}: {counted}", line + 1) } else { counted }
+            };
+            let told = (0..lines).map(of_line).collect::<Vec<_>>().join("; ");
+            facts.push(Fact::new("Crossings", told, Some(Role::Window)));
         }
-        if self.zone.is_some() {
-            let frame = frame_at(seen);
-            let is_here = |of: &Trajectory| frame.is_some_and(|frame| frame.object(of.id).is_some());
-            let is_inside = |of: &&Arc<Trajectory>| is_here(of) && of.dwells.last().is_some_and(|dwell| !dwell.is_over);
-            let inside = now(seen).iter().filter(is_inside).count();
-            facts.push(Fact::new("Tracks in the zone", inside.to_string(), Some(Role::Reference)));
+        let zones = self.zones.all().len();
+        if zones > 0 {
+            let of_zone = |zone: usize| {
+                let inside = inside(seen, zone);
+                if zones > 1 { format!("{inside} in zone {}", zone + 1) } else { inside.to_string() }
+            };
+            let told = (0..zones).map(of_zone).collect::<Vec<_>>().join(", ");
+            let label = if zones > 1 { "Tracks in zones" } else { "Tracks in the zone" };
+            facts.push(Fact::new(label, told, Some(Role::Reference)));
         }
         let subject = self.subject(seen);
         if let Some(trajectory) = &subject {
@@ -237,8 +250,14 @@ impl TrajectoryAnalysis {
         if let Some(straightness) = trajectory.straightness() {
             facts.push(Fact::new("Straightness", percent(straightness), None));
         }
-        if self.zone.is_some() {
-            facts.push(Fact::new("Dwell time", counted(trajectory.dwell_frames(), "frame"), Some(Role::Reference)));
+        let zones = self.zones.all().len();
+        if zones > 0 {
+            let in_zone = |zone: usize| {
+                let frames = counted(trajectory.dwell_frames_in(zone), "frame");
+                if zones > 1 { format!("{frames} in zone {}", zone + 1) } else { frames }
+            };
+            let told = (0..zones).map(in_zone).collect::<Vec<_>>().join(", ");
+            facts.push(Fact::new("Dwell time", told, Some(Role::Reference)));
         }
         facts
     }
@@ -255,6 +274,7 @@ impl TrajectoryAnalysis {
     }
 
     pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
+        scene.is_overview = seen.after.is_some() && seen.point().is_none();
         let all = now(seen);
         if let Some(Event::Learned(directions)) = seen.events.last() {
             self.draw_directions(directions, scene);
@@ -288,26 +308,51 @@ impl TrajectoryAnalysis {
         }
     }
 
-    /// Draws line and zone with their counts.
+    /// Draws lines and zones with their counts, and with their numbers where there are several.
     fn draw_places(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        if let Some(Bounds { min, max }) = self.zone {
-            scene.mark(Picture::CURRENT, Role::Reference, Shape::Rect { min, max });
+        let zones = self.zones.all();
+        for (i, Bounds { min, max }) in zones.iter().enumerate() {
+            scene.mark(Picture::CURRENT, Role::Reference, Shape::Rect { min: *min, max: *max });
             scene.legend(Role::Reference, "zone");
+            if zones.len() > 1 {
+                let text = Shape::Text { at: [min[0], max[1]], text: format!("zone {}", i + 1) };
+                scene.mark(Picture::CURRENT, Role::Reference, text);
+            }
         }
-        let Some(line) = self.line else { return };
+        (0..self.lines.all().len()).for_each(|line| self.draw_line(seen, scene, line));
+    }
+
+    fn draw_line(&self, seen: &Seen<Self>, scene: &mut Scene, index: usize) {
+        let lines = self.lines.all();
+        let line = lines[index];
         let path = Shape::Path { points: vec![line.from, line.to], closed: false };
         scene.mark(Picture::CURRENT, Role::Window, path);
         let [u, v] = [0, 1].map(|i| line.to[i] - line.from[i]);
         let length = u.hypot(v);
         // Near its end, where fewer tracks cross than in its middle.
-        let middle = [0, 1].map(|i| line.to[i] - 0.12 * (line.to[i] - line.from[i]));
-        let [forward, back] = counts(seen);
+        let at = |share: f32, side: f32| {
+            let along = [0, 1].map(|i| line.from[i] + share * (line.to[i] - line.from[i]));
+            [along[0] - side * 12.0 * v / length, along[1] + side * 12.0 * u / length]
+        };
+        let [forward, back] = counts(seen, index);
         // Right as seen along the line, since y points down.
         for (side, text) in [(1.0, format!("+{forward}")), (-1.0, format!("−{back}"))] {
-            let at = [middle[0] - side * 12.0 * v / length, middle[1] + side * 12.0 * u / length];
-            scene.mark(Picture::CURRENT, Role::Window, Shape::Text { at, text });
+            scene.mark(Picture::CURRENT, Role::Window, Shape::Text { at: at(0.88, side), text });
+        }
+        if lines.len() > 1 {
+            let text = format!("line {}", index + 1);
+            scene.mark(Picture::CURRENT, Role::Window, Shape::Text { at: at(0.12, 1.0), text });
         }
         scene.legend(Role::Window, "counting line with crossings");
+    }
+
+    /// The name of a line in a sentence: the line, or line 2 of several.
+    fn line_name(&self, index: usize) -> String {
+        if self.lines.all().len() > 1 { format!("line {}", index + 1) } else { "the line".into() }
+    }
+
+    fn zone_name(&self, index: usize) -> String {
+        if self.zones.all().len() > 1 { format!("zone {}", index + 1) } else { "the zone".into() }
     }
 
     fn draw_directions(&self, directions: &Directions, scene: &mut Scene) {
@@ -342,10 +387,19 @@ fn crossings_so_far([forward, back]: [usize; 2]) -> String {
     format!("Crossings so far: {forward} to the right, {back} to the left.")
 }
 
-/// The crossings of the line to its right and to its left.
-fn counts(seen: &Seen<TrajectoryAnalysis>) -> [usize; 2] {
+/// The tracks of the frame that are in a zone.
+fn inside(seen: &Seen<TrajectoryAnalysis>, zone: usize) -> usize {
+    let frame = frame_at(seen);
+    let is_here = |of: &Trajectory| frame.is_some_and(|frame| frame.object(of.id).is_some());
+    let is_inside = |of: &Trajectory| of.dwells.iter().any(|dwell| dwell.zone == zone && !dwell.is_over);
+    now(seen).iter().filter(|of| is_here(of) && is_inside(of)).count()
+}
+
+/// The crossings of a line to its right and to its left.
+fn counts(seen: &Seen<TrajectoryAnalysis>, line: usize) -> [usize; 2] {
     let all = now(seen);
-    let of = |is_forward: bool| all.iter().flat_map(|of| &of.crossings).filter(|c| c.is_forward == is_forward).count();
+    let crossings = || all.iter().flat_map(|of| &of.crossings).filter(|crossing| crossing.line == line);
+    let of = |is_forward: bool| crossings().filter(|crossing| crossing.is_forward == is_forward).count();
     [of(true), of(false)]
 }
 

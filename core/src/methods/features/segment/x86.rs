@@ -50,12 +50,14 @@ pub fn test<const ARC: usize, const COMPASS_POINTS: usize>(rows: &Rows, x: usize
 const SPAN: usize = LANES + 2 * RADIUS;
 
 /// The pixels at an offset from those tested.
+#[inline]
 #[target_feature(enable = "avx2")]
 fn at(around: &[&[u8; SPAN]; 2 * RADIUS + 1], [i, j]: [isize; 2]) -> __m256i {
     load(around[(j + RADIUS as isize) as usize], (i + RADIUS as isize) as usize)
 }
 
 /// A bit for each pixel at which so many adjacent ones of four values are not 0.
+#[inline]
 #[target_feature(enable = "avx2")]
 fn is_run<const COMPASS_POINTS: usize>([a, b, c, d]: [__m256i; 4]) -> u32 {
     let both = |a, b| _mm256_min_epu8(a, b);
@@ -77,6 +79,7 @@ fn is_run<const COMPASS_POINTS: usize>([a, b, c, d]: [__m256i; 4]) -> u32 {
 }
 
 /// As the plain [`super::of_best_arc`].
+#[inline]
 #[target_feature(enable = "avx2")]
 fn of_best_arc<const ARC: usize>(differences: &[__m256i; 16]) -> __m256i {
     let both = |a, b| _mm256_min_epu8(a, b);
@@ -120,6 +123,7 @@ pub fn maxima(rows: [&[u8]; 3], x: usize) -> u32 {
     !(_mm256_movemask_epi8(_mm256_cmpeq_epi8(over, _mm256_setzero_si256())) as u32)
 }
 
+#[inline]
 #[target_feature(enable = "avx2")]
 fn load(row: &[u8], start: usize) -> __m256i {
     let lanes = &row[start..start + LANES];
@@ -127,6 +131,7 @@ fn load(row: &[u8], start: usize) -> __m256i {
     unsafe { _mm256_loadu_si256(lanes.as_ptr().cast()) }
 }
 
+#[inline]
 #[target_feature(enable = "avx2")]
 fn store(register: __m256i) -> Lanes {
     let mut lanes = [0; LANES];

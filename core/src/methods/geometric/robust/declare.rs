@@ -7,16 +7,17 @@ pub(super) mod line {
 
 /// The pseudocode of a robust estimator; `model` is the line of the hypothesis, `count` that of the inliers.
 macro_rules! robust_pseudocode {
-    ($model:literal, $count:literal, $refit:literal) => {
+    ($model:literal, $count:literal, $refit:literal $(, $name:ident: $text:literal)*) => {
         $crate::pseudocode! {
             MATCH: "match the keypoints of frames t and t+1; N ← max-iterations",
             REPEAT: "for each iteration k = 1, 2, … N",
             DRAW: "  draw a random sample of n matches, as many as determine the model",
             HYPOTHESISE: $model,
             COUNT: $count,
-            OPTIMISE: "    LO-RANSAC: fit the model to its inliers while that adds inliers",
+            OPTIMISE: "    LO-RANSAC: fit the model to its inliers while that lowers the cost",
             KEEP_BEST: "  if it is the best so far: keep it; w ← share of inliers, N ← log(1 − p) / log(1 − wⁿ)",
             REFIT: $refit,
+            $($name: $text,)*
         }
     };
 }

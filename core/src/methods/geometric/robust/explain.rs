@@ -1,7 +1,8 @@
 //! The explanation and the drawing of robust estimation.
 
 use super::declare::line;
-use super::{Event, Robust, RobustModel, Settings, State};
+use super::doubt::{Doubt, LEAST_SPREAD_PX};
+use super::{Best, Estimate, Event, Fixed, Robust, RobustModel, Sequel, Settings, State};
 use crate::base::words::{self, grouped};
 use crate::geometry::Grid;
 use crate::methods::geometric::Correspondence;
@@ -42,51 +43,87 @@ impl<M: RobustModel> Robust<M> {
         let (state, said) = (seen.before, Sentence::default());
         let (count, size) = (state.fixed.points.len(), self.0.sample_size());
         match event {
-            Event::TooFew => (line::REPEAT, said.text(self.too_few(count))),
+            Event::TooFew => (line::REPEAT, said.text(self.too_few(count, state.consensus.iterations))),
             Event::Sample(_) => {
-                let told = format!(
+                let sentence = format!(
                     "Iteration {}: a random sample of {}. {}",
                     state.consensus.iterations + 1,
                     matches(size),
                     self.0.counting()
                 );
-                (line::DRAW, said.text(told))
+                (line::DRAW, said.text(sentence))
             }
             Event::Degenerate => {
-                let told = "The sample determines no model: its points lie on a line or at one place. It is skipped.";
-                (line::HYPOTHESISE, said.ink(Role::Rejected, told))
+                let sentence =
+                    "The sample determines no model: its points lie on a line or at one place. It is skipped.";
+                (line::HYPOTHESISE, said.ink(Role::Rejected, sentence))
             }
             Event::Hypothesis(_) => {
-                let told = format!(
+                let sentence = format!(
                     "The {} through the sample is the hypothesis {}; it is right if all of the sample are inliers.",
                     self.0.name(),
                     M::SYMBOL
                 );
-                (line::HYPOTHESISE, said.text(told))
+                (line::HYPOTHESISE, said.text(sentence))
             }
             Event::Scored(score) => (line::COUNT, self.scored_said(state, score)),
             Event::Local(_, score) => {
-                let told = format!(
+                let sentence = format!(
                     "Local optimisation: fitted to its inliers, the model has {} inliers with an rms distance of {} px.",
                     grouped(score.inliers),
                     rms(score)
                 );
-                (line::OPTIMISE, said.text(told))
+                (line::OPTIMISE, said.text(sentence))
             }
             Event::Best(needed) => (line::KEEP_BEST, said.text(self.best_said(seen, *needed))),
-            Event::Refit(_, score) => {
+            Event::Resampled(tried, _, score) => {
                 let told = format!(
+                    "Local optimisation of the best hypothesis: {} fitted to {} of its inliers each, then to their own inliers. The best of all has {} \
+                     inliers and a cost of {} px².",
+                    words::counted(*tried, "model"),
+                    grouped(self.0.resample_size()),
+                    grouped(score.inliers),
+                    words::fixed(score.cost, 1)
+                );
+                (line::OPTIMISE, said.text(told))
+            }
+            Event::Sequel(index, best) => {
+                let Sequel { line, sentence, .. } = self.0.sequel(*index, &ended(state, *best), seen.focus);
+                (line.unwrap_or(line::REFIT), sentence)
+            }
+            Event::Refit(_, score) => {
+                let sentence = format!(
                     "Least squares over all inliers: {} of {} matches are inliers, rms distance {} px.",
                     grouped(score.inliers),
                     grouped(count),
                     rms(score)
                 );
-                (line::REFIT, said.ink(Role::Result, told))
+                (line::REFIT, said.ink(Role::Result, sentence))
             }
+            Event::Doubted(doubt) => (line::REFIT, said.ink(Role::Rejected, self.doubted(*doubt, count))),
         }
     }
 
-    fn too_few(&self, count: usize) -> String {
+    fn doubted(&self, doubt: Doubt, count: usize) -> String {
+        let (name, count) = (self.0.name(), grouped(count));
+        match doubt {
+            Doubt::OnLine { inliers, spread_px } => format!(
+                "The model is refused: its {} inliers lie on a line, with an rms distance of {} px from it, and the {name} needs at least {} px. A \
+                 similarity or a translation is determined by them.",
+                grouped(inliers),
+                words::fixed(spread_px, 2),
+                words::fixed(LEAST_SPREAD_PX, 2)
+            ),
+            Doubt::ByChance { inliers, needed } => format!(
+                "The model is refused: {} of {count} matches are inliers, and as many are expected of random matches (number of false alarms at \
+                 least 1). At least {} inliers are needed; more keypoints, better matches or a simpler model help.",
+                grouped(inliers),
+                grouped(needed)
+            ),
+        }
+    }
+
+    fn too_few(&self, count: usize, iterations: usize) -> String {
         let (size, name) = (self.0.sample_size(), self.0.name());
         match count < size {
             true => format!(
@@ -94,7 +131,8 @@ impl<M: RobustModel> Robust<M> {
                  or a simpler model helps."
             ),
             false => format!(
-                "No sample of {count} matches determined this model ({name}): their points lie on a line or at one place."
+                "0 of {} of {size} matches determined this model ({name}): the points lie on a line or at one place. A simpler model helps.",
+                words::counted(iterations, "sample")
             ),
         }
     }
@@ -107,18 +145,26 @@ impl<M: RobustModel> Robust<M> {
             M::DISTANCE,
             words::fine(self.0.settings().threshold)
         ));
-        let cost = match self.0.settings().scoring {
-            Scoring::Msac => format!(" (MSAC cost {} px²)", words::fixed(score.cost, 1)),
-            _ => String::new(),
-        };
-        let said = said.text(cost);
+        if self.0.settings().scoring == Scoring::Ransac {
+            return match state.consensus.best {
+                None => said.text(": the first hypothesis, so the best so far."),
+                Some(best) if score.is_better(&best.score) => {
+                    said.text(format!(": better than {} so far.", grouped(best.score.inliers)))
+                }
+                Some(best) => {
+                    said.text(format!(": not better than the best, {} so far. Discarded.", grouped(best.score.inliers)))
+                }
+            };
+        }
+        let cost = |score: &Score| words::fixed(score.cost, 1);
+        let said = said.text(format!(", MSAC cost {} px²", cost(score)));
         match state.consensus.best {
             None => said.text(": the first hypothesis, so the best so far."),
             Some(best) if score.is_better(&best.score) => {
-                said.text(format!(": better than {} so far.", grouped(best.score.inliers)))
+                said.text(format!(": lower than {} px² so far, so better.", cost(&best.score)))
             }
             Some(best) => {
-                said.text(format!(": not better than the best, {} so far. Discarded.", grouped(best.score.inliers)))
+                said.text(format!(": not below the lowest cost so far, {} px². Discarded.", cost(&best.score)))
             }
         }
     }
@@ -134,7 +180,10 @@ impl<M: RobustModel> Robust<M> {
                 Event::Scored(score) => candidate = matrix.map(|matrix| (matrix, *score)),
                 Event::Local(matrix, score) => candidate = Some((*matrix, *score)),
                 Event::Best(_) => best = candidate,
-                Event::Refit(matrix, score) => best = Some((*matrix, *score)),
+                Event::Resampled(_, matrix, score)
+                | Event::Refit(matrix, score)
+                | Event::Sequel(_, Best { matrix, score }) => best = Some((*matrix, *score)),
+                Event::Doubted(_) => best = None,
                 Event::TooFew | Event::Degenerate | Event::Sample(_) => {}
             }
         }
@@ -162,9 +211,11 @@ impl<M: RobustModel> Robust<M> {
     }
 
     fn concluded(&self, after: &State, sentence: Sentence) -> Sentence {
-        let told = self.0.conclusion(&after.estimate());
-        sentence
-            .text(format!(" End of the run after {}: {told}", words::counted(after.consensus.iterations, "iteration")))
+        let conclusion = self.0.conclusion(&after.estimate());
+        sentence.text(format!(
+            " End of the run after {}: {conclusion}",
+            words::counted(after.consensus.iterations, "iteration")
+        ))
     }
 
     fn readouts(&self, seen: &Seen<Self>, event: &Event) -> Vec<Readout> {
@@ -172,20 +223,24 @@ impl<M: RobustModel> Robust<M> {
         let (count, best) = (state.fixed.points.len(), self.best_now(seen));
         let mut facts = vec![
             Fact::new("Matches", grouped(count), None),
-            Fact::new(
-                "Iterations",
-                grouped(state.consensus.iterations + usize::from(!matches!(event, Event::Refit(..)))),
-                None,
-            ),
+            Fact::new("Iterations", grouped(state.consensus.iterations + usize::from(!is_last(event))), None),
         ];
         let inliers = |score: &Score| format!("{} of {}", grouped(score.inliers), grouped(count));
         facts.extend(best.map(|(_, score)| Fact::new("Inliers of the best", inliers(&score), Some(Role::Best))));
         facts.extend(best.map(|(_, score)| Fact::new("rms distance", format!("{} px", rms(&score)), None)));
         let needed = if let Event::Best(needed) = event { *needed } else { state.consensus.needed };
         facts.push(Fact::new("Iterations needed", grouped(needed), None));
+        let sequel = match event {
+            Event::Sequel(index, best) => self.0.sequel(*index, &ended(state, *best), seen.focus),
+            _ => Sequel::default(),
+        };
+        facts.extend(sequel.facts);
         let mut all = vec![Readout::Facts(facts)];
         all.extend(best.map(|(_, score)| Readout::Equation(self.equation(seen, &score, needed))));
-        all.push(Readout::Matrices(self.matrices(seen, best)));
+        all.push(Readout::Matrices(match sequel.matrices.is_empty() {
+            true => self.matrices(seen, best),
+            false => sequel.matrices,
+        }));
         all.extend(self.series(seen, best).map(Readout::Series));
         all
     }
@@ -248,7 +303,7 @@ impl<M: RobustModel> Robust<M> {
             .enumerate()
             .map(|(i, inliers)| [(i + 1) as f32, *inliers as f32])
             .collect();
-        if !matches!(seen.events.last(), Some(Event::Refit(..))) {
+        if !seen.events.last().is_some_and(is_last) {
             points.push([
                 (seen.before.consensus.iterations + 1) as f32,
                 best.map_or(0.0, |(_, score)| score.inliers as f32),
@@ -273,8 +328,14 @@ impl<M: RobustModel> Robust<M> {
             }
             return;
         };
+        if let Event::Sequel(index, best) = last {
+            return self.0.draw_sequel(*index, &ended(state, *best), seen.focus, scene);
+        }
         let shown = seen.events.iter().rev().find_map(|event| match event {
-            Event::Hypothesis(matrix) | Event::Local(matrix, _) | Event::Refit(matrix, _) => Some(*matrix),
+            Event::Hypothesis(matrix)
+            | Event::Local(matrix, _)
+            | Event::Resampled(_, matrix, _)
+            | Event::Refit(matrix, _) => Some(*matrix),
             _ => None,
         });
         self.draw_matches(state, shown, scene);
@@ -297,16 +358,28 @@ impl<M: RobustModel> Robust<M> {
 
     /// Inliers and outliers of a model.
     fn draw_matches(&self, state: &State, shown: Option<Matrix3>, scene: &mut Scene) {
-        for (found, point) in state.fixed.matches.iter().zip(&state.fixed.points) {
-            let (role, meaning) = match shown {
+        let Fixed { matches, points, .. } = &*state.fixed;
+        let inliers = shown.map(|matrix| self.are_inliers(points, &matrix).collect::<Vec<_>>());
+        for (i, found) in matches.iter().enumerate() {
+            let (role, meaning) = match inliers.as_ref().map(|inliers| inliers[i]) {
                 None => (Role::Reference, "match"),
-                Some(matrix) if self.is_inlier(&matrix, point) => (Role::Result, "inlier"),
-                Some(_) => (Role::Rejected, "outlier"),
+                Some(true) => (Role::Result, "inlier"),
+                Some(false) => (Role::Rejected, "outlier"),
             };
             scene.links.push(link(role, found.from, found.to));
             scene.legend(role, meaning);
         }
     }
+}
+
+/// Whether an event belongs to the fit to all inliers, after the iterations.
+fn is_last(event: &Event) -> bool {
+    matches!(event, Event::Resampled(..) | Event::Refit(..) | Event::Doubted(_) | Event::Sequel(..))
+}
+
+/// The estimate at the end of a run that `state` has not quite reached.
+fn ended(state: &State, best: Best) -> Estimate<'_> {
+    Estimate { best: Some(best), ..state.estimate() }
 }
 
 fn link(role: Role, from: [f32; 2], to: [f32; 2]) -> Link {

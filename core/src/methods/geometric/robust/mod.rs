@@ -1,6 +1,7 @@
 //! Robust estimation of a geometric model from matches: RANSAC as an estimator, for any model.
 
 mod declare;
+mod doubt;
 mod explain;
 mod settings;
 
@@ -16,10 +17,12 @@ use crate::params::{Params, inner_params};
 use crate::products::model::Matrix3;
 use crate::products::{Match, MatchField, MatchStatus, Output, Product, ProductKind};
 use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
-use crate::scene::{Chart, Focus, Math, Picture, Role, Scene, Step};
+use crate::scene::{Chart, Fact, Focus, Math, Matrix, Name, Picture, Role, Scene, Sentence, Step};
 use crate::synth::random::{hash, unit};
 
 pub(crate) use declare::robust_pseudocode;
+pub use doubt::Doubt;
+use doubt::sides_px;
 pub use settings::Settings;
 
 /// A geometric model that is estimated from matches.
@@ -51,14 +54,25 @@ pub trait RobustModel: Params + Default + Clone + Send + Sync + 'static {
     /// The models through a sample; none if it determines none.
     fn hypotheses(&self, sample: &[Correspondence]) -> Vec<Matrix3>;
 
+    /// Number of inliers of each further sample by which the last hypothesis is optimised; 0 for none.
+    fn resample_size(&self) -> usize {
+        0
+    }
+
     /// The model fitted to inliers quickly.
     fn local(&self, inliers: &[Correspondence]) -> Option<Matrix3>;
 
     /// The model fitted to all inliers at the end.
     fn last(&self, inliers: &[Correspondence]) -> Option<Matrix3>;
 
-    /// The squared distance of a match from the model in px².
-    fn squared_error(matrix: &Matrix3, of: &Correspondence) -> f64;
+    /// Writes the squared distance of each match from the model in px².
+    fn squared_errors(matrix: &Matrix3, matches: &[Correspondence], errors: &mut [f64]);
+
+    /// Share of a picture of this many px² in which a random match is an inlier.
+    fn share_of_area(threshold_px: f64, sides_px: [f64; 2]) -> f64;
+
+    /// Whether points on a line determine it.
+    fn is_known_on_line(&self) -> bool;
 
     /// The product of a run so far.
     fn output(&self, estimate: &Estimate<'_>) -> Output;
@@ -71,8 +85,32 @@ pub trait RobustModel: Params + Default + Clone + Send + Sync + 'static {
         Vec::new()
     }
 
+    /// Number of steps that follow from the final model.
+    const SEQUELS: usize = 0;
+
+    /// Explains one of them.
+    fn sequel(&self, _index: usize, _estimate: &Estimate<'_>, _focus: Option<Focus>) -> Sequel {
+        Sequel::default()
+    }
+
+    /// Draws one of them.
+    fn draw_sequel(&self, _index: usize, _estimate: &Estimate<'_>, _focus: Option<Focus>, _scene: &mut Scene) {}
+
     /// Draws a model; `focus` is the point pointed at, `is_final` whether it is the final one.
     fn draw(&self, estimate: &Estimate<'_>, shown: (Matrix3, bool), focus: Option<Focus>, scene: &mut Scene);
+}
+
+/// The explanation of a step that follows from the final model.
+#[derive(Default)]
+pub struct Sequel {
+    /// Its line of pseudocode.
+    pub line: Option<Name>,
+    /// What happened and why.
+    pub sentence: Sentence,
+    /// Its numbers.
+    pub facts: Vec<Fact>,
+    /// Its matrices.
+    pub matrices: Vec<Matrix>,
 }
 
 /// The estimate at some time of a run.
@@ -166,12 +204,24 @@ pub enum Event {
     Local(Matrix3, Score),
     /// The hypothesis is the best so far; so many iterations are needed with it.
     Best(usize),
+    /// The best hypothesis was compared with so many models through samples of its inliers; the best of all, and its score.
+    Resampled(usize, Matrix3, Score),
     /// The model was fitted to all inliers.
     Refit(Matrix3, Score),
+    /// The model is not kept, because its inliers do not support it.
+    Doubted(Doubt),
+    /// A step that follows from the final model, by its index.
+    Sequel(usize, Best),
 }
 
 /// Rounds of local optimisation of a new best hypothesis.
 const LOCAL_ROUNDS: usize = 3;
+/// Most samples of the inliers of the best hypothesis.
+const RESAMPLES: usize = 50;
+/// Samples in succession that lead to the same cost, after which no further one is drawn.
+const RESAMPLES_ALIKE: usize = 5;
+/// Largest relative difference of the same cost.
+const ALIKE: f64 = 0.01;
 /// Rounds of the final fit, each to the inliers of the one before.
 const FINAL_ROUNDS: usize = 8;
 
@@ -230,15 +280,33 @@ impl<M: RobustModel> Robust<M> {
 
     fn score(&self, points: &[Correspondence], matrix: &Matrix3) -> Score {
         let Settings { threshold, scoring, .. } = *self.0.settings();
-        Score::of(points.iter().map(|m| M::squared_error(matrix, m)), threshold.into(), scoring)
+        Score::of(&Self::errors(points, matrix), threshold.into(), scoring)
     }
 
     fn inliers(&self, points: &[Correspondence], matrix: &Matrix3) -> Vec<Correspondence> {
-        points.iter().copied().filter(|m| self.is_inlier(matrix, m)).collect()
+        let all = points.iter().zip(self.are_inliers(points, matrix));
+        all.filter(|(_, is_inlier)| *is_inlier).map(|(m, _)| *m).collect()
     }
 
-    fn is_inlier(&self, matrix: &Matrix3, m: &Correspondence) -> bool {
-        M::squared_error(matrix, m) <= f64::from(self.0.settings().threshold).powi(2)
+    fn are_inliers(&self, points: &[Correspondence], matrix: &Matrix3) -> impl Iterator<Item = bool> + use<M> {
+        let limit = f64::from(self.0.settings().threshold).powi(2);
+        Self::errors(points, matrix).into_iter().map(move |error| error <= limit)
+    }
+
+    fn errors(points: &[Correspondence], matrix: &Matrix3) -> Vec<f64> {
+        let mut errors = vec![0.0; points.len()];
+        M::squared_errors(matrix, points, &mut errors);
+        errors
+    }
+
+    /// Why the inliers of a model do not support it, if they do not.
+    fn doubt(&self, points: &[Correspondence], best: &Best) -> Option<Doubt> {
+        let inliers = self.inliers(points, &best.matrix);
+        let on_line = (!self.0.is_known_on_line()).then(|| Doubt::on_line(&inliers)).flatten();
+        on_line.or_else(|| {
+            let share = M::share_of_area(self.0.settings().threshold.into(), sides_px(points));
+            Doubt::by_chance(self.0.sample_size(), [inliers.len(), points.len()], share)
+        })
     }
 
     /// Draws a sample, and keeps its model if it is the best so far.
@@ -286,9 +354,43 @@ impl<M: RobustModel> Robust<M> {
         consensus.best = Some(best);
     }
 
+    /// Compares the best hypothesis with models through samples of its inliers, each fitted to its own inliers again.
+    fn resample(&self, points: &[Correspondence], mut best: Best, observer: &mut impl Observer<Event>) -> Best {
+        /// Apart from the numbers of the other samples.
+        const STREAM: u64 = 0x696e_6e65;
+        let Settings { scoring, seed, .. } = *self.0.settings();
+        if scoring != Scoring::LoRansac || self.0.resample_size() == 0 {
+            return best;
+        }
+        let (mut inliers, mut alike, mut tried) = (self.inliers(points, &best.matrix), 0, 0);
+        while tried < RESAMPLES && alike < RESAMPLES_ALIKE {
+            let size = self.0.resample_size().min(inliers.len() / 2);
+            if size < self.0.sample_size() {
+                break;
+            }
+            let indices = sample(size, inliers.len(), seed as u64 ^ STREAM, tried);
+            tried += 1;
+            let through = self.0.local(&chosen(&inliers, &indices));
+            let fitted = through.and_then(|matrix| self.0.local(&self.inliers(points, &matrix)).or(Some(matrix)));
+            let Some(matrix) = fitted else { continue };
+            let score = self.score(points, &matrix);
+            let is_alike = (score.cost - best.score.cost).abs() <= ALIKE * best.score.cost;
+            alike = if is_alike { alike + 1 } else { 0 };
+            if score.is_better(&best.score) {
+                best = Best { matrix, score };
+                inliers = self.inliers(points, &matrix);
+            }
+        }
+        if tried > 0 {
+            observer.see(|| Event::Resampled(tried, best.matrix, best.score));
+        }
+        best
+    }
+
     /// Fits the best hypothesis to all of its inliers, until these stay the same.
     fn refit(&self, points: &[Correspondence], consensus: &mut Consensus, observer: &mut impl Observer<Event>) {
-        let Some(mut best) = consensus.best else { return observer.see(|| Event::TooFew) };
+        let Some(best) = consensus.best else { return observer.see(|| Event::TooFew) };
+        let mut best = self.resample(points, best, observer);
         for round in 0..FINAL_ROUNDS {
             let before = best.score;
             let refined = self.0.last(&self.inliers(points, &best.matrix));
@@ -300,19 +402,26 @@ impl<M: RobustModel> Robust<M> {
                 break;
             }
         }
-        consensus.fitted = Some(best);
+        let doubt = self.doubt(points, &best);
+        if let Some(doubt) = doubt {
+            observer.see(|| Event::Doubted(doubt));
+        }
+        let kept = Some(best).filter(|_| doubt.is_none());
+        (consensus.fitted, consensus.best) = (kept, kept);
+        if let Some(best) = kept {
+            (0..M::SEQUELS).for_each(|index| observer.see(|| Event::Sequel(index, best)));
+        }
     }
 
     /// The matches, with outliers marked once the model is known.
     fn judged(&self, state: &State) -> Vec<Match> {
-        let all = state.fixed.matches.iter().zip(&state.fixed.points);
-        let judge = |(found, point): (&Match, &Correspondence)| match state.consensus.fitted {
-            Some(Best { matrix, .. }) if !self.is_inlier(&matrix, point) => {
-                Match { status: MatchStatus::Outlier, ..*found }
-            }
-            _ => *found,
+        let Fixed { matches, points, .. } = &*state.fixed;
+        let Some(Best { matrix, .. }) = state.consensus.fitted else { return matches.clone() };
+        let judge = |(found, is_inlier): (&Match, bool)| match is_inlier {
+            true => *found,
+            false => Match { status: MatchStatus::Outlier, ..*found },
         };
-        all.map(judge).collect()
+        matches.iter().zip(self.are_inliers(points, &matrix)).map(judge).collect()
     }
 }
 

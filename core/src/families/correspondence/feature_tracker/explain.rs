@@ -1,0 +1,204 @@
+//! The explanation and the drawing of feature tracking by matching.
+
+use super::{Event, FeatureTracker, Linked, Pair, line};
+use crate::base::words::{self, grouped};
+use crate::methods::differential::numbers;
+use crate::methods::features::{
+    conclusion,
+    trails::{self, points},
+};
+use crate::products::MatchStatus;
+use crate::run::Seen;
+use crate::scene::{Arrow, Fact, Link, Name, Picture, Readout, Role, Scene, Sentence, Step};
+
+fn apart(distance: f32) -> String {
+    words::fixed(distance.into(), 3)
+}
+
+impl FeatureTracker {
+    pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
+        let Some(event) = seen.events.last() else {
+            let said = format!(
+                "Keypoints are detected in every frame and matched with those of the next one by their descriptors. Matches in a row are a \
+                 track, through at most {} frames. Unlike KLT, nothing is predicted: the motion may be large, but a keypoint must be \
+                 detected again.",
+                self.frames
+            );
+            return Step { line: line::EACH_PAIR, sentence: Sentence::default().text(said), readouts: Vec::new() };
+        };
+        let (line, sentence) = match event {
+            Event::Detected(pair) => (line::DETECT, self.detected(seen, pair)),
+            Event::Linked(pair, linked) => Self::linked(seen, pair, linked),
+            Event::Ended(pair) => (line::END_PAIR, Self::ended(seen, pair)),
+        };
+        Step { line, sentence, readouts: Self::readouts(seen, event) }
+    }
+
+    fn detected(&self, seen: &Seen<Self>, pair: &Pair) -> Sentence {
+        let t = seen.before.frame;
+        let counts = pair.sides.each_ref().map(|side| grouped(side.points.len()));
+        let within = match self.matching.radius {
+            0 => "in the whole frame".to_owned(),
+            radius => format!("within {radius} px of its position"),
+        };
+        Sentence::default()
+            .text(format!("{}: ", self.matching.detector.estimator().info().name))
+            .ink(Role::Reference, format!("{} keypoints", counts[0]))
+            .text(format!(" in frame {t} and "))
+            .ink(Role::Candidate, counts[1].clone())
+            .text(format!(" in frame {}. The candidates of a keypoint are those {within}.", t + 1))
+    }
+
+    /// The line and the sentence of a keypoint.
+    fn linked(seen: &Seen<Self>, pair: &Pair, linked: &Linked) -> (Name, Sentence) {
+        let at = words::place(pair.sides[0].points[linked.index].at);
+        let said = Sentence::default().ink(Role::Reference, format!("Keypoint {at}"));
+        let length = |number: u32| seen.before.tracks.get(number as usize).map_or(0, |track| track.points.len());
+        match (linked.track, linked.to, linked.outcome) {
+            (Some(number), Some(to), outcome) => {
+                let place = words::place(pair.sides[1].points[to].at);
+                let told = format!(
+                    ", distance {}. Track {} continues: {} so far.",
+                    outcome.map_or_else(String::new, |found| apart(found.distance)),
+                    number + 1,
+                    words::counted(length(number) + 1, "frame")
+                );
+                (line::CONTINUE, said.text(" matches ").ink(Role::Result, place).text(told))
+            }
+            (None, Some(to), outcome) => {
+                let place = words::place(pair.sides[1].points[to].at);
+                let told = format!(
+                    ", distance {}. It ends no track, so a new one begins.",
+                    outcome.map_or_else(String::new, |found| apart(found.distance))
+                );
+                (line::BEGIN, said.text(" matches ").ink(Role::Result, place).text(told))
+            }
+            (Some(number), None, outcome) => {
+                let told = format!(
+                    " {}. Track {} is lost after {}.",
+                    reason(outcome.map(|found| found.status)),
+                    number + 1,
+                    words::counted(length(number), "frame")
+                );
+                (line::LOSE, said.ink(Role::Rejected, " has no match").text(told))
+            }
+            (None, None, outcome) => {
+                let told = format!(" {}. It ends no track and begins none.", reason(outcome.map(|found| found.status)));
+                (line::REMAIN, said.ink(Role::Rejected, " has no match").text(told))
+            }
+        }
+    }
+
+    /// The conclusion of the pair, and of the run at its end.
+    fn ended(seen: &Seen<Self>, pair: &Pair) -> Sentence {
+        let state = seen.after.unwrap_or(seen.before);
+        let t = seen.before.frame;
+        let features = state.tracks.iter().filter_map(|track| track.at(t)).copied();
+        let told = conclusion("keypoints of tracks", features, pair.truth.as_deref());
+        let said = Sentence::default().text(format!("End of the pair of frames {t} and {}: {told}", t + 1));
+        let is_over = state.span.is_over(seen.clip, state.frame + 1);
+        if !is_over || state.tracks.is_empty() {
+            return said;
+        }
+        let lengths: usize = state.tracks.iter().map(|track| track.points.len()).sum();
+        let mean = lengths as f64 / state.tracks.len() as f64;
+        said.text(format!(
+            " End of the run: {} of {} frames on average. A track ends where its keypoint is not detected again, so tracks are shorter than \
+             those of KLT, but do not drift.",
+            words::counted(state.tracks.len(), "track"),
+            words::fixed(mean, 1)
+        ))
+    }
+
+    fn readouts(seen: &Seen<Self>, event: &Event) -> Vec<Readout> {
+        let state = seen.before;
+        let mut facts = vec![Fact::new("Pair", format!("frames {} and {}", state.frame, state.frame + 1), None)];
+        let count = |of: fn(&Linked) -> bool| {
+            let linked = seen.events.iter().filter_map(|event| match event {
+                Event::Linked(_, linked) => Some(linked),
+                _ => None,
+            });
+            linked.filter(|linked| of(linked)).count()
+        };
+        if let Event::Linked(pair, linked) = event {
+            let of = pair.sides[0].points.len();
+            facts.push(Fact::new(
+                "Keypoint",
+                format!("{} of {}", linked.index + 1, grouped(of)),
+                Some(Role::Reference),
+            ));
+            facts.extend(linked.outcome.map(|found| Fact::new("Distance", apart(found.distance), None)));
+            let ratio = linked.outcome.and_then(|found| found.neighbors.ratio());
+            facts.extend(ratio.map(|ratio| Fact::new("Ratio", words::fine(ratio), None)));
+            let to = linked.to.map(|to| pair.sides[1].points[to].at);
+            let from = pair.sides[0].points[linked.index].at;
+            let moved = to.map(|to| [to[0] - from[0], to[1] - from[1]]);
+            let px = |uv| format!("{} px", numbers::vector(uv));
+            facts.extend(moved.map(|moved| Fact::new("Displacement", px(moved), Some(Role::Result))));
+            let truth = pair.truth.as_ref().and_then(|truth| truth.sample(from));
+            facts.extend(truth.map(|truth| Fact::new("True displacement", px(truth), Some(Role::Truth))));
+        }
+        facts.extend([
+            Fact::new(
+                "Tracks continued",
+                count(|of| of.track.is_some() && of.to.is_some()).to_string(),
+                Some(Role::Result),
+            ),
+            Fact::new("Tracks begun", count(|of| of.track.is_none() && of.to.is_some()).to_string(), Some(Role::Best)),
+            Fact::new(
+                "Tracks lost",
+                count(|of| of.track.is_some() && of.to.is_none()).to_string(),
+                Some(Role::Rejected),
+            ),
+        ]);
+        let now = seen.after.unwrap_or(state);
+        let plot = trails::turnover("Tracks", &now.counts, &now.tracks, &now.span);
+        [Readout::Facts(facts)].into_iter().chain(plot).collect()
+    }
+
+    pub(super) fn draw_step(&self, seen: &Seen<Self>, scene: &mut Scene) {
+        let t = seen.before.frame;
+        for track in seen.before.tracks.iter().filter(|track| track.at(t).is_some()) {
+            trails::trail(scene, (Role::Estimate, "trail"), track, t);
+        }
+        let Some(Event::Detected(pair) | Event::Linked(pair, _) | Event::Ended(pair)) = seen.events.last() else {
+            return;
+        };
+        points(scene, Role::Reference, "keypoint", pair.sides[0].points.iter().map(|point| point.at).collect());
+        let (mut arrows, mut lost, mut begun) = (Vec::new(), Vec::new(), Vec::new());
+        for event in seen.events {
+            let Event::Linked(pair, linked) = event else { continue };
+            let from = pair.sides[0].points[linked.index].at;
+            match (linked.track, linked.to) {
+                (track, Some(to)) => {
+                    arrows.push(Arrow { from, to: pair.sides[1].points[to].at });
+                    begun.extend(track.is_none().then_some(from));
+                }
+                (Some(_), None) => lost.push(from),
+                (None, None) => {}
+            }
+        }
+        trails::displacements(scene, arrows);
+        points(scene, Role::Best, "new track", begun);
+        points(scene, Role::Rejected, "lost track", lost);
+        if let Some(Event::Linked(pair, linked)) = seen.events.last() {
+            let from = pair.sides[0].points[linked.index].at;
+            if let Some(to) = linked.to.map(|to| pair.sides[1].points[to].at) {
+                scene.links.push(Link { role: Role::Result, ends: [(Picture::CURRENT, from), (Picture::NEXT, to)] });
+                scene.legend(Role::Result, "displacement to frame t+1");
+            } else {
+                points(scene, Role::Rejected, "lost track", vec![from]);
+            }
+        }
+    }
+}
+
+/// Why a keypoint has no match.
+fn reason(status: Option<MatchStatus>) -> &'static str {
+    match status {
+        None => "(no candidate)",
+        Some(MatchStatus::RejectedRatio) => "(ratio test)",
+        Some(MatchStatus::RejectedCrossCheck) => "(cross-check)",
+        Some(MatchStatus::Match | MatchStatus::Outlier) => "(another keypoint is nearer to its neighbour)",
+    }
+}

@@ -1,0 +1,121 @@
+//! The chain of the motions of consecutive pairs.
+
+use std::sync::Arc;
+
+use crate::base::{Error, Threads};
+use crate::data::Clip;
+use crate::products::ModelField;
+use crate::products::model::{IDENTITY, Matrix3, inverse, normalised, product};
+use crate::products::path::corner_error;
+use crate::run::{GlobalModel, Span, Stage, need};
+
+/// The lines of the pseudocode that chain the motions.
+pub(crate) mod pairs_line {
+    crate::line_names!(ESTIMATE, CHAIN);
+}
+
+/// The pseudocode of an estimator whose first pass composes the motions of all pairs.
+macro_rules! path_pseudocode {
+    ($($name:ident: $text:literal,)*) => {
+        $crate::pseudocode! {
+            EACH_PAIR: "for each pair of frames t, t+1",
+            ESTIMATE: "  M(t) ← motion of the pair, by the motion stage; the identity if it has none",
+            CHAIN: "  P(t+1) ← M(t) P(t), the map from the first frame to frame t+1",
+            $($name: $text,)*
+        }
+    };
+}
+pub(crate) use path_pseudocode;
+
+/// The motions so far, of the pairs from the first frame on.
+#[derive(Clone)]
+pub struct Chain {
+    /// The frames of the run.
+    pub span: Span,
+    /// The first frame of the next pair; the last frame once the chain is complete.
+    pub frame: usize,
+    /// Width and height of the picture in px.
+    pub picture: (usize, usize),
+    /// Whether all pairs are done.
+    pub is_complete: bool,
+    /// The motion of each pair, the identity where none was found.
+    pub motions: Arc<Vec<Matrix3>>,
+    /// The map from the first frame to each frame so far.
+    pub to_frames: Arc<Vec<Matrix3>>,
+    /// Number of pairs without a usable motion.
+    pub unknown: usize,
+}
+
+/// A pair of frames in the chain.
+#[derive(Clone, Debug)]
+pub struct Link {
+    /// The estimate of the stage.
+    pub field: ModelField,
+    /// The motion that is used.
+    pub motion: Matrix3,
+    /// Whether it is that of the stage.
+    pub is_usable: bool,
+    /// The map from the first frame to the first frame of the pair.
+    pub before: Matrix3,
+    /// The map from the first frame to the second frame of the pair.
+    pub after: Matrix3,
+    /// The true motion of the background, where it is known.
+    pub truth: Option<Matrix3>,
+}
+
+/// The motion of an estimate; `None` if there is none, it has no inverse, or moves a corner farther than the diagonal of the picture.
+pub fn usable(field: &ModelField) -> Option<Matrix3> {
+    let diagonal = (field.picture.0 as f64).hypot(field.picture.1 as f64);
+    let matrix = field.matrix.filter(|matrix| matrix.iter().flatten().all(|entry| entry.is_finite()))?;
+    inverse(&matrix)?;
+    (corner_error([&matrix, &IDENTITY], field.picture) <= diagonal).then_some(matrix)
+}
+
+impl Chain {
+    /// The chain of at most `count` frames from `frame` on.
+    ///
+    /// # Errors
+    /// If there is no pair of frames there.
+    pub fn new(clip: &Clip, frame: usize, count: usize) -> Result<Self, Error> {
+        Ok(Self {
+            span: Span::new(clip, frame, count)?,
+            frame,
+            picture: clip.size(),
+            is_complete: false,
+            motions: Arc::default(),
+            to_frames: Arc::new(vec![IDENTITY]),
+            unknown: 0,
+        })
+    }
+
+    /// Number of frames of the run, if known.
+    pub fn frames(&self) -> Option<usize> {
+        if self.is_complete { Some(self.to_frames.len()) } else { self.span.frames() }
+    }
+
+    /// Adds the next pair.
+    ///
+    /// # Errors
+    /// If a frame cannot be read, or the work is cancelled.
+    pub fn advance(&mut self, motion: &Stage<GlobalModel>, clip: &Clip, threads: &Threads) -> Result<Link, Error> {
+        clip.wanted()?;
+        need::check_kept(clip, self.bytes())?;
+        let field = motion.model(clip, self.frame, threads)?;
+        let known = usable(&field);
+        let motion = known.unwrap_or(IDENTITY);
+        let before = self.to_frames[self.to_frames.len() - 1];
+        let after = normalised(&product(&motion, &before)).unwrap_or(before);
+        let truth = clip.truth().and_then(|truth| truth.background(self.frame).ok().flatten());
+        Arc::make_mut(&mut self.motions).push(motion);
+        Arc::make_mut(&mut self.to_frames).push(after);
+        self.unknown += usize::from(known.is_none());
+        self.frame += 1;
+        self.is_complete = self.span.is_over(clip, self.frame + 1);
+        Ok(Link { field, motion, is_usable: known.is_some(), before, after, truth })
+    }
+
+    /// Memory in bytes.
+    pub fn bytes(&self) -> usize {
+        size_of::<Self>() + size_of_val(&self.motions[..]) + size_of_val(&self.to_frames[..])
+    }
+}

@@ -1,0 +1,12 @@
+//! The path of a camera: motions of consecutive pairs of frames, chained, for estimators that register the frames of a clip.
+
+mod canvas;
+mod chain;
+mod explain;
+mod smooth;
+
+pub use canvas::{Blending, Canvas, MOST_FRAMES, outline};
+pub(crate) use chain::path_pseudocode;
+pub use chain::{Chain, Link, usable};
+pub use explain::{chain_facts, chain_step, draw_link, matrix, path_series};
+pub use smooth::correction;
