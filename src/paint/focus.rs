@@ -2,6 +2,8 @@
 //!
 //! The bounds come from the marks of a scene by their roles, so that every estimator has them and none is named.
 
+mod local;
+
 use motionscope_core::scene::{Mark, Picture, Shape};
 use motionscope_core::{Role, Scene};
 
@@ -78,6 +80,8 @@ const FEW: usize = 24;
 pub struct Work {
     /// Bounds of the marks at work.
     pub bounds: Rect,
+    /// The part of them without which the step cannot be followed: all but a search window in which nothing is tested yet.
+    needed: Rect,
     /// Whether the step works on all pixels at once, builds a map of them all or sums up the picture; then a pixel is only an
     /// example.
     pub is_picture_wide: bool,
@@ -95,12 +99,14 @@ impl Work {
             false => own.iter().copied().reduce(union),
             true => marks().filter_map(bounds_at_work).reduce(union),
         };
+        let bounds = local::tested_part(scene).or(bounds);
         let whole = Rect { min: [-0.5; 2], max: picture.map(|extent| extent - 0.5) };
         let bounds = bounds.or(scene.is_overview.then_some(whole))?;
-        let inside = Rect {
+        let inside = |bounds: Rect| Rect {
             min: [0, 1].map(|i| bounds.min[i].clamp(-0.5, picture[i] - 0.5)),
             max: [0, 1].map(|i| bounds.max[i].clamp(-0.5, picture[i] - 0.5)),
         };
+        let needed = local::untested_block(scene).unwrap_or(bounds);
         let has_window = marks().any(|mark| mark.role == Role::Window && bounds_at_work(mark).is_some());
         let is_map = |mark: &Mark| match &mark.shape {
             Shape::Heat { values, .. } => values.size() == size,
@@ -112,7 +118,8 @@ impl Work {
             _ => false,
         };
         Some(Self {
-            bounds: inside,
+            bounds: inside(bounds),
+            needed: inside(needed),
             is_picture_wide: scene.is_overview || marks().any(is_map),
             is_of_many: own.is_empty() && !scene.is_overview,
         })
@@ -130,12 +137,17 @@ impl Work {
 
     /// The largest magnification at which it is seen with some room around it where `room` px are seen unmagnified.
     fn times(&self, room: [f32; 2]) -> f32 {
-        let size = self.bounds.size();
-        let fits = |times: &f32| {
-            (0..2).all(|i| (size[i] * (1.0 + 2.0 * MARGIN.0) + 2.0 * MARGIN.1).max(LEAST_SIDE) * times <= room[i])
-        };
-        STEPS.into_iter().rev().find(fits).unwrap_or(1.0)
+        times(self.bounds, room)
     }
+}
+
+/// The largest magnification at which `bounds` are seen with some room around them where `room` px are seen unmagnified.
+fn times(bounds: Rect, room: [f32; 2]) -> f32 {
+    let size = bounds.size();
+    let fits = |times: &f32| {
+        (0..2).all(|i| (size[i] * (1.0 + 2.0 * MARGIN.0) + 2.0 * MARGIN.1).max(LEAST_SIDE) * times <= room[i])
+    };
+    STEPS.into_iter().rev().find(fits).unwrap_or(1.0)
 }
 
 /// Whether `scene` has another frame or ellipse of the same role on the same picture.
@@ -211,10 +223,12 @@ impl CloseUp {
         }
         let least = known.iter().map(|work| work.times(room)).fold(f32::INFINITY, f32::min);
         // Pictures of one and the same block are looked at in one and the same place.
-        let together = Work { bounds: all, is_picture_wide: false, is_of_many: false };
+        let needed = known.iter().map(|work| work.needed).reduce(union).unwrap_or(all);
+        let together = Work { bounds: all, needed, is_picture_wide: false, is_of_many: false };
         let is_shared = together.times(room) >= least;
         let kept = before.iter().flatten().next().map(|one| one.times);
-        let times = kept.filter(|kept| *kept <= least && 2.0 * kept >= least).unwrap_or(least);
+        let most = known.iter().map(|work| times(work.needed, room)).fold(f32::INFINITY, f32::min);
+        let times = kept.filter(|kept| *kept <= most && 2.0 * kept > least).unwrap_or(least);
         if times <= 1.0 {
             return whole();
         }
@@ -232,7 +246,7 @@ impl CloseUp {
         let seen = self.seen(room);
         (0..2).all(|i| {
             let off = (self.center[i] - fresh.center[i]).abs() * self.times / room[i];
-            off < 0.08 && seen.min[i] <= work.bounds.min[i] && work.bounds.max[i] <= seen.max[i]
+            off < 0.08 && seen.min[i] <= work.needed.min[i] && work.needed.max[i] <= seen.max[i]
         })
     }
 
@@ -344,6 +358,21 @@ mod tests {
         }
         let same = of(FocusMode::Auto, &[search(102, 80)], &before)[0];
         assert_eq!(same, first, "2 px are no reason to move");
+    }
+
+    #[test]
+    fn a_fast_search_is_seen_more_closely_and_the_next_block_as_closely() {
+        let mut scene = search(100, 80);
+        let tested = |x: usize, y: usize| (x, y) == (16, 16) || (x, y) == (16, 14);
+        let values = Grid::from_fn(33, 33, |x, y| if tested(x, y) { 7.0 } else { f32::NAN });
+        scene.mark(Picture::NEXT, Role::Candidate, Shape::Heat { origin: [91.5, 71.5], values });
+        let mut start = search(116, 80);
+        start.marks.truncate(3);
+        let close = of(FocusMode::Auto, std::slice::from_ref(&scene), &[]);
+        assert_eq!(close[0].map(|close| close.times), Some(4.0));
+        assert_eq!(one(FocusMode::Auto, &start).map(|close| close.times), Some(3.0), "the window");
+        let next = of(FocusMode::Auto, &[start], &close)[0];
+        assert_eq!(next.map(|close| close.times), Some(4.0), "the view does not go back for a window");
     }
 
     #[test]

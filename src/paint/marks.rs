@@ -210,13 +210,19 @@ impl Painter<'_> {
                     sized_point(self.out, &ink, self.place.at(at), radius);
                 }
             }
-            Shape::Text { at, text } => self.out.push(Primitive::Text(Line {
-                at: self.place.at(*at),
-                anchor: Anchor::Start,
-                size: self.look.theme.sizes().small,
-                runs: vec![Run::new(text, self.ink.color).face(Face::Bold)],
-                halo: Some(self.ink.halo),
-            })),
+            Shape::Text { at, text } => {
+                let size = self.look.theme.sizes().small;
+                let [x, y] = self.place.at(*at);
+                // The name of a measurement stands below its box, that of a track above it.
+                let y = if role == Role::Measured { y + size + LABEL_RIM } else { y };
+                self.out.push(Primitive::Text(Line {
+                    at: [x, y],
+                    anchor: Anchor::Start,
+                    size,
+                    runs: vec![Run::new(text, self.ink.color).face(Face::Bold)],
+                    halo: Some(self.ink.halo),
+                }))
+            }
             Shape::Heat { origin, values } => self.heat(*origin, values),
             Shape::Flow { origin, values } => self.flow(role, *origin, values),
             Shape::Mask(mask) => {

@@ -18,8 +18,9 @@ const ROW_LETTERS: f32 = 1.45;
 /// Height of the line with the name, in letters.
 const HEAD_LETTERS: f32 = 1.9;
 
-/// Sizes of the type that are tried, as shares of the usual one, until all matrices fit.
-const TYPE_SHARES: [f32; 8] = [1.0, 0.95, 0.9, 0.85, 0.8, 0.75, 0.7, 0.65];
+/// Sizes of the type that are tried, as shares of the usual one, until all matrices fit: few numbers are large enough for the
+/// last row of a lecture hall.
+const TYPE_SHARES: [f32; 12] = [1.5, 1.35, 1.2, 1.1, 1.0, 0.95, 0.9, 0.85, 0.8, 0.75, 0.7, 0.65];
 
 /// Lays all matrices out from the upper left corner of `area` on, as many beside each other as it is wide, in the largest type
 /// in which they fit; returns where each lies. They may need more room than there is: [`Drawing::place`] tells how much.

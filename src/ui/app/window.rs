@@ -343,6 +343,7 @@ impl App {
         let input = topbar::Input {
             document: &self.document,
             at_frame: shown.map(|shown| shown.frame),
+            place: shown.and_then(status::nested_place),
             now: self.now(),
             granularities: self.granularities(),
             folded: self.folded(),

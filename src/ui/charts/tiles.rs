@@ -13,8 +13,7 @@ use crate::ui::drawing::ink;
 pub struct Input<'a> {
     /// The tiles, left to right.
     pub tiles: &'a [Tile],
-    /// Whether the pixel that is explained lies in their middle. Such tiles are seen whole, and read at a click where there is
-    /// no room for both; blocks are read, and scrolled.
+    /// Whether the pixel that is explained lies in their middle.
     pub is_centered: bool,
     /// Whose they are, and how they look.
     pub subject: Subject<'a>,
@@ -44,7 +43,7 @@ pub struct Response {
 impl State {
     /// What a click does.
     fn hint(&self) -> &'static str {
-        if self.is_close { " Click to show the whole tiles." } else { " Click to read the numbers." }
+        if self.is_close { " Click to show the whole tiles." } else { " Click to magnify." }
     }
 }
 
@@ -72,7 +71,7 @@ fn side_by_side(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
     let style = subject.style(ui.painter());
     let data = |closeness| Tiles { tiles, is_centered, closeness };
     let cell = |closeness| places(data(closeness), rect_of(area), style).cell;
-    let can_be_closer = is_centered && cell(Closeness::Readable) > cell(Closeness::Whole);
+    let can_be_closer = cell(Closeness::Readable) > cell(Closeness::Whole);
     let is_whole = can_be_closer && !state.is_close;
     let closeness = if is_whole { Closeness::Whole } else { Closeness::Readable };
     let painter = ui.painter().clone();

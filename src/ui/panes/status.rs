@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use eframe::egui::{Button, ProgressBar, RichText, Ui};
 use motionscope_core::scene::{Focus, Picture};
-use motionscope_core::{Cursor, LEVEL};
+use motionscope_core::{Cursor, Granularity, LEVEL};
 
 use crate::paint::grouped;
 use crate::ui::app::action::Actions;
@@ -73,16 +73,7 @@ pub fn line(shown: &Snapshot) -> String {
         let of = shown.units.map_or_else(String::new, |units| format!("  ·  {} {unit}s to do", grouped(units)));
         return format!("not started{of}");
     }
-    let mut parts = Vec::new();
-    for (granularity, name) in shown.place.iter().zip(granularities) {
-        match (*name, granularity.of) {
-            // A granularity of one is no news.
-            (_, Some(1)) => {}
-            // Levels are called by their number in the pyramid, as everywhere else: the last is the picture itself.
-            (LEVEL, Some(of)) => parts.push(format!("level {} (coarsest {})", of - 1 - granularity.index, of - 1)),
-            (name, of) => parts.push(counted(name, granularity.index + 1, of)),
-        }
-    }
+    let mut parts = place(shown);
     if let Some(name) = granularities.last() {
         parts.push(counted(name, shown.cursor.event, Some(shown.events)));
     }
@@ -95,6 +86,25 @@ pub fn line(shown: &Snapshot) -> String {
     // As sessions and the command line write it: units and events from 1.
     parts.push(format!("step {}", shown.cursor));
     parts.join("  ·  ")
+}
+
+/// The parts of the run that it stands in, from the largest on: `level 3 (coarsest 3)`, `warp 2 of 3`, `iteration 5 of 20`.
+fn place(shown: &Snapshot) -> Vec<String> {
+    let all = shown.place.iter().zip(shown.info.granularities);
+    let part = |(granularity, name): (&Granularity, &&str)| match (*name, granularity.of) {
+        // A granularity of one is no news.
+        (_, Some(1)) => None,
+        // Levels are called by their number in the pyramid, as everywhere else: the last is the picture itself.
+        (LEVEL, Some(of)) => Some(format!("level {} (coarsest {})", of - 1 - granularity.index, of - 1)),
+        (name, of) => Some(counted(name, granularity.index + 1, of)),
+    };
+    all.filter_map(part).collect()
+}
+
+/// The same in short, where the timeline does not say it: for runs whose units are parts of larger ones.
+pub fn nested_place(shown: &Snapshot) -> Option<String> {
+    let parts = place(shown);
+    (parts.len() > 1 && shown.cursor != Cursor::default() && !shown.at_end).then(|| parts.join(" · "))
 }
 
 /// Which pixel is explained, and how another one is.

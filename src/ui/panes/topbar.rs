@@ -21,6 +21,8 @@ pub struct Input<'a> {
     pub document: &'a Document,
     /// The first frame of the pair that the run stands on, if one does.
     pub at_frame: Option<usize>,
+    /// The parts of the run that it stands in, if the timeline does not say it.
+    pub place: Option<String>,
     /// What can be done just now.
     pub now: Situation,
     /// The names of the ladder.
@@ -137,6 +139,9 @@ fn title(ui: &mut Ui, input: &Input, actions: &mut Actions) {
         parameters::estimators_by_family(ui, parameters::Choosing::of_estimator(info.id), actions);
     });
     estimator.response.on_hover_text(info.summary);
+    if let Some(place) = input.place.as_ref().filter(|place| width(ui, place) + padding < ui.available_width()) {
+        ui.label(RichText::new(place).color(dim));
+    }
 }
 
 fn right(ui: &mut Ui, input: &Input, roomy: bool, actions: &mut Actions) {

@@ -100,7 +100,7 @@ impl Probe<'_> {
                     None => "Frame t has".to_owned(),
                 };
                 let (blocks, size) = (counted(self.pair.blocks.len(), "block"), self.pair.blocks.size);
-                said.text(format!("{level} {blocks} of {size}×{size} px. Each is to be matched in frame t+1."))
+                said.text(format!("{level} {blocks} of {size}×{size} px. Each is matched in frame t+1."))
             }
         }
     }
