@@ -7,7 +7,7 @@ use std::sync::Arc;
 use crate::base::{Observer, effort};
 use crate::data::{Clip, Frame};
 use crate::geometry::Bounds;
-use crate::methods::region::color::{Binning, Bins, Histogram};
+use crate::methods::region::color::{Binning, Bins, Histogram, ellipse_rows};
 use crate::methods::region::{At, RegionModel, Settings, Similarity};
 use crate::products::{Region, RegionFrame};
 use crate::run::{Info, Need};
@@ -208,7 +208,7 @@ fn mean_inside(bins: &mut Bins<'_>, projection: &[f32], region: Region) -> f32 {
 
 pseudocode! {
     CHOOSE: "R ← region of the object in the first frame",
-    BUILD_MODEL: "q ← hue histogram of R, divided by its largest bin",
+    BUILD_MODEL: "q ← hue histogram of the ellipse in R, divided by its largest bin",
     EACH_FRAME: "for each later frame t, from the last window W",
     PROJECT: "  P(x) ← q of the bin of pixel x: the back-projection",
     SHIFT: "  centre of W ← (M₁₀, M₀₁) / M₀₀ of P in W, until the shift < ε",
@@ -239,7 +239,8 @@ impl RegionModel for Camshift {
         let binning = self.binning(frame);
         let (mut bins, mut counts) = (Bins::new(frame, binning), vec![0.0; binning.count()]);
         bins.cover(region.bounds());
-        bins.rows(region.bounds(), |row, _, _| {
+        // Not of the whole box: the corners beside a round object are background, whose hue would spread the window over all of it.
+        ellipse_rows(&bins, region, |row, _, _| {
             for bin in row {
                 if let Some(count) = counts.get_mut(usize::from(*bin)) {
                     *count += 1.0;

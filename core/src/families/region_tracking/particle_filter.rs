@@ -84,6 +84,8 @@ pub struct Weighed {
     pub coefficients: Arc<Vec<f32>>,
     /// Number of particles outside the picture, with weight 0.
     pub outside: usize,
+    /// Whether any weight was above 0; otherwise all were set to 1/N.
+    pub is_weighted: bool,
 }
 
 /// A resampling.
@@ -127,7 +129,7 @@ impl ParticleFilter {
     }
 
     /// Multiplies the weights by the likelihoods and normalises them. Without any weight above 0 all become equal.
-    fn weigh(&self, model: &Model, frame: &Frame, particles: &mut [Particle]) -> (Vec<f32>, usize) {
+    fn weigh(&self, model: &Model, frame: &Frame, mut particles: Vec<Particle>) -> Weighed {
         let mut bins = Bins::new(frame, model.histogram.binning);
         let (width, height) = frame.size();
         let is_inside = |at: [f32; 2]| {
@@ -147,11 +149,14 @@ impl ParticleFilter {
             }
         };
         let coefficients: Vec<f32> = particles.iter().map(of).collect();
+        // Relative to the best: the common factor goes with the normalisation, and no large λ makes all of them underflow to 0.
+        let best = coefficients.iter().copied().fold(f32::NEG_INFINITY, f32::max);
         for (particle, coefficient) in particles.iter_mut().zip(&coefficients) {
-            particle.weight *= (-self.lambda * (1.0 - coefficient)).exp();
+            let is_inside = coefficient.is_finite();
+            particle.weight *= if is_inside { (-self.lambda * (best - coefficient)).exp() } else { 0.0 };
         }
-        cloud::normalize(particles);
-        (coefficients, outside)
+        let is_weighted = cloud::normalize(&mut particles);
+        Weighed { particles: Arc::new(particles), coefficients: Arc::new(coefficients), outside, is_weighted }
     }
 }
 
@@ -214,15 +219,13 @@ impl RegionModel for ParticleFilter {
         let mut particles = model.particles.to_vec();
         cloud::predict(draw, noise, &mut particles);
         observer.see(|| Event::Predicted(Arc::new(particles.clone())));
-        let (coefficients, outside) = self.weigh(model, frame, &mut particles);
-        let estimate = Estimate::of(&particles, &coefficients);
+        let weighed = self.weigh(model, frame, particles);
+        let particles = Arc::clone(&weighed.particles);
+        let estimate = Estimate::of(&particles, &weighed.coefficients);
         let effective = cloud::effective(&particles);
         Arc::make_mut(&mut model.effective).push(effective);
-        let particles = Arc::new(particles);
-        observer.see(|| {
-            let coefficients = Arc::new(coefficients.clone());
-            Event::Weighed(Weighed { particles: Arc::clone(&particles), coefficients, outside })
-        });
+        let is_lost = !weighed.is_weighted;
+        observer.see(|| Event::Weighed(weighed));
         observer.see(|| Event::Estimated(Arc::clone(&particles), Box::new(estimate)));
         observer.see(|| Event::Counted(Arc::clone(&particles), effective));
         model.particles = Arc::clone(&particles);
@@ -234,7 +237,7 @@ impl RegionModel for ParticleFilter {
                 Event::Resampled(Arc::new(Resampled { before: particles, copies, after }))
             });
         }
-        if outside == coefficients.len() {
+        if is_lost {
             return RegionFrame { region, similarity: 0.0, is_lost: true };
         }
         let size = model.size.map(|side| side * estimate.scale);

@@ -1,7 +1,8 @@
 //! Plots of trackers of a region: histograms, curves, and marks that several of them draw.
 
+use super::color::Histogram;
 use crate::products::Region;
-use crate::scene::{Picture, Role, Scene, Series, Shape};
+use crate::scene::{Picture, Role, Scene, Sentence, Series, Shape};
 
 /// The most bars of a histogram: more cannot be told apart.
 pub(crate) const BARS: usize = 32;
@@ -39,4 +40,13 @@ pub(crate) fn ellipse(scene: &mut Scene, (role, meaning): (Role, &'static str), 
     let shape = Shape::Ellipse { center: region.center, radii, angle_rad: region.angle_rad };
     scene.mark(Picture::CURRENT, role, shape);
     scene.legend(role, meaning);
+}
+
+/// Adds a warning to the sentence about a model if the region is flat, all of it in one bin.
+pub(crate) fn warned(said: Sentence, model: &Histogram) -> Sentence {
+    if model.support.len() == 1 {
+        said.text(" A flat region in one bin is told from its surroundings only where these have other bins.")
+    } else {
+        said
+    }
 }

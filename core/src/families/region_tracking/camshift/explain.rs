@@ -82,7 +82,7 @@ impl Camshift {
 fn modelled(model: &Model, said: Sentence) -> Sentence {
     let filled = model.histogram.support.len();
     let said = said.text("The ").ink(Role::Reference, "model q").text(format!(
-        " is the {} histogram of the region: {} of {} bins are filled",
+        " is the {} histogram of the ellipse in the region: {} of {} bins are filled",
         model.histogram.binning.name(),
         grouped(filled),
         grouped(model.projection.len())
@@ -92,7 +92,8 @@ fn modelled(model: &Model, said: Sentence) -> Sentence {
             ". No pixel is saturated and bright enough to have a hue, so nothing can be found; lower the minimum saturation or value.",
         )
     } else {
-        said.text(", and the fullest is scaled to 1.")
+        let said = said.text(", and the fullest is scaled to 1.");
+        plots::warned(said, &model.histogram)
     }
 }
 

@@ -19,7 +19,8 @@ impl MeanShift {
         match at.event {
             Event::Modelled(histogram) => {
                 let largest = histogram.largest(1).first().map_or(0.0, |bin| histogram.shares[*bin]);
-                said.text("The ")
+                let said = said
+                    .text("The ")
                     .ink(Role::Reference, "model q")
                     .text(format!(
                         " is the {} histogram of the ellipse: {} of {} bins are filled, the fullest with a share of {}. The \
@@ -28,7 +29,8 @@ impl MeanShift {
                         crate::base::words::grouped(histogram.support.len()),
                         crate::base::words::grouped(histogram.binning.count()),
                         ratio(largest.into())
-                    ))
+                    ));
+                plots::warned(said, histogram)
             }
             Event::Weighted(all) => weighted(&**all, said),
             Event::Weighed(_, shift) => self.weighed(at, shift, said),

@@ -87,14 +87,15 @@ pub fn predict(draw: Draw, noise: Noise, particles: &mut [Particle]) {
     }
 }
 
-/// Divides the weights by their sum; where that is 0 or not finite, all become equal.
-pub fn normalize(particles: &mut [Particle]) {
+/// Divides the weights by their sum; where that is 0 or not finite, all become equal. Returns whether it was sound.
+pub fn normalize(particles: &mut [Particle]) -> bool {
     let sum: f32 = particles.iter().map(|particle| particle.weight).sum();
     let count = particles.len() as f32;
     let is_sound = sum > 0.0 && sum.is_finite();
     for particle in particles {
         particle.weight = if is_sound { particle.weight / sum } else { 1.0 / count };
     }
+    is_sound
 }
 
 /// The effective sample size 1 / Σ w².
@@ -213,6 +214,36 @@ mod tests {
         }
     }
 
+    /// Copies by walking along the wheel from its start for every pointer (Arulampalam et al. 2002, algorithm 2).
+    fn plain(weights: &[f64], pointers: impl Iterator<Item = f64>) -> Vec<u32> {
+        let mut copies = vec![0; weights.len()];
+        for pointer in pointers {
+            let (mut particle, mut end) = (0, weights[0]);
+            while pointer >= end && particle + 1 < weights.len() {
+                particle += 1;
+                end += weights[particle];
+            }
+            copies[particle] += 1;
+        }
+        copies
+    }
+
+    #[test]
+    fn copies_are_those_of_a_walk_along_the_wheel() {
+        let mut particles = weights(&(1..=60).map(|i| (i * i % 23) as f32).collect::<Vec<_>>());
+        normalize(&mut particles);
+        let sum: f64 = particles.iter().map(|particle| f64::from(particle.weight)).sum();
+        let shares: Vec<f64> = particles.iter().map(|particle| f64::from(particle.weight) / sum).collect();
+        for step in 0..50 {
+            let draw = Draw { step, ..DRAW };
+            let start = draw.uniform(0);
+            let spaced = (0..60).map(|i| (f64::from(i) + start) / 60.0);
+            assert_eq!(copies(draw, Resampling::Systematic, &particles), plain(&shares, spaced), "step {step}");
+            let spins = (0..60).map(|i| draw.uniform(i));
+            assert_eq!(copies(draw, Resampling::Multinomial, &particles), plain(&shares, spins), "step {step}");
+        }
+    }
+
     #[test]
     fn multinomial_copies_are_right_on_average_and_vary_more() {
         let mut particles = weights(&[1.0, 2.0, 3.0, 4.0]);
@@ -235,11 +266,11 @@ mod tests {
     #[test]
     fn weights_without_a_sum_become_equal() {
         let mut particles = weights(&[0.0; 5]);
-        normalize(&mut particles);
+        assert!(!normalize(&mut particles), "no weight is above 0");
         assert!(particles.iter().all(|particle| particle.weight == 0.2));
         assert!((effective(&particles) - 5.0).abs() < 1e-5);
         let mut one = weights(&[0.0, 7.0, 0.0]);
-        normalize(&mut one);
+        assert!(normalize(&mut one));
         assert_eq!(effective(&one), 1.0);
     }
 }

@@ -31,12 +31,15 @@ impl ParticleFilter {
     pub(super) fn said(&self, at: &At<'_, Self>) -> Sentence {
         let said = Sentence::default();
         match at.event {
-            Event::Modelled(histogram) => said.text("The ").ink(Role::Reference, "model q").text(format!(
+            Event::Modelled(histogram) => {
+                let said = said.text("The ").ink(Role::Reference, "model q").text(format!(
                 " is the {} histogram of the ellipse, weighted by the Epanechnikov kernel: {} of {} bins are filled.",
                 histogram.binning.name(),
                 grouped(histogram.support.len()),
                 grouped(histogram.binning.count())
-            )),
+            ));
+                plots::warned(said, histogram)
+            }
             Event::Scattered(particles) => said
                 .ink(Role::Predicted, format!("{} particles", grouped(particles.len())))
                 .text(format!(
@@ -66,12 +69,13 @@ impl ParticleFilter {
     }
 
     fn weighed(&self, weighed: &Weighed, said: Sentence) -> Sentence {
-        let Weighed { particles, coefficients, outside } = weighed;
+        let Weighed { particles, coefficients, outside, is_weighted } = weighed;
         let count = particles.len();
-        if *outside == count {
+        if !is_weighted {
             return said.text(format!(
-                "All {} particles lie outside the picture, so every weight is 0. The weights are set to 1/N = {}, and the estimate is \
-                 not used.",
+                "{} of {} particles lie outside the picture, and none inside has a weight above 0. The weights are set to 1/N = {}, and \
+                 the estimate is not used: the object is lost.",
+                grouped(*outside),
                 grouped(count),
                 fixed(1.0 / count as f64, 4)
             ));
