@@ -250,6 +250,8 @@ fn rows_of_objects() {
     let (detections, tracks) = (rows(-1), rows(3));
     survive("det.txt", |random| mistaken(&detections, random), clip);
     survive("gt.txt", |random| mistaken(&tracks, random), truth);
+    let regions = (1..7).map(|t| format!("{t}.5,20,30,40\n{t},2,9.5,3,12,14,4,15\n")).collect::<String>();
+    survive("groundtruth.txt", |random| mistaken(&regions, random), truth);
     survive(
         "given.txt",
         |random| mistaken(&detections, random),

@@ -200,7 +200,8 @@ fn every_estimator(folder: &Path) {
     let sessions = tempfile::tempdir().expect("a folder");
     for estimator in estimators() {
         let id = estimator.info().id;
-        let clip = if estimator.guarantee() == Guarantee::Objects { "synth:traffic" } else { "synth:pillar" };
+        let has_objects = matches!(estimator.guarantee(), Guarantee::Objects | Guarantee::Region);
+        let clip = if has_objects { "synth:traffic" } else { "synth:pillar" };
         for (place, step) in [("middle", "3.9"), ("end", "end")] {
             let path = sessions.path().join(format!("{id}-{place}.motionscope"));
             let step = if step == "end" { "0.0" } else { step };

@@ -6,7 +6,9 @@ use std::sync::Arc;
 use criterion::{Criterion, criterion_group, criterion_main};
 use motionscope_core::kalman::{Estimate, Sensor, Velocity};
 use motionscope_core::objects::score::scores;
-use motionscope_core::{Bounds, Clip, Detection, Error, Flow, ObjectBox, ObjectField, Threads, Truth, estimator};
+use motionscope_core::{
+    Bounds, Clip, Detection, Error, Flow, Frame, Grid, ObjectBox, ObjectField, Threads, Truth, estimator,
+};
 use nalgebra::{SMatrix, Vector2, Vector4};
 
 /// A time step and a measurement of a filter with four numbers, of which two are measured.
@@ -112,5 +114,37 @@ fn many(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, filter, tracker, many);
+/// An object of 64×64 px that moves by 3 px/frame before a background, both with colour and texture.
+fn region(frames: usize) -> Clip {
+    let frame = |t: usize| {
+        let left = 200 + 3 * t;
+        Frame::rgb(Grid::from_fn(640, 480, |x, y| {
+            let shade = (60.0 * chance(x, y)) as u8;
+            let is_inside = (left..left + 64).contains(&x) && (180..244).contains(&y);
+            if is_inside { [180 + shade, 40 + shade, 60] } else { [80 + shade, 110, 60 + shade] }
+        }))
+    };
+    Clip::from_frames("region", (0..frames).map(frame).collect()).expect("frames of one size")
+}
+
+/// Trackers of one region, for each frame but the first, which has its start.
+fn of_one_region(c: &mut Criterion) {
+    const FRAMES: usize = 21;
+    let (clip, pool) = (region(FRAMES), Threads::single());
+    for (id, settings) in [
+        ("mean-shift", &[][..]),
+        ("camshift", &[]),
+        ("particle-filter", &[("particles", "1000")]),
+        ("correlation-filter", &[]),
+    ] {
+        let mut tracker = estimator(id).expect("it is registered");
+        tracker.set("region", "199.5,179.5,263.5,243.5").expect("a region");
+        settings.iter().for_each(|(name, value)| tracker.set(name, value).expect("in range"));
+        c.bench_function(&format!("{id}, 64×64 px, VGA, {} frames", FRAMES - 1), |b| {
+            b.iter(|| tracker.run(&clip, 0, &pool).expect("a run"));
+        });
+    }
+}
+
+criterion_group!(benches, filter, tracker, many, of_one_region);
 criterion_main!(benches);

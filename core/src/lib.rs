@@ -90,15 +90,17 @@ pub use data::{
     Blob, Clip, ClipInfo, Counted, Detection, Flow, Frame, FrameSource, Histogram, Interpolation, Mask, MaskErrors,
     ObjectBox, PackedMask, PixelClass, TrueMask, Truth,
 };
-pub use families::{block_matching, correspondence, interest_points, moving_objects, optical_flow, tracking};
+pub use families::{
+    block_matching, correspondence, interest_points, moving_objects, optical_flow, region_tracking, tracking,
+};
 pub use geometry::{Border, Bounds, Gray, Grid};
 pub use methods::{geometric, kalman};
 pub use params::{Params, Spec, Value};
 pub use products::{
     Agreement, Block, BlockField, BlockGrid, BlockVector, Coding, Confidence, Consistency, DenseField, Descriptor,
     EpipolarField, Feature, Followed, Keypoint, MaskField, Match, MatchField, MatchStatus, Model, ModelField, Object,
-    ObjectField, ObjectFrame, Output, PathField, PointField, Product, ProductKind, Status, Streak, Streaks, Track,
-    TrackField, TrackStatus, metrics, predict, table,
+    ObjectField, ObjectFrame, Output, PathField, PointField, Product, ProductKind, Region, RegionField, RegionFrame,
+    Status, Streak, Streaks, Track, TrackField, TrackStatus, metrics, predict, table,
 };
 pub use run::{
     AnyEstimator, AnyRun, Beside, CandidateCount, Cursor, Direction, Estimator, Explained, Extent, FRAMES, Footprint,

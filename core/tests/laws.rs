@@ -11,8 +11,8 @@ use motionscope_core::scene::Focus;
 use motionscope_core::stage::value_of;
 use motionscope_core::{
     AnyEstimator, BlockField, Bounds, Clip, Cursor, DenseField, Detection, Direction, Explained, Followed, Frame, Grid,
-    Guarantee, Move, ObjectBox, ObjectField, Output, PointField, ProductKind, Scene, Step, Stop, Threads, TrackStatus,
-    Walk, effort, estimators,
+    Guarantee, Move, ObjectBox, ObjectField, Output, PointField, ProductKind, RegionField, Scene, Step, Stop, Threads,
+    TrackStatus, Walk, effort, estimators,
 };
 use proptest::prelude::*;
 
@@ -414,6 +414,7 @@ fn known_translations_are_recovered_as_far_as_promised() {
             | Guarantee::Places
             | Guarantee::SubPixelPlaces { .. }
             | Guarantee::Objects
+            | Guarantee::Region
             | Guarantee::AlongGradient => return,
         };
         for motion in [(0, 0), (2, -1), (-2, 2)] {
@@ -533,6 +534,26 @@ fn what_moves_before_a_background_is_found_in_its_place() {
             assert!(best >= 0.5, "{id}: {places:?} where {truth:?} is");
         }
     }
+}
+
+#[test]
+fn a_given_region_stays_on_its_object() {
+    let mut ran = 0;
+    for mut estimator in estimators().into_iter().filter(|estimator| estimator.guarantee() == Guarantee::Region) {
+        let (clip, bounds) = square_on_background(24);
+        let Bounds { min: [x, y], max: [u, v] } = bounds[0];
+        estimator.set("region", &format!("{x},{y},{u},{v}")).expect("a region");
+        let output = estimator.run(&clip, 0, &Threads::single()).unwrap();
+        let field = output.get::<RegionField>().expect("a region");
+        let id = estimator.info().id;
+        assert_eq!((field.first, field.frames.len(), field.objects().frames.len()), (0, 24, 24), "{id}");
+        for (t, (frame, truth)) in field.frames.iter().zip(&bounds).enumerate() {
+            let overlap = frame.region.bounds().iou(truth);
+            assert!(overlap >= 0.5 && !frame.is_lost, "{id}, frame {t}: {frame:?} where {truth:?} is");
+        }
+        ran += 1;
+    }
+    assert_eq!(ran, 4);
 }
 
 #[test]
@@ -752,11 +773,12 @@ proptest! {
             }
             let clip = clip_for(&*estimator, moving(30, 26, (1, -1), 2));
             if let Err(error) = estimator.walk(&clip, 0) {
-                // A pyramid of so many levels has no room for a block. It says so, and one of two levels has. A template may be
-                // placed beside the picture; one that is chosen automatically is not.
+                // A pyramid of so many levels has no room for a block. It says so, and one of two levels has. A template or a region may
+                // be placed beside the picture; one that is chosen automatically is not.
                 let told = error.to_string();
-                if told.contains("set template to none") {
-                    estimator.set("template", "none").expect("no template");
+                let placed = ["template", "region"].into_iter().find(|name| told.contains(&format!("set {name} to none")));
+                if let Some(placed) = placed {
+                    estimator.set(placed, "none").expect("nothing placed");
                 } else {
                     prop_assert!(told.contains("levels the coarsest is smaller than a block"), "{error}");
                     estimator.set("levels", "2").expect("a pyramid");

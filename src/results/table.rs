@@ -3,7 +3,7 @@
 use motionscope_core::table::Table;
 use motionscope_core::{
     BlockField, DenseField, EpipolarField, Error, MaskField, MatchField, ModelField, ObjectField, Output, PathField,
-    PointField, Product, TrackField,
+    PointField, Product, RegionField, TrackField,
 };
 
 use super::{EncodedFiles, Export, Format};
@@ -25,6 +25,7 @@ pub const EXPORT: Export = Export {
         PathField::KIND,
         ObjectField::KIND,
         MaskField::KIND,
+        RegionField::KIND,
     ],
     folder: None,
     formats: &[Format { ending: "csv", doc: "CSV", encode }],

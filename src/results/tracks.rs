@@ -1,6 +1,8 @@
 //! The tracks of objects, as MOTChallenge rows, as a table and as an array.
 
-use motionscope_core::{Error, Followed, Object, ObjectField, Output, Product, TrackStatus};
+use std::borrow::Cow;
+
+use motionscope_core::{Error, Followed, Object, ObjectField, Output, Product, RegionField, TrackStatus};
 
 use super::{EncodedFiles, Export, Format, table};
 use crate::media::export::{mot_rect, npy_of};
@@ -11,31 +13,34 @@ pub const EXPORT: Export = Export {
     help: "Save the tracks: .txt as MOTChallenge rows, .csv with units, or .npy; `-` is standard output",
     name: "Tracks",
     explained: "The tracks: position and box of each object in each frame.",
-    takes: &[ObjectField::KIND],
+    takes: &[ObjectField::KIND, RegionField::KIND],
     folder: None,
     formats: &[
         Format {
             ending: "txt",
             doc: "MOTChallenge rows, for other evaluation programs",
-            encode: |output| mot(field(output)?).map(EncodedFiles::file),
+            encode: |output| mot(&*field(output)?).map(EncodedFiles::file),
         },
         Format { ending: "csv", doc: "CSV, one row per object and frame", encode: as_csv },
         Format {
             ending: "npy",
             doc: "NPY, an array for NumPy",
-            encode: |output| tracked(output).map(|field| EncodedFiles::file(npy(field))),
+            encode: |output| tracked(output).map(|field| EncodedFiles::file(npy(&field))),
         },
     ],
 };
 
-fn field(output: &Output) -> Result<&ObjectField, Error> {
-    output.get().ok_or_else(|| Error::new("this result has no objects; choose a tracker"))
+/// The objects of a result; a tracked region is one of them.
+fn field(output: &Output) -> Result<Cow<'_, ObjectField>, Error> {
+    let region = || output.get::<RegionField>().map(|field| Cow::Owned(field.objects()));
+    let field = output.get().map(Cow::Borrowed).or_else(region);
+    field.ok_or_else(|| Error::new("this result has no objects; choose a tracker"))
 }
 
 /// The objects, where these are tracked.
-fn tracked(output: &Output) -> Result<&ObjectField, Error> {
+fn tracked(output: &Output) -> Result<Cow<'_, ObjectField>, Error> {
     let field = field(output)?;
-    mot(field).map(|_| field)
+    mot(&field).map(|_| field)
 }
 
 fn as_csv(output: &Output) -> Result<EncodedFiles, Error> {
@@ -93,7 +98,7 @@ mod tests {
 
     use motionscope_core::objects::trajectory::{Places, Trajectory};
     use motionscope_core::params::{Line, Zones};
-    use motionscope_core::{Blob, Bounds, Detection, ObjectFrame};
+    use motionscope_core::{Blob, Bounds, Detection, ObjectFrame, Region, RegionFrame};
 
     use super::*;
 
@@ -132,6 +137,18 @@ mod tests {
         assert_eq!(mot(&field()), Ok("6,3,1,11,4,2.5,1,-1,-1,-1\n".into()));
         let nobody = ObjectField { followed: Followed::Nothing, ..field() };
         assert!(mot(&nobody).unwrap_err().to_string().contains("choose a tracker"));
+    }
+
+    #[test]
+    fn a_tracked_region_is_one_object() {
+        let at = |x: f32, is_lost| {
+            let region = Region { center: [x, 8.0], size: [6.0, 4.0], angle_rad: 0.0 };
+            RegionFrame { region, similarity: 0.9, is_lost }
+        };
+        let frames = vec![at(5.0, false), at(6.5, false), at(6.5, true)];
+        let output = Output::of(RegionField { picture: (32, 24), first: 2, object: Some(7), frames });
+        let rows = mot(&super::field(&output).expect("a track")).expect("a track");
+        assert_eq!(rows, "3,1,3.5,7.5,6,4,1,-1,-1,-1\n4,1,5,7.5,6,4,1,-1,-1,-1\n", "where it is lost is no result");
     }
 
     #[test]

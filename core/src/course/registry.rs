@@ -18,10 +18,12 @@ use crate::families::{
     optical_flow::{
         Clg, Farneback, HornSchunck, Klt, LucasKanade, NormalFlow, PointTrajectories, PyramidalLucasKanade, TvL1,
     },
+    region_tracking::{Camshift, CorrelationFilter, MeanShift, ParticleFilter},
     tracking::{BlobTracker, KalmanFilter, KalmanTracker, TrajectoryAnalysis},
 };
 use crate::methods::{
-    features::Corners, geometric::robust::Robust, subtraction::Subtraction, variational::Variational,
+    features::Corners, geometric::robust::Robust, region::RegionTracking, subtraction::Subtraction,
+    variational::Variational,
 };
 use crate::run::{AnyEstimator, Course, Entries, Entry};
 
@@ -76,6 +78,10 @@ impl Entries for Course {
         Entry::of::<KalmanFilter>(),
         Entry::of::<KalmanTracker>(),
         Entry::of::<TrajectoryAnalysis>(),
+        Entry::of::<RegionTracking<MeanShift>>(),
+        Entry::of::<RegionTracking<Camshift>>(),
+        Entry::of::<RegionTracking<ParticleFilter>>(),
+        Entry::of::<RegionTracking<CorrelationFilter>>(),
     ];
 }
 

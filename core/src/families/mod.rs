@@ -5,4 +5,5 @@ pub mod correspondence;
 pub mod interest_points;
 pub mod moving_objects;
 pub mod optical_flow;
+pub mod region_tracking;
 pub mod tracking;

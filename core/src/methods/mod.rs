@@ -12,6 +12,7 @@ pub mod matching;
 pub mod multi_object;
 pub(crate) mod numbers;
 pub mod polynomial;
+pub mod region;
 pub mod scale_space;
 pub mod subtraction;
 pub mod variational;

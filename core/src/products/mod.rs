@@ -21,6 +21,7 @@ pub mod path;
 mod prediction;
 mod product;
 mod record;
+pub mod region;
 pub mod registration;
 mod repeatability;
 mod streaks;
@@ -44,6 +45,7 @@ pub use path::{PathField, Views};
 pub use prediction::{PSNR, predict};
 pub use product::{AnyProduct, Confidence, Motion, Product, ProductKind, Tested};
 pub use record::Record;
+pub use region::{Region, RegionField, RegionFrame};
 pub use repeatability::{Repeatability, TOLERANCE_PX, repeatability, repeatability_in_flow};
 pub use streaks::{Streak, Streaks};
 pub use table::{Cell, Table};
@@ -61,6 +63,7 @@ pub const KINDS: &[&ProductKind] = &[
     PathField::KIND,
     MaskField::KIND,
     ObjectField::KIND,
+    RegionField::KIND,
 ];
 
 #[cfg(test)]

@@ -62,6 +62,8 @@ pub enum Guarantee {
     },
     /// Moving objects before a static background; no displacement.
     Objects,
+    /// The object whose region is given in the first frame, before a background of other colours; no displacement.
+    Region,
     /// The normal flow of a sub-pixel translation, on smooth texture.
     AlongGradient,
 }

@@ -246,7 +246,8 @@ fn panned(frames: usize) -> Clip {
 /// Walks through all runs of an estimator.
 fn seen(estimator: &dyn AnyEstimator, [parts, objects]: [&Clip; 2]) -> Seen {
     let mut seen = Seen::default();
-    let clip = if estimator.guarantee() == Guarantee::Objects { objects } else { parts };
+    let has_objects = matches!(estimator.guarantee(), Guarantee::Objects | Guarantee::Region);
+    let clip = if has_objects { objects } else { parts };
     for setting in settings(estimator) {
         match setting.walk(clip, 0) {
             Ok(mut walk) => seen.walk(&mut *walk),

@@ -5,9 +5,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use motionscope_core::{Error, Truth};
+use motionscope_core::{Error, ObjectBox, Truth};
 
-use super::{Files, Objects, Subject, field, file_error, mot};
+use super::{Files, Objects, Subject, field, file_error, mot, region};
 use crate::media::export::is_result;
 use crate::media::input::Node;
 use crate::media::names::{Numbered, extension, file_name, natural_order, stem};
@@ -45,7 +45,7 @@ pub(crate) fn beside(subject: &Subject) -> Found {
         files.foregrounds = foregrounds;
     }
     if let Some(path) = objects {
-        match mot::read(&path) {
+        match tracks(&path) {
             Ok(frames) => files.objects = Some(Objects { path, frames }),
             Err(why) => _ = accept(Err(why)),
         }
@@ -56,6 +56,13 @@ pub(crate) fn beside(subject: &Subject) -> Found {
         found.truth = Some(Arc::new(files));
     }
     found
+}
+
+/// The objects in a table of tracks, or of the region of one object.
+fn tracks(path: &Path) -> Result<BTreeMap<usize, Vec<ObjectBox>>, Error> {
+    let text = mot::text(path)?;
+    let is_named = REGIONS.iter().any(|name| file_name(path).eq_ignore_ascii_case(name));
+    if is_named || region::is_region(&text) { region::of_text(path, &text) } else { mot::of_text(path, &text) }
 }
 
 /// Tells of results that lie where truth is looked for.
@@ -85,13 +92,13 @@ pub(crate) fn open(path: &Path, subject: &Subject) -> Result<Arc<dyn Truth>, Err
         Node::Stream => Error::new(format!("{why}; a flow cannot come from a pipe, because it is read more than once")),
         _ => why,
     };
-    let read = |path: PathBuf| mot::read(&path).map(|frames| Objects { path, frames }).map_err(about);
+    let read = |path: PathBuf| tracks(&path).map(|frames| Objects { path, frames }).map_err(about);
     let objects = objects.map(read).transpose()?;
     let mut files = Files { flows, occlusions, foregrounds, objects, ..Files::new(subject.size) };
     if files.is_empty() {
         return Err(file_error(
             path,
-            "the folder holds no ground truth: no gt.txt, and no flow or mask numbered like a frame",
+            "the folder holds no ground truth: no gt.txt or groundtruth.txt, and no flow or mask numbered like a frame",
         ));
     }
     check(&files.flows, field::check_flow, subject)?;
@@ -190,13 +197,18 @@ const FOREGROUNDS: Places =
     Places { inside: &["foreground", "groundtruth"], beside: &["groundtruth"], across: &[], word: "gt" };
 /// The table of objects.
 const TRACKS: &str = "gt.txt";
+/// The tables of the region of one object in the folder of the frames or in the one above, as VOT and OTB have them.
+const REGIONS: [&str; 2] = ["groundtruth.txt", "groundtruth_rect.txt"];
+/// The folders of frames of these benchmarks.
+const FRAMES_OF_REGIONS: [&str; 2] = ["color", "img"];
 
 /// Whether truth of some clip may be looked for at `path`, going by its name and its folders.
 pub(crate) fn is_place(path: &Path) -> bool {
     let folder = fs::canonicalize(parent(path)).unwrap_or_else(|_| parent(path).into());
     let mut above = folder.ancestors().map(|folder| file_name(folder).to_lowercase());
     let [folder, beyond] = [above.next(), above.next()].map(Option::unwrap_or_default);
-    file_name(path).eq_ignore_ascii_case(TRACKS)
+    let is_table = |name: &&str| file_name(path).eq_ignore_ascii_case(name);
+    [TRACKS].iter().chain(&REGIONS).any(is_table)
         || [FLOWS, OCCLUSIONS, FOREGROUNDS].iter().any(|Places { inside, beside, across, word }| {
             inside.iter().chain(*beside).any(|name| **name == folder)
                 || across.iter().any(|name| **name == beyond)
@@ -278,7 +290,10 @@ impl Search<'_> {
         let above = if folder.ends_with("img1") || folder.ends_with("det") { folder.parent() } else { None };
         let folders = [Some(folder), above].into_iter().flatten();
         let files = folders.flat_map(|folder| [folder.join(TRACKS), folder.join("gt").join(TRACKS)]);
-        self.known(files.filter(|file| file.is_file())).into_iter().next()
+        let above = folder.parent().filter(|_| FRAMES_OF_REGIONS.iter().any(|name| folder.ends_with(name)));
+        let folders = [Some(folder), above].into_iter().flatten();
+        let regions = folders.flat_map(|folder| REGIONS.map(|name| folder.join(name)));
+        self.known(files.chain(regions).filter(|file| file.is_file())).into_iter().next()
     }
 }
 
@@ -462,6 +477,34 @@ mod tests {
         assert!(truth.occlusion(1).unwrap().unwrap().cells().iter().all(|&hidden| hidden));
         assert_eq!(truth.objects(1).unwrap(), Some(vec![object]));
         assert_eq!(truth.objects(4).unwrap(), Some(vec![]));
+    }
+
+    #[test]
+    fn the_region_of_one_object_lies_where_vot_and_otb_have_it() {
+        for (frames, table) in
+            [("color", "groundtruth.txt"), ("img", "groundtruth_rect.txt"), ("clip", "clip/groundtruth.txt")]
+        {
+            let folder = tempfile::tempdir().unwrap();
+            pictures(&folder.path().join(frames));
+            put(folder.path(), table, "1,1,3,2\n1,1,3,1,3,3,1,3\n");
+            let clip = open(&folder.path().join(frames));
+            let object = |width, height| ObjectBox { id: 1, x: -0.5, y: -0.5, width, height, visibility: 1.0 };
+            let truth = clip.truth().expect("a truth");
+            assert_eq!(truth.kinds(), ["objects"]);
+            assert_eq!(truth.objects(0).unwrap(), Some(vec![object(3.0, 2.0)]));
+            assert_eq!(truth.objects(1).unwrap(), Some(vec![object(2.0, 2.0)]));
+            assert_eq!(truth.objects(2).unwrap(), Some(vec![]));
+            // By hand, under any name, where a line has four numbers.
+            put(folder.path(), "boxes.txt", "2,2,2,2\n");
+            let options = Open::from(Given { truth: Some(folder.path().join("boxes.txt")), detections: None });
+            let clip = media::open(&folder.path().join(frames), &options).unwrap();
+            assert_eq!(clip.truth().unwrap().objects(0).unwrap().unwrap()[0].x, 0.5);
+        }
+        let folder = tempfile::tempdir().unwrap();
+        pictures(folder.path());
+        put(folder.path(), "groundtruth.txt", "1,1,3\n");
+        let told = open(folder.path()).info().warnings.join("\n");
+        assert!(told.contains("groundtruth.txt: line 1: 3 values"), "{told}");
     }
 
     #[test]

@@ -3,6 +3,7 @@
 mod field;
 mod find;
 pub(super) mod mot;
+mod region;
 mod subject;
 
 use std::collections::{BTreeMap, VecDeque};

@@ -40,20 +40,20 @@ pub(crate) struct Row {
     visibility: f32,
 }
 
-/// The objects of each frame in the `gt.txt` at `path`, by identity; frames counted from 0.
+/// The objects of each frame in the text of the `gt.txt` at `path`, by identity; frames counted from 0.
 ///
 /// Rows that the benchmark does not count (confidence 0) are left out.
 ///
 /// # Errors
 /// A sentence that names the line if a row cannot be understood.
-pub fn read(path: &Path) -> Result<BTreeMap<usize, Vec<ObjectBox>>, Error> {
-    objects(&text(path)?).map_err(|why| file_error(path, why))
+pub(super) fn of_text(path: &Path, text: &str) -> Result<BTreeMap<usize, Vec<ObjectBox>>, Error> {
+    objects(text).map_err(|why| file_error(path, why))
 }
 
 /// All rows of the table at `path`, in its order.
 ///
 /// # Errors
-/// As [`read`].
+/// As [`of_text`].
 pub(crate) fn rows(path: &Path) -> Result<Vec<Row>, Error> {
     parse(&text(path)?).map_err(|why| file_error(path, why))
 }
@@ -68,7 +68,8 @@ pub(crate) fn is_object(line: &str) -> bool {
     row(1, line).is_ok_and(|row| row.id.is_some())
 }
 
-fn text(path: &Path) -> Result<String, Error> {
+/// The text of a table, if it is not too large for one.
+pub(super) fn text(path: &Path) -> Result<String, Error> {
     Node::of(path).map_err(|why| file_error(path, why))?;
     let mut text = String::new();
     let file = File::open(path).map_err(|e| file_error(path, cannot_read(&e)))?;

@@ -76,6 +76,12 @@ pub static GLOSSARY: &[Term] = &[
         all lags but 0.",
     ),
     term(
+        Trajectories,
+        "back-projection",
+        &["back-projected histogram"],
+        "The image in which each pixel has the value of its histogram bin in the model of an object, high where the colours of the object are.",
+    ),
+    term(
         MovingObjects,
         "background model",
         &["background models", "background image"],
@@ -88,6 +94,13 @@ pub static GLOSSARY: &[Term] = &[
         &["background differencing"],
         "The detection of moving objects as the pixels of a frame that differ from a background model.",
     ),
+    term(
+        Trajectories,
+        "Bhattacharyya coefficient",
+        &[],
+        "The similarity of two histograms p and q, the sum of √(p q) over all bins: 1 for equal histograms, 0 for those without a common bin.",
+    )
+    .symbol("ρ"),
     term(
         MotionVectors,
         "bilinear interpolation",
@@ -522,6 +535,12 @@ pub static GLOSSARY: &[Term] = &[
         structure tensor is large and one small.",
     ),
     term(
+        Trajectories,
+        "effective sample size",
+        &[],
+        "The number of particles of equal weight that represent a distribution as well as the weighted ones do, 1 divided by the sum of the squared weights.",
+    ),
+    term(
         DynamicScenes,
         "egomotion",
         &["ego-motion", "camera motion"],
@@ -571,6 +590,12 @@ pub static GLOSSARY: &[Term] = &[
         p.",
     )
     .symbol("H"),
+    term(
+        Trajectories,
+        "Epanechnikov kernel",
+        &[],
+        "The weight 1 − r² of a pixel at distance r from the centre of an ellipse with radius 1, so that pixels near its border count little.",
+    ),
     term(
         InterestPoints,
         "epipolar constraint",
@@ -1582,6 +1607,12 @@ pub static GLOSSARY: &[Term] = &[
         better.",
     ),
     term(
+        Trajectories,
+        "peak-to-sidelobe ratio",
+        &["PSR"],
+        "The height of a correlation peak above the mean of the response around it, in standard deviations of that; low under occlusion.",
+    ),
+    term(
         DifferentialMethods,
         "penalty function",
         &["robust penalty", "penalizer", "penaliser", "robust penalty function"],
@@ -1728,6 +1759,12 @@ pub static GLOSSARY: &[Term] = &[
         "repeatability",
         &["repeatable"],
         "The share of keypoints of one frame that are detected again at the corresponding positions of another.",
+    ),
+    term(
+        Trajectories,
+        "resampling of particles",
+        &["systematic resampling", "multinomial resampling"],
+        "The drawing of particles in proportion to their weights, which duplicates heavy ones and removes light ones, against degeneracy.",
     ),
     term(
         DynamicScenes,
@@ -1929,6 +1966,12 @@ pub static GLOSSARY: &[Term] = &[
         "sub-pixel accuracy",
         &["sub-pixel", "subpixel", "sub-pixel refinement", "half-pixel", "quarter-pixel"],
         "Displacements finer than one px, found by interpolation of the image or of the cost.",
+    ),
+    term(
+        Evaluation,
+        "success plot",
+        &["success curve"],
+        "The share of frames whose overlap with the true box exceeds a threshold, over thresholds from 0 to 1; its area is a score of a tracker.",
     ),
     term(
         MotionVectors,

@@ -9,6 +9,7 @@ mod flag;
 mod flat_wall;
 mod flicker;
 mod hand_held;
+mod leaves;
 mod parallax;
 mod passing_bus;
 mod pillar;
@@ -16,6 +17,7 @@ mod spin_zoom;
 mod sub_pixel;
 mod traffic;
 mod translation;
+mod tunnel;
 mod wallpaper;
 
 use super::Sample;
@@ -37,4 +39,6 @@ pub const SCENES: &[Sample] = &[
     hand_held::SAMPLE,
     passing_bus::SAMPLE,
     flag::SAMPLE,
+    tunnel::SAMPLE,
+    leaves::SAMPLE,
 ];

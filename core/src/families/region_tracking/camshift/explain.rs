@@ -1,0 +1,224 @@
+//! The explanation and the drawing of CamShift.
+
+use super::{At, Bins, Camshift, Event, Model, Resized, Shift};
+use crate::base::words::{fixed, grouped, place};
+use crate::data::Frame;
+use crate::geometry::{Bounds, Grid};
+use crate::methods::numbers::{px, ratio};
+use crate::methods::region::color::Area;
+use crate::methods::region::plots;
+use crate::scene::{Arrow, Fact, Math, Picture, Readout, Role, Scene, Sentence, Shape};
+
+/// The back-projection is drawn this far around the window, in px.
+const AROUND_PX: f32 = 24.0;
+
+fn degrees(angle_rad: f32) -> String {
+    format!("{}°", fixed(angle_rad.to_degrees().into(), 1))
+}
+
+fn size([width, height]: [f32; 2]) -> String {
+    format!("{}×{} px", px(width.into()), px(height.into()))
+}
+
+impl Camshift {
+    pub(super) fn said(&self, at: &At<'_, Self>) -> Sentence {
+        let said = Sentence::default();
+        match at.event {
+            Event::Modelled(model) => modelled(model, said),
+            Event::Projected(_, window) => said
+                .text("Back-projection: each pixel takes the value of its bin in the ")
+                .ink(Role::Reference, "model q")
+                .text(format!(
+                    ", 1 for the commonest hue of the object. The search starts in the last window, {}.",
+                    size(window.size())
+                )),
+            Event::Shifted(_, shift) => self.shifted(shift, said),
+            Event::Resized(_, resized) => self.resized(resized, said),
+        }
+    }
+
+    fn shifted(&self, shift: &Shift, said: Sentence) -> Sentence {
+        let Some(by) = shift.by else {
+            return said
+                .text("The zeroth moment is 0: no pixel of the window has a hue of the object, so the window stays.");
+        };
+        let said = said
+            .text(format!("The window has a zeroth moment of {}. Its centroid is a shift of ", fixed(shift.mass, 1)))
+            .ink(Role::Best, format!("{} px", place(by)))
+            .text(format!(", {} px long: ", px(shift.length().into())));
+        let epsilon = px(self.epsilon.into());
+        if shift.length() < self.epsilon {
+            said.text(format!("shorter than ε = {epsilon} px, converged."))
+        } else if shift.iteration == self.iterations {
+            said.text(format!("the limit of {} shifts is reached.", self.iterations))
+        } else {
+            said.text(format!(
+                "not shorter than ε = {epsilon} px, so the window moves and the moments are computed anew."
+            ))
+        }
+    }
+
+    fn resized(&self, resized: &Resized, said: Sentence) -> Sentence {
+        let Resized { window, region, similarity, .. } = resized;
+        let said = said
+            .text(format!("The second moments in the window with its margin of {} px give an ellipse of ", self.margin))
+            .ink(Role::Best, size(region.size))
+            .text(format!(
+                " turned by {}. Its mean back-projection is {}: ",
+                degrees(region.angle_rad),
+                ratio((*similarity).into())
+            ));
+        let grown = region.bounds().area() / window.area();
+        said.text(if *similarity < 0.25 {
+            "most pixels inside have another hue, so the window is spread over scattered pixels."
+        } else if grown > 0.9 {
+            "the hue reaches to the border of the window, which will grow further."
+        } else {
+            "the object fills it, and the window of the next frame is the box around it."
+        })
+    }
+}
+
+fn modelled(model: &Model, said: Sentence) -> Sentence {
+    let filled = model.histogram.support.len();
+    let said = said.text("The ").ink(Role::Reference, "model q").text(format!(
+        " is the {} histogram of the ellipse in the region: {} of {} bins are filled",
+        model.histogram.binning.name(),
+        grouped(filled),
+        grouped(model.projection.len())
+    ));
+    if filled == 0 {
+        said.text(
+            ". No pixel is saturated and bright enough to have a hue, so nothing can be found; lower the minimum saturation or value.",
+        )
+    } else {
+        let said = said.text(", and the fullest is scaled to 1.");
+        plots::warned(said, &model.histogram)
+    }
+}
+
+pub(super) fn facts(at: &At<'_, Camshift>) -> Vec<Fact> {
+    match at.event {
+        Event::Shifted(_, shift) => vec![
+            Fact::new("Shift", shift.iteration.to_string(), None),
+            Fact::new("Zeroth moment M₀₀", fixed(shift.mass, 1), None),
+        ],
+        Event::Resized(_, resized) => {
+            let [xx, xy, yy] = resized.moments.covariance().unwrap_or_default();
+            vec![
+                Fact::new("Axes", size(resized.region.size), Some(Role::Best)),
+                Fact::new("Angle", degrees(resized.region.angle_rad), None),
+                Fact::new("Variances along x, y", format!("{}, {} px²", fixed(xx, 1), fixed(yy, 1)), None),
+                Fact::new("Covariance", format!("{} px²", fixed(xy, 1)), None),
+            ]
+        }
+        Event::Modelled(_) | Event::Projected(..) => Vec::new(),
+    }
+}
+
+pub(super) fn readouts(at: &At<'_, Camshift>) -> Vec<Readout> {
+    let moment = |index: &str| Math::indexed(Math::Var("M"), Math::text(index));
+    let ratio_of = |over: &str| Math::over(moment(over), moment("00"));
+    match at.event {
+        Event::Modelled(model) => vec![of_model(model)],
+        Event::Projected(..) => at.model.map(of_model).into_iter().collect(),
+        Event::Shifted(_, shift) => {
+            let center = shift.by.map(|by| [0, 1].map(|i| shift.window.center()[i] + by[i]));
+            let mut parts = vec![
+                Math::text("("),
+                Math::Var("x"),
+                Math::text(", "),
+                Math::Var("y"),
+                Math::text(") = ("),
+                ratio_of("10"),
+                Math::text(", "),
+                ratio_of("01"),
+                Math::text(")"),
+            ];
+            parts.extend(center.map(|at| Math::ink(Role::Best, format!(" = {} px", place(at)))));
+            vec![Readout::Equation(vec![Math::Row(parts)])]
+        }
+        Event::Resized(_, resized) => {
+            let [xx, xy, yy] = resized.moments.covariance().unwrap_or_default();
+            let angle = Math::Row(vec![
+                Math::text("θ = ½ atan2(2 "),
+                Math::indexed(Math::Var("σ"), Math::Var("xy")),
+                Math::text(", "),
+                Math::indexed(Math::Var("σ"), Math::Var("xx")),
+                Math::text(" − "),
+                Math::indexed(Math::Var("σ"), Math::Var("yy")),
+                Math::text(format!(") = ½ atan2({}, {}) = ", fixed(2.0 * xy, 1), fixed(xx - yy, 1))),
+                Math::ink(Role::Best, degrees(resized.region.angle_rad)),
+            ]);
+            vec![Readout::Equation(vec![angle])]
+        }
+    }
+}
+
+/// The model over the bins.
+fn of_model(model: &Model) -> Readout {
+    let lines = vec![("model q", Role::Reference, plots::bars(model.projection.iter().copied()))];
+    let axis = if model.histogram.binning.name() == "hue" { "bin of hue" } else { "bin of gray levels" };
+    Readout::Series(plots::histograms("Histogram of the object", [axis, "q"], lines))
+}
+
+pub(super) fn draw(at: &At<'_, Camshift>, scene: &mut Scene) {
+    let window = |scene: &mut Scene, Bounds { min, max }: Bounds, (role, meaning)| {
+        scene.mark(Picture::CURRENT, role, Shape::Rect { min, max });
+        scene.legend(role, meaning);
+    };
+    let (frame, around) = match at.event {
+        Event::Modelled(_) => return window(scene, at.region.bounds(), (Role::Window, "pixels of the histogram")),
+        Event::Projected(frame, around) => (frame, *around),
+        Event::Shifted(frame, shift) => (frame, shift.window),
+        Event::Resized(frame, resized) => (frame, resized.window),
+    };
+    if let Some(model) = at.model {
+        project(scene, (frame, model), around);
+    }
+    match at.event {
+        Event::Shifted(_, shift) => {
+            window(scene, shift.window, (Role::Window, "search window"));
+            let shifts = at.events.iter().filter_map(|event| match event {
+                Event::Shifted(_, shift) => Some(shift),
+                _ => None,
+            });
+            let arrow = |shift: &Shift| {
+                let from = shift.window.center();
+                shift.by.map(|by| Arrow { from, to: [from[0] + by[0], from[1] + by[1]] })
+            };
+            let arrows: Vec<_> = shifts.filter_map(arrow).collect();
+            if !arrows.is_empty() {
+                scene.mark(Picture::CURRENT, Role::Predicted, Shape::Arrows(arrows));
+                scene.legend(Role::Predicted, "shifts");
+            }
+            if let Some(by) = shift.by {
+                window(scene, shift.window.moved(by), (Role::Best, "shifted window"));
+            }
+        }
+        Event::Resized(_, resized) => {
+            window(scene, resized.window, (Role::Window, "window with margin"));
+            plots::ellipse(scene, (Role::Best, "ellipse of the moments"), resized.region);
+        }
+        _ => window(scene, around, (Role::Window, "search window")),
+    }
+}
+
+/// Draws the back-projection around a window as a heat map.
+fn project(scene: &mut Scene, (frame, model): (&Frame, &Model), window: Bounds) {
+    let wide = Bounds { min: window.min.map(|c| c - AROUND_PX), max: window.max.map(|c| c + AROUND_PX) };
+    let area = Area::within(wide, frame.size());
+    let mut bins = Bins::new(frame, model.histogram.binning);
+    bins.cover(wide);
+    let size = [0, 1].map(|i| area.to[i] - area.from[i]);
+    if size.contains(&0) {
+        return;
+    }
+    let values = Grid::from_fn(size[0], size[1], |x, y| {
+        bins.at(area.from[0] + x, area.from[1] + y).map_or(0.0, |bin| model.projection[usize::from(bin)])
+    });
+    let origin = area.from.map(|c| c as f32);
+    scene.mark(Picture::CURRENT, Role::Candidate, Shape::Heat { origin, values });
+    scene.heat = Some("back-projection");
+    scene.heat_scale = Some([0.0, 1.0]);
+}

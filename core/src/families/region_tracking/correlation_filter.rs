@@ -1,0 +1,443 @@
+//! The correlation filter MOSSE: learned to answer with a peak at the object, and updated in every frame.
+
+mod explain;
+mod transform;
+
+use std::sync::Arc;
+
+use rustfft::num_complex::Complex;
+
+use crate::base::{Observer, effort};
+use crate::data::{Clip, Frame};
+use crate::geometry::{Border, Gray, Grid};
+use crate::methods::region::{At, RegionModel, Settings, Similarity};
+use crate::products::{Region, RegionFrame};
+use crate::run::{Info, Need};
+use crate::scene::{Chart, Fact, Name, Readout, Scene, Sentence};
+use crate::synth::random::{hash, unit};
+use crate::{params, pseudocode};
+
+use transform::{Spectrum, Transform, hann};
+
+params! {
+    /// Correlation filter (MOSSE).
+    pub struct CorrelationFilter {
+        /// Region and frames.
+        settings: Settings = Settings::default();
+        /// Side of the window of the filter, as a multiple of that of the region. A larger one reaches larger displacements, and learns more of
+        /// the background.
+        window: f32 = 1.5, 1.0..=4.0;
+        /// Standard deviation of the Gaussian that the filter is to answer with.
+        sigma_px: f32 = 2.0, 0.5..=10.0, "px";
+        /// Share η of the newest frame in the filter. Large values follow changes of appearance, and drift more.
+        learning_rate: f32 = 0.125, 0.0..=1.0;
+        /// Peak-to-sidelobe ratio below which the object is lost: the region stays, and the filter is not updated.
+        min_psr: f32 = 7.0, 0.0..=50.0;
+        /// Number of turned and scaled copies of the first window that the filter is learned from.
+        perturbations: usize = 8, 0..=64;
+        /// Random seed of these copies. The same seed gives the same copies.
+        seed: u32 = 1, 0..=9999;
+    }
+    advanced { "sigma-px", "seed" }
+    when {
+        "seed": |p| p.perturbations > 0, "The seed has no effect without perturbations.";
+    }
+}
+
+/// The longest side of a window in px.
+const MOST_PX: f32 = 512.0;
+/// The shortest side of a window in px.
+const LEAST_PX: f32 = 8.0;
+/// The smallest standard deviation of a region with texture, in gray levels.
+const LEAST_DEVIATION: f64 = 1.0;
+/// The largest rotation of a perturbation in radians, and its largest change of scale.
+const PERTURBED: [f64; 2] = [0.1, 0.1];
+/// Sidelobes are farther from the peak than this, in px.
+const SIDELOBE_PX: usize = 5;
+/// Regularisation of the filter: the least energy of a frequency, as a share of the mean.
+const REGULARIZATION: f32 = 1e-3;
+
+/// What the filter needs in every frame and does not change.
+pub struct Fixed {
+    transform: Transform,
+    /// The window function along x and y.
+    hann: [Vec<f32>; 2],
+    /// log(1 + gray level).
+    logarithms: [f32; 256],
+    /// The spectrum of the Gaussian.
+    target: Spectrum,
+}
+
+/// The filter H* = A / B.
+#[derive(Clone)]
+pub struct Model {
+    fixed: Arc<Fixed>,
+    /// Numerator Σ G F*.
+    numerator: Arc<Spectrum>,
+    /// Denominator Σ F F*.
+    energy: Arc<Vec<f32>>,
+}
+
+/// The response of a frame.
+pub struct Response {
+    /// The first pixel of the window.
+    pub origin: [i32; 2],
+    /// The window: logarithm, without its mean, of norm 1, under the window function.
+    pub patch: Grid<f32>,
+    /// The response at each displacement, with 0 in the middle.
+    pub values: Grid<f32>,
+    /// The place of its highest value.
+    pub peak: (usize, usize),
+    /// The sub-pixel displacement in px.
+    pub displacement: [f32; 2],
+    /// The peak-to-sidelobe ratio.
+    pub psr: f32,
+    /// Mean and standard deviation of the sidelobes.
+    pub sidelobes: [f32; 2],
+}
+
+/// An event of a frame.
+#[derive(Clone)]
+pub enum Event {
+    /// The filter of the first frame, and the window that it was learned from.
+    Learned(Arc<Grid<f32>>, Model),
+    /// The window of a frame.
+    Cut(Arc<Response>),
+    /// Its response.
+    Responded(Arc<Response>),
+    /// The peak.
+    Found(Arc<Response>),
+    /// The peak-to-sidelobe ratio.
+    Judged(Arc<Response>),
+    /// The updated filter.
+    Updated(Arc<Response>, Model),
+}
+
+impl Model {
+    fn size(&self) -> (usize, usize) {
+        self.fixed.transform.size()
+    }
+
+    /// The conjugate filter H* at each frequency.
+    fn filter(&self) -> Spectrum {
+        let mean = self.energy.iter().sum::<f32>() / self.energy.len() as f32;
+        let least = REGULARIZATION * mean + f32::MIN_POSITIVE;
+        self.numerator.iter().zip(&self.energy[..]).map(|(a, b)| a / (b + least)).collect()
+    }
+
+    /// Adds the spectrum of a window with a weight.
+    fn add(&mut self, spectrum: &Spectrum, keep: f32, add: f32) {
+        let target = &self.fixed.target;
+        let numerator = Arc::make_mut(&mut self.numerator);
+        for ((a, f), g) in numerator.iter_mut().zip(spectrum).zip(target) {
+            *a = *a * keep + g * f.conj() * add;
+        }
+        for (b, f) in Arc::make_mut(&mut self.energy).iter_mut().zip(spectrum) {
+            *b = *b * keep + f.norm_sqr() * add;
+        }
+    }
+
+    /// The first pixel of the window around a centre.
+    fn origin(&self, center: [f32; 2]) -> [i32; 2] {
+        let (width, height) = self.size();
+        [center[0].round() as i32 - width as i32 / 2, center[1].round() as i32 - height as i32 / 2]
+    }
+
+    /// The window from a pixel on, prepared for the filter; `at` gives the gray level of a pixel of it.
+    fn prepared(&self, at: impl Fn(usize, usize) -> u8) -> Grid<f32> {
+        let (width, height) = self.size();
+        let Fixed { logarithms, hann: [across, down], .. } = &*self.fixed;
+        effort::add(width * height);
+        let mut patch = Grid::from_fn(width, height, |x, y| logarithms[usize::from(at(x, y))]);
+        let count = (width * height) as f32;
+        let mean = patch.cells().iter().sum::<f32>() / count;
+        let norm = patch.cells().iter().map(|v| (v - mean) * (v - mean)).sum::<f32>().sqrt();
+        let scale = if norm > 0.0 { 1.0 / norm } else { 0.0 };
+        for y in 0..height {
+            let weight = down[y] * scale;
+            patch.row_mut(y).iter_mut().zip(across).for_each(|(v, across)| *v = (*v - mean) * weight * across);
+        }
+        patch
+    }
+
+    /// The window of a frame, which is repeated beyond its border.
+    fn window(&self, luma: &Gray, [left, top]: [i32; 2]) -> Grid<f32> {
+        let (width, height) = self.size();
+        let is_inside =
+            left >= 0 && top >= 0 && left as usize + width <= luma.width() && top as usize + height <= luma.height();
+        match is_inside {
+            true => self.prepared(|x, y| luma[(left as usize + x, top as usize + y)]),
+            false => {
+                self.prepared(|x, y| luma.at(left as isize + x as isize, top as isize + y as isize, Border::Replicate))
+            }
+        }
+    }
+
+    fn spectrum(&self, patch: &Grid<f32>) -> Spectrum {
+        let mut spectrum: Spectrum = patch.cells().iter().map(|v| Complex::new(*v, 0.0)).collect();
+        self.fixed.transform.forward(&mut spectrum);
+        spectrum
+    }
+
+    /// The response of the filter to a frame, for an object that was at `center`.
+    fn response(&self, luma: &Gray, center: [f32; 2]) -> Response {
+        let origin = self.origin(center);
+        let patch = self.window(luma, origin);
+        let mut product = self.spectrum(&patch);
+        product.iter_mut().zip(self.filter()).for_each(|(f, h)| *f *= h);
+        self.fixed.transform.inverse(&mut product);
+        let (width, height) = self.size();
+        let mut values = Grid::new(width, height, 0.0);
+        values.cells_mut().iter_mut().zip(&product).for_each(|(value, of)| *value = of.re);
+        let peak = highest(&values);
+        let [mean, deviation] = sidelobes(&values, peak);
+        let psr = if deviation > 0.0 { (values[peak] - mean) / deviation } else { 0.0 };
+        let displacement = displacement(&values, peak);
+        Response { origin, patch, values, peak, displacement, psr, sidelobes: [mean, deviation] }
+    }
+}
+
+/// The place of the highest value, the first of equals.
+fn highest(values: &Grid<f32>) -> (usize, usize) {
+    let cells = values.cells().iter().enumerate();
+    let best = cells.fold((0, f32::NEG_INFINITY), |best, (i, v)| if *v > best.1 { (i, *v) } else { best });
+    (best.0 % values.width(), best.0 / values.width())
+}
+
+/// The mean and the standard deviation of the values outside an 11×11 window around the peak.
+fn sidelobes(values: &Grid<f32>, (px, py): (usize, usize)) -> [f32; 2] {
+    let (width, height) = values.size();
+    let (mut sum, mut squares, mut count) = (0.0f64, 0.0f64, 0usize);
+    let mut add = |cells: &[f32]| {
+        let (mut own, mut own_squares) = (0.0f32, 0.0f32);
+        cells.iter().for_each(|v| {
+            own += v;
+            own_squares += v * v;
+        });
+        (sum, squares, count) = (sum + f64::from(own), squares + f64::from(own_squares), count + cells.len());
+    };
+    for y in 0..height {
+        let row = values.row(y);
+        if y.abs_diff(py) > SIDELOBE_PX {
+            add(row);
+        } else {
+            add(&row[..px.saturating_sub(SIDELOBE_PX)]);
+            add(&row[(px + SIDELOBE_PX + 1).min(width)..]);
+        }
+    }
+    if count == 0 {
+        return [0.0; 2];
+    }
+    let mean = sum / count as f64;
+    [mean as f32, (squares / count as f64 - mean * mean).max(0.0).sqrt() as f32]
+}
+
+/// The displacement of the peak from the middle, with the vertices of parabolas along x and y.
+fn displacement(values: &Grid<f32>, (x, y): (usize, usize)) -> [f32; 2] {
+    let (width, height) = values.size();
+    let vertex = |around: Option<[f32; 3]>| {
+        let Some([before, at, after]) = around else { return 0.0 };
+        let curvature = before - 2.0 * at + after;
+        if curvature < 0.0 { ((before - after) / (2.0 * curvature)).clamp(-0.5, 0.5) } else { 0.0 }
+    };
+    let along_x = (x > 0 && x + 1 < width).then(|| [values[(x - 1, y)], values[(x, y)], values[(x + 1, y)]]);
+    let along_y = (y > 0 && y + 1 < height).then(|| [values[(x, y - 1)], values[(x, y)], values[(x, y + 1)]]);
+    [x as f32 - (width / 2) as f32 + vertex(along_x), y as f32 - (height / 2) as f32 + vertex(along_y)]
+}
+
+impl CorrelationFilter {
+    /// Width and height of the window for a region.
+    fn window_of(&self, region: Region) -> (usize, usize) {
+        let [width, height] = region.size.map(|side| (side * self.window).round().clamp(LEAST_PX, MOST_PX) as usize);
+        (width, height)
+    }
+
+    fn fixed(&self, (width, height): (usize, usize)) -> Fixed {
+        let transform = Transform::new((width, height));
+        let middle = [width / 2, height / 2];
+        let gaussian = |i: usize| {
+            let [dx, dy] = [(i % width) as f32 - middle[0] as f32, (i / width) as f32 - middle[1] as f32];
+            (-(dx * dx + dy * dy) / (2.0 * self.sigma_px * self.sigma_px)).exp()
+        };
+        let mut target: Spectrum = (0..width * height).map(|i| Complex::new(gaussian(i), 0.0)).collect();
+        transform.forward(&mut target);
+        Fixed {
+            transform,
+            hann: [hann(width), hann(height)],
+            logarithms: std::array::from_fn(|level| (1.0 + level as f32).ln()),
+            target,
+        }
+    }
+
+    /// The window of the first frame, turned and scaled at random about its middle.
+    fn perturbed(&self, model: &Model, luma: &Gray, center: [f32; 2], index: usize) -> Grid<f32> {
+        let random = |i: u64| 2.0 * unit(hash(u64::from(self.seed), index as u64, i)) - 1.0;
+        let (angle, scale) = (PERTURBED[0] * random(0), 1.0 + PERTURBED[1] * random(1));
+        let (sin, cos) = (angle.sin() * scale, angle.cos() * scale);
+        let ([left, top], (width, height)) = (model.origin(center), model.size());
+        let middle = [(width / 2) as f64, (height / 2) as f64];
+        model.prepared(|x, y| {
+            let (dx, dy) = (x as f64 - middle[0], y as f64 - middle[1]);
+            let (u, v) = (cos * dx - sin * dy, sin * dx + cos * dy);
+            let at = [f64::from(left) + middle[0] + u, f64::from(top) + middle[1] + v].map(|c| c as f32);
+            (luma.sample(at[0], at[1]) + 0.5) as u8
+        })
+    }
+}
+
+/// The standard deviation of the gray levels of a region.
+fn deviation(luma: &Gray, region: Region) -> f64 {
+    let bounds = region.bounds();
+    let low = bounds.min.map(|c| c.ceil().max(0.0) as usize);
+    let high = [0, 1].map(|i| (bounds.max[i].floor() + 1.0).min([luma.width(), luma.height()][i] as f32) as usize);
+    let levels = (low[1]..high[1]).flat_map(|y| luma.row(y)[low[0]..high[0]].iter().map(|v| f64::from(*v)));
+    let (mut sum, mut squares, mut count) = (0.0, 0.0, 0.0);
+    levels.for_each(|v| (sum, squares, count) = (sum + v, squares + v * v, count + 1.0));
+    let mean: f64 = sum / f64::max(count, 1.0);
+    (squares / f64::max(count, 1.0) - mean * mean).max(0.0).sqrt()
+}
+
+pseudocode! {
+    CHOOSE: "R ← region of the object in the first frame; stop if it has no texture",
+    LEARN: "H* ← Σ G F* / Σ F F*, F ← transforms of the window and of its perturbations, G ← that of a Gaussian",
+    EACH_FRAME: "for each later frame t",
+    CUT: "  f ← log of the window at the last position, mean 0, norm 1, times the Hann window; F ← its transform",
+    RESPOND: "  g ← inverse transform of F H*: the response",
+    TAKE_PEAK: "  d ← place of the highest g, with a parabola along x and y",
+    JUDGE: "  PSR ← (peak − mean of the sidelobes) / their standard deviation; lost if PSR < min-psr",
+    UPDATE: "  A ← η G F* + (1 − η) A, B ← η F F* + (1 − η) B at the new position; H* ← A / B",
+    MOVE: "  the region moves by d, unless the object is lost",
+}
+
+impl RegionModel for CorrelationFilter {
+    const INFO: Info = Info {
+        id: "correlation-filter",
+        name: "Correlation filter",
+        family: "Region tracking",
+        summary: "Learns a filter that answers with a Gaussian peak at the object, correlates each frame with it by Fourier transforms, and updates it.",
+        source: "D. S. Bolme, J. R. Beveridge, B. A. Draper and Y. M. Lui, Visual object tracking using adaptive correlation filters, CVPR 2010",
+        pseudocode: line::ALL,
+        granularities: &["clip", "frame", "step"],
+        frames: 2,
+    };
+    const CHARTS: &'static [Chart] = &[Chart::Surface, Chart::Tiles, Chart::Series];
+    const SIMILARITY: Similarity = Similarity { name: "peak-to-sidelobe ratio", symbol: "PSR", decimals: 2 };
+    type Model = Model;
+    type Event = Event;
+
+    fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    fn refusal(&self, frame: &Frame, region: Region) -> Option<String> {
+        let deviation = deviation(frame.luma(), region);
+        (deviation < LEAST_DEVIATION).then(|| {
+            format!(
+                "its gray levels have a standard deviation of {}, below {}, and without texture there is nothing to correlate with.",
+                crate::base::words::fixed(deviation, 2),
+                crate::base::words::fixed(LEAST_DEVIATION, 2)
+            )
+        })
+    }
+
+    fn begin(&self, frame: &Arc<Frame>, region: Region, observer: &mut impl Observer<Event>) -> (Model, f32) {
+        let size = self.window_of(region);
+        let count = size.0 * size.1;
+        let mut model = Model {
+            fixed: Arc::new(self.fixed(size)),
+            numerator: Arc::new(vec![Complex::default(); count]),
+            energy: Arc::new(vec![0.0; count]),
+        };
+        let luma = frame.luma();
+        let own = model.window(luma, model.origin(region.center));
+        model.add(&model.spectrum(&own), 1.0, 1.0);
+        for index in 0..self.perturbations {
+            let patch = self.perturbed(&model, luma, region.center, index);
+            model.add(&model.spectrum(&patch), 1.0, 1.0);
+        }
+        // A mean, as the running average of later frames is one.
+        let share = 1.0 / (self.perturbations + 1) as f32;
+        Arc::make_mut(&mut model.numerator).iter_mut().for_each(|a| *a *= share);
+        Arc::make_mut(&mut model.energy).iter_mut().for_each(|b| *b *= share);
+        observer.see(|| Event::Learned(Arc::new(own), model.clone()));
+        let psr = model.response(luma, region.center).psr;
+        (model, psr)
+    }
+
+    fn follow(
+        &self,
+        model: &mut Model,
+        frame: &Arc<Frame>,
+        region: Region,
+        observer: &mut impl Observer<Event>,
+    ) -> RegionFrame {
+        let response = Arc::new(model.response(frame.luma(), region.center));
+        observer.see(|| Event::Cut(Arc::clone(&response)));
+        observer.see(|| Event::Responded(Arc::clone(&response)));
+        observer.see(|| Event::Found(Arc::clone(&response)));
+        observer.see(|| Event::Judged(Arc::clone(&response)));
+        let similarity = response.psr;
+        if response.psr < self.min_psr {
+            return RegionFrame { region, similarity, is_lost: true };
+        }
+        let center = [0, 1].map(|i| {
+            // The filter answers to the whole pixel that the window is around.
+            let moved = region.center[i].round() + response.displacement[i];
+            moved.clamp(-0.5, [frame.size().0, frame.size().1][i] as f32 - 0.5)
+        });
+        let patch = model.window(frame.luma(), model.origin(center));
+        model.add(&model.spectrum(&patch), 1.0 - self.learning_rate, self.learning_rate);
+        observer.see(|| Event::Updated(Arc::clone(&response), model.clone()));
+        RegionFrame { region: region.at(center), similarity, is_lost: false }
+    }
+
+    fn need(&self, clip: &Clip) -> Need {
+        // Spectra of a window; in a walk those of each event.
+        let (width, height) = clip.size();
+        let region = self.settings.region.map_or([width as f32, height as f32], |zone| zone.size());
+        let side = |i: usize| f64::from((region[i] * self.window).clamp(LEAST_PX, MOST_PX));
+        let pixels = side(0) * side(1);
+        Need::default().and([80.0 * pixels, 240.0 * pixels]).and([8e6; 2])
+    }
+
+    fn model_bytes(&self, model: &Model) -> usize {
+        size_of::<Model>() + size_of_val(&model.numerator[..]) + size_of_val(&model.energy[..])
+    }
+
+    fn line(&self, event: &Event) -> Name {
+        match event {
+            Event::Learned(..) => line::LEARN,
+            Event::Cut(_) => line::CUT,
+            Event::Responded(_) => line::RESPOND,
+            Event::Found(_) => line::TAKE_PEAK,
+            Event::Judged(_) => line::JUDGE,
+            Event::Updated(..) => line::UPDATE,
+        }
+    }
+
+    fn sentence(&self, at: &At<'_, Self>) -> Sentence {
+        self.said(at)
+    }
+
+    fn facts(&self, at: &At<'_, Self>) -> Vec<Fact> {
+        explain::facts(at)
+    }
+
+    fn readouts(&self, at: &At<'_, Self>) -> Vec<Readout> {
+        explain::readouts(at)
+    }
+
+    fn draw(&self, at: &At<'_, Self>, scene: &mut Scene) {
+        explain::draw(at, scene);
+    }
+
+    fn advice(&self, is_kept: bool) -> &'static str {
+        if is_kept {
+            "The filter knows shape and texture, so colours of the background do not attract it; it has no scale, and a velocity is \
+             not predicted."
+        } else {
+            "Between two frames the object left the window of the filter, was hidden for long, or changed faster than the learning rate \
+             follows. A larger window reaches farther."
+        }
+    }
+}

@@ -1,0 +1,225 @@
+//! The explanation and the drawing of the correlation filter.
+
+use super::{At, CorrelationFilter, Event, Model, Response};
+use crate::base::words::{fixed, place};
+use crate::geometry::Grid;
+use crate::methods::numbers::ratio;
+use crate::scene::{Arrow, Fact, Math, Picture, Readout, Role, Scene, Sentence, Shape, Surface, Tile};
+
+/// The response is drawn as a surface up to this displacement, in px.
+const REACH_PX: i32 = 24;
+
+fn psr(value: f32) -> String {
+    fixed(value.into(), 2)
+}
+
+impl CorrelationFilter {
+    pub(super) fn said(&self, at: &At<'_, Self>) -> Sentence {
+        let said = Sentence::default();
+        match at.event {
+            Event::Learned(patch, _) => said
+                .text("The ")
+                .ink(Role::Reference, "filter H*")
+                .text(format!(
+                    " is learned from a window of {}×{} px and {} of it, turned and scaled at random. It minimises the squared difference \
+                     of its response from a Gaussian of σ = {} px at the object.",
+                    patch.width(),
+                    patch.height(),
+                    crate::base::words::counted(self.perturbations, "perturbation"),
+                    fixed(self.sigma_px.into(), 1)
+                )),
+            Event::Cut(response) => {
+                let (width, height) = response.patch.size();
+                said.ink(Role::Window, format!("The window of {width}×{height} px")).text(
+                    " around the last position: the logarithm of its gray levels, without their mean and of norm 1, so that brightness and \
+                     contrast do not matter, and under the Hann window, which fades to its border.",
+                )
+            }
+            Event::Responded(response) => said.text(format!(
+                "The product of the spectrum with the filter is transformed back: a response for all {} displacements at once.",
+                crate::base::words::grouped(response.values.cells().len())
+            )),
+            Event::Found(response) => said
+                .text("The highest response, ")
+                .ink(Role::Best, ratio(response.values[response.peak].into()))
+                .text(format!(
+                    ", lies at a displacement of {} px, with parabolas along x and y. A perfect match would give 1.",
+                    place(response.displacement)
+                )),
+            Event::Judged(response) => self.judged(response, said),
+            Event::Updated(..) => said.text(format!(
+                "The window at the new position is averaged into numerator and denominator of the filter with η = {}, so that it follows \
+                 changes of appearance.",
+                ratio(self.learning_rate.into())
+            )),
+        }
+    }
+
+    fn judged(&self, response: &Response, said: Sentence) -> Sentence {
+        let [mean, deviation] = response.sidelobes;
+        let said = said.text("Peak-to-sidelobe ratio: ").ink(Role::Measured, psr(response.psr)).text(format!(
+            ", from sidelobes of mean {} and standard deviation {} outside 11×11 px around the peak",
+            ratio(mean.into()),
+            fixed(deviation.into(), 4)
+        ));
+        let least = psr(self.min_psr);
+        if response.psr < self.min_psr {
+            said.text(format!(
+                ", below {least}. The peak does not stand out, as under occlusion: the filter is not updated."
+            ))
+        } else {
+            said.text(format!(", not below {least}: the peak stands out, and the match is accepted."))
+        }
+    }
+}
+
+pub(super) fn facts(at: &At<'_, CorrelationFilter>) -> Vec<Fact> {
+    match at.event {
+        Event::Found(response) | Event::Judged(response) => vec![
+            Fact::new("Displacement", format!("{} px", place(response.displacement)), Some(Role::Best)),
+            Fact::new("Peak", ratio(response.values[response.peak].into()), Some(Role::Best)),
+            Fact::new("Peak-to-sidelobe ratio", psr(response.psr), Some(Role::Measured)),
+        ],
+        Event::Cut(response) | Event::Responded(response) | Event::Updated(response, _) => {
+            let (width, height) = response.patch.size();
+            vec![Fact::new("Window", format!("{width}×{height} px"), Some(Role::Window))]
+        }
+        Event::Learned(..) => Vec::new(),
+    }
+}
+
+pub(super) fn readouts(at: &At<'_, CorrelationFilter>) -> Vec<Readout> {
+    let filter = || at.model.map(filter_tile);
+    match at.event {
+        Event::Learned(patch, model) => {
+            let numbers = |name| Math::indexed(Math::Var(name), Math::Var("i"));
+            let sum = |of: Vec<Math>| Math::Row(vec![Math::Sum(Box::new(Math::Var("i"))), Math::Row(of)]);
+            let star = |name| Math::power(numbers(name), Math::text("*"));
+            let formula = Math::Row(vec![
+                Math::power(Math::Var("H"), Math::text("*")),
+                Math::text(" = "),
+                Math::over(sum(vec![numbers("G"), star("F")]), sum(vec![numbers("F"), star("F")])),
+            ]);
+            vec![Readout::Equation(vec![formula]), Readout::Tiles(vec![patch_tile(patch), filter_tile(model)])]
+        }
+        Event::Cut(response) => {
+            vec![Readout::Tiles([patch_tile(&response.patch)].into_iter().chain(filter()).collect())]
+        }
+        Event::Responded(response) | Event::Found(response) => {
+            let tiles = [patch_tile(&response.patch)].into_iter().chain(filter()).chain([response_tile(response)]);
+            vec![Readout::Tiles(tiles.collect()), Readout::Surface(surface(response))]
+        }
+        Event::Judged(response) => {
+            let [mean, deviation] = response.sidelobes;
+            let peak = response.values[response.peak];
+            let formula = Math::Row(vec![
+                Math::text("PSR = "),
+                Math::over(
+                    Math::text(format!("{} − {}", ratio(peak.into()), ratio(mean.into()))),
+                    Math::text(fixed(deviation.into(), 4)),
+                ),
+                Math::text(" = "),
+                Math::ink(Role::Measured, psr(response.psr)),
+            ]);
+            vec![Readout::Equation(vec![formula]), Readout::Surface(surface(response))]
+        }
+        Event::Updated(_, model) => {
+            let formula = Math::Row(vec![
+                Math::Var("A"),
+                Math::text(" ← η "),
+                Math::Var("G"),
+                Math::power(Math::Var("F"), Math::text("*")),
+                Math::text(" + (1 − η) "),
+                Math::Var("A"),
+            ]);
+            let updated = Tile { label: "filter, updated", ..filter_tile(model) };
+            vec![Readout::Equation(vec![formula]), Readout::Tiles(filter().into_iter().chain([updated]).collect())]
+        }
+    }
+}
+
+/// A tile with the range of its values.
+fn tile(label: &'static str, role: Option<Role>, values: Grid<f32>) -> Tile {
+    let range =
+        values.cells().iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], v| [low.min(*v), high.max(*v)]);
+    let range = if range[0] < range[1] { range } else { [0.0, 1.0] };
+    Tile { label, role, values, range }
+}
+
+fn patch_tile(patch: &Grid<f32>) -> Tile {
+    tile("window f", Some(Role::Window), patch.clone())
+}
+
+fn response_tile(response: &Response) -> Tile {
+    tile("response g", Some(Role::Best), response.values.clone())
+}
+
+/// The filter as a picture: what the windows are correlated with.
+fn filter_tile(model: &Model) -> Tile {
+    let mut filter = model.filter();
+    filter.iter_mut().for_each(|value| *value = value.conj());
+    model.fixed.transform.inverse(&mut filter);
+    let (width, height) = model.size();
+    // Displacement 0 in the middle, where the Gaussian has its peak.
+    let values = Grid::from_fn(width, height, |x, y| {
+        let turned = |c: usize, extent: usize| (c + extent - extent / 2) % extent;
+        filter[turned(y, height) * width + turned(x, width)].re
+    });
+    tile("filter h", Some(Role::Reference), values)
+}
+
+/// The response around displacement 0 as a cost.
+fn surface(response: &Response) -> Surface {
+    let (width, height) = response.values.size();
+    let middle = [width as i32 / 2, height as i32 / 2];
+    let reach = [(width as i32 - 1) / 2, (height as i32 - 1) / 2].map(|side| side.min(REACH_PX));
+    let size = reach.map(|reach| (2 * reach + 1) as usize);
+    let values = Grid::from_fn(size[0], size[1], |x, y| {
+        let at = [x as i32 - reach[0] + middle[0], y as i32 - reach[1] + middle[1]];
+        1.0 - response.values[(at[0] as usize, at[1] as usize)]
+    });
+    let best = [response.peak.0 as i32 - middle[0], response.peak.1 as i32 - middle[1]];
+    let is_shown = (0..2).all(|i| best[i].abs() <= reach[i]);
+    let origin = reach.map(|reach| -reach);
+    Surface {
+        best: is_shown.then_some(best),
+        between: if is_shown { vec![response.displacement] } else { Vec::new() },
+        ..Surface::new("1 − g", origin, values, Grid::new(size[0], size[1], Some(1)))
+    }
+}
+
+pub(super) fn draw(at: &At<'_, CorrelationFilter>, scene: &mut Scene) {
+    let response = match at.event {
+        Event::Learned(patch, model) => {
+            window(scene, model.origin(at.region.center), patch.size());
+            return;
+        }
+        Event::Cut(response) => {
+            window(scene, response.origin, response.patch.size());
+            return;
+        }
+        Event::Responded(response) | Event::Found(response) | Event::Judged(response) | Event::Updated(response, _) => {
+            response
+        }
+    };
+    let (width, height) = response.values.size();
+    let origin = response.origin.map(|c| c as f32);
+    scene.mark(Picture::CURRENT, Role::Candidate, Shape::Heat { origin, values: response.values.clone() });
+    scene.heat = Some("response g");
+    window(scene, response.origin, (width, height));
+    if matches!(at.event, Event::Responded(_)) {
+        return;
+    }
+    let from = [origin[0] + (width / 2) as f32, origin[1] + (height / 2) as f32];
+    let to = [0, 1].map(|i| from[i] + response.displacement[i]);
+    scene.mark(Picture::CURRENT, Role::Predicted, Shape::Arrows(vec![Arrow { from, to }]));
+    scene.legend(Role::Predicted, "displacement of the peak");
+    scene.mark(Picture::CURRENT, Role::Best, Shape::Points(vec![to]));
+    scene.legend(Role::Best, "peak");
+}
+
+/// Draws the window of the filter.
+fn window(scene: &mut Scene, [x, y]: [i32; 2], (width, height): (usize, usize)) {
+    scene.mark(Picture::CURRENT, Role::Window, Shape::pixels(x, y, width, height));
+    scene.legend(Role::Window, "window of the filter");
+}

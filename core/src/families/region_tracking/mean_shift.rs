@@ -1,0 +1,349 @@
+//! Mean shift: an ellipse climbs to the place where its colour histogram is most like that of the object.
+
+mod explain;
+
+use std::sync::Arc;
+
+use crate::base::{Observer, effort};
+use crate::data::{Clip, Frame};
+use crate::geometry::Bounds;
+use crate::methods::region::color::{Binning, Bins, ColorSpace, Histogram, add_kernel, ellipse_rows};
+use crate::methods::region::{At, RegionModel, Settings, Similarity};
+use crate::products::{Region, RegionFrame};
+use crate::run::{Info, Need};
+use crate::scene::{Fact, Name, Readout, Scene, Sentence};
+use crate::{choices, params, pseudocode};
+
+choices! {
+    /// Treatment of colours that the surroundings of the object have too.
+    pub enum Background {
+        /// All colours of the object count alike.
+        Ignored = "ignored" "Ignored",
+        /// Colours of the surroundings in the first frame count less: the background-weighted histogram.
+        Weighted = "weighted" "Weighted",
+    }
+}
+
+params! {
+    /// Mean shift.
+    pub struct MeanShift {
+        /// Region and frames.
+        settings: Settings = Settings::default();
+        /// Colour space of the histograms.
+        color_space: ColorSpace = ColorSpace::Rgb;
+        /// Bins along each axis of the colour space. Few bins tolerate noise and changes of light, many tell similar colours apart.
+        bins: usize = 16, 2..=32;
+        /// Treatment of colours that the surroundings of the object have too.
+        background: Background = Background::Ignored;
+        /// Try an ellipse 10 % smaller and one 10 % larger in each frame, and move a tenth of the way to the best size.
+        adapt_scale: bool = true;
+        /// Maximum number of shifts from one frame to the next, for each size.
+        iterations: usize = 20, 1..=100;
+        /// Length of a shift below which the iteration has converged.
+        epsilon: f32 = 0.1, 0.01..=2.0, "px";
+    }
+    advanced { "iterations", "epsilon" }
+}
+
+/// Change of the size in a trial, as a share.
+const SCALE_STEP: f32 = 0.1;
+/// The part of the way to the best size that is taken.
+const SCALE_RATE: f32 = 0.1;
+/// The surroundings reach so many times as far as the object: with three times its area around it.
+const AROUND: f32 = 2.0;
+/// An ellipse is not smaller than this, in px.
+const LEAST_PX: f32 = 4.0;
+
+/// A shift of the ellipse.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shift {
+    /// Number of the size that is tried: 0 for the present one, 1 for the smaller, 2 for the larger one.
+    pub trial: usize,
+    /// Number of the shift, from 1.
+    pub iteration: usize,
+    /// The ellipse before it.
+    pub from: Region,
+    /// Its centre after it; none without a pixel that has a colour of the object.
+    pub to: Option<[f32; 2]>,
+    /// Bhattacharyya coefficient before it.
+    pub similarity: f32,
+    /// Sum of the weights.
+    pub weights: f32,
+}
+
+impl Shift {
+    /// The displacement.
+    fn vector(&self) -> [f32; 2] {
+        self.to.map_or([0.0; 2], |to| [0, 1].map(|i| to[i] - self.from.center[i]))
+    }
+
+    fn length(&self) -> f32 {
+        let [u, v] = self.vector();
+        u.hypot(v)
+    }
+}
+
+/// The result of the shifts with one size.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Trial {
+    /// The ellipse at the end.
+    pub region: Region,
+    /// Its Bhattacharyya coefficient, as evaluated last.
+    pub similarity: f32,
+    /// Whether no pixel had a colour of the object.
+    pub is_lost: bool,
+}
+
+/// The model of an object: its histogram q, and what that was before colours of the surroundings were weighted.
+#[derive(Clone, Debug)]
+pub struct Model {
+    /// The histogram of the object.
+    histogram: Arc<Histogram>,
+}
+
+/// An event of a frame.
+#[derive(Clone)]
+pub enum Event {
+    /// The histogram of the object.
+    Modelled(Arc<Histogram>),
+    /// The histograms of the object and of its surroundings, and that with their colours weighted.
+    Weighted(Arc<[Histogram; 3]>),
+    /// The weights of the pixels of an ellipse.
+    Weighed(Arc<Frame>, Shift),
+    /// The shift.
+    Shifted(Arc<Frame>, Shift),
+    /// The results of all sizes, the number of the best, and the new region.
+    Scaled(Box<([Trial; 3], usize, Region)>),
+}
+
+/// The search in a frame, with room for its histograms.
+struct Search<'a> {
+    model: &'a Histogram,
+    bins: Bins<'a>,
+    candidate: Vec<f32>,
+    weights: Vec<f32>,
+}
+
+impl<'a> Search<'a> {
+    fn new(model: &'a Histogram, frame: &'a Frame) -> Self {
+        let empty = vec![0.0; model.binning.count()];
+        Self { model, bins: Bins::new(frame, model.binning), candidate: empty.clone(), weights: empty }
+    }
+
+    /// Computes the histogram p of an ellipse and the weights √(q/p) of its bins; returns the Bhattacharyya coefficient.
+    fn weigh(&mut self, region: Region) -> f32 {
+        self.bins.cover(region.bounds());
+        self.candidate.fill(0.0);
+        let sum = add_kernel(&self.bins, region, &mut self.candidate);
+        let norm = if sum > 0.0 { 1.0 / sum } else { 0.0 };
+        let mut coefficient = 0.0;
+        for &bin in &self.model.support {
+            let bin = usize::from(bin);
+            let (q, p) = (self.model.shares[bin], self.candidate[bin] * norm);
+            coefficient += (q * p).sqrt();
+            self.weights[bin] = if p > 0.0 { (q / p).sqrt() } else { 0.0 };
+        }
+        coefficient
+    }
+
+    /// The sum of the weights of the pixels of an ellipse, and their weighted mean relative to its centre. The profile of the
+    /// Epanechnikov kernel has a constant derivative, so that all pixels inside count alike.
+    fn mean(&self, region: Region) -> (f32, Option<[f32; 2]>) {
+        effort::add((region.size[0] * region.size[1]) as usize);
+        let mut sums = [0.0f32; 3];
+        ellipse_rows(&self.bins, region, |row, [first, dy], _| {
+            let (mut sum, mut along) = (0.0, 0.0);
+            for (i, bin) in row.iter().enumerate() {
+                let weight = self.weights[usize::from(*bin)];
+                sum += weight;
+                along += weight * (first + i as f32);
+            }
+            sums = [sums[0] + sum, sums[1] + along, sums[2] + sum * dy];
+        });
+        let [sum, x, y] = sums;
+        (sum, (sum > 0.0).then(|| [x / sum, y / sum]))
+    }
+}
+
+impl MeanShift {
+    /// Shifts an ellipse until it converges.
+    fn climb(
+        &self,
+        search: &mut Search<'_>,
+        (frame, trial): (&Arc<Frame>, usize),
+        mut region: Region,
+        observer: &mut impl Observer<Event>,
+    ) -> Trial {
+        let mut similarity = 0.0;
+        for iteration in 1..=self.iterations {
+            similarity = search.weigh(region);
+            let (weights, mean) = search.mean(region);
+            let to = mean.map(|mean| [0, 1].map(|i| region.center[i] + mean[i]));
+            let shift = Shift { trial, iteration, from: region, to, similarity, weights };
+            observer.see(|| Event::Weighed(Arc::clone(frame), shift));
+            observer.see(|| Event::Shifted(Arc::clone(frame), shift));
+            let Some(center) = to else { return Trial { region, similarity, is_lost: true } };
+            region = region.at(center);
+            if shift.length() < self.epsilon {
+                break;
+            }
+        }
+        Trial { region, similarity, is_lost: false }
+    }
+}
+
+/// The histogram of the surroundings of a region: what lies around its box, up to twice its extent.
+fn surroundings(frame: &Frame, binning: Binning, region: Region) -> Histogram {
+    let (inner, outer) = (region.bounds(), region.scaled(AROUND).bounds());
+    let mut bins = Bins::new(frame, binning);
+    bins.cover(outer);
+    let mut counts = vec![0.0; binning.count()];
+    bins.rows(outer, |row, first, y| {
+        let is_inside = |x: f32, y: f32| {
+            let Bounds { min, max } = inner;
+            (min[0]..=max[0]).contains(&x) && (min[1]..=max[1]).contains(&y)
+        };
+        for (i, bin) in row.iter().enumerate() {
+            if !is_inside((first + i) as f32, y as f32) {
+                counts[usize::from(*bin)] += 1.0;
+            }
+        }
+    });
+    Histogram::new(binning, counts)
+}
+
+/// The histogram `of` an object with each bin multiplied by min(o*/o, 1), where o is the share of the surroundings and o* the
+/// smallest of these above 0.
+fn weighted(of: &Histogram, around: &Histogram) -> Histogram {
+    let least = around.support.iter().map(|bin| around.shares[usize::from(*bin)]).fold(f32::INFINITY, f32::min);
+    let factor = |around: f32| if around > 0.0 { (least / around).min(1.0) } else { 1.0 };
+    let shares = of.shares.iter().zip(&around.shares).map(|(share, around)| share * factor(*around)).collect();
+    Histogram::new(of.binning, shares)
+}
+
+pseudocode! {
+    CHOOSE: "R ← region of the object in the first frame",
+    BUILD_MODEL: "q ← colour histogram of the ellipse in R, pixels weighted by the kernel k(r) = 1 − r²",
+    WEIGHT_BACKGROUND: "if background: q_u ← q_u · min(o* / o_u, 1), o ← histogram of the surroundings",
+    EACH_FRAME: "for each later frame t, from the last position y and size h",
+    EACH_SIZE: "  for each size h, 0.9 h, 1.1 h: repeat",
+    WEIGH: "    p ← histogram of the ellipse at y; w_i ← √(q_u / p_u) for each pixel i of bin u",
+    SHIFT: "    y ← Σ w_i x_i / Σ w_i, until the shift < ε",
+    CHOOSE_SIZE: "  h ← 0.9 h + 0.1 · the size with the highest ρ = Σ √(p_u q_u)",
+    MOVE: "  the region moves to y",
+}
+
+impl RegionModel for MeanShift {
+    const INFO: Info = Info {
+        id: "mean-shift",
+        name: "Mean shift",
+        family: "Region tracking",
+        summary: "Shifts an ellipse to the weighted mean of its pixels until its colour histogram is most like that of the object.",
+        source: "D. Comaniciu, V. Ramesh and P. Meer, Kernel-based object tracking, PAMI 25(5), 2003; background-weighted histogram of the \
+                 model alone: J. Ning, L. Zhang, D. Zhang and C. Wu, IET Computer Vision 6(1), 2012",
+        pseudocode: line::ALL,
+        granularities: &["clip", "frame", "step"],
+        frames: 2,
+    };
+    const CONTRASTS: Option<&'static str> = Some("background");
+    const SIMILARITY: Similarity = Similarity { name: "Bhattacharyya coefficient", symbol: "ρ", decimals: 3 };
+    type Model = Model;
+    type Event = Event;
+
+    fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    fn begin(&self, frame: &Arc<Frame>, region: Region, observer: &mut impl Observer<Event>) -> (Model, f32) {
+        let binning = Binning::new(self.color_space, self.bins, frame);
+        let own = Histogram::of_ellipse(frame, binning, region);
+        observer.see(|| Event::Modelled(Arc::new(own.clone())));
+        if self.background == Background::Ignored {
+            return (Model { histogram: Arc::new(own) }, 1.0);
+        }
+        let around = surroundings(frame, binning, region);
+        let weighted = weighted(&own, &around);
+        let similarity = weighted.coefficient(&own.shares);
+        observer.see(|| Event::Weighted(Arc::new([own, around, weighted.clone()])));
+        (Model { histogram: Arc::new(weighted) }, similarity)
+    }
+
+    fn follow(
+        &self,
+        model: &mut Model,
+        frame: &Arc<Frame>,
+        region: Region,
+        observer: &mut impl Observer<Event>,
+    ) -> RegionFrame {
+        let mut search = Search::new(&model.histogram, frame);
+        let now = self.climb(&mut search, (frame, 0), region, observer);
+        if !self.adapt_scale {
+            return RegionFrame { region: now.region, similarity: now.similarity, is_lost: now.is_lost };
+        }
+        let mut climb = |trial, factor| self.climb(&mut search, (frame, trial), region.scaled(factor), observer);
+        let trials = [now, climb(1, 1.0 - SCALE_STEP), climb(2, 1.0 + SCALE_STEP)];
+        // The present size where none is better.
+        let best = (1..3).fold(0, |best, i| if trials[i].similarity > trials[best].similarity { i } else { best });
+        let size = [0, 1].map(|i| {
+            let most = [frame.size().0, frame.size().1][i] as f32;
+            let mixed = region.size[i] + SCALE_RATE * (trials[best].region.size[i] - region.size[i]);
+            mixed.clamp(LEAST_PX.min(most), most)
+        });
+        let Trial { region: found, similarity, is_lost } = trials[best];
+        let region = Region { size, ..found };
+        observer.see(|| Event::Scaled(Box::new((trials, best, region))));
+        RegionFrame { region, similarity, is_lost }
+    }
+
+    fn need(&self, clip: &Clip) -> Need {
+        // The bins of a frame; in a walk the weights shown too.
+        let histograms = 16.0 * (self.bins.pow(3) as f64);
+        Need::per_pixel(clip, [2.0, 8.0]).and([histograms, 4.0 * histograms])
+    }
+
+    fn model_bytes(&self, model: &Model) -> usize {
+        model.histogram.bytes()
+    }
+
+    fn line(&self, event: &Event) -> Name {
+        match event {
+            Event::Modelled(_) => line::BUILD_MODEL,
+            Event::Weighted(_) => line::WEIGHT_BACKGROUND,
+            Event::Weighed(..) => line::WEIGH,
+            Event::Shifted(..) => line::SHIFT,
+            Event::Scaled(_) => line::CHOOSE_SIZE,
+        }
+    }
+
+    fn sentence(&self, at: &At<'_, Self>) -> Sentence {
+        self.said(at)
+    }
+
+    fn facts(&self, at: &At<'_, Self>) -> Vec<Fact> {
+        explain::facts(at)
+    }
+
+    fn readouts(&self, at: &At<'_, Self>) -> Vec<Readout> {
+        explain::readouts(at)
+    }
+
+    fn draw(&self, at: &At<'_, Self>, scene: &mut Scene) {
+        explain::draw(at, scene);
+    }
+
+    fn advice(&self, is_kept: bool) -> &'static str {
+        match (is_kept, self.background) {
+            (true, Background::Ignored) => {
+                "Mean shift follows the colours, not the shape: a background of like colour would attract the ellipse, which the \
+                 background-weighted histogram resists."
+            }
+            (true, Background::Weighted) => {
+                "The colours that only the object has led the ellipse; they were learned in the first frame and are not updated."
+            }
+            (false, _) => {
+                "The object left the ellipse between two frames, was hidden, or passed a background of like colour. A particle filter \
+                 keeps several hypotheses and a velocity, which mean shift has not."
+            }
+        }
+    }
+}

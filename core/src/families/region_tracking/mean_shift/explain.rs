@@ -1,0 +1,309 @@
+//! The explanation and the drawing of mean shift.
+
+use super::{At, Event, LEAST_PX, MeanShift, SCALE_RATE, Search, Shift, Trial};
+use crate::base::words::{fixed, place};
+use crate::data::Frame;
+use crate::geometry::Grid;
+use crate::methods::numbers::{px, ratio};
+use crate::methods::region::color::{Histogram, ellipse_rows};
+use crate::methods::region::plots;
+use crate::products::Region;
+use crate::scene::{Arrow, Fact, Math, Picture, Readout, Role, Scene, Sentence, Series, Shape};
+
+/// The sizes of a frame in words.
+const SIZES: [&str; 3] = ["present size", "size 10 % smaller", "size 10 % larger"];
+
+impl MeanShift {
+    pub(super) fn said(&self, at: &At<'_, Self>) -> Sentence {
+        let said = Sentence::default();
+        match at.event {
+            Event::Modelled(histogram) => {
+                let largest = histogram.largest(1).first().map_or(0.0, |bin| histogram.shares[*bin]);
+                let said = said
+                    .text("The ")
+                    .ink(Role::Reference, "model q")
+                    .text(format!(
+                        " is the {} histogram of the ellipse: {} of {} bins are filled, the fullest with a share of {}. The \
+                         Epanechnikov kernel gives pixels near the border little weight, where the background may be seen.",
+                        histogram.binning.name(),
+                        crate::base::words::grouped(histogram.support.len()),
+                        crate::base::words::grouped(histogram.binning.count()),
+                        ratio(largest.into())
+                    ));
+                plots::warned(said, histogram)
+            }
+            Event::Weighted(all) => weighted(&**all, said),
+            Event::Weighed(_, shift) => self.weighed(at, shift, said),
+            Event::Shifted(_, shift) => self.shifted(shift, said),
+            Event::Scaled(scaled) => {
+                let (trials, best, region) = &**scaled;
+                chosen(trials, *best, *region, said)
+            }
+        }
+    }
+
+    fn weighed(&self, at: &At<'_, Self>, shift: &Shift, said: Sentence) -> Sentence {
+        let said = said
+            .text(format!("With the {}, ", SIZES[shift.trial]))
+            .ink(Role::Candidate, format!("ρ = {}", ratio(shift.similarity.into())))
+            .text(format!(" at {} px", place(shift.from.center)));
+        let before = last(at, shift.trial, shift.iteration - 1);
+        let said = match before {
+            Some(before) if shift.similarity >= before.similarity => {
+                said.text(format!(", not less than {} before the last shift. ", ratio(before.similarity.into())))
+            }
+            Some(before) => said.text(format!(
+                ", less than {} before the last shift: the weights were linearised there, so ρ may fall. ",
+                ratio(before.similarity.into())
+            )),
+            None => said.text(". "),
+        };
+        said.text(
+            "A pixel weighs √(q/p) of its bin: above 1 where its colour is rarer in the ellipse than in the model, 0 where the object \
+             has not its colour.",
+        )
+    }
+
+    fn shifted(&self, shift: &Shift, said: Sentence) -> Sentence {
+        let Some(to) = shift.to else {
+            return said.text(
+                "All weights are 0: none of the pixels of the ellipse has a colour of the model, so there is no shift.",
+            );
+        };
+        let said = said
+            .text("The weighted mean of the pixels lies at ")
+            .ink(Role::Best, format!("{} px", place(to)))
+            .text(format!(": a shift of {} px, ", px(shift.length().into())));
+        let epsilon = px(self.epsilon.into());
+        if shift.length() < self.epsilon {
+            said.text(format!("shorter than ε = {epsilon} px. Converged after {} shifts.", shift.iteration))
+        } else if shift.iteration == self.iterations {
+            said.text(format!(
+                "not shorter than ε = {epsilon} px, but the limit of {} shifts is reached.",
+                self.iterations
+            ))
+        } else {
+            said.text(format!(
+                "not shorter than ε = {epsilon} px, so the ellipse moves there and the weights are computed anew."
+            ))
+        }
+    }
+}
+
+fn weighted([own, around, weighted]: &[Histogram; 3], said: Sentence) -> Sentence {
+    let shared: f32 = own
+        .support
+        .iter()
+        .map(|bin| usize::from(*bin))
+        .filter(|bin| around.shares[*bin] > 0.0)
+        .map(|bin| own.shares[bin])
+        .sum();
+    let left: f32 = own
+        .support
+        .iter()
+        .map(|bin| usize::from(*bin))
+        .filter(|bin| around.shares[*bin] > 0.0)
+        .map(|bin| weighted.shares[bin])
+        .sum();
+    said.text("The surroundings have colours of the object with a share of ")
+        .ink(Role::Rejected, ratio(shared.into()))
+        .text(" in its histogram. Each such bin is multiplied by the ratio of the smallest share of the surroundings to its own there, so that these colours keep a share of ")
+        .ink(Role::Reference, ratio(left.into()))
+        .text(": a background-weighted histogram of the model alone.")
+}
+
+fn chosen(trials: &[Trial; 3], best: usize, region: Region, said: Sentence) -> Sentence {
+    let [now, smaller, larger] = trials.each_ref().map(|trial| ratio(trial.similarity.into()));
+    let said = said
+        .text(format!("ρ is {now} with the present size, {smaller} with the smaller and {larger} with the larger one. The best is the "))
+        .ink(Role::Best, SIZES[best])
+        .text(format!(
+            ", and the size moves {} of the way to it: {}×{} px",
+            fixed(SCALE_RATE.into(), 1),
+            px(region.size[0].into()),
+            px(region.size[1].into())
+        ));
+    if region.size.iter().any(|side| *side <= LEAST_PX) {
+        said.text(", the smallest that is allowed.")
+    } else {
+        said.text(".")
+    }
+}
+
+/// The shift of a number in a trial of the frame.
+fn last<'a>(at: &At<'a, MeanShift>, trial: usize, iteration: usize) -> Option<&'a Shift> {
+    at.events.iter().find_map(|event| match event {
+        Event::Shifted(_, shift) if (shift.trial, shift.iteration) == (trial, iteration) => Some(shift),
+        _ => None,
+    })
+}
+
+pub(super) fn facts(at: &At<'_, MeanShift>) -> Vec<Fact> {
+    match at.event {
+        Event::Weighed(_, shift) | Event::Shifted(_, shift) => vec![
+            Fact::new("Size", SIZES[shift.trial], None),
+            Fact::new("Shift", shift.iteration.to_string(), None),
+            Fact::new("Bhattacharyya coefficient", ratio(shift.similarity.into()), Some(Role::Candidate)),
+            Fact::new("Sum of weights", fixed(shift.weights.into(), 1), None),
+        ],
+        Event::Scaled(scaled) => {
+            let sizes = scaled.0.iter().zip(["ρ, present size", "ρ, smaller", "ρ, larger"]);
+            sizes.map(|(trial, label)| Fact::new(label, ratio(trial.similarity.into()), None)).collect()
+        }
+        _ => Vec::new(),
+    }
+}
+
+pub(super) fn readouts(at: &At<'_, MeanShift>) -> Vec<Readout> {
+    match at.event {
+        Event::Modelled(histogram) => {
+            vec![Readout::Series(histograms(histogram, &[("model q", Role::Reference, histogram)]))]
+        }
+        Event::Weighted(all) => {
+            let [own, around, weighted] = &**all;
+            let lines = [
+                ("object", Role::Candidate, own),
+                ("surroundings o", Role::Rejected, around),
+                ("model q", Role::Reference, weighted),
+            ];
+            vec![Readout::Series(histograms(own, &lines))]
+        }
+        Event::Weighed(frame, shift) => of_shift(at, frame, shift, false),
+        Event::Shifted(frame, shift) => of_shift(at, frame, shift, true),
+        Event::Scaled(_) => vec![Readout::Equation(vec![coefficient()])],
+    }
+}
+
+/// ρ = Σ √(p_u q_u).
+fn coefficient() -> Math {
+    let of = |name| Math::indexed(Math::Var(name), Math::Var("u"));
+    Math::Row(vec![
+        Math::Var("ρ"),
+        Math::text(" = "),
+        Math::Sum(Box::new(Math::Var("u"))),
+        Math::root(Math::Row(vec![of("p"), Math::text(" "), of("q")])),
+    ])
+}
+
+fn of_shift(at: &At<'_, MeanShift>, frame: &Frame, shift: &Shift, is_shift: bool) -> Vec<Readout> {
+    let Some(model) = at.model.map(|model| &model.histogram) else { return Vec::new() };
+    let mut search = Search::new(model, frame);
+    search.weigh(shift.from);
+    let candidate = Histogram::new(model.binning, search.candidate);
+    let lines = [("model q", Role::Reference, &**model), ("candidate p", Role::Candidate, &candidate)];
+    let mut readouts = vec![Readout::Equation(if is_shift { mean_of(shift) } else { weight_of(shift) })];
+    readouts.push(Readout::Series(histograms(model, &lines)));
+    let values: Vec<_> = (1..=shift.iteration)
+        .filter_map(|i| last(at, shift.trial, i).or((i == shift.iteration).then_some(shift)))
+        .map(|shift| [shift.iteration as f32, shift.similarity])
+        .collect();
+    if values.len() > 1 {
+        readouts.push(Readout::Series(Series {
+            title: "Bhattacharyya coefficient of the shifts",
+            x_label: "shift",
+            y_label: "ρ",
+            x_max: values.len(),
+            lines: vec![("ρ", Role::Candidate, values)],
+            fits_values: true,
+            ..Series::default()
+        }));
+    }
+    readouts
+}
+
+/// The weight of a pixel, and the coefficient.
+fn weight_of(shift: &Shift) -> Vec<Math> {
+    let of = |name| Math::indexed(Math::Var(name), Math::Var("u"));
+    let weight = Math::Row(vec![
+        Math::indexed(Math::Var("w"), Math::Var("i")),
+        Math::text(" = "),
+        Math::root(Math::over(of("q"), of("p"))),
+    ]);
+    let Math::Row(mut parts) = coefficient() else { return vec![weight] };
+    parts.extend([Math::text(" = "), Math::ink(Role::Candidate, ratio(shift.similarity.into()))]);
+    vec![weight, Math::Row(parts)]
+}
+
+/// The weighted mean with its numbers.
+fn mean_of(shift: &Shift) -> Vec<Math> {
+    let Some(to) = shift.to else { return Vec::new() };
+    let of = |name| Math::indexed(Math::Var(name), Math::Var("i"));
+    let sum = |parts| Math::Row(vec![Math::Sum(Box::new(Math::Var("i"))), Math::Row(parts)]);
+    vec![Math::Row(vec![
+        Math::Bold("y"),
+        Math::text(" = "),
+        Math::over(
+            sum(vec![of("w"), Math::text(" "), Math::indexed(Math::Bold("x"), Math::Var("i"))]),
+            sum(vec![of("w")]),
+        ),
+        Math::text(" = "),
+        Math::ink(Role::Best, format!("{} px", place(to))),
+    ])]
+}
+
+/// Histograms over each other, by the largest bins of the first.
+fn histograms(order: &Histogram, all: &[(&'static str, Role, &Histogram)]) -> Series {
+    let bins = order.largest(plots::BARS);
+    let line = |(name, role, of): &(&'static str, Role, &Histogram)| {
+        (*name, *role, plots::bars(bins.iter().map(|bin| of.shares[*bin])))
+    };
+    plots::histograms("Colour histograms", ["largest bins of the model", "share"], all.iter().map(line).collect())
+}
+
+pub(super) fn draw(at: &At<'_, MeanShift>, scene: &mut Scene) {
+    let (frame, shift, is_shift) = match at.event {
+        Event::Weighed(frame, shift) => (frame, shift, false),
+        Event::Shifted(frame, shift) => (frame, shift, true),
+        Event::Scaled(scaled) => {
+            let (trials, best, _) = &**scaled;
+            for trial in trials {
+                plots::ellipse(scene, (Role::Candidate, "ellipses of all sizes"), trial.region);
+            }
+            plots::ellipse(scene, (Role::Best, "best size"), trials[*best].region);
+            return;
+        }
+        Event::Modelled(_) | Event::Weighted(_) => {
+            plots::ellipse(scene, (Role::Candidate, "ellipse of the histogram"), at.region);
+            return;
+        }
+    };
+    if let Some(model) = at.model {
+        let (origin, values) = weights(&model.histogram, frame, shift.from);
+        scene.mark(Picture::CURRENT, Role::Candidate, Shape::Heat { origin, values });
+        scene.heat = Some("weight √(q/p)");
+    }
+    plots::ellipse(scene, (Role::Candidate, "ellipse"), shift.from);
+    let of_trial = at.events.iter().filter_map(|event| match event {
+        Event::Shifted(_, other) if other.trial == shift.trial => Some(other),
+        _ => None,
+    });
+    let arrow = |shift: &Shift| Some(Arrow { from: shift.from.center, to: shift.to? });
+    let arrows: Vec<_> = of_trial.filter_map(arrow).collect();
+    if !arrows.is_empty() {
+        scene.mark(Picture::CURRENT, Role::Predicted, Shape::Arrows(arrows));
+        scene.legend(Role::Predicted, "shifts");
+    }
+    if let (true, Some(to)) = (is_shift, shift.to) {
+        plots::ellipse(scene, (Role::Best, "shifted ellipse"), shift.from.at(to));
+    }
+}
+
+/// The weights of the pixels of an ellipse as a heat map, with its first pixel.
+fn weights(model: &Histogram, frame: &Frame, region: Region) -> ([f32; 2], Grid<f32>) {
+    let mut search = Search::new(model, frame);
+    search.weigh(region);
+    let bounds = region.bounds();
+    let first = bounds.min.map(|c| c.ceil().max(0.0));
+    let size = [0, 1].map(|i| (bounds.max[i].floor() - first[i] + 1.0).max(1.0) as usize);
+    let mut values = Grid::new(size[0], size[1], f32::NAN);
+    ellipse_rows(&search.bins, region, |row, [dx, dy], _| {
+        let (left, y) = (region.center[0] + dx - first[0], region.center[1] + dy - first[1]);
+        for (i, bin) in row.iter().enumerate() {
+            let at = (left.round() as usize + i, y.round() as usize);
+            if at.0 < size[0] && at.1 < size[1] {
+                values[at] = search.weights[usize::from(*bin)];
+            }
+        }
+    });
+    (first, values)
+}

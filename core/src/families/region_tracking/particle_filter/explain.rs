@@ -1,0 +1,335 @@
+//! The explanation and the drawing of the particle filter.
+
+use super::cloud::{Estimate, Particle};
+use super::{At, Event, ParticleFilter, Resampled, Resampling, Weighed};
+use crate::base::words::{fixed, grouped, place};
+use crate::methods::kalman;
+use crate::methods::numbers::{px, ratio};
+use crate::methods::region::plots;
+use crate::products::Region;
+use crate::scene::{Arrow, Fact, Math, Picture, Readout, Role, Scene, Sentence, Series, Shape};
+
+/// The most particles that are drawn with their weights.
+const CIRCLES: usize = 400;
+/// The radius of a particle of mean weight in px, and the smallest and largest of all.
+const RADIUS_PX: [f32; 3] = [1.5, 0.4, 8.0];
+/// The share of the particles inside the drawn ellipse, if they are normally distributed.
+const CONFIDENCE: f64 = 0.95;
+
+/// The standard deviations along x and y as text.
+fn deviations(covariance: [[f64; 2]; 2]) -> String {
+    let [x, y] = [0, 1].map(|i| px(covariance[i][i].max(0.0).sqrt()));
+    format!("({x},\u{a0}{y}) px")
+}
+
+/// The standard deviations of the positions of particles of equal weight.
+fn spread(particles: &[Particle]) -> String {
+    deviations(Estimate::of(particles, &[]).covariance)
+}
+
+impl ParticleFilter {
+    pub(super) fn said(&self, at: &At<'_, Self>) -> Sentence {
+        let said = Sentence::default();
+        match at.event {
+            Event::Modelled(histogram) => {
+                let said = said.text("The ").ink(Role::Reference, "model q").text(format!(
+                " is the {} histogram of the ellipse, weighted by the Epanechnikov kernel: {} of {} bins are filled.",
+                histogram.binning.name(),
+                grouped(histogram.support.len()),
+                grouped(histogram.binning.count())
+            ));
+                plots::warned(said, histogram)
+            }
+            Event::Scattered(particles) => said
+                .ink(Role::Predicted, format!("{} particles", grouped(particles.len())))
+                .text(format!(
+                    " around the centre of the region, standard deviations {}. Each is a hypothesis of position, velocity and scale.",
+                    spread(particles)
+                )),
+            Event::Predicted(particles) => said
+                .text("Prediction: each particle moves with its velocity and a random acceleration of standard deviation ")
+                .text(format!("{} px/frame². ", px(self.process_noise.into())))
+                .ink(Role::Predicted, format!("The cloud spreads to {}", spread(particles)))
+                .text("."),
+            Event::Weighed(weighed) => self.weighed(weighed, said),
+            Event::Estimated(_, estimate) => said
+                .text("The weighted mean of the particles is ")
+                .ink(Role::Estimate, format!("{} px", place(estimate.at)))
+                .text(format!(
+                    ", standard deviations {}; velocity {} px/frame, scale {}. The ellipse holds {} % if the particles are normally \
+                     distributed.",
+                    deviations(estimate.covariance),
+                    place(estimate.velocity),
+                    ratio(estimate.scale.into()),
+                    fixed(100.0 * CONFIDENCE, 0)
+                )),
+            Event::Counted(particles, effective) => self.counted(particles, *effective, said),
+            Event::Resampled(resampled) => self.resampled(resampled, said),
+        }
+    }
+
+    fn weighed(&self, weighed: &Weighed, said: Sentence) -> Sentence {
+        let Weighed { particles, coefficients, outside, is_weighted } = weighed;
+        let count = particles.len();
+        if !is_weighted {
+            return said.text(format!(
+                "{} of {} particles lie outside the picture, and none inside has a weight above 0. The weights are set to 1/N = {}, and \
+                 the estimate is not used: the object is lost.",
+                grouped(*outside),
+                grouped(count),
+                fixed(1.0 / count as f64, 4)
+            ));
+        }
+        let best = coefficients.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+        let worst = coefficients.iter().copied().filter(|c| c.is_finite()).fold(f32::INFINITY, f32::min);
+        let said = said
+            .text("Each weight is multiplied by the likelihood exp(−λ (1 − ρ)): ρ is ")
+            .ink(Role::Best, ratio(best.into()))
+            .text(format!(" for the best and {} for the worst particle", ratio(worst.into())));
+        let said = if *outside > 0 {
+            said.text(format!(", and {} outside the picture have weight 0", grouped(*outside)))
+        } else {
+            said
+        };
+        said.text(format!(
+            ". With λ = {} the best counts {} times as much as the worst.",
+            fixed(self.lambda.into(), 1),
+            grouped((self.lambda * (best - worst)).exp().min(1e9).round() as usize)
+        ))
+    }
+
+    fn counted(&self, particles: &[Particle], effective: f32, said: Sentence) -> Sentence {
+        let count = particles.len();
+        let limit = self.resample_below * count as f32;
+        let said = said
+            .text("The weights are worth ")
+            .ink(Role::Measured, format!("{} particles of equal weight", fixed(effective.into(), 1)))
+            .text(format!(", the effective sample size, of {}: ", grouped(count)));
+        if effective < limit {
+            said.text(format!("below {}, so the particles are drawn anew (degeneracy).", fixed(limit.into(), 1)))
+        } else {
+            said.text(format!("not below {}, so the particles and their weights are kept.", fixed(limit.into(), 1)))
+        }
+    }
+
+    fn resampled(&self, resampled: &Resampled, said: Sentence) -> Sentence {
+        let survivors = resampled.copies.iter().filter(|copies| **copies > 0).count();
+        let most = resampled.copies.iter().max().copied().unwrap_or(0);
+        let count = resampled.copies.len();
+        let said = match self.resampling {
+            Resampling::Systematic => {
+                said.text("Systematic resampling sets equally spaced pointers on the wheel of weights: ")
+            }
+            Resampling::Multinomial => {
+                said.text("Multinomial resampling spins the wheel of weights once for each particle: ")
+            }
+        };
+        let said = said
+            .ink(Role::Best, format!("{} of {} particles survive", grouped(survivors), grouped(count)))
+            .text(format!(", the heaviest with {most} copies. "));
+        said.text(if 10 * survivors < count {
+            "So few different ones are an impoverished cloud; the process noise has to spread it again."
+        } else {
+            "All have equal weights now."
+        })
+    }
+
+    pub(super) fn shown(&self, at: &At<'_, Self>) -> Vec<Readout> {
+        let var = Math::Var;
+        let w = || var("w");
+        let mut readouts = match at.event {
+            Event::Modelled(histogram) => {
+                let bins = histogram.largest(plots::BARS);
+                let line = plots::bars(bins.iter().map(|bin| histogram.shares[*bin]));
+                let axes = ["largest bins of the model", "share"];
+                return vec![Readout::Series(plots::histograms(
+                    "Colour histogram",
+                    axes,
+                    vec![("model q", Role::Reference, line)],
+                ))];
+            }
+            Event::Scattered(_) => return Vec::new(),
+            Event::Predicted(_) => vec![equation(vec![
+                Math::Bold("x"),
+                Math::text(" ← "),
+                Math::Bold("x"),
+                Math::text(" + "),
+                Math::Bold("v"),
+                Math::text(" + ½ "),
+                Math::Bold("a"),
+                Math::text(",  "),
+                Math::Bold("v"),
+                Math::text(" ← "),
+                Math::Bold("v"),
+                Math::text(" + "),
+                Math::Bold("a"),
+            ])],
+            Event::Weighed(weighed) => {
+                let exponent = Math::text(format!("−{} (1 − ρ)", fixed(self.lambda.into(), 1)));
+                vec![
+                    equation(vec![
+                        w(),
+                        Math::text(" ← "),
+                        w(),
+                        Math::text(" · "),
+                        Math::power(Math::text("e"), exponent),
+                    ]),
+                    Readout::Series(weights(&weighed.particles, None)),
+                ]
+            }
+            Event::Estimated(particles, _) => vec![
+                equation(vec![
+                    Math::text("estimate = "),
+                    Math::Sum(Box::new(var("i"))),
+                    Math::indexed(w(), var("i")),
+                    Math::indexed(Math::Bold("x"), var("i")),
+                ]),
+                Readout::Series(weights(particles, None)),
+            ],
+            Event::Counted(particles, effective) => {
+                let sum = Math::Row(vec![Math::Sum(Box::new(var("i"))), Math::squared(Math::indexed(w(), var("i")))]);
+                vec![
+                    equation(vec![
+                        Math::indexed(var("N"), Math::text("eff")),
+                        Math::text(" = "),
+                        Math::over(Math::text("1"), sum),
+                        Math::text(" = "),
+                        Math::ink(Role::Measured, fixed((*effective).into(), 1)),
+                    ]),
+                    Readout::Series(weights(particles, None)),
+                ]
+            }
+            Event::Resampled(resampled) => {
+                vec![Readout::Series(weights(&resampled.before, Some(&resampled.copies)))]
+            }
+        };
+        readouts.extend(self.sizes(at));
+        readouts
+    }
+
+    /// The effective sample size over the frames.
+    fn sizes(&self, at: &At<'_, Self>) -> Option<Readout> {
+        let past = at.model.map(|model| &model.effective)?;
+        let now = at.events.iter().find_map(|event| match event {
+            Event::Counted(_, effective) => Some(*effective),
+            _ => None,
+        });
+        let values: Vec<_> = past.iter().copied().chain(now).enumerate().map(|(i, v)| [(i + 1) as f32, v]).collect();
+        (values.len() > 1).then(|| {
+            Readout::Series(Series {
+                title: "Effective sample size",
+                x_label: "frames since the start",
+                y_label: "N_eff",
+                x_max: values.len(),
+                lines: vec![("N_eff", Role::Measured, values)],
+                thresholds: vec![("resampling".into(), self.resample_below * self.particles as f32)],
+                ..Series::default()
+            })
+        })
+    }
+}
+
+fn equation(parts: Vec<Math>) -> Readout {
+    Readout::Equation(vec![Math::Row(parts)])
+}
+
+/// The weights of the particles, the heaviest first, as multiples of 1/N: the expected numbers of copies; and the numbers drawn.
+fn weights(particles: &[Particle], copies: Option<&[u32]>) -> Series {
+    let count = particles.len();
+    let mut order: Vec<usize> = (0..count).collect();
+    order.sort_by(|a, b| particles[*b].weight.total_cmp(&particles[*a].weight).then(a.cmp(b)));
+    // As many as have an expectation that can be seen.
+    let seen = order.iter().take_while(|i| particles[**i].weight * count as f32 > 0.01).count().clamp(1, count);
+    let order = &order[..seen];
+    let expected = plots::bars(order.iter().map(|i| particles[*i].weight * count as f32));
+    let mut lines = vec![("N w, expected copies", Role::Candidate, expected)];
+    if let Some(copies) = copies {
+        lines.push(("copies", Role::Best, plots::bars(order.iter().map(|i| copies[*i] as f32))));
+    }
+    let title = if copies.is_some() { "Copies of each particle" } else { "Weights of the particles" };
+    plots::histograms(title, ["particle, by weight", "N w"], lines)
+}
+
+pub(super) fn facts(at: &At<'_, ParticleFilter>) -> Vec<Fact> {
+    match at.event {
+        Event::Weighed(weighed) => {
+            vec![Fact::new("Particles outside the picture", grouped(weighed.outside), None)]
+        }
+        Event::Estimated(_, estimate) => vec![
+            Fact::new("Estimate", format!("{} px", place(estimate.at)), Some(Role::Estimate)),
+            Fact::new("Velocity", format!("{} px/frame", place(estimate.velocity)), None),
+            Fact::new("Scale", ratio(estimate.scale.into()), None),
+            Fact::new("Standard deviations", deviations(estimate.covariance), None),
+        ],
+        Event::Counted(particles, effective) => vec![
+            Fact::new("Effective sample size", fixed((*effective).into(), 1), Some(Role::Measured)),
+            Fact::new("Particles", grouped(particles.len()), None),
+        ],
+        Event::Resampled(resampled) => {
+            let survivors = resampled.copies.iter().filter(|copies| **copies > 0).count();
+            vec![Fact::new("Survivors", grouped(survivors), Some(Role::Best))]
+        }
+        Event::Modelled(_) | Event::Scattered(_) | Event::Predicted(_) => Vec::new(),
+    }
+}
+
+pub(super) fn draw(at: &At<'_, ParticleFilter>, scene: &mut Scene) {
+    match at.event {
+        Event::Modelled(_) => plots::ellipse(scene, (Role::Candidate, "ellipse of the histogram"), at.region),
+        Event::Scattered(particles) => dots(scene, (Role::Predicted, "particles"), particles),
+        Event::Predicted(particles) => {
+            dots(scene, (Role::Predicted, "predicted particles"), particles);
+            moves(scene, at, particles);
+        }
+        Event::Weighed(weighed) => circles(scene, &weighed.particles),
+        Event::Counted(particles, _) => circles(scene, particles),
+        Event::Estimated(particles, estimate) => {
+            circles(scene, particles);
+            let center = estimate.at.map(f64::from);
+            if let Some(shape) = kalman::ellipse(center, estimate.covariance, CONFIDENCE) {
+                scene.mark(Picture::CURRENT, Role::Estimate, shape);
+                scene.legend(Role::Estimate, "estimate with 95 % ellipse");
+            }
+            let size = at.model.map_or(at.region.size, |model| model.size).map(|side| side * estimate.scale);
+            let Region { angle_rad, .. } = at.region;
+            let bounds = Region { center: estimate.at, size, angle_rad }.bounds();
+            scene.mark(Picture::CURRENT, Role::Estimate, Shape::Rect { min: bounds.min, max: bounds.max });
+        }
+        Event::Resampled(resampled) => dots(scene, (Role::Best, "particles drawn"), &resampled.after),
+    }
+}
+
+/// Draws particles as points.
+fn dots(scene: &mut Scene, (role, meaning): (Role, &'static str), particles: &[Particle]) {
+    let places = particles.iter().map(|particle| particle.at).collect();
+    scene.mark(Picture::CURRENT, role, Shape::Points(places));
+    scene.legend(role, meaning);
+}
+
+/// Draws the mean displacement of the particles by the prediction.
+fn moves(scene: &mut Scene, at: &At<'_, ParticleFilter>, particles: &[Particle]) {
+    let Some(model) = at.model else { return };
+    let mean = |all: &[Particle]| Estimate::of(all, &[]).at;
+    let (from, to) = (mean(&model.particles), mean(particles));
+    scene.mark(Picture::CURRENT, Role::Result, Shape::Arrows(vec![Arrow { from, to }]));
+    scene.legend(Role::Result, "path of the region");
+}
+
+/// Draws particles as circles whose areas are their weights, the lightest of very many as points.
+fn circles(scene: &mut Scene, particles: &[Particle]) {
+    let mut order: Vec<&Particle> = particles.iter().collect();
+    order.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+    let (heavy, light) = order.split_at(CIRCLES.min(order.len()));
+    if !light.is_empty() {
+        let places = light.iter().map(|particle| particle.at).collect();
+        scene.mark(Picture::CURRENT, Role::Rejected, Shape::Points(places));
+        scene.legend(Role::Rejected, "particles of the least weight");
+    }
+    let [mean, least, most] = RADIUS_PX;
+    for particle in heavy.iter().rev() {
+        let radius = (mean * (particle.weight * particles.len() as f32).sqrt()).clamp(least, most);
+        let shape = Shape::Ellipse { center: particle.at, radii: [radius; 2], angle_rad: 0.0 };
+        scene.mark(Picture::CURRENT, Role::Candidate, shape);
+    }
+    scene.legend(Role::Candidate, "particles, area by weight");
+}

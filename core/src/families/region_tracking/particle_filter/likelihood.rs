@@ -1,0 +1,123 @@
+//! The Bhattacharyya coefficient of many ellipses, each from few of its pixels.
+
+use crate::base::effort;
+use crate::methods::region::color::{Bins, Histogram};
+use crate::products::Region;
+
+/// Places in the unit circle, as dense everywhere as the Epanechnikov kernel is high: a histogram of them counts each alike.
+#[derive(Clone, Debug)]
+pub struct Pattern(Vec<[f32; 2]>);
+
+impl Pattern {
+    /// A pattern of `count` places on a spiral by the golden angle (Vogel 1979).
+    pub fn new(count: usize) -> Self {
+        let golden = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
+        let place = |i: usize| {
+            // Inside r lies the share 2 r² − r⁴ of the kernel.
+            let share = (i as f64 + 0.5) / count as f64;
+            let radius = (1.0 - (1.0 - share).sqrt()).sqrt();
+            let (sin, cos) = (i as f64 * golden).sin_cos();
+            [(radius * cos) as f32, (radius * sin) as f32]
+        };
+        Self((0..count).map(place).collect())
+    }
+}
+
+/// The comparison of ellipses with the histogram of an object.
+#[derive(Clone, Debug)]
+pub struct Likelihood {
+    pattern: Pattern,
+    /// √q of each bin.
+    roots: Vec<f32>,
+    /// √(c + 1) − √c for the number c of pixels in a bin, divided by the root of the number of all.
+    steps: Vec<f32>,
+}
+
+impl Likelihood {
+    /// Compares with `model` at the places of `pattern`.
+    pub fn new(model: &Histogram, pattern: Pattern) -> Self {
+        let count = pattern.0.len();
+        let step = |c: usize| (((c + 1) as f64).sqrt() - (c as f64).sqrt()) / (count as f64).sqrt();
+        let roots = model.shares.iter().map(|share| share.sqrt()).collect();
+        Self { pattern, roots, steps: (0..count).map(|c| step(c) as f32).collect() }
+    }
+
+    /// Begins the comparison of ellipses in a frame, whose pixels are covered by `bins`.
+    pub fn meter<'a>(&'a self, bins: &'a Bins<'a>) -> Meter<'a> {
+        Meter { of: self, bins, counts: vec![0; self.roots.len()], seen: vec![0; self.pattern.0.len()] }
+    }
+}
+
+/// The comparison in a frame.
+pub struct Meter<'a> {
+    of: &'a Likelihood,
+    bins: &'a Bins<'a>,
+    /// Number of pixels in each bin; 0 between ellipses.
+    counts: Vec<u8>,
+    /// The bins of the ellipse at hand.
+    seen: Vec<u16>,
+}
+
+impl Meter<'_> {
+    /// The coefficient Σ √(p q) of an ellipse; pixels outside the picture have no bin.
+    pub fn coefficient(&mut self, region: Region) -> f32 {
+        let Likelihood { pattern, roots, steps } = self.of;
+        effort::add(pattern.0.len());
+        let half = region.size.map(|side| side / 2.0);
+        let (mut sum, mut count) = (0.0, 0);
+        for place in &pattern.0 {
+            let at = [0, 1].map(|i| region.center[i] + place[i] * half[i]);
+            let Some(bin) = self.bins.at_place(at) else { continue };
+            let pixels = &mut self.counts[usize::from(bin)];
+            // Adding to √c what leads to √(c + 1) spares a pass over the bins.
+            sum += roots[usize::from(bin)] * steps[usize::from(*pixels)];
+            *pixels += 1;
+            self.seen[count] = bin;
+            count += 1;
+        }
+        self.seen[..count].iter().for_each(|bin| self.counts[usize::from(*bin)] = 0);
+        sum
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::Frame;
+    use crate::geometry::Grid;
+    use crate::methods::region::color::Binning;
+
+    #[test]
+    fn a_pattern_is_as_dense_as_the_kernel() {
+        let pattern = Pattern::new(250);
+        let mean = pattern.0.iter().map(|[x, y]| f64::from(x * x + y * y)).sum::<f64>() / 250.0;
+        // ∫ r² (1 − r²) r dr / ∫ (1 − r²) r dr = (1/12) / (1/4).
+        assert!((mean - 1.0 / 3.0).abs() < 1e-3, "{mean}");
+        let middle = [0, 1].map(|i| pattern.0.iter().map(|place| f64::from(place[i])).sum::<f64>() / 250.0);
+        assert!(middle.iter().all(|c| c.abs() < 0.01), "{middle:?}");
+    }
+
+    #[test]
+    fn a_coefficient_is_that_of_the_counted_histogram() {
+        let frame = Frame::gray(Grid::from_fn(50, 40, |x, y| ((x * 5 + y * 3) % 256) as u8));
+        let region = Region { center: [24.3, 18.6], size: [18.0, 14.0], angle_rad: 0.0 };
+        let binning = Binning::Gray(16);
+        let model = Histogram::of_ellipse(&frame, binning, region.at([20.0, 20.0]));
+        let likelihood = Likelihood::new(&model, Pattern::new(64));
+        let mut bins = Bins::new(&frame, binning);
+        bins.cover(region.bounds());
+        let mut meter = likelihood.meter(&bins);
+        let mut counts = [0.0f64; 16];
+        for [u, v] in &likelihood.pattern.0 {
+            let (x, y) = (24.3 + u * 9.0, 18.6 + v * 7.0);
+            counts[usize::from(frame.luma()[(x.round() as usize, y.round() as usize)]) / 16] += 1.0 / 64.0;
+        }
+        let expected: f64 = counts.iter().zip(&model.shares).map(|(p, q)| (p * f64::from(*q)).sqrt()).sum();
+        for _ in 0..2 {
+            assert!(
+                (f64::from(meter.coefficient(region)) - expected).abs() < 1e-5,
+                "the counts are those of one ellipse"
+            );
+        }
+    }
+}

@@ -1,0 +1,253 @@
+//! What all trackers of a region explain alike: the start, the result of a frame, the conclusion of the run.
+
+use super::start::Origin;
+use super::{At, Event, RegionModel, RegionTracking, State, line, plots};
+use crate::base::words::{fixed, place};
+use crate::data::Clip;
+use crate::methods::numbers::{px, ratio};
+use crate::products::region::{NEAR_PX, RegionError, RegionScores, success};
+use crate::products::{Region, RegionFrame};
+use crate::run::Seen;
+use crate::scene::{Fact, Name, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step};
+
+/// The longest path that is drawn, in frames.
+const TRAIL_FRAMES: usize = 30;
+
+/// A width and a height as text.
+fn size([width, height]: [f32; 2]) -> String {
+    format!("{}×{} px", px(width.into()), px(height.into()))
+}
+
+impl<T: RegionModel> RegionTracking<T> {
+    pub(super) fn line_of(&self, event: &Event<T::Event>) -> Name {
+        match event {
+            Event::Chosen | Event::Refused => line::CHOOSE,
+            Event::Own(event) => self.0.line(event),
+            Event::Moved(_) => line::MOVE,
+        }
+    }
+
+    /// The run at an event of the tracker.
+    fn at<'a>(seen: &'a Seen<'_, Self>) -> Option<At<'a, T>> {
+        let own = |event: &'a Event<T::Event>| match event {
+            Event::Own(event) => Some(event),
+            _ => None,
+        };
+        let event = own(seen.events.last()?)?;
+        let events = seen.events.iter().filter_map(own).collect();
+        Some(At { model: seen.before.model.as_deref(), region: seen.before.region, events, event })
+    }
+
+    pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
+        let line = seen.events.last().map_or(line::EACH_FRAME, |event| self.line_of(event));
+        Step { line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
+    }
+
+    fn sentence(&self, seen: &Seen<Self>) -> Sentence {
+        let said = Sentence::default();
+        let state = seen.before;
+        match seen.events.last() {
+            None => said.text(format!(
+                "{} learns an object from its region in the first frame, and finds it in at most {} frames.",
+                T::INFO.name,
+                self.0.settings().frames
+            )),
+            Some(Event::Chosen) => chosen(state, said),
+            Some(Event::Refused) => said
+                .ink(Role::Error, "The region cannot be tracked")
+                .text(format!(": {} The run ends.", state.refusal.as_deref().unwrap_or_default())),
+            Some(Event::Own(_)) => Self::at(seen).map_or(said, |at| self.0.sentence(&at)),
+            Some(Event::Moved(result)) => {
+                let said = self.moved(seen, result, said);
+                self.concluded(seen, said)
+            }
+        }
+    }
+
+    /// The result of a frame, beside the truth where that is known.
+    fn moved(&self, seen: &Seen<Self>, result: &RegionFrame, said: Sentence) -> Sentence {
+        let (state, similarity) = (seen.before, T::SIMILARITY);
+        let by = [0, 1].map(|i| result.region.center[i] - state.region.center[i]);
+        let value = fixed(result.similarity.into(), similarity.decimals);
+        let said = if result.is_lost {
+            said.text(format!("Frame {}: the object is ", state.frame)).ink(Role::Error, "lost").text(format!(
+                ", {} {value}. The region stays at {} px.",
+                similarity.name,
+                place(result.region.center)
+            ))
+        } else {
+            said.text(format!("Frame {}: the region moves by ", state.frame))
+                .ink(Role::Estimate, format!("{} px", place(by)))
+                .text(format!(
+                    " to {} px and has {}. {} {value}.",
+                    place(result.region.center),
+                    size(result.region.size),
+                    crate::base::words::capital(similarity.name)
+                ))
+        };
+        let Some(RegionError { overlap, center_px, .. }) = error_of_last(seen) else { return said };
+        let verdict = match overlap {
+            0.0 => ": the region is not on the object",
+            0.0..0.5 => ", below 0.5: it covers a part of the object",
+            _ => "",
+        };
+        said.text(format!(
+            " Overlap with the true box (IoU) {}, centre error {} px{verdict}.",
+            ratio(overlap),
+            px(center_px)
+        ))
+    }
+
+    /// Adds the conclusion at the end of the run.
+    fn concluded(&self, seen: &Seen<Self>, said: Sentence) -> Sentence {
+        let Some(after) = seen.after.filter(|after| is_over(seen.clip, after)) else { return said };
+        let errors = errors(seen.clip, after);
+        let lost = after.past.iter().filter(|frame| frame.is_lost).count();
+        let (told, is_kept) = match RegionScores::of(&errors) {
+            Some(of) => (
+                format!(
+                    " End of the run: mean overlap {}, success {}, precision {} at {} px, and {} failures in {} frames with a true box.",
+                    ratio(of.overlap),
+                    ratio(of.success),
+                    ratio(of.precision),
+                    fixed(NEAR_PX, 0),
+                    of.failures,
+                    of.frames
+                ),
+                errors.last().is_some_and(|error| error.overlap > 0.0),
+            ),
+            None => (
+                format!(
+                    " End of the run: lost in {lost} of {} frames. No true boxes are known, so there are no scores.",
+                    after.past.len()
+                ),
+                !after.past.last().is_some_and(|frame| frame.is_lost),
+            ),
+        };
+        said.text(told).text(format!(" {}", self.0.advice(is_kept)))
+    }
+
+    fn readouts(&self, seen: &Seen<Self>) -> Vec<Readout> {
+        let (state, Some(event)) = (seen.before, seen.events.last()) else { return Vec::new() };
+        let region = match event {
+            Event::Moved(result) => result.region,
+            _ => state.region,
+        };
+        let mut facts = vec![
+            Fact::new("Frame", state.frame.to_string(), None),
+            Fact::new("Region", format!("{} px, {}", place(region.center), size(region.size)), Some(Role::Reference)),
+        ];
+        let at = Self::at(seen);
+        facts.extend(at.iter().flat_map(|at| self.0.facts(at)));
+        if let Event::Moved(result) = event {
+            let value = fixed(result.similarity.into(), T::SIMILARITY.decimals);
+            facts.push(Fact::new(T::SIMILARITY.name, value, Some(Role::Estimate)));
+            if let Some(error) = error_of_last(seen) {
+                facts.push(Fact::new("Overlap (IoU)", ratio(error.overlap), Some(Role::Truth)));
+                facts.push(Fact::new("Centre error", format!("{} px", px(error.center_px)), Some(Role::Error)));
+            }
+        }
+        let mut readouts = vec![Readout::Facts(facts)];
+        readouts.extend(at.iter().flat_map(|at| self.0.readouts(at)));
+        let is_result = matches!(event, Event::Moved(_));
+        readouts.extend(self.histories(seen, is_result).into_iter().map(Readout::Series));
+        readouts
+    }
+
+    /// The similarity and the overlap over the frames; at the end of the run the success curve too.
+    fn histories(&self, seen: &Seen<Self>, is_result: bool) -> Vec<Series> {
+        let state = seen.after.filter(|_| is_result).unwrap_or(seen.before);
+        if state.past.len() < 2 {
+            return Vec::new();
+        }
+        let first = state.span.first;
+        let x_max = first + state.span.frames().map_or(state.past.len(), |frames| frames - 1);
+        let over =
+            |title, y_label, lines| Series { title, x_label: "frame", y_label, x_max, lines, ..Series::default() };
+        let line = state.past.iter().enumerate().map(|(i, frame)| [(first + i) as f32, frame.similarity]);
+        let mut all = vec![over(
+            T::SIMILARITY.name,
+            T::SIMILARITY.symbol,
+            vec![(T::SIMILARITY.symbol, Role::Estimate, line.collect())],
+        )];
+        let errors = errors(seen.clip, state);
+        if !errors.is_empty() {
+            let line = errors.iter().map(|error| [error.frame as f32, error.overlap as f32]).collect();
+            all.push(over("Overlap with the true box", "IoU", vec![("IoU", Role::Truth, line)]));
+        }
+        if is_result && !errors.is_empty() && is_over(seen.clip, state) {
+            let curve = success(&errors).into_iter().map(|point| point.map(|c| c as f32)).collect();
+            all.insert(0, plots::curve("Success", ["overlap threshold", "share of frames"], ("success", curve)));
+        }
+        all
+    }
+
+    pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
+        let state = seen.before;
+        let path: Vec<_> = state.past.iter().map(|frame| frame.region.center).collect();
+        let path = &path[path.len().saturating_sub(TRAIL_FRAMES)..];
+        if path.len() > 1 {
+            let shape = Shape::Path { points: path.to_vec(), closed: false };
+            scene.mark(Picture::CURRENT, Role::Result, shape);
+            scene.legend(Role::Result, "path of the region");
+        }
+        let is_first = state.model.is_none();
+        outline(scene, Role::Reference, state.region);
+        scene.legend(Role::Reference, if is_first { "region of the object" } else { "region of frame t−1" });
+        if let Some(at) = Self::at(seen) {
+            self.0.draw(&at, scene);
+        }
+        let Some(Event::Moved(result)) = seen.events.last() else { return };
+        let (role, meaning) = if result.is_lost { (Role::Error, "object lost") } else { (Role::Estimate, "region") };
+        outline(scene, role, result.region);
+        scene.legend(role, meaning);
+        if let Some(RegionError { truth, .. }) = error_of_last(seen) {
+            scene.mark(Picture::CURRENT, Role::Truth, Shape::Rect { min: truth.min, max: truth.max });
+            scene.legend(Role::Truth, "true box");
+        }
+    }
+}
+
+/// Whether a run has no more frames.
+fn is_over<M>(clip: &Clip, state: &State<M>) -> bool {
+    state.span.is_over(clip, state.frame)
+}
+
+/// The errors of all frames so far, where the truth is known.
+fn errors<M>(clip: &Clip, state: &State<M>) -> Vec<RegionError> {
+    state.field().errors(clip).unwrap_or_default()
+}
+
+/// The error of the frame that has just ended, where the truth is known.
+fn error_of_last<T: RegionModel>(seen: &Seen<RegionTracking<T>>) -> Option<RegionError> {
+    let after = seen.after?;
+    after.field().error_of(seen.clip, after.past.len().checked_sub(1)?).ok().flatten()
+}
+
+fn chosen<M>(state: &State<M>, said: Sentence) -> Sentence {
+    let Region { center, size: extent, .. } = state.region;
+    let said = said.ink(Role::Reference, format!("Region of {}", size(extent))).text(format!(
+        " around {} px in frame {}, ",
+        place(center),
+        state.frame
+    ));
+    match state.chosen.origin {
+        Origin::Placed => said.text("as placed on the frame."),
+        Origin::Truth => said.text("the box of a true object. Place another region to track something else."),
+        Origin::Middle => said.text(
+            "in the middle of the frame, because no region is placed and no true object is known. Place the region on an object.",
+        ),
+    }
+}
+
+/// Draws the outline of a region: a box, or an ellipse if it is turned.
+pub(super) fn outline(scene: &mut Scene, role: Role, region: Region) {
+    let shape = if region.angle_rad == 0.0 {
+        let bounds = region.bounds();
+        Shape::Rect { min: bounds.min, max: bounds.max }
+    } else {
+        let radii = region.size.map(|side| side / 2.0);
+        Shape::Ellipse { center: region.center, radii, angle_rad: region.angle_rad }
+    };
+    scene.mark(Picture::CURRENT, role, shape);
+}

@@ -1,0 +1,277 @@
+//! Tracking of one region through a clip: its start, its path, and what all trackers of a region explain alike.
+//!
+//! A [`RegionModel`] learns the object in the first frame and finds it in each later one; [`RegionTracking`] turns it into an
+//! estimator.
+
+pub(crate) mod color;
+mod explain;
+pub(crate) mod plots;
+mod start;
+
+use std::sync::Arc;
+
+pub use start::Settings;
+pub(crate) use start::line;
+use start::{Chosen, choose};
+
+use crate::base::{Error, Mapped, Observer};
+use crate::data::{Clip, Frame};
+use crate::params::{Params, inner_params};
+use crate::products::{Output, Product, ProductKind, Region, RegionField, RegionFrame};
+use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Progress, Seen, Span, need};
+use crate::scene::{Chart, Fact, Name, Readout, Role, Scene, Sentence, Step};
+
+/// The quantity by which a tracker judges its match.
+#[derive(Clone, Copy, Debug)]
+pub struct Similarity {
+    /// Its name: `Bhattacharyya coefficient`.
+    pub name: &'static str,
+    /// Its symbol.
+    pub symbol: &'static str,
+    /// Its decimals.
+    pub decimals: usize,
+}
+
+/// A tracker of one region: a model of its appearance, and the search for it.
+pub trait RegionModel: Params + Default + Clone + Send + Sync + 'static {
+    /// The description of the tracker.
+    const INFO: Info;
+    /// The charts of its steps.
+    const CHARTS: &'static [Chart] = &[Chart::Series];
+    /// As [`Estimator::CONTRASTS`].
+    const CONTRASTS: Option<&'static str> = None;
+    /// The quantity by which it judges its match.
+    const SIMILARITY: Similarity;
+    /// Everything that is carried from frame to frame, besides the region.
+    type Model: Clone + Send + Sync + 'static;
+    /// An event inside a frame.
+    type Event: Clone + Send + Sync + 'static;
+
+    /// The parameters that all trackers of a region have.
+    fn settings(&self) -> &Settings;
+
+    /// Why a region of the first frame cannot be tracked, as a sentence with its number, if it cannot.
+    fn refusal(&self, _frame: &Frame, _region: Region) -> Option<String> {
+        None
+    }
+
+    /// Learns the object from its region in the first frame; returns the similarity to itself too.
+    fn begin(
+        &self,
+        frame: &Arc<Frame>,
+        region: Region,
+        observer: &mut impl Observer<Self::Event>,
+    ) -> (Self::Model, f32);
+
+    /// Finds the object in the frame after one in which it had `region`.
+    fn follow(
+        &self,
+        model: &mut Self::Model,
+        frame: &Arc<Frame>,
+        region: Region,
+        observer: &mut impl Observer<Self::Event>,
+    ) -> RegionFrame;
+
+    /// Memory of a model and its work.
+    fn need(&self, clip: &Clip) -> Need;
+
+    /// Memory of a model in bytes.
+    fn model_bytes(&self, model: &Self::Model) -> usize;
+
+    /// The line of pseudocode of an event.
+    fn line(&self, event: &Self::Event) -> Name;
+
+    /// What happened, and why.
+    fn sentence(&self, at: &At<'_, Self>) -> Sentence;
+
+    /// The numbers of the step.
+    fn facts(&self, at: &At<'_, Self>) -> Vec<Fact>;
+
+    /// The formula and the charts of the step.
+    fn readouts(&self, at: &At<'_, Self>) -> Vec<Readout>;
+
+    /// Draws the step over frame t.
+    fn draw(&self, at: &At<'_, Self>, scene: &mut Scene);
+
+    /// What would help, at the end of a run that kept the object or lost it.
+    fn advice(&self, is_kept: bool) -> &'static str;
+}
+
+/// The run at an event of a tracker.
+pub struct At<'a, T: RegionModel> {
+    /// The model before the frame; none in the first one.
+    pub model: Option<&'a T::Model>,
+    /// The region before the frame; in the first one that of the start.
+    pub region: Region,
+    /// The tracker's events of the frame up to the one at hand.
+    pub events: Vec<&'a T::Event>,
+    /// The event at hand.
+    pub event: &'a T::Event,
+}
+
+/// The estimator that tracks a region by the model `T`.
+#[derive(Clone, Debug, Default)]
+pub struct RegionTracking<T>(pub T);
+
+inner_params!(RegionTracking<T: RegionModel>);
+
+/// The state of a run.
+#[derive(Clone)]
+pub struct State<M> {
+    span: Span,
+    /// The next frame.
+    frame: usize,
+    picture: (usize, usize),
+    chosen: Arc<Chosen>,
+    /// Why the region cannot be tracked, if it cannot: the run ends with the first frame.
+    refusal: Option<Arc<str>>,
+    /// The model, from the first frame on.
+    model: Option<Arc<M>>,
+    /// The region of the last frame.
+    region: Region,
+    past: Arc<Vec<RegionFrame>>,
+}
+
+impl<M> State<M> {
+    fn field(&self) -> RegionField {
+        let (first, object) = (self.span.first, self.chosen.object);
+        RegionField { picture: self.picture, first, object, frames: self.past.to_vec() }
+    }
+}
+
+/// An event of a frame.
+#[derive(Clone)]
+pub enum Event<E> {
+    /// The region of the first frame.
+    Chosen,
+    /// It cannot be tracked.
+    Refused,
+    /// An event of the tracker.
+    Own(E),
+    /// The result of the frame.
+    Moved(RegionFrame),
+}
+
+impl<T: RegionModel> RegionTracking<T> {
+    /// Learns the object in the first frame, unless it cannot be tracked.
+    fn learn(
+        &self,
+        state: &mut State<T::Model>,
+        frame: &Arc<Frame>,
+        observer: &mut impl Observer<Event<T::Event>>,
+    ) -> RegionFrame {
+        observer.see(|| Event::Chosen);
+        if state.refusal.is_some() {
+            observer.see(|| Event::Refused);
+            return RegionFrame { region: state.region, similarity: 0.0, is_lost: true };
+        }
+        let (model, similarity) = self.0.begin(frame, state.region, &mut Mapped { observer, map: Event::Own });
+        state.model = Some(Arc::new(model));
+        RegionFrame { region: state.region, similarity, is_lost: false }
+    }
+}
+
+impl<T: RegionModel> Estimator for RegionTracking<T> {
+    const INFO: Info = T::INFO;
+    const GUARANTEE: Guarantee = Guarantee::Region;
+    const CHARTS: &'static [Chart] = T::CHARTS;
+    const CONTRASTS: Option<&'static str> = T::CONTRASTS;
+    const PRODUCES: &'static [&'static ProductKind] = &[RegionField::KIND];
+    type State = State<T::Model>;
+    type Event = Event<T::Event>;
+
+    fn start(&self, clip: &Clip, frame: usize) -> Result<Self::State, Error> {
+        let settings = self.0.settings();
+        let span = Span::new(clip, frame, settings.frames)?;
+        let first = clip.frame(frame)?;
+        let chosen = choose(settings, clip, frame)?;
+        let refusal = self.0.refusal(&first, chosen.region).map(Arc::from);
+        let span = if refusal.is_some() { span.until(frame + 1) } else { span };
+        Ok(State {
+            span,
+            frame,
+            picture: clip.size(),
+            region: chosen.region,
+            chosen: Arc::new(chosen),
+            refusal,
+            model: None,
+            past: Arc::default(),
+        })
+    }
+
+    fn advance(
+        &self,
+        clip: &Clip,
+        state: &mut Self::State,
+        observer: &mut impl Observer<Self::Event>,
+    ) -> Result<Progress, Error> {
+        clip.wanted()?;
+        need::check_kept(clip, self.state_bytes(state))?;
+        let frame = clip.frame(state.frame)?;
+        let result = match &mut state.model {
+            None => self.learn(state, &frame, observer),
+            Some(model) => {
+                let mut own = Mapped { observer: &mut *observer, map: Event::Own };
+                let result = self.0.follow(Arc::make_mut(model), &frame, state.region, &mut own);
+                observer.see(|| Event::Moved(result));
+                result
+            }
+        };
+        state.region = result.region;
+        Arc::make_mut(&mut state.past).push(result);
+        state.frame += 1;
+        let is_over = state.refusal.is_some() || state.span.is_over(clip, state.frame);
+        Ok(if is_over { Progress::Done } else { Progress::More })
+    }
+
+    fn units(&self, state: &Self::State) -> Option<usize> {
+        state.span.frames()
+    }
+
+    fn place(&self, state: &Self::State) -> Vec<Granularity> {
+        state.span.place(state.frame - state.span.first)
+    }
+
+    fn units_of(&self, _picture: (usize, usize), frames: usize) -> Option<usize> {
+        Some(frames)
+    }
+
+    fn at_frame(&self, state: &Self::State) -> Option<usize> {
+        Some(state.frame)
+    }
+
+    fn landmark(&self, event: &Self::Event) -> Option<Role> {
+        match event {
+            Event::Refused => Some(Role::Error),
+            Event::Moved(result) if result.is_lost => Some(Role::Error),
+            _ => None,
+        }
+    }
+
+    fn stage(&self, event: &Self::Event) -> Option<Name> {
+        Some(self.line_of(event))
+    }
+
+    fn step(&self, seen: &Seen<Self>) -> Step {
+        self.told(seen)
+    }
+
+    fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
+        self.drawn(seen, scene);
+    }
+
+    fn output(&self, state: &Self::State) -> Output {
+        Output::of(state.field())
+    }
+}
+
+impl<T: RegionModel> Footprint<State<T::Model>> for RegionTracking<T> {
+    fn need(&self, clip: &Clip) -> Need {
+        self.0.need(clip)
+    }
+
+    fn state_bytes(&self, state: &State<T::Model>) -> usize {
+        let model = state.model.as_ref().map_or(0, |model| self.0.model_bytes(model));
+        size_of::<State<T::Model>>() + model + size_of_val(&state.past[..])
+    }
+}

@@ -1,0 +1,52 @@
+//! Plots of trackers of a region: histograms, curves, and marks that several of them draw.
+
+use super::color::Histogram;
+use crate::products::Region;
+use crate::scene::{Picture, Role, Scene, Sentence, Series, Shape};
+
+/// The most bars of a histogram: more cannot be told apart.
+pub(crate) const BARS: usize = 32;
+
+/// A histogram as the outline of its bars, the first of which is around x = 1.
+pub(crate) fn bars(heights: impl IntoIterator<Item = f32>) -> Vec<[f32; 2]> {
+    let sides = |(i, height): (usize, f32)| [[i as f32 + 0.5, height], [i as f32 + 1.5, height]];
+    heights.into_iter().enumerate().flat_map(sides).collect()
+}
+
+/// Histograms over each other, by the outlines of their bars.
+pub(crate) fn histograms(
+    title: &'static str,
+    [x_label, y_label]: [&'static str; 2],
+    lines: Vec<(&'static str, Role, Vec<[f32; 2]>)>,
+) -> Series {
+    let x_max = lines.iter().map(|(.., points)| points.len() / 2).max().unwrap_or(0);
+    Series { title, x_label, y_label, x_max, lines, is_sweep: true, ..Series::default() }
+}
+
+/// A curve over values that are no steps.
+pub(crate) fn curve(
+    title: &'static str,
+    [x_label, y_label]: [&'static str; 2],
+    (name, points): (&'static str, Vec<[f32; 2]>),
+) -> Series {
+    let x_max = points.iter().map(|point| point[0].ceil() as usize).max().unwrap_or(0);
+    let lines = vec![(name, Role::Estimate, points)];
+    Series { title, x_label, y_label, x_max, lines, is_sweep: true, ..Series::default() }
+}
+
+/// Marks an upright ellipse.
+pub(crate) fn ellipse(scene: &mut Scene, (role, meaning): (Role, &'static str), region: Region) {
+    let radii = region.size.map(|side| side / 2.0);
+    let shape = Shape::Ellipse { center: region.center, radii, angle_rad: region.angle_rad };
+    scene.mark(Picture::CURRENT, role, shape);
+    scene.legend(role, meaning);
+}
+
+/// Adds a warning to the sentence about a model if the region is flat, all of it in one bin.
+pub(crate) fn warned(said: Sentence, model: &Histogram) -> Sentence {
+    if model.support.len() == 1 {
+        said.text(" A flat region in one bin is told from its surroundings only where these have other bins.")
+    } else {
+        said
+    }
+}

@@ -1,0 +1,407 @@
+//! Trackers of one region, held to their definitions on small clips, and to what they say of the scenes that break them.
+
+mod common;
+
+use std::f64::consts::TAU;
+
+use common::{set, tile};
+use motionscope_core::products::region::{RegionError, RegionScores, success};
+use motionscope_core::scene::Step;
+use motionscope_core::{AnyEstimator, Bounds, Clip, Direction, Frame, Grid, Move, Region, RegionField, Threads, synth};
+
+const ALL: [&str; 4] = ["mean-shift", "camshift", "particle-filter", "correlation-filter"];
+
+fn run(estimator: &dyn AnyEstimator, clip: &Clip) -> RegionField {
+    let output = estimator.run(clip, 0, &Threads::single()).expect("a run");
+    output.get::<RegionField>().expect("a region").clone()
+}
+
+fn scene(id: &str) -> Clip {
+    synth::make(id, &synth::scene(id).expect("it is bundled").difficulty()).expect("a clip")
+}
+
+fn errors(estimator: &dyn AnyEstimator, clip: &Clip) -> Vec<RegionError> {
+    run(estimator, clip).errors(clip).expect("readable")
+}
+
+/// The mean overlap in frames of a clip.
+fn overlap(errors: &[RegionError], frames: std::ops::Range<usize>) -> f64 {
+    let all: Vec<_> = errors.iter().filter(|error| frames.contains(&error.frame)).map(|error| error.overlap).collect();
+    assert!(!all.is_empty(), "true boxes in {frames:?}");
+    all.iter().sum::<f64>() / all.len() as f64
+}
+
+/// A number of 0 to 255 that belongs to a pixel.
+fn noise(x: usize, y: usize, seed: u64) -> u8 {
+    let mixed = (x as u64 * 0x9E37_79B9) ^ (y as u64 * 0x85EB_CA6B) ^ (seed * 0xC2B2_AE35);
+    (mixed.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 40) as u8
+}
+
+/// A coloured disc of many shades in front of a background with some of its colours.
+fn disc(center: [f64; 2], seed: u64) -> Frame {
+    Frame::rgb(Grid::from_fn(64, 48, |x, y| {
+        let radius = (x as f64 - center[0]).hypot(y as f64 - center[1]);
+        let shade = noise(x, y, seed) / 4;
+        if radius < 9.0 { [190 + shade, 60 + shade, 40 + shade / 2] } else { [60 + shade, 120 + shade, 40 + shade] }
+    }))
+}
+
+/// The bin of a pixel among 16 of each channel.
+fn bin(frame: &Frame, x: usize, y: usize) -> usize {
+    let rgb = frame.color().expect("colour")[(x, y)];
+    rgb.iter().fold(0, |bin, level| bin * 16 + usize::from(*level) / 16)
+}
+
+/// The pixels of an ellipse with the squares of their distances in radii.
+fn pixels(frame: &Frame, center: [f64; 2], size: [f64; 2]) -> Vec<(usize, usize, f64)> {
+    let (width, height) = frame.size();
+    let square = |x: usize, y: usize| {
+        let [u, v] = [(x as f64 - center[0]) / (size[0] / 2.0), (y as f64 - center[1]) / (size[1] / 2.0)];
+        u * u + v * v
+    };
+    let all = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    all.map(|(x, y)| (x, y, square(x, y))).filter(|(.., square)| *square < 1.0).collect()
+}
+
+/// The histogram under the Epanechnikov kernel (Comaniciu, Ramesh and Meer 2003, equation 19).
+fn histogram(frame: &Frame, center: [f64; 2], size: [f64; 2]) -> Vec<f64> {
+    let mut sums = vec![0.0; 4096];
+    pixels(frame, center, size).into_iter().for_each(|(x, y, square)| sums[bin(frame, x, y)] += 1.0 - square);
+    let sum: f64 = sums.iter().sum();
+    sums.into_iter().map(|value| value / sum).collect()
+}
+
+/// One shift: the Bhattacharyya coefficient before it (equation 17) and the centre after it (equations 25 and 26).
+fn shifted(model: &[f64], frame: &Frame, center: [f64; 2], size: [f64; 2]) -> (f64, [f64; 2]) {
+    let candidate = histogram(frame, center, size);
+    let coefficient = model.iter().zip(&candidate).map(|(q, p)| (q * p).sqrt()).sum();
+    let mut sums = [0.0; 3];
+    for (x, y, _) in pixels(frame, center, size) {
+        let weight = (model[bin(frame, x, y)] / candidate[bin(frame, x, y)]).sqrt();
+        sums = [sums[0] + weight, sums[1] + weight * x as f64, sums[2] + weight * y as f64];
+    }
+    (coefficient, [sums[1] / sums[0], sums[2] / sums[0]])
+}
+
+#[test]
+fn shifts_are_those_of_the_definition() {
+    let frames = [disc([24.0, 22.0], 1), disc([27.0, 20.5], 2)];
+    let clip = Clip::from_frames("disc", frames.to_vec()).expect("frames of one size");
+    let (mut center, size) = ([24.0, 22.0], [20.0, 18.0]);
+    let model = histogram(&frames[0], center, size);
+    let mut before = 0.0;
+    for shifts in 1..=4 {
+        let (coefficient, next) = shifted(&model, &frames[1], center, size);
+        let (shifts_text, region) = (shifts.to_string(), "14,13,34,31");
+        let settings = [
+            ("region", region),
+            ("adapt-scale", "off"),
+            ("iterations", &shifts_text),
+            ("epsilon", "0.01"),
+            ("frames", "2"),
+        ];
+        let found = run(&*set("mean-shift", &settings), &clip).frames[1];
+        let off = [0, 1].map(|i| f64::from(found.region.center[i]) - next[i]);
+        assert!(off[0].hypot(off[1]) < 1e-3, "shift {shifts}: {:?} where {next:?} is expected", found.region.center);
+        assert!((f64::from(found.similarity) - coefficient).abs() < 1e-4, "shift {shifts}: ρ {coefficient}");
+        assert!(coefficient > before, "ρ rises: {coefficient} after {before}");
+        (center, before) = (next, coefficient);
+    }
+    assert!((center[0] - 27.0).hypot(center[1] - 20.5) < 1.0, "{center:?} is on the disc");
+}
+
+/// The discrete Fourier transform of a real picture by its definition, as real and imaginary part of each frequency.
+fn transformed(of: &Grid<f64>) -> Vec<[f64; 2]> {
+    let (width, height) = of.size();
+    let value = |u: usize, v: usize| {
+        let mut sums = [0.0; 2];
+        for y in 0..height {
+            for x in 0..width {
+                let turn = -TAU * ((u * x) as f64 / width as f64 + (v * y) as f64 / height as f64);
+                sums = [sums[0] + of[(x, y)] * turn.cos(), sums[1] + of[(x, y)] * turn.sin()];
+            }
+        }
+        sums
+    };
+    (0..height).flat_map(|v| (0..width).map(move |u| (u, v))).map(|(u, v)| value(u, v)).collect()
+}
+
+/// Numerator G F* and denominator F F* of a filter for a window, with the Gaussian of 2 px in its middle.
+struct Parts {
+    numerator: Vec<[f64; 2]>,
+    energy: Vec<f64>,
+}
+
+fn parts(window: &Grid<f32>) -> Parts {
+    let (width, height) = window.size();
+    let gaussian = |x: usize, y: usize| {
+        let [u, v] = [x as f64 - (width / 2) as f64, y as f64 - (height / 2) as f64];
+        (-(u * u + v * v) / 8.0).exp()
+    };
+    let g = transformed(&Grid::from_fn(width, height, gaussian));
+    let f = transformed(&Grid::from_fn(width, height, |x, y| f64::from(window[(x, y)])));
+    let product = |([a, b], [c, d]): (&[f64; 2], &[f64; 2])| [a * c + b * d, b * c - a * d];
+    Parts { numerator: g.iter().zip(&f).map(product).collect(), energy: f.iter().map(|[a, b]| a * a + b * b).collect() }
+}
+
+/// The spatial filter of H* = A / (B + ε), with displacement 0 in the middle; ε is a thousandth of the mean of B.
+fn spatial(Parts { numerator, energy }: &Parts, (width, height): (usize, usize)) -> Grid<f64> {
+    let least = 1e-3 * energy.iter().sum::<f64>() / energy.len() as f64;
+    Grid::from_fn(width, height, |x, y| {
+        let [dx, dy] = [x as f64 - (width / 2) as f64, y as f64 - (height / 2) as f64];
+        let term = |i: usize| {
+            let ([u, v], [re, im]) = ([i % width, i / width], numerator[i].map(|part| part / (energy[i] + least)));
+            let turn = TAU * (u as f64 * dx / width as f64 + v as f64 * dy / height as f64);
+            // Of the conjugate of H*.
+            re * turn.cos() + im * turn.sin()
+        };
+        (0..width * height).map(term).sum::<f64>() / (width * height) as f64
+    })
+}
+
+/// The largest difference of two pictures as a share of the largest value.
+fn difference(found: &Grid<f32>, expected: &Grid<f64>) -> f64 {
+    let most = expected.cells().iter().fold(0.0f64, |most, value| most.max(value.abs()));
+    let pairs = found.cells().iter().zip(expected.cells());
+    pairs.map(|(found, expected)| (f64::from(*found) - expected).abs()).fold(0.0, f64::max) / most
+}
+
+/// The steps of a run whose sentences have a phrase, in their order.
+fn steps(estimator: &dyn AnyEstimator, clip: &Clip, phrase: &str) -> Vec<Step> {
+    let mut walk = estimator.walk(clip, 0).expect("a walk");
+    let mut found = Vec::new();
+    loop {
+        let step = walk.step(None);
+        if step.sentence.plain().contains(phrase) {
+            found.push(step);
+        }
+        if walk.at_end() {
+            return found;
+        }
+        walk.jump(Move::Granularity(2, Direction::Forward));
+    }
+}
+
+/// A textured square at a place of a textured background.
+fn square(at: [usize; 2]) -> Frame {
+    Frame::gray(Grid::from_fn(56, 48, |x, y| {
+        let inside = (at[0]..at[0] + 12).contains(&x) && (at[1]..at[1] + 10).contains(&y);
+        if inside { 90 + noise(x - at[0], y - at[1], 1) / 2 } else { 70 + noise(x / 3, y / 3, 2) / 4 }
+    }))
+}
+
+#[test]
+fn a_correlation_filter_is_that_of_direct_sums() {
+    // Two frames alike at the end: the window of the last is the one that the update before it took.
+    let frames = vec![square([20, 18]), square([22, 17]), square([22, 17])];
+    let clip = Clip::from_frames("square", frames).expect("frames of one size");
+    let settings = [("region", "19.5,17.5,31.5,27.5"), ("perturbations", "0"), ("min-psr", "0"), ("window", "1.5")];
+    let filter = set("correlation-filter", &settings);
+    let learned = &steps(&*filter, &clip, "is learned from")[0];
+    let window = tile(learned, "window f");
+    let first = parts(&window);
+    let expected = spatial(&first, window.size());
+    assert!(difference(&tile(learned, "filter h"), &expected) < 1e-3, "the filter of the first frame");
+
+    // The response at n: Σ_k f(n + k) h(k), repeated beyond the window.
+    let responses = steps(&*filter, &clip, "transformed back");
+    let (f, g) = (tile(&responses[0], "window f"), tile(&responses[0], "response g"));
+    let (width, height) = f.size();
+    let direct = Grid::from_fn(width, height, |x, y| {
+        let product = |i: usize, j: usize| {
+            let [u, v] = [(x + i + width - width / 2) % width, (y + j + height - height / 2) % height];
+            f64::from(f[(u, v)]) * expected[(i, j)]
+        };
+        (0..height).map(|j| (0..width).map(|i| product(i, j)).sum::<f64>()).sum::<f64>()
+    });
+    assert!(difference(&g, &direct) < 1e-3, "the response of the second frame");
+    let peak = (0..width * height).max_by(|a, b| direct.cells()[*a].total_cmp(&direct.cells()[*b])).expect("pixels");
+    assert_eq!([peak % width - width / 2, height / 2 - peak / width], [2, 1], "the displacement is (2, −1) px");
+
+    // The update: η = 0.125 of the window at the new place.
+    let updated = tile(&steps(&*filter, &clip, "averaged into numerator")[0], "filter, updated");
+    let second = parts(&tile(&responses[1], "window f"));
+    let mixed = |a: f64, b: f64| 0.875 * a + 0.125 * b;
+    let both = Parts {
+        numerator: first
+            .numerator
+            .iter()
+            .zip(&second.numerator)
+            .map(|(a, b)| [0, 1].map(|i| mixed(a[i], b[i])))
+            .collect(),
+        energy: first.energy.iter().zip(&second.energy).map(|(a, b)| mixed(*a, *b)).collect(),
+    };
+    assert!(difference(&updated, &spatial(&both, (width, height))) < 1e-3, "the updated filter");
+}
+
+#[test]
+fn success_is_the_area_under_the_plot() {
+    let overlaps = [1.0, 0.82, 0.5, 0.31, 0.0, 0.0, 0.64, 0.0];
+    let error = |overlap| RegionError { frame: 1, truth: Bounds::around([0.0; 2], [1.0; 2]), overlap, center_px: 0.0 };
+    let errors: Vec<_> = overlaps.into_iter().map(error).collect();
+    // Fine steps: the area under the share of frames above a threshold is the mean overlap, which the 21 thresholds come near.
+    let fine: f64 =
+        (0..10_000).map(|i| overlaps.iter().filter(|o| **o > f64::from(i) / 1e4).count() as f64 / 8e4).sum();
+    let mean = overlaps.iter().sum::<f64>() / 8.0;
+    let scores = RegionScores::of(&errors).expect("frames");
+    assert!((fine - mean).abs() < 1e-3 && (scores.success - fine).abs() < 0.03, "{scores:?}, {fine}");
+    assert_eq!((scores.failures, scores.overlap), (2, mean));
+    let curve = success(&errors);
+    assert_eq!((curve.len(), curve[0], curve[10], curve[20]), (21, [0.0, 5.0 / 8.0], [0.5, 3.0 / 8.0], [1.0, 0.0]));
+}
+
+#[test]
+fn a_tunnel_stops_all_that_predict_no_velocity() {
+    let clip = scene("tunnel");
+    for id in ALL {
+        let errors = errors(&*set(id, &[]), &clip);
+        let (before, after) = (overlap(&errors, 1..11), overlap(&errors, 33..40));
+        assert!(before > 0.6, "{id}: overlap {before:.3} before the tunnel");
+        match id {
+            "particle-filter" => assert!(after > 0.5, "{id}: overlap {after:.3} behind the tunnel"),
+            _ => assert!(after < 0.05, "{id}: overlap {after:.3} behind the tunnel"),
+        }
+    }
+}
+
+#[test]
+fn particles_cross_the_tunnel_with_most_seeds() {
+    let clip = scene("tunnel");
+    let kept = (1..=10).filter(|seed: &u32| {
+        let errors = errors(&*set("particle-filter", &[("seed", &seed.to_string())]), &clip);
+        overlap(&errors, 33..40) > 0.4
+    });
+    let kept = kept.count();
+    assert!(kept >= 8, "{kept} of 10");
+}
+
+#[test]
+fn a_correlation_filter_reports_the_tunnel_and_learns_nothing_there() {
+    let clip = scene("tunnel");
+    let field = run(&*set("correlation-filter", &[]), &clip);
+    // Hidden from frame 17 to 23.
+    assert!(field.frames[18..24].iter().all(|frame| frame.is_lost), "{:?}", field.frames);
+    assert!(field.frames[1..10].iter().all(|frame| !frame.is_lost && frame.similarity > 7.0));
+}
+
+#[test]
+fn leaves_of_its_hue_spread_camshift_but_not_the_correlation_filter() {
+    let clip = scene("leaves");
+    let last = |id: &str| overlap(&errors(&*set(id, &[]), &clip), 26..36);
+    let [camshift, filter] = ["camshift", "correlation-filter"].map(last);
+    assert!(camshift < 0.15 && filter > 0.5, "CamShift {camshift:.3}, correlation filter {filter:.3}");
+    let field = run(&*set("camshift", &[]), &clip);
+    let [first, late] = [0, 30].map(|t| field.frames[t].region.bounds().area());
+    assert!(late > 4.0 * first, "the window spreads from {first} to {late} px²");
+}
+
+#[test]
+fn a_threshold_of_the_ratio_keeps_an_occluder_out_of_the_filter() {
+    // A textured bar goes over the square, which stays.
+    let frame = |t: usize| {
+        let bar = 6 * t;
+        Frame::gray(Grid::from_fn(96, 48, |x, y| {
+            let inside = (40..56).contains(&x) && (16..32).contains(&y);
+            match (x + 30 >= bar && x + 10 < bar, inside) {
+                (true, _) => 40 + noise((x + 30 - bar) / 2, y / 2, 9) / 2,
+                (_, true) => 90 + noise(x, y, 1) / 2,
+                _ => 70 + noise(x / 3, y / 3, 2) / 4,
+            }
+        }))
+    };
+    let clip = Clip::from_frames("bar", (0..22).map(frame).collect()).expect("frames of one size");
+    let overlap = |settings: &[(&str, &str)]| {
+        let placed = [("region", "39.5,15.5,55.5,31.5"), ("learning-rate", "0.3")];
+        let field = run(&*set("correlation-filter", &[&placed, settings].concat()), &clip);
+        let truth = Bounds { min: [39.5, 15.5], max: [55.5, 31.5] };
+        field.frames[21].region.bounds().iou(&truth)
+    };
+    let [kept, lost] = [overlap(&[]), overlap(&[("min-psr", "0")])];
+    assert!(kept > 0.9, "with a threshold of 7: {kept:.3}");
+    assert!(lost < 0.5, "without a threshold: {lost:.3}");
+}
+
+#[test]
+fn colours_of_the_surroundings_attract_mean_shift_unless_they_are_weighted() {
+    // The region of a disc contains much of its background, to which the disc moves no more.
+    let frame = |t: usize| {
+        let center = [24.0 + 2.5 * t as f64, 24.0];
+        Frame::rgb(Grid::from_fn(128, 48, |x, y| {
+            let shade = noise(x, y, 3) / 16;
+            let radius = (x as f64 - center[0]).hypot(y as f64 - center[1]);
+            if radius < 6.0 { [180 + shade, 50 + shade, 60] } else { [70 + shade, 110 + shade, 60] }
+        }))
+    };
+    let clip = Clip::from_frames("disc", (0..30).map(frame).collect()).expect("frames of one size");
+    let distance = |background: &str| {
+        let settings = [("region", "9.5,9.5,38.5,38.5"), ("background", background), ("adapt-scale", "off")];
+        let field = run(&*set("mean-shift", &settings), &clip);
+        let [x, y] = field.frames[29].region.center;
+        f64::from(x - 96.5).hypot(f64::from(y) - 24.0)
+    };
+    let [ignored, weighted] = ["ignored", "weighted"].map(distance);
+    assert!(weighted < 1.5 && ignored > 2.0 * weighted, "{ignored:.2} px, weighted {weighted:.2} px");
+}
+
+#[test]
+fn regions_without_pixels_are_refused_and_flat_ones_are_told() {
+    let flat = Frame::rgb(Grid::from_fn(64, 48, |_, _| [120, 60, 40]));
+    let clip = Clip::from_frames("flat", vec![flat; 4]).expect("frames of one size");
+    for id in ALL {
+        for (region, said) in [("70,10,90,30", "0×20 px inside the picture of 64×48 px"), ("5,5,6,6", "1×1 px inside")]
+        {
+            let refusal = set(id, &[("region", region)]).walk(&clip, 0).map(|_| ()).expect_err("too small").to_string();
+            assert!(refusal.contains(said) && refusal.contains("place it anew"), "{id}: {refusal}");
+        }
+        let estimator = set(id, &[("region", "20,15,40,35")]);
+        let phrase = if id == "correlation-filter" { "without texture" } else { "flat region in one bin" };
+        assert!(!steps(&*estimator, &clip, phrase).is_empty(), "{id} says nothing of a flat region");
+        let expected = Region::from(Bounds { min: [20.0, 15.0], max: [40.0, 35.0] });
+        let field = run(&*estimator, &clip);
+        match id {
+            "correlation-filter" => assert!(field.frames.len() == 1 && field.frames[0].is_lost, "{field:?}"),
+            "camshift" => assert!(field.frames.iter().all(|frame| frame.region.size.iter().all(|side| *side <= 64.0))),
+            _ => {
+                let [x, y] = field.frames[3].region.center;
+                assert!((x - expected.center[0]).hypot(y - expected.center[1]) < 20.0, "{id}: {x}, {y}");
+            }
+        }
+    }
+}
+
+#[test]
+fn colours_that_are_gone_are_said() {
+    let red = Frame::rgb(Grid::from_fn(64, 48, |x, y| [200, noise(x, y, 1) / 8, 20]));
+    let blue = Frame::rgb(Grid::from_fn(64, 48, |x, y| [20, noise(x, y, 1) / 8, 200]));
+    let clip = Clip::from_frames("gone", vec![red, blue.clone(), blue]).expect("frames of one size");
+    for (id, phrase) in [
+        ("mean-shift", "none of the pixels of the ellipse has a colour"),
+        ("camshift", "no pixel of the window has a hue"),
+    ] {
+        let estimator = set(id, &[("region", "20,15,40,35")]);
+        let field = run(&*estimator, &clip);
+        assert!(field.frames[1..].iter().all(|frame| frame.is_lost), "{id}: {field:?}");
+        assert_eq!(field.frames[2].region.center, [30.0, 25.0], "{id} stays");
+        assert!(!steps(&*estimator, &clip, phrase).is_empty(), "{id} says nothing");
+    }
+    // Particles weigh the same where all are equally bad, whatever λ: a cloud that only spreads.
+    let field = run(&*set("particle-filter", &[("region", "20,15,40,35"), ("lambda", "200")]), &clip);
+    assert!(field.frames.iter().all(|frame| frame.region.center.iter().all(|c| c.is_finite())), "{field:?}");
+    assert!(field.frames[2].similarity < 0.01);
+}
+
+#[test]
+fn particles_outside_the_picture_are_said_to_have_no_weight() {
+    // The object leaves at 8 px/frame, and the particles with it.
+    let frame = |t: usize| disc([50.0 + 8.0 * t as f64, 24.0], 1);
+    let clip = Clip::from_frames("leaves", (0..12).map(frame).collect()).expect("frames of one size");
+    let settings = [("region", "41,15,59,33"), ("process-noise", "0"), ("scale-noise", "0"), ("particles", "40")];
+    let still = run(&*set("particle-filter", &settings), &clip);
+    assert!(still.frames.iter().all(|frame| !frame.is_lost), "without noise the particles stay: {still:?}");
+    let settings = [("region", "41,15,59,33"), ("process-noise", "30"), ("particles", "10"), ("resample-below", "0")];
+    let estimator = set("particle-filter", &settings);
+    let field = run(&*estimator, &clip);
+    let lost = field.frames.iter().position(|frame| frame.is_lost).expect("all particles have left");
+    assert_eq!(field.frames[lost].region, field.frames[lost - 1].region, "the estimate is not used");
+    assert!(!steps(&*estimator, &clip, "none inside has a weight above 0").is_empty());
+}
