@@ -11,6 +11,7 @@ use crate::methods::geometric::{
     },
     fit::{fit, squared_error},
     ransac::{chosen, sample},
+    refine::least_squares,
     robust::{self, Best, Estimate, RobustModel, Sequel, robust_pseudocode},
 };
 use crate::methods::matching;
@@ -47,7 +48,7 @@ params! {
 robust_pseudocode!(
     "  F ← the fundamental matrices through the sample, of rank 2",
     "  count the inliers: matches with a Sampson distance of at most the threshold",
-    "fit F to all inliers by the eight-point algorithm, weighted for the Sampson distance, until these stay the same",
+    "fit F to all inliers by eight points, then by least Sampson distances; again while the cost falls",
     GUIDE: "match each keypoint again, only with those near its epipolar line",
     RECTIFY: "rectify both frames: H′ sends e′ to infinity along x, H makes the rows equal"
 );
@@ -157,7 +158,7 @@ impl RobustModel for EpipolarGeometry {
         }
         let pose = match self.pose(estimate) {
             None => " With the focal length, the pose of the camera follows from F.".to_owned(),
-            Some(pose) => posed(&pose, best.score.inliers),
+            Some(pose) => posed(&pose, best.score.inliers, self.field_of_view_deg(estimate.size())),
         };
         format!("{found}{pose} Points of moving objects violate F unless they move along their epipolar lines.")
     }
@@ -236,13 +237,24 @@ impl EpipolarGeometry {
             return None;
         }
         let limit = f64::from(self.robust.threshold).powi(2);
-        let share = |iteration: usize| {
+        let through = |iteration: usize| {
             let indices = sample(4, inliers.len(), self.robust.seed as u64 + 1, iteration);
-            let Some(matrix) = fit(Model::Homography, &chosen(&inliers, &indices)) else { return 0.0 };
-            let count = inliers.iter().filter(|m| squared_error(&matrix, m) <= limit).count();
-            count as f64 / inliers.len() as f64
+            fit(Model::Homography, &chosen(&inliers, &indices))
         };
-        Some((0..PLANAR_SAMPLES).map(share).fold(0.0, f64::max))
+        let near = |matrix: &Matrix3| -> Vec<Correspondence> {
+            inliers.iter().copied().filter(|m| squared_error(matrix, m) <= limit).collect()
+        };
+        let agreeing = |matrix: &Matrix3| near(matrix).len();
+        let best = (0..PLANAR_SAMPLES).filter_map(through).max_by_key(agreeing)?;
+        // Fitted to all that agree, noise of the four points of a sample averages out.
+        let fitted = least_squares(Model::Homography, &near(&best));
+        let count = fitted.map_or(0, |matrix| agreeing(&matrix)).max(agreeing(&best));
+        Some(count as f64 / inliers.len() as f64)
+    }
+
+    /// The angle that the frame spans across, with the focal length.
+    fn field_of_view_deg(&self, (width, _): (usize, usize)) -> f64 {
+        2.0 * (width as f64 / 2.0).atan2(self.focal_length.into()).to_degrees()
     }
 
     fn pose(&self, estimate: &Estimate<'_>) -> Option<Pose> {
@@ -256,9 +268,20 @@ impl EpipolarGeometry {
 
 /// Smallest ratio of both singular values of an essential matrix for which the intrinsics are accepted.
 const LEAST_RATIO: f64 = 0.8;
+/// Widest field of view of a camera without a fisheye lens, and the narrowest of a telephoto lens, in degrees.
+const VIEWS_DEG: [f64; 2] = [1.0, 150.0];
 
 /// The pose of the camera in words, or why it is refused.
-fn posed(pose: &Pose, inliers: usize) -> String {
+fn posed(pose: &Pose, inliers: usize, field_of_view_deg: f64) -> String {
+    let [narrowest, widest] = VIEWS_DEG;
+    if !(narrowest..=widest).contains(&field_of_view_deg) {
+        return format!(
+            " The pose is refused: with this focal length the frame would span {}°, and a camera spans {}° to {}°.",
+            words::fixed(field_of_view_deg, 1),
+            words::fixed(narrowest, 0),
+            words::fixed(widest, 0)
+        );
+    }
     let ratio = words::fixed(pose.singular_ratio, 2);
     if pose.singular_ratio < LEAST_RATIO {
         return format!(
@@ -292,7 +315,8 @@ fn on_plane([x, y, w]: [f64; 3]) -> Option<[f64; 2]> {
 }
 
 fn is_inside([x, y]: [f64; 2], (width, height): (usize, usize)) -> bool {
-    (0.0..width as f64).contains(&x) && (0.0..height as f64).contains(&y)
+    // Pixels reach half a px around their middles.
+    (-0.5..width as f64 - 0.5).contains(&x) && (-0.5..height as f64 - 0.5).contains(&y)
 }
 
 /// The part of the line a x + b y + c = 0 inside a picture.

@@ -7,7 +7,7 @@ use mosaic::mosaic;
 use crate::base::words;
 use crate::methods::geometric::{
     Correspondence,
-    fit::{fit, squared_errors},
+    fit::{fit, is_on_line, squared_errors},
     refine::least_squares,
     robust::{self, Best, Estimate, RobustModel, robust_pseudocode},
 };
@@ -36,7 +36,7 @@ const MOSAIC: Picture = Picture { role: PictureRole::Mosaic, ..Picture::CURRENT 
 robust_pseudocode!(
     "  H ← the model through the sample",
     "  count the inliers: matches with |x′ − H x| at most the threshold",
-    "fit H to all inliers by least squares of |x′ − H x|, until these stay the same"
+    "fit H to all inliers by least squares of |x′ − H x|; again while the cost falls"
 );
 
 impl RobustModel for GlobalMotion {
@@ -83,6 +83,14 @@ impl RobustModel for GlobalMotion {
 
     fn hypotheses(&self, sample: &[Correspondence]) -> Vec<Matrix3> {
         fit(self.model, sample).into_iter().collect()
+    }
+
+    fn why_none(&self, sample: &[Correspondence]) -> &'static str {
+        let is_flipped = self.model == Model::Homography && !is_on_line(sample);
+        match is_flipped {
+            true => "the homography through it maps some of its points behind the horizon, as no view of a plane does",
+            false => "its points lie on a line or at one place",
+        }
     }
 
     /// Twice as many as determine it, so that errors average out and another consensus is within reach.

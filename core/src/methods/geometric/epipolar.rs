@@ -3,9 +3,9 @@
 
 use nalgebra::{Matrix3 as Square, SVector, Vector3};
 
-use super::Correspondence;
 use super::fit::{Normalisation, product};
 use super::moments::{Moments, Normal};
+use super::{Correspondence, sampson};
 use crate::base::wide::wide;
 use crate::products::model::Matrix3;
 
@@ -32,8 +32,8 @@ pub fn eight_point(matches: &[Correspondence]) -> Option<Matrix3> {
 /// Rounds of reweighting.
 const ROUNDS: usize = 6;
 
-/// The fundamental matrix of the smallest sum of squared Sampson distances that up to six rounds of the eight-point algorithm find, each
-/// with weights from the estimate before: an approximation of the minimum.
+/// The fundamental matrix that minimises the sum of squared Sampson distances: up to six rounds of the eight-point algorithm, each with
+/// weights from the estimate before, then steps to the minimum near by.
 pub fn least_sampson(matches: &[Correspondence]) -> Option<Matrix3> {
     let by = normalisations(matches)?;
     let mut numbers = vec![1.0; matches.len()];
@@ -52,7 +52,9 @@ pub fn least_sampson(matches: &[Correspondence]) -> Option<Matrix3> {
         }
         (matrix, least) = (next, sum);
     }
-    Some(matrix)
+    let refined = sampson::refined(&matrix, matches);
+    // Where the first is exact, rounding decides.
+    Some(refined.filter(|refined| cost(refined, &mut numbers) < least).unwrap_or(matrix))
 }
 
 /// The normalisations of the points of both frames; `None` if all points of a frame are at one place.

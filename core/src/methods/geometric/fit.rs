@@ -109,7 +109,8 @@ impl Normalisation {
         [[scale, 0.0, -scale * x], [0.0, scale, -scale * y], [0.0, 0.0, 1.0]]
     }
 
-    fn inverse(&self) -> Matrix3 {
+    /// The matrix of the way back.
+    pub fn inverse(&self) -> Matrix3 {
         let Self { mean: [x, y], scale } = *self;
         [[1.0 / scale, 0.0, x], [0.0, 1.0 / scale, y], [0.0, 0.0, 1.0]]
     }
@@ -164,6 +165,20 @@ fn direct_linear(moments: &Moments) -> Option<Matrix3> {
     }
     let h = eigen.eigenvectors.column(order[0]);
     Some([[h[0], h[1], h[2]], [h[3], h[4], h[5]], [h[6], h[7], h[8]]])
+}
+
+/// Whether three of the points of a sample lie on a line, in one of the frames.
+pub fn is_on_line(sample: &[Correspondence]) -> bool {
+    /// Largest height of a flat triangle as a share of its longest side.
+    const FLAT: f64 = 1e-3;
+    let is_flat = |[a, b, c]: [[f64; 2]; 3]| {
+        let side = |p: [f64; 2], q: [f64; 2]| (q[0] - p[0]).hypot(q[1] - p[1]);
+        let area = ((b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])).abs();
+        area <= FLAT * side(a, b).max(side(b, c)).max(side(c, a)).powi(2)
+    };
+    let count = sample.len();
+    let triples = (0..count).flat_map(|i| (0..i).flat_map(move |j| (0..j).map(move |k| [i, j, k])));
+    triples.into_iter().any(|of| is_flat(of.map(|i| sample[i].from)) || is_flat(of.map(|i| sample[i].to)))
 }
 
 /// The squared distance of a correspondence from the model in px², in frame t + 1; infinite beyond the horizon.

@@ -7,6 +7,7 @@ pub mod ransac;
 pub mod rectify;
 pub mod refine;
 pub mod robust;
+mod sampson;
 
 /// A correspondence: the positions of a point in frame t and in frame t + 1 in px.
 #[derive(Clone, Copy, Debug, PartialEq)]

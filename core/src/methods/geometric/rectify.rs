@@ -28,6 +28,8 @@ pub enum Refusal {
         /// Its position in px.
         at: [f64; 2],
     },
+    /// A homography explains so large a share of the inliers that the fundamental matrix is not determined.
+    Planar(f64),
     /// The maps are singular, or tear a picture.
     Degenerate,
 }

@@ -1,6 +1,6 @@
 //! What follows from the fundamental matrix: guided matching along epipolar lines, and the rectified pair.
 
-use super::{EpipolarGeometry, cut, line, line_of};
+use super::{EpipolarGeometry, PLANAR, cut, line, line_of};
 use crate::base::{Threads, words};
 use crate::data::Clip;
 use crate::methods::camera_path::matrix;
@@ -129,6 +129,9 @@ impl EpipolarGeometry {
 
     fn rectification(&self, estimate: &Estimate<'_>) -> Result<(Rectification, Vec<Correspondence>), Refusal> {
         let matrix = estimate.best.ok_or(Refusal::Degenerate)?.matrix;
+        if let Some(share) = self.planar_share(estimate).filter(|share| *share >= PLANAR) {
+            return Err(Refusal::Planar(share));
+        }
         let inliers = self.inliers(estimate, &matrix);
         rectify(&matrix, &inliers, estimate.size()).map(|found| (found, inliers))
     }
@@ -161,6 +164,13 @@ impl EpipolarGeometry {
                      scene. A polar rectification would be needed."
                 ));
                 (sentence, vec![Fact::new("Epipole inside", format!("{at} px"), Some(Role::Rejected))], Vec::new())
+            }
+            Err(Refusal::Planar(share)) => {
+                let share = words::percent(share as f32);
+                let sentence = said.ink(Role::Rejected, "Rectification would mean nothing").text(format!(
+                    ": a homography explains {share} of the inliers as well, so the fundamental matrix is not determined."
+                ));
+                (sentence, vec![Fact::new("Explained by a homography", share, Some(Role::Rejected))], Vec::new())
             }
             Err(Refusal::Degenerate) => {
                 let sentence = said

@@ -6,7 +6,7 @@ use super::{Best, Estimate, Event, Fixed, Robust, RobustModel, Sequel, Settings,
 use crate::base::words::{self, grouped};
 use crate::geometry::Grid;
 use crate::methods::geometric::Correspondence;
-use crate::methods::geometric::ransac::{Score, Scoring};
+use crate::methods::geometric::ransac::{Score, Scoring, chosen};
 use crate::products::model::Matrix3;
 use crate::run::Seen;
 use crate::scene::{Fact, Link, Math, Matrix, Name, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step};
@@ -54,8 +54,12 @@ impl<M: RobustModel> Robust<M> {
                 (line::DRAW, said.text(sentence))
             }
             Event::Degenerate => {
-                let sentence =
-                    "The sample determines no model: its points lie on a line or at one place. It is skipped.";
+                let drawn = seen.events.iter().rev().find_map(|event| match event {
+                    Event::Sample(indices) => Some(chosen(&state.fixed.points, indices)),
+                    _ => None,
+                });
+                let why = self.0.why_none(&drawn.unwrap_or_default());
+                let sentence = format!("The sample determines no model: {why}. It is skipped.");
                 (line::HYPOTHESISE, said.ink(Role::Rejected, sentence))
             }
             Event::Hypothesis(_) => {

@@ -54,6 +54,11 @@ pub trait RobustModel: Params + Default + Clone + Send + Sync + 'static {
     /// The models through a sample; none if it determines none.
     fn hypotheses(&self, sample: &[Correspondence]) -> Vec<Matrix3>;
 
+    /// Why a sample determines no model, as the end of a sentence.
+    fn why_none(&self, _sample: &[Correspondence]) -> &'static str {
+        "its points lie on a line or at one place"
+    }
+
     /// Number of inliers of each further sample by which the last hypothesis is optimised; 0 for none.
     fn resample_size(&self) -> usize {
         0
