@@ -1,6 +1,5 @@
 //! SURF: blobs by the determinant of the Hessian from box filters, described by Haar wavelets.
 
-mod describe;
 mod explain;
 mod hessian;
 
@@ -8,13 +7,13 @@ use std::sync::Arc;
 
 use crate::base::{Error, Observer, Tally, Threads};
 use crate::data::{Clip, Frame};
+use crate::methods::features::haar::{self, Blob, SIDE, VALUES};
 use crate::methods::features::{Selection, choose, integral::Integral};
 use crate::params;
 use crate::products::{Descriptor, Feature, Keypoint, Output, PointField, Product, ProductKind, Status};
 use crate::pseudocode;
 use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
 use crate::scene::{Chart, Focus, Scene, Step};
-use describe::{Blob, SIDE, VALUES};
 use hessian::{Filter, LAYERS, Layer, Neighbor, Refined, Three, is_suppressed, scale_of, suppressed_by};
 
 params! {
@@ -280,11 +279,11 @@ impl Surf {
         observer.see(|| Event::Oriented(angle_rad));
         let mut values = Vec::with_capacity(VALUES);
         for k in 0..SIDE * SIDE {
-            let sums = describe::subregion(integral, blob, angle_rad, k);
+            let sums = haar::subregion(integral, blob, angle_rad, k);
             observer.see(|| Event::Subregion(sums));
             values.extend(sums);
         }
-        let (values, length) = describe::normalized(&values);
+        let (values, length) = haar::normalized(&values);
         observer.see(|| Event::UnitLength(length));
         Described { angle_rad, values: values.into() }
     }
@@ -327,10 +326,10 @@ fn see_layer(layer: &Arc<Layer>, observer: &mut impl Observer<Event>) {
 
 /// Computes the orientation of a keypoint.
 fn orientation(integral: &Integral, blob: Blob, observer: &mut impl Observer<Event>) -> f32 {
-    let spokes = describe::wheel(integral, blob);
+    let spokes = haar::wheel(integral, blob);
     observer.see(|| Event::Wavelets);
-    let sums = describe::sector_sums(&spokes, |sum| observer.see(|| Event::Sector(sum)));
-    describe::dominant(&sums).1
+    let sums = haar::sector_sums(&spokes, |sum| observer.see(|| Event::Sector(sum)));
+    haar::dominant(&sums).1
 }
 
 /// A refined maximum of middle layer `index`, in px.

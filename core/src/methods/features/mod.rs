@@ -8,6 +8,7 @@ mod declare;
 mod eigenvalues;
 mod explain;
 pub mod follow;
+pub mod haar;
 pub mod integral;
 mod level_trace;
 mod response;

@@ -5,6 +5,9 @@ use std::sync::Arc;
 use super::settings::{DescriptorKind, PatchCost};
 use crate::base::{Error, Threads};
 use crate::geometry::Gray;
+use crate::methods::features::brief::{self, Moments};
+use crate::methods::features::haar::{self, Blob};
+use crate::methods::features::integral::Integral;
 use crate::methods::scale_space::{Descriptor as Gradients, Histogram, Place, ScaleSpace, Shape};
 use crate::products::keypoints::Descriptor;
 use crate::products::{Feature, Keypoint, PointField};
@@ -61,6 +64,8 @@ impl Describe {
         }
         let descriptors: Vec<Option<Descriptor>> = match kind {
             DescriptorKind::Sift => self.gradients(picture, (&points, &mut keypoints), threads),
+            DescriptorKind::Surf => wavelets(picture, (&points, &mut keypoints), threads),
+            DescriptorKind::Orb => comparisons(picture, (&points, &mut keypoints), threads),
             _ => threads.map(points.len(), |i| self.patches.around(picture, points[i].at)),
         };
         let described = points.into_iter().zip(keypoints).zip(descriptors);
@@ -78,8 +83,6 @@ impl Describe {
         (points, keypoints): (&[Feature], &mut [Keypoint]),
         threads: &Threads,
     ) -> Vec<Option<Descriptor>> {
-        /// Standard deviation of keypoints without scale, in px.
-        const USUAL_PX: f32 = 2.0;
         let shape = Shape { scales: 3, sigma_px: 1.6, is_doubled: false, octaves: 8 };
         let space = ScaleSpace::of(picture, &shape, threads);
         let place = |i: usize, keypoint: &Keypoint| {
@@ -115,6 +118,56 @@ impl Describe {
 
 /// Smallest length of a patch without its mean that is not flat, in gray levels.
 const LEAST_LENGTH: f32 = 0.5;
+
+/// Standard deviation of keypoints without scale, in px.
+const USUAL_PX: f32 = 2.0;
+
+/// SURF descriptors at the scale of each keypoint, turned by its orientation; both are set where the detector has not.
+fn wavelets(
+    picture: &Gray,
+    (points, keypoints): (&[Feature], &mut [Keypoint]),
+    threads: &Threads,
+) -> Vec<Option<Descriptor>> {
+    let integral = Integral::of(picture);
+    let of_one = |i: usize| {
+        let scale = keypoints[i].scale_px.unwrap_or(USUAL_PX);
+        haar::described(&integral, Blob { at: points[i].at, scale }, keypoints[i].angle_rad)
+    };
+    let described: Vec<(f32, Vec<f32>)> = threads.map(points.len(), of_one);
+    let set = |(keypoint, (angle_rad, values)): (&mut Keypoint, (f32, Vec<f32>))| {
+        (keypoint.angle_rad, keypoint.scale_px) = (Some(angle_rad), Some(keypoint.scale_px.unwrap_or(USUAL_PX)));
+        Some(Descriptor::Reals(values.into()))
+    };
+    keypoints.iter_mut().zip(described).map(set).collect()
+}
+
+/// Rotated BRIEF descriptors of patches of the usual side on the picture itself; none where the patch leaves the picture. The orientation is
+/// that of the intensity centroid, by which the pattern is made to be turned.
+fn comparisons(
+    picture: &Gray,
+    (points, keypoints): (&[Feature], &mut [Keypoint]),
+    threads: &Threads,
+) -> Vec<Option<Descriptor>> {
+    /// Radius of the patch of ORB in px.
+    const RADIUS: usize = 15;
+    let (integral, pattern) = (Integral::of(picture), brief::pattern(RADIUS));
+    let of_one = |i: usize| {
+        let (x, y) = picture.cell_at(points[i].at)?;
+        let fits = |c: usize, extent: usize| c >= RADIUS && c + RADIUS < extent;
+        (fits(x, picture.width()) && fits(y, picture.height())).then(|| {
+            let moments = Moments::of(picture, (x, y), RADIUS);
+            let bits = brief::describe(&integral, (x, y), (&pattern, moments.direction()), |_, _| {});
+            (moments.angle_rad(), Descriptor::Bits(bits.to_vec().into()))
+        })
+    };
+    let described: Vec<Option<(f32, Descriptor)>> = threads.map(points.len(), of_one);
+    let set = |(keypoint, described): (&mut Keypoint, Option<(f32, Descriptor)>)| {
+        let (angle_rad, descriptor) = described?;
+        keypoint.angle_rad = Some(angle_rad);
+        Some(descriptor)
+    };
+    keypoints.iter_mut().zip(described).map(set).collect()
+}
 
 impl Patches {
     /// The patch around a position, as its descriptor; `None` where it leaves the picture, and for the ZNCC where it is flat.

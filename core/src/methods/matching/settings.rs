@@ -17,15 +17,24 @@ choices! {
         Auto = "auto" "of the detector",
         /// SIFT: histograms of gradient directions, compared by Euclidean distance.
         Sift = "sift" "SIFT",
+        /// SURF: sums of Haar wavelet responses, compared by Euclidean distance.
+        Surf = "surf" "SURF",
+        /// ORB: 256 comparisons of pairs of windows on the picture itself, turned by the orientation, compared by Hamming distance.
+        Orb = "orb" "ORB",
         /// Upright patches of gray values.
         Patch = "patch" "Patches",
     }
 }
 
 impl DescriptorKind {
+    /// Whether patches are compared, with some detector.
+    fn may_be_patches(self) -> bool {
+        matches!(self, Self::Auto | Self::Patch)
+    }
+
     /// Whether a detector of this id computes it by itself.
     pub fn is_of(self, id: &str) -> bool {
-        matches!((self, id), (Self::Sift, "sift"))
+        matches!((self, id), (Self::Sift, "sift") | (Self::Surf, "surf") | (Self::Orb, "orb"))
     }
 }
 
@@ -59,8 +68,8 @@ params! {
     }
     advanced { "patch", "patch-cost", "radius" }
     when {
-        "patch": |p| p.descriptor != DescriptorKind::Sift, "The side has no effect unless patches are compared.";
-        "patch-cost": |p| p.descriptor != DescriptorKind::Sift, "Their comparison has no effect unless patches are compared.";
+        "patch": |p| p.descriptor.may_be_patches(), "The side has no effect unless patches are compared.";
+        "patch-cost": |p| p.descriptor.may_be_patches(), "Their comparison has no effect unless patches are compared.";
     }
 }
 

@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use super::describe::{Blob, SECTOR_RAD, SIDE, WHEEL_REACH, dominant, sector_start, subregion_corners};
 use super::hessian::{BALANCE, Filter, LAYERS, Layer, Neighbor, Refined, Weighted, determinant};
 use super::{Event, MIDDLE, Maximum, Part, State, Surf, line};
 use crate::base::words::{counted, grouped, pixel, place};
 use crate::geometry::Grid;
 use crate::methods::differential::{explain, numbers};
+use crate::methods::features::haar::{Blob, SECTOR_RAD, SIDE, WHEEL_REACH, dominant, sector_start, subregion_corners};
 use crate::methods::features::integral::{Integral, PixelBox};
 use crate::run::Seen;
 use crate::scene::{Fact, Math, Name, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step, Tile};

@@ -3,8 +3,8 @@
 use std::f32::consts::{PI, TAU};
 use std::sync::LazyLock;
 
+use super::integral::Integral;
 use crate::base::wide::wide;
-use crate::methods::features::integral::Integral;
 
 /// Samples within this many scales of the middle decide the orientation.
 pub const WHEEL_REACH: i32 = 6;
@@ -150,6 +150,13 @@ fn add_spokes_anyhow(spokes: &[Spoke], [x, y]: &mut [[f32; SECTORS]; 2]) {
             }
         }
     }
+}
+
+/// The orientation of a keypoint in radians, and its descriptor of unit length.
+pub fn described(integral: &Integral, blob: Blob, angle_rad: Option<f32>) -> (f32, Vec<f32>) {
+    let angle_rad = angle_rad.unwrap_or_else(|| dominant(&sector_sums(&wheel(integral, blob), |_| {})).1);
+    let sums: Vec<f32> = (0..SIDE * SIDE).flat_map(|k| subregion(integral, blob, angle_rad, k)).collect();
+    (angle_rad, normalized(&sums).0)
 }
 
 /// The sector with the longest sum, the first of equal ones, and the direction of that sum.
