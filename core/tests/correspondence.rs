@@ -168,6 +168,8 @@ fn matches_on_known_motion_are_right() {
         ("spin-zoom", "sift", 0.95),
         ("translation", "patch", 0.95),
         ("parallax", "auto", 0.8),
+        ("translation", "surf", 0.95),
+        ("translation", "orb", 0.9),
     ] {
         let clip = scene(id);
         let output = run("feature-matching", &[("descriptor", descriptor)], &clip);
@@ -379,7 +381,7 @@ fn matches_that_agree_by_chance_give_no_matrix() {
     for id in ["global-motion", "epipolar-geometry"] {
         let settings = [("ratio", "1")];
         let told = last_sentence(id, &settings, &clip);
-        assert!(told.contains("refused") && told.contains("random matches"), "{id}: {told}");
+        assert!(told.contains("rejected") && told.contains("random matches"), "{id}: {told}");
         let output = run(id, &settings, &clip);
         let matrix = output.get::<ModelField>().map(|field| field.matrix);
         assert_eq!(matrix.unwrap_or_else(|| output.get::<EpipolarField>().expect("one of both").matrix), None, "{id}");
@@ -404,9 +406,9 @@ fn a_wrong_focal_length_is_told_with_the_ratio_of_the_singular_values() {
     let clip = moved_patches([&here, &there]);
     let settings = |focal: &'static str| [&FEW[..], &[("focal-length", focal)]].concat();
     let right = last_sentence("epipolar-geometry", &settings("300"), &clip);
-    assert!(right.contains("Ratio of the singular values") && !right.contains("refused"), "{right}");
+    assert!(right.contains("Ratio of the singular values") && !right.contains("rejected"), "{right}");
     let wrong = last_sentence("epipolar-geometry", &settings("30"), &clip);
-    assert!(wrong.contains("The pose is refused") && !wrong.contains("NaN"), "{wrong}");
+    assert!(wrong.contains("The pose is rejected") && !wrong.contains("NaN"), "{wrong}");
 }
 
 /// The steps that follow from the fundamental matrix: what is said, and the scene.

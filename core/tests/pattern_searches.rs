@@ -445,7 +445,7 @@ fn every_decision_says_why() {
         &range,
         "Block 13: motion vector (2, 0) px. SAD 4096 is the minimum of 25 tested candidates (full search: 225). \
          Mean absolute difference: 16.00 gray levels, a poor match. Possible causes: occlusion, a change of brightness, \
-         or motion that is no translation.",
+         or motion other than translation.",
     );
     has(
         "diamond",

@@ -50,7 +50,7 @@ impl Product for EpipolarField {
         let values = [inliers.into(), Figure::from(share), self.residual_px.into(), self.planar_share.into()];
         let share = format!("{} of {} matches, {:.1} %", grouped(inliers), grouped(matches), 100.0 * share);
         let mut facts = vec![fact("Inliers", share.clone())];
-        facts.extend(self.residual_px.map(|residual| fact("Sampson distance (rms)", format!("{residual:.3} px"))));
+        facts.extend(self.residual_px.map(|residual| fact("Sampson distance (RMS)", format!("{residual:.3} px"))));
         facts.extend(
             self.planar_share.map(|share| fact("Explained by a homography", format!("{:.0} %", 100.0 * share))),
         );

@@ -178,7 +178,7 @@ impl Product for ModelField {
             let share = 100.0 * inliers as f64 / matches.max(1) as f64;
             fact("Inliers", format!("{} of {} matches, {share:.1} %", grouped(inliers), grouped(matches)))
         }));
-        facts.extend(self.residual_px.map(|residual| fact("Residual (rms)", format!("{residual:.3} px"))));
+        facts.extend(self.residual_px.map(|residual| fact("Residual (RMS)", format!("{residual:.3} px"))));
         let picture = predict(&flow, next.luma(), SAMPLING);
         let compared = prediction::assess(&picture, None, reference)?.and(flow_error::of_field(&flow, reference));
         Ok(compared.with(scores(&MEASURES, values), facts))

@@ -31,7 +31,7 @@ block_search_params! {
     /// Full search with successive elimination: skips candidates by lower bounds of their cost. It finds what full search finds.
     pub struct SuccessiveElimination {
         /// Levels of the bound: 1 compares the sums of whole blocks (Li and Salari), each further one halves the side of the parts.
-        /// Bounds for SAD, SSD and MSE are known; with the other costs nothing is skipped.
+        /// Bounds are used for SAD, SSD and MSE; with the other costs nothing is skipped.
         bound_levels: usize = 3, 1..=5;
     }
 }
@@ -129,7 +129,7 @@ fn test_all(tester: &mut Tester<impl Observer<Event>>) {
     let (window, label) = (tester.window, tester.settings.matching.cost.label());
     let all = (0..window.count()).map(|index| window.displacement(index));
     tester.stage(line::NO_BOUND, all, || {
-        format!("No lower bound of {label} follows from sums of gray levels, so every candidate is tested.")
+        format!("Successive elimination has no lower bound for {label} here, so every candidate is tested.")
     });
 }
 

@@ -147,11 +147,11 @@ impl RobustModel for EpipolarGeometry {
 
     fn conclusion(&self, estimate: &Estimate<'_>) -> String {
         let Some(best) = estimate.best else { return String::new() };
-        let found = format!("rms Sampson distance {} px.", words::fixed(best.rms_px(), 3));
+        let found = format!("RMS Sampson distance {} px.", words::fixed(best.rms_px(), 3));
         let planar = self.planar_share(estimate).unwrap_or_default();
         if planar >= PLANAR {
             return format!(
-                "{found} But a homography explains {} of the inliers as well: the scene is a plane, or the camera has only turned. F is not \
+                "{found} But a homography explains {} of the inliers as well: the scene is a plane, or the camera only rotated. F is not \
                  determined by such points; use the global motion with a homography.",
                 words::percent(planar as f32)
             );
@@ -276,7 +276,7 @@ fn posed(pose: &Pose, inliers: usize, field_of_view_deg: f64) -> String {
     let [narrowest, widest] = VIEWS_DEG;
     if !(narrowest..=widest).contains(&field_of_view_deg) {
         return format!(
-            " The pose is refused: with this focal length the frame would span {}°, and a camera spans {}° to {}°.",
+            " The pose is rejected: with this focal length the frame would span {}°, and a camera spans {}° to {}°.",
             words::fixed(field_of_view_deg, 1),
             words::fixed(narrowest, 0),
             words::fixed(widest, 0)
@@ -285,14 +285,14 @@ fn posed(pose: &Pose, inliers: usize, field_of_view_deg: f64) -> String {
     let ratio = words::fixed(pose.singular_ratio, 2);
     if pose.singular_ratio < LEAST_RATIO {
         return format!(
-            " The pose is refused: the ratio of the singular values of the essential matrix is {ratio}, and at least {} is needed (1 with the right \
+            " The pose is rejected: the ratio of the singular values of the essential matrix is {ratio}, and at least {} is needed (1 with the right \
              intrinsics). The focal length does not fit.",
             words::fixed(LEAST_RATIO, 2)
         );
     }
     if 2 * pose.in_front <= inliers {
         return format!(
-            " The pose is refused: only {} of the {} inliers lie in front of both cameras, and more than half are needed.",
+            " The pose is rejected: only {} of the {} inliers lie in front of both cameras, and more than half are needed.",
             words::grouped(pose.in_front),
             words::grouped(inliers)
         );

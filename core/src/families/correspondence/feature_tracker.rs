@@ -161,9 +161,9 @@ pseudocode! {
     EACH_PAIR: "for each pair of frames t, t+1",
     DETECT: "  detect and describe the keypoints of frame t+1; those of frame t are known",
     EACH_KEYPOINT: "  for each keypoint a of frame t: b ← its nearest neighbour that passes ratio test and cross-check",
-    CONTINUE: "    if a ends a track and there is b: the track continues to b",
-    BEGIN: "    if a ends no track and there is b: a new track begins with a, b",
-    LOSE: "    if a ends a track and there is no b: the track is lost",
+    CONTINUE: "    if a is in a track and there is b: the track continues to b",
+    BEGIN: "    if a is in no track and there is b: a new track begins with a, b",
+    LOSE: "    if a is in a track and there is no b: the track is lost",
     REMAIN: "    else a remains alone",
     END_PAIR: "  the ends of the tracks in frame t+1 are those of the next pair",
 }

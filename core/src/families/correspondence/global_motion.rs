@@ -139,7 +139,7 @@ impl RobustModel for GlobalMotion {
             (true, false, _) => {
                 "Fewer than half of the matches agree: many are wrong, or parallax and moving objects need a model with more freedom."
             }
-            (false, ..) => "Outliers are wrong matches, moving objects, or depth that the model cannot explain.",
+            (false, ..) => "Outliers are wrong matches, moving objects, or parallax the model cannot explain.",
         };
         format!("{}.{quality} {advice}", self.described(&matrix))
     }

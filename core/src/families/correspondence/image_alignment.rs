@@ -305,7 +305,7 @@ pseudocode! {
     HESSIAN: "  H ← Σ D^T D; next level if it is singular",
     REPEAT: "  repeat",
     WARP: "    e(x) ← I(W(x)) − T(x), where W(x) is inside frame t+1",
-    STEP_BACK: "    if overlap < min-overlap or rms of e has risen: W ← W before; next level",
+    STEP_BACK: "    if overlap < min-overlap or RMS of e has risen: W ← W before; next level",
     SOLVE: "    Δp ← H⁻¹ Σ D^T e",
     UPDATE: "    W ← W ∘ W(Δp)⁻¹",
     UNTIL_CONVERGED: "  until W(Δp) moves no corner farther than epsilon, or iterations are done",

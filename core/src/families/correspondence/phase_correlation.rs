@@ -33,7 +33,7 @@ choices! {
 params! {
     /// Phase correlation.
     pub struct PhaseCorrelation {
-        /// Multiply both frames with a Hann window, which fades to 0 at the border. Without it, the jump from one border to the opposite
+        /// Multiply both frames by a Hann window, which fades to 0 at the border. Without it, the jump from one border to the opposite
         /// one shows as a peak at zero displacement.
         hann: bool = true;
         /// Sub-pixel position of the peak, along x and y.

@@ -44,7 +44,7 @@ params! {
     pub struct TemplateMatching {
         /// Number of frames, including the first; fewer at the end of the clip.
         frames: usize = 30, 2..=10_000;
-        /// Template: a rectangle in the first frame. Without one, the block with the largest smaller eigenvalue near the middle of the
+        /// Template: a rectangle in the first frame. Without one, the block with the largest eigenvalue λ₂ near the middle of the
         /// frame is taken.
         template: Option<Bounds> = None::<Bounds>;
         /// Side of a template that is chosen automatically, at most half a side of the frame.

@@ -18,7 +18,7 @@ use crate::{params, pseudocode};
 params! {
     /// Lowe's SIFT keypoints: extrema of differences of Gaussians in position and scale, with orientation and descriptor.
     pub struct Sift {
-        /// Smallest absolute interpolated value of the difference of Gaussians, for gray values from 0 to 1 and times the number of scales per octave. Higher values keep fewer, clearer blobs.
+        /// Smallest absolute interpolated value of the difference of Gaussians, times the number of scales per octave, for gray values from 0 to 1. Higher values keep fewer, clearer blobs.
         contrast_threshold: f32 = 0.04, 0.0..=0.5;
         /// Largest ratio of the principal curvatures. Lower values reject more extrema on edges, where the position along the edge is uncertain.
         edge_threshold: f32 = 10.0, 1.0..=100.0;

@@ -19,7 +19,7 @@ use hessian::{Filter, LAYERS, Layer, Neighbor, Refined, Three, is_suppressed, sc
 params! {
     /// SURF keypoints: maxima of the determinant of the Hessian over place and scale, with an orientation and a descriptor of 64 values.
     pub struct Surf {
-        /// Number of octaves. Each doubles the distance between filter sizes and samples, and finds larger blobs.
+        /// Number of octaves. Each doubles the step of the filter sizes and samples, and finds larger blobs.
         octaves: usize = 4, 1..=5;
         /// Smallest response R of a keypoint. Higher values find fewer blobs, of more contrast.
         threshold: f32 = 25.0, 0.0..=2000.0;

@@ -6,7 +6,7 @@ use crate::base::{Error, Threads, words};
 use crate::data::{Clip, Frame, Mask};
 use crate::geometry::Grid;
 use crate::methods::camera_path::{matrix, usable};
-use crate::methods::numbers::{level, ratio};
+use crate::methods::numbers::level;
 use crate::methods::subtraction::{
     Background, CameraMotion, Comparison, Differencing, Explanation, Exposure, Found, FrameComparison, NOISE_SIGMAS,
     Settings, Steadiness, automatic_threshold, displaced, noise_of, subtraction_pseudocode,
@@ -226,7 +226,7 @@ impl Background for CompensatedDifference {
         let unseen = frame.luma().cells().len() - known;
         let name = self.motion.estimator().info().name;
         let mut facts = vec![
-            Fact::new("Motion of the middle", format!("{moved} px"), Some(Role::Predicted)),
+            Fact::new("Motion of the centre", format!("{moved} px"), Some(Role::Predicted)),
             Fact::new("Threshold", format!("{} gray levels", registered.limit), None),
             Fact::new("Not in the previous frame", format!("{} px", words::grouped(unseen)), Some(Role::Rejected)),
         ];
@@ -235,11 +235,11 @@ impl Background for CompensatedDifference {
         }));
         let said = Sentence::default().text(format!("{name} from the previous frame to this one: "));
         let sentence = match registered.is_usable {
-            true => said.ink(Role::Predicted, format!("{moved} px at the middle of the picture")).text(
+            true => said.ink(Role::Predicted, format!("{moved} px at the centre of the picture")).text(
                 ". The previous frame is warped by this motion; objects with a motion of their own differ from it.",
             ),
             false => said.ink(Role::Rejected, "no usable motion").text(
-                ". The texture gives too few matches, or the model is wild. The camera counts as at rest in this frame.",
+                ". The texture gives too few matches, or the model is implausible. The camera counts as at rest in this frame.",
             ),
         };
         let matrices = vec![matrix("M", "motion of the background", Role::Predicted, &registered.motion)];
@@ -251,10 +251,8 @@ impl Background for CompensatedDifference {
         let registered = self.registered(before, frame);
         let value = f32::from(frame.luma()[place]);
         let nearest = registered.nearest(place, value);
-        let update = Sentence::default().text(format!(
-            "the next frame is compared with this one, warped, which has gray level {} here.",
-            level(value)
-        ));
+        let update = Sentence::default()
+            .text(format!("the next frame is compared with this one, warped: gray level {} here.", level(value)));
         if nearest.is_nan() {
             let verdict = Sentence::default()
                 .text(" has come into the picture: ")
@@ -279,7 +277,7 @@ impl Background for CompensatedDifference {
         match self.threshold {
             0 => format!(
                 "the difference from {which} exceeds {} standard deviations of the noise, at least 8 gray levels",
-                ratio(f64::from(NOISE_SIGMAS))
+                NOISE_SIGMAS
             ),
             threshold => format!("the difference from {which} exceeds the threshold of {threshold} gray levels"),
         }

@@ -105,7 +105,7 @@ impl Background for FlowMagnitude {
         id: "flow-magnitude",
         name: "Flow magnitude",
         family: "Moving objects",
-        summary: "Thresholds the magnitude of the optical flow between consecutive frames. Needs no background model, but texture and a static camera.",
+        summary: "Thresholds the magnitude of the optical flow between consecutive frames. Needs texture and a static camera, but no background model.",
         source: "Threshold on the flow magnitude: S. Denman, V. Chandran and S. Sridharan, An adaptive optical flow technique \
                  for person tracking systems, Pattern Recognition Letters 28, 2007; displaced and plain frame \
                  difference: A. M. Tekalp, Digital video processing, 1995",

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::base::{Threads, wide::wide};
 use crate::data::{Clip, Frame, Mask};
-use crate::methods::numbers::{level, ratio};
+use crate::methods::numbers::level;
 use crate::methods::subtraction::{
     Background, Channel, Channels, Comparison, Differencing, Explanation, Flags, Found, NOISE_SIGMAS, Row, Settings,
     Steadiness, automatic_threshold, displaced, kind, largest, levels, noise_of, resampled, subtraction_pseudocode,
@@ -226,7 +226,7 @@ impl Background for FrameDifference {
         }
         explanation.update = Sentence::default()
             .text(format!("the next frame is compared with {} {} of this one", kind(channels)[1], text(frame)))
-            .text(format!(", this one was compared with {}.", text(&before[0])));
+            .text(format!("; this one was compared with {}.", text(&before[0])));
         explanation
     }
 
@@ -235,7 +235,7 @@ impl Background for FrameDifference {
         match self.threshold {
             0 => format!(
                 "the difference from {which} exceeds {} standard deviations of the noise, at least 8 gray levels{}",
-                ratio(f64::from(NOISE_SIGMAS)),
+                NOISE_SIGMAS,
                 self.channels.any()
             ),
             threshold => format!(

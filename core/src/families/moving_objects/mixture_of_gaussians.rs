@@ -159,7 +159,7 @@ impl Background for MixtureOfGaussians {
 
     fn rule(&self) -> String {
         format!(
-            "no background mode lies within {} σ. The heaviest modes, with together {} of the weight, are the background",
+            "no background mode lies within {} σ. The heaviest modes, together {} of the weight, are the background",
             gray(self.threshold),
             words::percent(self.background_ratio)
         )

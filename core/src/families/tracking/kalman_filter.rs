@@ -70,7 +70,7 @@ params! {
         /// Clicked positions. Clicks in several frames are the measurements, and the gate rejects none of them. A click in one frame, or with
         /// another source, selects the object and the first frame of its track, which starts at the click where nothing is detected.
         clicks: Spots = Spots::default();
-        /// Number of the tracked object in the first frame with detections. Detections are counted by score; true objects, blobs and
+        /// Number of the tracked object in the first frame with detections. Detections are ranked by score; true objects, blobs and
         /// clicks in their order. Of blobs, 1 is the one that moves most consistently over the next frames.
         object: usize = 1, 1..=1000;
         /// Standard deviation of the noise added to true positions (source = truth).

@@ -71,7 +71,7 @@ params! {
         gate: f32 = 0.999, 0.5..=0.9999;
         /// Minimum IoU of the predicted box and a detection. With 0 the boxes only have to overlap.
         iou_threshold: f32 = 0.2, 0.0..=0.95;
-        /// Matching cascade: confirmed tracks are matched first, tentative ones with the remaining detections. Off: all at once, as in SORT.
+        /// Match confirmed tracks first, tentative ones with the remaining detections. Off: all at once, as in SORT.
         cascade: bool = true;
         /// Threshold τ of ByteTrack: detections of at least this score are matched first and start tracks. Those of lower score only continue tracks matched in the previous frame.
         score_threshold: f32 = 0.6, -1000.0..=1000.0;

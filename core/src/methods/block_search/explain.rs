@@ -232,7 +232,7 @@ impl Probe<'_> {
         let (mean, levels) = self.difference_per_pixel(found);
         if levels.is_some_and(|levels| levels >= POOR_MATCH) {
             return format!(
-                "{mean}, a poor match. Possible causes: occlusion, a change of brightness, or motion that is no translation."
+                "{mean}, a poor match. Possible causes: occlusion, a change of brightness, or motion other than translation."
             );
         }
         match surface.least.cost < whole {

@@ -43,16 +43,16 @@ pub fn chain_step(chain: &Chain, link: &Link, (is_chained, stage): (bool, &str))
         let at = inverse(&link.after).and_then(|back| mapped(&back, middle(size))).unwrap_or(middle(size));
         let moved = [0, 1].map(|i| at[i] - middle(size)[i]);
         let sentence = said
-            .text(format!("P({}) = M({t}) P({t}): the camera now looks at a place ", t + 1))
+            .text(format!("P({}) = M({t}) P({t}): the view has moved by ", t + 1))
             .ink(Role::Result, vector(moved))
-            .text(" from its first one. Errors of single motions add up along the chain.");
+            .text(" from the first frame. Errors of the motions add up along the chain.");
         return (line::CHAIN, sentence);
     }
     let found = said.text(format!("{stage} finds the motion of the background from frame {t} to frame {}: ", t + 1));
     let sentence = match link.is_usable {
         true => found
             .ink(Role::Measured, vector(displacement(&link.motion, size)))
-            .text(" at the middle of the picture")
+            .text(" at the centre of the picture")
             .text(match link.field.support {
                 Some(support) => {
                     format!(", with {} of {} matches.", grouped(support.inliers), grouped(support.matches))
@@ -70,10 +70,10 @@ pub fn chain_step(chain: &Chain, link: &Link, (is_chained, stage): (bool, &str))
 pub fn chain_facts(chain: &Chain, link: &Link, is_chained: bool) -> Vec<Fact> {
     let size = chain.picture;
     let mut facts = vec![Fact::new("Pair", format!("frames {} and {}", chain.frame, chain.frame + 1), None)];
-    facts.push(Fact::new("Motion of the middle", vector(displacement(&link.motion, size)), Some(Role::Measured)));
+    facts.push(Fact::new("Motion of the centre", vector(displacement(&link.motion, size)), Some(Role::Measured)));
     if let Some(truth) = &link.truth {
         let error = corner_error([&link.motion, truth], size);
-        facts.push(Fact::new("Motion of the middle, true", vector(displacement(truth, size)), Some(Role::Truth)));
+        facts.push(Fact::new("Motion of the centre, true", vector(displacement(truth, size)), Some(Role::Truth)));
         facts.push(Fact::new("Error at the corners", px(error), Some(Role::Error)));
     }
     if is_chained {
@@ -143,5 +143,5 @@ fn draw_path(chain: &Chain, to_frame: &Matrix3, scene: &mut Scene) {
     let points: Vec<_> = here.filter(|at| at.iter().all(|c| c.abs() < reach)).map(|at| at.map(|c| c as f32)).collect();
     scene.mark(Picture::CURRENT, Role::Measured, Shape::Points(points.last().copied().into_iter().collect()));
     scene.mark(Picture::CURRENT, Role::Measured, Shape::Path { points, closed: false });
-    scene.legend(Role::Measured, "path of the camera's middle");
+    scene.legend(Role::Measured, "path of the frame centre");
 }

@@ -14,7 +14,7 @@ choices! {
         /// Central difference, smoothed across by (3, 10, 3) / 16: less dependent on the orientation of an edge than Sobel.
         Scharr = "scharr" "Scharr",
         /// Mean of the four differences along the edges of a 2×2×2 cube, as in Horn and Schunck (1981). It holds for the
-        /// centre of the cube, so corners and flow are shifted by half a pixel to the right and down.
+        /// centre of the cube, so corners and flow are shifted by half a pixel to the left and up.
         Cube = "cube" "2×2×2 cube",
         /// Fourth-order central difference: (1, −8, 0, 8, −1) / 12.
         FivePoint = "five-point" "Five-point",

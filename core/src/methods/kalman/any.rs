@@ -33,7 +33,7 @@ choices! {
     pub enum MotionModel {
         /// Constant velocity: motion on a straight line; state (x, y, u, v).
         Velocity = "velocity" "Constant velocity",
-        /// Constant acceleration, as of a thrown ball; the acceleration is part of the state.
+        /// Constant acceleration, e.g. a thrown ball; the acceleration is part of the state.
         Acceleration = "acceleration" "Constant acceleration",
         /// Coordinated turn: constant speed and turn rate; nonlinear, so an extended Kalman filter.
         Turn = "turn" "Coordinated turn",

@@ -177,7 +177,7 @@ pub(crate) fn done(number: usize, frame: &ObjectFrame, conclusion: &Conclusion) 
             " In the run, misses dominate: lower the minimum number of hits or the score thresholds, or use another detector."
         }
         _ if misses == alarms => {
-            " In the run, misses and false alarms are as many: boxes may overlap the true ones by less than IoU 0.5."
+            " In the run, misses and false alarms are balanced: boxes may overlap the true ones by less than IoU 0.5."
         }
         _ => {
             " In the run, false alarms dominate: raise the minimum number of hits or the score thresholds, or lower the maximum age."

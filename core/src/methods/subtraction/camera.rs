@@ -34,7 +34,7 @@ params! {
         /// background; 0 turns it off.
         shake: usize = 1, 0..=3, "px";
         /// Treatment of changes of the exposure: automatic exposure and slow changes of the light make the whole picture brighter or
-        /// darker. Fast changes of a part of the picture, as shadows, are no change of the exposure.
+        /// darker. Fast changes of a part of the picture, such as shadows, do not count.
         exposure: Exposure = Exposure::Compensated;
     }
 }

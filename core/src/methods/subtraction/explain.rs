@@ -528,7 +528,7 @@ impl<M: Background> Subtraction<M> {
                 .ink(Role::Reference, brighter(transfer.median))
                 .text(" than the background")
                 .text(by_level(transfer))
-                .text(". The frame is corrected by this change."),
+                .text(". The frame is corrected for it."),
             Event::Registered(_) => self.comparison(seen).map_or(said, |whole| whole.sentence),
             Event::Compared(..) => said.text(format!(
                 "{} at each pixel of frame {number}. The heat map shows {}.",

@@ -13,7 +13,7 @@ choices! {
     pub enum Exposure {
         /// Gray levels are compared as they are.
         Ignored = "ignored" "Ignored",
-        /// Each frame is corrected by the brightness transfer function from the background to the frame.
+        /// Each frame is corrected by the brightness transfer function from the frame to the background.
         Compensated = "compensated" "Compensated",
     }
 }

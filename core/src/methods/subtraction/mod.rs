@@ -64,7 +64,7 @@ pub trait Background: Params + Default + Clone + Send + Sync + 'static {
     /// The cause of a foreground that covers much of the frame, and what to do about it.
     const FLOODED: [&'static str; 2] = [
         "the camera moves, or the light has changed",
-        "This method needs a camera at rest and steady light. With a moving camera compare the motion of objects with that of \
+        "This method needs a static camera and constant light. With a moving camera, compare the motion of objects with that of \
          their surroundings (motion-compensated difference, optical flow, KLT, point trajectories).",
     ];
     /// The background model.

@@ -72,8 +72,8 @@ impl EpipolarGeometry {
             .text(format!("Guided matching compares each keypoint only with those within {limit} px of its epipolar line: "))
             .ink(Role::Result, counted_matches(&found, estimate))
             .text(format!(
-                ". Without guidance there are {}. Fewer candidates look alike, so the ratio test rejects fewer right matches; and what lies \
-                 off the line is not matched at all.",
+                ". Without guidance there are {}. Fewer candidates look alike, so the ratio test rejects fewer correct matches; keypoints \
+                 off the line are not matched at all.",
                 counted_matches(&plain, estimate)
             ));
         Sequel { line: Some(line::GUIDE), sentence, facts, matrices: Vec::new() }

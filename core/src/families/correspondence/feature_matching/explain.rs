@@ -49,7 +49,7 @@ impl FeatureMatching {
         match event {
             Compared::Nearer { index, distance } => {
                 let sentence = said.ink(Role::Candidate, at(index)).text(format!(
-                    " in frame t+1 has the distance d = {} from keypoint {from}: the nearest so far.",
+                    " in frame t+1: descriptor distance d = {} from keypoint {from}, the nearest so far.",
                     apart(distance)
                 ));
                 (line::EACH_CANDIDATE, sentence)
@@ -295,7 +295,7 @@ fn concluded(state: &State, sentence: Sentence) -> Sentence {
     let rejected = [count(MatchStatus::RejectedRatio), count(MatchStatus::RejectedCrossCheck)];
     sentence.text(format!(
         " End of the run: {} of {} keypoints matched; the ratio test rejected {}, the cross-check {}.{quality} A lower ratio limit rejects \
-         more wrong matches, and right ones on repeating texture.",
+         more wrong matches, and correct ones on repeating texture.",
         grouped(accepted),
         grouped(state.count()),
         grouped(rejected[0]),

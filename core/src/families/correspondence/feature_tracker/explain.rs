@@ -19,8 +19,8 @@ impl FeatureTracker {
     pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
         let Some(event) = seen.events.last() else {
             let said = format!(
-                "Keypoints are detected in every frame and matched with those of the next one by their descriptors. Matches in a row are a \
-                 track, through at most {} frames. Unlike KLT, nothing is predicted: the motion may be large, but a keypoint must be \
+                "Keypoints are detected in every frame and matched with those of the next one by their descriptors. Consecutive matches form a \
+                 track, through at most {} frames. Unlike in KLT, the motion may be large, but a keypoint must be \
                  detected again.",
                 self.frames
             );
@@ -68,7 +68,7 @@ impl FeatureTracker {
             (None, Some(to), outcome) => {
                 let place = words::place(pair.sides[1].points[to].at);
                 let told = format!(
-                    ", distance {}. It ends no track, so a new one begins.",
+                    ", distance {}. It is in no track, so a new one begins.",
                     outcome.map_or_else(String::new, |found| apart(found.distance))
                 );
                 (line::BEGIN, said.text(" matches ").ink(Role::Result, place).text(told))
@@ -83,7 +83,8 @@ impl FeatureTracker {
                 (line::LOSE, said.ink(Role::Rejected, " has no match").text(told))
             }
             (None, None, outcome) => {
-                let told = format!(" {}. It ends no track and begins none.", reason(outcome.map(|found| found.status)));
+                let told =
+                    format!(" {}. It is in no track and begins none.", reason(outcome.map(|found| found.status)));
                 (line::REMAIN, said.ink(Role::Rejected, " has no match").text(told))
             }
         }

@@ -61,12 +61,12 @@ impl ImageAlignment {
         match stage {
             Stage::SteepestDescent => said.text(format!(
                 "Level {}: the steepest-descent images show how each pixel of frame t changes with each of the {count} parameters. \
-                 They belong to frame t, which stays, so they are computed once for all iterations of the level.",
+                 They belong to the fixed frame t, so they are computed once for all iterations of the level.",
                 state.level
             )),
             Stage::Hessian => said.text(format!(
                 "The Hessian, in the Gauss–Newton approximation, holds the sums of products of the {count} steepest-descent \
-                 images. It is regular: the texture determines all parameters."
+                 images. It is invertible: the texture determines all parameters."
             )),
             Stage::Singular => said
                 .text("The Hessian is ")
@@ -77,7 +77,7 @@ impl ImageAlignment {
                     state.level
                 )),
             Stage::Warp => said
-                .text("Warping frame t+1 toward frame t leaves an rms difference of ")
+                .text("Warping frame t+1 toward frame t leaves an RMS difference of ")
                 .ink(Role::Error, gray(rms))
                 .text(format!(" over the {} of the pixels that stay inside the frame.", percent(rounded(overlap)))),
             Stage::Diverged => said
@@ -128,11 +128,11 @@ impl ImageAlignment {
         let aligned = difference_rms(after, &after.matrix);
         let said = said
             .text(format!(
-                " End of the run after {} iterations: the middle of the picture moves by ",
+                " End of the run after {} iterations: the centre of the picture moves by ",
                 after.errors.len()
             ))
             .ink(Role::Result, format!("{} px", numbers::vector([0, 1].map(|i| (to[i] - middle[i]) as f32))))
-            .text(format!(". The rms difference has gone from {} to {}.", fixed(at_rest, 2), gray(aligned)));
+            .text(format!(". The RMS difference has gone from {} to {}.", fixed(at_rest, 2), gray(aligned)));
         let truth = after.fixed.truth.as_deref();
         let error = truth.and_then(|truth| metrics::flow_error(&model.displacements_of_pixels(), truth).ok().flatten());
         let said = match error {
@@ -172,12 +172,12 @@ impl ImageAlignment {
             Fact::new("Iterations", state.errors.len().to_string(), None),
         ];
         if let Some(compared) = &state.compared {
-            facts.push(Fact::new("Error (rms)", gray(compared.rms), Some(Role::Error)));
+            facts.push(Fact::new("Error (RMS)", gray(compared.rms), Some(Role::Error)));
             facts.push(Fact::new("Overlap", percent(rounded(compared.overlap)), None));
         }
         let moved = state.increment.as_ref();
         facts.extend(
-            moved.map(|increment| Fact::new("Farthest corner moves", px(increment.moved_px), Some(Role::Estimate))),
+            moved.map(|increment| Fact::new("Largest corner motion", px(increment.moved_px), Some(Role::Estimate))),
         );
         facts
     }
@@ -215,7 +215,7 @@ impl ImageAlignment {
             ])],
             Stage::Update | Stage::Converged => vec![text("W ← W ∘ W(Δp)⁻¹")],
             Stage::Warp | Stage::Diverged | Stage::Worse => vec![Math::Row(vec![
-                text("rms = "),
+                text("RMS = "),
                 Math::root(Math::Row(vec![
                     Math::over(text("1"), Math::Var("N")),
                     sum(),
@@ -315,7 +315,7 @@ fn rounded(share: f64) -> f32 {
     ((1000.0 * share).round() / 1000.0) as f32
 }
 
-/// The rms difference of both frames at full resolution under a warp.
+/// The RMS difference of both frames at full resolution under a warp.
 fn difference_rms(state: &State, warp: &Matrix3) -> f64 {
     let [template, image] = &state.fixed.levels[0].pictures;
     let differences = places(template).filter_map(|place| difference([template, image], warp, place));
@@ -376,10 +376,10 @@ fn plot(state: &State) -> Option<Series> {
     (!errors.is_empty()).then(|| Series {
         title: "Alignment error",
         x_label: "iteration",
-        y_label: "rms difference (gray levels)",
+        y_label: "RMS difference (gray levels)",
         x_max: errors.len(),
         sections,
-        lines: vec![("rms difference", Role::Error, points)],
+        lines: vec![("RMS difference", Role::Error, points)],
         ..Series::default()
     })
 }

@@ -40,7 +40,7 @@ impl Mosaic {
     pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
         let Some(event) = seen.events.last() else {
             let said = "A mosaic registers all frames of a shot in one coordinate system. The motions of consecutive frames are chained \
-                        first; that is exact where the camera only turns, or where the scene is a plane.";
+                        first; this is exact for a rotating camera or a planar scene.";
             return Step { line: line::EACH_PAIR, sentence: Sentence::default().text(said), readouts: Vec::new() };
         };
         let name = self.motion.estimator().info().name;
@@ -113,7 +113,7 @@ impl Mosaic {
                 fixed(drift, 2)
             ),
             Some(drift) => format!(" The chained path ends {} px from the true one.", fixed(drift, 2)),
-            None => " Double edges show errors of the chained path; straight lines that bend show parallax.".to_owned(),
+            None => " Double edges show errors of the chained path; broken straight lines show parallax.".to_owned(),
         };
         let unknown = match after.chain.unknown {
             0 => "",

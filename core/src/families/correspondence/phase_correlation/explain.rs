@@ -65,14 +65,14 @@ impl PhaseCorrelation {
                 let mean = fixed(state.fixed.means[i], 2);
                 let said = said.text(format!("The mean of {}, {mean} gray levels, is subtracted. ", frame(i)));
                 said.text(match self.hann {
-                    true => "The Hann window fades it to 0 at the border, because the transform continues it periodically and a jump \
+                    true => "The Hann window fades to 0 at the border, because the transform continues it periodically and a jump \
                              there would count as an edge at rest.",
                     false => "Without a window, the jump from one border to the opposite one counts as an edge at rest and \
                               raises the correlation at zero displacement.",
                 })
             }
             Stage::Rows(i) => said.text(format!(
-                "The fast Fourier transform of each of the {} rows of {}: a row of {} gray levels becomes as many frequencies.",
+                "The fast Fourier transform of each of the {} rows of {}: each row gives {} frequencies.",
                 grouped(height),
                 frame(i),
                 grouped(width)
@@ -84,11 +84,11 @@ impl PhaseCorrelation {
                 name(i)
             )),
             Stage::Cross => said.text(
-                "The cross-power spectrum multiplies each frequency of G₂ with the conjugate of G₁: magnitudes are multiplied, and \
+                "The cross-power spectrum multiplies each frequency of G₂ by the conjugate of G₁: magnitudes are multiplied, and \
                  phases subtracted. A translation makes the phase difference a plane.",
             ),
             Stage::Normalize => said.text(format!(
-                "Division by the magnitude leaves the phase difference alone, so that every frequency counts alike. {} of {} \
+                "Division by the magnitude leaves only the phase difference, so that every frequency counts alike. {} of {} \
                  frequencies are kept; the others have less than {} times the cross power of rounding to whole gray levels.",
                 grouped(state.kept),
                 grouped(width * height),
@@ -106,7 +106,7 @@ impl PhaseCorrelation {
                     .ink(Role::Best, format!("r = {}", fixed(height, 3)))
                     .text(" at displacement ")
                     .ink(Role::Best, whole(at))
-                    .text(": this share of the phases agrees on it."),
+                    .text(": 1 would mean that all phases agree."),
                 None => said.text(
                     "No frequency rises above the noise: there is no texture in common, and no peak. The displacement stays 0.",
                 ),

@@ -65,12 +65,12 @@ impl Stabilization {
         let [u, v] = [0, 1].map(|i| to[i] - place[i]);
         Sentence::default()
             .text(format!(
-                "The path is averaged around frame {} with Gaussian weights of σ = {} frames. The middle of the frame moves by ",
+                "The path is averaged around frame {} with Gaussian weights of σ = {} frames. The centre of the frame moves by ",
                 state.chain.span.first + state.corrections.len(),
                 fixed(self.smoothing.into(), 1)
             ))
             .ink(Role::Result, format!("({},\u{a0}{}) px", fixed(u, 2), fixed(v, 2)))
-            .text(" to the smoothed path: the shake is removed, a steady pan stays.")
+            .text(" to the smoothed path: the shake is removed; a steady pan stays.")
     }
 
     fn warped(&self, seen: &Seen<Self>, stable: &Stable) -> Sentence {
@@ -80,7 +80,7 @@ impl Stabilization {
             true => said.text("It covers the whole stabilised frame."),
             false => said
                 .ink(Role::Rejected, percent(stable.empty()))
-                .text(" of the stabilised frame is empty, because the frame does not reach so far; zoom hides that."),
+                .text(" of the stabilised frame is empty, because the frame does not cover it; zoom hides that."),
         };
         match seen.after.filter(|after| after.corrections.len() == after.chain.to_frames.len()) {
             Some(after) => said.text(self.concluded(seen, after)),
@@ -152,7 +152,7 @@ impl Stabilization {
                     Fact::new("Frame", (chain.span.first + index).to_string(), None),
                     Fact::new("Smoothing σ", format!("{} frames", fixed(self.smoothing.into(), 1)), None),
                     Fact::new(
-                        "Middle of the frame to",
+                        "Centre of the frame to",
                         format!("({},\u{a0}{}) px", fixed(place[0], 2), fixed(place[1], 2)),
                         Some(Role::Result),
                     ),

@@ -158,7 +158,7 @@ impl TemplateMatching {
             .text(format!("In frame {} the template is tried at ", state.frame + 1))
             .ink(Role::Window, format!("{columns} × {rows} places"))
             .text(format!(
-                " up to {} px from its position {}, as far as it stays inside the frame. ",
+                " up to {} px from its position {}, where it stays inside the frame. ",
                 self.search_range,
                 whole(pair.from)
             ));
@@ -312,7 +312,7 @@ impl TemplateMatching {
             (false, Update::Fixed) => {
                 " A fixed template does not drift; updates would let it follow changes of appearance."
             }
-            (false, Update::EveryFrame) => " A fixed template would not drift, as long as the appearance stays.",
+            (false, Update::EveryFrame) => " A fixed template would not drift if the appearance stays the same.",
         };
         said.text(sentence)
     }

@@ -144,7 +144,7 @@ impl Fast {
             return (
                 line::HIGH_SPEED,
                 said(Role::Rejected).text(format!(
-                    "at most {} adjacent compass pixels are all brighter or all darker, and an arc of {arc} contains {compass}: \
+                    "the longest run of brighter or darker compass pixels is {}, and an arc of {arc} needs {compass}: \
                      rejected by the high-speed test.",
                     circle.compass
                 )),
@@ -412,7 +412,7 @@ impl Fast {
                     Event::Tested(Candidate { x, score: 0 }) => Some((*x, state.row)),
                     _ => None,
                 });
-                points(Role::Candidate, "passes the high-speed test alone", passing.collect());
+                points(Role::Candidate, "passes the high-speed test only", passing.collect());
                 let found = seen.events.iter().filter_map(|event| match event {
                     Event::Tested(Candidate { x, score: 1.. }) => Some((*x, state.row)),
                     _ => None,

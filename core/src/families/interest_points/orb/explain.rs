@@ -112,7 +112,7 @@ impl Orb {
                 line::DETECT,
                 said.text(format!(
                     "FAST with an arc of {} and a threshold of {} gray levels finds {} on level {index} after non-maximum \
-                     suppression. The patch of {side}×{side} px around it fits into the picture for {}.",
+                     suppression. The {side}×{side} px patch fits into the picture around {} of them.",
                     self.arc,
                     self.threshold,
                     match level.found {
@@ -137,7 +137,7 @@ impl Orb {
             _ => (
                 line::RESAMPLE,
                 said.text(format!(
-                    "Level {index} has {width}×{height} px, {} times fewer each way than the level before: a pixel is {} px of the \
+                    "Level {index} has {width}×{height} px, a factor {} smaller than the level before: a pixel is {} px of the \
                      frame wide. Its share of the keypoints is {}.",
                     self.scale_factor,
                     numbers::px(level.of.scale),
@@ -294,7 +294,7 @@ impl Orb {
             let [a, b] = self.means(state, probe, k).map(numbers::gray);
             let ones = probe.bits.iter().filter(|bit| **bit).count();
             facts.push(Fact::new("Means of the windows", format!("{a} and {b}"), Some(Role::Candidate)));
-            facts.push(Fact::new("Bits so far", format!("{} of {BITS}, {ones} of them 1", k + 1), None));
+            facts.push(Fact::new("Bits so far", format!("{} of {BITS}, {ones} set", k + 1), None));
             facts.push(Fact::new("Last bits", last_bits(&probe.bits), None));
             lines.push(Math::Row(vec![
                 Math::text(format!("{a} < {b}: {}", if bit { "true, bit " } else { "false, bit " })),
@@ -437,8 +437,8 @@ fn ranked(level: &Level, index: usize) -> Sentence {
         return said.text(format!("There is no corner on level {index} to be ranked."));
     };
     said.text(format!(
-        "FAST has no measure of cornerness and responds along edges too, so the corners are ranked by their Harris response over 7×7 \
-         px, here {} to {}. The strongest {} become keypoints of level {index}.",
+        "The FAST score is high along edges too, so the corners are ranked by their Harris response over 7×7 \
+         px, here {} to {}. Keypoints of level {index}: the strongest {}.",
         numbers::gray(*first),
         numbers::gray(*last),
         grouped(level.share.min(level.ranked.len()))

@@ -152,6 +152,12 @@ impl Sift {
 
     fn iteration_said(&self, iteration: &Iteration) -> Sentence {
         let Iteration { at, offset, .. } = iteration;
+        if !offset.iter().all(|c| c.is_finite()) {
+            return Sentence::default()
+                .text("The quadratic through the neighbourhood of ")
+                .ink(Role::Candidate, pixel((at.x, at.y)))
+                .text(" has a singular Hessian, so it has no extremum.");
+        }
         let [dx, dy, ds] = offset.map(|c| words::fixed(c.into(), 2));
         let said = Sentence::default()
             .text("The quadratic through the neighbourhood of ")
@@ -189,7 +195,7 @@ impl Sift {
             }
             Err(Rejection::Edge) => {
                 let outcome = format!(
-                    "(tr H)² / det H = {} reaches (r + 1)² / r = {}: one principal curvature is more than {} times the other, an edge. \
+                    "(tr H)² / det H = {} reaches (r + 1)² / r = {}: one principal curvature is at least {} times the other, an edge. \
                      Rejected, its position along the edge is uncertain.",
                     gray(trace * trace / determinant),
                     gray(limit),
@@ -233,7 +239,7 @@ impl Sift {
         };
         match kept.len() == self.max_points && state.oriented.len() > self.max_points {
             true => format!(
-                "The {} keypoints of the largest |D| of {all} are kept (the maximum number of points); the weakest has |D| = {} gray levels.",
+                "Kept: the {} of {all} keypoints with the largest |D| (the maximum number of points); the weakest has |D| = {} gray levels.",
                 words::grouped(kept.len()),
                 gray(last.refined.response)
             ),
@@ -282,7 +288,7 @@ impl Sift {
             count => format!("{count} entries exceed 0.2 and are limited to it."),
         };
         Sentence::default().text(format!(
-            "{what} Large single gradients, as of a highlight, then count less than their directions. Normalised again, this is the \
+            "{what} Large single gradients, as at a highlight, then count less than their directions. Normalised again, this is the \
              descriptor."
         ))
     }
@@ -348,7 +354,7 @@ fn peak_said(seen: &Seen<Sift>, peak: Peak) -> Sentence {
         true => said.text(", the highest peak, interpolated between bins. The descriptor is turned by it, so that it turns with the picture."),
         false => said.text(format!(
             ": a peak of {} of the highest, at least the required 80 %, so keypoint {peaks} has the same place and another orientation.",
-            words::percent(peak.share)
+            words::percent((1000.0 * peak.share).round() / 1000.0)
         )),
     }
 }

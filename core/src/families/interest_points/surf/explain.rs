@@ -422,7 +422,7 @@ fn readouts_of_filter(state: &State, of: &Filtered<'_>) -> Vec<Readout> {
         Fact::new("Octave", (of.octave + 1).to_string(), None),
         Fact::new("Filter side L", format!("{size} px"), None),
         Fact::new("Scale s = 1.2 L / 9", format!("{} px", numbers::px(of.layer.filter.scale())), None),
-        Fact::new("Distance of samples", format!("{} px", of.layer.step), None),
+        Fact::new("Sample spacing", format!("{} px", of.layer.step), None),
     ];
     let Some(sample) = of.sample else { return vec![Readout::Facts(facts)] };
     let at = of.layer.pixel(sample);

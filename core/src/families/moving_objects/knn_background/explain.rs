@@ -72,7 +72,7 @@ impl KnnBackground {
             return said.text("no sample is replaced in this frame.");
         }
         let class = if near >= self.k { "background" } else { "foreground" };
-        said.text("a sample is replaced in the set of ")
+        said.text("samples replaced among the ")
             .ink(Role::Estimate, format!("{} values", changed.join(" and ")))
             .text(format!("; {} near, so a new one counts as {class}.", counted(near, "sample")))
     }

@@ -69,7 +69,7 @@ impl PointTrajectories {
             None | Some(What::Moved(..)) => said
                 .text("Grid points are ")
                 .ink(Role::Result, "advected by dense flow")
-                .text(" from frame to frame, x ← x + w(x), so errors of the flow accumulate to drift. The same points are ")
+                .text(" from frame to frame, x ← x + w(x), so errors of the flow accumulate as drift. The same points are ")
                 .ink(Role::Predicted, "tracked as features")
                 .text("; their distance measures the drift without ground truth."),
             Some(What::Flow(_)) => said.text(format!(

@@ -174,7 +174,7 @@ impl KalmanTracker {
                         " The detection's score is below the score threshold ({}), so it can only continue a track.",
                         fixed(self.score_threshold.into(), 2)
                     ),
-                    Some(MatchingStage::Tentative) => " Confirmed tracks left the detection unassigned.".to_owned(),
+                    Some(MatchingStage::Tentative) => " No confirmed track matched the detection.".to_owned(),
                     _ => String::new(),
                 };
                 format!("{decided}.{why}")

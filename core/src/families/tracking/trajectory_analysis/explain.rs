@@ -49,7 +49,7 @@ impl TrajectoryAnalysis {
         let name = |trajectory: &Trajectory| {
             let frame =
                 trajectory.sightings.last().map(|last| last.frame).filter(|frame| *frame != frame_of(seen.before));
-            let when = frame.map_or_else(String::new, |frame| format!(" (tentative frame {frame})"));
+            let when = frame.map_or_else(String::new, |frame| format!(" (tentative, frame {frame})"));
             format!("Track {}{when}", trajectory.id)
         };
         match event {

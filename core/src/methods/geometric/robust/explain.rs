@@ -25,7 +25,7 @@ impl<M: RobustModel> Robust<M> {
         let Some(last) = seen.events.last() else {
             let sentence = format!(
                 "{} passed the ratio test and the cross-check. Some are still wrong, so least squares over all would be wrong too: RANSAC seeks \
-                 the {} with which most of them agree.",
+                 the {} with the most inliers.",
                 matches(state.fixed.matches.len()),
                 self.0.name()
             );
@@ -73,7 +73,7 @@ impl<M: RobustModel> Robust<M> {
             Event::Scored(score) => (line::COUNT, self.scored_said(state, score)),
             Event::Local(_, score) => {
                 let sentence = format!(
-                    "Local optimisation: fitted to its inliers, the model has {} inliers with an rms distance of {} px.",
+                    "Local optimisation: fitted to its inliers, the model has {} inliers with an RMS distance of {} px.",
                     grouped(score.inliers),
                     rms(score)
                 );
@@ -97,7 +97,7 @@ impl<M: RobustModel> Robust<M> {
             }
             Event::Refit(_, score) => {
                 let sentence = format!(
-                    "Least squares over all inliers: {} of {} matches are inliers, rms distance {} px.",
+                    "Least squares over all inliers: {} of {} matches are inliers, RMS distance {} px.",
                     grouped(score.inliers),
                     grouped(count),
                     rms(score)
@@ -106,7 +106,7 @@ impl<M: RobustModel> Robust<M> {
             }
             Event::Kept(_, score) => {
                 let sentence = format!(
-                    "Least squares over all inliers finds no smaller distances, so the model stays: {} of {} matches are inliers, rms \
+                    "Least squares over all inliers finds no smaller distances, so the model stays: {} of {} matches are inliers, RMS \
                      distance {} px.",
                     grouped(score.inliers),
                     grouped(count),
@@ -122,14 +122,14 @@ impl<M: RobustModel> Robust<M> {
         let (name, count) = (self.0.name(), grouped(count));
         match doubt {
             Doubt::OnLine { inliers, spread_px } => format!(
-                "The model is refused: its {} inliers lie on a line, with an rms distance of {} px from it, and the {name} needs at least {} px. A \
+                "The model is rejected: its {} inliers lie on a line, with an RMS distance of {} px from it, and the {name} needs at least {} px. A \
                  similarity or a translation is determined by them.",
                 grouped(inliers),
                 words::fixed(spread_px, 2),
                 words::fixed(LEAST_SPREAD_PX, 2)
             ),
             Doubt::ByChance { inliers, needed } => format!(
-                "The model is refused: {} of {count} matches are inliers, and as many are expected of random matches (number of false alarms at \
+                "The model is rejected: {} of {count} matches are inliers, and random matches may have as many (number of false alarms at \
                  least 1). At least {} inliers are needed; more keypoints, better matches or a simpler model help.",
                 grouped(inliers),
                 grouped(needed)
@@ -170,7 +170,7 @@ impl<M: RobustModel> Robust<M> {
                 }
             };
         }
-        let cost = |score: &Score| words::fixed(score.cost, 1);
+        let cost = |score: &Score| words::fixed(score.cost, 3);
         let said = said.text(format!(", MSAC cost {} px²", cost(score)));
         match state.consensus.best {
             None => said.text(": the first hypothesis, so the best so far."),
@@ -214,12 +214,12 @@ impl<M: RobustModel> Robust<M> {
         let why = match needed == max_iterations {
             true => format!("the maximum of {iterations} is kept"),
             false => format!(
-                "{iterations} contain a sample without outliers with a probability of {} %",
+                "a sample without outliers is drawn in {iterations} with probability {} %",
                 words::fixed(100.0 * f64::from(confidence), 1)
             ),
         };
         format!(
-            "New best hypothesis: with a share of inliers w = {} all {size} of a sample are inliers with probability wⁿ = {}, so {why}.",
+            "New best hypothesis: with a share of inliers w = {}, a sample of {size} has no outliers with probability wⁿ = {}, so {why}.",
             words::fixed(share, 3),
             words::fixed(share.powi(size as i32), 3)
         )
@@ -242,7 +242,7 @@ impl<M: RobustModel> Robust<M> {
         ];
         let inliers = |score: &Score| format!("{} of {}", grouped(score.inliers), grouped(count));
         facts.extend(best.map(|(_, score)| Fact::new("Inliers of the best", inliers(&score), Some(Role::Best))));
-        facts.extend(best.map(|(_, score)| Fact::new("rms distance", format!("{} px", rms(&score)), None)));
+        facts.extend(best.map(|(_, score)| Fact::new("RMS distance", format!("{} px", rms(&score)), None)));
         let needed = if let Event::Best(needed) = event { *needed } else { state.consensus.needed };
         facts.push(Fact::new("Iterations needed", grouped(needed), None));
         let sequel = match event {
