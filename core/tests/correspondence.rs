@@ -484,3 +484,37 @@ fn keypoints_are_tracked_through_a_clip_by_matching() {
         }
     }
 }
+
+#[test]
+fn without_texture_nothing_is_stated_and_no_limit_is_blamed() {
+    let clip = Clip::from_frames("flat", vec![Frame::gray(Grid::new(64, 48, 77)); 2]).expect("frames");
+    let told = |id: &str| {
+        let mut walk = set(id, &[]).walk(&clip, 0).expect("a walk");
+        walk.jump(Move::End);
+        walk.step(None).sentence.plain()
+    };
+    for (id, ends) in [
+        ("feature-matching", "End of the run without matches."),
+        ("phase-correlation", "The translation remains unknown."),
+        ("image-alignment", "so the motion of the picture remains unknown."),
+    ] {
+        let said = told(id);
+        assert!(said.contains(ends) && !said.contains("(0.000") && !said.contains("ratio limit"), "{id}: {said}");
+    }
+}
+
+#[test]
+fn the_turnover_of_a_pair_is_that_of_its_tracks() {
+    let clip = scene("hand-held");
+    let matching = set("feature-tracker", &[("frames", "4")]);
+    let output = matching.run(&clip, 0, &Threads::single()).expect("a run");
+    let field = output.get::<motionscope_core::TrackField>().expect("tracks");
+    let mut walk = matching.walk(&clip, 0).expect("a walk");
+    walk.jump(Move::End);
+    let said = walk.step(None).sentence.plain();
+    // Tracks that were there before the last pair, and those of them that it continues.
+    let old = field.tracks.iter().filter(|track| track.at(1).is_some() && track.at(2).is_some());
+    let (old, continued) = (old.clone().count(), old.filter(|track| track.at(3).is_some()).count());
+    assert!(said.contains(&format!(": {continued} of {old} tracks continued, {} lost", old - continued)), "{said}");
+    assert!(said.contains("Mean endpoint error of this pair: "), "{said}");
+}

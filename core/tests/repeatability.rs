@@ -29,7 +29,9 @@ fn measured(id: &str, clip: &Clip) -> (f64, f64) {
         let score = found.scores.iter().find(|score| score.measure.key == key);
         score.and_then(|score| score.value.real()).expect("the flow is known")
     };
-    (value("repeatability"), value("repeatable"))
+    let (share, visible) = (value("repeatability"), value("visible_in_both"));
+    assert!((value("repeated") - share * visible).abs() < 1e-6, "{id}: the share is that of both counts");
+    (share, visible)
 }
 
 const CASES: [(&str, &[(&str, &str)]); 7] = [

@@ -140,6 +140,7 @@ fn without_texture_the_run_ends_and_says_why() {
     walk.jump(Move::End);
     let said = walk.step(None).sentence.plain();
     assert!(said.contains("0.00 gray levels is below 1.00"), "{said}");
+    assert!(said.contains("no texture near its middle") && !said.contains("in all directions"), "{said}");
     assert_eq!(track(&*matching, &clip).points[0].status, Status::Flat);
 }
 
@@ -154,6 +155,20 @@ fn a_template_that_does_not_fit_is_refused_with_its_size() {
     let error =
         estimator("template-matching").expect("it is there").walk(&small, 0).err().expect("refused").to_string();
     assert!(error.contains("7×40 px is too small"), "{error}");
+}
+
+#[test]
+fn a_template_over_the_border_is_cut_and_says_so() {
+    let clip = moving(|place| place);
+    let told = |zone| {
+        let mut walk = set("template-matching", &[("template", zone)]).walk(&clip, 0).expect("a walk");
+        walk.jump(Move::To(Cursor { unit: 0, event: 1 }));
+        walk.step(None).sentence.plain()
+    };
+    let said = told("-10,5,20,20");
+    assert!(said.contains("rectangle of 30×15 px is cut at the picture border to 20×15 px"), "{said}");
+    let said = told("10,5,30,20");
+    assert!(said.contains("first frame of the run") && !said.contains("border"), "{said}");
 }
 
 #[test]

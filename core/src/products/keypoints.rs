@@ -157,15 +157,19 @@ pub(super) const MEASURES: [Measure; 2] = [
 ];
 
 /// The measures of a detector that runs on the next frame as well.
-pub(super) const REPEATABILITY: [Measure; 2] = [
+pub(super) const REPEATABILITY: [Measure; 3] = [
     Measure::new(
         "repeatability",
-        "Share of the keypoints that are detected again in frame t + 1, within 1.5 px of their true positions, of the fewer of those visible in \
-         both frames.",
+        "Share of the keypoints that are detected again in frame t + 1, within 1.5 px of their true positions: repeated keypoints by \
+         those visible in both frames.",
     )
     .in_column("repeatability", 3)
     .against_truth(),
-    Measure::new("repeatable", "Number of keypoints that could be detected again: the fewer of those visible in both frames."),
+    Measure::new("repeated", "Number of keypoints that are detected again in frame t + 1."),
+    Measure::new(
+        "visible_in_both",
+        "Number of keypoints visible in both frames, of the frame with fewer of them: the denominator of the repeatability.",
+    ),
 ];
 
 /// The number of features and, if tracking was attempted, of tracked ones.

@@ -108,12 +108,20 @@ impl MatchField {
 }
 
 const MEASURES: [Measure; 4] = [
-    Measure::new("matches", "Number of accepted matches.").in_column("matches", 0),
-    Measure::new("match_ratio_rejected", "Number of nearest neighbours that the ratio test rejects."),
-    Measure::new("match_cross_check_rejected", "Number of nearest neighbours that the cross-check rejects."),
+    Measure::new("matches", "Number of matches that pass the tests, outliers of a geometric model included.")
+        .in_column("matches", 0),
+    Measure::new(
+        "match_ratio_rejected",
+        "Number of nearest neighbours that the ratio test rejects; unknown where the result holds accepted matches alone.",
+    ),
+    Measure::new(
+        "match_cross_check_rejected",
+        "Number of nearest neighbours that the cross-check rejects; unknown where the result holds accepted matches alone.",
+    ),
     Measure::new(
         "match_precision",
-        "Share of the accepted matches whose displacement is within 3 px of the true one, of those where it is known.",
+        "Share of the matches, of the inliers where a geometric model is fitted, with a displacement within 3 px of the true one, of \
+         those where it is known.",
     )
     .in_column("match precision", 3)
     .against_truth(),
@@ -147,13 +155,22 @@ impl Product for MatchField {
             Err(error) => (None, Some(error)),
         };
         let precision = truth.and_then(|truth| Self::compare(self.accepted(), &truth).precision());
-        let accepted = self.count(MatchStatus::Match);
-        let rejected = [MatchStatus::RejectedRatio, MatchStatus::RejectedCrossCheck].map(|status| self.count(status));
-        let values = [accepted.into(), rejected[0].into(), rejected[1].into(), Figure::from(precision)];
-        let of = format!("{} of {} keypoints", grouped(accepted), grouped(self.matches.len()));
-        let mut facts = vec![fact("Matches", of)];
+        let [accepted, outliers] = [MatchStatus::Match, MatchStatus::Outlier].map(|status| self.count(status));
+        let passed = accepted + outliers;
+        // Where no rejected neighbour is kept, their number is not known.
+        let is_known = passed < self.matches.len();
+        let rejected = [MatchStatus::RejectedRatio, MatchStatus::RejectedCrossCheck]
+            .map(|status| Figure::from(is_known.then(|| self.count(status))));
+        let values = [passed.into(), rejected[0], rejected[1], Figure::from(precision)];
+        let told = match (is_known, outliers > 0) {
+            (true, _) => format!("{} of {} nearest neighbours", grouped(passed), grouped(self.matches.len())),
+            (false, true) => format!("{}, {} of them inliers", grouped(passed), grouped(accepted)),
+            (false, false) => grouped(passed),
+        };
+        let mut facts = vec![fact("Matches", told)];
         facts.extend(precision.map(|share| fact("Right matches (within 3 px)", format!("{:.1} %", 100.0 * share))));
-        let headline = format!("{} matches", grouped(accepted));
+        let inliers = if outliers > 0 { format!(", {} inliers", grouped(accepted)) } else { String::new() };
+        let headline = format!("{} matches{inliers}", grouped(passed));
         Ok(Assessment { headline, truth_error, ..Assessment::default() }.with(scores(&MEASURES, values), facts))
     }
 
@@ -172,6 +189,25 @@ impl Product for MatchField {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::data::{Clip, Frame};
+
+    #[test]
+    fn outliers_are_matches_and_unknown_rejections_are_not_counted() {
+        let of = |statuses: &[MatchStatus]| {
+            let found = |status| Match { from: [2.0, 1.0], to: [5.0, 1.0], distance: 5.0, ratio: None, status };
+            let field = MatchField { picture: (8, 4), matches: statuses.iter().copied().map(found).collect() };
+            let clip = Clip::from_frames("flat", vec![Frame::gray(Grid::new(8, 4, 90)); 2]).expect("frames");
+            let assessment = field.assess(&Reference { clip: &clip, frame: 0 }).expect("no truth");
+            let values: Vec<_> = assessment.scores[..3].iter().map(|score| score.value.real()).collect();
+            (values, assessment.facts[0].value.clone(), assessment.headline)
+        };
+        use MatchStatus::{Match as Inlier, Outlier, RejectedRatio};
+        let robust = of(&[Inlier, Outlier, Inlier]);
+        assert_eq!(robust, (vec![Some(3.0), None, None], "3, 2 of them inliers".into(), "3 matches, 2 inliers".into()));
+        let tested = of(&[Inlier, RejectedRatio, RejectedRatio]);
+        let values = vec![Some(1.0), Some(2.0), Some(0.0)];
+        assert_eq!(tested, (values, "1 of 3 nearest neighbours".into(), "1 matches".into()));
+    }
 
     #[test]
     fn a_match_is_right_within_three_px_of_the_truth() {

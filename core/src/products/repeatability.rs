@@ -133,18 +133,17 @@ impl PointField {
             Err(error) => return Assessment { truth_error: Some(error), ..Assessment::default() },
         };
         let found = repeatability_in_flow([self, in_next], &flow, hidden.as_deref(), TOLERANCE_PX);
-        let possible = found.first.min(found.second);
+        let visible = found.first.min(found.second);
+        let repeated = found.repeated.min(visible);
         let told = match found.share() {
             None => "unknown: no keypoint is visible in both frames".to_owned(),
-            Some(share) => {
-                let repeated = found.repeated.min(possible);
-                let (repeated, possible) = (grouped(repeated), grouped(possible));
-                format!(
-                    "{share:.3}, {repeated} of {possible} keypoints within {TOLERANCE_PX} px of their true position"
-                )
-            }
+            Some(share) => format!(
+                "{share:.3}, {} of {} keypoints within {TOLERANCE_PX} px of their true position",
+                grouped(repeated),
+                grouped(visible)
+            ),
         };
-        let values = [found.share().into(), possible.into()];
+        let values = [found.share().into(), repeated.into(), visible.into()];
         Assessment::default().with(scores(&REPEATABILITY, values), vec![fact("Repeatability", told)])
     }
 }

@@ -92,7 +92,6 @@ impl<M: Measure> Corners<M> {
     fn concluded(&self, seen: &Seen<Self>, sentence: Sentence) -> Sentence {
         let Some(after) = seen.after.filter(|_| seen.before.stage == Stage::Choice) else { return sentence };
         let (Some(first), Some(last)) = (after.kept.first(), after.kept.last()) else { return sentence };
-        let Selection { max_points, .. } = self.0.settings().selection;
         let response = |index: u32| numbers::gray(after.map[after.place(index)]);
         let kept = words::counted(after.kept.len(), "corner");
         let maxima = match after.peaks.len() {
@@ -103,10 +102,7 @@ impl<M: Measure> Corners<M> {
             1 => format!("response {}", response(*first)),
             _ => format!("responses {} to {}", response(*first), response(*last)),
         };
-        let help = match after.kept.len() == max_points && after.peaks.len() > max_points {
-            true => "The maximum number of points is reached; a larger value keeps weaker corners.",
-            false => "A lower threshold or a smaller minimum distance keeps more.",
-        };
+        let help = self.0.settings().selection.advice(after.kept.len(), after.peaks.len());
         sentence.text(format!(" End of the run: {kept} from {maxima}, {responses}. {help}"))
     }
 

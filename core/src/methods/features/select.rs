@@ -16,6 +16,19 @@ params! {
     }
 }
 
+impl Selection {
+    /// What keeps more points at the end of a run that kept `kept` of `candidates`.
+    pub fn advice(&self, kept: usize, candidates: usize) -> &'static str {
+        match kept < candidates {
+            false => "All local maxima are kept; a lower threshold finds weaker ones.",
+            true if kept >= self.max_points => {
+                "The maximum number of points is reached; a larger value keeps weaker ones."
+            }
+            true => "A smaller minimum distance keeps more, a lower threshold finds more.",
+        }
+    }
+}
+
 params! {
     /// Parameters that the corner detectors with a structure tensor share.
     #[derive(Copy)]
@@ -225,6 +238,13 @@ pub fn largest(values: &[f32]) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn only_the_limit_that_was_reached_is_to_be_raised() {
+        let advice = |kept, candidates| Selection { min_distance: 0, max_points: 5 }.advice(kept, candidates);
+        assert!(advice(5, 9).contains("maximum number") && !advice(5, 9).contains("distance"));
+        assert!(advice(5, 5).contains("All local maxima") && advice(3, 9).contains("minimum distance"));
+    }
 
     #[test]
     fn a_plateau_has_one_peak() {

@@ -19,6 +19,9 @@ const TILE_REACH_PX: usize = 4;
 /// The share of the picture that differs from the background where the camera or the light has changed, not objects.
 const FLOODED: f64 = 0.4;
 
+/// From this F₁ score on the errors are too few for advice.
+const GOOD_F1: f64 = 0.9;
+
 /// The masks and components of a frame up to a step.
 pub(crate) struct MaskHistory<'a> {
     events: &'a [Event],
@@ -306,7 +309,7 @@ impl Conclusion {
     fn advice(&self, all: Matches) -> String {
         let (misses, alarms) = (all.misses(), all.false_positives());
         match self.ghosts {
-            0 if misses + alarms == 0 => String::new(),
+            0 if all.f1() >= GOOD_F1 || misses + alarms == 0 => String::new(),
             0 if misses > alarms => format!(
                 " Most errors are misses ({}): try a lower threshold, a smaller opening or a smaller minimum area.",
                 grouped(misses)
@@ -522,7 +525,11 @@ impl<M: Background> Subtraction<M> {
             Event::Followed(by, at) => said
                 .text("The camera has moved. The median displacement of textured blocks since the first frame is ")
                 .ink(Role::Reference, format!("{} px", words::place(*at)))
-                .text(format!(", so the model is shifted by {} px.", words::place(*by))),
+                .text(format!(
+                    ". From its position in the previous frame the model is shifted by {} px{}.",
+                    words::place(*by),
+                    if M::IS_REPLACED { "" } else { ", in whole px" }
+                )),
             Event::Exposed(_, transfer) => said
                 .text("The exposure has changed: most pixels are ")
                 .ink(Role::Reference, brighter(transfer.median))
@@ -680,5 +687,18 @@ impl<M: Background> Subtraction<M> {
             }
             scene.legend(Role::Reference, "explained pixel");
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn advice_is_for_many_errors_of_one_kind() {
+        let advice = |truths, estimates, pairs| Conclusion::default().advice(Matches { truths, estimates, pairs });
+        assert_eq!([advice(500, 499, 499), advice(10, 10, 10)], ["", ""]);
+        assert!(advice(10, 5, 5).contains("misses (5): try a lower threshold"));
+        assert!(advice(5, 10, 5).contains("false alarms (5): try a higher threshold"));
     }
 }

@@ -92,7 +92,15 @@ impl FeatureMatching {
                 };
                 (line::CROSS_CHECK, sentence)
             }
-            Compared::Outcome(outcome) => (line::ACCEPT, self.outcome_said(state, outcome)),
+            Compared::Outcome(outcome) => {
+                let line = match outcome.map(|outcome| outcome.status) {
+                    None => line::KEEP_NEAREST,
+                    Some(MatchStatus::RejectedRatio) => line::RATIO_TEST,
+                    Some(MatchStatus::RejectedCrossCheck) => line::CROSS_CHECK,
+                    Some(MatchStatus::Match | MatchStatus::Outlier) => line::ACCEPT,
+                };
+                (line, self.outcome_said(state, outcome))
+            }
         }
     }
 
@@ -275,6 +283,9 @@ fn link(role: Role, from: [f32; 2], to: [f32; 2]) -> Link {
 }
 
 fn concluded(state: &State, sentence: Sentence) -> Sentence {
+    if state.count() == 0 {
+        return sentence.text(" End of the run without matches.");
+    }
     let all: Vec<Match> = state.matches().collect();
     let count = |status| all.iter().filter(|found| found.status == status).count();
     let accepted = count(MatchStatus::Match);
@@ -293,9 +304,13 @@ fn concluded(state: &State, sentence: Sentence) -> Sentence {
         None => String::new(),
     };
     let rejected = [count(MatchStatus::RejectedRatio), count(MatchStatus::RejectedCrossCheck)];
+    let advice = match (accepted, rejected[0]) {
+        (0, 0) => "",
+        (0, _) => " A higher ratio limit accepts more.",
+        _ => " A lower ratio limit rejects more wrong matches, and correct ones on repeating texture.",
+    };
     sentence.text(format!(
-        " End of the run: {} of {} keypoints matched; the ratio test rejected {}, the cross-check {}.{quality} A lower ratio limit rejects \
-         more wrong matches, and correct ones on repeating texture.",
+        " End of the run: {} of {} keypoints matched; the ratio test rejected {}, the cross-check {}.{quality}{advice}",
         grouped(accepted),
         grouped(state.count()),
         grouped(rejected[0]),

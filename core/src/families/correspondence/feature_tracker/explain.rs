@@ -3,10 +3,7 @@
 use super::{Event, FeatureTracker, Linked, Pair, line};
 use crate::base::words::{self, grouped};
 use crate::methods::differential::numbers;
-use crate::methods::features::{
-    conclusion,
-    trails::{self, points},
-};
+use crate::methods::features::trails::{self, points};
 use crate::products::MatchStatus;
 use crate::run::Seen;
 use crate::scene::{Arrow, Fact, Link, Name, Picture, Readout, Role, Scene, Sentence, Step};
@@ -94,9 +91,19 @@ impl FeatureTracker {
     fn ended(seen: &Seen<Self>, pair: &Pair) -> Sentence {
         let state = seen.after.unwrap_or(seen.before);
         let t = seen.before.frame;
-        let features = state.tracks.iter().filter_map(|track| track.at(t)).copied();
-        let told = conclusion("keypoints of tracks", features, pair.truth.as_deref());
-        let said = Sentence::default().text(format!("End of the pair of frames {t} and {}: {told}", t + 1));
+        let [continued, lost, begun] = turnover(seen.events);
+        let said = Sentence::default().text(format!(
+            "End of the pair of frames {t} and {}: {} of {} continued, {} lost without an accepted match, {} begun.{}",
+            t + 1,
+            grouped(continued),
+            words::counted(continued + lost, "track"),
+            grouped(lost),
+            grouped(begun),
+            mean_error(seen.events, pair).map_or_else(String::new, |error| format!(
+                " Mean endpoint error of this pair: {} px.",
+                numbers::px(error)
+            ))
+        ));
         let is_over = state.span.is_over(seen.clip, state.frame + 1);
         if !is_over || state.tracks.is_empty() {
             return said;
@@ -104,8 +111,8 @@ impl FeatureTracker {
         let lengths: usize = state.tracks.iter().map(|track| track.points.len()).sum();
         let mean = lengths as f64 / state.tracks.len() as f64;
         said.text(format!(
-            " End of the run: {} of {} frames on average. A track ends where its keypoint is not detected again, so tracks are shorter than \
-             those of KLT, but do not drift.",
+            " End of the run: {} of {} frames on average. A track ends where its keypoint is not detected again or its match is rejected: a \
+             lower threshold of the detector or a higher ratio limit makes tracks longer.",
             words::counted(state.tracks.len(), "track"),
             words::fixed(mean, 1)
         ))
@@ -114,13 +121,7 @@ impl FeatureTracker {
     fn readouts(seen: &Seen<Self>, event: &Event) -> Vec<Readout> {
         let state = seen.before;
         let mut facts = vec![Fact::new("Pair", format!("frames {} and {}", state.frame, state.frame + 1), None)];
-        let count = |of: fn(&Linked) -> bool| {
-            let linked = seen.events.iter().filter_map(|event| match event {
-                Event::Linked(_, linked) => Some(linked),
-                _ => None,
-            });
-            linked.filter(|linked| of(linked)).count()
-        };
+        let [continued, lost, begun] = turnover(seen.events).map(grouped);
         if let Event::Linked(pair, linked) = event {
             let of = pair.sides[0].points.len();
             facts.push(Fact::new(
@@ -140,17 +141,9 @@ impl FeatureTracker {
             facts.extend(truth.map(|truth| Fact::new("True displacement", px(truth), Some(Role::Truth))));
         }
         facts.extend([
-            Fact::new(
-                "Tracks continued",
-                count(|of| of.track.is_some() && of.to.is_some()).to_string(),
-                Some(Role::Result),
-            ),
-            Fact::new("Tracks begun", count(|of| of.track.is_none() && of.to.is_some()).to_string(), Some(Role::Best)),
-            Fact::new(
-                "Tracks lost",
-                count(|of| of.track.is_some() && of.to.is_none()).to_string(),
-                Some(Role::Rejected),
-            ),
+            Fact::new("Tracks continued", continued, Some(Role::Result)),
+            Fact::new("Tracks begun", begun, Some(Role::Best)),
+            Fact::new("Tracks lost", lost, Some(Role::Rejected)),
         ]);
         let now = seen.after.unwrap_or(state);
         let plot = trails::turnover("Tracks", &now.counts, &now.tracks, &now.span);
@@ -192,6 +185,33 @@ impl FeatureTracker {
             }
         }
     }
+}
+
+/// The keypoints of a pair that were compared so far.
+fn all_linked(events: &[Event]) -> impl Iterator<Item = &Linked> {
+    events.iter().filter_map(|event| if let Event::Linked(_, linked) = event { Some(linked) } else { None })
+}
+
+/// Numbers of the tracks that a pair continues, loses and begins.
+fn turnover(events: &[Event]) -> [usize; 3] {
+    let count = |is: fn(&Linked) -> bool| all_linked(events).filter(|linked| is(linked)).count();
+    [
+        count(|of| of.track.is_some() && of.to.is_some()),
+        count(|of| of.track.is_some() && of.to.is_none()),
+        count(|of| of.track.is_none() && of.to.is_some()),
+    ]
+}
+
+/// The mean endpoint error of the matches of a pair in px, where the true flow is known.
+fn mean_error(events: &[Event], pair: &Pair) -> Option<f32> {
+    let truth = pair.truth.as_ref()?;
+    let error = |linked: &Linked| {
+        let (from, to) = (pair.sides[0].points[linked.index].at, pair.sides[1].points[linked.to?].at);
+        let [u, v] = truth.sample(from)?;
+        Some((to[0] - from[0] - u).hypot(to[1] - from[1] - v))
+    };
+    let errors: Vec<f32> = all_linked(events).filter_map(error).collect();
+    (!errors.is_empty()).then(|| errors.iter().sum::<f32>() / errors.len() as f32)
 }
 
 /// Why a keypoint has no match.

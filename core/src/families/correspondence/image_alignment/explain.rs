@@ -2,7 +2,7 @@
 
 use super::warp::{columns, names};
 use super::{Event, ImageAlignment, Stage, State, difference, line, places};
-use crate::base::words::{fixed, percent};
+use crate::base::words::{counted, fixed, percent};
 use crate::geometry::{Grid, Sampling};
 use crate::methods::differential::numbers;
 use crate::products::Model;
@@ -89,9 +89,12 @@ impl ImageAlignment {
                 .ink(Role::Rejected, "diverged")
                 .text(", and the last update is undone."),
             Stage::Worse => {
-                let previous = state.previous_error().unwrap_or(rms);
-                said.text(format!("The error has risen from {} to {}: ", fixed(previous, 2), gray(rms)))
-                    .ink(Role::Rejected, "the last update is undone")
+                let previous = fixed(state.previous_error().unwrap_or(rms), 2);
+                let told = match previous == fixed(rms, 2) {
+                    true => format!("The error no longer falls; it stays at {}: ", gray(rms)),
+                    false => format!("The error has risen from {previous} to {}: ", gray(rms)),
+                };
+                said.text(told).ink(Role::Rejected, "the last update is undone")
                     .text(", and the level ends with the warp before it.")
             }
             Stage::Solve => said
@@ -121,6 +124,16 @@ impl ImageAlignment {
 
     fn concluded(&self, after: &State, said: Sentence) -> Sentence {
         let model = after.model(self.model);
+        if model.matrix.is_none() {
+            return said.text(match after.errors.is_empty() {
+                true => format!(
+                    " End of the run: no level has texture for {}, so the motion of the picture remains unknown.",
+                    counted(self.model.freedom(), "parameter")
+                ),
+                false => " End of the run: no level has found an update, so the motion of the picture remains unknown."
+                    .into(),
+            });
+        }
         let (width, height) = after.fixed.pair[0].size();
         let middle = [width, height].map(|extent| (extent as f64 - 1.0) / 2.0);
         let to = mapped(&after.matrix, middle).unwrap_or(middle);
@@ -142,7 +155,8 @@ impl ImageAlignment {
         said.text(match (after.failed > 0, self.model, aligned > 0.5 * at_rest && at_rest > 1.0) {
             (true, ..) => " Some levels found no alignment: fewer degrees of freedom or fewer levels would help.",
             (_, Model::Homography, true) => {
-                " The residual stays large: parallax, moving objects or a change of light, which no single warp explains."
+                " The residual stays large: parallax, moving objects or a change of light, which no single warp explains, or a motion too \
+                 large for the coarsest level, for which more levels would help."
             }
             (.., true) => " The residual stays large: a model with more degrees of freedom, or more levels for larger motion, would help.",
             _ => " One warp explains the motion; the places that still differ move on their own or are new.",

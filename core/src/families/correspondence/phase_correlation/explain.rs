@@ -108,7 +108,7 @@ impl PhaseCorrelation {
                     .ink(Role::Best, whole(at))
                     .text(": 1 would mean that all phases agree."),
                 None => said.text(
-                    "No frequency rises above the noise: there is no texture in common, and no peak. The displacement stays 0.",
+                    "No frequency rises above the noise: there is no texture in common, and no peak. The displacement remains unknown.",
                 ),
             },
             Stage::Second => self.second(state, peak, said),
@@ -177,6 +177,9 @@ impl PhaseCorrelation {
 
     fn concluded(&self, state: &State, height: f64, said: Sentence) -> Sentence {
         let model = state.model();
+        if state.peak.is_none() {
+            return said.text("The translation remains unknown. Without texture no method finds a displacement.");
+        }
         let said =
             said.text("Translation of the whole picture: ").ink(Role::Result, exact(state.translation())).text(".");
         let truth = state.fixed.truth.as_deref();
@@ -185,13 +188,12 @@ impl PhaseCorrelation {
             Some(error) => said.text(format!(" Mean endpoint error over all pixels: {} px.", fixed(error.epe_px, 3))),
             None => said,
         };
-        let advice = match (state.peak, Self::ratio(state)) {
-            (None, _) => " Without texture no method finds a displacement.".to_owned(),
-            (_, Some(ratio)) if ratio < DISTINCT && height > AGREEMENT => {
+        let advice = match Self::ratio(state) {
+            Some(ratio) if ratio < DISTINCT && height > AGREEMENT => {
                 " The peak is high but broad, because few frequencies are kept; a smaller minimum SNR keeps more."
                     .to_owned()
             }
-            (_, Some(ratio)) if ratio < DISTINCT => format!(
+            Some(ratio) if ratio < DISTINCT => format!(
                 " A peak of only {} means that few phases agree: rotation, zoom or several motions need image alignment or matched \
                  features.",
                 fixed(height, 3)
@@ -239,7 +241,7 @@ impl PhaseCorrelation {
         facts.extend(state.second.map(|second| Fact::new("Second peak", of(second), Some(Role::Rejected))));
         let ratio = Self::ratio(state).map(|ratio| Fact::new("Peak ratio", fixed(ratio, 2), None));
         facts.extend(ratio);
-        if matches!(stage, Stage::Subpixel(_) | Stage::Result) {
+        if matches!(stage, Stage::Subpixel(_) | Stage::Result) && state.peak.is_some() {
             facts.push(Fact::new("Displacement", exact(state.translation()), Some(Role::Estimate)));
         }
         let middle = state.fixed.truth.as_ref().and_then(|truth| truth.at(width / 2, height / 2));

@@ -16,6 +16,8 @@ use crate::scene::{
 
 /// Peaks whose ratio is smaller are ambiguous.
 const DISTINCT: f64 = 1.1;
+/// A block with a smaller eigenvalue below this, in (gray levels per px)², has no texture in some direction.
+const LEAST_EIGENVALUE: f32 = 0.01;
 
 fn whole([x, y]: [i32; 2]) -> String {
     format!("({},\u{a0}{})", fixed(x.into(), 0), fixed(y.into(), 0))
@@ -141,13 +143,37 @@ impl TemplateMatching {
             template.frame
         ));
         match template.eigenvalue {
+            Some(eigenvalue) if eigenvalue < LEAST_EIGENVALUE => said.text(format!(
+                "chosen automatically: the picture has {} near its middle; the largest smaller eigenvalue of the structure tensor of a \
+                 block is λ₂ = {}.",
+                if template.deviation() < LEAST_DEVIATION { "no texture" } else { "no block with texture in all directions" },
+                fixed(eigenvalue.into(), 2)
+            )),
             Some(eigenvalue) => said.text(format!(
                 "chosen automatically: of the blocks near the middle it has the largest smaller eigenvalue of the structure tensor, \
                  λ₂ = {}, so it differs from its surroundings in all directions.",
                 fixed(eigenvalue.into(), 2)
             )),
-            None => said.text("as placed on the frame."),
+            None => {
+                let said = said.text("cut from the first frame of the run at the place given.");
+                match self.cut_off(template) {
+                    Some([wide, high]) => said.text(format!(
+                        " The rectangle of {}×{} px is cut at the picture border to {width}×{height} px.",
+                        fixed(wide, 0),
+                        fixed(high, 0)
+                    )),
+                    None => said,
+                }
+            }
         }
+    }
+
+    /// Width and height of the placed rectangle in px, where the picture border cuts it.
+    fn cut_off(&self, template: &Template) -> Option<[f64; 2]> {
+        let zone = self.template?;
+        let [width, height] = [0, 1].map(|i| f64::from(zone.max[i].ceil()) - f64::from(zone.min[i].ceil()));
+        let inside = template.pixels.size();
+        (width > inside.0 as f64 || height > inside.1 as f64).then_some([width, height])
     }
 
     fn area_sentence(&self, state: &State, pair: &Pair, said: Sentence) -> Sentence {

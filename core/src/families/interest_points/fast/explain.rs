@@ -221,12 +221,7 @@ impl Fast {
             1 => format!("score {}", after.score(*first)),
             _ => format!("scores {} to {}", after.score(*first), after.score(*last)),
         };
-        let help = match after.kept.len() == self.selection.max_points && after.peaks.len() > after.kept.len() {
-            true => {
-                "The maximum number of points is reached; a higher threshold would save the work on the weaker ones."
-            }
-            false => "A lower threshold or a smaller minimum distance keeps more.",
-        };
+        let help = self.selection.advice(after.kept.len(), after.peaks.len());
         sentence.text(format!(
             " End of the run: {} kept, {scores}; {} passed the segment test and {} non-maximum suppression. {help}",
             counted(after.kept.len(), "corner"),

@@ -301,9 +301,12 @@ impl Sift {
         }
         let mut sigmas: Vec<f32> = kept.iter().map(|oriented| self.in_frame(&oriented.refined).1).collect();
         sigmas.sort_by(f32::total_cmp);
+        let help = match kept.len() == self.max_points {
+            true => "The maximum number of points is reached; a larger value admits weaker keypoints.",
+            false => "A lower contrast threshold finds more, a lower edge threshold fewer on edges.",
+        };
         sentence.text(format!(
-            " End of the run: {} from {} extrema, σ from {} to {} px, half of them below {} px. A lower contrast threshold finds more, a lower \
-             edge threshold fewer on edges.",
+            " End of the run: {} from {} extrema, σ from {} to {} px, half of them below {} px. {help}",
             words::counted(kept.len(), "keypoint"),
             words::grouped(after.extrema.len()),
             gray(sigmas[0]),

@@ -106,7 +106,7 @@ impl Surf {
                 (line, sentence, readouts_of_keypoint(seen.before, &of))
             }
         };
-        Step { line, sentence: concluded(seen, sentence), readouts }
+        Step { line, sentence: self.concluded(seen, sentence), readouts }
     }
 
     fn searched(&self, seen: &Seen<Self>, of: &Searched<'_>) -> (Name, Sentence) {
@@ -585,37 +585,37 @@ fn wheel_series(of: &Described<'_>) -> Series {
     }
 }
 
-/// Adds the conclusion at the end of a run.
-fn concluded(seen: &Seen<Surf>, sentence: Sentence) -> Sentence {
-    let Some(after) = seen.after else { return sentence };
-    let is_over = after.kept.is_some() && after.described.len() == after.kept().len();
-    let (Some(first), Some(last)) = (after.keypoint(0), after.kept().last().and_then(|index| after.maxima.get(*index)))
-    else {
-        return sentence;
-    };
-    if !is_over {
-        return sentence;
+impl Surf {
+    /// Adds the conclusion at the end of a run.
+    fn concluded(&self, seen: &Seen<Self>, sentence: Sentence) -> Sentence {
+        let Some(after) = seen.after else { return sentence };
+        let is_over = after.kept.is_some() && after.described.len() == after.kept().len();
+        let (Some(first), Some(last)) =
+            (after.keypoint(0), after.kept().last().and_then(|index| after.maxima.get(*index)))
+        else {
+            return sentence;
+        };
+        if !is_over {
+            return sentence;
+        }
+        let by_octave = (0..after.octaves).map(|octave| {
+            let is_in = |index: &&usize| after.maxima[**index].octave == octave;
+            grouped(after.kept().iter().filter(is_in).count())
+        });
+        let by_octave: Vec<String> = by_octave.collect();
+        let help = self.selection.advice(after.kept().len(), after.maxima.len());
+        sentence.text(format!(
+            " End of the run: {} from {}, responses {} to {}; by octave {}. {help}",
+            counted(after.kept().len(), "keypoint"),
+            match after.maxima.len() {
+                1 => "1 maximum".to_owned(),
+                count => format!("{} maxima", grouped(count)),
+            },
+            numbers::gray(first.refined.response),
+            numbers::gray(last.refined.response),
+            by_octave.join(", ")
+        ))
     }
-    let by_octave = (0..after.octaves).map(|octave| {
-        let is_in = |index: &&usize| after.maxima[**index].octave == octave;
-        grouped(after.kept().iter().filter(is_in).count())
-    });
-    let by_octave: Vec<String> = by_octave.collect();
-    let help = match after.maxima.len() > after.kept().len() {
-        true => "A larger maximum number of points or a smaller minimum distance keeps more.",
-        false => "All maxima are kept; a lower threshold finds more, of less contrast.",
-    };
-    sentence.text(format!(
-        " End of the run: {} from {}, responses {} to {}; by octave {}. {help}",
-        counted(after.kept().len(), "keypoint"),
-        match after.maxima.len() {
-            1 => "1 maximum".to_owned(),
-            count => format!("{} maxima", grouped(count)),
-        },
-        numbers::gray(first.refined.response),
-        numbers::gray(last.refined.response),
-        by_octave.join(", ")
-    ))
 }
 
 fn draw_box(scene: &mut Scene, PixelBox { min, max }: PixelBox, role: Role) {

@@ -184,16 +184,18 @@ impl MixtureOfGaussians {
         said.text(format!("mode {} is matched. With α = {alpha}, ", index + 1)).ink(
             Role::Estimate,
             format!(
-                "its weight goes from {} to {}, μ from {} to {}, σ from {} to {}.",
-                ratio(old.weight.into()),
-                ratio(new.weight.into()),
-                values(&old.mean),
-                values(&new.mean),
-                gray(old.variance.sqrt()),
-                gray(new.variance.sqrt())
+                "{}, {} and {}.",
+                goes("its weight", [old, new].map(|mode| ratio(mode.weight.into()))),
+                goes("μ", [old, new].map(|mode| values(&mode.mean))),
+                goes("σ", [old, new].map(|mode| gray(mode.variance.sqrt())))
             ),
         )
     }
+}
+
+/// The change of a quantity, unless it is too small for its decimals.
+fn goes(name: &str, [from, to]: [String; 2]) -> String {
+    if from == to { format!("{name} stays {to}") } else { format!("{name} goes from {from} to {to}") }
 }
 
 /// The mean of a mode as text.
@@ -244,4 +246,15 @@ fn table(symbol: &'static str, name: &'static str, modes: &[Mode], pixel: &[f32]
     let rows = (1..=modes.len()).map(|number| number.to_string()).collect();
     let columns = columns.into_iter().map(String::from).collect();
     Matrix { symbol, name, role: Some(Role::Predicted), entries, rows, columns, changed: None }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::goes;
+
+    #[test]
+    fn what_does_not_change_stays() {
+        let told = |pair: [&str; 2]| goes("σ", pair.map(str::to_owned));
+        assert_eq!([told(["2.00", "2.00"]), told(["2.00", "2.01"])], ["σ stays 2.00", "σ goes from 2.00 to 2.01"]);
+    }
 }
