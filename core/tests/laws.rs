@@ -536,11 +536,27 @@ fn what_moves_before_a_background_is_found_in_its_place() {
     }
 }
 
+/// A square whose texture moves with it, as that of a rigid object does, before another texture; and its bounds.
+fn textured_square(frames: usize) -> (Clip, Vec<Bounds>) {
+    let moved = |t: usize| [2 * t as i64, t as i64 / 2];
+    let bounds = |t: usize| Bounds::around([0, 1].map(|i| [22.0, 32.0][i] + moved(t)[i] as f32), [31.0, 27.0]);
+    let frame = |t: usize| {
+        let (Bounds { min, max }, [dx, dy]) = (bounds(t), moved(t));
+        let is_inside = |p: [f32; 2]| (0..2).all(|i| min[i] < p[i] && p[i] < max[i]);
+        Frame::gray(Grid::from_fn(96, 80, |x, y| match is_inside([x as f32, y as f32]) {
+            true => 120 + texture(x as i64 - dx, y as i64 - dy) / 3,
+            false => smooth_texture(x as i64, y as i64) / 3 + texture(x as i64 + 300 * t as i64, y as i64) / 64,
+        }))
+    };
+    let clip = Clip::from_frames("square", (0..frames).map(frame).collect()).expect("frames of one size");
+    (clip, (0..frames).map(bounds).collect())
+}
+
 #[test]
 fn a_given_region_stays_on_its_object() {
     let mut ran = 0;
     for mut estimator in estimators().into_iter().filter(|estimator| estimator.guarantee() == Guarantee::Region) {
-        let (clip, bounds) = square_on_background(24);
+        let (clip, bounds) = textured_square(24);
         let Bounds { min: [x, y], max: [u, v] } = bounds[0];
         estimator.set("region", &format!("{x},{y},{u},{v}")).expect("a region");
         let output = estimator.run(&clip, 0, &Threads::single()).unwrap();

@@ -14,7 +14,7 @@ use crate::synth::{
 pub const SAMPLE: Sample = Sample {
     id: "tunnel",
     title: "Tunnel: an object hidden for some frames",
-    teaches: "The tunnel hides the whole ball for 7 frames. A tracker that searches around the last position stays at the entrance; one that \
+    teaches: "The tunnel hides the whole ball for 7 frames. A tracker that searches around the last position loses it at the entrance; one that \
               predicts a velocity, as the particle filter does, finds the ball at the exit.",
     tune: |d| d.frames = 40,
     path: Path::REST,
