@@ -75,6 +75,9 @@ const STEPS: [f32; 13] = [1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0, 
 /// More points or arrows in one mark are a result of many places, not the work of one step.
 const FEW: usize = 24;
 
+/// A circle of at most this radius in px surrounds a point; a larger one is a neighbourhood, as that of a descriptor.
+const SPOT: f32 = 4.0;
+
 /// Where a step works, in image pixels of frame t.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Work {
@@ -204,7 +207,7 @@ fn are_examples(own: &[&Mark], scene: &Scene, size: [f32; 2]) -> bool {
     let (has_links, has_lines) = (is_all_over(links.reduce(union)), is_all_over(lines.reduce(union)));
     own.iter().all(|mark| match mark.shape {
         Shape::Points(_) => has_links || has_lines,
-        Shape::Ellipse { .. } => has_links,
+        Shape::Ellipse { radii, .. } => has_links && radii[0].max(radii[1]) <= SPOT,
         _ => false,
     })
 }
@@ -436,6 +439,10 @@ mod tests {
         let ellipse = Shape::Ellipse { center: [200.0, 90.0], radii: [4.0; 2], angle_rad: 0.0 };
         links.mark(Picture::CURRENT, Role::Measured, ellipse);
         assert_eq!(one(FocusMode::Auto, &links), None, "the keypoint of one of the matches");
+        let mut described = links.clone();
+        let neighborhood = Shape::Ellipse { center: [200.0, 90.0], radii: [9.6; 2], angle_rad: 0.0 };
+        described.mark(Picture::CURRENT, Role::Reference, neighborhood);
+        assert!(one(FocusMode::Auto, &described).is_some(), "the neighbourhood of a descriptor");
         links.mark(Picture::CURRENT, Role::Window, Shape::pixels(192, 82, 16, 16));
         assert!(one(FocusMode::Auto, &links).is_some(), "a window is solved by itself");
         let trail = vec![[10.0, 10.0], [90.0, 40.0], [200.0, 90.0]];
