@@ -181,6 +181,14 @@ fn fast_tells_the_run_that_decides_and_shows_the_circle() {
         _ => None,
     });
     assert_eq!(series, Some(16), "a difference for each pixel of the circle");
+    // Its legend tells the circle in every stage, also where corners were suppressed or rejected.
+    for to in [Move::To(Cursor { unit: 20, event: 1 }), Move::To(Cursor { unit: 54, event: 3 }), Move::End] {
+        walk.jump(to);
+        let legend = walk.scene(Some(Focus::current([20.0, 18.0]))).legend;
+        for meaning in ["similar to p", "brighter than I_p + t", "longest run, an arc"] {
+            assert!(legend.iter().any(|(_, told)| *told == meaning), "{meaning} is missing in {legend:?}");
+        }
+    }
     let border = walk.step(Some(Focus::current([1.0, 10.0]))).sentence.plain();
     assert!(border.contains("its circle does not fit"), "{border}");
 }

@@ -74,6 +74,36 @@ pub struct Caption {
     pub formula: Vec<Math>,
 }
 
+/// The pictures of a figure as they stand: how many beside each other, and how large all of them are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extent {
+    /// Pictures in a row, at most.
+    pub columns: usize,
+    /// Width of the widest row and height of all rows in px of the pictures, without what stands between them.
+    pub size: [f32; 2],
+}
+
+impl Extent {
+    /// The extent of `parts` as `view` shows them: a step may have pictures that are larger than the frames.
+    pub fn of(parts: &[Part<'_>], view: View) -> Self {
+        let panels = |part: &Part<'_>| view.panels(&part.pictures);
+        let sizes = |part: &Part<'_>| panels(part).iter().map(|panel| panel.size(&part.pictures)).collect::<Vec<_>>();
+        let in_a_row = parts.first().map_or(1, |part| panels(part).len());
+        let sizes: Vec<(usize, usize)> = parts.iter().flat_map(sizes).collect();
+        // Four stand in a square.
+        let columns = match (parts.len(), in_a_row) {
+            (1, 4) => 2,
+            (4, _) => 2 * in_a_row,
+            _ => sizes.len(),
+        };
+        let columns = columns.max(1);
+        let rows = || sizes.chunks(columns);
+        let width = rows().map(|row| row.iter().map(|size| size.0).sum::<usize>()).max().unwrap_or(0);
+        let height = rows().filter_map(|row| row.iter().map(|size| size.1).max()).sum::<usize>();
+        Self { columns, size: [width as f32, height as f32] }
+    }
+}
+
 /// What one estimator shows on a figure.
 #[derive(Clone, Debug)]
 pub struct Part<'a> {
@@ -212,14 +242,8 @@ impl Layout<'_> {
             .flat_map(|part| panels_of(part).into_iter().map(move |panel| (part, panel)))
             .map(|(part, panel)| (part, panel, self.pixels(part, panel)))
             .collect();
-        // Four stand in a square.
-        let columns = match (parts.len(), in_a_row) {
-            (1, 4) => 2,
-            (4, _) => 2 * in_a_row,
-            _ => pictures.len().max(1),
-        };
-        let widths = pictures.iter().take(columns).map(|(.., (pixels, _))| pixels.width() as f32 * zoom);
-        let total = widths.sum::<f32>() + GAP * (columns - 1) as f32;
+        let Extent { columns, size: [across, _] } = Extent::of(parts, self.options.view);
+        let total = across * zoom + GAP * (columns - 1) as f32;
         self.width = if is_framed { on_grid(total.max(LEAST_WIDTH * self.sizes.body)) } else { total };
         if let Some(caption) = &self.options.caption {
             self.header(caption);

@@ -75,6 +75,9 @@ const STEPS: [f32; 13] = [1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0, 
 /// More points or arrows in one mark are a result of many places, not the work of one step.
 const FEW: usize = 24;
 
+/// A circle of at most this radius in px surrounds a point; a larger one is a neighbourhood, as that of a descriptor.
+const SPOT: f32 = 4.0;
+
 /// Where a step works, in image pixels of frame t.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Work {
@@ -82,8 +85,8 @@ pub struct Work {
     pub bounds: Rect,
     /// The part of them without which the step cannot be followed: all but a search window in which nothing is tested yet.
     needed: Rect,
-    /// Whether the step works on all pixels at once, builds a map of them all or sums up the picture; then a pixel is only an
-    /// example.
+    /// Whether the step works on all pixels at once, builds a map of them all, sums up the picture or has single points only, among
+    /// lines all over it; then a pixel is only an example.
     pub is_picture_wide: bool,
     /// Whether there are only several of a kind, as all detections of a frame: then the step is about none of them alone.
     pub is_of_many: bool,
@@ -94,13 +97,16 @@ impl Work {
     pub fn of(scene: &Scene, size: (usize, usize)) -> Option<Self> {
         let picture = [size.0 as f32, size.1 as f32];
         let marks = || scene.marks.iter().filter(|mark| mark.on.is_aligned_with(Picture::CURRENT));
-        let own = marks().filter(|mark| !has_twin(mark, scene)).filter_map(bounds_at_work).collect::<Vec<_>>();
+        let whole = Rect { min: [-0.5; 2], max: picture.map(|extent| extent - 0.5) };
+        // What lies beyond the picture cannot be shown: its border is no place of work.
+        let seen = |mark: &Mark| bounds_at_work(mark).filter(|bounds| whole.meets(bounds));
+        let own: Vec<&Mark> = marks().filter(|mark| !has_twin(mark, scene) && seen(mark).is_some()).collect();
         let bounds = match own.is_empty() {
-            false => own.iter().copied().reduce(union),
-            true => marks().filter_map(bounds_at_work).reduce(union),
+            false => own.iter().filter_map(|mark| seen(mark)).reduce(union),
+            true => marks().filter_map(seen).reduce(union),
         };
         let bounds = local::tested_part(scene).or(bounds);
-        let whole = Rect { min: [-0.5; 2], max: picture.map(|extent| extent - 0.5) };
+        let is_example = !own.is_empty() && are_examples(&own, scene, picture);
         let bounds = bounds.or(scene.is_overview.then_some(whole))?;
         let inside = |bounds: Rect| Rect {
             min: [0, 1].map(|i| bounds.min[i].clamp(-0.5, picture[i] - 0.5)),
@@ -120,7 +126,7 @@ impl Work {
         Some(Self {
             bounds: inside(bounds),
             needed: inside(needed),
-            is_picture_wide: scene.is_overview || marks().any(is_map),
+            is_picture_wide: scene.is_overview || marks().any(is_map) || is_example,
             is_of_many: own.is_empty() && !scene.is_overview,
         })
     }
@@ -183,6 +189,27 @@ fn bounds_at_work(mark: &Mark) -> Option<Rect> {
         _ => None,
     };
     bounds.filter(|_| mark.shape.is_finite())
+}
+
+/// Whether the marks at work are single points among lines all over a picture of `size` px: such a point, as an epipole or the
+/// keypoint of one of many matches, is an example, and no place of work.
+fn are_examples(own: &[&Mark], scene: &Scene, size: [f32; 2]) -> bool {
+    let links = scene.links.iter().filter_map(|link| around(link.ends.iter().map(|(_, at)| *at)));
+    let lines = scene.marks.iter().filter_map(|mark| match &mark.shape {
+        // A path of more points is a trail.
+        Shape::Path { points, closed } if *closed || points.len() == 2 => around(points.iter().copied()),
+        _ => None,
+    });
+    let is_all_over = |bounds: Option<Rect>| {
+        let size_of = bounds.map(|bounds| bounds.size());
+        size_of.is_some_and(|[width, height]| width.max(height).powi(2) >= size[0] * size[1] / LARGE)
+    };
+    let (has_links, has_lines) = (is_all_over(links.reduce(union)), is_all_over(lines.reduce(union)));
+    own.iter().all(|mark| match mark.shape {
+        Shape::Points(_) => has_links || has_lines,
+        Shape::Ellipse { radii, .. } => has_links && radii[0].max(radii[1]) <= SPOT,
+        _ => false,
+    })
 }
 
 fn around(points: impl Iterator<Item = [f32; 2]>) -> Option<Rect> {
@@ -308,7 +335,7 @@ const MAP_GAP: f32 = 6.0;
 mod tests {
     use super::*;
     use motionscope_core::Grid;
-    use motionscope_core::scene::Arrow;
+    use motionscope_core::scene::{Arrow, Link};
 
     const SIZE: (usize, usize) = (320, 240);
     const ROOM: [f32; 2] = [320.0, 240.0];
@@ -392,6 +419,47 @@ mod tests {
         assert!(one(FocusMode::On, &relaxed).is_some_and(|close| close.times >= 8.0));
         relaxed.mark(Picture::CURRENT, Role::Window, Shape::pixels(46, 56, 9, 9));
         assert!(one(FocusMode::Auto, &relaxed).is_some(), "a window is solved by itself");
+    }
+
+    #[test]
+    fn a_point_among_lines_all_over_the_picture_is_no_place_of_work() {
+        let mut scene = Scene::default();
+        scene.mark(Picture::CURRENT, Role::Best, Shape::Points(vec![[200.0, 90.0]]));
+        assert!(one(FocusMode::Auto, &scene).is_some(), "alone it is");
+        let line = |x: f32| Shape::Path { points: vec![[x, 0.0], [200.0, 239.0]], closed: false };
+        let mut lines = scene.clone();
+        lines.mark(Picture::CURRENT, Role::Predicted, line(10.0));
+        assert_eq!(one(FocusMode::Auto, &lines), None, "epipolar lines");
+        assert!(one(FocusMode::On, &lines).is_some());
+        let mut links = scene.clone();
+        let link =
+            |y: f32| Link { role: Role::Result, ends: [(Picture::CURRENT, [9.0, y]), (Picture::NEXT, [12.0, y])] };
+        links.links = vec![link(20.0), link(220.0)];
+        assert_eq!(one(FocusMode::Auto, &links), None, "matches");
+        let ellipse = Shape::Ellipse { center: [200.0, 90.0], radii: [4.0; 2], angle_rad: 0.0 };
+        links.mark(Picture::CURRENT, Role::Measured, ellipse);
+        assert_eq!(one(FocusMode::Auto, &links), None, "the keypoint of one of the matches");
+        let mut described = links.clone();
+        let neighborhood = Shape::Ellipse { center: [200.0, 90.0], radii: [9.6; 2], angle_rad: 0.0 };
+        described.mark(Picture::CURRENT, Role::Reference, neighborhood);
+        assert!(one(FocusMode::Auto, &described).is_some(), "the neighbourhood of a descriptor");
+        links.mark(Picture::CURRENT, Role::Window, Shape::pixels(192, 82, 16, 16));
+        assert!(one(FocusMode::Auto, &links).is_some(), "a window is solved by itself");
+        let trail = vec![[10.0, 10.0], [90.0, 40.0], [200.0, 90.0]];
+        scene.mark(Picture::CURRENT, Role::Measured, Shape::Path { points: trail, closed: false });
+        assert!(one(FocusMode::Auto, &scene).is_some(), "a point and its trail");
+    }
+
+    #[test]
+    fn a_point_beyond_the_picture_is_not_looked_for_at_its_border() {
+        let mut scene = Scene::default();
+        scene.mark(Picture::CURRENT, Role::Measured, Shape::Points(vec![[520.0, 90.0]]));
+        for mode in [FocusMode::Auto, FocusMode::On] {
+            assert_eq!(one(mode, &scene), None);
+        }
+        scene.mark(Picture::CURRENT, Role::Reference, Shape::pixels(-4, 80, 16, 16));
+        let work = Work::of(&scene, SIZE).unwrap();
+        assert_eq!(work.bounds, Rect { min: [-0.5, 79.5], max: [11.5, 95.5] }, "a block at the border is at work");
     }
 
     #[test]

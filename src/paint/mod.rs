@@ -30,7 +30,7 @@ mod wrap;
 
 pub use color::Color;
 pub use color_map::ColorMap;
-pub use figure::{Caption, Figure, FigureOptions, Layer, Part, focus_frames, has_colors, heading, paragraph};
+pub use figure::{Caption, Extent, Figure, FigureOptions, Layer, Part, focus_frames, has_colors, heading, paragraph};
 pub use flow_color::flow_color;
 pub use focus::{CloseUp, FocusMode, Work};
 pub use fonts::Face;

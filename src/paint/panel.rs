@@ -314,6 +314,16 @@ impl Panel {
         }
     }
 
+    /// Its width and height in px, those of its [`pixels`](Self::pixels).
+    pub fn size(self, pictures: &Pictures) -> (usize, usize) {
+        let [size, other] = self.frames(pictures).map(|frame| frame.size());
+        match self {
+            Panel::Of(_) | Panel::Prediction => size,
+            // What two frames have in common.
+            Panel::Difference | Panel::Blend | Panel::Residual => (size.0.min(other.0), size.1.min(other.1)),
+        }
+    }
+
     /// Its pixels, opaque, and how many times brighter than the numbers say they are; `share` is for a blend.
     pub fn pixels(self, pictures: &Pictures, share: Share) -> (Grid<[u8; 4]>, u16) {
         let [frame, other] = self.frames(pictures);

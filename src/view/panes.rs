@@ -4,7 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use motionscope_core::scene::{Chart, Distribution, Plane, Readout, Regions, Series, Surface};
-use motionscope_core::{AnyEstimator, Error, Info, Step};
+use motionscope_core::{AnyEstimator, DenseField, Error, Info, Product, Step};
 
 use crate::paint::charts::{
     ChartStyle, Orbit, distribution, explanation, heat_map, histogram, matrices, plane, regions, relief, series, stack,
@@ -227,7 +227,7 @@ pub const HISTOGRAM: Pane = Pane {
     id: "histogram",
     title: "Histogram",
     doc: "the number of blocks or pixels with each displacement",
-    when: "after the first block, or at the end of the run",
+    when: "after the first block of a block search, or at the end of a run that estimates dense flow",
     // At the end of a run, the displacements of pixels are counted as well.
     chart: None,
     is_available: |step| find(step, a_histogram).is_some(),
@@ -323,7 +323,7 @@ impl Selection {
     /// # Errors
     /// As [`Pane::check`].
     pub fn check(&self, estimator: &dyn AnyEstimator) -> Result<(), Error> {
-        self.panes.iter().try_for_each(|pane| pane.check(estimator.info(), estimator.charts()))
+        self.panes.iter().try_for_each(|pane| pane.check(estimator))
     }
 
     /// Refuses panes for which a step has no content.
@@ -359,17 +359,30 @@ impl Pane {
         format!("{whose} has no content for the pane {} at this step: it shows {}, {}", self.id, self.doc, self.when)
     }
 
-    /// Refuses the pane for an estimator that declares only these `charts`.
+    /// Refuses the pane for an estimator that never has content for it.
     ///
     /// # Errors
     /// A sentence that names the panes that it has.
-    pub fn check(&self, info: &Info, charts: &[Chart]) -> Result<(), Error> {
-        if self.chart.is_none_or(|chart| charts.contains(&chart)) {
+    pub fn check(&self, estimator: &dyn AnyEstimator) -> Result<(), Error> {
+        if self.can_be_of(estimator) {
             return Ok(());
         }
-        let has = PANES.iter().filter(|pane| pane.chart.is_none_or(|chart| charts.contains(&chart)));
-        let ids: Vec<_> = has.map(|pane| pane.id).collect();
-        Err(Error::new(format!("{} never has the pane {}; its panes are {}", info.id, self.id, ids.join(", "))))
+        let ids: Vec<_> = PANES.iter().filter(|pane| pane.can_be_of(estimator)).map(|pane| pane.id).collect();
+        let id = estimator.info().id;
+        Err(Error::new(format!("{id} never has the pane {}; its panes are {}", self.id, ids.join(", "))))
+    }
+
+    /// Whether some step of `estimator` may have content for the pane.
+    fn can_be_of(&self, estimator: &dyn AnyEstimator) -> bool {
+        let charts = estimator.charts();
+        match self.chart {
+            Some(chart) => charts.contains(&chart),
+            // Displacements are counted by the steps, or at the end of dense flow.
+            None if *self == HISTOGRAM => {
+                charts.contains(&Chart::Histogram) || estimator.produces().contains(&DenseField::KIND)
+            }
+            None => true,
+        }
     }
 }
 
@@ -468,6 +481,9 @@ fn cells(area: Rect, (count, columns): (usize, usize), style: ChartStyle) -> Vec
 
 #[cfg(test)]
 mod tests {
+    use motionscope_core::estimators;
+    use motionscope_core::products::Motion;
+
     use super::*;
 
     #[test]
@@ -477,6 +493,19 @@ mod tests {
         }
         let error = "serie".parse::<Named>().expect_err("there is none").to_string();
         assert!(error.starts_with("there is no pane serie; there are stage, explanation, surface"), "{error}");
+    }
+
+    #[test]
+    fn displacements_of_single_points_have_no_histogram() {
+        let of = |motion: Motion| {
+            let is_of =
+                |estimator: &Box<dyn AnyEstimator>| estimator.produces().iter().all(|kind| kind.motion == motion);
+            estimators().into_iter().find(is_of).unwrap()
+        };
+        assert_eq!(HISTOGRAM.check(&*of(Motion::Blocks)).map_err(|error| error.to_string()), Ok(()));
+        let error = HISTOGRAM.check(&*of(Motion::Points)).unwrap_err().to_string();
+        let (refused, panes) = error.split_once("; its panes are ").unwrap();
+        assert!(refused.ends_with("never has the pane histogram") && !panes.contains("histogram"), "{error}");
     }
 
     #[test]

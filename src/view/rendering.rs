@@ -83,7 +83,7 @@ impl Rendering<'_> {
     /// Returns the figure of the step, with the marks that fit at `scale` pixels per point.
     pub(super) fn figure(&self, around: Around, scale: u32) -> Figure {
         let Self { moment, look, .. } = *self;
-        let Moment { scene, pictures, tiles, .. } = moment;
+        let Moment { scene, pictures, .. } = moment;
         let heat = moment.step.readouts.iter().find_map(|readout| match readout {
             Readout::Surface(surface) => Some(surface.title.to_string()),
             _ => None,
@@ -105,16 +105,23 @@ impl Rendering<'_> {
             heat: heat.or(scene.heat.map(str::to_owned)).unwrap_or_default(),
             caption: around.caption,
         };
+        Figure::of(&self.parts(view), scene, &options)
+    }
+
+    /// Returns what each estimator shows in `view`.
+    pub(super) fn parts(&self, view: View) -> Vec<Part<'_>> {
+        let Self { moment, look, .. } = *self;
+        let Moment { scene, pictures, tiles, .. } = moment;
         if tiles.is_empty() {
             let pictures = pictures.on_level(scene.levels.as_ref(), look.level, view);
-            return Figure::new(&pictures, scene, &options);
+            return vec![Part { pictures, scene, heading: None }];
         }
         let parts = tiles.iter().map(|tile| Part {
             pictures: tile.pictures(pictures, look.level, view),
             scene: &tile.scene,
             heading: Some((&tile.names, tile.is_done, &tile.words)),
         });
-        Figure::of(&parts.collect::<Vec<_>>(), scene, &options)
+        parts.collect()
     }
 
     pub(super) fn caption(&self) -> Caption {

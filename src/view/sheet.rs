@@ -6,7 +6,7 @@ use motionscope_core::scene::Sentence;
 
 use crate::paint::charts::{Canvas, ChartStyle};
 use crate::paint::primitive::Rect;
-use crate::paint::{Caption, Figure, Layer, heading, paragraph};
+use crate::paint::{Caption, Extent, Figure, Layer, heading, paragraph};
 
 use super::panes::{EXPLANATION, Pane, PaneContent, STAGE};
 use super::rendering::{Around, Rendering};
@@ -24,6 +24,13 @@ const GAP: f32 = 20.0;
 const BESIDE: [f32; 6] = [0.24, 0.29, 0.34, 0.39, 0.44, 0.5];
 /// Shares of the height that panes below the stage may take.
 const BELOW: [f32; 5] = [0.3, 0.36, 0.42, 0.48, 0.54];
+
+/// How often the stage is laid out, smaller each time, until it fits.
+const ATTEMPTS: usize = 12;
+/// The first of these are as large as what stands around the pictures leaves room for.
+const MEASURED: usize = 4;
+/// How much wider than its pictures a figure may become by rounding, in points.
+const ROUNDED: f32 = 4.0;
 
 /// What is arranged.
 pub struct Contents<'a> {
@@ -67,20 +74,24 @@ impl Pictures<'_> {
     /// The figure that has room in `size`, and what it needs of that.
     fn fitting(&self, size: [f32; 2]) -> (Figure, [f32; 2]) {
         let mut around = self.beside;
-        let net = |figure: &Figure| figure.size.map(|side| side - 2.0 * MARGIN);
-        for _ in 0..3 {
-            let zoom = self.zoom(size, around);
+        let mut zoom = self.zoom(size, around);
+        let mut attempt = 1;
+        loop {
             let figure = (self.figure)(zoom);
-            let taken = net(&figure);
-            if taken[1] <= size[1] {
+            let taken = figure.size.map(|side| side - 2.0 * MARGIN);
+            // A figure is rounded up to whole steps, for which the gap to the next pane has room.
+            if (taken[0] <= size[0] + ROUNDED && taken[1] <= size[1]) || attempt == ATTEMPTS {
                 return (figure, taken);
             }
-            // A narrower picture may have a longer legend.
-            around[1] = taken[1] - self.extent[1] * zoom + 2.0;
+            if attempt < MEASURED {
+                // A narrower picture may have a longer legend.
+                around[1] = taken[1] - self.extent[1] * zoom + 2.0;
+                zoom = self.zoom(size, around);
+            } else {
+                zoom *= 0.85;
+            }
+            attempt += 1;
         }
-        let figure = (self.figure)(self.zoom(size, around));
-        let taken = net(&figure);
-        (figure, taken)
     }
 }
 
@@ -96,14 +107,8 @@ impl Rendering<'_> {
         let is_centered = !self.estimator.tests_candidates();
         let content = PaneContent { info, step, is_centered, level: look.level, angles: panes.angles };
         let figure = |zoom: f32| self.figure(Around { zoom, titles: true, caption: None }, scale);
-        let across = self.view().panels(&moment.pictures).len();
-        let [columns, rows] = match (moment.tiles.len(), across) {
-            (0 | 1, 4) => [2, 2],
-            (4, across) => [2 * across, 2],
-            (count, across) => [count.max(1) * across, 1],
-        };
-        let (width, height) = moment.pictures.pair[0].size();
-        let extent = [(columns * width) as f32, (rows * height) as f32];
+        let view = self.view();
+        let Extent { columns, size: extent } = Extent::of(&self.parts(view), view);
         // What stands around the pictures, as measured where they have about half of the sheet.
         let zoom = 0.5 * SIZE[0] / extent[0];
         let above = figure(zoom).size[1] - 2.0 * MARGIN - extent[1] * zoom;
@@ -359,4 +364,66 @@ fn grids(body: Rect, count: usize) -> Vec<(Option<Rect>, Vec<Rect>)> {
         (None, cells)
     };
     (1..=count).map(grid).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use motionscope_core::scene::Picture;
+    use motionscope_core::{Frame, Grid, Scene};
+
+    use super::super::panes::{MATRICES, SERIES, TILES};
+    use super::*;
+    use crate::paint::{FigureOptions, Part, Primitive, View};
+
+    fn frame(width: usize, height: usize) -> Arc<Frame> {
+        Arc::new(Frame::gray(Grid::new(width, height, 90)))
+    }
+
+    #[test]
+    fn no_two_panes_of_an_arrangement_overlap() {
+        let body = Rect::new([16.0, 60.0], [1248.0, 640.0]);
+        let panes = [&EXPLANATION, &SERIES, &MATRICES, &TILES];
+        for count in 0..=panes.len() {
+            let all = [around_stage(body, &panes[..count]), grids(body, count)].concat();
+            for (stage, others) in all {
+                let rects: Vec<Rect> = stage.into_iter().chain(others).collect();
+                for (i, rect) in rects.iter().enumerate() {
+                    assert!((0..2).all(|c| body.min[c] - 1.0 <= rect.min[c] && rect.max[c] <= body.max[c] + 1.0));
+                    let other = rects[..i].iter().find(|other| other.meets(&rect.grown(GAP / 2.0 - 2.0)));
+                    assert_eq!(other, None, "{rect:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn pictures_larger_than_the_frames_stay_in_the_stage() {
+        let [mosaic, warped] = [frame(700, 410), frame(500, 900)];
+        let beside = vec![(Picture::CURRENT, frame(320, 240)), (Picture::NEXT, frame(320, 240))];
+        let scene = Scene::default();
+        for large in [vec![mosaic.clone()], vec![warped.clone()], vec![mosaic, warped]] {
+            let names = [Picture::PREVIOUS, Picture::REFERENCE];
+            let beside = beside.iter().cloned().chain(names.into_iter().zip(large)).collect();
+            let pictures =
+                crate::paint::Pictures { beside, ..crate::paint::Pictures::of([frame(320, 240), frame(320, 240)]) };
+            let parts = [Part { pictures, scene: &scene, heading: None }];
+            let figure = |zoom: f32| {
+                let options = FigureOptions { view: View::SideBySide, zoom, titles: true, ..FigureOptions::default() };
+                Figure::of(&parts, &scene, &options)
+            };
+            let Extent { columns, size: extent } = Extent::of(&parts, View::SideBySide);
+            let stage = Pictures { extent, beside: [8.0 * (columns - 1) as f32, 30.0], figure: &figure };
+            for size in [[640.0, 300.0], [900.0, 420.0], [620.0, 640.0]] {
+                let (figure, taken) = stage.fitting(size);
+                assert!(taken[0] <= size[0] + ROUNDED && taken[1] <= size[1], "{taken:?} in {size:?}");
+                for primitive in figure.layers.iter().flat_map(|layer| &layer.primitives) {
+                    let Primitive::Image { rect, .. } = primitive else { continue };
+                    let is_inside = (0..2).all(|i| rect.max[i] <= MARGIN + size[i] + ROUNDED);
+                    assert!(is_inside, "{rect:?} in {size:?}");
+                }
+            }
+        }
+    }
 }

@@ -144,6 +144,8 @@ pub struct Series {
     pub y_label: &'static str,
     /// Final number of steps, so that the axis does not jump.
     pub x_max: usize,
+    /// Where ticks of x stand, where x counts things that are numbered; else they are round numbers.
+    pub x_ticks: Vec<f32>,
     /// The event of each step from x = 1 on, counted from 1: the target of a click.
     pub events: Vec<usize>,
     /// Sections in the order of x; values of different sections are not comparable.
@@ -211,13 +213,15 @@ pub struct Distribution {
     pub shares: Vec<(f32, f32)>,
 }
 
-/// A cost surface over displacements.
+/// A cost surface over displacements, or one of a similarity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surface {
     /// Name of the cost: `SAD`.
     pub title: &'static str,
     /// Its unit: `gray levels`; nothing for a pure number.
     pub unit: &'static str,
+    /// Whether the values are a similarity, whose maximum is sought, in place of a cost.
+    pub is_similarity: bool,
     /// The costs at the ends of the scale of colors, where it stays the same for all of a block; else it goes with what is
     /// known.
     pub scale: Option<[f32; 2]>,
@@ -229,7 +233,7 @@ pub struct Surface {
     pub events: Grid<Option<usize>>,
     /// The displacement under test, if any.
     pub probe: Option<[i32; 2]>,
-    /// The displacement of minimum cost so far, if any.
+    /// The displacement of minimum cost, or of maximum similarity, so far, if any.
     pub best: Option<[i32; 2]>,
     /// The costs that the search did not work out, once it is over and others know better; NaN where it did.
     pub untested: Option<Grid<f32>>,
@@ -245,6 +249,7 @@ impl Surface {
         Self {
             title,
             unit: "",
+            is_similarity: false,
             scale: None,
             origin,
             values,
@@ -264,15 +269,22 @@ impl Surface {
         tested.or_else(untested).copied().filter(|cost| cost.is_finite())
     }
 
-    /// The displacement of minimum cost that the search has missed, and that cost.
+    /// The displacement of minimum cost, or of maximum similarity, that the search has missed, and that value.
     pub fn missed(&self) -> Option<([i32; 2], f32)> {
         let untested = self.untested.as_ref()?;
         let (width, height) = untested.size();
         let all = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|place| (place, untested[place]));
-        let least = all.filter(|(_, cost)| cost.is_finite()).min_by(|a, b| a.1.total_cmp(&b.1))?;
-        let ((x, y), cost) = least;
-        let found = self.minimum().map_or(f32::INFINITY, |(found, _)| found);
-        (cost < found).then_some(([self.origin[0] + x as i32, self.origin[1] + y as i32], cost))
+        let least = all
+            .filter(|(_, value)| value.is_finite())
+            .min_by(|a, b| self.cost_of(a.1).total_cmp(&self.cost_of(b.1)))?;
+        let ((x, y), value) = least;
+        let found = self.optimum().map_or(f32::INFINITY, |(found, _)| self.cost_of(found));
+        (self.cost_of(value) < found).then_some(([self.origin[0] + x as i32, self.origin[1] + y as i32], value))
+    }
+
+    /// A value as a cost: the smaller, the better.
+    fn cost_of(&self, value: f32) -> f32 {
+        if self.is_similarity { -value } else { value }
     }
 
     /// The tested displacements in the order of their tests.
@@ -298,13 +310,15 @@ impl Surface {
         self.range().map(|known| self.scale.unwrap_or(known))
     }
 
-    /// The smallest cost so far and the displacements that have it, in the order of rows; several are a tie.
-    pub fn minimum(&self) -> Option<(f32, Vec<[i32; 2]>)> {
-        let [low, _] = self.range()?;
+    /// The smallest cost, or the largest similarity, so far and the displacements that have it, in the order of rows; several are a
+    /// tie.
+    pub fn optimum(&self) -> Option<(f32, Vec<[i32; 2]>)> {
+        let [low, high] = self.range()?;
+        let best = if self.is_similarity { high } else { low };
         let (width, height) = self.values.size();
         let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-        let at = places.filter(|place| self.values[*place] == low);
-        Some((low, at.map(|(x, y)| [self.origin[0] + x as i32, self.origin[1] + y as i32]).collect()))
+        let at = places.filter(|place| self.values[*place] == best);
+        Some((best, at.map(|(x, y)| [self.origin[0] + x as i32, self.origin[1] + y as i32]).collect()))
     }
 
     /// The part with all tested displacements and a margin of `margin` px; the whole surface before the first test.
@@ -505,6 +519,8 @@ mod tests {
         assert_eq!(surface.cost(0, 0), Some(20.0));
         let lower = Surface { values: surface.values.map(|cost| cost / 2.0), ..surface };
         assert_eq!(lower.missed(), None, "what is found is lower than all that was left out");
+        let similar = Surface { is_similarity: true, ..lower };
+        assert_eq!(similar.missed(), Some(([2, 0], 17.0)), "the largest similarity that was left out");
     }
 
     #[test]
@@ -512,12 +528,14 @@ mod tests {
         let values = Grid::from_fn(3, 2, |x, y| if (x + y) % 2 == 0 { 7.0 } else { 9.0 + y as f32 });
         let events = Grid::new(3, 2, Some(1));
         let surface = Surface::new("SAD", [-1, 0], values, events);
-        assert_eq!(surface.minimum(), Some((7.0, vec![[-1, 0], [1, 0], [0, 1]])));
+        assert_eq!(surface.optimum(), Some((7.0, vec![[-1, 0], [1, 0], [0, 1]])));
         assert_eq!(surface.shades(), Some([7.0, 10.0]));
+        let similar = Surface { is_similarity: true, ..surface.clone() };
+        assert_eq!(similar.optimum(), Some((10.0, vec![[0, 1]])), "the largest similarity");
         let fixed = Surface { scale: Some([0.0, 100.0]), ..surface.clone() };
         assert_eq!(fixed.shades(), Some([0.0, 100.0]));
         let empty = Surface { values: Grid::new(3, 2, f32::NAN), ..fixed };
-        assert_eq!((empty.shades(), empty.minimum()), (None, None));
+        assert_eq!((empty.shades(), empty.optimum()), (None, None));
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! A cost over displacements, as a map of colors that fills in as candidates are tested.
+//! A cost or a similarity over displacements, as a map of colors that fills in as candidates are tested.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -46,7 +46,7 @@ pub fn draw(data: HeatMap<'_>, area: Rect, style: ChartStyle) -> Drawing<Map> {
         }
     }
     color_bar(&mut canvas, &map, (surface, area), style);
-    minimum(&mut canvas, &map, (surface, area), theme);
+    optimum(&mut canvas, &map, (surface, area), theme);
     Drawing { place: map, body: canvas.into_layers(), head: head(data, &map, area, None, style) }
 }
 
@@ -223,7 +223,7 @@ pub fn summary(surface: &Surface) -> String {
     let (tested, given_up) = tested(surface);
     let early = if given_up > 0 { format!(", {} of them {GIVEN_UP}", grouped(given_up)) } else { String::new() };
     let (tested, all) = (grouped(tested), grouped(surface.values.cells().len()));
-    let best = minimum_words(surface).map(|words| format!(", {words}"));
+    let best = optimum_words(surface).map(|words| format!(", {words}"));
     format!("{} by displacement: {tested} of {all} tested{early}{}", surface.title, best.unwrap_or_default())
 }
 
@@ -276,30 +276,35 @@ fn description(surface: &Surface, at: [i32; 2]) -> String {
     }
 }
 
-/// The smallest cost so far with its place, in words: `minimum 812 at (−3, 2)`; or how many displacements have it.
-pub fn minimum_words(surface: &Surface) -> Option<String> {
-    let (least, at) = surface.minimum()?;
-    let least = format!("{} {}", number(least), surface.unit);
+/// What is sought on a surface: the minimum of a cost, the maximum of a similarity.
+fn sought(surface: &Surface) -> &'static str {
+    if surface.is_similarity { "maximum" } else { "minimum" }
+}
+
+/// The best value so far with its place, in words: `minimum 812 at (−3, 2)`; or how many displacements have it.
+pub fn optimum_words(surface: &Surface) -> Option<String> {
+    let (least, at) = surface.optimum()?;
+    let least = format!("{} {} {}", sought(surface), number(least), surface.unit);
     let least = least.trim_end();
     Some(match &at[..] {
-        [only] => format!("minimum {least} at {}", vector(*only)),
-        [first, second] => format!("minimum {least}, a tie of {} and {}", vector(*first), vector(*second)),
-        all => format!("minimum {least}, a tie of {} displacements", grouped(all.len())),
+        [only] => format!("{least} at {}", vector(*only)),
+        [first, second] => format!("{least}, a tie of {} and {}", vector(*first), vector(*second)),
+        all => format!("{least}, a tie of {} displacements", grouped(all.len())),
     })
 }
 
-/// The smallest cost so far, and how many displacements have it where several do: `minimum 0 (5 equal)`.
-fn brief_minimum(surface: &Surface) -> String {
-    let Some((least, at)) = surface.minimum() else { return String::new() };
+/// The best value so far, and how many displacements have it where several do: `minimum 0 (5 equal)`.
+fn brief_optimum(surface: &Surface) -> String {
+    let Some((least, at)) = surface.optimum() else { return String::new() };
     let ties = if at.len() > 1 { format!(" ({} equal)", grouped(at.len())) } else { String::new() };
-    format!("minimum {}{ties}", number(least))
+    format!("{} {}{ties}", sought(surface), number(least))
 }
 
-/// Names the smallest cost below the map and rings the cells that tie for it.
-fn minimum(canvas: &mut Canvas, map: &Map, (surface, area): (&Surface, Rect), theme: Theme) {
+/// Names the best value below the map and rings the cells that tie for it.
+fn optimum(canvas: &mut Canvas, map: &Map, (surface, area): (&Surface, Rect), theme: Theme) {
     /// So many are told apart; more are a plain.
     const RINGS: usize = 12;
-    if let Some((_, at)) = surface.minimum().filter(|(_, at)| (2..=RINGS).contains(&at.len())) {
+    if let Some((_, at)) = surface.optimum().filter(|(_, at)| (2..=RINGS).contains(&at.len())) {
         let color = theme.ink(Role::Best).color;
         for cell in at.into_iter().map(|at| map.cell_rect(at)) {
             let radius = (map.cell / 4.0).clamp(2.0, 5.0);
@@ -309,10 +314,10 @@ fn minimum(canvas: &mut Canvas, map: &Map, (surface, area): (&Surface, Rect), th
     }
     // The unit stands at the bar of colors.
     let bare = Surface { unit: "", ..surface.clone() };
-    let Some(words) = minimum_words(&bare).filter(|_| !map.is_tight()) else { return };
+    let Some(words) = optimum_words(&bare).filter(|_| !map.is_tight()) else { return };
     let (dim, room) = (Type::dim(theme), map.name_left(theme) - map.small - area.min[0]);
     // Where it is has less room than how small it is; the cells are ringed.
-    let fitting = [words.clone(), brief_minimum(&bare)].into_iter().find(|words| dim.width(words) <= room);
+    let fitting = [words.clone(), brief_optimum(&bare)].into_iter().find(|words| dim.width(words) <= room);
     let words = fitting.unwrap_or_else(|| shortened(&words, dim, room));
     canvas.text([area.min[0], map.below()], (Anchor::Start, Level::Top), &words, dim);
 }
@@ -404,6 +409,18 @@ mod tests {
         assert_eq!(cost(&surface(), [0, 8]), None);
         assert_eq!((event(&surface(), [-15, -7]), event(&surface(), [0, 8])), (Some(36), None));
         assert_eq!(cost(&surface(), [-40, 0]), None);
+    }
+
+    #[test]
+    fn the_maximum_of_a_similarity_is_named() {
+        let surface = Surface { is_similarity: true, unit: "", ..surface() };
+        let description = "SAD by displacement: 297 of 561 tested, maximum 352 at (16, 0)";
+        assert_eq!(summary(&surface), description);
+        let area = Rect::new([20.0, 10.0], [800.0, 400.0]);
+        let drawing = draw(HeatMap { surface: &surface, whose: "Full search" }, area, style());
+        let words = texts(&drawing.into_layers().into_iter().flat_map(|layer| layer.primitives).collect::<Vec<_>>());
+        assert!(words.iter().any(|word| word == "maximum 352 at (16, 0)"), "{words:?}");
+        assert!(!words.iter().any(|word| word.starts_with("minimum")), "{words:?}");
     }
 
     #[test]

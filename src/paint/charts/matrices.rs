@@ -87,20 +87,44 @@ impl Letters {
     }
 }
 
-/// The entries of a matrix as text, all with as many decimals as suit the smallest; what is nothing is 0.
+/// Entries below this are written with a power of ten: four decimals would leave less than two of their digits.
+const SMALL: f64 = 1e-3;
+/// A share of the largest entry that is nothing but the rounding of many operations.
+const ROUNDING: f64 = 1e-13;
+
+/// The entries of a matrix as text, all with as many decimals as suit the smallest; small ones with a power of ten, so that no
+/// entry loses its digits, and what is nothing is 0.
 fn entries(matrix: &Matrix) -> Grid<String> {
-    let sizes = matrix.entries.cells().iter().map(|value| value.abs()).filter(|size| *size > 0.0);
-    let smallest = sizes.fold(f64::INFINITY, f64::min);
+    let sizes = || matrix.entries.cells().iter().map(|value| value.abs());
+    let rounding = ROUNDING * sizes().filter(|size| size.is_finite()).fold(0.0, f64::max);
+    let smallest = sizes().filter(|size| *size > rounding).fold(f64::INFINITY, f64::min);
     let decimals = match smallest {
         _ if smallest >= 100.0 => 1,
         _ if smallest >= 0.1 => 2,
         _ if smallest >= 0.01 => 3,
         _ => 4,
     };
-    matrix.entries.map(|value| match value {
-        0.0 => "0".to_owned(),
-        value => fixed(*value, decimals),
+    matrix.entries.map(|value| match value.abs() {
+        size if size <= rounding => NOTHING.to_owned(),
+        size if size < SMALL => with_power(*value),
+        _ => fixed(*value, decimals),
     })
+}
+
+/// What stands in place of an entry that is nothing.
+const NOTHING: &str = "0";
+
+/// A small number with two digits and a power of ten: `−2.4·10⁻⁷`.
+fn with_power(value: f64) -> String {
+    let digits = format!("{:.1e}", value.abs());
+    let (mantissa, exponent) = digits.split_once('e').unwrap_or((&digits, "0"));
+    let sign = if value < 0.0 { "−" } else { "" };
+    format!("{sign}{mantissa}·10{}", exponent.chars().map(superscript).collect::<String>())
+}
+
+fn superscript(digit: char) -> char {
+    const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    digit.to_digit(10).map_or('⁻', |digit| DIGITS[digit as usize])
 }
 
 fn extent(places: &[Rect]) -> [f32; 2] {
@@ -162,9 +186,8 @@ fn one(canvas: &mut Canvas, matrix: &Matrix, place: &Place, min: Point, letters:
         if matrix.changed.as_ref().is_some_and(|changed| changed[(x, y)]) {
             canvas.fill(rect.grown(-1.0), chrome.selection);
         }
-        let value = matrix.entries[(x, y)];
         // What is nothing steps back, so that the shape of a matrix can be seen.
-        let style = if value == 0.0 { dim } else { text };
+        let style = if words[(x, y)] == NOTHING { dim } else { text };
         let at = [rect.max[0] - 0.4 * small, middle(&rect)[1]];
         canvas.text(at, end, &words[(x, y)], style);
     }
@@ -197,6 +220,8 @@ pub fn plain(matrix: &Matrix) -> String {
 
 #[cfg(test)]
 mod tests {
+    use ab_glyph::Font;
+
     use super::super::super::{ColorMap, Primitive};
     use super::super::{flat, texts};
     use super::*;
@@ -227,6 +252,19 @@ mod tests {
         }
         let lit = primitives.iter().filter(|p| matches!(p, Primitive::Polygon { .. })).count();
         assert_eq!(lit, 1);
+    }
+
+    #[test]
+    fn no_entry_loses_its_digits() {
+        let of = |values: [f64; 4]| {
+            let entries = Grid::from_fn(2, 2, |x, y| values[2 * y + x]);
+            super::entries(&Matrix { entries, changed: None, ..matrix() }).cells().to_vec()
+        };
+        assert_eq!(of([0.7582, 225.5361, 0.000_283, 1.0]), ["0.7582", "225.5361", "2.8·10⁻⁴", "1.0000"]);
+        assert_eq!(of([-2.44e-7, 9.96e-4, -0.001, 0.0]), ["−2.4·10⁻⁷", "1.0·10⁻³", "−0.0010", "0"]);
+        assert_eq!(of([1.5e-12, 1e-17, -0.0, 2.5]), ["1.5·10⁻¹²", "0", "0", "2.5000"], "1e-17 is rounding");
+        let font = Face::Sans.font().expect("a font");
+        assert!("⁰¹²³⁴⁵⁶⁷⁸⁹⁻·".chars().all(|letter| font.glyph_id(letter).0 != 0), "exponents have no letters");
     }
 
     #[test]

@@ -416,6 +416,7 @@ fn axes(canvas: &mut Canvas, plot: &Plot, (series, area): (&Series, Rect), theme
         canvas.text([x, bottom + 6.0], (Anchor::Middle, Level::Top), &number(now), bold);
     }
     let ticks = match plot.x.is_logarithmic {
+        _ if !series.x_ticks.is_empty() => series.x_ticks.iter().copied().filter(|x| plot.shows(*x)).collect(),
         // Each value that was swept: they are equally far apart.
         true => swept(series, plot),
         false => plot.x.ticks(5.0 * plot.small, if series.is_sweep { 0.0 } else { 1.0 }),
@@ -608,6 +609,15 @@ mod tests {
 
     fn plot(series: &Series) -> Plot {
         Plot::new(plotted(series, false), Rect::new([0.0; 2], [400.0, 200.0]), Theme::Dark)
+    }
+
+    #[test]
+    fn what_is_numbered_has_ticks_at_its_numbers() {
+        let numbered = Series { x_max: 16, x_ticks: vec![1.0, 5.0, 9.0, 13.0], is_sweep: true, ..series(3) };
+        let drawing = draw(plotted(&numbered, false), Rect::new([0.0; 2], [500.0, 240.0]), style());
+        let words = texts(&flat(drawing));
+        assert!(["1", "5", "9", "13"].iter().all(|tick| words.iter().any(|word| word == tick)), "{words:?}");
+        assert!(!words.iter().any(|word| word == "10"), "{words:?}");
     }
 
     fn style() -> ChartStyle {

@@ -141,7 +141,7 @@ impl State {
     /// The dialog for `kind`, with a name that says what it is, in `folder`.
     pub fn new(kind: Kind, folder: &Path, stem: &str, shown: &Snapshot, Seen { look, angles }: Seen) -> Self {
         let estimator = &shown.subject.experiment.estimator;
-        let offered = PANES.into_iter().filter(|pane| pane.check(estimator.info(), estimator.charts()).is_ok());
+        let offered = PANES.into_iter().filter(|pane| pane.check(&**estimator).is_ok());
         let step = shown.tiles.first().map_or(&shown.step, |tile| &tile.step);
         let absent = PANES.into_iter().filter(|pane| !(pane.is_available)(step)).map(|pane| pane.id).collect();
         let choices = kind.choices(estimator.produces());

@@ -36,6 +36,7 @@ impl Probe<'_> {
         readouts.push(Readout::Surface(Surface {
             title: self.settings.label(),
             unit: self.unit(),
+            is_similarity: false,
             scale: self.scale(),
             origin: self.window.min,
             values: self.costs(),

@@ -45,6 +45,8 @@ pub struct Bench {
     pub origin: [i32; 2],
     /// Columns and rows.
     pub size: [usize; 2],
+    /// The cost of the ground: 0, or less where a similarity is below it.
+    pub bottom: f32,
     /// The largest cost so far.
     pub top: f32,
 }
@@ -57,7 +59,8 @@ impl Bench {
         let untested = surface.untested.iter().flat_map(|costs| costs.cells().iter().copied());
         let top = untested.filter(|cost| cost.is_finite()).fold(top, f32::max);
         let top = if top > 0.0 { top } else { 1.0 };
-        Self { origin: surface.origin, size: [width, height], top }
+        let bottom = surface.range().map_or(0.0, |[low, _]| low.min(0.0));
+        Self { origin: surface.origin, size: [width, height], bottom, top }
     }
 
     /// Half the ground's extent along u and v.
@@ -83,7 +86,7 @@ impl Bench {
 
     /// How high a cost stands.
     pub fn height(&self, cost: f32) -> f32 {
-        cost / self.top * HEIGHT
+        (cost - self.bottom) / (self.top - self.bottom) * HEIGHT
     }
 }
 
@@ -181,7 +184,7 @@ impl Corners {
     fn figure(&self, at: [usize; 2], middle: Vertex) -> [Vertex; 4] {
         let [u, v] = self.bench.displacement(at);
         [[-0.3, -0.3], [0.3, -0.3], [0.3, 0.3], [-0.3, 0.3]].map(|[du, dv]| {
-            let place = self.bench.place([u + du, v + dv], 0.0) + Vec3::Y * (middle.place[1] + RAISED);
+            let place = self.bench.place([u + du, v + dv], self.bench.bottom) + Vec3::Y * (middle.place[1] + RAISED);
             Vertex { place: place.into(), normal: [0.0, 1.0, 0.0], grid: [0.5, 0.5], ..middle }
         })
     }
@@ -326,6 +329,10 @@ mod tests {
         let bench = Bench::new(&surface);
         assert_eq!(bench.place([-4.0, -2.0], 0.0), Vec3::new(-1.0, 0.0, -0.5));
         assert_eq!(bench.place([4.0, 2.0], bench.top), Vec3::new(1.0, 1.0, 0.5));
+        // A correlation has values below 0: the lowest one lies on the ground, and none below it.
+        let similar = Surface { is_similarity: true, values: surface.values.map(|value| value - 10.0), ..surface };
+        let bench = Bench::new(&similar);
+        assert_eq!((bench.height(-10.0), bench.height(bench.top)), (0.0, HEIGHT));
     }
 
     #[test]

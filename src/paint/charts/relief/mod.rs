@@ -78,7 +78,7 @@ pub fn around(data: Relief<'_>, area: Rect, style: ChartStyle) -> Around {
     let words = shortened(&words, text, area.size()[0]);
     let title = head.text(at, (Anchor::Start, Level::Middle), &words, text);
     let (dim, room) = (Type::dim(theme), area.max[0] - title.max[0] - 1.4 * small);
-    if let Some(least) = heat_map::minimum_words(surface).filter(|least| dim.width(least) <= room) {
+    if let Some(least) = heat_map::optimum_words(surface).filter(|least| dim.width(least) <= room) {
         head.text([area.max[0], at[1]], (Anchor::End, Level::Middle), &least, dim);
     }
     let [below, above, head] = [below, above, head].map(Canvas::into_primitives);
@@ -185,7 +185,7 @@ impl Stand {
         self.line(canvas, [foot, top], true);
         let small = self.theme.sizes().small;
         let [low, high] = [foot, top].map(|end| self.at(end));
-        let axis = Axis::new([0.0, self.bench.top], [0.0, (low[0] - high[0]).hypot(low[1] - high[1])]);
+        let axis = Axis::new([self.bench.bottom, self.bench.top], [0.0, (low[0] - high[0]).hypot(low[1] - high[1])]);
         let dim = Type::dim(self.theme);
         if surface.range().is_some() {
             let ticks = axis.ticks(2.2 * small, 0.0);

@@ -380,7 +380,7 @@ impl PhaseCorrelation {
     }
 }
 
-/// The correlation around its peak, as a cost.
+/// The correlation around its peak.
 fn surface(stage: Stage, state: &State) -> Surface {
     let (width, height) = state.size();
     let middle = state.peak.map_or([0, 0], |peak| state.wrapped(peak));
@@ -389,9 +389,8 @@ fn surface(stage: Stage, state: &State) -> Surface {
     let middle = [0, 1].map(|i| if middle[i].abs() <= reach[i] { 0 } else { middle[i] });
     let origin = [middle[0] - reach[0], middle[1] - reach[1]];
     let size = reach.map(|reach| (2 * reach + 1) as usize);
-    let values = Grid::from_fn(size[0], size[1], |x, y| {
-        1.0 - state.height_at([origin[0] + x as i32, origin[1] + y as i32]) as f32
-    });
+    let values =
+        Grid::from_fn(size[0], size[1], |x, y| state.height_at([origin[0] + x as i32, origin[1] + y as i32]) as f32);
     let middle = state.fixed.truth.as_ref().and_then(|truth| truth.at(width / 2, height / 2));
     Surface {
         best: state.peak.map(|peak| state.wrapped(peak)),
@@ -401,6 +400,7 @@ fn surface(stage: Stage, state: &State) -> Surface {
             Vec::new()
         },
         truth: middle.filter(|_| stage == Stage::Result),
-        ..Surface::new("1 − r", origin, values, Grid::new(size[0], size[1], Some(1)))
+        is_similarity: true,
+        ..Surface::new("r", origin, values, Grid::new(size[0], size[1], Some(1)))
     }
 }

@@ -384,6 +384,7 @@ impl Fast {
             x_label: "pixel of the circle",
             y_label: "I_k − I_p, gray levels",
             x_max: 16,
+            x_ticks: COMPASS.map(|k| number(k) as f32).to_vec(),
             lines,
             thresholds: vec![("+t".into(), t), ("−t".into(), -t)],
             is_sweep: true,
@@ -458,21 +459,21 @@ impl Fast {
             scene.mark(Picture::CURRENT, Role::Window, shape);
             scene.legend(Role::Window, "minimum distance");
         } else if let Some(circle) = circle {
-            self.draw_circle(&circle, scene);
+            self.draw_circle(&circle, seen.before.stage, scene);
         }
         scene.mark(Picture::CURRENT, Role::Reference, Shape::pixels(place.0 as i32, place.1 as i32, 1, 1));
         scene.legend(Role::Reference, "inspected pixel p");
     }
 
-    /// Draws the pixels of the circle by their shades, and the longest run.
-    fn draw_circle(&self, circle: &Circle, scene: &mut Scene) {
+    /// Draws the pixels of the circle by their shades, and the longest run, in roles that no corner of `stage` has.
+    fn draw_circle(&self, circle: &Circle, stage: Stage, scene: &mut Scene) {
         let on_circle = |k: usize, radius: f32| {
             let [x, y] = point(circle.center);
             let [i, j] = CIRCLE[k % 16].map(|offset| radius * offset as f32);
             [x + i, y + j]
         };
         let shades = [
-            (Shade::Similar, Role::Rejected, "similar to p"),
+            (Shade::Similar, Role::Estimate, "similar to p"),
             (Shade::Brighter, Role::Measured, "brighter than I_p + t"),
             (Shade::Darker, Role::Predicted, "darker than I_p − t"),
         ];
@@ -486,6 +487,7 @@ impl Fast {
         if let Some((start, length)) = circle.run {
             let points = (start..start + length).map(|k| on_circle(k, 1.0)).collect();
             let (role, meaning) = match circle.arc {
+                Some(_) if stage == Stage::Choice => (Role::Window, "longest run, an arc"),
                 Some(_) => (Role::Result, "longest run, an arc"),
                 None => (Role::Error, "longest run, too short"),
             };

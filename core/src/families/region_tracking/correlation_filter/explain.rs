@@ -168,7 +168,7 @@ fn filter_tile(model: &Model) -> Tile {
     tile("filter h", Some(Role::Reference), values)
 }
 
-/// The response around displacement 0 as a cost.
+/// The response around displacement 0.
 fn surface(response: &Response) -> Surface {
     let (width, height) = response.values.size();
     let middle = [width as i32 / 2, height as i32 / 2];
@@ -176,7 +176,7 @@ fn surface(response: &Response) -> Surface {
     let size = reach.map(|reach| (2 * reach + 1) as usize);
     let values = Grid::from_fn(size[0], size[1], |x, y| {
         let at = [x as i32 - reach[0] + middle[0], y as i32 - reach[1] + middle[1]];
-        1.0 - response.values[(at[0] as usize, at[1] as usize)]
+        response.values[(at[0] as usize, at[1] as usize)]
     });
     let best = [response.peak.0 as i32 - middle[0], response.peak.1 as i32 - middle[1]];
     let is_shown = (0..2).all(|i| best[i].abs() <= reach[i]);
@@ -184,7 +184,8 @@ fn surface(response: &Response) -> Surface {
     Surface {
         best: is_shown.then_some(best),
         between: if is_shown { vec![response.displacement] } else { Vec::new() },
-        ..Surface::new("1 − g", origin, values, Grid::new(size[0], size[1], Some(1)))
+        is_similarity: true,
+        ..Surface::new("g", origin, values, Grid::new(size[0], size[1], Some(1)))
     }
 }
 
