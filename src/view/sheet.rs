@@ -117,22 +117,22 @@ impl Rendering<'_> {
         let style = ChartStyle { theme: look.theme, colors: look.colors, density: scale as f32 };
         let contents = Contents { content, panes: &panes.panes, caption: self.caption(), style, stage };
         match shared {
-            Some(shared) => shared.get_or_insert_with(|| Layout::of(&contents, Spare::FOR_OTHERS)).figure(&contents),
-            None => Layout::of(&contents, Spare::NONE).figure(&contents),
+            Some(shared) => shared.get_or_insert_with(|| Layout::of(&contents, Reserve::FOR_OTHERS)).figure(&contents),
+            None => Layout::of(&contents, Reserve::NONE).figure(&contents),
         }
     }
 }
 
 /// Room that is kept for what other steps have more of.
 #[derive(Clone, Copy)]
-struct Spare {
+struct Reserve {
     /// Lines that a sentence below the panes has at least.
     lines: usize,
     /// How many times as high as an explanation its pane is.
     explanation: f32,
 }
 
-impl Spare {
+impl Reserve {
     const NONE: Self = Self { lines: 0, explanation: 1.0 };
     const FOR_OTHERS: Self = Self { lines: 3, explanation: 1.2 };
 }
@@ -140,7 +140,7 @@ impl Spare {
 /// How large a sheet is, and where its panes stand: steps that share one differ in nothing else.
 pub struct Layout {
     size: [f32; 2],
-    spare: Spare,
+    reserve: Reserve,
     arrangement: Arrangement,
 }
 
@@ -153,14 +153,14 @@ struct Arrangement {
 
 impl Layout {
     /// The best one for `contents`, as large as they need.
-    fn of(contents: &Contents<'_>, spare: Spare) -> Self {
-        let mut memory = Memory { contents, spare, rooms: BTreeMap::new() };
+    fn of(contents: &Contents<'_>, reserve: Reserve) -> Self {
+        let mut memory = Memory { contents, reserve, rooms: BTreeMap::new() };
         let mut factor = 1.0;
         loop {
             let size = SIZE.map(|side| (side * factor / 4.0).round() * 4.0);
-            let arrangement = memory.best(Frame::new(contents, size, spare).body);
+            let arrangement = memory.best(Frame::new(contents, size, reserve).body);
             if arrangement.score > 0.0 || factor >= LARGEST {
-                return Self { size, spare, arrangement };
+                return Self { size, reserve, arrangement };
             }
             factor *= GROWTH;
         }
@@ -168,7 +168,7 @@ impl Layout {
 
     /// The sheet with `contents`.
     fn figure(&self, contents: &Contents<'_>) -> Figure {
-        Frame::new(contents, self.size, self.spare).figure(contents, &self.arrangement)
+        Frame::new(contents, self.size, self.reserve).figure(contents, &self.arrangement)
     }
 }
 
@@ -180,7 +180,7 @@ struct Frame {
 }
 
 impl Frame {
-    fn new(contents: &Contents<'_>, size: [f32; 2], spare: Spare) -> Self {
+    fn new(contents: &Contents<'_>, size: [f32; 2], reserve: Reserve) -> Self {
         let (theme, width) = (contents.style.theme, size[0] - 2.0 * MARGIN);
         let (mut primitives, height) = heading(&contents.caption, ([MARGIN; 2], width), theme);
         let mut body = Rect::new([MARGIN, MARGIN + height + 4.0], [width, size[1] - 2.0 * MARGIN - height - 4.0]);
@@ -188,7 +188,7 @@ impl Frame {
         if !contents.panes.contains(&&EXPLANATION) && !contents.caption.sentence.0.is_empty() {
             let (words, height) = paragraph(&contents.caption.sentence, width, theme);
             let (_, line) = paragraph(&Sentence::default().text("x"), width, theme);
-            let height = height.max(spare.lines as f32 * line);
+            let height = height.max(reserve.lines as f32 * line);
             body.max[1] -= height + GAP / 2.0;
             let top = [MARGIN, body.max[1] + GAP / 2.0];
             primitives.extend(words.into_iter().map(|primitive| primitive.moved(top)));
@@ -239,7 +239,7 @@ fn others<'a>(panes: &'a [&'static Pane]) -> impl Iterator<Item = &'static Pane>
 /// What was measured already: many arrangements give a pane the same room.
 struct Memory<'a> {
     contents: &'a Contents<'a>,
-    spare: Spare,
+    reserve: Reserve,
     rooms: BTreeMap<(&'static str, [u32; 2]), f32>,
 }
 
@@ -276,8 +276,8 @@ impl Memory<'_> {
     fn room(&mut self, pane: &'static Pane, size: [f32; 2]) -> f32 {
         let Contents { content, style, .. } = self.contents;
         let key = (pane.id, size.map(|side| side as u32));
-        let spare = if *pane == EXPLANATION { self.spare.explanation } else { 1.0 };
-        *self.rooms.entry(key).or_insert_with(|| (pane.room)(*content, [size[0], size[1] / spare], *style))
+        let reserve = if *pane == EXPLANATION { self.reserve.explanation } else { 1.0 };
+        *self.rooms.entry(key).or_insert_with(|| (pane.room)(*content, [size[0], size[1] / reserve], *style))
     }
 }
 

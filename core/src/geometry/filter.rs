@@ -77,16 +77,11 @@ pub fn separable<T: Copy + Into<f32> + Sync>(
 }
 widest! {
     fn row_of(image: &Grid<impl Copy + Into<f32>>, filter: (&[f32], &[f32]), at: (Beyond, usize), target: &mut [f32])
-        = row_of_anyhow
+        = row_of_body
 }
 
 #[inline(always)]
-fn row_of_anyhow(
-    image: &Grid<impl Copy + Into<f32>>,
-    filter: (&[f32], &[f32]),
-    at: (Beyond, usize),
-    target: &mut [f32],
-) {
+fn row_of_body(image: &Grid<impl Copy + Into<f32>>, filter: (&[f32], &[f32]), at: (Beyond, usize), target: &mut [f32]) {
     filtered_row((|y| image.row(y), image.height()), filter, at, &mut Vec::new(), target);
 }
 
@@ -255,12 +250,12 @@ pub fn median(image: &Grid<f32>, threads: &Threads) -> Grid<f32> {
 }
 
 widest! {
-    fn medians_of_rows(rows: [&[f32]; 3], target: &mut [f32]) = medians_of_rows_anyhow
+    fn medians_of_rows(rows: [&[f32]; 3], target: &mut [f32]) = medians_of_rows_body
 }
 
 /// The medians of a row, from the three rows around it with a pixel of margin on either side.
 #[inline(always)]
-fn medians_of_rows_anyhow(rows: [&[f32]; 3], target: &mut [f32]) {
+fn medians_of_rows_body(rows: [&[f32]; 3], target: &mut [f32]) {
     for (i, target) in target.chunks_mut(LANES).enumerate() {
         let x = i * LANES;
         if let Some(medians) = medians_of_lanes(rows, x).filter(|_| target.len() == LANES) {

@@ -120,11 +120,11 @@ fn bilinear_row([above, below]: [&[f32]; 2], f: f32, across: &[([usize; 2], f32)
 }
 
 wide! {
-    fn sums_of_rows(rows: [&[f32]; 4], weights: [f32; 4], to: &mut [f32]) = sums_of_rows_anyhow
+    fn sums_of_rows(rows: [&[f32]; 4], weights: [f32; 4], to: &mut [f32]) = sums_of_rows_body
 }
 
 #[inline(always)]
-fn sums_of_rows_anyhow([a, b, c, d]: [&[f32]; 4], weights: [f32; 4], to: &mut [f32]) {
+fn sums_of_rows_body([a, b, c, d]: [&[f32]; 4], weights: [f32; 4], to: &mut [f32]) {
     for ((to, (a, b)), (c, d)) in to.iter_mut().zip(a.iter().zip(b)).zip(c.iter().zip(d)) {
         *to = weighted(weights, [*a, *b, *c, *d]);
     }

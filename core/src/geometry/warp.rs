@@ -99,12 +99,12 @@ fn row_by_pixel((next, sampling): (&Grid<f32>, Sampling), (x, y): (usize, usize)
 }
 
 widest! {
-    fn bicubic_row(next: &Grid<f32>, y: usize, flow: [&[f32]; 2], to: &mut [f32]) = bicubic_row_anyhow
+    fn bicubic_row(next: &Grid<f32>, y: usize, flow: [&[f32]; 2], to: &mut [f32]) = bicubic_row_body
 }
 
 /// Warps row `y`: vectors of pixels whose sixteen neighbours all lie inside at once, the others one by one.
 #[inline(always)]
-fn bicubic_row_anyhow(next: &Grid<f32>, y: usize, [u, v]: [&[f32]; 2], to: &mut [f32]) {
+fn bicubic_row_body(next: &Grid<f32>, y: usize, [u, v]: [&[f32]; 2], to: &mut [f32]) {
     for (i, to) in to.chunks_mut(LANES).enumerate() {
         let x = i * LANES;
         let vector = match (lane(u, x), lane(v, x)) {

@@ -16,7 +16,7 @@ use crate::products::{Model, ModelField, Output, Product, ProductKind};
 use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Progress, Seen};
 use crate::scene::{Chart, Scene, Step};
 use crate::{choices, params, pseudocode};
-use spectrum::{Way, hann, mean};
+use spectrum::{Direction, hann, mean};
 
 choices! {
     /// Sub-pixel position of the peak.
@@ -200,10 +200,10 @@ impl PhaseCorrelation {
                 state.spectra[i] = Some(Arc::new(windowed));
             }
             Stage::Rows(i) => {
-                state.spectra[i] = Some(Arc::new(spectrum::rows(&whole(&state.spectra[i]), Way::Forward)))
+                state.spectra[i] = Some(Arc::new(spectrum::rows(&whole(&state.spectra[i]), Direction::Forward)))
             }
             Stage::Columns(i) => {
-                state.spectra[i] = Some(Arc::new(spectrum::columns(&whole(&state.spectra[i]), Way::Forward)));
+                state.spectra[i] = Some(Arc::new(spectrum::columns(&whole(&state.spectra[i]), Direction::Forward)));
             }
             Stage::Cross => {
                 let [first, second] = state.spectra.each_ref().map(whole);
@@ -220,12 +220,12 @@ impl PhaseCorrelation {
                 state.spectra = [None, None];
             }
             Stage::InverseColumns => {
-                state.cross = Some(Arc::new(spectrum::columns(&whole(&state.cross), Way::Inverse)))
+                state.cross = Some(Arc::new(spectrum::columns(&whole(&state.cross), Direction::Inverse)))
             }
             Stage::InverseRows => {
                 // By the frequencies that are kept: an exact translation has a peak of 1.
                 let scale = 1.0 / state.kept.max(1) as f64;
-                let correlation = spectrum::rows(&whole(&state.cross), Way::Inverse).map(|value| value * scale);
+                let correlation = spectrum::rows(&whole(&state.cross), Direction::Inverse).map(|value| value * scale);
                 state.cross = Some(Arc::new(correlation));
             }
             Stage::Peak => state.peak = spectrum::peak(&whole(&state.cross), None).filter(|_| state.kept > 0),

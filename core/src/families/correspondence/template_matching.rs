@@ -9,7 +9,7 @@ use crate::base::{Error, Observer};
 use crate::data::{Clip, Flow, Frame};
 use crate::geometry::{Bounds, Gray, Grid};
 use crate::methods::{
-    correlation::{self, MOST_PX, Moments, Score, Way},
+    correlation::{self, Evaluation, MOST_PX, Moments, Score},
     differential::truth,
 };
 use crate::products::{Feature, Output, Product, ProductKind, Status, Track, TrackField};
@@ -120,7 +120,7 @@ pub struct Pair {
     origin: [i32; 2],
     /// The costs of the places, smaller is better.
     costs: Grid<f64>,
-    way: Way,
+    way: Evaluation,
     truth: Option<Arc<Flow>>,
 }
 
@@ -273,8 +273,8 @@ impl TemplateMatching {
         let area = window(frames[1].luma(), origin, reach);
         let way = match self.method {
             Method::Auto => correlation::faster(self.score, size, places),
-            Method::Fourier if self.score != Score::Sad => Way::Fourier,
-            _ => Way::Direct,
+            Method::Fourier if self.score != Score::Sad => Evaluation::Fourier,
+            _ => Evaluation::Direct,
         };
         let costs = correlation::map(self.score, way, &template.pixels, &area);
         let truth = truth(clip, state.frame);
@@ -349,7 +349,7 @@ impl TemplateMatching {
         let corner = [0, 1].map(|i| ((point[i] - first.anchor[i]).round() as i32).clamp(0, last[i] as i32));
         let (origin, places) = near.area(corner, state.picture, size);
         let area = window(pair.frames[1].luma(), origin, (places.0 + size.0 - 1, places.1 + size.1 - 1));
-        let costs = correlation::map(Score::Zncc, Way::Direct, &first.pixels, &area);
+        let costs = correlation::map(Score::Zncc, Evaluation::Direct, &first.pixels, &area);
         let all = (0..places.1).flat_map(|y| (0..places.0).map(move |x| (x, y)));
         let best = all.min_by(|a, b| costs[*a].total_cmp(&costs[*b])).unwrap_or_default();
         let (fraction, _) = place::subpixel(&costs, best);

@@ -6,4 +6,4 @@ mod fourier;
 mod scores;
 
 pub use fourier::bytes;
-pub use scores::{MOST_PX, Moments, Score, Way, faster, map};
+pub use scores::{Evaluation, MOST_PX, Moments, Score, faster, map};

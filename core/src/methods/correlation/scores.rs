@@ -22,7 +22,7 @@ choices! {
 
 /// Computation of the sums over all places.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Way {
+pub enum Evaluation {
     /// The sum over the template at each place: effort grows with the area of the template.
     Direct,
     /// Products of spectra: effort grows with the height of the template only.
@@ -126,17 +126,17 @@ fn one_minus(both: f64, [a, b]: [f64; 2]) -> f64 {
 }
 
 /// The faster way for a template of this size at so many columns and rows of places.
-pub fn faster(score: Score, (width, height): (usize, usize), (columns, rows): (usize, usize)) -> Way {
+pub fn faster(score: Score, (width, height): (usize, usize), (columns, rows): (usize, usize)) -> Evaluation {
     let [width, height, columns, rows] = [width, height, columns, rows].map(|c| c as f64);
     let (reach, down) = (columns + width, rows + height);
     // Measured: pixels that are compared in a nanosecond, and those of spectra.
     let direct = columns * rows * width * height / 60.0;
     let spectra = reach * (0.02 * rows * height + 3.0 * (down + rows + height));
-    if score == Score::Sad || direct <= spectra { Way::Direct } else { Way::Fourier }
+    if score == Score::Sad || direct <= spectra { Evaluation::Direct } else { Evaluation::Fourier }
 }
 
 /// The costs of `template` at all places at which it lies inside `area`.
-pub fn map(score: Score, way: Way, template: &Gray, area: &Gray) -> Grid<f64> {
+pub fn map(score: Score, way: Evaluation, template: &Gray, area: &Gray) -> Grid<f64> {
     let size = (area.width() + 1 - template.width(), area.height() + 1 - template.height());
     let [block, under] = [template, area].map(|picture| {
         let mut cut = Cut::default();
@@ -150,8 +150,8 @@ pub fn map(score: Score, way: Way, template: &Gray, area: &Gray) -> Grid<f64> {
         return Grid::from_fn(size.0, size.1, |_, _| costs.next().unwrap_or(f64::INFINITY));
     }
     let products = match way {
-        Way::Fourier => fourier::products(template, area),
-        Way::Direct => {
+        Evaluation::Fourier => fourier::products(template, area),
+        Evaluation::Direct => {
             let mut products = Products::default();
             products.compute(&block, &under, size);
             let mut sums = Grid::new(size.0, size.1, 0);
@@ -234,7 +234,7 @@ mod tests {
             let area = Grid::from_fn(width + columns - 1, height + rows - 1, noise);
             let template = Grid::from_fn(width, height, |x, y| noise(x + 90, y));
             for score in [Score::Ssd, Score::Sad, Score::Ncc, Score::Zncc] {
-                let [direct, spectra] = [Way::Direct, Way::Fourier].map(|way| map(score, way, &template, &area));
+                let [direct, spectra] = [Evaluation::Direct, Evaluation::Fourier].map(|way| map(score, way, &template, &area));
                 prop_assert_eq!(direct, spectra);
             }
         }
@@ -243,7 +243,7 @@ mod tests {
     #[test]
     fn the_largest_sums_are_exact() {
         let (template, area) = (Grid::new(MOST_PX, MOST_PX, 255), Grid::new(MOST_PX + 3, MOST_PX + 2, 255));
-        for way in [Way::Direct, Way::Fourier] {
+        for way in [Evaluation::Direct, Evaluation::Fourier] {
             assert_eq!(map(Score::Ssd, way, &template, &area), Grid::new(4, 3, 0.0));
             assert_eq!(map(Score::Ncc, way, &template, &area), Grid::new(4, 3, 0.0));
             assert_eq!(map(Score::Zncc, way, &template, &area), Grid::new(4, 3, 1.0), "without texture");

@@ -60,13 +60,13 @@ impl Scheme {
     /// Computes row `y` of I_x, I_y and I_t.
     pub fn row(self, pictures: [&Grid<f32>; 2], y: usize, targets: [&mut [f32]; 3]) {
         wide! {
-            fn wide(by: Scheme, pictures: [&Grid<f32>; 2], y: usize, targets: [&mut [f32]; 3]) = Scheme::row_anyhow
+            fn wide(by: Scheme, pictures: [&Grid<f32>; 2], y: usize, targets: [&mut [f32]; 3]) = Scheme::row_body
         }
         wide(self, pictures, y, targets);
     }
 
     #[inline(always)]
-    fn row_anyhow(self, [current, next]: [&Grid<f32>; 2], y: usize, [to_x, to_y, to_t]: [&mut [f32]; 3]) {
+    fn row_body(self, [current, next]: [&Grid<f32>; 2], y: usize, [to_x, to_y, to_t]: [&mut [f32]; 3]) {
         let (along, across) = self.weights();
         let (at, height, mut control) = ((Beyond::Slope, y), current.height(), Vec::new());
         let mean = |y| Both { rows: [current.row(y), next.row(y)], f: |a, b| 0.5 * (a + b) };

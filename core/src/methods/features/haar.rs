@@ -122,7 +122,7 @@ pub fn sector_sums(spokes: &[Spoke], mut tell: impl FnMut([f32; 2])) -> Vec<[f32
     sums
 }
 
-wide!(fn add_spokes(spokes: &[Spoke], sums: &mut [[f32; SECTORS]; 2]) = add_spokes_anyhow);
+wide!(fn add_spokes(spokes: &[Spoke], sums: &mut [[f32; SECTORS]; 2]) = add_spokes_body);
 
 /// Sectors that are compared at once.
 const GROUP: usize = 8;
@@ -131,7 +131,7 @@ const GROUPS: usize = 3;
 
 /// Adds each response to the sectors in which its direction lies.
 #[inline(always)]
-fn add_spokes_anyhow(spokes: &[Spoke], [x, y]: &mut [[f32; SECTORS]; 2]) {
+fn add_spokes_body(spokes: &[Spoke], [x, y]: &mut [[f32; SECTORS]; 2]) {
     let mut starts = [0.0; SECTORS];
     starts.iter_mut().enumerate().for_each(|(k, start)| *start = sector_start(k));
     let (starts, _) = starts.as_chunks::<GROUP>();

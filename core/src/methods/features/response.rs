@@ -27,13 +27,13 @@ impl Tensors<'_> {
     /// registers available; all give the same result.
     pub fn rows(&self, rows: Range<usize>, tell: impl FnMut(usize, [&[f32]; 3])) {
         wide! {
-            fn wide(of: &Tensors, rows: Range<usize>, tell: impl FnMut(usize, [&[f32]; 3])) = Tensors::rows_anyhow
+            fn wide(of: &Tensors, rows: Range<usize>, tell: impl FnMut(usize, [&[f32]; 3])) = Tensors::rows_body
         }
         wide(self, rows, tell);
     }
 
     #[inline(always)]
-    fn rows_anyhow(&self, rows: Range<usize>, mut tell: impl FnMut(usize, [&[f32]; 3])) {
+    fn rows_body(&self, rows: Range<usize>, mut tell: impl FnMut(usize, [&[f32]; 3])) {
         let ((width, height), reach) = (self.picture.size(), self.window.reach());
         let side = 2 * reach + 1;
         // A ring buffer of the rows in the window.

@@ -178,13 +178,13 @@ impl Template {
     /// gradient, are masked.
     pub fn new(level: &Level, at: [f32; 2], reach: usize) -> Self {
         wide! {
-            fn wide(level: &Level, at: [f32; 2], reach: usize) -> Template = Template::new_anyhow
+            fn wide(level: &Level, at: [f32; 2], reach: usize) -> Template = Template::new_body
         }
         wide(level, at, reach)
     }
 
     #[inline(always)]
-    fn new_anyhow(level: &Level, at: [f32; 2], reach: usize) -> Self {
+    fn new_body(level: &Level, at: [f32; 2], reach: usize) -> Self {
         let side = 2 * reach + 1;
         let strips_in_row = side.div_ceil(LANES);
         let ([x, y], [fx, fy]) = level.corner(at, reach + 1);
@@ -226,13 +226,13 @@ impl Template {
     /// The portable version.
     fn plain_mismatch(&self, next: &Level, at: [f32; 2]) -> Mismatch {
         wide! {
-            fn wide(of: &Template, next: &Level, at: [f32; 2]) -> Mismatch = Template::mismatch_anyhow
+            fn wide(of: &Template, next: &Level, at: [f32; 2]) -> Mismatch = Template::mismatch_body
         }
         wide(self, next, at)
     }
 
     #[inline(always)]
-    fn mismatch_anyhow(&self, next: &Level, at: [f32; 2]) -> Mismatch {
+    fn mismatch_body(&self, next: &Level, at: [f32; 2]) -> Mismatch {
         let side = 2 * self.reach + 1;
         let [columns, rows] = next.within(at, self.reach);
         if columns.len() < side || rows.len() < side {

@@ -208,21 +208,21 @@ pub fn sampson_squared(matrix: &Matrix3, m: &Correspondence) -> f64 {
 
 wide! {
     /// Writes the squared Sampson distance of each correspondence.
-    pub fn sampson_all(matrix: &Matrix3, matches: &[Correspondence], errors: &mut [f64]) = sampson_anyhow
+    pub fn sampson_all(matrix: &Matrix3, matches: &[Correspondence], errors: &mut [f64]) = sampson_body
 }
 
 wide! {
     /// Writes the weight of each correspondence, with which the algebraic distance becomes the Sampson distance, in terms of their mean.
-    fn weights_of(matrix: &Matrix3, matches: &[Correspondence], weights: &mut [f64]) = weights_anyhow
+    fn weights_of(matrix: &Matrix3, matches: &[Correspondence], weights: &mut [f64]) = weights_body
 }
 
 #[inline(always)]
-fn sampson_anyhow(matrix: &Matrix3, matches: &[Correspondence], errors: &mut [f64]) {
+fn sampson_body(matrix: &Matrix3, matches: &[Correspondence], errors: &mut [f64]) {
     errors.iter_mut().zip(matches).for_each(|(error, m)| *error = sampson_squared(matrix, m));
 }
 
 #[inline(always)]
-fn weights_anyhow(matrix: &Matrix3, matches: &[Correspondence], weights: &mut [f64]) {
+fn weights_body(matrix: &Matrix3, matches: &[Correspondence], weights: &mut [f64]) {
     for (weight, m) in weights.iter_mut().zip(matches) {
         *weight = 1.0 / constraint(matrix, m)[1].max(1e-12);
     }

@@ -192,11 +192,11 @@ pub fn squared_error(matrix: &Matrix3, m: &Correspondence) -> f64 {
 
 wide! {
     /// Writes the squared distance of each correspondence from the model.
-    pub fn squared_errors(matrix: &Matrix3, matches: &[Correspondence], errors: &mut [f64]) = squared_errors_anyhow
+    pub fn squared_errors(matrix: &Matrix3, matches: &[Correspondence], errors: &mut [f64]) = squared_errors_body
 }
 
 #[inline(always)]
-fn squared_errors_anyhow(matrix: &Matrix3, matches: &[Correspondence], errors: &mut [f64]) {
+fn squared_errors_body(matrix: &Matrix3, matches: &[Correspondence], errors: &mut [f64]) {
     errors.iter_mut().zip(matches).for_each(|(error, m)| *error = squared_error(matrix, m));
 }
 

@@ -64,11 +64,11 @@ impl Moments {
 }
 
 wide! {
-    fn add_all(sums: &mut Moments, matches: &[Correspondence], by: [&Normalisation; 2], weights: &[f64]) = add_all_anyhow
+    fn add_all(sums: &mut Moments, matches: &[Correspondence], by: [&Normalisation; 2], weights: &[f64]) = add_all_body
 }
 
 #[inline(always)]
-fn add_all_anyhow(sums: &mut Moments, matches: &[Correspondence], [from, to]: [&Normalisation; 2], weights: &[f64]) {
+fn add_all_body(sums: &mut Moments, matches: &[Correspondence], [from, to]: [&Normalisation; 2], weights: &[f64]) {
     let mut own = Moments::default();
     for (m, weight) in matches.iter().zip(weights) {
         let ([x, y], [u, v]) = (from.apply(m.from), to.apply(m.to));

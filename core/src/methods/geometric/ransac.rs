@@ -52,11 +52,11 @@ impl Score {
 
 wide! {
     /// The number of errors up to a limit, and their sum.
-    fn sums(errors: &[f64], limit: f64) -> [f64; 2] = sums_anyhow
+    fn sums(errors: &[f64], limit: f64) -> [f64; 2] = sums_body
 }
 
 #[inline(always)]
-fn sums_anyhow(errors: &[f64], limit: f64) -> [f64; 2] {
+fn sums_body(errors: &[f64], limit: f64) -> [f64; 2] {
     const LANES: usize = 16;
     let mut lanes = [[0.0; LANES]; 2];
     let (chunks, rest) = errors.as_chunks::<LANES>();

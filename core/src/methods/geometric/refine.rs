@@ -61,11 +61,11 @@ struct Equations {
 }
 
 wide! {
-    fn equations(matrix: &Matrix3, matches: &[Correspondence], size: f64) -> Equations = equations_anyhow
+    fn equations(matrix: &Matrix3, matches: &[Correspondence], size: f64) -> Equations = equations_body
 }
 
 #[inline(always)]
-fn equations_anyhow(matrix: &Matrix3, matches: &[Correspondence], size: f64) -> Equations {
+fn equations_body(matrix: &Matrix3, matches: &[Correspondence], size: f64) -> Equations {
     let (mut moments, mut right, mut squared, mut least) = (Moments::default(), [0.0; 9], 0.0, f64::INFINITY);
     for Correspondence { from: [x, y], to } in matches {
         let [a, b, w] = matrix.map(|row| row[0] * x + row[1] * y + row[2]);

@@ -173,12 +173,12 @@ fn distance(descriptor: &Descriptor, other: &Keypoint) -> Option<f32> {
 }
 
 wide! {
-    fn squared(a: &[f32], b: &[f32]) -> f32 = squared_anyhow
+    fn squared(a: &[f32], b: &[f32]) -> f32 = squared_body
 }
 
 /// The sum of squared differences, in lanes that the compiler keeps in registers.
 #[inline(always)]
-fn squared_anyhow(a: &[f32], b: &[f32]) -> f32 {
+fn squared_body(a: &[f32], b: &[f32]) -> f32 {
     const LANES: usize = 32;
     let (chunks, others) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
     let mut sums = [0.0f32; LANES];

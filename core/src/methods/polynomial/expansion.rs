@@ -166,13 +166,13 @@ impl Expander {
     /// Computes the polynomials of row `y`, with the widest registers available; all give the same result.
     fn row(&self, picture: &Grid<f32>, y: usize, row: &mut [Packed]) {
         wide! {
-            fn wide(by: &Expander, picture: &Grid<f32>, y: usize, row: &mut [Packed]) = Expander::row_anyhow
+            fn wide(by: &Expander, picture: &Grid<f32>, y: usize, row: &mut [Packed]) = Expander::row_body
         }
         wide(self, picture, y, row);
     }
 
     #[inline(always)]
-    fn row_anyhow(&self, picture: &Grid<f32>, y: usize, row: &mut [Packed]) {
+    fn row_body(&self, picture: &Grid<f32>, y: usize, row: &mut [Packed]) {
         let ((width, height), reach) = (self.size, self.applicability.reach());
         let (top, bottom) = (y.saturating_sub(reach), (y + reach).min(height - 1));
         let mut padded = vec![0.0; width + 2 * reach];

@@ -99,13 +99,13 @@ impl ExpansionPair<'_> {
     /// Computes a row of products, with the widest registers available; all give the same result.
     fn product_row(&self, y: usize, row: &mut [f32]) {
         wide! {
-            fn wide(of: &ExpansionPair, y: usize, row: &mut [f32]) = ExpansionPair::product_row_anyhow
+            fn wide(of: &ExpansionPair, y: usize, row: &mut [f32]) = ExpansionPair::product_row_body
         }
         wide(self, y, row);
     }
 
     #[inline(always)]
-    fn product_row_anyhow(&self, y: usize, row: &mut [f32]) {
+    fn product_row_body(&self, y: usize, row: &mut [f32]) {
         let width = self.from.u.width();
         let [a, b, c, d, e] = parts(row, width);
         let (here, u, v) = (self.pair[0].row(y), self.from.u.row(y), self.from.v.row(y));
@@ -176,13 +176,13 @@ impl WindowSolver {
     fn row(&self, products: (&Grid<f32>, &[f32]), from: (&Field, usize), row: [&mut [f32]; 3]) {
         wide! {
             fn wide(by: &WindowSolver, products: (&Grid<f32>, &[f32]), from: (&Field, usize), row: [&mut [f32]; 3])
-                = WindowSolver::row_anyhow
+                = WindowSolver::row_body
         }
         wide(self, products, from, row);
     }
 
     #[inline(always)]
-    fn row_anyhow(&self, (products, weights): (&Grid<f32>, &[f32]), (from, y): (&Field, usize), row: [&mut [f32]; 3]) {
+    fn row_body(&self, (products, weights): (&Grid<f32>, &[f32]), (from, y): (&Field, usize), row: [&mut [f32]; 3]) {
         let ((width, height), reach) = (from.u.size(), self.window.reach());
         let (top, last) = (y.saturating_sub(reach), (y + reach).min(height - 1));
         let inside = &weights[top + reach - y..=last + reach - y];

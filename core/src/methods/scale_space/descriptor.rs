@@ -90,11 +90,11 @@ impl Descriptor {
 }
 
 wide! {
-    fn accumulate(image: &Grid<f32>, place: &Place, sums: &mut [f32; PADDED * PADDED * WRAPPED]) = accumulate_anyhow
+    fn accumulate(image: &Grid<f32>, place: &Place, sums: &mut [f32; PADDED * PADDED * WRAPPED]) = accumulate_body
 }
 
 #[inline(always)]
-fn accumulate_anyhow(image: &Grid<f32>, place: &Place, sums: &mut [f32; PADDED * PADDED * WRAPPED]) {
+fn accumulate_body(image: &Grid<f32>, place: &Place, sums: &mut [f32; PADDED * PADDED * WRAPPED]) {
     let (width, height) = image.size();
     let (sin, cos) = place.angle_rad.sin_cos();
     let (scale, [x, y]) = (1.0 / place.cell_px(), place.at);

@@ -56,11 +56,11 @@ pub fn extrema_of_row(octave: &Octave, (level, y): (usize, usize), least: f32, m
 }
 
 widest! {
-    fn ends_of_columns(rows: [&[f32]; 9], columns: &mut Columns) = ends_of_columns_anyhow
+    fn ends_of_columns(rows: [&[f32]; 9], columns: &mut Columns) = ends_of_columns_body
 }
 
 #[inline(always)]
-fn ends_of_columns_anyhow(rows: [&[f32]; 9], Columns { high, low }: &mut Columns) {
+fn ends_of_columns_body(rows: [&[f32]; 9], Columns { high, low }: &mut Columns) {
     let (whole, rest) = high.as_chunks_mut::<LANES>();
     let (whole_low, rest_low) = low.as_chunks_mut::<LANES>();
     let start = LANES * whole.len();

@@ -92,11 +92,11 @@ struct Row {
 }
 
 wide! {
-    fn gradients(image: &Grid<f32>, at: (usize, usize), row: &mut Row) = gradients_anyhow
+    fn gradients(image: &Grid<f32>, at: (usize, usize), row: &mut Row) = gradients_body
 }
 
 #[inline(always)]
-fn gradients_anyhow(image: &Grid<f32>, (from, y): (usize, usize), Row { magnitudes, bins }: &mut Row) {
+fn gradients_body(image: &Grid<f32>, (from, y): (usize, usize), Row { magnitudes, bins }: &mut Row) {
     let count = bins.len();
     let [above, below] = [y - 1, y + 1].map(|y| &image.row(y)[from..from + count]);
     let [left, right] = [from - 1, from + 1].map(|x| &image.row(y)[x..x + count]);

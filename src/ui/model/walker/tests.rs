@@ -272,9 +272,9 @@ fn a_check_that_takes_long_is_given_up_and_can_be_tried_again() {
 }
 
 /// What never comes as long as it is held, whether it is wanted or not.
-struct Deaf(Clip, Arc<AtomicBool>);
+struct Uncancellable(Clip, Arc<AtomicBool>);
 
-impl Deaf {
+impl Uncancellable {
     fn wait(&self) {
         while self.1.load(Ordering::Relaxed) {
             std::thread::sleep(Duration::from_millis(1));
@@ -282,7 +282,7 @@ impl Deaf {
     }
 }
 
-impl FrameSource for Deaf {
+impl FrameSource for Uncancellable {
     fn frame(&self, index: usize, _stop: &Stop) -> Result<Arc<Frame>, Error> {
         self.wait();
         self.0.frame(index)
@@ -293,7 +293,7 @@ impl FrameSource for Deaf {
     }
 }
 
-impl motionscope_core::Truth for Deaf {
+impl motionscope_core::Truth for Uncancellable {
     fn flow(&self, _t: usize) -> Result<Option<Arc<Flow>>, Error> {
         self.wait();
         Ok(None)
@@ -317,7 +317,7 @@ fn tended(walker: &mut Walker) {
 fn a_run_that_cannot_be_interrupted_is_left_behind() {
     let held = Arc::new(AtomicBool::new(true));
     let mut walker = Walker::new(|| {}).unwrap();
-    let clip = Clip::new(clip().info().clone(), Arc::new(Deaf(clip(), Arc::clone(&held))));
+    let clip = Clip::new(clip().info().clone(), Arc::new(Uncancellable(clip(), Arc::clone(&held))));
     let deaf = || Job { subject: Arc::new(Prepared { clip: clip.clone(), ..subject() }), place: Place::default() };
     walker.start(deaf());
     std::thread::sleep(2 * SLOW_AFTER);
@@ -348,7 +348,7 @@ fn a_run_that_cannot_be_interrupted_is_left_behind() {
 #[test]
 fn what_was_left_behind_is_taken_up_where_it_was() {
     let held = Arc::new(AtomicBool::new(true));
-    let truth = Arc::new(Deaf(clip(), Arc::clone(&held)));
+    let truth = Arc::new(Uncancellable(clip(), Arc::clone(&held)));
     let mut walker = Walker::new(|| {}).unwrap();
     let clip = clip().with_truth(truth);
     walker.start(Job { subject: Arc::new(Prepared { clip, ..subject() }), place: Place::END });
@@ -368,9 +368,9 @@ fn what_was_left_behind_is_taken_up_where_it_was() {
 }
 
 /// Frames that take a while each.
-struct Lame(Clip);
+struct SlowFrames(Clip);
 
-impl FrameSource for Lame {
+impl FrameSource for SlowFrames {
     fn frame(&self, index: usize, stop: &Stop) -> Result<Arc<Frame>, Error> {
         stop.check()?;
         std::thread::sleep(Duration::from_millis(if index > 1 { 60 } else { 0 }));
@@ -385,7 +385,7 @@ impl FrameSource for Lame {
 #[test]
 fn a_long_run_shows_how_far_it_has_come_and_can_be_stopped_there() {
     let info = motionscope_core::ClipInfo { frames: Some(200), ..clip().info().clone() };
-    let clip = Clip::new(info, Arc::new(Lame(clip())));
+    let clip = Clip::new(info, Arc::new(SlowFrames(clip())));
     let estimator = estimator("frame-difference").unwrap();
     let walker = Walker::new(|| {}).unwrap();
     let experiment = Experiment::new(Source::File("long".into()), estimator);

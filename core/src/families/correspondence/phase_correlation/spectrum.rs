@@ -13,14 +13,14 @@ const APART_PX: usize = 2;
 
 /// The direction of a transform.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Way {
+pub(super) enum Direction {
     /// To frequencies.
     Forward,
     /// Back to pixels, without division by their number.
     Inverse,
 }
 
-impl Way {
+impl Direction {
     fn plan(self, length: usize) -> std::sync::Arc<dyn Fft<f64>> {
         let direction = if self == Self::Forward { FftDirection::Forward } else { FftDirection::Inverse };
         FftPlannerScalar::new().plan_fft(length, direction)
@@ -40,7 +40,7 @@ pub(super) fn mean(luma: &Gray) -> f64 {
 }
 
 /// The transforms of all rows.
-pub(super) fn rows(picture: &Spectrum, way: Way) -> Spectrum {
+pub(super) fn rows(picture: &Spectrum, way: Direction) -> Spectrum {
     let mut transformed = picture.clone();
     // As many rows as the buffer holds are transformed one after the other.
     way.plan(picture.width()).process(transformed.cells_mut());
@@ -48,7 +48,7 @@ pub(super) fn rows(picture: &Spectrum, way: Way) -> Spectrum {
 }
 
 /// The transforms of all columns.
-pub(super) fn columns(picture: &Spectrum, way: Way) -> Spectrum {
+pub(super) fn columns(picture: &Spectrum, way: Direction) -> Spectrum {
     let turned = |picture: &Spectrum| Grid::from_fn(picture.height(), picture.width(), |x, y| picture[(y, x)]);
     turned(&rows(&turned(picture), way))
 }
@@ -97,12 +97,12 @@ mod tests {
         let (width, height) = (12, 10);
         let wave = |x: usize, y: usize| (std::f64::consts::TAU * (2.0 * x as f64 / 12.0 + 3.0 * y as f64 / 10.0)).cos();
         let picture = Grid::from_fn(width, height, |x, y| Complex::new(wave(x, y), 0.0));
-        let spectrum = columns(&rows(&picture, Way::Forward), Way::Forward);
+        let spectrum = columns(&rows(&picture, Direction::Forward), Direction::Forward);
         for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
             let expected = if [(2, 3), (10, 7)].contains(&(x, y)) { 60.0 } else { 0.0 };
             assert!((spectrum[(x, y)].norm() - expected).abs() < 1e-9, "{x}, {y}");
         }
-        let back = rows(&columns(&spectrum, Way::Inverse), Way::Inverse);
+        let back = rows(&columns(&spectrum, Direction::Inverse), Direction::Inverse);
         assert!(back.cells().iter().zip(picture.cells()).all(|(a, b)| (a / 120.0 - b).norm() < 1e-12));
         assert_eq!(centred(&spectrum, Complex::norm)[(6 + 2, 5 + 3)].round(), 60.0, "frequency 0 in the middle");
     }

@@ -6,7 +6,7 @@ use super::{
 use crate::base::words::{self, counted, fixed, grouped};
 use crate::data::Frame;
 use crate::geometry::Grid;
-use crate::methods::correlation::{Moments, Score, Way};
+use crate::methods::correlation::{Evaluation, Moments, Score};
 use crate::methods::differential::numbers;
 use crate::methods::features::trails;
 use crate::run::Seen;
@@ -189,8 +189,8 @@ impl TemplateMatching {
                 whole(pair.from)
             ));
         match pair.way {
-            Way::Direct => said.text(format!("Direct sums take {products} products.")),
-            Way::Fourier => said.text(format!(
+            Evaluation::Direct => said.text(format!("Direct sums take {products} products.")),
+            Evaluation::Fourier => said.text(format!(
                 "Direct sums would take {products} products; products of spectra, by the fast Fourier transform, give the same \
                  scores with less effort."
             )),
