@@ -112,6 +112,7 @@ pub fn chapters_of(family: &str) -> &'static [Chapter] {
         "Interest points" => &[Chapter::InterestPoints, Chapter::DifferentialMethods],
         "Moving objects" => &[Chapter::MovingObjects, Chapter::DynamicScenes],
         "Tracking" => &[Chapter::KalmanFilters, Chapter::MultipleObjects],
+        "Region tracking" => &[Chapter::Trajectories, Chapter::MovingObjects],
         _ => &[],
     }
 }

@@ -520,7 +520,7 @@ mod tests {
         let lower = Surface { values: surface.values.map(|cost| cost / 2.0), ..surface };
         assert_eq!(lower.missed(), None, "what is found is lower than all that was left out");
         let similar = Surface { is_similarity: true, ..lower };
-        assert_eq!(similar.missed(), Some(([2, 0], 17.0)), "the largest similarity that was left out");
+        assert_eq!(similar.missed(), Some(([2, -1], 17.0)), "the largest similarity that was left out");
     }
 
     #[test]
@@ -531,7 +531,7 @@ mod tests {
         assert_eq!(surface.optimum(), Some((7.0, vec![[-1, 0], [1, 0], [0, 1]])));
         assert_eq!(surface.shades(), Some([7.0, 10.0]));
         let similar = Surface { is_similarity: true, ..surface.clone() };
-        assert_eq!(similar.optimum(), Some((10.0, vec![[0, 1]])), "the largest similarity");
+        assert_eq!(similar.optimum(), Some((10.0, vec![[-1, 1], [1, 1]])), "the largest similarity");
         let fixed = Surface { scale: Some([0.0, 100.0]), ..surface.clone() };
         assert_eq!(fixed.shades(), Some([0.0, 100.0]));
         let empty = Surface { values: Grid::new(3, 2, f32::NAN), ..fixed };

@@ -11,7 +11,7 @@ use crate::params::Params;
 
 /// The scene with all that only changes its looks off.
 fn clean(scene: &Sample) -> Difficulty {
-    Difficulty { noise: 0.0, flicker: 0.0, ..scene.difficulty() }
+    Difficulty { noise: 0.0, flicker: 0.0, gain: 0.0, ..scene.difficulty() }
 }
 
 /// Small, so that a test may look at many frames.

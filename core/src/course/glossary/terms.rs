@@ -1971,7 +1971,7 @@ pub static GLOSSARY: &[Term] = &[
         Evaluation,
         "success plot",
         &["success curve"],
-        "The share of frames whose overlap with the true box exceeds a threshold, over thresholds from 0 to 1; its area is a score of a tracker.",
+        "The share of frames in which the overlap with the true box exceeds a threshold, over thresholds from 0 to 1; its area is a score of a tracker.",
     ),
     term(
         MotionVectors,

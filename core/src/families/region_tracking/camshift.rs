@@ -29,7 +29,7 @@ params! {
         iterations: usize = 10, 1..=100;
         /// Length of a shift below which the iteration has converged.
         epsilon: f32 = 0.5, 0.01..=2.0, "px";
-        /// Pixels around the window whose moments count for its new size, so that it can grow.
+        /// Pixels around the window that count for its new size, so that it can grow.
         margin: usize = 5, 0..=50, "px";
     }
     advanced { "iterations", "epsilon" }

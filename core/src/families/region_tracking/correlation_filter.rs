@@ -26,7 +26,7 @@ params! {
         settings: Settings = Settings::default();
         /// Side of the window of the filter, as a multiple of that of the region. A larger one reaches larger displacements, and learns more of
         /// the background.
-        window: f32 = 1.5, 1.0..=4.0;
+        window_scale: f32 = 1.5, 1.0..=4.0;
         /// Standard deviation of the Gaussian that the filter is to answer with.
         sigma_px: f32 = 2.0, 0.5..=10.0, "px";
         /// Share η of the newest frame in the filter. Large values follow changes of appearance, and drift more.
@@ -182,7 +182,7 @@ impl Model {
     /// The response of the filter to a frame, for an object that was at `center`.
     fn response(&self, luma: &Gray, center: [f32; 2]) -> Response {
         let origin = self.origin(center);
-        let patch = self.window(luma, origin);
+        let patch = self.window_scale(luma, origin);
         let mut product = self.spectrum(&patch);
         product.iter_mut().zip(self.filter()).for_each(|(f, h)| *f *= h);
         self.fixed.transform.inverse(&mut product);
@@ -248,7 +248,8 @@ fn displacement(values: &Grid<f32>, (x, y): (usize, usize)) -> [f32; 2] {
 impl CorrelationFilter {
     /// Width and height of the window for a region.
     fn window_of(&self, region: Region) -> (usize, usize) {
-        let [width, height] = region.size.map(|side| (side * self.window).round().clamp(LEAST_PX, MOST_PX) as usize);
+        let [width, height] =
+            region.size.map(|side| (side * self.window_scale).round().clamp(LEAST_PX, MOST_PX) as usize);
         (width, height)
     }
 
@@ -395,7 +396,7 @@ impl RegionModel for CorrelationFilter {
         // Spectra of a window; in a walk those of each event.
         let (width, height) = clip.size();
         let region = self.settings.region.map_or([width as f32, height as f32], |zone| zone.size());
-        let side = |i: usize| f64::from((region[i] * self.window).clamp(LEAST_PX, MOST_PX));
+        let side = |i: usize| f64::from((region[i] * self.window_scale).clamp(LEAST_PX, MOST_PX));
         let pixels = side(0) * side(1);
         Need::default().and([80.0 * pixels, 240.0 * pixels]).and([8e6; 2])
     }

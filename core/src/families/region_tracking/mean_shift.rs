@@ -29,8 +29,8 @@ params! {
     pub struct MeanShift {
         /// Region and frames.
         settings: Settings = Settings::default();
-        /// Colour space of the histograms.
-        color_space: ColorSpace = ColorSpace::Rgb;
+        /// Colour channels of the histograms.
+        channels: ColorSpace = ColorSpace::Rgb;
         /// Bins along each axis of the colour space. Few bins tolerate noise and changes of light, many tell similar colours apart.
         bins: usize = 16, 2..=32;
         /// Treatment of colours that the surroundings of the object have too.
@@ -255,7 +255,7 @@ impl RegionModel for MeanShift {
     }
 
     fn begin(&self, frame: &Arc<Frame>, region: Region, observer: &mut impl Observer<Event>) -> (Model, f32) {
-        let binning = Binning::new(self.color_space, self.bins, frame);
+        let binning = Binning::new(self.channels, self.bins, frame);
         let own = Histogram::of_ellipse(frame, binning, region);
         observer.see(|| Event::Modelled(Arc::new(own.clone())));
         if self.background == Background::Ignored {

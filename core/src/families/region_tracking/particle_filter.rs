@@ -39,8 +39,8 @@ params! {
         process_noise: f32 = 2.0, 0.0..=30.0, "px/frame²";
         /// Standard deviation of the change of scale.
         scale_noise: f32 = 1.0, 0.0..=10.0, "%/frame";
-        /// Colour space of the histograms.
-        color_space: ColorSpace = ColorSpace::Rgb;
+        /// Colour channels of the histograms.
+        channels: ColorSpace = ColorSpace::Rgb;
         /// Bins along each axis of the colour space.
         bins: usize = 8, 2..=32;
         /// Factor λ of the likelihood exp(−λ (1 − ρ)). Large values let few particles survive, small ones many that fit badly.
@@ -196,7 +196,7 @@ impl RegionModel for ParticleFilter {
     }
 
     fn begin(&self, frame: &Arc<Frame>, region: Region, observer: &mut impl Observer<Event>) -> (Model, f32) {
-        let binning = Binning::new(self.color_space, self.bins, frame);
+        let binning = Binning::new(self.channels, self.bins, frame);
         let histogram = Arc::new(Histogram::of_ellipse(frame, binning, region));
         observer.see(|| Event::Modelled(Arc::clone(&histogram)));
         let particles = Arc::new(cloud::scatter(self.draw_of(0), self.particles, region, SPREAD));

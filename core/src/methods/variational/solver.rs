@@ -52,7 +52,7 @@ impl<M: Model<Unknowns = Field>> Probe<'_, M> {
         Sentence::default()
             .text(of)
             .ink(Role::Reference, self.pixel())
-            .text(": (ū, v̄) = ")
+            .text(": ")
             .ink(Role::Predicted, self.px(mean))
             .text(". It minimises the smoothness term: the four nearest neighbours weigh 1/6 each, the diagonal ones 1/12, \
                  and the image border is replicated.")

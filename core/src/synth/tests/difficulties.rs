@@ -199,7 +199,7 @@ fn all_are_off_unless_a_scene_needs_one() {
         scene.difficulty() != Difficulty { frames: scene.difficulty().frames, ..Difficulty::default() }
     };
     let tuned: Vec<_> = SCENES.iter().filter(|scene| changed(scene)).map(|scene| scene.id).collect();
-    assert_eq!(tuned, ["flat-wall", "flicker"]);
+    assert_eq!(tuned, ["flat-wall", "flicker", "leaves"]);
 }
 
 /// Any slider anywhere in its range, in a picture small enough to try many.

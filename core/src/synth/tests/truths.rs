@@ -76,7 +76,7 @@ fn colors_travel_with_the_motion() {
             around.all(|[dx, dy]| moment.foremost([p[0] + dx, p[1] + dy]) == Some(layer))
         };
         // A pixel of a scene that grows sees a little less of everything fine.
-        let slack = if scene.id == "spin-zoom" { 4.0 } else { 0.01 };
+        let slack = if ["spin-zoom", "leaves"].contains(&scene.id) { 4.0 } else { 0.01 };
         let (mut checked, mut off) = (0.0, 0.0);
         for (x, y) in pixels(&clip).step_by(7).filter(|&at| !hidden[at]) {
             let p = [x as f64, y as f64];
@@ -193,8 +193,10 @@ fn boxes_fit_the_masks() {
             let extreme =
                 |i: usize| mask.iter().map(|p| p[i]).fold((f64::MAX, f64::MIN), |(a, b), c| (a.min(c), b.max(c)));
             let [(x0, x1), (y0, y1)] = [extreme(0), extreme(1)];
-            // A tip may lie between two rows of pixels; nothing lies outside the box.
-            assert!(x0 >= left && x1 <= right && y0 >= top && y1 <= bottom, "{} {}", scene.id, sighting.id);
+            // A tip may lie between two rows of pixels; nothing lies outside the box, except for a pixel on the edge of a disc, whose box is that
+            // of a polygon.
+            let is_in_box = [left - x0, x1 - right, top - y0, y1 - bottom].iter().all(|beyond| *beyond < 0.01);
+            assert!(is_in_box, "{} {}", scene.id, sighting.id);
             let slack = [x0 - left, right - x1, y0 - top, bottom - y1];
             assert!(slack.iter().all(|s| *s < 3.0), "{} {}: {slack:?}", scene.id, sighting.id);
         }
