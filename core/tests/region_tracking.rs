@@ -196,7 +196,8 @@ fn a_correlation_filter_is_that_of_direct_sums() {
     // Two frames alike at the end: the window of the last is the one that the update before it took.
     let frames = vec![square([20, 18]), square([22, 17]), square([22, 17])];
     let clip = Clip::from_frames("square", frames).expect("frames of one size");
-    let settings = [("region", "19.5,17.5,31.5,27.5"), ("perturbations", "0"), ("min-psr", "0"), ("window", "1.5")];
+    let settings =
+        [("region", "19.5,17.5,31.5,27.5"), ("perturbations", "0"), ("min-psr", "0"), ("window-scale", "1.5")];
     let filter = set("correlation-filter", &settings);
     let learned = &steps(&*filter, &clip, "is learned from")[0];
     let window = tile(learned, "window f");

@@ -182,7 +182,7 @@ impl Model {
     /// The response of the filter to a frame, for an object that was at `center`.
     fn response(&self, luma: &Gray, center: [f32; 2]) -> Response {
         let origin = self.origin(center);
-        let patch = self.window_scale(luma, origin);
+        let patch = self.window(luma, origin);
         let mut product = self.spectrum(&patch);
         product.iter_mut().zip(self.filter()).for_each(|(f, h)| *f *= h);
         self.fixed.transform.inverse(&mut product);
