@@ -45,7 +45,7 @@ pub(crate) fn ellipse(scene: &mut Scene, (role, meaning): (Role, &'static str), 
 /// Adds a warning to the sentence about a model if the region is flat, all of it in one bin.
 pub(crate) fn warned(said: Sentence, model: &Histogram) -> Sentence {
     if model.support.len() == 1 {
-        said.text(" A flat region in one bin is told from its surroundings only where these have other bins.")
+        said.text(" A flat region in one bin stands out only where its surroundings have other bins.")
     } else {
         said
     }
