@@ -176,7 +176,7 @@ fn a_skipped_candidate_says_by_which_bound() {
     let end = told("3").pop().unwrap();
     assert!(end.contains("Skipped by lower bounds: 20 of 25 candidates, 80.0 %."), "{end}");
     let settings = [("block", "8"), ("range", "2"), ("cost", "ncc")];
-    let told = sentences_of("successive-elimination", &clip, &settings, 4, "no lower bound");
+    let told = sentences_of("successive-elimination", &clip, &settings, 4, "Successive elimination has no");
     assert!(told[0].starts_with("Successive elimination has no lower bound for 1 − NCC here"), "{told:?}");
 }
 
