@@ -153,8 +153,8 @@ impl Model {
         let mean = patch.cells().iter().sum::<f32>() / count;
         let norm = patch.cells().iter().map(|v| (v - mean) * (v - mean)).sum::<f32>().sqrt();
         let scale = if norm > 0.0 { 1.0 / norm } else { 0.0 };
-        for y in 0..height {
-            let weight = down[y] * scale;
+        for (y, down) in down.iter().enumerate().take(height) {
+            let weight = down * scale;
             patch.row_mut(y).iter_mut().zip(across).for_each(|(v, across)| *v = (*v - mean) * weight * across);
         }
         patch

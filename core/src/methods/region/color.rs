@@ -309,7 +309,7 @@ mod tests {
 
     #[test]
     fn hues_go_round_the_wheel() {
-        let hues = [[255, 0, 0], [0, 255, 0], [0, 0, 255], [255, 0, 255], [9, 9, 9]].map(|rgb| hsv(rgb));
+        let hues = [[255, 0, 0], [0, 255, 0], [0, 0, 255], [255, 0, 255], [9, 9, 9]].map(hsv);
         let expected = [[0.0, 1.0, 1.0], [1.0 / 3.0, 1.0, 1.0], [2.0 / 3.0, 1.0, 1.0], [5.0 / 6.0, 1.0, 1.0]];
         for (found, expected) in hues.iter().zip(expected) {
             assert!((0..3).all(|i| (found[i] - expected[i]).abs() < 1e-6), "{found:?}");

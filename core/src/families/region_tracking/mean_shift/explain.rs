@@ -32,7 +32,7 @@ impl MeanShift {
                     ));
                 plots::warned(said, histogram)
             }
-            Event::Weighted(all) => weighted(&**all, said),
+            Event::Weighted(all) => weighted(all, said),
             Event::Weighed(_, shift) => self.weighed(at, shift, said),
             Event::Shifted(_, shift) => self.shifted(shift, said),
             Event::Scaled(scaled) => {
