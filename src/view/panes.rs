@@ -498,9 +498,8 @@ mod tests {
     #[test]
     fn displacements_of_single_points_have_no_histogram() {
         let of = |motion: Motion| {
-            let is_of =
-                |estimator: &Box<dyn AnyEstimator>| estimator.produces().iter().all(|kind| kind.motion == motion);
-            estimators().into_iter().find(is_of).unwrap()
+            let is_of = |estimator: &dyn AnyEstimator| estimator.produces().iter().all(|kind| kind.motion == motion);
+            estimators().into_iter().find(|estimator| is_of(&**estimator)).unwrap()
         };
         assert_eq!(HISTOGRAM.check(&*of(Motion::Blocks)).map_err(|error| error.to_string()), Ok(()));
         let error = HISTOGRAM.check(&*of(Motion::Points)).unwrap_err().to_string();

@@ -401,7 +401,7 @@ mod tests {
     #[test]
     fn pictures_larger_than_the_frames_stay_in_the_stage() {
         let [mosaic, warped] = [frame(700, 410), frame(500, 900)];
-        let beside = vec![(Picture::CURRENT, frame(320, 240)), (Picture::NEXT, frame(320, 240))];
+        let beside = [(Picture::CURRENT, frame(320, 240)), (Picture::NEXT, frame(320, 240))];
         let scene = Scene::default();
         for large in [vec![mosaic.clone()], vec![warped.clone()], vec![mosaic, warped]] {
             let names = [Picture::PREVIOUS, Picture::REFERENCE];
