@@ -103,8 +103,8 @@ pub use products::{
     Status, Streak, Streaks, Track, TrackField, TrackStatus, metrics, predict, table,
 };
 pub use run::{
-    AnyEstimator, AnyRun, Beside, CandidateCount, Cursor, Direction, Estimator, Explained, Extent, FRAMES, Footprint,
-    Granularity, Guarantee, Info, LEVEL, Move, Pace, Pointed, Progress, RunSummary, Seen, StageView, TestsCandidates,
-    Timeline, Walk, lockstep, run_observed, stage,
+    AnyEstimator, AnyRun, Beside, CandidateCount, Cursor, Direction, Estimator, Explained, Extent, FRAME, FRAMES,
+    Footprint, Granularity, Guarantee, Info, LEVEL, Move, Pace, Pointed, Progress, RunSummary, Seen, StageView,
+    TestsCandidates, Timeline, Walk, lockstep, run_observed, stage,
 };
 pub use scene::{Floor, Level, Levels, Role, Scene, Stack, Step, pseudocode};

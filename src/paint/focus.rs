@@ -4,6 +4,8 @@
 
 mod local;
 
+pub use local::reach_shown;
+
 use motionscope_core::scene::{Mark, Picture, Shape};
 use motionscope_core::{Role, Scene};
 

@@ -39,9 +39,10 @@ pub fn fine(v: f32) -> String {
     fixed(v.into(), 2)
 }
 
-/// A count with its noun: `1 frame`, `3 frames`.
+/// A count with its noun: `1 frame`, `3 frames`, `3 matches`.
 pub fn counted(count: usize, one: &str) -> String {
-    if count == 1 { format!("1 {one}") } else { format!("{count} {one}s") }
+    let plural = if one.ends_with("ch") { "es" } else { "s" };
+    if count == 1 { format!("1 {one}") } else { format!("{count} {one}{plural}") }
 }
 
 /// The message for an unknown name: the nearest of `names` if `given` looks like a misspelling of it, else all of them.

@@ -170,7 +170,8 @@ impl Product for MatchField {
         let mut facts = vec![fact("Matches", told)];
         facts.extend(precision.map(|share| fact("Right matches (within 3 px)", format!("{:.1} %", 100.0 * share))));
         let inliers = if outliers > 0 { format!(", {} inliers", grouped(accepted)) } else { String::new() };
-        let headline = format!("{} matches{inliers}", grouped(passed));
+        let noun = if passed == 1 { "match" } else { "matches" };
+        let headline = format!("{} {noun}{inliers}", grouped(passed));
         Ok(Assessment { headline, truth_error, ..Assessment::default() }.with(scores(&MEASURES, values), facts))
     }
 
@@ -206,7 +207,7 @@ mod tests {
         assert_eq!(robust, (vec![Some(3.0), None, None], "3, 2 of them inliers".into(), "3 matches, 2 inliers".into()));
         let tested = of(&[Inlier, RejectedRatio, RejectedRatio]);
         let values = vec![Some(1.0), Some(2.0), Some(0.0)];
-        assert_eq!(tested, (values, "1 of 3 nearest neighbours".into(), "1 matches".into()));
+        assert_eq!(tested, (values, "1 of 3 nearest neighbours".into(), "1 match".into()));
     }
 
     #[test]

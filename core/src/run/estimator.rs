@@ -77,6 +77,8 @@ impl Info {
 
 /// The granularity of pyramid levels, counted down to 0, the picture itself.
 pub const LEVEL: &str = "level";
+/// The granularity of frames, whose number in the clip is shown wherever a run is.
+pub const FRAME: &str = "frame";
 
 /// The position of a run on one granularity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

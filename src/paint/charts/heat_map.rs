@@ -6,6 +6,7 @@ use std::sync::Arc;
 use motionscope_core::scene::Surface;
 use motionscope_core::{Grid, Role};
 
+use super::super::focus::reach_shown;
 use super::super::primitive::{Anchor, Primitive, Rect};
 use super::super::{Color, ColorMap, Theme, grouped, number};
 use super::axis::Axis;
@@ -50,9 +51,6 @@ pub fn draw(data: HeatMap<'_>, area: Rect, style: ChartStyle) -> Drawing<Map> {
     Drawing { place: map, body: canvas.into_layers(), head: head(data, &map, area, None, style) }
 }
 
-/// Half sides in px of the part of a window that is shown: few, so that the map seldom changes its scale.
-const REACHES: [i32; 2] = [5, 9];
-
 /// The part of `surface` around the first candidate that holds all tested ones with a margin, where that is a small part. A search
 /// that is over is shown with all that it left out.
 fn around_first(surface: &Surface) -> Cow<'_, Surface> {
@@ -65,8 +63,8 @@ fn around_first(surface: &Surface) -> Cow<'_, Surface> {
     let reach = marked.flat_map(|at| [0, 1].map(|i| (at[i] - first[i]).abs())).max().unwrap_or(0);
     let (width, height) = surface.values.size();
     let size = [width, height].map(|extent| extent as i32);
-    let is_small = |half: &i32| reach < *half && 3 * (2 * half + 1) <= 2 * size[0].min(size[1]);
-    let Some(half) = REACHES.into_iter().find(is_small) else { return whole };
+    let Some(half) = reach_shown(reach as f32, size.map(|extent| extent as f32)) else { return whole };
+    let half = half as i32;
     // A raster begins at a corner.
     let is_inside = |i: usize| (half..size[i] - half).contains(&(first[i] - surface.origin[i]));
     if !is_inside(0) || !is_inside(1) {

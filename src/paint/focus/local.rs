@@ -10,6 +10,13 @@ use super::{Rect, around, bounds_at_work};
 /// Displacements in px on each side of the block that are shown: few steps, so that the view seldom changes.
 const REACHES: [f32; 2] = [5.0, 9.0];
 
+/// How far from the first displacement is shown where a search has gone as far as `reach` px in a window of `size` displacements;
+/// `None` where that is no small part of the window. The view of the pictures and the cost surface agree on it.
+pub fn reach_shown(reach: f32, size: [f32; 2]) -> Option<f32> {
+    let is_small = |half: &f32| reach < *half && 3.0 * (2.0 * half + 1.0) <= 2.0 * size[0].min(size[1]);
+    REACHES.into_iter().find(is_small)
+}
+
 /// The reference block with the displacements that are tested and the next ones, where that is a small part of the search window.
 ///
 /// The window itself is shown for a search that begins in a corner of it, and before the first test.
@@ -26,9 +33,8 @@ pub fn tested_part(scene: &Scene) -> Option<Rect> {
         _ => None,
     });
     let reach = reach.chain([displaced(tested)]).flatten().fold(0.0, f32::max);
-    let [wide, high] = [0, 1].map(|i| (window.max[i] - window.min[i]) - (block.max[i] - block.min[i]) + 1.0);
-    let is_small = |half: &f32| reach < *half && 3.0 * (2.0 * half + 1.0) <= 2.0 * wide.min(high);
-    REACHES.into_iter().find(is_small).map(|half| block.grown(half))
+    let displacements = [0, 1].map(|i| (window.max[i] - window.min[i]) - (block.max[i] - block.min[i]) + 1.0);
+    reach_shown(reach, displacements).map(|half| block.grown(half))
 }
 
 /// The reference block of a search that has tested nothing yet.

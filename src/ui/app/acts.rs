@@ -93,9 +93,7 @@ impl App {
     pub fn command(&mut self, command: Command) {
         use Command as C;
         if !command.enabled(&self.now()) {
-            if command == C::LargerInterface {
-                self.toasts.hint("The interface is as large as fits into this window.".to_owned());
-            }
+            command.why_disabled().into_iter().for_each(|why| self.toasts.hint(why.to_owned()));
             return;
         }
         match command {

@@ -384,6 +384,14 @@ impl Command {
         }
     }
 
+    /// What is said when it is called by its key and is not enabled, where nothing on the screen says why.
+    pub fn why_disabled(self) -> Option<&'static str> {
+        match self {
+            Command::LargerInterface => Some("The interface is as large as fits into this window."),
+            _ => None,
+        }
+    }
+
     /// Whether it makes sense just now.
     pub fn enabled(self, now: &Situation) -> bool {
         use Command as C;

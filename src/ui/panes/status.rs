@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use eframe::egui::{Button, ProgressBar, RichText, Ui};
 use motionscope_core::scene::{Focus, Picture};
-use motionscope_core::{Cursor, Granularity, LEVEL};
+use motionscope_core::{Cursor, FRAME, Granularity, LEVEL};
 
 use crate::paint::grouped;
 use crate::ui::app::action::Actions;
@@ -73,7 +73,7 @@ pub fn line(shown: &Snapshot) -> String {
         let of = shown.units.map_or_else(String::new, |units| format!("  ·  {} {unit}s to do", grouped(units)));
         return format!("not started{of}");
     }
-    let mut parts = place(shown);
+    let mut parts: Vec<String> = place(shown, true).into_iter().map(|(_, words)| words).collect();
     if let Some(name) = granularities.last() {
         parts.push(counted(name, shown.cursor.event, Some(shown.events)));
     }
@@ -88,28 +88,30 @@ pub fn line(shown: &Snapshot) -> String {
     parts.join("  ·  ")
 }
 
-/// The parts of the run that it stands in, from the largest on: `level 3 (coarsest 3)`, `warp 2 of 3`, `iteration 5 of 20`.
-fn place(shown: &Snapshot) -> Vec<String> {
+/// The parts of the run that it stands in, from the largest on, each with its name: `level 3 (coarsest 3)`, `warp 2 of 3`; without
+/// `totals` `level 3`, `warp 2`.
+fn place(shown: &Snapshot, totals: bool) -> Vec<(&'static str, String)> {
     let all = shown.place.iter().zip(shown.info.granularities);
-    let part = |(granularity, name): (&Granularity, &&str)| match (*name, granularity.of) {
+    let part = |(granularity, name): (&Granularity, &&'static str)| match (*name, granularity.of) {
         // A granularity of one is no news.
         (_, Some(1)) => None,
         // Levels are called by their number in the pyramid, as everywhere else: the last is the picture itself.
-        (LEVEL, Some(of)) => Some(format!("level {} (coarsest {})", of - 1 - granularity.index, of - 1)),
-        (name, of) => Some(counted(name, granularity.index + 1, of)),
+        (LEVEL, Some(of)) => {
+            let coarsest = if totals { format!(" (coarsest {})", of - 1) } else { String::new() };
+            Some((LEVEL, format!("level {}{coarsest}", of - 1 - granularity.index)))
+        }
+        (name, of) => Some((name, counted(name, granularity.index + 1, of.filter(|_| totals)))),
     };
     all.filter_map(part).collect()
 }
 
-/// The same in short, `level 3, warp 2, iteration 5`, where the timeline does not say it: for runs whose units are parts of larger ones.
+/// The same in short, `level 3, warp 2, iteration 5`, where the timeline does not say it: for runs whose units are parts of larger
+/// ones. Frames are named by their number in the clip, beside it.
 pub fn nested_place(shown: &Snapshot) -> Option<String> {
-    let all = shown.place.iter().zip(shown.info.granularities).filter(|(granularity, _)| granularity.of != Some(1));
-    let number = |(granularity, name): (&Granularity, &&str)| match (*name, granularity.of) {
-        (LEVEL, Some(of)) => format!("level {}", of - 1 - granularity.index),
-        (name, _) => format!("{name} {}", grouped(granularity.index + 1)),
-    };
-    let parts: Vec<String> = all.map(number).collect();
-    (parts.len() > 1 && shown.cursor != Cursor::default() && !shown.at_end).then(|| parts.join(", "))
+    let parts = place(shown, false);
+    let is_nested = parts.len() > 1 && shown.cursor != Cursor::default() && !shown.at_end;
+    let parts: Vec<String> = parts.into_iter().filter(|(name, _)| *name != FRAME).map(|(_, words)| words).collect();
+    (is_nested && !parts.is_empty()).then(|| parts.join(", "))
 }
 
 /// Which pixel is explained, and how another one is.

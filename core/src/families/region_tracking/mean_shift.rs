@@ -49,7 +49,7 @@ params! {
 const SCALE_STEP: f32 = 0.1;
 /// The part of the way to the best size that is taken.
 const SCALE_RATE: f32 = 0.1;
-/// The surroundings reach so many times as far as the object: with three times its area around it.
+/// Extent of the surroundings as a multiple of that of the object: the area around it is three times its own.
 const AROUND: f32 = 2.0;
 /// An ellipse is not smaller than this, in px.
 const LEAST_PX: f32 = 4.0;
@@ -94,7 +94,7 @@ pub struct Trial {
     pub is_lost: bool,
 }
 
-/// The model of an object: its histogram q, and what that was before colours of the surroundings were weighted.
+/// The model of an object: its histogram q, with the colours of the surroundings weighted if that is chosen.
 #[derive(Clone, Debug)]
 pub struct Model {
     /// The histogram of the object.

@@ -98,7 +98,7 @@ impl Chain {
         self.frames().map(|frames| 2 * frames - 1)
     }
 
-    /// The place of such a run after so many frames of the second pass: clip, pass, and pair or frame.
+    /// The place of a run of two passes after `done` frames of the second: clip, pass, and pair or frame.
     pub fn place(&self, done: usize) -> Vec<Granularity> {
         let frames = self.frames();
         let (pass, index, of) = match self.is_complete {
@@ -108,7 +108,7 @@ impl Chain {
         vec![Granularity { index: 0, of: Some(1) }, Granularity { index: pass, of: Some(2) }, Granularity { index, of }]
     }
 
-    /// The frame of such a run after so many frames of the second pass.
+    /// The frame of a run of two passes after `done` frames of the second.
     pub fn at_frame(&self, done: usize) -> usize {
         match self.is_complete {
             false => self.frame,

@@ -318,8 +318,8 @@ fn a_run_that_cannot_be_interrupted_is_left_behind() {
     let held = Arc::new(AtomicBool::new(true));
     let mut walker = Walker::new(|| {}).unwrap();
     let clip = Clip::new(clip().info().clone(), Arc::new(Uncancellable(clip(), Arc::clone(&held))));
-    let deaf = || Job { subject: Arc::new(Prepared { clip: clip.clone(), ..subject() }), place: Place::default() };
-    walker.start(deaf());
+    let held_job = || Job { subject: Arc::new(Prepared { clip: clip.clone(), ..subject() }), place: Place::default() };
+    walker.start(held_job());
     std::thread::sleep(2 * SLOW_AFTER);
     assert!(walker.view().busy_for.is_some_and(|time| time > SLOW_AFTER));
     let begun = Instant::now();
@@ -329,7 +329,7 @@ fn a_run_that_cannot_be_interrupted_is_left_behind() {
     assert!(walker.view().refused.is_some_and(|error| error.to_string().contains("cancelled before")));
 
     // Nor does it stand in the way of another one.
-    walker.start(deaf());
+    walker.start(held_job());
     std::thread::sleep(2 * SLOW_AFTER);
     walker.start(job());
     tended(&mut walker);

@@ -19,7 +19,7 @@ const ROWS: usize = 12;
 
 /// The number of matches, and of the right ones among them where the true displacement is known.
 fn counted_matches(all: &[Match], estimate: &Estimate<'_>) -> String {
-    let count = words::counted(all.len(), "match").replace("matchs", "matches");
+    let count = words::counted(all.len(), "match");
     let errors = estimate.truth.map(|truth| MatchField::compare(all.iter(), truth));
     match errors.filter(|errors| errors.known > 0) {
         Some(errors) => format!("{count}, {} of {} right", words::grouped(errors.right), words::grouped(errors.known)),
