@@ -214,6 +214,82 @@ fn a_lecture_shows_stage_and_chart_in_every_window() {
     }
 }
 
+/// Estimators with short sentences and long conclusions, with formulas of many lines, and with none.
+const TOLD: [&str; 8] = [
+    "full-search",
+    "diamond",
+    "horn-schunck",
+    "lucas-kanade",
+    "harris",
+    "sift",
+    "mixture-of-gaussians",
+    "kalman-tracker",
+];
+
+/// Shows the window at the start, at the steps of a unit, at its end and at the end of the run.
+fn along_a_unit(window: &mut Window, mut look: impl FnMut(&Window, &str)) {
+    look(window, "start");
+    window.key(Key::PageDown);
+    for step in 1..=8 {
+        window.key(Key::ArrowRight);
+        look(window, &format!("step {step}"));
+    }
+    window.key(Key::U);
+    look(window, "the end of a unit");
+    window.key(Key::End);
+    look(window, "the end of the run");
+    window.key(Key::PageUp);
+    look(window, "the unit before");
+}
+
+#[test]
+fn the_stage_of_a_lecture_stays_as_it_is_from_step_to_step() {
+    for id in TOLD {
+        for (theme, pixels) in [
+            (Command::ProjectorTheme, [1280.0, 720.0]),
+            (Command::ProjectorTheme, [1920.0, 1080.0]),
+            (Command::DarkTheme, [1280.0, 720.0]),
+        ] {
+            let mut window = window(id, "0.0");
+            window.command(theme);
+            if theme == Command::DarkTheme {
+                window.key(Key::L);
+            }
+            resize(&mut window, pixels, 1.0);
+            let mut heights = Vec::new();
+            along_a_unit(&mut window, |window, at| {
+                let stage = rects(window, Region::Stage);
+                assert_eq!((stage.len(), rects(window, Region::Strip).len()), (1, 1), "{id}, {theme:?}, {at}");
+                heights.push((stage[0].height(), at.to_owned()));
+            });
+            let all = || heights.iter().map(|(height, _)| *height);
+            let (least, most) = (all().fold(f32::INFINITY, f32::min), all().fold(0.0, f32::max));
+            assert!(least >= 0.95 * most, "{id}, {theme:?}, {pixels:?}: {heights:?}");
+        }
+    }
+}
+
+#[test]
+fn sentence_and_formula_are_whole_in_a_lecture() {
+    for id in TOLD {
+        let mut window = window(id, "0.0");
+        window.command(Command::ProjectorTheme);
+        resize(&mut window, [1280.0, 720.0], 1.0);
+        along_a_unit(&mut window, |window, at| {
+            let strip = rects(window, Region::Strip)[0];
+            // What is scrolled out of sight is painted as well.
+            let shapes = window.harness.output().shapes.iter();
+            let mut told = Vec::new();
+            shapes
+                .filter(|clipped| strip.expand(4.0).contains_rect(clipped.clip_rect))
+                .for_each(|clipped| texts(&clipped.shape, clipped.clip_rect, &mut told));
+            assert!(!told.is_empty(), "{id}, {at}: nothing is told");
+            let cut = told.iter().find(|word| !word.clip.expand(1.5).contains_rect(word.rect));
+            assert_eq!(cut.map(|word| &word.text), None, "{id}, {at}");
+        });
+    }
+}
+
 #[test]
 fn bad_windows_are_usable() {
     for (pixels, scale) in

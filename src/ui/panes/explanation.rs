@@ -248,16 +248,15 @@ type Column = (f32, Part);
 #[derive(Clone, Debug, Default)]
 pub struct Strip {
     key: Option<Key>,
+    /// The most that a step needed.
     height: f32,
-    /// The most that a step before the end needed.
-    usual: f32,
-    /// The most that there is room for.
-    most: f32,
+    /// What there always is room for.
+    kept: f32,
     shown: Option<(Arc<Step>, Vec<Column>)>,
 }
 
 /// Sizes of the strip's type that are tried until all of it is seen: 18 points on a projector, less for the longest alone.
-const TYPE_SHARES: [f32; 4] = [1.0, 0.93, 0.86, 0.8];
+const TYPE_SHARES: [f32; 5] = [1.0, 0.93, 0.86, 0.8, 0.74];
 /// Most lines of a formula that always stand below each other: a short one is read across otherwise.
 const ONE_COLUMN: usize = 3;
 /// Most rows of numbers in the strip.
@@ -273,34 +272,35 @@ const STRIP_GAP: f32 = 24.0;
 const STRIP_MARGIN: f32 = 8.0;
 
 impl Strip {
-    /// Height that the strip needs, in points.
+    /// The most height that the strip has needed for this estimator in this window, in points.
     pub fn height(&self) -> f32 {
         self.height + STRIP_MARGIN
     }
 }
 
-/// Shows why, and the formula with its numbers; where a step has none, its numbers alone. It may become `most` points high.
-pub fn strip(ui: &mut Ui, (input, most): (Input<'_>, f32), state: &mut Strip) {
-    let Input { info, step, theme, at_end } = input;
+/// Shows why, and the formula with its numbers; where a step has none, its numbers alone. `kept` points of height are kept for it:
+/// longer texts are set smaller, and only what has no room even so asks for more.
+pub fn strip(ui: &mut Ui, (input, kept): (Input<'_>, f32), state: &mut Strip) {
+    let Input { info, step, theme, .. } = input;
     let density = Density::strip(theme);
     let width = ui.available_width().round() as u32;
     let (pixels_per_point, atlas) = (ui.pixels_per_point(), ink::atlas(ui.ctx()));
     let key = Key { id: info.id, width, theme, density, pixels_per_point, atlas };
-    let most = most - STRIP_MARGIN;
-    if state.key != Some(key) || state.most != most {
-        *state = Strip { key: Some(key), most, ..Strip::default() };
+    let kept = kept - STRIP_MARGIN;
+    if state.key != Some(key) || state.kept != kept {
+        *state = Strip { key: Some(key), kept, ..Strip::default() };
     }
     let known = state.shown.take().filter(|(shown, _)| Arc::ptr_eq(shown, step));
-    let parts = |painter: &Painter| strip_parts(painter, input, [width as f32, most]);
+    let parts = |painter: &Painter| strip_parts(painter, input, [width as f32, kept]);
     let (shown, parts) = known.unwrap_or_else(|| (Arc::clone(step), parts(ui.painter())));
     let needed = parts.iter().map(|(_, part)| part.size.y).fold(0.0, f32::max).ceil();
-    // At the end more is told: it has the room that it needs, and the steps before keep theirs.
-    let height = if at_end { needed } else { needed.max(state.usual) };
-    if !at_end {
-        state.usual = height;
-    }
-    if std::mem::replace(&mut state.height, height) != height {
-        ui.ctx().request_discard("the strip needs another height");
+    // It only grows, so that nothing jumps from step to step.
+    if needed > state.height {
+        let has_room = needed <= kept;
+        state.height = needed;
+        if !has_room {
+            ui.ctx().request_discard("the strip needs more height");
+        }
     }
     let room = ui.available_height();
     egui::ScrollArea::vertical().id_salt("strip").auto_shrink(false).max_height(room).show(ui, |ui| {
@@ -325,13 +325,13 @@ pub fn strip(ui: &mut Ui, (input, most): (Input<'_>, f32), state: &mut Strip) {
 
 /// The parts of the strip beside each other, each with its left edge, in the largest type in which all of it is seen: rather
 /// smaller than out of sight.
-fn strip_parts(painter: &Painter, input: Input<'_>, [width, most]: [f32; 2]) -> Vec<Column> {
+fn strip_parts(painter: &Painter, input: Input<'_>, [width, kept]: [f32; 2]) -> Vec<Column> {
     let usual = Density::strip(input.theme);
     let at = |share: &f32| Density { words: share * usual.words, math: share * usual.math, ..usual };
     let mut columns = Vec::new();
     for density in TYPE_SHARES.iter().map(at) {
-        columns = strip_columns(input, (width, density), most);
-        if height(&columns, width) <= most {
+        columns = strip_columns(input, (width, density), kept);
+        if height(&columns, width) <= kept {
             break;
         }
     }
