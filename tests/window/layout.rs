@@ -316,6 +316,24 @@ fn a_chart_takes_the_place_of_the_stage_and_gives_it_back() {
 }
 
 #[test]
+fn entries_that_the_legend_has_no_room_for_are_listed_by_a_click() {
+    let mut window = Window::new(vec2(1280.0, 720.0));
+    resize(&mut window, [640.0, 480.0], 1.0);
+    let legend = window.harness.get_by_label_contains("Legend: ").accesskit_node().label().expect("its entries");
+    // The numbers of the scale are words of their own.
+    let listed = |window: &Window| {
+        let all = words(&window.harness.output().shapes);
+        all.iter().filter(|word| word.text.len() > 4 && legend.contains(&word.text)).count()
+    };
+    let before = listed(&window);
+    window.harness.get_by_label_contains("more in the legend").click();
+    window.settle();
+    assert!(listed(&window) > before + 1, "{before} of {legend}");
+    window.key(Key::Escape);
+    assert_eq!(listed(&window), before);
+}
+
+#[test]
 fn what_is_wrong_is_found() {
     let mut window = Window::new(vec2(1280.0, 720.0));
     assert_eq!(faults(&window), Vec::<String>::new());
