@@ -270,6 +270,34 @@ fn the_stage_of_a_lecture_stays_as_it_is_from_step_to_step() {
 }
 
 #[test]
+fn every_layout_settles() {
+    for id in TOLD {
+        for theme in [Command::DarkTheme, Command::ProjectorTheme] {
+            let mut window = window(id, "0.0");
+            window.command(theme);
+            // Low enough that the line at work comes into sight and goes out of it, and that the panes share the height.
+            resize(&mut window, [1440.0, 760.0], 1.0);
+            along_a_unit(&mut window, |window, at| {
+                // What was drawn last had its final size at once.
+                let passes = window.harness.output().platform_output.num_completed_passes;
+                assert_eq!(passes, 1, "{id}, {theme:?}, {at}: the layout goes on changing");
+            });
+        }
+    }
+}
+
+#[test]
+fn the_explanation_keeps_its_height_as_formulas_come_and_go() {
+    let mut window = window("sift", "0.0");
+    resize(&mut window, [1440.0, 900.0], 1.0);
+    let height = |window: &Window| window.region(Region::Explanation).height();
+    // Whatever the steps of a unit have needed is kept for them.
+    let mut first = Vec::new();
+    along_a_unit(&mut window, |window, _| first.push(height(window)));
+    assert!(first.windows(2).all(|pair| pair[1] >= pair[0] - 0.5), "it shrinks: {first:?}");
+}
+
+#[test]
 fn sentence_and_formula_are_whole_in_a_lecture() {
     for id in TOLD {
         let mut window = window(id, "0.0");

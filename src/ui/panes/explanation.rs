@@ -37,6 +37,22 @@ fn density(height: f32, theme: Theme) -> Density {
     if height < ROOMY * theme.sizes().body { Density::close(theme) } else { Density::roomy(theme) }
 }
 
+/// What the parts of a pane follow from. The pane's height follows from its formula and from the chart below: once things stand
+/// close for an estimator in a window they go on doing so, or else both would change with every step.
+fn key_of(ui: &Ui, Input { info, theme, .. }: Input<'_>, before: Option<Key>) -> Key {
+    let key = |density| Key {
+        id: info.id,
+        width: ui.available_width().round() as u32,
+        window: ui.ctx().content_rect().height().round() as u32,
+        theme,
+        density,
+        pixels_per_point: ui.pixels_per_point(),
+        atlas: ink::atlas(ui.ctx()),
+    };
+    let close = key(Density::close(theme));
+    if before == Some(close) { close } else { key(density(ui.available_height(), theme)) }
+}
+
 /// From one part to the next, in points.
 fn gap(density: Density, theme: Theme) -> f32 {
     if density == Density::close(theme) { 5.0 } else { 8.0 }
@@ -48,6 +64,8 @@ struct Key {
     /// The estimator.
     id: &'static str,
     width: u32,
+    /// Height of the window.
+    window: u32,
     theme: Theme,
     density: Density,
     pixels_per_point: f32,
@@ -145,13 +163,15 @@ pub struct State {
     facts: f32,
     /// How much of the parts is seen where the line at work is out of sight among them, and so stands below them.
     pinned: Option<f32>,
-    /// Height down to the end of the formula.
+    /// The most height down to the end of the formula.
     formula_end: f32,
+    /// Whether that was measured for another key.
+    is_old: bool,
     parts: Option<Parts>,
 }
 
 impl State {
-    /// Height of the explanation down to the end of its formula, in points, as it was shown last.
+    /// The most height of the explanation down to the end of its formula, in points, as it was shown so far.
     pub fn formula_end(&self) -> f32 {
         self.formula_end
     }
@@ -169,6 +189,7 @@ impl State {
                 equation: 4.0 * (1.45 * math).round(),
                 pinned: self.pinned,
                 formula_end: self.formula_end,
+                is_old: true,
                 parts: None,
             };
         }
@@ -178,11 +199,8 @@ impl State {
 /// Shows the explanation in the whole of `ui`.
 pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) {
     let Input { info, step, theme, at_end } = input;
-    let density = density(ui.available_height(), theme);
-    ui.spacing_mut().item_spacing = vec2(8.0, gap(density, theme));
-    let width = ui.available_width().round() as u32;
-    let (pixels_per_point, atlas) = (ui.pixels_per_point(), ink::atlas(ui.ctx()));
-    let key = Key { id: info.id, width, theme, density, pixels_per_point, atlas };
+    let key = key_of(ui, input, state.key);
+    ui.spacing_mut().item_spacing = vec2(8.0, gap(key.density, theme));
     state.keep_for(key);
     let known = state.parts.take().filter(|parts| Arc::ptr_eq(&parts.step, step));
     let parts = known.unwrap_or_else(|| Parts::new(ui.painter(), input, key));
@@ -223,6 +241,8 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) {
     }
     // Above the formula, the formula, and the line at work that stands below them.
     let needed = (scrolled.inner_rect.min.y - from + formula_end + below + PANE_MARGIN).ceil();
+    // It only grows, so that the pane keeps its height where steps with a formula and without one follow each other.
+    let needed = if std::mem::take(&mut state.is_old) { needed } else { needed.max(state.formula_end) };
     if std::mem::replace(&mut state.formula_end, needed) != needed {
         ui.ctx().request_discard("the explanation needs another height");
     }
@@ -281,11 +301,9 @@ impl Strip {
 /// Shows why, and the formula with its numbers; where a step has none, its numbers alone. `kept` points of height are kept for it:
 /// longer texts are set smaller, and only what has no room even so asks for more.
 pub fn strip(ui: &mut Ui, (input, kept): (Input<'_>, f32), state: &mut Strip) {
-    let Input { info, step, theme, .. } = input;
-    let density = Density::strip(theme);
-    let width = ui.available_width().round() as u32;
-    let (pixels_per_point, atlas) = (ui.pixels_per_point(), ink::atlas(ui.ctx()));
-    let key = Key { id: info.id, width, theme, density, pixels_per_point, atlas };
+    let Input { step, theme, .. } = input;
+    let key = Key { density: Density::strip(theme), ..key_of(ui, input, None) };
+    let width = key.width;
     let kept = kept - STRIP_MARGIN;
     if state.key != Some(key) || state.kept != kept {
         *state = Strip { key: Some(key), kept, ..Strip::default() };
