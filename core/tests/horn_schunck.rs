@@ -228,6 +228,32 @@ fn displacements_on_a_level_are_reported_in_its_px_and_as_on_the_picture() {
 }
 
 #[test]
+fn without_a_pointer_one_pixel_is_explained_in_all_iterations() {
+    let (clip, _) = linear_motion([[0.0; 2]; 2], [1.3, -0.6]);
+    for id in ["horn-schunck", "clg", "tv-l1"] {
+        let estimator = set(id, &[("levels", "2"), ("warps", "2"), ("iterations", "4")]);
+        let mut walk = estimator.walk(&clip, 0).unwrap();
+        let mut told = Vec::new();
+        for unit in 0..16 {
+            walk.jump(Move::To(Cursor { unit, event: usize::MAX }));
+            told.push(numbers(&fact(&walk.step(None), "Pixel").unwrap()));
+        }
+        // Level 1, then level 0: two warps of four iterations each, at one position of the picture.
+        let (coarse, fine) = told.split_at(8);
+        assert!(
+            coarse.iter().all(|pixel| *pixel == coarse[0]) && fine.iter().all(|pixel| *pixel == fine[0]),
+            "{id}: {told:?}"
+        );
+        let halved = fine[0].iter().map(|c| ((c + 0.5) / 2.0).floor()).collect::<Vec<_>>();
+        assert_eq!(coarse[0], halved, "{id}");
+        // A pointer leads elsewhere, and the pixel is back when it has gone.
+        let pointed = fact(&walk.step(Some(Focus::current([40.0, 30.0]))), "Pixel").unwrap();
+        assert_eq!(numbers(&pointed), [40.0, 30.0]);
+        assert_eq!(numbers(&fact(&walk.step(None), "Pixel").unwrap()), fine[0]);
+    }
+}
+
+#[test]
 fn medians_are_reported_where_they_are_taken() {
     let (clip, _) = linear_motion([[0.0; 2]; 2], [0.4, 0.2]);
     for id in ["horn-schunck", "clg", "tv-l1"] {
