@@ -92,7 +92,7 @@ fn a_full_caption_holds_the_formula_and_an_export_says_how_many_files_it_makes()
     assert_eq!((size("--caption=full"), size("--caption=on")), (full, plain));
     let output = motionscope(here, &format!("export {SMALL} --estimator full-search --steps 2.1..2.5 --out steps"));
     let told = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(told, "5 pictures are written to steps\n");
+    assert_eq!(told, "5 pictures are saved into steps\n");
     assert_eq!(fs::read_dir(here.join("steps")).unwrap().count(), 5);
 }
 

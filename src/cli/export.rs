@@ -35,8 +35,8 @@ pub fn export(args: &ExportArgs) -> Result<(), Error> {
     refuse_losses(&prepared.inputs, &out, args.force)?;
     // Told before the first is written, so that a range that is too long can be given up in time.
     let tell = |count: usize| match count {
-        1 => eprintln!("1 picture is written to {}", args.out.display()),
-        count => eprintln!("{count} pictures are written to {}", args.out.display()),
+        1 => eprintln!("1 picture is saved into {}", args.out.display()),
+        count => eprintln!("{count} pictures are saved into {}", args.out.display()),
     };
     let written = steps.write_counted(&prepared, &args.out, None, Some(&tell))?;
     say(&format!("{} in {}{}", written.pictures(), args.out.display(), written.without()))

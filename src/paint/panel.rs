@@ -206,7 +206,7 @@ impl View {
         match self {
             View::Current => "Frame t",
             View::Next => "Frame t+1",
-            View::SideBySide => "Side by side",
+            View::SideBySide => "Both frames",
             View::Difference => "Difference",
             View::Blend => "Blend",
             View::Blink => "Blink",

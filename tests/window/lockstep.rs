@@ -30,7 +30,7 @@ fn four(window: &mut Window) {
     window.compared();
     window.harness.get_by_label("Predictive search").click();
     window.compared();
-    window.click("Side by side, step by step");
+    window.click("Estimators in lockstep");
 }
 
 #[test]

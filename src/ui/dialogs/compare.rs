@@ -163,7 +163,7 @@ fn subject(ui: &mut Ui, state: &mut State, document: &Document) {
             state.course = None;
         }
         let tip =
-            "Sequential (full), logarithmic and hierarchical search: each statement of the course is measured on this clip.";
+            "Full (in the course: sequential), logarithmic and hierarchical search: each statement of the course is measured on this clip.";
         let label = ui.selectable_label(state.course.is_some(), "The course's table");
         let label = label.on_hover_text(format!("{tip} {}", course_table::key().trim_end()));
         if let (true, None, Some(prepared)) = (label.clicked(), &state.course, document.prepared_alone()) {
@@ -327,7 +327,7 @@ fn step_by_step(ui: &mut Ui, state: &State, actions: &mut Actions) -> bool {
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
         let chosen = chosen(state);
         let refused = lockstep::check(&chosen.iter().map(|one| &**one).collect::<Vec<_>>()).err();
-        let button = ui.add_enabled(refused.is_none(), Button::new("Side by side, step by step"));
+        let button = ui.add_enabled(refused.is_none(), Button::new(Command::Lockstep.info().text));
         let tip = Command::Lockstep.with_key("Step the estimators through the same frames in lockstep.");
         let reason = refused.map_or_else(String::new, |error| error.to_string());
         taken = button.on_hover_text(tip).on_disabled_hover_text(reason).clicked();
