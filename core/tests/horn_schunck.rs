@@ -4,7 +4,7 @@ mod common;
 
 use common::{central, equation, explained_at, fact, flow, linear_motion, numbers, plane, plotted, point, set};
 use motionscope_core::scene::{Focus, Quantity};
-use motionscope_core::{Clip, Cursor, DenseField, Direction, Flow, Frame, Move, Threads, synth};
+use motionscope_core::{Clip, Cursor, DenseField, Direction, Flow, Frame, Move, Step, Threads, synth};
 
 /// Horn and Schunck's method as plainly as can be: one level, central differences, Jacobi iterations, all in f64.
 fn plain_horn_schunck(clip: &Clip, alpha: f64, iterations: usize) -> Vec<[f64; 2]> {
@@ -150,7 +150,39 @@ fn the_update_that_is_reported_is_the_one_that_is_done() {
             assert!((result - f64::from(after[1])).abs() < 2e-3, "{said}");
         }
         walk.jump(Move::Granularity(4, Direction::Back));
-        assert!(walk.step(Some(Focus::current(focus))).sentence.plain().contains("pixel (40, 30)"));
+        let step = walk.step(Some(Focus::current(focus)));
+        assert!(step.sentence.plain().contains("pixel (40, 30)"));
+        the_mean_alone_is_told(&step, mean);
+    }
+}
+
+/// The step before the update knows nothing of its result: neither the formula nor the plane has it.
+fn the_mean_alone_is_told(step: &Step, mean: [f32; 2]) {
+    let lines = equation(step);
+    assert_eq!(lines.len(), 2, "{lines:?}");
+    for (line, mean) in lines.iter().zip(mean) {
+        assert!((numbers(line).pop().unwrap() - f64::from(mean)).abs() < 6e-4, "{line}");
+    }
+    assert!(plane(step).points.iter().all(|(name, ..)| *name != "after"));
+}
+
+#[test]
+fn the_step_of_the_mean_does_not_tell_the_result_of_the_update() {
+    let (clip, _) = linear_motion([[0.01, 0.0], [0.0, 0.01]], [0.2, 0.4]);
+    for id in ["horn-schunck", "clg"] {
+        let estimator = set(id, &[("levels", "1"), ("warps", "1"), ("iterations", "8"), ("sigma", "0")]);
+        let mut walk = estimator.walk(&clip, 0).unwrap();
+        let mut at = |event| {
+            walk.jump(Move::To(Cursor { unit: 6, event }));
+            walk.step(Some(Focus::current([40.0, 30.0])))
+        };
+        // The mean and the update are the last two events of an iteration.
+        let (mean, update) = (at(1), at(2));
+        the_mean_alone_is_told(&mean, point(&mean, "mean"));
+        let after = point(&update, "after");
+        assert!(
+            equation(&update).iter().flat_map(|line| numbers(line)).any(|n| (n - f64::from(after[0])).abs() < 6e-4)
+        );
     }
 }
 
@@ -160,8 +192,9 @@ fn what_a_later_warp_tells_of_a_pixel_can_be_recomputed() {
     for id in ["horn-schunck", "clg", "tv-l1"] {
         let estimator = set(id, &[("levels", "1"), ("warps", "2"), ("iterations", "30"), ("sigma", "0")]);
         let mut walk = estimator.walk(&clip, 0).unwrap();
-        // The first event of an iteration in the middle of the second warp.
-        walk.jump(Move::To(Cursor { unit: 40, event: 1 }));
+        // An iteration in the middle of the second warp: the update of Horn–Schunck comes after the mean.
+        let event = if id == "horn-schunck" { 2 } else { 1 };
+        walk.jump(Move::To(Cursor { unit: 40, event }));
         let step = walk.step(Some(Focus::current([40.0, 30.0])));
         let [x, y, t] = numbers(&fact(&step, "I_x, I_y, I_t").unwrap())[..] else { panic!("three") };
         let [u, v] = numbers(&fact(&step, "Linearised at (u₀, v₀)").unwrap())[..] else { panic!("two") };
@@ -191,6 +224,32 @@ fn displacements_on_a_level_are_reported_in_its_px_and_as_on_the_picture() {
             fact(&fine, "Flow before").is_some_and(|value| value.ends_with(" px"))
                 && fact(&fine, "At full resolution").is_none()
         );
+    }
+}
+
+#[test]
+fn without_a_pointer_one_pixel_is_explained_in_all_iterations() {
+    let (clip, _) = linear_motion([[0.0; 2]; 2], [1.3, -0.6]);
+    for id in ["horn-schunck", "clg", "tv-l1"] {
+        let estimator = set(id, &[("levels", "2"), ("warps", "2"), ("iterations", "4")]);
+        let mut walk = estimator.walk(&clip, 0).unwrap();
+        let mut told = Vec::new();
+        for unit in 0..16 {
+            walk.jump(Move::To(Cursor { unit, event: usize::MAX }));
+            told.push(numbers(&fact(&walk.step(None), "Pixel").unwrap()));
+        }
+        // Level 1, then level 0: two warps of four iterations each, at one position of the picture.
+        let (coarse, fine) = told.split_at(8);
+        assert!(
+            coarse.iter().all(|pixel| *pixel == coarse[0]) && fine.iter().all(|pixel| *pixel == fine[0]),
+            "{id}: {told:?}"
+        );
+        let halved = fine[0].iter().map(|c| ((c + 0.5) / 2.0).floor()).collect::<Vec<_>>();
+        assert_eq!(coarse[0], halved, "{id}");
+        // A pointer leads elsewhere, and the pixel is back when it has gone.
+        let pointed = fact(&walk.step(Some(Focus::current([40.0, 30.0]))), "Pixel").unwrap();
+        assert_eq!(numbers(&pointed), [40.0, 30.0]);
+        assert_eq!(numbers(&fact(&walk.step(None), "Pixel").unwrap()), fine[0]);
     }
 }
 

@@ -272,6 +272,48 @@ fn three_rejections_in_a_row_suggest_a_remedy_and_a_run_ends_with_a_conclusion()
     assert!(concluded(&last) && told.iter().filter(concluded).count() == 1, "{last}");
 }
 
+/// An object at 5 px/frame; in the frames `astray` something else is detected, far outside the gate.
+fn astray(frames: usize, astray: &[usize]) -> Clip {
+    let center = |t: usize| if astray.contains(&t) { [600.0, 400.0] } else { [100.0 + 5.0 * t as f32, 100.0] };
+    rows((0..frames).map(|t| vec![found(center(t), [10.0; 2], 1.0)]).collect())
+}
+
+/// The sentence at the end of a run, and its d² of the accepted measurements.
+fn verdict(clip: &Clip) -> (String, Vec<f64>) {
+    let estimator = set("kalman-filter", &[]);
+    let mut walk = estimator.walk(clip, 0).expect("a run");
+    walk.jump(Move::End);
+    let plot = series(&*estimator, clip, "NIS");
+    let points = |name: &str| plot.lines.iter().filter(|line| line.0 == name).flat_map(|line| line.2.clone()).collect();
+    let (all, refused): (Vec<[f32; 2]>, Vec<[f32; 2]>) = (points("NIS"), points("outside the gate"));
+    let is_accepted = |point: &&[f32; 2]| point[1].is_finite() && refused.iter().all(|other| other[0] != point[0]);
+    let accepted = all.iter().filter(is_accepted).map(|point| f64::from(point[1])).collect();
+    (walk.step(None).sentence.plain(), accepted)
+}
+
+#[test]
+fn rejected_measurements_have_no_part_in_the_verdict() {
+    // The first measurement starts the track: the gate tests all others.
+    let (said, accepted) = verdict(&astray(20, &[8, 14]));
+    assert!(said.contains("Rejected by the gate: 2 of 19 measurements."), "{said}");
+    assert_eq!(accepted.len(), 17);
+    let (_, told) = said.split_once("Mean NIS of the accepted measurements ").expect("the mean of the others");
+    let mean = accepted.iter().sum::<f64>() / 17.0;
+    assert!((common::numbers(told)[0] - mean).abs() < 0.006, "{mean}: {said}");
+}
+
+#[test]
+fn a_filter_that_rejects_much_is_not_called_consistent() {
+    let (said, accepted) = verdict(&astray(20, &[4, 6, 8, 10, 12, 14, 16, 18]));
+    assert_eq!(accepted.len(), 11);
+    assert!(said.contains("Rejected by the gate: 8 of 19 measurements."), "{said}");
+    assert!(said.contains("With 42 % rejected, the NIS of the rest does not test the filter."), "{said}");
+    assert!(!said.contains("Mean NIS") && !said.contains("is consistent"), "{said}");
+    let (said, accepted) = verdict(&astray(5, &[1, 2, 3, 4]));
+    assert!(accepted.is_empty() && said.contains("Rejected by the gate: 4 of 4 measurements."), "{said}");
+    assert!(said.contains("No measurement was accepted") && !said.contains("is consistent"), "{said}");
+}
+
 #[test]
 fn all_matrices_that_change_are_lit() {
     let clip = scene("crossing-stars");

@@ -759,6 +759,35 @@ mod tests {
         assert_eq!(tips, [31.5, 61.5]);
     }
 
+    /// The labels that are drawn of those with a role, a place in points and their words.
+    fn labels(all: &[(Role, [f32; 2], &str)]) -> Vec<String> {
+        let mut scene = Scene::default();
+        for (role, at, text) in all {
+            scene.mark(Picture::CURRENT, *role, Shape::Text { at: *at, text: (*text).into() });
+        }
+        let look = Look::new(&scene, Style::default());
+        let words = |one: Primitive| match one {
+            Primitive::Text(line) => line.runs.into_iter().map(|run| run.text).collect::<String>(),
+            other => panic!("{other:?}"),
+        };
+        resolve(&scene.marks, &look, Placement::new([0.0; 2], 1.0)).into_iter().map(words).collect()
+    }
+
+    #[test]
+    fn labels_of_measurements_give_way_to_others() {
+        let size = Theme::Dark.sizes().small + LABEL_RIM;
+        let (near, far) = ([10.0, 10.0], [10.0, 90.0]);
+        let measured = |at, text| (Role::Measured, at, text);
+        assert_eq!(labels(&[measured(near, "a"), measured(far, "b")]), ["a", "b"], "both have room");
+        assert_eq!(labels(&[measured(near, "a"), measured(near, "b")]), ["a"], "the first stays");
+        // Tracks keep their labels, also where two lie over each other and where they come later.
+        let under = [near[0], near[1] + size];
+        let tracks = [measured(near, "a"), (Role::Result, under, "1"), (Role::Result, under, "2")];
+        assert_eq!(labels(&tracks), ["1", "2"]);
+        let many: Vec<_> = (0..MOST_LABELS + 20).map(|i| measured([0.0, 40.0 * i as f32], "a")).collect();
+        assert_eq!(labels(&many).len(), MOST_LABELS, "more cannot be read");
+    }
+
     #[test]
     fn a_frame_lies_outside_the_pixels_that_it_frames() {
         let mut scene = Scene::default();

@@ -214,6 +214,116 @@ fn a_lecture_shows_stage_and_chart_in_every_window() {
     }
 }
 
+/// Estimators with short sentences and long conclusions, with formulas of many lines, and with none.
+const TOLD: [&str; 8] = [
+    "full-search",
+    "diamond",
+    "horn-schunck",
+    "lucas-kanade",
+    "harris",
+    "sift",
+    "mixture-of-gaussians",
+    "kalman-tracker",
+];
+
+/// Shows the window at the start, at the steps of a unit, at its end and at the end of the run.
+fn along_a_unit(window: &mut Window, mut look: impl FnMut(&Window, &str)) {
+    look(window, "start");
+    window.key(Key::PageDown);
+    for step in 1..=8 {
+        window.key(Key::ArrowRight);
+        look(window, &format!("step {step}"));
+    }
+    window.key(Key::U);
+    look(window, "the end of a unit");
+    window.key(Key::End);
+    look(window, "the end of the run");
+    window.key(Key::PageUp);
+    look(window, "the unit before");
+}
+
+#[test]
+fn the_stage_of_a_lecture_stays_as_it_is_from_step_to_step() {
+    for id in TOLD {
+        for (theme, pixels) in [
+            (Command::ProjectorTheme, [1280.0, 720.0]),
+            (Command::ProjectorTheme, [1920.0, 1080.0]),
+            (Command::DarkTheme, [1280.0, 720.0]),
+        ] {
+            let mut window = window(id, "0.0");
+            window.command(theme);
+            if theme == Command::DarkTheme {
+                window.key(Key::L);
+            }
+            resize(&mut window, pixels, 1.0);
+            let mut heights = Vec::new();
+            along_a_unit(&mut window, |window, at| {
+                let stage = rects(window, Region::Stage);
+                assert_eq!((stage.len(), rects(window, Region::Strip).len()), (1, 1), "{id}, {theme:?}, {at}");
+                heights.push((stage[0].height(), at.to_owned()));
+            });
+            let all = || heights.iter().map(|(height, _)| *height);
+            let (least, most) = (all().fold(f32::INFINITY, f32::min), all().fold(0.0, f32::max));
+            assert!(least >= 0.95 * most, "{id}, {theme:?}, {pixels:?}: {heights:?}");
+        }
+    }
+}
+
+#[test]
+fn every_layout_settles() {
+    for id in TOLD {
+        for theme in [Command::DarkTheme, Command::ProjectorTheme] {
+            let mut window = window(id, "0.0");
+            window.command(theme);
+            // Low enough that the line at work comes into sight and goes out of it, and that the panes share the height.
+            resize(&mut window, [1440.0, 760.0], 1.0);
+            along_a_unit(&mut window, |window, at| {
+                // What was drawn last had its final size at once.
+                let passes = window.harness.output().platform_output.num_completed_passes;
+                assert_eq!(passes, 1, "{id}, {theme:?}, {at}: the layout goes on changing");
+            });
+        }
+    }
+}
+
+#[test]
+fn the_explanation_keeps_its_height_as_formulas_come_and_go() {
+    for (id, least) in [("horn-schunck", 3), ("sift", 0)] {
+        let mut window = window(id, "0.0");
+        resize(&mut window, [1440.0, 700.0], 1.0);
+        // Without a chart it has the whole column.
+        let mut heights = Vec::new();
+        along_a_unit(&mut window, |window, _| {
+            if window.has(Region::Chart) {
+                heights.push(window.region(Region::Explanation).height());
+            }
+        });
+        assert!(heights.len() >= least, "{id}: {heights:?}");
+        assert!(heights.windows(2).all(|pair| pair[1] >= pair[0] - 0.5), "{id} shrinks: {heights:?}");
+    }
+}
+
+#[test]
+fn sentence_and_formula_are_whole_in_a_lecture() {
+    for id in TOLD {
+        let mut window = window(id, "0.0");
+        window.command(Command::ProjectorTheme);
+        resize(&mut window, [1280.0, 720.0], 1.0);
+        along_a_unit(&mut window, |window, at| {
+            let strip = rects(window, Region::Strip)[0];
+            // What is scrolled out of sight is painted as well.
+            let shapes = window.harness.output().shapes.iter();
+            let mut told = Vec::new();
+            shapes
+                .filter(|clipped| strip.expand(4.0).contains_rect(clipped.clip_rect))
+                .for_each(|clipped| texts(&clipped.shape, clipped.clip_rect, &mut told));
+            assert!(!told.is_empty(), "{id}, {at}: nothing is told");
+            let cut = told.iter().find(|word| !word.clip.expand(1.5).contains_rect(word.rect));
+            assert_eq!(cut.map(|word| &word.text), None, "{id}, {at}");
+        });
+    }
+}
+
 #[test]
 fn bad_windows_are_usable() {
     for (pixels, scale) in
@@ -237,6 +347,24 @@ fn a_chart_takes_the_place_of_the_stage_and_gives_it_back() {
     assert_eq!(faults(&window), Vec::<String>::new());
     window.key(Key::Escape);
     assert_eq!((rects(&window, Region::Stage).len(), area(&window, Region::Chart)), (1, before));
+}
+
+#[test]
+fn entries_that_the_legend_has_no_room_for_are_listed_by_a_click() {
+    let mut window = Window::new(vec2(1280.0, 720.0));
+    resize(&mut window, [640.0, 480.0], 1.0);
+    let legend = window.harness.get_by_label_contains("Legend: ").accesskit_node().label().expect("its entries");
+    // The numbers of the scale are words of their own.
+    let listed = |window: &Window| {
+        let all = words(&window.harness.output().shapes);
+        all.iter().filter(|word| word.text.len() > 4 && legend.contains(&word.text)).count()
+    };
+    let before = listed(&window);
+    window.harness.get_by_label_contains("more in the legend").click();
+    window.settle();
+    assert!(listed(&window) > before + 1, "{before} of {legend}");
+    window.key(Key::Escape);
+    assert_eq!(listed(&window), before);
 }
 
 #[test]

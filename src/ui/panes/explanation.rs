@@ -37,6 +37,22 @@ fn density(height: f32, theme: Theme) -> Density {
     if height < ROOMY * theme.sizes().body { Density::close(theme) } else { Density::roomy(theme) }
 }
 
+/// What the parts of a pane follow from. The pane's height follows from its formula and from the chart below: once things stand
+/// close for an estimator in a window they go on doing so, or else both would change with every step.
+fn key_of(ui: &Ui, Input { info, theme, .. }: Input<'_>, before: Option<Key>) -> Key {
+    let key = |density| Key {
+        id: info.id,
+        width: ui.available_width().round() as u32,
+        window: ui.ctx().content_rect().height().round() as u32,
+        theme,
+        density,
+        pixels_per_point: ui.pixels_per_point(),
+        atlas: ink::atlas(ui.ctx()),
+    };
+    let close = key(Density::close(theme));
+    if before == Some(close) { close } else { key(density(ui.available_height(), theme)) }
+}
+
 /// From one part to the next, in points.
 fn gap(density: Density, theme: Theme) -> f32 {
     if density == Density::close(theme) { 5.0 } else { 8.0 }
@@ -48,6 +64,8 @@ struct Key {
     /// The estimator.
     id: &'static str,
     width: u32,
+    /// Height of the window.
+    window: u32,
     theme: Theme,
     density: Density,
     pixels_per_point: f32,
@@ -145,13 +163,15 @@ pub struct State {
     facts: f32,
     /// How much of the parts is seen where the line at work is out of sight among them, and so stands below them.
     pinned: Option<f32>,
-    /// Height down to the end of the formula.
+    /// The most height down to the end of the formula.
     formula_end: f32,
+    /// Whether that was measured for another key.
+    is_old: bool,
     parts: Option<Parts>,
 }
 
 impl State {
-    /// Height of the explanation down to the end of its formula, in points, as it was shown last.
+    /// The most height of the explanation down to the end of its formula, in points, as it was shown so far.
     pub fn formula_end(&self) -> f32 {
         self.formula_end
     }
@@ -169,6 +189,7 @@ impl State {
                 equation: 4.0 * (1.45 * math).round(),
                 pinned: self.pinned,
                 formula_end: self.formula_end,
+                is_old: true,
                 parts: None,
             };
         }
@@ -178,11 +199,8 @@ impl State {
 /// Shows the explanation in the whole of `ui`.
 pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) {
     let Input { info, step, theme, at_end } = input;
-    let density = density(ui.available_height(), theme);
-    ui.spacing_mut().item_spacing = vec2(8.0, gap(density, theme));
-    let width = ui.available_width().round() as u32;
-    let (pixels_per_point, atlas) = (ui.pixels_per_point(), ink::atlas(ui.ctx()));
-    let key = Key { id: info.id, width, theme, density, pixels_per_point, atlas };
+    let key = key_of(ui, input, state.key);
+    ui.spacing_mut().item_spacing = vec2(8.0, gap(key.density, theme));
     state.keep_for(key);
     let known = state.parts.take().filter(|parts| Arc::ptr_eq(&parts.step, step));
     let parts = known.unwrap_or_else(|| Parts::new(ui.painter(), input, key));
@@ -223,6 +241,8 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) {
     }
     // Above the formula, the formula, and the line at work that stands below them.
     let needed = (scrolled.inner_rect.min.y - from + formula_end + below + PANE_MARGIN).ceil();
+    // It only grows, so that the pane keeps its height where steps with a formula and without one follow each other.
+    let needed = if std::mem::take(&mut state.is_old) { needed } else { needed.max(state.formula_end) };
     if std::mem::replace(&mut state.formula_end, needed) != needed {
         ui.ctx().request_discard("the explanation needs another height");
     }
@@ -248,16 +268,15 @@ type Column = (f32, Part);
 #[derive(Clone, Debug, Default)]
 pub struct Strip {
     key: Option<Key>,
+    /// The most that a step needed.
     height: f32,
-    /// The most that a step before the end needed.
-    usual: f32,
-    /// The most that there is room for.
-    most: f32,
+    /// What there always is room for.
+    kept: f32,
     shown: Option<(Arc<Step>, Vec<Column>)>,
 }
 
 /// Sizes of the strip's type that are tried until all of it is seen: 18 points on a projector, less for the longest alone.
-const TYPE_SHARES: [f32; 4] = [1.0, 0.93, 0.86, 0.8];
+const TYPE_SHARES: [f32; 5] = [1.0, 0.93, 0.86, 0.8, 0.74];
 /// Most lines of a formula that always stand below each other: a short one is read across otherwise.
 const ONE_COLUMN: usize = 3;
 /// Most rows of numbers in the strip.
@@ -273,34 +292,33 @@ const STRIP_GAP: f32 = 24.0;
 const STRIP_MARGIN: f32 = 8.0;
 
 impl Strip {
-    /// Height that the strip needs, in points.
+    /// The most height that the strip has needed for this estimator in this window, in points.
     pub fn height(&self) -> f32 {
         self.height + STRIP_MARGIN
     }
 }
 
-/// Shows why, and the formula with its numbers; where a step has none, its numbers alone. It may become `most` points high.
-pub fn strip(ui: &mut Ui, (input, most): (Input<'_>, f32), state: &mut Strip) {
-    let Input { info, step, theme, at_end } = input;
-    let density = Density::strip(theme);
-    let width = ui.available_width().round() as u32;
-    let (pixels_per_point, atlas) = (ui.pixels_per_point(), ink::atlas(ui.ctx()));
-    let key = Key { id: info.id, width, theme, density, pixels_per_point, atlas };
-    let most = most - STRIP_MARGIN;
-    if state.key != Some(key) || state.most != most {
-        *state = Strip { key: Some(key), most, ..Strip::default() };
+/// Shows why, and the formula with its numbers; where a step has none, its numbers alone. `kept` points of height are kept for it:
+/// longer texts are set smaller, and only what has no room even so asks for more.
+pub fn strip(ui: &mut Ui, (input, kept): (Input<'_>, f32), state: &mut Strip) {
+    let Input { step, theme, .. } = input;
+    let key = Key { density: Density::strip(theme), ..key_of(ui, input, None) };
+    let width = key.width;
+    let kept = kept - STRIP_MARGIN;
+    if state.key != Some(key) || state.kept != kept {
+        *state = Strip { key: Some(key), kept, ..Strip::default() };
     }
     let known = state.shown.take().filter(|(shown, _)| Arc::ptr_eq(shown, step));
-    let parts = |painter: &Painter| strip_parts(painter, input, [width as f32, most]);
+    let parts = |painter: &Painter| strip_parts(painter, input, [width as f32, kept]);
     let (shown, parts) = known.unwrap_or_else(|| (Arc::clone(step), parts(ui.painter())));
     let needed = parts.iter().map(|(_, part)| part.size.y).fold(0.0, f32::max).ceil();
-    // At the end more is told: it has the room that it needs, and the steps before keep theirs.
-    let height = if at_end { needed } else { needed.max(state.usual) };
-    if !at_end {
-        state.usual = height;
-    }
-    if std::mem::replace(&mut state.height, height) != height {
-        ui.ctx().request_discard("the strip needs another height");
+    // It only grows, so that nothing jumps from step to step.
+    if needed > state.height {
+        let has_room = needed <= kept;
+        state.height = needed;
+        if !has_room {
+            ui.ctx().request_discard("the strip needs more height");
+        }
     }
     let room = ui.available_height();
     egui::ScrollArea::vertical().id_salt("strip").auto_shrink(false).max_height(room).show(ui, |ui| {
@@ -325,13 +343,13 @@ pub fn strip(ui: &mut Ui, (input, most): (Input<'_>, f32), state: &mut Strip) {
 
 /// The parts of the strip beside each other, each with its left edge, in the largest type in which all of it is seen: rather
 /// smaller than out of sight.
-fn strip_parts(painter: &Painter, input: Input<'_>, [width, most]: [f32; 2]) -> Vec<Column> {
+fn strip_parts(painter: &Painter, input: Input<'_>, [width, kept]: [f32; 2]) -> Vec<Column> {
     let usual = Density::strip(input.theme);
     let at = |share: &f32| Density { words: share * usual.words, math: share * usual.math, ..usual };
     let mut columns = Vec::new();
     for density in TYPE_SHARES.iter().map(at) {
-        columns = strip_columns(input, (width, density), most);
-        if height(&columns, width) <= most {
+        columns = strip_columns(input, (width, density), kept);
+        if height(&columns, width) <= kept {
             break;
         }
     }

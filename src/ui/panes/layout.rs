@@ -99,7 +99,7 @@ pub struct Room {
     pub charts: usize,
     /// Whether a chart takes the place of the stage.
     pub is_enlarged: bool,
-    /// Height that the strip needs, in points.
+    /// The most height that the strip has needed so far, in points.
     pub strip: f32,
     /// Height of the explanation down to the end of its formula, in points.
     pub explanation: f32,
@@ -129,8 +129,8 @@ pub struct Arrangement {
     pub explanation: Option<Rect>,
     /// Sentence and formula alone.
     pub strip: Option<Rect>,
-    /// Height that the strip may have at most.
-    pub most_strip: f32,
+    /// Height that is kept for the strip, whatever the step tells.
+    pub kept_strip: f32,
     /// The parameters.
     pub parameters: Option<Rect>,
     /// Panes that lie over others, at the edge.
@@ -151,6 +151,12 @@ const TWO_CHARTS: f32 = 1600.0;
 pub const LEAST_LETTERS: Vec2 = vec2(56.0, 30.0);
 /// Share of the window's height that stage and chart have in a lecture at least, unless the window is very low.
 const LECTURE_SHARE: f32 = 0.552;
+/// Height that is kept for the strip, in sizes of its type: five lines. It is never less than this share of the body.
+const STRIP_LETTERS: f32 = 7.2;
+const STRIP_SHARE: f32 = 0.22;
+/// Share of the stage's height that the strip may take over what is kept for it, where its longest text is not whole otherwise:
+/// little enough that the pictures stay where they are.
+const STRIP_GROWTH: f32 = 0.045;
 /// Between two panes.
 const GAP: f32 = 1.0;
 /// Half the width of a border for the pointer.
@@ -261,10 +267,9 @@ impl Room {
 
     fn lecture(&self) -> Arrangement {
         let mut all = Arrangement::default();
-        // Stage and chart keep their share of the window.
-        let height = self.body.height();
-        all.most_strip = (height - LECTURE_SHARE * self.window.y - GAP).min(0.36 * height).max(0.3 * height).floor();
-        let strip = within(self.strip, 3.0 * self.type_pt, all.most_strip);
+        let [kept, most] = self.strip_heights();
+        all.kept_strip = kept;
+        let strip = within(self.strip, kept, most);
         let (mut rest, strip) = split_y(self.body, self.body.height() - strip - GAP);
         all.strip = Some(strip);
         if self.columns() > 0 {
@@ -296,6 +301,16 @@ impl Room {
         }
         self.stage(rest, &mut all);
         all
+    }
+
+    /// Height that is kept for the strip, and the most that it may have: they follow from the window and not from the step, so
+    /// that the stage stays as it is from step to step.
+    fn strip_heights(&self) -> [f32; 2] {
+        let height = self.body.height();
+        // Stage and chart keep their share of the window.
+        let most = (height - LECTURE_SHARE * self.window.y - GAP).min(0.36 * height).max(0.3 * height).floor();
+        let kept = (STRIP_LETTERS * self.type_pt).max(STRIP_SHARE * height).min(most).floor();
+        [kept, (kept + STRIP_GROWTH * (height - kept)).min(most).floor()]
     }
 
     /// Gives the rest to the stage, or to the chart that takes its place.
@@ -456,6 +471,22 @@ mod tests {
             for type_pt in [14.0, 21.0] {
                 let lecture = share(room(size, type_pt, true));
                 assert!(lecture[1] > 0.6, "{lecture:?} of {size:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_stage_of_a_lecture_keeps_its_height_however_much_a_step_tells() {
+        for size in [vec2(1024.0, 640.0), vec2(1280.0, 720.0), vec2(1920.0, 1080.0), vec2(2560.0, 1440.0)] {
+            for type_pt in [14.0, 21.0] {
+                let lecture = room(size, type_pt, true);
+                let height = |lines: f32| {
+                    let all = Room { strip: 1.3 * type_pt * lines, ..lecture }.arrange();
+                    all.stage.map_or(0.0, |stage| stage.height())
+                };
+                let heights = [0.0, 3.0, 5.0, 7.0, 20.0].map(height);
+                assert_eq!(heights[0], heights[2], "five lines always have room in {size:?} at {type_pt}");
+                assert!(heights[4] >= 0.95 * heights[0], "{heights:?} in {size:?} at {type_pt}");
             }
         }
     }

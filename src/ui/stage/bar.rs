@@ -187,15 +187,24 @@ pub fn line(ui: &mut Ui, input: &Input<'_>, state: &mut State) {
         let line = egui::Stroke::new(2.0, ink::color(input.theme().chrome().accent));
         ui.painter().hline(place.x_range(), place.max.y - 1.0, line);
     }
-    state.marks.lit = lit.map(|(role, _)| role);
+    let listed = if shown.hidden > 0 { folded(ui, &items, shown.hidden, rect) } else { None };
+    state.marks.lit = lit.map(|(role, _)| role).or(listed);
     repaint_if(ui, state.marks.lit != before);
-    if shown.hidden > 0 && state.marks.lit.is_none() {
-        response.on_hover_ui(|ui| {
-            let (width, lines) = items.column();
-            let height = lines as f32 * line_height(input.theme());
-            let (rect, _) = ui.allocate_exact_size(vec2(width, height), Sense::hover());
-            items.paint(ui, rect);
-        });
+}
+
+/// The number of entries that there is no room for: all entries are listed where it is pointed at, and after a click until the
+/// next one. Returns the role of the entry in that list that is pointed at.
+fn folded(ui: &Ui, items: &Items, hidden: usize, rect: Rect) -> Option<Role> {
+    let width = text_width(ui, "+88", items.theme) + GAP;
+    let button = ui.interact(rect.with_min_x(rect.max.x - width), ui.scope_id().with("folded legend"), Sense::click());
+    let button = button.on_hover_cursor(egui::CursorIcon::PointingHand);
+    button.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, format!("{hidden} more in the legend")));
+    match egui::Popup::menu(&button).show(|ui| items.list(ui)) {
+        Some(list) => list.inner,
+        None => {
+            button.on_hover_ui(|ui| _ = items.list(ui));
+            None
+        }
     }
 }
 
@@ -296,6 +305,15 @@ impl Items {
     fn column(&self) -> (f32, usize) {
         let widths = self.entries.iter().map(|(_, w)| *w).chain(self.bars.iter().map(|(_, w)| *w));
         (widths.fold(0.0, f32::max), self.entries.len() + self.bars.len())
+    }
+
+    /// Shows all below each other, and returns the role of the one that is pointed at.
+    fn list(&self, ui: &mut Ui) -> Option<Role> {
+        let (width, lines) = self.column();
+        let size = vec2(width, lines as f32 * line_height(self.theme));
+        let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
+        self.paint(ui, rect);
+        response.hover_pos().and_then(|at| self.pointed(at, rect)).map(|(role, _)| role)
     }
 
     fn plain(&self) -> String {

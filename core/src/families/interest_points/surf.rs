@@ -17,7 +17,7 @@ use crate::scene::{Chart, Focus, Scene, Step};
 use hessian::{Filter, LAYERS, Layer, Neighbor, Refined, Three, is_suppressed, scale_of, suppressed_by};
 
 params! {
-    /// SURF keypoints: maxima of the determinant of the Hessian over place and scale, with an orientation and a descriptor of 64 values.
+    /// SURF keypoints: maxima of the determinant of the Hessian over position and scale, with an orientation and a descriptor of 64 values.
     pub struct Surf {
         /// Number of octaves. Each doubles the step of the filter sizes and samples, and finds larger blobs.
         octaves: usize = 4, 1..=5;
@@ -38,8 +38,8 @@ pseudocode! {
     DERIVE_XY: "  D_xy ← box filter for the mixed derivative",
     DETERMINANT: "  R ← D_xx D_yy − (0.9 D_xy)²",
     EACH_SAMPLE: "for each sample of the two middle layers of each octave with R > threshold",
-    SUPPRESS: "  suppress it unless R exceeds its 26 neighbours in place and scale",
-    REFINE: "  refine place and scale by a quadratic function; reject it if that moves it by more than a sample",
+    SUPPRESS: "  suppress it unless R exceeds its 26 neighbours in position and scale",
+    REFINE: "  refine position and scale by a quadratic function; reject it if that moves it by more than a sample",
     EACH_PEAK: "for each maximum, in order of decreasing R",
     DROP_NEAR: "  reject it if a keypoint was kept within min-distance",
     KEEP: "  else keep it, up to max-points",
@@ -71,7 +71,7 @@ pub struct State {
     described: Vec<Described>,
 }
 
-/// A maximum over place and scale.
+/// A maximum over position and scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Maximum {
     octave: usize,
@@ -80,7 +80,7 @@ pub struct Maximum {
     /// Its sample of the layer.
     sample: (usize, usize),
     refined: Refined,
-    /// Refined place and scale.
+    /// Refined position and scale.
     blob: Blob,
 }
 

@@ -104,23 +104,23 @@ impl Model for Clg {
     fn explanation(&self, step: usize, probe: &Probe<Self>) -> Explanation {
         let mean = self.solver.mean_of(probe);
         let tensor = self.tensor(&probe.iteration.warp).at(probe.place);
-        let mut points = vec![("mean", Role::Predicted, mean), ("after", Role::Result, probe.to())];
-        if step == AVERAGED {
-            points.pop();
-        }
-        let update = solution(tensor, self.alpha * self.alpha, mean);
+        let mut points = vec![("mean", Role::Predicted, mean)];
+        // The result of the update is not known before it.
+        let (sentence, equation) = if step == AVERAGED {
+            (probe.averaged(self.solver, mean), probe.averages(mean))
+        } else {
+            let update = solution(tensor, self.alpha * self.alpha, mean);
+            points.push(("after", Role::Result, probe.to()));
+            (self.updated(probe, tensor[0] + tensor[2], update), self.equation(tensor, (mean, update), probe))
+        };
         let [xx, xy, yy, xt, yt] = about_zero(tensor, probe.start().unwrap_or_default()).map(numbers::gray);
         Explanation {
-            sentence: if step == AVERAGED {
-                probe.averaged(self.solver, mean)
-            } else {
-                self.updated(probe, tensor[0] + tensor[2], update)
-            },
+            sentence,
             facts: vec![
                 Fact { label: "T_xx, T_xy, T_yy", value: format!("{xx}, {xy}, {yy}"), role: None },
                 Fact { label: "T_xt, T_yt", value: format!("{xt}, {yt}"), role: None },
             ],
-            equation: self.equation(tensor, (mean, update), probe),
+            equation,
             points,
             lines: self.lines(probe),
         }

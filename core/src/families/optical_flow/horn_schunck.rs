@@ -97,18 +97,18 @@ impl Model for HornSchunck {
 
     fn explanation(&self, step: usize, probe: &Probe<Self>) -> Explanation {
         let update = Update::of(self, probe);
-        let mut points = vec![("mean", Role::Predicted, update.mean), ("after", Role::Result, probe.to())];
-        if step == AVERAGED {
-            points.pop();
-        }
+        let mut points = vec![("mean", Role::Predicted, update.mean)];
+        // The result of the update is not known before it.
+        let (sentence, equation) = if step == AVERAGED {
+            (probe.averaged(self.solver, update.mean), probe.averages(update.mean))
+        } else {
+            points.push(("after", Role::Result, probe.to()));
+            (update.sentence(self, probe), update.equation(self, probe))
+        };
         Explanation {
-            sentence: if step == AVERAGED {
-                probe.averaged(self.solver, update.mean)
-            } else {
-                update.sentence(self, probe)
-            },
+            sentence,
             facts: Vec::new(),
-            equation: update.equation(self, probe),
+            equation,
             points,
             lines: explain::line(probe.factors(), 1.0, Role::Candidate).into_iter().collect(),
         }

@@ -12,9 +12,8 @@ params! {
         /// Matched frames before a tentative track is confirmed. Higher values suppress false tracks, but delay new ones. In real time the
         /// tracks of the first min-hits frames of a run count as confirmed, as in SORT.
         min_hits: usize = 3, 1..=50;
-        /// Minimum travel: the distance that the box of a blob has moved over the background, as a share of its longer side, that confirms
-        /// the track. At least half of its path must lead away. Flicker persists in place, or grows and shrinks; objects move. Detections
-        /// that are not blobs need no travel.
+        /// Net displacement of a blob over the background that confirms its track, as a share of the longer side of its box. It must be
+        /// at least half of the path as well: flicker stays in place, objects travel. Other detections need no travel.
         min_travel: f32 = 0.4, 0.0..=10.0;
         /// Missed frames in a row before a confirmed track is deleted; a tentative one is deleted at the first miss. Higher values bridge longer occlusions, but keep lost tracks.
         max_age: usize = 15, 0..=500;

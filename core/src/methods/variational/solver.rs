@@ -58,6 +58,32 @@ impl<M: Model<Unknowns = Field>> Probe<'_, M> {
                  and the image border is replicated.")
     }
 
+    /// Returns the neighbourhood mean, in symbols and with its value.
+    pub fn averages(&self, mean: [f32; 2]) -> Vec<Math> {
+        let share = |of: &'static str| Math::over(Math::text("1"), Math::text(of));
+        let sum = |over: &'static str| Math::Sum(Box::new(Math::text(over)));
+        let line = |i: usize, name: &'static str| {
+            Math::Row(vec![
+                Math::mean(Math::Var(name)),
+                Math::text(" = "),
+                share("6"),
+                Math::text(" "),
+                sum("nearest"),
+                Math::text(" "),
+                Math::Var(name),
+                Math::text(" + "),
+                share("12"),
+                Math::text(" "),
+                sum("diagonal"),
+                Math::text(" "),
+                Math::Var(name),
+                Math::text(" = "),
+                Math::ink(Role::Predicted, numbers::px(mean[i])),
+            ])
+        };
+        vec![line(0, "u"), line(1, "v")]
+    }
+
     /// Ends the explanation of an update with its result; SOR extrapolates it by `beyond`.
     pub fn goes(&self, said: Sentence, update: [f32; 2], beyond: Option<f32>) -> Sentence {
         let to = self.px(self.to());

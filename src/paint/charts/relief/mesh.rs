@@ -14,6 +14,8 @@ const FAINT_INTO: Color = Color([128, 128, 128, 255]);
 const RAISED: f32 = 0.006;
 /// Height of the largest cost over the ground, whose longer side is 2.
 const HEIGHT: f32 = 1.0;
+/// Height of the pin at the best, unless its cost is higher.
+const BEST_PIN: f32 = 0.86 * HEIGHT;
 
 /// A corner of a triangle, as the graphics card reads it.
 #[repr(C)]
@@ -95,18 +97,23 @@ pub fn relief(surface: &Surface, colors: ColorMap, theme: Theme) -> Relief {
     let mut relief = Relief::default();
     let bench = Bench::new(surface);
     relief.sheet(&grid(surface, colors));
-    for (role, at, top) in pins(surface) {
+    for (role, at, top) in pins(surface, &bench) {
         relief.pin(surface, &bench, Pin { role, at, top }, theme);
     }
     relief
 }
 
-/// The pins of a surface: role, displacement, and how high they reach.
-pub fn pins(surface: &Surface) -> Vec<(Role, [i32; 2], f32)> {
-    let best = surface.best.map(|at| (Role::Best, at, 1.12));
-    let probe = surface.probe.map(|at| (Role::Candidate, at, 1.26));
-    let missed = surface.missed().map(|(at, _)| (Role::Error, at, 1.26));
-    best.into_iter().chain(probe).chain(missed).collect()
+/// The pins of a surface: role, displacement, and how high they reach. None reaches over the axis of costs, and the best ends
+/// below the others, so that their numbers stand above each other where both are at one displacement.
+pub fn pins(surface: &Surface, bench: &Bench) -> Vec<(Role, [i32; 2], f32)> {
+    let best = surface.best.map(|at| (Role::Best, at, BEST_PIN));
+    let probe = surface.probe.map(|at| (Role::Candidate, at, HEIGHT));
+    let missed = surface.missed().map(|(at, _)| (Role::Error, at, HEIGHT));
+    let over_cost = |(role, at, top): (Role, [i32; 2], f32)| {
+        let cost = any_cost(surface, at).map_or(0.0, |cost| bench.height(cost));
+        (role, at, top.max(cost))
+    };
+    best.into_iter().chain(probe).chain(missed).map(over_cost).collect()
 }
 
 /// Radii of the needle and of the ball of a pin.
@@ -345,7 +352,23 @@ mod tests {
                 .iter()
                 .all(|v| Vec3::from(v.place).is_finite() && (Vec3::from(v.normal).length() - 1.0).abs() < 1e-3)
         );
-        assert!(relief.vertices.iter().any(|v| v.place[1] > 1.1), "the pin reaches over the surface");
+    }
+
+    #[test]
+    fn pins_end_where_the_axis_of_costs_does() {
+        let surface = surface(|_, _| true);
+        let bench = Bench::new(&surface);
+        let probed = Surface { probe: Some([4, 2]), ..surface };
+        let tops: Vec<f32> = pins(&probed, &bench).into_iter().map(|(.., top)| top).collect();
+        assert_eq!(tops, [BEST_PIN, bench.height(bench.top)]);
+        // The best of a similarity is its largest value, and its pin does not end inside the surface.
+        let similar = Surface { best: Some([4, 2]), is_similarity: true, ..probed };
+        assert!(pins(&similar, &bench).iter().all(|(.., top)| *top == HEIGHT));
+        let relief = relief(&similar, ColorMap::Viridis, Theme::Dark);
+        let highest = relief.vertices.iter().map(|v| v.place[1]).fold(0.0, f32::max);
+        let ball =
+            [Role::Best, Role::Candidate].map(|role| pin_radii(role, Theme::Dark)[1]).into_iter().fold(0.0, f32::max);
+        assert!(highest <= HEIGHT + ball + 1e-4, "only the ball on the surface lies over it: {highest}");
     }
 
     #[test]

@@ -210,7 +210,7 @@ impl Stand {
     fn has_pin_near(&self, surface: &Surface, at: Point) -> bool {
         let small = self.theme.sizes().small;
         let start = at[0] - 0.6 * small * surface.title.chars().count() as f32;
-        mesh::pins(surface).into_iter().any(|(_, cell, top)| {
+        mesh::pins(surface, &self.bench).into_iter().any(|(_, cell, top)| {
             let Some(cost) = heat_map::any_cost(surface, cell) else { return false };
             let [x, y] = self.at(Vec3 { y: top, ..self.bench.place(cell.map(|c| c as f32), cost) });
             // The number may stand on either side of its pin.
@@ -222,7 +222,7 @@ impl Stand {
 
     /// The cost at the top of each pin.
     fn pins(&self, canvas: &mut Canvas, surface: &Surface) {
-        let all: Vec<_> = mesh::pins(surface)
+        let all: Vec<_> = mesh::pins(surface, &self.bench)
             .into_iter()
             .filter_map(|(role, at, top)| {
                 let cost = heat_map::any_cost(surface, at)?;

@@ -169,7 +169,7 @@ const PIECES: usize = 24;
 fn pins(surface: &Surface, sheet: &Sheet<'_>) -> Vec<Item> {
     let bench = Bench::new(surface);
     let theme = sheet.style.theme;
-    let all = mesh::pins(surface).into_iter().filter_map(|(role, at, top)| {
+    let all = mesh::pins(surface, &bench).into_iter().filter_map(|(role, at, top)| {
         let cost = heat_map::any_cost(surface, at)?;
         Some((theme.ink(role).color, bench.place(at.map(|c| c as f32), cost), top, mesh::pin_radii(role, theme)))
     });

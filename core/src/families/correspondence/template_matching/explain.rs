@@ -144,14 +144,14 @@ impl TemplateMatching {
         ));
         match template.eigenvalue {
             Some(eigenvalue) if eigenvalue < LEAST_EIGENVALUE => said.text(format!(
-                "chosen automatically: the picture has {} near its middle; the largest smaller eigenvalue of the structure tensor of a \
-                 block is λ₂ = {}.",
+                "chosen automatically: the picture has {} near its middle. The structure tensor of the best block there has the smaller \
+                 eigenvalue λ₂ = {}.",
                 if template.deviation() < LEAST_DEVIATION { "no texture" } else { "no block with texture in all directions" },
                 fixed(eigenvalue.into(), 2)
             )),
             Some(eigenvalue) => said.text(format!(
-                "chosen automatically: of the blocks near the middle it has the largest smaller eigenvalue of the structure tensor, \
-                 λ₂ = {}, so it differs from its surroundings in all directions.",
+                "chosen automatically: the smaller eigenvalue λ₂ = {} of its structure tensor is the largest of all blocks near the \
+                 middle, so it differs from its surroundings in all directions.",
                 fixed(eigenvalue.into(), 2)
             )),
             None => {

@@ -23,7 +23,7 @@ impl TemplateMatching {
         }
     }
 
-    /// The block near the middle with the largest smaller eigenvalue.
+    /// The block near the middle with the largest λ₂, the smaller eigenvalue of its structure tensor.
     fn textured(&self, luma: &Gray, frame: usize) -> Result<Template, Error> {
         let (width, height) = luma.size();
         let side = self.size.min(width / 2).min(height / 2);

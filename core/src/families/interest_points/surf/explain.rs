@@ -132,7 +132,7 @@ impl Surf {
                     .ink(Role::Best, format!("Sample {}", pixel(here.pixel(*sample))))
                     .text(format!(
                         ": R = {} exceeds all 26 neighbours, 8 in its layer and 9 in each of the layers of L = {} and {}: a maximum \
-                         over place and scale.",
+                         over position and scale.",
                         response((1, *sample)),
                         below.filter.size,
                         above.filter.size
@@ -144,7 +144,7 @@ impl Surf {
                 let count = here.responses.cells().iter().filter(|response| **response > self.threshold).count();
                 let said = said.text(format!(
                     "Octave {}, L = {} px: {} the threshold R = {}. Non-maximum suppression compares each with its 26 neighbours \
-                     in place and scale.",
+                     in position and scale.",
                     of.octave + 1,
                     here.filter.size,
                     match count {
@@ -534,7 +534,7 @@ fn readouts_of_choice(seen: &Seen<Surf>, maxima: &[Maximum]) -> Vec<Readout> {
     let Some(Event::Peak(index, _)) = seen.events.last() else { return vec![Readout::Facts(facts)] };
     let Maximum { octave, layer, refined, blob, .. } = maxima[*index];
     facts.extend([
-        Fact::new("Place", place(blob.at), Some(Role::Reference)),
+        Fact::new("Position", place(blob.at), Some(Role::Reference)),
         Fact::new("Scale s", format!("{} px", numbers::px(blob.scale)), None),
         Fact::new("Octave and filter", format!("{}, L = {} px", octave + 1, Filter::of(octave, layer).size), None),
         Fact::new("Response R", numbers::gray(refined.response), None),
@@ -546,7 +546,7 @@ fn readouts_of_keypoint(state: &State, of: &Described<'_>) -> Vec<Readout> {
     let Blob { at, scale } = of.maximum.blob;
     let mut facts = vec![
         Fact::new("Keypoint", format!("{} of {}", of.index + 1, state.kept().len()), None),
-        Fact::new("Place", place(at), Some(Role::Reference)),
+        Fact::new("Position", place(at), Some(Role::Reference)),
         Fact::new("Scale s", format!("{} px", numbers::px(scale)), None),
     ];
     facts.extend(of.angle_rad.map(|angle_rad| Fact::new("Orientation θ", degrees(angle_rad), Some(Role::Result))));
@@ -702,7 +702,7 @@ fn draw_search(seen: &Seen<Surf>, of: &Searched<'_>, scene: &mut Scene) {
     };
     for (role, meaning, points) in [
         (Role::Rejected, "suppressed (non-maximum)", samples(false)),
-        (Role::Best, "maximum over place and scale", samples(true)),
+        (Role::Best, "maximum over position and scale", samples(true)),
     ] {
         if !points.is_empty() {
             scene.mark(Picture::CURRENT, role, Shape::Points(points));
