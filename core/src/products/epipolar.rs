@@ -16,8 +16,17 @@ pub struct EpipolarField {
     pub residual_px: Option<f64>,
     /// Number of inliers and of all matches.
     pub support: Support,
-    /// Share of the inliers that a single homography explains as well; near 1 the matrix is not determined.
-    pub planar_share: Option<f64>,
+    /// How well a single homography explains the inliers, if they are enough to tell.
+    pub planar: Option<Planar>,
+}
+
+/// A homography on the inliers of a fundamental matrix.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Planar {
+    /// Share of the inliers that it explains.
+    pub share: f64,
+    /// Whether it is the better model, so that the fundamental matrix is not determined.
+    pub is_better: bool,
 }
 
 const MEASURES: [Measure; 4] = [
@@ -26,7 +35,7 @@ const MEASURES: [Measure; 4] = [
     Measure::new("epipolar_inlier_share", "Share of the matches that agree with the epipolar geometry.")
         .in_column("epipolar share", 3),
     Measure::new("sampson_px", "Root mean square Sampson distance of the inliers in px.").in_column("Sampson px", 3),
-    Measure::new("planar_share", "Share of the inliers that a single homography explains as well."),
+    Measure::new("planar_share", "Share of the inliers that a single homography explains."),
 ];
 
 impl Product for EpipolarField {
@@ -47,13 +56,19 @@ impl Product for EpipolarField {
     fn assess(&self, _: &Reference<'_>) -> Result<Assessment, Error> {
         let Support { inliers, matches } = self.support;
         let share = inliers as f64 / matches.max(1) as f64;
-        let values = [inliers.into(), Figure::from(share), self.residual_px.into(), self.planar_share.into()];
+        let values = [
+            inliers.into(),
+            Figure::from(share),
+            self.residual_px.into(),
+            self.planar.map(|planar| planar.share).into(),
+        ];
         let share = format!("{} of {} matches, {:.1} %", grouped(inliers), grouped(matches), 100.0 * share);
         let mut facts = vec![fact("Inliers", share.clone())];
         facts.extend(self.residual_px.map(|residual| fact("Sampson distance (RMS)", format!("{residual:.3} px"))));
-        facts.extend(
-            self.planar_share.map(|share| fact("Explained by a homography", format!("{:.0} %", 100.0 * share))),
-        );
+        facts.extend(self.planar.map(|Planar { share, is_better }| {
+            let better = if is_better { ", better than F" } else { "" };
+            fact("Explained by a homography", format!("{:.0} %{better}", 100.0 * share))
+        }));
         let headline = format!("{} inliers", grouped(inliers));
         Ok(Assessment { headline, ..Assessment::default() }.with(scores(&MEASURES, values), facts))
     }

@@ -9,13 +9,12 @@ use crate::methods::geometric::{
         Camera, Pose, eight_point, epipoles, least_sampson, line as line_of, line_back, sampson_all, sampson_squared,
         seven_point,
     },
-    fit::{fit, squared_error},
-    ransac::{chosen, sample},
-    refine::least_squares,
+    planar::Planarity,
     robust::{self, Best, Estimate, RobustModel, Sequel, robust_pseudocode},
 };
 use crate::methods::matching;
-use crate::products::model::{Matrix3, Model, Support};
+use crate::products::epipolar::Planar;
+use crate::products::model::{Matrix3, Support};
 use crate::products::{EpipolarField, Output, Product, ProductKind};
 use crate::run::Info;
 use crate::scene::{Focus, Math, Picture, Role, Scene, Shape};
@@ -53,11 +52,6 @@ robust_pseudocode!(
     RECTIFY: "rectify both frames: H′ sends e′ to infinity along x, H makes the rows equal"
 );
 
-/// Share of the inliers that a homography must explain for the geometry to be degenerate.
-const PLANAR: f64 = 0.8;
-/// Samples of the homography.
-const PLANAR_SAMPLES: usize = 60;
-
 impl RobustModel for EpipolarGeometry {
     const INFO: Info = Info {
         id: "epipolar-geometry",
@@ -65,7 +59,8 @@ impl RobustModel for EpipolarGeometry {
         family: "Correspondence",
         summary: "The fundamental matrix of a moving camera: each point corresponds to a point on its epipolar line.",
         source: "R. Hartley, In defense of the eight-point algorithm, IEEE PAMI 19(6), 1997; R. Hartley and A. Zisserman, Multiple view \
-                 geometry in computer vision, 2004, chapter 11",
+                 geometry in computer vision, 2004, chapter 11; degenerate scenes: P. Torr, Geometric motion segmentation and model \
+                 selection, Philosophical Transactions of the Royal Society A 356, 1998",
         pseudocode: line::ALL,
         granularities: &["frame", "iteration", "step"],
         frames: 2,
@@ -141,19 +136,21 @@ impl RobustModel for EpipolarGeometry {
                 inliers: estimate.best.map_or(0, |best| best.score.inliers),
                 matches: estimate.points.len(),
             },
-            planar_share: self.planar_share(estimate),
+            planar: self.planarity(estimate).map(|found| Planar { share: found.share, is_better: found.is_plane() }),
         })
     }
 
     fn conclusion(&self, estimate: &Estimate<'_>) -> String {
         let Some(best) = estimate.best else { return String::new() };
         let found = format!("RMS Sampson distance {} px.", words::fixed(best.rms_px(), 3));
-        let planar = self.planar_share(estimate).unwrap_or_default();
-        if planar >= PLANAR {
+        if let Some(planar) = self.planarity(estimate).filter(Planarity::is_plane) {
             return format!(
-                "{found} But a homography explains {} of the inliers as well: the scene is a plane, or the camera only rotated. F is not \
-                 determined by such points; use the global motion with a homography.",
-                words::percent(planar as f32)
+                "{found} But a homography explains {} of the inliers, and is the better model by the information criterion GRIC, {} against \
+                 {} of F: the scene is a plane, or the camera only rotated. F is not determined by such points; use the global motion with \
+                 a homography.",
+                words::percent(planar.share as f32),
+                words::fixed(planar.of_homography, 0),
+                words::fixed(planar.of_fundamental, 0)
             );
         }
         let pose = match self.pose(estimate) {
@@ -230,26 +227,10 @@ impl EpipolarGeometry {
         estimate.points.iter().copied().filter(|m| sampson_squared(matrix, m) <= limit).collect()
     }
 
-    /// The largest share of the inliers that one of some homographies explains.
-    fn planar_share(&self, estimate: &Estimate<'_>) -> Option<f64> {
-        let inliers = self.inliers(estimate, &estimate.best?.matrix);
-        if inliers.len() < 2 * Model::Homography.sample_size() {
-            return None;
-        }
-        let limit = f64::from(self.robust.threshold).powi(2);
-        let through = |iteration: usize| {
-            let indices = sample(4, inliers.len(), self.robust.seed as u64 + 1, iteration);
-            fit(Model::Homography, &chosen(&inliers, &indices))
-        };
-        let near = |matrix: &Matrix3| -> Vec<Correspondence> {
-            inliers.iter().copied().filter(|m| squared_error(matrix, m) <= limit).collect()
-        };
-        let agreeing = |matrix: &Matrix3| near(matrix).len();
-        let best = (0..PLANAR_SAMPLES).filter_map(through).max_by_key(agreeing)?;
-        // Fitted to all that agree, noise of the four points of a sample averages out.
-        let fitted = least_squares(Model::Homography, &near(&best));
-        let count = fitted.map_or(0, |matrix| agreeing(&matrix)).max(agreeing(&best));
-        Some(count as f64 / inliers.len() as f64)
+    /// The fundamental matrix compared with a homography on its inliers.
+    fn planarity(&self, estimate: &Estimate<'_>) -> Option<Planarity> {
+        let matrix = estimate.best?.matrix;
+        Planarity::of(&matrix, &self.inliers(estimate, &matrix), self.robust.seed as u64 + 1)
     }
 
     /// The angle that the frame spans across, with the focal length.
