@@ -6,14 +6,14 @@ use crate::base::words;
 use crate::methods::geometric::{
     Correspondence,
     epipolar::{
-        Camera, Pose, eight_point, epipoles, least_sampson, line as line_of, line_back, sampson_all, sampson_squared,
+        Camera, eight_point, epipoles, least_sampson, line as line_of, line_back, sampson_all, sampson_squared,
         seven_point,
     },
     planar::Planarity,
     robust::{self, Best, Estimate, RobustModel, Sequel, robust_pseudocode},
 };
 use crate::methods::matching;
-use crate::products::epipolar::Planar;
+use crate::products::epipolar::{Planar, Pose};
 use crate::products::model::{Matrix3, Support};
 use crate::products::{EpipolarField, Output, Product, ProductKind};
 use crate::run::Info;
@@ -128,6 +128,8 @@ impl RobustModel for EpipolarGeometry {
     }
 
     fn output(&self, estimate: &Estimate<'_>) -> Output {
+        let planarity = self.planarity(estimate);
+        let is_plane = planarity.as_ref().is_some_and(Planarity::is_plane);
         Output::of(EpipolarField {
             matrix: estimate.best.map(|best| best.matrix),
             iterations: estimate.iterations,
@@ -136,7 +138,8 @@ impl RobustModel for EpipolarGeometry {
                 inliers: estimate.best.map_or(0, |best| best.score.inliers),
                 matches: estimate.points.len(),
             },
-            planar: self.planarity(estimate).map(|found| Planar { share: found.share, is_better: found.is_plane() }),
+            planar: planarity.map(|found| Planar { share: found.share, is_better: found.is_plane() }),
+            pose: self.pose(estimate).filter(|_| !is_plane).filter(|pose| self.doubt(pose, estimate).is_none()),
         })
     }
 
@@ -155,7 +158,7 @@ impl RobustModel for EpipolarGeometry {
         }
         let pose = match self.pose(estimate) {
             None => " With the focal length, the pose of the camera follows from F.".to_owned(),
-            Some(pose) => posed(&pose, best.score.inliers, self.field_of_view_deg(estimate.size())),
+            Some(pose) => self.doubt(&pose, estimate).unwrap_or_else(|| posed(&pose)),
         };
         format!("{found}{pose} Points of moving objects violate F unless they move along their epipolar lines.")
     }
@@ -245,6 +248,35 @@ impl EpipolarGeometry {
         let camera = Camera { focal_px: self.focal_length.into(), centre };
         camera.pose(&matrix, &self.inliers(estimate, &matrix))
     }
+
+    /// Why the pose of a camera is rejected, as a sentence, if it is.
+    fn doubt(&self, pose: &Pose, estimate: &Estimate<'_>) -> Option<String> {
+        let ([narrowest, widest], spanned) = (VIEWS_DEG, self.field_of_view_deg(estimate.size()));
+        if !(narrowest..=widest).contains(&spanned) {
+            return Some(format!(
+                " The pose is rejected: with this focal length the frame would span {}°, and a camera spans {}° to {}°.",
+                words::fixed(spanned, 1),
+                words::fixed(narrowest, 0),
+                words::fixed(widest, 0)
+            ));
+        }
+        if pose.singular_ratio < LEAST_RATIO {
+            return Some(format!(
+                " The pose is rejected: the ratio of the singular values of the essential matrix is {}, and at least {} is needed (1 with the right \
+                 intrinsics). The focal length does not fit.",
+                words::fixed(pose.singular_ratio, 2),
+                words::fixed(LEAST_RATIO, 2)
+            ));
+        }
+        let inliers = estimate.best?.score.inliers;
+        (2 * pose.in_front <= inliers).then(|| {
+            format!(
+                " The pose is rejected: only {} of the {} inliers lie in front of both cameras, and more than half are needed.",
+                words::grouped(pose.in_front),
+                words::grouped(inliers)
+            )
+        })
+    }
 }
 
 /// Smallest ratio of both singular values of an essential matrix for which the intrinsics are accepted.
@@ -252,38 +284,15 @@ const LEAST_RATIO: f64 = 0.8;
 /// Widest field of view of a camera without a fisheye lens, and the narrowest of a telephoto lens, in degrees.
 const VIEWS_DEG: [f64; 2] = [1.0, 150.0];
 
-/// The pose of the camera in words, or why it is refused.
-fn posed(pose: &Pose, inliers: usize, field_of_view_deg: f64) -> String {
-    let [narrowest, widest] = VIEWS_DEG;
-    if !(narrowest..=widest).contains(&field_of_view_deg) {
-        return format!(
-            " The pose is rejected: with this focal length the frame would span {}°, and a camera spans {}° to {}°.",
-            words::fixed(field_of_view_deg, 1),
-            words::fixed(narrowest, 0),
-            words::fixed(widest, 0)
-        );
-    }
-    let ratio = words::fixed(pose.singular_ratio, 2);
-    if pose.singular_ratio < LEAST_RATIO {
-        return format!(
-            " The pose is rejected: the ratio of the singular values of the essential matrix is {ratio}, and at least {} is needed (1 with the right \
-             intrinsics). The focal length does not fit.",
-            words::fixed(LEAST_RATIO, 2)
-        );
-    }
-    if 2 * pose.in_front <= inliers {
-        return format!(
-            " The pose is rejected: only {} of the {} inliers lie in front of both cameras, and more than half are needed.",
-            words::grouped(pose.in_front),
-            words::grouped(inliers)
-        );
-    }
+/// The pose of the camera in words.
+fn posed(pose: &Pose) -> String {
     let [x, y, z] = pose.translation.map(|c| words::fixed(c, 2));
     format!(
         " The camera turned by {}° and moved along ({x}, {y}, {z}); {} of the inliers lie in front of both cameras. Ratio of the singular values of the \
-         essential matrix: {ratio}.",
+         essential matrix: {}.",
         words::fixed(pose.angle_deg(), 2),
-        words::grouped(pose.in_front)
+        words::grouped(pose.in_front),
+        words::fixed(pose.singular_ratio, 2)
     )
 }
 
