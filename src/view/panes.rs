@@ -408,16 +408,21 @@ fn some_regions(readout: &Readout) -> Option<&Regions> {
     if let Readout::Regions(regions) = readout { Some(regions) } else { None }
 }
 
-fn all_series(step: &Step) -> impl Iterator<Item = &Series> {
-    step.readouts.iter().filter_map(|readout| if let Readout::Series(series) = readout { Some(series) } else { None })
+/// Returns the quantities that have values: the others are no plots yet.
+pub fn all_series(step: &Step) -> impl Iterator<Item = &Series> {
+    let all = step.readouts.iter().filter_map(|readout| match readout {
+        Readout::Series(series) => Some(series),
+        _ => None,
+    });
+    all.filter(|series| series::has_values(series))
 }
 
 fn some_tiles(readout: &Readout) -> Option<&[motionscope_core::scene::Tile]> {
-    if let Readout::Tiles(tiles) = readout { Some(tiles) } else { None }
+    if let Readout::Tiles(tiles) = readout { Some(tiles.as_slice()).filter(|tiles| !tiles.is_empty()) } else { None }
 }
 
 fn some_matrices(readout: &Readout) -> Option<&[motionscope_core::scene::Matrix]> {
-    if let Readout::Matrices(matrices) = readout { Some(matrices) } else { None }
+    if let Readout::Matrices(all) = readout { Some(all.as_slice()).filter(|all| !all.is_empty()) } else { None }
 }
 
 fn a_histogram(readout: &Readout) -> Option<&motionscope_core::Histogram> {
@@ -505,6 +510,21 @@ mod tests {
         let error = HISTOGRAM.check(&*of(Motion::Points)).unwrap_err().to_string();
         let (refused, panes) = error.split_once("; its panes are ").unwrap();
         assert!(refused.ends_with("never has the pane histogram") && !panes.contains("histogram"), "{error}");
+    }
+
+    #[test]
+    fn quantities_without_a_value_are_no_plots() {
+        let series = |y: f32| {
+            let lines = vec![("NIS", motionscope_core::Role::Measured, vec![[1.0, y]])];
+            Readout::Series(Series { title: "NIS", lines, ..Series::default() })
+        };
+        let step = |readouts: Vec<Readout>| {
+            let info = motionscope_core::estimator("kalman-filter").unwrap().info();
+            Step { line: info.pseudocode[0].name, sentence: Default::default(), readouts }
+        };
+        assert!(charts(&step(vec![series(f32::NAN), Readout::Tiles(Vec::new())]), &[]).is_empty());
+        assert_eq!(charts(&step(vec![series(f32::NAN), series(2.0)]), &[]), [&SERIES]);
+        assert_eq!(all_series(&step(vec![series(f32::NAN), series(2.0)])).count(), 1);
     }
 
     #[test]

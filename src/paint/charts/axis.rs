@@ -11,6 +11,9 @@ pub struct Axis {
     pub is_logarithmic: bool,
 }
 
+/// Values this small are none: no axis has ticks between them.
+const NOTHING: f32 = 1e-30;
+
 impl Axis {
     /// An axis with equal steps.
     pub fn new(values: [f32; 2], places: [f32; 2]) -> Self {
@@ -45,9 +48,16 @@ impl Axis {
     /// The same, but longer: it ends on ticks, so that it has two at least and seldom changes while values come in.
     #[must_use]
     pub fn rounded(self, spacing: f32) -> Self {
-        let step = nice(f64::from(self.step(spacing)).max(f64::from(f32::MIN_POSITIVE))) as f32;
         let [low, high] = [self.low(), self.high()];
-        let values = [(low / step).floor() * step, (high / step).ceil().max(1.0) * step];
+        let (span, size) = (high - low, low.abs().max(high.abs()));
+        // A single value has some room on either side.
+        let ends = match size {
+            _ if span > 1e-6 * size && span > NOTHING => [low, high],
+            size if size > NOTHING => [low - 0.1 * size, high + 0.1 * size],
+            _ => [0.0, 1.0],
+        };
+        let step = nice(f64::from(Self { values: ends, ..self }.step(spacing))) as f32;
+        let values = [(ends[0] / step).floor() * step, (ends[1] / step).ceil().max(1.0) * step];
         Self { values, ..self }
     }
 
@@ -97,6 +107,20 @@ fn nice(step: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_single_value_has_an_axis_around_it() {
+        for value in [0.0, 5.0, -3.0, 2e6, 1e-6] {
+            let axis = Axis::new([value; 2], [300.0, 20.0]).rounded(36.0);
+            let [low, high] = axis.values;
+            assert!(
+                low.is_finite() && high.is_finite() && low <= value && value <= high && low < high,
+                "{value}: {axis:?}"
+            );
+            assert!(axis.place(value).is_finite() && !axis.ticks(36.0, 0.0).is_empty(), "{value}: {axis:?}");
+        }
+        assert_eq!(Axis::new([0.0, f32::MIN_POSITIVE], [300.0, 20.0]).rounded(36.0).values, [0.0, 1.0]);
+    }
 
     #[test]
     fn places_and_values_are_inverse() {

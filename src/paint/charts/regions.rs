@@ -26,8 +26,11 @@ pub struct Square {
 }
 
 impl Square {
-    fn new(regions: &Regions, area: Rect, small: f32) -> Self {
-        let min = [area.min[0] + 5.0 * small, area.min[1] + 1.9 * small];
+    fn new(regions: &Regions, area: Rect, dim: Type) -> Self {
+        let small = dim.size;
+        // Room for the numbers beside the axis.
+        let beside = (dim.width(&number(regions.reach)) + 8.0).max(5.0 * small);
+        let min = [area.min[0] + beside, area.min[1] + 1.9 * small];
         let room = [area.max[0] - small - min[0], area.max[1] - 2.9 * small - min[1]];
         let side = room[0].min(room[1]).max(8.0);
         let left = min[0] + ((room[0] - side) / 2.0).max(0.0);
@@ -52,7 +55,7 @@ impl Square {
 /// Lays the plane out as large as it fits into `area`.
 pub fn draw(data: Shown<'_>, area: Rect, style: ChartStyle) -> Drawing<Square> {
     let (regions, theme) = (data.regions, style.theme);
-    let square = Square::new(regions, area, style.small());
+    let square = Square::new(regions, area, Type::dim(theme));
     let mut canvas = Canvas::default();
     axes(&mut canvas, &square, regions, theme);
     canvas.inside(square.rect, |canvas| {

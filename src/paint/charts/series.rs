@@ -22,6 +22,8 @@ const TIGHTEST: f32 = 8.5;
 const NEAREST: f32 = 256.0;
 /// Half the width of a band that holds at one x, at least, in points.
 const LEAST_HALF: f32 = 6.0;
+/// From the numbers of the axis of values to the axis, in points.
+const TICK_GAP: f32 = 7.0;
 /// Half the width of the arrow that stands for a value beyond the edge, in points.
 const ARROW: f32 = 4.0;
 
@@ -121,8 +123,17 @@ pub fn draw(data: Plotted<'_>, area: Rect, style: ChartStyle) -> Drawing<Plot> {
     for (_, role, points) in &series.lines {
         clipped(&mut canvas, &plot, points, theme.word(*role));
     }
+    if !has_values(series) {
+        let middle = [0, 1].map(|i| (plot.rect.min[i] + plot.rect.max[i]) / 2.0);
+        canvas.text(middle, (Anchor::Middle, Level::Middle), "No value yet: step on.", Type::dim(theme));
+    }
     let head = head(data, &plot, area, None, style);
     Drawing { place: plot, body: canvas.into_layers(), head }
+}
+
+/// Whether a value is known: without any there is nothing to plot.
+pub fn has_values(series: &Series) -> bool {
+    series.lines.iter().flat_map(|(.., points)| points).any(|point| point[1].is_finite())
 }
 
 /// Words above a plot, with the color that they explain if it is no line.
@@ -294,8 +305,8 @@ impl Plot {
         let high = values.fold(f32::MIN_POSITIVE, f32::max);
         let logarithmic = logarithmic && low > 0.0 && low.is_finite();
         let places = [rect.max[1], rect.min[1]];
-        let linear =
-            Axis::new([if series.fits_values { low } else { low.min(0.0) }, high], places).rounded(3.0 * small);
+        let low_end = if series.fits_values && low.is_finite() { low } else { low.min(0.0) };
+        let linear = Axis::new([low_end, high], places).rounded(3.0 * small);
         // From one power of ten to another.
         let decades = [low.log10().floor(), high.log10().ceil().max(low.log10().floor() + 1.0)];
         // A stretch far from the first step begins where its data do.
@@ -305,7 +316,7 @@ impl Plot {
         let start = if has_logarithmic_x || is_far { first } else { 0.0 };
         let whole = Window { x: [start, end], y: if logarithmic { decades } else { linear.values } };
         let window = data.window.unwrap_or(whole);
-        Self {
+        let plot = Self {
             rect,
             x: Axis { is_logarithmic: has_logarithmic_x, ..Axis::new(window.x, [rect.min[0], rect.max[0]]) },
             y: Axis::new(window.y, places),
@@ -315,7 +326,21 @@ impl Plot {
             rows,
             is_named_below,
             is_tight,
+        };
+        plot.with_room_for_labels(area, text)
+    }
+
+    /// The same with the axis of values further right where its numbers are long.
+    fn with_room_for_labels(self, area: Rect, text: Type) -> Self {
+        let widest = self.tick_labels().iter().map(|(words, _)| text.width(words)).fold(0.0, f32::max);
+        let least = area.min[0] + widest + TICK_GAP + 2.0;
+        if least <= self.rect.min[0] {
+            return self;
         }
+        let left = least.min(area.min[0] + 0.4 * area.size()[0]).min(self.rect.max[0] - 8.0).round();
+        let left = left.max(self.rect.min[0]);
+        let rect = Rect { min: [left, self.rect.min[1]], ..self.rect };
+        Self { rect, x: Axis { places: [left, self.x.places[1]], ..self.x }, ..self }
     }
 
     /// Whether a step lies between the ends of its axis.
@@ -347,6 +372,15 @@ impl Plot {
         let [low, high] = self.y.values;
         let span = high - low;
         [self.x.place(x), self.y.place(self.up(y).clamp(low - span, high + span))]
+    }
+
+    /// The numbers at the axis of values, each with its place.
+    fn tick_labels(&self) -> Vec<(String, f32)> {
+        let (values, places): (Vec<f32>, Vec<f32>) = self.ticks().into_iter().unzip();
+        // Powers of ten have as many decimals as each needs: 0.001.
+        let words =
+            if self.logarithmic { values.iter().flat_map(|tick| labels(&[*tick])).collect() } else { labels(&values) };
+        words.into_iter().zip(places).collect()
     }
 
     /// The ticks of the values, each with its place on the axis.
@@ -408,13 +442,9 @@ fn clipped(canvas: &mut Canvas, plot: &Plot, points: &[[f32; 2]], color: Color) 
 fn axes(canvas: &mut Canvas, plot: &Plot, (series, area): (&Series, Rect), theme: Theme) {
     let (chrome, dim) = (theme.chrome(), Type::dim(theme));
     let Rect { min: [left, _], max: [right, bottom] } = plot.rect;
-    let (values, places): (Vec<f32>, Vec<f32>) = plot.ticks().into_iter().unzip();
-    // Powers of ten have as many decimals as each needs: 0.001.
-    let words =
-        if plot.logarithmic { values.iter().flat_map(|tick| labels(&[*tick])).collect() } else { labels(&values) };
-    for (words, y) in words.iter().zip(places) {
+    for (words, y) in plot.tick_labels() {
         canvas.across([left, right], y, chrome.line);
-        canvas.text([left - 7.0, y], (Anchor::End, Level::Middle), words, dim);
+        canvas.text([left - TICK_GAP, y], (Anchor::End, Level::Middle), &words, dim);
     }
     canvas.across([left, right], bottom, chrome.dim);
     let below = bottom + 6.0 + if plot.is_tight { 0.0 } else { 1.25 * plot.small };
@@ -684,6 +714,35 @@ mod tests {
         for [_, y] in &many.lines[0].2 {
             assert!((b.rect.min[1]..=b.rect.max[1]).contains(&b.y.place(*y)));
         }
+    }
+
+    #[test]
+    fn without_values_a_plot_says_so_and_stays_finite() {
+        let none = vec![("NIS", Role::Measured, vec![[1.0, f32::NAN], [2.0, f32::NAN]])];
+        for lines in [none, vec![("NIS", Role::Measured, vec![])], vec![]] {
+            for fits_values in [false, true] {
+                let series = Series { lines: lines.clone(), fits_values, ..series(1) };
+                assert!(!has_values(&series));
+                let drawing = draw(plotted(&series, true), Rect::new([0.0; 2], [400.0, 240.0]), style());
+                assert!(drawing.place.y.values.iter().all(|end| end.is_finite()), "{:?}", drawing.place.y);
+                let words = texts(&flat(drawing));
+                assert!(words.iter().any(|word| word == "No value yet: step on."), "{words:?}");
+            }
+        }
+        assert!(has_values(&series(1)));
+    }
+
+    #[test]
+    fn long_numbers_of_the_axis_are_not_cut_off() {
+        let high = vec![("energy", Role::Result, vec![[1.0, 123_456_789.0], [2.0, 3.0]])];
+        let series = Series { lines: high, ..series(1) };
+        let drawing = draw(plotted(&series, false), Rect::new([0.0; 2], [400.0, 240.0]), style());
+        let left = drawing.place.rect.min[0];
+        let primitives = flat(drawing);
+        let lines = primitives.iter().filter_map(|p| if let Primitive::Text(line) = p { Some(line) } else { None });
+        let numbers = lines.filter(|line| line.anchor == Anchor::End && line.at[0] < left);
+        assert!(numbers.map(|line| line.at[0] - line.width()).all(|start| start >= 0.0));
+        assert!(left > 4.6 * Theme::Dark.sizes().small);
     }
 
     #[test]

@@ -1,10 +1,12 @@
 //! Quantities over steps: one below the other where there is room, else the one that is chosen.
 
 use eframe::egui::{RichText, Ui, vec2};
-use motionscope_core::scene::{Readout, Series};
+use motionscope_core::Step;
+use motionscope_core::scene::Series;
 
 use crate::ui::charts::series;
 use crate::ui::drawing::chart::Subject;
+use crate::view::panes::all_series;
 
 /// Lines of small type below which a plot cannot be read.
 const LINES: f32 = 12.0;
@@ -12,31 +14,29 @@ const LINES: f32 = 12.0;
 /// Which one is seen where there is no room for all, and all as they are shown.
 #[derive(Default)]
 pub struct State {
-    chosen: usize,
+    chosen: Option<&'static str>,
     plots: Vec<series::State>,
 }
 
-/// Shows all quantities of `readouts` that go over steps; gives the event that was clicked.
-pub fn show(ui: &mut Ui, readouts: &[Readout], subject: Subject<'_>, state: &mut State) -> Option<usize> {
-    let all = readouts.iter().filter_map(|readout| match readout {
-        Readout::Series(series) => Some(series),
-        _ => None,
-    });
-    let all: Vec<&Series> = all.collect();
+/// Shows all quantities of `step` that have values; gives the event that was clicked.
+pub fn show(ui: &mut Ui, step: &Step, subject: Subject<'_>, state: &mut State) -> Option<usize> {
+    let all: Vec<&Series> = all_series(step).collect();
     state.plots.resize_with(all.len(), Default::default);
     let small = subject.theme.sizes().small;
     if all.len() < 2 || ui.available_height() >= LINES * small * all.len() as f32 {
         return below_each_other(ui, &all, subject, &mut state.plots);
     }
-    state.chosen = state.chosen.min(all.len() - 1);
+    // By its title: another quantity may have got its first value meanwhile.
+    let chosen = all.iter().position(|series| state.chosen == Some(series.title)).unwrap_or(0);
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 2.0;
         for (i, series) in all.iter().enumerate() {
-            ui.selectable_value(&mut state.chosen, i, RichText::new(series.title).small());
+            if ui.selectable_label(i == chosen, RichText::new(series.title).small()).clicked() {
+                state.chosen = Some(series.title);
+            }
         }
     });
-    let chosen = state.chosen..=state.chosen;
-    below_each_other(ui, &all[chosen.clone()], subject, &mut state.plots[chosen])
+    below_each_other(ui, &all[chosen..=chosen], subject, &mut state.plots[chosen..=chosen])
 }
 
 fn below_each_other(ui: &mut Ui, all: &[&Series], subject: Subject<'_>, plots: &mut [series::State]) -> Option<usize> {

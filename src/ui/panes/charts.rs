@@ -153,7 +153,7 @@ impl Panes<'_> {
         let estimator = &shown.subject.experiment.estimator;
         let mut event = None;
         if *pane == panes::SERIES {
-            event = plots::show(ui, &step.readouts, subject, &mut self.states.plots);
+            event = plots::show(ui, step, subject, &mut self.states.plots);
         }
         for readout in &step.readouts {
             match readout {
