@@ -225,6 +225,8 @@ fn the_history_of_a_pixel_stands_beside_what_is_background() {
             let level = |t: usize| level_in(plots[0].title, &clip.frame(t).expect("a frame"), (x, y));
             let wanted: Vec<_> = (0..=frame).map(|t| [t as f32, level(t)]).collect();
             assert_eq!(plots[0].lines[0].2, wanted, "{id}");
+            // The model of an earlier frame was another one.
+            assert!(plots[0].bands.iter().all(|band| band.at == Some(frame as f32)), "{id}: {:?}", plots[0].bands);
             let level = level(frame);
             let mask = walk.scene(None).marks.iter().find_map(|mark| match &mark.shape {
                 Shape::Mask(mask) => Some(mask.get(x, y)),
@@ -239,4 +241,19 @@ fn the_history_of_a_pixel_stands_beside_what_is_background() {
             }
         }
     }
+}
+
+#[test]
+fn the_history_shows_the_corrected_level_that_is_compared() {
+    let texture = |x: usize, y: usize| (60 + (7 * x + 13 * y) % 90) as u8;
+    let frame = |gain: u8| Frame::gray(Grid::from_fn(64, 48, |x, y| texture(x, y) + gain));
+    let clip = Clip::from_frames("brighter", vec![frame(0), frame(0), frame(0), frame(25)]).expect("a clip");
+    let mut walk = set("running-average", &[("camera", "still"), ("shake", "0")]).walk(&clip, 0).expect("a walk");
+    walk.jump(Move::To(Cursor { unit: 3, event: usize::MAX }));
+    let (place, plots) = ((20, 30), pixel_plots(walk.as_ref(), [20.0, 30.0]));
+    let level = f32::from(texture(place.0, place.1));
+    let [(_, _, seen), (name, _, compared)] = &plots[0].lines[..] else { panic!("{:?}", plots[0].lines) };
+    assert_eq!((seen.last(), *name), (Some(&[3.0, level + 25.0]), "corrected for the exposure"));
+    let [[at, corrected]] = compared[..] else { panic!("{compared:?}") };
+    assert!(at == 3.0 && (corrected - level).abs() <= 1.0, "{corrected} beside {level}");
 }

@@ -409,6 +409,13 @@ fn a_wrong_focal_length_is_told_with_the_ratio_of_the_singular_values() {
     assert!(right.contains("Ratio of the singular values") && !right.contains("rejected"), "{right}");
     let wrong = last_sentence("epipolar-geometry", &settings("30"), &clip);
     assert!(wrong.contains("The pose is rejected") && !wrong.contains("NaN"), "{wrong}");
+    let pose = |focal| run("epipolar-geometry", &settings(focal), &clip).get::<EpipolarField>().expect("F").pose;
+    assert_eq!((pose("30"), pose("0")), (None, None));
+    let found = pose("300").expect("the right focal length");
+    let off = (0..9).map(|i| (found.rotation[i / 3][i % 3] - turn[(i / 3, i % 3)]).abs()).fold(0.0, f64::max);
+    let along = Vector3::from(found.translation).dot(&moved.normalize());
+    // Positions are rounded to whole pixels.
+    assert!(off < 0.03 && along > 0.97, "rotation {off} off, cosine of the translation {along}");
 }
 
 /// The steps that follow from the fundamental matrix: what is said, and the scene.

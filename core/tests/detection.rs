@@ -723,6 +723,16 @@ fn a_union_is_marked_and_drawn_and_empty_rows_are_idle() {
         marks.extend(walk.landmarks().into_iter().map(|(event, _)| (row, event)));
     }
     assert_eq!(idle, (0..6).chain(16..30).collect::<Vec<_>>());
+    // The next step names the rows that were passed.
+    for (unit, words) in [
+        (6, "Rows 0 to 5 have no foreground pixels. Row 6 has 4 foreground pixels."),
+        (7, "Row 7 has 4 foreground pixels."),
+        (30, "Rows 16 to 29 have no foreground pixels. 2 provisional labels with 1 root."),
+    ] {
+        walk.jump(Move::To(Cursor { unit, event: 1 }));
+        let sentence = walk.step(None).sentence.plain();
+        assert!(sentence.starts_with(words), "{sentence}");
+    }
     let &[(row, event)] = &marks[..] else { panic!("one union, not {marks:?}") };
     walk.jump(Move::To(Cursor { unit: row, event }));
     assert_eq!(row, 12);

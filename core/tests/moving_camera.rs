@@ -26,7 +26,7 @@ fn measure(output: &Output, clip: &Clip, key: &str) -> f64 {
 }
 
 fn errors(output: &Output, clip: &Clip) -> PathErrors {
-    output.get::<PathField>().expect("a path").errors(clip)
+    output.get::<PathField>().expect("a path").errors(clip).expect("a synthetic truth")
 }
 
 #[test]
@@ -60,7 +60,7 @@ fn a_hand_held_pan_is_chained_and_stabilised() {
     let clip = clip("hand-held", &[]);
     let output = run("stabilization", &[], &clip);
     let found = errors(&output, &clip);
-    let truth = true_motions(&clip, (0, 23)).expect("a synthetic clip");
+    let truth = true_motions(&clip, (0, 23)).expect("computed").expect("a synthetic clip");
     let shaken = jitter(&track(&chained(&truth), clip.size())).expect("24 frames");
     let [motion, drift, residual] = [found.motion_px, found.drift_px, found.residual_px].map(|px| px.expect("known"));
     assert!(shaken > 2.0, "the camera shakes: {shaken}");
@@ -135,7 +135,7 @@ fn a_mosaic_holds_every_frame_in_its_place() {
     // Errors of 23 pairs add up.
     assert!(found.drift_px.expect("known") < 0.1 * 23.0, "{found:?}");
     // The newest frame covers all others. Its place on the mosaic follows from the true path; a border of the mosaic is a whole pixel.
-    let truth = chained(&true_motions(&clip, (0, 23)).expect("a synthetic clip"));
+    let truth = chained(&true_motions(&clip, (0, 23)).expect("computed").expect("a synthetic clip"));
     let newest = clip.frame(23).expect("read");
     let reference = truth[11];
     let back = product(&truth[23], &inverse(&reference));

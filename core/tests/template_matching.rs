@@ -183,3 +183,36 @@ fn another_picture_loses_the_template() {
     let track = track(&*estimator("template-matching").expect("it is there"), &clip);
     assert_eq!((track.points.len(), track.points[1].status), (2, Status::Unlike));
 }
+
+#[test]
+fn a_drift_at_the_border_of_its_search_is_at_least_that() {
+    let random = |k: u64, i: usize, j: usize| {
+        let mixed = (k * 0x9E37_79B9) ^ (i as u64 * 0x85EB_CA6B) ^ (j as u64 * 0xC2B2_AE35);
+        60.0 + f64::from((mixed.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 57) as u8)
+    };
+    // The patch changes its appearance; its first one is beside it, beyond the reach of the tracker.
+    let told = |beside: usize| {
+        let frame = |t: usize| {
+            Frame::gray(Grid::from_fn(96, 80, |x, y| {
+                let share = 0.15 * t as f64;
+                let (i, j) = (x.wrapping_sub(40), y.wrapping_sub(36));
+                if j >= 8 {
+                    return 120;
+                }
+                if i < 8 {
+                    return ((1.0 - share) * random(1, i, j) + share * random(2, i, j)) as u8;
+                }
+                if t > 0 && (beside..beside + 8).contains(&i) { random(1, i - beside, j) as u8 } else { 120 }
+            }))
+        };
+        let clip = Clip::from_frames("morph", (0..4).map(frame).collect()).expect("frames of one size");
+        let settings = [("template", "40,36,48,44"), ("search-range", "4"), ("update", "every-frame")];
+        let mut walk = set("template-matching", &settings).walk(&clip, 0).expect("a walk");
+        walk.jump(Move::End);
+        walk.step(None).sentence.plain()
+    };
+    let said = told(12);
+    assert!(said.contains("The final drift from the first template is at least 12 px"), "{said}");
+    let said = told(10);
+    assert!(said.contains("The final drift from the first template is") && !said.contains("at least"), "{said}");
+}

@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use motionscope_core::products::epipolar::Pose;
 use motionscope_core::products::model::Matrix3;
 use motionscope_core::products::{Assessment, Figure};
 use motionscope_core::scene::{Fact, Picture, Readout};
@@ -167,6 +168,31 @@ struct ModelReport {
     matches: Option<usize>,
     iterations: usize,
     residual_px: Option<f64>,
+    /// The pose of the camera, where its focal length is given and fits.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    camera: Option<CameraReport>,
+}
+
+/// The pose of a calibrated camera between both frames.
+#[derive(Serialize)]
+struct CameraReport {
+    /// The essential matrix [t]ₓ R, by rows.
+    essential: Matrix3,
+    /// The rotation matrix R, by rows.
+    rotation: Matrix3,
+    /// The direction of the translation t, of length 1.
+    translation: [f64; 3],
+    /// Number of inliers in front of both cameras.
+    in_front: usize,
+    /// Ratio of the second to the first singular value of the essential matrix that follows from the fundamental one.
+    singular_ratio: f64,
+}
+
+impl CameraReport {
+    fn of(pose: &Pose) -> Self {
+        let Pose { rotation, translation, in_front, singular_ratio } = *pose;
+        Self { essential: pose.essential(), rotation, translation, in_front, singular_ratio }
+    }
 }
 
 impl ModelReport {
@@ -174,12 +200,13 @@ impl ModelReport {
         let plane = output.get().map(|field: &ModelField| {
             let ModelField { model, matrix, iterations, residual_px, support, .. } = *field;
             let [inliers, matches] = [support.map(|of| of.inliers), support.map(|of| of.matches)];
-            Self { kind: model.id(), matrix, inliers, matches, iterations, residual_px }
+            Self { kind: model.id(), matrix, inliers, matches, iterations, residual_px, camera: None }
         });
         let epipolar = |field: &EpipolarField| {
-            let EpipolarField { matrix, iterations, residual_px, support, .. } = *field;
+            let EpipolarField { matrix, iterations, residual_px, support, pose, .. } = *field;
             let [inliers, matches] = [Some(support.inliers), Some(support.matches)];
-            Self { kind: "fundamental", matrix, inliers, matches, iterations, residual_px }
+            let camera = pose.as_ref().map(CameraReport::of);
+            Self { kind: "fundamental", matrix, inliers, matches, iterations, residual_px, camera }
         };
         plane.or_else(|| output.get().map(epipolar))
     }

@@ -1,9 +1,10 @@
 //! Epipolar geometry: the fundamental matrix of a pair of frames.
 
 use super::assessment::{fact, scores};
-use super::model::{Matrix3, Support};
+use super::model::{Matrix3, Support, product};
 use super::{Assessment, Figure, Measure, Motion, Product, ProductKind, Reference, Table};
-use crate::base::{Error, words::grouped};
+use crate::base::Error;
+use crate::base::words::{fixed, grouped};
 
 /// The fundamental matrix of a pair of frames: x′ᵀ F x = 0 for corresponding points of a rigid scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,8 +17,46 @@ pub struct EpipolarField {
     pub residual_px: Option<f64>,
     /// Number of inliers and of all matches.
     pub support: Support,
-    /// Share of the inliers that a single homography explains as well; near 1 the matrix is not determined.
-    pub planar_share: Option<f64>,
+    /// How well a single homography explains the inliers, if they are enough to tell.
+    pub planar: Option<Planar>,
+    /// The pose of the camera, if its focal length is known and fits, and the matrix is determined.
+    pub pose: Option<Pose>,
+}
+
+/// Rotation and direction of translation of a calibrated camera between both frames: X′ = R X + t.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// The rotation matrix, by rows.
+    pub rotation: Matrix3,
+    /// The direction of the translation, of length 1.
+    pub translation: [f64; 3],
+    /// Number of inliers in front of both cameras.
+    pub in_front: usize,
+    /// Ratio of the second to the first singular value of KᵀFK: 1 for the right intrinsics and exact positions.
+    pub singular_ratio: f64,
+}
+
+impl Pose {
+    /// The angle of the rotation in degrees.
+    pub fn angle_deg(&self) -> f64 {
+        let trace: f64 = (0..3).map(|i| self.rotation[i][i]).sum();
+        ((trace - 1.0) / 2.0).clamp(-1.0, 1.0).acos().to_degrees()
+    }
+
+    /// The essential matrix E = [t]ₓ R, by rows: x̂′ᵀ E x̂ = 0 for positions in units of the focal length from the principal point.
+    pub fn essential(&self) -> Matrix3 {
+        let [x, y, z] = self.translation;
+        product(&[[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]], &self.rotation)
+    }
+}
+
+/// A homography on the inliers of a fundamental matrix.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Planar {
+    /// Share of the inliers that it explains.
+    pub share: f64,
+    /// Whether it is the better model, so that the fundamental matrix is not determined.
+    pub is_better: bool,
 }
 
 const MEASURES: [Measure; 4] = [
@@ -26,7 +65,7 @@ const MEASURES: [Measure; 4] = [
     Measure::new("epipolar_inlier_share", "Share of the matches that agree with the epipolar geometry.")
         .in_column("epipolar share", 3),
     Measure::new("sampson_px", "Root mean square Sampson distance of the inliers in px.").in_column("Sampson px", 3),
-    Measure::new("planar_share", "Share of the inliers that a single homography explains as well."),
+    Measure::new("planar_share", "Share of the inliers that a single homography explains."),
 ];
 
 impl Product for EpipolarField {
@@ -47,13 +86,24 @@ impl Product for EpipolarField {
     fn assess(&self, _: &Reference<'_>) -> Result<Assessment, Error> {
         let Support { inliers, matches } = self.support;
         let share = inliers as f64 / matches.max(1) as f64;
-        let values = [inliers.into(), Figure::from(share), self.residual_px.into(), self.planar_share.into()];
+        let values = [
+            inliers.into(),
+            Figure::from(share),
+            self.residual_px.into(),
+            self.planar.map(|planar| planar.share).into(),
+        ];
         let share = format!("{} of {} matches, {:.1} %", grouped(inliers), grouped(matches), 100.0 * share);
         let mut facts = vec![fact("Inliers", share.clone())];
         facts.extend(self.residual_px.map(|residual| fact("Sampson distance (RMS)", format!("{residual:.3} px"))));
-        facts.extend(
-            self.planar_share.map(|share| fact("Explained by a homography", format!("{:.0} %", 100.0 * share))),
-        );
+        facts.extend(self.planar.map(|Planar { share, is_better }| {
+            let better = if is_better { ", better than F" } else { "" };
+            fact("Explained by a homography", format!("{:.0} %{better}", 100.0 * share))
+        }));
+        facts.extend(self.pose.iter().flat_map(|pose| {
+            let [x, y, z] = pose.translation.map(|c| fixed(c, 2));
+            let turned = fact("Rotation of the camera", format!("{}°", fixed(pose.angle_deg(), 2)));
+            [turned, fact("Direction of translation", format!("({x}, {y}, {z})"))]
+        }));
         let headline = format!("{} inliers", grouped(inliers));
         Ok(Assessment { headline, ..Assessment::default() }.with(scores(&MEASURES, values), facts))
     }

@@ -8,7 +8,7 @@ mod block_vectors;
 mod coding;
 pub mod consistency;
 mod dense_flow;
-mod epipolar;
+pub mod epipolar;
 mod flow_error;
 pub mod keypoints;
 mod mask;

@@ -105,9 +105,12 @@ pub fn corner_error([a, b]: [&Matrix3; 2], (width, height): (usize, usize)) -> f
 }
 
 /// The true motions of the background from frame `first` on, for `count` pairs; `None` where they are not known.
-pub fn true_motions(clip: &Clip, (first, count): (usize, usize)) -> Option<Vec<Matrix3>> {
-    let truth = clip.truth()?;
-    (first..first + count).map(|t| truth.background(t).ok().flatten()).collect()
+///
+/// # Errors
+/// If the truth is there but cannot be read.
+pub fn true_motions(clip: &Clip, (first, count): (usize, usize)) -> Result<Option<Vec<Matrix3>>, Error> {
+    let Some(truth) = clip.truth() else { return Ok(None) };
+    (first..first + count).map(|t| truth.background(t).transpose()).collect::<Option<_>>().transpose()
 }
 
 /// The measures of a path.
@@ -139,7 +142,10 @@ impl PathField {
     }
 
     /// The measures of the path, against the true motion of the background where `clip` has it.
-    pub fn errors(&self, clip: &Clip) -> PathErrors {
+    ///
+    /// # Errors
+    /// If the truth is there but cannot be read.
+    pub fn errors(&self, clip: &Clip) -> Result<PathErrors, Error> {
         let to_frames = self.to_frames();
         let of = |maps: &[Matrix3]| jitter(&track(maps, self.picture));
         let mut errors = PathErrors { before_px: of(&to_frames), ..PathErrors::default() };
@@ -149,8 +155,9 @@ impl PathField {
             errors.after_px = of(&self.corrected(&to_frames));
             errors.empty = Some(empty / self.corrections.len() as f64);
         }
-        let Some(truth) = true_motions(clip, (self.first, self.motions.len())).filter(|truth| !truth.is_empty()) else {
-            return errors;
+        let truth = true_motions(clip, (self.first, self.motions.len()))?;
+        let Some(truth) = truth.filter(|truth| !truth.is_empty()) else {
+            return Ok(errors);
         };
         let true_maps = chained(&truth);
         let ends = [to_frames.last(), true_maps.last()];
@@ -158,7 +165,7 @@ impl PathField {
         let each = self.motions.iter().zip(&truth).map(|(found, truth)| corner_error([found, truth], self.picture));
         errors.motion_px = each.reduce(f64::max);
         errors.residual_px = is_done.then(|| of(&self.corrected(&true_maps))).flatten();
-        errors
+        Ok(errors)
     }
 
     /// The pictures made with it, each with the name of its kind and the number of its frame.
@@ -271,7 +278,8 @@ impl Product for PathField {
     }
 
     fn assess(&self, reference: &Reference<'_>) -> Result<Assessment, Error> {
-        let PathErrors { before_px, after_px, drift_px, motion_px, residual_px, empty } = self.errors(reference.clip);
+        let PathErrors { before_px, after_px, drift_px, motion_px, residual_px, empty } =
+            self.errors(reference.clip)?;
         let finite = |value: Option<f64>| Figure::from(value.filter(|value| value.is_finite()));
         let values = [before_px, after_px, empty, motion_px, drift_px, residual_px].map(finite);
         let px = |value: f64| format!("{} px", words::fixed(value, 2));

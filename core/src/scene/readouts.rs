@@ -181,6 +181,8 @@ pub struct Band {
     pub name: String,
     /// Its ends.
     pub values: [f32; 2],
+    /// The x at which it holds; `None` where it holds for all.
+    pub at: Option<f32>,
 }
 
 /// A section of a [`Series`].

@@ -20,6 +20,8 @@ const TIGHTEST: f32 = 8.5;
 
 /// Nearest that one can come: what is seen at first is at most so many times as wide.
 const NEAREST: f32 = 256.0;
+/// Half the width of a band that holds at one x, at least, in points.
+const LEAST_HALF: f32 = 6.0;
 /// From the numbers of the axis of values to the axis, in points.
 const TICK_GAP: f32 = 7.0;
 /// Half the width of the arrow that stands for a value beyond the edge, in points.
@@ -212,7 +214,7 @@ fn names(series: &Series, x: Option<f32>, theme: Theme) -> Vec<Entry> {
 }
 
 /// A band in words: `95 % band 0.05 to 7.38`.
-fn band_name(Band { name, values: [low, high] }: &Band) -> String {
+fn band_name(Band { name, values: [low, high], .. }: &Band) -> String {
     let short = |v: f32| {
         let shown = number((v * 100.0).round() / 100.0);
         if shown.contains('.') { shown.trim_end_matches('0').trim_end_matches('.').to_owned() } else { shown }
@@ -393,11 +395,16 @@ impl Plot {
 fn bands(canvas: &mut Canvas, plot: &Plot, series: &Series, theme: Theme) {
     let Rect { min: [left, top], max: [right, bottom] } = plot.rect;
     let place = |value: f32| plot.at([0.0, value])[1].clamp(top, bottom);
-    for Band { values: [low, high], .. } in &series.bands {
-        let rect = Rect::between([left, place(*high)], [right, place(*low)]);
+    for Band { values: [low, high], at, .. } in &series.bands {
+        let ends = match at {
+            None => [left, right],
+            Some(x) if plot.shows(*x) => beside(plot, *x),
+            Some(_) => continue,
+        };
+        let rect = Rect::between([ends[0], place(*high)], [ends[1], place(*low)]);
         canvas.fill(rect, band_color(theme));
         for edge in [*low, *high].into_iter().filter(|edge| plot.beyond([0.0, *edge]).is_none()) {
-            canvas.across([left, right], place(edge), theme.word(Role::Window).alpha(150));
+            canvas.across(ends, place(edge), theme.word(Role::Window).alpha(150));
         }
     }
     let color = theme.word(Role::Rejected);
@@ -405,6 +412,14 @@ fn bands(canvas: &mut Canvas, plot: &Plot, series: &Series, theme: Theme) {
         let y = place(*value);
         canvas.line(vec![[left, y], [right, y]], false, Stroke { dash: THRESHOLD, ..solid(1.5, color) });
     }
+}
+
+/// The ends of a band that holds at `x` alone: half a step to either side, and wide enough to be seen.
+fn beside(plot: &Plot, x: f32) -> [f32; 2] {
+    let Rect { min: [left, _], max: [right, _] } = plot.rect;
+    let (at, half) = (plot.x.place(x), 0.5 * (plot.x.place(x) - plot.x.place(x - 1.0)).abs());
+    let half = if half.is_finite() { half.max(LEAST_HALF) } else { LEAST_HALF };
+    [(at - half).max(left), (at + half).min(right)]
 }
 
 /// Arrows at the edge for values beyond it, as far as they do not stand on each other.
@@ -799,7 +814,7 @@ mod tests {
             y_label: "squared Mahalanobis distance",
             x_max: 40,
             lines: vec![("NIS", Role::Measured, values), ("outside the gate", Role::Rejected, refused)],
-            bands: vec![Band { name: "95 % band".into(), values: [0.0506, 7.378] }],
+            bands: vec![Band { name: "95 % band".into(), values: [0.0506, 7.378], at: None }],
             thresholds: vec![("99 % gate".into(), 9.21)],
             ..Series::default()
         }
@@ -825,6 +840,26 @@ mod tests {
             assert!(words.iter().any(|word| word == wanted), "{wanted} is missing in {words:?}");
         }
         assert!(summary(&series).ends_with("95 % band 0.05 to 7.38, 99 % gate 9.21"), "{}", summary(&series));
+    }
+
+    #[test]
+    fn a_band_of_one_step_is_drawn_there_alone() {
+        let mut series = consistency();
+        series.bands[0].at = Some(12.0);
+        let drawing = draw(plotted(&series, false), Rect::new([0.0; 2], [700.0, 300.0]), style());
+        let plot = drawing.place.clone();
+        let color = band_color(Theme::Dark);
+        let bands: Vec<_> = flat(drawing)
+            .into_iter()
+            .filter_map(|p| match p {
+                Primitive::Polygon { points, color: filled } if filled == color && points.len() == 4 => Some(points),
+                _ => None,
+            })
+            .filter(|points| points.iter().any(|point| point[0] > plot.rect.min[0] && point[1] > plot.rect.min[1]))
+            .collect();
+        let [band] = &bands[..] else { panic!("{bands:?}") };
+        let near = plot.x.place(12.0) - plot.x.place(11.0);
+        assert!(band.iter().all(|point| (point[0] - plot.x.place(12.0)).abs() <= near.max(LEAST_HALF)), "{band:?}");
     }
 
     #[test]

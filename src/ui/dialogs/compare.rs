@@ -16,7 +16,7 @@ use crate::experiment::comparison::{self, Column, Conditions, Row};
 use crate::experiment::course_table::{self, CourseRow};
 use crate::experiment::first;
 use crate::experiment::source::Source;
-use crate::experiment::sweeps::{self, Sweep};
+use crate::experiment::sweeps::{self, Limits, Sweep};
 use crate::media;
 use crate::media::export::{Inputs, Target};
 use crate::paint::{ColorMap, Theme};
@@ -289,7 +289,8 @@ fn sweep(ui: &mut Ui, state: &mut State, document: &Document) {
         _ => Vec::new(),
     };
     let title = |sweep: &Option<Sweep>| sweep.as_ref().map_or("nothing".to_owned(), |sweep| sweep.title.clone());
-    let all = [("parameters", sweeps::of_estimators(&chosen)), ("sliders of the clip", of_clip)];
+    let limits = document.prepared_alone().map(|of| Limits::of(&of.clip, of.experiment.frame));
+    let all = [("parameters", sweeps::of_estimators(&chosen, limits)), ("sliders of the clip", of_clip)];
     if state.sweep.as_ref().is_some_and(|sweep| all.iter().all(|(_, some)| !some.contains(sweep))) {
         state.sweep = None;
     }

@@ -6,16 +6,15 @@ use crate::base::words;
 use crate::methods::geometric::{
     Correspondence,
     epipolar::{
-        Camera, Pose, eight_point, epipoles, least_sampson, line as line_of, line_back, sampson_all, sampson_squared,
+        Camera, eight_point, epipoles, least_sampson, line as line_of, line_back, sampson_all, sampson_squared,
         seven_point,
     },
-    fit::{fit, squared_error},
-    ransac::{chosen, sample},
-    refine::least_squares,
+    planar::Planarity,
     robust::{self, Best, Estimate, RobustModel, Sequel, robust_pseudocode},
 };
 use crate::methods::matching;
-use crate::products::model::{Matrix3, Model, Support};
+use crate::products::epipolar::{Planar, Pose};
+use crate::products::model::{Matrix3, Support};
 use crate::products::{EpipolarField, Output, Product, ProductKind};
 use crate::run::Info;
 use crate::scene::{Focus, Math, Picture, Role, Scene, Shape};
@@ -53,11 +52,6 @@ robust_pseudocode!(
     RECTIFY: "rectify both frames: H′ sends e′ to infinity along x, H makes the rows equal"
 );
 
-/// Share of the inliers that a homography must explain for the geometry to be degenerate.
-const PLANAR: f64 = 0.8;
-/// Samples of the homography.
-const PLANAR_SAMPLES: usize = 60;
-
 impl RobustModel for EpipolarGeometry {
     const INFO: Info = Info {
         id: "epipolar-geometry",
@@ -65,7 +59,8 @@ impl RobustModel for EpipolarGeometry {
         family: "Correspondence",
         summary: "The fundamental matrix of a moving camera: each point corresponds to a point on its epipolar line.",
         source: "R. Hartley, In defense of the eight-point algorithm, IEEE PAMI 19(6), 1997; R. Hartley and A. Zisserman, Multiple view \
-                 geometry in computer vision, 2004, chapter 11",
+                 geometry in computer vision, 2004, chapter 11; degenerate scenes: P. Torr, Geometric motion segmentation and model \
+                 selection, Philosophical Transactions of the Royal Society A 356, 1998",
         pseudocode: line::ALL,
         granularities: &["frame", "iteration", "step"],
         frames: 2,
@@ -133,6 +128,8 @@ impl RobustModel for EpipolarGeometry {
     }
 
     fn output(&self, estimate: &Estimate<'_>) -> Output {
+        let planarity = self.planarity(estimate);
+        let is_plane = planarity.as_ref().is_some_and(Planarity::is_plane);
         Output::of(EpipolarField {
             matrix: estimate.best.map(|best| best.matrix),
             iterations: estimate.iterations,
@@ -141,24 +138,27 @@ impl RobustModel for EpipolarGeometry {
                 inliers: estimate.best.map_or(0, |best| best.score.inliers),
                 matches: estimate.points.len(),
             },
-            planar_share: self.planar_share(estimate),
+            planar: planarity.map(|found| Planar { share: found.share, is_better: found.is_plane() }),
+            pose: self.pose(estimate).filter(|_| !is_plane).filter(|pose| self.doubt(pose, estimate).is_none()),
         })
     }
 
     fn conclusion(&self, estimate: &Estimate<'_>) -> String {
         let Some(best) = estimate.best else { return String::new() };
         let found = format!("RMS Sampson distance {} px.", words::fixed(best.rms_px(), 3));
-        let planar = self.planar_share(estimate).unwrap_or_default();
-        if planar >= PLANAR {
+        if let Some(planar) = self.planarity(estimate).filter(Planarity::is_plane) {
             return format!(
-                "{found} But a homography explains {} of the inliers as well: the scene is a plane, or the camera only rotated. F is not \
-                 determined by such points; use the global motion with a homography.",
-                words::percent(planar as f32)
+                "{found} But a homography explains {} of the inliers, and is the better model by the information criterion GRIC, {} against \
+                 {} of F: the scene is a plane, or the camera only rotated. F is not determined by such points; use the global motion with \
+                 a homography.",
+                words::percent(planar.share as f32),
+                words::fixed(planar.of_homography, 0),
+                words::fixed(planar.of_fundamental, 0)
             );
         }
         let pose = match self.pose(estimate) {
             None => " With the focal length, the pose of the camera follows from F.".to_owned(),
-            Some(pose) => posed(&pose, best.score.inliers, self.field_of_view_deg(estimate.size())),
+            Some(pose) => self.doubt(&pose, estimate).unwrap_or_else(|| posed(&pose)),
         };
         format!("{found}{pose} Points of moving objects violate F unless they move along their epipolar lines.")
     }
@@ -230,26 +230,10 @@ impl EpipolarGeometry {
         estimate.points.iter().copied().filter(|m| sampson_squared(matrix, m) <= limit).collect()
     }
 
-    /// The largest share of the inliers that one of some homographies explains.
-    fn planar_share(&self, estimate: &Estimate<'_>) -> Option<f64> {
-        let inliers = self.inliers(estimate, &estimate.best?.matrix);
-        if inliers.len() < 2 * Model::Homography.sample_size() {
-            return None;
-        }
-        let limit = f64::from(self.robust.threshold).powi(2);
-        let through = |iteration: usize| {
-            let indices = sample(4, inliers.len(), self.robust.seed as u64 + 1, iteration);
-            fit(Model::Homography, &chosen(&inliers, &indices))
-        };
-        let near = |matrix: &Matrix3| -> Vec<Correspondence> {
-            inliers.iter().copied().filter(|m| squared_error(matrix, m) <= limit).collect()
-        };
-        let agreeing = |matrix: &Matrix3| near(matrix).len();
-        let best = (0..PLANAR_SAMPLES).filter_map(through).max_by_key(agreeing)?;
-        // Fitted to all that agree, noise of the four points of a sample averages out.
-        let fitted = least_squares(Model::Homography, &near(&best));
-        let count = fitted.map_or(0, |matrix| agreeing(&matrix)).max(agreeing(&best));
-        Some(count as f64 / inliers.len() as f64)
+    /// The fundamental matrix compared with a homography on its inliers.
+    fn planarity(&self, estimate: &Estimate<'_>) -> Option<Planarity> {
+        let matrix = estimate.best?.matrix;
+        Planarity::of(&matrix, &self.inliers(estimate, &matrix), self.robust.seed as u64 + 1)
     }
 
     /// The angle that the frame spans across, with the focal length.
@@ -264,6 +248,35 @@ impl EpipolarGeometry {
         let camera = Camera { focal_px: self.focal_length.into(), centre };
         camera.pose(&matrix, &self.inliers(estimate, &matrix))
     }
+
+    /// Why the pose of a camera is rejected, as a sentence, if it is.
+    fn doubt(&self, pose: &Pose, estimate: &Estimate<'_>) -> Option<String> {
+        let ([narrowest, widest], spanned) = (VIEWS_DEG, self.field_of_view_deg(estimate.size()));
+        if !(narrowest..=widest).contains(&spanned) {
+            return Some(format!(
+                " The pose is rejected: with this focal length the frame would span {}°, and a camera spans {}° to {}°.",
+                words::fixed(spanned, 1),
+                words::fixed(narrowest, 0),
+                words::fixed(widest, 0)
+            ));
+        }
+        if pose.singular_ratio < LEAST_RATIO {
+            return Some(format!(
+                " The pose is rejected: the ratio of the singular values of the essential matrix is {}, and at least {} is needed (1 with the right \
+                 intrinsics). The focal length does not fit.",
+                words::fixed(pose.singular_ratio, 2),
+                words::fixed(LEAST_RATIO, 2)
+            ));
+        }
+        let inliers = estimate.best?.score.inliers;
+        (2 * pose.in_front <= inliers).then(|| {
+            format!(
+                " The pose is rejected: only {} of the {} inliers lie in front of both cameras, and more than half are needed.",
+                words::grouped(pose.in_front),
+                words::grouped(inliers)
+            )
+        })
+    }
 }
 
 /// Smallest ratio of both singular values of an essential matrix for which the intrinsics are accepted.
@@ -271,38 +284,15 @@ const LEAST_RATIO: f64 = 0.8;
 /// Widest field of view of a camera without a fisheye lens, and the narrowest of a telephoto lens, in degrees.
 const VIEWS_DEG: [f64; 2] = [1.0, 150.0];
 
-/// The pose of the camera in words, or why it is refused.
-fn posed(pose: &Pose, inliers: usize, field_of_view_deg: f64) -> String {
-    let [narrowest, widest] = VIEWS_DEG;
-    if !(narrowest..=widest).contains(&field_of_view_deg) {
-        return format!(
-            " The pose is rejected: with this focal length the frame would span {}°, and a camera spans {}° to {}°.",
-            words::fixed(field_of_view_deg, 1),
-            words::fixed(narrowest, 0),
-            words::fixed(widest, 0)
-        );
-    }
-    let ratio = words::fixed(pose.singular_ratio, 2);
-    if pose.singular_ratio < LEAST_RATIO {
-        return format!(
-            " The pose is rejected: the ratio of the singular values of the essential matrix is {ratio}, and at least {} is needed (1 with the right \
-             intrinsics). The focal length does not fit.",
-            words::fixed(LEAST_RATIO, 2)
-        );
-    }
-    if 2 * pose.in_front <= inliers {
-        return format!(
-            " The pose is rejected: only {} of the {} inliers lie in front of both cameras, and more than half are needed.",
-            words::grouped(pose.in_front),
-            words::grouped(inliers)
-        );
-    }
+/// The pose of the camera in words.
+fn posed(pose: &Pose) -> String {
     let [x, y, z] = pose.translation.map(|c| words::fixed(c, 2));
     format!(
         " The camera turned by {}° and moved along ({x}, {y}, {z}); {} of the inliers lie in front of both cameras. Ratio of the singular values of the \
-         essential matrix: {ratio}.",
+         essential matrix: {}.",
         words::fixed(pose.angle_deg(), 2),
-        words::grouped(pose.in_front)
+        words::grouped(pose.in_front),
+        words::fixed(pose.singular_ratio, 2)
     )
 }
 

@@ -8,7 +8,7 @@ use crate::base::{Error, Observer, Threads};
 use crate::data::{Clip, Frame};
 use crate::methods::camera_path::{Blending, Canvas, Chain, Link, MOST_FRAMES, path_pseudocode};
 use crate::params;
-use crate::products::model::{IDENTITY, Matrix3, inverse, normalised, product};
+use crate::products::model::{Matrix3, inverse, normalised, product};
 use crate::products::{Output, PathField, Product, ProductKind, Views};
 use crate::run::{
     Estimator, Footprint, GlobalModel, Granularity, Guarantee, Info, Need, Progress, Seen, Stage, StageView,
@@ -44,18 +44,19 @@ impl State {
         (self.chain.to_frames.len() - 1) / 2
     }
 
-    /// The map from frame `i` of the run to the reference frame.
-    fn to_reference(&self, i: usize) -> Matrix3 {
+    /// The map from frame `i` of the run to the reference frame; `None` if it has no inverse.
+    fn to_reference(&self, i: usize) -> Option<Matrix3> {
         let reference = &self.chain.to_frames[self.reference()];
-        let back = inverse(&self.chain.to_frames[i]);
-        back.and_then(|back| normalised(&product(reference, &back))).unwrap_or(IDENTITY)
+        let back = inverse(&self.chain.to_frames[i])?;
+        normalised(&product(reference, &back)).filter(|map| inverse(map).is_some())
     }
 }
 
 /// A frame on the canvas.
 #[derive(Clone)]
 pub struct Placed {
-    map: Matrix3,
+    /// The map to the reference frame, if it has one.
+    map: Option<Matrix3>,
     /// The canvas with the frame.
     canvas: Arc<Canvas>,
 }
@@ -86,7 +87,9 @@ impl Mosaic {
         clip.wanted()?;
         let frame = clip.frame(state.chain.span.first + state.placed)?;
         let map = state.to_reference(state.placed);
-        Arc::make_mut(&mut canvas).add(&frame, &map, self.blending);
+        if let Some(map) = &map {
+            Arc::make_mut(&mut canvas).add(&frame, map, self.blending);
+        }
         let placed = Arc::new(Placed { map, canvas: Arc::clone(&canvas) });
         observer.see(|| Event::Found(Arc::clone(&placed)));
         observer.see(|| Event::Blended(placed));

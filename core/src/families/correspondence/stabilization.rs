@@ -8,7 +8,7 @@ use crate::base::{Error, Observer, Threads};
 use crate::data::{Clip, Frame};
 use crate::methods::camera_path::{Chain, Link, correction, path_pseudocode};
 use crate::params;
-use crate::products::model::{Matrix3, product};
+use crate::products::model::{IDENTITY, Matrix3, product};
 use crate::products::path::{empty_share, middle};
 use crate::products::{Output, PathField, Product, ProductKind, Views};
 use crate::run::{
@@ -37,6 +37,8 @@ pub struct State {
     chain: Chain,
     /// The maps from each frame to its stabilised one so far.
     corrections: Arc<Vec<Matrix3>>,
+    /// Number of frames without a smoothed place, which stay on the path.
+    unsmoothed: usize,
     clip: Clip,
 }
 
@@ -45,6 +47,8 @@ pub struct State {
 pub struct Stable {
     frame: Arc<Frame>,
     correction: Matrix3,
+    /// Whether the path has a smoothed place for it.
+    is_smoothed: bool,
 }
 
 impl Stable {
@@ -68,13 +72,12 @@ pub enum Event {
 }
 
 impl Stabilization {
-    /// The map from frame `i` of the run to its stabilised one.
-    fn corrected(&self, chain: &Chain, i: usize) -> Matrix3 {
-        let smooth = correction(&chain.to_frames, i, self.smoothing);
+    /// The map from a frame to its stabilised one, given that to its place on the smoothed path.
+    fn zoomed(&self, chain: &Chain, smooth: &Matrix3) -> Matrix3 {
         let factor = 1.0 + f64::from(self.zoom) / 100.0;
         let [x, y] = middle(chain.picture);
         let zoom = [[factor, 0.0, x * (1.0 - factor)], [0.0, factor, y * (1.0 - factor)], [0.0, 0.0, 1.0]];
-        product(&zoom, &smooth)
+        product(&zoom, smooth)
     }
 }
 
@@ -104,7 +107,7 @@ impl Estimator for Stabilization {
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         let chain = Chain::new(clip, frame, self.frames)?;
-        Ok(State { chain, corrections: Arc::default(), clip: clip.clone() })
+        Ok(State { chain, corrections: Arc::default(), unsmoothed: 0, clip: clip.clone() })
     }
 
     fn advance(&self, clip: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
@@ -117,8 +120,10 @@ impl Estimator for Stabilization {
         clip.wanted()?;
         let index = state.corrections.len();
         let frame = clip.frame(state.chain.span.first + index)?;
-        let correction = self.corrected(&state.chain, index);
-        let stable = Arc::new(Stable { frame, correction });
+        let smooth = correction(&state.chain.to_frames, index, self.smoothing);
+        let correction = self.zoomed(&state.chain, &smooth.unwrap_or(IDENTITY));
+        let stable = Arc::new(Stable { frame, correction, is_smoothed: smooth.is_some() });
+        state.unsmoothed += usize::from(smooth.is_none());
         observer.see(|| Event::Smoothed(Arc::clone(&stable)));
         observer.see(|| Event::Warped(stable));
         Arc::make_mut(&mut state.corrections).push(correction);

@@ -189,8 +189,23 @@ pub struct State {
 struct Past {
     zncc: f32,
     /// Distances of the tracked point from the match of the first template and from its true position, in px.
-    drift: Option<f32>,
+    drift: Option<Drift>,
     error: Option<f32>,
+}
+
+/// The offset of the tracked point from the match of the first template.
+#[derive(Clone, Copy)]
+struct Drift {
+    offset: [f32; 2],
+    /// Whether that match lies at the border of its search, beyond which the drift may be larger.
+    is_at_least: bool,
+}
+
+impl Drift {
+    fn length(self) -> f32 {
+        let [x, y] = self.offset;
+        x.hypot(y)
+    }
 }
 
 /// The decision on a pair.
@@ -209,8 +224,7 @@ pub struct Found {
     point: [f32; 2],
     /// Its true position there, where the motion is known.
     true_point: Option<[f32; 2]>,
-    /// Its offset from the match of the first template.
-    drift: Option<[f32; 2]>,
+    drift: Option<Drift>,
 }
 
 impl Found {
@@ -323,10 +337,7 @@ impl TemplateMatching {
             Some([at[0] + u, at[1] + v])
         });
         let is_measured = is_kept && self.update == Update::EveryFrame;
-        let drift = is_measured.then(|| {
-            let of_first = self.first_match(state, pair, point);
-            [0, 1].map(|i| point[i] - of_first[i])
-        });
+        let drift = is_measured.then(|| self.drift(state, pair, point));
         Found {
             pair: Arc::clone(pair),
             best,
@@ -341,8 +352,8 @@ impl TemplateMatching {
         }
     }
 
-    /// The tracked point where the first template fits best, within a few px of `point`.
-    fn first_match(&self, state: &State, pair: &Pair, point: [f32; 2]) -> [f32; 2] {
+    /// The offset of `point` from where the first template fits best, within a few px of it.
+    fn drift(&self, state: &State, pair: &Pair, point: [f32; 2]) -> Drift {
         let (first, size) = (&state.first, state.first.pixels.size());
         let near = TemplateMatching { search_range: DRIFT_PX as usize, ..self.clone() };
         let last = [state.picture.0 - size.0, state.picture.1 - size.1];
@@ -354,7 +365,9 @@ impl TemplateMatching {
         let best = all.min_by(|a, b| costs[*a].total_cmp(&costs[*b])).unwrap_or_default();
         let (fraction, _) = place::subpixel(&costs, best);
         let found = [origin[0] + best.0 as i32, origin[1] + best.1 as i32];
-        [0, 1].map(|i| found[i] as f32 + fraction[i] + first.anchor[i])
+        // The border of the picture ends the search too, but no template lies beyond it.
+        let is_at_least = (0..2).any(|i| (found[i] - corner[i]).abs() == DRIFT_PX);
+        Drift { offset: [0, 1].map(|i| point[i] - (found[i] as f32 + fraction[i] + first.anchor[i])), is_at_least }
     }
 
     /// Stores the decision and moves on to the next pair; returns whether the run ends.
@@ -366,7 +379,7 @@ impl TemplateMatching {
         let distance = |a: [f32; 2], b: [f32; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
         Arc::make_mut(&mut state.past).push(Past {
             zncc: found.zncc as f32,
-            drift: found.drift.map(|[x, y]| x.hypot(y)),
+            drift: found.drift,
             error: found.true_point.filter(|_| !found.is_lost()).map(|truth| distance(truth, found.point)),
         });
         let rows = found.pair.costs.height();

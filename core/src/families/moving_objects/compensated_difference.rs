@@ -82,10 +82,11 @@ impl CompensatedDifference {
         let motion = known.unwrap_or(IDENTITY);
         let (width, height) = frame.size();
         let level = |earlier: &Earlier| {
-            let back = inverse(&product(&motion, &earlier.to_latest)).unwrap_or(IDENTITY);
+            let back = inverse(&product(&motion, &earlier.to_latest));
             let luma = earlier.frame.luma();
             Grid::from_fn(width, height, |x, y| {
-                inside(&back, [x as f64, y as f64], (width, height)).map_or(f32::NAN, |at| gray_at(luma, at))
+                let at = back.as_ref().and_then(|back| inside(back, [x as f64, y as f64], (width, height)));
+                at.map_or(f32::NAN, |at| gray_at(luma, at))
             })
         };
         let levels: Vec<_> = model.before.iter().map(level).collect();

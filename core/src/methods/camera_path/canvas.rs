@@ -42,15 +42,15 @@ pub fn outline(map: &Matrix3, (width, height): (usize, usize)) -> Option<[[f64; 
 }
 
 impl Canvas {
-    /// A canvas for frames of one size with their maps to its coordinates. It grows by one frame after the other in their order of distance
+    /// A canvas for frames of one size with their maps to its coordinates, where they have one. It grows by one frame after the other in their order of distance
     /// from the frame `reference`, as long as it is not too large; frames beyond it are cut.
-    pub fn of(maps: &[Matrix3], reference: usize, size: (usize, usize)) -> Self {
+    pub fn of(maps: &[Option<Matrix3>], reference: usize, size: (usize, usize)) -> Self {
         let most = MOST_FRAMES * (size.0 * size.1) as f64;
         let mut order: Vec<usize> = (0..maps.len()).collect();
         order.sort_by_key(|i| i.abs_diff(reference));
         let mut ends = [0.0, 0.0, (size.0 - 1) as f64, (size.1 - 1) as f64];
         let mut complete = 0;
-        for corners in order.into_iter().filter_map(|i| outline(&maps[i], size)) {
+        for corners in order.into_iter().filter_map(|i| outline(maps[i].as_ref()?, size)) {
             let grown = corners.iter().fold(ends, |[a, b, c, d], [x, y]| {
                 [a.min(x.floor()), b.min(y.floor()), c.max(x.ceil()), d.max(y.ceil())]
             });
@@ -137,7 +137,7 @@ mod tests {
         let right = |by: f64| [[1.0, 0.0, by], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let maps = [IDENTITY, right(4.0), right(9.0)];
         for blending in [Blending::Mean, Blending::Newest] {
-            let mut canvas = Canvas::of(&maps, 1, (12, 6));
+            let mut canvas = Canvas::of(&maps.map(Some), 1, (12, 6));
             assert_eq!((canvas.window.size, canvas.complete), ((21, 6), 3));
             for (map, shift) in maps.iter().zip([0, 4, 9]) {
                 canvas.add(&frame(shift), map, blending);
@@ -150,7 +150,8 @@ mod tests {
 
     #[test]
     fn the_canvas_does_not_grow_without_limit() {
-        let far: Vec<_> = (0..40).map(|i| [[1.0, 0.0, 9.0 * f64::from(i)], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]).collect();
+        let shift = |i: i32| [[1.0, 0.0, 9.0 * f64::from(i)], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let far: Vec<_> = (0..40).map(|i| Some(shift(i))).collect();
         let canvas = Canvas::of(&far, 0, (12, 6));
         assert!(canvas.window.size.0 <= 96 && canvas.complete < 40, "{:?}", canvas.window);
     }

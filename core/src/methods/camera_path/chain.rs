@@ -46,21 +46,30 @@ pub struct Chain {
     pub unknown: usize,
 }
 
+/// Why the motion of a pair is not used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Refused {
+    /// The stage found none, or one that is implausible.
+    Motion,
+    /// Chained to the motions before, it gives a map without an inverse.
+    Path,
+}
+
 /// A pair of frames in the chain.
 #[derive(Clone, Debug)]
 pub struct Link {
     /// The estimate of the stage.
     pub field: ModelField,
-    /// The motion that is used.
+    /// The motion that is used: that of the stage, or the identity if that is refused.
     pub motion: Matrix3,
-    /// Whether it is that of the stage.
-    pub is_usable: bool,
+    /// Why the motion of the stage is not used, if so.
+    pub refused: Option<Refused>,
     /// The map from the first frame to the first frame of the pair.
     pub before: Matrix3,
     /// The map from the first frame to the second frame of the pair.
     pub after: Matrix3,
-    /// The true motion of the background, where it is known.
-    pub truth: Option<Matrix3>,
+    /// The true motion of the background, where it is known, or why it could not be read.
+    pub truth: Result<Option<Matrix3>, Error>,
 }
 
 /// The motion of an estimate; `None` if there is none, it has no inverse, or moves a corner farther than the diagonal of the picture.
@@ -69,6 +78,11 @@ pub fn usable(field: &ModelField) -> Option<Matrix3> {
     let matrix = field.matrix.filter(|matrix| matrix.iter().flatten().all(|entry| entry.is_finite()))?;
     inverse(&matrix)?;
     (corner_error([&matrix, &IDENTITY], field.picture) <= diagonal).then_some(matrix)
+}
+
+/// The map from the first frame after one more motion; `None` if it has no inverse.
+fn chained(motion: &Matrix3, before: &Matrix3) -> Option<Matrix3> {
+    normalised(&product(motion, before)).filter(|after| inverse(after).is_some())
 }
 
 impl Chain {
@@ -135,21 +149,38 @@ impl Chain {
         clip.wanted()?;
         need::check_kept(clip, self.bytes())?;
         let field = motion.model(clip, self.frame, threads)?;
-        let known = usable(&field);
-        let motion = known.unwrap_or(IDENTITY);
         let before = self.to_frames[self.to_frames.len() - 1];
-        let after = normalised(&product(&motion, &before)).unwrap_or(before);
-        let truth = clip.truth().and_then(|truth| truth.background(self.frame).ok().flatten());
+        let chained = |motion: Matrix3| chained(&motion, &before).map(|after| (motion, after)).ok_or(Refused::Path);
+        let known = usable(&field).ok_or(Refused::Motion).and_then(chained);
+        let (motion, after) = known.unwrap_or((IDENTITY, before));
+        let truth = clip.truth().map_or(Ok(None), |truth| truth.background(self.frame));
         Arc::make_mut(&mut self.motions).push(motion);
         Arc::make_mut(&mut self.to_frames).push(after);
-        self.unknown += usize::from(known.is_none());
+        self.unknown += usize::from(known.is_err());
         self.frame += 1;
         self.is_complete = self.span.is_over(clip, self.frame + 1);
-        Ok(Link { field, motion, is_usable: known.is_some(), before, after, truth })
+        Ok(Link { field, motion, refused: known.err(), before, after, truth })
     }
 
     /// Memory in bytes.
     pub fn bytes(&self) -> usize {
         size_of::<Self>() + size_of_val(&self.motions[..]) + size_of_val(&self.to_frames[..])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_motion_that_ends_the_path_is_refused() {
+        let turn = [[1.0, 0.0, 2.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        assert_eq!(chained(&turn, &turn).map(|after| after[0][2]), Some(4.0));
+        // The origin of the first frame goes to infinity: no last entry of 1.
+        let tilted = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-0.5, 0.0, 1.0]];
+        assert_eq!(chained(&tilted, &turn), None);
+        // Each motion has an inverse; all together they leave less than rounding errors of the picture.
+        let smaller = [[1e-5, 0.0, 0.0], [0.0, 1e-5, 0.0], [0.0, 0.0, 1.0]];
+        assert!(inverse(&smaller).is_some() && chained(&smaller, &smaller).is_none());
     }
 }

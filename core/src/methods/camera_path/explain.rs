@@ -1,7 +1,7 @@
 //! The chaining of motions in words, numbers and marks.
 
 use super::chain::pairs_line as line;
-use super::{Chain, Link};
+use super::{Chain, Link, Refused};
 use crate::base::words::{self, fixed, grouped};
 use crate::data::Clip;
 use crate::geometry::Grid;
@@ -49,8 +49,8 @@ pub fn chain_step(chain: &Chain, link: &Link, (is_chained, stage): (bool, &str))
         return (line::CHAIN, sentence);
     }
     let found = said.text(format!("{stage} finds the motion of the background from frame {t} to frame {}: ", t + 1));
-    let sentence = match link.is_usable {
-        true => found
+    let sentence = match link.refused {
+        None => found
             .ink(Role::Measured, vector(displacement(&link.motion, size)))
             .text(" at the centre of the picture")
             .text(match link.field.support {
@@ -59,9 +59,13 @@ pub fn chain_step(chain: &Chain, link: &Link, (is_chained, stage): (bool, &str))
                 }
                 None => ".".to_owned(),
             }),
-        false => found
+        Some(Refused::Motion) => found
             .ink(Role::Rejected, "none that is usable")
             .text(". The texture gives too few matches, or the model moves a corner by more than the diagonal of the picture. The camera counts as at rest in this pair."),
+        Some(Refused::Path) => found
+            .ink(Role::Rejected, "none that continues the path")
+            .text(". Chained to the motions before, it gives a map from the first frame without an inverse: the view has moved too far \
+                   from that of the first frame. The camera counts as at rest in this pair; a shorter run helps."),
     };
     (line::ESTIMATE, sentence)
 }
@@ -71,10 +75,14 @@ pub fn chain_facts(chain: &Chain, link: &Link, is_chained: bool) -> Vec<Fact> {
     let size = chain.picture;
     let mut facts = vec![Fact::new("Pair", format!("frames {} and {}", chain.frame, chain.frame + 1), None)];
     facts.push(Fact::new("Motion of the centre", vector(displacement(&link.motion, size)), Some(Role::Measured)));
-    if let Some(truth) = &link.truth {
-        let error = corner_error([&link.motion, truth], size);
-        facts.push(Fact::new("Motion of the centre, true", vector(displacement(truth, size)), Some(Role::Truth)));
-        facts.push(Fact::new("Error at the corners", px(error), Some(Role::Error)));
+    match &link.truth {
+        Ok(None) => {}
+        Ok(Some(truth)) => {
+            let error = corner_error([&link.motion, truth], size);
+            facts.push(Fact::new("Motion of the centre, true", vector(displacement(truth, size)), Some(Role::Truth)));
+            facts.push(Fact::new("Error at the corners", px(error), Some(Role::Error)));
+        }
+        Err(error) => facts.push(Fact::new("Motion of the centre, true", error.to_string(), Some(Role::Rejected))),
     }
     if is_chained {
         facts.push(Fact::new("Pairs chained", (chain.motions.len() + 1).to_string(), None));
@@ -92,7 +100,8 @@ pub fn path_series(chain: &Chain, corrections: &[Matrix3], clip: &Clip) -> Vec<R
         return Vec::new();
     }
     let smooth: Vec<_> = corrections.iter().zip(maps).map(|(correction, map)| product(correction, map)).collect();
-    let truth = true_motions(clip, (chain.span.first, maps.len() - 1)).map(|motions| chained(&motions));
+    // A truth that cannot be read is said with the pair that needs it.
+    let truth = true_motions(clip, (chain.span.first, maps.len() - 1)).unwrap_or_default().map(|all| chained(&all));
     let line = |maps: &[Matrix3], axis: usize| -> Vec<[f32; 2]> {
         let places = track(maps, size);
         places.iter().enumerate().map(|(i, at)| [(chain.span.first + i) as f32, at[axis] as f32]).collect()
@@ -128,7 +137,7 @@ pub fn draw_link(chain: &Chain, link: &Link, scene: &mut Scene) {
         scene.mark(Picture::NEXT, Role::Window, Shape::Path { points, closed: true });
         scene.legend(Role::Window, "outline of frame t");
     }
-    if let Some(points) = link.truth.as_ref().and_then(outline) {
+    if let Some(points) = link.truth.iter().flatten().next().and_then(outline) {
         scene.mark(Picture::NEXT, Role::Truth, Shape::Path { points, closed: true });
         scene.legend(Role::Truth, "its true outline");
     }

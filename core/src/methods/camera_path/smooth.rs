@@ -4,7 +4,7 @@
 //! and H.-Y. Shum, Full-frame video stabilization with motion inpainting, PAMI 28(7), 2006. A local linear fit corrects the weights
 //! where the neighbours of one side are missing (W. S. Cleveland, JASA 74, 1979), so that a steady pan stays as it is.
 
-use crate::products::model::{IDENTITY, Matrix3, inverse, normalised, product};
+use crate::products::model::{Matrix3, inverse, normalised, product};
 
 /// Neighbours up to this many standard deviations count.
 const REACH_SIGMAS: f32 = 3.0;
@@ -27,23 +27,25 @@ pub fn weights((t, count): (usize, usize), sigma: f32) -> (usize, Vec<f64>) {
     (first, (first..=last).map(weight).collect())
 }
 
-/// The map from frame `t` to its place on the smoothed path, given the maps from the first frame to each.
-pub fn correction(to_frames: &[Matrix3], t: usize, sigma: f32) -> Matrix3 {
-    let Some(back) = inverse(&to_frames[t]) else { return IDENTITY };
+/// The map from frame `t` to its place on the smoothed path, given the maps from the first frame to each; `None` if that or a map between
+/// two of the frames has no inverse.
+pub fn correction(to_frames: &[Matrix3], t: usize, sigma: f32) -> Option<Matrix3> {
+    let back = inverse(&to_frames[t])?;
     let (first, weights) = weights((t, to_frames.len()), sigma);
     let mut sum = [[0.0; 3]; 3];
     for (map, weight) in to_frames[first..].iter().zip(&weights) {
-        let Some(relative) = normalised(&product(map, &back)) else { return IDENTITY };
+        let relative = normalised(&product(map, &back))?;
         for (entry, other) in sum.as_flattened_mut().iter_mut().zip(relative.as_flattened()) {
             *entry += weight * other;
         }
     }
-    normalised(&sum).filter(|matrix| inverse(matrix).is_some()).unwrap_or(IDENTITY)
+    normalised(&sum).filter(|matrix| inverse(matrix).is_some())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::products::model::IDENTITY;
 
     fn shift(u: f64, v: f64) -> Matrix3 {
         [[1.0, 0.0, u], [0.0, 1.0, v], [0.0, 0.0, 1.0]]
@@ -65,7 +67,7 @@ mod tests {
     fn a_steady_pan_is_not_corrected() {
         let pan: Vec<_> = (0..20).map(|t| shift(-3.0 * f64::from(t), f64::from(t))).collect();
         for t in 0..20 {
-            let found = correction(&pan, t, 5.0);
+            let found = correction(&pan, t, 5.0).expect("translations have inverses");
             let off = found.as_flattened().iter().zip(IDENTITY.as_flattened()).map(|(a, b)| (a - b).abs());
             assert!(off.fold(0.0, f64::max) < 1e-9, "{t}: {found:?}");
         }
@@ -76,8 +78,21 @@ mod tests {
         let path: Vec<_> = (0..21).map(|t| shift(if t == 10 { 6.0 } else { 0.0 }, 0.0)).collect();
         let (_, all) = weights((10, 21), 3.0);
         // The frame goes back, but for its own weight.
-        let found = correction(&path, 10, 3.0)[0][2];
+        let corrected = |t| correction(&path, t, 3.0).expect("translations have inverses")[0][2];
+        let found = corrected(10);
         assert!((found - (6.0 * all[all.len() / 2] - 6.0)).abs() < 1e-9, "{found}");
-        assert!((0.0..1.0).contains(&correction(&path, 8, 3.0)[0][2]));
+        assert!((0.0..1.0).contains(&corrected(8)));
+    }
+
+    #[test]
+    fn a_map_without_an_inverse_has_no_correction() {
+        let mut path = vec![IDENTITY; 5];
+        path[1] = [[0.0; 3], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        assert_eq!(correction(&path, 1, 2.0), None);
+        // Frame 3 is beyond the horizon of frame 2.
+        path[1] = IDENTITY;
+        path[3] = [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]];
+        assert_eq!(correction(&path, 2, 2.0), None);
+        assert!(correction(&path[..3], 2, 2.0).is_some());
     }
 }

@@ -7,6 +7,7 @@ use super::fit::{Normalisation, product};
 use super::moments::{Moments, Normal};
 use super::{Correspondence, sampson};
 use crate::base::wide::wide;
+use crate::products::epipolar::Pose;
 use crate::products::model::Matrix3;
 
 /// The fundamental matrices through seven correspondences: one to three. None if they do not determine one.
@@ -248,27 +249,6 @@ pub struct Camera {
     pub centre: [f64; 2],
 }
 
-/// Rotation and direction of translation of the camera between both frames: X′ = R X + t.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pose {
-    /// The rotation matrix, by rows.
-    pub rotation: Matrix3,
-    /// The direction of the translation, of length 1.
-    pub translation: [f64; 3],
-    /// Number of correspondences in front of both cameras.
-    pub in_front: usize,
-    /// Ratio of the second to the first singular value of the essential matrix: 1 for the right intrinsics and exact positions.
-    pub singular_ratio: f64,
-}
-
-impl Pose {
-    /// The angle of the rotation in degrees.
-    pub fn angle_deg(&self) -> f64 {
-        let trace: f64 = (0..3).map(|i| self.rotation[i][i]).sum();
-        ((trace - 1.0) / 2.0).clamp(-1.0, 1.0).acos().to_degrees()
-    }
-}
-
 impl Camera {
     fn ray(&self, [x, y]: [f64; 2]) -> Vector3<f64> {
         Vector3::new((x - self.centre[0]) / self.focal_px, (y - self.centre[1]) / self.focal_px, 1.0)
@@ -405,6 +385,12 @@ mod tests {
         assert!(off < 1e-4, "{off}");
         let along: f64 = (0..3).map(|i| pose.translation[i] * t[i]).sum();
         assert!(along > 0.9999, "{along}");
+        let essential = pose.essential();
+        for m in &all {
+            let (from, to) = (CAMERA.ray(m.from), CAMERA.ray(m.to));
+            let value = to.dot(&(Square::from_fn(|i, j| essential[i][j]) * from));
+            assert!(value.abs() < 1e-6, "{value}");
+        }
     }
 
     #[test]

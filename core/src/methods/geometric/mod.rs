@@ -3,6 +3,7 @@
 pub mod epipolar;
 pub mod fit;
 mod moments;
+pub mod planar;
 pub mod ransac;
 pub mod rectify;
 pub mod refine;

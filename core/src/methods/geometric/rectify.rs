@@ -28,7 +28,7 @@ pub enum Refusal {
         /// Its position in px.
         at: [f64; 2],
     },
-    /// A homography explains so large a share of the inliers that the fundamental matrix is not determined.
+    /// A homography explains the inliers better, so the fundamental matrix is not determined; the share of them that it explains.
     Planar(f64),
     /// The maps are singular, or tear a picture.
     Degenerate,

@@ -1,4 +1,4 @@
-//! The gray levels of a pixel over the last frames, among those that its model takes for background.
+//! The gray levels of a pixel over the last frames, and those that its model takes for background in the present one.
 
 use super::{Background, Channel, State};
 use crate::data::{Clip, Frame};
@@ -24,13 +24,13 @@ impl Accepted {
         Self { weight: None, mean, reach, sigma: None }
     }
 
-    /// The band of these levels; `number` counts the modes from 1.
-    fn band(&self, number: usize) -> Band {
+    /// The band of these levels in frame `t`; `number` counts the modes from 1. Earlier frames met another model, which is not kept.
+    fn band(&self, number: usize, t: f32) -> Band {
         let name = match self.weight {
-            Some(weight) => format!("mode {number}, weight {}", ratio(weight.into())),
-            None => "background".to_owned(),
+            Some(weight) => format!("mode {number} in frame {t}, weight {}", ratio(weight.into())),
+            None => format!("background in frame {t}"),
         };
-        Band { name, values: [self.mean - self.reach, self.mean + self.reach] }
+        Band { name, values: [self.mean - self.reach, self.mean + self.reach], at: Some(t) }
     }
 
     /// The density at a gray level.
@@ -67,8 +67,8 @@ fn title(channel: Channel) -> &'static str {
     }
 }
 
-/// Plots of a pixel: its levels over the frames, in the channel that decides, with what the model takes for background, and their
-/// distribution with the densities of the modes.
+/// Plots of a pixel: its levels over the frames, in the channel that decides, with what the model takes for background in the present
+/// one, and their distribution with the densities of the modes.
 pub(super) fn plots<M: Background>(
     detector: &M,
     (clip, state): (&Clip, &State<M::Model>),
@@ -82,14 +82,20 @@ pub(super) fn plots<M: Background>(
         return Vec::new();
     }
     let accepted = detector.accepted(model, place, channel);
+    let mut lines = vec![(channel.name().unwrap_or("gray level"), Role::Measured, levels.clone())];
+    // The model is compared with the corrected frame.
+    let compared = f32::from(channel.level(frame, place));
+    if compared != last[1] {
+        lines.push(("corrected for the exposure", Role::Result, vec![[last[0], compared]]));
+    }
     let over_time = Series {
         title: title(channel),
         x_label: "frame",
         y_label: "level",
         x_max: last[0] as usize,
-        lines: vec![(channel.name().unwrap_or("gray level"), Role::Measured, levels.clone())],
+        lines,
         fits_values: true,
-        bands: accepted.iter().enumerate().map(|(i, accepted)| accepted.band(i + 1)).collect(),
+        bands: accepted.iter().enumerate().map(|(i, accepted)| accepted.band(i + 1, last[0])).collect(),
         ..Series::default()
     };
     let distribution =

@@ -1,6 +1,6 @@
 //! What follows from the fundamental matrix: guided matching along epipolar lines, and the rectified pair.
 
-use super::{EpipolarGeometry, PLANAR, cut, line, line_of};
+use super::{EpipolarGeometry, Planarity, cut, line, line_of};
 use crate::base::{Threads, words};
 use crate::data::Clip;
 use crate::methods::camera_path::matrix;
@@ -129,8 +129,8 @@ impl EpipolarGeometry {
 
     fn rectification(&self, estimate: &Estimate<'_>) -> Result<(Rectification, Vec<Correspondence>), Refusal> {
         let matrix = estimate.best.ok_or(Refusal::Degenerate)?.matrix;
-        if let Some(share) = self.planar_share(estimate).filter(|share| *share >= PLANAR) {
-            return Err(Refusal::Planar(share));
+        if let Some(planar) = self.planarity(estimate).filter(Planarity::is_plane) {
+            return Err(Refusal::Planar(planar.share));
         }
         let inliers = self.inliers(estimate, &matrix);
         rectify(&matrix, &inliers, estimate.size()).map(|found| (found, inliers))
@@ -168,7 +168,7 @@ impl EpipolarGeometry {
             Err(Refusal::Planar(share)) => {
                 let share = words::percent(share as f32);
                 let sentence = said.ink(Role::Rejected, "Rectification would mean nothing").text(format!(
-                    ": a homography explains {share} of the inliers as well, so the fundamental matrix is not determined."
+                    ": a homography explains {share} of the inliers, and is the better model, so the fundamental matrix is not determined."
                 ));
                 (sentence, vec![Fact::new("Explained by a homography", share, Some(Role::Rejected))], Vec::new())
             }

@@ -8,7 +8,6 @@ use crate::methods::camera_path::{
     Blending, Canvas as Sheet, chain_facts, chain_step, draw_link, matrix, outline, path_series,
 };
 use crate::methods::numbers::percent;
-use crate::products::path::PathErrors;
 use crate::products::{PathField, Views};
 use crate::run::Seen;
 use crate::scene::{Canvas, Fact, Math, Picture, PictureRole, Readout, Role, Scene, Sentence, Shape, Step};
@@ -48,7 +47,7 @@ impl Mosaic {
             Event::Estimated(link) => chain_step(&seen.before.chain, link, (false, name)),
             Event::Chained(link) => chain_step(&seen.before.chain, link, (true, name)),
             Event::Bounded(canvas) => (line::BOUND, Self::bounded(seen.before, canvas)),
-            Event::Found(_) => (line::PLACE, Self::found(seen.before)),
+            Event::Found(placed) => (line::PLACE, Self::found(seen.before, placed)),
             Event::Blended(placed) => (line::BLEND, self.blended(seen, placed)),
         };
         Step { line, sentence, readouts: self.readouts(seen, event) }
@@ -66,15 +65,21 @@ impl Mosaic {
         match canvas.complete == frames {
             true => said.text("."),
             false => said.text(format!(
-                "; {} would make it too large and {} cut. A shorter shot or a simpler motion model helps.",
+                "; {} would make it too large, or cross its horizon, and {} cut. A shorter shot or a simpler motion model helps.",
                 words::counted(frames - canvas.complete, "frame"),
                 if frames - canvas.complete == 1 { "is" } else { "are" }
             )),
         }
     }
 
-    fn found(state: &State) -> Sentence {
+    fn found(state: &State, placed: &Placed) -> Sentence {
         let number = state.chain.span.first + state.placed;
+        if placed.map.is_none() {
+            return Sentence::default()
+                .text(format!("Frame {number} has "))
+                .ink(Role::Rejected, "no place on the mosaic")
+                .text(": its map A to the reference frame has no inverse. A shorter shot or a simpler motion model helps.");
+        }
         Sentence::default()
             .text(format!(
                 "Frame {number} is registered by A = P({}) P({number})⁻¹: its outline on the mosaic is the ",
@@ -86,13 +91,16 @@ impl Mosaic {
 
     fn blended(&self, seen: &Seen<Self>, placed: &Placed) -> Sentence {
         let number = seen.before.chain.span.first + seen.before.placed;
-        let said = Sentence::default().text(format!("Frame {number} is blended in")).text(match self.blending {
-            Blending::Mean => {
-                ", with weights that fall to 0 at its border: seams vanish, but moving objects leave faint ghosts. "
-            }
-            Blending::Newest => {
-                ": it covers all earlier frames, so each moving object is shown where it was last, with seams. "
-            }
+        let said = Sentence::default().text(match (placed.map, self.blending) {
+            (None, _) => format!("Frame {number} has no place on the mosaic and is left out. "),
+            (_, Blending::Mean) => format!(
+                "Frame {number} is blended in, with weights that fall to 0 at its border: seams vanish, but moving objects leave faint \
+                 ghosts. "
+            ),
+            (_, Blending::Newest) => format!(
+                "Frame {number} is blended in: it covers all earlier frames, so each moving object is shown where it was last, with \
+                 seams. "
+            ),
         });
         let said = said.ink(Role::Result, percent(placed.canvas.covered())).text(" of the mosaic is covered.");
         match seen.after.filter(|after| after.done.is_some()) {
@@ -103,17 +111,20 @@ impl Mosaic {
 
     /// The conclusion of the run.
     fn concluded(seen: &Seen<Self>, after: &State) -> String {
-        let PathErrors { drift_px, .. } = after.field().errors(seen.clip);
+        let drift = after.field().errors(seen.clip).map(|errors| errors.drift_px);
         let frames = words::counted(after.chain.to_frames.len(), "frame");
-        let quality = match drift_px {
-            Some(drift) if !drift.is_finite() => " The chained path ends beyond a horizon.".to_owned(),
-            Some(drift) if drift > SEAMS_PX => format!(
+        let quality = match drift {
+            Err(error) => format!(" The drift of the path is unknown. {error}."),
+            Ok(Some(drift)) if !drift.is_finite() => " The chained path ends beyond a horizon.".to_owned(),
+            Ok(Some(drift)) if drift > SEAMS_PX => format!(
                 " The chained path ends {} px from the true one: parallax, moving objects or a model with too much freedom. Blurred \
                  seams show it.",
                 fixed(drift, 2)
             ),
-            Some(drift) => format!(" The chained path ends {} px from the true one.", fixed(drift, 2)),
-            None => " Double edges show errors of the chained path; broken straight lines show parallax.".to_owned(),
+            Ok(Some(drift)) => format!(" The chained path ends {} px from the true one.", fixed(drift, 2)),
+            Ok(None) => {
+                " Double edges show errors of the chained path; broken straight lines show parallax.".to_owned()
+            }
         };
         let unknown = match after.chain.unknown {
             0 => "",
@@ -151,7 +162,8 @@ impl Mosaic {
                     Fact::new("Frames blended", (state.placed + 1).to_string(), None),
                 ];
                 let path = matrix("P", "from the first frame", Role::Measured, &chain.to_frames[state.placed]);
-                let all = vec![path, matrix("A", "to the mosaic", Role::Result, &placed.map)];
+                let mut all = vec![path];
+                all.extend(placed.map.as_ref().map(|map| matrix("A", "to the mosaic", Role::Result, map)));
                 let shown = vec![Readout::Facts(facts), Readout::Equation(equation()), Readout::Matrices(all)];
                 [shown, path_series(chain, &[], seen.clip)].concat()
             }
@@ -202,7 +214,8 @@ fn show(canvas: &Arc<Sheet>, scene: &mut Scene) {
 /// Draws the outline of frame `i` of the run on the mosaic.
 fn draw_outline(canvas: &Sheet, (state, i): (&State, usize), role: Role, scene: &mut Scene) {
     let origin = canvas.window.origin.map(f64::from);
-    let Some(corners) = outline(&state.to_reference(i), state.chain.picture) else { return };
+    let corners = state.to_reference(i).and_then(|map| outline(&map, state.chain.picture));
+    let Some(corners) = corners else { return };
     let points = corners.iter().map(|at| [0, 1].map(|c| (at[c] - origin[c]) as f32)).collect();
     scene.mark(MOSAIC, role, Shape::Path { points, closed: true });
 }

@@ -1,7 +1,7 @@
 //! The explanation and the drawing of video stabilisation.
 
 use super::{Event, Stabilization, Stable, State, line};
-use crate::base::words::fixed;
+use crate::base::words::{self, fixed};
 use crate::methods::camera_path::{Chain, chain_facts, chain_step, draw_link, matrix, path_series};
 use crate::methods::numbers::percent;
 use crate::products::model::{IDENTITY, Matrix3, inverse, mapped};
@@ -60,6 +60,15 @@ impl Stabilization {
 
     fn smoothed(&self, seen: &Seen<Self>, stable: &Stable) -> Sentence {
         let state = seen.before;
+        if !stable.is_smoothed {
+            return Sentence::default()
+                .text(format!("Frame {} has ", state.chain.span.first + state.corrections.len()))
+                .ink(Role::Rejected, "no place on the smoothed path")
+                .text(
+                    ": a map between it and one of its neighbours has no inverse. It stays where it is; less smoothing or a simpler motion \
+                     model helps.",
+                );
+        }
         let place = middle(state.chain.picture);
         let to = mapped(&stable.correction, place).unwrap_or(place);
         let [u, v] = [0, 1].map(|i| to[i] - place[i]);
@@ -91,7 +100,10 @@ impl Stabilization {
     /// The conclusion of the run.
     fn concluded(&self, seen: &Seen<Self>, after: &State) -> String {
         let PathErrors { before_px, after_px, drift_px, motion_px, residual_px, empty } =
-            after.field().errors(seen.clip);
+            match after.field().errors(seen.clip) {
+                Ok(errors) => errors,
+                Err(error) => return format!(" End of the run: the errors of the path are unknown. {error}."),
+            };
         let mut said = " End of the run: ".to_owned();
         match before_px.zip(after_px) {
             None => said.push_str("with fewer than three frames there is no jitter to suppress."),
@@ -126,6 +138,9 @@ impl Stabilization {
         }
         if after.chain.unknown > 0 {
             said.push_str(" Pairs without a usable motion count as at rest.");
+        }
+        if after.unsmoothed > 0 {
+            said.push_str(&format!(" Without a smoothed place: {}.", words::counted(after.unsmoothed, "frame")));
         }
         said
     }

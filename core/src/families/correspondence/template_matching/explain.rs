@@ -1,7 +1,8 @@
 //! The explanation and the drawing of template matching.
 
 use super::{
-    Event, Found, LEAST_DEVIATION, Pair, Past, Stage, State, Template, TemplateMatching, Update, line, window,
+    DRIFT_PX, Drift, Event, Found, LEAST_DEVIATION, Pair, Past, Stage, State, Template, TemplateMatching, Update, line,
+    window,
 };
 use crate::base::words::{self, counted, fixed, grouped};
 use crate::data::Frame;
@@ -25,10 +26,6 @@ fn whole([x, y]: [i32; 2]) -> String {
 
 fn px(uv: [f32; 2]) -> String {
     format!("{} px", numbers::vector(uv))
-}
-
-fn length([x, y]: [f32; 2]) -> f32 {
-    x.hypot(y)
 }
 
 impl Score {
@@ -260,14 +257,18 @@ impl TemplateMatching {
                     .text(format!(" to {}.", numbers::vector(found.point)))
             }
             Stage::Drift => {
-                let drift = found.drift.unwrap_or_default();
-                said.text(format!("The template of frame {} fits best at an offset of ", state.first.frame))
-                    .ink(Role::Error, px(drift.map(|c| -c)))
-                    .text(format!(
-                        " from there: a drift of {} px after {}.",
-                        numbers::px(length(drift)),
-                        counted(state.past.len() + 1, "update")
-                    ))
+                let Some(drift) = found.drift else { return said };
+                let said = said
+                    .text(format!("The template of frame {} fits best at an offset of ", state.first.frame))
+                    .ink(Role::Error, px(drift.offset.map(|c| -c)));
+                let updates = counted(state.past.len() + 1, "update");
+                said.text(match drift.is_at_least {
+                    false => format!(" from there: a drift of {} px after {updates}.", numbers::px(drift.length())),
+                    true => format!(
+                        " from there, at the border of its search of ±{DRIFT_PX} px: after {updates} the drift is at least {DRIFT_PX} px, or \
+                         the first template fits nowhere near."
+                    ),
+                })
             }
             Stage::Update => said.text(format!(
                 "The window at the match becomes the template of frame {}. It follows changes of appearance, but the error of \
@@ -320,12 +321,14 @@ impl TemplateMatching {
         if let Some((i, Past { zncc, .. })) = lowest {
             sentence += &format!(", lowest ZNCC {} in frame {}.", fixed((*zncc).into(), 3), after.span.first + i + 1);
         }
-        let last = |of: fn(&Past) -> Option<f32>| past.iter().rev().find_map(of);
-        if let Some(error) = last(|past| past.error) {
+        if let Some(error) = past.iter().rev().find_map(|past| past.error) {
             sentence += &format!(" The final distance from the true position is {} px.", numbers::px(error));
         }
-        if let Some(drift) = last(|past| past.drift) {
-            sentence += &format!(" The final drift from the first template is {} px.", numbers::px(drift));
+        if let Some(drift) = past.iter().rev().find_map(|past| past.drift) {
+            sentence += &match drift.is_at_least {
+                false => format!(" The final drift from the first template is {} px.", numbers::px(drift.length())),
+                true => format!(" The final drift from the first template is at least {DRIFT_PX} px."),
+            };
         }
         let is_lost = kept < past.len();
         sentence += match (is_lost, self.update) {
@@ -569,7 +572,7 @@ impl TemplateMatching {
             ..Series::default()
         };
         let lines = [
-            ("from the first template", Role::Error, line(|past| past.drift)),
+            ("from the first template", Role::Error, line(|past| past.drift.map(Drift::length))),
             ("from the true position", Role::Truth, line(|past| past.error)),
         ];
         let lines: Vec<_> = lines.into_iter().filter(|(.., points)| !points.is_empty()).collect();

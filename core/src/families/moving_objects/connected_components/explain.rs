@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{ConnectedComponents, Event, MaskedFrame, line};
+use super::{ConnectedComponents, Event, MaskedFrame, State, line};
 use crate::base::words;
 use crate::data::{LabelEvent, Run};
 use crate::geometry::Grid;
@@ -29,6 +29,16 @@ fn verb(run: &Run, many: &'static str, one: &'static str) -> &'static str {
 /// A label as text, counted from 1 like components.
 fn label(label: u32) -> String {
     format!("label {}", label + 1)
+}
+
+/// The rows without foreground directly above the current one: moves pass them.
+fn passed(state: &State) -> String {
+    let first = state.labelling.runs().last().map_or(0, |run| run.y as usize + 1);
+    match state.row.saturating_sub(first) {
+        0 => String::new(),
+        1 => format!("Row {first} has no foreground pixels. "),
+        _ => format!("Rows {first} to {} have no foreground pixels. ", state.row - 1),
+    }
 }
 
 /// The labelling up to the cursor.
@@ -116,8 +126,8 @@ impl ConnectedComponents {
             ),
             Some(Event::Row(_, count)) => said.text(match count {
                 0 => format!("Row {} has no foreground pixels.", state.row),
-                1 => format!("Row {} has 1 foreground pixel.", state.row),
-                _ => format!("Row {} has {count} foreground pixels.", state.row),
+                1 => format!("{}Row {} has 1 foreground pixel.", passed(state), state.row),
+                _ => format!("{}Row {} has {count} foreground pixels.", passed(state), state.row),
             }),
             Some(Event::Run(LabelEvent::Made(run))) => said
                 .ink(Role::Candidate, words::capital(&name(*run)))
@@ -147,7 +157,7 @@ impl ConnectedComponents {
                 .ink(Role::Measured, format!("{} becomes a child of {}", label(*child), label(*root)))
                 .text("."),
             Some(Event::Final(_, _, count)) => said
-                .text(format!("{} with ", words::counted(state.labelling.parents().len(), "provisional label")))
+                .text(format!("{}{} with ", passed(state), words::counted(state.labelling.parents().len(), "provisional label")))
                 .ink(Role::Result, words::counted(*count as usize, "root"))
                 .text(". Each root is a connected component, numbered in raster order of its first pixel."),
             Some(Event::Kept(_, blobs)) => {

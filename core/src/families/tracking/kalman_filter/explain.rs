@@ -515,6 +515,7 @@ impl KalmanFilter {
         let band = |dof: usize| Band {
             name: "95 % band".into(),
             values: [0.025, 0.975].map(|p| chi_square::quantile(p, dof) as f32),
+            at: None,
         };
         let x_max = state.span.first + state.span.frames().map_or(state.records.len(), |frames| frames - 1);
         let series = |title, y_label, lines: Vec<Line>| Series {

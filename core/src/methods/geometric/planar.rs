@@ -1,0 +1,216 @@
+//! Whether matches determine a fundamental matrix, or a homography explains them as well: the geometric robust information criterion (P.
+//! Torr, Geometric motion segmentation and model selection, Philosophical Transactions of the Royal Society A 356, 1998).
+
+use super::Correspondence;
+use super::epipolar::sampson_all;
+use super::fit::fit;
+use super::ransac::{chosen, sample};
+use super::refine::least_squares;
+use crate::products::model::{HORIZON, Matrix3, Model};
+
+/// Samples of the homography.
+const SAMPLES: usize = 60;
+/// Rounds of fitting the best homography to the matches that agree with it.
+const ROUNDS: usize = 5;
+/// Coordinates of a match.
+const COORDINATES: f64 = 4.0;
+/// Weight λ₃: from λ₃ (r − d) σ² on a squared distance counts as that of an outlier.
+const OUTLIER: f64 = 2.0;
+/// Smallest standard deviation of a coordinate in px: keypoints are hardly more accurate.
+const LEAST_SIGMA_PX: f64 = 0.1;
+
+/// A model in the criterion: the dimension of the set of matches that satisfy it, and its number of parameters.
+#[derive(Clone, Copy)]
+struct Order {
+    dimension: f64,
+    parameters: f64,
+}
+
+const FUNDAMENTAL: Order = Order { dimension: 3.0, parameters: 7.0 };
+const HOMOGRAPHY: Order = Order { dimension: 2.0, parameters: 8.0 };
+
+impl Order {
+    /// The squared distance in units of σ² at which the robust norm ends.
+    fn most(self) -> f64 {
+        OUTLIER * (COORDINATES - self.dimension)
+    }
+
+    /// Σ min(e²/σ², λ₃ (r − d)) of squared distances.
+    fn robust(self, errors: &[f64], sigma_px: f64) -> f64 {
+        errors.iter().map(|error| (error / (sigma_px * sigma_px)).min(self.most())).sum()
+    }
+
+    /// Σ min(e²/σ², λ₃ (r − d)) + n d ln r + k ln(r n).
+    fn criterion(self, errors: &[f64], sigma_px: f64) -> f64 {
+        let count = errors.len() as f64;
+        let structure = count * self.dimension * COORDINATES.ln();
+        self.robust(errors, sigma_px) + structure + self.parameters * (COORDINATES * count).ln()
+    }
+}
+
+/// A homography and a fundamental matrix compared on the same matches.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Planarity {
+    /// The criterion of the fundamental matrix.
+    pub of_fundamental: f64,
+    /// The criterion of the homography; the smaller one is the better model.
+    pub of_homography: f64,
+    /// Share of the matches that are no outliers of the homography.
+    pub share: f64,
+    /// Standard deviation of a coordinate in px, from the median distance from the fundamental matrix.
+    pub sigma_px: f64,
+}
+
+impl Planarity {
+    /// Compares `matrix` with the best of some homographies on its inliers; `None` if those are fewer than twice the sample of a homography.
+    pub fn of(matrix: &Matrix3, inliers: &[Correspondence], seed: u64) -> Option<Self> {
+        if inliers.len() < 2 * Model::Homography.sample_size() {
+            return None;
+        }
+        let mut of_matrix = vec![0.0; inliers.len()];
+        sampson_all(matrix, inliers, &mut of_matrix);
+        let sigma_px = sigma_px(&of_matrix);
+        let errors = homography(inliers, sigma_px, seed)?;
+        let limit = HOMOGRAPHY.most() * sigma_px * sigma_px;
+        let near = errors.iter().filter(|error| **error < limit).count();
+        Some(Self {
+            of_fundamental: FUNDAMENTAL.criterion(&of_matrix, sigma_px),
+            of_homography: HOMOGRAPHY.criterion(&errors, sigma_px),
+            share: near as f64 / inliers.len() as f64,
+            sigma_px,
+        })
+    }
+
+    /// Whether the homography is the better model: the fundamental matrix is not determined.
+    pub fn is_plane(&self) -> bool {
+        self.of_homography < self.of_fundamental
+    }
+}
+
+/// The standard deviation of a coordinate from squared Sampson distances, which have one degree of freedom, by their median.
+fn sigma_px(squared: &[f64]) -> f64 {
+    /// The inverse of the 75 % quantile of the normal distribution.
+    const OF_MEDIAN: f64 = 1.4826;
+    let mut sorted = squared.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let freedom = FUNDAMENTAL.parameters;
+    let few = 1.0 + 5.0 / (squared.len() as f64 - freedom).max(1.0);
+    (OF_MEDIAN * few * sorted[sorted.len() / 2].sqrt()).max(LEAST_SIGMA_PX)
+}
+
+/// The squared distances of the matches from the homography of least robust sum.
+fn homography(matches: &[Correspondence], sigma_px: f64, seed: u64) -> Option<Vec<f64>> {
+    let errors = |matrix: Matrix3| -> Vec<f64> { matches.iter().map(|m| squared_distance(&matrix, m)).collect() };
+    let sum = |errors: &Vec<f64>| HOMOGRAPHY.robust(errors, sigma_px);
+    let through =
+        |iteration: usize| fit(Model::Homography, &chosen(matches, &sample(4, matches.len(), seed, iteration)));
+    let all = (0..SAMPLES).filter_map(through).map(errors);
+    let mut best = all.reduce(|best, other| if sum(&other) < sum(&best) { other } else { best })?;
+    let limit = HOMOGRAPHY.most() * sigma_px * sigma_px;
+    for _ in 0..ROUNDS {
+        // Fitted to all that agree, noise of the four points of a sample averages out.
+        let near = matches.iter().zip(&best).filter(|(_, error)| **error < limit);
+        let near: Vec<_> = near.map(|(m, _)| *m).collect();
+        let Some(next) = least_squares(Model::Homography, &near).map(errors) else { break };
+        if sum(&next) >= sum(&best) {
+            break;
+        }
+        best = next;
+    }
+    Some(best)
+}
+
+/// The squared distance in px² from the nearest pair of positions that a homography maps to each other, to first order: eᵀ (I + A Aᵀ)⁻¹ e
+/// for the transfer error e and the derivative A of the map. Infinite beyond the horizon.
+fn squared_distance(matrix: &Matrix3, Correspondence { from: [x, y], to }: &Correspondence) -> f64 {
+    let [a, b, w] = matrix.map(|row| row[0] * x + row[1] * y + row[2]);
+    if w <= HORIZON {
+        return f64::INFINITY;
+    }
+    let (u, v) = (a / w, b / w);
+    let [p, q] = [0, 1].map(|i| [(matrix[0][i] - u * matrix[2][i]) / w, (matrix[1][i] - v * matrix[2][i]) / w]);
+    let [xx, xy, yy] = [1.0 + p[0] * p[0] + q[0] * q[0], p[0] * p[1] + q[0] * q[1], 1.0 + p[1] * p[1] + q[1] * q[1]];
+    let [off_x, off_y] = [to[0] - u, to[1] - v];
+    (yy * off_x * off_x - 2.0 * xy * off_x * off_y + xx * off_y * off_y) / (xx * yy - xy * xy)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::epipolar::least_sampson;
+    use super::*;
+    use crate::products::model::mapped;
+    use crate::synth::random::{gaussian, hash, unit};
+
+    const TILTED: Matrix3 = [[0.76, -0.3, 225.0], [0.33, 1.01, -77.0], [3.5e-4, -1.4e-5, 1.0]];
+
+    /// Matches on a plane, a share of them moved along one direction by up to `parallax_px`; each tenth match has three times the noise.
+    fn views(count: usize, (share, parallax_px): (f64, f64), sigma_px: f64) -> Vec<Correspondence> {
+        let one = |i: usize| {
+            let random = |k: u64| unit(hash(21, i as u64, k));
+            let place = [640.0 * random(0), 480.0 * random(1)];
+            let [u, v] = mapped(&TILTED, place).expect("before the horizon");
+            let by = if (i as f64 + 0.5) < share * count as f64 { parallax_px * (0.2 + 0.8 * random(2)) } else { 0.0 };
+            let sigma = if i % 10 == 3 { 3.0 * sigma_px } else { sigma_px };
+            let off = |k: u64| sigma * gaussian(hash(22, i as u64, k));
+            Correspondence {
+                from: [place[0] + off(0), place[1] + off(1)],
+                to: [u + by + off(2), v + 0.3 * by + off(3)],
+            }
+        };
+        (0..count).map(one).collect()
+    }
+
+    fn compared(matches: &[Correspondence]) -> Planarity {
+        let matrix = least_sampson(matches).expect("noise determines one");
+        Planarity::of(&matrix, matches, 1).expect("enough matches")
+    }
+
+    #[test]
+    fn a_plane_is_one_at_any_noise() {
+        for sigma_px in [0.02, 0.3, 0.6, 1.2] {
+            for count in [40, 150, 600] {
+                let found = compared(&views(count, (0.0, 0.0), sigma_px));
+                assert!(found.is_plane(), "σ {sigma_px} of {count}: {found:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn parallax_of_a_third_of_the_matches_is_none() {
+        for (share, parallax_px) in [(0.33, 12.0), (0.5, 12.0), (0.9, 12.0), (0.9, 60.0)] {
+            for sigma_px in [0.1, 0.3, 0.6] {
+                let found = compared(&views(300, (share, parallax_px), sigma_px));
+                assert!(!found.is_plane(), "{share} by {parallax_px} px, σ {sigma_px}: {found:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_noise_is_that_of_the_coordinates() {
+        let found = compared(&views(600, (0.9, 60.0), 0.5));
+        assert!((0.45..0.65).contains(&found.sigma_px), "{found:?}");
+        let exact = compared(&views(600, (0.9, 60.0), 0.0));
+        assert_eq!(exact.sigma_px, LEAST_SIGMA_PX);
+    }
+
+    #[test]
+    fn the_distance_from_a_homography_is_that_of_the_nearest_exact_pair() {
+        // Of a pure translation half of each coordinate's error is that of either frame.
+        let shift = [[1.0, 0.0, 7.0], [0.0, 1.0, -2.0], [0.0, 0.0, 1.0]];
+        let off = Correspondence { from: [10.0, 20.0], to: [17.0 + 0.6, 18.0 - 0.8] };
+        assert!((squared_distance(&shift, &off) - 0.5).abs() < 1e-12);
+        // Elsewhere the least squared distance over the position in frame t, sampled finely.
+        let [x, y] = [400.0, 100.0];
+        let to = mapped(&TILTED, [x, y]).expect("before the horizon");
+        let off = Correspondence { from: [x, y], to: [to[0] + 0.4, to[1] - 0.2] };
+        let cost = |dx: f64, dy: f64| {
+            let [u, v] = mapped(&TILTED, [x + dx, y + dy]).expect("before the horizon");
+            dx * dx + dy * dy + (off.to[0] - u).powi(2) + (off.to[1] - v).powi(2)
+        };
+        let step = |i: i32| f64::from(i) * 0.005;
+        let least =
+            (-80..=80).flat_map(|j| (-80..=80).map(move |i| cost(step(i), step(j)))).fold(f64::INFINITY, f64::min);
+        assert!((squared_distance(&TILTED, &off) - least).abs() < 1e-3, "{least}");
+        assert_eq!(squared_distance(&[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 1.0]], &off), f64::INFINITY);
+    }
+}
