@@ -845,6 +845,28 @@ fn an_entry_of_the_legend_shows_its_marks_alone_while_it_is_pointed_at() {
 }
 
 #[test]
+fn what_can_be_done_on_the_stage_is_told_once() {
+    let mut window = Window::usual();
+    let told = |window: &Window| {
+        window.harness.query_all_by_label_contains("Click a pixel to go to its result").next().is_some()
+    };
+    let mut pictures = window.harness.query_all_by_label_contains("Stage: Frame t");
+    let picture = pictures.next().expect("a picture").rect().center();
+    drop(pictures);
+    assert!(!told(&window), "not before one gets there");
+    window.harness.hover_at(picture);
+    window.settle();
+    assert!(told(&window));
+    window.harness.hover_at(Pos2::new(5.0, 5.0));
+    // It goes by itself.
+    window.harness.run_steps(600);
+    assert!(!told(&window));
+    window.harness.hover_at(picture);
+    window.settle();
+    assert!(!told(&window), "and does not come back");
+}
+
+#[test]
 fn the_list_of_sweeps_opens_as_often_as_it_is_asked_for() {
     let mut window = Window::new(vec2(1600.0, 1000.0));
     window.harness.key_press(Key::C);
