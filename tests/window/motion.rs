@@ -66,6 +66,24 @@ fn a_key_goes_through_the_layers_that_there_are() {
 }
 
 #[test]
+fn a_locked_scale_is_that_of_every_step_until_it_is_released() {
+    let mut window = dense();
+    let end = |window: &Window| tint(window).expect("colours").end();
+    let here = end(&window);
+    window.command(Command::End);
+    let usual = end(&window);
+    assert!(here > 0.0 && (usual - here).abs() > 0.05 * here, "the scale follows what is found: {here}, {usual}");
+    window.command(Command::LockScale);
+    assert_eq!(window.app().settings().look.color_scale, Some(usual));
+    window.command(Command::Start);
+    window.key(Key::PageDown);
+    assert_eq!(end(&window), usual);
+    window.command(Command::LockScale);
+    assert_eq!(window.app().settings().look.color_scale, None);
+    assert_ne!(end(&window), usual);
+}
+
+#[test]
 fn the_reverse_pair_is_checked_in_the_background() {
     let mut window = dense();
     window.command(Command::End);
