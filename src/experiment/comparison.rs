@@ -99,8 +99,26 @@ pub struct Column {
 /// The source of a column's numbers.
 #[derive(Clone, Copy)]
 enum From {
-    Row(fn(&Row) -> Option<f64>),
+    Row(fn(&Row) -> Option<f64>, Of),
     Assessment(&'static Measure, f64),
+}
+
+/// The estimators that have a figure of the comparison.
+#[derive(Clone, Copy)]
+enum Of {
+    All,
+    BlockSearches,
+    Fields,
+}
+
+impl Of {
+    fn has(self, estimator: &dyn AnyEstimator) -> bool {
+        match self {
+            Of::All => true,
+            Of::BlockSearches => estimator.tests_candidates(),
+            Of::Fields => estimator.produces().iter().any(|kind| kind.motion.is_field()),
+        }
+    }
 }
 
 impl Column {
@@ -112,7 +130,7 @@ impl Column {
     /// Returns the number in `row`, if there is one.
     pub fn value(&self, row: &Row) -> Option<f64> {
         match self.from {
-            From::Row(value) => value(row),
+            From::Row(value, _) => value(row),
             From::Assessment(measure, per) => row.assessment.value(measure).map(|value| value / per),
         }
     }
@@ -135,10 +153,21 @@ impl Column {
     const fn of_row(
         (heading, name): (&'static str, &'static str),
         digits: usize,
-        value: fn(&Row) -> Option<f64>,
+        (value, of): (fn(&Row) -> Option<f64>, Of),
         doc: &'static str,
     ) -> Self {
-        Self { heading, name, doc, digits, from: From::Row(value) }
+        Self { heading, name, doc, digits, from: From::Row(value, of) }
+    }
+
+    /// Whether the result of `estimator` may have the number.
+    fn may_be_of(&self, estimator: &dyn AnyEstimator) -> bool {
+        match self.from {
+            From::Row(_, of) => of.has(estimator),
+            From::Assessment(measure, _) => {
+                let mut own = estimator.produces().iter().flat_map(|kind| kind.measures.iter().copied().flatten());
+                own.any(|other| other.key == measure.key)
+            }
+        }
     }
 
     fn of_measure(measure: &'static Measure) -> Option<Self> {
@@ -152,20 +181,25 @@ const COSTS: [Column; 4] = [
     Column::of_row(
         ("candidates", "candidates_mean"),
         1,
-        |r| r.figures.blocks.as_ref().map(|blocks| blocks.candidates_mean),
+        (|r| r.figures.blocks.as_ref().map(|blocks| blocks.candidates_mean), Of::BlockSearches),
         "Mean number of candidates per block; a candidate on a coarser level counts once.",
     ),
     Column::of_row(
         ("max candidates", "candidates_most"),
         0,
-        |r| r.figures.blocks.as_ref().map(|blocks| blocks.candidates_most.into()),
+        (|r| r.figures.blocks.as_ref().map(|blocks| blocks.candidates_most.into()), Of::BlockSearches),
         "Largest number of candidates of a block.",
     ),
-    Column::of_row(("time ms", "ms"), 2, |r| Some(r.time.as_secs_f64() * 1e3), "Shortest time of a run, in ms."),
+    Column::of_row(
+        ("time ms", "ms"),
+        2,
+        (|r| Some(r.time.as_secs_f64() * 1e3), Of::All),
+        "Shortest time of a run, in ms.",
+    ),
     Column::of_row(
         ("memory kB", "memory_kb"),
         1,
-        |r| Some(r.figures.memory_bytes as f64 / 1e3),
+        (|r| Some(r.figures.memory_bytes as f64 / 1e3), Of::All),
         "Memory of the run without the frames, in kB.",
     ),
 ];
@@ -175,19 +209,19 @@ const ROBUSTNESS: [Column; 3] = [
     Column::of_row(
         ("minimum missed %", "missed_percent"),
         1,
-        |r| r.figures.blocks.as_ref().and_then(|blocks| percent(blocks.missed_share()?)),
+        (|r| r.figures.blocks.as_ref().and_then(|blocks| percent(blocks.missed_share()?)), Of::BlockSearches),
         "Share of the blocks with a cost above the global minimum, which full search finds; undefined with λ > 0.",
     ),
     Column::of_row(
         ("stable in noise %", "kept_in_noise_percent"),
         1,
-        |r| r.figures.kept_in_noise.and_then(percent),
+        (|r| r.figures.kept_in_noise.and_then(percent), Of::Fields),
         "Share of the displacements that change by at most 1 px when Gaussian noise of σ = 10 gray levels is added to both frames.",
     ),
     Column::of_row(
         ("stable in light %", "kept_in_light_percent"),
         1,
-        |r| r.figures.kept_in_light.and_then(percent),
+        (|r| r.figures.kept_in_light.and_then(percent), Of::Fields),
         "Share of the displacements that change by at most 1 px when the gray levels I of frame t + 1 become 1.1 I + 8.",
     ),
 ];
@@ -209,6 +243,14 @@ pub fn all_columns() -> Vec<Column> {
 pub fn columns_of<R: Borrow<Row>>(rows: &[R]) -> Vec<(usize, Column)> {
     let has_some = |column: &Column| rows.iter().any(|row| column.text(row.borrow()) != NOTHING);
     all_columns().into_iter().enumerate().filter(|(_, column)| rows.is_empty() || has_some(column)).collect()
+}
+
+/// Returns the columns that the results of `estimators` may have numbers for, before any of them has run, with their indices among all
+/// columns. Errors are left out unless there is ground truth.
+pub fn columns_before(estimators: &[Box<dyn AnyEstimator>], has_truth: bool) -> Vec<(usize, Column)> {
+    let is_of_some = |column: &Column| estimators.iter().any(|estimator| column.may_be_of(&**estimator));
+    let all = all_columns().into_iter().enumerate();
+    all.filter(|(_, column)| is_of_some(column) && (has_truth || !column.is_against_truth())).collect()
 }
 
 /// Returns the index of the column that answers which row is best: the first that compares with ground truth, or else the
@@ -431,6 +473,26 @@ mod tests {
     use motionscope_core::compare::{LIGHT, NOISE_SIGMA};
 
     use super::*;
+
+    #[test]
+    fn columns_follow_the_products_of_the_estimators() {
+        let names = |id: &str| -> Vec<_> {
+            let chosen = [estimator(id).expect("it exists")];
+            columns_before(&chosen, true).iter().map(|(_, column)| column.name).collect()
+        };
+        let (search, background, flow) = (names("diamond"), names("mixture-of-gaussians"), names("horn-schunck"));
+        assert!(
+            ["candidates_mean", "missed_percent", "epe_px", "ms"].iter().all(|name| search.contains(name)),
+            "{search:?}"
+        );
+        assert!(["mask_f1", "detections", "ms"].iter().all(|name| background.contains(name)), "{background:?}");
+        for others in ["candidates_mean", "missed_percent", "psnr_db", "kept_in_noise_percent"] {
+            assert!(!background.contains(&others), "{background:?}");
+        }
+        assert!(flow.contains(&"kept_in_noise_percent") && !flow.contains(&"candidates_mean"), "{flow:?}");
+        let blind = columns_before(&[estimator("diamond").expect("it exists")], false);
+        assert!(blind.iter().all(|(_, column)| column.name != "epe_px"));
+    }
 
     #[test]
     fn every_column_has_a_definition_with_the_settings_of_its_measurement() {

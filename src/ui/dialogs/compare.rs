@@ -397,7 +397,14 @@ fn results(ui: &mut Ui, state: &mut State, of: (&Document, Theme), actions: &mut
         export(ui, &rows, state, (document, theme), actions);
         ui.add_space(4.0);
     }
-    table(ui, &rows, state, actions)
+    let shown = match rows.is_empty() {
+        true => {
+            let truth = document.prepared_alone().is_some_and(|prepared| prepared.clip.truth().is_some());
+            comparison::columns_before(&chosen(state), truth)
+        }
+        false => comparison::columns_of(&rows),
+    };
+    table(ui, (&rows, &shown), state, actions)
 }
 
 /// Copies the table, or saves the plot or the table in a file.
@@ -500,9 +507,14 @@ fn plotted(rows: &[Arc<Row>], state: &State) -> Column {
     columns[state.plotted.unwrap_or_else(|| comparison::telling(rows)).min(columns.len() - 1)]
 }
 
-fn table(ui: &mut Ui, rows: &[Arc<Row>], state: &mut State, actions: &mut Actions) -> bool {
-    let swept = rows.first().and_then(|row| row.swept.as_ref()).map(|(name, _)| name.clone());
-    let (shown, mut visited) = (comparison::columns_of(rows), false);
+/// Shows the columns of the table; returns whether a block is to be visited.
+fn table(
+    ui: &mut Ui,
+    (rows, shown): (&[Arc<Row>], &[(usize, Column)]),
+    state: &mut State,
+    actions: &mut Actions,
+) -> bool {
+    let (swept, mut visited) = (rows.first().and_then(|row| row.swept.as_ref()).map(|(name, _)| name.clone()), false);
     let plotted = state.plotted.unwrap_or_else(|| comparison::telling(rows));
     Grid::new("comparison").striped(true).spacing([12.0, 4.0]).show(ui, |ui| {
         let strong = |text: &str| RichText::new(text).small().family(style::bold());
@@ -510,7 +522,7 @@ fn table(ui: &mut Ui, rows: &[Arc<Row>], state: &mut State, actions: &mut Action
         if let Some(name) = &swept {
             ui.label(strong(name));
         }
-        for (i, column) in &shown {
+        for (i, column) in shown {
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| match swept {
                 Some(_) => {
                     let tip = format!("{} Click to plot it.", column.doc);
@@ -528,7 +540,7 @@ fn table(ui: &mut Ui, rows: &[Arc<Row>], state: &mut State, actions: &mut Action
             if let Some((_, value)) = &row.swept {
                 ui.label(value);
             }
-            for (_, column) in &shown {
+            for (_, column) in shown {
                 ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                     visited |= cell(ui, column, row, actions);
                 });
