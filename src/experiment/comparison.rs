@@ -5,8 +5,8 @@ use std::time::{Duration, Instant};
 
 use motionscope_core::compare::Figures;
 use motionscope_core::products::{self, Assessment, KINDS, Measure, Reference};
-use motionscope_core::{AnyEstimator, Clip, Error, Threads, detection, estimator, grouped};
-use serde_json::{Map, Value, json};
+use motionscope_core::{AnyEstimator, Clip, Error, FRAMES, Threads, Value, detection, estimator, grouped};
+use serde_json::{Map, json};
 
 use crate::experiment::source::Source;
 
@@ -35,7 +35,29 @@ pub struct Conditions<'a> {
     /// The threads to run on.
     pub threads: &'a Threads,
     /// Runs of each estimator; the shortest time counts.
-    pub repeat: u32,
+    pub repeats: Repeats,
+}
+
+/// How often an estimator runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Repeats {
+    /// This often.
+    Exactly(u32),
+    /// Three times, or less often where the runs take longer than [`Repeats::SHORT`]: long times vary little.
+    AsUsual,
+}
+
+impl Repeats {
+    /// The time within which an estimator runs again.
+    pub const SHORT: Duration = Duration::from_secs(1);
+
+    /// Whether another run follows after `done` of them, which have taken `spent`.
+    fn go_on(self, done: u32, spent: Duration) -> bool {
+        match self {
+            Self::Exactly(runs) => done < runs,
+            Self::AsUsual => done < 3 && spent < Self::SHORT,
+        }
+    }
 }
 
 /// One row of the table.
@@ -58,18 +80,17 @@ impl Row {
     /// # Errors
     /// If it cannot run there, or a frame cannot be read.
     pub fn of(compared: &ComparedEstimator, conditions: &Conditions<'_>) -> Result<Self, Error> {
-        let Conditions { clip, frame, threads, repeat } = *conditions;
+        let Conditions { clip, frame, threads, repeats } = *conditions;
         let estimator = &*compared.estimator;
-        // Decoded here, so that the time is of the estimation alone.
-        clip.pair_or_last(frame)?;
+        decode(estimator, (clip, frame))?;
         let start = Instant::now();
         let ran = estimator.run_counted(clip, frame, threads)?;
-        let mut time = start.elapsed();
+        let (mut time, begun, mut done) = (start.elapsed(), start, 1);
         // Counted once; further runs are timed without an observer.
-        for _ in 1..repeat {
+        while repeats.go_on(done, begun.elapsed()) {
             let start = Instant::now();
             estimator.run(clip, frame, threads)?;
-            time = time.min(start.elapsed());
+            (time, done) = (time.min(start.elapsed()), done + 1);
         }
         let figures = Figures::of(estimator, &ran, (clip, frame), threads)?;
         let assessment = detection::assess(estimator, &ran.output, &Reference { clip, frame }, threads)?;
@@ -80,6 +101,22 @@ impl Row {
     pub fn id(&self) -> &'static str {
         self.estimator.info().id
     }
+}
+
+/// Frames are decoded before a run if they take no more memory than this: a cache keeps them.
+const DECODED_BYTES: usize = 400 << 20;
+
+/// Decodes the frames of a run of `estimator`, so that its time is of the estimation alone.
+fn decode(estimator: &dyn AnyEstimator, (clip, frame): (&Clip, usize)) -> Result<(), Error> {
+    let [first, _] = clip.pair_or_last(frame)?;
+    let Ok(Value::Int(count)) = estimator.get(FRAMES) else { return Ok(()) };
+    let most = clip.info().frames.map_or(usize::MAX, |frames| frames.saturating_sub(frame));
+    let count = usize::try_from(count).unwrap_or(0).min(most);
+    if count.saturating_mul(first.bytes()) <= DECODED_BYTES {
+        // A damaged frame is reported by the run; a clip of unknown length may end earlier.
+        (frame..frame + count).try_for_each(|t| clip.frame(t).map(drop)).or_else(|_| clip.wanted())?;
+    }
+    Ok(())
 }
 
 /// A column of numbers: a figure of the comparison, or a measure of a product.
@@ -345,7 +382,7 @@ pub fn csv<R: Borrow<Row>>(rows: &[R]) -> String {
 }
 
 /// Returns the table as JSON: one object per row, with the numbers of the blocks whose minimum was missed.
-pub fn json(rows: &[Row]) -> Value {
+pub fn json(rows: &[Row]) -> serde_json::Value {
     let all = all_columns();
     let object = |row: &Row| {
         let mut object = Map::new();
@@ -362,7 +399,7 @@ pub fn json(rows: &[Row]) -> Value {
             let numbers = missed.map(|missed| missed.iter().map(|block| block + 1).collect::<Vec<_>>());
             object.insert("missed".into(), json!(numbers));
         }
-        Value::Object(object)
+        serde_json::Value::Object(object)
     };
     rows.iter().map(object).collect()
 }

@@ -12,7 +12,7 @@ use motionscope_core::scene::Series;
 use motionscope_core::{AnyEstimator, Error, Info, Threads, estimators, lockstep};
 
 use super::path::PathField;
-use crate::experiment::comparison::{self, Column, Conditions, Row};
+use crate::experiment::comparison::{self, Column, Conditions, Repeats, Row};
 use crate::experiment::course_table::{self, CourseRow};
 use crate::experiment::first;
 use crate::experiment::source::Source;
@@ -176,7 +176,7 @@ fn subject(ui: &mut Ui, state: &mut State, document: &Document) {
                 move |control| {
                     let (clip, threads) = (clip.until(control.stop.clone()), Threads::single());
                     course_table::course_table(
-                        &Conditions { clip: &clip, frame, threads: &threads, repeat: 3 },
+                        &Conditions { clip: &clip, frame, threads: &threads, repeats: Repeats::AsUsual },
                         &control.stop,
                     )
                 },
@@ -309,7 +309,9 @@ fn sweep(ui: &mut Ui, state: &mut State, document: &Document) {
     shown.response.labelled_by(label.id);
     if let Some(comparing) = state.comparing.as_ref().filter(|comparing| comparing.is_busy()) {
         ui.spinner();
-        ui.label(RichText::new(format!("{} of {}", comparing.rows().len(), comparing.total)).weak());
+        let (done, names) = (comparing.rows().len(), &comparing.names);
+        let now = names.get(done).map_or_else(String::new, |name| format!(": {name}"));
+        ui.label(RichText::new(format!("{} of {}{now}", (done + 1).min(names.len()), names.len())).weak());
     }
     let failure = state.comparing.as_ref().and_then(Comparing::failure).or_else(|| state.refused.clone());
     if let Some(error) = failure {
