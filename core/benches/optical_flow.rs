@@ -5,7 +5,7 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use motionscope_core::interest_points::Harris;
-use motionscope_core::{Clip, Frame, Grid, Move, Threads, estimator, estimators};
+use motionscope_core::{Clip, Frame, Grid, Threads, estimator, estimators};
 
 fn clip(width: usize, height: usize) -> Clip {
     let wave = |x: f64, y: f64| {
@@ -67,24 +67,5 @@ fn whole_runs(c: &mut Criterion) {
     }
 }
 
-/// How long it takes to see the last step: a walk to the end with its explanation, against the run alone. A walk may take twice as
-/// long; `core/tests/laws.rs` counts the work.
-fn walks(c: &mut Criterion) {
-    let clip = clip(640, 480);
-    for estimator in estimators() {
-        let id = estimator.info().id;
-        c.bench_function(&format!("{id} VGA, run on 1 thread"), |b| {
-            b.iter(|| estimator.run(&clip, 0, &Threads::single()).expect("a run"));
-        });
-        c.bench_function(&format!("{id} VGA, walk to the last step"), |b| {
-            b.iter(|| {
-                let mut walk = estimator.walk(&clip, 0).expect("a walk");
-                walk.jump(Move::End);
-                (walk.step(None), walk.output())
-            });
-        });
-    }
-}
-
-criterion_group!(benches, tracking, responses, paper, whole_runs, walks);
+criterion_group!(benches, tracking, responses, paper, whole_runs);
 criterion_main!(benches);

@@ -125,9 +125,9 @@ pub struct CompareArgs {
     /// Ground truth; by default it is searched for beside the clip.
     #[arg(long, help_heading = "Clip", value_name = "FILE")]
     pub truth: Option<PathBuf>,
-    /// Runs of each estimator; the shortest time counts.
-    #[arg(long, help_heading = "Execution", value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    pub repeat: u32,
+    /// Runs of each estimator; the shortest time counts. By default 3, fewer if they take more than a second.
+    #[arg(long, help_heading = "Execution", value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub repeat: Option<u32>,
     /// Number of threads.
     #[arg(long, help_heading = "Execution", value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=Threads::MAX as i64))]
     pub threads: u32,

@@ -1,5 +1,6 @@
 //! `motionscope compare`: compares estimators on one pair of frames in one table.
 
+use std::io::{IsTerminal, Write, stderr};
 use std::path::Path;
 
 use motionscope_core::{AnyEstimator, Clip, Error, Stop, Threads};
@@ -7,7 +8,7 @@ use motionscope_core::{AnyEstimator, Clip, Error, Stop, Threads};
 use super::args::CompareArgs;
 use super::outputs::{Place, check_folder, refuse_losses};
 use super::{say, task};
-use crate::experiment::comparison::{self, Conditions, Round, Row};
+use crate::experiment::comparison::{self, Conditions, Repeats, Round, Row};
 use crate::experiment::source::Source;
 use crate::experiment::{course_table, sweeps};
 use crate::media::export::{self, InputKind, Inputs, Target};
@@ -41,6 +42,7 @@ pub fn compare(args: &CompareArgs) -> Result<(), Error> {
     let mut rows = Vec::new();
     let given = Open::from(given);
     let rounds = comparison::rounds(&source, &estimators, args.sweep.as_deref())?;
+    let (total, repeats) = (rounds.iter().map(|round| round.compared_estimators.len()).sum(), repeats(args));
     if let (Some(sweep), Some(first)) = (&args.sweep, rounds.first()) {
         let id = |estimator: &dyn AnyEstimator| estimator.info().id;
         let is_left_out = |own: &str| first.compared_estimators.iter().all(|other| id(&*other.estimator) != own);
@@ -53,9 +55,11 @@ pub fn compare(args: &CompareArgs) -> Result<(), Error> {
             refuse_losses(&inputs(args, &source, &clip, &given), &places(args), args.force)?;
             tell_truth(&clip);
         }
-        let conditions = Conditions { clip: &clip, frame, threads: &threads, repeat: args.repeat };
+        let conditions = Conditions { clip: &clip, frame, threads: &threads, repeats };
         for compared in &compared_estimators {
+            let status = Status::new((rows.len(), total), compared.estimator.info().name);
             let row = Row::of(compared, &conditions)?;
+            drop(status);
             match &row.assessment.truth_error {
                 Some(error) if args.truth.is_some() => return Err(error.clone()),
                 Some(error) => eprintln!("warning: {error}"),
@@ -82,6 +86,33 @@ pub fn compare(args: &CompareArgs) -> Result<(), Error> {
         (_, _, Some(path)) if path.as_os_str() == "-" => Ok(()),
         _ if args.plot.as_deref() == Some(Path::new("-")) => Ok(()),
         _ => say(&comparison::text(&rows)),
+    }
+}
+
+/// How often each estimator runs.
+fn repeats(args: &CompareArgs) -> Repeats {
+    args.repeat.map_or(Repeats::AsUsual, Repeats::Exactly)
+}
+
+/// A line on a terminal that says which estimator runs, as long as it does.
+struct Status(bool);
+
+impl Status {
+    fn new((done, total): (usize, usize), name: &str) -> Self {
+        let mut to = stderr();
+        // Progress that cannot be shown is no reason to stop.
+        let is_shown =
+            to.is_terminal() && write!(to, "{} of {total}: {name}", done + 1).and_then(|()| to.flush()).is_ok();
+        Self(is_shown)
+    }
+}
+
+impl Drop for Status {
+    fn drop(&mut self) {
+        if self.0 {
+            // Back to the start of the line, which is emptied.
+            eprint!("\r\x1b[K");
+        }
     }
 }
 
@@ -126,7 +157,7 @@ fn course(args: &CompareArgs, source: &Source, frame: usize) -> Result<(), Error
     let clip = source.open(&Open::default())?;
     let threads = Threads::new(args.threads as usize)?;
     let course_table = course_table::course_table(
-        &Conditions { clip: &clip, frame, threads: &threads, repeat: args.repeat },
+        &Conditions { clip: &clip, frame, threads: &threads, repeats: repeats(args) },
         &Stop::default(),
     )?;
     match (args.json, args.markdown) {

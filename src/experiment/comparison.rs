@@ -5,8 +5,8 @@ use std::time::{Duration, Instant};
 
 use motionscope_core::compare::Figures;
 use motionscope_core::products::{self, Assessment, KINDS, Measure, Reference};
-use motionscope_core::{AnyEstimator, Clip, Error, Threads, detection, estimator, grouped};
-use serde_json::{Map, Value, json};
+use motionscope_core::{AnyEstimator, Clip, Error, FRAMES, Threads, Value, detection, estimator, grouped};
+use serde_json::{Map, json};
 
 use crate::experiment::source::Source;
 
@@ -35,7 +35,29 @@ pub struct Conditions<'a> {
     /// The threads to run on.
     pub threads: &'a Threads,
     /// Runs of each estimator; the shortest time counts.
-    pub repeat: u32,
+    pub repeats: Repeats,
+}
+
+/// How often an estimator runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Repeats {
+    /// This often.
+    Exactly(u32),
+    /// Three times, or less often where the runs take longer than [`Repeats::SHORT`]: long times vary little.
+    AsUsual,
+}
+
+impl Repeats {
+    /// The time within which an estimator runs again.
+    pub const SHORT: Duration = Duration::from_secs(1);
+
+    /// Whether another run follows after `done` of them, which have taken `spent`.
+    fn go_on(self, done: u32, spent: Duration) -> bool {
+        match self {
+            Self::Exactly(runs) => done < runs,
+            Self::AsUsual => done < 3 && spent < Self::SHORT,
+        }
+    }
 }
 
 /// One row of the table.
@@ -58,18 +80,17 @@ impl Row {
     /// # Errors
     /// If it cannot run there, or a frame cannot be read.
     pub fn of(compared: &ComparedEstimator, conditions: &Conditions<'_>) -> Result<Self, Error> {
-        let Conditions { clip, frame, threads, repeat } = *conditions;
+        let Conditions { clip, frame, threads, repeats } = *conditions;
         let estimator = &*compared.estimator;
-        // Decoded here, so that the time is of the estimation alone.
-        clip.pair_or_last(frame)?;
+        decode(estimator, (clip, frame))?;
         let start = Instant::now();
         let ran = estimator.run_counted(clip, frame, threads)?;
-        let mut time = start.elapsed();
+        let (mut time, begun, mut done) = (start.elapsed(), start, 1);
         // Counted once; further runs are timed without an observer.
-        for _ in 1..repeat {
+        while repeats.go_on(done, begun.elapsed()) {
             let start = Instant::now();
             estimator.run(clip, frame, threads)?;
-            time = time.min(start.elapsed());
+            (time, done) = (time.min(start.elapsed()), done + 1);
         }
         let figures = Figures::of(estimator, &ran, (clip, frame), threads)?;
         let assessment = detection::assess(estimator, &ran.output, &Reference { clip, frame }, threads)?;
@@ -80,6 +101,22 @@ impl Row {
     pub fn id(&self) -> &'static str {
         self.estimator.info().id
     }
+}
+
+/// Frames are decoded before a run if they take no more memory than this: a cache keeps them.
+const DECODED_BYTES: usize = 400 << 20;
+
+/// Decodes the frames of a run of `estimator`, so that its time is of the estimation alone.
+fn decode(estimator: &dyn AnyEstimator, (clip, frame): (&Clip, usize)) -> Result<(), Error> {
+    let [first, _] = clip.pair_or_last(frame)?;
+    let Ok(Value::Int(count)) = estimator.get(FRAMES) else { return Ok(()) };
+    let most = clip.info().frames.map_or(usize::MAX, |frames| frames.saturating_sub(frame));
+    let count = usize::try_from(count).unwrap_or(0).min(most);
+    if count.saturating_mul(first.bytes()) <= DECODED_BYTES {
+        // A damaged frame is reported by the run; a clip of unknown length may end earlier.
+        (frame..frame + count).try_for_each(|t| clip.frame(t).map(drop)).or_else(|_| clip.wanted())?;
+    }
+    Ok(())
 }
 
 /// A column of numbers: a figure of the comparison, or a measure of a product.
@@ -99,8 +136,26 @@ pub struct Column {
 /// The source of a column's numbers.
 #[derive(Clone, Copy)]
 enum From {
-    Row(fn(&Row) -> Option<f64>),
+    Row(fn(&Row) -> Option<f64>, Of),
     Assessment(&'static Measure, f64),
+}
+
+/// The estimators that have a figure of the comparison.
+#[derive(Clone, Copy)]
+enum Of {
+    All,
+    BlockSearches,
+    Fields,
+}
+
+impl Of {
+    fn has(self, estimator: &dyn AnyEstimator) -> bool {
+        match self {
+            Of::All => true,
+            Of::BlockSearches => estimator.tests_candidates(),
+            Of::Fields => estimator.produces().iter().any(|kind| kind.motion.is_field()),
+        }
+    }
 }
 
 impl Column {
@@ -112,7 +167,7 @@ impl Column {
     /// Returns the number in `row`, if there is one.
     pub fn value(&self, row: &Row) -> Option<f64> {
         match self.from {
-            From::Row(value) => value(row),
+            From::Row(value, _) => value(row),
             From::Assessment(measure, per) => row.assessment.value(measure).map(|value| value / per),
         }
     }
@@ -135,10 +190,21 @@ impl Column {
     const fn of_row(
         (heading, name): (&'static str, &'static str),
         digits: usize,
-        value: fn(&Row) -> Option<f64>,
+        (value, of): (fn(&Row) -> Option<f64>, Of),
         doc: &'static str,
     ) -> Self {
-        Self { heading, name, doc, digits, from: From::Row(value) }
+        Self { heading, name, doc, digits, from: From::Row(value, of) }
+    }
+
+    /// Whether the result of `estimator` may have the number.
+    fn may_be_of(&self, estimator: &dyn AnyEstimator) -> bool {
+        match self.from {
+            From::Row(_, of) => of.has(estimator),
+            From::Assessment(measure, _) => {
+                let mut own = estimator.produces().iter().flat_map(|kind| kind.measures.iter().copied().flatten());
+                own.any(|other| other.key == measure.key)
+            }
+        }
     }
 
     fn of_measure(measure: &'static Measure) -> Option<Self> {
@@ -152,20 +218,25 @@ const COSTS: [Column; 4] = [
     Column::of_row(
         ("candidates", "candidates_mean"),
         1,
-        |r| r.figures.blocks.as_ref().map(|blocks| blocks.candidates_mean),
+        (|r| r.figures.blocks.as_ref().map(|blocks| blocks.candidates_mean), Of::BlockSearches),
         "Mean number of candidates per block; a candidate on a coarser level counts once.",
     ),
     Column::of_row(
         ("max candidates", "candidates_most"),
         0,
-        |r| r.figures.blocks.as_ref().map(|blocks| blocks.candidates_most.into()),
+        (|r| r.figures.blocks.as_ref().map(|blocks| blocks.candidates_most.into()), Of::BlockSearches),
         "Largest number of candidates of a block.",
     ),
-    Column::of_row(("time ms", "ms"), 2, |r| Some(r.time.as_secs_f64() * 1e3), "Shortest time of a run, in ms."),
+    Column::of_row(
+        ("time ms", "ms"),
+        2,
+        (|r| Some(r.time.as_secs_f64() * 1e3), Of::All),
+        "Shortest time of a run, in ms.",
+    ),
     Column::of_row(
         ("memory kB", "memory_kb"),
         1,
-        |r| Some(r.figures.memory_bytes as f64 / 1e3),
+        (|r| Some(r.figures.memory_bytes as f64 / 1e3), Of::All),
         "Memory of the run without the frames, in kB.",
     ),
 ];
@@ -175,19 +246,19 @@ const ROBUSTNESS: [Column; 3] = [
     Column::of_row(
         ("minimum missed %", "missed_percent"),
         1,
-        |r| r.figures.blocks.as_ref().and_then(|blocks| percent(blocks.missed_share()?)),
+        (|r| r.figures.blocks.as_ref().and_then(|blocks| percent(blocks.missed_share()?)), Of::BlockSearches),
         "Share of the blocks with a cost above the global minimum, which full search finds; undefined with λ > 0.",
     ),
     Column::of_row(
         ("stable in noise %", "kept_in_noise_percent"),
         1,
-        |r| r.figures.kept_in_noise.and_then(percent),
+        (|r| r.figures.kept_in_noise.and_then(percent), Of::Fields),
         "Share of the displacements that change by at most 1 px when Gaussian noise of σ = 10 gray levels is added to both frames.",
     ),
     Column::of_row(
         ("stable in light %", "kept_in_light_percent"),
         1,
-        |r| r.figures.kept_in_light.and_then(percent),
+        (|r| r.figures.kept_in_light.and_then(percent), Of::Fields),
         "Share of the displacements that change by at most 1 px when the gray levels I of frame t + 1 become 1.1 I + 8.",
     ),
 ];
@@ -209,6 +280,14 @@ pub fn all_columns() -> Vec<Column> {
 pub fn columns_of<R: Borrow<Row>>(rows: &[R]) -> Vec<(usize, Column)> {
     let has_some = |column: &Column| rows.iter().any(|row| column.text(row.borrow()) != NOTHING);
     all_columns().into_iter().enumerate().filter(|(_, column)| rows.is_empty() || has_some(column)).collect()
+}
+
+/// Returns the columns that the results of `estimators` may have numbers for, before any of them has run, with their indices among all
+/// columns. Errors are left out unless there is ground truth.
+pub fn columns_before(estimators: &[Box<dyn AnyEstimator>], has_truth: bool) -> Vec<(usize, Column)> {
+    let is_of_some = |column: &Column| estimators.iter().any(|estimator| column.may_be_of(&**estimator));
+    let all = all_columns().into_iter().enumerate();
+    all.filter(|(_, column)| is_of_some(column) && (has_truth || !column.is_against_truth())).collect()
 }
 
 /// Returns the index of the column that answers which row is best: the first that compares with ground truth, or else the
@@ -303,7 +382,7 @@ pub fn csv<R: Borrow<Row>>(rows: &[R]) -> String {
 }
 
 /// Returns the table as JSON: one object per row, with the numbers of the blocks whose minimum was missed.
-pub fn json(rows: &[Row]) -> Value {
+pub fn json(rows: &[Row]) -> serde_json::Value {
     let all = all_columns();
     let object = |row: &Row| {
         let mut object = Map::new();
@@ -320,7 +399,7 @@ pub fn json(rows: &[Row]) -> Value {
             let numbers = missed.map(|missed| missed.iter().map(|block| block + 1).collect::<Vec<_>>());
             object.insert("missed".into(), json!(numbers));
         }
-        Value::Object(object)
+        serde_json::Value::Object(object)
     };
     rows.iter().map(object).collect()
 }
@@ -431,6 +510,26 @@ mod tests {
     use motionscope_core::compare::{LIGHT, NOISE_SIGMA};
 
     use super::*;
+
+    #[test]
+    fn columns_follow_the_products_of_the_estimators() {
+        let names = |id: &str| -> Vec<_> {
+            let chosen = [estimator(id).expect("it exists")];
+            columns_before(&chosen, true).iter().map(|(_, column)| column.name).collect()
+        };
+        let (search, background, flow) = (names("diamond"), names("mixture-of-gaussians"), names("horn-schunck"));
+        assert!(
+            ["candidates_mean", "missed_percent", "epe_px", "ms"].iter().all(|name| search.contains(name)),
+            "{search:?}"
+        );
+        assert!(["mask_f1", "detections", "ms"].iter().all(|name| background.contains(name)), "{background:?}");
+        for others in ["candidates_mean", "missed_percent", "psnr_db", "kept_in_noise_percent"] {
+            assert!(!background.contains(&others), "{background:?}");
+        }
+        assert!(flow.contains(&"kept_in_noise_percent") && !flow.contains(&"candidates_mean"), "{flow:?}");
+        let blind = columns_before(&[estimator("diamond").expect("it exists")], false);
+        assert!(blind.iter().all(|(_, column)| column.name != "epe_px"));
+    }
 
     #[test]
     fn every_column_has_a_definition_with_the_settings_of_its_measurement() {

@@ -58,7 +58,11 @@ impl Figures {
         threads: &Threads,
     ) -> Result<Self, Error> {
         let [current, next] = clip.pair_or_last(frame)?;
+        let has_displacements = output.displacements().is_some();
         let kept = |pair: [Frame; 2]| -> Result<Option<f64>, Error> {
+            if !has_displacements {
+                return Ok(None);
+            }
             let disturbed = Clip::from_frames("disturbed", pair.into())?;
             Ok(kept(output, &estimator.run(&disturbed, 0, threads)?, [0.0; 2]))
         };

@@ -12,7 +12,7 @@ use motionscope_core::scene::Series;
 use motionscope_core::{AnyEstimator, Error, Info, Threads, estimators, lockstep};
 
 use super::path::PathField;
-use crate::experiment::comparison::{self, Column, Conditions, Row};
+use crate::experiment::comparison::{self, Column, Conditions, Repeats, Row};
 use crate::experiment::course_table::{self, CourseRow};
 use crate::experiment::first;
 use crate::experiment::source::Source;
@@ -176,7 +176,7 @@ fn subject(ui: &mut Ui, state: &mut State, document: &Document) {
                 move |control| {
                     let (clip, threads) = (clip.until(control.stop.clone()), Threads::single());
                     course_table::course_table(
-                        &Conditions { clip: &clip, frame, threads: &threads, repeat: 3 },
+                        &Conditions { clip: &clip, frame, threads: &threads, repeats: Repeats::AsUsual },
                         &control.stop,
                     )
                 },
@@ -309,7 +309,9 @@ fn sweep(ui: &mut Ui, state: &mut State, document: &Document) {
     shown.response.labelled_by(label.id);
     if let Some(comparing) = state.comparing.as_ref().filter(|comparing| comparing.is_busy()) {
         ui.spinner();
-        ui.label(RichText::new(format!("{} of {}", comparing.rows().len(), comparing.total)).weak());
+        let (done, names) = (comparing.rows().len(), &comparing.names);
+        let now = names.get(done).map_or_else(String::new, |name| format!(": {name}"));
+        ui.label(RichText::new(format!("{} of {}{now}", (done + 1).min(names.len()), names.len())).weak());
     }
     let failure = state.comparing.as_ref().and_then(Comparing::failure).or_else(|| state.refused.clone());
     if let Some(error) = failure {
@@ -397,7 +399,14 @@ fn results(ui: &mut Ui, state: &mut State, of: (&Document, Theme), actions: &mut
         export(ui, &rows, state, (document, theme), actions);
         ui.add_space(4.0);
     }
-    table(ui, &rows, state, actions)
+    let shown = match rows.is_empty() {
+        true => {
+            let truth = document.prepared_alone().is_some_and(|prepared| prepared.clip.truth().is_some());
+            comparison::columns_before(&chosen(state), truth)
+        }
+        false => comparison::columns_of(&rows),
+    };
+    table(ui, (&rows, &shown), state, actions)
 }
 
 /// Copies the table, or saves the plot or the table in a file.
@@ -500,9 +509,14 @@ fn plotted(rows: &[Arc<Row>], state: &State) -> Column {
     columns[state.plotted.unwrap_or_else(|| comparison::telling(rows)).min(columns.len() - 1)]
 }
 
-fn table(ui: &mut Ui, rows: &[Arc<Row>], state: &mut State, actions: &mut Actions) -> bool {
-    let swept = rows.first().and_then(|row| row.swept.as_ref()).map(|(name, _)| name.clone());
-    let (shown, mut visited) = (comparison::columns_of(rows), false);
+/// Shows the columns of the table; returns whether a block is to be visited.
+fn table(
+    ui: &mut Ui,
+    (rows, shown): (&[Arc<Row>], &[(usize, Column)]),
+    state: &mut State,
+    actions: &mut Actions,
+) -> bool {
+    let (swept, mut visited) = (rows.first().and_then(|row| row.swept.as_ref()).map(|(name, _)| name.clone()), false);
     let plotted = state.plotted.unwrap_or_else(|| comparison::telling(rows));
     Grid::new("comparison").striped(true).spacing([12.0, 4.0]).show(ui, |ui| {
         let strong = |text: &str| RichText::new(text).small().family(style::bold());
@@ -510,7 +524,7 @@ fn table(ui: &mut Ui, rows: &[Arc<Row>], state: &mut State, actions: &mut Action
         if let Some(name) = &swept {
             ui.label(strong(name));
         }
-        for (i, column) in &shown {
+        for (i, column) in shown {
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| match swept {
                 Some(_) => {
                     let tip = format!("{} Click to plot it.", column.doc);
@@ -528,7 +542,7 @@ fn table(ui: &mut Ui, rows: &[Arc<Row>], state: &mut State, actions: &mut Action
             if let Some((_, value)) = &row.swept {
                 ui.label(value);
             }
-            for (_, column) in &shown {
+            for (_, column) in shown {
                 ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                     visited |= cell(ui, column, row, actions);
                 });

@@ -6,7 +6,7 @@ use motionscope_core::{Error, Stop, Threads};
 
 use super::background::Background;
 use crate::experiment::Prepared;
-use crate::experiment::comparison::{Conditions, Round, Row};
+use crate::experiment::comparison::{Conditions, Repeats, Round, Row};
 use crate::media::{Open, Progress};
 
 /// The plan of a comparison.
@@ -21,14 +21,16 @@ pub struct Plan {
 pub struct Comparing {
     rows: Arc<Mutex<Vec<Arc<Row>>>>,
     work: Background<()>,
-    /// Number of rows when finished.
-    pub total: usize,
+    /// The estimators of all rows when finished.
+    pub names: Vec<&'static str>,
 }
 
 impl Comparing {
     /// Starts the comparison; `changed` is called from another thread after each row.
     pub fn new(plan: Plan, changed: impl Fn() + Send + Sync + 'static) -> Self {
-        let total = plan.rounds.iter().map(|round| round.compared_estimators.len()).sum();
+        let all = plan.rounds.iter().flat_map(|round| &round.compared_estimators);
+        let names: Vec<_> = all.map(|compared| compared.estimator.info().name).collect();
+        let total = names.len();
         let rows = Arc::<Mutex<Vec<_>>>::default();
         let done = Arc::clone(&rows);
         let work = Background::new("compare", changed, move |control| {
@@ -39,7 +41,7 @@ impl Comparing {
             };
             compare(&plan, add, &control.stop)
         });
-        Self { rows, work, total }
+        Self { rows, work, names }
     }
 
     /// Returns the rows so far.
@@ -70,7 +72,8 @@ fn compare(plan: &Plan, add: impl Fn(Row), stop: &Stop) -> Result<(), Error> {
         let clip = clip.until(stop.clone());
         for compared in compared_estimators {
             stop.check()?;
-            add(Row::of(compared, &Conditions { clip: &clip, frame: experiment.frame, threads: &threads, repeat: 3 })?);
+            let (frame, repeats) = (experiment.frame, Repeats::AsUsual);
+            add(Row::of(compared, &Conditions { clip: &clip, frame, threads: &threads, repeats })?);
         }
     }
     Ok(())

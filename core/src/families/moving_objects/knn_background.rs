@@ -97,13 +97,21 @@ impl KnnBackground {
         near
     }
 
+    /// Returns whether `k` of the samples that `counts` accepts are near to a value. No further ones are compared.
+    #[inline(always)]
+    fn has_near(&self, sets: &Sets, (color, channels): ([u8; 3], usize), counts: impl Fn(&Sample) -> bool) -> bool {
+        let limit = self.threshold * self.threshold;
+        let near = self.used(sets).filter(|sample| counts(sample) && square(sample.color, color, channels) <= limit);
+        near.take(self.k).count() == self.k
+    }
+
     /// Returns whether enough background samples make the value a shadow.
     fn is_in_shadow(&self, sets: &Sets, color: [u8; 3], channels: usize) -> bool {
         let limits =
             ShadowLimits { darkest: self.shadow.shadow_threshold, limit: (SHADOW_SHARE * self.threshold).powi(2) };
         let pixel = color.map(f32::from);
         let is_one = |sample: &&Sample| sample.is_background && is_shadow(pixel, sample.color.map(f32::from), limits);
-        channels == 3 && self.used(sets).filter(is_one).count() >= self.k
+        channels == 3 && self.used(sets).filter(is_one).take(self.k).count() == self.k
     }
 
     /// Returns the mean number of frames after which a sample of each set is replaced.
@@ -115,15 +123,22 @@ impl KnnBackground {
     }
 
     /// Replaces samples: old ones by earlier ones, those by recent ones, and recent ones by the value, each at its rate.
-    fn update(&self, sets: &mut Sets, (value, place): (Sample, u64), (frames, periods): (usize, [u64; 3])) {
+    fn update(
+        &self,
+        sets: &mut Sets,
+        ((color, channels), place): (([u8; 3], usize), u64),
+        (frames, periods): (usize, [u64; 3]),
+    ) {
         let [draws, chance] = [0, 1].map(|stream| hash(place, frames as u64, stream));
         let slot = |part: u64| (chance >> (8 * part) & 0xff) as usize % self.samples;
-        for (set, period) in periods.into_iter().enumerate().rev() {
-            // Each set has a random number of its own.
-            if (draws >> (20 * set)) % (1 << 20) % period != 0 {
-                continue;
-            }
-            let next = if set == 0 { value } else { sets[set - 1][slot(2 * set as u64)] };
+        // Each set has a random number of its own.
+        let is_due = |set: usize| (draws >> (20 * set)) % (1 << 20) % periods[set] == 0;
+        let is_background = is_due(0) && self.has_near(sets, (color, channels), |_| true);
+        for set in (0..periods.len()).rev().filter(|set| is_due(*set)) {
+            let next = match set.checked_sub(1) {
+                Some(newer) => sets[newer][slot(2 * set as u64)],
+                None => Sample { color, is_background },
+            };
             sets[set][slot(2 * set as u64 + 1)] = next;
         }
     }
@@ -183,13 +198,13 @@ impl Background for KnnBackground {
 
     fn displaced(&self, model: &Samples, frame: &Frame, mask: &Mask) -> Option<Mask> {
         displaced(mask, self.steady, |place, of| {
-            self.near(&model.sets[of], levels(frame, place, model.channels), model.channels).background >= self.k
+            let value = (levels(frame, place, model.channels), model.channels);
+            self.has_near(&model.sets[of], value, |sample| sample.is_background)
         })
     }
 
     fn need(&self, clip: &Clip) -> Need {
-        // Shadows are decided on a copy of the samples before the frame.
-        Need::per_pixel(clip, [2.0 * size_of::<Sets>() as f64 + 1.0; 2])
+        Need::per_pixel(clip, [size_of::<Sets>() as f64 + 1.0; 2])
     }
 
     fn initial(&self) -> Initial {
@@ -209,27 +224,27 @@ impl Background for KnnBackground {
         model.frames += 1;
         let (frames, periods) = (model.frames, self.periods());
         let tells_shadows = self.shadow.detect_shadows && channels == 3;
-        let in_shadow = tells_shadows.then(|| model.sets.clone());
+        let value = |x, y| (levels(frame, (x, y), channels), channels);
         let mask = by_rows(&mut model.sets, threads, |y, row, words| {
-            for (index, (cells, word)) in row.chunks_mut(64).zip(words).enumerate() {
-                *word = Flags::of(cells.len(), |i| {
-                    let x = 64 * index + i;
-                    let color = levels(frame, (x, y), channels);
-                    let near = self.near(&cells[i], color, channels);
-                    let value = Sample { color, is_background: near.all >= self.k };
-                    if self.learning_rate > 0.0 {
-                        self.update(&mut cells[i], (value, (y * width + x) as u64), (frames, periods));
-                    }
-                    near.background < self.k
-                })
-                .word();
+            for (index, (cells, word)) in row.chunks(64).zip(words).enumerate() {
+                let is_foreground =
+                    |i| !self.has_near(&cells[i], value(64 * index + i, y), |sample| sample.is_background);
+                *word = Flags::of(cells.len(), is_foreground).word();
             }
         });
         // Shadows are those on the samples before the frame.
-        let shadows = in_shadow.map(|sets| {
-            let is_one = |x, y| self.is_in_shadow(&sets[(x, y)], levels(frame, (x, y), channels), channels);
+        let shadows = tells_shadows.then(|| {
+            let is_one = |x, y| self.is_in_shadow(&model.sets[(x, y)], levels(frame, (x, y), channels), channels);
             Mask::from_fn(mask.width(), mask.height(), |x, y| mask.get(x, y) && is_one(x, y))
         });
+        if self.learning_rate > 0.0 {
+            let rows = model.sets.cells_mut().chunks_mut(width).enumerate().collect();
+            threads.each(rows, |(y, row): (usize, &mut [Sets])| {
+                for (x, sets) in row.iter_mut().enumerate() {
+                    self.update(sets, (value(x, y), (y * width + x) as u64), (frames, periods));
+                }
+            });
+        }
         Found { mask, shadows }
     }
 

@@ -10,11 +10,12 @@ use crate::data::{Clip, Detection};
 use crate::geometry::{Bounds, Grid};
 use crate::methods::multi_object::{
     lifecycle::{Rules, TrackAge},
+    partial::WholeSize,
     selected::track_at,
     tracker_run::{self, Conclusion, TrackerRun},
 };
 use crate::products::{
-    Object, ObjectField, ObjectFrame, Output, Product, ProductKind,
+    Object, ObjectField, ObjectFrame, Output, Product, ProductKind, TrackStatus,
     objects::{
         assignment::{WorkBudget, least_cost},
         pairs::Pairs,
@@ -50,11 +51,14 @@ params! {
         max_distance: f32 = 30.0, 0.0..=1000.0, "px";
         /// Criterion that restores identities after a split.
         identity: Identity = Identity::Appearance;
+        /// Partial observation: where one side of a blob is hidden, its visible edges and the size of the track give its box. Off: boxes
+        /// shrink with what is visible.
+        partial: bool = true;
         /// Track management.
         rules: Rules = Rules::default();
     }
     renamed { "confirm" => "min-hits", "patience" => "max-age", "bridge" => "interpolate" }
-    advanced { "velocity-frames", "max-distance" }
+    advanced { "velocity-frames", "max-distance", "partial" }
     when {
         "velocity-frames": |p| p.predict, "The frames of the velocity have no effect without prediction.";
     }
@@ -93,6 +97,8 @@ struct Member {
     /// Its appearance as a single track: mean gray level, where known, and area in px.
     gray: Option<f64>,
     area_px: f64,
+    /// Its size when no side is hidden.
+    size: WholeSize,
     /// Its box and centre in px, and its last velocity as a single track in px/frame.
     bounds: Bounds,
     center: [f64; 2],
@@ -210,7 +216,10 @@ impl TrackedBlob {
             let gray = [member.gray, blob.gray].into_iter().flatten();
             let (sum, count) = gray.fold((0.0, 0), |(sum, count), gray| (sum + gray, count + 1));
             member.gray = (count > 0).then(|| sum / f64::from(count));
-            member.area_px = (member.area_px + blob.area_px) / 2.0;
+            if !blob.is_completed {
+                member.area_px = (member.area_px + blob.area_px) / 2.0;
+            }
+            member.size = member.size.seen(found, blob.is_completed);
             (member.bounds, member.center, member.velocity) = (found.bounds, blob.center(), velocity);
         }
     }
@@ -230,6 +239,20 @@ impl TrackedBlob {
 }
 
 impl BlobTracker {
+    /// Returns the whole blob of a single track, if one of its sides is hidden.
+    fn completed(&self, members: &[Member], blob: &Blob, picture: (usize, usize)) -> Option<Blob> {
+        let [member] = members else { return None };
+        let is_possible = self.partial
+            && blob.detection.blob.is_some()
+            && member.age.status != TrackStatus::Tentative
+            && member.size.hidden_frames < self.rules.max_age;
+        let bounds = is_possible.then(|| member.size.completed(&blob.detection.bounds, &member.bounds, picture))??;
+        // The centroid stays where it was in the box.
+        let (own, whole) = (member.bounds.center(), bounds.center());
+        let center = [0, 1].map(|i| whole[i] + (member.center[i] as f32 - own[i]));
+        Some(Blob { detection: Detection { bounds, center, ..blob.detection }, is_completed: true, ..*blob })
+    }
+
     /// Continues tracks in one blob; `before` is their state, if they were together.
     fn seen(&self, before: Option<&TrackedBlob>, members: Vec<Member>, blob: &Blob) -> TrackedBlob {
         // The velocity is reset after a gap.
@@ -259,6 +282,7 @@ impl BlobTracker {
             age: self.rules.begun(&blob.detection),
             gray: blob.gray,
             area_px: blob.area_px,
+            size: WholeSize::of(&blob.detection),
             bounds: blob.detection.bounds,
             center: blob.center(),
             velocity: None,
@@ -307,8 +331,12 @@ impl BlobTracker {
         let members = members_of(table, &rows);
         let blobs: Vec<&Blob> = columns.iter().map(|&column| &table.blobs[column]).collect();
         let before = if rows.len() == 1 { rows.first().map(|&row| &table.tracked_blobs[row]) } else { None };
+        let seen = |before, members: Vec<Member>, blob: &Blob| {
+            let completed = self.completed(&members, blob, clip.size());
+            self.seen(before, members, completed.as_ref().unwrap_or(blob))
+        };
         if let [blob] = blobs[..] {
-            let after = vec![(columns[0], self.seen(before, members, blob))];
+            let after = vec![(columns[0], seen(before, members, blob))];
             return Ok(Decision { table: Arc::clone(table), rows, columns, after, dissimilarity: None });
         }
         let dissimilarity = self.dissimilarity(&members, &blobs);
@@ -326,7 +354,7 @@ impl BlobTracker {
         // A single track from which something splits off keeps its history.
         let before = before.filter(|tracked| !tracked.is_group());
         let all = shares.into_iter().zip(&columns).filter(|(members, _)| !members.is_empty());
-        let after = all.map(|(members, &column)| (column, self.seen(before, members, &table.blobs[column]))).collect();
+        let after = all.map(|(members, &column)| (column, seen(before, members, &table.blobs[column]))).collect();
         Ok(Decision { table: Arc::clone(table), rows, columns, after, dissimilarity: Some(dissimilarity) })
     }
 
@@ -401,7 +429,7 @@ impl Estimator for BlobTracker {
         source: "I. Haritaoglu, D. Harwood and L. S. Davis, W4: real-time surveillance of people and their activities, PAMI 2000; \
                  correspondence matrix and identities after a merge: A. Senior, A. Hampapur, Y.-L. Tian, L. Brown, S. Pankanti and \
                  R. Bolle, Appearance models for occlusion handling, 2nd IEEE workshop on performance evaluation of tracking and \
-                 surveillance, 2001",
+                 surveillance, 2001; partial observation: M. Xu and T. Ellis, BMVC 2002",
         pseudocode: line::ALL,
         granularities: &["clip", "frame", "step"],
         frames: 2,

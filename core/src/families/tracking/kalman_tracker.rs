@@ -2,7 +2,6 @@
 
 mod association;
 mod explain;
-mod partial;
 
 use std::sync::Arc;
 
@@ -15,6 +14,7 @@ use crate::methods::{
     multi_object::{
         Extent,
         lifecycle::{Rules, TrackAge},
+        partial::WholeSize,
         selected::track_at,
         tracker_run::{self, Conclusion, TrackerRun},
     },
@@ -25,7 +25,6 @@ use crate::scene::{Chart, Focus, Role, Scene, Step};
 use crate::{choices, params, pseudocode};
 
 pub use association::Costs;
-use partial::WholeSize;
 
 choices! {
     /// The assignment method.

@@ -4,6 +4,7 @@ pub mod directions;
 pub(crate) mod explain;
 mod extent;
 pub(crate) mod lifecycle;
+pub(crate) mod partial;
 pub(crate) mod selected;
 pub mod source;
 pub(crate) mod tracker_run;

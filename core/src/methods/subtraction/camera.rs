@@ -203,8 +203,7 @@ fn match_block(pictures: [&Gray; 2], block: ([usize; 2], usize), near: [i32; 2],
     for v in -range..=range {
         for u in -range..=range {
             let by = [near[0] + u, near[1] + v];
-            let sum = cost(by);
-            if sum < least {
+            if let Some(sum) = sad_below(pictures, block, by, least) {
                 (best, least) = (by, sum);
             }
         }
@@ -231,28 +230,39 @@ fn match_block(pictures: [&Gray; 2], block: ([usize; 2], usize), near: [i32; 2],
     })
 }
 
-/// The sum of what `difference` makes of the pixels of a block and of the displaced one.
+/// Sums up what `difference` makes of the pixels of each row of a block and of the displaced one.
 #[inline(always)]
 fn summed(
     [from, to]: [&Gray; 2],
     ([x, y], side): ([usize; 2], usize),
     [u, v]: [i32; 2],
     difference: impl Fn(u8, u8) -> u32,
-) -> u32 {
+) -> impl Iterator<Item = u32> {
     let start = (x as i32 + u) as usize;
     let rows =
-        (y..y + side).map(|y| (&from.row(y)[x..x + side], &to.row((y as i32 + v) as usize)[start..start + side]));
-    rows.map(|(a, b)| a.iter().zip(b).map(|(a, b)| difference(*a, *b)).sum::<u32>()).sum()
+        (y..y + side).map(move |y| (&from.row(y)[x..x + side], &to.row((y as i32 + v) as usize)[start..start + side]));
+    rows.map(move |(a, b)| a.iter().zip(b).map(|(a, b)| difference(*a, *b)).sum::<u32>())
 }
 
 /// The sum of absolute differences of a block and the displaced one.
 fn sad(pictures: [&Gray; 2], block: ([usize; 2], usize), by: [i32; 2]) -> u32 {
-    summed(pictures, block, by, |a, b| u32::from(a.abs_diff(b)))
+    summed(pictures, block, by, |a, b| u32::from(a.abs_diff(b))).sum()
+}
+
+/// The sum of absolute differences if it is below `limit`; the rows that are left once it is not are not read.
+fn sad_below(pictures: [&Gray; 2], block: ([usize; 2], usize), by: [i32; 2], limit: u32) -> Option<u32> {
+    let mut sum = 0;
+    let mut rows = summed(pictures, block, by, |a, b| u32::from(a.abs_diff(b)));
+    let is_below = rows.all(|row| {
+        sum += row;
+        sum < limit
+    });
+    is_below.then_some(sum)
 }
 
 /// The sum of squared differences of a block and the displaced one.
 fn ssd(pictures: [&Gray; 2], block: ([usize; 2], usize), by: [i32; 2]) -> u32 {
-    summed(pictures, block, by, |a, b| u32::from(a.abs_diff(b)).pow(2))
+    summed(pictures, block, by, |a, b| u32::from(a.abs_diff(b)).pow(2)).sum()
 }
 
 /// Returns a grid displaced by `by` px; `beyond` fills what comes into the picture.

@@ -61,13 +61,20 @@ const SOLID_PX: usize = 1;
 ///
 /// A cast shadow lies beside its object. Gray clothes and gray cars on a gray ground pass the test of the colour, but lie within the object.
 pub fn enclosed(objects: &Mask, shadows: &Mask) -> Mask {
-    let (solid, (width, height)) = (objects.opened(SOLID_PX), shadows.size());
-    let mut is_enclosed = Grid::new(width, height, false);
+    let (width, height) = shadows.size();
+    // Only lines with shadow matter, which are few.
+    let has_shadow = |y: &usize| shadows.row(*y).iter().any(|word| *word != 0);
+    let rows: Vec<usize> = (0..height).filter(has_shadow).collect();
+    let columns: Vec<usize> = (0..width).filter(|x| rows.iter().any(|y| shadows.get(*x, *y))).collect();
+    if rows.is_empty() {
+        return Mask::new(width, height);
+    }
+    let (solid, mut is_enclosed) = (objects.opened(SOLID_PX), Grid::new(width, height, false));
     let kind = |x: usize, y: usize| [solid.get(x, y), shadows.get(x, y), objects.get(x, y)];
-    for y in 0..height {
+    for y in rows {
         between(width, |x| kind(x, y), |x| is_enclosed[(x, y)] = true);
     }
-    for x in 0..width {
+    for x in columns {
         between(height, |y| kind(x, y), |y| is_enclosed[(x, y)] = true);
     }
     Mask::from_fn(width, height, |x, y| is_enclosed[(x, y)] && shadows.get(x, y))

@@ -92,9 +92,10 @@ fn counted(field: &ObjectField) -> Assessment {
     let frames = field.frames.len();
     let [tracks, from, of] = [objects, detections, frames].map(grouped);
     let text = format!("{tracks}, from {from} detections in {of} frames");
-    let values = [frames, detections, objects].map(Figure::from);
+    // Where frames are processed by themselves, there are no tracks to count.
+    let objects = (field.followed != Followed::Nothing).then_some(objects);
+    let values = [frames.into(), detections.into(), objects.into()];
     let counted = match field.followed {
-        // Frames were processed by themselves: there are no tracks to count.
         Followed::Nothing => fact("Detections", format!("{from} in {of} frames")),
         _ => fact("Tracks", text),
     };

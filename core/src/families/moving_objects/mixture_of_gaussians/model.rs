@@ -301,7 +301,18 @@ impl Mixture {
 
     /// Returns whether a background mode of pixel `of` explains the value of the frame at a place.
     pub fn fits(&self, by: &MixtureOfGaussians, (frame, place): (&Frame, (usize, usize)), of: (usize, usize)) -> bool {
-        self.distance_of(self.value(frame, place), of, by.background_ratio) <= by.threshold
+        let pixel = self.value(frame, place);
+        if by.background_ratio <= 0.0 {
+            // Then no mode is background, and the heaviest one counts.
+            return self.distance_of(pixel, of, by.background_ratio) <= by.threshold;
+        }
+        let (group, lane) = self.lane(of);
+        let mut modes = self.weights(group, lane).peekable();
+        let is_near = |(index, weight): (usize, f32)| {
+            self.distance_from((group, lane), index, pixel) <= by.threshold
+                && self.heavier((group, lane), (index, weight)) < by.background_ratio
+        };
+        modes.peek().is_none() || modes.any(is_near)
     }
 
     /// Width and height in px.
@@ -339,18 +350,36 @@ impl Mixture {
         }
     }
 
-    fn distance_of(&self, pixel: [f32; 3], (x, y): (usize, usize), background: f32) -> f32 {
-        let (group, lane) = (y * self.size.0.div_ceil(LANES) + x / LANES, x % LANES);
-        let weights = || self.modes_of(group).map(|mode| mode[lane]).enumerate().filter(|(_, weight)| *weight > 0.0);
+    /// The group of a pixel and its lane there.
+    fn lane(&self, (x, y): (usize, usize)) -> (usize, usize) {
+        (y * self.size.0.div_ceil(LANES) + x / LANES, x % LANES)
+    }
+
+    /// The modes of a pixel that are in use, each with its weight.
+    fn weights(&self, group: usize, lane: usize) -> impl Iterator<Item = (usize, f32)> {
+        self.modes_of(group).map(move |mode| mode[lane]).enumerate().filter(|(_, weight)| *weight > 0.0)
+    }
+
+    /// The weight of all modes of a pixel that are heavier than one of them; of two as heavy, the older place.
+    fn heavier(&self, (group, lane): (usize, usize), (index, weight): (usize, f32)) -> f32 {
+        let is_before = |(other, heavier): &(usize, f32)| *heavier > weight || (*heavier == weight && *other < index);
+        self.weights(group, lane).filter(is_before).map(|(_, weight)| weight).sum()
+    }
+
+    /// The distance of a pixel from a mode in σ.
+    fn distance_from(&self, (group, lane): (usize, usize), index: usize, pixel: [f32; 3]) -> f32 {
+        let mode = self.mode(group, index);
+        let means = mode[2 * LANES..].chunks_exact(LANES).map(|mean| mean[lane]);
+        let square: f32 = pixel.iter().zip(means).map(|(pixel, mean)| (pixel - mean) * (pixel - mean)).sum();
+        (square / mode[LANES + lane]).sqrt()
+    }
+
+    fn distance_of(&self, pixel: [f32; 3], place: (usize, usize), background: f32) -> f32 {
+        let (group, lane) = self.lane(place);
         let (mut nearest, mut of_heaviest) = (f32::INFINITY, [0.0; 2]);
-        for (index, weight) in weights() {
-            let is_before =
-                |(other, heavier): &(usize, f32)| *heavier > weight || (*heavier == weight && *other < index);
-            let heavier: f32 = weights().filter(is_before).map(|(_, weight)| weight).sum();
-            let mode = self.mode(group, index);
-            let means = mode[2 * LANES..].chunks_exact(LANES).map(|mean| mean[lane]);
-            let square: f32 = pixel.iter().zip(means).map(|(pixel, mean)| (pixel - mean) * (pixel - mean)).sum();
-            let distance = (square / mode[LANES + lane]).sqrt();
+        for (index, weight) in self.weights(group, lane) {
+            let heavier = self.heavier((group, lane), (index, weight));
+            let distance = self.distance_from((group, lane), index, pixel);
             if heavier < background {
                 nearest = nearest.min(distance);
             }

@@ -22,6 +22,8 @@ pub(super) struct Blob {
     /// Mean gray level of its pixels, where known.
     pub gray: Option<f64>,
     pub area_px: f64,
+    /// Whether one of its sides is hidden, and its box is completed by the size of its track.
+    pub is_completed: bool,
 }
 
 impl Blob {
@@ -35,13 +37,17 @@ impl Blob {
         let frame = if with_gray && boxes().next().is_some() { Some(clip.frame(t)?) } else { None };
         let grays = frame.as_ref().map(|frame| BoxMeans::new(frame.luma(), boxes()));
         let of = |detection: Detection| match (detection.blob, &grays) {
-            (Some(blob), _) => Self { detection, gray: Some(f64::from(blob.gray)), area_px: f64::from(blob.area_px) },
+            (Some(blob), _) => Self::new(detection, Some(f64::from(blob.gray)), f64::from(blob.area_px)),
             (None, grays) => {
                 let gray = grays.as_ref().and_then(|grays| grays.mean(&detection.bounds));
-                Self { detection, gray, area_px: f64::from(detection.bounds.area()) }
+                Self::new(detection, gray, f64::from(detection.bounds.area()))
             }
         };
         Ok(detections.into_iter().map(of).collect())
+    }
+
+    fn new(detection: Detection, gray: Option<f64>, area_px: f64) -> Self {
+        Self { detection, gray, area_px, is_completed: false }
     }
 
     pub fn center(&self) -> [f64; 2] {
@@ -293,7 +299,7 @@ impl TrackedBlob {
 mod tests {
     use super::*;
     use crate::families::tracking::blob_tracker::Member;
-    use crate::methods::multi_object::lifecycle::TrackAge;
+    use crate::methods::multi_object::{lifecycle::TrackAge, partial::WholeSize};
 
     fn bounds(x: f32, width: f32) -> Bounds {
         Bounds { min: [x, 0.0], max: [x + width, 10.0] }
@@ -303,14 +309,16 @@ mod tests {
         let (bounds, age) =
             (bounds(x, width), TrackAge { hits: 9, missed: 0, status: TrackStatus::Confirmed, movement: None });
         let center = bounds.center().map(f64::from);
-        let member = Member { id: 1, age, gray: None, area_px: 1.0, bounds, center, velocity: None };
+        let found = Detection { bounds, center: bounds.center(), score: 1.0, blob: None };
+        let size = WholeSize::of(&found);
+        let member = Member { id: 1, age, gray: None, area_px: 1.0, size, bounds, center, velocity: None };
         TrackedBlob { bounds, centers: vec![center], members: vec![member] }
     }
 
     fn blob((x, width): (f32, f32)) -> Blob {
         let bounds = bounds(x, width);
         let detection = Detection { bounds, center: bounds.center(), score: 1.0, blob: None };
-        Blob { detection, gray: None, area_px: 1.0 }
+        Blob::new(detection, None, 1.0)
     }
 
     fn table(tracked_blobs: Vec<TrackedBlob>, blobs: &[(f32, f32)]) -> Correspondence {

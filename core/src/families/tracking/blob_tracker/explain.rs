@@ -8,6 +8,7 @@ use crate::base::words;
 use crate::geometry::Bounds;
 use crate::methods::multi_object::{
     explain::{self, Names, count},
+    partial::WholeSize,
     selected::Selected,
     truth,
 };
@@ -237,6 +238,12 @@ impl BlobTracker {
                 words::place(from.map(|c| c as f32)),
                 words::place(to.map(|c| c as f32))
             ))
+        };
+        let said = match tracked.members[..] {
+            [Member { size: WholeSize { hidden_frames: 1.., .. }, .. }] => {
+                said.text(" One side of the blob is hidden: its visible edges and the size of the track give the box.")
+            }
+            _ => said,
         };
         match members.iter().zip(&tracked.members).find(|(was, is)| was.age.status != is.age.status) {
             Some((was, is)) if was.age.status == TrackStatus::Tentative => said.text(format!(
