@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use motionscope_core::products::epipolar::Pose;
 use motionscope_core::products::model::Matrix3;
 use motionscope_core::products::{Assessment, Figure};
 use motionscope_core::scene::{Fact, Picture, Readout};
