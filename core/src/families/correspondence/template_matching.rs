@@ -507,11 +507,7 @@ impl Estimator for TemplateMatching {
 
     fn place(&self, state: &State) -> Vec<Granularity> {
         let (_, (_, rows)) = self.area(state.at, state.picture, state.template.pixels.size());
-        vec![
-            Granularity { index: 0, of: Some(1) },
-            Granularity { index: state.frame - state.span.first, of: state.span.frames().map(|frames| frames - 1) },
-            Granularity { index: state.turn, of: Some(rows + 2) },
-        ]
+        [state.span.place_of_pair(state.frame), vec![Granularity { index: state.turn, of: Some(rows + 2) }]].concat()
     }
 
     fn at_frame(&self, state: &State) -> Option<usize> {
