@@ -152,13 +152,19 @@ impl RobustModel for EpipolarGeometry {
         if let Some(planar) = planarity.filter(Planarity::is_plane) {
             return format!(
                 "{found} But a homography explains {} of the inliers, and is the better model by the information criterion GRIC, {} against \
-                 {} of F; of {} off its plane, {} agree with F, as by chance. So the scene is a plane, or the camera only rotated. F is not \
+                 {} of F; {}. So the scene is a plane, or the camera only rotated. F is not \
                  determined by such points; use the global motion with a homography.",
                 percent(planar.share),
                 words::fixed(planar.of_homography, 0),
                 words::fixed(planar.of_fundamental, 0),
-                words::counted(planar.off[1], "match"),
-                planar.off[0]
+                match planar.off {
+                    [_, 0] => "no match lies off its plane".to_owned(),
+                    [agreeing, all] => format!(
+                        "of {} off its plane, {} agree with F, as by chance",
+                        words::counted(all, "match"),
+                        words::grouped(agreeing)
+                    ),
+                }
             );
         }
         let pose = match self.pose(estimate) {
