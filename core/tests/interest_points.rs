@@ -443,6 +443,16 @@ fn surf_finds_a_blob_with_its_size() {
 }
 
 #[test]
+fn the_scale_of_orb_is_that_of_its_patch_in_the_frame() {
+    let field = found(&*set("orb", &[("patch", "31"), ("scale-factor", "1.5")]), &wavy(200, 160, |value| value));
+    // A twelfth of the side, times a power of the scale factor.
+    let level = |keypoint: &Keypoint| (keypoint.scale_px.expect("a scale") * 12.0 / 31.0).log(1.5);
+    let levels: Vec<f32> = field.keypoints.iter().map(level).collect();
+    assert!(levels.iter().all(|level| (level - level.round()).abs() < 0.02 && *level > -0.02), "{levels:?}");
+    assert!(levels.iter().any(|level| level.abs() < 0.02) && levels.iter().any(|level| *level > 0.9), "{levels:?}");
+}
+
+#[test]
 fn flat_and_tiny_pictures_have_no_keypoints_and_say_so() {
     for id in ["orb", "surf"] {
         for size in [(1, 1), (1, 40), (9, 9), (48, 40)] {

@@ -96,6 +96,46 @@ fn whole_translations_have_a_distinct_peak() {
 }
 
 #[test]
+fn frames_with_nothing_in_common_have_no_translation_and_the_number_is_said() {
+    let smooth = |seed: i64| {
+        let level = |x: usize, y: usize| {
+            let cells = (0..6).flat_map(|j| (0..6).map(move |i| (i, j)));
+            let sum: f64 = cells.map(|(i, j)| f64::from(noise(x as i64 / 2 + i + seed, y as i64 / 2 + j))).sum();
+            (sum / 36.0) as u8
+        };
+        Frame::gray(Grid::from_fn(128, 96, level))
+    };
+    let rough = |seed: i64| Frame::gray(Grid::from_fn(128, 96, |x, y| noise(x as i64 + seed, y as i64)));
+    for (name, frames) in [
+        ("rough", vec![rough(0), rough(5000)]),
+        ("smooth", vec![smooth(0), smooth(5000)]),
+        ("both", vec![smooth(0), rough(5000)]),
+    ] {
+        let clip = Clip::from_frames(name, frames).expect("frames of one size");
+        let estimator = set("phase-correlation", &[]);
+        assert_eq!(model(&*estimator, &clip).matrix, None, "{name}");
+        let mut walk = estimator.walk(&clip, 0).expect("a walk");
+        walk.jump(Move::End);
+        let said = walk.step(None).sentence.plain();
+        assert!(said.contains("rejected") && said.contains("standard deviations of r are less than"), "{name}: {said}");
+    }
+}
+
+#[test]
+fn a_translation_is_found_under_noise_and_a_change_of_a_third_of_the_picture() {
+    let level = |t: i64, x: usize, y: usize| {
+        let (u, v) = (x as i64 - 7 * t, y as i64 + 4 * t);
+        let own = if x < 42 { noise(x as i64 + 9000 * (t + 1), y as i64) } else { noise(u, v) };
+        let disturbance = f64::from(noise(x as i64 + 777 + 400 * t, y as i64 + 55)) - 127.5;
+        (0.6 * f64::from(own) + 0.2 * disturbance + 51.0) as u8
+    };
+    let frame = |t: i64| Frame::gray(Grid::from_fn(128, 96, |x, y| level(t, x, y)));
+    let clip = Clip::from_frames("half", vec![frame(0), frame(1)]).expect("frames of one size");
+    let found = model(&*set("phase-correlation", &[("subpixel", "none")]), &clip).matrix.expect("an estimate");
+    assert_eq!([found[0][2], found[1][2]], [7.0, -4.0]);
+}
+
+#[test]
 fn known_warps_are_recovered_by_each_model() {
     let turn = [[0.0, -0.03], [0.03, 0.0]];
     for (id, matrix, d) in [
@@ -132,6 +172,39 @@ fn the_increment_solves_the_normal_equations() {
     let found = model(&*set("image-alignment", &settings), &clip).matrix.expect("an estimate");
     // The inverse of the increment is composed.
     assert!((found[0][2] + plain[0]).abs() < 1e-4 && (found[1][2] + plain[1]).abs() < 1e-4, "{found:?} {plain:?}");
+}
+
+#[test]
+fn an_increment_with_partial_overlap_solves_the_equations_of_the_pixels_inside() {
+    // Columns and rows of a small picture leave the frame: the Hessian of the whole picture would make each increment too short.
+    let frame = |t: f64| Frame::gray(Grid::from_fn(32, 24, |x, y| waves(x as f64 - 3.2 * t, y as f64 + 2.4 * t) as u8));
+    let clip = Clip::from_frames("shifted", vec![frame(0.0), frame(1.0)]).expect("frames of one size");
+    let after = |iterations: &str| {
+        let settings = [("model", "translation"), ("levels", "1"), ("iterations", iterations)];
+        let found = model(&*set("image-alignment", &settings), &clip).matrix.expect("an estimate");
+        [found[0][2], found[1][2]]
+    };
+    let ([u, v], second) = (after("1"), after("2"));
+    assert!(u.abs().max(v.abs()) > 1.0, "the first increment leaves pixels outside: ({u}, {v})");
+    let pair = clip.pair(0).expect("a pair");
+    let [a, b] = [0, 1].map(|i| pair[i].luma());
+    let (mut sums, mut right) = ([0.0f64; 3], [0.0f64; 2]);
+    for (x, y) in (0..24).flat_map(|y| (0..32).map(move |x| (x, y))) {
+        let at = [x as f64 + u, y as f64 + v];
+        if at[0] < 0.0 || at[0] > 31.0 || at[1] < 0.0 || at[1] > 23.0 {
+            continue;
+        }
+        let row = |i: isize| f64::from(a[(i as usize, y)]);
+        let column = |i: isize| f64::from(a[(x, i as usize)]);
+        let [dx, dy] = [common::central(row, x as isize, 32), common::central(column, y as isize, 24)];
+        let difference = f64::from(b.sample(at[0] as f32, at[1] as f32)) - f64::from(a[(x, y)]);
+        sums = [sums[0] + dx * dx, sums[1] + dx * dy, sums[2] + dy * dy];
+        right = [right[0] + dx * difference, right[1] + dy * difference];
+    }
+    let det = sums[0] * sums[2] - sums[1] * sums[1];
+    let plain = [(sums[2] * right[0] - sums[1] * right[1]) / det, (sums[0] * right[1] - sums[1] * right[0]) / det];
+    let off = [u - plain[0] - second[0], v - plain[1] - second[1]].map(f64::abs);
+    assert!(off[0].max(off[1]) < 0.01, "({u}, {v}), then {second:?}; plainly {plain:?}");
 }
 
 #[test]

@@ -55,8 +55,8 @@ impl Pose {
 pub struct Planar {
     /// Share of the inliers that it explains.
     pub share: f64,
-    /// Whether it is the better model, so that the fundamental matrix is not determined.
-    pub is_better: bool,
+    /// Whether the matches lie on a plane, or the camera only rotated, so that the fundamental matrix is not determined.
+    pub is_plane: bool,
 }
 
 const MEASURES: [Measure; 4] = [
@@ -95,9 +95,9 @@ impl Product for EpipolarField {
         let share = format!("{} of {} matches, {:.1} %", grouped(inliers), grouped(matches), 100.0 * share);
         let mut facts = vec![fact("Inliers", share.clone())];
         facts.extend(self.residual_px.map(|residual| fact("Sampson distance (RMS)", format!("{residual:.3} px"))));
-        facts.extend(self.planar.map(|Planar { share, is_better }| {
-            let better = if is_better { ", better than F" } else { "" };
-            fact("Explained by a homography", format!("{:.0} %{better}", 100.0 * share))
+        facts.extend(self.planar.map(|Planar { share, is_plane }| {
+            let plane = if is_plane { ", so F is not determined" } else { "" };
+            fact("Explained by a homography", format!("{:.0} %{plane}", 100.0 * share))
         }));
         facts.extend(self.pose.iter().flat_map(|pose| {
             let [x, y, z] = pose.translation.map(|c| fixed(c, 2));

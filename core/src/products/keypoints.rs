@@ -19,12 +19,15 @@ pub struct PointField {
     pub keypoints: Vec<Keypoint>,
 }
 
+/// Side of the described window in units of the scale σ: 4 cells of 3 σ each, as of SIFT.
+pub const WINDOW_SIGMAS: f32 = 12.0;
+
 /// How a feature was detected.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Keypoint {
     /// Detector response; larger is stronger.
     pub response: f32,
-    /// Scale in px, for detectors with a scale space.
+    /// Scale σ in px, for detectors with a scale space: the standard deviation of the blob; of a patch the twelfth of its side.
     pub scale_px: Option<f32>,
     /// Orientation in radians, from x towards y, for detectors that assign one.
     pub angle_rad: Option<f32>,
@@ -136,9 +139,8 @@ impl PointField {
     /// The displacements of the features at the pixels nearest to them; unknown everywhere else.
     pub fn flow(&self) -> Flow {
         let mut flow = Grid::new(self.picture.0, self.picture.1, Flow::UNKNOWN);
-        for Feature { at: [x, y], displacement, .. } in &self.points {
-            let place = (x.round() as usize, y.round() as usize);
-            if let Some(displacement) = displacement.filter(|_| flow.get(place.0, place.1).is_some()) {
+        for Feature { at, displacement, .. } in &self.points {
+            if let Some((place, displacement)) = flow.cell_at(*at).zip(*displacement) {
                 flow[place] = displacement;
             }
         }

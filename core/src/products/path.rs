@@ -146,6 +146,16 @@ impl PathField {
     /// # Errors
     /// If the truth is there but cannot be read.
     pub fn errors(&self, clip: &Clip) -> Result<PathErrors, Error> {
+        Ok(self.errors_against(true_motions(clip, self.pairs())?))
+    }
+
+    /// The first frame and the number of pairs.
+    fn pairs(&self) -> (usize, usize) {
+        (self.first, self.motions.len())
+    }
+
+    /// The measures of the path, against the true motions where these are known.
+    fn errors_against(&self, truth: Option<Vec<Matrix3>>) -> PathErrors {
         let to_frames = self.to_frames();
         let of = |maps: &[Matrix3]| jitter(&track(maps, self.picture));
         let mut errors = PathErrors { before_px: of(&to_frames), ..PathErrors::default() };
@@ -155,9 +165,8 @@ impl PathField {
             errors.after_px = of(&self.corrected(&to_frames));
             errors.empty = Some(empty / self.corrections.len() as f64);
         }
-        let truth = true_motions(clip, (self.first, self.motions.len()))?;
         let Some(truth) = truth.filter(|truth| !truth.is_empty()) else {
-            return Ok(errors);
+            return errors;
         };
         let true_maps = chained(&truth);
         let ends = [to_frames.last(), true_maps.last()];
@@ -165,7 +174,7 @@ impl PathField {
         let each = self.motions.iter().zip(&truth).map(|(found, truth)| corner_error([found, truth], self.picture));
         errors.motion_px = each.reduce(f64::max);
         errors.residual_px = is_done.then(|| of(&self.corrected(&true_maps))).flatten();
-        Ok(errors)
+        errors
     }
 
     /// The pictures made with it, each with the name of its kind and the number of its frame.
@@ -278,8 +287,11 @@ impl Product for PathField {
     }
 
     fn assess(&self, reference: &Reference<'_>) -> Result<Assessment, Error> {
-        let PathErrors { before_px, after_px, drift_px, motion_px, residual_px, empty } =
-            self.errors(reference.clip)?;
+        let (truth, truth_error) = match true_motions(reference.clip, self.pairs()) {
+            Ok(truth) => (truth, None),
+            Err(error) => (None, Some(error)),
+        };
+        let PathErrors { before_px, after_px, drift_px, motion_px, residual_px, empty } = self.errors_against(truth);
         let finite = |value: Option<f64>| Figure::from(value.filter(|value| value.is_finite()));
         let values = [before_px, after_px, empty, motion_px, drift_px, residual_px].map(finite);
         let px = |value: f64| format!("{} px", words::fixed(value, 2));
@@ -293,7 +305,7 @@ impl Product for PathField {
             (Some(before), None) => format!("jitter {}", px(before)),
             _ => String::new(),
         };
-        Ok(Assessment { headline, ..Assessment::default() }.with(scores(&MEASURES, values), facts))
+        Ok(Assessment { headline, truth_error, ..Assessment::default() }.with(scores(&MEASURES, values), facts))
     }
 
     fn last_frame(&self) -> Option<usize> {

@@ -46,6 +46,16 @@ impl Span {
         self.last - self.first + 1
     }
 
+    /// Number of pairs of frames, if known.
+    pub fn pairs(&self) -> Option<usize> {
+        self.frames().map(|frames| frames - 1)
+    }
+
+    /// The position of a run through pairs of frames: in the clip, and at the pair from `frame` on.
+    pub fn place_of_pair(&self, frame: usize) -> Vec<Granularity> {
+        vec![Granularity { index: 0, of: Some(1) }, Granularity { index: frame - self.first, of: self.pairs() }]
+    }
+
     /// The position of a run with frames as units after `done` of them: in the clip, and at a frame.
     pub fn place(&self, done: usize) -> Vec<Granularity> {
         vec![Granularity { index: 0, of: Some(1) }, Granularity { index: done, of: self.frames() }]

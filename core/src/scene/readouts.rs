@@ -160,17 +160,22 @@ pub struct Series {
     pub is_logarithmic: bool,
     /// Whether the y axis covers the values alone, where 0 is a value like others.
     pub fits_values: bool,
-    /// Whether x is a value that was varied, and no step: then none is at hand.
+    /// Whether x is a value that was varied, and no step: then only `chosen` is at hand.
     pub is_sweep: bool,
+    /// The value of x that is set, of those that were varied; lines have a point there.
+    pub chosen: Option<f32>,
     /// Whether x goes over powers, as a parameter does that is multiplied from value to value.
     pub has_logarithmic_x: bool,
 }
 
 impl Series {
-    /// The step at hand: the last one with a value on a line.
+    /// The step at hand: the last one with a value on a line, or the value that is set.
     pub fn now(&self) -> Option<f32> {
+        if self.is_sweep {
+            return self.chosen;
+        }
         let points = self.lines.iter().flat_map(|(.., points)| points).filter(|point| !point[1].is_nan());
-        points.map(|point| point[0]).filter(|_| !self.is_sweep).reduce(f32::max)
+        points.map(|point| point[0]).reduce(f32::max)
     }
 }
 

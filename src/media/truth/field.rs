@@ -184,7 +184,8 @@ fn homography(reader: BufReader<File>, path: &Path) -> Result<Matrix3, Error> {
     let numbers: Vec<f64> =
         numbers.map(|number| number.filter(|n| n.is_finite())).collect::<Option<_>>().unwrap_or_default();
     match numbers[..] {
-        [a, b, c, d, e, f, g, h, i] => Ok([[a, b, c], [d, e, f], [g, h, i]]),
+        // Defined up to a factor: the origin lies before the horizon.
+        [a, b, c, d, e, f, g, h, i] => Ok([[a, b, c], [d, e, f], [g, h, i]].map(|row| row.map(|v| v * i.signum()))),
         _ => Err(file_error(path, "this is no homography: its <data> must be the 9 finite numbers of a 3×3 matrix")),
     }
 }
@@ -304,6 +305,8 @@ mod tests {
         let flow = flow(&path, (7, 3)).unwrap();
         assert_eq!((flow.at(0, 2), flow.at(2, 0)), (Some([3.0, -1.0]), Some([6.0, -2.0])));
         assert_eq!(flow.at(4, 1), None);
+        save("-1. -0.5 -2.0 0. -1. 1. 2.5e-01 0. -1.");
+        assert_eq!(super::flow(&path, (7, 3)).unwrap().at(0, 2), Some([3.0, -1.0]));
         for data in ["1 2 3", "1 0 0 0 1 0 0 0 nan", "1 0 0 0 1 0 0 0 one"] {
             save(data);
             let told = check_flow(&path, (7, 3)).unwrap_err().to_string();

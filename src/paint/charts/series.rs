@@ -116,7 +116,7 @@ pub fn draw(data: Plotted<'_>, area: Rect, style: ChartStyle) -> Drawing<Plot> {
                 let inside = points.iter().filter(|point| plot.beyond(**point).is_none() && plot.shows(point[0]));
                 inside.for_each(|&point| ring(canvas, plot.at(point), theme.word(*role)));
             } else {
-                line(canvas, &plot, (*role, points), theme);
+                line(canvas, &plot, (*role, points), (theme, series.chosen));
             }
         }
     });
@@ -525,10 +525,11 @@ fn named(places: &[(f32, bool)], widths: &[f32], end: f32) -> Vec<bool> {
     is_named
 }
 
-/// Whether points mark values of another line that were rejected: these have nothing between them.
+/// Whether all points mark values of another line that were rejected: these have nothing between them.
 fn are_marks(series: &Series, role: Role, points: &[[f32; 2]]) -> bool {
     let Some(first) = points.first().filter(|_| role == Role::Rejected) else { return false };
-    series.lines.iter().any(|(_, other, points)| *other != role && points.contains(first))
+    let all_on = |line: &[[f32; 2]]| line.contains(first) && points.iter().all(|point| line.contains(point));
+    series.lines.iter().any(|(_, other, line)| *other != role && all_on(line))
 }
 
 /// A circle of lines, so that what it marks is seen through it.
@@ -540,8 +541,9 @@ fn ring(canvas: &mut Canvas, [x, y]: Point, color: Color) {
     canvas.line(points.collect(), true, solid(1.5, color));
 }
 
-/// A line in its role's color. A best value holds until it is beaten: it goes in steps.
-fn line(canvas: &mut Canvas, plot: &Plot, (role, points): (Role, &[[f32; 2]]), theme: Theme) {
+/// A line in its role's color, with a disc at its last point, or at the value of x that is set. A best value holds until it is beaten: it goes
+/// in steps.
+fn line(canvas: &mut Canvas, plot: &Plot, (role, points): (Role, &[[f32; 2]]), (theme, chosen): (Theme, Option<f32>)) {
     let color = theme.word(role);
     let holds = role == Role::Best;
     let ink = theme.ink(role);
@@ -557,7 +559,9 @@ fn line(canvas: &mut Canvas, plot: &Plot, (role, points): (Role, &[[f32; 2]]), t
         last = places.last().copied();
         canvas.line(places, false, stroke);
     }
-    let Some(last) = last else { return };
+    let set =
+        chosen.map(|x| points.iter().find(|point| point[0] == x && !point[1].is_nan()).map(|point| plot.at(*point)));
+    let Some(last) = set.unwrap_or(last) else { return };
     canvas.disc(last, 3.0 + width, theme.chrome().panel);
     canvas.disc(last, 2.0 + width, color);
 }
@@ -789,6 +793,8 @@ mod tests {
         let mut series = series(10);
         let some = vec![series.lines[0].2[3], series.lines[0].2[7]];
         assert!(are_marks(&series, Role::Rejected, &some) && !are_marks(&series, Role::Error, &some));
+        let apart = [some[0], [some[1][0], some[1][1] + 1.0]];
+        assert!(!are_marks(&series, Role::Rejected, &apart), "a line that meets another");
         series.lines[0].2.clear();
         assert!(!are_marks(&series, Role::Rejected, &some), "a line of its own");
     }

@@ -13,6 +13,7 @@ use crate::methods::geometric::{
     robust::{self, Best, Estimate, RobustModel, Sequel, robust_pseudocode},
 };
 use crate::methods::matching;
+use crate::methods::numbers::percent;
 use crate::products::epipolar::{Planar, Pose};
 use crate::products::model::{Matrix3, Support};
 use crate::products::{EpipolarField, Output, Product, ProductKind};
@@ -60,7 +61,8 @@ impl RobustModel for EpipolarGeometry {
         summary: "The fundamental matrix of a moving camera: each point corresponds to a point on its epipolar line.",
         source: "R. Hartley, In defense of the eight-point algorithm, IEEE PAMI 19(6), 1997; R. Hartley and A. Zisserman, Multiple view \
                  geometry in computer vision, 2004, chapter 11; degenerate scenes: P. Torr, Geometric motion segmentation and model \
-                 selection, Philosophical Transactions of the Royal Society A 356, 1998",
+                 selection, Philosophical Transactions of the Royal Society A 356, 1998; O. Chum, T. Werner and J. Matas, Two-view geometry estimation \
+                 unaffected by a dominant plane, CVPR 2005",
         pseudocode: line::ALL,
         granularities: &["frame", "iteration", "step"],
         frames: 2,
@@ -138,7 +140,7 @@ impl RobustModel for EpipolarGeometry {
                 inliers: estimate.best.map_or(0, |best| best.score.inliers),
                 matches: estimate.points.len(),
             },
-            planar: planarity.map(|found| Planar { share: found.share, is_better: found.is_plane() }),
+            planar: planarity.map(|found| Planar { share: found.share, is_plane: found.is_plane() }),
             pose: self.pose(estimate).filter(|_| !is_plane).filter(|pose| self.doubt(pose, estimate).is_none()),
         })
     }
@@ -146,21 +148,40 @@ impl RobustModel for EpipolarGeometry {
     fn conclusion(&self, estimate: &Estimate<'_>) -> String {
         let Some(best) = estimate.best else { return String::new() };
         let found = format!("RMS Sampson distance {} px.", words::fixed(best.rms_px(), 3));
-        if let Some(planar) = self.planarity(estimate).filter(Planarity::is_plane) {
+        let planarity = self.planarity(estimate);
+        if let Some(planar) = planarity.filter(Planarity::is_plane) {
             return format!(
                 "{found} But a homography explains {} of the inliers, and is the better model by the information criterion GRIC, {} against \
-                 {} of F: the scene is a plane, or the camera only rotated. F is not determined by such points; use the global motion with \
-                 a homography.",
-                words::percent(planar.share as f32),
+                 {} of F; {}. So the scene is a plane, or the camera only rotated. F is not \
+                 determined by such points; use the global motion with a homography.",
+                percent(planar.share),
                 words::fixed(planar.of_homography, 0),
-                words::fixed(planar.of_fundamental, 0)
+                words::fixed(planar.of_fundamental, 0),
+                match planar.off {
+                    [_, 0] => "no match lies off its plane".to_owned(),
+                    [agreeing, all] => format!(
+                        "of {} off its plane, {} agree with F, as by chance",
+                        words::counted(all, "match"),
+                        words::grouped(agreeing)
+                    ),
+                }
             );
         }
         let pose = match self.pose(estimate) {
             None => " With the focal length, the pose of the camera follows from F.".to_owned(),
             Some(pose) => self.doubt(&pose, estimate).unwrap_or_else(|| posed(&pose)),
         };
-        format!("{found}{pose} Points of moving objects violate F unless they move along their epipolar lines.")
+        let dominant = match planarity.filter(Planarity::is_homography_better) {
+            Some(Planarity { off: [agreeing, _], .. }) => format!(
+                " Most inliers lie on a plane, and F rests on the {} off it, which agree beyond chance: parallax, or an object with a motion \
+                 of its own, for which F is wrong.",
+                words::grouped(agreeing)
+            ),
+            None => String::new(),
+        };
+        format!(
+            "{found}{pose}{dominant} Points of moving objects violate F unless they move along their epipolar lines."
+        )
     }
 
     fn equations(&self, estimate: &Estimate<'_>) -> Vec<Math> {
@@ -232,8 +253,8 @@ impl EpipolarGeometry {
 
     /// The fundamental matrix compared with a homography on its inliers.
     fn planarity(&self, estimate: &Estimate<'_>) -> Option<Planarity> {
-        let matrix = estimate.best?.matrix;
-        Planarity::of(&matrix, &self.inliers(estimate, &matrix), self.robust.seed as u64 + 1)
+        let (matrix, robust::Settings { threshold, seed, .. }) = (estimate.best?.matrix, &self.robust);
+        Planarity::of(&matrix, estimate.points, f64::from(*threshold), *seed as u64 + 1)
     }
 
     /// The angle that the frame spans across, with the focal length.

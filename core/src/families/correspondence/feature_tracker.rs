@@ -204,12 +204,11 @@ impl Estimator for FeatureTracker {
     }
 
     fn units(&self, state: &State) -> Option<usize> {
-        state.span.frames().map(|frames| frames - 1)
+        state.span.pairs()
     }
 
     fn place(&self, state: &State) -> Vec<Granularity> {
-        let pairs = state.span.frames().map(|frames| frames - 1);
-        vec![Granularity { index: 0, of: Some(1) }, Granularity { index: state.frame - state.span.first, of: pairs }]
+        state.span.place_of_pair(state.frame)
     }
 
     fn at_frame(&self, state: &State) -> Option<usize> {

@@ -76,6 +76,8 @@ struct Compared {
     overlap: f64,
     /// The right-hand side: sums of steepest-descent images times difference.
     right: Vec<f64>,
+    /// The Hessian of those pixels, row by row.
+    hessian: Vec<f64>,
 }
 
 /// The solution of an iteration.
@@ -135,6 +137,8 @@ pub enum Stage {
     Worse,
     /// The right-hand side and the increment.
     Solve,
+    /// Pixels inside frame t + 1 that determine no increment.
+    Undetermined,
     /// The new warp.
     Update,
     /// The last warp of a level.
@@ -202,40 +206,37 @@ impl ImageAlignment {
         let ([along, down], mut hessian) = (state.level().gradients(), vec![0.0; count * count]);
         for (x, y) in places(along) {
             let row = columns(self.model, coordinates.of_pixel(x, y), [along[(x, y)], down[(x, y)]], coordinates.scale);
-            for i in 0..count {
-                for j in 0..=i {
-                    hessian[i * count + j] += row[i] * row[j];
-                }
-            }
-        }
-        for i in 0..count {
-            for j in 0..i {
-                hessian[j * count + i] = hessian[i * count + j];
-            }
+            add_products(&mut hessian, &row[..count]);
         }
         hessian
     }
 
-    /// Compares frame t with the warped frame t + 1.
+    /// Compares frame t with the warped frame t + 1. The Hessian of the pixels inside is that of all pixels without those outside, which are
+    /// few.
     fn compare(&self, state: &State) -> Compared {
         let (count, coordinates) = (self.model.freedom(), state.fixed.coordinates(state.level));
         let ([along, down], warp) = (state.level().gradients(), state.warp());
         let [template, image] = &state.level().pictures;
         let (mut right, mut squares, mut inside) = (vec![0.0; count], 0.0, 0usize);
+        let mut outside = vec![0.0; count * count];
         for (x, y) in places(template) {
-            let Some(difference) = difference([template, image], &warp, (x, y)) else { continue };
             let row = columns(self.model, coordinates.of_pixel(x, y), [along[(x, y)], down[(x, y)]], coordinates.scale);
+            let Some(difference) = difference([template, image], &warp, (x, y)) else {
+                add_products(&mut outside, &row[..count]);
+                continue;
+            };
             right.iter_mut().zip(&row).for_each(|(sum, value)| *sum += value * f64::from(difference));
             squares += f64::from(difference * difference);
             inside += 1;
         }
         let rms = (squares / inside.max(1) as f64).sqrt();
-        Compared { rms, overlap: inside as f64 / template.cells().len() as f64, right }
+        let hessian = state.hessian.iter().zip(outside).map(|(all, outside)| all - outside).collect();
+        Compared { rms, overlap: inside as f64 / template.cells().len() as f64, right, hessian }
     }
 
     /// Solves for the increment; `None` if the Hessian is singular.
-    fn increment(&self, state: &State, right: &[f64]) -> Option<Increment> {
-        let parameters = solve(&state.hessian, right)?;
+    fn increment(&self, state: &State, Compared { hessian, right, .. }: &Compared) -> Option<Increment> {
+        let parameters = solve(hessian, right)?;
         let coordinates = state.fixed.coordinates(state.level);
         let matrix = coordinates.in_px(&warp_of(self.model, &parameters));
         Some(Increment { moved_px: moved_px(&matrix, state.level().pictures[0].size()), parameters, matrix })
@@ -254,8 +255,8 @@ impl ImageAlignment {
         let compared = self.compare(state);
         Arc::make_mut(&mut state.errors).push((state.level, compared.rms));
         let (is_diverged, rms) = (compared.overlap < f64::from(self.min_overlap), compared.rms);
-        let right = compared.right.clone();
-        state.compared = Some(Arc::new(compared));
+        let compared = Arc::new(compared);
+        state.compared = Some(Arc::clone(&compared));
         report(Stage::Warp, state);
         if is_diverged || state.previous_error().is_some_and(|previous| rms > previous) {
             let stage = if is_diverged { Stage::Diverged } else { Stage::Worse };
@@ -264,16 +265,27 @@ impl ImageAlignment {
             report(stage, state);
             return Self::next_level(state);
         }
-        // The Hessian was found regular.
-        let Some(increment) = self.increment(state, &right) else { return Self::next_level(state) };
+        let increment = self.increment(state, &compared);
+        let updated = increment.as_ref().and_then(|found| warp::composed(&state.warp(), &found.matrix));
+        let Some((increment, updated)) = increment.zip(updated) else {
+            report(Stage::Undetermined, state);
+            return Self::next_level(state);
+        };
         state.increment = Some(Arc::new(increment.clone()));
         report(Stage::Solve, state);
-        let Some(updated) = warp::composed(&state.warp(), &increment.matrix) else { return Self::next_level(state) };
         (state.before, state.matrix) = (state.matrix, on_picture(&updated, state.level));
         state.updates += 1;
         let is_last = increment.moved_px <= f64::from(self.epsilon) || iteration + 1 == self.iterations;
         report(if is_last { Stage::Converged } else { Stage::Update }, state);
         if is_last { Self::next_level(state) } else { state.turn = Turn::Iteration(iteration + 1) }
+    }
+}
+
+/// Adds the products of all pairs of entries of `row` to a symmetric matrix.
+#[inline(always)]
+fn add_products(matrix: &mut [f64], row: &[f64]) {
+    for (line, value) in matrix.chunks_exact_mut(row.len()).zip(row) {
+        line.iter_mut().zip(row).for_each(|(sum, other)| *sum += value * other);
     }
 }
 
@@ -306,7 +318,7 @@ pseudocode! {
     REPEAT: "  repeat",
     WARP: "    e(x) ← I(W(x)) − T(x), where W(x) is inside frame t+1",
     STEP_BACK: "    if overlap < min-overlap or RMS of e has risen: W ← W before; next level",
-    SOLVE: "    Δp ← H⁻¹ Σ D^T e",
+    SOLVE: "    Δp ← H⁻¹ Σ D^T e, both sums over the pixels inside; next level if H is singular there",
     UPDATE: "    W ← W ∘ W(Δp)⁻¹",
     UNTIL_CONVERGED: "  until W(Δp) moves no corner farther than epsilon, or iterations are done",
 }

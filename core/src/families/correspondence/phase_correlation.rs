@@ -34,7 +34,7 @@ params! {
     /// Phase correlation.
     pub struct PhaseCorrelation {
         /// Multiply both frames by a Hann window, which fades to 0 at the border. Without it, the jump from one border to the opposite
-        /// one shows as a peak at zero displacement.
+        /// one shows as a peak at zero displacement, also of frames that have nothing in common.
         hann: bool = true;
         /// Sub-pixel position of the peak, along x and y.
         subpixel: Subpixel = Subpixel::Ratio;
@@ -68,6 +68,8 @@ pub struct State {
     cross: Option<Arc<Spectrum>>,
     /// Number of frequencies that are not left out.
     kept: usize,
+    /// The smallest accepted peak, in standard deviations of the correlation.
+    least_sigmas: f64,
     peak: Option<(usize, usize)>,
     second: Option<(usize, usize)>,
     /// Sub-pixel part of the displacement.
@@ -146,6 +148,21 @@ impl State {
         self.cross.as_ref().map_or(0.0, |cross| cross[place].re)
     }
 
+    /// The standard deviation of the correlation over all displacements, by Parseval's theorem, if not all of it is the peak.
+    fn sigma(&self) -> f64 {
+        1.0 / (self.kept.max(1) as f64).sqrt()
+    }
+
+    /// The height of the peak in standard deviations of the correlation.
+    fn sigmas(&self) -> Option<f64> {
+        Some(self.height_at(self.wrapped(self.peak?)) / self.sigma())
+    }
+
+    /// Whether the peak is higher than those of frames that have nothing in common.
+    fn is_accepted(&self) -> bool {
+        self.sigmas().is_some_and(|sigmas| sigmas >= self.least_sigmas)
+    }
+
     /// The translation so far, in px.
     fn translation(&self) -> [f64; 2] {
         let whole = self.peak.map_or([0, 0], |peak| self.wrapped(peak));
@@ -159,7 +176,7 @@ impl State {
         ModelField {
             picture: self.size(),
             model: Model::Translation,
-            matrix: self.peak.is_some().then_some(matrix),
+            matrix: self.is_accepted().then_some(matrix),
             iterations: 0,
             residual_px: None,
             support: None,
@@ -188,6 +205,20 @@ impl PhaseCorrelation {
         f64::from(self.min_snr) * VARIANCE * power(width) * power(height)
     }
 
+    /// The smallest accepted peak in standard deviations of the correlation: higher than the highest of `kept` random phases in 99 % of all
+    /// pairs, by the tail of the normal distribution, ½ exp(−z²/2).
+    fn least_sigmas(&self, kept: usize) -> f64 {
+        /// Share of the pairs.
+        const FALSE_ALARMS: f64 = 0.01;
+        /// The Hann window correlates neighbouring frequencies, which raises the correlation near displacement 0 by this factor.
+        const OF_HANN: f64 = 1.65;
+        /// A peak of this height is one whatever the number of frequencies.
+        const MOST: f64 = 0.9;
+        let count = kept.max(1) as f64;
+        let highest = (2.0 * (0.5 * count / FALSE_ALARMS).ln()).sqrt();
+        (if self.hann { OF_HANN * highest } else { highest }).min(MOST * count.sqrt())
+    }
+
     /// Performs a stage.
     fn perform(&self, state: &mut State, stage: Stage) {
         let size = state.size();
@@ -214,6 +245,7 @@ impl PhaseCorrelation {
                 let (cross, noise) = (whole(&state.cross), self.noise(size));
                 let is_kept = |value: &Complex<f64>| value.norm() > noise.max(f64::MIN_POSITIVE);
                 state.kept = cross.cells().iter().filter(|value| is_kept(value)).count();
+                state.least_sigmas = self.least_sigmas(state.kept);
                 let phase =
                     |value: &Complex<f64>| if is_kept(value) { value / value.norm() } else { Complex::default() };
                 state.cross = Some(Arc::new(cross.map(phase)));
@@ -279,7 +311,7 @@ pseudocode! {
     NORMALISE: "R ← C / |C|, 0 where |C| is noise",
     INVERT_COLUMNS: "r ← inverse Fourier transform of R: of all columns,",
     INVERT_ROWS: "  then of all rows",
-    TAKE_PEAK: "d ← place of the highest r; beyond half the picture it is negative",
+    TAKE_PEAK: "d ← place of the highest r, unknown below the noise of r; beyond half the picture it is negative",
     COMPARE_SECOND: "compare r(d) with the second-highest peak",
     REFINE_X: "d_x ← d_x + sub-pixel offset from the neighbours along x",
     REFINE_Y: "d_y ← d_y + sub-pixel offset from the neighbours along y",
@@ -315,6 +347,7 @@ impl Estimator for PhaseCorrelation {
             spectra: [None, None],
             cross: None,
             kept: 0,
+            least_sigmas: 0.0,
             peak: None,
             second: None,
             fraction: [0.0; 2],

@@ -107,7 +107,11 @@ impl Template {
 
 /// The pixels of a rectangle that lies inside a picture.
 fn window(luma: &Gray, [x, y]: [i32; 2], (width, height): (usize, usize)) -> Gray {
-    Grid::from_fn(width, height, |i, j| luma[(x as usize + i, y as usize + j)])
+    let mut pixels = Grid::new(width, height, 0);
+    for j in 0..height {
+        pixels.row_mut(j).copy_from_slice(&luma.row(y as usize + j)[x as usize..][..width]);
+    }
+    pixels
 }
 
 /// A pair of frames with the costs of all places of the search area.
@@ -507,11 +511,7 @@ impl Estimator for TemplateMatching {
 
     fn place(&self, state: &State) -> Vec<Granularity> {
         let (_, (_, rows)) = self.area(state.at, state.picture, state.template.pixels.size());
-        vec![
-            Granularity { index: 0, of: Some(1) },
-            Granularity { index: state.frame - state.span.first, of: state.span.frames().map(|frames| frames - 1) },
-            Granularity { index: state.turn, of: Some(rows + 2) },
-        ]
+        [state.span.place_of_pair(state.frame), vec![Granularity { index: state.turn, of: Some(rows + 2) }]].concat()
     }
 
     fn at_frame(&self, state: &State) -> Option<usize> {

@@ -231,6 +231,7 @@ impl Estimator for Fast {
     }
 
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads, tally: &impl Tally<Event>) -> Result<State, Error> {
+        clip.wanted()?;
         let mut state = State::new(clip, frame)?;
         let (width, height) = state.scores.size();
         let (rows, mut scores) = (threads.rows_at_once(height), Grid::new(width, height, 0));
@@ -240,12 +241,13 @@ impl Estimator for Fast {
             let of_rows = part.chunks_exact_mut(width).enumerate();
             of_rows.for_each(|(j, scores)| self.test_row(&state.picture, i * rows + j, scores, &mut counter));
         });
-        let of_rows = threads.map(height.div_ceil(rows), |i| {
+        let suppress = |i: usize| {
             let (mut found, mut counter) = (Vec::new(), tally.counter());
             let rows = i * rows..((i + 1) * rows).min(height);
             rows.for_each(|y| self.suppress(&scores, y, &mut found, &mut counter));
             found
-        });
+        };
+        let of_rows = threads.map_while(height.div_ceil(rows), || clip.wanted(), suppress)?;
         tally.add_units(2 * height + 1);
         (state.scores, state.peaks, state.stage) = (Arc::new(scores), of_rows.concat(), Stage::Choice);
         self.choose(&mut state, &mut tally.counter());

@@ -16,6 +16,7 @@ use crate::methods::features::{
     segment::{self, RADIUS, SegmentTest},
 };
 use crate::params;
+use crate::products::keypoints::WINDOW_SIGMAS;
 use crate::products::{Descriptor, Feature, Keypoint, Output, PointField, Product, ProductKind, Status};
 use crate::pseudocode;
 use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
@@ -152,6 +153,11 @@ impl Orb {
         self.patch / 2
     }
 
+    /// The side of the patch on its level in px.
+    fn side(&self) -> usize {
+        2 * self.radius() + 1
+    }
+
     /// The pixels next to the border that have no patch, or no response.
     fn margin(&self) -> usize {
         self.radius().max(RESPONSE_REACH + 1).max(RADIUS)
@@ -252,8 +258,9 @@ impl State {
         self.levels[corner.level].of.in_frame([x as f32, y as f32])
     }
 
-    /// Returns the described keypoints, the strongest first.
-    fn features(&self) -> PointField {
+    /// Returns the described keypoints, the strongest first, given the side of a patch on its level. Their scale is a twelfth of the side in
+    /// the frame, as the window of a SIFT descriptor is 12 σ wide.
+    fn features(&self, side: usize) -> PointField {
         let mut order: Vec<usize> = (0..self.described.len()).collect();
         order.sort_by(|a, b| self.corners[*b].response.total_cmp(&self.corners[*a].response));
         let feature = |&i: &usize| Feature {
@@ -264,7 +271,7 @@ impl State {
         };
         let keypoint = |&i: &usize| Keypoint {
             response: self.corners[i].response,
-            scale_px: Some(self.levels[self.corners[i].level].of.scale),
+            scale_px: Some(self.levels[self.corners[i].level].of.scale * side as f32 / WINDOW_SIGMAS),
             angle_rad: Some(self.described[i].moments.angle_rad()),
             descriptor: Some(Descriptor::Bits(self.described[i].bits.to_vec().into())),
         };
@@ -343,25 +350,28 @@ impl Estimator for Orb {
     }
 
     fn output(&self, state: &State) -> Output {
-        Output::of(state.features())
+        Output::of(state.features(self.side()))
     }
 
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads, tally: &impl Tally<Event>) -> Result<State, Error> {
         let mut state = self.begin(clip, frame)?;
         let mut pyramid: Vec<ScaleLevel> = Vec::new();
         for _ in 0..state.level_count {
+            clip.wanted()?;
             let next = self.resampled(state.picture.luma(), pyramid.last());
             pyramid.push(next);
         }
         let levels = pyramid.into_iter().enumerate().map(|(i, of)| (of, self.share(i, state.level_count)));
-        state.levels = threads.gather(levels, |(of, share)| Arc::new(self.detected(of, share)));
+        let detected = threads.gather(levels, |(of, share)| clip.wanted().map(|()| Arc::new(self.detected(of, share))));
+        state.levels = detected.into_iter().collect::<Result<_, _>>()?;
         let selected = |level: (usize, &Arc<Level>)| self.selected((level.0, level.1), &mut tally.counter());
         state.corners = state.levels.iter().enumerate().flat_map(selected).collect();
         // Resampling, detection and ranking of each level.
         tally.add_events(3 * state.level_count as u64);
         tally.add_events(((1 + BITS) * state.corners.len()) as u64);
         tally.add_units(state.level_count + state.corners.len());
-        state.described = threads.gather(0..state.corners.len(), |index| self.describe(&state, index, &mut ()));
+        let describe = |index| self.describe(&state, index, &mut ());
+        state.described = threads.map_while(state.corners.len(), || clip.wanted(), describe)?;
         Ok(state)
     }
 }

@@ -409,22 +409,25 @@ impl Estimator for Surf {
 
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads, tally: &impl Tally<Event>) -> Result<State, Error> {
         let mut state = self.begin(clip, frame)?;
+        clip.wanted()?;
         let integral = Arc::new(Integral::of(state.picture.luma()));
         tally.add_events(1);
         state.integral = Some(Arc::clone(&integral));
-        state.layers = threads.gather(0..LAYERS * state.octaves, |index| {
+        let layer = |index| {
             let layer = Arc::new(Layer::of(&integral, index / LAYERS, index % LAYERS));
             see_layer(&layer, &mut tally.counter());
             layer
-        });
+        };
+        state.layers = threads.map_while(LAYERS * state.octaves, || clip.wanted(), layer)?;
         state.searched = MIDDLE * state.octaves;
-        let maxima = threads.gather(0..state.searched, |index| self.search(&state, index, &mut tally.counter()));
+        let search = |index| self.search(&state, index, &mut tally.counter());
+        let maxima = threads.map_while(state.searched, || clip.wanted(), search)?;
         state.maxima = Arc::new(maxima.concat());
         self.choose(&mut state, &mut tally.counter());
         let blobs: Vec<Blob> = state.kept().iter().map(|index| state.maxima[*index].blob).collect();
         tally.add_units(state.units_before() + blobs.len());
-        state.described =
-            threads.gather(blobs.into_iter(), |blob| self.describe(&integral, blob, &mut tally.counter()));
+        let describe = |i: usize| self.describe(&integral, blobs[i], &mut tally.counter());
+        state.described = threads.map_while(blobs.len(), || clip.wanted(), describe)?;
         Ok(state)
     }
 }

@@ -355,13 +355,9 @@ impl Estimator for Klt {
     }
 
     fn place(&self, state: &State) -> Vec<Granularity> {
-        let pairs = state.span.frames().map(|frames| frames - 1);
-        vec![
-            Granularity { index: 0, of: Some(1) },
-            Granularity { index: state.frame - state.span.first, of: pairs },
-            // Detection counts with the first feature.
-            Granularity { index: state.turn.unwrap_or(0), of: state.turn.map(|_| state.live.len()) },
-        ]
+        // Detection counts with the first feature.
+        let feature = Granularity { index: state.turn.unwrap_or(0), of: state.turn.map(|_| state.live.len()) };
+        [state.span.place_of_pair(state.frame), vec![feature]].concat()
     }
 
     fn at_frame(&self, state: &State) -> Option<usize> {

@@ -1,11 +1,14 @@
-//! Whether matches determine a fundamental matrix, or a homography explains them as well: the geometric robust information criterion (P.
-//! Torr, Geometric motion segmentation and model selection, Philosophical Transactions of the Royal Society A 356, 1998).
+//! Whether matches determine a fundamental matrix, or lie on a plane: then a homography is the better model by the geometric robust information
+//! criterion (P. Torr, Geometric motion segmentation and model selection, Philosophical Transactions of the Royal Society A 356, 1998), and no
+//! matches off the plane support the two degrees of freedom of F that the plane leaves open (O. Chum, T. Werner and J. Matas, Two-view geometry
+//! estimation unaffected by a dominant plane, CVPR 2005).
 
 use super::Correspondence;
 use super::epipolar::sampson_all;
 use super::fit::fit;
 use super::ransac::{chosen, sample};
 use super::refine::least_squares;
+use super::robust::Doubt;
 use crate::products::model::{HORIZON, Matrix3, Model};
 
 /// Samples of the homography.
@@ -18,6 +21,11 @@ const COORDINATES: f64 = 4.0;
 const OUTLIER: f64 = 2.0;
 /// Smallest standard deviation of a coordinate in px: keypoints are hardly more accurate.
 const LEAST_SIGMA_PX: f64 = 0.1;
+/// A match is off the plane from this many inlier thresholds and standard deviations on, where errors of positions do not reach.
+const OFF_THRESHOLDS: f64 = 2.0;
+const OFF_SIGMAS: f64 = 6.0;
+/// Matches off the plane that determine F.
+const OFF_SAMPLE: usize = 2;
 
 /// A model in the criterion: the dimension of the set of matches that satisfy it, and its number of parameters.
 #[derive(Clone, Copy)]
@@ -59,31 +67,53 @@ pub struct Planarity {
     pub share: f64,
     /// Standard deviation of a coordinate in px, from the median distance from the fundamental matrix.
     pub sigma_px: f64,
+    /// Number of inliers off the plane, and of all matches off it.
+    pub off: [usize; 2],
+    /// Whether as many would agree with some fundamental matrix by chance.
+    pub is_chance: bool,
 }
 
 impl Planarity {
-    /// Compares `matrix` with the best of some homographies on its inliers; `None` if those are fewer than twice the sample of a homography.
-    pub fn of(matrix: &Matrix3, inliers: &[Correspondence], seed: u64) -> Option<Self> {
+    /// Compares `matrix` with the best of some homographies on its inliers among `matches`, those within the threshold; `None` if they are
+    /// fewer than twice the sample of a homography.
+    pub fn of(matrix: &Matrix3, matches: &[Correspondence], threshold_px: f64, seed: u64) -> Option<Self> {
+        let mut distances = vec![0.0; matches.len()];
+        sampson_all(matrix, matches, &mut distances);
+        let limit = threshold_px * threshold_px;
+        let near: Vec<_> = matches.iter().zip(&distances).filter(|(_, error)| **error <= limit).collect();
+        let (inliers, of_matrix): (Vec<Correspondence>, Vec<f64>) = near.into_iter().map(|(m, e)| (*m, *e)).unzip();
         if inliers.len() < 2 * Model::Homography.sample_size() {
             return None;
         }
-        let mut of_matrix = vec![0.0; inliers.len()];
-        sampson_all(matrix, inliers, &mut of_matrix);
         let sigma_px = sigma_px(&of_matrix);
-        let errors = homography(inliers, sigma_px, seed)?;
-        let limit = HOMOGRAPHY.most() * sigma_px * sigma_px;
-        let near = errors.iter().filter(|error| **error < limit).count();
+        let (plane, errors) = homography(&inliers, sigma_px, seed)?;
+        let most = HOMOGRAPHY.most() * sigma_px * sigma_px;
+        let on = errors.iter().filter(|error| **error < most).count();
+        let off_px = (OFF_THRESHOLDS * threshold_px).max(OFF_SIGMAS * sigma_px);
+        let off = |m: &Correspondence| Some(squared_distance(&plane, m).sqrt()).filter(|distance| *distance > off_px);
+        let all: Vec<f64> = matches.iter().filter_map(off).collect();
+        let agreeing = inliers.iter().filter_map(off).count();
+        // A match at this distance from its place on the plane, in any direction, is within the threshold of the line with this probability.
+        let chance = |distance: &f64| (threshold_px / distance).min(1.0).asin() * std::f64::consts::FRAC_2_PI;
+        let share = all.iter().map(chance).sum::<f64>() / all.len().max(1) as f64;
         Some(Self {
             of_fundamental: FUNDAMENTAL.criterion(&of_matrix, sigma_px),
             of_homography: HOMOGRAPHY.criterion(&errors, sigma_px),
-            share: near as f64 / inliers.len() as f64,
+            share: on as f64 / inliers.len() as f64,
             sigma_px,
+            off: [agreeing, all.len()],
+            is_chance: Doubt::by_chance(OFF_SAMPLE, [agreeing, all.len()], share).is_some(),
         })
     }
 
-    /// Whether the homography is the better model: the fundamental matrix is not determined.
-    pub fn is_plane(&self) -> bool {
+    /// Whether the homography is the better model of the inliers.
+    pub fn is_homography_better(&self) -> bool {
         self.of_homography < self.of_fundamental
+    }
+
+    /// Whether the fundamental matrix is not determined: the homography is the better model, and matches off the plane agree by chance alone.
+    pub fn is_plane(&self) -> bool {
+        self.is_homography_better() && self.is_chance
     }
 }
 
@@ -98,10 +128,12 @@ fn sigma_px(squared: &[f64]) -> f64 {
     (OF_MEDIAN * few * sorted[sorted.len() / 2].sqrt()).max(LEAST_SIGMA_PX)
 }
 
-/// The squared distances of the matches from the homography of least robust sum.
-fn homography(matches: &[Correspondence], sigma_px: f64, seed: u64) -> Option<Vec<f64>> {
-    let errors = |matrix: Matrix3| -> Vec<f64> { matches.iter().map(|m| squared_distance(&matrix, m)).collect() };
-    let sum = |errors: &Vec<f64>| HOMOGRAPHY.robust(errors, sigma_px);
+/// The homography of least robust sum, and the squared distances of the matches from it.
+fn homography(matches: &[Correspondence], sigma_px: f64, seed: u64) -> Option<(Matrix3, Vec<f64>)> {
+    let errors = |matrix: Matrix3| -> (Matrix3, Vec<f64>) {
+        (matrix, matches.iter().map(|m| squared_distance(&matrix, m)).collect())
+    };
+    let sum = |(_, errors): &(Matrix3, Vec<f64>)| HOMOGRAPHY.robust(errors, sigma_px);
     let through =
         |iteration: usize| fit(Model::Homography, &chosen(matches, &sample(4, matches.len(), seed, iteration)));
     let all = (0..SAMPLES).filter_map(through).map(errors);
@@ -109,7 +141,7 @@ fn homography(matches: &[Correspondence], sigma_px: f64, seed: u64) -> Option<Ve
     let limit = HOMOGRAPHY.most() * sigma_px * sigma_px;
     for _ in 0..ROUNDS {
         // Fitted to all that agree, noise of the four points of a sample averages out.
-        let near = matches.iter().zip(&best).filter(|(_, error)| **error < limit);
+        let near = matches.iter().zip(&best.1).filter(|(_, error)| **error < limit);
         let near: Vec<_> = near.map(|(m, _)| *m).collect();
         let Some(next) = least_squares(Model::Homography, &near).map(errors) else { break };
         if sum(&next) >= sum(&best) {
@@ -160,36 +192,47 @@ mod tests {
         (0..count).map(one).collect()
     }
 
-    fn compared(matches: &[Correspondence]) -> Planarity {
+    fn compared(matches: &[Correspondence], threshold_px: f64) -> Planarity {
         let matrix = least_sampson(matches).expect("noise determines one");
-        Planarity::of(&matrix, matches, 1).expect("enough matches")
+        Planarity::of(&matrix, matches, threshold_px, 1).expect("enough matches")
     }
 
     #[test]
     fn a_plane_is_one_at_any_noise() {
         for sigma_px in [0.02, 0.3, 0.6, 1.2] {
-            for count in [40, 150, 600] {
-                let found = compared(&views(count, (0.0, 0.0), sigma_px));
+            for count in [150, 300, 600] {
+                let found = compared(&views(count, (0.0, 0.0), sigma_px), (3.0 * sigma_px).max(1.5));
                 assert!(found.is_plane(), "σ {sigma_px} of {count}: {found:?}");
             }
         }
     }
 
     #[test]
-    fn parallax_of_a_third_of_the_matches_is_none() {
-        for (share, parallax_px) in [(0.33, 12.0), (0.5, 12.0), (0.9, 12.0), (0.9, 60.0)] {
-            for sigma_px in [0.1, 0.3, 0.6] {
-                let found = compared(&views(300, (share, parallax_px), sigma_px));
+    fn parallax_is_none_even_of_few_matches_before_a_plane() {
+        for (share, parallax_px) in [(0.12, 30.0), (0.33, 12.0), (0.5, 12.0), (0.9, 12.0), (0.9, 60.0)] {
+            for sigma_px in [0.05, 0.3, 0.5] {
+                let found = compared(&views(300, (share, parallax_px), sigma_px), 1.5);
                 assert!(!found.is_plane(), "{share} by {parallax_px} px, σ {sigma_px}: {found:?}");
             }
         }
     }
 
     #[test]
+    fn wrong_matches_do_not_make_a_plane_anything_else() {
+        let mut all = views(300, (0.0, 0.0), 0.3);
+        let matrix = least_sampson(&all).expect("noise determines one");
+        for (i, m) in all.iter_mut().enumerate().filter(|(i, _)| i % 4 == 0) {
+            m.to = [2, 3].map(|k| 640.0 * unit(hash(23, i as u64, k)));
+        }
+        let found = Planarity::of(&matrix, &all, 1.5, 1).expect("enough matches");
+        assert!(found.is_plane() && found.off[1] > 60 && found.off[0] < 8, "{found:?}");
+    }
+
+    #[test]
     fn the_noise_is_that_of_the_coordinates() {
-        let found = compared(&views(600, (0.9, 60.0), 0.5));
+        let found = compared(&views(600, (0.9, 60.0), 0.5), 3.0);
         assert!((0.45..0.65).contains(&found.sigma_px), "{found:?}");
-        let exact = compared(&views(600, (0.9, 60.0), 0.0));
+        let exact = compared(&views(600, (0.9, 60.0), 0.0), 3.0);
         assert_eq!(exact.sigma_px, LEAST_SIGMA_PX);
     }
 

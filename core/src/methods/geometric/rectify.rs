@@ -28,7 +28,7 @@ pub enum Refusal {
         /// Its position in px.
         at: [f64; 2],
     },
-    /// A homography explains the inliers better, so the fundamental matrix is not determined; the share of them that it explains.
+    /// The matches lie on a plane, so the fundamental matrix is not determined; the share of the inliers that a homography explains.
     Planar(f64),
     /// The maps are singular, or tear a picture.
     Degenerate,

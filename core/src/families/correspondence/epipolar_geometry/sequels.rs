@@ -9,6 +9,7 @@ use crate::methods::geometric::epipolar::sampson_squared;
 use crate::methods::geometric::rectify::{Rectification, Refusal, rectify};
 use crate::methods::geometric::robust::{Best, Estimate, Sequel};
 use crate::methods::matching::{Admits, Candidates};
+use crate::methods::numbers::percent;
 use crate::products::model::{IDENTITY, Matrix3, inverse};
 use crate::products::registration::registered;
 use crate::products::{Match, MatchField, MatchStatus};
@@ -16,6 +17,26 @@ use crate::scene::{Canvas, Fact, Focus, Link, Picture, Role, Scene, Sentence, Sh
 
 /// Largest number of rows drawn on the rectified pair.
 const ROWS: usize = 12;
+
+/// The share of right ones among matches with a known true displacement, if there are any.
+fn precision(all: &[Match], estimate: &Estimate<'_>) -> Option<f64> {
+    MatchField::compare(all.iter(), estimate.truth?).precision()
+}
+
+/// What guidance does to the share of right matches, as a sentence.
+fn effect(plain: &[Match], guided: &[Match], estimate: &Estimate<'_>) -> String {
+    let alone = guided.iter().filter(|found| found.ratio.is_none()).count();
+    match (precision(plain, estimate), precision(guided, estimate)) {
+        (Some(before), Some(after)) if after < before => format!(
+            " The share of right ones falls from {} to {}: wrong candidates near the line pass more easily, and {} without a second \
+             candidate, so without a ratio test.",
+            percent(before),
+            percent(after),
+            if alone == 1 { "1 match was".to_owned() } else { format!("{} matches were", words::grouped(alone)) }
+        ),
+        _ => String::new(),
+    }
+}
 
 /// The number of matches, and of the right ones among them where the true displacement is known.
 fn counted_matches(all: &[Match], estimate: &Estimate<'_>) -> String {
@@ -73,8 +94,9 @@ impl EpipolarGeometry {
             .ink(Role::Result, counted_matches(&found, estimate))
             .text(format!(
                 ". Without guidance there are {}. Fewer candidates look alike, so the ratio test rejects fewer correct matches; keypoints \
-                 off the line are not matched at all.",
-                counted_matches(&plain, estimate)
+                 off the line are not matched at all.{}",
+                counted_matches(&plain, estimate),
+                effect(&plain, &found, estimate)
             ));
         Sequel { line: Some(line::GUIDE), sentence, facts, matrices: Vec::new() }
     }
@@ -166,9 +188,9 @@ impl EpipolarGeometry {
                 (sentence, vec![Fact::new("Epipole inside", format!("{at} px"), Some(Role::Rejected))], Vec::new())
             }
             Err(Refusal::Planar(share)) => {
-                let share = words::percent(share as f32);
+                let share = percent(share);
                 let sentence = said.ink(Role::Rejected, "Rectification would mean nothing").text(format!(
-                    ": a homography explains {share} of the inliers, and is the better model, so the fundamental matrix is not determined."
+                    ": a homography explains {share} of the inliers and is the better model, so the fundamental matrix is not determined."
                 ));
                 (sentence, vec![Fact::new("Explained by a homography", share, Some(Role::Rejected))], Vec::new())
             }

@@ -4,7 +4,7 @@ use super::{Event, FeatureMatching, State, line};
 use crate::base::words::{self, grouped};
 use crate::methods::differential::explain;
 use crate::methods::matching::{Event as Compared, Neighbors, Outcome};
-use crate::products::keypoints::{Descriptor, Keypoint};
+use crate::products::keypoints::{Descriptor, Keypoint, WINDOW_SIGMAS};
 use crate::products::{Match, MatchField, MatchStatus};
 use crate::run::Seen;
 use crate::scene::{Fact, Link, Math, Name, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step, Tile};
@@ -37,7 +37,8 @@ impl FeatureMatching {
             Event::Of(event) => self.said(seen, event),
         };
         let is_end = seen.after.is_some_and(|after| after.found.len() >= after.count());
-        let sentence = if is_end { concluded(seen.after.unwrap_or(state), sentence) } else { sentence };
+        let sentence =
+            if is_end { concluded(seen.after.unwrap_or(state), self.settings.ratio, sentence) } else { sentence };
         Step { line, sentence, readouts: self.readouts(seen, is_end) }
     }
 
@@ -129,12 +130,18 @@ impl FeatureMatching {
             _ => said.ink(Role::Rejected, "No match").text(" after the cross-check"),
         };
         let is_right = state.fixed.truth.as_ref().and_then(|truth| MatchField::is_right(&found, truth));
-        match (is_right, found.status) {
+        let sentence = match (is_right, found.status) {
             (Some(true), MatchStatus::Match) => sentence.text(": right, within 3 px of the true displacement."),
             (Some(false), MatchStatus::Match) => sentence.text(": wrong, more than 3 px from the true displacement."),
             (Some(true), _) => sentence.text(", although the nearest neighbour is right."),
             (Some(false), _) => sentence.text("; the nearest neighbour is wrong."),
             (None, _) => sentence.text("."),
+        };
+        match found.ratio {
+            None if self.settings.ratio < 1.0 => {
+                sentence.text(" It was the only candidate, so there was no ratio to test.")
+            }
+            _ => sentence,
         }
     }
 
@@ -168,13 +175,48 @@ impl FeatureMatching {
         all.push(Readout::Tiles(self.tiles(state, index, &neighbors)));
         let after = seen.after.unwrap_or(state);
         all.extend(match is_end {
-            true => [distances(after), precision(after)].into_iter().flatten().map(Readout::Series).collect::<Vec<_>>(),
+            true => {
+                [distances(after), self.precision(after)].into_iter().flatten().map(Readout::Series).collect::<Vec<_>>()
+            }
             false => {
                 let other = neighbors.first.map(|(index, _)| &there.keypoints[index]);
                 descriptors(keypoint, other).into_iter().map(Readout::Series).collect()
             }
         });
         all
+    }
+
+    /// Precision and share of the nearest neighbours that limits of the ratio accept, where the truth is known; else the share alone.
+    fn precision(&self, state: &State) -> Option<Series> {
+        let all: Vec<Match> = state.matches().filter(|found| found.ratio.is_some()).collect();
+        if all.is_empty() {
+            return None;
+        }
+        let mut limits: Vec<f32> = (0..=LIMITS).map(|i| 0.5 + 0.5 * i as f32 / LIMITS as f32).collect();
+        limits.retain(|limit| *limit != self.settings.ratio);
+        limits.insert(limits.partition_point(|limit| *limit < self.settings.ratio), self.settings.ratio);
+        let (mut shares, mut precisions) = (Vec::new(), Vec::new());
+        for limit in limits {
+            let accepted = || all.iter().filter(|found| found.ratio.is_some_and(|ratio| ratio < limit));
+            shares.push([limit, accepted().count() as f32 / all.len() as f32]);
+            let truth = state.fixed.truth.as_ref();
+            let precision = truth.and_then(|truth| MatchField::compare(accepted(), truth).precision());
+            precisions.push([limit, precision.map_or(f32::NAN, |share| share as f32)]);
+        }
+        let mut lines = vec![("accepted", Role::Reference, shares)];
+        if precisions.iter().any(|point| point[1].is_finite()) {
+            lines.push(("precision: right of accepted", Role::Result, precisions));
+        }
+        Some(Series {
+            title: "Ratio test",
+            x_label: "ratio limit",
+            y_label: "share",
+            x_max: 1,
+            lines,
+            is_sweep: true,
+            chosen: Some(self.settings.ratio),
+            ..Series::default()
+        })
     }
 
     fn ratio_equation(&self, neighbors: &Neighbors, ratio: f32) -> Vec<Math> {
@@ -267,8 +309,7 @@ impl FeatureMatching {
     /// A circle as large as the described neighbourhood, or the square of a patch.
     fn draw_keypoint(&self, (on, role): (Picture, Role), at: [f32; 2], keypoint: &Keypoint, scene: &mut Scene) {
         let shape = match keypoint.scale_px {
-            // Half the side of the descriptor's window of 4 cells of 3 σ each.
-            Some(scale) => Shape::Ellipse { center: at, radii: [6.0 * scale; 2], angle_rad: 0.0 },
+            Some(scale) => Shape::Ellipse { center: at, radii: [WINDOW_SIGMAS / 2.0 * scale; 2], angle_rad: 0.0 },
             None => {
                 let reach = self.settings.reach() as f32 + 0.5;
                 Shape::Rect { min: at.map(|c| c - reach), max: at.map(|c| c + reach) }
@@ -282,7 +323,7 @@ fn link(role: Role, from: [f32; 2], to: [f32; 2]) -> Link {
     Link { role, ends: [(Picture::CURRENT, from), (Picture::NEXT, to)] }
 }
 
-fn concluded(state: &State, sentence: Sentence) -> Sentence {
+fn concluded(state: &State, limit: f32, sentence: Sentence) -> Sentence {
     if state.count() == 0 {
         return sentence.text(" End of the run without matches.");
     }
@@ -307,10 +348,20 @@ fn concluded(state: &State, sentence: Sentence) -> Sentence {
     let advice = match (accepted, rejected[0]) {
         (0, 0) => "",
         (0, _) => " A higher ratio limit accepts more.",
+        _ if limit >= 1.0 => {
+            " A ratio limit below 1 rejects nearest neighbours that are hardly nearer than the second."
+        }
         _ => " A lower ratio limit rejects more wrong matches, and correct ones on repeating texture.",
     };
+    let alone = all.iter().filter(|found| found.status == MatchStatus::Match && found.ratio.is_none()).count();
+    let untested = match alone {
+        0 => String::new(),
+        _ if limit >= 1.0 => String::new(),
+        1 => " 1 match had a single candidate, so it passed without a ratio test.".to_owned(),
+        count => format!(" {} matches had a single candidate, so they passed without a ratio test.", grouped(count)),
+    };
     sentence.text(format!(
-        " End of the run: {} of {} keypoints matched; the ratio test rejected {}, the cross-check {}.{quality}{advice}",
+        " End of the run: {} of {} keypoints matched; the ratio test rejected {}, the cross-check {}.{untested}{quality}{advice}",
         grouped(accepted),
         grouped(state.count()),
         grouped(rejected[0]),
@@ -363,7 +414,7 @@ fn distances(state: &State) -> Option<Series> {
     let lines = match state.fixed.truth.as_deref() {
         Some(truth) => vec![
             ("right", Role::Result, line(&|found| MatchField::is_right(found, truth) == Some(true))),
-            ("wrong", Role::Rejected, line(&|found| MatchField::is_right(found, truth) == Some(false))),
+            ("wrong", Role::Error, line(&|found| MatchField::is_right(found, truth) == Some(false))),
         ],
         None => vec![("nearest neighbours", Role::Reference, line(&|_| true))],
     };
@@ -372,36 +423,6 @@ fn distances(state: &State) -> Option<Series> {
         x_label: "distance of the descriptors",
         y_label: "keypoints",
         x_max: most.ceil() as usize,
-        lines,
-        is_sweep: true,
-        ..Series::default()
-    })
-}
-
-/// Precision and share of the nearest neighbours that limits of the ratio accept, where the truth is known; else the share alone.
-fn precision(state: &State) -> Option<Series> {
-    let all: Vec<Match> = state.matches().filter(|found| found.ratio.is_some()).collect();
-    if all.is_empty() {
-        return None;
-    }
-    let limits = (0..=LIMITS).map(|i| 0.5 + 0.5 * i as f32 / LIMITS as f32);
-    let (mut shares, mut precisions) = (Vec::new(), Vec::new());
-    for limit in limits {
-        let accepted = || all.iter().filter(|found| found.ratio.is_some_and(|ratio| ratio < limit));
-        shares.push([limit, accepted().count() as f32 / all.len() as f32]);
-        let truth = state.fixed.truth.as_ref();
-        let precision = truth.and_then(|truth| MatchField::compare(accepted(), truth).precision());
-        precisions.push([limit, precision.map_or(f32::NAN, |share| share as f32)]);
-    }
-    let mut lines = vec![("accepted", Role::Reference, shares)];
-    if precisions.iter().any(|point| point[1].is_finite()) {
-        lines.push(("precision: right of accepted", Role::Result, precisions));
-    }
-    Some(Series {
-        title: "Ratio test",
-        x_label: "ratio limit",
-        y_label: "share",
-        x_max: 1,
         lines,
         is_sweep: true,
         ..Series::default()

@@ -180,8 +180,8 @@ impl FeatureTracker {
             if let Some(to) = linked.to.map(|to| pair.sides[1].points[to].at) {
                 scene.links.push(Link { role: Role::Result, ends: [(Picture::CURRENT, from), (Picture::NEXT, to)] });
                 scene.legend(Role::Result, "displacement to frame t+1");
-            } else {
-                points(scene, Role::Rejected, "lost track", vec![from]);
+            } else if linked.track.is_none() {
+                points(scene, Role::Candidate, "keypoint without a match", vec![from]);
             }
         }
     }

@@ -39,7 +39,7 @@ impl ImageAlignment {
             Stage::Hessian | Stage::Singular => line::HESSIAN,
             Stage::Warp => line::WARP,
             Stage::Diverged | Stage::Worse => line::STEP_BACK,
-            Stage::Solve => line::SOLVE,
+            Stage::Solve | Stage::Undetermined => line::SOLVE,
             Stage::Update => line::UPDATE,
             Stage::Converged => line::UNTIL_CONVERGED,
         };
@@ -100,7 +100,17 @@ impl ImageAlignment {
             Stage::Solve => said
                 .text("Solving H Δp = b gives the increment. Its warp moves the corners by at most ")
                 .ink(Role::Estimate, px(moved))
-                .text("."),
+                .text(match overlap < 1.0 {
+                    true => format!(
+                        ". H and b are the sums over the {} of the pixels that the warp keeps inside the frame.",
+                        percent(rounded(overlap))
+                    ),
+                    false => ".".to_owned(),
+                }),
+            Stage::Undetermined => said
+                .text(format!("The {} of the pixels inside the frame have a ", percent(rounded(overlap))))
+                .ink(Role::Rejected, "singular Hessian")
+                .text(": their texture does not determine the increment, and the level ends with the present warp."),
             Stage::Update => said.text(format!(
                 "The increment is applied to frame t, so its inverse is composed with the warp of frame t+1. It moved a corner by \
                  {}, more than ε = {}: another iteration.",
@@ -218,7 +228,7 @@ impl ImageAlignment {
             Stage::Hessian | Stage::Singular => {
                 vec![Math::Row(vec![Math::Bold("H"), text(" = "), sum(), transposed(), Math::Bold("D")])]
             }
-            Stage::Solve => vec![Math::Row(vec![
+            Stage::Solve | Stage::Undetermined => vec![Math::Row(vec![
                 Math::Bold("H"),
                 text(" Δp = "),
                 Math::Bold("b"),

@@ -106,7 +106,8 @@ impl PhaseCorrelation {
                     .ink(Role::Best, format!("r = {}", fixed(height, 3)))
                     .text(" at displacement ")
                     .ink(Role::Best, whole(at))
-                    .text(": 1 would mean that all phases agree."),
+                    .text(": 1 would mean that all phases agree. ")
+                    .text(Self::judged(state)),
                 None => said.text(
                     "No frequency rises above the noise: there is no texture in common, and no peak. The displacement remains unknown.",
                 ),
@@ -114,6 +115,24 @@ impl PhaseCorrelation {
             Stage::Second => self.second(state, peak, said),
             Stage::Subpixel(axis) => self.refined(state, axis, said),
             Stage::Result => self.concluded(state, peak.map_or(0.0, |(_, height)| height), said),
+        }
+    }
+
+    /// The height of the peak against the noise of the correlation, as a sentence.
+    fn judged(state: &State) -> String {
+        let sigmas = state.sigmas().unwrap_or_default();
+        let against = format!(
+            "The standard deviation of r is 1/√{} = {}, so this is {} standard deviations; ",
+            grouped(state.kept),
+            fixed(state.sigma(), 3),
+            fixed(sigmas, 1)
+        );
+        let needed = fixed(state.least_sigmas, 1);
+        match state.is_accepted() {
+            true => format!("{against}random phases reach {needed} in 1 % of all pairs, so the peak is accepted."),
+            false => format!(
+                "{against}random phases reach {needed} in 1 % of all pairs, so the peak is rejected and the displacement unknown."
+            ),
         }
     }
 
@@ -180,6 +199,14 @@ impl PhaseCorrelation {
         if state.peak.is_none() {
             return said.text("The translation remains unknown. Without texture no method finds a displacement.");
         }
+        if !state.is_accepted() {
+            return said.text("The translation remains unknown: the peak is ").ink(Role::Rejected, "rejected").text(format!(
+                ", because {} standard deviations of r are less than {}. The frames have no translation in common that most of the picture \
+                 shares; rotation, zoom or several motions need image alignment or matched features.",
+                fixed(state.sigmas().unwrap_or_default(), 1),
+                fixed(state.least_sigmas, 1)
+            ));
+        }
         let said =
             said.text("Translation of the whole picture: ").ink(Role::Result, exact(state.translation())).text(".");
         let truth = state.fixed.truth.as_deref();
@@ -238,10 +265,15 @@ impl PhaseCorrelation {
             format!("r = {} at {}", fixed(state.height_at(at), 3), whole(at))
         };
         facts.extend(state.peak.map(|peak| Fact::new("Highest peak", of(peak), Some(Role::Best))));
+        if let Some(sigmas) = state.sigmas() {
+            let (height, least) = (fixed(sigmas, 1), fixed(state.least_sigmas, 1));
+            let role = if state.is_accepted() { Role::Best } else { Role::Rejected };
+            facts.push(Fact::new("Peak / σ of r", format!("{height}, at least {least} needed"), Some(role)));
+        }
         facts.extend(state.second.map(|second| Fact::new("Second peak", of(second), Some(Role::Rejected))));
         let ratio = Self::ratio(state).map(|ratio| Fact::new("Peak ratio", fixed(ratio, 2), None));
         facts.extend(ratio);
-        if matches!(stage, Stage::Subpixel(_) | Stage::Result) && state.peak.is_some() {
+        if matches!(stage, Stage::Subpixel(_) | Stage::Result) && state.is_accepted() {
             facts.push(Fact::new("Displacement", exact(state.translation()), Some(Role::Estimate)));
         }
         let middle = state.fixed.truth.as_ref().and_then(|truth| truth.at(width / 2, height / 2));
@@ -358,7 +390,7 @@ impl PhaseCorrelation {
         let (width, height) = seen.before.size();
         let Some(Event { stage, state }) = seen.events.last() else { return };
         let [width, height] = [width, height].map(|c| c as f32);
-        if *stage == Stage::Result {
+        if *stage == Stage::Result && state.is_accepted() {
             scene.mark(
                 Picture::CURRENT,
                 Role::Result,

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use super::{LEAST_PX, MOST_PX, Template, TemplateMatching};
 use crate::base::Error;
+use crate::base::wide::wide;
 use crate::geometry::{Bounds, Gray, Grid};
 
 /// A peak this near to the best one is part of it, in px.
@@ -69,32 +70,56 @@ fn placed(luma: &Gray, frame: usize, zone: Bounds) -> Result<Template, Error> {
     Ok(Template::cut(luma, frame, low.map(|c| c as i32), (size[0], size[1])))
 }
 
-/// The sums of the structure tensor down the columns of a band of rows, shared by the blocks beside each other.
-struct Columns(Vec<[i64; 3]>);
+/// The sums of the structure tensor down the columns of a band of rows, shared by the blocks beside each other: of I_x², I_x I_y and I_y², of
+/// differences over two pixels. At most [`MOST_PX`] rows fit into 32 bits.
+struct Columns([Vec<i32>; 3]);
 
 impl Columns {
     fn of(luma: &Gray, rows: Range<usize>) -> Self {
         let (width, height) = luma.size();
-        let mut sums = vec![[0i64; 3]; width];
+        let mut sums = [(); 3].map(|()| vec![0; width]);
         for y in rows {
-            let [above, row, below] = [y.saturating_sub(1), y, (y + 1).min(height - 1)].map(|y| luma.row(y));
-            for (x, sums) in sums.iter_mut().enumerate() {
-                let [left, right] = [x.saturating_sub(1), (x + 1).min(width - 1)].map(|x| i64::from(row[x]));
-                let [dx, dy] = [right - left, i64::from(below[x]) - i64::from(above[x])];
-                *sums = [sums[0] + dx * dx, sums[1] + dx * dy, sums[2] + dy * dy];
-            }
+            add_products([y.saturating_sub(1), y, (y + 1).min(height - 1)].map(|y| luma.row(y)), &mut sums);
         }
         Self(sums)
     }
 
     /// The smaller eigenvalue of the structure tensor of a square block from column `x` on, in (gray levels per px)².
     fn smaller_eigenvalue(&self, x: usize, side: usize) -> f64 {
-        let add = |sums: [i64; 3], column: &[i64; 3]| [0, 1, 2].map(|i| sums[i] + column[i]);
-        let sums = self.0[x..x + side].iter().fold([0; 3], add);
+        let sum = |column: &Vec<i32>| column[x..x + side].iter().map(|sum| i64::from(*sum)).sum::<i64>();
         // Central differences are half as large.
-        let [xx, xy, yy] = sums.map(|sum| sum as f64 / (4 * side * side) as f64);
+        let [xx, xy, yy] = self.0.each_ref().map(|column| sum(column) as f64 / (4 * side * side) as f64);
         let root = ((xx - yy) * (xx - yy) + 4.0 * xy * xy).sqrt();
         ((xx + yy - root) / 2.0).max(0.0)
+    }
+}
+
+wide! {
+    /// Adds the products of the differences of a row, with those above and below it.
+    fn add_products(rows: [&[u8]; 3], sums: &mut [Vec<i32>; 3]) = add_products_of
+}
+
+#[inline(always)]
+fn add_products_of([above, row, below]: [&[u8]; 3], [xx, xy, yy]: &mut [Vec<i32>; 3]) {
+    let mut add = |x: usize, [left, right, up, down]: [u8; 4]| {
+        let [dx, dy] = [i32::from(right) - i32::from(left), i32::from(down) - i32::from(up)];
+        (xx[x], xy[x], yy[x]) = (xx[x] + dx * dx, xy[x] + dx * dy, yy[x] + dy * dy);
+    };
+    let last = row.len() - 1;
+    add(0, [row[0], row[last.min(1)], above[0], below[0]]);
+    if last > 0 {
+        add(last, [row[last - 1], row[last], above[last], below[last]]);
+    }
+    // Slices of one length, so that the compiler checks none of them.
+    let inner = 1..last.max(1);
+    let (left, right) = (&row[..inner.len()], &row[row.len() - inner.len()..]);
+    let [up, down] = [above, below].map(|row| &row[inner.clone()]);
+    let [xx, xy, yy] = [xx, xy, yy].map(|sums| &mut sums[inner.clone()]);
+    for i in 0..inner.len() {
+        let [dx, dy] = [i32::from(right[i]) - i32::from(left[i]), i32::from(down[i]) - i32::from(up[i])];
+        xx[i] += dx * dx;
+        xy[i] += dx * dy;
+        yy[i] += dy * dy;
     }
 }
 

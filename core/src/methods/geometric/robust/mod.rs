@@ -530,3 +530,78 @@ impl<M: RobustModel> Pointed<State> for Robust<M> {
         Some(Explained::Always)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::families::correspondence::{EpipolarGeometry, GlobalMotion};
+    use crate::products::model::mapped;
+    use crate::synth::random::gaussian;
+
+    /// Noisy matches of a plane, or with a parallax of up to 20 px; every third one is wrong.
+    fn matches(parallax_px: f64, seed: u64) -> Vec<Correspondence> {
+        let truth = [[1.02, 0.05, 6.0], [-0.04, 0.99, -3.0], [5e-5, -2e-5, 1.0]];
+        let one = |i: usize| {
+            let random = |k: u64| unit(hash(seed, i as u64, k));
+            let off = |k: u64| 0.6 * gaussian(hash(seed + 1, i as u64, k));
+            let from = [320.0 * random(0), 240.0 * random(1)];
+            let [u, v] = mapped(&truth, from).expect("before the horizon");
+            let to = match i % 3 {
+                0 => [320.0 * random(2), 240.0 * random(3)],
+                _ => [u + parallax_px * random(4) + off(0), v + off(1)],
+            };
+            Correspondence { from, to }
+        };
+        (0..150).map(one).collect()
+    }
+
+    /// Checks that the best score and the final fits only fall; returns the number of final fits.
+    fn falls<M: RobustModel>(robust: &Robust<M>, points: &[Correspondence]) -> usize {
+        let mut consensus = robust.begin();
+        let mut cost = f64::INFINITY;
+        while consensus.iterations < consensus.needed {
+            robust.iterate(points, &mut consensus, &mut ());
+            let next = consensus.best.map_or(f64::INFINITY, |best| best.score.cost);
+            assert!(next <= cost, "iteration {}: {next} after {cost}", consensus.iterations);
+            cost = next;
+        }
+        let limit = f64::from(robust.0.settings().threshold).powi(2);
+        let before = consensus.best.map_or(f64::INFINITY, |best| best.score.limited(limit, points.len()));
+        let mut events = Vec::new();
+        robust.refit(points, &mut consensus, &mut events);
+        let mut limited = before;
+        let mut fits = 0;
+        for event in &events {
+            let (Event::Resampled(_, _, score) | Event::Refit(_, score) | Event::Kept(_, score)) = event else {
+                continue;
+            };
+            let next = score.limited(limit, points.len());
+            assert!(next <= limited, "fit {fits}: {next} after {limited}");
+            limited = next;
+            fits += usize::from(matches!(event, Event::Refit(..)));
+        }
+        let kept = consensus.fitted.expect("half of the matches agree").score.limited(limit, points.len());
+        assert!(kept <= limited, "{kept} is kept of {limited}");
+        fits
+    }
+
+    #[test]
+    fn the_cost_of_fits_to_the_inliers_never_rises() {
+        let mut fits = 0;
+        for (scoring, seed) in
+            ["ransac", "msac", "lo-ransac"].into_iter().flat_map(|id| (0..4).map(move |i| (id, 10 * i)))
+        {
+            for model in ["similarity", "affine", "homography"] {
+                let mut motion = Robust::<GlobalMotion>::default();
+                [("scoring", scoring), ("model", model)]
+                    .into_iter()
+                    .for_each(|(name, value)| motion.set(name, value).expect("it is one"));
+                fits += falls(&motion, &matches(0.0, seed));
+            }
+            let mut epipolar = Robust::<EpipolarGeometry>::default();
+            epipolar.set("scoring", scoring).expect("it is one");
+            fits += falls(&epipolar, &matches(20.0, seed));
+        }
+        assert!(fits > 24, "{fits} fits of 48 runs");
+    }
+}
