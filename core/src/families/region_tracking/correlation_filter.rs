@@ -24,9 +24,10 @@ params! {
     pub struct CorrelationFilter {
         /// Region and frames.
         settings: Settings = Settings::default();
-        /// Side of the window of the filter, as a multiple of that of the region. A larger one reaches larger displacements, and learns more of
-        /// the background.
-        window_scale: f32 = 1.5, 1.0..=4.0;
+        /// Side of the window of the filter, as a multiple of that of the region. The window function fades the border of the window, so at a
+        /// scale of 1 it fades the object itself. A larger one reaches larger displacements and has more sidelobes for the peak to stand out
+        /// from, but learns more of the background.
+        window_scale: f32 = 2.5, 1.0..=4.0;
         /// Standard deviation of the Gaussian that the filter is to answer with.
         sigma_px: f32 = 2.0, 0.5..=10.0, "px";
         /// Share η of the newest frame in the filter. Large values follow changes of appearance, and drift more.
@@ -35,11 +36,15 @@ params! {
         min_psr: f32 = 7.0, 0.0..=50.0;
         /// Number of turned and scaled copies of the first window that the filter is learned from.
         perturbations: usize = 8, 0..=64;
+        /// Largest rotation of these copies. The filter does not recognise an object that turns farther than this between two frames; large
+        /// rotations blur its pattern.
+        rotation: f32 = 45.0, 0.0..=180.0, "°";
         /// Random seed of these copies. The same seed gives the same copies.
         seed: u32 = 1, 0..=9999;
     }
     advanced { "sigma-px", "seed" }
     when {
+        "rotation": |p| p.perturbations > 0, "Rotation has no effect without perturbations.";
         "seed": |p| p.perturbations > 0, "The seed has no effect without perturbations.";
     }
 }
@@ -50,8 +55,8 @@ const MOST_PX: f32 = 512.0;
 const LEAST_PX: f32 = 8.0;
 /// The smallest standard deviation of a region with texture, in gray levels.
 const LEAST_DEVIATION: f64 = 1.0;
-/// The largest rotation of a perturbation in radians, and its largest change of scale.
-const PERTURBED: [f64; 2] = [0.1, 0.1];
+/// The largest change of scale of a perturbation.
+const PERTURBED_SCALE: f64 = 0.1;
 /// Sidelobes are farther from the peak than this, in px.
 const SIDELOBE_PX: usize = 5;
 /// Regularisation of the filter: the least energy of a frequency, as a share of the mean.
@@ -273,7 +278,8 @@ impl CorrelationFilter {
     /// The window of the first frame, turned and scaled at random about its middle.
     fn perturbed(&self, model: &Model, luma: &Gray, center: [f32; 2], index: usize) -> Grid<f32> {
         let random = |i: u64| 2.0 * unit(hash(u64::from(self.seed), index as u64, i)) - 1.0;
-        let (angle, scale) = (PERTURBED[0] * random(0), 1.0 + PERTURBED[1] * random(1));
+        let angle = f64::from(self.rotation).to_radians() * random(0);
+        let scale = 1.0 + PERTURBED_SCALE * random(1);
         let (sin, cos) = (angle.sin() * scale, angle.cos() * scale);
         let ([left, top], (width, height)) = (model.origin(center), model.size());
         let middle = [(width / 2) as f64, (height / 2) as f64];
@@ -437,8 +443,8 @@ impl RegionModel for CorrelationFilter {
             "The filter knows shape and texture, so colours of the background do not attract it; it has no scale, and a velocity is \
              not predicted."
         } else {
-            "Between two frames the object left the window of the filter, was hidden for long, or changed faster than the learning rate \
-             follows. A larger window reaches farther."
+            "Between two frames the object left the window of the filter, turned farther than the perturbations, was hidden for long, or \
+             changed faster than the learning rate follows. A larger window reaches farther, and a larger rotation recognises more poses."
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The explanation and the drawing of the correlation filter.
 
-use super::{At, CorrelationFilter, Event, Model, Response};
-use crate::base::words::{fixed, place};
+use super::{At, CorrelationFilter, Event, Model, PERTURBED_SCALE, Response};
+use crate::base::words::{counted, fixed, place};
 use crate::geometry::Grid;
 use crate::methods::numbers::ratio;
 use crate::scene::{Arrow, Fact, Math, Picture, Readout, Role, Scene, Sentence, Shape, Surface, Tile};
@@ -21,11 +21,11 @@ impl CorrelationFilter {
                 .text("The ")
                 .ink(Role::Reference, "filter H*")
                 .text(format!(
-                    " is learned from a window of {}×{} px and {} of it, turned and scaled at random. It minimises the squared difference \
-                     of its response from a Gaussian of σ = {} px at the object.",
+                    " is learned from a window of {}×{} px{}. It minimises the squared difference of its response from a Gaussian of \
+                     σ = {} px at the object.",
                     patch.width(),
                     patch.height(),
-                    crate::base::words::counted(self.perturbations, "perturbation"),
+                    self.perturbed_copies(),
                     fixed(self.sigma_px.into(), 1)
                 )),
             Event::Cut(response) => {
@@ -55,6 +55,19 @@ impl CorrelationFilter {
         }
     }
 
+    /// The perturbations as a part of a sentence.
+    fn perturbed_copies(&self) -> String {
+        if self.perturbations == 0 {
+            return " alone".to_owned();
+        }
+        format!(
+            " and {} of it, turned by up to {}° and scaled by up to {} % at random, so that a turn between two frames does not lower the peak",
+            counted(self.perturbations, "perturbation"),
+            fixed(self.rotation.into(), 0),
+            fixed(100.0 * PERTURBED_SCALE, 0)
+        )
+    }
+
     fn judged(&self, response: &Response, said: Sentence) -> Sentence {
         let [mean, deviation] = response.sidelobes;
         let said = said.text("Peak-to-sidelobe ratio: ").ink(Role::Measured, psr(response.psr)).text(format!(
@@ -65,7 +78,8 @@ impl CorrelationFilter {
         let least = psr(self.min_psr);
         if response.psr < self.min_psr {
             said.text(format!(
-                ", below {least}. The peak does not stand out, as under occlusion: the filter is not updated."
+                ", below {least}. The peak does not stand out, as under occlusion or a turn beyond the perturbations: the filter is \
+                 not updated."
             ))
         } else {
             said.text(format!(", not below {least}: the peak stands out, and the match is accepted."))
