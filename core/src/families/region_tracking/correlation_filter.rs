@@ -10,10 +10,10 @@ use rustfft::num_complex::Complex;
 use crate::base::{Observer, effort};
 use crate::data::{Clip, Frame};
 use crate::geometry::{Border, Gray, Grid};
-use crate::methods::region::{At, RegionModel, Settings, Similarity};
+use crate::methods::region::{RegionModel, Settings, Similarity};
 use crate::products::{Region, RegionFrame};
 use crate::run::{Info, Need};
-use crate::scene::{Chart, Fact, Name, Readout, Scene, Sentence};
+use crate::scene::{Chart, Name};
 use crate::synth::random::{hash, unit};
 use crate::{params, pseudocode};
 
@@ -419,32 +419,6 @@ impl RegionModel for CorrelationFilter {
             Event::Found(_) => line::TAKE_PEAK,
             Event::Judged(_) => line::JUDGE,
             Event::Updated(..) => line::UPDATE,
-        }
-    }
-
-    fn sentence(&self, at: &At<'_, Self>) -> Sentence {
-        self.said(at)
-    }
-
-    fn facts(&self, at: &At<'_, Self>) -> Vec<Fact> {
-        explain::facts(at)
-    }
-
-    fn readouts(&self, at: &At<'_, Self>) -> Vec<Readout> {
-        explain::readouts(at)
-    }
-
-    fn draw(&self, at: &At<'_, Self>, scene: &mut Scene) {
-        explain::draw(at, scene);
-    }
-
-    fn advice(&self, is_kept: bool) -> &'static str {
-        if is_kept {
-            "The filter knows shape and texture, so colours of the background do not attract it; it has no scale, and a velocity is \
-             not predicted."
-        } else {
-            "Between two frames the object left the window of the filter, turned farther than the perturbations, was hidden for long, or \
-             changed faster than the learning rate follows. A larger window reaches farther, and a larger rotation recognises more poses."
         }
     }
 }

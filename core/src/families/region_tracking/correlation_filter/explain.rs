@@ -1,9 +1,10 @@
 //! The explanation and the drawing of the correlation filter.
 
-use super::{At, CorrelationFilter, Event, Model, PERTURBED_SCALE, Response};
+use super::{CorrelationFilter, Event, Model, PERTURBED_SCALE, Response};
 use crate::base::words::{counted, fixed, place};
 use crate::geometry::Grid;
 use crate::methods::numbers::ratio;
+use crate::methods::region::{At, Explained};
 use crate::scene::{Arrow, Fact, Math, Picture, Readout, Role, Scene, Sentence, Shape, Surface, Tile};
 
 /// The response is drawn as a surface up to this displacement, in px.
@@ -13,8 +14,8 @@ fn psr(value: f32) -> String {
     fixed(value.into(), 2)
 }
 
-impl CorrelationFilter {
-    pub(super) fn said(&self, at: &At<'_, Self>) -> Sentence {
+impl Explained for CorrelationFilter {
+    fn sentence(&self, at: &At<'_, Self>) -> Sentence {
         let said = Sentence::default();
         match at.event {
             Event::Learned(patch, _) => said
@@ -55,6 +56,114 @@ impl CorrelationFilter {
         }
     }
 
+    fn facts(&self, at: &At<'_, Self>) -> Vec<Fact> {
+        match at.event {
+            Event::Found(response) | Event::Judged(response) => vec![
+                Fact::new("Displacement", format!("{} px", place(response.displacement)), Some(Role::Best)),
+                Fact::new("Peak", ratio(response.values[response.peak].into()), Some(Role::Best)),
+                Fact::new("Peak-to-sidelobe ratio", psr(response.psr), Some(Role::Measured)),
+            ],
+            Event::Cut(response) | Event::Responded(response) | Event::Updated(response, _) => {
+                let (width, height) = response.patch.size();
+                vec![Fact::new("Window", format!("{width}×{height} px"), Some(Role::Window))]
+            }
+            Event::Learned(..) => Vec::new(),
+        }
+    }
+
+    fn readouts(&self, at: &At<'_, Self>) -> Vec<Readout> {
+        let filter = || at.model.map(filter_tile);
+        match at.event {
+            Event::Learned(patch, model) => {
+                let numbers = |name| Math::indexed(Math::Var(name), Math::Var("i"));
+                let sum = |of: Vec<Math>| Math::Row(vec![Math::Sum(Box::new(Math::Var("i"))), Math::Row(of)]);
+                let star = |name| Math::power(numbers(name), Math::text("*"));
+                let formula = Math::Row(vec![
+                    Math::power(Math::Var("H"), Math::text("*")),
+                    Math::text(" = "),
+                    Math::over(sum(vec![numbers("G"), star("F")]), sum(vec![numbers("F"), star("F")])),
+                ]);
+                vec![Readout::Equation(vec![formula]), Readout::Tiles(vec![patch_tile(patch), filter_tile(model)])]
+            }
+            Event::Cut(response) => {
+                vec![Readout::Tiles([patch_tile(&response.patch)].into_iter().chain(filter()).collect())]
+            }
+            Event::Responded(response) | Event::Found(response) => {
+                let tiles = [patch_tile(&response.patch)].into_iter().chain(filter()).chain([response_tile(response)]);
+                vec![Readout::Tiles(tiles.collect()), Readout::Surface(surface(response))]
+            }
+            Event::Judged(response) => {
+                let [mean, deviation] = response.sidelobes;
+                let peak = response.values[response.peak];
+                let formula = Math::Row(vec![
+                    Math::text("PSR = "),
+                    Math::over(
+                        Math::text(format!("{} − {}", ratio(peak.into()), ratio(mean.into()))),
+                        Math::text(fixed(deviation.into(), 4)),
+                    ),
+                    Math::text(" = "),
+                    Math::ink(Role::Measured, psr(response.psr)),
+                ]);
+                vec![Readout::Equation(vec![formula]), Readout::Surface(surface(response))]
+            }
+            Event::Updated(_, model) => {
+                let formula = Math::Row(vec![
+                    Math::Var("A"),
+                    Math::text(" ← η "),
+                    Math::Var("G"),
+                    Math::power(Math::Var("F"), Math::text("*")),
+                    Math::text(" + (1 − η) "),
+                    Math::Var("A"),
+                ]);
+                let updated = Tile { label: "filter, updated", ..filter_tile(model) };
+                vec![Readout::Equation(vec![formula]), Readout::Tiles(filter().into_iter().chain([updated]).collect())]
+            }
+        }
+    }
+
+    fn draw(&self, at: &At<'_, Self>, scene: &mut Scene) {
+        let response = match at.event {
+            Event::Learned(patch, model) => {
+                window(scene, model.origin(at.region.center), patch.size());
+                return;
+            }
+            Event::Cut(response) => {
+                window(scene, response.origin, response.patch.size());
+                return;
+            }
+            Event::Responded(response)
+            | Event::Found(response)
+            | Event::Judged(response)
+            | Event::Updated(response, _) => response,
+        };
+        let (width, height) = response.values.size();
+        let origin = response.origin.map(|c| c as f32);
+        scene.mark(Picture::CURRENT, Role::Candidate, Shape::Heat { origin, values: response.values.clone() });
+        scene.heat = Some("response g");
+        window(scene, response.origin, (width, height));
+        if matches!(at.event, Event::Responded(_)) {
+            return;
+        }
+        let from = [origin[0] + (width / 2) as f32, origin[1] + (height / 2) as f32];
+        let to = [0, 1].map(|i| from[i] + response.displacement[i]);
+        scene.mark(Picture::CURRENT, Role::Predicted, Shape::Arrows(vec![Arrow { from, to }]));
+        scene.legend(Role::Predicted, "displacement of the peak");
+        scene.mark(Picture::CURRENT, Role::Best, Shape::Points(vec![to]));
+        scene.legend(Role::Best, "peak");
+    }
+
+    fn advice(&self, is_kept: bool) -> &'static str {
+        if is_kept {
+            "The filter knows shape and texture, so colours of the background do not attract it; it has no scale, and a velocity is \
+             not predicted."
+        } else {
+            "Between two frames the object left the window of the filter, turned farther than the perturbations, was hidden for long, or \
+             changed faster than the learning rate follows. A larger window reaches farther, and a larger rotation recognises more poses."
+        }
+    }
+}
+
+impl CorrelationFilter {
     /// The perturbations as a part of a sentence.
     fn perturbed_copies(&self) -> String {
         if self.perturbations == 0 {
@@ -83,71 +192,6 @@ impl CorrelationFilter {
             ))
         } else {
             said.text(format!(", not below {least}: the peak stands out, and the match is accepted."))
-        }
-    }
-}
-
-pub(super) fn facts(at: &At<'_, CorrelationFilter>) -> Vec<Fact> {
-    match at.event {
-        Event::Found(response) | Event::Judged(response) => vec![
-            Fact::new("Displacement", format!("{} px", place(response.displacement)), Some(Role::Best)),
-            Fact::new("Peak", ratio(response.values[response.peak].into()), Some(Role::Best)),
-            Fact::new("Peak-to-sidelobe ratio", psr(response.psr), Some(Role::Measured)),
-        ],
-        Event::Cut(response) | Event::Responded(response) | Event::Updated(response, _) => {
-            let (width, height) = response.patch.size();
-            vec![Fact::new("Window", format!("{width}×{height} px"), Some(Role::Window))]
-        }
-        Event::Learned(..) => Vec::new(),
-    }
-}
-
-pub(super) fn readouts(at: &At<'_, CorrelationFilter>) -> Vec<Readout> {
-    let filter = || at.model.map(filter_tile);
-    match at.event {
-        Event::Learned(patch, model) => {
-            let numbers = |name| Math::indexed(Math::Var(name), Math::Var("i"));
-            let sum = |of: Vec<Math>| Math::Row(vec![Math::Sum(Box::new(Math::Var("i"))), Math::Row(of)]);
-            let star = |name| Math::power(numbers(name), Math::text("*"));
-            let formula = Math::Row(vec![
-                Math::power(Math::Var("H"), Math::text("*")),
-                Math::text(" = "),
-                Math::over(sum(vec![numbers("G"), star("F")]), sum(vec![numbers("F"), star("F")])),
-            ]);
-            vec![Readout::Equation(vec![formula]), Readout::Tiles(vec![patch_tile(patch), filter_tile(model)])]
-        }
-        Event::Cut(response) => {
-            vec![Readout::Tiles([patch_tile(&response.patch)].into_iter().chain(filter()).collect())]
-        }
-        Event::Responded(response) | Event::Found(response) => {
-            let tiles = [patch_tile(&response.patch)].into_iter().chain(filter()).chain([response_tile(response)]);
-            vec![Readout::Tiles(tiles.collect()), Readout::Surface(surface(response))]
-        }
-        Event::Judged(response) => {
-            let [mean, deviation] = response.sidelobes;
-            let peak = response.values[response.peak];
-            let formula = Math::Row(vec![
-                Math::text("PSR = "),
-                Math::over(
-                    Math::text(format!("{} − {}", ratio(peak.into()), ratio(mean.into()))),
-                    Math::text(fixed(deviation.into(), 4)),
-                ),
-                Math::text(" = "),
-                Math::ink(Role::Measured, psr(response.psr)),
-            ]);
-            vec![Readout::Equation(vec![formula]), Readout::Surface(surface(response))]
-        }
-        Event::Updated(_, model) => {
-            let formula = Math::Row(vec![
-                Math::Var("A"),
-                Math::text(" ← η "),
-                Math::Var("G"),
-                Math::power(Math::Var("F"), Math::text("*")),
-                Math::text(" + (1 − η) "),
-                Math::Var("A"),
-            ]);
-            let updated = Tile { label: "filter, updated", ..filter_tile(model) };
-            vec![Readout::Equation(vec![formula]), Readout::Tiles(filter().into_iter().chain([updated]).collect())]
         }
     }
 }
@@ -201,36 +245,6 @@ fn surface(response: &Response) -> Surface {
         is_similarity: true,
         ..Surface::new("g", origin, values, Grid::new(size[0], size[1], Some(1)))
     }
-}
-
-pub(super) fn draw(at: &At<'_, CorrelationFilter>, scene: &mut Scene) {
-    let response = match at.event {
-        Event::Learned(patch, model) => {
-            window(scene, model.origin(at.region.center), patch.size());
-            return;
-        }
-        Event::Cut(response) => {
-            window(scene, response.origin, response.patch.size());
-            return;
-        }
-        Event::Responded(response) | Event::Found(response) | Event::Judged(response) | Event::Updated(response, _) => {
-            response
-        }
-    };
-    let (width, height) = response.values.size();
-    let origin = response.origin.map(|c| c as f32);
-    scene.mark(Picture::CURRENT, Role::Candidate, Shape::Heat { origin, values: response.values.clone() });
-    scene.heat = Some("response g");
-    window(scene, response.origin, (width, height));
-    if matches!(at.event, Event::Responded(_)) {
-        return;
-    }
-    let from = [origin[0] + (width / 2) as f32, origin[1] + (height / 2) as f32];
-    let to = [0, 1].map(|i| from[i] + response.displacement[i]);
-    scene.mark(Picture::CURRENT, Role::Predicted, Shape::Arrows(vec![Arrow { from, to }]));
-    scene.legend(Role::Predicted, "displacement of the peak");
-    scene.mark(Picture::CURRENT, Role::Best, Shape::Points(vec![to]));
-    scene.legend(Role::Best, "peak");
 }
 
 /// Draws the window of the filter.
