@@ -275,11 +275,13 @@ impl CorrelationFilter {
         }
     }
 
-    /// The window of the first frame, turned and scaled at random about its middle.
+    /// The window of the first frame, turned and scaled at random about its middle. Each copy turns by an angle in a part of its own of the
+    /// range, so that a few copies cover all of it.
     fn perturbed(&self, model: &Model, luma: &Gray, center: [f32; 2], index: usize) -> Grid<f32> {
-        let random = |i: u64| 2.0 * unit(hash(u64::from(self.seed), index as u64, i)) - 1.0;
-        let angle = f64::from(self.rotation).to_radians() * random(0);
-        let scale = 1.0 + PERTURBED_SCALE * random(1);
+        let random = |i: u64| unit(hash(u64::from(self.seed), index as u64, i));
+        let part = (index as f64 + random(0)) / self.perturbations as f64;
+        let angle = f64::from(self.rotation).to_radians() * (2.0 * part - 1.0);
+        let scale = 1.0 + PERTURBED_SCALE * (2.0 * random(1) - 1.0);
         let (sin, cos) = (angle.sin() * scale, angle.cos() * scale);
         let ([left, top], (width, height)) = (model.origin(center), model.size());
         let middle = [(width / 2) as f64, (height / 2) as f64];
