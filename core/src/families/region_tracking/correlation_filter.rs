@@ -125,8 +125,7 @@ impl Model {
 
     /// The conjugate filter H* at each frequency.
     fn filter(&self) -> Spectrum {
-        let mean = self.energy.iter().sum::<f32>() / self.energy.len() as f32;
-        let least = REGULARIZATION * mean + f32::MIN_POSITIVE;
+        let least = REGULARIZATION * self.fixed.transform.mean(&self.energy) + f32::MIN_POSITIVE;
         self.numerator.iter().zip(&self.energy[..]).map(|(a, b)| a / (b + least)).collect()
     }
 
@@ -179,9 +178,7 @@ impl Model {
     }
 
     fn spectrum(&self, patch: &Grid<f32>) -> Spectrum {
-        let mut spectrum: Spectrum = patch.cells().iter().map(|v| Complex::new(*v, 0.0)).collect();
-        self.fixed.transform.forward(&mut spectrum);
-        spectrum
+        self.fixed.transform.forward(patch.cells())
     }
 
     /// The response of the filter to a frame, for an object that was at `center`.
@@ -190,10 +187,9 @@ impl Model {
         let patch = self.window(luma, origin);
         let mut product = self.spectrum(&patch);
         product.iter_mut().zip(self.filter()).for_each(|(f, h)| *f *= h);
-        self.fixed.transform.inverse(&mut product);
         let (width, height) = self.size();
         let mut values = Grid::new(width, height, 0.0);
-        values.cells_mut().iter_mut().zip(&product).for_each(|(value, of)| *value = of.re);
+        values.cells_mut().copy_from_slice(&self.fixed.transform.inverse(product));
         let peak = highest(&values);
         let [mean, deviation] = sidelobes(&values, peak);
         let psr = if deviation > 0.0 { (values[peak] - mean) / deviation } else { 0.0 };
@@ -265,8 +261,7 @@ impl CorrelationFilter {
             let [dx, dy] = [(i % width) as f32 - middle[0] as f32, (i / width) as f32 - middle[1] as f32];
             (-(dx * dx + dy * dy) / (2.0 * self.sigma_px * self.sigma_px)).exp()
         };
-        let mut target: Spectrum = (0..width * height).map(|i| Complex::new(gaussian(i), 0.0)).collect();
-        transform.forward(&mut target);
+        let target = transform.forward(&(0..width * height).map(gaussian).collect::<Vec<_>>());
         Fixed {
             transform,
             hann: [hann(width), hann(height)],
@@ -350,10 +345,10 @@ impl RegionModel for CorrelationFilter {
     }
 
     fn begin(&self, frame: &Arc<Frame>, region: Region, observer: &mut impl Observer<Event>) -> (Model, f32) {
-        let size = self.window_of(region);
-        let count = size.0 * size.1;
+        let fixed = self.fixed(self.window_of(region));
+        let count = fixed.transform.frequencies();
         let mut model = Model {
-            fixed: Arc::new(self.fixed(size)),
+            fixed: Arc::new(fixed),
             numerator: Arc::new(vec![Complex::default(); count]),
             energy: Arc::new(vec![0.0; count]),
         };

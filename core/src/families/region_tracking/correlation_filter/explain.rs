@@ -216,12 +216,12 @@ fn response_tile(response: &Response) -> Tile {
 fn filter_tile(model: &Model) -> Tile {
     let mut filter = model.filter();
     filter.iter_mut().for_each(|value| *value = value.conj());
-    model.fixed.transform.inverse(&mut filter);
+    let filter = model.fixed.transform.inverse(filter);
     let (width, height) = model.size();
     // Displacement 0 in the middle, where the Gaussian has its peak.
     let values = Grid::from_fn(width, height, |x, y| {
         let turned = |c: usize, extent: usize| (c + extent - extent / 2) % extent;
-        filter[turned(y, height) * width + turned(x, width)].re
+        filter[turned(y, height) * width + turned(x, width)]
     });
     tile("filter h", Some(Role::Reference), values)
 }
