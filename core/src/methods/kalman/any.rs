@@ -419,7 +419,7 @@ impl Filter {
         with!(self, |_motion, estimate| grid(&estimate.covariance))
     }
 
-    /// Returns the matrices of [`Filter::predicted`].
+    /// Returns the matrices of [`Filter::predicted`]; of interacting modes those of constant velocity.
     pub fn prediction_numbers(&self) -> PredictionNumbers {
         with!(self, |motion, estimate| {
             let prediction = estimate.predicted(motion);
@@ -427,7 +427,7 @@ impl Filter {
         })
     }
 
-    /// Returns the matrices of [`Filter::updated`].
+    /// Returns the matrices of [`Filter::updated`]; of interacting modes, each of which has a gain of its own, those of the combined estimate.
     pub fn update_numbers(&self, measurement: &Measurement) -> Option<UpdateNumbers> {
         with!(self, |_motion, estimate| match measurement.velocity {
             None => numbers_of(estimate, measurement.of_place()),

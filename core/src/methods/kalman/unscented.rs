@@ -1,13 +1,37 @@
 //! The unscented transform: mean and covariance through a nonlinear function by sigma points.
 //!
-//! S. J. Julier and J. K. Uhlmann, Unscented filtering and nonlinear estimation, Proceedings of the IEEE 92, 2004.
+//! S. J. Julier and J. K. Uhlmann, Unscented filtering and nonlinear estimation, Proceedings of the IEEE 92, 2004; weights of the
+//! covariance: E. A. Wan and R. van der Merwe, The unscented Kalman filter for nonlinear estimation, AS-SPCC 2000, with α = 1,
+//! κ = 3 − n and β = 2.
 
 use nalgebra::{Cholesky, Const, SMatrix, SVector};
 
 use super::{Estimate, Motion, Prediction};
 
-/// Weight W₀ of the sigma point at the mean. It is positive, so that the predicted covariance is positive semidefinite.
-pub const CENTER_WEIGHT: f64 = 1.0 / 3.0;
+/// The square of the distance c of the points of a pair from the mean, in columns of the Cholesky factor: with n + κ = 3 the points
+/// have the kurtosis of a normal distribution along each column.
+pub const SQUARED_DISTANCE: f64 = 3.0;
+/// The prior knowledge β of the distribution; 2 is the best for normal ones. With it no weight of the covariance is negative.
+const BETA: f64 = 2.0;
+
+/// The weights of sigma points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Weights {
+    /// Of the point at the mean, for the mean.
+    pub center: f64,
+    /// Of the point at the mean, for the covariance.
+    pub center_spread: f64,
+    /// Of each other point.
+    pub pair: f64,
+}
+
+impl Weights {
+    /// Returns the weights of the points of a state of dimension `n`.
+    pub fn of(n: usize) -> Self {
+        let center = 1.0 - n as f64 / SQUARED_DISTANCE;
+        Self { center, center_spread: center + BETA, pair: 0.5 / SQUARED_DISTANCE }
+    }
+}
 
 /// The sigma points of an estimate.
 #[derive(Clone, Debug)]
@@ -20,18 +44,13 @@ pub struct SigmaPoints<const N: usize> {
     factor: Cholesky<f64, Const<N>>,
 }
 
-/// The distance c of the points of a pair from the mean, in columns of the Cholesky factor.
-fn distance<const N: usize>() -> f64 {
-    (N as f64 / (1.0 - CENTER_WEIGHT)).sqrt()
-}
-
 impl<const N: usize> SigmaPoints<N> {
     /// Draws the sigma points of an estimate; `None` if its covariance is not positive definite.
     pub fn of(estimate: &Estimate<N>) -> Option<Self> {
         let factor = Cholesky::new(estimate.covariance)?;
         let columns = factor.l();
         let pairs = std::array::from_fn(|i| {
-            let step = columns.column(i) * distance::<N>();
+            let step = columns.column(i) * SQUARED_DISTANCE.sqrt();
             [estimate.state + step, estimate.state - step]
         });
         Some(Self { center: estimate.state, pairs, factor })
@@ -46,11 +65,11 @@ impl<const N: usize> SigmaPoints<N> {
 
     /// Returns the weighted mean and covariance.
     pub fn moments(&self) -> Estimate<N> {
-        let weight = (1.0 - CENTER_WEIGHT) / (2 * N) as f64;
+        let Weights { center, center_spread, pair } = Weights::of(N);
         let points = || self.pairs.iter().flatten();
-        let state = points().fold(self.center * CENTER_WEIGHT, |sum, point| sum + point * weight);
+        let state = points().fold(self.center * center, |sum, point| sum + point * pair);
         let spread = |point: &SVector<f64, N>| (point - state) * (point - state).transpose();
-        let covariance = points().fold(spread(&self.center) * CENTER_WEIGHT, |sum, point| sum + spread(point) * weight);
+        let covariance = points().fold(spread(&self.center) * center_spread, |sum, point| sum + spread(point) * pair);
         Estimate { state, covariance }
     }
 }
@@ -63,7 +82,7 @@ pub fn predicted<const N: usize>(estimate: &Estimate<N>, motion: &impl Motion<N>
     // Ψᵀ = D Lᵀ with the central differences D of the pairs, because their weight times c² is ½. So A = D L⁻¹.
     let mut differences = SMatrix::<f64, N, N>::zeros();
     for (i, [ahead, behind]) in moved.pairs.iter().enumerate() {
-        differences.set_column(i, &((ahead - behind) / (2.0 * distance::<N>())));
+        differences.set_column(i, &((ahead - behind) / (2.0 * SQUARED_DISTANCE.sqrt())));
     }
     let transition = drawn.factor.l().transpose().solve_upper_triangular(&differences.transpose())?.transpose();
     let (moments, noise) = (moved.moments(), motion.noise());
