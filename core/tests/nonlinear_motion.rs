@@ -37,13 +37,19 @@ fn inverse(a: &Rows) -> (Rows, f64) {
 
 /// L of P = L Lᵀ.
 fn cholesky(p: &Rows) -> Rows {
-    let n = p.len();
-    let mut l = vec![vec![0.0; n]; n];
-    for i in 0..n {
-        for j in 0..=i {
-            let known: f64 = (0..j).map(|k| l[i][k] * l[j][k]).sum();
-            l[i][j] = if i == j { (p[i][i] - known).sqrt() } else { (p[i][j] - known) / l[j][j] };
+    let mut l: Rows = Vec::new();
+    for row in p {
+        let mut own: Vec<f64> = Vec::new();
+        for value in row.iter().take(l.len() + 1) {
+            let earlier = l.get(own.len());
+            let known: f64 = own.iter().zip(earlier.unwrap_or(&own)).map(|(a, b)| a * b).sum();
+            own.push(match earlier {
+                Some(earlier) => (value - known) / earlier[own.len()],
+                None => (value - known).sqrt(),
+            });
         }
+        own.resize(p.len(), 0.0);
+        l.push(own);
     }
     l
 }
@@ -223,12 +229,10 @@ fn an_unscented_turn_is_that_of_a_plain_implementation() {
         // The smoother's gain is the covariance of the state before and after times the inverse of the predicted one: C P⁺ = Ψ.
         let gain = smoothed(&estimate, &prediction, &prediction.estimate).expect("sound").gain;
         let crossed = gain * prediction.estimate.covariance;
-        for i in 0..5 {
-            for j in 0..5 {
-                let terms = points.iter().zip(&moved).zip(&of_spread);
-                let entry: f64 = terms.map(|((a, b), w)| w * (a[i] - plain.x[i]) * (b[j] - predicted.x[j])).sum();
-                assert!((entry - crossed[(i, j)]).abs() < 1e-8, "{i}, {j}: {entry} and {}", crossed[(i, j)]);
-            }
+        for (i, j) in (0..5).flat_map(|i| (0..5).map(move |j| (i, j))) {
+            let terms = points.iter().zip(&moved).zip(&of_spread);
+            let entry: f64 = terms.map(|((a, b), w)| w * (a[i] - plain.x[i]) * (b[j] - predicted.x[j])).sum();
+            assert!((entry - crossed[(i, j)]).abs() < 1e-8, "{i}, {j}: {entry} and {}", crossed[(i, j)]);
         }
         let innovation = prediction.estimate.innovation(&sensor, &Vector2::from(place)).expect("sound");
         estimate = prediction.estimate.updated(&sensor, &innovation).estimate;

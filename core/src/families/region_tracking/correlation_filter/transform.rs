@@ -67,13 +67,13 @@ impl Transform {
         }
         self.forward[0].process(&mut pairs);
         let mut spectrum = vec![Complex::default(); self.frequencies()];
-        for (j, row) in pairs.chunks_exact(width).enumerate() {
-            for k in 0..self.columns() {
-                let (value, mirrored) = (row[k], row[(width - k) % width].conj());
-                spectrum[k * height + 2 * j] = (value + mirrored) * 0.5;
-                if 2 * j + 1 < height {
+        for (k, column) in spectrum.chunks_exact_mut(height).enumerate() {
+            for (j, rows) in column.chunks_mut(2).enumerate() {
+                let (value, mirrored) = (pairs[j * width + k], pairs[j * width + (width - k) % width].conj());
+                rows[0] = (value + mirrored) * 0.5;
+                if let Some(second) = rows.get_mut(1) {
                     let apart = (value - mirrored) * 0.5;
-                    spectrum[k * height + 2 * j + 1] = Complex::new(apart.im, -apart.re);
+                    *second = Complex::new(apart.im, -apart.re);
                 }
             }
         }
@@ -86,14 +86,13 @@ impl Transform {
         let (width, height) = self.size;
         self.inverse[1].process(&mut spectrum);
         let mut pairs = vec![Complex::default(); height.div_ceil(2) * width];
-        for (j, row) in pairs.chunks_exact_mut(width).enumerate() {
-            for k in 0..self.columns() {
-                let first = spectrum[k * height + 2 * j];
-                let second = if 2 * j + 1 < height { spectrum[k * height + 2 * j + 1] } else { Complex::default() };
-                let turned = |of: Complex<f32>| Complex::new(-of.im, of.re);
+        let turned = |of: Complex<f32>| Complex::new(-of.im, of.re);
+        for (k, column) in spectrum.chunks_exact(height).enumerate() {
+            for (j, rows) in column.chunks(2).enumerate() {
+                let (first, second) = (rows[0], rows.get(1).copied().unwrap_or_default());
                 // The mirror first: where it is the same frequency, both are equal.
-                row[(width - k) % width] = first.conj() + turned(second.conj());
-                row[k] = first + turned(second);
+                pairs[j * width + (width - k) % width] = first.conj() + turned(second.conj());
+                pairs[j * width + k] = first + turned(second);
             }
         }
         self.inverse[0].process(&mut pairs);
