@@ -1,7 +1,8 @@
 //! The Kalman filter against recorded results of others, and against its own promises.
 
 use motionscope_core::kalman::{
-    Acceleration, Estimate, Filter, Innovation, Measurement, Model, Motion, Sensor, Turn, Velocity, chi_square,
+    Acceleration, Estimate, Filter, Innovation, Measurement, Model, Motion, Nonlinear, Sensor, Turn, Velocity,
+    chi_square,
 };
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2, Vector4};
 
@@ -263,7 +264,7 @@ fn a_turn_agrees_with_an_extended_filter_and_smoother_by_others() {
             [1.205948588751462, 0.0225120451412183, 0.023077979869980468],
         ),
     ];
-    let found = followed(Model::Turn(Turn { acceleration: 0.3, rate_change: 0.05 }));
+    let found = followed(Model::Turn(Turn { acceleration: 0.3, rate_change: 0.05, prediction: Nonlinear::Extended }));
     for ((filter, squared), (state, covariance, recorded)) in found.iter().zip(recorded) {
         near(&filter.state(), &state);
         near(&entries(filter, 4), &covariance);
@@ -379,7 +380,8 @@ fn the_filter_is_consistent_over_a_hundred_seeds() {
 fn a_linearised_turn_is_consistent_while_it_is_gentle() {
     // The filter begins with what is true but for chance, at 20 px/frame and 4°/frame; where the rate is not known at all an
     // extended filter cannot be consistent.
-    let (motion, rate) = (Turn { acceleration: 0.1, rate_change: 0.001 }, 4.0_f64.to_radians());
+    let (motion, rate) =
+        (Turn { acceleration: 0.1, rate_change: 0.001, prediction: Nonlinear::Extended }, 4.0_f64.to_radians());
     let start = SVector::from([0.0, 0.0, 20.0, 0.0, rate]);
     let deviations = SVector::from([1.5, 1.5, 0.5, 0.5, 0.01]);
     let sensor = Sensor::<5, 2>::first([1.5; 2]);
@@ -425,7 +427,7 @@ fn a_turn_is_followed_better_by_a_model_that_knows_turns() {
         }
         sum / 59.0
     };
-    let turn = error(Model::Turn(Turn { acceleration: 0.1, rate_change: 0.002 }));
+    let turn = error(Model::Turn(Turn { acceleration: 0.1, rate_change: 0.002, prediction: Nonlinear::Extended }));
     let straight = error(Model::Velocity(Velocity { acceleration: 0.1 }));
     // The measurements themselves are 1.5 √(π/2) = 1.88 px off on average.
     assert!(turn < 1.4 && 3.0 * turn < straight, "{turn} and {straight} px off");

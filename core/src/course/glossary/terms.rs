@@ -1105,6 +1105,13 @@ pub static GLOSSARY: &[Term] = &[
         keypoint.",
     ),
     term(
+        KalmanFilters,
+        "interacting multiple model",
+        &["IMM", "interacting modes", "mode probability", "mode probabilities"],
+        "Several Kalman filters with a motion model each, the modes: in every frame their estimates are mixed by the \
+        probabilities of the modes, which the likelihoods of the measurement update.",
+    ),
+    term(
         InterestPoints,
         "interest point",
         &["interest points", "keypoint", "keypoints", "feature point", "feature points"],
@@ -2138,8 +2145,9 @@ pub static GLOSSARY: &[Term] = &[
     term(
         KalmanFilters,
         "unscented Kalman filter",
-        &["UKF"],
-        "A Kalman filter for nonlinear models that propagates a few chosen points instead of linearising.",
+        &["UKF", "sigma point", "sigma points"],
+        "A Kalman filter for nonlinear models that propagates a few chosen points, the sigma points, instead of \
+        linearising.",
     ),
     term(
         KalmanFilters,

@@ -8,10 +8,10 @@ use crate::base::{Observer, effort};
 use crate::data::{Clip, Frame};
 use crate::geometry::Bounds;
 use crate::methods::region::color::{Binning, Bins, Histogram, ellipse_rows};
-use crate::methods::region::{At, RegionModel, Settings, Similarity};
+use crate::methods::region::{RegionModel, Settings, Similarity};
 use crate::products::{Region, RegionFrame};
 use crate::run::{Info, Need};
-use crate::scene::{Fact, Name, Readout, Scene, Sentence};
+use crate::scene::Name;
 use crate::{params, pseudocode};
 
 params! {
@@ -300,32 +300,6 @@ impl RegionModel for Camshift {
             Event::Projected(..) => line::PROJECT,
             Event::Shifted(..) => line::SHIFT,
             Event::Resized(..) => line::RESIZE,
-        }
-    }
-
-    fn sentence(&self, at: &At<'_, Self>) -> Sentence {
-        self.said(at)
-    }
-
-    fn facts(&self, at: &At<'_, Self>) -> Vec<Fact> {
-        explain::facts(at)
-    }
-
-    fn readouts(&self, at: &At<'_, Self>) -> Vec<Readout> {
-        explain::readouts(at)
-    }
-
-    fn draw(&self, at: &At<'_, Self>, scene: &mut Scene) {
-        explain::draw(at, scene);
-    }
-
-    fn advice(&self, is_kept: bool) -> &'static str {
-        if is_kept {
-            "The hue of the object stood out. On a background of like hue the window would grow over it, because every pixel with the \
-             hue counts, wherever it is."
-        } else {
-            "Pixels of like hue beside the object, or an occlusion, took the window away. Fewer colours of the background in the region, a \
-             higher minimum saturation, or mean shift with a background-weighted histogram help."
         }
     }
 }

@@ -10,10 +10,10 @@ use rustfft::num_complex::Complex;
 use crate::base::{Observer, effort};
 use crate::data::{Clip, Frame};
 use crate::geometry::{Border, Gray, Grid};
-use crate::methods::region::{At, RegionModel, Settings, Similarity};
+use crate::methods::region::{RegionModel, Settings, Similarity};
 use crate::products::{Region, RegionFrame};
 use crate::run::{Info, Need};
-use crate::scene::{Chart, Fact, Name, Readout, Scene, Sentence};
+use crate::scene::{Chart, Name};
 use crate::synth::random::{hash, unit};
 use crate::{params, pseudocode};
 
@@ -24,9 +24,10 @@ params! {
     pub struct CorrelationFilter {
         /// Region and frames.
         settings: Settings = Settings::default();
-        /// Side of the window of the filter, as a multiple of that of the region. A larger one reaches larger displacements, and learns more of
-        /// the background.
-        window_scale: f32 = 1.5, 1.0..=4.0;
+        /// Side of the window of the filter, as a multiple of that of the region. The window function fades the border of the window, so at a
+        /// scale of 1 it fades the object itself. A larger one reaches larger displacements and has more sidelobes for the peak to stand out
+        /// from, but learns more of the background.
+        window_scale: f32 = 2.5, 1.0..=4.0;
         /// Standard deviation of the Gaussian that the filter is to answer with.
         sigma_px: f32 = 2.0, 0.5..=10.0, "px";
         /// Share η of the newest frame in the filter. Large values follow changes of appearance, and drift more.
@@ -35,11 +36,15 @@ params! {
         min_psr: f32 = 7.0, 0.0..=50.0;
         /// Number of turned and scaled copies of the first window that the filter is learned from.
         perturbations: usize = 8, 0..=64;
+        /// Largest rotation of these copies. The filter does not recognise an object that turns farther than this between two frames; large
+        /// rotations blur its pattern.
+        rotation: f32 = 45.0, 0.0..=180.0, "°";
         /// Random seed of these copies. The same seed gives the same copies.
         seed: u32 = 1, 0..=9999;
     }
     advanced { "sigma-px", "seed" }
     when {
+        "rotation": |p| p.perturbations > 0, "Rotation has no effect without perturbations.";
         "seed": |p| p.perturbations > 0, "The seed has no effect without perturbations.";
     }
 }
@@ -50,8 +55,8 @@ const MOST_PX: f32 = 512.0;
 const LEAST_PX: f32 = 8.0;
 /// The smallest standard deviation of a region with texture, in gray levels.
 const LEAST_DEVIATION: f64 = 1.0;
-/// The largest rotation of a perturbation in radians, and its largest change of scale.
-const PERTURBED: [f64; 2] = [0.1, 0.1];
+/// The largest change of scale of a perturbation.
+const PERTURBED_SCALE: f64 = 0.1;
 /// Sidelobes are farther from the peak than this, in px.
 const SIDELOBE_PX: usize = 5;
 /// Regularisation of the filter: the least energy of a frequency, as a share of the mean.
@@ -120,8 +125,7 @@ impl Model {
 
     /// The conjugate filter H* at each frequency.
     fn filter(&self) -> Spectrum {
-        let mean = self.energy.iter().sum::<f32>() / self.energy.len() as f32;
-        let least = REGULARIZATION * mean + f32::MIN_POSITIVE;
+        let least = REGULARIZATION * self.fixed.transform.mean(&self.energy) + f32::MIN_POSITIVE;
         self.numerator.iter().zip(&self.energy[..]).map(|(a, b)| a / (b + least)).collect()
     }
 
@@ -174,9 +178,7 @@ impl Model {
     }
 
     fn spectrum(&self, patch: &Grid<f32>) -> Spectrum {
-        let mut spectrum: Spectrum = patch.cells().iter().map(|v| Complex::new(*v, 0.0)).collect();
-        self.fixed.transform.forward(&mut spectrum);
-        spectrum
+        self.fixed.transform.forward(patch.cells())
     }
 
     /// The response of the filter to a frame, for an object that was at `center`.
@@ -185,10 +187,9 @@ impl Model {
         let patch = self.window(luma, origin);
         let mut product = self.spectrum(&patch);
         product.iter_mut().zip(self.filter()).for_each(|(f, h)| *f *= h);
-        self.fixed.transform.inverse(&mut product);
         let (width, height) = self.size();
         let mut values = Grid::new(width, height, 0.0);
-        values.cells_mut().iter_mut().zip(&product).for_each(|(value, of)| *value = of.re);
+        values.cells_mut().copy_from_slice(&self.fixed.transform.inverse(product));
         let peak = highest(&values);
         let [mean, deviation] = sidelobes(&values, peak);
         let psr = if deviation > 0.0 { (values[peak] - mean) / deviation } else { 0.0 };
@@ -260,8 +261,7 @@ impl CorrelationFilter {
             let [dx, dy] = [(i % width) as f32 - middle[0] as f32, (i / width) as f32 - middle[1] as f32];
             (-(dx * dx + dy * dy) / (2.0 * self.sigma_px * self.sigma_px)).exp()
         };
-        let mut target: Spectrum = (0..width * height).map(|i| Complex::new(gaussian(i), 0.0)).collect();
-        transform.forward(&mut target);
+        let target = transform.forward(&(0..width * height).map(gaussian).collect::<Vec<_>>());
         Fixed {
             transform,
             hann: [hann(width), hann(height)],
@@ -270,10 +270,13 @@ impl CorrelationFilter {
         }
     }
 
-    /// The window of the first frame, turned and scaled at random about its middle.
+    /// The window of the first frame, turned and scaled at random about its middle. Each copy turns by an angle in a part of its own of the
+    /// range, so that a few copies cover all of it.
     fn perturbed(&self, model: &Model, luma: &Gray, center: [f32; 2], index: usize) -> Grid<f32> {
-        let random = |i: u64| 2.0 * unit(hash(u64::from(self.seed), index as u64, i)) - 1.0;
-        let (angle, scale) = (PERTURBED[0] * random(0), 1.0 + PERTURBED[1] * random(1));
+        let random = |i: u64| unit(hash(u64::from(self.seed), index as u64, i));
+        let part = (index as f64 + random(0)) / self.perturbations as f64;
+        let angle = f64::from(self.rotation).to_radians() * (2.0 * part - 1.0);
+        let scale = 1.0 + PERTURBED_SCALE * (2.0 * random(1) - 1.0);
         let (sin, cos) = (angle.sin() * scale, angle.cos() * scale);
         let ([left, top], (width, height)) = (model.origin(center), model.size());
         let middle = [(width / 2) as f64, (height / 2) as f64];
@@ -342,10 +345,10 @@ impl RegionModel for CorrelationFilter {
     }
 
     fn begin(&self, frame: &Arc<Frame>, region: Region, observer: &mut impl Observer<Event>) -> (Model, f32) {
-        let size = self.window_of(region);
-        let count = size.0 * size.1;
+        let fixed = self.fixed(self.window_of(region));
+        let count = fixed.transform.frequencies();
         let mut model = Model {
-            fixed: Arc::new(self.fixed(size)),
+            fixed: Arc::new(fixed),
             numerator: Arc::new(vec![Complex::default(); count]),
             energy: Arc::new(vec![0.0; count]),
         };
@@ -413,32 +416,6 @@ impl RegionModel for CorrelationFilter {
             Event::Found(_) => line::TAKE_PEAK,
             Event::Judged(_) => line::JUDGE,
             Event::Updated(..) => line::UPDATE,
-        }
-    }
-
-    fn sentence(&self, at: &At<'_, Self>) -> Sentence {
-        self.said(at)
-    }
-
-    fn facts(&self, at: &At<'_, Self>) -> Vec<Fact> {
-        explain::facts(at)
-    }
-
-    fn readouts(&self, at: &At<'_, Self>) -> Vec<Readout> {
-        explain::readouts(at)
-    }
-
-    fn draw(&self, at: &At<'_, Self>, scene: &mut Scene) {
-        explain::draw(at, scene);
-    }
-
-    fn advice(&self, is_kept: bool) -> &'static str {
-        if is_kept {
-            "The filter knows shape and texture, so colours of the background do not attract it; it has no scale, and a velocity is \
-             not predicted."
-        } else {
-            "Between two frames the object left the window of the filter, was hidden for long, or changed faster than the learning rate \
-             follows. A larger window reaches farther."
         }
     }
 }

@@ -7,11 +7,11 @@ use std::sync::Arc;
 use crate::base::{Observer, effort};
 use crate::data::{Clip, Frame};
 use crate::geometry::Bounds;
-use crate::methods::region::color::{Binning, Bins, ColorSpace, Histogram, add_kernel, ellipse_rows};
-use crate::methods::region::{At, RegionModel, Settings, Similarity};
+use crate::methods::region::color::{Binning, Bins, ColorBins, Histogram, add_kernel, ellipse_rows};
+use crate::methods::region::{RegionModel, Settings, Similarity};
 use crate::products::{Region, RegionFrame};
 use crate::run::{Info, Need};
-use crate::scene::{Fact, Name, Readout, Scene, Sentence};
+use crate::scene::Name;
 use crate::{choices, params, pseudocode};
 
 choices! {
@@ -29,10 +29,8 @@ params! {
     pub struct MeanShift {
         /// Region and frames.
         settings: Settings = Settings::default();
-        /// Colour channels of the histograms.
-        channels: ColorSpace = ColorSpace::Rgb;
-        /// Bins along each axis of the colour space. Few bins tolerate noise and changes of light, many tell similar colours apart.
-        bins: usize = 16, 2..=32;
+        /// Bins of the histograms.
+        colors: ColorBins = ColorBins::default();
         /// Treatment of colours that the surroundings of the object have too.
         background: Background = Background::Ignored;
         /// Try an ellipse 10 % smaller and one 10 % larger in each frame, and move a tenth of the way to the best size.
@@ -255,7 +253,7 @@ impl RegionModel for MeanShift {
     }
 
     fn begin(&self, frame: &Arc<Frame>, region: Region, observer: &mut impl Observer<Event>) -> (Model, f32) {
-        let binning = Binning::new(self.channels, self.bins, frame);
+        let binning = self.colors.of(frame);
         let own = Histogram::of_ellipse(frame, binning, region);
         observer.see(|| Event::Modelled(Arc::new(own.clone())));
         if self.background == Background::Ignored {
@@ -297,7 +295,7 @@ impl RegionModel for MeanShift {
 
     fn need(&self, clip: &Clip) -> Need {
         // The bins of a frame; in a walk the weights shown too.
-        let histograms = 16.0 * (self.bins.pow(3) as f64);
+        let histograms = 16.0 * (self.colors.most() as f64);
         Need::per_pixel(clip, [2.0, 8.0]).and([histograms, 4.0 * histograms])
     }
 
@@ -312,38 +310,6 @@ impl RegionModel for MeanShift {
             Event::Weighed(..) => line::WEIGH,
             Event::Shifted(..) => line::SHIFT,
             Event::Scaled(_) => line::CHOOSE_SIZE,
-        }
-    }
-
-    fn sentence(&self, at: &At<'_, Self>) -> Sentence {
-        self.said(at)
-    }
-
-    fn facts(&self, at: &At<'_, Self>) -> Vec<Fact> {
-        explain::facts(at)
-    }
-
-    fn readouts(&self, at: &At<'_, Self>) -> Vec<Readout> {
-        explain::readouts(at)
-    }
-
-    fn draw(&self, at: &At<'_, Self>, scene: &mut Scene) {
-        explain::draw(at, scene);
-    }
-
-    fn advice(&self, is_kept: bool) -> &'static str {
-        match (is_kept, self.background) {
-            (true, Background::Ignored) => {
-                "Mean shift follows the colours, not the shape: a background of like colour would attract the ellipse, which the \
-                 background-weighted histogram resists."
-            }
-            (true, Background::Weighted) => {
-                "The colours that only the object has led the ellipse; they were learned in the first frame and are not updated."
-            }
-            (false, _) => {
-                "The object left the ellipse between two frames, was hidden, or passed a background of like colour. A particle filter \
-                 keeps several hypotheses and a velocity, which mean shift has not."
-            }
         }
     }
 }

@@ -8,11 +8,11 @@ use std::sync::Arc;
 
 use crate::base::Observer;
 use crate::data::{Clip, Frame};
-use crate::methods::region::color::{Binning, Bins, ColorSpace, Histogram};
-use crate::methods::region::{At, RegionModel, Settings, Similarity};
+use crate::methods::region::color::{Bins, ColorBins, Histogram};
+use crate::methods::region::{RegionModel, Settings, Similarity};
 use crate::products::{Region, RegionFrame};
 use crate::run::{Info, Need};
-use crate::scene::{Fact, Name, Readout, Scene, Sentence};
+use crate::scene::Name;
 use crate::{choices, params, pseudocode};
 
 use cloud::{Draw, Estimate, Particle};
@@ -39,10 +39,8 @@ params! {
         process_noise: f32 = 2.0, 0.0..=30.0, "px/frame²";
         /// Standard deviation of the change of scale.
         scale_noise: f32 = 1.0, 0.0..=10.0, "%/frame";
-        /// Colour channels of the histograms.
-        channels: ColorSpace = ColorSpace::Rgb;
-        /// Bins along each axis of the colour space.
-        bins: usize = 8, 2..=32;
+        /// Bins of the histograms.
+        colors: ColorBins = ColorBins { bins: 8, ..ColorBins::default() };
         /// Factor λ of the likelihood exp(−λ (1 − ρ)). Large values let few particles survive, small ones many that fit badly.
         lambda: f32 = 20.0, 1.0..=200.0;
         /// Pixels of the ellipse of a particle that its histogram counts, denser in the middle as the Epanechnikov kernel weighs.
@@ -196,7 +194,7 @@ impl RegionModel for ParticleFilter {
     }
 
     fn begin(&self, frame: &Arc<Frame>, region: Region, observer: &mut impl Observer<Event>) -> (Model, f32) {
-        let binning = Binning::new(self.channels, self.bins, frame);
+        let binning = self.colors.of(frame);
         let histogram = Arc::new(Histogram::of_ellipse(frame, binning, region));
         observer.see(|| Event::Modelled(Arc::clone(&histogram)));
         let particles = Arc::new(cloud::scatter(self.draw_of(0), self.particles, region, SPREAD));
@@ -251,7 +249,7 @@ impl RegionModel for ParticleFilter {
     fn need(&self, clip: &Clip) -> Need {
         // The bins of a frame, and particles; in a walk those of each event.
         let particles = (self.particles * size_of::<Particle>()) as f64;
-        let histograms = 16.0 * (self.bins.pow(3) as f64);
+        let histograms = 16.0 * (self.colors.most() as f64);
         Need::per_pixel(clip, [2.0, 4.0]).and([4.0 * particles + histograms, 16.0 * particles + 4.0 * histograms])
     }
 
@@ -268,32 +266,6 @@ impl RegionModel for ParticleFilter {
             Event::Estimated(..) => line::ESTIMATE,
             Event::Counted(..) => line::COUNT,
             Event::Resampled(_) => line::RESAMPLE,
-        }
-    }
-
-    fn sentence(&self, at: &At<'_, Self>) -> Sentence {
-        self.said(at)
-    }
-
-    fn facts(&self, at: &At<'_, Self>) -> Vec<Fact> {
-        explain::facts(at)
-    }
-
-    fn readouts(&self, at: &At<'_, Self>) -> Vec<Readout> {
-        self.shown(at)
-    }
-
-    fn draw(&self, at: &At<'_, Self>, scene: &mut Scene) {
-        explain::draw(at, scene);
-    }
-
-    fn advice(&self, is_kept: bool) -> &'static str {
-        if is_kept {
-            "Particles on other hypotheses survived while the likelihood was ambiguous, and the velocity carried them through occlusions. \
-             More particles or less process noise make the estimate steadier."
-        } else {
-            "No particle was near the object when it could be seen again. More particles or more process noise cover more of the picture; a \
-             smaller λ lets more hypotheses survive."
         }
     }
 }

@@ -3,6 +3,7 @@
 mod consistent;
 mod explain;
 mod matrices;
+mod modes;
 mod sensors;
 
 use std::collections::BTreeSet;
@@ -12,7 +13,7 @@ use super::{is_far_outside, object_of};
 use crate::base::{Error, Observer};
 use crate::data::{Clip, Detection};
 use crate::methods::{
-    kalman::{Filter, Measurement, MotionModel, chi_square},
+    kalman::{Filter, Measurement, MotionModel, Noises, Nonlinear, chi_square},
     multi_object::{
         Extent,
         source::{Detector, Noise, Source, SourceSettings, center, default_detector, truth_of},
@@ -59,8 +60,11 @@ params! {
         /// Standard deviation of the acceleration; with the constant acceleration model, of its change per frame. Raise it if NIS lies
         /// above its band.
         process_noise: f32 = 3.0, 0.0..=50.0, "px/frame²";
-        /// Standard deviation of the change of the turn rate. Used with motion = turn only.
+        /// Standard deviation of the change of the turn rate. Used where the motion is a coordinated turn or has one as a mode.
         turn_noise: f32 = 0.5, 0.0..=45.0, "°/frame²";
+        /// Probability that the object changes its mode from one frame to the next. Small values trust the present mode and react late to a
+        /// turn. Used with motion = imm only.
+        mode_switch: f32 = 0.05, 0.001..=0.5;
         /// Standard deviation of a measured position along each axis: the root of the diagonal of R. Lower values trust measurements more.
         measurement_noise: f32 = 2.0, 0.01..=100.0, "px";
         /// Source of the detections.
@@ -95,7 +99,8 @@ params! {
         initial_speed: f32 = 30.0, 0.1..=500.0, "px/frame";
         /// Probability inside the drawn covariance ellipses.
         confidence: Confidence = Confidence::NinetyFive;
-        /// Smooth backward at the end (RTS smoother), so that each estimate uses later measurements too. With hindsight (non-causal).
+        /// Smooth backward at the end (RTS smoother), so that each estimate uses later measurements too. With hindsight (non-causal). Not with
+        /// motion = imm.
         smooth: bool = true;
     }
     renamed {
@@ -106,8 +111,12 @@ params! {
     }
     advanced { "seed", "gate", "occlusion-start", "occlusion-frames", "max-age", "initial-speed" }
     when {
-        "turn-noise": |p| p.motion == MotionModel::Turn,
+        "turn-noise": |p| p.motion.turns(),
             "Turn noise has no effect unless the motion is a coordinated turn.";
+        "mode-switch": |p| p.motion == MotionModel::Interacting,
+            "The probability of a switch has no effect unless the motion has modes.";
+        "smooth": |p| p.motion != MotionModel::Interacting,
+            "Smoothing has no effect on interacting modes: the smoother has one motion model.";
         "detector": |p| matches!(p.source, Source::Auto | Source::Moving),
             "The detector has no effect with this source of detections.";
         "added-noise": |p| matches!(p.source, Source::Auto | Source::Truth),
@@ -183,6 +192,10 @@ impl FrameRecord {
 /// An event of a frame.
 #[derive(Clone, Debug)]
 pub enum Event {
+    /// The interacting modes before they are mixed.
+    Mixed(Box<Filter>),
+    /// The estimate from which sigma points are drawn.
+    Drawn(Box<Filter>),
     /// The estimate before and after the prediction.
     Predicted(Box<[Filter; 2]>),
     /// The detections and the measurements of the object.
@@ -191,6 +204,8 @@ pub enum Event {
     Gated(Box<Gated>),
     /// An accepted measurement and the updated estimate.
     Updated(Box<(Gated, Filter)>),
+    /// The same with interacting modes: their probabilities.
+    Weighed(Box<(Gated, Filter)>),
     /// A track starts with a measurement, one of this many detections.
     Begun(Box<Filter>, usize),
     /// No accepted measurement: the prediction, if there is a track.
@@ -243,6 +258,11 @@ impl Gated {
 }
 
 impl KalmanFilter {
+    /// Whether frames are smoothed backward.
+    fn smooths(&self) -> bool {
+        self.smooth && self.motion != MotionModel::Interacting
+    }
+
     /// Gates a measurement and updates the filter if it is accepted.
     fn take(
         &self,
@@ -260,6 +280,9 @@ impl KalmanFilter {
             return None;
         }
         observer.see(|| Event::Updated(Box::new((gated, updated))));
+        if updated.modes().is_some() {
+            observer.see(|| Event::Weighed(Box::new((gated, updated))));
+        }
         Some(updated)
     }
 
@@ -271,6 +294,13 @@ impl KalmanFilter {
     ) -> Result<FrameRecord, Error> {
         let t = state.span.first + state.records.len();
         let predicted = state.filter.map(|before| {
+            match before {
+                Filter::Interacting(..) => observer.see(|| Event::Mixed(Box::new(before))),
+                Filter::Turn(turn, _) if turn.prediction == Nonlinear::Unscented => {
+                    observer.see(|| Event::Drawn(Box::new(before)));
+                }
+                _ => {}
+            }
             let predicted = before.predicted();
             observer.see(|| Event::Predicted(Box::new([before, predicted])));
             predicted
@@ -319,7 +349,11 @@ impl KalmanFilter {
             observer.see(|| Event::Missed(None));
             return Ok(None);
         };
-        let model = self.motion.model(self.process_noise, self.turn_noise);
+        let model = self.motion.model(Noises {
+            acceleration: self.process_noise,
+            turn_deg: self.turn_noise,
+            switch: self.mode_switch,
+        });
         let filter = Filter::begun(model, &first.measurement, f64::from(self.initial_speed));
         observer.see(|| Event::Begun(Box::new(filter), observed.detections.len()));
         (state.filter, state.missed, state.extent, record.begins) = (Some(filter), 0, None, true);
@@ -381,11 +415,14 @@ fn nearest_object(clip: &Clip, t: usize, place: [f64; 2]) -> Result<Option<u32>,
 
 pseudocode! {
     EACH_FRAME: "for each frame t",
+    MIX: "  motion = imm: mix the modes, μ(i|j) ← p(ij) μ(i) / Σ p(ij) μ(i), x(j), P(j) ← moments of all modes with these weights",
+    DRAW: "  motion = unscented-turn: sigma points χ ← x, x ± c columns of L with P = L L^T; x, P ← moments of f(χ), plus Q",
     PREDICT: "  predict by the motion model: x ← f(x), P ← F P F^T + Q",
     MEASURE: "  z ← measurement of frame t, if there is one",
     BEGIN_OBJECT: "  no track: start one, x ← z with velocity 0, P ← diag(σ²) of measurement and initial-speed",
     GATE: "  gate: ν ← z − H x, S ← H P H^T + R; accept if d² = ν^T S⁻¹ ν ≤ γ",
     UPDATE: "  update: K ← P H^T S⁻¹, x ← x + K ν, P ← (I − K H) P (I − K H)^T + K R K^T",
+    WEIGH_MODES: "  motion = imm: μ(j) ← μ(j) N(ν(j); 0, S(j)), to a sum of 1; x, P ← moments of the modes with weights μ",
     COAST_OR_END: "  no measurement accepted: coast with the predicted x, P; delete if missed > max-age frames",
     EACH_FRAME_BACK: "for each frame t, backward",
     SMOOTH: "  smooth: C ← P F^T P⁻¹(t+1|t), x ← x + C (x(t+1) − x(t+1|t)), P ← P + C (P(t+1) − P(t+1|t)) C^T",
@@ -399,7 +436,9 @@ impl Estimator for KalmanFilter {
         summary: "Estimates position and velocity of one object: predicts with a motion model and updates with measurements inside the gate.",
         source: "R. E. Kalman, A new approach to linear filtering and prediction problems, Journal of Basic Engineering 82, 1960; \
                  models, gate and consistency: Y. Bar-Shalom, X. R. Li and T. Kirubarajan, Estimation with applications to \
-                 tracking and navigation, 2001; smoothing: H. E. Rauch, F. Tung and C. T. Striebel, AIAA Journal 3, 1965",
+                 tracking and navigation, 2001; smoothing: H. E. Rauch, F. Tung and C. T. Striebel, AIAA Journal 3, 1965; sigma points: S. J. Julier and \
+                 J. K. Uhlmann, Proceedings of the IEEE 92, 2004; interacting modes: H. A. P. Blom and Y. Bar-Shalom, IEEE Transactions on \
+                 Automatic Control 33, 1988",
         pseudocode: line::ALL,
         granularities: &["clip", "pass", "frame", "step"],
         frames: 2,
@@ -453,16 +492,16 @@ impl Estimator for KalmanFilter {
         if !state.span.is_over(clip, state.span.first + state.records.len()) {
             return Ok(Progress::More);
         }
-        state.back = self.smooth.then_some(0);
-        Ok(if self.smooth { Progress::More } else { Progress::Done })
+        state.back = self.smooths().then_some(0);
+        Ok(if self.smooths() { Progress::More } else { Progress::Done })
     }
 
     fn units(&self, state: &State) -> Option<usize> {
-        state.span.frames().map(|frames| if self.smooth { 2 * frames } else { frames })
+        state.span.frames().map(|frames| if self.smooths() { 2 * frames } else { frames })
     }
 
     fn place(&self, state: &State) -> Vec<Granularity> {
-        let passes = Some(if self.smooth { 2 } else { 1 });
+        let passes = Some(if self.smooths() { 2 } else { 1 });
         let (pass, done) = state.back.map_or((0, state.records.len()), |done| (1, done));
         let clip = Granularity { index: 0, of: Some(1) };
         vec![clip, Granularity { index: pass, of: passes }, Granularity { index: done, of: state.span.frames() }]

@@ -10,7 +10,7 @@ use crate::base::{Error, Observer};
 use crate::data::{Clip, Detection};
 use crate::geometry::Bounds;
 use crate::methods::{
-    kalman::{Filter, Measurement, Model, MotionModel},
+    kalman::{Filter, Measurement, Model, MotionModel, Noises},
     multi_object::{
         Extent,
         lifecycle::{Rules, TrackAge},
@@ -25,6 +25,9 @@ use crate::scene::{Chart, Focus, Role, Scene, Step};
 use crate::{choices, params, pseudocode};
 
 pub use association::Costs;
+
+/// Probability that an object changes its mode from one frame to the next, where the motion has modes.
+const MODE_SWITCH: f32 = 0.05;
 
 choices! {
     /// The assignment method.
@@ -58,7 +61,7 @@ params! {
         /// Standard deviation of the acceleration, in px/frame² per px of box height; with the constant acceleration model, of its change
         /// per frame.
         process_noise: f32 = 0.02, 0.0..=2.0;
-        /// Standard deviation of the change of the turn rate. Used with motion = turn only.
+        /// Standard deviation of the change of the turn rate. Used where the motion is a coordinated turn or has one as a mode.
         turn_noise: f32 = 0.5, 0.0..=45.0, "°/frame²";
         /// Standard deviation of a detected position along each axis, as a share of the box height.
         measurement_noise: f32 = 0.1, 0.001..=2.0;
@@ -92,7 +95,7 @@ params! {
     }
     advanced { "cascade", "score-threshold", "recover", "partial" }
     when {
-        "turn-noise": |p| p.motion == MotionModel::Turn,
+        "turn-noise": |p| p.motion.turns(),
             "Turn noise has no effect unless the motion is a coordinated turn.";
         "gate": |p| p.cost != PairCost::Overlap,
             "The gate has no effect where the cost is the overlap of boxes alone.";
@@ -202,7 +205,8 @@ impl KalmanTracker {
 
     /// Returns the motion model of an object of this size.
     fn model(&self, extent: &Extent) -> Model {
-        self.motion.model(self.process_noise * extent.height_px() as f32, self.turn_noise)
+        let acceleration = self.process_noise * extent.height_px() as f32;
+        self.motion.model(Noises { acceleration, turn_deg: self.turn_noise, switch: MODE_SWITCH })
     }
 
     /// Returns a track after a missed frame; `None` if it is deleted.

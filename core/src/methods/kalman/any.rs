@@ -2,7 +2,9 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use super::{Acceleration, Estimate, Motion, Sensor, Turn, Velocity, smoothed};
+use super::interacting::{Interacting, Mixing, Modes, ModesUpdate};
+use super::unscented::SigmaPoints;
+use super::{Acceleration, Estimate, Motion, Nonlinear, Sensor, Turn, Velocity, smoothed};
 use crate::choices;
 use crate::geometry::Grid;
 
@@ -15,6 +17,8 @@ pub enum Filter {
     Acceleration(Acceleration, Estimate<6>),
     /// Coordinated turn.
     Turn(Turn, Estimate<5>),
+    /// Constant velocity and coordinated turn as interacting modes.
+    Interacting(Interacting, Modes),
 }
 
 /// A motion model with its parameters.
@@ -26,6 +30,19 @@ pub enum Model {
     Acceleration(Acceleration),
     /// Coordinated turn.
     Turn(Turn),
+    /// Constant velocity and coordinated turn as interacting modes.
+    Interacting(Interacting),
+}
+
+/// The standard deviations of the process noise, and the probability of a switch of mode.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Noises {
+    /// Of the acceleration in px/frame², or of its change per frame where it is part of the state.
+    pub acceleration: f32,
+    /// Of the change of the turn rate in degrees/frame².
+    pub turn_deg: f32,
+    /// Probability that the object changes its mode from one frame to the next.
+    pub switch: f32,
 }
 
 choices! {
@@ -37,18 +54,35 @@ choices! {
         Acceleration = "acceleration" "Constant acceleration",
         /// Coordinated turn: constant speed and turn rate; nonlinear, so an extended Kalman filter.
         Turn = "turn" "Coordinated turn",
+        /// Coordinated turn with sigma points instead of the Jacobian: an unscented Kalman filter. It keeps the curvature of a fast turn.
+        Unscented = "unscented-turn" "Coordinated turn (unscented)",
+        /// Interacting multiple model: constant velocity and coordinated turn side by side, mixed by the probabilities of these modes, for
+        /// objects that turn at times.
+        Interacting = "imm" "Interacting: velocity and turn",
     }
 }
 
 impl MotionModel {
-    /// Returns the model with these standard deviations: of the acceleration in px/frame², or of its change per frame where it is
-    /// part of the state, and of the change of the turn rate in degrees/frame².
-    pub fn model(self, deviation: f32, turn_deg: f32) -> Model {
-        let deviation = f64::from(deviation);
+    /// Whether a coordinated turn is a part of it.
+    pub fn turns(self) -> bool {
+        matches!(self, Self::Turn | Self::Unscented | Self::Interacting)
+    }
+
+    /// Returns the model with its process noise.
+    pub fn model(self, noises: Noises) -> Model {
+        let acceleration = f64::from(noises.acceleration);
+        let rate_change = f64::from(noises.turn_deg).to_radians();
+        let turn = |prediction| Turn { acceleration, rate_change, prediction };
         match self {
-            Self::Velocity => Model::Velocity(Velocity { acceleration: deviation }),
-            Self::Acceleration => Model::Acceleration(Acceleration { change: deviation }),
-            Self::Turn => Model::Turn(Turn { acceleration: deviation, rate_change: f64::from(turn_deg).to_radians() }),
+            Self::Velocity => Model::Velocity(Velocity { acceleration }),
+            Self::Acceleration => Model::Acceleration(Acceleration { change: acceleration }),
+            Self::Turn => Model::Turn(turn(Nonlinear::Extended)),
+            Self::Unscented => Model::Turn(turn(Nonlinear::Unscented)),
+            Self::Interacting => Model::Interacting(Interacting {
+                velocity: Velocity { acceleration },
+                turn: turn(Nonlinear::Extended),
+                switch: f64::from(noises.switch),
+            }),
         }
     }
 }
@@ -90,24 +124,31 @@ pub struct UpdateNumbers {
     pub gain: Grid<f64>,
 }
 
-/// Evaluates `$body` with the motion and the estimate of a filter of any size.
+/// The sigma points of a prediction as positions in px: drawn and moved, the mean first, then the pairs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sigma {
+    /// The points of the estimate.
+    pub drawn: Vec<[f64; 2]>,
+    /// The points moved by the motion model.
+    pub moved: Vec<[f64; 2]>,
+    /// Their mean.
+    pub mean: [f64; 2],
+}
+
+/// The initial probability of each mode.
+const INITIAL_PROBABILITY: f64 = 0.5;
+
+/// Evaluates `$body` with the motion and the estimate of a filter of any size; of interacting modes with the combined estimate.
 macro_rules! with {
     ($filter:expr, |$motion:ident, $estimate:ident| $body:expr) => {
         match $filter {
             Filter::Velocity($motion, $estimate) => $body,
             Filter::Acceleration($motion, $estimate) => $body,
             Filter::Turn($motion, $estimate) => $body,
-        }
-    };
-}
-
-/// Returns the filter with the estimate `$body`, made of its motion and estimate.
-macro_rules! map {
-    ($filter:expr, |$motion:ident, $estimate:ident| $body:expr) => {
-        match $filter {
-            Filter::Velocity($motion, $estimate) => Filter::Velocity(*$motion, $body),
-            Filter::Acceleration($motion, $estimate) => Filter::Acceleration(*$motion, $body),
-            Filter::Turn($motion, $estimate) => Filter::Turn(*$motion, $body),
+            Filter::Interacting(interacting, modes) => {
+                let ($motion, $estimate) = (&interacting.velocity, &modes.combined());
+                $body
+            }
         }
     };
 }
@@ -152,6 +193,19 @@ fn update_of<const N: usize>(estimate: &Estimate<N>, measurement: &Measurement) 
     }
 }
 
+fn modes_of(modes: &Modes, measurement: &Measurement) -> Option<ModesUpdate> {
+    match measurement.velocity {
+        None => {
+            let ((straight, measured), (turning, _)) = (measurement.of_place(), measurement.of_place());
+            modes.updated((&straight, &turning), &measured)
+        }
+        Some(velocity) => {
+            let ((straight, measured), (turning, _)) = (measurement.of_both(velocity), measurement.of_both(velocity));
+            modes.updated((&straight, &turning), &measured)
+        }
+    }
+}
+
 fn distance<const N: usize, const M: usize>(
     estimate: &Estimate<N>,
     (sensor, measured): (Sensor<N, M>, SVector<f64, M>),
@@ -189,6 +243,10 @@ impl Filter {
             Model::Velocity(motion) => Self::Velocity(motion, begun(&motion, first, speed)),
             Model::Acceleration(motion) => Self::Acceleration(motion, begun(&motion, first, speed)),
             Model::Turn(motion) => Self::Turn(motion, begun(&motion, first, speed)),
+            Model::Interacting(motion) => {
+                let (velocity, turn) = (begun(&motion.velocity, first, speed), begun(&motion.turn, first, speed));
+                Self::Interacting(motion, Modes { velocity, turn, probabilities: [INITIAL_PROBABILITY; 2] })
+            }
         }
     }
 
@@ -199,14 +257,66 @@ impl Filter {
             (Self::Velocity(_, estimate), Model::Velocity(motion)) => Self::Velocity(motion, estimate),
             (Self::Acceleration(_, estimate), Model::Acceleration(motion)) => Self::Acceleration(motion, estimate),
             (Self::Turn(_, estimate), Model::Turn(motion)) => Self::Turn(motion, estimate),
+            (Self::Interacting(_, modes), Model::Interacting(motion)) => Self::Interacting(motion, modes),
             (same, _) => same,
         }
     }
 
-    /// Predicts the next frame.
+    /// Predicts the next frame; interacting modes are mixed before.
     #[must_use]
     pub fn predicted(&self) -> Self {
-        map!(self, |motion, estimate| estimate.predicted(motion).estimate)
+        match self {
+            Self::Velocity(motion, estimate) => Self::Velocity(*motion, estimate.predicted(motion).estimate),
+            Self::Acceleration(motion, estimate) => Self::Acceleration(*motion, estimate.predicted(motion).estimate),
+            Self::Turn(motion, estimate) => Self::Turn(*motion, estimate.predicted(motion).estimate),
+            Self::Interacting(motion, modes) => Self::Interacting(*motion, modes.mixed(motion).modes.predicted(motion)),
+        }
+    }
+
+    /// Returns the mixing before a prediction, of interacting modes.
+    pub fn mixing(&self) -> Option<Mixing> {
+        match self {
+            Self::Interacting(motion, modes) => Some(modes.mixed(motion)),
+            _ => None,
+        }
+    }
+
+    /// Returns the transition probabilities of interacting modes.
+    pub fn transitions(&self) -> Option<[[f64; 2]; 2]> {
+        match self {
+            Self::Interacting(motion, _) => Some(motion.transitions()),
+            _ => None,
+        }
+    }
+
+    /// Returns the probabilities of interacting modes: of constant velocity and of the turn.
+    pub fn probabilities(&self) -> Option<[f64; 2]> {
+        match self {
+            Self::Interacting(_, modes) => Some(modes.probabilities),
+            _ => None,
+        }
+    }
+
+    /// Returns the filters of interacting modes: constant velocity and turn.
+    pub fn modes(&self) -> Option<[Self; 2]> {
+        match *self {
+            Self::Interacting(motion, modes) => {
+                Some([Self::Velocity(motion.velocity, modes.velocity), Self::Turn(motion.turn, modes.turn)])
+            }
+            _ => None,
+        }
+    }
+
+    /// Returns the sigma points of a prediction; `None` where it does not use them.
+    pub fn sigma(&self) -> Option<Sigma> {
+        let Self::Turn(motion, estimate) = self else { return None };
+        let drawn = motion.is_unscented().then(|| SigmaPoints::of(estimate)).flatten()?;
+        let moved = drawn.moved(motion);
+        let places = |of: &SigmaPoints<5>| {
+            std::iter::once(&of.center).chain(of.pairs.iter().flatten()).map(|point| [point[0], point[1]]).collect()
+        };
+        let mean = moved.moments().state;
+        Some(Sigma { drawn: places(&drawn), moved: places(&moved), mean: [mean[0], mean[1]] })
     }
 
     /// Updates the estimate with a measurement and returns its squared Mahalanobis distance too; `None` where the innovation
@@ -225,7 +335,19 @@ impl Filter {
                 let (estimate, squared) = update_of(estimate, measurement)?;
                 (Self::Turn(*motion, estimate), squared)
             }
+            Self::Interacting(motion, modes) => {
+                let squared = self.squared_distance(measurement)?;
+                (Self::Interacting(*motion, modes_of(modes, measurement)?.modes), squared)
+            }
         })
+    }
+
+    /// Returns the natural logarithms of the likelihoods of a measurement in interacting modes.
+    pub fn log_likelihoods(&self, measurement: &Measurement) -> Option<[f64; 2]> {
+        match self {
+            Self::Interacting(_, modes) => Some(modes_of(modes, measurement)?.log_likelihoods),
+            _ => None,
+        }
     }
 
     /// Returns the squared Mahalanobis distance of a measurement; `None` where [`Filter::updated`] is.
@@ -236,7 +358,7 @@ impl Filter {
         })
     }
 
-    /// Smooths the estimate with the smoothed one of the next frame (RTS).
+    /// Smooths the estimate with the smoothed one of the next frame (RTS); `None` for interacting modes, which this smoother is not for.
     pub fn smoothed(&self, next: &Filter) -> Option<Self> {
         match (self, next) {
             (Self::Velocity(motion, estimate), Self::Velocity(_, next)) => {
@@ -297,7 +419,7 @@ impl Filter {
         with!(self, |_motion, estimate| grid(&estimate.covariance))
     }
 
-    /// Returns the matrices of [`Filter::predicted`].
+    /// Returns the matrices of [`Filter::predicted`]; of interacting modes those of constant velocity.
     pub fn prediction_numbers(&self) -> PredictionNumbers {
         with!(self, |motion, estimate| {
             let prediction = estimate.predicted(motion);
@@ -305,7 +427,7 @@ impl Filter {
         })
     }
 
-    /// Returns the matrices of [`Filter::updated`].
+    /// Returns the matrices of [`Filter::updated`]; of interacting modes, each of which has a gain of its own, those of the combined estimate.
     pub fn update_numbers(&self, measurement: &Measurement) -> Option<UpdateNumbers> {
         with!(self, |_motion, estimate| match measurement.velocity {
             None => numbers_of(estimate, measurement.of_place()),

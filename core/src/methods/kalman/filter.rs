@@ -2,7 +2,7 @@
 
 use nalgebra::{Cholesky, Const, SMatrix, SVector};
 
-use super::Motion;
+use super::{Motion, unscented};
 
 /// A state estimate of dimension `N`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,7 +16,7 @@ pub struct Estimate<const N: usize> {
 /// A prediction and its matrices.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prediction<const N: usize> {
-    /// State transition F; the Jacobian of a nonlinear motion.
+    /// State transition F; of a nonlinear motion the Jacobian, or the statistical linearisation by sigma points.
     pub transition: SMatrix<f64, N, N>,
     /// Process noise covariance Q.
     pub noise: SMatrix<f64, N, N>,
@@ -62,9 +62,23 @@ pub struct Update<const N: usize, const M: usize> {
     pub estimate: Estimate<N>,
 }
 
+impl<const M: usize> Innovation<M> {
+    /// Returns the natural logarithm of the likelihood of the measurement, of N(ν; 0, S).
+    pub fn log_likelihood(&self) -> f64 {
+        let log_determinant: f64 = 2.0 * self.factor.l_dirty().diagonal().map(f64::ln).sum();
+        -0.5 * (self.squared_distance + log_determinant + M as f64 * std::f64::consts::TAU.ln())
+    }
+}
+
 impl<const N: usize> Estimate<N> {
-    /// Predicts the next frame: x ← f(x), P ← F P Fᵀ + Q.
+    /// Predicts the next frame: x ← f(x), P ← F P Fᵀ + Q; or by sigma points, where the motion asks for them and P is positive definite.
     pub fn predicted(&self, motion: &impl Motion<N>) -> Prediction<N> {
+        let by_points = motion.is_unscented().then(|| unscented::predicted(self, motion)).flatten();
+        by_points.unwrap_or_else(|| self.linearised(motion))
+    }
+
+    /// Predicts by the Jacobian of the motion.
+    fn linearised(&self, motion: &impl Motion<N>) -> Prediction<N> {
         let (transition, noise) = (motion.transition(&self.state), motion.noise());
         let covariance = transition * self.covariance * transition.transpose() + noise;
         let estimate = Estimate { state: motion.moved(&self.state), covariance: symmetric(covariance) };
@@ -107,7 +121,7 @@ impl<const N: usize> Estimate<N> {
 }
 
 /// Symmetrises a covariance against rounding.
-fn symmetric<const N: usize>(matrix: SMatrix<f64, N, N>) -> SMatrix<f64, N, N> {
+pub(super) fn symmetric<const N: usize>(matrix: SMatrix<f64, N, N>) -> SMatrix<f64, N, N> {
     (matrix + matrix.transpose()) * 0.5
 }
 

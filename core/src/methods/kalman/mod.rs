@@ -5,9 +5,12 @@ mod any;
 pub mod chi_square;
 mod ellipse;
 mod filter;
+pub mod interacting;
 mod motion;
+pub mod unscented;
 
-pub use any::{Filter, Measurement, Model, MotionModel, PredictionNumbers, UpdateNumbers};
+pub use any::{Filter, Measurement, Model, MotionModel, Noises, PredictionNumbers, Sigma, UpdateNumbers};
 pub use ellipse::ellipse;
 pub use filter::{Estimate, Innovation, Prediction, Sensor, Smoothed, Update, smoothed};
-pub use motion::{Acceleration, Motion, Turn, Velocity};
+pub use interacting::{Interacting, Mixing, Modes};
+pub use motion::{Acceleration, Motion, Nonlinear, Turn, Velocity};

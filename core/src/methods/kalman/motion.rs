@@ -16,6 +16,11 @@ pub trait Motion<const N: usize> {
     /// Returns the process noise covariance Q.
     fn noise(&self) -> SMatrix<f64, N, N>;
 
+    /// Returns whether the prediction uses sigma points instead of the Jacobian.
+    fn is_unscented(&self) -> bool {
+        false
+    }
+
     /// Returns the initial standard deviations of the components that a position does not measure.
     fn initial_deviations(&self, speed: f64) -> [f64; N];
 }
@@ -35,13 +40,24 @@ pub struct Acceleration {
 }
 
 /// Coordinated turn: constant speed and turn rate with noise on both (Bar-Shalom, section 11.7.1). Nonlinear: the filter is an
-/// extended Kalman filter.
+/// extended or an unscented Kalman filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turn {
     /// Standard deviation of the acceleration in px/frame².
     pub acceleration: f64,
     /// Standard deviation of the change of the turn rate in radians/frame².
     pub rate_change: f64,
+    /// The prediction through the nonlinear motion.
+    pub prediction: Nonlinear,
+}
+
+/// The prediction of mean and covariance through a nonlinear motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Nonlinear {
+    /// By the Jacobian at the mean: the extended Kalman filter.
+    Extended,
+    /// By sigma points: the unscented Kalman filter.
+    Unscented,
 }
 
 /// Returns Q = G Gᵀ σ² of noise σ that enters position, velocity and so on by `gains` = G, alike in x and y.
@@ -162,6 +178,10 @@ impl Motion<5> for Turn {
         noise
     }
 
+    fn is_unscented(&self) -> bool {
+        self.prediction == Nonlinear::Unscented
+    }
+
     fn initial_deviations(&self, speed: f64) -> [f64; 5] {
         // A quarter of a turn in some ten frames.
         [0.0, 0.0, speed, speed, 0.15]
@@ -176,7 +196,7 @@ mod tests {
 
     #[test]
     fn a_turn_keeps_its_speed_and_closes() {
-        let turn = Turn { acceleration: 1.0, rate_change: 0.1 };
+        let turn = Turn { acceleration: 1.0, rate_change: 0.1, prediction: Nonlinear::Extended };
         let start = Vector5::new(3.0, -2.0, 4.0, 1.0, std::f64::consts::TAU / 40.0);
         let mut state = start;
         for _ in 0..40 {
@@ -188,7 +208,7 @@ mod tests {
 
     #[test]
     fn the_jacobian_is_the_derivative() {
-        let turn = Turn { acceleration: 1.0, rate_change: 0.1 };
+        let turn = Turn { acceleration: 1.0, rate_change: 0.1, prediction: Nonlinear::Extended };
         for rate in [-0.7, -1e-4, 0.0, 1e-7, 0.02, 1.3] {
             let state = Vector5::new(5.0, 7.0, -3.0, 2.0, rate);
             let jacobian = turn.transition(&state);
@@ -203,7 +223,10 @@ mod tests {
 
     #[test]
     fn a_turn_of_none_is_constant_velocity() {
-        let (turn, velocity) = (Turn { acceleration: 2.0, rate_change: 0.1 }, Velocity { acceleration: 2.0 });
+        let (turn, velocity) = (
+            Turn { acceleration: 2.0, rate_change: 0.1, prediction: Nonlinear::Extended },
+            Velocity { acceleration: 2.0 },
+        );
         let moved = turn.moved(&Vector5::new(1.0, 2.0, 3.0, 4.0, 0.0));
         assert_eq!(moved.fixed_rows::<4>(0), velocity.moved(&Vector4::new(1.0, 2.0, 3.0, 4.0)));
         assert_eq!(turn.noise().fixed_view::<4, 4>(0, 0), velocity.noise());

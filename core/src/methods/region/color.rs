@@ -1,10 +1,10 @@
 //! Colour histograms: the bins of pixels, and histograms of ellipses weighted by the Epanechnikov kernel.
 
 use crate::base::effort;
-use crate::choices;
 use crate::data::Frame;
 use crate::geometry::{Bounds, Grid};
 use crate::products::Region;
+use crate::{choices, params};
 
 choices! {
     /// Colour space of a histogram. Frames without colour have a histogram of gray levels.
@@ -13,6 +13,32 @@ choices! {
         Rgb = "rgb" "RGB",
         /// Hue and saturation, without brightness: tolerates changes of light.
         HueSaturation = "hue-saturation" "Hue–saturation",
+    }
+}
+
+params! {
+    /// The bins of a colour histogram.
+    pub struct ColorBins {
+        /// Colour channels of the histograms.
+        channels: ColorSpace = ColorSpace::Rgb;
+        /// Bins along each axis of the colour space. Few bins tolerate noise and changes of light, many tell similar colours apart.
+        bins: usize = 16, 2..=32;
+    }
+}
+
+impl ColorBins {
+    /// The binning of a frame: of gray levels where it has no colour.
+    pub(crate) fn of(&self, frame: &Frame) -> Binning {
+        match (frame.color(), self.channels) {
+            (None, _) => Binning::Gray(self.bins),
+            (Some(_), ColorSpace::Rgb) => Binning::Rgb(self.bins),
+            (Some(_), ColorSpace::HueSaturation) => Binning::HueSaturation(self.bins),
+        }
+    }
+
+    /// The largest number of bins of a histogram.
+    pub(crate) fn most(&self) -> usize {
+        Binning::Rgb(self.bins).count()
     }
 }
 
@@ -33,15 +59,6 @@ pub(crate) enum Binning {
 }
 
 impl Binning {
-    /// The binning of a colour space with `bins` along each axis, or of gray levels where a frame has no colour.
-    pub(crate) fn new(space: ColorSpace, bins: usize, frame: &Frame) -> Self {
-        match (frame.color(), space) {
-            (None, _) => Self::Gray(bins),
-            (Some(_), ColorSpace::Rgb) => Self::Rgb(bins),
-            (Some(_), ColorSpace::HueSaturation) => Self::HueSaturation(bins),
-        }
-    }
-
     /// Number of bins.
     pub(crate) fn count(self) -> usize {
         match self {

@@ -1,7 +1,7 @@
 //! What all trackers of a region explain alike: the start, the result of a frame, the conclusion of the run.
 
 use super::start::Origin;
-use super::{At, Event, RegionModel, RegionTracking, State, line, plots};
+use super::{At, Event, Explained, RegionTracking, State, line, plots};
 use crate::base::words::{fixed, place};
 use crate::data::Clip;
 use crate::methods::numbers::{px, ratio};
@@ -18,7 +18,7 @@ fn size([width, height]: [f32; 2]) -> String {
     format!("{}×{} px", px(width.into()), px(height.into()))
 }
 
-impl<T: RegionModel> RegionTracking<T> {
+impl<T: Explained> RegionTracking<T> {
     pub(super) fn line_of(&self, event: &Event<T::Event>) -> Name {
         match event {
             Event::Chosen | Event::Refused => line::CHOOSE,
@@ -219,7 +219,7 @@ fn errors<M>(clip: &Clip, state: &State<M>) -> Vec<RegionError> {
 }
 
 /// The error of the frame that has just ended, where the truth is known.
-fn error_of_last<T: RegionModel>(seen: &Seen<RegionTracking<T>>) -> Option<RegionError> {
+fn error_of_last<T: Explained>(seen: &Seen<RegionTracking<T>>) -> Option<RegionError> {
     let after = seen.after?;
     after.field().error_of(seen.clip, after.past.len().checked_sub(1)?).ok().flatten()
 }

@@ -80,7 +80,10 @@ pub trait RegionModel: Params + Default + Clone + Send + Sync + 'static {
 
     /// The line of pseudocode of an event.
     fn line(&self, event: &Self::Event) -> Name;
+}
 
+/// The explanation of a tracker of a region.
+pub trait Explained: RegionModel {
     /// What happened, and why.
     fn sentence(&self, at: &At<'_, Self>) -> Sentence;
 
@@ -171,7 +174,7 @@ impl<T: RegionModel> RegionTracking<T> {
     }
 }
 
-impl<T: RegionModel> Estimator for RegionTracking<T> {
+impl<T: Explained> Estimator for RegionTracking<T> {
     const INFO: Info = T::INFO;
     const GUARANTEE: Guarantee = Guarantee::Region;
     const CHARTS: &'static [Chart] = T::CHARTS;
@@ -265,7 +268,7 @@ impl<T: RegionModel> Estimator for RegionTracking<T> {
     }
 }
 
-impl<T: RegionModel> Footprint<State<T::Model>> for RegionTracking<T> {
+impl<T: Explained> Footprint<State<T::Model>> for RegionTracking<T> {
     fn need(&self, clip: &Clip) -> Need {
         self.0.need(clip)
     }

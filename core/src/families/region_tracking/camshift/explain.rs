@@ -1,12 +1,12 @@
 //! The explanation and the drawing of CamShift.
 
-use super::{At, Bins, Camshift, Event, Model, Resized, Shift};
+use super::{Bins, Camshift, Event, Model, Resized, Shift};
 use crate::base::words::{fixed, grouped, place};
 use crate::data::Frame;
 use crate::geometry::{Bounds, Grid};
 use crate::methods::numbers::{px, ratio};
 use crate::methods::region::color::Area;
-use crate::methods::region::plots;
+use crate::methods::region::{At, Explained, plots};
 use crate::scene::{Arrow, Fact, Math, Picture, Readout, Role, Scene, Sentence, Shape};
 
 /// The back-projection is drawn this far around the window, in px.
@@ -20,8 +20,8 @@ fn size([width, height]: [f32; 2]) -> String {
     format!("{}×{} px", px(width.into()), px(height.into()))
 }
 
-impl Camshift {
-    pub(super) fn said(&self, at: &At<'_, Self>) -> Sentence {
+impl Explained for Camshift {
+    fn sentence(&self, at: &At<'_, Self>) -> Sentence {
         let said = Sentence::default();
         match at.event {
             Event::Modelled(model) => modelled(model, said),
@@ -37,6 +37,118 @@ impl Camshift {
         }
     }
 
+    fn facts(&self, at: &At<'_, Self>) -> Vec<Fact> {
+        match at.event {
+            Event::Shifted(_, shift) => vec![
+                Fact::new("Shift", shift.iteration.to_string(), None),
+                Fact::new("Zeroth moment M₀₀", fixed(shift.mass, 1), None),
+            ],
+            Event::Resized(_, resized) => {
+                let [xx, xy, yy] = resized.moments.covariance().unwrap_or_default();
+                vec![
+                    Fact::new("Axes", size(resized.region.size), Some(Role::Best)),
+                    Fact::new("Angle", degrees(resized.region.angle_rad), None),
+                    Fact::new("Variances along x, y", format!("{}, {} px²", fixed(xx, 1), fixed(yy, 1)), None),
+                    Fact::new("Covariance", format!("{} px²", fixed(xy, 1)), None),
+                ]
+            }
+            Event::Modelled(_) | Event::Projected(..) => Vec::new(),
+        }
+    }
+
+    fn readouts(&self, at: &At<'_, Self>) -> Vec<Readout> {
+        let moment = |index: &str| Math::indexed(Math::Var("M"), Math::text(index));
+        let ratio_of = |over: &str| Math::over(moment(over), moment("00"));
+        match at.event {
+            Event::Modelled(model) => vec![of_model(model)],
+            Event::Projected(..) => at.model.map(of_model).into_iter().collect(),
+            Event::Shifted(_, shift) => {
+                let center = shift.by.map(|by| [0, 1].map(|i| shift.window.center()[i] + by[i]));
+                let mut parts = vec![
+                    Math::text("("),
+                    Math::Var("x"),
+                    Math::text(", "),
+                    Math::Var("y"),
+                    Math::text(") = ("),
+                    ratio_of("10"),
+                    Math::text(", "),
+                    ratio_of("01"),
+                    Math::text(")"),
+                ];
+                parts.extend(center.map(|at| Math::ink(Role::Best, format!(" = {} px", place(at)))));
+                vec![Readout::Equation(vec![Math::Row(parts)])]
+            }
+            Event::Resized(_, resized) => {
+                let [xx, xy, yy] = resized.moments.covariance().unwrap_or_default();
+                let angle = Math::Row(vec![
+                    Math::text("θ = ½ atan2(2 "),
+                    Math::indexed(Math::Var("σ"), Math::Var("xy")),
+                    Math::text(", "),
+                    Math::indexed(Math::Var("σ"), Math::Var("xx")),
+                    Math::text(" − "),
+                    Math::indexed(Math::Var("σ"), Math::Var("yy")),
+                    Math::text(format!(") = ½ atan2({}, {}) = ", fixed(2.0 * xy, 1), fixed(xx - yy, 1))),
+                    Math::ink(Role::Best, degrees(resized.region.angle_rad)),
+                ]);
+                vec![Readout::Equation(vec![angle])]
+            }
+        }
+    }
+
+    fn draw(&self, at: &At<'_, Self>, scene: &mut Scene) {
+        let window = |scene: &mut Scene, Bounds { min, max }: Bounds, (role, meaning)| {
+            scene.mark(Picture::CURRENT, role, Shape::Rect { min, max });
+            scene.legend(role, meaning);
+        };
+        let (frame, around) = match at.event {
+            Event::Modelled(_) => return window(scene, at.region.bounds(), (Role::Window, "pixels of the histogram")),
+            Event::Projected(frame, around) => (frame, *around),
+            Event::Shifted(frame, shift) => (frame, shift.window),
+            Event::Resized(frame, resized) => (frame, resized.window),
+        };
+        if let Some(model) = at.model {
+            project(scene, (frame, model), around);
+        }
+        match at.event {
+            Event::Shifted(_, shift) => {
+                window(scene, shift.window, (Role::Window, "search window"));
+                let shifts = at.events.iter().filter_map(|event| match event {
+                    Event::Shifted(_, shift) => Some(shift),
+                    _ => None,
+                });
+                let arrow = |shift: &Shift| {
+                    let from = shift.window.center();
+                    shift.by.map(|by| Arrow { from, to: [from[0] + by[0], from[1] + by[1]] })
+                };
+                let arrows: Vec<_> = shifts.filter_map(arrow).collect();
+                if !arrows.is_empty() {
+                    scene.mark(Picture::CURRENT, Role::Predicted, Shape::Arrows(arrows));
+                    scene.legend(Role::Predicted, "shifts");
+                }
+                if let Some(by) = shift.by {
+                    window(scene, shift.window.moved(by), (Role::Best, "shifted window"));
+                }
+            }
+            Event::Resized(_, resized) => {
+                window(scene, resized.window, (Role::Window, "window with margin"));
+                plots::ellipse(scene, (Role::Best, "ellipse of the moments"), resized.region);
+            }
+            _ => window(scene, around, (Role::Window, "search window")),
+        }
+    }
+
+    fn advice(&self, is_kept: bool) -> &'static str {
+        if is_kept {
+            "The hue of the object stood out. On a background of like hue the window would grow over it, because every pixel with the \
+             hue counts, wherever it is."
+        } else {
+            "Pixels of like hue beside the object, or an occlusion, took the window away. Fewer colours of the background in the region, a \
+             higher minimum saturation, or mean shift with a background-weighted histogram help."
+        }
+    }
+}
+
+impl Camshift {
     fn shifted(&self, shift: &Shift, said: Sentence) -> Sentence {
         let Some(by) = shift.by else {
             return said
@@ -97,111 +209,11 @@ fn modelled(model: &Model, said: Sentence) -> Sentence {
     }
 }
 
-pub(super) fn facts(at: &At<'_, Camshift>) -> Vec<Fact> {
-    match at.event {
-        Event::Shifted(_, shift) => vec![
-            Fact::new("Shift", shift.iteration.to_string(), None),
-            Fact::new("Zeroth moment M₀₀", fixed(shift.mass, 1), None),
-        ],
-        Event::Resized(_, resized) => {
-            let [xx, xy, yy] = resized.moments.covariance().unwrap_or_default();
-            vec![
-                Fact::new("Axes", size(resized.region.size), Some(Role::Best)),
-                Fact::new("Angle", degrees(resized.region.angle_rad), None),
-                Fact::new("Variances along x, y", format!("{}, {} px²", fixed(xx, 1), fixed(yy, 1)), None),
-                Fact::new("Covariance", format!("{} px²", fixed(xy, 1)), None),
-            ]
-        }
-        Event::Modelled(_) | Event::Projected(..) => Vec::new(),
-    }
-}
-
-pub(super) fn readouts(at: &At<'_, Camshift>) -> Vec<Readout> {
-    let moment = |index: &str| Math::indexed(Math::Var("M"), Math::text(index));
-    let ratio_of = |over: &str| Math::over(moment(over), moment("00"));
-    match at.event {
-        Event::Modelled(model) => vec![of_model(model)],
-        Event::Projected(..) => at.model.map(of_model).into_iter().collect(),
-        Event::Shifted(_, shift) => {
-            let center = shift.by.map(|by| [0, 1].map(|i| shift.window.center()[i] + by[i]));
-            let mut parts = vec![
-                Math::text("("),
-                Math::Var("x"),
-                Math::text(", "),
-                Math::Var("y"),
-                Math::text(") = ("),
-                ratio_of("10"),
-                Math::text(", "),
-                ratio_of("01"),
-                Math::text(")"),
-            ];
-            parts.extend(center.map(|at| Math::ink(Role::Best, format!(" = {} px", place(at)))));
-            vec![Readout::Equation(vec![Math::Row(parts)])]
-        }
-        Event::Resized(_, resized) => {
-            let [xx, xy, yy] = resized.moments.covariance().unwrap_or_default();
-            let angle = Math::Row(vec![
-                Math::text("θ = ½ atan2(2 "),
-                Math::indexed(Math::Var("σ"), Math::Var("xy")),
-                Math::text(", "),
-                Math::indexed(Math::Var("σ"), Math::Var("xx")),
-                Math::text(" − "),
-                Math::indexed(Math::Var("σ"), Math::Var("yy")),
-                Math::text(format!(") = ½ atan2({}, {}) = ", fixed(2.0 * xy, 1), fixed(xx - yy, 1))),
-                Math::ink(Role::Best, degrees(resized.region.angle_rad)),
-            ]);
-            vec![Readout::Equation(vec![angle])]
-        }
-    }
-}
-
 /// The model over the bins.
 fn of_model(model: &Model) -> Readout {
     let lines = vec![("model q", Role::Reference, plots::bars(model.projection.iter().copied()))];
     let axis = if model.histogram.binning.name() == "hue" { "bin of hue" } else { "bin of gray levels" };
     Readout::Series(plots::histograms("Histogram of the object", [axis, "q"], lines))
-}
-
-pub(super) fn draw(at: &At<'_, Camshift>, scene: &mut Scene) {
-    let window = |scene: &mut Scene, Bounds { min, max }: Bounds, (role, meaning)| {
-        scene.mark(Picture::CURRENT, role, Shape::Rect { min, max });
-        scene.legend(role, meaning);
-    };
-    let (frame, around) = match at.event {
-        Event::Modelled(_) => return window(scene, at.region.bounds(), (Role::Window, "pixels of the histogram")),
-        Event::Projected(frame, around) => (frame, *around),
-        Event::Shifted(frame, shift) => (frame, shift.window),
-        Event::Resized(frame, resized) => (frame, resized.window),
-    };
-    if let Some(model) = at.model {
-        project(scene, (frame, model), around);
-    }
-    match at.event {
-        Event::Shifted(_, shift) => {
-            window(scene, shift.window, (Role::Window, "search window"));
-            let shifts = at.events.iter().filter_map(|event| match event {
-                Event::Shifted(_, shift) => Some(shift),
-                _ => None,
-            });
-            let arrow = |shift: &Shift| {
-                let from = shift.window.center();
-                shift.by.map(|by| Arrow { from, to: [from[0] + by[0], from[1] + by[1]] })
-            };
-            let arrows: Vec<_> = shifts.filter_map(arrow).collect();
-            if !arrows.is_empty() {
-                scene.mark(Picture::CURRENT, Role::Predicted, Shape::Arrows(arrows));
-                scene.legend(Role::Predicted, "shifts");
-            }
-            if let Some(by) = shift.by {
-                window(scene, shift.window.moved(by), (Role::Best, "shifted window"));
-            }
-        }
-        Event::Resized(_, resized) => {
-            window(scene, resized.window, (Role::Window, "window with margin"));
-            plots::ellipse(scene, (Role::Best, "ellipse of the moments"), resized.region);
-        }
-        _ => window(scene, around, (Role::Window, "search window")),
-    }
 }
 
 /// Draws the back-projection around a window as a heat map.

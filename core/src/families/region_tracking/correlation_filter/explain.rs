@@ -1,9 +1,10 @@
 //! The explanation and the drawing of the correlation filter.
 
-use super::{At, CorrelationFilter, Event, Model, Response};
-use crate::base::words::{fixed, place};
+use super::{CorrelationFilter, Event, Model, PERTURBED_SCALE, Response};
+use crate::base::words::{counted, fixed, place};
 use crate::geometry::Grid;
 use crate::methods::numbers::ratio;
+use crate::methods::region::{At, Explained};
 use crate::scene::{Arrow, Fact, Math, Picture, Readout, Role, Scene, Sentence, Shape, Surface, Tile};
 
 /// The response is drawn as a surface up to this displacement, in px.
@@ -13,19 +14,19 @@ fn psr(value: f32) -> String {
     fixed(value.into(), 2)
 }
 
-impl CorrelationFilter {
-    pub(super) fn said(&self, at: &At<'_, Self>) -> Sentence {
+impl Explained for CorrelationFilter {
+    fn sentence(&self, at: &At<'_, Self>) -> Sentence {
         let said = Sentence::default();
         match at.event {
             Event::Learned(patch, _) => said
                 .text("The ")
                 .ink(Role::Reference, "filter H*")
                 .text(format!(
-                    " is learned from a window of {}×{} px and {} of it, turned and scaled at random. It minimises the squared difference \
-                     of its response from a Gaussian of σ = {} px at the object.",
+                    " is learned from a window of {}×{} px{}. It minimises the squared difference of its response from a Gaussian of \
+                     σ = {} px at the object.",
                     patch.width(),
                     patch.height(),
-                    crate::base::words::counted(self.perturbations, "perturbation"),
+                    self.perturbed_copies(),
                     fixed(self.sigma_px.into(), 1)
                 )),
             Event::Cut(response) => {
@@ -55,6 +56,127 @@ impl CorrelationFilter {
         }
     }
 
+    fn facts(&self, at: &At<'_, Self>) -> Vec<Fact> {
+        match at.event {
+            Event::Found(response) | Event::Judged(response) => vec![
+                Fact::new("Displacement", format!("{} px", place(response.displacement)), Some(Role::Best)),
+                Fact::new("Peak", ratio(response.values[response.peak].into()), Some(Role::Best)),
+                Fact::new("Peak-to-sidelobe ratio", psr(response.psr), Some(Role::Measured)),
+            ],
+            Event::Cut(response) | Event::Responded(response) | Event::Updated(response, _) => {
+                let (width, height) = response.patch.size();
+                vec![Fact::new("Window", format!("{width}×{height} px"), Some(Role::Window))]
+            }
+            Event::Learned(..) => Vec::new(),
+        }
+    }
+
+    fn readouts(&self, at: &At<'_, Self>) -> Vec<Readout> {
+        let filter = || at.model.map(filter_tile);
+        match at.event {
+            Event::Learned(patch, model) => {
+                let numbers = |name| Math::indexed(Math::Var(name), Math::Var("i"));
+                let sum = |of: Vec<Math>| Math::Row(vec![Math::Sum(Box::new(Math::Var("i"))), Math::Row(of)]);
+                let star = |name| Math::power(numbers(name), Math::text("*"));
+                let formula = Math::Row(vec![
+                    Math::power(Math::Var("H"), Math::text("*")),
+                    Math::text(" = "),
+                    Math::over(sum(vec![numbers("G"), star("F")]), sum(vec![numbers("F"), star("F")])),
+                ]);
+                vec![Readout::Equation(vec![formula]), Readout::Tiles(vec![patch_tile(patch), filter_tile(model)])]
+            }
+            Event::Cut(response) => {
+                vec![Readout::Tiles([patch_tile(&response.patch)].into_iter().chain(filter()).collect())]
+            }
+            Event::Responded(response) | Event::Found(response) => {
+                let tiles = [patch_tile(&response.patch)].into_iter().chain(filter()).chain([response_tile(response)]);
+                vec![Readout::Tiles(tiles.collect()), Readout::Surface(surface(response))]
+            }
+            Event::Judged(response) => {
+                let [mean, deviation] = response.sidelobes;
+                let peak = response.values[response.peak];
+                let formula = Math::Row(vec![
+                    Math::text("PSR = "),
+                    Math::over(
+                        Math::text(format!("{} − {}", ratio(peak.into()), ratio(mean.into()))),
+                        Math::text(fixed(deviation.into(), 4)),
+                    ),
+                    Math::text(" = "),
+                    Math::ink(Role::Measured, psr(response.psr)),
+                ]);
+                vec![Readout::Equation(vec![formula]), Readout::Surface(surface(response))]
+            }
+            Event::Updated(_, model) => {
+                let formula = Math::Row(vec![
+                    Math::Var("A"),
+                    Math::text(" ← η "),
+                    Math::Var("G"),
+                    Math::power(Math::Var("F"), Math::text("*")),
+                    Math::text(" + (1 − η) "),
+                    Math::Var("A"),
+                ]);
+                let updated = Tile { label: "filter, updated", ..filter_tile(model) };
+                vec![Readout::Equation(vec![formula]), Readout::Tiles(filter().into_iter().chain([updated]).collect())]
+            }
+        }
+    }
+
+    fn draw(&self, at: &At<'_, Self>, scene: &mut Scene) {
+        let response = match at.event {
+            Event::Learned(patch, model) => {
+                window(scene, model.origin(at.region.center), patch.size());
+                return;
+            }
+            Event::Cut(response) => {
+                window(scene, response.origin, response.patch.size());
+                return;
+            }
+            Event::Responded(response)
+            | Event::Found(response)
+            | Event::Judged(response)
+            | Event::Updated(response, _) => response,
+        };
+        let (width, height) = response.values.size();
+        let origin = response.origin.map(|c| c as f32);
+        scene.mark(Picture::CURRENT, Role::Candidate, Shape::Heat { origin, values: response.values.clone() });
+        scene.heat = Some("response g");
+        window(scene, response.origin, (width, height));
+        if matches!(at.event, Event::Responded(_)) {
+            return;
+        }
+        let from = [origin[0] + (width / 2) as f32, origin[1] + (height / 2) as f32];
+        let to = [0, 1].map(|i| from[i] + response.displacement[i]);
+        scene.mark(Picture::CURRENT, Role::Predicted, Shape::Arrows(vec![Arrow { from, to }]));
+        scene.legend(Role::Predicted, "displacement of the peak");
+        scene.mark(Picture::CURRENT, Role::Best, Shape::Points(vec![to]));
+        scene.legend(Role::Best, "peak");
+    }
+
+    fn advice(&self, is_kept: bool) -> &'static str {
+        if is_kept {
+            "The filter knows shape and texture, so colours of the background do not attract it; it has no scale, and a velocity is \
+             not predicted."
+        } else {
+            "Between two frames the object left the window of the filter, turned farther than the perturbations, was hidden for long, or \
+             changed faster than the learning rate follows. A larger window reaches farther, and a larger rotation recognises more poses."
+        }
+    }
+}
+
+impl CorrelationFilter {
+    /// The perturbations as a part of a sentence.
+    fn perturbed_copies(&self) -> String {
+        if self.perturbations == 0 {
+            return " alone".to_owned();
+        }
+        format!(
+            " and {} of it, turned by up to {}° and scaled by up to {} % at random, so that a turn between two frames does not lower the peak",
+            counted(self.perturbations, "perturbation"),
+            fixed(self.rotation.into(), 0),
+            fixed(100.0 * PERTURBED_SCALE, 0)
+        )
+    }
+
     fn judged(&self, response: &Response, said: Sentence) -> Sentence {
         let [mean, deviation] = response.sidelobes;
         let said = said.text("Peak-to-sidelobe ratio: ").ink(Role::Measured, psr(response.psr)).text(format!(
@@ -65,75 +187,11 @@ impl CorrelationFilter {
         let least = psr(self.min_psr);
         if response.psr < self.min_psr {
             said.text(format!(
-                ", below {least}. The peak does not stand out, as under occlusion: the filter is not updated."
+                ", below {least}. The peak does not stand out, as under occlusion or a turn beyond the perturbations: the filter is \
+                 not updated."
             ))
         } else {
             said.text(format!(", not below {least}: the peak stands out, and the match is accepted."))
-        }
-    }
-}
-
-pub(super) fn facts(at: &At<'_, CorrelationFilter>) -> Vec<Fact> {
-    match at.event {
-        Event::Found(response) | Event::Judged(response) => vec![
-            Fact::new("Displacement", format!("{} px", place(response.displacement)), Some(Role::Best)),
-            Fact::new("Peak", ratio(response.values[response.peak].into()), Some(Role::Best)),
-            Fact::new("Peak-to-sidelobe ratio", psr(response.psr), Some(Role::Measured)),
-        ],
-        Event::Cut(response) | Event::Responded(response) | Event::Updated(response, _) => {
-            let (width, height) = response.patch.size();
-            vec![Fact::new("Window", format!("{width}×{height} px"), Some(Role::Window))]
-        }
-        Event::Learned(..) => Vec::new(),
-    }
-}
-
-pub(super) fn readouts(at: &At<'_, CorrelationFilter>) -> Vec<Readout> {
-    let filter = || at.model.map(filter_tile);
-    match at.event {
-        Event::Learned(patch, model) => {
-            let numbers = |name| Math::indexed(Math::Var(name), Math::Var("i"));
-            let sum = |of: Vec<Math>| Math::Row(vec![Math::Sum(Box::new(Math::Var("i"))), Math::Row(of)]);
-            let star = |name| Math::power(numbers(name), Math::text("*"));
-            let formula = Math::Row(vec![
-                Math::power(Math::Var("H"), Math::text("*")),
-                Math::text(" = "),
-                Math::over(sum(vec![numbers("G"), star("F")]), sum(vec![numbers("F"), star("F")])),
-            ]);
-            vec![Readout::Equation(vec![formula]), Readout::Tiles(vec![patch_tile(patch), filter_tile(model)])]
-        }
-        Event::Cut(response) => {
-            vec![Readout::Tiles([patch_tile(&response.patch)].into_iter().chain(filter()).collect())]
-        }
-        Event::Responded(response) | Event::Found(response) => {
-            let tiles = [patch_tile(&response.patch)].into_iter().chain(filter()).chain([response_tile(response)]);
-            vec![Readout::Tiles(tiles.collect()), Readout::Surface(surface(response))]
-        }
-        Event::Judged(response) => {
-            let [mean, deviation] = response.sidelobes;
-            let peak = response.values[response.peak];
-            let formula = Math::Row(vec![
-                Math::text("PSR = "),
-                Math::over(
-                    Math::text(format!("{} − {}", ratio(peak.into()), ratio(mean.into()))),
-                    Math::text(fixed(deviation.into(), 4)),
-                ),
-                Math::text(" = "),
-                Math::ink(Role::Measured, psr(response.psr)),
-            ]);
-            vec![Readout::Equation(vec![formula]), Readout::Surface(surface(response))]
-        }
-        Event::Updated(_, model) => {
-            let formula = Math::Row(vec![
-                Math::Var("A"),
-                Math::text(" ← η "),
-                Math::Var("G"),
-                Math::power(Math::Var("F"), Math::text("*")),
-                Math::text(" + (1 − η) "),
-                Math::Var("A"),
-            ]);
-            let updated = Tile { label: "filter, updated", ..filter_tile(model) };
-            vec![Readout::Equation(vec![formula]), Readout::Tiles(filter().into_iter().chain([updated]).collect())]
         }
     }
 }
@@ -158,12 +216,12 @@ fn response_tile(response: &Response) -> Tile {
 fn filter_tile(model: &Model) -> Tile {
     let mut filter = model.filter();
     filter.iter_mut().for_each(|value| *value = value.conj());
-    model.fixed.transform.inverse(&mut filter);
+    let filter = model.fixed.transform.inverse(filter);
     let (width, height) = model.size();
     // Displacement 0 in the middle, where the Gaussian has its peak.
     let values = Grid::from_fn(width, height, |x, y| {
         let turned = |c: usize, extent: usize| (c + extent - extent / 2) % extent;
-        filter[turned(y, height) * width + turned(x, width)].re
+        filter[turned(y, height) * width + turned(x, width)]
     });
     tile("filter h", Some(Role::Reference), values)
 }
@@ -187,36 +245,6 @@ fn surface(response: &Response) -> Surface {
         is_similarity: true,
         ..Surface::new("g", origin, values, Grid::new(size[0], size[1], Some(1)))
     }
-}
-
-pub(super) fn draw(at: &At<'_, CorrelationFilter>, scene: &mut Scene) {
-    let response = match at.event {
-        Event::Learned(patch, model) => {
-            window(scene, model.origin(at.region.center), patch.size());
-            return;
-        }
-        Event::Cut(response) => {
-            window(scene, response.origin, response.patch.size());
-            return;
-        }
-        Event::Responded(response) | Event::Found(response) | Event::Judged(response) | Event::Updated(response, _) => {
-            response
-        }
-    };
-    let (width, height) = response.values.size();
-    let origin = response.origin.map(|c| c as f32);
-    scene.mark(Picture::CURRENT, Role::Candidate, Shape::Heat { origin, values: response.values.clone() });
-    scene.heat = Some("response g");
-    window(scene, response.origin, (width, height));
-    if matches!(at.event, Event::Responded(_)) {
-        return;
-    }
-    let from = [origin[0] + (width / 2) as f32, origin[1] + (height / 2) as f32];
-    let to = [0, 1].map(|i| from[i] + response.displacement[i]);
-    scene.mark(Picture::CURRENT, Role::Predicted, Shape::Arrows(vec![Arrow { from, to }]));
-    scene.legend(Role::Predicted, "displacement of the peak");
-    scene.mark(Picture::CURRENT, Role::Best, Shape::Points(vec![to]));
-    scene.legend(Role::Best, "peak");
 }
 
 /// Draws the window of the filter.

@@ -1,20 +1,20 @@
 //! The explanation and the drawing of mean shift.
 
-use super::{At, Event, LEAST_PX, MeanShift, SCALE_RATE, Search, Shift, Trial};
+use super::{Background, Event, LEAST_PX, MeanShift, SCALE_RATE, Search, Shift, Trial};
 use crate::base::words::{fixed, place};
 use crate::data::Frame;
 use crate::geometry::Grid;
 use crate::methods::numbers::{px, ratio};
 use crate::methods::region::color::{Histogram, ellipse_rows};
-use crate::methods::region::plots;
+use crate::methods::region::{At, Explained, plots};
 use crate::products::Region;
 use crate::scene::{Arrow, Fact, Math, Picture, Readout, Role, Scene, Sentence, Series, Shape};
 
 /// The sizes of a frame in words.
 const SIZES: [&str; 3] = ["present size", "size 10 % smaller", "size 10 % larger"];
 
-impl MeanShift {
-    pub(super) fn said(&self, at: &At<'_, Self>) -> Sentence {
+impl Explained for MeanShift {
+    fn sentence(&self, at: &At<'_, Self>) -> Sentence {
         let said = Sentence::default();
         match at.event {
             Event::Modelled(histogram) => {
@@ -42,6 +42,98 @@ impl MeanShift {
         }
     }
 
+    fn facts(&self, at: &At<'_, Self>) -> Vec<Fact> {
+        match at.event {
+            Event::Weighed(_, shift) | Event::Shifted(_, shift) => vec![
+                Fact::new("Size", SIZES[shift.trial], None),
+                Fact::new("Shift", shift.iteration.to_string(), None),
+                Fact::new("Bhattacharyya coefficient", ratio(shift.similarity.into()), Some(Role::Candidate)),
+                Fact::new("Sum of weights", fixed(shift.weights.into(), 1), None),
+            ],
+            Event::Scaled(scaled) => {
+                let sizes = scaled.0.iter().zip(["ρ, present size", "ρ, smaller", "ρ, larger"]);
+                sizes.map(|(trial, label)| Fact::new(label, ratio(trial.similarity.into()), None)).collect()
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    fn readouts(&self, at: &At<'_, Self>) -> Vec<Readout> {
+        match at.event {
+            Event::Modelled(histogram) => {
+                vec![Readout::Series(histograms(histogram, &[("model q", Role::Reference, histogram)]))]
+            }
+            Event::Weighted(all) => {
+                let [own, around, weighted] = &**all;
+                let lines = [
+                    ("object", Role::Candidate, own),
+                    ("surroundings o", Role::Rejected, around),
+                    ("model q", Role::Reference, weighted),
+                ];
+                vec![Readout::Series(histograms(own, &lines))]
+            }
+            Event::Weighed(frame, shift) => of_shift(at, frame, shift, false),
+            Event::Shifted(frame, shift) => of_shift(at, frame, shift, true),
+            Event::Scaled(_) => vec![Readout::Equation(vec![coefficient()])],
+        }
+    }
+
+    fn draw(&self, at: &At<'_, Self>, scene: &mut Scene) {
+        let (frame, shift, is_shift) = match at.event {
+            Event::Weighed(frame, shift) => (frame, shift, false),
+            Event::Shifted(frame, shift) => (frame, shift, true),
+            Event::Scaled(scaled) => {
+                let (trials, best, _) = &**scaled;
+                for trial in trials {
+                    plots::ellipse(scene, (Role::Candidate, "ellipses of all sizes"), trial.region);
+                }
+                plots::ellipse(scene, (Role::Best, "best size"), trials[*best].region);
+                return;
+            }
+            Event::Modelled(_) | Event::Weighted(_) => {
+                plots::ellipse(scene, (Role::Candidate, "ellipse of the histogram"), at.region);
+                return;
+            }
+        };
+        if let Some(model) = at.model {
+            let (origin, values) = weights(&model.histogram, frame, shift.from);
+            scene.mark(Picture::CURRENT, Role::Candidate, Shape::Heat { origin, values });
+            scene.heat = Some("weight √(q/p)");
+        }
+        plots::ellipse(scene, (Role::Candidate, "ellipse"), shift.from);
+        let of_trial = at.events.iter().filter_map(|event| match event {
+            Event::Shifted(_, other) if other.trial == shift.trial => Some(other),
+            _ => None,
+        });
+        let arrow = |shift: &Shift| Some(Arrow { from: shift.from.center, to: shift.to? });
+        let arrows: Vec<_> = of_trial.filter_map(arrow).collect();
+        if !arrows.is_empty() {
+            scene.mark(Picture::CURRENT, Role::Predicted, Shape::Arrows(arrows));
+            scene.legend(Role::Predicted, "shifts");
+        }
+        if let (true, Some(to)) = (is_shift, shift.to) {
+            plots::ellipse(scene, (Role::Best, "shifted ellipse"), shift.from.at(to));
+        }
+    }
+
+    fn advice(&self, is_kept: bool) -> &'static str {
+        match (is_kept, self.background) {
+            (true, Background::Ignored) => {
+                "Mean shift follows the colours, not the shape: a background of like colour would attract the ellipse, which the \
+                 background-weighted histogram resists."
+            }
+            (true, Background::Weighted) => {
+                "The colours that only the object has led the ellipse; they were learned in the first frame and are not updated."
+            }
+            (false, _) => {
+                "The object left the ellipse between two frames, was hidden, or passed a background of like colour. A particle filter \
+                 keeps several hypotheses and a velocity, which mean shift has not."
+            }
+        }
+    }
+}
+
+impl MeanShift {
     fn weighed(&self, at: &At<'_, Self>, shift: &Shift, said: Sentence) -> Sentence {
         let said = said
             .text(format!("With the {}, ", SIZES[shift.trial]))
@@ -138,42 +230,6 @@ fn last<'a>(at: &At<'a, MeanShift>, trial: usize, iteration: usize) -> Option<&'
     })
 }
 
-pub(super) fn facts(at: &At<'_, MeanShift>) -> Vec<Fact> {
-    match at.event {
-        Event::Weighed(_, shift) | Event::Shifted(_, shift) => vec![
-            Fact::new("Size", SIZES[shift.trial], None),
-            Fact::new("Shift", shift.iteration.to_string(), None),
-            Fact::new("Bhattacharyya coefficient", ratio(shift.similarity.into()), Some(Role::Candidate)),
-            Fact::new("Sum of weights", fixed(shift.weights.into(), 1), None),
-        ],
-        Event::Scaled(scaled) => {
-            let sizes = scaled.0.iter().zip(["ρ, present size", "ρ, smaller", "ρ, larger"]);
-            sizes.map(|(trial, label)| Fact::new(label, ratio(trial.similarity.into()), None)).collect()
-        }
-        _ => Vec::new(),
-    }
-}
-
-pub(super) fn readouts(at: &At<'_, MeanShift>) -> Vec<Readout> {
-    match at.event {
-        Event::Modelled(histogram) => {
-            vec![Readout::Series(histograms(histogram, &[("model q", Role::Reference, histogram)]))]
-        }
-        Event::Weighted(all) => {
-            let [own, around, weighted] = &**all;
-            let lines = [
-                ("object", Role::Candidate, own),
-                ("surroundings o", Role::Rejected, around),
-                ("model q", Role::Reference, weighted),
-            ];
-            vec![Readout::Series(histograms(own, &lines))]
-        }
-        Event::Weighed(frame, shift) => of_shift(at, frame, shift, false),
-        Event::Shifted(frame, shift) => of_shift(at, frame, shift, true),
-        Event::Scaled(_) => vec![Readout::Equation(vec![coefficient()])],
-    }
-}
-
 /// ρ = Σ √(p_u q_u).
 fn coefficient() -> Math {
     let of = |name| Math::indexed(Math::Var(name), Math::Var("u"));
@@ -248,44 +304,6 @@ fn histograms(order: &Histogram, all: &[(&'static str, Role, &Histogram)]) -> Se
         (*name, *role, plots::bars(bins.iter().map(|bin| of.shares[*bin])))
     };
     plots::histograms("Colour histograms", ["largest bins of the model", "share"], all.iter().map(line).collect())
-}
-
-pub(super) fn draw(at: &At<'_, MeanShift>, scene: &mut Scene) {
-    let (frame, shift, is_shift) = match at.event {
-        Event::Weighed(frame, shift) => (frame, shift, false),
-        Event::Shifted(frame, shift) => (frame, shift, true),
-        Event::Scaled(scaled) => {
-            let (trials, best, _) = &**scaled;
-            for trial in trials {
-                plots::ellipse(scene, (Role::Candidate, "ellipses of all sizes"), trial.region);
-            }
-            plots::ellipse(scene, (Role::Best, "best size"), trials[*best].region);
-            return;
-        }
-        Event::Modelled(_) | Event::Weighted(_) => {
-            plots::ellipse(scene, (Role::Candidate, "ellipse of the histogram"), at.region);
-            return;
-        }
-    };
-    if let Some(model) = at.model {
-        let (origin, values) = weights(&model.histogram, frame, shift.from);
-        scene.mark(Picture::CURRENT, Role::Candidate, Shape::Heat { origin, values });
-        scene.heat = Some("weight √(q/p)");
-    }
-    plots::ellipse(scene, (Role::Candidate, "ellipse"), shift.from);
-    let of_trial = at.events.iter().filter_map(|event| match event {
-        Event::Shifted(_, other) if other.trial == shift.trial => Some(other),
-        _ => None,
-    });
-    let arrow = |shift: &Shift| Some(Arrow { from: shift.from.center, to: shift.to? });
-    let arrows: Vec<_> = of_trial.filter_map(arrow).collect();
-    if !arrows.is_empty() {
-        scene.mark(Picture::CURRENT, Role::Predicted, Shape::Arrows(arrows));
-        scene.legend(Role::Predicted, "shifts");
-    }
-    if let (true, Some(to)) = (is_shift, shift.to) {
-        plots::ellipse(scene, (Role::Best, "shifted ellipse"), shift.from.at(to));
-    }
 }
 
 /// The weights of the pixels of an ellipse as a heat map, with its first pixel.

@@ -1,11 +1,11 @@
 //! The explanation and the drawing of the particle filter.
 
 use super::cloud::{Estimate, Particle};
-use super::{At, Event, ParticleFilter, Resampled, Resampling, Weighed};
+use super::{Event, ParticleFilter, Resampled, Resampling, Weighed};
 use crate::base::words::{fixed, grouped, place};
 use crate::methods::kalman;
 use crate::methods::numbers::{px, ratio};
-use crate::methods::region::plots;
+use crate::methods::region::{At, Explained, plots};
 use crate::products::Region;
 use crate::scene::{Arrow, Fact, Math, Picture, Readout, Role, Scene, Sentence, Series, Shape};
 
@@ -27,8 +27,8 @@ fn spread(particles: &[Particle]) -> String {
     deviations(Estimate::of(particles, &[]).covariance)
 }
 
-impl ParticleFilter {
-    pub(super) fn said(&self, at: &At<'_, Self>) -> Sentence {
+impl Explained for ParticleFilter {
+    fn sentence(&self, at: &At<'_, Self>) -> Sentence {
         let said = Sentence::default();
         match at.event {
             Event::Modelled(histogram) => {
@@ -68,73 +68,30 @@ impl ParticleFilter {
         }
     }
 
-    fn weighed(&self, weighed: &Weighed, said: Sentence) -> Sentence {
-        let Weighed { particles, coefficients, outside, is_weighted } = weighed;
-        let count = particles.len();
-        if !is_weighted {
-            return said.text(format!(
-                "{} of {} particles lie outside the picture, and none inside has a weight above 0. The weights are set to 1/N = {}, and \
-                 the estimate is not used: the object is lost.",
-                grouped(*outside),
-                grouped(count),
-                fixed(1.0 / count as f64, 4)
-            ));
-        }
-        let best = coefficients.iter().copied().fold(f32::NEG_INFINITY, f32::max);
-        let worst = coefficients.iter().copied().filter(|c| c.is_finite()).fold(f32::INFINITY, f32::min);
-        let said = said
-            .text("Each weight is multiplied by the likelihood exp(−λ (1 − ρ)): ρ is ")
-            .ink(Role::Best, ratio(best.into()))
-            .text(format!(" for the best and {} for the worst particle", ratio(worst.into())));
-        let said = if *outside > 0 {
-            said.text(format!(", and {} outside the picture have weight 0", grouped(*outside)))
-        } else {
-            said
-        };
-        said.text(format!(
-            ". With λ = {} the best counts {} times as much as the worst.",
-            fixed(self.lambda.into(), 1),
-            grouped((self.lambda * (best - worst)).exp().min(1e9).round() as usize)
-        ))
-    }
-
-    fn counted(&self, particles: &[Particle], effective: f32, said: Sentence) -> Sentence {
-        let count = particles.len();
-        let limit = self.resample_below * count as f32;
-        let said = said
-            .text("The weights are worth ")
-            .ink(Role::Measured, format!("{} particles of equal weight", fixed(effective.into(), 1)))
-            .text(format!(", the effective sample size, of {}: ", grouped(count)));
-        if effective < limit {
-            said.text(format!("below {}, so the particles are drawn anew (degeneracy).", fixed(limit.into(), 1)))
-        } else {
-            said.text(format!("not below {}, so the particles and their weights are kept.", fixed(limit.into(), 1)))
+    fn facts(&self, at: &At<'_, Self>) -> Vec<Fact> {
+        match at.event {
+            Event::Weighed(weighed) => {
+                vec![Fact::new("Particles outside the picture", grouped(weighed.outside), None)]
+            }
+            Event::Estimated(_, estimate) => vec![
+                Fact::new("Estimate", format!("{} px", place(estimate.at)), Some(Role::Estimate)),
+                Fact::new("Velocity", format!("{} px/frame", place(estimate.velocity)), None),
+                Fact::new("Scale", ratio(estimate.scale.into()), None),
+                Fact::new("Standard deviations", deviations(estimate.covariance), None),
+            ],
+            Event::Counted(particles, effective) => vec![
+                Fact::new("Effective sample size", fixed((*effective).into(), 1), Some(Role::Measured)),
+                Fact::new("Particles", grouped(particles.len()), None),
+            ],
+            Event::Resampled(resampled) => {
+                let survivors = resampled.copies.iter().filter(|copies| **copies > 0).count();
+                vec![Fact::new("Survivors", grouped(survivors), Some(Role::Best))]
+            }
+            Event::Modelled(_) | Event::Scattered(_) | Event::Predicted(_) => Vec::new(),
         }
     }
 
-    fn resampled(&self, resampled: &Resampled, said: Sentence) -> Sentence {
-        let survivors = resampled.copies.iter().filter(|copies| **copies > 0).count();
-        let most = resampled.copies.iter().max().copied().unwrap_or(0);
-        let count = resampled.copies.len();
-        let said = match self.resampling {
-            Resampling::Systematic => {
-                said.text("Systematic resampling sets equally spaced pointers on the wheel of weights: ")
-            }
-            Resampling::Multinomial => {
-                said.text("Multinomial resampling spins the wheel of weights once for each particle: ")
-            }
-        };
-        let said = said
-            .ink(Role::Best, format!("{} of {} particles survive", grouped(survivors), grouped(count)))
-            .text(format!(", the heaviest with {most} copies. "));
-        said.text(if 10 * survivors < count {
-            "So few different ones are an impoverished cloud; the process noise has to spread it again."
-        } else {
-            "All have equal weights now."
-        })
-    }
-
-    pub(super) fn shown(&self, at: &At<'_, Self>) -> Vec<Readout> {
+    fn readouts(&self, at: &At<'_, Self>) -> Vec<Readout> {
         let var = Math::Var;
         let w = || var("w");
         let mut readouts = match at.event {
@@ -207,6 +164,110 @@ impl ParticleFilter {
         readouts
     }
 
+    fn draw(&self, at: &At<'_, Self>, scene: &mut Scene) {
+        match at.event {
+            Event::Modelled(_) => plots::ellipse(scene, (Role::Candidate, "ellipse of the histogram"), at.region),
+            Event::Scattered(particles) => dots(scene, (Role::Predicted, "particles"), particles),
+            Event::Predicted(particles) => {
+                dots(scene, (Role::Predicted, "predicted particles"), particles);
+                moves(scene, at, particles);
+            }
+            Event::Weighed(weighed) => circles(scene, &weighed.particles),
+            Event::Counted(particles, _) => circles(scene, particles),
+            Event::Estimated(particles, estimate) => {
+                circles(scene, particles);
+                let center = estimate.at.map(f64::from);
+                if let Some(shape) = kalman::ellipse(center, estimate.covariance, CONFIDENCE) {
+                    scene.mark(Picture::CURRENT, Role::Estimate, shape);
+                    scene.legend(Role::Estimate, "estimate with 95 % ellipse");
+                }
+                let size = at.model.map_or(at.region.size, |model| model.size).map(|side| side * estimate.scale);
+                let Region { angle_rad, .. } = at.region;
+                let bounds = Region { center: estimate.at, size, angle_rad }.bounds();
+                scene.mark(Picture::CURRENT, Role::Estimate, Shape::Rect { min: bounds.min, max: bounds.max });
+            }
+            Event::Resampled(resampled) => dots(scene, (Role::Best, "particles drawn"), &resampled.after),
+        }
+    }
+
+    fn advice(&self, is_kept: bool) -> &'static str {
+        if is_kept {
+            "Particles on other hypotheses survived while the likelihood was ambiguous, and the velocity carried them through occlusions. \
+             More particles or less process noise make the estimate steadier."
+        } else {
+            "No particle was near the object when it could be seen again. More particles or more process noise cover more of the picture; a \
+             smaller λ lets more hypotheses survive."
+        }
+    }
+}
+
+impl ParticleFilter {
+    fn weighed(&self, weighed: &Weighed, said: Sentence) -> Sentence {
+        let Weighed { particles, coefficients, outside, is_weighted } = weighed;
+        let count = particles.len();
+        if !is_weighted {
+            return said.text(format!(
+                "{} of {} particles lie outside the picture, and none inside has a weight above 0. The weights are set to 1/N = {}, and \
+                 the estimate is not used: the object is lost.",
+                grouped(*outside),
+                grouped(count),
+                fixed(1.0 / count as f64, 4)
+            ));
+        }
+        let best = coefficients.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+        let worst = coefficients.iter().copied().filter(|c| c.is_finite()).fold(f32::INFINITY, f32::min);
+        let said = said
+            .text("Each weight is multiplied by the likelihood exp(−λ (1 − ρ)): ρ is ")
+            .ink(Role::Best, ratio(best.into()))
+            .text(format!(" for the best and {} for the worst particle", ratio(worst.into())));
+        let said = if *outside > 0 {
+            said.text(format!(", and {} outside the picture have weight 0", grouped(*outside)))
+        } else {
+            said
+        };
+        said.text(format!(
+            ". With λ = {} the best counts {} times as much as the worst.",
+            fixed(self.lambda.into(), 1),
+            grouped((self.lambda * (best - worst)).exp().min(1e9).round() as usize)
+        ))
+    }
+
+    fn counted(&self, particles: &[Particle], effective: f32, said: Sentence) -> Sentence {
+        let count = particles.len();
+        let limit = self.resample_below * count as f32;
+        let said = said
+            .text("The weights are worth ")
+            .ink(Role::Measured, format!("{} particles of equal weight", fixed(effective.into(), 1)))
+            .text(format!(", the effective sample size, of {}: ", grouped(count)));
+        if effective < limit {
+            said.text(format!("below {}, so the particles are drawn anew (degeneracy).", fixed(limit.into(), 1)))
+        } else {
+            said.text(format!("not below {}, so the particles and their weights are kept.", fixed(limit.into(), 1)))
+        }
+    }
+
+    fn resampled(&self, resampled: &Resampled, said: Sentence) -> Sentence {
+        let survivors = resampled.copies.iter().filter(|copies| **copies > 0).count();
+        let most = resampled.copies.iter().max().copied().unwrap_or(0);
+        let count = resampled.copies.len();
+        let said = match self.resampling {
+            Resampling::Systematic => {
+                said.text("Systematic resampling sets equally spaced pointers on the wheel of weights: ")
+            }
+            Resampling::Multinomial => {
+                said.text("Multinomial resampling spins the wheel of weights once for each particle: ")
+            }
+        };
+        let said = said
+            .ink(Role::Best, format!("{} of {} particles survive", grouped(survivors), grouped(count)))
+            .text(format!(", the heaviest with {most} copies. "));
+        said.text(if 10 * survivors < count {
+            "So few different ones are an impoverished cloud; the process noise has to spread it again."
+        } else {
+            "All have equal weights now."
+        })
+    }
+
     /// The effective sample size over the frames.
     fn sizes(&self, at: &At<'_, Self>) -> Option<Readout> {
         let past = at.model.map(|model| &model.effective)?;
@@ -248,55 +309,6 @@ fn weights(particles: &[Particle], copies: Option<&[u32]>) -> Series {
     }
     let title = if copies.is_some() { "Copies of each particle" } else { "Weights of the particles" };
     plots::histograms(title, ["particle, by weight", "N w"], lines)
-}
-
-pub(super) fn facts(at: &At<'_, ParticleFilter>) -> Vec<Fact> {
-    match at.event {
-        Event::Weighed(weighed) => {
-            vec![Fact::new("Particles outside the picture", grouped(weighed.outside), None)]
-        }
-        Event::Estimated(_, estimate) => vec![
-            Fact::new("Estimate", format!("{} px", place(estimate.at)), Some(Role::Estimate)),
-            Fact::new("Velocity", format!("{} px/frame", place(estimate.velocity)), None),
-            Fact::new("Scale", ratio(estimate.scale.into()), None),
-            Fact::new("Standard deviations", deviations(estimate.covariance), None),
-        ],
-        Event::Counted(particles, effective) => vec![
-            Fact::new("Effective sample size", fixed((*effective).into(), 1), Some(Role::Measured)),
-            Fact::new("Particles", grouped(particles.len()), None),
-        ],
-        Event::Resampled(resampled) => {
-            let survivors = resampled.copies.iter().filter(|copies| **copies > 0).count();
-            vec![Fact::new("Survivors", grouped(survivors), Some(Role::Best))]
-        }
-        Event::Modelled(_) | Event::Scattered(_) | Event::Predicted(_) => Vec::new(),
-    }
-}
-
-pub(super) fn draw(at: &At<'_, ParticleFilter>, scene: &mut Scene) {
-    match at.event {
-        Event::Modelled(_) => plots::ellipse(scene, (Role::Candidate, "ellipse of the histogram"), at.region),
-        Event::Scattered(particles) => dots(scene, (Role::Predicted, "particles"), particles),
-        Event::Predicted(particles) => {
-            dots(scene, (Role::Predicted, "predicted particles"), particles);
-            moves(scene, at, particles);
-        }
-        Event::Weighed(weighed) => circles(scene, &weighed.particles),
-        Event::Counted(particles, _) => circles(scene, particles),
-        Event::Estimated(particles, estimate) => {
-            circles(scene, particles);
-            let center = estimate.at.map(f64::from);
-            if let Some(shape) = kalman::ellipse(center, estimate.covariance, CONFIDENCE) {
-                scene.mark(Picture::CURRENT, Role::Estimate, shape);
-                scene.legend(Role::Estimate, "estimate with 95 % ellipse");
-            }
-            let size = at.model.map_or(at.region.size, |model| model.size).map(|side| side * estimate.scale);
-            let Region { angle_rad, .. } = at.region;
-            let bounds = Region { center: estimate.at, size, angle_rad }.bounds();
-            scene.mark(Picture::CURRENT, Role::Estimate, Shape::Rect { min: bounds.min, max: bounds.max });
-        }
-        Event::Resampled(resampled) => dots(scene, (Role::Best, "particles drawn"), &resampled.after),
-    }
 }
 
 /// Draws particles as points.

@@ -2,7 +2,7 @@
 
 use super::matrices::matrices;
 use super::sensors::{Observations, SensorReading, Sensors};
-use super::{Event, FrameRecord, Gated, KalmanFilter, Loss, State, line};
+use super::{Event, FrameRecord, Gated, KalmanFilter, Loss, State, line, modes};
 use crate::base::words::{self, counted as count, percent};
 use crate::methods::kalman::{Filter, Measurement, MotionModel, chi_square, ellipse};
 use crate::methods::numbers::{px, ratio, squared};
@@ -58,7 +58,7 @@ impl KalmanFilter {
             match event {
                 Event::Predicted(both) => now.predicted = Some(both[1]),
                 Event::Gated(gated) => now.gated.push(gated),
-                Event::Updated(update) => now.after = Some(update.1),
+                Event::Updated(update) | Event::Weighed(update) => now.after = Some(update.1),
                 Event::Begun(filter, _) => now.after = Some(**filter),
                 Event::Missed(filter) => now.after = filter.as_deref().copied(),
                 Event::Lost(filter, _) => now.after = Some(**filter),
@@ -66,7 +66,7 @@ impl KalmanFilter {
                 Event::Kept(filter) => {
                     (now.before, now.after) = (filter.as_deref().copied(), filter.as_deref().copied())
                 }
-                Event::Observed(_) => {}
+                Event::Observed(_) | Event::Mixed(_) | Event::Drawn(_) => {}
             }
         }
         now
@@ -75,11 +75,14 @@ impl KalmanFilter {
     pub(super) fn explained_step(&self, seen: &Seen<Self>) -> Step {
         let line = match seen.events.last() {
             None => line::EACH_FRAME,
+            Some(Event::Mixed(_)) => line::MIX,
+            Some(Event::Drawn(_)) => line::DRAW,
             Some(Event::Predicted(_)) => line::PREDICT,
             Some(Event::Observed(_)) => line::MEASURE,
             Some(Event::Begun(..) | Event::Missed(None)) => line::BEGIN_OBJECT,
             Some(Event::Gated(_)) => line::GATE,
             Some(Event::Updated(_)) => line::UPDATE,
+            Some(Event::Weighed(_)) => line::WEIGH_MODES,
             Some(Event::Missed(Some(_)) | Event::Lost(..)) => line::COAST_OR_END,
             Some(Event::Smoothed(_)) => line::SMOOTH,
             Some(Event::Kept(_)) => line::EACH_FRAME_BACK,
@@ -102,6 +105,8 @@ impl KalmanFilter {
                 .text(" them.");
         };
         let said = match event {
+            Event::Mixed(before) => modes::mixed(before),
+            Event::Drawn(before) => modes::drawn(before),
             Event::Predicted(both) => {
                 let [before, after] = both.each_ref().map(deviation);
                 said.text(format!("Prediction for frame {frame}: "))
@@ -111,10 +116,14 @@ impl KalmanFilter {
                         px(before),
                         px(after)
                     ))
+                    .text(modes::bent(&both[0]))
             }
             Event::Observed(observed) => measurements((*frame, !self.clicks.all().is_empty()), observed, seen.before.detector.measurement()),
             Event::Gated(gated) => self.gating(gated).text(self.misfit(seen, gated)),
-            Event::Updated(update) => updated(&update.0, &update.1),
+            Event::Updated(update) => {
+                modes::updated(&update.0, &update.1).unwrap_or_else(|| updated(&update.0, &update.1))
+            }
+            Event::Weighed(update) => modes::weighed(&update.0, &update.1),
             Event::Begun(filter, there) => said
                 .text("The first measurement starts a track at ")
                 .ink(Role::Estimate, format!("{} px", place(filter.place())))
@@ -240,6 +249,9 @@ impl KalmanFilter {
             MotionModel::Velocity => {
                 "Choose the motion model of constant acceleration for a thrown or braking object, or raise the process noise."
             }
+            MotionModel::Interacting => {
+                "Neither mode does: raise the process noise or the turn noise, or choose another motion model."
+            }
             _ => "Raise the process noise, or choose another motion model.",
         }
     }
@@ -269,7 +281,7 @@ impl KalmanFilter {
         let frames = state.records.len();
         let is_over = match state.back {
             Some(done) => done == frames,
-            None => !self.smooth && state.span.frames() == Some(frames),
+            None => !self.smooths() && state.span.frames() == Some(frames),
         };
         if !is_over {
             return String::new();
@@ -281,7 +293,7 @@ impl KalmanFilter {
         };
         if let Some(filtered) = rmse(|record| record.filtered) {
             said += &format!(" position error (RMS) {} px filtered", px(filtered));
-            let smoothed = rmse(|record| record.smoothed).filter(|_| self.smooth);
+            let smoothed = rmse(|record| record.smoothed).filter(|_| self.smooths());
             said += &smoothed.map_or_else(String::new, |smoothed| format!(", {} px smoothed", px(smoothed)));
             said += ".";
             // Only frames with a measurement compare the filter with its sensor.
@@ -299,6 +311,8 @@ impl KalmanFilter {
                 );
             }
         }
+        let noise = f64::from(self.measurement_noise);
+        said += &modes::concluded(state.records.iter().map(|record| &**record), noise);
         let gated: Vec<&Gated> = state.records.iter().filter_map(|record| record.of_sensor(0)).collect();
         // Rejected measurements are of something else: they say nothing about the filter's covariance.
         let nis: Vec<&Gated> = gated.iter().copied().filter(|gated| gated.is_inside()).collect();
@@ -367,6 +381,7 @@ impl KalmanFilter {
                 format!("({},\u{a0}{}) px", px(xx.sqrt()), px(yy.sqrt())),
                 None,
             ));
+            facts.extend(modes::facts(filter));
         }
         if let Some(gated) = now.gated.last() {
             facts.push(Fact::new(
@@ -392,6 +407,10 @@ impl KalmanFilter {
     fn equation(&self, event: Option<&Event>) -> Option<Readout> {
         let text = |text: &str| Math::text(text);
         let lines = match event? {
+            Event::Mixed(before) => modes::mixing_formula(before)?,
+            Event::Drawn(_) => modes::points_formula(),
+            Event::Weighed(update) => modes::weights_formula(&update.0, &update.1)?,
+            Event::Updated(update) if update.1.modes().is_some() => return None,
             Event::Predicted(both) => {
                 let (before, after) = (&both[0], &both[1]);
                 let [x, u] = [before.place()[0], before.velocity()[0]];
@@ -400,20 +419,22 @@ impl KalmanFilter {
                     MotionModel::Turn => vec![Math::Var("f"), text("("), Math::Bold("x"), text(")")],
                     _ => vec![Math::Bold("F"), Math::Bold("x")],
                 };
+                let by_jacobian = Math::Row(vec![
+                    Math::Bold("x"),
+                    text(" ← "),
+                    Math::Row(transition),
+                    text(",  "),
+                    Math::Bold("P"),
+                    text(" ← "),
+                    Math::Bold("F"),
+                    Math::Bold("P"),
+                    Math::power(Math::Bold("F"), text("T")),
+                    text(" + "),
+                    Math::Bold("Q"),
+                ]);
+                let is_unscented = self.motion == MotionModel::Unscented;
                 vec![
-                    Math::Row(vec![
-                        Math::Bold("x"),
-                        text(" ← "),
-                        Math::Row(transition),
-                        text(",  "),
-                        Math::Bold("P"),
-                        text(" ← "),
-                        Math::Bold("F"),
-                        Math::Bold("P"),
-                        Math::power(Math::Bold("F"), text("T")),
-                        text(" + "),
-                        Math::Bold("Q"),
-                    ]),
+                    if is_unscented { modes::moments_formula() } else { by_jacobian },
                     Math::Row(vec![
                         Math::Var("x"),
                         text(&format!(" = {}, u = {} px/frame; predicted ", px(x), px(u))),
@@ -542,6 +563,10 @@ impl KalmanFilter {
             ["NIS of the first sensor", "NIS of the second sensor"]
         };
         let mut all = Vec::new();
+        let probabilities = modes::lines(records().map(|(i, record)| (x(i), &**record)));
+        if !probabilities.is_empty() {
+            all.push(series("Mode probabilities", "μ", probabilities));
+        }
         for (sensor, title) in names.into_iter().enumerate() {
             // The line is broken where there is no measurement.
             let all_of =
@@ -598,8 +623,16 @@ impl KalmanFilter {
         if let Some(predicted) = now.predicted {
             self.draw_estimate(&predicted, (Role::Predicted, "prediction"), scene);
         }
-        if let Some(Event::Gated(gated)) = seen.events.last() {
-            gate(gated, scene);
+        match seen.events.last() {
+            Some(Event::Gated(gated)) => gate(gated, scene),
+            Some(Event::Mixed(before)) => modes::draw(before, scene),
+            Some(Event::Drawn(before)) => modes::draw_points(before, false, scene),
+            Some(Event::Predicted(both)) => {
+                modes::draw(&both[1], scene);
+                modes::draw_points(&both[0], true, scene);
+            }
+            Some(Event::Updated(update) | Event::Weighed(update)) => modes::draw(&update.1, scene),
+            _ => {}
         }
         measured(seen, &now, scene);
         let is_back = state.back.is_some();

@@ -1,6 +1,6 @@
 //! The matrices of a step, with changed entries lit.
 
-use super::{Event, FrameRecord, Gated};
+use super::{Event, FrameRecord, Gated, modes};
 use crate::geometry::Grid;
 use crate::methods::kalman::{Filter, UpdateNumbers};
 use crate::scene::{Matrix, Role};
@@ -110,17 +110,23 @@ pub(super) fn matrices<'a>(
             let [before, after] = &**both;
             let one_step_before = earlier.get(1).and_then(|record| record.filtered.as_ref());
             let mut all = estimate_matrices(after, Some(before), Role::Predicted).to_vec();
-            all.extend(of_prediction(before, one_step_before));
+            match modes::probabilities(after, Some(before)) {
+                Some(probabilities) => all.push(probabilities),
+                None => all.extend(of_prediction(before, one_step_before)),
+            }
             all
         }
+        Some(Event::Mixed(before)) => modes::mixing_matrices(before),
         Some(Event::Gated(gated)) => {
             let role = if gated.is_updated { Role::Estimate } else { Role::Predicted };
             let before = earlier.iter().find_map(|record| record.of_sensor(gated.reading.sensor));
             with_update(estimate_matrices(&gated.expected, None, role), gated, before)
         }
-        Some(Event::Updated(update)) => {
+        Some(Event::Updated(update) | Event::Weighed(update)) => {
             let (gated, after) = &**update;
-            with_update(estimate_matrices(after, Some(&gated.expected), Role::Estimate), gated, None)
+            let mut all = with_update(estimate_matrices(after, Some(&gated.expected), Role::Estimate), gated, None);
+            all.extend(modes::probabilities(after, Some(&gated.expected)));
+            all
         }
         Some(Event::Smoothed(both)) => {
             let [filtered, smoothed] = &**both;
@@ -143,6 +149,8 @@ fn with_update(estimate_matrices: [Matrix; 2], gated: &Gated, before: Option<&Ga
     all.extend(
         numbers(gated).into_iter().flat_map(|numbers| of_update(&numbers, before.as_ref(), gated.expected.names())),
     );
+    // Each mode has a gain of its own.
+    all.retain(|matrix| gated.expected.modes().is_none() || matrix.symbol != "K");
     all
 }
 

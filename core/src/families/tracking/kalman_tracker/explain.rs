@@ -190,10 +190,16 @@ impl KalmanTracker {
     /// The update of the state and its standard deviation, with the gain along x.
     fn updated_track(&self, [before, after]: &[Track; 2], measurement: &Measurement) -> Sentence {
         let at = |track: &Track| words::place(track.filter.place().map(|c| c as f32));
-        let gain = before.filter.update_numbers(measurement).map_or(0.0, |numbers| numbers.gain[(0, 0)]);
+        let by = match before.filter.modes() {
+            // Each has a gain of its own.
+            Some(_) => "of both modes".to_owned(),
+            None => {
+                let numbers = before.filter.update_numbers(measurement);
+                format!("with gain K = {}", ratio(numbers.map_or(0.0, |numbers| numbers.gain[(0, 0)])))
+            }
+        };
         let said = Sentence::default().ink(Role::Estimate, named(after)).text(format!(
-            ": the update with gain K = {} moves the position from {} to {} px. σ falls from {} to {} px; velocity {}.",
-            ratio(gain),
+            ": the update {by} moves the position from {} to {} px. σ falls from {} to {} px; velocity {}.",
             at(before),
             at(after),
             deviations(before),
