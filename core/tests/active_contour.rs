@@ -1,0 +1,322 @@
+//! Active contours, held to their definitions by dense and naive references, and to what they say of the scenes that break them.
+
+mod common;
+
+use common::set;
+use motionscope_core::products::region::RegionError;
+use motionscope_core::scene::{Readout, Role, Shape, Step};
+use motionscope_core::{
+    AnyEstimator, Clip, Direction, Frame, Grid, MaskField, Move, RegionField, Threads, Walk, synth,
+};
+
+type Point = [f64; 2];
+
+/// A number of 0 to 255 that belongs to a pixel.
+fn noise(x: usize, y: usize, seed: u64) -> u8 {
+    let mixed = (x as u64 * 0x9E37_79B9) ^ (y as u64 * 0x85EB_CA6B) ^ (seed * 0xC2B2_AE35);
+    (mixed.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 40) as u8
+}
+
+/// A bright disc with some noise on a dark ground.
+fn disc((width, height): (usize, usize), center: Point, radius: f64, seed: u64) -> Frame {
+    Frame::gray(Grid::from_fn(width, height, |x, y| {
+        let inside = (x as f64 - center[0]).hypot(y as f64 - center[1]) < radius;
+        noise(x, y, seed) / 16 + if inside { 170 } else { 60 }
+    }))
+}
+
+fn clip(frames: Vec<Frame>) -> Clip {
+    Clip::from_frames("frames", frames).expect("frames of one size")
+}
+
+/// A circle as the value of the parameter `contour`.
+fn circle(center: Point, radius: f64) -> String {
+    let corner = |i: usize| {
+        let (sin, cos) = (i as f64 * std::f64::consts::TAU / 40.0).sin_cos();
+        format!("{:.2},{:.2}", center[0] + radius * cos, center[1] + radius * sin)
+    };
+    (0..40).map(corner).collect::<Vec<_>>().join(" ")
+}
+
+/// The corners of a value of the parameter `contour`.
+fn corners(text: &str) -> Vec<Point> {
+    let place = |at: &str| {
+        let (x, y) = at.split_once(',').expect("a place");
+        [x, y].map(|c| f64::from(c.parse::<f32>().expect("a number")))
+    };
+    text.split(' ').map(place).collect()
+}
+
+/// The contour that a step draws.
+fn drawn(walk: &dyn Walk) -> Vec<Point> {
+    let marks = walk.scene(None).marks;
+    let contour = marks.iter().rev().find_map(|mark| match &mark.shape {
+        Shape::Path { points, closed: true } if mark.role == Role::Best => Some(points.clone()),
+        _ => None,
+    });
+    contour.expect("a contour").into_iter().map(|at| at.map(f64::from)).collect()
+}
+
+/// The contours of the steps of the first frame that say `phrase`, in their order.
+fn contours(estimator: &dyn AnyEstimator, clip: &Clip, phrase: &str) -> Vec<Vec<Point>> {
+    let mut walk = estimator.walk(clip, 0).expect("a walk");
+    let mut found = Vec::new();
+    while walk.cursor().unit == 0 && !walk.at_end() {
+        if walk.step(None).sentence.plain().contains(phrase) {
+            found.push(drawn(&*walk));
+        }
+        walk.jump(Move::Granularity(2, Direction::Forward));
+    }
+    found
+}
+
+/// `count` points at equal distances along a polygon.
+fn spread(corners: &[Point], count: usize) -> Vec<Point> {
+    let apart = |a: Point, b: Point| (b[0] - a[0]).hypot(b[1] - a[1]);
+    let closed: Vec<Point> = corners.iter().chain([&corners[0]]).copied().collect();
+    let length: f64 = closed.windows(2).map(|pair| apart(pair[0], pair[1])).sum();
+    let at = |mut way: f64| {
+        for pair in closed.windows(2) {
+            let long = apart(pair[0], pair[1]);
+            if way <= long {
+                return [0, 1].map(|k| pair[0][k] + way / long * (pair[1][k] - pair[0][k]));
+            }
+            way -= long;
+        }
+        closed[0]
+    };
+    (0..count).map(|i| at(length * i as f64 / count as f64)).collect()
+}
+
+/// A picture of numbers by rows, repeated beyond its border.
+struct Plane {
+    size: (usize, usize),
+    values: Vec<f64>,
+}
+
+impl Plane {
+    fn of((width, height): (usize, usize), at: impl Fn(isize, isize) -> f64) -> Self {
+        let places = (0..height).flat_map(|y| (0..width).map(move |x| (x as isize, y as isize)));
+        Self { size: (width, height), values: places.map(|(x, y)| at(x, y)).collect() }
+    }
+
+    fn at(&self, x: isize, y: isize) -> f64 {
+        let [x, y] = [x.clamp(0, self.size.0 as isize - 1), y.clamp(0, self.size.1 as isize - 1)];
+        self.values[y as usize * self.size.0 + x as usize]
+    }
+
+    fn between(&self, [x, y]: Point) -> f64 {
+        let [x, y] = [x.clamp(0.0, self.size.0 as f64 - 1.0), y.clamp(0.0, self.size.1 as f64 - 1.0)];
+        let (i, j) = (x.floor(), y.floor());
+        let at = |di: isize, dj: isize| self.at(i as isize + di, j as isize + dj);
+        let (u, v) = (x - i, y - j);
+        (1.0 - v) * ((1.0 - u) * at(0, 0) + u * at(1, 0)) + v * ((1.0 - u) * at(0, 1) + u * at(1, 1))
+    }
+
+    fn differences(&self) -> [Plane; 2] {
+        let along = |dx, dy| Plane::of(self.size, |x, y| (self.at(x + dx, y + dy) - self.at(x - dx, y - dy)) / 2.0);
+        [along(1, 0), along(0, 1)]
+    }
+}
+
+/// The edge strength of a whole frame, smoothed with σ = 2 px over two dimensions at once.
+fn edge_strength(frame: &Frame) -> Plane {
+    let luma = frame.luma();
+    let gray = Plane::of(luma.size(), |x, y| f64::from(luma[(x as usize, y as usize)]));
+    let weight = |i: isize, j: isize| (-((i * i + j * j) as f64) / 8.0).exp();
+    let window = || (-6..=6).flat_map(|j: isize| (-6..=6).map(move |i: isize| (i, j)));
+    let norm: f64 = window().map(|(i, j)| weight(i, j)).sum();
+    let smooth =
+        Plane::of(gray.size, |x, y| window().map(|(i, j)| weight(i, j) * gray.at(x + i, y + j)).sum::<f64>() / norm);
+    let [dx, dy] = smooth.differences();
+    let magnitude = Plane::of(gray.size, |x, y| dx.at(x, y).hypot(dy.at(x, y)));
+    let most = magnitude.values.iter().fold(1.0f64, |most, value| most.max(*value));
+    Plane { values: magnitude.values.iter().map(|value| value / most).collect(), ..magnitude }
+}
+
+/// Gradient vector flow by its equation.
+fn diffused(force: &[Plane; 2], mu: f64, steps: usize) -> [Plane; 2] {
+    let square = |x, y| force[0].at(x, y).powi(2) + force[1].at(x, y).powi(2);
+    [0, 1].map(|k| {
+        let mut now = Plane::of(force[k].size, |x, y| force[k].at(x, y));
+        for _ in 0..steps {
+            now = Plane::of(now.size, |x, y| {
+                let laplacian =
+                    now.at(x - 1, y) + now.at(x + 1, y) + now.at(x, y - 1) + now.at(x, y + 1) - 4.0 * now.at(x, y);
+                now.at(x, y) + mu * laplacian - square(x, y) * (now.at(x, y) - force[k].at(x, y))
+            });
+        }
+        now
+    })
+}
+
+/// The matrix α DᵀD + β DᵀD DᵀD + γ I, where D has the differences of neighbouring points of a closed curve.
+fn dense(count: usize, [alpha, beta, gamma]: [f64; 3]) -> Vec<Vec<f64>> {
+    let product = |a: &[Vec<f64>], b: &[Vec<f64>]| -> Vec<Vec<f64>> {
+        let entry = |i: usize, j: usize| (0..count).map(|k| a[i][k] * b[k][j]).sum();
+        (0..count).map(|i| (0..count).map(|j| entry(i, j)).collect()).collect()
+    };
+    let mut d = vec![vec![0.0; count]; count];
+    (0..count).for_each(|i| (d[i][i], d[i][(i + 1) % count]) = (-1.0, 1.0));
+    let transposed: Vec<Vec<f64>> = (0..count).map(|i| (0..count).map(|j| d[j][i]).collect()).collect();
+    let second = product(&transposed, &d);
+    let fourth = product(&second, &second);
+    let entry = |i: usize, j: usize| alpha * second[i][j] + beta * fourth[i][j] + if i == j { gamma } else { 0.0 };
+    (0..count).map(|i| (0..count).map(|j| entry(i, j)).collect()).collect()
+}
+
+/// The solution of a dense system by elimination with pivots.
+fn solved(mut matrix: Vec<Vec<f64>>, mut right: Vec<f64>) -> Vec<f64> {
+    let count = right.len();
+    for i in 0..count {
+        let pivot = (i..count).max_by(|a, b| matrix[*a][i].abs().total_cmp(&matrix[*b][i].abs())).expect("rows");
+        matrix.swap(i, pivot);
+        right.swap(i, pivot);
+        for row in i + 1..count {
+            let factor = matrix[row][i] / matrix[i][i];
+            for column in i..count {
+                matrix[row][column] -= factor * matrix[i][column];
+            }
+            right[row] -= factor * right[i];
+        }
+    }
+    for i in (0..count).rev() {
+        let rest: f64 = (i + 1..count).map(|j| matrix[i][j] * right[j]).sum();
+        right[i] = (right[i] - rest) / matrix[i][i];
+    }
+    right
+}
+
+/// The area inside a polygon, by triangles from the origin.
+fn area(points: &[Point]) -> f64 {
+    let next = |i: usize| points[(i + 1) % points.len()];
+    points.iter().enumerate().map(|(i, a)| (a[0] * next(i)[1] - a[1] * next(i)[0]) / 2.0).sum()
+}
+
+/// The derivative of the area for each point, by differences.
+fn area_derivatives(points: &[Point]) -> Vec<Point> {
+    let moved = |i: usize, k: usize, by: f64| {
+        let mut other = points.to_vec();
+        other[i][k] += by;
+        area(&other)
+    };
+    (0..points.len()).map(|i| [0, 1].map(|k| (moved(i, k, 0.5) - moved(i, k, -0.5)) / 1.0)).collect()
+}
+
+fn farthest(found: &[Point], expected: &[Point]) -> f64 {
+    assert_eq!(found.len(), expected.len(), "points");
+    found.iter().zip(expected).map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1])).fold(0.0, f64::max)
+}
+
+#[test]
+fn iterations_solve_the_dense_system() {
+    let frame = disc((64, 56), [31.0, 27.0], 15.0, 1);
+    let clip = clip(vec![frame.clone(); 2]);
+    // Not a circle, so that elasticity and rigidity differ from point to point.
+    let contour = "12,9 34,6 52,12 50,30 54,46 28,48 10,38 14,24";
+    let strength = edge_strength(&frame);
+    for (force, balloon) in [("gradient", 0.0), ("gradient", 0.06), ("gradient-vector-flow", -0.02)] {
+        let (pressure, margin) = (balloon.to_string(), "200");
+        let settings = [
+            ("contour", contour),
+            ("margin", margin),
+            ("force", force),
+            ("balloon", &pressure),
+            ("alpha", "0.25"),
+            ("beta", "0.5"),
+            ("edge-weight", "2"),
+            ("gamma", "0.75"),
+            ("mu", "0.15"),
+            ("diffusions", "30"),
+            ("iterations", "12"),
+            ("epsilon", "0.001"),
+        ];
+        let found = contours(&*set("active-contour", &settings), &clip, "the solution of");
+        let corners = corners(contour);
+        let gradient = strength.differences();
+        let field = if force == "gradient" { gradient } else { diffused(&gradient, 0.15, 30) };
+        let length: f64 = {
+            let next = |i: usize| corners[(i + 1) % corners.len()];
+            corners.iter().enumerate().map(|(i, a)| (next(i)[0] - a[0]).hypot(next(i)[1] - a[1])).sum()
+        };
+        let mut points = spread(&corners, (length / 4.0).round() as usize);
+        let matrix = dense(points.len(), [0.25, 0.5, 0.75]);
+        assert_eq!(found.len(), 12, "{force}: iterations");
+        for (i, found) in found.iter().enumerate() {
+            let inflation = area_derivatives(&points);
+            let right = |k: usize| {
+                let of = |(at, inflation): (&Point, &Point)| {
+                    0.75 * at[k] + 2.0 * field[k].between(*at) + f64::from(balloon as f32) * inflation[k]
+                };
+                points.iter().zip(&inflation).map(of).collect::<Vec<f64>>()
+            };
+            let [x, y] = [0, 1].map(|k| solved(matrix.clone(), right(k)));
+            points = x.into_iter().zip(y).map(|(x, y)| [x, y]).collect();
+            let off = farthest(found, &points);
+            assert!(off < 0.01, "{force}, pressure {balloon}: {off:.5} px off after iteration {}", i + 1);
+        }
+    }
+}
+
+/// The energies of the first frame over its iterations.
+fn energies(estimator: &dyn AnyEstimator, clip: &Clip, line: &str) -> Vec<f32> {
+    let mut walk = estimator.walk(clip, 0).expect("a walk");
+    let mut last = Vec::new();
+    while walk.cursor().unit == 0 && !walk.at_end() {
+        let step = walk.step(None);
+        if step.sentence.plain().starts_with("The contour has a mean edge strength") {
+            last = values(&step, line);
+        }
+        walk.jump(Move::Granularity(2, Direction::Forward));
+    }
+    last
+}
+
+fn values(step: &Step, line: &str) -> Vec<f32> {
+    let series = step.readouts.iter().find_map(|readout| match readout {
+        Readout::Series(series) if series.title == "Energy of the contour" => Some(series),
+        _ => None,
+    });
+    let lines = &series.expect("a plot").lines;
+    lines.iter().find(|(name, ..)| *name == line).expect("a line").2.iter().map(|point| point[1]).collect()
+}
+
+#[test]
+fn explore() {
+    for id in ["active-contour", "greedy-contour"] {
+        for scene in ["tunnel", "leaves", "pillar", "fast-ball", "crossing-stars", "traffic", "passing-bus"] {
+            for settings in [&[][..], &[("force", "gradient-vector-flow")], &[("sigma-px", "4")]] {
+                if id == "greedy-contour" && settings.first().is_some_and(|s| s.0 == "force") {
+                    continue;
+                }
+                let clip =
+                    synth::make(scene, &synth::scene(scene).expect("it is bundled").difficulty()).expect("a clip");
+                let output = set(id, settings).run(&clip, 0, &Threads::single()).expect("a run");
+                let field = output.get::<RegionField>().expect("a region");
+                let errors: Vec<RegionError> = field.errors(&clip).expect("readable");
+                let text: Vec<String> = errors.iter().map(|e| format!("{:.0}", e.overlap * 100.0)).collect();
+                let lost: Vec<usize> =
+                    field.frames.iter().enumerate().filter(|(_, f)| f.is_lost).map(|(i, _)| i).collect();
+                let masks = output.get::<MaskField>().expect("masks").masks().count();
+                println!(
+                    "{id} {scene} {settings:?}: start {:?} -> {:?}; {} lost {lost:?} masks {masks}",
+                    field.frames[0].region.size,
+                    field.frames[1].region.size,
+                    text.join(" ")
+                );
+            }
+        }
+    }
+    let frame = disc((64, 56), [31.0, 27.0], 15.0, 1);
+    let clip = clip(vec![frame.clone(); 2]);
+    for force in ["gradient", "gradient-vector-flow"] {
+        for r in [10.0, 15.0, 20.0, 23.0] {
+            let contour = circle([31.0, 27.0], r);
+            let settings = [("force", force), ("contour", contour.as_str()), ("iterations", "400")];
+            let e = energies(&*set("active-contour", &settings), &clip, "total");
+            let output = set("active-contour", &settings).run(&clip, 0, &Threads::single()).expect("a run");
+            let field = output.get::<RegionField>().expect("a region");
+            println!("{force} {r}: {} its, {:?} -> {:?}, {:?}", e.len(), e.first(), e.last(), field.frames[0]);
+        }
+    }
+}
