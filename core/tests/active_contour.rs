@@ -281,42 +281,164 @@ fn values(step: &Step, line: &str) -> Vec<f32> {
     lines.iter().find(|(name, ..)| *name == line).expect("a line").2.iter().map(|point| point[1]).collect()
 }
 
-#[test]
-fn explore() {
-    for id in ["active-contour", "greedy-contour"] {
-        for scene in ["tunnel", "leaves", "pillar", "fast-ball", "crossing-stars", "traffic", "passing-bus"] {
-            for settings in [&[][..], &[("force", "gradient-vector-flow")], &[("sigma-px", "4")]] {
-                if id == "greedy-contour" && settings.first().is_some_and(|s| s.0 == "force") {
-                    continue;
-                }
-                let clip =
-                    synth::make(scene, &synth::scene(scene).expect("it is bundled").difficulty()).expect("a clip");
-                let output = set(id, settings).run(&clip, 0, &Threads::single()).expect("a run");
-                let field = output.get::<RegionField>().expect("a region");
-                let errors: Vec<RegionError> = field.errors(&clip).expect("readable");
-                let text: Vec<String> = errors.iter().map(|e| format!("{:.0}", e.overlap * 100.0)).collect();
-                let lost: Vec<usize> =
-                    field.frames.iter().enumerate().filter(|(_, f)| f.is_lost).map(|(i, _)| i).collect();
-                let masks = output.get::<MaskField>().expect("masks").masks().count();
-                println!(
-                    "{id} {scene} {settings:?}: start {:?} -> {:?}; {} lost {lost:?} masks {masks}",
-                    field.frames[0].region.size,
-                    field.frames[1].region.size,
-                    text.join(" ")
-                );
+/// The greedy algorithm on a whole frame, by its definition: the points after each iteration.
+fn greedy(strength: &Plane, start: &[Point], passes: usize) -> Vec<Vec<Point>> {
+    let (mut points, count) = (start.to_vec(), start.len());
+    let apart = |a: Point, b: Point| (b[0] - a[0]).hypot(b[1] - a[1]);
+    let distance =
+        |points: &[Point]| (0..count).map(|i| apart(points[i], points[(i + 1) % count])).sum::<f64>() / count as f64;
+    let (mut mean, mut beta) = (distance(&points), vec![1.0; count]);
+    let mut all = Vec::new();
+    for _ in 0..passes {
+        for i in (0..count).chain([0]) {
+            let (before, at, after) = (points[(i + count - 1) % count], points[i], points[(i + 1) % count]);
+            let inside = |p: &Point| (0..2).all(|k| p[k] >= 0.0 && p[k] < [strength.size.0, strength.size.1][k] as f64);
+            let places: Vec<Point> = (0..9)
+                .map(|j| [at[0] + f64::from(j % 3) - 1.0, at[1] + f64::from(j / 3) - 1.0])
+                .filter(inside)
+                .collect();
+            let continuity: Vec<f64> = places.iter().map(|p| (mean - apart(before, *p)).abs()).collect();
+            let curvature: Vec<f64> = places
+                .iter()
+                .map(|p| apart([before[0] + after[0], before[1] + after[1]], [2.0 * p[0], 2.0 * p[1]]).powi(2))
+                .collect();
+            let edge: Vec<f64> = places.iter().map(|p| strength.at(p[0] as isize, p[1] as isize)).collect();
+            let most = |of: &[f64]| of.iter().fold(0.0f64, |most, value| most.max(*value));
+            let (high, low) = (most(&edge), edge.iter().fold(1.0f64, |least, value| least.min(*value)));
+            let low = if high - low < 5.0 / 255.0 { high - 5.0 / 255.0 } else { low };
+            let energy = |j: usize| {
+                continuity[j] / most(&continuity).max(1e-300)
+                    + beta[i] * curvature[j] / most(&curvature).max(1e-300)
+                    + 1.2f32 as f64 * (low - edge[j]) / (high - low)
+            };
+            let present = places.iter().position(|p| *p == at).expect("it is there");
+            let least = (0..places.len()).map(energy).fold(f64::INFINITY, f64::min);
+            if energy(present) > least + 1e-9 {
+                let best = (0..places.len()).find(|j| energy(*j) < least + 1e-9).expect("the least");
+                points[i] = places[best];
             }
         }
-    }
-    let frame = disc((64, 56), [31.0, 27.0], 15.0, 1);
-    let clip = clip(vec![frame.clone(); 2]);
-    for force in ["gradient", "gradient-vector-flow"] {
-        for r in [10.0, 15.0, 20.0, 23.0] {
-            let contour = circle([31.0, 27.0], r);
-            let settings = [("force", force), ("contour", contour.as_str()), ("iterations", "400")];
-            let e = energies(&*set("active-contour", &settings), &clip, "total");
-            let output = set("active-contour", &settings).run(&clip, 0, &Threads::single()).expect("a run");
-            let field = output.get::<RegionField>().expect("a region");
-            println!("{force} {r}: {} its, {:?} -> {:?}, {:?}", e.len(), e.first(), e.last(), field.frames[0]);
+        let turn = |i: usize| {
+            let (before, at, after) = (points[(i + count - 1) % count], points[i], points[(i + 1) % count]);
+            let unit = |a: Point, b: Point| [0, 1].map(|k| (b[k] - a[k]) / apart(a, b).max(1e-300));
+            apart(unit(before, at), unit(at, after)).powi(2)
+        };
+        for (i, beta) in beta.iter_mut().enumerate() {
+            let is_sharpest = turn(i) > turn((i + count - 1) % count) && turn(i) > turn((i + 1) % count);
+            let is_corner = is_sharpest && turn(i) > 0.25 && strength.between(points[i]) >= 0.4;
+            *beta = if is_corner { 0.0 } else { 1.0 };
         }
+        mean = distance(&points);
+        all.push(points.clone());
+    }
+    all
+}
+
+#[test]
+fn greedy_moves_are_those_of_the_definition() {
+    // A bright square with a corner cut off: it has corners, and the contour begins outside.
+    let frame = Frame::gray(Grid::from_fn(64, 56, |x, y| {
+        let inside = (20..46).contains(&x) && (16..42).contains(&y) && x + y < 78;
+        noise(x, y, 5) / 12 + if inside { 190 } else { 50 }
+    }));
+    let clip = clip(vec![frame.clone(); 2]);
+    let contour = "12.3,10.2 33.4,7.1 52.2,9.4 55.6,27.3 50.7,45.2 35.1,49.8 14.2,47.3 9.6,30.4";
+    let settings = [("contour", contour), ("margin", "200"), ("iterations", "14"), ("max-moved", "0")];
+    let found = contours(&*set("greedy-contour", &settings), &clip, "End of iteration");
+    let start: Vec<Point> = {
+        let corners = corners(contour);
+        let next = |i: usize| corners[(i + 1) % corners.len()];
+        let length: f64 = corners.iter().enumerate().map(|(i, a)| (next(i)[0] - a[0]).hypot(next(i)[1] - a[1])).sum();
+        spread(&corners, (length / 4.0).round() as usize).into_iter().map(|at| at.map(f64::round)).collect()
+    };
+    let expected = greedy(&edge_strength(&frame), &start, found.len());
+    assert!(found.len() > 8 && farthest(&found[found.len() - 1], &start) > 5.0, "{} iterations", found.len());
+    for (i, (found, expected)) in found.iter().zip(&expected).enumerate() {
+        assert_eq!(found, expected, "iteration {}", i + 1);
+    }
+}
+
+#[test]
+fn small_steps_never_raise_the_energy() {
+    let clip = clip(vec![disc((64, 56), [31.0, 27.0], 15.0, 1); 2]);
+    for balloon in ["0", "-0.02"] {
+        let start = circle([33.0, 28.0], 19.0);
+        let settings = [
+            ("contour", start.as_str()),
+            ("gamma", "3"),
+            ("balloon", balloon),
+            ("iterations", "300"),
+            ("epsilon", "0.002"),
+        ];
+        let total = energies(&*set("active-contour", &settings), &clip, "total");
+        assert!(total.len() > 20 && total[total.len() - 1] < total[0] - 10.0, "{total:?}");
+        // Interpolation of edges and of their gradient differ by little.
+        assert!(total.windows(2).all(|pair| pair[1] < pair[0] + 1e-2), "{total:?}");
+    }
+}
+
+/// Intersection over union of the masks with a disc, by frame; 0 where there is no mask.
+fn overlaps(
+    estimator: &dyn AnyEstimator,
+    clip: &Clip,
+    disc: impl Fn(usize) -> (Point, f64),
+    frames: usize,
+) -> Vec<f64> {
+    let output = estimator.run(clip, 0, &Threads::single()).expect("a run");
+    let field = output.get::<MaskField>().expect("masks");
+    let mut all = vec![0.0; frames];
+    for (t, mask) in field.masks() {
+        let (mask, (center, radius)) = (mask.unpacked(), disc(t));
+        let (mut both, mut either) = (0, 0);
+        for (x, y) in (0..mask.height()).flat_map(|y| (0..mask.width()).map(move |x| (x, y))) {
+            let inside = (x as f64 - center[0]).hypot(y as f64 - center[1]) < radius;
+            both += usize::from(inside && mask.get(x, y));
+            either += usize::from(inside || mask.get(x, y));
+        }
+        all[t] = f64::from(both as u32) / f64::from(either.max(1) as u32);
+    }
+    all
+}
+
+fn scene_with(id: &str, sliders: &[(&str, &str)]) -> Clip {
+    use motionscope_core::Params;
+    let mut difficulty = synth::scene(id).expect("it is bundled").difficulty();
+    sliders.iter().for_each(|(name, value)| difficulty.set(name, value).expect("in range"));
+    synth::make(id, &difficulty).expect("a clip")
+}
+
+#[test]
+fn explore() {
+    let text = std::env::var("SETTINGS").unwrap_or_default();
+    let settings: Vec<(&str, &str)> = text.split(';').filter_map(|one| one.split_once('=')).collect();
+    let sliders = std::env::var("SLIDERS").unwrap_or_default();
+    let sliders: Vec<(&str, &str)> = sliders.split(';').filter_map(|one| one.split_once('=')).collect();
+    let scenes = std::env::var("SCENES").unwrap_or_default();
+    let ids = std::env::var("IDS").unwrap_or("active-contour,greedy-contour".into());
+    for id in ids.split(',') {
+        for scene in scenes.split(',').filter(|scene| !scene.is_empty()) {
+            let clip = scene_with(scene, &sliders);
+            let output = set(id, &settings).run(&clip, 0, &Threads::single()).expect("a run");
+            let field = output.get::<RegionField>().expect("a region");
+            let errors: Vec<RegionError> = field.errors(&clip).expect("readable");
+            let text: Vec<String> = errors.iter().map(|e| format!("{:.0}", e.overlap * 100.0)).collect();
+            let lost: Vec<String> =
+                field.frames.iter().enumerate().filter(|(_, f)| f.is_lost).map(|(i, _)| i.to_string()).collect();
+            println!(
+                "{id} {scene}: size {:?} -> {:?}; {} lost {}",
+                field.frames[0].region.size,
+                field.frames[1].region.size,
+                text.join(" "),
+                lost.join(" ")
+            );
+        }
+        let speed: f64 = std::env::var("SPEED").ok().and_then(|s| s.parse().ok()).unwrap_or(2.0);
+        let place = |t: usize| ([24.0 + speed * t as f64, 30.0], 12.0);
+        let clip =
+            Clip::from_frames("d", (0..20).map(|t| disc((128, 60), place(t).0, 12.0, t as u64)).collect()).expect("ok");
+        let start = circle([24.0, 30.0], std::env::var("R").ok().and_then(|s| s.parse().ok()).unwrap_or(14.0));
+        let all = [&settings[..], &[("contour", start.as_str())]].concat();
+        let found = overlaps(&*set(id, &all), &clip, place, 20);
+        println!("{id} disc: {}", found.iter().map(|o| format!("{:.0}", 100.0 * o)).collect::<Vec<_>>().join(" "));
     }
 }

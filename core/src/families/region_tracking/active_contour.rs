@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::base::{Error, Observer};
 use crate::data::{Clip, Frame, PackedMask};
-use crate::geometry::Bounds;
+use crate::geometry::{Bounds, polygon};
 use crate::methods::contour::{self, Edges, Force, Model, Pentadiagonal, Point, Snake, Verdict};
 use crate::methods::region::{At, RegionModel, Settings, Similarity};
 use crate::products::{MaskField, Product, ProductKind, Region, RegionField, RegionFrame};
@@ -32,9 +32,9 @@ params! {
         /// External force on the contour.
         force: External = External::Gradient;
         /// Elasticity α. It contracts the contour and keeps its points apart; too much of it pulls the contour off its edges.
-        alpha: f32 = 0.05, 0.0..=5.0;
+        alpha: f32 = 0.02, 0.0..=5.0;
         /// Rigidity β. It resists bending; too much of it rounds corners.
-        beta: f32 = 0.1, 0.0..=20.0;
+        beta: f32 = 0.05, 0.0..=20.0;
         /// Weight κ of the external energy.
         edge_weight: f32 = 1.0, 0.0..=10.0;
         /// Balloon pressure p. A positive one inflates the contour, a negative one deflates it, also where there is no edge.
@@ -48,7 +48,7 @@ params! {
         /// Maximum number of iterations in a frame.
         iterations: usize = 100, 1..=1000;
         /// Mean displacement of the points in an iteration below which the contour has converged.
-        epsilon: f32 = 0.02, 0.001..=1.0, "px";
+        epsilon: f32 = 0.01, 0.001..=1.0, "px";
     }
     advanced { "gamma", "mu", "diffusions", "epsilon" }
     when {
@@ -113,7 +113,7 @@ pub enum Event {
     Judged(Arc<Field>, Arc<[Point]>, Verdict),
 }
 
-/// The next and the last point but one and two of each, around the curve.
+/// The points of a closed curve that lie `by` places after point `i`.
 fn around<const N: usize>(points: &[Point], i: usize, by: [isize; N]) -> [Point; N] {
     by.map(|by| points[(i as isize + by).rem_euclid(points.len() as isize) as usize])
 }
@@ -129,7 +129,7 @@ impl ActiveContour {
             bending += square([0, 1].map(|k| before[k] - 2.0 * at[k] + after[k]));
             strength += f64::from(edges.strength_at(*at));
         }
-        let area = crate::geometry::polygon::area(points);
+        let area = polygon::area(points);
         Energy {
             elastic: f64::from(self.alpha) / 2.0 * elastic,
             bending: f64::from(self.beta) / 2.0 * bending,
@@ -231,7 +231,7 @@ pseudocode! {
     CHOOSE: "v ← contour of the object in the first frame; stop if there is no edge around it",
     EACH_FRAME: "for each frame t, from the contour v of frame t − 1, its points at equal distances",
     FIND_EDGES: "  f ← |∇(G_σ ∗ I)| / its maximum in the window around v; F ← ∇f",
-    DIFFUSE: "  if gradient vector flow: F ← g after steps g ← g + μ ∇²g − |∇f|² (g − ∇f) from g = ∇f",
+    DIFFUSE: "  if gradient vector flow: F ← g after steps g ← g + μ ∇²g − |∇f|² (g − ∇f) from g = ∇f, scaled",
     SOLVE: "  repeat: v ← (A + γ I)⁻¹ (γ v + κ F(v) + p ∂area/∂v), until the mean displacement < ε",
     JUDGE: "  lost if the mean f on v < min-edge, or v has collapsed or crosses itself",
     MOVE: "  the mask is the inside of v, the region the box around it, unless the object is lost",

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::base::{Error, Observer};
 use crate::data::{Clip, Frame, PackedMask};
-use crate::geometry::Bounds;
+use crate::geometry::{Bounds, polygon};
 use crate::methods::contour::{self, Edges, Model, Point, Snake, Verdict};
 use crate::methods::region::{At, RegionModel, Settings, Similarity};
 use crate::products::{MaskField, Product, ProductKind, Region, RegionField, RegionFrame};
@@ -26,7 +26,7 @@ params! {
         /// Weight κ of the edge energy.
         edge_weight: f32 = 1.2, 0.0..=10.0;
         /// Radius r of the neighbourhood of (2r + 1)×(2r + 1) pixels that a point can move to.
-        neighborhood: usize = 1, 1..=3, "px";
+        radius: usize = 1, 1..=3, "px";
         /// Squared length of the change of direction at a point above which it is a corner, if it lies on an edge: 0.25 is 29°.
         corner: f32 = 0.25, 0.0..=4.0;
         /// Edge strength from which a point of high curvature is a corner.
@@ -53,6 +53,15 @@ pub struct Terms {
     pub edge: f64,
     /// The weighted sum.
     pub total: f64,
+}
+
+impl Terms {
+    fn add(&mut self, of: &Self) {
+        self.continuity += of.continuity;
+        self.curvature += of.curvature;
+        self.edge += of.edge;
+        self.total += of.total;
+    }
 }
 
 /// A point with the energies of its neighbourhood.
@@ -122,7 +131,7 @@ impl Curve<'_> {
 
     /// The mean distance of neighbouring points.
     fn mean_distance(&self) -> f64 {
-        crate::geometry::polygon::length(&self.points) / self.points.len() as f64
+        polygon::length(&self.points) / self.points.len() as f64
     }
 
     /// The squared length of the change of direction at a point, of unit vectors along both edges.
@@ -138,9 +147,17 @@ impl Curve<'_> {
 }
 
 impl GreedyContour {
+    /// The weighted energies with their sum; rigidity does not act at corners.
+    fn weighted(&self, of: Terms, is_corner: bool) -> Terms {
+        let continuity = f64::from(self.alpha) * of.continuity;
+        let curvature = if is_corner { 0.0 } else { f64::from(self.beta) * of.curvature };
+        let edge = f64::from(self.edge_weight) * of.edge;
+        Terms { continuity, curvature, edge, total: continuity + curvature + edge }
+    }
+
     /// The places of the neighbourhood of a point, row by row.
     fn places(&self, at: Point) -> impl Iterator<Item = Point> {
-        let reach = self.neighborhood as isize;
+        let reach = self.radius as isize;
         (-reach..=reach).flat_map(move |y| (-reach..=reach).map(move |x| [at[0] + x as f64, at[1] + y as f64]))
     }
 
@@ -163,7 +180,6 @@ impl GreedyContour {
         let [low, high] = range(|of| of.edge);
         let low = low.min(high - LEAST_RANGE);
         let share = |value: f64, most: f64| if most > 0.0 { value / most } else { 0.0 };
-        let beta = if curve.is_corner[index] { 0.0 } else { f64::from(self.beta) };
         for of in terms.iter_mut().flatten() {
             *of = Terms {
                 continuity: share(of.continuity, farthest),
@@ -171,8 +187,7 @@ impl GreedyContour {
                 edge: (low - of.edge) / (high - low),
                 total: 0.0,
             };
-            of.total =
-                f64::from(self.alpha) * of.continuity + beta * of.curvature + f64::from(self.edge_weight) * of.edge;
+            of.total = self.weighted(*of, curve.is_corner[index]).total;
         }
         let present = terms.len() / 2;
         let total = |i: usize| terms[i].map_or(f64::INFINITY, |of| of.total);

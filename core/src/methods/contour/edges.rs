@@ -3,7 +3,7 @@
 use super::Point;
 use crate::base::{Threads, effort};
 use crate::geometry::filter::smooth;
-use crate::geometry::{Border, Gray, Grid, polygon};
+use crate::geometry::{Border, Bounds, Gray, Grid, polygon};
 
 /// Edges are relative to the steepest one, or to this gradient where none is as steep, in gray levels/px: noise is no edge.
 const LEAST_GRADIENT: f32 = 1.0;
@@ -69,7 +69,7 @@ impl Edges {
 /// The part of a picture up to `margin` px around `points`, and its first pixel.
 fn cut(luma: &Gray, points: &[Point], margin: usize) -> ([usize; 2], Gray) {
     let (width, height) = luma.size();
-    let bounds = polygon::bounds(points).unwrap_or(crate::geometry::Bounds { min: [0.0; 2], max: [0.0; 2] });
+    let bounds = polygon::bounds(points).unwrap_or(Bounds { min: [0.0; 2], max: [0.0; 2] });
     let margin = margin as f32;
     let first = [0, 1].map(|i| ((bounds.min[i] - margin).floor().max(0.0) as usize).min([width, height][i] - 1));
     let end = [0, 1].map(|i| ((bounds.max[i] + margin).ceil().max(0.0) as usize + 1).min([width, height][i]));
@@ -99,7 +99,8 @@ pub(crate) struct Force {
 }
 
 impl Force {
-    /// Gradient vector flow (Xu and Prince 1998, equations 12 to 17): `count` steps of g ← g + μ ∇²g − |∇f|² (g − ∇f) from g = ∇f.
+    /// Gradient vector flow (Xu and Prince 1998, equations 12 to 17): `count` steps of g ← g + μ ∇²g − |∇f|² (g − ∇f) from g = ∇f, at
+    /// the end scaled to the largest length of ∇f, since diffusion weakens it at the edges.
     pub fn diffused(&self, mu: f32, count: usize) -> Self {
         let edge = &self.values;
         let (width, height) = edge.size();
@@ -112,8 +113,14 @@ impl Force {
             }
             std::mem::swap(&mut now, &mut next);
         }
-        Self { values: now }
+        let scale = longest(edge) / longest(&now).max(f32::MIN_POSITIVE);
+        Self { values: now.map(|force| force.map(|c| c * scale)) }
     }
+}
+
+/// The largest length of a force.
+fn longest(values: &Grid<[f32; 2]>) -> f32 {
+    values.cells().iter().map(|[x, y]| x * x + y * y).fold(0.0, f32::max).sqrt()
 }
 
 fn diffuse_row([above, here, below]: [&[[f32; 2]]; 3], edge: &[[f32; 2]], mu: f32, target: &mut [[f32; 2]]) {

@@ -2,6 +2,7 @@
 
 use super::{ActiveContour, At, Energy, Event, Field, Iteration, Point};
 use crate::base::words::{counted, fixed};
+use crate::geometry::polygon;
 use crate::methods::contour::explain;
 use crate::methods::numbers::{px, ratio};
 use crate::scene::{Fact, Math, Readout, Role, Scene, Sentence, Series};
@@ -170,7 +171,7 @@ pub(super) fn facts(at: &At<'_, ActiveContour>) -> Vec<Fact> {
                 Fact::new("Bending energy", energy(bending), Some(Role::Window)),
                 Fact::new("External energy", energy(external), Some(Role::Measured)),
                 Fact::new("Balloon energy", energy(balloon), Some(Role::Candidate)),
-                Fact::new("Length", format!("{} px", px(crate::geometry::polygon::length(&iteration.after))), None),
+                Fact::new("Length", format!("{} px", px(polygon::length(&iteration.after))), None),
             ]
         }
         Event::Judged(_, _, verdict) => explain::verdict_facts(verdict),

@@ -13,7 +13,7 @@ fn pixel([x, y]: Point) -> String {
 
 impl GreedyContour {
     fn side(&self) -> usize {
-        2 * self.neighborhood + 1
+        2 * self.radius + 1
     }
 
     /// The place that a point moves to.
@@ -192,7 +192,7 @@ impl GreedyContour {
         explain::dots(scene, Role::Best, points);
         match at.event {
             Event::Tested(test) => {
-                let [x, y] = test.points[test.index].map(|c| c as i32 - self.neighborhood as i32);
+                let [x, y] = test.points[test.index].map(|c| c as i32 - self.radius as i32);
                 scene.mark(Picture::CURRENT, Role::Predicted, Shape::pixels(x, y, self.side(), self.side()));
                 scene.legend(Role::Predicted, "neighbourhood of the point");
                 let [x, y] = self.chosen(test).map(|c| c as i32);
