@@ -28,7 +28,7 @@ params! {
         /// Radius r of the neighbourhood of (2r + 1)×(2r + 1) pixels that a point can move to.
         radius: usize = 1, 1..=3, "px";
         /// Squared length of the change of direction at a point above which it is a corner, if it lies on an edge: 0.25 is 29°.
-        corner: f32 = 0.25, 0.0..=4.0;
+        corner_turn: f32 = 0.25, 0.0..=4.0;
         /// Edge strength from which a point of high curvature is a corner.
         corner_edge: f32 = 0.4, 0.0..=1.0;
         /// Number of points that move in an iteration at most when the contour has converged.
@@ -36,7 +36,7 @@ params! {
         /// Maximum number of iterations in a frame.
         iterations: usize = 50, 1..=1000;
     }
-    advanced { "corner", "corner-edge", "max-moved" }
+    advanced { "corner-turn", "corner-edge", "max-moved" }
 }
 
 /// The smallest range of edge strengths in a neighbourhood that the edge energy is relative to.
@@ -242,7 +242,7 @@ impl GreedyContour {
                 let turn = turns[i];
                 turn > turns[(i + count - 1) % count]
                     && turn > turns[(i + 1) % count]
-                    && turn > f64::from(self.corner)
+                    && turn > f64::from(self.corner_turn)
                     && curve.edges.strength_at(curve.points[i]) >= self.corner_edge
             })
             .collect();
