@@ -217,12 +217,7 @@ impl GreedyContour {
                     is_corner: curve.is_corner[index],
                 }))
             });
-            let chosen = terms[best].unwrap_or_default();
-            sums.continuity += f64::from(self.alpha) * chosen.continuity;
-            sums.curvature +=
-                chosen.total - f64::from(self.alpha) * chosen.continuity - f64::from(self.edge_weight) * chosen.edge;
-            sums.edge += f64::from(self.edge_weight) * chosen.edge;
-            sums.total += chosen.total;
+            sums.add(&self.weighted(terms[best].unwrap_or_default(), curve.is_corner[index]));
             if best != terms.len() / 2
                 && let Some(place) = self.places(curve.points[index]).nth(best)
             {
