@@ -34,7 +34,7 @@ params! {
         /// Number of points that move in an iteration at most when the contour has converged.
         max_moved: usize = 2, 0..=100;
         /// Maximum number of iterations in a frame.
-        iterations: usize = 50, 1..=1000;
+        iterations: usize = 50, 1..=200;
     }
     advanced { "corner-turn", "corner-edge", "max-moved" }
 }
@@ -64,21 +64,29 @@ impl Terms {
     }
 }
 
-/// A point with the energies of its neighbourhood.
+/// A point and all that the energies of its neighbourhood depend on.
+#[derive(Clone, Copy)]
+struct Site {
+    at: Point,
+    /// The points before and after it.
+    neighbors: [Point; 2],
+    /// The mean distance of neighbouring points in px.
+    distance: f64,
+    /// Whether the point is a corner, where curvature does not count.
+    is_corner: bool,
+}
+
+/// A point that is moved or stays.
+#[derive(Clone)]
 pub struct Test {
     /// Number of the iteration, from 1.
     iteration: usize,
     /// Its index.
     index: usize,
     edges: Arc<Edges>,
-    /// All points before it moves.
-    points: Vec<Point>,
-    /// The pixels of the neighbourhood, row by row, with their energies; `None` outside the window.
-    terms: Vec<Option<Terms>>,
-    /// The index of the pixel with the lowest energy.
+    site: Site,
+    /// The pixel with the lowest energy, as an index of its neighbourhood.
     best: usize,
-    /// Whether the curvature is ignored, since the point is a corner.
-    is_corner: bool,
 }
 
 /// The end of an iteration.
@@ -102,8 +110,8 @@ pub struct Pass {
 pub enum Event {
     /// The edges around the contour, and its points.
     Edges(Arc<Edges>, Arc<[Point]>),
-    /// A point, with the energies of its neighbourhood.
-    Tested(Arc<Test>),
+    /// A point that is moved or stays.
+    Tested(Test),
     /// The end of an iteration.
     Passed(Arc<Pass>),
     /// The judgement of the fit.
@@ -127,6 +135,11 @@ impl Curve<'_> {
     fn neighbors(&self, index: usize) -> [Point; 2] {
         let count = self.points.len();
         [self.points[(index + count - 1) % count], self.points[(index + 1) % count]]
+    }
+
+    fn site(&self, index: usize) -> Site {
+        let is_corner = self.is_corner[index];
+        Site { at: self.points[index], neighbors: self.neighbors(index), distance: self.distance, is_corner }
     }
 
     /// The mean distance of neighbouring points.
@@ -161,15 +174,21 @@ impl GreedyContour {
         (-reach..=reach).flat_map(move |y| (-reach..=reach).map(move |x| [at[0] + x as f64, at[1] + y as f64]))
     }
 
-    /// Computes the energies of the neighbourhood of a point; returns the index of the pixel with the lowest, the present one in a tie.
-    fn test(&self, curve: &Curve<'_>, index: usize, terms: &mut Vec<Option<Terms>>) -> usize {
-        let (at, [before, after]) = (curve.points[index], curve.neighbors(index));
+    /// Place `index` of the neighbourhood of a point.
+    fn place(&self, at: Point, index: usize) -> Point {
+        self.places(at).nth(index).unwrap_or(at)
+    }
+
+    /// Computes the energies of the neighbourhood of a point, row by row, without those outside the window; returns the index of the pixel
+    /// with the lowest, the present one in a tie.
+    fn test(&self, edges: &Edges, site: &Site, terms: &mut Vec<Option<Terms>>) -> usize {
+        let Site { at, neighbors: [before, after], distance, is_corner } = *site;
         terms.clear();
         terms.extend(self.places(at).map(|place| {
-            (curve.edges.nearest(place) == place).then(|| Terms {
-                continuity: (curve.distance - apart(before, place)).abs(),
+            (edges.nearest(place) == place).then(|| Terms {
+                continuity: (distance - apart(before, place)).abs(),
                 curvature: [0, 1].map(|k| (before[k] - 2.0 * place[k] + after[k]).powi(2)).iter().sum(),
-                edge: curve.edges.strength_at(place).into(),
+                edge: edges.strength_at(place).into(),
                 total: 0.0,
             })
         }));
@@ -187,7 +206,7 @@ impl GreedyContour {
                 edge: (low - of.edge) / (high - low),
                 total: 0.0,
             };
-            of.total = self.weighted(*of, curve.is_corner[index]).total;
+            of.total = self.weighted(*of, is_corner).total;
         }
         let present = terms.len() / 2;
         let total = |i: usize| terms[i].map_or(f64::INFINITY, |of| of.total);
@@ -205,23 +224,12 @@ impl GreedyContour {
         let (mut moved, mut sums) = (0, Terms::default());
         // The first point comes again as the last, so that no point is special.
         for index in (0..count).chain([0]) {
-            let best = self.test(curve, index, &mut terms);
-            observer.see(|| {
-                Event::Tested(Arc::new(Test {
-                    iteration,
-                    index,
-                    edges: Arc::clone(edges),
-                    points: curve.points.clone(),
-                    terms: terms.clone(),
-                    best,
-                    is_corner: curve.is_corner[index],
-                }))
-            });
-            sums.add(&self.weighted(terms[best].unwrap_or_default(), curve.is_corner[index]));
-            if best != terms.len() / 2
-                && let Some(place) = self.places(curve.points[index]).nth(best)
-            {
-                curve.points[index] = place;
+            let site = curve.site(index);
+            let best = self.test(curve.edges, &site, &mut terms);
+            observer.see(|| Event::Tested(Test { iteration, index, edges: Arc::clone(edges), site, best }));
+            sums.add(&self.weighted(terms[best].unwrap_or_default(), site.is_corner));
+            if best != terms.len() / 2 {
+                curve.points[index] = self.place(site.at, best);
                 moved += 1;
             }
         }
@@ -358,8 +366,8 @@ impl RegionModel for GreedyContour {
     }
 
     fn need(&self, clip: &Clip) -> Need {
-        // Edges, at most of the whole picture; in a walk the points at each step too, of a contour of the usual 100 points.
-        let steps = 300e3 * self.iterations as f64;
+        // Edges, at most of the whole picture; in a walk the points that are tested too.
+        let steps = 64e3 * self.iterations as f64;
         Need::per_pixel(clip, [24.0, 40.0]).and([1e6, 1e6 + steps])
     }
 

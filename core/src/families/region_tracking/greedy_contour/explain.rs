@@ -18,8 +18,32 @@ impl GreedyContour {
 
     /// The place that a point moves to.
     fn chosen(&self, test: &Test) -> Point {
-        let at = test.points[test.index];
-        self.places(at).nth(test.best).unwrap_or(at)
+        self.place(test.site.at, test.best)
+    }
+
+    /// The energies of the neighbourhood of a point, before weighting.
+    fn terms(&self, test: &Test) -> Vec<Option<Terms>> {
+        let mut terms = Vec::new();
+        self.test(&test.edges, &test.site, &mut terms);
+        terms
+    }
+
+    /// The energies of the pixel that is chosen.
+    fn lowest(&self, test: &Test) -> Terms {
+        self.terms(test)[test.best].unwrap_or_default()
+    }
+
+    /// The contour before the event at hand: as at the last end of an iteration, with the moves since.
+    fn contour(&self, at: &At<'_, Self>) -> Vec<Point> {
+        let mut points = Vec::new();
+        for event in &at.events[..at.events.len().saturating_sub(1)] {
+            match event {
+                Event::Edges(_, all) | Event::Judged(_, all, _) => points = all.to_vec(),
+                Event::Passed(pass) => points.clone_from(&pass.points),
+                Event::Tested(test) => points[test.index] = self.chosen(test),
+            }
+        }
+        points
     }
 
     pub(super) fn said(&self, at: &At<'_, Self>) -> Sentence {
@@ -36,8 +60,8 @@ impl GreedyContour {
     }
 
     fn tested(&self, test: &Test, said: Sentence) -> Sentence {
-        let (from, to) = (test.points[test.index], self.chosen(test));
-        let Terms { continuity, curvature, edge, total } = test.terms[test.best].unwrap_or_default();
+        let (from, to) = (test.site.at, self.chosen(test));
+        let Terms { continuity, curvature, edge, total } = self.lowest(test);
         let said = said
             .text(format!("Iteration {}, point {} at {}: among the ", test.iteration, test.index + 1, pixel(from)))
             .ink(Role::Window, format!("{0}×{0} pixels", self.side()))
@@ -55,7 +79,7 @@ impl GreedyContour {
         } else {
             said.text(" The point moves there.")
         };
-        if test.is_corner { said.text(" It is a corner, so curvature does not count.") } else { said }
+        if test.site.is_corner { said.text(" It is a corner, so curvature does not count.") } else { said }
     }
 
     fn passed(&self, pass: &Pass, said: Sentence) -> Sentence {
@@ -90,8 +114,8 @@ impl GreedyContour {
             ],
             Event::Tested(test) => vec![
                 Fact::new("Iteration", test.iteration.to_string(), None),
-                Fact::new("Point", format!("{} of {}", test.index + 1, test.points.len()), None),
-                Fact::new("Lowest energy", ratio(test.terms[test.best].unwrap_or_default().total), Some(Role::Best)),
+                Fact::new("Point", (test.index + 1).to_string(), None),
+                Fact::new("Lowest energy", ratio(self.lowest(test).total), Some(Role::Best)),
                 Fact::new("Pixel", pixel(self.chosen(test)), Some(Role::Best)),
             ],
             Event::Passed(pass) => vec![
@@ -117,8 +141,8 @@ impl GreedyContour {
 
     /// The energies at the chosen pixel in the formula.
     fn numbers(&self, test: &Test) -> Math {
-        let Terms { continuity, curvature, edge, total } = test.terms[test.best].unwrap_or_default();
-        let beta = if test.is_corner { 0.0 } else { self.beta };
+        let Terms { continuity, curvature, edge, total } = self.lowest(test);
+        let beta = if test.site.is_corner { 0.0 } else { self.beta };
         let product = |weight: f32, of: f64| format!("{} · {}", fixed(weight.into(), 2), ratio(of));
         Math::Row(vec![
             Math::text("= "),
@@ -134,12 +158,12 @@ impl GreedyContour {
 
     /// The energies of the neighbourhood.
     fn tiles(&self, test: &Test) -> Vec<Tile> {
-        let side = self.side();
+        let (side, terms) = (self.side(), self.terms(test));
         let tile = |label, role, range, of: fn(&Terms) -> f64| Tile {
             label,
             role,
             values: Grid::from_fn(side, side, |x, y| {
-                test.terms[y * side + x].as_ref().map_or(f32::NAN, |terms| of(terms) as f32)
+                terms[y * side + x].as_ref().map_or(f32::NAN, |terms| of(terms) as f32)
             }),
             range,
         };
@@ -183,16 +207,16 @@ impl GreedyContour {
 
     pub(super) fn drawn(&self, at: &At<'_, Self>, scene: &mut Scene) {
         let (edges, points) = match at.event {
-            Event::Edges(edges, points) | Event::Judged(edges, points, _) => (edges, &points[..]),
-            Event::Tested(test) => (&test.edges, &test.points[..]),
-            Event::Passed(pass) => (&pass.edges, &pass.points[..]),
+            Event::Edges(edges, points) | Event::Judged(edges, points, _) => (edges, points.to_vec()),
+            Event::Tested(test) => (&test.edges, self.contour(at)),
+            Event::Passed(pass) => (&pass.edges, pass.points.clone()),
         };
         explain::heat(scene, "f", (edges.origin, &edges.strength));
-        explain::contour(scene, (Role::Best, "contour"), points);
-        explain::dots(scene, Role::Best, points);
+        explain::contour(scene, (Role::Best, "contour"), &points);
+        explain::dots(scene, Role::Best, &points);
         match at.event {
             Event::Tested(test) => {
-                let [x, y] = test.points[test.index].map(|c| c as i32 - self.radius as i32);
+                let [x, y] = test.site.at.map(|c| c as i32 - self.radius as i32);
                 scene.mark(Picture::CURRENT, Role::Predicted, Shape::pixels(x, y, self.side(), self.side()));
                 scene.legend(Role::Predicted, "neighbourhood of the point");
                 let [x, y] = self.chosen(test).map(|c| c as i32);
