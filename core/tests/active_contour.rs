@@ -6,7 +6,7 @@ use common::set;
 use motionscope_core::products::region::RegionError;
 use motionscope_core::scene::{Readout, Role, Shape, Step};
 use motionscope_core::{
-    AnyEstimator, Clip, Direction, Frame, Grid, MaskField, Move, RegionField, Threads, Walk, synth,
+    AnyEstimator, Clip, Direction, Frame, Grid, MaskField, Move, RegionField, Threads, Walk, estimator, synth,
 };
 
 type Point = [f64; 2];
@@ -17,12 +17,21 @@ fn noise(x: usize, y: usize, seed: u64) -> u8 {
     (mixed.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 40) as u8
 }
 
+fn is_in((x, y): (usize, usize), center: Point, radius: f64) -> bool {
+    (x as f64 - center[0]).hypot(y as f64 - center[1]) < radius
+}
+
 /// A bright disc with some noise on a dark ground.
 fn disc((width, height): (usize, usize), center: Point, radius: f64, seed: u64) -> Frame {
     Frame::gray(Grid::from_fn(width, height, |x, y| {
-        let inside = (x as f64 - center[0]).hypot(y as f64 - center[1]) < radius;
-        noise(x, y, seed) / 16 + if inside { 170 } else { 60 }
+        noise(x, y, seed) / 16 + if is_in((x, y), center, radius) { 170 } else { 60 }
     }))
+}
+
+/// The same without noise, at rest.
+fn plain(radius: f64) -> Clip {
+    let level = |x, y| if is_in((x, y), [31.0, 27.0], radius) { 170 } else { 60 };
+    clip(vec![Frame::gray(Grid::from_fn(64, 56, level)); 2])
 }
 
 fn clip(frames: Vec<Frame>) -> Clip {
@@ -391,7 +400,7 @@ fn overlaps(
         let (mask, (center, radius)) = (mask.unpacked(), disc(t));
         let (mut both, mut either) = (0, 0);
         for (x, y) in (0..mask.height()).flat_map(|y| (0..mask.width()).map(move |x| (x, y))) {
-            let inside = (x as f64 - center[0]).hypot(y as f64 - center[1]) < radius;
+            let inside = is_in((x, y), center, radius);
             both += usize::from(inside && mask.get(x, y));
             either += usize::from(inside || mask.get(x, y));
         }
@@ -405,6 +414,114 @@ fn scene_with(id: &str, sliders: &[(&str, &str)]) -> Clip {
     let mut difficulty = synth::scene(id).expect("it is bundled").difficulty();
     sliders.iter().for_each(|(name, value)| difficulty.set(name, value).expect("in range"));
     synth::make(id, &difficulty).expect("a clip")
+}
+
+/// A disc of 12 px that moves by `speed` px/frame, and where it is.
+fn moving(speed: f64) -> (Clip, impl Fn(usize) -> (Point, f64)) {
+    let place = move |t: usize| ([24.0 + speed * t as f64, 30.0], 12.0);
+    let frames = (0..FRAMES).map(|t| disc((128, 60), place(t).0, 12.0, t as u64)).collect();
+    (clip(frames), place)
+}
+
+const FRAMES: usize = 20;
+const BOTH: [&str; 2] = ["active-contour", "greedy-contour"];
+
+#[test]
+fn contours_follow_what_moves_less_than_its_edges_reach_and_lose_the_rest() {
+    for id in BOTH {
+        let start = circle([24.0, 30.0], 14.0);
+        let estimator = set(id, &[("contour", &start)]);
+        let (slow, place) = moving(2.0);
+        let found = overlaps(&*estimator, &slow, place, FRAMES);
+        assert!(found.iter().all(|overlap| *overlap > 0.8), "{id} at 2 px/frame: {found:.2?}");
+        let (fast, place) = moving(4.6 * 3.0);
+        let found = overlaps(&*estimator, &fast, place, 7);
+        assert!(found[0] > 0.8 && found[6] < 0.1, "{id} at 13.8 px/frame: {found:.2?}");
+    }
+}
+
+#[test]
+fn gradient_vector_flow_attracts_from_farther_than_the_gradient() {
+    let (clip, start) = (plain(12.0), circle([31.0, 27.0], 21.0));
+    let overlap = |force: &str| {
+        let settings = [
+            ("contour", start.as_str()),
+            ("force", force),
+            ("alpha", "0"),
+            ("iterations", "800"),
+            ("epsilon", "0.001"),
+        ];
+        overlaps(
+            &*set("active-contour", &[&settings[..], &[("min-edge", "0")]].concat()),
+            &clip,
+            |_| ([31.0, 27.0], 12.0),
+            1,
+        )[0]
+    };
+    let [gradient, flow] = ["gradient", "gradient-vector-flow"].map(overlap);
+    assert!(gradient < 0.4 && flow > 0.8, "gradient {gradient:.3}, gradient vector flow {flow:.3}");
+}
+
+#[test]
+fn a_balloon_grows_to_the_edges_where_a_contour_without_one_collapses() {
+    let (clip, start) = (plain(15.0), circle([31.0, 27.0], 6.0));
+    let with = |balloon: &str| set("active-contour", &[("contour", start.as_str()), ("balloon", balloon)]);
+    let grown = overlaps(&*with("0.03"), &clip, |_| ([31.0, 27.0], 15.0), 1)[0];
+    assert!(grown > 0.85, "{grown:.3}");
+    assert_eq!(contours(&*with("0"), &clip, "it has collapsed").len(), 1);
+    let output = with("0").run(&clip, 0, &Threads::single()).expect("a run");
+    let field = output.get::<RegionField>().expect("a region");
+    assert!(field.frames[0].is_lost && output.get::<MaskField>().expect("masks").masks().count() == 0);
+    assert_eq!(field.frames[0].region.size, [12.0, 12.0], "the region stays as it was placed");
+}
+
+#[test]
+fn a_stronger_edge_in_the_background_holds_a_contour_back() {
+    let last = |id: &str, bar: u8| {
+        let place = |t: usize| ([24.0 + 2.0 * t as f64, 30.0], 12.0);
+        let frame = |t: usize| {
+            Frame::gray(Grid::from_fn(128, 60, |x, y| match (is_in((x, y), place(t).0, 12.0), (46..50).contains(&x)) {
+                (true, _) => 120,
+                (_, true) => bar,
+                _ => 60,
+            }))
+        };
+        let start = circle([24.0, 30.0], 13.0);
+        let clip = clip((0..FRAMES).map(frame).collect());
+        overlaps(&*set(id, &[("contour", &start)]), &clip, place, FRAMES)[FRAMES - 1]
+    };
+    for id in BOTH {
+        let [without, with] = [60, 255].map(|bar| last(id, bar));
+        assert!(without > 0.8 && with < 0.6, "{id}: {without:.3} without a bar, {with:.3} with one");
+    }
+}
+
+#[test]
+fn contours_that_enclose_nothing_and_pictures_without_edges_are_refused_in_words() {
+    let still = plain(15.0);
+    let flat = clip(vec![Frame::gray(Grid::new(64, 56, 90)); 2]);
+    for id in BOTH {
+        for (contour, said) in [
+            (
+                "10,10 40,10 40,40 70,40",
+                "corner 4 of the contour at (70.00, 40.00) px lies outside the picture of 64×56 px",
+            ),
+            ("10,10 40,40 40,10 10,40", "crosses itself: its edges 1 and 3 meet"),
+            ("10,10 20,20 30,30 40,40", "an area of 0.0 px²"),
+        ] {
+            let refusal = set(id, &[("contour", contour)]).walk(&still, 0).map(|_| ()).expect_err(contour).to_string();
+            let plain = refusal.replace('\u{a0}', " ");
+            assert!(plain.contains(said) && plain.ends_with("or set contour to none"), "{id}: {plain}");
+        }
+        let refusal =
+            estimator(id).expect("it is registered").set("contour", "10,10 40,10 40,40").unwrap_err().to_string();
+        assert!(refusal.contains("at least 4 corners"), "{refusal}");
+        let mut walk = set(id, &[]).walk(&flat, 0).expect("a walk");
+        walk.jump(Move::End);
+        let (said, output) = (walk.step(None).sentence.plain(), walk.output());
+        assert!(said.contains("without an edge no force acts"), "{id}: {said}");
+        assert!(output.get::<RegionField>().is_some_and(|field| field.frames.len() == 1 && field.frames[0].is_lost));
+    }
 }
 
 #[test]
