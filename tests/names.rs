@@ -14,7 +14,7 @@ const DATA: [(&str, &str); 3] = [
 ];
 
 /// Words that are names of something else in the file that has them.
-const OTHERWISE: [(&str, &str, &str); 19] = [
+const OTHERWISE: [(&str, &str, &str); 20] = [
     ("src/cli/args.rs", "frame", "a flag"),
     ("src/cli/list.rs", "frames", "a key of the JSON"),
     ("src/cli/list.rs", "source", "a key of the JSON"),
@@ -29,6 +29,7 @@ const OTHERWISE: [(&str, &str, &str); 19] = [
     ("src/session/read.rs", "pixel", "a key of the session"),
     ("src/session/read.rs", "step", "a key of the session"),
     ("src/session/read.rs", "zoom", "a key of the session"),
+    ("src/ui/drawing/arrows.rs", "gamma", "an entry point of a shader"),
     ("src/ui/model/document.rs", "stage", "a change that is undone"),
     ("src/ui/panes/granularities.rs", "run", "the whole run, above all granularities"),
     ("src/ui/panes/granularities.rs", "step", "any granularity"),

@@ -146,5 +146,38 @@ fn of_one_region(c: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, filter, tracker, many, of_one_region);
+/// A contour of 100 points around a bright disc. The viscosity is so high that it does not converge in 100 iterations; a frame of these is to
+/// take 2 ms at most. The greedy one converges earlier.
+fn contours(c: &mut Criterion) {
+    const FRAMES: usize = 11;
+    let frame = |t: usize| {
+        let center = [300.0 + t as f32, 240.0];
+        Frame::gray(Grid::from_fn(640, 480, |x, y| {
+            let is_inside = (x as f32 - center[0]).hypot(y as f32 - center[1]) < 60.0;
+            (20.0 * chance(x, y)) as u8 + if is_inside { 170 } else { 60 }
+        }))
+    };
+    let clip = Clip::from_frames("disc", (0..FRAMES).map(frame).collect()).expect("frames of one size");
+    let corner = |i: usize| {
+        let (sin, cos) = (i as f32 / 100.0 * std::f32::consts::TAU).sin_cos();
+        format!("{:.2},{:.2}", 300.0 + 64.0 * cos, 240.0 + 64.0 * sin)
+    };
+    let contour = (0..100).map(corner).collect::<Vec<_>>().join(" ");
+    let pool = Threads::single();
+    for (id, settings) in [
+        ("active-contour", &[("gamma", "5"), ("epsilon", "0.001"), ("force", "gradient")][..]),
+        ("active-contour", &[("gamma", "5"), ("epsilon", "0.001"), ("force", "gradient-vector-flow")]),
+        ("greedy-contour", &[]),
+    ] {
+        let mut tracker = estimator(id).expect("it is registered");
+        let own = [("contour", contour.as_str()), ("spacing", "3.8"), ("iterations", "100")];
+        own.iter().chain(settings).for_each(|(name, value)| tracker.set(name, value).expect("in range"));
+        let force = settings.last().map_or("", |(_, value)| value);
+        c.bench_function(&format!("{id} {force}, 100 points, up to 100 iterations, {FRAMES} frames"), |b| {
+            b.iter(|| tracker.run(&clip, 0, &pool).expect("a run"));
+        });
+    }
+}
+
+criterion_group!(benches, filter, tracker, many, of_one_region, contours);
 criterion_main!(benches);

@@ -18,7 +18,7 @@ use crate::families::{
     optical_flow::{
         Clg, Farneback, HornSchunck, Klt, LucasKanade, NormalFlow, PointTrajectories, PyramidalLucasKanade, TvL1,
     },
-    region_tracking::{Camshift, CorrelationFilter, MeanShift, ParticleFilter},
+    region_tracking::{ActiveContour, Camshift, CorrelationFilter, GreedyContour, MeanShift, ParticleFilter},
     tracking::{BlobTracker, KalmanFilter, KalmanTracker, TrajectoryAnalysis},
 };
 use crate::methods::{
@@ -82,6 +82,8 @@ impl Entries for Course {
         Entry::of::<RegionTracking<Camshift>>(),
         Entry::of::<RegionTracking<ParticleFilter>>(),
         Entry::of::<RegionTracking<CorrelationFilter>>(),
+        Entry::of::<RegionTracking<ActiveContour>>(),
+        Entry::of::<RegionTracking<GreedyContour>>(),
     ];
 }
 

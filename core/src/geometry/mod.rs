@@ -1,9 +1,10 @@
-//! Numbers in rows and columns, and rectangles: how they are read between pixels and beyond the edge, filtered, and made
+//! Numbers in rows and columns, rectangles and polygons: how they are read between pixels and beyond the edge, filtered, and made
 //! smaller.
 
 mod bounds;
 pub mod filter;
 mod grid;
+pub mod polygon;
 pub mod pyramid;
 mod rows;
 pub mod warp;

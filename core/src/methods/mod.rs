@@ -2,6 +2,7 @@
 
 pub mod block_search;
 pub mod camera_path;
+pub mod contour;
 pub mod correlation;
 pub mod cost;
 pub mod differential;

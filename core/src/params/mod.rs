@@ -12,7 +12,7 @@ use std::fmt;
 
 pub use field::{Declared, Field};
 pub use part::{Part, PartKind, StageValue};
-pub use placed::{Figure, Line, Lines, Placed, Spot, Spots, Zones};
+pub use placed::{Contour, Figure, Line, Lines, Placed, Spot, Spots, Zones};
 
 use crate::base::{Error, words};
 

@@ -1,4 +1,4 @@
-//! Parameters that are placed on the picture: lines, a zone or several, points in frames.
+//! Parameters that are placed on the picture: lines, a zone or several, a closed contour, points in frames.
 
 use std::fmt;
 use std::sync::Arc;
@@ -61,6 +61,57 @@ impl<T: Copy> Several<T> {
     }
 }
 
+/// The corners of a closed polygon in px, the last joined to the first; none where no contour is placed.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Contour(Arc<[[f32; 2]]>);
+
+impl FromIterator<[f32; 2]> for Contour {
+    fn from_iter<I: IntoIterator<Item = [f32; 2]>>(corners: I) -> Self {
+        Self(corners.into_iter().collect())
+    }
+}
+
+impl Contour {
+    /// Its corners in their order.
+    pub fn corners(&self) -> &[[f32; 2]] {
+        &self.0
+    }
+
+    /// The ellipse inside the rectangle between two opposite corners, as a polygon.
+    fn ellipse(from: [f32; 2], to: [f32; 2]) -> Self {
+        let (zone, turn) = (between(from, to), std::f32::consts::TAU / ELLIPSE_CORNERS as f32);
+        let corner = |i: usize| {
+            let (sin, cos) = (i as f32 * turn).sin_cos();
+            let at = [0, 1].map(|k| zone.center()[k] + [cos, sin][k] * zone.size()[k] / 2.0);
+            at.map(|c| (10.0 * c).round() / 10.0)
+        };
+        (0..ELLIPSE_CORNERS).map(corner).collect()
+    }
+
+    /// The same with one more corner, on the edge that is nearest to it.
+    fn with(&self, at: [f32; 2]) -> Self {
+        let (corners, count) = (self.corners(), self.0.len());
+        let far = |i: &usize| apart_from(at, [corners[*i], corners[(*i + 1) % count]]);
+        let Some(edge) = (0..count).min_by(|a, b| far(a).total_cmp(&far(b))) else { return self.clone() };
+        corners[..=edge].iter().chain([&at]).chain(&corners[edge + 1..]).copied().collect()
+    }
+
+    /// The same without corner `index`; nothing if fewer than [`LEAST_CORNERS`] would be left.
+    fn without(&self, index: usize) -> Self {
+        let rest = self.0.iter().enumerate().filter(|(i, _)| *i != index);
+        let rest: Self = rest.map(|(_, at)| *at).collect();
+        if rest.0.len() < LEAST_CORNERS { Self::default() } else { rest }
+    }
+}
+
+/// The distance of a place from a segment in px.
+fn apart_from(at: [f32; 2], [from, to]: [[f32; 2]; 2]) -> f32 {
+    let [along, way] = [at, to].map(|end| [0, 1].map(|i| end[i] - from[i]));
+    let square = way[0] * way[0] + way[1] * way[1];
+    let part = if square > 0.0 { ((along[0] * way[0] + along[1] * way[1]) / square).clamp(0.0, 1.0) } else { 0.0 };
+    (along[0] - part * way[0]).hypot(along[1] - part * way[1])
+}
+
 /// A place in a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spot {
@@ -109,6 +160,8 @@ pub enum Figure {
     Zone,
     /// Rectangles: [`Zones`].
     Zones,
+    /// [`Contour`].
+    Contour,
     /// [`Spots`].
     Spots,
 }
@@ -120,8 +173,14 @@ impl Figure {
             Self::Lines => "lines",
             Self::Zone => "zone",
             Self::Zones => "zones",
+            Self::Contour => "contour",
             Self::Spots => "spots",
         }
+    }
+
+    /// Whether a click adds a point to it.
+    pub fn grows_by_clicks(self) -> bool {
+        matches!(self, Self::Contour | Self::Spots)
     }
 
     /// The allowed values in words.
@@ -130,11 +189,14 @@ impl Figure {
             Self::Lines => "x,y,x,y of two different points in px for each line, separated by spaces, or none",
             Self::Zone => "x,y,x,y of two opposite corners in px, or none",
             Self::Zones => "x,y,x,y of two opposite corners in px for each zone, separated by spaces, or none",
+            Self::Contour => {
+                "x,y in px for each of at least 4 corners of a closed polygon, separated by spaces, or none"
+            }
             Self::Spots => "frame:x,y in px for each point, separated by spaces, or none",
         }
     }
 
-    /// What was typed: `120,40,120,200`, `120,40,120,200 10,90,60,90`, `10:131.5,206 11:150,190`, `none`.
+    /// What was typed: `120,40,120,200`, `120,40,120,200 10,90,60,90`, `40,30 90,30 90,80 40,80`, `10:131.5,206 11:150,190`, `none`.
     pub(super) fn parse(self, text: &str) -> Option<Placed> {
         let text = text.trim();
         if text.is_empty() || text == NONE {
@@ -143,9 +205,12 @@ impl Figure {
         if self == Self::Spots {
             return text.split_whitespace().map(spot).collect::<Option<Spots>>().map(Placed::Spots);
         }
+        // A space after a comma does not separate.
+        let joined = text.split(',').map(str::trim).collect::<Vec<_>>().join(",");
+        if self == Self::Contour {
+            return joined.split_whitespace().map(numbers).collect::<Option<Contour>>().map(Placed::Contour);
+        }
         if matches!(self, Self::Lines | Self::Zones) {
-            // A space after a comma does not separate.
-            let joined = text.split(',').map(str::trim).collect::<Vec<_>>().join(",");
             return joined.split_whitespace().try_fold(self.none(), |all, one| {
                 let [x, y, u, v] = numbers(one)?;
                 Some(all.extended([x, y], [u, v]))
@@ -161,6 +226,7 @@ impl Figure {
             Self::Lines => Placed::Lines(Lines::default()),
             Self::Zone => Placed::Zone(None),
             Self::Zones => Placed::Zones(Zones::default()),
+            Self::Contour => Placed::Contour(Contour::default()),
             Self::Spots => Placed::Spots(Spots::default()),
         }
     }
@@ -169,6 +235,7 @@ impl Figure {
     pub fn spanned(self, from: [f32; 2], to: [f32; 2]) -> Placed {
         match self {
             Self::Zone => Placed::Zone(Some(between(from, to))),
+            Self::Contour => Placed::Contour(Contour::ellipse(from, to)),
             Self::Lines | Self::Zones => self.none().extended(from, to),
             Self::Spots => self.none(),
         }
@@ -184,6 +251,8 @@ pub enum Placed {
     Zone(Option<Bounds>),
     /// Any number of rectangles by their outer edges.
     Zones(Zones),
+    /// A closed polygon by its corners, if there is one.
+    Contour(Contour),
     /// Any number of places.
     Spots(Spots),
 }
@@ -196,6 +265,12 @@ const REACH_PX: f32 = 100_000.0;
 const LEAST_PX: f32 = 0.5;
 /// No more lines or zones than this.
 const MOST_FIGURES: usize = 100;
+/// A contour has at least this number of corners.
+const LEAST_CORNERS: usize = 4;
+/// No more corners of a contour than this.
+const MOST_CORNERS: usize = 1000;
+/// Corners of a contour that is drawn as an ellipse.
+const ELLIPSE_CORNERS: usize = 16;
 /// No more spots than this.
 const MOST_SPOTS: usize = 100_000;
 
@@ -206,6 +281,7 @@ impl Placed {
             Self::Lines(_) => Figure::Lines,
             Self::Zone(_) => Figure::Zone,
             Self::Zones(_) => Figure::Zones,
+            Self::Contour(_) => Figure::Contour,
             Self::Spots(_) => Figure::Spots,
         }
     }
@@ -227,6 +303,7 @@ impl Placed {
                 [zone] => size(zone),
                 zones => format!("{} zones", zones.len()),
             },
+            Self::Contour(Contour(all)) if !all.is_empty() => format!("{} corners", all.len()),
             Self::Spots(Spots(all)) if all.len() == 1 => "1 point".into(),
             Self::Spots(Spots(all)) if !all.is_empty() => format!("{} points", all.len()),
             _ => NONE.into(),
@@ -243,6 +320,10 @@ impl Placed {
             Self::Lines(Several(all)) => all.len() <= MOST_FIGURES && all.iter().all(is_line),
             Self::Zone(zone) => zone.iter().all(is_zone),
             Self::Zones(Several(all)) => all.len() <= MOST_FIGURES && all.iter().all(is_zone),
+            Self::Contour(Contour(all)) => {
+                let is_counted = all.is_empty() || (LEAST_CORNERS..=MOST_CORNERS).contains(&all.len());
+                is_counted && all.iter().all(|at| is_near(*at))
+            }
             Self::Spots(Spots(all)) => all.len() <= MOST_SPOTS && all.iter().all(|spot| is_near(spot.at)),
         }
     }
@@ -253,6 +334,7 @@ impl Placed {
             Self::Lines(Several(all)) => all.iter().flat_map(|line| [line.from, line.to]).collect(),
             Self::Zone(zone) => zone.iter().flat_map(corners).collect(),
             Self::Zones(Several(all)) => all.iter().flat_map(corners).collect(),
+            Self::Contour(contour) => contour.corners().to_vec(),
             Self::Spots(spots) => spots.of_frame(frame).collect(),
         }
     }
@@ -270,6 +352,10 @@ impl Placed {
             Self::Zones(zones) => {
                 Self::Zones(zones.changed(index / 4, |zone| between(corners(&zone)[(index + 2) % 4], to)))
             }
+            Self::Contour(Contour(all)) => {
+                let corner = |(i, at): (usize, &[f32; 2])| if i == index { to } else { *at };
+                Self::Contour(all.iter().enumerate().map(corner).collect())
+            }
             Self::Spots(spots) => {
                 let mut all = spots.0.to_vec();
                 if let Some(i) = spots.place(frame, index) {
@@ -280,13 +366,15 @@ impl Placed {
         }
     }
 
-    /// The same without handle `index` of a frame: a spot is gone, and so is the whole of any other figure with this handle.
+    /// The same without handle `index` of a frame: a spot or a corner of a contour is gone, and so is the whole of any other figure with
+    /// this handle.
     #[must_use]
     pub fn without(&self, frame: usize, index: usize) -> Self {
         let spots = match self {
             Self::Spots(spots) => spots,
             Self::Lines(lines) => return Self::Lines(lines.without(index / 2)),
             Self::Zones(zones) => return Self::Zones(zones.without(index / 4)),
+            Self::Contour(contour) => return Self::Contour(contour.without(index)),
             Self::Zone(_) => return self.figure().none(),
         };
         let gone = spots.place(frame, index);
@@ -300,15 +388,16 @@ impl Placed {
         match self {
             Self::Lines(lines) => Self::Lines(lines.with(Line { from, to })),
             Self::Zones(zones) => Self::Zones(zones.with(between(from, to))),
-            Self::Zone(_) | Self::Spots(_) => self.figure().spanned(from, to),
+            Self::Zone(_) | Self::Contour(_) | Self::Spots(_) => self.figure().spanned(from, to),
         }
     }
 
-    /// The same with one more spot; any other figure stays.
+    /// The same with one more spot, or corner of a contour; any other figure stays.
     #[must_use]
     pub fn with(&self, spot: Spot) -> Self {
         match self {
             Self::Spots(spots) => Self::Spots(spots.0.iter().copied().chain([spot]).collect()),
+            Self::Contour(contour) => Self::Contour(contour.with(spot.at)),
             other => other.clone(),
         }
     }
@@ -356,6 +445,9 @@ impl fmt::Display for Placed {
             Self::Lines(Several(all)) if !all.is_empty() => write_all(&mut all.iter().map(|line| [line.from, line.to])),
             Self::Zone(Some(zone)) => write_all(&mut [[zone.min, zone.max]].into_iter()),
             Self::Zones(Several(all)) if !all.is_empty() => write_all(&mut all.iter().map(|zone| [zone.min, zone.max])),
+            Self::Contour(Contour(all)) if !all.is_empty() => {
+                all.iter().enumerate().try_for_each(|(i, [x, y])| write!(f, "{}{x},{y}", if i == 0 { "" } else { " " }))
+            }
             Self::Spots(Spots(all)) if !all.is_empty() => {
                 for (i, Spot { frame, at: [x, y] }) in all.iter().enumerate() {
                     write!(f, "{}{frame}:{x},{y}", if i == 0 { "" } else { " " })?;
@@ -383,7 +475,7 @@ macro_rules! placed {
         }
     )*};
 }
-placed!(Lines => Lines, Option<Bounds> => Zone, Zones => Zones, Spots => Spots);
+placed!(Lines => Lines, Option<Bounds> => Zone, Zones => Zones, Contour => Contour, Spots => Spots);
 
 #[cfg(test)]
 mod tests {
@@ -399,6 +491,8 @@ mod tests {
             zone: Option<Bounds> = None;
             /// Zones.
             zones: Zones = Zones::default();
+            /// A contour.
+            contour: Contour = Contour::default();
             /// Places.
             clicks: Spots = Spots::default();
         }
@@ -412,6 +506,7 @@ mod tests {
             ("lines", " 1,2 , 3,4  5,6,7,-8", "1,2,3,4 5,6,7,-8"),
             ("zones", "30,40,10,20 1,2,3,4", "10,20,30,40 1,2,3,4"),
             ("zone", "30,40,10,20", "10,20,30,40"),
+            ("contour", "1,2 3.5, 4  5,6 -7,8", "1,2 3.5,4 5,6 -7,8"),
             ("clicks", "12:3,4  7:1.5,2 12:5,6", "7:1.5,2 12:3,4 12:5,6"),
         ] {
             all.set(name, "none").unwrap();
@@ -441,6 +536,9 @@ mod tests {
             ("zone", "1,2,1,9"),
             ("zone", "1,2,inf,9"),
             ("zone", "1:2,3"),
+            ("contour", "1,2 3,4 5,6"),
+            ("contour", "1,2 3,4 5,6 7"),
+            ("contour", "1,2 3,4 5,6 1e9,8"),
             ("clicks", "1,2,3,4"),
             ("clicks", "3:1"),
             ("clicks", "-1:2,3"),
@@ -471,6 +569,17 @@ mod tests {
             assert!(moved.handles(0).contains(&to), "corner {index} of {moved}");
             assert!(moved.handles(0).contains(&zone.handles(0)[(index + 2) % 4]), "the opposite one stays");
         }
+        let contour = Figure::Contour.spanned([0.0, 0.0], [20.0, 10.0]);
+        assert_eq!(
+            (contour.handles(0)[0], contour.handles(0)[4], contour.words()),
+            ([20.0, 5.0], [10.0, 10.0], "16 corners".into())
+        );
+        let more = contour.with(Spot { frame: 3, at: [10.0, 12.0] });
+        assert_eq!(more.handles(0).iter().position(|at| *at == [10.0, 12.0]), Some(4), "on one of the nearest edges");
+        assert_eq!((more.without(0, 4), more.moved(0, 4, [9.0, 9.0]).handles(0)[4]), (contour.clone(), [9.0, 9.0]));
+        let few = (0..12).fold(contour.clone(), |few, _| few.without(0, 0));
+        assert_eq!((few.handles(0).len(), few.without(0, 0)), (4, Figure::Contour.none()));
+        assert_eq!(Figure::Contour.none().with(Spot { frame: 0, at: [1.0; 2] }), Figure::Contour.none());
         let spot = |frame, x| Spot { frame, at: [x, 0.0] };
         let spots =
             [spot(4, 1.0), spot(2, 5.0), spot(4, 2.0)].into_iter().fold(Figure::Spots.none(), |all, s| all.with(s));

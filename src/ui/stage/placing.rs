@@ -1,4 +1,4 @@
-//! Placing lines, zones or points on the picture with the mouse.
+//! Placing lines, zones, contours or points on the picture with the mouse.
 
 use eframe::egui::{Button, Color32, Painter, Pos2, RichText, Shape, Stroke, TextStyle, Ui, WidgetInfo};
 use motionscope_core::params::{Figure, Placed, Spec, Spot};
@@ -84,6 +84,10 @@ pub fn tools(ui: &mut Ui, input: &Input<'_>, response: &mut Response) {
              a corner to remove its zone."
                 .into()
         }
+        Figure::Contour => format!(
+            "Drag a box to draw an ellipse in it as the {what}. Drag a corner to move it, click beside an edge to add one, \
+             right-click one to remove it."
+        ),
         Figure::Zone => format!(
             "Drag from one corner of the {what} to the opposite one, or move a corner. Right-click a corner to remove it."
         ),
@@ -137,10 +141,11 @@ pub fn act(
         response.placed = Some(now.without(*frame, index));
         response.placing = Gesture::Settled;
     }
-    if let Some(at) = at.filter(|at| sensed.clicked() && now.figure() == Figure::Spots && lens.pixel_at(*at).is_some())
+    if let Some(at) = at.filter(|at| sensed.clicked() && now.figure().grows_by_clicks() && lens.pixel_at(*at).is_some())
     {
         response.placed = Some(now.with(Spot { frame: *frame, at: place(lens, at) }));
-        response.placing = if placing.is_by_frame { Gesture::SettledFrame } else { Gesture::Settled };
+        let is_followed = placing.is_by_frame && now.figure() == Figure::Spots;
+        response.placing = if is_followed { Gesture::SettledFrame } else { Gesture::Settled };
     }
     is_gripped
 }
@@ -164,6 +169,7 @@ pub fn paint(painter: &Painter, lens: &Lens, placing: &Placing, theme: Theme) {
     match &placing.now {
         Placed::Lines(_) => handles.chunks(2).for_each(|ends| line(ends.to_vec(), false)),
         Placed::Zone(_) | Placed::Zones(_) => handles.chunks(4).for_each(|corners| line(corners.to_vec(), true)),
+        Placed::Contour(_) => line(handles.clone(), true),
         Placed::Spots(spots) => {
             for spot in spots.all().iter().filter(|spot| spot.frame != placing.frame) {
                 painter.circle_filled(lens.to_screen(spot.at), 2.5, accent.gamma_multiply(0.7));

@@ -96,6 +96,18 @@ pub static GLOSSARY: &[Term] = &[
     ),
     term(
         Trajectories,
+        "balloon force",
+        &["balloon pressure", "balloon energy"],
+        "A pressure along the normal of an active contour that inflates or deflates it where no edge acts on it.",
+    ),
+    term(
+        Trajectories,
+        "bending energy",
+        &["rigidity"],
+        "The part of the energy of an active contour that grows with its curvature and keeps it smooth.",
+    ),
+    term(
+        Trajectories,
         "Bhattacharyya coefficient",
         &[],
         "The similarity of two histograms p and q, the sum of √(p q) over all bins: 1 for equal histograms, 0 for those without a common bin.",
@@ -536,6 +548,12 @@ pub static GLOSSARY: &[Term] = &[
     ),
     term(
         Trajectories,
+        "edge strength",
+        &["edge map", "edge energy"],
+        "The gradient magnitude of a smoothed image as a share of the steepest, which attracts an active contour.",
+    ),
+    term(
+        Trajectories,
         "effective sample size",
         &[],
         "The number of particles of equal weight that represent a distribution as well as the weighted ones do, 1 divided by the sum of the squared weights.",
@@ -567,6 +585,12 @@ pub static GLOSSARY: &[Term] = &[
         &["eight-point"],
         "The linear estimation of the fundamental matrix from eight or more matches in normalised coordinates, \
         followed by the constraint of rank 2.",
+    ),
+    term(
+        Trajectories,
+        "elastic energy",
+        &["elasticity"],
+        "The part of the energy of an active contour that grows with the distances of its points and contracts it.",
     ),
     term(
         Evaluation,
@@ -647,6 +671,12 @@ pub static GLOSSARY: &[Term] = &[
         "extended Kalman filter",
         &["EKF"],
         "A Kalman filter for nonlinear models, which are linearised at the current estimate.",
+    ),
+    term(
+        Trajectories,
+        "external energy",
+        &["external force", "external forces"],
+        "The part of the energy of an active contour that the image gives, low where the contour is to lie.",
     ),
     term(
         Evaluation,
@@ -864,12 +894,26 @@ pub static GLOSSARY: &[Term] = &[
     )
     .symbol("I_x u + I_y v + I_t = 0"),
     term(
+        Trajectories,
+        "gradient vector flow",
+        &["GVF"],
+        "An external force for active contours: the gradient of the edge strength diffused into flat parts of the \
+        image, so that edges attract from farther.",
+    ),
+    term(
         DynamicScenes,
         "gray level",
         &["gray levels", "gray value", "gray values", "intensity", "intensities"],
         "The brightness of a pixel, here from 0 (black) to 255 (white).",
     )
     .symbol("I"),
+    term(
+        Trajectories,
+        "greedy active contour",
+        &["greedy contour", "greedy contours", "greedy active contours"],
+        "An active contour with points that move one after the other to the pixel of their neighbourhood with the \
+        lowest energy.",
+    ),
     term(
         MultipleObjects,
         "greedy assignment",
@@ -1116,6 +1160,12 @@ pub static GLOSSARY: &[Term] = &[
         "interest point",
         &["interest points", "keypoint", "keypoints", "feature point", "feature points"],
         "A distinctive, repeatable point such as a corner or blob at which motion can be measured reliably.",
+    ),
+    term(
+        Trajectories,
+        "internal energy",
+        &["internal force", "internal forces"],
+        "The part of the energy of an active contour that its own shape gives: elasticity and rigidity.",
     ),
     term(
         MotionVectors,

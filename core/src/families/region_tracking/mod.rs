@@ -1,12 +1,16 @@
-//! Region tracking: one object, given by its region in the first frame, is found in every later one. Shared parts are in
-//! `methods/region`.
+//! Region tracking: one object, given by its region or its contour in the first frame, is found in every later one. Shared parts are
+//! in `methods/region` and `methods/contour`.
 
+mod active_contour;
 mod camshift;
 mod correlation_filter;
+mod greedy_contour;
 mod mean_shift;
 mod particle_filter;
 
+pub use active_contour::ActiveContour;
 pub use camshift::Camshift;
 pub use correlation_filter::CorrelationFilter;
+pub use greedy_contour::GreedyContour;
 pub use mean_shift::MeanShift;
 pub use particle_filter::ParticleFilter;

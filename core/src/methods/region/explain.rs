@@ -201,6 +201,9 @@ impl<T: Explained> RegionTracking<T> {
         let (role, meaning) = if result.is_lost { (Role::Error, "object lost") } else { (Role::Estimate, "region") };
         outline(scene, role, result.region);
         scene.legend(role, meaning);
+        if let Some(model) = seen.after.and_then(|after| after.model.as_deref()) {
+            self.0.draw_result(model, scene);
+        }
         if let Some(RegionError { truth, .. }) = error_of_last(seen) {
             scene.mark(Picture::CURRENT, Role::Truth, Shape::Rect { min: truth.min, max: truth.max });
             scene.legend(Role::Truth, "true box");

@@ -15,9 +15,10 @@ pub(crate) use start::line;
 use start::{Chosen, choose};
 
 use crate::base::{Error, Mapped, Observer};
-use crate::data::{Clip, Frame};
+use crate::data::{Clip, Frame, PackedMask};
+use crate::geometry::Bounds;
 use crate::params::{Params, inner_params};
-use crate::products::{Output, Product, ProductKind, Region, RegionField, RegionFrame};
+use crate::products::{MaskField, ObjectFrame, Output, Product, ProductKind, Region, RegionField, RegionFrame};
 use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Progress, Seen, Span, need};
 use crate::scene::{Chart, Fact, Name, Readout, Role, Scene, Sentence, Step};
 
@@ -42,6 +43,8 @@ pub trait RegionModel: Params + Default + Clone + Send + Sync + 'static {
     const CONTRASTS: Option<&'static str> = None;
     /// The quantity by which it judges its match.
     const SIMILARITY: Similarity;
+    /// The kinds of products of a run: the region, and the masks of the object where [`RegionModel::mask`] gives them.
+    const PRODUCES: &'static [&'static ProductKind] = &[RegionField::KIND];
     /// Everything that is carried from frame to frame, besides the region.
     type Model: Clone + Send + Sync + 'static;
     /// An event inside a frame.
@@ -49,6 +52,14 @@ pub trait RegionModel: Params + Default + Clone + Send + Sync + 'static {
 
     /// The parameters that all trackers of a region have.
     fn settings(&self) -> &Settings;
+
+    /// The region that is placed on the first frame, of a picture of this size, if one is.
+    ///
+    /// # Errors
+    /// If it cannot be one.
+    fn placed(&self, _picture: (usize, usize)) -> Result<Option<Bounds>, Error> {
+        Ok(self.settings().region)
+    }
 
     /// Why a region of the first frame cannot be tracked, as a sentence with its number, if it cannot.
     fn refusal(&self, _frame: &Frame, _region: Region) -> Option<String> {
@@ -71,6 +82,16 @@ pub trait RegionModel: Params + Default + Clone + Send + Sync + 'static {
         region: Region,
         observer: &mut impl Observer<Self::Event>,
     ) -> RegionFrame;
+
+    /// The result of the first frame, where the model is fitted to it.
+    fn fitted(&self, _model: &Self::Model) -> Option<RegionFrame> {
+        None
+    }
+
+    /// The pixels of the object in the last frame, where the model knows them.
+    fn mask(&self, _model: &Self::Model) -> Option<PackedMask> {
+        None
+    }
 
     /// Memory of a model and its work.
     fn need(&self, clip: &Clip) -> Need;
@@ -95,6 +116,9 @@ pub trait Explained: RegionModel {
 
     /// Draws the step over frame t.
     fn draw(&self, at: &At<'_, Self>, scene: &mut Scene);
+
+    /// Draws the result of a frame over frame t, beside its region.
+    fn draw_result(&self, _model: &Self::Model, _scene: &mut Scene) {}
 
     /// What would help, at the end of a run that kept the object or lost it.
     fn advice(&self, is_kept: bool) -> &'static str;
@@ -133,9 +157,15 @@ pub struct State<M> {
     /// The region of the last frame.
     region: Region,
     past: Arc<Vec<RegionFrame>>,
+    /// The masks of the frames, where the model has any.
+    masks: Arc<Vec<Arc<ObjectFrame>>>,
 }
 
 impl<M> State<M> {
+    fn mask_field(&self) -> MaskField {
+        MaskField { picture: self.picture, first: self.span.first, frames: self.masks.to_vec() }
+    }
+
     fn field(&self) -> RegionField {
         let (first, object) = (self.span.first, self.chosen.object);
         RegionField { picture: self.picture, first, object, frames: self.past.to_vec() }
@@ -168,9 +198,23 @@ impl<T: RegionModel> RegionTracking<T> {
             observer.see(|| Event::Refused);
             return RegionFrame { region: state.region, similarity: 0.0, is_lost: true };
         }
-        let (model, similarity) = self.0.begin(frame, state.region, &mut Mapped { observer, map: Event::Own });
+        let mut own = Mapped { observer: &mut *observer, map: Event::Own };
+        let (model, similarity) = self.0.begin(frame, state.region, &mut own);
+        let fitted = self.0.fitted(&model);
         state.model = Some(Arc::new(model));
-        RegionFrame { region: state.region, similarity, is_lost: false }
+        if let Some(result) = fitted {
+            observer.see(|| Event::Moved(result));
+        }
+        fitted.unwrap_or(RegionFrame { region: state.region, similarity, is_lost: false })
+    }
+
+    /// Keeps the mask of the frame that gave a result.
+    fn keep_mask(&self, state: &mut State<T::Model>, result: &RegionFrame) {
+        if T::PRODUCES.contains(&MaskField::KIND) {
+            let model = state.model.as_deref().filter(|_| !result.is_lost);
+            let mask = model.and_then(|model| self.0.mask(model));
+            Arc::make_mut(&mut state.masks).push(Arc::new(ObjectFrame { mask, ..ObjectFrame::default() }));
+        }
     }
 }
 
@@ -179,7 +223,7 @@ impl<T: Explained> Estimator for RegionTracking<T> {
     const GUARANTEE: Guarantee = Guarantee::Region;
     const CHARTS: &'static [Chart] = T::CHARTS;
     const CONTRASTS: Option<&'static str> = T::CONTRASTS;
-    const PRODUCES: &'static [&'static ProductKind] = &[RegionField::KIND];
+    const PRODUCES: &'static [&'static ProductKind] = T::PRODUCES;
     type State = State<T::Model>;
     type Event = Event<T::Event>;
 
@@ -187,7 +231,7 @@ impl<T: Explained> Estimator for RegionTracking<T> {
         let settings = self.0.settings();
         let span = Span::new(clip, frame, settings.frames)?;
         let first = clip.frame(frame)?;
-        let chosen = choose(settings, clip, frame)?;
+        let chosen = choose(self.0.placed(clip.size())?, clip, frame)?;
         let refusal = self.0.refusal(&first, chosen.region).map(Arc::from);
         let span = if refusal.is_some() { span.until(frame + 1) } else { span };
         Ok(State {
@@ -199,6 +243,7 @@ impl<T: Explained> Estimator for RegionTracking<T> {
             refusal,
             model: None,
             past: Arc::default(),
+            masks: Arc::default(),
         })
     }
 
@@ -221,6 +266,7 @@ impl<T: Explained> Estimator for RegionTracking<T> {
             }
         };
         state.region = result.region;
+        self.keep_mask(state, &result);
         Arc::make_mut(&mut state.past).push(result);
         state.frame += 1;
         let is_over = state.refusal.is_some() || state.span.is_over(clip, state.frame);
@@ -264,7 +310,8 @@ impl<T: Explained> Estimator for RegionTracking<T> {
     }
 
     fn output(&self, state: &Self::State) -> Output {
-        Output::of(state.field())
+        let output = Output::of(state.field());
+        if T::PRODUCES.contains(&MaskField::KIND) { output.and(state.mask_field()) } else { output }
     }
 }
 
@@ -275,6 +322,7 @@ impl<T: Explained> Footprint<State<T::Model>> for RegionTracking<T> {
 
     fn state_bytes(&self, state: &State<T::Model>) -> usize {
         let model = state.model.as_ref().map_or(0, |model| self.0.model_bytes(model));
-        size_of::<State<T::Model>>() + model + size_of_val(&state.past[..])
+        let masks: usize = state.masks.iter().map(|frame| frame.bytes()).sum();
+        size_of::<State<T::Model>>() + model + masks + size_of_val(&state.past[..])
     }
 }

@@ -53,16 +53,16 @@ pub struct Chosen {
     pub object: Option<u32>,
 }
 
-/// Returns the region to be tracked from frame `t` on.
+/// Returns the region to be tracked from frame `t` on: `zone` if that is placed.
 ///
 /// # Errors
 /// If less than 4×4 px of it are inside the picture, the picture is too small for a region, or the truth cannot be read.
-pub(super) fn choose(settings: &Settings, clip: &Clip, t: usize) -> Result<Chosen, Error> {
+pub(super) fn choose(zone: Option<Bounds>, clip: &Clip, t: usize) -> Result<Chosen, Error> {
     let objects = match clip.truth() {
         Some(truth) => truth.objects(t)?.unwrap_or_default(),
         None => Vec::new(),
     };
-    if let Some(zone) = settings.region {
+    if let Some(zone) = zone {
         let bounds = placed(zone, clip.size())?;
         let overlap = |object: &&ObjectBox| bounds.iou(&Bounds::from(*object));
         let nearest = objects.iter().max_by(|a, b| overlap(a).total_cmp(&overlap(b)).then(b.id.cmp(&a.id)));

@@ -1,0 +1,136 @@
+//! The edges of a frame around a contour, and the force by which they attract it.
+
+use super::Point;
+use crate::base::{Threads, effort};
+use crate::geometry::filter::smooth;
+use crate::geometry::{Border, Bounds, Gray, Grid, polygon};
+
+/// Edges are relative to the steepest one, or to this gradient where none is as steep, in gray levels/px: noise is no edge.
+const LEAST_GRADIENT: f32 = 1.0;
+
+/// The edge strength in a window around a contour.
+#[derive(Clone, Debug)]
+pub(crate) struct Edges {
+    /// The first pixel of the window.
+    pub origin: [usize; 2],
+    /// The edge strength f, 0 to 1: the gradient magnitude of the smoothed picture as a share of the steepest.
+    pub strength: Grid<f32>,
+    /// The largest gradient magnitude in gray levels/px.
+    pub steepest: f32,
+}
+
+impl Edges {
+    /// The edges up to `margin` px around `points`; beyond the window its border is repeated.
+    pub fn around(luma: &Gray, points: &[Point], (sigma_px, margin): (f32, usize)) -> Self {
+        let (origin, window) = cut(luma, points, margin);
+        let smoothed = smooth(&window, sigma_px, Border::Replicate, &Threads::single());
+        let mut strength = gradient(&smoothed).map(|[x, y]| (x * x + y * y).sqrt());
+        let steepest = strength.cells().iter().copied().fold(0.0, f32::max);
+        let scale = 1.0 / steepest.max(LEAST_GRADIENT);
+        strength.cells_mut().iter_mut().for_each(|f| *f *= scale);
+        Self { origin, strength, steepest }
+    }
+
+    /// A place in the window, relative to its first pixel; one outside is brought to its border.
+    fn within(&self, at: Point) -> [f32; 2] {
+        let (width, height) = self.strength.size();
+        [0, 1].map(|i| (at[i] - self.origin[i] as f64).clamp(0.0, [width, height][i] as f64 - 1.0) as f32)
+    }
+
+    /// The place of the window that is nearest.
+    pub fn nearest(&self, at: Point) -> Point {
+        let (width, height) = self.strength.size();
+        [0, 1].map(|i| at[i].clamp(self.origin[i] as f64, (self.origin[i] + [width, height][i] - 1) as f64))
+    }
+
+    /// The edge strength at a place, interpolated bilinearly.
+    pub fn strength_at(&self, at: Point) -> f32 {
+        let [x, y] = self.within(at);
+        self.strength.sample(x, y)
+    }
+
+    /// The force ∇f.
+    pub fn force(&self) -> Force {
+        Force { values: gradient(&self.strength) }
+    }
+
+    /// A force at a place, interpolated bilinearly.
+    pub fn force_at(&self, force: &Force, at: Point) -> Point {
+        let (values, [x, y]) = (&force.values, self.within(at));
+        let (x0, y0) = (x as usize, y as usize);
+        let (x1, y1) = ((x0 + 1).min(values.width() - 1), (y0 + 1).min(values.height() - 1));
+        let (fx, fy) = (x - x0 as f32, y - y0 as f32);
+        let mix = |a: f32, b: f32, f: f32| a + (b - a) * f;
+        let (top, bottom) = ([values[(x0, y0)], values[(x1, y0)]], [values[(x0, y1)], values[(x1, y1)]]);
+        [0, 1].map(|i| mix(mix(top[0][i], top[1][i], fx), mix(bottom[0][i], bottom[1][i], fx), fy).into())
+    }
+}
+
+/// The part of a picture up to `margin` px around `points`, and its first pixel.
+fn cut(luma: &Gray, points: &[Point], margin: usize) -> ([usize; 2], Gray) {
+    let (width, height) = luma.size();
+    let bounds = polygon::bounds(points).unwrap_or(Bounds { min: [0.0; 2], max: [0.0; 2] });
+    let margin = margin as f32;
+    let first = [0, 1].map(|i| ((bounds.min[i] - margin).floor().max(0.0) as usize).min([width, height][i] - 1));
+    let end = [0, 1].map(|i| ((bounds.max[i] + margin).ceil().max(0.0) as usize + 1).min([width, height][i]));
+    let size = [0, 1].map(|i| end[i].max(first[i] + 1) - first[i]);
+    effort::add(size[0] * size[1]);
+    (first, Grid::from_fn(size[0], size[1], |x, y| luma[(first[0] + x, first[1] + y)]))
+}
+
+/// The central differences of `of` along x and y, its border repeated.
+fn gradient(of: &Grid<f32>) -> Grid<[f32; 2]> {
+    let (width, height) = of.size();
+    let mut found = Grid::new(width, height, [0.0; 2]);
+    for y in 0..height {
+        let (above, here, below) = (of.row(y.saturating_sub(1)), of.row(y), of.row((y + 1).min(height - 1)));
+        for (x, cell) in found.row_mut(y).iter_mut().enumerate() {
+            let (left, right) = (here[x.saturating_sub(1)], here[(x + 1).min(width - 1)]);
+            *cell = [(right - left) / 2.0, (below[x] - above[x]) / 2.0];
+        }
+    }
+    found
+}
+
+/// An external force at each pixel of a window, in 1/px.
+#[derive(Clone, Debug)]
+pub(crate) struct Force {
+    pub values: Grid<[f32; 2]>,
+}
+
+impl Force {
+    /// Gradient vector flow (Xu and Prince 1998, equations 12 to 17): `count` steps of g ← g + μ ∇²g − |∇f|² (g − ∇f) from g = ∇f, at
+    /// the end scaled to the largest length of ∇f, since diffusion weakens it at the edges.
+    pub fn diffused(&self, mu: f32, count: usize) -> Self {
+        let edge = &self.values;
+        let (width, height) = edge.size();
+        effort::add(width * height * count);
+        let (mut now, mut next) = (edge.clone(), edge.clone());
+        for _ in 0..count {
+            for y in 0..height {
+                let rows = [y.saturating_sub(1), y, (y + 1).min(height - 1)].map(|y| now.row(y));
+                diffuse_row(rows, edge.row(y), mu, next.row_mut(y));
+            }
+            std::mem::swap(&mut now, &mut next);
+        }
+        let scale = longest(edge) / longest(&now).max(f32::MIN_POSITIVE);
+        Self { values: now.map(|force| force.map(|c| c * scale)) }
+    }
+}
+
+/// The largest length of a force.
+fn longest(values: &Grid<[f32; 2]>) -> f32 {
+    values.cells().iter().map(|[x, y]| x * x + y * y).fold(0.0, f32::max).sqrt()
+}
+
+fn diffuse_row([above, here, below]: [&[[f32; 2]]; 3], edge: &[[f32; 2]], mu: f32, target: &mut [[f32; 2]]) {
+    let last = here.len() - 1;
+    for (x, target) in target.iter_mut().enumerate() {
+        let (left, right, force) = (here[x.saturating_sub(1)], here[(x + 1).min(last)], edge[x]);
+        let weight = force[0] * force[0] + force[1] * force[1];
+        *target = [0, 1].map(|i| {
+            let laplacian = above[x][i] + below[x][i] + left[i] + right[i] - 4.0 * here[x][i];
+            here[x][i] + mu * laplacian - weight * (here[x][i] - force[i])
+        });
+    }
+}

@@ -1,0 +1,112 @@
+//! What all contours explain and draw alike.
+
+use super::{Edges, LEAST_AREA_PX, Model, Point, Verdict};
+use crate::base::words::fixed;
+use crate::geometry::Grid;
+use crate::methods::numbers::{gray, ratio};
+use crate::scene::{Arrow, Fact, Picture, Role, Scene, Sentence, Shape};
+
+/// The distance of drawn arrows in px.
+const ARROWS_PX: usize = 6;
+
+/// An area as text.
+pub(crate) fn area(px2: f64) -> String {
+    format!("{} px²", fixed(px2, 0))
+}
+
+/// How the edges of a frame were found.
+pub(crate) fn edges(said: Sentence, edges: &Edges, sigma_px: f32) -> Sentence {
+    let (width, height) = edges.strength.size();
+    said.ink(Role::Measured, "Edge strength f")
+        .text(format!(
+            " in a window of {width}×{height} px around the contour: the gradient magnitude after smoothing with σ = "
+        ))
+        .text(format!(
+            "{} px, as a share of the steepest, {} gray levels/px.",
+            fixed(sigma_px.into(), 1),
+            gray(edges.steepest)
+        ))
+}
+
+/// The judgement of a fit.
+pub(crate) fn judged(said: Sentence, verdict: &Verdict, min_edge: f32) -> Sentence {
+    let said = said
+        .text("The contour has a mean edge strength of ")
+        .ink(Role::Measured, ratio(verdict.strength.into()))
+        .text(format!(" and encloses {}", area(verdict.area)));
+    if verdict.crosses {
+        said.text(", but it crosses itself and has no inside. Less displacement per iteration or more rigidity keeps it smooth.")
+    } else if verdict.area < LEAST_AREA_PX {
+        said.text(format!(
+            ", less than {}: it has collapsed, because no edge stopped its contraction.",
+            area(LEAST_AREA_PX)
+        ))
+    } else if verdict.is_lost {
+        said.text(format!(". That is below {}: most of it does not lie on an edge.", ratio(min_edge.into())))
+    } else {
+        said.text(format!(". That is not below {}: it lies on edges, and the fit is accepted.", ratio(min_edge.into())))
+    }
+}
+
+/// The numbers of a judgement.
+pub(crate) fn verdict_facts(verdict: &Verdict) -> Vec<Fact> {
+    vec![
+        Fact::new("Mean edge strength", ratio(verdict.strength.into()), Some(Role::Measured)),
+        Fact::new("Area", area(verdict.area), None),
+    ]
+}
+
+/// Points as those of a mark.
+fn marked(points: &[Point]) -> Vec<[f32; 2]> {
+    points.iter().map(|at| at.map(|c| c as f32)).collect()
+}
+
+/// Draws a contour.
+pub(crate) fn contour(scene: &mut Scene, (role, meaning): (Role, &'static str), points: &[Point]) {
+    scene.mark(Picture::CURRENT, role, Shape::Path { points: marked(points), closed: true });
+    scene.legend(role, meaning);
+}
+
+/// Draws the points of a contour.
+pub(crate) fn dots(scene: &mut Scene, role: Role, points: &[Point]) {
+    scene.mark(Picture::CURRENT, role, Shape::Points(marked(points)));
+}
+
+/// Draws a quantity in a window as a heat map, with the outline of the window.
+pub(crate) fn heat(scene: &mut Scene, name: &'static str, (origin, values): ([usize; 2], &Grid<f32>)) {
+    let (width, height) = values.size();
+    let values = values.clone();
+    scene.mark(Picture::CURRENT, Role::Candidate, Shape::Heat { origin: origin.map(|c| c as f32), values });
+    scene.heat = Some(name);
+    let [x, y] = origin.map(|c| c as i32);
+    scene.mark(Picture::CURRENT, Role::Window, Shape::pixels(x, y, width, height));
+    scene.legend(Role::Window, "window");
+}
+
+/// Draws a force as arrows, the longest as long as their distance.
+pub(crate) fn arrows(scene: &mut Scene, [left, top]: [usize; 2], values: &Grid<[f32; 2]>) {
+    let (width, height) = values.size();
+    let length = |force: [f32; 2]| force[0].hypot(force[1]);
+    let most = values.cells().iter().map(|force| length(*force)).fold(0.0, f32::max);
+    if most == 0.0 {
+        return;
+    }
+    let steps = |extent: usize| (ARROWS_PX / 2..extent).step_by(ARROWS_PX);
+    let arrow = |(x, y): (usize, usize)| {
+        let force = values[(x, y)];
+        let from = [(left + x) as f32, (top + y) as f32];
+        // Weak forces far from edges matter, and would not be seen beside the strong ones.
+        let scale = ARROWS_PX as f32 * (length(force) / most).sqrt() / length(force).max(f32::MIN_POSITIVE);
+        Arrow { from, to: [0, 1].map(|i| from[i] + scale * force[i]) }
+    };
+    let all = steps(height).flat_map(|y| steps(width).map(move |x| (x, y))).map(arrow).collect();
+    scene.mark(Picture::CURRENT, Role::Predicted, Shape::Arrows(all));
+    scene.legend(Role::Predicted, "external force, √ of its length");
+}
+
+/// Draws the result of a frame.
+pub(crate) fn result(scene: &mut Scene, model: &Model) {
+    if !model.result.is_lost {
+        contour(scene, (Role::Best, "contour"), &model.points);
+    }
+}
