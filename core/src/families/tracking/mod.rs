@@ -1,12 +1,14 @@
 //! Tracking: state estimation and data association over time.
 
 mod blob_tracker;
+mod joint_probabilistic;
 mod kalman_filter;
 mod kalman_tracker;
 mod multiple_hypothesis;
 mod trajectory_analysis;
 
 pub use blob_tracker::BlobTracker;
+pub use joint_probabilistic::JointProbabilistic;
 pub use kalman_filter::KalmanFilter;
 pub use kalman_tracker::KalmanTracker;
 pub use multiple_hypothesis::MultipleHypothesis;

@@ -90,6 +90,19 @@ pub struct UpdateNumbers {
     pub gain: Grid<f64>,
 }
 
+/// The matrices of an update by several measurements with their probabilities.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AssociationNumbers {
+    /// Combined innovation ν = Σ β_j ν_j.
+    pub innovation: Vec<f64>,
+    /// S.
+    pub covariance: Grid<f64>,
+    /// Σ β_j ν_j ν_jᵀ − ν νᵀ.
+    pub spread: Grid<f64>,
+    /// K.
+    pub gain: Grid<f64>,
+}
+
 /// Evaluates `$body` with the motion and the estimate of a filter of any size.
 macro_rules! with {
     ($filter:expr, |$motion:ident, $estimate:ident| $body:expr) => {
@@ -174,6 +187,15 @@ fn numbers_of<const N: usize, const M: usize>(
     })
 }
 
+fn associated<const N: usize>(
+    estimate: &Estimate<N>,
+    deviation: f64,
+    measured: &[([f64; 2], f64)],
+) -> Option<super::Association<N, 2>> {
+    let measured: Vec<_> = measured.iter().map(|(at, probability)| (SVector::from(*at), *probability)).collect();
+    estimate.associated(&Sensor::first([deviation; 2]), &measured)
+}
+
 fn names_of<const N: usize, T: Motion<N>>(_: &T) -> &'static [&'static str] {
     &T::NAMES
 }
@@ -225,6 +247,33 @@ impl Filter {
                 let (estimate, squared) = update_of(estimate, measurement)?;
                 (Self::Turn(*motion, estimate), squared)
             }
+        })
+    }
+
+    /// Updates the estimate with several positions of one standard deviation, each with the probability of being the one of the
+    /// object (see [`Estimate::associated`]).
+    pub fn associated(&self, deviation: f64, measured: &[([f64; 2], f64)]) -> Option<Self> {
+        Some(match self {
+            Self::Velocity(motion, estimate) => {
+                Self::Velocity(*motion, associated(estimate, deviation, measured)?.estimate)
+            }
+            Self::Acceleration(motion, estimate) => {
+                Self::Acceleration(*motion, associated(estimate, deviation, measured)?.estimate)
+            }
+            Self::Turn(motion, estimate) => Self::Turn(*motion, associated(estimate, deviation, measured)?.estimate),
+        })
+    }
+
+    /// Returns the matrices of [`Filter::associated`].
+    pub fn association_numbers(&self, deviation: f64, measured: &[([f64; 2], f64)]) -> Option<AssociationNumbers> {
+        with!(self, |_motion, estimate| {
+            let all = associated(estimate, deviation, measured)?;
+            Some(AssociationNumbers {
+                innovation: all.innovation.iter().copied().collect(),
+                covariance: grid(&all.covariance),
+                spread: grid(&all.spread),
+                gain: grid(&all.gain),
+            })
         })
     }
 

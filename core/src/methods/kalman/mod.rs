@@ -7,7 +7,7 @@ mod ellipse;
 mod filter;
 mod motion;
 
-pub use any::{Filter, Measurement, Model, MotionModel, PredictionNumbers, UpdateNumbers};
+pub use any::{AssociationNumbers, Filter, Measurement, Model, MotionModel, PredictionNumbers, UpdateNumbers};
 pub use ellipse::ellipse;
-pub use filter::{Estimate, Innovation, Prediction, Sensor, Smoothed, Update, smoothed};
+pub use filter::{Association, Estimate, Innovation, Prediction, Sensor, Smoothed, Update, smoothed};
 pub use motion::{Acceleration, Motion, Turn, Velocity};

@@ -1,4 +1,7 @@
-//! Gating: the pairs of a track and a detection within a squared Mahalanobis distance.
+//! Gating: the pairs of a track and a detection within a squared Mahalanobis distance, their likelihoods, and the sets of tracks that
+//! compete.
+
+use std::f64::consts::PI;
 
 use crate::base::Error;
 use crate::data::{Clip, Detection};
@@ -101,4 +104,38 @@ impl Gate {
 /// Returns the box around a position.
 fn around(place: [f64; 2], reach: [f64; 2]) -> Corners {
     [[place[0] - reach[0], place[1] - reach[1]], [place[0] + reach[0], place[1] + reach[1]]]
+}
+
+/// Returns ln N(ν; 0, S) of a measurement at squared Mahalanobis distance d², a density in 1/px².
+pub fn ln_likelihood(filter: &Filter, measured: &Measurement, squared: f64) -> f64 {
+    let [[xx, xy], [_, yy]] = filter.place_covariance();
+    let variance = measured.place_deviation * measured.place_deviation;
+    let det = (xx + variance) * (yy + variance) - xy * xy;
+    -0.5 * (squared + det.max(f64::MIN_POSITIVE).ln()) - (2.0 * PI).ln()
+}
+
+/// Disjoint sets.
+pub struct Sets(Vec<usize>);
+
+impl Sets {
+    /// Creates sets of one member each.
+    pub fn new(count: usize) -> Self {
+        Self((0..count).collect())
+    }
+
+    /// Returns the smallest member of the set of `at`.
+    pub fn root(&mut self, mut at: usize) -> usize {
+        while self.0[at] != at {
+            self.0[at] = self.0[self.0[at]];
+            at = self.0[at];
+        }
+        at
+    }
+
+    /// Unites the sets of two members.
+    pub fn unite(&mut self, a: usize, b: usize) {
+        let (a, b) = (self.root(a), self.root(b));
+        let (low, high) = (a.min(b), a.max(b));
+        self.0[high] = low;
+    }
 }

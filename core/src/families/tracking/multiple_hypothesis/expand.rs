@@ -1,7 +1,6 @@
 //! The branches of a scan: gates, clusters, and the k best explanations of the detections of each.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::f64::consts::PI;
 use std::sync::Arc;
 
 use super::MultipleHypothesis;
@@ -9,8 +8,11 @@ use super::forest::{Claim, Cluster, Hypothesis, Origin, Scan, Track};
 use crate::base::Error;
 use crate::data::{Clip, Detection};
 use crate::methods::{
-    kalman::{Filter, Measurement, chi_square},
-    multi_object::{Extent, gating::squared_distances},
+    kalman::{Measurement, chi_square},
+    multi_object::{
+        Extent,
+        gating::{Sets, ln_likelihood, squared_distances},
+    },
 };
 use crate::products::objects::{
     assignment::WorkBudget,
@@ -90,14 +92,6 @@ pub struct Terms {
     pub ln_parent: f64,
     /// Σ ln N(ν; 0, S) over the tracks with a detection.
     pub ln_innovations: f64,
-}
-
-/// Returns ln N(ν; 0, S) of a measurement at squared Mahalanobis distance d², a density in 1/px².
-pub fn ln_likelihood(filter: &Filter, measured: &Measurement, squared: f64) -> f64 {
-    let [[xx, xy], [_, yy]] = filter.place_covariance();
-    let variance = measured.place_deviation * measured.place_deviation;
-    let det = (xx + variance) * (yy + variance) - xy * xy;
-    -0.5 * (squared + det.max(f64::MIN_POSITIVE).ln()) - (2.0 * PI).ln()
 }
 
 impl MultipleHypothesis {
@@ -341,29 +335,5 @@ impl Branches<'_> {
             before: age,
             age,
         }
-    }
-}
-
-/// Disjoint sets.
-struct Sets(Vec<usize>);
-
-impl Sets {
-    fn new(count: usize) -> Self {
-        Self((0..count).collect())
-    }
-
-    /// Returns the smallest member of the set of `at`.
-    fn root(&mut self, mut at: usize) -> usize {
-        while self.0[at] != at {
-            self.0[at] = self.0[self.0[at]];
-            at = self.0[at];
-        }
-        at
-    }
-
-    fn unite(&mut self, a: usize, b: usize) {
-        let (a, b) = (self.root(a), self.root(b));
-        let (low, high) = (a.min(b), a.max(b));
-        self.0[high] = low;
     }
 }

@@ -91,7 +91,7 @@ impl MultipleHypothesis {
                 format!("{} compete for {}: ", count(ids.len(), "track"), count(detections.len(), "detection"))
             }
         };
-        let parents = count(expansion.parents.len(), "hypothesis").replace("hypothesiss", "hypotheses");
+        let parents = hypotheses(expansion.parents.len());
         let branches = branches(expansion.branches.len());
         let verb = if expansion.parents.len() == 1 { "has" } else { "have" };
         let said = Sentence::default()
