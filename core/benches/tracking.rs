@@ -114,6 +114,33 @@ fn many(c: &mut Criterion) {
     group.finish();
 }
 
+/// Four objects that cross, and five false alarms anywhere in each frame.
+fn cluttered(frames: usize) -> Clip {
+    let detection =
+        |center: [f32; 2]| Detection { bounds: Bounds::around(center, [20.0; 2]), center, score: 0.9, blob: None };
+    let object = |i: usize, t: usize| {
+        let (far, turn) = (6.0 * (t as f32 - frames as f32 / 2.0), i as f32 * 1.6 + 0.3);
+        let off = [0, 1].map(|k| 4.0 * chance(i, 2 * t + k) - 2.0);
+        detection([160.0 + far * turn.cos() + off[0], 120.0 + far * turn.sin() + off[1]])
+    };
+    let wrong = |i: usize, t: usize| detection([320.0 * chance(i + 9, 2 * t), 240.0 * chance(i + 9, 2 * t + 1)]);
+    let frame = |t: usize| (0..4).map(|i| object(i, t)).chain((0..5).map(|i| wrong(i, t))).collect();
+    Clip::blank("cluttered", (320, 240), frames).with_detections((0..frames).map(frame).collect())
+}
+
+/// Trackers that weigh several explanations, for all scans.
+fn ambiguous(c: &mut Criterion) {
+    const SCANS: usize = 20;
+    let (clip, pool) = (cluttered(SCANS), Threads::single());
+    for id in ["multiple-hypothesis", "joint-probabilistic"] {
+        let mut tracker = estimator(id).expect("it is registered");
+        tracker.set("false-alarms", "5").expect("in range");
+        c.bench_function(&format!("{id}, 4 targets, 5 false alarms, {SCANS} scans"), |b| {
+            b.iter(|| tracker.run(&clip, 0, &pool).expect("a run"));
+        });
+    }
+}
+
 /// An object of 64×64 px that moves by 3 px/frame before a background, both with colour and texture.
 fn region(frames: usize) -> Clip {
     let frame = |t: usize| {
@@ -179,5 +206,5 @@ fn contours(c: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, filter, tracker, many, of_one_region, contours);
+criterion_group!(benches, filter, tracker, ambiguous, many, of_one_region, contours);
 criterion_main!(benches);

@@ -282,7 +282,7 @@ fn the_clip_of_the_laws_has_tracks_that_confirm_coast_come_back_and_end() {
         assert_eq!(told[1][19], None, "{id}: it ends");
         trackers += 1;
     });
-    assert_eq!(trackers, 3, "blob tracker, Kalman tracker and trajectory analysis");
+    assert_eq!(trackers, 5, "blob tracker, Kalman tracker, both that weigh hypotheses, and trajectory analysis");
 }
 
 /// With so little memory beside what a run needs that of the states only a few are kept.

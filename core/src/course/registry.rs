@@ -19,7 +19,7 @@ use crate::families::{
         Clg, Farneback, HornSchunck, Klt, LucasKanade, NormalFlow, PointTrajectories, PyramidalLucasKanade, TvL1,
     },
     region_tracking::{ActiveContour, Camshift, CorrelationFilter, GreedyContour, MeanShift, ParticleFilter},
-    tracking::{BlobTracker, KalmanFilter, KalmanTracker, TrajectoryAnalysis},
+    tracking::{BlobTracker, JointProbabilistic, KalmanFilter, KalmanTracker, MultipleHypothesis, TrajectoryAnalysis},
 };
 use crate::methods::{
     features::Corners, geometric::robust::Robust, region::RegionTracking, subtraction::Subtraction,
@@ -77,6 +77,8 @@ impl Entries for Course {
         Entry::of::<BlobTracker>(),
         Entry::of::<KalmanFilter>(),
         Entry::of::<KalmanTracker>(),
+        Entry::of::<MultipleHypothesis>(),
+        Entry::of::<JointProbabilistic>(),
         Entry::of::<TrajectoryAnalysis>(),
         Entry::of::<RegionTracking<MeanShift>>(),
         Entry::of::<RegionTracking<Camshift>>(),

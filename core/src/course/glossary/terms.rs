@@ -261,6 +261,12 @@ pub static GLOSSARY: &[Term] = &[
         rotation.",
     ),
     term(
+        MultipleObjects,
+        "combined innovation",
+        &["combined innovations"],
+        "Innovation of several measurements in JPDA, each weighted by the probability of its association with the track.",
+    ),
+    term(
         DifferentialMethods,
         "combined local–global method",
         &["CLG", "combined local-global", "combined local global"],
@@ -1211,6 +1217,12 @@ pub static GLOSSARY: &[Term] = &[
         "Fast changes of a path from frame to frame, measured by its second differences.",
     ),
     term(
+        MultipleObjects,
+        "joint event",
+        &["joint events", "feasible joint event", "feasible joint events"],
+        "An assignment of all detections of a cluster of tracks to their origins, in which no detection and no track is used twice.",
+    ),
+    term(
         KalmanFilters,
         "Joseph form",
         &[],
@@ -1501,6 +1513,18 @@ pub static GLOSSARY: &[Term] = &[
         "multi-object tracking",
         &["MOT", "multiple object tracking"],
         "The estimation of the trajectories of several objects with their identities.",
+    ),
+    term(
+        MultipleObjects,
+        "Murty's algorithm",
+        &["k best assignments"],
+        "The enumeration of assignments in the order of their costs, by excluding one pair after the other of those already found.",
+    ),
+    term(
+        MultipleObjects,
+        "N-scan pruning",
+        &["N-scan"],
+        "The deletion of all hypotheses that explain the frame N frames before otherwise than the leading one, which decides that frame.",
     ),
     term(
         KalmanFilters,
@@ -2207,6 +2231,12 @@ pub static GLOSSARY: &[Term] = &[
         predicted state and reduces its covariance.",
     )
     .symbol("x = x⁻ + K ν"),
+    term(
+        MultipleObjects,
+        "validation matrix",
+        &["validation matrices"],
+        "The matrix of tracks and detections that is not zero where the detection lies in the gate of the track.",
+    ),
     term(
         MovingObjects,
         "variance",

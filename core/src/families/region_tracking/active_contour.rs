@@ -8,7 +8,7 @@ use crate::base::{Error, Observer};
 use crate::data::{Clip, Frame, PackedMask};
 use crate::geometry::{Bounds, polygon};
 use crate::methods::contour::{self, Edges, Force, Model, Pentadiagonal, Point, Snake, Verdict};
-use crate::methods::region::{At, RegionModel, Settings, Similarity};
+use crate::methods::region::{At, Explained, RegionModel, Settings, Similarity};
 use crate::products::{MaskField, Product, ProductKind, Region, RegionField, RegionFrame};
 use crate::run::{Info, Need};
 use crate::scene::{Chart, Fact, Name, Readout, Scene, Sentence};
@@ -314,7 +314,9 @@ impl RegionModel for ActiveContour {
             Event::Judged(..) => line::JUDGE,
         }
     }
+}
 
+impl Explained for ActiveContour {
     fn sentence(&self, at: &At<'_, Self>) -> Sentence {
         self.said(at)
     }

@@ -8,7 +8,7 @@ use crate::base::{Error, Observer};
 use crate::data::{Clip, Frame, PackedMask};
 use crate::geometry::{Bounds, polygon};
 use crate::methods::contour::{self, Edges, Model, Point, Snake, Verdict};
-use crate::methods::region::{At, RegionModel, Settings, Similarity};
+use crate::methods::region::{At, Explained, RegionModel, Settings, Similarity};
 use crate::products::{MaskField, Product, ProductKind, Region, RegionField, RegionFrame};
 use crate::run::{Info, Need};
 use crate::scene::{Chart, Fact, Name, Readout, Scene, Sentence};
@@ -383,7 +383,9 @@ impl RegionModel for GreedyContour {
             Event::Judged(..) => line::JUDGE,
         }
     }
+}
 
+impl Explained for GreedyContour {
     fn sentence(&self, at: &At<'_, Self>) -> Sentence {
         self.said(at)
     }

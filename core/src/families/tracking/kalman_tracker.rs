@@ -10,9 +10,10 @@ use crate::base::{Error, Observer};
 use crate::data::{Clip, Detection};
 use crate::geometry::Bounds;
 use crate::methods::{
-    kalman::{Filter, Measurement, Model, MotionModel, Noises},
+    kalman::{Filter, Measurement},
     multi_object::{
         Extent,
+        dynamics::Dynamics,
         lifecycle::{Rules, TrackAge},
         partial::WholeSize,
         selected::track_at,
@@ -25,9 +26,6 @@ use crate::scene::{Chart, Focus, Role, Scene, Step};
 use crate::{choices, params, pseudocode};
 
 pub use association::Costs;
-
-/// Probability that an object changes its mode from one frame to the next, where the motion has modes.
-const MODE_SWITCH: f32 = 0.05;
 
 choices! {
     /// The assignment method.
@@ -56,15 +54,8 @@ params! {
     pub struct KalmanTracker {
         /// The frames of the run and the source of the detections.
         settings: tracker_run::Settings = tracker_run::Settings::default();
-        /// Motion model of the filters.
-        motion: MotionModel = MotionModel::Velocity;
-        /// Standard deviation of the acceleration, in px/frame² per px of box height; with the constant acceleration model, of its change
-        /// per frame.
-        process_noise: f32 = 0.02, 0.0..=2.0;
-        /// Standard deviation of the change of the turn rate. Used where the motion is a coordinated turn or has one as a mode.
-        turn_noise: f32 = 0.5, 0.0..=45.0, "°/frame²";
-        /// Standard deviation of a detected position along each axis, as a share of the box height.
-        measurement_noise: f32 = 0.1, 0.001..=2.0;
+        /// The filters of the tracks.
+        dynamics: Dynamics = Dynamics::default();
         /// Method that assigns detections to tracks.
         association: Association = Association::Assignment;
         /// Cost of a pair of track and detection.
@@ -95,8 +86,6 @@ params! {
     }
     advanced { "cascade", "score-threshold", "recover", "partial" }
     when {
-        "turn-noise": |p| p.motion.turns(),
-            "Turn noise has no effect unless the motion is a coordinated turn.";
         "gate": |p| p.cost != PairCost::Overlap,
             "The gate has no effect where the cost is the overlap of boxes alone.";
         "score-threshold": |p| p.settings.may_have_scores(),
@@ -158,12 +147,6 @@ impl Track {
 }
 
 impl KalmanTracker {
-    fn measurement(&self, detection: &Detection) -> Measurement {
-        let height_px = f64::from(detection.bounds.size()[1]).max(1.0);
-        let place_deviation = f64::from(self.measurement_noise) * height_px;
-        Measurement { place: detection.center.map(f64::from), place_deviation, velocity: None }
-    }
-
     /// Returns the whole box of a blob of which a side is hidden, as a detection; `None` if none is.
     fn completed(&self, track: &Track, detection: &Detection, picture: (usize, usize)) -> Option<Detection> {
         let is_possible = self.partial
@@ -176,14 +159,14 @@ impl KalmanTracker {
 
     /// Returns the measurement of a track by a detection: of its whole box, if a side is hidden.
     fn measured(&self, track: &Track, detection: &Detection, picture: (usize, usize)) -> Measurement {
-        self.measurement(&self.completed(track, detection, picture).unwrap_or(*detection))
+        self.dynamics.measurement(&self.completed(track, detection, picture).unwrap_or(*detection))
     }
 
     /// Updates a track with its detection.
     fn updated(&self, track: &Track, detection: &Detection, picture: (usize, usize)) -> Track {
         let completed = self.completed(track, detection, picture);
         let found = completed.as_ref().unwrap_or(detection);
-        let filter = track.filter.updated(&self.measurement(found)).map_or(track.filter, |(filter, _)| filter);
+        let filter = track.filter.updated(&self.dynamics.measurement(found)).map_or(track.filter, |(filter, _)| filter);
         Track {
             id: track.id,
             filter,
@@ -195,18 +178,9 @@ impl KalmanTracker {
     }
 
     fn begun(&self, detection: &Detection, id: u32) -> Track {
-        let extent = Extent::of(detection);
-        // Hardly any object moves farther than half its height per frame: two standard deviations.
-        let speed = extent.height_px() / 4.0;
-        let filter = Filter::begun(self.model(&extent), &self.measurement(detection), speed);
         let (size, age) = (WholeSize::of(detection), self.rules.begun(detection));
+        let (filter, extent) = (self.dynamics.begun(detection), Extent::of(detection));
         Track { id, filter, extent, size, last: detection.bounds, age }
-    }
-
-    /// Returns the motion model of an object of this size.
-    fn model(&self, extent: &Extent) -> Model {
-        let acceleration = self.process_noise * extent.height_px() as f32;
-        self.motion.model(Noises { acceleration, turn_deg: self.turn_noise, switch: MODE_SWITCH })
     }
 
     /// Returns a track after a missed frame; `None` if it is deleted.
@@ -260,7 +234,7 @@ impl Estimator for KalmanTracker {
         observer.see(|| Event::Detected(Arc::clone(&detections), discarded));
         let mut tracks = std::mem::take(&mut state.tracks);
         for track in &mut tracks {
-            track.filter = track.filter.with_model(self.model(&track.extent)).predicted();
+            track.filter = self.dynamics.predicted(&track.filter, &track.extent);
         }
         observer.see(|| Event::Predicted(Arc::new(tracks.clone())));
         let is_high = |found: &Detection| !state.run.has_scores() || found.score >= self.score_threshold;

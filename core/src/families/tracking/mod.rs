@@ -1,13 +1,17 @@
 //! Tracking: state estimation and data association over time.
 
 mod blob_tracker;
+mod joint_probabilistic;
 mod kalman_filter;
 mod kalman_tracker;
+mod multiple_hypothesis;
 mod trajectory_analysis;
 
 pub use blob_tracker::BlobTracker;
+pub use joint_probabilistic::JointProbabilistic;
 pub use kalman_filter::KalmanFilter;
 pub use kalman_tracker::KalmanTracker;
+pub use multiple_hypothesis::MultipleHypothesis;
 pub use trajectory_analysis::TrajectoryAnalysis;
 
 use crate::data::Clip;
@@ -25,10 +29,15 @@ const MAX_PAIRS: usize = 500;
 /// Memory of tracking the objects of a clip: tracks, pairs and events for the frame with the most detections, and the model,
 /// difference and blobs of a background subtraction.
 fn need(clip: &Clip) -> Need {
-    let frames = clip.info().frames.unwrap_or(0);
-    let most = (0..frames).filter_map(|t| clip.detections(t)).map(<[_]>::len).max().unwrap_or(ASSUMED_OBJECTS) as f64;
+    let most = most_objects(clip);
     let objects = most * (4096.0 + 40.0 * most.min(MAX_PAIRS as f64));
     Need::per_pixel(clip, [10.0, 10.0]).and([objects, 4.0 * objects])
+}
+
+/// Returns the largest number of detections of a frame, where it is known.
+fn most_objects(clip: &Clip) -> f64 {
+    let frames = clip.info().frames.unwrap_or(0);
+    (0..frames).filter_map(|t| clip.detections(t)).map(<[_]>::len).max().unwrap_or(ASSUMED_OBJECTS) as f64
 }
 
 /// Returns the object that a filter estimates.

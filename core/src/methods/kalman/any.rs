@@ -138,6 +138,19 @@ pub struct Sigma {
 /// The initial probability of each mode.
 const INITIAL_PROBABILITY: f64 = 0.5;
 
+/// The matrices of an update by several measurements with their probabilities.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AssociationNumbers {
+    /// Combined innovation ν = Σ β_j ν_j.
+    pub innovation: Vec<f64>,
+    /// S.
+    pub covariance: Grid<f64>,
+    /// Σ β_j ν_j ν_jᵀ − ν νᵀ.
+    pub spread: Grid<f64>,
+    /// K.
+    pub gain: Grid<f64>,
+}
+
 /// Evaluates `$body` with the motion and the estimate of a filter of any size; of interacting modes with the combined estimate.
 macro_rules! with {
     ($filter:expr, |$motion:ident, $estimate:ident| $body:expr) => {
@@ -228,12 +241,42 @@ fn numbers_of<const N: usize, const M: usize>(
     })
 }
 
+fn associated<const N: usize>(
+    estimate: &Estimate<N>,
+    deviation: f64,
+    measured: &[([f64; 2], f64)],
+) -> Option<super::Association<N, 2>> {
+    let measured: Vec<_> = measured.iter().map(|(at, probability)| (SVector::from(*at), *probability)).collect();
+    estimate.associated(&Sensor::first([deviation; 2]), &measured)
+}
+
 fn names_of<const N: usize, T: Motion<N>>(_: &T) -> &'static [&'static str] {
     &T::NAMES
 }
 
 fn grid<const R: usize, const C: usize>(matrix: &SMatrix<f64, R, C>) -> Grid<f64> {
     Grid::from_fn(C, R, |x, y| matrix[(y, x)])
+}
+
+/// Updates each mode with several measurements and their probabilities β_j. A mode is as likely as the sum of β_j Λ_j / Λ̄_j says, with
+/// its likelihood Λ_j of a measurement beside that of the mixture, Λ̄_j; a missed detection, β₀, favours no mode.
+fn associated_modes(modes: &Modes, deviation: f64, measured: &[([f64; 2], f64)]) -> Option<Modes> {
+    let mut likelihoods = [1.0 - measured.iter().map(|&(_, beta)| beta).sum::<f64>(); 2];
+    for &(place, beta) in measured {
+        let one = Measurement { place, place_deviation: deviation, velocity: None };
+        let logs = modes_of(modes, &one)?.log_likelihoods;
+        let highest = logs[0].max(logs[1]);
+        let relative = logs.map(|log| (log - highest).exp());
+        let mixture: f64 = (0..2).map(|m| modes.probabilities[m] * relative[m]).sum();
+        (0..2).for_each(|m| likelihoods[m] += beta * relative[m] / mixture.max(f64::MIN_POSITIVE));
+    }
+    let weights = [0, 1].map(|m| modes.probabilities[m] * likelihoods[m]);
+    let sum = weights[0] + weights[1];
+    Some(Modes {
+        velocity: associated(&modes.velocity, deviation, measured)?.estimate,
+        turn: associated(&modes.turn, deviation, measured)?.estimate,
+        probabilities: weights.map(|weight| weight / sum),
+    })
 }
 
 impl Filter {
@@ -348,6 +391,36 @@ impl Filter {
             Self::Interacting(_, modes) => Some(modes_of(modes, measurement)?.log_likelihoods),
             _ => None,
         }
+    }
+
+    /// Updates the estimate with several positions of one standard deviation, each with the probability of being the one of the
+    /// object (see [`Estimate::associated`]).
+    pub fn associated(&self, deviation: f64, measured: &[([f64; 2], f64)]) -> Option<Self> {
+        Some(match self {
+            Self::Velocity(motion, estimate) => {
+                Self::Velocity(*motion, associated(estimate, deviation, measured)?.estimate)
+            }
+            Self::Acceleration(motion, estimate) => {
+                Self::Acceleration(*motion, associated(estimate, deviation, measured)?.estimate)
+            }
+            Self::Turn(motion, estimate) => Self::Turn(*motion, associated(estimate, deviation, measured)?.estimate),
+            Self::Interacting(motion, modes) => {
+                Self::Interacting(*motion, associated_modes(modes, deviation, measured)?)
+            }
+        })
+    }
+
+    /// Returns the matrices of [`Filter::associated`].
+    pub fn association_numbers(&self, deviation: f64, measured: &[([f64; 2], f64)]) -> Option<AssociationNumbers> {
+        with!(self, |_motion, estimate| {
+            let all = associated(estimate, deviation, measured)?;
+            Some(AssociationNumbers {
+                innovation: all.innovation.iter().copied().collect(),
+                covariance: grid(&all.covariance),
+                spread: grid(&all.spread),
+                gain: grid(&all.gain),
+            })
+        })
     }
 
     /// Returns the squared Mahalanobis distance of a measurement; `None` where [`Filter::updated`] is.

@@ -70,6 +70,21 @@ impl<const M: usize> Innovation<M> {
     }
 }
 
+/// The update by several measurements with their probabilities.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Association<const N: usize, const M: usize> {
+    /// The combined innovation ν = Σ β_j ν_j.
+    pub innovation: SVector<f64, M>,
+    /// The innovation covariance S = H P Hᵀ + R.
+    pub covariance: SMatrix<f64, M, M>,
+    /// The spread of the innovations Σ β_j ν_j ν_jᵀ − ν νᵀ.
+    pub spread: SMatrix<f64, M, M>,
+    /// The Kalman gain K.
+    pub gain: SMatrix<f64, N, M>,
+    /// The resulting estimate.
+    pub estimate: Estimate<N>,
+}
+
 impl<const N: usize> Estimate<N> {
     /// Predicts the next frame: x ← f(x), P ← F P Fᵀ + Q; or by sigma points, where the motion asks for them and P is positive definite.
     pub fn predicted(&self, motion: &impl Motion<N>) -> Prediction<N> {
@@ -111,6 +126,34 @@ impl<const N: usize> Estimate<N> {
         let covariance = rest * self.covariance * rest.transpose() + gain * noise * gain.transpose();
         let state = self.state + gain * innovation.residual;
         Update { gain, estimate: Estimate { state, covariance: symmetric(covariance) } }
+    }
+
+    /// Updates the estimate with several measurements of one sensor, each with the probability of being the one of the object (PDA:
+    /// Y. Bar-Shalom and E. Tse 1975, as in JPDA). The combined innovation is Σ β_j ν_j, and with β₀ = 1 − Σ β_j
+    /// P ← β₀ P + (1 − β₀) P_c + K (Σ β_j ν_j ν_jᵀ − ν νᵀ) Kᵀ, where P_c is the covariance after one certain measurement. `None` if the
+    /// innovation covariance is not positive definite.
+    pub fn associated<const M: usize>(
+        &self,
+        sensor: &Sensor<N, M>,
+        measured: &[(SVector<f64, M>, f64)],
+    ) -> Option<Association<N, M>> {
+        let first = self.innovation(sensor, &(sensor.observation * self.state))?;
+        let residual = |at: &SVector<f64, M>| at - sensor.observation * self.state;
+        let (mut innovation, mut second, mut share) = (SVector::<f64, M>::zeros(), SMatrix::<f64, M, M>::zeros(), 0.0);
+        for (at, probability) in measured {
+            let one = residual(at);
+            innovation += one * *probability;
+            second += one * one.transpose() * *probability;
+            share += probability;
+        }
+        let spread = symmetric(second - innovation * innovation.transpose());
+        let certain = self.updated(sensor, &first);
+        let gain = certain.gain;
+        let missed = (1.0 - share).max(0.0);
+        let covariance =
+            self.covariance * missed + certain.estimate.covariance * (1.0 - missed) + gain * spread * gain.transpose();
+        let estimate = Estimate { state: self.state + gain * innovation, covariance: symmetric(covariance) };
+        Some(Association { innovation, covariance: first.covariance, spread, gain, estimate })
     }
 
     /// Returns the normalised estimation error squared (NEES) of the true state; `None` if P is not positive definite.

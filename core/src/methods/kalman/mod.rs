@@ -9,8 +9,10 @@ pub mod interacting;
 mod motion;
 pub mod unscented;
 
-pub use any::{Filter, Measurement, Model, MotionModel, Noises, PredictionNumbers, Sigma, UpdateNumbers};
+pub use any::{
+    AssociationNumbers, Filter, Measurement, Model, MotionModel, Noises, PredictionNumbers, Sigma, UpdateNumbers,
+};
 pub use ellipse::ellipse;
-pub use filter::{Estimate, Innovation, Prediction, Sensor, Smoothed, Update, smoothed};
+pub use filter::{Association, Estimate, Innovation, Prediction, Sensor, Smoothed, Update, smoothed};
 pub use interacting::{Interacting, Mixing, Modes};
 pub use motion::{Acceleration, Motion, Nonlinear, Turn, Velocity};

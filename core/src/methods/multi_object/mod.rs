@@ -1,8 +1,10 @@
 //! Multi-object tracking: sources of detections, track management, and what steps say of them.
 
 pub mod directions;
+pub(crate) mod dynamics;
 pub(crate) mod explain;
 mod extent;
+pub(crate) mod gating;
 pub(crate) mod lifecycle;
 pub(crate) mod partial;
 pub(crate) mod selected;

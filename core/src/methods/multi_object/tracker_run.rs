@@ -153,6 +153,17 @@ impl TrackerRun {
         Arc::new(frame)
     }
 
+    /// Goes back to the frame after these finished ones, for trackers that decide later what the frames since then contain.
+    pub fn rewind(&mut self, frames: Vec<Arc<ObjectFrame>>) {
+        self.changed_from = self.changed_from.min(frames.len());
+        self.frames = frames;
+    }
+
+    /// Adds a finished frame that was there before, as it is known now.
+    pub fn again(&mut self, frame: Arc<ObjectFrame>) {
+        self.frames.push(frame);
+    }
+
     /// Adds a finished frame.
     pub fn note(&mut self, clip: &Clip, rules: Rules, frame: Arc<ObjectFrame>) -> Progress {
         let mut live = Arc::clone(&frame);
@@ -258,9 +269,14 @@ impl TrackerRun {
         }
     }
 
+    /// Returns the tracks of all frames as they were in real time.
+    pub fn live_field(&self) -> ObjectField {
+        ObjectField { frames: self.live.clone(), ..self.field() }
+    }
+
     /// Returns the tracks of all frames as they were in real time, where `rules` look back.
     pub fn causal_field(&self, rules: Rules) -> Option<ObjectField> {
-        rules.looks_back().then(|| ObjectField { frames: self.live.clone(), ..self.field() })
+        rules.looks_back().then(|| self.live_field())
     }
 }
 

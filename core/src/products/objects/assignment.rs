@@ -31,7 +31,7 @@ impl<'a, E> WorkBudget<'a, E> {
     }
 
     /// Takes pairs from the budget; returns whether any was left.
-    fn take(&mut self, pairs: usize) -> Result<bool, E> {
+    pub(super) fn take(&mut self, pairs: usize) -> Result<bool, E> {
         let pairs = pairs as u64;
         self.since += pairs;
         if self.since >= ASK_AFTER {

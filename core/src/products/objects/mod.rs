@@ -3,6 +3,7 @@
 pub mod assignment;
 pub mod box_index;
 mod field;
+pub mod k_best;
 pub mod pairs;
 mod product;
 pub mod score;

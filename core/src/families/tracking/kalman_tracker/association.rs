@@ -6,12 +6,15 @@ use super::{Association, KalmanTracker, PairCost, Track};
 use crate::base::Error;
 use crate::data::{Clip, Detection};
 use crate::geometry::Bounds;
-use crate::methods::kalman::{Measurement, chi_square};
+use crate::methods::{
+    kalman::chi_square,
+    multi_object::gating::{MOST_NEAR, rows_of, squared_distances},
+};
 use crate::products::{
     TrackStatus,
     objects::{
         assignment::{Assigned, WorkBudget, least_cost, nearest_first},
-        box_index::{BoxIndex, Corners, corners, nearest},
+        box_index::{BoxIndex, corners, nearest},
         pairs::Pairs,
     },
 };
@@ -58,29 +61,14 @@ pub struct Costs {
     pub greedy: usize,
 }
 
-/// The maximum number of detections compared with a track, the nearest ones. It bounds the work in dense crowds.
-pub const MOST_NEAR: usize = 500;
-
 /// The maximum number of pairs visited by an assignment, a few tenths of a second; beyond it the assignment is greedy.
 const MOST_WORK: u64 = 20_000_000;
-
-/// The number of tracks between checks for cancellation.
-const TRACKS_PER_CHECK: usize = 64;
 
 impl Costs {
     /// Returns the IoU of a track and a detection.
     pub fn overlap(&self, row: usize, column: usize) -> f64 {
         f64::from(self.tracks[row].bounds().iou(&self.detections[column].bounds))
     }
-}
-
-/// The detections of a frame and the gating threshold.
-struct Frame<'a> {
-    clip: &'a Clip,
-    detections: &'a [Detection],
-    measured: Vec<Measurement>,
-    /// The gating threshold of d².
-    limit: f64,
 }
 
 impl KalmanTracker {
@@ -94,13 +82,15 @@ impl KalmanTracker {
         (tracks, detections): (Vec<Track>, Arc<Vec<Detection>>),
         is_high: impl Fn(&Detection) -> bool,
     ) -> Result<Costs, Error> {
-        let measured = detections.iter().map(|detection| self.measurement(detection)).collect();
+        let measured: Vec<_> = detections.iter().map(|detection| self.dynamics.measurement(detection)).collect();
         let limit = chi_square::quantile(f64::from(self.gate), 2);
-        let frame = Frame { clip, detections: &detections, measured, limit };
         let boxes = BoxIndex::new(detections.iter().map(|detection| corners(&detection.bounds)));
         let (costs, crowded) = match self.cost {
-            PairCost::Mahalanobis => self.by_distance(&frame, &tracks),
-            PairCost::Overlap | PairCost::Both => self.by_overlap(&frame, &boxes, &tracks),
+            PairCost::Mahalanobis => {
+                let filters = tracks.iter().map(|track| &track.filter);
+                squared_distances(clip, filters, (&detections, &measured), limit)
+            }
+            PairCost::Overlap | PairCost::Both => self.by_overlap(clip, (&detections, limit), &boxes, &tracks),
         }?;
         let is_high = detections.iter().map(is_high).collect();
         let pairs = vec![None; tracks.len()];
@@ -110,36 +100,26 @@ impl KalmanTracker {
         Ok(all)
     }
 
-    /// Returns the costs d² of the pairs inside the gate.
-    fn by_distance(&self, frame: &Frame, tracks: &[Track]) -> Result<(Pairs, usize), Error> {
-        // Along an axis the gate reaches at most √limit (σ + σ'), of track and measurement: |a + b| ≤ |a| + |b|.
-        let reach = (frame.limit * ROUNDING).sqrt();
-        let gates = frame.measured.iter().map(|measured| around(measured.place, [reach * measured.place_deviation; 2]));
-        let gates = BoxIndex::new(gates);
-        rows_of(frame, tracks, |track, found| {
-            let gate = Gate::of(track, frame.limit);
-            let corners = around(gate.place, [gate.xx, gate.yy].map(|variance| reach * variance.sqrt()));
-            gates.touching(corners, found, |x| (!gate.is_far(&frame.measured[x])).then_some(0.0));
-            let is_cut = nearest(found, gate.place, (frame.detections, MOST_NEAR));
-            let near = |x: usize| track.filter.squared_distance(&frame.measured[x]).filter(|d| *d <= frame.limit);
-            (found.iter().filter_map(|(x, _)| Some((*x, near(*x)?))).collect(), is_cut)
-        })
-    }
-
     /// Returns the costs of the pairs above the IoU threshold and, if both count, inside the gate.
-    fn by_overlap(&self, frame: &Frame, boxes: &BoxIndex, tracks: &[Track]) -> Result<(Pairs, usize), Error> {
+    fn by_overlap(
+        &self,
+        clip: &Clip,
+        (detections, limit): (&[Detection], f64),
+        boxes: &BoxIndex,
+        tracks: &[Track],
+    ) -> Result<(Pairs, usize), Error> {
         let least = f64::from(self.iou_threshold);
-        rows_of(frame, tracks, |track, found| {
-            self.overlapping(&track.bounds(), (boxes, frame.detections), found);
-            let is_cut = nearest(found, track.filter.place(), (frame.detections, MOST_NEAR));
+        rows_of(clip, detections.len(), tracks.iter(), |track, found| {
+            self.overlapping(&track.bounds(), (boxes, detections), found);
+            let is_cut = nearest(found, track.filter.place(), (detections, MOST_NEAR));
             let cost = |x: usize, overlap: f64| {
                 if self.cost == PairCost::Overlap {
                     return Some(1.0 - overlap);
                 }
-                let measured = self.measured(track, &frame.detections[x], frame.clip.size());
+                let measured = self.measured(track, &detections[x], clip.size());
                 let distance = track.filter.squared_distance(&measured)?;
                 let apart = (1.0 - overlap) / (1.0 - least);
-                (distance <= frame.limit).then(|| (distance / frame.limit + apart) / 2.0)
+                (distance <= limit).then(|| (distance / limit + apart) / 2.0)
             };
             (found.iter().filter_map(|(x, overlap)| Some((*x, cost(*x, *overlap)?))).collect(), is_cut)
         })
@@ -216,70 +196,10 @@ impl KalmanTracker {
     }
 }
 
-/// Tolerance of the quick gate test for rounding. Pairs that pass are tested again exactly.
-const ROUNDING: f64 = 1.001;
-
-/// The gate of a track, for a quick test without the filter.
-struct Gate {
-    place: [f64; 2],
-    /// The covariance of the position.
-    xx: f64,
-    xy: f64,
-    yy: f64,
-    limit: f64,
-}
-
-impl Gate {
-    fn of(track: &Track, limit: f64) -> Self {
-        let [[xx, xy], [_, yy]] = track.filter.place_covariance();
-        Self { place: track.filter.place(), xx, xy, yy, limit }
-    }
-
-    /// Returns whether a measurement is clearly outside the gate.
-    fn is_far(&self, measured: &Measurement) -> bool {
-        let variance = measured.place_deviation * measured.place_deviation;
-        let [x, y] = [0, 1].map(|i| measured.place[i] - self.place[i]);
-        let (xx, yy) = (self.xx + variance, self.yy + variance);
-        let det = xx * yy - self.xy * self.xy;
-        // νᵀ S⁻¹ ν > limit, times det S.
-        let squared = x * x * yy - 2.0 * x * y * self.xy + y * y * xx;
-        det > SOUND * xx * yy && squared > self.limit * ROUNDING * det
-    }
-}
-
-/// The minimum determinant, as a share of the product of the variances, for the quick test to be accurate.
-const SOUND: f64 = 1e-6;
-
-/// Returns the box around a position.
-fn around(place: [f64; 2], reach: [f64; 2]) -> Corners {
-    [[place[0] - reach[0], place[1] - reach[1]], [place[0] + reach[0], place[1] + reach[1]]]
-}
-
-/// A row of pairs, and whether nearby detections were left out.
-type Row = (Vec<(usize, f64)>, bool);
-
-/// Returns the rows of all tracks, and the number of rows with detections left out.
-fn rows_of(
-    frame: &Frame,
-    tracks: &[Track],
-    row: impl Fn(&Track, &mut Vec<(usize, f64)>) -> Row,
-) -> Result<(Pairs, usize), Error> {
-    let (mut pairs, mut found, mut cut) = (Pairs::new(frame.detections.len()), Vec::new(), 0);
-    for (y, track) in tracks.iter().enumerate() {
-        if y.is_multiple_of(TRACKS_PER_CHECK) {
-            frame.clip.wanted()?;
-        }
-        let (row, is_cut) = row(track, &mut found);
-        pairs.push(row);
-        cut += usize::from(is_cut);
-    }
-    Ok((pairs, cut))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::methods::kalman::MotionModel;
+    use crate::methods::{kalman::MotionModel, multi_object::dynamics::Dynamics};
     use crate::synth::random::hash;
 
     /// Detections of all sizes, some far away, some as large as the picture, one without coordinates.
@@ -308,8 +228,13 @@ mod tests {
             (MotionModel::Acceleration, PairCost::Mahalanobis, 30, 0.2),
             (MotionModel::Acceleration, PairCost::Overlap, 3, 0.0),
         ] {
-            let tracker =
-                KalmanTracker { motion, cost, iou_threshold: min_overlap, gate: 0.99, ..KalmanTracker::default() };
+            let tracker = KalmanTracker {
+                dynamics: Dynamics { motion, ..Dynamics::default() },
+                cost,
+                iou_threshold: min_overlap,
+                gate: 0.99,
+                ..KalmanTracker::default()
+            };
             let seen = detections(150, 2);
             let tracks: Vec<Track> = detections(170, 1)
                 .iter()
@@ -324,7 +249,7 @@ mod tests {
             let costs = tracker.costs(&clip, (tracks, Arc::new(seen)), |_| true).expect("it is wanted");
             assert_eq!((costs.crowded, costs.greedy), (0, 0));
             for (y, x) in (0..170).flat_map(|y| (0..150).map(move |x| (y, x))) {
-                let measured = tracker.measurement(&costs.detections[x]);
+                let measured = tracker.dynamics.measurement(&costs.detections[x]);
                 let distance = costs.tracks[y].filter.squared_distance(&measured).unwrap_or(f64::INFINITY);
                 let (near, overlap) = (distance <= costs.limit, costs.overlap(y, x));
                 let has_overlap = overlap > 0.0 && overlap >= f64::from(min_overlap);

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::association::{Costs, MOST_NEAR, MatchingStage};
+use super::association::{Costs, MatchingStage};
 use super::{Event, KalmanTracker, PairCost, State, Track, line};
 use crate::base::words;
 use crate::geometry::{Bounds, Grid};
@@ -10,6 +10,7 @@ use crate::methods::{
     kalman::{Filter, Measurement, ellipse},
     multi_object::{
         explain::{self, Names, count},
+        gating::MOST_NEAR,
         selected::Selected,
         truth,
     },
@@ -377,7 +378,7 @@ impl KalmanTracker {
     fn distance(&self, costs: &Costs, row: usize, column: usize) -> f64 {
         let (track, detection) = (&costs.tracks[row], &costs.detections[column]);
         let measured = match self.cost {
-            PairCost::Mahalanobis => self.measurement(detection),
+            PairCost::Mahalanobis => self.dynamics.measurement(detection),
             PairCost::Overlap | PairCost::Both => self.measured(track, detection, costs.picture),
         };
         costs.tracks[row].filter.squared_distance(&measured).unwrap_or(f64::INFINITY)

@@ -1,0 +1,312 @@
+//! Joint probabilistic data association: each track is updated with all detections in its gate, weighted by the probabilities that
+//! they are its own.
+//!
+//! T. E. Fortmann, Y. Bar-Shalom and M. Scheffe, Sonar tracking of multiple targets using joint probabilistic data association, 1983.
+
+mod events;
+mod explain;
+
+use std::sync::Arc;
+
+use super::{is_far_outside, object_of};
+use crate::base::{Error, Observer};
+use crate::data::{Clip, Detection};
+use crate::geometry::Bounds;
+use crate::methods::{
+    kalman::Filter,
+    multi_object::{
+        Extent,
+        dynamics::Dynamics,
+        lifecycle::{Rules, TrackAge},
+        selected::track_at,
+        tracker_run::{self, Conclusion, TrackerRun},
+    },
+};
+use crate::products::{Object, ObjectField, ObjectFrame, Output, Product, ProductKind};
+use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
+use crate::scene::{Chart, Focus, Role, Scene, Step};
+use crate::{params, pseudocode};
+use events::{Joint, Validation};
+
+params! {
+    /// Multi-object tracking with soft data association.
+    pub struct JointProbabilistic {
+        /// The frames of the run and the source of the detections.
+        settings: tracker_run::Settings = tracker_run::Settings::default();
+        /// The filters of the tracks.
+        dynamics: Dynamics = Dynamics::default();
+        /// Gate probability P_G: share of the true measurements inside the gate. It sets the gating threshold of d² by the χ² distribution with 2 degrees of freedom.
+        gate: f32 = 0.999, 0.5..=0.9999;
+        /// Detection probability P_D: the share of the frames in which an object is detected.
+        detection_probability: f32 = 0.9, 0.01..=0.999;
+        /// Expected number of false alarms per frame, anywhere in the picture. Over the area of the picture it is the density λ.
+        false_alarms: f32 = 1.0, 0.001..=1000.0;
+        /// Maximum number of joint events of a cluster of tracks, the most probable ones.
+        max_events: usize = 500, 1..=5000;
+        /// Track management.
+        rules: Rules = Rules::default();
+    }
+}
+
+/// The probability from which on something counts as the more probable of two.
+const MORE_PROBABLE: f64 = 0.5;
+
+/// The state of a run.
+#[derive(Clone)]
+pub struct State {
+    run: TrackerRun,
+    tracks: Vec<Track>,
+}
+
+/// A track.
+#[derive(Clone, Debug)]
+pub struct Track {
+    id: u32,
+    filter: Filter,
+    extent: Extent,
+    age: TrackAge,
+}
+
+/// The association of a track with the detections in its gate.
+#[derive(Clone, Debug)]
+pub struct Weights {
+    /// The probability of each detection in the gate.
+    detections: Vec<(usize, f64)>,
+    /// Its measurements with their probabilities.
+    measured: Vec<([f64; 2], f64)>,
+    /// The standard deviation of a measurement along each axis in px.
+    deviation: f64,
+}
+
+/// An event of a frame.
+#[derive(Clone, Debug)]
+pub enum Event {
+    /// The detections, and the number discarded by the minimum score.
+    Detected(Arc<Vec<Detection>>, usize),
+    /// The predicted tracks.
+    Predicted(Arc<Vec<Track>>),
+    /// The validation matrix.
+    Validated(Arc<Validation>),
+    /// The feasible joint events of a cluster.
+    Enumerated(Arc<Validation>, Arc<Joint>),
+    /// The association probabilities of a cluster.
+    Weighed(Arc<Validation>, Arc<Joint>),
+    /// A track is updated: before and after.
+    Updated(Box<[Track; 2]>, Box<Weights>),
+    /// A track that is more probably not detected.
+    Missed(Box<Track>, f64),
+    /// A deleted track.
+    Deleted(Box<Track>),
+    /// A track that starts with a detection that probably belongs to no track.
+    Begun(Box<Track>, f64),
+    /// The finished frame and its conclusion.
+    Done(Arc<ObjectFrame>, Box<Conclusion>),
+}
+
+impl Track {
+    /// Returns the box at the estimated position.
+    fn bounds(&self) -> Bounds {
+        self.extent.around(self.filter.place())
+    }
+
+    fn object(&self, detection: Option<usize>) -> Object {
+        Object { detection, ..object_of(&self.filter, self.id, self.bounds(), self.age.status) }
+    }
+}
+
+impl Weights {
+    /// Returns β₀, the probability that none of the detections is the track's.
+    fn missed(&self) -> f64 {
+        (1.0 - self.detections.iter().map(|(_, weight)| weight).sum::<f64>()).max(0.0)
+    }
+
+    /// Returns the most probable detection.
+    fn likeliest(&self) -> Option<(usize, f64)> {
+        self.detections.iter().copied().reduce(|a, b| if b.1 > a.1 { b } else { a })
+    }
+}
+
+pseudocode! {
+    EACH_FRAME: "for each frame t",
+    DETECT: "  detect objects",
+    PREDICT: "  predict each track: x ← F x, P ← F P F^T + Q",
+    VALIDATE: "  validation matrix: detections in the gates, d² ≤ threshold; clusters",
+    EACH_CLUSTER: "  for each cluster of tracks with common detections",
+    ENUMERATE: "    feasible joint events θ: no detection and no track used twice",
+    WEIGH: "    P(θ) ∝ ∏ P_D N(ν; 0, S) / λ ∏ (1 − P_D P_G); sum it to β for each pair",
+    UPDATE_TRACK: "  for each track: update x, P with ν = Σ β ν_j and its spread",
+    COAST_OR_END: "    coast where β_0 ≥ 0.5; delete if tentative or missed > max-age frames",
+    BEGIN_TRACK: "  start a track where a detection belongs to no track, Σ β < 0.5",
+}
+
+impl Estimator for JointProbabilistic {
+    const INFO: Info = Info {
+        id: "joint-probabilistic",
+        name: "Joint probabilistic data association",
+        family: "Tracking",
+        summary: "Tracks many objects without assignment: each track is updated with all detections in its gate, weighted by the probability of each association.",
+        source: "T. E. Fortmann, Y. Bar-Shalom and M. Scheffe, Sonar tracking of multiple targets using joint probabilistic data \
+                 association, IEEE Journal of Oceanic Engineering 1983; update by several measurements: Y. Bar-Shalom and E. Tse, \
+                 Automatica 1975; the most probable joint events: K. G. Murty 1968",
+        pseudocode: line::ALL,
+        granularities: &["clip", "frame", "step"],
+        frames: 2,
+    };
+    const GUARANTEE: Guarantee = Guarantee::Objects;
+    const NEEDS_PICTURES: bool = false;
+    const CHARTS: &'static [Chart] = &[Chart::Matrices, Chart::Series];
+    const PRODUCES: &'static [&'static ProductKind] = &[ObjectField::KIND];
+    type State = State;
+    type Event = Event;
+
+    fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
+        Ok(State { run: TrackerRun::new(self.settings.clone(), clip, frame)?, tracks: Vec::new() })
+    }
+
+    fn advance(&self, clip: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
+        let (detections, discarded) = state.run.look(clip)?;
+        let detections = Arc::new(detections);
+        observer.see(|| Event::Detected(Arc::clone(&detections), discarded));
+        let mut tracks = std::mem::take(&mut state.tracks);
+        for track in &mut tracks {
+            track.filter = self.dynamics.predicted(&track.filter, &track.extent);
+        }
+        observer.see(|| Event::Predicted(Arc::new(tracks.clone())));
+        let validation = Arc::new(self.validated(clip, (tracks, Arc::clone(&detections)))?);
+        observer.see(|| Event::Validated(Arc::clone(&validation)));
+        let weights = self.weights(clip, &validation, observer)?;
+        let objects = self.update_tracks(state, (&validation, &weights), observer);
+        let frame = state.run.finished(self.rules, Vec::clone(&detections), objects);
+        observer.see(|| Event::Done(Arc::clone(&frame), Box::new(state.run.conclusion(clip, &frame))));
+        clip.wanted()?;
+        Ok(state.run.note(clip, self.rules, frame))
+    }
+
+    fn units(&self, state: &State) -> Option<usize> {
+        state.run.span.frames()
+    }
+
+    fn place(&self, state: &State) -> Vec<Granularity> {
+        state.run.place()
+    }
+
+    fn units_of(&self, _picture: (usize, usize), frames: usize) -> Option<usize> {
+        Some(frames)
+    }
+
+    fn at_frame(&self, state: &State) -> Option<usize> {
+        Some(state.run.frame())
+    }
+
+    fn landmark(&self, event: &Event) -> Option<Role> {
+        match event {
+            Event::Begun(..) => Some(Role::Reference),
+            Event::Deleted(_) => Some(Role::Rejected),
+            _ => None,
+        }
+    }
+
+    fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {
+        Some(self)
+    }
+
+    fn step(&self, seen: &Seen<Self>) -> Step {
+        self.explained_step(seen)
+    }
+
+    fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
+        self.drawn(seen, scene);
+    }
+
+    fn causal(&self, state: &State) -> Option<Output> {
+        state.run.causal_field(self.rules).map(Output::of)
+    }
+
+    fn output(&self, state: &State) -> Output {
+        Output::of(state.run.field())
+    }
+}
+
+impl Footprint<State> for JointProbabilistic {
+    fn need(&self, clip: &Clip) -> Need {
+        super::need(clip)
+    }
+
+    fn state_bytes(&self, state: &State) -> usize {
+        state.run.own_bytes() + size_of_val(&state.tracks[..])
+    }
+
+    fn memory_bytes(&self, state: &State) -> usize {
+        self.state_bytes(state) + state.run.shared_bytes()
+    }
+}
+
+impl Pointed<State> for JointProbabilistic {
+    fn explained(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<Explained> {
+        track_at(&state.run, point).map(|_| Explained::Always)
+    }
+}
+
+impl JointProbabilistic {
+    /// Updates a track by all detections in its gate.
+    fn updated(&self, track: &Track, detections: &[Detection], weights: &Weights) -> Track {
+        let associated = track.filter.associated(weights.deviation, &weights.measured);
+        let filter = associated.filter(|_| !weights.measured.is_empty()).unwrap_or(track.filter);
+        let likeliest = weights.likeliest().filter(|_| weights.missed() < MORE_PROBABLE);
+        match likeliest {
+            Some((detection, _)) => {
+                let found = &detections[detection];
+                let (extent, age) = (track.extent.towards(found), self.rules.seen(track.age, found));
+                Track { filter, extent, age, ..*track }
+            }
+            None => Track { filter, ..*track },
+        }
+    }
+
+    /// Updates, deletes and starts tracks; returns the objects of this frame.
+    fn update_tracks(
+        &self,
+        state: &mut State,
+        (validation, weights): (&Validation, &[Weights]),
+        observer: &mut impl Observer<Event>,
+    ) -> Vec<Object> {
+        let detections = &validation.detections;
+        let (mut objects, mut taken) = (Vec::new(), vec![0.0; detections.len()]);
+        for (track, weights) in validation.tracks.iter().zip(weights) {
+            weights.detections.iter().for_each(|(detection, weight)| taken[*detection] += weight);
+            let updated = self.updated(track, detections, weights);
+            if !weights.measured.is_empty() {
+                observer.see(|| {
+                    let both = Box::new([track.clone(), updated.clone()]);
+                    Event::Updated(both, Box::new(weights.clone()))
+                });
+            }
+            let missed = weights.missed();
+            if missed < MORE_PROBABLE {
+                let object = updated.object(weights.likeliest().map(|(detection, _)| detection));
+                state.run.look_back(self.rules, &object, track.age);
+                objects.push(object);
+                state.tracks.push(updated);
+                continue;
+            }
+            let is_outside = is_far_outside(updated.filter.place(), state.run.picture());
+            let age = self.rules.missed(track.age).filter(|_| !is_outside);
+            observer.see(|| match age {
+                Some(age) => Event::Missed(Box::new(Track { age, ..updated.clone() }), missed),
+                None => Event::Deleted(Box::new(updated.clone())),
+            });
+            let coasting = age.map(|age| Track { age, ..updated });
+            objects.extend(coasting.iter().map(|track| track.object(None)));
+            state.tracks.extend(coasting);
+        }
+        for (detection, share) in detections.iter().zip(taken).filter(|(_, share)| *share < MORE_PROBABLE) {
+            let (filter, extent) = (self.dynamics.begun(detection), Extent::of(detection));
+            let track = Track { id: state.run.next_id(), filter, extent, age: self.rules.begun(detection) };
+            observer.see(|| Event::Begun(Box::new(track.clone()), share));
+            let index = detections.iter().position(|other| std::ptr::eq(other, detection));
+            objects.push(track.object(index));
+            state.tracks.push(track);
+        }
+        objects
+    }
+}

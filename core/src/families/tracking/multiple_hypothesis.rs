@@ -1,0 +1,417 @@
+//! Multiple hypothesis tracking: every plausible explanation of the detections is kept as a hypothesis with a probability, and later
+//! frames decide between them.
+//!
+//! D. B. Reid, An algorithm for tracking multiple targets, 1979, with the k best hypotheses of each scan by Murty's algorithm and
+//! N-scan pruning (I. J. Cox and S. L. Hingorani, 1996).
+
+mod expand;
+mod explain;
+mod forest;
+
+use std::sync::Arc;
+
+use super::is_far_outside;
+use crate::base::{Error, Observer};
+use crate::data::{Clip, Detection};
+use crate::methods::multi_object::{
+    dynamics::Dynamics,
+    lifecycle::Rules,
+    selected::track_at,
+    tracker_run::{self, Conclusion, TrackerRun},
+};
+use crate::products::{Object, ObjectField, ObjectFrame, Output, Product, ProductKind};
+use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
+use crate::scene::{Chart, Focus, Role, Scene, Step};
+use crate::{params, pseudocode};
+use expand::{Expansion, Gates};
+use forest::{Cluster, Scan, Track};
+
+params! {
+    /// Multi-object tracking with several hypotheses about the origins of the detections.
+    pub struct MultipleHypothesis {
+        /// The frames of the run and the source of the detections.
+        settings: tracker_run::Settings = tracker_run::Settings::default();
+        /// The filters of the tracks.
+        dynamics: Dynamics = Dynamics::default();
+        /// Gate probability: share of the true measurements inside the gate. It sets the gating threshold of d² by the χ² distribution with 2 degrees of freedom.
+        gate: f32 = 0.999, 0.5..=0.9999;
+        /// Detection probability P_D: the share of the frames in which an object is detected.
+        detection_probability: f32 = 0.9, 0.01..=0.999;
+        /// Expected number of false alarms per frame, anywhere in the picture. Over the area of the picture it is the density β_FT.
+        false_alarms: f32 = 1.0, 0.001..=1000.0;
+        /// Expected number of new tracks per frame, anywhere in the picture. Over the area of the picture it is the density β_NT.
+        new_tracks: f32 = 0.1, 0.001..=1000.0;
+        /// Maximum number k of hypotheses of a cluster of tracks. With 1, each frame is decided at once.
+        max_hypotheses: usize = 30, 1..=300;
+        /// Minimum probability of a hypothesis relative to the leading one.
+        min_ratio: f32 = 0.001, 0.0..=1.0;
+        /// Number N of frames after which the leading hypothesis decides a frame (N-scan pruning). With 0, each frame is decided at once.
+        n_scan: usize = 4, 0..=20;
+        /// Track management.
+        rules: Rules = Rules::default();
+    }
+    when {
+        "min-ratio": |p| p.max_hypotheses > 1, "The minimum ratio has no effect with a single hypothesis.";
+        "n-scan": |p| p.max_hypotheses > 1, "N-scan pruning has no effect with a single hypothesis.";
+    }
+}
+
+/// The state of a run.
+#[derive(Clone)]
+pub struct State {
+    run: TrackerRun,
+    clusters: Vec<Cluster>,
+    /// The frames that are decided, as they were when they were decided.
+    decided: Vec<Arc<ObjectFrame>>,
+}
+
+/// The leading global hypothesis, and the one that is second.
+#[derive(Clone, Debug)]
+pub struct Leading {
+    /// The product of the probabilities of the leading hypotheses of all clusters.
+    probability: f64,
+    /// The number of clusters, and of their hypotheses in all.
+    clusters: usize,
+    hypotheses: usize,
+    /// What the leading hypotheses say of the frame.
+    scans: Vec<Arc<Scan>>,
+    second: Option<Second>,
+}
+
+/// The second global hypothesis: it differs from the leading one in a single cluster.
+#[derive(Clone, Debug)]
+pub struct Second {
+    probability: f64,
+    /// The last frame that it explains otherwise, and what the leading and this hypothesis say of it.
+    frame: usize,
+    scans: [Arc<Scan>; 2],
+}
+
+/// A detection that another track has now than before, in an earlier frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Revision {
+    frame: usize,
+    detection: usize,
+    /// The track before and now; `None` for a false alarm.
+    before: Option<u32>,
+    now: Option<u32>,
+}
+
+/// The hypotheses deleted by a decision.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Pruning {
+    frame: usize,
+    clusters: usize,
+    removed: usize,
+    /// The sum of their probabilities.
+    probability: f64,
+}
+
+/// An event of a frame.
+#[derive(Clone, Debug)]
+pub enum Event {
+    /// The detections, and the number discarded by the minimum score.
+    Detected(Arc<Vec<Detection>>, usize),
+    /// The predicted tracks of all hypotheses.
+    Predicted(Arc<Vec<Arc<Track>>>),
+    /// The gates and the clusters.
+    Gated(Arc<Gates>),
+    /// The branches of a cluster.
+    Expanded(Arc<Gates>, Arc<Expansion>),
+    /// The leading hypothesis decides an earlier frame.
+    Pruned(Pruning),
+    /// The leading and the second hypothesis.
+    Led(Arc<Leading>),
+    /// The leading hypothesis explains earlier frames otherwise than the one that led before.
+    Revised(Arc<Vec<Revision>>),
+    /// The finished frame and its conclusion.
+    Done(Arc<ObjectFrame>, Box<Conclusion>),
+}
+
+pseudocode! {
+    EACH_FRAME: "for each frame t",
+    DETECT: "  detect objects",
+    PREDICT: "  predict the tracks of all hypotheses: x ← F x, P ← F P F^T + Q",
+    GATE: "  gate by d²; merge the clusters of tracks that share detections",
+    EACH_CLUSTER: "  for each cluster",
+    EXPAND: "    k best branches (Murty): each detection from a track, a new track, or a false alarm",
+    PRUNE: "  N-scan pruning: decide frame t − N as the leading hypothesis",
+    LEAD: "  tracks of the leading hypothesis of each cluster",
+    REVISE: "  rewrite the frames since t − N where they have changed",
+}
+
+impl Estimator for MultipleHypothesis {
+    const INFO: Info = Info {
+        id: "multiple-hypothesis",
+        name: "Multiple hypothesis tracking",
+        family: "Tracking",
+        summary: "Tracks many objects: keeps the most probable explanations of ambiguous detections and decides between them some frames later.",
+        source: "D. B. Reid, An algorithm for tracking multiple targets, IEEE Transactions on Automatic Control 1979; k best \
+                 hypotheses and N-scan pruning: I. J. Cox and S. L. Hingorani, An efficient implementation of Reid's multiple hypothesis \
+                 tracking algorithm, PAMI 1996; ranked assignments: K. G. Murty 1968, M. L. Miller, H. S. Stone and I. J. Cox 1997",
+        pseudocode: line::ALL,
+        granularities: &["clip", "frame", "step"],
+        frames: 2,
+    };
+    const GUARANTEE: Guarantee = Guarantee::Objects;
+    const NEEDS_PICTURES: bool = false;
+    const CHARTS: &'static [Chart] = &[Chart::Matrices, Chart::Series];
+    const PRODUCES: &'static [&'static ProductKind] = &[ObjectField::KIND];
+    type State = State;
+    type Event = Event;
+
+    fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
+        let run = TrackerRun::new(self.settings.clone(), clip, frame)?;
+        Ok(State { run, clusters: Vec::new(), decided: Vec::new() })
+    }
+
+    fn advance(&self, clip: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
+        let (detections, discarded) = state.run.look(clip)?;
+        let detections = Arc::new(detections);
+        observer.see(|| Event::Detected(Arc::clone(&detections), discarded));
+        let mut clusters = std::mem::take(&mut state.clusters);
+        clusters.iter_mut().for_each(|cluster| self.predict(cluster));
+        observer.see(|| Event::Predicted(Arc::new(tracks_of(&clusters))));
+        self.expand(clip, state, (clusters, &detections), observer)?;
+        self.prune(state, observer);
+        let frame = state.run.frame();
+        observer.see(|| Event::Led(Arc::new(leading(&state.clusters, frame))));
+        let progress = self.finish(clip, state, &detections, observer);
+        clip.wanted()?;
+        Ok(progress)
+    }
+
+    fn units(&self, state: &State) -> Option<usize> {
+        state.run.span.frames()
+    }
+
+    fn place(&self, state: &State) -> Vec<Granularity> {
+        state.run.place()
+    }
+
+    fn units_of(&self, _picture: (usize, usize), frames: usize) -> Option<usize> {
+        Some(frames)
+    }
+
+    fn at_frame(&self, state: &State) -> Option<usize> {
+        Some(state.run.frame())
+    }
+
+    fn landmark(&self, event: &Event) -> Option<Role> {
+        matches!(event, Event::Revised(_)).then_some(Role::Reference)
+    }
+
+    fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {
+        Some(self)
+    }
+
+    fn step(&self, seen: &Seen<Self>) -> Step {
+        self.explained_step(seen)
+    }
+
+    fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
+        self.drawn(seen, scene);
+    }
+
+    fn causal(&self, state: &State) -> Option<Output> {
+        let is_deferred = self.n_scan > 0 && self.max_hypotheses > 1;
+        (is_deferred || self.rules.looks_back()).then(|| Output::of(state.run.live_field()))
+    }
+
+    fn output(&self, state: &State) -> Output {
+        Output::of(state.run.field())
+    }
+}
+
+impl Footprint<State> for MultipleHypothesis {
+    fn need(&self, clip: &Clip) -> Need {
+        // Of each cluster a few hypotheses are kept on average, and their tracks in each frame that is not decided.
+        let frames = (self.n_scan + 1) as f64 * self.max_hypotheses.min(30) as f64;
+        super::need(clip).and([super::most_objects(clip) * 200.0 * frames, super::most_objects(clip) * 800.0 * frames])
+    }
+
+    fn state_bytes(&self, state: &State) -> usize {
+        let clusters: usize = state.clusters.iter().map(Cluster::bytes).sum();
+        state.run.own_bytes() + size_of_val(&state.decided[..]) + clusters
+    }
+
+    fn memory_bytes(&self, state: &State) -> usize {
+        self.state_bytes(state) + state.run.shared_bytes()
+    }
+}
+
+impl Pointed<State> for MultipleHypothesis {
+    fn explained(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<Explained> {
+        track_at(&state.run, point).map(|_| Explained::Always)
+    }
+}
+
+/// Returns the tracks of all clusters.
+fn tracks_of(clusters: &[Cluster]) -> Vec<Arc<Track>> {
+    clusters.iter().flat_map(|cluster| cluster.tracks.iter().cloned()).collect()
+}
+
+/// Returns what the leading hypotheses say of a frame.
+fn scans_of(clusters: &[Cluster], frame: usize) -> impl Iterator<Item = &Arc<Scan>> {
+    clusters.iter().filter_map(move |cluster| cluster.hypotheses.first()?.scan(frame))
+}
+
+/// Returns the leading global hypothesis and the second one, in which a single cluster has its second hypothesis.
+fn leading(clusters: &[Cluster], frame: usize) -> Leading {
+    let ratio = |cluster: &Cluster| {
+        let [first, second] = [cluster.hypotheses.first()?, cluster.hypotheses.get(1)?];
+        Some(second.ln_probability - first.ln_probability)
+    };
+    let ln_probability: f64 = clusters.iter().filter_map(|of| Some(of.hypotheses.first()?.ln_probability)).sum();
+    let closest = clusters.iter().filter_map(|cluster| Some((ratio(cluster)?, cluster)));
+    let second = closest.reduce(|a, b| if b.0 > a.0 { b } else { a });
+    Leading {
+        probability: ln_probability.exp(),
+        clusters: clusters.len(),
+        hypotheses: clusters.iter().map(|cluster| cluster.hypotheses.len()).sum(),
+        scans: scans_of(clusters, frame).cloned().collect(),
+        second: second.and_then(|(ratio, cluster)| second_of(cluster, (ln_probability + ratio).exp())),
+    }
+}
+
+/// Returns where the second hypothesis of a cluster differs from the leading one last.
+fn second_of(cluster: &Cluster, probability: f64) -> Option<Second> {
+    let [first, second] = [cluster.hypotheses.first()?, cluster.hypotheses.get(1)?];
+    let both = |scan: &Arc<Scan>| Some((Arc::clone(scan), Arc::clone(second.scan(scan.frame)?)));
+    let differs = |(a, b): &(Arc<Scan>, Arc<Scan>)| a.claims != b.claims;
+    let (one, other) = first.past.iter().rev().filter_map(both).find(differs)?;
+    Some(Second { probability, frame: one.frame, scans: [one, other] })
+}
+
+impl MultipleHypothesis {
+    fn predict(&self, cluster: &mut Cluster) {
+        for track in &mut cluster.tracks {
+            let filter = self.dynamics.predicted(&track.filter, &track.extent);
+            *track = Arc::new(Track { filter, detection: None, ..Track::clone(track) });
+        }
+    }
+
+    /// Returns a track after a missed frame; `None` if it is deleted.
+    fn missed(&self, track: &Track, picture: (usize, usize)) -> Option<Track> {
+        let age = self.rules.missed(track.age).filter(|_| !is_far_outside(track.filter.place(), picture))?;
+        Some(Track { detection: None, before: track.age, age, ..track.clone() })
+    }
+
+    /// Branches the hypotheses of all clusters by the detections.
+    fn expand(
+        &self,
+        clip: &Clip,
+        state: &mut State,
+        (clusters, detections): (Vec<Cluster>, &Arc<Vec<Detection>>),
+        observer: &mut impl Observer<Event>,
+    ) -> Result<(), Error> {
+        let mut gates = self.gates(clip, state.run.frame(), (&clusters, Arc::clone(detections)))?;
+        let groups = self.grouped(clusters, &mut gates);
+        let gates = Arc::new(gates);
+        observer.see(|| Event::Gated(Arc::clone(&gates)));
+        let wanted = || clip.wanted();
+        let mut budget = Self::budget(&wanted);
+        for group in groups {
+            let ranking = self.ranked(&group, &gates, &mut budget)?;
+            let after = self.branched(&group, &gates, &ranking, || state.run.next_id());
+            if !group.detections.is_empty() {
+                observer.see(|| {
+                    let expansion = self.expansion(&group, &gates, &ranking, &after);
+                    Event::Expanded(Arc::clone(&gates), Arc::new(expansion))
+                });
+            }
+            state.clusters.push(after);
+        }
+        Ok(())
+    }
+
+    /// Unites hypotheses with the same tracks, decides the frame N before this one, and splits clusters.
+    fn prune(&self, state: &mut State, observer: &mut impl Observer<Event>) {
+        let frame = state.run.frame();
+        let last = frame.checked_sub(self.n_scan).filter(|last| *last >= state.run.span.first);
+        let mut pruning = Pruning { frame: last.unwrap_or(0), ..Pruning::default() };
+        for cluster in &mut state.clusters {
+            if let Some(last) = last {
+                let (removed, probability) = cluster.decide(last);
+                pruning.clusters += usize::from(removed > 0);
+                pruning.removed += removed;
+                pruning.probability += probability;
+            }
+            cluster.unite_equal();
+            cluster.drop_unused();
+        }
+        if last.is_some() {
+            observer.see(|| Event::Pruned(pruning));
+        }
+    }
+
+    /// Writes the frames that are not decided as the leading hypotheses explain them, with this one.
+    fn finish(
+        &self,
+        clip: &Clip,
+        state: &mut State,
+        detections: &Arc<Vec<Detection>>,
+        observer: &mut impl Observer<Event>,
+    ) -> Progress {
+        let (first, last) = (state.run.span.first, state.run.frame());
+        let before = state.run.frames()[state.decided.len()..].to_vec();
+        state.run.rewind(std::mem::take(&mut state.decided));
+        let mut revised = Vec::new();
+        for old in before {
+            let frame = state.run.frame();
+            let made = self.written(state, frame, old.detections.clone());
+            revised.extend(revisions(frame, &old, &made));
+            state.run.again(made);
+            if frame + self.n_scan <= last {
+                state.decided = state.run.frames().to_vec();
+            }
+        }
+        if !revised.is_empty() {
+            observer.see(|| Event::Revised(Arc::new(revised)));
+        }
+        let made = self.written(state, last, Vec::clone(detections));
+        observer.see(|| Event::Done(Arc::clone(&made), Box::new(state.run.conclusion(clip, &made))));
+        let progress = state.run.note(clip, self.rules, made);
+        if self.n_scan == 0 {
+            state.decided = state.run.frames().to_vec();
+        }
+        if let Some(decided) = last.checked_sub(self.n_scan).filter(|decided| *decided >= first) {
+            state.clusters.iter_mut().for_each(|cluster| cluster.forget(decided));
+        }
+        let clusters = std::mem::take(&mut state.clusters).into_iter().flat_map(Cluster::split);
+        state.clusters = clusters.filter(|cluster| !cluster.is_over()).collect();
+        progress
+    }
+
+    /// Returns a frame as the leading hypotheses explain it, and applies hindsight to the frames before.
+    fn written(&self, state: &mut State, frame: usize, detections: Vec<Detection>) -> Arc<ObjectFrame> {
+        let scans = scans_of(&state.clusters, frame);
+        let mut tracks: Vec<Arc<Track>> = scans.flat_map(|scan| scan.tracks.iter().cloned()).collect();
+        tracks.sort_unstable_by_key(|track| track.id);
+        let objects: Vec<Object> = tracks.iter().map(|track| track.object()).collect();
+        for (track, object) in tracks.iter().zip(&objects).filter(|(track, _)| track.detection.is_some()) {
+            state.run.look_back(self.rules, object, track.before);
+        }
+        state.run.finished(self.rules, detections, objects)
+    }
+}
+
+/// Returns the detections of a frame that other tracks have than before.
+fn revisions(frame: usize, before: &ObjectFrame, now: &ObjectFrame) -> Vec<Revision> {
+    let of = |frame: &ObjectFrame, detection: usize| {
+        frame.objects.iter().find(|object| object.detection == Some(detection)).map(|object| object.id)
+    };
+    let ids = |frame: &ObjectFrame| -> Vec<(u32, Option<usize>)> {
+        frame.objects.iter().map(|object| (object.id, object.detection)).collect()
+    };
+    if ids(before) == ids(now) {
+        return Vec::new();
+    }
+    let all = (0..now.detections.len()).map(|detection| Revision {
+        frame,
+        detection,
+        before: of(before, detection),
+        now: of(now, detection),
+    });
+    all.filter(|revision| revision.before != revision.now).collect()
+}

@@ -1,0 +1,263 @@
+//! The hypotheses of a scan in clusters: tracks that compete for no detection are independent, and each cluster has hypotheses of
+//! its own (Reid 1979, section V).
+
+use std::sync::Arc;
+
+use super::super::object_of;
+use crate::geometry::Bounds;
+use crate::methods::{
+    kalman::Filter,
+    multi_object::{Extent, lifecycle::TrackAge},
+};
+use crate::products::Object;
+
+/// A track after a scan, in all hypotheses that explain its past alike.
+#[derive(Clone, Debug)]
+pub struct Track {
+    pub id: u32,
+    pub filter: Filter,
+    pub extent: Extent,
+    /// Its detection in the scan.
+    pub detection: Option<usize>,
+    /// Its age before the scan, and after it.
+    pub(crate) before: TrackAge,
+    pub(crate) age: TrackAge,
+}
+
+impl Track {
+    /// Returns the box at the estimated position.
+    pub fn bounds(&self) -> Bounds {
+        self.extent.around(self.filter.place())
+    }
+
+    pub fn object(&self) -> Object {
+        let object = object_of(&self.filter, self.id, self.bounds(), self.age.status);
+        Object { detection: self.detection, ..object }
+    }
+}
+
+/// The origin of a detection in a hypothesis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// A track that existed before.
+    Track(u32),
+    /// A new track.
+    New(u32),
+    /// A false alarm.
+    False,
+}
+
+/// What a hypothesis says of a detection.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Claim {
+    pub detection: usize,
+    pub origin: Origin,
+}
+
+/// What a hypothesis says of a scan.
+#[derive(Clone, Debug)]
+pub struct Scan {
+    pub frame: usize,
+    /// The tracks after the scan.
+    pub tracks: Vec<Arc<Track>>,
+    /// The origins of the detections, by detection.
+    pub claims: Vec<Claim>,
+}
+
+/// A hypothesis: one explanation of all detections of its cluster.
+#[derive(Clone, Debug)]
+pub struct Hypothesis {
+    /// Its tracks among those of the cluster.
+    pub tracks: Vec<usize>,
+    /// The natural logarithm of its probability.
+    pub ln_probability: f64,
+    /// The scans that are not decided yet, by frame.
+    pub past: Vec<Arc<Scan>>,
+}
+
+/// The hypotheses about tracks that compete for detections; the most probable first.
+#[derive(Clone, Debug)]
+pub struct Cluster {
+    /// The tracks of all hypotheses.
+    pub tracks: Vec<Arc<Track>>,
+    pub hypotheses: Vec<Hypothesis>,
+}
+
+impl Hypothesis {
+    pub fn probability(&self) -> f64 {
+        self.ln_probability.exp()
+    }
+
+    /// Returns what it says of a frame.
+    pub fn scan(&self, frame: usize) -> Option<&Arc<Scan>> {
+        self.past.iter().find(|scan| scan.frame == frame)
+    }
+}
+
+impl Scan {
+    fn and(&self, other: &Self) -> Self {
+        let tracks = self.tracks.iter().chain(&other.tracks).cloned().collect();
+        let mut claims: Vec<Claim> = self.claims.iter().chain(&other.claims).copied().collect();
+        claims.sort_unstable_by_key(|claim| claim.detection);
+        Self { frame: self.frame, tracks, claims }
+    }
+
+    /// Returns the part that is about tracks for which `counts` holds, with the false alarms where `has_false` is set.
+    fn part(&self, counts: impl Fn(u32) -> bool, has_false: bool) -> Self {
+        let claims = self.claims.iter().filter(|claim| match claim.origin {
+            Origin::Track(id) | Origin::New(id) => counts(id),
+            Origin::False => has_false,
+        });
+        let tracks = self.tracks.iter().filter(|track| counts(track.id));
+        Self { frame: self.frame, tracks: tracks.cloned().collect(), claims: claims.copied().collect() }
+    }
+}
+
+/// Returns the scans of two independent pasts together.
+fn joined(one: &[Arc<Scan>], other: &[Arc<Scan>]) -> Vec<Arc<Scan>> {
+    let (mut all, mut i, mut j) = (Vec::new(), 0, 0);
+    while i < one.len() || j < other.len() {
+        let frames = [one.get(i), other.get(j)].map(|scan| scan.map_or(usize::MAX, |scan| scan.frame));
+        let is_next = frames.map(|frame| frame == frames[0].min(frames[1]));
+        all.push(match is_next {
+            [true, true] => Arc::new(one[i].and(&other[j])),
+            [true, false] => Arc::clone(&one[i]),
+            _ => Arc::clone(&other[j]),
+        });
+        i += usize::from(is_next[0]);
+        j += usize::from(is_next[1]);
+    }
+    all
+}
+
+impl Cluster {
+    /// A cluster without tracks, for detections in no gate.
+    pub fn empty() -> Self {
+        let none = Hypothesis { tracks: Vec::new(), ln_probability: 0.0, past: Vec::new() };
+        Self { tracks: Vec::new(), hypotheses: vec![none] }
+    }
+
+    /// Returns the `most` most probable combinations of the hypotheses of two clusters, which were independent so far.
+    pub fn merged(self, other: Self, most: usize) -> Self {
+        let first = self.tracks.len();
+        let pairs = self.hypotheses.iter().flat_map(|a| other.hypotheses.iter().map(move |b| (a, b)));
+        let mut pairs: Vec<_> = pairs.map(|(a, b)| (a.ln_probability + b.ln_probability, a, b)).collect();
+        pairs.sort_by(|a, b| b.0.total_cmp(&a.0));
+        pairs.truncate(most);
+        let hypotheses = pairs.into_iter().map(|(ln_probability, a, b)| Hypothesis {
+            tracks: a.tracks.iter().copied().chain(b.tracks.iter().map(|track| first + track)).collect(),
+            ln_probability,
+            past: joined(&a.past, &b.past),
+        });
+        let hypotheses = hypotheses.collect();
+        let mut merged = Self { tracks: self.tracks.into_iter().chain(other.tracks).collect(), hypotheses };
+        merged.normalize();
+        merged
+    }
+
+    /// Sorts the hypotheses by probability and scales their sum to 1.
+    pub fn normalize(&mut self) {
+        self.hypotheses.sort_by(|a, b| b.ln_probability.total_cmp(&a.ln_probability));
+        let Some(most) = self.hypotheses.first().map(|leader| leader.ln_probability) else { return };
+        let sum: f64 = self.hypotheses.iter().map(|one| (one.ln_probability - most).exp()).sum();
+        self.hypotheses.iter_mut().for_each(|one| one.ln_probability -= most + sum.ln());
+    }
+
+    /// Unites hypotheses with the same tracks: only the past of the most probable one is kept.
+    pub fn unite_equal(&mut self) {
+        let mut kept: Vec<Hypothesis> = Vec::new();
+        for one in std::mem::take(&mut self.hypotheses) {
+            match kept.iter_mut().find(|other| other.tracks == one.tracks) {
+                Some(other) => {
+                    // The logarithm of the sum of both probabilities.
+                    let less = one.ln_probability - other.ln_probability;
+                    other.ln_probability += less.exp().ln_1p();
+                }
+                None => kept.push(one),
+            }
+        }
+        self.hypotheses = kept;
+        self.normalize();
+    }
+
+    /// Decides a frame as the leading hypothesis explains it, and forgets it; returns the number of hypotheses with another
+    /// explanation, which are deleted, and their probability.
+    pub fn decide(&mut self, frame: usize) -> (usize, f64) {
+        let claims = |one: &Hypothesis| one.scan(frame).map(|scan| scan.claims.clone());
+        let Some(decided) = self.hypotheses.first().map(claims) else { return (0, 0.0) };
+        let before = self.hypotheses.len();
+        let mut lost = 0.0;
+        self.hypotheses.retain(|one| {
+            let is_kept = claims(one) == decided;
+            lost += if is_kept { 0.0 } else { one.probability() };
+            is_kept
+        });
+        let removed = before - self.hypotheses.len();
+        if removed > 0 {
+            self.normalize();
+        }
+        (removed, lost)
+    }
+
+    /// Forgets the scans up to a frame.
+    pub fn forget(&mut self, frame: usize) {
+        self.hypotheses.iter_mut().for_each(|one| one.past.retain(|scan| scan.frame > frame));
+    }
+
+    /// Drops tracks that no hypothesis has.
+    pub fn drop_unused(&mut self) {
+        let mut place = vec![None; self.tracks.len()];
+        self.hypotheses.iter().flat_map(|one| &one.tracks).for_each(|track| place[*track] = Some(0));
+        let used = place.iter_mut().flatten().enumerate();
+        used.for_each(|(i, place)| *place = i);
+        let tracks = std::mem::take(&mut self.tracks).into_iter().zip(&place);
+        self.tracks = tracks.filter(|(_, place)| place.is_some()).map(|(track, _)| track).collect();
+        let moved = |track: &usize| place[*track];
+        for one in &mut self.hypotheses {
+            one.tracks = one.tracks.iter().filter_map(moved).collect();
+        }
+    }
+
+    /// Splits off each track that all hypotheses have in common: it depends on no other any more.
+    pub fn split(mut self) -> Vec<Self> {
+        let has_all = |track: usize| self.hypotheses.iter().all(|one| one.tracks.contains(&track));
+        let common: Vec<usize> = (0..self.tracks.len()).filter(|track| has_all(*track)).collect();
+        if common.is_empty() || self.hypotheses.len() == 1 && self.tracks.len() == 1 {
+            return vec![self];
+        }
+        let ids: Vec<u32> = common.iter().map(|track| self.tracks[*track].id).collect();
+        let past = self.hypotheses.first().map(|leader| leader.past.clone()).unwrap_or_default();
+        let alone = common.iter().map(|track| {
+            let leaf = Arc::clone(&self.tracks[*track]);
+            let own = past.iter().map(|scan| Arc::new(scan.part(|id| id == leaf.id, false))).collect();
+            let hypotheses = vec![Hypothesis { tracks: vec![0], ln_probability: 0.0, past: own }];
+            Self { tracks: vec![leaf], hypotheses }
+        });
+        let mut all: Vec<Self> = alone.collect();
+        for one in &mut self.hypotheses {
+            one.tracks.retain(|track| !common.contains(track));
+            one.past = one.past.iter().map(|scan| Arc::new(scan.part(|id| !ids.contains(&id), true))).collect();
+        }
+        self.drop_unused();
+        self.unite_equal();
+        all.push(self);
+        all
+    }
+
+    /// Whether it has nothing more to say: no tracks, and none in frames that are not decided.
+    pub fn is_over(&self) -> bool {
+        let mut scans = self.hypotheses.iter().flat_map(|one| &one.past);
+        self.tracks.is_empty() && scans.all(|scan| scan.tracks.is_empty())
+    }
+
+    /// Memory in bytes.
+    pub fn bytes(&self) -> usize {
+        let scan = |scan: &Arc<Scan>| size_of::<Scan>() + size_of_val(&scan.tracks[..]) + size_of_val(&scan.claims[..]);
+        let one = |one: &Hypothesis| {
+            size_of::<Hypothesis>() + size_of_val(&one.tracks[..]) + one.past.iter().map(scan).sum::<usize>()
+        };
+        size_of::<Self>()
+            + self.tracks.len() * (size_of::<Track>() + size_of::<Arc<Track>>())
+            + self.hypotheses.iter().map(one).sum::<usize>()
+    }
+}
