@@ -442,31 +442,23 @@ fn contours_follow_what_moves_less_than_its_edges_reach_and_lose_the_rest() {
 
 #[test]
 fn gradient_vector_flow_attracts_from_farther_than_the_gradient() {
+    // 9 px from the edge, and no internal energy that contracts the contour.
     let (clip, start) = (plain(12.0), circle([31.0, 27.0], 21.0));
     let overlap = |force: &str| {
-        let settings = [
-            ("contour", start.as_str()),
-            ("force", force),
-            ("alpha", "0"),
-            ("iterations", "800"),
-            ("epsilon", "0.001"),
-        ];
-        overlaps(
-            &*set("active-contour", &[&settings[..], &[("min-edge", "0")]].concat()),
-            &clip,
-            |_| ([31.0, 27.0], 12.0),
-            1,
-        )[0]
+        let own = [("contour", start.as_str()), ("force", force), ("min-edge", "0")];
+        let settings = [("alpha", "0"), ("beta", "0"), ("epsilon", "0.001")];
+        let estimator = set("active-contour", &[own, settings].concat());
+        overlaps(&*estimator, &clip, |_| ([31.0, 27.0], 12.0), 1)[0]
     };
     let [gradient, flow] = ["gradient", "gradient-vector-flow"].map(overlap);
-    assert!(gradient < 0.4 && flow > 0.8, "gradient {gradient:.3}, gradient vector flow {flow:.3}");
+    assert!(gradient < 0.4 && flow > 0.85, "gradient {gradient:.3}, gradient vector flow {flow:.3}");
 }
 
 #[test]
 fn a_balloon_grows_to_the_edges_where_a_contour_without_one_collapses() {
     let (clip, start) = (plain(15.0), circle([31.0, 27.0], 6.0));
     let with = |balloon: &str| set("active-contour", &[("contour", start.as_str()), ("balloon", balloon)]);
-    let grown = overlaps(&*with("0.03"), &clip, |_| ([31.0, 27.0], 15.0), 1)[0];
+    let grown = overlaps(&*with("0.05"), &clip, |_| ([31.0, 27.0], 15.0), 1)[0];
     assert!(grown > 0.85, "{grown:.3}");
     assert_eq!(contours(&*with("0"), &clip, "it has collapsed").len(), 1);
     let output = with("0").run(&clip, 0, &Threads::single()).expect("a run");
