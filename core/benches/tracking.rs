@@ -180,14 +180,14 @@ fn contours(c: &mut Criterion) {
     let frame = |t: usize| {
         let center = [300.0 + t as f32, 240.0];
         Frame::gray(Grid::from_fn(640, 480, |x, y| {
-            let is_inside = (x as f32 - center[0]).hypot(y as f32 - center[1]) < 60.0;
+            let is_inside = (x as f32 - center[0]).hypot(y as f32 - center[1]) < 64.0;
             (20.0 * chance(x, y)) as u8 + if is_inside { 170 } else { 60 }
         }))
     };
     let clip = Clip::from_frames("disc", (0..FRAMES).map(frame).collect()).expect("frames of one size");
     let corner = |i: usize| {
         let (sin, cos) = (i as f32 / 100.0 * std::f32::consts::TAU).sin_cos();
-        format!("{:.2},{:.2}", 300.0 + 64.0 * cos, 240.0 + 64.0 * sin)
+        format!("{:.2},{:.2}", 300.0 + 63.6 * cos, 240.0 + 63.6 * sin)
     };
     let contour = (0..100).map(corner).collect::<Vec<_>>().join(" ");
     let pool = Threads::single();
@@ -197,9 +197,9 @@ fn contours(c: &mut Criterion) {
         ("greedy-contour", &[]),
     ] {
         let mut tracker = estimator(id).expect("it is registered");
-        let own = [("contour", contour.as_str()), ("spacing", "3.8"), ("iterations", "100")];
+        let own = [("contour", contour.as_str()), ("spacing", "4"), ("iterations", "100")];
         own.iter().chain(settings).for_each(|(name, value)| tracker.set(name, value).expect("in range"));
-        let force = settings.last().map_or("", |(_, value)| value);
+        let force = settings.last().map_or("", |(_, value)| *value);
         c.bench_function(&format!("{id} {force}, 100 points, up to 100 iterations, {FRAMES} frames"), |b| {
             b.iter(|| tracker.run(&clip, 0, &pool).expect("a run"));
         });
