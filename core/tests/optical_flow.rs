@@ -3,7 +3,7 @@
 mod common;
 
 use common::{SIZE, error, explained_at, fact, flow, linear_motion, moving, set, waves};
-use motionscope_core::scene::Focus;
+use motionscope_core::scene::{Focus, Readout};
 use motionscope_core::{Clip, Cursor, Flow, Frame, Grid, Move};
 
 /// A shift, a turn by 1.2°, a growth by 2 %, and a shear.
@@ -58,6 +58,20 @@ fn normal_flow_is_the_point_of_the_line_nearest_to_zero() {
             let plain = -change * gradient[i] / squared;
             assert!((f64::from(uv[i]) - plain).abs() < 1e-4 * (1.0 + plain.abs()), "{uv:?} at ({x}, {y}), not {plain}");
         }
+    }
+}
+
+#[test]
+fn the_constraint_line_of_a_weak_gradient_is_faint() {
+    // A ramp of 1 gray level per px.
+    let ramp = |t: usize| Frame::gray(Grid::from_fn(40, 30, |x, _| (60 + x - t) as u8));
+    let clip = Clip::from_frames("ramp", vec![ramp(0), ramp(1)]).unwrap();
+    for (threshold, weight) in [("4", 0.25), ("0.5", 1.0)] {
+        let estimator = set("normal-flow", &[("sigma", "0"), ("min-gradient", threshold)]);
+        let readouts = explained_at(&*estimator, &clip, 0, [20.0, 15.0]).readouts;
+        let plane = readouts.iter().find_map(|of| if let Readout::Plane(plane) = of { Some(plane) } else { None });
+        let lines = &plane.expect("the plane of displacements").lines;
+        assert!(lines.len() == 1 && (lines[0].weight - weight).abs() < 1e-3, "{threshold}: {lines:?}");
     }
 }
 

@@ -303,6 +303,8 @@ impl NormalFlow {
         let mut points = vec![("zero flow", Role::Reference, [0.0; 2])];
         points.extend(is_known.then_some(("normal flow", Role::Result, found)));
         points.extend(truth.map(|truth| ("true flow", Role::Truth, truth)));
+        // Below the threshold the line is as uncertain as its gradient is weak.
+        let weight = if is_known { 1.0 } else { (factors[0].hypot(factors[1]) / self.min_gradient).min(1.0) };
         let plane = Plane {
             title: "Constraint line",
             unit: "px".into(),
@@ -310,7 +312,7 @@ impl NormalFlow {
             center: [0.0; 2],
             cost: None,
             path: Vec::new(),
-            lines: explain::line(factors, 1.0, Role::Candidate).into_iter().collect(),
+            lines: explain::line(factors, weight, Role::Candidate).into_iter().collect(),
             points,
             ellipse: None,
         };
