@@ -278,6 +278,14 @@ fn a_plane_does_not_determine_the_epipolar_geometry_and_that_is_said() {
     assert!(told.contains("homography explains") && told.contains("plane"), "{told}");
     let told = last_sentence("epipolar-geometry", &[], &scene("parallax"));
     assert!(!told.contains("homography explains"), "{told}");
+    let is_plane = |id: &str| {
+        let output = run("epipolar-geometry", &[("focal-length", "400")], &scene(id));
+        let field = output.get::<EpipolarField>().expect("F");
+        assert!(field.planar.is_none_or(|planar| !planar.is_plane) || field.pose.is_none(), "{id}: {field:?}");
+        field.planar.expect("enough inliers").is_plane
+    };
+    let found = ["spin-zoom", "translation", "sub-pixel", "parallax", "pillar"].map(is_plane);
+    assert_eq!(found, [true, true, true, false, false]);
 }
 
 #[test]

@@ -100,7 +100,7 @@ fn frames_with_nothing_in_common_have_no_translation_and_the_number_is_said() {
     let smooth = |seed: i64| {
         let level = |x: usize, y: usize| {
             let cells = (0..6).flat_map(|j| (0..6).map(move |i| (i, j)));
-            let sum: f64 = cells.map(|(i, j)| f64::from(noise(x as i64 / 2 + i + seed, y as i64 / 2 + j))).sum();
+            let sum: f64 = cells.map(|(i, j)| f64::from(noise(x as i64 + i + seed, y as i64 + j))).sum();
             (sum / 36.0) as u8
         };
         Frame::gray(Grid::from_fn(128, 96, level))
