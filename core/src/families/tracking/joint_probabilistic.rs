@@ -299,12 +299,12 @@ impl JointProbabilistic {
             objects.extend(coasting.iter().map(|track| track.object(None)));
             state.tracks.extend(coasting);
         }
-        for (detection, share) in detections.iter().zip(taken).filter(|(_, share)| *share < MORE_PROBABLE) {
+        let free = detections.iter().zip(taken).enumerate().filter(|(_, (_, share))| *share < MORE_PROBABLE);
+        for (index, (detection, share)) in free {
             let (filter, extent) = (self.dynamics.begun(detection), Extent::of(detection));
             let track = Track { id: state.run.next_id(), filter, extent, age: self.rules.begun(detection) };
             observer.see(|| Event::Begun(Box::new(track.clone()), share));
-            let index = detections.iter().position(|other| std::ptr::eq(other, detection));
-            objects.push(track.object(index));
+            objects.push(track.object(Some(index)));
             state.tracks.push(track);
         }
         objects

@@ -41,11 +41,13 @@ params! {
         false_alarms: f32 = 1.0, 0.001..=1000.0;
         /// Expected number of new tracks per frame, anywhere in the picture. Over the area of the picture it is the density β_NT.
         new_tracks: f32 = 0.1, 0.001..=1000.0;
-        /// Maximum number k of hypotheses of a cluster of tracks. With 1, each frame is decided at once.
+        /// Maximum number k of hypotheses of a cluster of tracks. With 1, each frame is decided at once, and tracks only start if more new
+        /// tracks are expected than false alarms.
         max_hypotheses: usize = 30, 1..=300;
         /// Minimum probability of a hypothesis relative to the leading one.
         min_ratio: f32 = 0.001, 0.0..=1.0;
-        /// Number N of frames after which the leading hypothesis decides a frame (N-scan pruning). With 0, each frame is decided at once.
+        /// Number N of frames after which the leading hypothesis decides a frame (N-scan pruning). With 0, each frame is
+        /// decided at once, and tracks only start if more new tracks are expected than false alarms.
         n_scan: usize = 4, 0..=20;
         /// Track management.
         rules: Rules = Rules::default();

@@ -94,10 +94,9 @@ impl MultipleHypothesis {
         let parents = hypotheses(expansion.parents.len());
         let branches = branches(expansion.branches.len());
         let verb = if expansion.parents.len() == 1 { "has" } else { "have" };
+        let least = ratio(self.min_ratio.into());
         let said = Sentence::default()
-            .text(format!("{about}{parents} {verb} {branches} kept, P ≥ {} of the best. ", {
-                ratio(self.min_ratio.into())
-            }));
+            .text(format!("{about}{parents} {verb} {branches} of at least {least} times the highest probability. "));
         let mut all = expansion.branches.iter();
         let said = match all.next() {
             Some(best) => said
