@@ -446,7 +446,9 @@ fn clip() -> Clip {
     Clip::blank("path", (640, 480), frames.len()).with_detections(frames)
 }
 
-const SETTINGS: [(&str, &str); 3] = [("process-noise", "0.2"), ("turn-noise", "3"), ("measurement-noise", "1.5")];
+/// With a gate of 0.99 the first frames of so sharp a turn may be rejected, and the track with them.
+const SETTINGS: [(&str, &str); 4] =
+    [("process-noise", "0.2"), ("turn-noise", "3"), ("measurement-noise", "1.5"), ("gate", "0.9999")];
 
 /// What the steps of a run show.
 fn steps(motion: &str, mut look: impl FnMut(&dyn Walk)) {
