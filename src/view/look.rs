@@ -55,8 +55,8 @@ params! {
 /// The state of a run on which the automatic choice of a view depends.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RunState {
-    /// Whether the estimator works on single frames.
-    pub is_of_single_frames: bool,
+    /// Whether frame t alone shows the estimator.
+    pub shows_frame_alone: bool,
     /// Whether the run is at its end.
     pub at_end: bool,
     /// Whether several estimators run in lockstep.
@@ -89,17 +89,17 @@ impl Look {
     /// Returns the chosen view of `pictures`, or the automatic one: frame t for a finished field or an estimator of single frames,
     /// both frames during a search and where the step relates them, and one picture for each estimator in lockstep.
     pub fn view_of(&self, pictures: &Pictures, stands: RunState) -> View {
-        let RunState { is_of_single_frames, at_end, is_lockstep, is_search, is_joined } = stands;
-        let is_alone = !is_joined && (at_end || is_of_single_frames);
+        let RunState { shows_frame_alone, at_end, is_lockstep, is_search, is_joined } = stands;
+        let is_alone = !is_joined && (at_end || shows_frame_alone);
         let fitting = if is_alone { View::Current } else { View::SideBySide };
         let view = self.view.unwrap_or(fitting).or_current(pictures);
         if is_lockstep { view.alone(is_search && !at_end) } else { view }
     }
 
     /// Whether the pictures of a step are shown side by side or in turn.
-    pub fn shows_beside(&self, is_of_single_frames: bool) -> bool {
+    pub fn shows_beside(&self, shows_frame_alone: bool) -> bool {
         match self.view {
-            None => !is_of_single_frames,
+            None => !shows_frame_alone,
             Some(view) => matches!(view, View::SideBySide | View::Blink),
         }
     }

@@ -185,10 +185,10 @@ impl Moment {
     }
 
     /// Where the run of an estimator that looks at single frames, or at pairs, stands for the choice of a view.
-    pub fn stands(&self, is_of_single_frames: bool) -> RunState {
+    pub fn stands(&self, shows_frame_alone: bool) -> RunState {
         let search = self.tiles.iter().any(|tile| tile.counts_candidates);
         RunState {
-            is_of_single_frames,
+            shows_frame_alone,
             at_end: self.at_end,
             is_lockstep: !self.tiles.is_empty(),
             is_search: search,
@@ -301,7 +301,7 @@ impl<'a> Viewer<'a> {
         look: &'a Look,
         reverse: &'a Reverse<'a>,
     ) -> Result<Self, Error> {
-        let beside = look.shows_beside(experiment.estimator.is_of_single_frames());
+        let beside = look.shows_beside(experiment.estimator.shows_frame_alone());
         Ok(Self {
             walk: experiment.walk(clip)?,
             experiment,

@@ -77,7 +77,7 @@ impl Rendering<'_> {
     /// Returns the view of the step.
     pub(super) fn view(&self) -> View {
         let Self { moment, estimator, look, .. } = *self;
-        look.view_of(&moment.pictures, moment.stands(estimator.is_of_single_frames()))
+        look.view_of(&moment.pictures, moment.stands(estimator.shows_frame_alone()))
     }
 
     /// Returns the figure of the step, with the marks that fit at `scale` pixels per point.

@@ -142,6 +142,7 @@ impl Product for BlockField {
         summary: "One motion vector for each block of the picture.",
         motion: Motion::Blocks,
         is_of_single_frames: false,
+        has_pictures: false,
         measures: &[&MEASURES, &prediction::MEASURES, &flow_error::MEASURES],
     };
 

@@ -26,6 +26,7 @@ impl Product for DenseField {
         summary: "One displacement for each pixel of the picture.",
         motion: Motion::Pixels,
         is_of_single_frames: false,
+        has_pictures: false,
         measures: &[&prediction::MEASURES, &flow_error::MEASURES],
     };
 

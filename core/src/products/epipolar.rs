@@ -75,6 +75,7 @@ impl Product for EpipolarField {
         summary: "The fundamental matrix, which maps a point of frame t to its epipolar line in frame t + 1.",
         motion: Motion::Nowhere,
         is_of_single_frames: false,
+        has_pictures: false,
         measures: &[&MEASURES],
     };
 

@@ -195,6 +195,7 @@ impl Product for PointField {
         summary: "Feature points of a picture, with their displacements if they were tracked.",
         motion: Motion::Points,
         is_of_single_frames: false,
+        has_pictures: false,
         measures: &[&MEASURES, &REPEATABILITY, &flow_error::MEASURES],
     };
 

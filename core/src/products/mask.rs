@@ -66,6 +66,7 @@ impl Product for MaskField {
         summary: "The foreground pixels of each frame.",
         motion: Motion::Nowhere,
         is_of_single_frames: true,
+        has_pictures: false,
         measures: &[&MEASURES],
     };
 

@@ -134,6 +134,7 @@ impl Product for MatchField {
         summary: "Keypoints of frame t with their nearest neighbours in frame t + 1.",
         motion: Motion::Points,
         is_of_single_frames: false,
+        has_pictures: false,
         measures: &[&MEASURES],
     };
 

@@ -151,6 +151,7 @@ impl Product for ModelField {
         summary: "One transformation of the plane for all pixels of the picture.",
         motion: Motion::Pixels,
         is_of_single_frames: false,
+        has_pictures: false,
         measures: &[&prediction::MEASURES, &flow_error::MEASURES, &MEASURES],
     };
 

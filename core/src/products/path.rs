@@ -236,6 +236,7 @@ impl Product for PathField {
         summary: "The motion of the background from frame to frame, chained, with the pictures that it registers.",
         motion: Motion::Nowhere,
         is_of_single_frames: true,
+        has_pictures: true,
         measures: &[&MEASURES],
     };
 

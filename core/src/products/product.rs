@@ -21,6 +21,8 @@ pub struct ProductKind {
     pub motion: Motion,
     /// Whether it belongs to single frames, so that one frame is shown by default.
     pub is_of_single_frames: bool,
+    /// Whether the run makes pictures that belong beside frame t, such as a mosaic.
+    pub has_pictures: bool,
     /// Its quality measures, in groups.
     pub measures: &'static [&'static [Measure]],
 }

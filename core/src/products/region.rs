@@ -218,6 +218,7 @@ impl Product for RegionField {
         summary: "The region of one object in every frame.",
         motion: Motion::Nowhere,
         is_of_single_frames: true,
+        has_pictures: false,
         measures: &[&OWN, &SCORES],
     };
 

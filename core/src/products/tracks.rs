@@ -82,6 +82,7 @@ impl Product for TrackField {
         summary: "Features tracked over several frames.",
         motion: Motion::Points,
         is_of_single_frames: false,
+        has_pictures: false,
         measures: &[&keypoints::MEASURES, &flow_error::MEASURES],
     };
 

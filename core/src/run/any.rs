@@ -72,6 +72,11 @@ pub trait AnyEstimator: Params + Send + Sync {
         self.info().frames == 1 || self.produces().iter().all(|kind| kind.is_of_single_frames)
     }
 
+    /// Whether frame t alone shows its run: no second frame and no picture of its own belongs beside it.
+    fn shows_frame_alone(&self) -> bool {
+        self.is_of_single_frames() && !self.produces().iter().any(|kind| kind.has_pictures)
+    }
+
     /// As [`Estimator::units_of`].
     fn units_of(&self, picture: (usize, usize), frames: usize) -> Option<usize>;
 

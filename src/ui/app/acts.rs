@@ -203,7 +203,7 @@ impl App {
 
     fn edit(&mut self, command: Command) {
         let (before, depth) = (self.document.estimator().info().id, self.document.parents().len());
-        let (was_single, was_by_frame) = (self.is_of_single_frames(), self.document.estimator().is_by_frame());
+        let (was_single, was_by_frame) = (self.shows_frame_alone(), self.document.estimator().is_by_frame());
         match command {
             Command::Undo => drop(self.document.undo()),
             Command::Redo => drop(self.document.redo()),
@@ -318,7 +318,7 @@ impl App {
     fn choose(&mut self, id: &str) {
         match estimator(id) {
             Ok(chosen) => {
-                let was_single = self.is_of_single_frames();
+                let was_single = self.shows_frame_alone();
                 let was_by_frame = self.document.estimator().is_by_frame();
                 self.states.stage.placing = None;
                 self.states.stage.follow_again();
@@ -360,7 +360,7 @@ impl App {
     /// Opens a stage of the estimator at the current position.
     fn enter(&mut self, index: usize) {
         let Some(shown) = self.view.shown.clone().filter(|_| self.document.side_by_side().is_empty()) else { return };
-        let was_single = self.is_of_single_frames();
+        let was_single = self.shows_frame_alone();
         match self.document.enter(index, &shown) {
             Ok(place) => self.change_stage(place, was_single),
             Err(error) => self.toasts.fail(format!("The stage cannot be opened: {error}.")),
@@ -369,7 +369,7 @@ impl App {
 
     /// Closes the stage and returns to its parent.
     fn leave(&mut self) {
-        let was_single = self.is_of_single_frames();
+        let was_single = self.shows_frame_alone();
         let place = self.document.leave();
         self.change_stage(place, was_single);
     }
@@ -385,14 +385,14 @@ impl App {
         }
     }
 
-    /// Whether the estimator works on single frames.
-    pub(super) fn is_of_single_frames(&self) -> bool {
-        self.document.estimator().is_of_single_frames()
+    /// Whether frame t alone shows the estimator.
+    pub(super) fn shows_frame_alone(&self) -> bool {
+        self.document.estimator().shows_frame_alone()
     }
 
     /// Adapts the view after a change between estimators of single frames, which show frame t, and of pairs, which show both.
     pub(super) fn suit_view(&mut self, was_single: bool) {
-        let is_single = self.is_of_single_frames();
+        let is_single = self.shows_frame_alone();
         let view = &mut self.settings.look.view;
         match (was_single, is_single, *view) {
             (false, true, Some(View::SideBySide)) => *view = Some(View::Current),

@@ -201,7 +201,7 @@ impl App {
             return;
         };
         let Session { experiment, position, look, sight } = session;
-        let (was_single, frame) = (self.is_of_single_frames(), experiment.frame);
+        let (was_single, frame) = (self.shows_frame_alone(), experiment.frame);
         self.document.restore(experiment);
         self.tell_of_frame(frame);
         if !look.has("view") {
@@ -218,7 +218,7 @@ impl App {
 
     /// Begins with the first pair whose true flow is known, and says so.
     fn begin_where_known(&mut self, first: Option<usize>) {
-        let by_pair = !self.document.estimator().is_by_frame() && !self.is_of_single_frames();
+        let by_pair = !self.document.estimator().is_by_frame() && !self.document.estimator().is_of_single_frames();
         let Some(frame) = first.filter(|_| by_pair) else { return };
         if self.document.go_to_frame(frame) {
             self.toasts.tell(format!(
@@ -237,7 +237,7 @@ impl App {
         else {
             return;
         };
-        let was_single = self.is_of_single_frames();
+        let was_single = self.shows_frame_alone();
         let source = self.document.experiment().source.clone();
         self.document.restore(Experiment::new(source, tracker));
         self.suit_view(was_single);

@@ -876,7 +876,7 @@ impl Run {
     fn snapshot(&self, focus: Option<Focus>, look: &Look) -> Snapshot {
         self.focus.set(focus);
         let (walk, clip) = (&*self.walk, &self.clip);
-        let beside = look.shows_beside(self.subject.experiment.estimator.is_of_single_frames());
+        let beside = look.shows_beside(self.subject.experiment.estimator.shows_frame_alone());
         let standing = RunView { walk, clip, pair: &self.pair, focus, end: self.end(), beside, named: &self.named };
         let Ok(moment) = Moment::of(standing, |site| Ok::<_, Infallible>(self.motion(site, look)));
         let own = moment.scene.pictures.iter().map(|canvas| canvas.picture);

@@ -269,7 +269,7 @@ impl Panes<'_> {
             scene: &shown.scene,
             cursor: shown.cursor,
             lockstep: self.lockstep(shown),
-            stands: shown.stands(shown.subject.experiment.estimator.is_of_single_frames()),
+            stands: shown.stands(shown.subject.experiment.estimator.shows_frame_alone()),
             look: *self.look,
             heat: heat.or(shown.scene.heat).unwrap_or_default(),
             placing: placing.as_ref(),

@@ -48,6 +48,7 @@ impl Product for ObjectField {
         summary: "Detections of each frame, and the tracks of objects.",
         motion: Motion::Nowhere,
         is_of_single_frames: true,
+        has_pictures: false,
         measures: &[&COUNTS, &WAYS, &TRACKING],
     };
 
