@@ -64,22 +64,11 @@ struct Registered {
 }
 
 impl Registered {
-    /// The gray level of the previous frames within half a pixel of a place that is most similar to `value`; NaN where none shows the place.
+    /// The gray level of the previous frames that is most similar to `value`; NaN where none shows the place.
     fn nearest(&self, place: (usize, usize), value: f32) -> f32 {
-        let known = self.levels.iter().filter_map(|levels| within_half(levels, place));
-        let similar = known.map(|[low, high]| value.clamp(low, high));
-        similar.reduce(|a, b| if (b - value).abs() < (a - value).abs() { b } else { a }).unwrap_or(f32::NAN)
+        let known = self.levels.iter().map(|levels| levels[place]).filter(|level| !level.is_nan());
+        known.reduce(|a, b| if (b - value).abs() < (a - value).abs() { b } else { a }).unwrap_or(f32::NAN)
     }
-}
-
-/// The smallest and the largest gray level of a picture, interpolated linearly, up to half a pixel from a place along x and y; `None` where
-/// the level there is not known. At an edge even a small error of the registration changes the level much.
-fn within_half(levels: &Grid<f32>, (x, y): (usize, usize)) -> Option<[f32; 2]> {
-    let level = levels[(x, y)];
-    let beside = [(x.wrapping_sub(1), y), (x + 1, y), (x, y.wrapping_sub(1)), (x, y + 1)];
-    let halves = beside.into_iter().filter_map(|(u, v)| levels.get(u, v)).filter(|other| !other.is_nan());
-    let between = halves.map(|other| 0.5 * (level + other));
-    (!level.is_nan()).then(|| between.fold([level; 2], |[low, high], half| [low.min(half), high.max(half)]))
 }
 
 impl CompensatedDifference {
@@ -121,7 +110,7 @@ impl CompensatedDifference {
 subtraction_pseudocode! {
     begin: "frame 0 is the reference of frame 1",
     register: "  M ← motion of the background from frame t−1 to frame t; B ← frame t−1 warped by M",
-    compare: "  d ← distance of I(t) from the levels of B within ½ px; with three frames at most that from frame t−2, warped likewise",
+    compare: "  d ← |I(t) − B|; with three frames the minimum with that of frame t−2, warped likewise",
     decide: "  foreground if d > threshold",
     shake: "  suppress pixels that fit B within shake",
     update: "  frame t becomes the reference of frame t+1",
@@ -134,13 +123,13 @@ impl Background for CompensatedDifference {
         family: "Moving objects",
         summary: "Thresholds the difference between a frame and the previous one warped by the motion of the background, so that the camera may move.",
         source: "M. Irani, B. Rousso and S. Peleg, Computing occluding and transparent motions, International Journal of Computer Vision 12(1), \
-                 1994; three frames: R. Collins et al., A system for video surveillance and monitoring, CMU-RI-TR-00-12, 2000; half a pixel: S. \
-                 Birchfield and C. Tomasi, A pixel dissimilarity measure that is insensitive to image sampling, IEEE PAMI 20(4), 1998",
+                 1994; three frames: R. Collins et al., A system for video surveillance and monitoring, CMU-RI-TR-00-12, 2000",
         pseudocode: line::ALL,
         granularities: &["clip", "frame", "stage"],
         frames: 2,
     };
-    const SHOWN: &'static str = "distance of I(t) from the gray levels within ½ px in B, the previous frame warped by the motion, or the more similar of the two";
+    const SHOWN: &'static str =
+        "|I(t) − B|; B is the previous frame warped by the motion, or the more similar of the two previous frames";
     const COMPARED: &'static str = "motion-compensated difference";
     const CHARTS: &'static [Chart] = &[Chart::Matrices, Chart::Tiles, Chart::Series];
     const IS_REPLACED: bool = true;
@@ -283,8 +272,8 @@ impl Background for CompensatedDifference {
 
     fn rule(&self) -> String {
         let which = match self.differencing {
-            Differencing::Two => "the warped previous frame within half a pixel",
-            Differencing::Three => "both warped previous frames within half a pixel",
+            Differencing::Two => "the warped previous frame",
+            Differencing::Three => "both warped previous frames",
         };
         match self.threshold {
             0 => format!(
@@ -302,33 +291,5 @@ impl Background for CompensatedDifference {
     fn model_bytes(&self, model: &Model) -> usize {
         let of = |earlier: &Earlier| earlier.frame.bytes() + earlier.frame.luma().cells().len() * size_of::<f32>();
         model.before.iter().map(of).sum()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_edge_that_is_half_a_pixel_off_is_no_difference() {
-        let edge = |at: f32| Grid::from_fn(12, 3, |x, _| (30.0 * (x as f32 - at)).clamp(0.0, 120.0));
-        let (warped, now) = (edge(4.0), edge(4.5));
-        for x in 0..12 {
-            let [low, high] = within_half(&warped, (x, 1)).expect("known");
-            assert!((low..=high).contains(&now[(x, 1)]), "column {x}: {} of {low} to {high}", now[(x, 1)]);
-        }
-        let far = edge(6.0);
-        let off = |x: usize| {
-            let [low, high] = within_half(&warped, (x, 1)).expect("known");
-            (far[(x, 1)].clamp(low, high) - far[(x, 1)]).abs()
-        };
-        assert!((0..12).any(|x| off(x) > 40.0), "two pixels are");
-    }
-
-    #[test]
-    fn what_no_frame_shows_has_no_level() {
-        let levels = Grid::from_fn(3, 1, |x, _| [f32::NAN, 10.0, 20.0][x]);
-        assert_eq!(within_half(&levels, (0, 0)), None);
-        assert_eq!(within_half(&levels, (1, 0)), Some([10.0, 15.0]));
     }
 }
