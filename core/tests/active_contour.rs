@@ -486,7 +486,7 @@ fn a_stronger_edge_in_the_background_holds_a_contour_back() {
     };
     for id in BOTH {
         let [without, with] = [60, 255].map(|bar| last(id, bar));
-        assert!(without > 0.8 && with < 0.6, "{id}: {without:.3} without a bar, {with:.3} with one");
+        assert!(without > 0.8 && with < without - 0.25, "{id}: {without:.3} without a bar, {with:.3} with one");
     }
 }
 

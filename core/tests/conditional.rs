@@ -73,7 +73,7 @@ fn others(spec: &Spec) -> Vec<Value> {
         }
         Kind::Switch => [false, true].map(Value::Switch).into(),
         Kind::Choice(all) => all.iter().map(|choice| Value::Choice(choice.name)).collect(),
-        Kind::Placed(_) => Vec::new(),
+        Kind::Placed(figure) => vec![Value::Placed(figure.spanned([16.0, 12.0], [40.0, 30.0]))],
         Kind::Stage(kind) => kind.ids().iter().filter_map(|id| kind.parse(id).ok()).map(Value::Stage).collect(),
         Kind::Optional { .. } => Vec::new(),
     };

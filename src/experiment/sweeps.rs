@@ -23,9 +23,6 @@ pub struct Limits {
     side_px: usize,
 }
 
-/// The last words of the names of numbers of frames.
-const OF_FRAMES: [&str; 4] = ["frames", "start", "age", "hits"];
-
 impl Limits {
     /// The limits of a run on `clip` from `frame` on.
     pub fn of(clip: &Clip, frame: usize) -> Self {
@@ -35,10 +32,9 @@ impl Limits {
 
     /// The largest sensible value of a parameter.
     fn most(&self, spec: &Spec) -> f64 {
-        let word = spec.name.rsplit(['-', '.']).next().unwrap_or_default();
-        match (OF_FRAMES.contains(&word), spec.unit) {
-            (true, _) | (_, "frames") => self.frames.map_or(f64::INFINITY, |frames| frames as f64),
-            (_, "px") => self.side_px as f64,
+        match spec.unit {
+            _ if spec.counts_frames() => self.frames.map_or(f64::INFINITY, |frames| frames as f64),
+            "px" => self.side_px as f64,
             _ => f64::INFINITY,
         }
     }

@@ -117,7 +117,7 @@ mod tests {
     #[test]
     fn points_are_at_equal_distances_along_the_outline() {
         let points = resampled(&L, 15);
-        assert_eq!((points.len(), points[0], points[4], points[6]), (15, L[0], [9.0, 1.0], [7.0, 4.0]));
+        assert_eq!((points.len(), points[0], points[4], points[6]), (15, L[0], [9.0, 1.0], [8.0, 4.0]));
         assert_eq!(resampled(&[[2.0, 3.0]; 4], 5), [[2.0, 3.0]; 5], "no length");
         let circle: Vec<Point> =
             (0..360).map(|i| f64::from(i).to_radians()).map(|a| [9.0 * a.cos(), 9.0 * a.sin()]).collect();

@@ -198,6 +198,12 @@ impl Spec {
         !self.idle.is_empty()
     }
 
+    /// Whether it is a number of frames, by its unit or the last word of its name.
+    pub fn counts_frames(&self) -> bool {
+        let word = self.name.rsplit(['-', '.']).next().unwrap_or_default();
+        self.unit == "frames" || ["frames", "start", "age", "hits"].contains(&word)
+    }
+
     /// The allowed values in words: `4 to 64 px`, `on or off`, `sad, ssd or mse`.
     pub fn allowed(&self) -> String {
         let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };

@@ -230,7 +230,7 @@ fn mean_distance(before: &[Point], after: &[Point]) -> f64 {
 pseudocode! {
     CHOOSE: "v ← contour of the object in the first frame; stop if there is no edge around it",
     EACH_FRAME: "for each frame t, from the contour v of frame t − 1, its points at equal distances",
-    FIND_EDGES: "  f ← |∇(G_σ ∗ I)| / its maximum in the window around v; F ← ∇f",
+    FIND_EDGES: "  f ← |∇(G_σ * I)| / its maximum in the window around v; F ← ∇f",
     DIFFUSE: "  if gradient vector flow: F ← g after steps g ← g + μ ∇²g − |∇f|² (g − ∇f) from g = ∇f, scaled",
     SOLVE: "  repeat: v ← (A + γ I)⁻¹ (γ v + κ F(v) + p ∂area/∂v), until the mean displacement < ε",
     JUDGE: "  lost if the mean f on v < min-edge, or v has collapsed or crosses itself",

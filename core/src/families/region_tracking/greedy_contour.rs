@@ -300,7 +300,7 @@ impl GreedyContour {
 pseudocode! {
     CHOOSE: "v ← contour of the object in the first frame; stop if there is no edge around it",
     EACH_FRAME: "for each frame t, from the contour v of frame t − 1, its points on pixels at equal distances",
-    FIND_EDGES: "  f ← |∇(G_σ ∗ I)| / its maximum in the window around v",
+    FIND_EDGES: "  f ← |∇(G_σ * I)| / its maximum in the window around v",
     EACH_PASS: "  repeat, until at most max-moved points move",
     MOVE_POINT: "    for each point i: v_i ← the pixel of its neighbourhood with the lowest α E_cont + β_i E_curv + κ E_edge",
     FIND_CORNERS: "    β_i ← 0 where the direction changes most and f is high, else β; d ← mean distance of the points",

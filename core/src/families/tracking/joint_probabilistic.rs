@@ -133,7 +133,7 @@ pseudocode! {
     VALIDATE: "  validation matrix: detections in the gates, d² ≤ threshold; clusters",
     EACH_CLUSTER: "  for each cluster of tracks with common detections",
     ENUMERATE: "    feasible joint events θ: no detection and no track used twice",
-    WEIGH: "    P(θ) ∝ ∏ P_D N(ν; 0, S) / λ ∏ (1 − P_D P_G); sum it to β for each pair",
+    WEIGH: "    P(θ) = ∏ P_D N(ν; 0, S) / λ ∏ (1 − P_D P_G), normalised; sum it to β for each pair",
     UPDATE_TRACK: "  for each track: update x, P with ν = Σ β ν_j and its spread",
     COAST_OR_END: "    coast where β_0 ≥ 0.5; delete if tentative or missed > max-age frames",
     BEGIN_TRACK: "  start a track where a detection belongs to no track, Σ β < 0.5",

@@ -18,7 +18,7 @@ params! {
         contour: Contour = Contour::default();
     }
     when {
-        "region": |p| p.contour.corners().is_empty(), "The contour that is placed replaces the region.";
+        "region": |p| p.contour.corners().is_empty(), "The region has no effect where a contour is placed.";
     }
 }
 

@@ -211,7 +211,9 @@ impl MultipleHypothesis {
         };
         let formula = vec![
             Math::Var("P"),
-            Math::text(" ∝ "),
+            Math::text(" = "),
+            symbol("c", "", "−1"),
+            Math::text(" "),
             symbol("P", "parent", ""),
             Math::text(" "),
             symbol("P", "D", "DT"),
@@ -227,7 +229,7 @@ impl MultipleHypothesis {
             Math::text("(ν; 0, S)"),
         ];
         let number = |value: f64| fixed(value, 2);
-        let counts = format!("with DT = {found}, missed = {missed}, FT = {wrong}, NT = {new}");
+        let counts = format!("with DT = {found}, missed = {missed}, FT = {wrong}, NT = {new}; c normalises");
         let total = terms.ln_parent
             + found as f64 * detected.ln()
             + missed as f64 * (1.0 - detected).ln()
