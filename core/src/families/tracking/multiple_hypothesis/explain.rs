@@ -212,7 +212,7 @@ impl MultipleHypothesis {
         let formula = vec![
             Math::Var("P"),
             Math::text(" = "),
-            symbol("c", "", "−1"),
+            Math::power(Math::Var("c"), Math::text("−1")),
             Math::text(" "),
             symbol("P", "parent", ""),
             Math::text(" "),
