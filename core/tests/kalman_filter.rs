@@ -272,6 +272,43 @@ fn three_rejections_in_a_row_suggest_a_remedy_and_a_run_ends_with_a_conclusion()
     assert!(concluded(&last) && told.iter().filter(concluded).count() == 1, "{last}");
 }
 
+#[test]
+fn rejected_detections_of_other_objects_are_not_blamed_on_the_motion_model() {
+    // A bridge hides the tracked car while others are detected.
+    let mut told = Vec::new();
+    steps(&*set("kalman-filter", &[("source", "truth")]), &scene("traffic"), |walk| {
+        told.push(walk.step(None).sentence.plain());
+    });
+    assert!(told.iter().any(|said| said.contains("; the tracked object is ")), "another object is measured");
+    let first = told.iter().find(|said| said.contains("3 rejections in a row")).expect("three in a row");
+    assert!(first.contains("all of other objects") && !first.contains("does not fit"), "{first}");
+}
+
+#[test]
+fn the_plot_contains_the_frame_at_hand_from_its_gate_on_and_follows_smoothing_back() {
+    let clip = astray(8, &[5]);
+    let (mut gates, mut last) = (Vec::new(), None);
+    steps(&*set("kalman-filter", &[]), &clip, |walk| {
+        let step = walk.step(None);
+        let plots = step.readouts.iter().filter_map(|readout| match readout {
+            Readout::Series(series) => Some(series),
+            _ => None,
+        });
+        let Some(nis) = plots.into_iter().find(|series| series.title == "NIS") else { return };
+        let said = step.sentence.plain();
+        if let Some((_, rest)) = said.split_once("d² = ") {
+            let plotted = nis.lines[0].2.last().expect("the frame at hand")[1];
+            let said = rest.split(". ").next().unwrap_or(rest);
+            gates.push((common::numbers(said)[0], f64::from(plotted)));
+        }
+        last = nis.now();
+    });
+    assert!(gates.len() >= 5, "{gates:?}");
+    // The sentence has two decimals.
+    assert!(gates.iter().all(|(said, plotted)| (said - plotted).abs() < 0.006), "{gates:?}");
+    assert_eq!(last, Some(0.0), "smoothing ends in frame 0");
+}
+
 /// An object at 5 px/frame; in the frames `astray` something else is detected, far outside the gate.
 fn astray(frames: usize, astray: &[usize]) -> Clip {
     let center = |t: usize| if astray.contains(&t) { [600.0, 400.0] } else { [100.0 + 5.0 * t as f32, 100.0] };

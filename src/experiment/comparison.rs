@@ -250,13 +250,13 @@ const ROBUSTNESS: [Column; 3] = [
         "Share of the blocks with a cost above the global minimum, which full search finds; undefined with λ > 0.",
     ),
     Column::of_row(
-        ("stable in noise %", "kept_in_noise_percent"),
+        ("stable under noise %", "kept_in_noise_percent"),
         1,
         (|r| r.figures.kept_in_noise.and_then(percent), Of::Fields),
         "Share of the displacements that change by at most 1 px when Gaussian noise of σ = 10 gray levels is added to both frames.",
     ),
     Column::of_row(
-        ("stable in light %", "kept_in_light_percent"),
+        ("stable under brightness change %", "kept_in_light_percent"),
         1,
         (|r| r.figures.kept_in_light.and_then(percent), Of::Fields),
         "Share of the displacements that change by at most 1 px when the gray levels I of frame t + 1 become 1.1 I + 8.",

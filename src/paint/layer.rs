@@ -215,7 +215,7 @@ impl FlowLayer {
         match self {
             FlowLayer::None => "The picture alone, without flow colours.",
             FlowLayer::Wheel => {
-                "Direction and length of motion in the colours of the Middlebury wheel: white where nothing moves."
+                "Direction and magnitude of motion in the colours of the Middlebury wheel: white where nothing moves."
             }
             FlowLayer::Magnitude => "How far each pixel moves from frame to frame, whatever the direction.",
             FlowLayer::Error => "How far the end of each displacement is from the true one, where that is known.",

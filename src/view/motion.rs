@@ -184,7 +184,11 @@ impl Motion {
             FlowLayer::Wheel => Tint::wheel(&flows, style),
             FlowLayer::Magnitude => {
                 let length = |flow: &Arc<Flow>| flow.0.map(|[u, v]| u.hypot(*v));
-                Tint::scale(scalars("length of motion", "px/frame", flows.iter().map(length).collect()), colors, style)
+                Tint::scale(
+                    scalars("magnitude of motion", "px/frame", flows.iter().map(length).collect()),
+                    colors,
+                    style,
+                )
             }
             FlowLayer::Error => {
                 let truth = true_flow(site)?;

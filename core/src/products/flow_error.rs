@@ -19,7 +19,7 @@ pub(super) const MEASURES: [Measure; 9] = [
     Measure::new("r2.0", "Share of the pixels with an endpoint error above 2 px."),
     Measure::new("aae_deg", "Mean angular error in degrees."),
     Measure::new("known", "Number of pixels compared: those with known true flow and an estimate.")
-        .in_column("EPE of", 0),
+        .in_column("EPE pixels", 0),
     Measure::new(
         "coverage",
         "Coverage: share of the pixels with known true flow that have an estimate; for dense fields.",

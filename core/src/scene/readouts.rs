@@ -164,15 +164,22 @@ pub struct Series {
     pub is_sweep: bool,
     /// The value of x that is set, of those that were varied; lines have a point there.
     pub chosen: Option<f32>,
+    /// Decimals of the values in text; `None` for as many as a value needs.
+    pub decimals: Option<usize>,
+    /// The step at hand where it is not the last one with a value, as in a pass backward.
+    pub present: Option<f32>,
     /// Whether x goes over powers, as a parameter does that is multiplied from value to value.
     pub has_logarithmic_x: bool,
 }
 
 impl Series {
-    /// The step at hand: the last one with a value on a line, or the value that is set.
+    /// The step at hand: `present`, the last one with a value on a line, or the value that is set.
     pub fn now(&self) -> Option<f32> {
         if self.is_sweep {
             return self.chosen;
+        }
+        if self.present.is_some() {
+            return self.present;
         }
         let points = self.lines.iter().flat_map(|(.., points)| points).filter(|point| !point[1].is_nan());
         points.map(|point| point[0]).reduce(f32::max)

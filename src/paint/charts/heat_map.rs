@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use motionscope_core::scene::Surface;
-use motionscope_core::{Grid, Role};
+use motionscope_core::{Grid, Role, fixed};
 
 use super::super::focus::reach_shown;
 use super::super::primitive::{Anchor, Primitive, Rect};
@@ -320,11 +320,18 @@ fn optimum(canvas: &mut Canvas, map: &Map, (surface, area): (&Surface, Rect), th
     canvas.text([area.min[0], map.below()], (Anchor::Start, Level::Top), &words, dim);
 }
 
+/// A true displacement with two decimals, none where both components are whole, as in sentences.
+fn true_motion(uv: [f32; 2]) -> String {
+    let decimals = if uv.iter().all(|c| c.fract() == 0.0) { 0 } else { 2 };
+    let [u, v] = uv.map(|c| fixed(c.into(), decimals));
+    format!("({u}, {v})")
+}
+
 /// The signs for the minimum that was missed and for the true displacement, with what they mean.
 fn signs(surface: &Surface) -> impl Iterator<Item = (String, Role)> {
     let missed =
         surface.missed().map(|(at, cost)| (format!("× missed: {} at {}", number(cost), vector(at)), Role::Error));
-    let truth = surface.truth.map(|[u, v]| (format!("× true motion ({}, {})", number(u), number(v)), Role::Truth));
+    let truth = surface.truth.map(|uv| (format!("× true motion {}", true_motion(uv)), Role::Truth));
     missed.into_iter().chain(truth)
 }
 
@@ -479,7 +486,7 @@ mod tests {
         let drawing = draw(HeatMap { surface: &surface, whose: "Diamond search" }, area, style());
         let primitives: Vec<_> = drawing.into_layers().into_iter().flat_map(|layer| layer.primitives).collect();
         let words = texts(&primitives);
-        for label in ["× missed: 10 at (−12, −8)", "× true motion (−11.50, −8)"] {
+        for label in ["× missed: 10 at (−12, −8)", "× true motion (−11.50, −8.00)"] {
             assert!(words.iter().any(|word| word == label), "{label} is missing in {words:?}");
         }
         let pixels = costs_of(&primitives);

@@ -92,6 +92,9 @@ const SMALL: f64 = 1e-3;
 /// A share of the largest entry that is nothing but the rounding of many operations.
 const ROUNDING: f64 = 1e-13;
 
+/// The least decimals of a gain: it has no unit, and 0.996 is not 1.
+const GAIN_DECIMALS: usize = 3;
+
 /// The entries of a matrix as text, all with as many decimals as suit the smallest; small ones with a power of ten, so that no
 /// entry loses its digits, and what is nothing is 0.
 fn entries(matrix: &Matrix) -> Grid<String> {
@@ -104,6 +107,7 @@ fn entries(matrix: &Matrix) -> Grid<String> {
         _ if smallest >= 0.01 => 3,
         _ => 4,
     };
+    let decimals = if matrix.name.ends_with("gain") { decimals.max(GAIN_DECIMALS) } else { decimals };
     matrix.entries.map(|value| match value.abs() {
         size if size <= rounding => NOTHING.to_owned(),
         size if size < SMALL => with_power(*value),

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use motionscope_core::scene::{Constraint, Plane, Spread};
-use motionscope_core::{Grid, Role};
+use motionscope_core::{Grid, Role, fixed};
 
 use super::super::primitive::{Anchor, Point, Primitive, Rect};
 use super::super::{Color, Face, Theme, labels, legend, marks, number};
@@ -92,8 +92,13 @@ impl Square {
         let beside = if is_tight { 1.7 } else { 3.2 } * small;
         let min = [area.min[0] + 4.0 * small, area.min[1] + beside];
         let room = [area.max[0] - small - min[0], area.max[1] - beside - min[1]];
-        let side = (room[0] - NAMES * small).max(0.6 * room[0]).min(room[1]).max(8.0);
-        let names = if is_short(points, side, small) { SHORT_NAMES } else { NAMES };
+        let beside = |names: f32, least: f32| (room[0] - names * small).max(least * room[0]).min(room[1]).max(8.0);
+        let side = beside(NAMES, 0.6);
+        // Rather a smaller plane than displacements without their decimals.
+        let (names, side) = match is_short(points, side, small) {
+            true => (SHORT_NAMES, beside(SHORT_NAMES, 0.45)),
+            false => (NAMES, side),
+        };
         let left = min[0] + ((room[0] - names * small - side) / 2.0).max(0.0);
         let rect = Rect::new([left.round(), min[1].round()], [side; 2]);
         let axis = |i: usize| {
@@ -343,16 +348,17 @@ fn names(canvas: &mut Canvas, square: &Square, area: Rect, (plane, style): (&Pla
     scale(canvas, below, (plane, style));
 }
 
-/// A displacement as `(3.83, 0.75)`, or with fewer decimals where that is wider than `width` points.
+/// A displacement as `(3.830, 0.750)`, to a thousandth as in sentences, or with fewer decimals where that is wider than `width` points.
 fn place_within([u, v]: [f32; 2], style: Type, width: f32) -> String {
-    let whole = format!("({}, {})", number(u), number(v));
+    let whole = format!("({}, {})", fixed(u.into(), 3), fixed(v.into(), 3));
     let coarse = |decimals: usize| {
         let unit = 10f32.powi(decimals as i32);
         // Adding 0 takes the sign from a zero.
         let rounded = |c: f32| format!("{:.decimals$}", (c * unit).round() / unit + 0.0).replace('-', "−");
         format!("({}, {})", rounded(u), rounded(v))
     };
-    let fitting = [whole.clone(), coarse(1), coarse(0)].into_iter().find(|words| style.width(words) <= width);
+    let fitting =
+        [whole.clone(), coarse(2), coarse(1), coarse(0)].into_iter().find(|words| style.width(words) <= width);
     fitting.unwrap_or_else(|| shortened(&whole, style, width))
 }
 

@@ -1,7 +1,7 @@
 //! A quantity over steps, as lines.
 
-use motionscope_core::Role;
 use motionscope_core::scene::{Band, Series};
+use motionscope_core::{Role, fixed};
 
 use super::super::primitive::{Anchor, Point, Primitive, Rect, Stroke};
 use super::super::{Color, Face, Theme, labels, number};
@@ -199,7 +199,7 @@ fn names(series: &Series, x: Option<f32>, theme: Theme) -> Vec<Entry> {
     let (text, chrome) = (Type::text(theme), theme.chrome());
     let lines = series.lines.iter().map(|(name, role, points)| {
         let value = x.and_then(|x| value(*role, points, x));
-        let value = value.map_or_else(String::new, |value| format!(" {}", number(value)));
+        let value = value.map_or_else(String::new, |value| format!(" {}", figure(series, value)));
         Entry::new(format!("{name}{value}"), text.color(theme.word(*role)))
     });
     let bands = series.bands.iter().map(|band| Entry {
@@ -208,9 +208,14 @@ fn names(series: &Series, x: Option<f32>, theme: Theme) -> Vec<Entry> {
     });
     let thresholds = series.thresholds.iter().map(|(name, value)| Entry {
         swatch: Some(Swatch::Threshold(theme.word(Role::Rejected))),
-        ..Entry::new(format!("{name} {}", number(*value)), text.color(chrome.dim))
+        ..Entry::new(format!("{name} {}", figure(series, *value)), text.color(chrome.dim))
     });
     lines.chain(bands).chain(thresholds).collect()
+}
+
+/// A value in words, with the decimals of its quantity.
+fn figure(series: &Series, value: f32) -> String {
+    series.decimals.map_or_else(|| number(value), |decimals| fixed(f64::from(value), decimals))
 }
 
 /// A band in words: `95 % band 0.05 to 7.38`.
@@ -623,10 +628,10 @@ pub fn values(series: &Series, x: f32) -> Vec<(Role, f32)> {
 pub fn summary(series: &Series) -> String {
     let last = series.lines.iter().filter_map(|(name, _, points)| {
         let known = points.iter().rev().find(|point| !point[1].is_nan());
-        known.map(|[x, y]| format!(", {name} {} at {} {}", number(*y), series.x_label, number(*x)))
+        known.map(|[x, y]| format!(", {name} {} at {} {}", figure(series, *y), series.x_label, number(*x)))
     });
     let bands = series.bands.iter().map(|band| format!(", {}", band_name(band)));
-    let thresholds = series.thresholds.iter().map(|(name, value)| format!(", {name} {}", number(*value)));
+    let thresholds = series.thresholds.iter().map(|(name, value)| format!(", {name} {}", figure(series, *value)));
     let named: String = last.chain(bands).chain(thresholds).collect();
     format!("{}, {}{named}", series.title, series.y_label)
 }

@@ -56,7 +56,7 @@ impl BlockSearch for LogSearch {
         while step > 1 {
             let centre = tester.best();
             tester.stage(line::TEST_CROSS, around(centre, &CROSS, step), || {
-                format!("The cross is centred at {}, its arms {step} px long.", vector(centre))
+                format!("Cross of 5 candidates around {} with arms of {step} px.", vector(centre))
             });
             let best = tester.best();
             let at_edge = tester.window.is_at_edge(best);

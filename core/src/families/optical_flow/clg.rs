@@ -76,7 +76,7 @@ impl Model for Clg {
     const ADVICE: Advice = Advice {
         texture: "A larger α and more iterations carry flow in from textured neighbours.",
         boundary: "Window and smoothness term blur the boundary; smaller ρ and α or TV-L1 keep it sharper.",
-        motion: "More pyramid levels would reach this motion.",
+        motion: "More pyramid levels and warps would reach this motion.",
     };
     const SYSTEM_PARTS: usize = 5;
     const NEED: [f64; 2] = [112.0, 220.0];

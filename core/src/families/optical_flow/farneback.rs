@@ -316,7 +316,9 @@ impl Farneback {
         if !after.is_done {
             return sentence;
         }
-        let conclusion = Conclusion::new(&after.frames.frame_pair, &after.frames.flow(&after.field));
+        let [across, down] = after.frames.scale(after.frames.count() - 1);
+        let flow = after.frames.flow(&after.field);
+        let conclusion = Conclusion::new(&after.frames.frame_pair, &flow, across.max(down));
         sentence.text(conclusion.sentence(&ADVICE))
     }
 

@@ -67,7 +67,7 @@ impl Model for HornSchunck {
     const ADVICE: Advice = Advice {
         texture: "A larger α and more iterations carry flow in from textured neighbours.",
         boundary: "The quadratic smoothness term blurs the boundary; a smaller α or TV-L1 keeps it sharper.",
-        motion: "More pyramid levels would reach this motion.",
+        motion: "More pyramid levels and warps would reach this motion.",
     };
     const SYSTEM_PARTS: usize = 3;
     const NEED: [f64; 2] = [76.0, 150.0];

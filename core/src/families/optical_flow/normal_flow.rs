@@ -273,7 +273,7 @@ impl NormalFlow {
         if after.y() < frames.size().1 {
             return sentence;
         }
-        let conclusion = Conclusion::new(frames, &Flow(after.flow(&[])));
+        let conclusion = Conclusion::new(frames, &Flow(after.flow(&[])), 1.0);
         sentence.text(conclusion.sentence(&ADVICE))
     }
 

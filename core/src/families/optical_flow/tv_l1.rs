@@ -65,7 +65,7 @@ impl Model for TvL1 {
     const ADVICE: Advice = Advice {
         texture: "A smaller λ and more iterations carry flow in from textured neighbours.",
         boundary: "More warps and iterations sharpen the boundary. Occluded pixels have no match; the forward–backward check shows them.",
-        motion: "More pyramid levels would reach this motion.",
+        motion: "More pyramid levels and warps would reach this motion.",
     };
     const SYSTEM_PARTS: usize = 0;
     const NEED: [f64; 2] = [122.0, 275.0];

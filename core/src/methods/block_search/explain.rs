@@ -12,6 +12,8 @@ use crate::scene::{Role, Sentence};
 const POOR_MATCH: f64 = 10.0;
 /// Other minima are called nearly as low up to this mean difference above the match, in gray levels per pixel.
 const COMPETING_LEVELS: f64 = 0.5;
+/// The same as a share of the cost of the match; the smaller of both decides.
+const COMPETING_SHARE: f64 = 0.05;
 /// A motion vector is called wrong from this distance on from the true motion, in px.
 const CLOSE_PX: f32 = 1.0;
 /// How many ties are listed.
@@ -200,9 +202,12 @@ impl Probe<'_> {
             && ties.iter().all(is_beside);
         if !ties.is_empty() {
             let at: Vec<String> = ties.iter().map(|tie| vector(tie.vector())).collect();
+            // Refinement moves the vector by less than a pixel.
+            let is_far = self.true_error(found).is_some_and(|(_, off)| off >= CLOSE_PX);
             return match may_lie_between {
+                true if is_far => format!("The cost is the same at the neighbouring {}.", at.join(", ")),
                 true => format!(
-                    "The cost is the same at {}, one pixel away: the displacement may lie in between. Sub-pixel refinement resolves \
+                    "The cost is the same at the neighbouring {}: the displacement may lie in between. Sub-pixel refinement resolves \
                      it.",
                     at.join(", ")
                 ),
@@ -217,11 +222,16 @@ impl Probe<'_> {
             }
             .into();
         }
-        let margin = self.settings.matching.cost.of_levels(COMPETING_LEVELS, self.block());
+        let levels = self.settings.matching.cost.of_levels(COMPETING_LEVELS, self.block());
+        let margin = levels.min(COMPETING_SHARE * whole.abs());
         let competing_minima = surface.competing_minima(found.displacement, whole + margin);
         if !competing_minima.is_empty() {
             let other = |other: &Match| format!("{} at {}", self.settings.number(other.cost), vector(other.vector()));
-            return ambiguity("Nearly the same cost:", competing_minima.iter().map(other).collect());
+            let same = match self.counted.level.is_none() && surface.least.cost >= whole {
+                true => "It is the global minimum, but nearly the same cost is reached at other minima:",
+                false => "Nearly the same cost:",
+            };
+            return ambiguity(same, competing_minima.iter().map(other).collect());
         }
         let range = self.settings.matching.search_range as u32;
         if found.displacement.iter().any(|c| c.unsigned_abs() == range) {
@@ -243,14 +253,19 @@ impl Probe<'_> {
 
     /// The true motion of the block beside the match, where it is known.
     fn true_motion(&self, found: Match) -> String {
-        let Some(truth) = self.truth_of_block() else { return String::new() };
-        let [u, v] = found.vector();
-        let off = (u - truth[0]).hypot(v - truth[1]);
+        let Some((truth, off)) = self.true_error(found) else { return String::new() };
         let truth = vector(truth);
         match off < CLOSE_PX {
             true => format!(" True motion: {truth} px; the error of the vector is {} px.", px(off)),
             false => format!(" True motion: {truth} px. The vector is wrong by {} px.", px(off)),
         }
+    }
+
+    /// The true motion of the block and the error of the vector in px, where the truth is known.
+    fn true_error(&self, found: Match) -> Option<([f32; 2], f32)> {
+        let truth = self.truth_of_block()?;
+        let [u, v] = found.vector();
+        Some((truth, (u - truth[0]).hypot(v - truth[1])))
     }
 
     /// The median of the true flow over the block, for each component; `None` where it is not known.

@@ -44,7 +44,7 @@ enum Cause {
     Edge([f32; 2]),
     /// Neighbours within 2 px move differently, by up to so many px.
     Boundary(f32),
-    /// The true motion, in px, is more than twice the estimate.
+    /// The true motion, in px, is large on the coarsest level, or more than twice the estimate.
     Large(f32),
     /// None of these.
     Unknown,
@@ -56,12 +56,14 @@ const TEXTURE: f32 = 1.0;
 const BOUNDARY_PX: f32 = 1.0;
 /// A motion larger than this may be out of reach, in px.
 const LARGE_PX: f32 = 2.0;
+/// A motion larger than this on the coarsest level is out of reach of the linearisation, in px of that level.
+const REACH_PX: f32 = 3.0;
 /// Half the side of the neighbourhood that is looked at around the worst pixel, in px.
 const REACH: usize = 2;
 
 impl Conclusion {
-    /// Judges `flow` between two frames.
-    pub fn new(frames: &FramePair, flow: &Flow) -> Self {
+    /// Judges `flow` between two frames; a pixel of the coarsest level is so many px wide, 1 without a pyramid.
+    pub fn new(frames: &FramePair, flow: &Flow, coarsest_px: f32) -> Self {
         let (width, height) = frames.size();
         let places = || (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
         let has_truth = places().any(|place| frames.true_displacement(place).is_some());
@@ -76,7 +78,11 @@ impl Conclusion {
             }
         }
         let worst = worst.filter(|(_, size)| *size > 0.0);
-        let worst = worst.map(|(place, size)| Worst { place, size, cause: cause(frames, flow, place, has_truth) });
+        let worst = worst.map(|(place, size)| Worst {
+            place,
+            size,
+            cause: cause((frames, flow), place, has_truth, coarsest_px),
+        });
         let density = known as f32 / (width * height).max(1) as f32;
         Self { has_truth, density, pixels, mean: (sum / pixels.max(1) as f64) as f32, worst }
     }
@@ -85,16 +91,20 @@ impl Conclusion {
     pub fn sentence(&self, advice: &Advice) -> String {
         let unit = if self.has_truth { "px" } else { "gray levels" };
         let number = |value: f32| if self.has_truth { numbers::px(value) } else { numbers::gray(value) };
-        let density = format!("{:.0}", 100.0 * self.density);
+        let density = format!("flow at {:.0} % of the pixels", 100.0 * self.density);
         if self.pixels == 0 {
-            return format!(" End of the run: flow at {density} % of the pixels, none of which can be evaluated.");
+            return format!(" End of the run: {density}, none of which can be evaluated.");
         }
+        // A dense field covers all pixels: nothing to report.
+        let density = if self.density < 1.0 { format!("{density}, ") } else { String::new() };
         let quality = match self.has_truth {
             true => format!("mean endpoint error {} px", number(self.mean)),
-            false => format!("mean residual |I(x + w, t+1) − I(x, t)| = {} gray levels", number(self.mean)),
+            false => format!(
+                "mean residual |I(x + w, t+1) − I(x, t)| = {} gray levels (no true flow is loaded)",
+                number(self.mean)
+            ),
         };
-        let why = if self.has_truth { "" } else { " No true flow is loaded, so the residual is reported." };
-        let said = format!(" End of the run: flow at {density} % of the pixels, {quality}.{why}");
+        let said = format!(" End of the run: {density}{quality}.");
         match &self.worst {
             Some(Worst { place, size, cause }) => format!(
                 "{said} The largest {}, {} {unit}, is at pixel {}{}",
@@ -120,7 +130,7 @@ fn deviation(frames: &FramePair, (x, y): (usize, usize), [u, v]: [f32; 2], has_t
 }
 
 /// Why flow is wrong at a pixel.
-fn cause(frames: &FramePair, flow: &Flow, place: (usize, usize), has_truth: bool) -> Cause {
+fn cause((frames, flow): (&FramePair, &Flow), place: (usize, usize), has_truth: bool, coarsest_px: f32) -> Cause {
     let motion = |(x, y)| if has_truth { frames.true_displacement((x, y)) } else { flow.at(x, y) };
     let (Some([u, v]), Some(found)) = (motion(place), flow.at(place.0, place.1)) else { return Cause::Unknown };
     let (width, height) = frames.size();
@@ -134,6 +144,7 @@ fn cause(frames: &FramePair, flow: &Flow, place: (usize, usize), has_truth: bool
     let (true_px, found_px) = (u.hypot(v), found[0].hypot(found[1]));
     match () {
         () if !is_inside => Cause::Outside,
+        () if has_truth && true_px > REACH_PX * coarsest_px => Cause::Large(true_px),
         () if eigenvalues[0] < TEXTURE => Cause::Flat(eigenvalues),
         () if differs > BOUNDARY_PX => Cause::Boundary(differs),
         () if eigenvalues[1] < TEXTURE => Cause::Edge(eigenvalues),
@@ -207,7 +218,7 @@ mod tests {
     }
 
     fn said(frames: &FramePair, flow: impl Fn(usize, usize) -> [f32; 2]) -> String {
-        Conclusion::new(frames, &Flow(Grid::from_fn(20, 16, flow))).sentence(&ADVICE)
+        Conclusion::new(frames, &Flow(Grid::from_fn(20, 16, flow)), 1.0).sentence(&ADVICE)
     }
 
     #[test]
@@ -227,10 +238,19 @@ mod tests {
     }
 
     #[test]
+    fn a_motion_out_of_reach_is_the_reason_on_one_level() {
+        let (frames, still) = (pair(Some([6.0, 0.0]), |_, _| 90.0), Flow(Grid::new(20, 16, [0.0; 2])));
+        let one_level = Conclusion::new(&frames, &still, 1.0).sentence(&ADVICE);
+        assert!(one_level.contains("its true motion of 6.000 px") && one_level.ends_with("M."), "{one_level}");
+        let pyramid = Conclusion::new(&frames, &still, 4.0).sentence(&ADVICE);
+        assert!(pyramid.contains("no texture") && pyramid.ends_with("T."), "{pyramid}");
+    }
+
+    #[test]
     fn without_truth_the_residual_is_judged() {
         let boundary = said(&pair(None, waves), |x, y| if (x, y) == (8, 8) { [2.0, 0.0] } else { [0.0; 2] });
         assert!(
-            boundary.contains("a motion boundary or an outlier") && boundary.contains("No true flow is loaded"),
+            boundary.contains("a motion boundary or an outlier") && boundary.contains("(no true flow is loaded)"),
             "{boundary}"
         );
         let none = said(&pair(None, waves), |_, _| Flow::UNKNOWN);

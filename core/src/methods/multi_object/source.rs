@@ -122,11 +122,21 @@ impl Detector {
             Origin::Detections => Ok(clip.detections(t).unwrap_or_default().to_vec()),
             Origin::Truth => {
                 let objects = clip.truth().map(|truth| truth.objects(t)).transpose()?.flatten().unwrap_or_default();
-                let seen = objects.iter().filter(|object| object.visibility >= LEAST_VISIBLE);
+                let seen = objects.iter().filter(|object| is_detected(object));
                 Ok(seen.map(|object| self.measured(object, t)).collect())
             }
             Origin::Moving(frames) => Ok(frames.at(t)?.map_or_else(Vec::new, |frame| frame.detections.clone())),
         }
+    }
+
+    /// Returns the true object of the detection with this index in frame `t`, where the source knows it: only true boxes name their object.
+    ///
+    /// # Errors
+    /// If the truth cannot be read.
+    pub fn object_of(&self, clip: &Clip, t: usize, index: usize) -> Result<Option<u32>, Error> {
+        let (Origin::Truth, Some(truth)) = (&self.origin, clip.truth()) else { return Ok(None) };
+        let objects = truth.objects(t)?.unwrap_or_default();
+        Ok(objects.iter().filter(|object| is_detected(object)).nth(index).map(|object| object.id))
     }
 
     /// Returns four standard normal random numbers for an object in a frame.
@@ -177,6 +187,11 @@ impl Detector {
         let bounds = Bounds::around(center, [object.width, object.height]);
         Detection { bounds, center, score: object.visibility, blob: None }
     }
+}
+
+/// Returns whether enough of a true object is visible to be detected.
+fn is_detected(object: &ObjectBox) -> bool {
+    object.visibility >= LEAST_VISIBLE
 }
 
 fn clicked(center: [f32; 2]) -> Detection {

@@ -87,12 +87,14 @@ impl<M: Model> Variational<M> {
             ),
             false => format!(" Mean change of the iteration: {change} px."),
         };
-        let sentence = sentence.text(said);
         if !after.is_done {
-            return sentence;
+            return sentence.text(said);
         }
-        let conclusion = Conclusion::new(&after.fixed.frames.frame_pair, &after.flow());
-        sentence.text(conclusion.sentence(&M::ADVICE))
+        let frames = &after.fixed.frames;
+        let [across, down] = frames.scale(frames.count() - 1);
+        let conclusion = Conclusion::new(&frames.frame_pair, &after.flow(), across.max(down));
+        // The end of the run is about its result alone; what the last iteration changed stands in the facts.
+        Sentence::default().text(conclusion.sentence(&M::ADVICE).trim_start())
     }
 
     /// Returns energy, change and error of the iteration that ends at the cursor.

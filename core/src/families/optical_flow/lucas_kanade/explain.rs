@@ -107,7 +107,7 @@ impl LucasKanade {
             return sentence;
         }
         if after.iteration == self.iterations {
-            let conclusion = Conclusion::new(&after.frame_pair, &Flow(after.flow(&[])));
+            let conclusion = Conclusion::new(&after.frame_pair, &Flow(after.flow(&[])), 1.0);
             return sentence.text(conclusion.sentence(&ADVICE));
         }
         let count = |wanted: Texture| after.found.iter().filter(|solution| solution.texture == wanted).count();

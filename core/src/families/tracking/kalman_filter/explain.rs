@@ -220,12 +220,24 @@ impl KalmanFilter {
             .text(format!(". {missed} missed in a row; the maximum age is {}.", self.max_age));
         let earlier = seen.before.records.iter().rev();
         let is_rejected = |gated: &[Gated]| !gated.is_empty() && !gated.iter().any(Gated::is_inside);
-        let rejected =
-            earlier.take_while(|record| is_rejected(&record.gated)).count() + usize::from(!now.gated.is_empty());
-        match rejected {
-            3.. if !now.gated.is_empty() => {
-                said.text(format!(" {rejected} rejections in a row: the motion model does not fit. {}", self.remedy()))
-            }
+        let earlier = earlier.take_while(|record| is_rejected(&record.gated)).filter_map(|record| record.gated.first());
+        let rejected: Vec<&Gated> = earlier.chain(now.gated.first().copied()).collect();
+        match rejected.len() {
+            3.. if !now.gated.is_empty() => said.text(format!(
+                " {} rejections in a row{}",
+                rejected.len(),
+                match of_another(&rejected) {
+                    Some(true) => ", all of other objects: the tracked object is not detected (occluded or out of the picture), and the \
+                                   gate is right."
+                        .to_owned(),
+                    Some(false) => format!(", all of the object: the motion model does not fit. {}", self.remedy()),
+                    None => format!(
+                        ". The object may be occluded and the nearest detection another object's; then the gate is right to reject it. \
+                         If the rejected measurements are of the object, the motion model does not fit. {}",
+                        self.remedy()
+                    ),
+                }
+            )),
             _ => said,
         }
     }
@@ -324,16 +336,24 @@ impl KalmanFilter {
             return said
                 + " No measurement was accepted, so the innovations do not show whether the covariance is right.";
         };
-        said += &self.bias(&nis);
+        let bias = self.bias(&nis);
+        said += &bias;
         // The gate cuts off the large values: their mean would look consistent whatever the filter does.
         if rejected as f64 > MOST_REJECTED * gated.len() as f64 {
             let share = (100.0 * rejected as f64 / gated.len() as f64).round();
-            return said
-                + &format!(
-                    " With {share} % rejected, the NIS of the rest does not test the filter. If the rejected measurements are of \
-                     the object, the filter has diverged: the motion model does not fit. {}",
-                    self.remedy()
-                );
+            said += &format!(" With {share} % rejected, the NIS of the rest does not test the filter.");
+            let refused: Vec<&Gated> = gated.iter().copied().filter(|gated| !gated.is_inside()).collect();
+            return match of_another(&refused) {
+                Some(true) => said + " All rejected measurements are of other objects: the gate was right.",
+                Some(false) => {
+                    said + " They are of the object, so the filter has diverged: the motion model does not fit. "
+                        + self.remedy()
+                }
+                None => {
+                    said + " If the rejected measurements are of the object, the filter has diverged: the motion model does not fit. "
+                        + self.remedy()
+                }
+            };
         }
         let mean = nis.iter().map(|gated| gated.squared_distance).sum::<f64>() / nis.len() as f64;
         let [low, high] = [0.025, 0.975].map(|p| chi_square::quantile(p, dof * nis.len()) / nis.len() as f64);
@@ -347,6 +367,7 @@ impl KalmanFilter {
                     "the filter is overconfident: its covariance is too small. Raise the process noise or the measurement noise.",
                 mean if mean < low =>
                     "the filter is underconfident: its covariance is too large. Lower the measurement noise or the process noise.",
+                _ if !bias.is_empty() => "their size agrees with S, so NIS alone does not show the bias.",
                 _ => "the filter is consistent.",
             }
         );
@@ -507,6 +528,7 @@ impl KalmanFilter {
                         Math::Bold("H"),
                         text(")"),
                         Math::Bold("P"),
+                        text("  (equals the Joseph form)"),
                     ]),
                     Math::Row(vec![
                         Math::Var("x"),
@@ -545,6 +567,8 @@ impl KalmanFilter {
             y_label,
             x_max,
             lines,
+            decimals: Some(2),
+            present: seen.before.back.map(|_| frame_of(seen.before) as f32),
             ..Series::default()
         };
         if state.records.len() < 2 {
@@ -565,16 +589,24 @@ impl KalmanFilter {
         let mut all = Vec::new();
         let probabilities = modes::lines(records().map(|(i, record)| (x(i), &**record)));
         if !probabilities.is_empty() {
-            all.push(series("Mode probabilities", "μ", probabilities));
+            all.push(Series { decimals: Some(3), ..series("Mode probabilities", "μ", probabilities) });
         }
         for (sensor, title) in names.into_iter().enumerate() {
+            // The frame at hand counts from its gate on.
+            let present = seen.events.iter().find_map(|event| match event {
+                Event::Gated(gated) if seen.after.is_none() && gated.reading.sensor == sensor => Some(&**gated),
+                _ => None,
+            });
+            let point_of = |gated: &Gated| [x(state.records.len()), gated.squared_distance as f32];
             // The line is broken where there is no measurement.
-            let all_of =
+            let mut all_of =
                 line(&|record| Some(record.of_sensor(sensor).map_or(f64::NAN, |gated| gated.squared_distance)));
-            let refused = line(&|record| {
+            let mut refused = line(&|record| {
                 let gated = record.of_sensor(sensor).filter(|gated| !gated.is_inside())?;
                 Some(gated.squared_distance)
             });
+            all_of.extend(present.map(point_of));
+            refused.extend(present.filter(|gated| !gated.is_inside()).map(point_of));
             let dof = records().find_map(|(_, record)| Some(record.of_sensor(sensor)?.measurement().numbers()));
             let Some(dof) = dof else { continue };
             let mut lines = vec![("NIS", Role::Measured, all_of)];
@@ -677,7 +709,10 @@ fn measurements((frame, is_clicked): (usize, bool), observed: &Observations, kin
         (format!("{} px", place(at)), format!(", measurement noise σ = {} px", px(place_deviation)))
     };
     let said = match first.map(numbers) {
-        Some((at, noise)) => said.ink(Role::Measured, format!("Measurement: {at}")).text(format!(" ({kind}){noise}.")),
+        Some((at, noise)) => {
+            let object = first.map(measured_object).unwrap_or_default();
+            said.ink(Role::Measured, format!("Measurement: {at}")).text(format!(" ({kind}{object}){noise}."))
+        }
         None if observed.is_hidden && second.is_some() => {
             said.text(format!("Frame {frame} is in the simulated occlusion of the first sensor."))
         }
@@ -688,13 +723,22 @@ fn measurements((frame, is_clicked): (usize, bool), observed: &Observations, kin
             .ink(Role::Measured, format!("{} in frame {frame}", count(observed.detections.len(), "detection")))
             .text(match is_clicked {
                 true => ", none of them at a clicked position. The track starts at the clicked object.",
-                false => ", but another one moves more consistently in a later frame. The track starts there.",
+                false => ". The track starts in a later frame, with the object that moves most consistently.",
             }),
         None => said.text(format!("No detections in frame {frame}.")),
     };
     match second.map(numbers) {
         Some((at, noise)) => said.ink(Role::Measured, format!(" Second sensor: {at}")).text(format!("{noise}.")),
         None => said,
+    }
+}
+
+/// The measured object, where the source knows it.
+fn measured_object(reading: &SensorReading) -> String {
+    match (reading.object, reading.tracked.filter(|_| reading.is_of_another() == Some(true))) {
+        (Some(object), Some(tracked)) => format!(", of object {object}; the tracked object is {tracked}"),
+        (Some(object), None) => format!(", of object {object}"),
+        (None, _) => String::new(),
     }
 }
 
@@ -713,6 +757,12 @@ fn updated(gated: &Gated, after: &Filter) -> Sentence {
             px(deviation(from)),
             px(deviation(after))
         ))
+}
+
+/// Whether all measurements are of other objects than the tracked one, or none is; `None` where they differ or it is unknown.
+fn of_another(measurements: &[&Gated]) -> Option<bool> {
+    let first = measurements.first()?.reading.is_of_another()?;
+    measurements.iter().all(|gated| gated.reading.is_of_another() == Some(first)).then_some(first)
 }
 
 fn root_mean_square(errors: impl Iterator<Item = f64>) -> Option<f64> {

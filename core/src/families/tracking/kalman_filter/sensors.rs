@@ -32,8 +32,19 @@ pub struct SensorReading {
     pub measurement: Measurement,
     /// The detection that the measurement is made of, if any.
     pub detection: Option<usize>,
+    /// The true object that is measured, where the source of the detections knows it.
+    pub object: Option<u32>,
+    /// The true object of the track.
+    pub tracked: Option<u32>,
     /// Whether a person has clicked it: the gate does not reject it.
     pub is_clicked: bool,
+}
+
+impl SensorReading {
+    /// Returns whether it measures another object than the tracked one, where that is known.
+    pub fn is_of_another(&self) -> Option<bool> {
+        Some(self.object? != self.tracked?)
+    }
 }
 
 /// The detections, measurements and truth of a frame.
@@ -64,18 +75,27 @@ impl KalmanFilter {
             Some(expected) => self.nearest((expected, state.extent), &detections),
             None => self.begin_with((clip, t), state, &detections)?,
         };
+        let object = chosen.map(|i| state.detector.object_of(clip, t, i)).transpose()?.flatten();
         let detected = chosen.map(|i| SensorReading {
             sensor: 0,
             measurement: self.first(&detections[i]),
             detection: Some(i),
+            object,
+            tracked: state.truth_id,
             is_clicked: state.detector.is_clicked(),
         });
         let clicked = || self.clicked_alone(state, t).filter(|_| expected.is_none() && !is_hidden);
         let first = detected.or_else(clicked);
         // Before a track starts its true object is unknown.
         let second = expected.map(|_| self.second(clip, state, t)).transpose()?.flatten();
-        let second =
-            second.map(|measurement| SensorReading { sensor: 1, measurement, detection: None, is_clicked: false });
+        let second = second.map(|measurement| SensorReading {
+            sensor: 1,
+            measurement,
+            detection: None,
+            object: state.truth_id,
+            tracked: state.truth_id,
+            is_clicked: false,
+        });
         Ok(Observations { detections, measured: first.into_iter().chain(second).collect(), truth, is_hidden })
     }
 
@@ -83,7 +103,8 @@ impl KalmanFilter {
     fn clicked_alone(&self, state: &State, t: usize) -> Option<SensorReading> {
         let place = self.clicks.of_frame(t).next().filter(|_| !state.detector.is_clicked())?.map(f64::from);
         let measurement = Measurement { place, place_deviation: f64::from(self.measurement_noise), velocity: None };
-        Some(SensorReading { sensor: 0, measurement, detection: None, is_clicked: true })
+        let (object, tracked) = (None, state.truth_id);
+        Some(SensorReading { sensor: 0, measurement, detection: None, object, tracked, is_clicked: true })
     }
 
     /// Returns the first sensor's measurement of a detection.
