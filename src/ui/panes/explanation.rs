@@ -371,11 +371,11 @@ fn in_numbers(formula: &[Math]) -> Vec<Math> {
     let mut brief: Vec<Math> = Vec::new();
     for line in formula {
         let is_value = line.plain().trim_start().starts_with('=');
-        match brief.last_mut() {
-            Some(last) if is_value && let Some(name) = result_of_symbols(last) => {
-                *last = Math::Row(vec![name, Math::text(" "), line.clone()]);
-            }
-            _ => brief.push(line.clone()),
+        let name = brief.last().filter(|_| is_value).and_then(result_of_symbols);
+        if let (Some(last), Some(name)) = (brief.last_mut(), name) {
+            *last = Math::Row(vec![name, Math::text(" "), line.clone()]);
+        } else {
+            brief.push(line.clone());
         }
     }
     brief
