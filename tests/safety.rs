@@ -299,8 +299,8 @@ fn truth_is_named_wherever_errors_are_reported() {
     inputs(here);
     let info = json(here, "info clip --json");
     let (kinds, files) = (info["truth"].as_array().unwrap(), info["truth_files"].as_array().unwrap());
-    assert_eq!((kinds.len(), &files[0]), (files.len(), &"flow/frame_0000.flo and 1 more".into()), "{info}");
-    assert!(stdout(here, "info clip").contains("flow (flow/frame_0000.flo and 1 more)"));
+    assert_eq!((kinds.len(), &files[0]), (files.len(), &"flow/frame_0000.flo and 1 other file".into()), "{info}");
+    assert!(stdout(here, "info clip").contains("flow (flow/frame_0000.flo and 1 other file)"));
     let told = stdout(here, "run pair/frame10.png --estimator full-search");
     assert!(told.contains("truth       flow10.flo, occ_10.png\n") && told.contains("mean endpoint error"), "{told}");
     let run = json(here, "run pair/frame10.png --estimator full-search --json");

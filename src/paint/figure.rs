@@ -449,7 +449,8 @@ impl Layout<'_> {
 fn close_ups(parts: &[Part<'_>], options: &FigureOptions) -> Vec<Option<CloseUp>> {
     let Some(size) = parts.first().map(|part| part.pictures.pair[0].size()) else { return Vec::new() };
     let works: Vec<_> = parts.iter().map(|part| Work::of(part.scene, size)).collect();
-    let site = Site { size, room: [size.0 as f32, size.1 as f32], at_end: options.at_end, before: &[] };
+    let site =
+        Site { size, room: [size.0 as f32, size.1 as f32], at_end: options.at_end, before: &[], is_same_unit: false };
     CloseUp::of(options.focus, &works, site)
 }
 

@@ -4,8 +4,6 @@
 
 mod local;
 
-pub use local::reach_shown;
-
 use motionscope_core::scene::{Mark, Picture, Shape};
 use motionscope_core::{Role, Scene};
 
@@ -72,6 +70,10 @@ const LARGE: f32 = 6.0;
 const LEAST_SIDE: f32 = 22.0;
 /// Room around the work, as a share of it and in px.
 const MARGIN: (f32, f32) = (0.12, 2.0);
+/// Room on each side of a tracked object, in sizes of it: six of them are seen across.
+const OBJECT_MARGIN: f32 = 2.5;
+/// How much smaller than they could be shown works and tracked objects may be, before they are shown larger.
+const SLACK: (f32, f32) = (2.0, 10.0);
 /// Steps of magnification: coarse, so that a little more or less work does not change it.
 const STEPS: [f32; 13] = [1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0, 64.0, 96.0];
 /// More points or arrows in one mark are a result of many places, not the work of one step.
@@ -92,6 +94,9 @@ pub struct Work {
     pub is_picture_wide: bool,
     /// Whether there are only several of a kind, as all detections of a frame: then the step is about none of them alone.
     pub is_of_many: bool,
+    /// Whether the step is about an object that is tracked, predicted or estimated with its covariance: then its surroundings are
+    /// seen too.
+    is_object: bool,
 }
 
 impl Work {
@@ -130,6 +135,7 @@ impl Work {
             needed: inside(needed),
             is_picture_wide: scene.is_overview || marks().any(is_map) || is_example,
             is_of_many: own.is_empty() && !scene.is_overview,
+            is_object: !has_window && marks().any(is_state),
         })
     }
 
@@ -145,7 +151,8 @@ impl Work {
 
     /// The largest magnification at which it is seen with some room around it where `room` px are seen unmagnified.
     fn times(&self, room: [f32; 2]) -> f32 {
-        times(self.bounds, room)
+        let around = if self.is_object { OBJECT_MARGIN * self.side() } else { 0.0 };
+        times(self.bounds.grown(around), room)
     }
 }
 
@@ -170,6 +177,11 @@ fn has_twin(mark: &Mark, scene: &Scene) -> bool {
         (other.on, other.role, kind(&other.shape)) == (mark.on, mark.role, kind(&mark.shape)) && has_place
     };
     kind(&mark.shape).is_some() && scene.marks.iter().filter(|other| is_alike(other)).nth(1).is_some()
+}
+
+/// Whether a mark is the state of a tracked object, with its covariance.
+fn is_state(mark: &Mark) -> bool {
+    matches!(mark.shape, Shape::Ellipse { .. }) && matches!(mark.role, Role::Predicted | Role::Estimate)
 }
 
 /// The bounds of a mark, if it belongs to the work of a step: results, truth, trails and layers do not.
@@ -237,7 +249,7 @@ impl CloseUp {
     /// `room` is how many px of the picture of `size` px are seen unmagnified: as many as it has, or more. `before` holds those of the
     /// step before, which stay as they are while they serve.
     pub fn of(mode: FocusMode, works: &[Option<Work>], at: Site<'_>) -> Vec<Option<Self>> {
-        let Site { size, room, at_end, before } = at;
+        let Site { size, room, at_end, before, is_same_unit } = at;
         let picture = [size.0 as f32, size.1 as f32];
         let known: Vec<&Work> = works.iter().flatten().collect();
         let whole = || vec![None; works.len()];
@@ -253,11 +265,14 @@ impl CloseUp {
         let least = known.iter().map(|work| work.times(room)).fold(f32::INFINITY, f32::min);
         // Pictures of one and the same block are looked at in one and the same place.
         let needed = known.iter().map(|work| work.needed).reduce(union).unwrap_or(all);
-        let together = Work { bounds: all, needed, is_picture_wide: false, is_of_many: false };
-        let is_shared = together.times(room) >= least;
+        let together = Work { bounds: all, needed, is_picture_wide: false, is_of_many: false, is_object: false };
+        let is_shared = times(all, room) >= least;
         let kept = before.iter().flatten().next().map(|one| one.times);
         let most = known.iter().map(|work| times(work.needed, room)).fold(f32::INFINITY, f32::min);
-        let times = kept.filter(|kept| *kept <= most && 2.0 * kept > least).unwrap_or(least);
+        let slack = if known.iter().any(|work| work.is_object) { SLACK.1 } else { SLACK.0 };
+        // Within a unit what is seen only grows.
+        let may_stay = |kept: &f32| *kept <= most && (is_same_unit || slack * kept > least);
+        let times = kept.filter(may_stay).unwrap_or(least);
         if times <= 1.0 {
             return whole();
         }
@@ -297,6 +312,8 @@ pub struct Site<'a> {
     pub at_end: bool,
     /// The close-ups of the step before.
     pub before: &'a [Option<CloseUp>],
+    /// Whether that step was of the same unit.
+    pub is_same_unit: bool,
 }
 
 /// `center`, moved so that nothing beyond the picture is seen where the picture is larger than what is.
@@ -354,7 +371,7 @@ mod tests {
 
     fn of(mode: FocusMode, scenes: &[Scene], before: &[Option<CloseUp>]) -> Vec<Option<CloseUp>> {
         let works: Vec<_> = scenes.iter().map(|scene| Work::of(scene, SIZE)).collect();
-        CloseUp::of(mode, &works, Site { size: SIZE, room: ROOM, at_end: false, before })
+        CloseUp::of(mode, &works, Site { size: SIZE, room: ROOM, at_end: false, before, is_same_unit: false })
     }
 
     fn one(mode: FocusMode, scene: &Scene) -> Option<CloseUp> {
@@ -400,6 +417,11 @@ mod tests {
         let close = of(FocusMode::Auto, std::slice::from_ref(&scene), &[]);
         assert_eq!(close[0].map(|close| close.times), Some(4.0));
         assert_eq!(one(FocusMode::Auto, &start).map(|close| close.times), Some(3.0), "the window");
+        let works = [Work::of(&scene, SIZE)];
+        let before = [Some(CloseUp { center: [107.5, 87.5], times: 1.5 })];
+        let site = Site { size: SIZE, room: ROOM, at_end: false, before: &before, is_same_unit: true };
+        let within = CloseUp::of(FocusMode::Auto, &works, site)[0];
+        assert_eq!(within.map(|close| close.times), Some(1.5), "within a block what is seen only grows");
         let next = of(FocusMode::Auto, &[start], &close)[0];
         assert_eq!(next.map(|close| close.times), Some(4.0), "the view does not go back for a window");
     }
@@ -467,7 +489,7 @@ mod tests {
     #[test]
     fn the_end_is_shown_whole() {
         let works = [Work::of(&search(100, 80), SIZE)];
-        let site = Site { size: SIZE, room: ROOM, at_end: true, before: &[] };
+        let site = Site { size: SIZE, room: ROOM, at_end: true, before: &[], is_same_unit: false };
         assert_eq!(CloseUp::of(FocusMode::Auto, &works, site), [None]);
     }
 
@@ -495,7 +517,13 @@ mod tests {
         scene.mark(Picture::CURRENT, Role::Predicted, ellipse);
         scene.mark(Picture::CURRENT, Role::Measured, Shape::Points(vec![[69.0, 88.0]]));
         let close = one(FocusMode::Auto, &scene).unwrap();
-        assert!(close.times >= 8.0 && close.center[0] > 60.0 && close.center[0] < 70.0, "{close:?}");
+        assert!(close.times >= 3.0 && close.center[0] > 60.0 && close.center[0] < 70.0, "{close:?}");
+        let work = Work::of(&scene, SIZE).unwrap();
+        let seen = close.seen(ROOM).size();
+        assert!(seen.iter().all(|extent| *extent >= 6.0 * work.side()), "{seen:?} of {:?}", work.bounds);
+        let small = [Some(CloseUp { times: 2.0, ..close })];
+        let kept = of(FocusMode::Auto, std::slice::from_ref(&scene), &small)[0];
+        assert_eq!(kept.map(|close| close.times), Some(2.0), "from frame to frame it stays while it serves");
     }
 
     #[test]

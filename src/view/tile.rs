@@ -148,14 +148,26 @@ fn counted(count: &CandidateCount, info: &Info) -> [String; 3] {
     let (leg, of) = count.leg;
     let granularity = info.granularities.iter().rev().nth(2).filter(|_| of > 1);
     let at = granularity.map_or_else(String::new, |granularity| format!(", {granularity} {leg} of {of}"));
-    [format!("{here} candidates{at}"), format!("{here}{at}"), here]
+    [format!("{here} candidates{at}"), format!("candidate {here}{at}"), format!("candidate {here}")]
 }
 
 fn said(step: &Step, [long, short, shortest]: &[String; 3], in_all: &str) -> Vec<Sentence> {
     let Some(best) = best(step) else { return vec![Sentence::default().text(long.clone())] };
     let role = best.role.unwrap_or(Role::Best);
-    let line =
-        |before: String, after: String| Sentence::default().text(before).ink(role, best.value.clone()).text(after);
+    // A search that is over may have missed the global minimum.
+    let missed = step.readouts.iter().find_map(|readout| match readout {
+        Readout::Surface(surface) => {
+            surface.missed().map(|(_, cost)| format!(" (missed {})", grouped(cost.round() as usize)))
+        }
+        _ => None,
+    });
+    let marked = |line: Sentence| match &missed {
+        Some(missed) => line.ink(Role::Error, missed.clone()),
+        None => line,
+    };
+    let line = |before: String, after: String| {
+        marked(Sentence::default().text(before).ink(role, best.value.clone())).text(after)
+    };
     // In a narrow tile the cost alone: where it lies is seen in the picture.
     let cost = best.value.split_once(" px, ").map_or(&*best.value, |(_, cost)| cost);
     vec![
@@ -163,7 +175,7 @@ fn said(step: &Step, [long, short, shortest]: &[String; 3], in_all: &str) -> Vec
         line(format!("{long}  ·  "), String::new()),
         line(format!("{short}  ·  "), String::new()),
         line(format!("{shortest}  ·  "), String::new()),
-        Sentence::default().text(format!("{shortest}  ·  ")).ink(role, cost),
+        marked(Sentence::default().text(format!("{shortest}  ·  ")).ink(role, cost)),
     ]
 }
 

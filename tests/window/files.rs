@@ -117,7 +117,10 @@ fn what_the_clip_is_read_from_is_not_written_over() {
     let lesson = folder.path().join("lesson.motionscope");
     fs::write(&lesson, "motionscope = 1\nclip = \"clip\"\nestimator = \"full-search\"\n").expect("a session");
     let mut window = Window::with(vec2(1440.0, 900.0), Start { open: Some(lesson.clone().into()) });
-    assert!(window.harness.query_by_label_contains("from flow/frame_0000.flo and 1 more").is_some(), "truth is named");
+    assert!(
+        window.harness.query_by_label_contains("from flow/frame_0000.flo and 1 other file").is_some(),
+        "truth is named"
+    );
     let refused = |window: &mut Window, command: Command, path: &Path, why: &str| {
         window.command(command);
         window.harness.get_by_label("Output path").set_text_value_accesskit(&path.display().to_string());

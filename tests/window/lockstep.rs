@@ -28,6 +28,8 @@ fn heading(window: &Window, name: &str) -> Rect {
 fn four(window: &mut Window) {
     window.harness.key_press(Key::C);
     window.compared();
+    window.harness.get_by_label("Change…").click();
+    window.compared();
     window.harness.get_by_label("Predictive search").click();
     window.compared();
     window.click("Estimators in lockstep");

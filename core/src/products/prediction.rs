@@ -35,18 +35,24 @@ pub(super) const MEASURES: [Measure; 4] = [
     in_kilobytes(
         Measure::new(
             "residual_bits",
-            "Zero-order entropy of the residual of the motion-compensated prediction, in bits.",
+            "Zero-order entropy of the residual of the motion-compensated prediction, in bits (in comparisons in kB of 8000 bits).",
         ),
         "residual kB",
         "residual_kb",
     ),
     in_kilobytes(
-        Measure::new("vector_bits", "Zero-order entropy of the motion vectors of blocks, in bits."),
+        Measure::new(
+            "vector_bits",
+            "Zero-order entropy of the motion vectors of blocks, in bits (in comparisons in kB of 8000 bits).",
+        ),
         "vectors kB",
         "vectors_kb",
     ),
     in_kilobytes(
-        Measure::new("frame_bits", "Zero-order entropy of the frame without motion compensation, in bits."),
+        Measure::new(
+            "frame_bits",
+            "Zero-order entropy of the frame without motion compensation, in bits (in comparisons in kB of 8000 bits).",
+        ),
         "frame kB",
         "frame_kb",
     ),

@@ -453,7 +453,7 @@ mod tests {
         put(folder.path(), "flow08.flo", export::flo(&flow(5.0)));
         let clip = open(folder.path());
         assert_eq!(u(&clip, 1), Some(5.0));
-        assert_eq!(clip.truth().unwrap().names(), ["flow/frame_0007.flo and 1 more"]);
+        assert_eq!(clip.truth().unwrap().names(), ["flow/frame_0007.flo and 1 other file"]);
         // A person may mean it.
         let options = Open::from(Given { truth: Some(at("flow/frame_0009.png")), detections: None });
         let clip = media::open(folder.path(), &options).unwrap();
@@ -524,7 +524,7 @@ mod tests {
         let truth = clip.truth().unwrap();
         assert_eq!(
             (truth.kinds(), truth.names()),
-            (vec!["foreground"], vec!["groundtruth/gt000001.png and 1 more".to_owned()])
+            (vec!["foreground"], vec!["groundtruth/gt000001.png and 1 other file".to_owned()])
         );
         let mask = truth.foreground(1).unwrap().unwrap();
         assert_eq!(mask.0.cells()[..6], [Background, Shadow, Ignored, Ignored, Foreground, Foreground]);

@@ -62,7 +62,11 @@ impl Files {
     fn tell_from(&mut self, folder: &Path) {
         let fields = [&self.flows, &self.occlusions, &self.foregrounds].into_iter().filter_map(|files| {
             let first = name_from(folder, files.values().next()?);
-            Some(if files.len() > 1 { format!("{first} and {} more", files.len() - 1) } else { first })
+            Some(match files.len() - 1 {
+                0 => first,
+                1 => format!("{first} and 1 other file"),
+                others => format!("{first} and {others} other files"),
+            })
         });
         self.names = fields.chain(self.objects.iter().map(|objects| name_from(folder, &objects.path))).collect();
     }

@@ -1,12 +1,10 @@
 //! A cost or a similarity over displacements, as a map of colors that fills in as candidates are tested.
 
-use std::borrow::Cow;
 use std::sync::Arc;
 
 use motionscope_core::scene::Surface;
 use motionscope_core::{Grid, Role, fixed};
 
-use super::super::focus::reach_shown;
 use super::super::primitive::{Anchor, Primitive, Rect};
 use super::super::{Color, ColorMap, Theme, grouped, number};
 use super::axis::Axis;
@@ -29,10 +27,9 @@ pub struct HeatMap<'a> {
     pub whose: &'a str,
 }
 
-/// Lays the map out as large as it fits into `area`. While a search has tested only what lies around its first candidate, the
-/// rest of the window is left out.
+/// Lays the map out as large as it fits into `area`: the whole search window at every step, so that a displacement has one place.
 pub fn draw(data: HeatMap<'_>, area: Rect, style: ChartStyle) -> Drawing<Map> {
-    let (surface, theme) = (&*around_first(data.surface), style.theme);
+    let (surface, theme) = (data.surface, style.theme);
     // At the right stand the color bar and its numbers.
     let map = Map::new((surface.origin, surface.values.size()), area, 7.5, theme);
     let mut canvas = Canvas::default();
@@ -49,36 +46,6 @@ pub fn draw(data: HeatMap<'_>, area: Rect, style: ChartStyle) -> Drawing<Map> {
     color_bar(&mut canvas, &map, (surface, area), style);
     optimum(&mut canvas, &map, (surface, area), theme);
     Drawing { place: map, body: canvas.into_layers(), head: head(data, &map, area, None, style) }
-}
-
-/// The part of `surface` around the first candidate that holds all tested ones with a margin, where that is a small part. A search
-/// that is over is shown with all that it left out.
-fn around_first(surface: &Surface) -> Cow<'_, Surface> {
-    let whole = Cow::Borrowed(surface);
-    let tested = surface.path();
-    let Some(&first) = tested.first().filter(|_| surface.untested.is_none() && surface.truth.is_none()) else {
-        return whole;
-    };
-    let marked = tested.iter().chain(&surface.probe).chain(&surface.best);
-    let reach = marked.flat_map(|at| [0, 1].map(|i| (at[i] - first[i]).abs())).max().unwrap_or(0);
-    let (width, height) = surface.values.size();
-    let size = [width, height].map(|extent| extent as i32);
-    let Some(half) = reach_shown(reach as f32, size.map(|extent| extent as f32)) else { return whole };
-    let half = half as i32;
-    // A raster begins at a corner.
-    let is_inside = |i: usize| (half..size[i] - half).contains(&(first[i] - surface.origin[i]));
-    if !is_inside(0) || !is_inside(1) {
-        return whole;
-    }
-    let origin = first.map(|c| c - half);
-    let [left, top] = [0, 1].map(|i| (origin[i] - surface.origin[i]) as usize);
-    let side = (2 * half + 1) as usize;
-    Cow::Owned(Surface {
-        origin,
-        values: Grid::from_fn(side, side, |x, y| surface.values[(left + x, top + y)]),
-        events: Grid::from_fn(side, side, |x, y| surface.events[(left + x, top + y)]),
-        ..surface.clone()
-    })
 }
 
 /// What stands above the map: what is mapped, or what is known of the displacement that is pointed at.
@@ -445,28 +412,17 @@ mod tests {
     }
 
     #[test]
-    fn a_search_near_its_first_candidate_is_shown_in_part_until_it_is_over() {
+    fn the_whole_window_is_shown_however_little_is_tested() {
         let tested = |all: &[[i32; 2]]| {
             let at = |x: usize, y: usize| all.iter().position(|[u, v]| (u + 16, v + 16) == (x as i32, y as i32));
             let values = Grid::from_fn(33, 33, |x, y| at(x, y).map_or(f32::NAN, |i| (10 + i) as f32));
             let events = Grid::from_fn(33, 33, |x, y| at(x, y).map(|i| i + 2));
             Surface::new("SAD", [-16, -16], values, events)
         };
-        let part = |surface: &Surface| {
-            let part = around_first(surface);
-            (part.origin, part.values.size())
-        };
-        let diamond = [[0, 0], [0, -2], [1, -1], [2, 0]];
-        assert_eq!(part(&tested(&diamond)), ([-5, -5], (11, 11)));
-        assert_eq!(cost(&around_first(&tested(&diamond)), [1, -1]), Some(12.0), "at its own displacement");
-        let further = [&diamond[..], &[[6, 0]]].concat();
-        assert_eq!(part(&tested(&further)), ([-9, -9], (19, 19)));
-        let whole = ([-16, -16], (33, 33));
-        assert_eq!(part(&tested(&[&further[..], &[[10, 0]]].concat())), whole);
-        assert_eq!(part(&tested(&[[-16, -16], [-15, -16]])), whole, "a raster begins at a corner");
-        assert_eq!(part(&tested(&[])), whole);
-        let over = Surface { truth: Some([0.5, 0.0]), ..tested(&diamond) };
-        assert_eq!(part(&over), whole);
+        let area = Rect::new([20.0, 10.0], [500.0, 300.0]);
+        let map = |surface: &Surface| draw(HeatMap { surface, whose: "Diamond search" }, area, style()).place;
+        let steps = [&[][..], &[[0, 0], [0, -2]], &[[0, 0], [6, 0]], &[[0, 0], [10, 0]]].map(|all| map(&tested(all)));
+        assert!(steps.iter().all(|step| step.cell_rect([3, -4]) == steps[0].cell_rect([3, -4])));
     }
 
     #[test]

@@ -11,8 +11,8 @@ use super::{Rect, around, bounds_at_work};
 const REACHES: [f32; 2] = [5.0, 9.0];
 
 /// How far from the first displacement is shown where a search has gone as far as `reach` px in a window of `size` displacements;
-/// `None` where that is no small part of the window. The view of the pictures and the cost surface agree on it.
-pub fn reach_shown(reach: f32, size: [f32; 2]) -> Option<f32> {
+/// `None` where that is no small part of the window.
+fn reach_shown(reach: f32, size: [f32; 2]) -> Option<f32> {
     let is_small = |half: &f32| reach < *half && 3.0 * (2.0 * half + 1.0) <= 2.0 * size[0].min(size[1]);
     REACHES.into_iter().find(is_small)
 }

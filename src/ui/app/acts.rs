@@ -92,8 +92,11 @@ impl App {
     /// Executes a command if it is enabled.
     pub fn command(&mut self, command: Command) {
         use Command as C;
-        if !command.enabled(&self.now()) {
-            command.why_disabled().into_iter().for_each(|why| self.toasts.hint(why.to_owned()));
+        let now = self.now();
+        if !command.enabled(&now) {
+            // A key that is pressed again says it once.
+            let why = command.why_disabled(&now).filter(|why| self.toasts.last() != Some(why));
+            why.into_iter().for_each(|why| self.toasts.hint(why));
             return;
         }
         match command {

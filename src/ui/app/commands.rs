@@ -385,9 +385,17 @@ impl Command {
     }
 
     /// What is said when it is called by its key and is not enabled, where nothing on the screen says why.
-    pub fn why_disabled(self) -> Option<&'static str> {
+    pub fn why_disabled(self, now: &Situation) -> Option<&'static str> {
+        use Command as C;
         match self {
-            Command::LargerInterface => Some("The interface is as large as fits into this window."),
+            C::LargerInterface => Some("The interface is as large as fits into this window."),
+            C::Prediction | C::Residual if now.has_run => {
+                Some("The motion-compensated prediction needs the complete result, at the end of the run.")
+            }
+            C::NextLayer | C::Layer(_) | C::Streaks | C::LockScale if now.has_run && !now.available.has_field() => {
+                Some("This estimator has no dense flow to colour or to follow with streaklines.")
+            }
+            C::Lockstep if now.in_stage => Some("Lockstep compares whole estimators. Leave this stage first."),
             _ => None,
         }
     }

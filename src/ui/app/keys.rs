@@ -108,6 +108,31 @@ impl Opening {
         })
     }
 
+    /// Takes out of `events` a key that opens a field, and what is typed behind it, where Escape came before it in the same frame:
+    /// that closes what lies over the panes, which would not know the key.
+    fn behind_escape(events: &mut Vec<Event>) -> Option<Self> {
+        let (mut opening, mut escaped) = (None::<Self>, false);
+        events.retain(|event| {
+            if let Some(opening) = &mut opening {
+                return opening.take(event);
+            }
+            let Event::Key { key, modifiers, pressed: true, .. } = event else { return true };
+            if escaped {
+                opening = Command::of_key(*key, *modifiers, false).and_then(Self::of);
+            }
+            escaped |= *key == Key::Escape;
+            opening.is_none()
+        });
+        opening
+    }
+
+    /// Asks for what was typed, if anything was.
+    fn ask(self, actions: &mut Actions) {
+        if !self.typed.is_empty() {
+            actions.ask(Action::Type(self.command, self.typed, self.is_entered));
+        }
+    }
+
     /// Takes what is typed; gives whether `event` is left to others.
     fn take(&mut self, event: &Event) -> bool {
         match event {
@@ -135,6 +160,11 @@ pub fn take(ctx: &egui::Context, overlaid: bool, now: &Situation, actions: &mut 
         actions.ask(Action::Open(name));
     }
     if overlaid || ctx.text_edit_focused() {
+        let opening = ctx.input_mut(|input| Opening::behind_escape(&mut input.events));
+        if let Some(opening) = opening {
+            actions.command(opening.command);
+            opening.ask(actions);
+        }
         return;
     }
     let popup = Popup::is_any_open(ctx);
@@ -161,6 +191,8 @@ pub fn take(ctx: &egui::Context, overlaid: bool, now: &Situation, actions: &mut 
                 if command.enabled(now) {
                     opening = Opening::of(command);
                     actions.command(command);
+                } else if command.why_disabled(now).is_some() {
+                    actions.command(command);
                 }
                 false
             }
@@ -173,8 +205,8 @@ pub fn take(ctx: &egui::Context, overlaid: bool, now: &Situation, actions: &mut 
             _ => true,
         });
     });
-    if let Some(Opening { command, typed, is_entered }) = opening.filter(|opening| !opening.typed.is_empty()) {
-        actions.ask(Action::Type(command, typed, is_entered));
+    if let Some(opening) = opening {
+        opening.ask(actions);
     }
     ctx.data_mut(|data| data.insert_temp(Id::NULL, held));
     if moved {
@@ -245,6 +277,18 @@ mod tests {
             }
             assert_eq!(done, expected);
         }
+    }
+
+    #[test]
+    fn a_key_behind_escape_opens_its_field_with_what_is_typed() {
+        let key = |key, modifiers| Event::Key { key, physical_key: None, pressed: true, repeat: false, modifiers };
+        let palette = key(Key::K, eframe::egui::Modifiers::COMMAND);
+        let typed = || vec![palette.clone(), key(Key::M, Default::default()), Event::Text("m".into())];
+        let mut events = [vec![key(Key::Escape, Default::default())], typed()].concat();
+        let opening = Opening::behind_escape(&mut events).expect("it opens");
+        assert!(opening.command == Command::Palette && opening.typed == "m" && events.len() == 1);
+        let mut events = typed();
+        assert!(Opening::behind_escape(&mut events).is_none() && events.len() == 3, "a field in focus keeps its keys");
     }
 
     #[test]

@@ -35,12 +35,16 @@ use crate::view::sweep_plot;
 
 /// The largest number of estimators in a comparison.
 const MOST: usize = *lockstep::MEMBERS.end();
+/// Width of the column with the estimators' names, in sizes of its type.
+const NAME_LETTERS: f32 = 9.0;
 /// Pixels per point of a plot that is saved as a PNG.
 const SCALE: u32 = 2;
 
 /// The state of the open dialog.
 pub struct State {
     chosen: Vec<&'static str>,
+    /// Whether the estimators to choose from are shown; else the results have their room.
+    is_choosing: bool,
     sweep: Option<Sweep>,
     /// Index of the plotted column, once one was chosen; else the error, where it is known.
     plotted: Option<usize>,
@@ -82,6 +86,7 @@ impl State {
         // In the order of the course.
         chosen.sort_by_key(|id| all.iter().position(|other| other == id));
         Self {
+            is_choosing: false,
             chosen,
             sweep: None,
             plotted: None,
@@ -138,7 +143,12 @@ pub fn show(ctx: &egui::Context, state: &mut State, document: &Document, theme: 
             ScrollArea::both().max_height(height).min_scrolled_height(height).show(ui, |ui| measured(ui, course));
             return;
         }
-        choice(ui, state);
+        state.is_choosing |= state.chosen.is_empty();
+        if state.is_choosing {
+            choice(ui, state);
+        } else {
+            summary(ui, state);
+        }
         ui.add_space(4.0);
         ui.horizontal(|ui| {
             sweep(ui, state, document);
@@ -205,22 +215,35 @@ fn measured(ui: &mut Ui, course: &Background<Vec<CourseRow>>) {
 
 /// Shows a row: the feature, the three measurements, and whether the statement holds.
 fn line(ui: &mut Ui, row: &CourseRow) {
+    let size = TextStyle::Body.resolve(ui.style()).size;
     ui.vertical(|ui| {
-        ui.set_max_width(24.0 * TextStyle::Body.resolve(ui.style()).size);
+        ui.set_max_width(15.0 * size);
         let (what, unit) = row.feature.split_once(": ").unwrap_or((&row.feature, ""));
-        ui.label(RichText::new(what).family(style::bold()));
+        ui.add(Label::new(RichText::new(what).family(style::bold())).wrap());
         ui.add(Label::new(RichText::new(unit).small().weak()).wrap());
     });
     for cell in &row.measured {
         ui.label(RichText::new(cell).monospace());
     }
     ui.vertical(|ui| {
-        ui.set_max_width(24.0 * TextStyle::Body.resolve(ui.style()).size);
+        // The rest of the dialog's width, which the measurements leave.
+        ui.set_max_width((ui.clip_rect().max.x - ui.cursor().min.x - 12.0).clamp(12.0 * size, 24.0 * size));
         let verdict = RichText::new(row.verdict());
-        ui.label(if row.holds { verdict } else { verdict.family(style::bold()) });
+        ui.add(Label::new(if row.holds { verdict } else { verdict.family(style::bold()) }).wrap());
         ui.add(Label::new(RichText::new(row.said).small().weak()).wrap());
     });
     ui.end_row();
+}
+
+/// Names the chosen estimators, with a button that offers others.
+fn summary(ui: &mut Ui, state: &mut State) {
+    let named = |id: &&str| estimators().iter().find(|one| one.info().id == *id).map(|one| one.info().name);
+    let names: Vec<_> = state.chosen.iter().filter_map(named).collect();
+    ui.horizontal(|ui| {
+        let tip = "Choose the estimators to compare.";
+        state.is_choosing = ui.button("Change…").on_hover_text(tip).clicked();
+        ui.add(Label::new(names.join(", ")).truncate());
+    });
 }
 
 /// Chooses the estimators.
@@ -240,6 +263,9 @@ fn choice(ui: &mut Ui, state: &mut State) {
             .collect();
         state.chosen.retain(|id| !clicked.contains(id));
         ui.label(count);
+        if ui.button("Done").on_hover_text("Give the results the room.").clicked() {
+            state.is_choosing = false;
+        }
     });
     families(ui, state, &all);
     let wanted = state.wanted.to_lowercase();
@@ -538,7 +564,11 @@ fn table(
         }
         ui.end_row();
         for row in rows {
-            ui.label(row.estimator.info().name);
+            // Long names wrap, so that the columns with numbers have room.
+            ui.vertical(|ui| {
+                ui.set_width(NAME_LETTERS * TextStyle::Body.resolve(ui.style()).size);
+                ui.add(Label::new(row.estimator.info().name).wrap());
+            });
             if let Some((_, value)) = &row.swept {
                 ui.label(value);
             }

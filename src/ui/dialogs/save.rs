@@ -183,7 +183,9 @@ impl State {
             (_, Some(export)) => export.explained,
             (Kind::Steps, _) => "One numbered file for each step, into a folder.",
             (Kind::Session, _) => "A small text file: clip, estimator, parameters, step and view.",
-            _ if self.selection().panes.is_empty() => "What the stage shows, whole, with the same colours and lines.",
+            _ if self.selection().panes.is_empty() => {
+                "The whole picture of the stage, with the same colours and lines."
+            }
             _ => "The panes that are chosen, arranged on one sheet, the stage largest.",
         }
     }

@@ -26,6 +26,9 @@ pub struct Chosen {
     /// Whether the first takes the place of the stage.
     #[serde(skip)]
     pub is_enlarged: bool,
+    /// The most width that the tabs of an estimator's steps have needed, with its id and the size of their type.
+    #[serde(skip)]
+    widest: Option<(&'static str, f32, f32)>,
 }
 
 impl Chosen {
@@ -110,6 +113,8 @@ impl Panes<'_> {
             }
         }
         let mut chosen = None;
+        let id = self.view.shown.as_deref().map_or("", |shown| self.explained(shown).0.id);
+        let widest = &mut self.charts.widest;
         row_ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
             let now = seen[place];
             let padding = 2.0 * ui.spacing().button_padding.x + 1.0;
@@ -119,6 +124,10 @@ impl Panes<'_> {
                 ui.painter().layout_no_wrap(words, font.clone(), egui::Color32::PLACEHOLDER).size().x + padding
             };
             let needed: f32 = all.iter().map(width).sum();
+            // Steps with fewer charts keep the form that the longest row has, so that it does not change to and fro.
+            let known = widest.filter(|(of, size, _)| (*of, *size) == (id, font.size));
+            let needed = known.map_or(needed, |(.., before)| before.max(needed));
+            *widest = Some((id, font.size, needed));
             if needed <= ui.available_width() {
                 for pane in all {
                     let is_now = *pane == now;

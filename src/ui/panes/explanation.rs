@@ -275,8 +275,10 @@ pub struct Strip {
     shown: Option<(Arc<Step>, Vec<Column>)>,
 }
 
-/// Sizes of the strip's type that are tried until all of it is seen: 18 points on a projector, less for the longest alone.
-const TYPE_SHARES: [f32; 5] = [1.0, 0.93, 0.86, 0.8, 0.74];
+/// Sizes of the strip's type that are tried until all of it is seen: 18 points on a projector.
+const TYPE_SHARES: [f32; 3] = [1.0, 0.93, 0.86];
+/// Those for what is too long even with its formula in numbers alone.
+const SMALL_SHARES: [f32; 2] = [0.8, 0.74];
 /// Most lines of a formula that always stand below each other: a short one is read across otherwise.
 const ONE_COLUMN: usize = 3;
 /// Most rows of numbers in the strip.
@@ -303,13 +305,17 @@ impl Strip {
 pub fn strip(ui: &mut Ui, (input, kept): (Input<'_>, f32), state: &mut Strip) {
     let Input { step, theme, .. } = input;
     let key = Key { density: Density::strip(theme), ..key_of(ui, input, None) };
-    let width = key.width;
     let kept = kept - STRIP_MARGIN;
+    // Where even the smallest type leaves something out of sight, a bar that is always seen says so; its room is kept.
+    let scroll = &mut ui.spacing_mut().scroll;
+    (scroll.dormant_handle_opacity, scroll.dormant_background_opacity) = (0.6, 0.3);
+    scroll.floating_width = scroll.bar_width;
+    let width = key.width as f32 - scroll.allocated_width();
     if state.key != Some(key) || state.kept != kept {
         *state = Strip { key: Some(key), kept, ..Strip::default() };
     }
     let known = state.shown.take().filter(|(shown, _)| Arc::ptr_eq(shown, step));
-    let parts = |painter: &Painter| strip_parts(painter, input, [width as f32, kept]);
+    let parts = |painter: &Painter| strip_parts(painter, input, [width, kept]);
     let (shown, parts) = known.unwrap_or_else(|| (Arc::clone(step), parts(ui.painter())));
     let needed = parts.iter().map(|(_, part)| part.size.y).fold(0.0, f32::max).ceil();
     // It only grows, so that nothing jumps from step to step.
@@ -332,7 +338,7 @@ pub fn strip(ui: &mut Ui, (input, kept): (Input<'_>, f32), state: &mut Strip) {
             ui.painter().vline(x, top.y..=top.y + bottom, ui.visuals().widgets.noninteractive.bg_stroke);
         }
         for (i, (left, part)) in parts.iter().enumerate() {
-            let place = Rect::from_min_size(top + vec2(*left, 0.0), vec2(width as f32, needed));
+            let place = Rect::from_min_size(top + vec2(*left, 0.0), vec2(width, needed));
             let mut inside = ui.new_child(egui::UiBuilder::new().id_salt(i).max_rect(place));
             part.show(&mut inside, "strip");
         }
@@ -342,18 +348,57 @@ pub fn strip(ui: &mut Ui, (input, kept): (Input<'_>, f32), state: &mut Strip) {
 }
 
 /// The parts of the strip beside each other, each with its left edge, in the largest type in which all of it is seen: rather
-/// smaller than out of sight.
+/// without a formula's symbols, and then smaller, than out of sight.
 fn strip_parts(painter: &Painter, input: Input<'_>, [width, kept]: [f32; 2]) -> Vec<Column> {
     let usual = Density::strip(input.theme);
     let at = |share: &f32| Density { words: share * usual.words, math: share * usual.math, ..usual };
+    let formula = explanation::equation_of(input.step);
+    let brief = in_numbers(formula);
+    let whole = TYPE_SHARES.iter().map(|share| (share, formula));
+    let shorter = TYPE_SHARES.iter().filter(|_| brief.len() < formula.len()).chain(&SMALL_SHARES);
     let mut columns = Vec::new();
-    for density in TYPE_SHARES.iter().map(at) {
-        columns = strip_columns(input, (width, density), kept);
+    for (share, formula) in whole.chain(shorter.map(|share| (share, &brief[..]))) {
+        columns = strip_columns((input, formula), (width, at(share)), kept);
         if height(&columns, width) <= kept {
             break;
         }
     }
     columns.into_iter().map(|(left, block)| (left, Part::new(painter, block, input.info.family))).collect()
+}
+
+/// The formulas without lines of symbols alone: their numbers follow the name of the result at once.
+fn in_numbers(formula: &[Math]) -> Vec<Math> {
+    let mut brief: Vec<Math> = Vec::new();
+    for line in formula {
+        let is_value = line.plain().trim_start().starts_with('=');
+        let name = brief.last().filter(|_| is_value).and_then(result_of_symbols);
+        if let (Some(last), Some(name)) = (brief.last_mut(), name) {
+            *last = Math::Row(vec![name, Math::text(" "), line.clone()]);
+        } else {
+            brief.push(line.clone());
+        }
+    }
+    brief
+}
+
+/// What stands before the first "=" of a line of symbols; `None` for a line with numbers.
+fn result_of_symbols(line: &Math) -> Option<Math> {
+    let Math::Row(parts) = line else { return None };
+    let at = parts.iter().position(|part| matches!(part, Math::Text(text, _) if text.trim() == "="))?;
+    (at > 0 && !parts[at..].iter().any(has_number)).then(|| Math::Row(parts[..at].to_vec()))
+}
+
+/// Whether there is a number that is no index and no exponent.
+fn has_number(math: &Math) -> bool {
+    match math {
+        Math::Text(text, _) => text.contains(|c: char| c.is_ascii_digit()),
+        Math::Var(_) | Math::Bold(_) | Math::Sum(_) => false,
+        Math::Row(parts) => parts.iter().any(has_number),
+        Math::Sub(base, _) | Math::Sup(base, _) => has_number(base),
+        Math::Frac(top, bottom) => has_number(top) || has_number(bottom),
+        Math::Abs(inner) | Math::Sqrt(inner) | Math::Bar(inner) => has_number(inner),
+        Math::Matrix(rows) => rows.iter().flatten().any(has_number),
+    }
 }
 
 /// How high the parts are; where one reaches into the next, or beyond `width`, they do not fit at all.
@@ -364,9 +409,13 @@ fn height(columns: &[(f32, Block)], width: f32) -> f32 {
 }
 
 /// The sentence, and the formula in one column or two: as usual if that is no higher than `most`, or else whichever is lowest.
-fn strip_columns(input: Input<'_>, (width, density): (f32, Density), most: f32) -> Vec<(f32, Block)> {
+fn strip_columns(
+    (input, formula): (Input<'_>, &[Math]),
+    (width, density): (f32, Density),
+    most: f32,
+) -> Vec<(f32, Block)> {
     let Input { step, theme, .. } = input;
-    let (formula, facts) = (explanation::equation_of(step), explanation::facts_of(step));
+    let facts = explanation::facts_of(step);
     let sentence = |width: f32| explanation::sentence(&step.sentence, (width, density), theme);
     let lines = |lines: &[Math], width: f32| explanation::equation(lines, (width, density), theme);
     if formula.is_empty() && facts.is_empty() {
@@ -447,6 +496,15 @@ mod tests {
         let lines = ["c = a − b", "= 3 − 2", "u = m − c", "= 1", "v = n − c", "= 4"].map(Math::text);
         assert_eq!(cuts(&lines), [2, 4]);
         assert_eq!(cuts(&["u = m", "= 1", "= 2"].map(Math::text)), [2], "the middle where there is no other place");
+    }
+
+    #[test]
+    fn a_brief_formula_gives_the_numbers_of_its_symbols() {
+        let symbols = Math::Row(vec![Math::Var("u"), Math::text(" = "), Math::squared(Math::Var("a"))]);
+        let numbers = Math::Row(vec![Math::Var("w"), Math::text(" = "), Math::text("3 − 2")]);
+        let lines = [symbols, Math::text("= 9"), numbers, Math::text("= 1")];
+        let brief: Vec<String> = in_numbers(&lines).iter().map(Math::plain).collect();
+        assert_eq!(brief, ["u = 9", "w = 3 − 2", "= 1"]);
     }
 
     #[test]

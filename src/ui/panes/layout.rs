@@ -155,8 +155,8 @@ const LECTURE_SHARE: f32 = 0.552;
 const STRIP_LETTERS: f32 = 7.2;
 const STRIP_SHARE: f32 = 0.22;
 /// Share of the stage's height that the strip may take over what is kept for it, where its longest text is not whole otherwise:
-/// little enough that the pictures stay where they are.
-const STRIP_GROWTH: f32 = 0.045;
+/// two lines, and little enough that the pictures stay about where they are.
+const STRIP_GROWTH: f32 = 0.1;
 /// Between two panes.
 const GAP: f32 = 1.0;
 /// Half the width of a border for the pointer.
@@ -486,7 +486,7 @@ mod tests {
                 };
                 let heights = [0.0, 3.0, 5.0, 7.0, 20.0].map(height);
                 assert_eq!(heights[0], heights[2], "five lines always have room in {size:?} at {type_pt}");
-                assert!(heights[4] >= 0.95 * heights[0], "{heights:?} in {size:?} at {type_pt}");
+                assert!(heights[4] >= 0.89 * heights[0], "{heights:?} in {size:?} at {type_pt}");
             }
         }
     }

@@ -88,7 +88,7 @@ pub fn line(shown: &Snapshot) -> String {
     parts.join("  ·  ")
 }
 
-/// The parts of the run that it stands in, from the largest on, each with its name: `level 3 (coarsest 3)`, `warp 2 of 3`; without
+/// The parts of the run that it stands in, from the largest on, each with its name: `level 3 (3 is the coarsest)`, `warp 2 of 3`; without
 /// `totals` `level 3`, `warp 2`.
 fn place(shown: &Snapshot, totals: bool) -> Vec<(&'static str, String)> {
     let all = shown.place.iter().zip(shown.info.granularities);
@@ -97,7 +97,7 @@ fn place(shown: &Snapshot, totals: bool) -> Vec<(&'static str, String)> {
         (_, Some(1)) => None,
         // Levels are called by their number in the pyramid, as everywhere else: the last is the picture itself.
         (LEVEL, Some(of)) => {
-            let coarsest = if totals { format!(" (coarsest {})", of - 1) } else { String::new() };
+            let coarsest = if totals { format!(" ({} is the coarsest)", of - 1) } else { String::new() };
             Some((LEVEL, format!("level {}{coarsest}", of - 1 - granularity.index)))
         }
         (name, of) => Some((name, counted(name, granularity.index + 1, of.filter(|_| totals)))),

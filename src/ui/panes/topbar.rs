@@ -84,7 +84,11 @@ fn title(ui: &mut Ui, input: &Input, actions: &mut Actions) {
     ui.spacing_mut().item_spacing.x = 4.0;
     let info = input.document.estimator().info();
     let beside = input.document.side_by_side().beside.len();
-    let estimator = if beside == 0 { info.name.to_owned() } else { format!("{} and {beside} more", info.name) };
+    let estimator = if beside == 0 {
+        info.name.to_owned()
+    } else {
+        format!("{} and {beside} {}", info.name, if beside == 1 { "other" } else { "others" })
+    };
     let frame = input.at_frame.unwrap_or(input.document.frame());
     let is_single = input.document.estimator().is_of_single_frames();
     let frames = if is_single { format!("frame {frame}") } else { format!("frames {frame} → {}", frame + 1) };

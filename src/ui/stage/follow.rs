@@ -165,7 +165,8 @@ impl State {
             let works: Vec<_> = scenes.iter().map(|scene| Work::of(scene, size)).collect();
             let fit = Lens::new(pane, size, Zoom::Fit).scale;
             let room = (pane.size() / fit).into();
-            CloseUp::of(mode, &works, Site { size, room, at_end: input.stands.at_end, before })
+            let is_same_unit = last.as_ref().is_some_and(|last| last.cursor.unit == input.cursor.unit);
+            CloseUp::of(mode, &works, Site { size, room, at_end: input.stands.at_end, before, is_same_unit })
         };
         let next = Followed { cursor: input.cursor, mode, size, pane: pane.size(), close_ups };
         self.follow.last = last;
