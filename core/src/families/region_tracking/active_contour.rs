@@ -38,11 +38,12 @@ params! {
         /// Weight κ of the external energy.
         edge_weight: f32 = 1.0, 0.0..=10.0;
         /// Balloon pressure p. A positive one inflates the contour, a negative one deflates it, also where there is no edge.
-        balloon: f32 = 0.0, -0.5..=0.5, "1/px";
+        balloon: f32 = 0.0, -0.5..=0.5, "1/px²";
         /// Viscosity γ, the inverse of the time step. Small values move the contour far in an iteration, and may let it oscillate.
         gamma: f32 = 0.5, 0.05..=10.0;
-        /// Regularisation μ of gradient vector flow. Large values smooth the force more.
-        mu: f32 = 0.2, 0.01..=0.25;
+        /// Regularisation μ of gradient vector flow. Large values smooth the force more; above 0.2 the diffusion
+        /// steps would oscillate at strong edges.
+        mu: f32 = 0.2, 0.01..=0.2;
         /// Number of diffusion steps of gradient vector flow. Each extends the reach of the edges.
         diffusions: usize = 80, 1..=1000;
         /// Maximum number of iterations in a frame.

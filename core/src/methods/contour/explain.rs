@@ -33,16 +33,15 @@ pub(crate) fn judged(said: Sentence, verdict: &Verdict, min_edge: f32) -> Senten
     let said = said
         .text("The contour has a mean edge strength of ")
         .ink(Role::Measured, ratio(verdict.strength.into()))
-        .text(format!(" and encloses {}", area(verdict.area)));
+        .text(format!(" and encloses {}", area(verdict.area.abs())));
     if verdict.crosses {
         said.text(", but it crosses itself and has no inside. Less displacement per iteration or more rigidity keeps it smooth.")
+    } else if verdict.area <= -LEAST_AREA_PX {
+        said.text(", but it has turned inside out.")
     } else if verdict.area < LEAST_AREA_PX {
-        said.text(format!(
-            ", less than {}: it has collapsed, because no edge stopped its contraction.",
-            area(LEAST_AREA_PX)
-        ))
+        said.text(format!(", less than {}: it has collapsed.", area(LEAST_AREA_PX)))
     } else if verdict.is_lost {
-        said.text(format!(". That is below {}: most of it does not lie on an edge.", ratio(min_edge.into())))
+        said.text(format!(". That is below {}: on average its points do not lie on edges.", ratio(min_edge.into())))
     } else {
         said.text(format!(". That is not below {}: it lies on edges, and the fit is accepted.", ratio(min_edge.into())))
     }

@@ -60,7 +60,9 @@ impl Snake {
     pub(crate) fn judge(&self, edges: &Edges, points: &[Point]) -> Verdict {
         let strength = points.iter().map(|at| edges.strength_at(*at)).sum::<f32>() / points.len() as f32;
         let (area, crosses) = (polygon::area(points), polygon::crossing(points).is_some());
-        Verdict { strength, area, crosses, is_lost: crosses || area < LEAST_AREA_PX || strength < self.min_edge }
+        // What is not a number is no sound contour either.
+        let is_sound = !crosses && area >= LEAST_AREA_PX && strength >= self.min_edge;
+        Verdict { strength, area, crosses, is_lost: !is_sound }
     }
 
     /// Why the region of the first frame has no edge around it, if that is so.

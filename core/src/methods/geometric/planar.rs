@@ -63,7 +63,7 @@ pub struct Planarity {
     pub of_fundamental: f64,
     /// The criterion of the homography; the smaller one is the better model.
     pub of_homography: f64,
-    /// Share of the matches that are no outliers of the homography.
+    /// Share of the inliers of the fundamental matrix that are no outliers of the homography.
     pub share: f64,
     /// Standard deviation of a coordinate in px, from the median distance from the fundamental matrix.
     pub sigma_px: f64,
