@@ -25,6 +25,7 @@ impl Product for Shift {
         summary: "One displacement for the whole picture.",
         motion: Motion::Pixels,
         is_of_single_frames: false,
+        has_pictures: false,
         measures: &[&[LENGTH]],
     };
 
