@@ -258,24 +258,34 @@ fn grid<const R: usize, const C: usize>(matrix: &SMatrix<f64, R, C>) -> Grid<f64
     Grid::from_fn(C, R, |x, y| matrix[(y, x)])
 }
 
-/// Updates each mode with several measurements and their probabilities β_j. A mode is as likely as the sum of β_j Λ_j / Λ̄_j says, with
-/// its likelihood Λ_j of a measurement beside that of the mixture, Λ̄_j; a missed detection, β₀, favours no mode.
+/// Updates each mode with several measurements and their probabilities β_j, as in one PDA for each mode. The posterior of mode m is
+/// μ_m (β₀ + Σ β_j Λ_j^m / Λ̄_j), with its likelihood Λ_j^m of measurement j and the mean Λ̄_j of the likelihoods over the modes; within
+/// the mode, measurement j then has the share of its term in that sum.
 fn associated_modes(modes: &Modes, deviation: f64, measured: &[([f64; 2], f64)]) -> Option<Modes> {
-    let mut likelihoods = [1.0 - measured.iter().map(|&(_, beta)| beta).sum::<f64>(); 2];
+    let missed = (1.0 - measured.iter().map(|&(_, beta)| beta).sum::<f64>()).max(0.0);
+    let (mut likelihoods, mut own) = ([missed; 2], [Vec::new(), Vec::new()]);
     for &(place, beta) in measured {
         let one = Measurement { place, place_deviation: deviation, velocity: None };
         let logs = modes_of(modes, &one)?.log_likelihoods;
         let highest = logs[0].max(logs[1]);
         let relative = logs.map(|log| (log - highest).exp());
-        let mixture: f64 = (0..2).map(|m| modes.probabilities[m] * relative[m]).sum();
-        (0..2).for_each(|m| likelihoods[m] += beta * relative[m] / mixture.max(f64::MIN_POSITIVE));
+        let mixture = modes.probabilities[0] * relative[0] + modes.probabilities[1] * relative[1];
+        for m in 0..2 {
+            let share = beta * if mixture > 0.0 { relative[m] / mixture } else { 1.0 };
+            likelihoods[m] += share;
+            own[m].push((place, share));
+        }
+    }
+    for (own, all) in own.iter_mut().zip(likelihoods) {
+        // A mode that explains nothing keeps its prediction.
+        own.iter_mut().for_each(|(_, share)| *share = if all > 0.0 { *share / all } else { 0.0 });
     }
     let weights = [0, 1].map(|m| modes.probabilities[m] * likelihoods[m]);
     let sum = weights[0] + weights[1];
     Some(Modes {
-        velocity: associated(&modes.velocity, deviation, measured)?.estimate,
-        turn: associated(&modes.turn, deviation, measured)?.estimate,
-        probabilities: weights.map(|weight| weight / sum),
+        velocity: associated(&modes.velocity, deviation, &own[0])?.estimate,
+        turn: associated(&modes.turn, deviation, &own[1])?.estimate,
+        probabilities: if sum > 0.0 { weights.map(|weight| weight / sum) } else { modes.probabilities },
     })
 }
 
@@ -410,8 +420,11 @@ impl Filter {
         })
     }
 
-    /// Returns the matrices of [`Filter::associated`].
+    /// Returns the matrices of [`Filter::associated`]; `None` for interacting modes, each of which has its own.
     pub fn association_numbers(&self, deviation: f64, measured: &[([f64; 2], f64)]) -> Option<AssociationNumbers> {
+        if matches!(self, Self::Interacting(..)) {
+            return None;
+        }
         with!(self, |_motion, estimate| {
             let all = associated(estimate, deviation, measured)?;
             Some(AssociationNumbers {
@@ -469,8 +482,12 @@ impl Filter {
         place.squared_error(&truth.into())
     }
 
-    /// Returns the smoother gain C of [`smoothed`]; `None` where the predicted covariance is not positive definite.
+    /// Returns the smoother gain C of [`smoothed`]; `None` where the predicted covariance is not positive definite, and for interacting modes,
+    /// which are not smoothed.
     pub fn smoothing_gain(&self) -> Option<Grid<f64>> {
+        if matches!(self, Self::Interacting(..)) {
+            return None;
+        }
         with!(self, |motion, estimate| {
             let prediction = estimate.predicted(motion);
             smoothed(estimate, &prediction, &prediction.estimate).map(|smoothed| grid(&smoothed.gain))
@@ -506,5 +523,33 @@ impl Filter {
             None => numbers_of(estimate, measurement.of_place()),
             Some(velocity) => numbers_of(estimate, measurement.of_both(velocity)),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn interacting() -> (Filter, Measurement) {
+        let noises = Noises { acceleration: 0.5, turn_deg: 2.0, switch: 0.05 };
+        let at = |place| Measurement { place, place_deviation: 2.0, velocity: None };
+        let begun = Filter::begun(MotionModel::Interacting.model(noises), &at([10.0, 20.0]), 5.0);
+        (begun.predicted().updated(&at([14.0, 21.0])).expect("definite").0.predicted(), at([19.0, 25.0]))
+    }
+
+    #[test]
+    fn modes_are_updated_by_a_certain_measurement_as_by_that_alone_and_by_none_not_at_all() {
+        let (before, measured) = interacting();
+        let state = |filter: &Filter| (filter.state(), filter.probabilities().expect("modes"));
+        let close = |a: &Filter, b: &Filter| {
+            let ((a, p), (b, q)) = (state(a), state(b));
+            let all = a.iter().zip(&b).chain(p.iter().zip(&q));
+            all.into_iter().all(|(a, b)| (a - b).abs() < 1e-9)
+        };
+        let alone = before.updated(&measured).expect("definite").0;
+        let certain = before.associated(measured.place_deviation, &[(measured.place, 1.0)]).expect("definite");
+        assert!(close(&alone, &certain) && !close(&before, &certain), "{:?} {:?}", state(&alone), state(&certain));
+        let missed = before.associated(measured.place_deviation, &[(measured.place, 0.0)]).expect("definite");
+        assert!(close(&before, &missed), "{:?} {:?}", state(&before), state(&missed));
     }
 }
