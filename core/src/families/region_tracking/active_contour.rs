@@ -53,8 +53,9 @@ params! {
     }
     advanced { "gamma", "mu", "diffusions", "epsilon" }
     when {
-        "mu": |p| p.force == External::Flow, "The force is the gradient of the edge strength, which is not diffused.";
-        "diffusions": |p| p.force == External::Flow, "The force is the gradient of the edge strength, which is not diffused.";
+        "mu": |p| p.force == External::Flow, "Regularisation has no effect on the gradient of the edge strength, which is not diffused.";
+        "diffusions": |p| p.force == External::Flow,
+            "Diffusion steps have no effect on the gradient of the edge strength, which is not diffused.";
     }
 }
 
