@@ -186,9 +186,7 @@ fn solved(mut matrix: Vec<Vec<f64>>, mut right: Vec<f64>) -> Vec<f64> {
         right.swap(i, pivot);
         for row in i + 1..count {
             let factor = matrix[row][i] / matrix[i][i];
-            for column in i..count {
-                matrix[row][column] -= factor * matrix[i][column];
-            }
+            (i..count).for_each(|column| matrix[row][column] -= factor * matrix[i][column]);
             right[row] -= factor * right[i];
         }
     }

@@ -161,7 +161,7 @@ fn the_mean_alone_is_told(step: &Step, mean: [f32; 2]) {
     let lines = equation(step);
     assert_eq!(lines.len(), 2, "{lines:?}");
     for (line, mean) in lines.iter().zip(mean) {
-        assert!((numbers(line).pop().unwrap() - f64::from(mean)).abs() < 6e-4, "{line}");
+        assert!((numbers(line).pop().expect("a number") - f64::from(mean)).abs() < 6e-4, "{line}");
     }
     assert!(plane(step).points.iter().all(|(name, ..)| *name != "after"));
 }

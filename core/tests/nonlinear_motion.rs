@@ -501,7 +501,7 @@ fn sigma_points_are_drawn_and_moved() {
     let mut told = String::new();
     steps("unscented-turn", |walk| {
         let scene = walk.scene(None);
-        let has = |role, meaning| scene.legend.iter().any(|entry| *entry == (role, meaning));
+        let has = |role, meaning| scene.legend.contains(&(role, meaning));
         counts.push((has(Role::Candidate, "sigma points"), has(Role::Window, "moved sigma points")));
         told += &walk.step(None).sentence.plain();
     });

@@ -133,7 +133,7 @@ mod tests {
             &[[-3.0, 20.0], [30.0, 4.5], [2.0, -9.0]],
         ];
         for corners in shapes {
-            let mut found = vec![[false; 12]; 9];
+            let mut found = [[false; 12]; 9];
             fill(corners, (12, 9), |y, xs| xs.for_each(|x| found[y][x] = true));
             for (y, row) in found.iter().enumerate() {
                 for (x, is_found) in row.iter().enumerate() {

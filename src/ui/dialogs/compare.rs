@@ -484,7 +484,7 @@ enum Content {
     /// Rows as text.
     Table(String),
     /// A plot.
-    Plot(Series, Theme, Format),
+    Plot(Box<Series>, Theme, Format),
 }
 
 /// The first name for a table, or for the plot of a sweep.
@@ -504,7 +504,7 @@ fn encoded(rows: &[Arc<Row>], state: &State, (document, theme): (&Document, Them
     } else if rows.iter().any(|row| row.swept.is_some()) {
         let plotted = plotted(rows, state);
         let axis = state.sweep.as_ref().map_or("", |sweep| sweep.axis);
-        Content::Plot(sweep_plot::series(rows, &plotted, axis), theme, Format::of(&path)?)
+        Content::Plot(Box::new(sweep_plot::series(rows, &plotted, axis)), theme, Format::of(&path)?)
     } else {
         return Err(Error::new("only a sweep has a plot; choose one under Sweep, or save the table as .csv"));
     };

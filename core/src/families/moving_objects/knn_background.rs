@@ -132,7 +132,7 @@ impl KnnBackground {
         let [draws, chance] = [0, 1].map(|stream| hash(place, frames as u64, stream));
         let slot = |part: u64| (chance >> (8 * part) & 0xff) as usize % self.samples;
         // Each set has a random number of its own.
-        let is_due = |set: usize| (draws >> (20 * set)) % (1 << 20) % periods[set] == 0;
+        let is_due = |set: usize| ((draws >> (20 * set)) % (1 << 20)).is_multiple_of(periods[set]);
         let is_background = is_due(0) && self.has_near(sets, (color, channels), |_| true);
         for set in (0..periods.len()).rev().filter(|set| is_due(*set)) {
             let next = match set.checked_sub(1) {

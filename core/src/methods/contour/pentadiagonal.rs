@@ -117,13 +117,13 @@ mod tests {
                 let right: Vec<Point> = (0..count).map(|i| [(7 * i % 13) as f64, (5 * i % 11) as f64 - 4.0]).collect();
                 let mut x = right.clone();
                 Pentadiagonal::new(count, [alpha, beta, gamma]).solve(&mut x);
-                for i in 0..count {
+                for (i, right) in right.iter().enumerate() {
                     let at = |by: usize, k: usize| x[(i + count + by - 2) % count][k];
-                    for k in 0..2 {
+                    for (k, right) in right.iter().enumerate() {
                         let elastic = 2.0 * at(2, k) - at(1, k) - at(3, k);
                         let bending = at(0, k) - 4.0 * at(1, k) + 6.0 * at(2, k) - 4.0 * at(3, k) + at(4, k);
                         let left = alpha * elastic + beta * bending + gamma * at(2, k);
-                        assert!((left - right[i][k]).abs() < 1e-9, "row {i} of {count}: {left} for {}", right[i][k]);
+                        assert!((left - right).abs() < 1e-9, "row {i} of {count}: {left} for {right}");
                     }
                 }
             }

@@ -60,7 +60,7 @@ impl<const N: usize> SigmaPoints<N> {
     #[must_use]
     pub fn moved(&self, motion: &impl Motion<N>) -> Self {
         let pairs = self.pairs.each_ref().map(|pair| pair.each_ref().map(|point| motion.moved(point)));
-        Self { center: motion.moved(&self.center), pairs, factor: self.factor.clone() }
+        Self { center: motion.moved(&self.center), pairs, factor: self.factor }
     }
 
     /// Returns the weighted mean and covariance.
