@@ -43,7 +43,7 @@ impl Pose {
         ((trace - 1.0) / 2.0).clamp(-1.0, 1.0).acos().to_degrees()
     }
 
-    /// The essential matrix E = [t]ₓ R, by rows: x̂′ᵀ E x̂ = 0 for positions in units of the focal length from the principal point.
+    /// The essential matrix E = \[t\]ₓ R, by rows: x̂′ᵀ E x̂ = 0 for positions in units of the focal length from the principal point.
     pub fn essential(&self) -> Matrix3 {
         let [x, y, z] = self.translation;
         product(&[[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]], &self.rotation)
