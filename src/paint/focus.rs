@@ -270,7 +270,7 @@ impl CloseUp {
         let kept = before.iter().flatten().next().map(|one| one.times);
         let most = known.iter().map(|work| times(work.needed, room)).fold(f32::INFINITY, f32::min);
         let slack = if known.iter().any(|work| work.is_object) { SLACK.1 } else { SLACK.0 };
-        // Within a unit what is seen only grows.
+        // Within a unit the visible part only grows.
         let may_stay = |kept: &f32| *kept <= most && (is_same_unit || slack * kept > least);
         let times = kept.filter(may_stay).unwrap_or(least);
         if times <= 1.0 {
@@ -421,7 +421,7 @@ mod tests {
         let before = [Some(CloseUp { center: [107.5, 87.5], times: 1.5 })];
         let site = Site { size: SIZE, room: ROOM, at_end: false, before: &before, is_same_unit: true };
         let within = CloseUp::of(FocusMode::Auto, &works, site)[0];
-        assert_eq!(within.map(|close| close.times), Some(1.5), "within a block what is seen only grows");
+        assert_eq!(within.map(|close| close.times), Some(1.5), "within a block the visible part only grows");
         let next = of(FocusMode::Auto, &[start], &close)[0];
         assert_eq!(next.map(|close| close.times), Some(4.0), "the view does not go back for a window");
     }

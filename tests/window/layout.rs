@@ -317,7 +317,7 @@ fn sentence_and_formula_are_whole_in_a_lecture() {
             shapes
                 .filter(|clipped| strip.expand(4.0).contains_rect(clipped.clip_rect))
                 .for_each(|clipped| texts(&clipped.shape, clipped.clip_rect, &mut told));
-            assert!(!told.is_empty(), "{id}, {at}: nothing is told");
+            assert!(!told.is_empty(), "{id}, {at}: no text");
             let cut = told.iter().find(|word| !word.clip.expand(1.5).contains_rect(word.rect));
             assert_eq!(cut.map(|word| &word.text), None, "{id}, {at}");
         });

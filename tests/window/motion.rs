@@ -72,7 +72,7 @@ fn a_locked_scale_is_that_of_every_step_until_it_is_released() {
     let here = end(&window);
     window.command(Command::End);
     let usual = end(&window);
-    assert!(here > 0.0 && (usual - here).abs() > 0.05 * here, "the scale follows what is found: {here}, {usual}");
+    assert!(here > 0.0 && (usual - here).abs() > 0.05 * here, "an unlocked scale adapts to the step: {here}, {usual}");
     window.command(Command::LockScale);
     assert_eq!(window.app().settings().look.color_scale, Some(usual));
     window.command(Command::Start);

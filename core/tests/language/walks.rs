@@ -278,7 +278,7 @@ fn seen(estimator: &dyn AnyEstimator, [parts, objects]: [&Clip; 2]) -> Seen {
     seen
 }
 
-/// What is seen of every estimator, worked out once for all tests, on all cores, in the order of the course.
+/// The texts and lines of every estimator, collected once for all tests, on all cores, in the order of the course.
 pub static ALL: LazyLock<Vec<(Box<dyn AnyEstimator>, Seen)>> = LazyLock::new(|| {
     let clips = [parts(3), objects(26)];
     let one = |estimator: Box<dyn AnyEstimator>| {

@@ -107,7 +107,7 @@ commands! {
     NextLayer,
     /// Streaklines instead of arrows.
     Streaks,
-    /// The scale of the colours stays, or follows what is found.
+    /// Fixes the scale of the colours, or adapts it to each step.
     LockScale,
     /// Arrows as long as there is room.
     FittingArrows,

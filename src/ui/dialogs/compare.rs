@@ -9,7 +9,7 @@ use eframe::egui::{
 };
 use motionscope_core::compare::changed_alike;
 use motionscope_core::scene::Series;
-use motionscope_core::{AnyEstimator, Error, Info, Threads, estimators, lockstep};
+use motionscope_core::{AnyEstimator, Error, Info, Threads, estimator, estimators, lockstep};
 
 use super::path::PathField;
 use crate::experiment::comparison::{self, Column, Conditions, Repeats, Row};
@@ -237,7 +237,7 @@ fn line(ui: &mut Ui, row: &CourseRow) {
 
 /// Names the chosen estimators, with a button that offers others.
 fn summary(ui: &mut Ui, state: &mut State) {
-    let named = |id: &&str| estimators().iter().find(|one| one.info().id == *id).map(|one| one.info().name);
+    let named = |id: &&str| estimator(id).ok().map(|one| one.info().name);
     let names: Vec<_> = state.chosen.iter().filter_map(named).collect();
     ui.horizontal(|ui| {
         let tip = "Choose the estimators to compare.";

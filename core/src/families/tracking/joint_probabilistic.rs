@@ -250,8 +250,11 @@ impl Pointed<State> for JointProbabilistic {
 impl JointProbabilistic {
     /// Updates a track by all detections in its gate.
     fn updated(&self, track: &Track, detections: &[Detection], weights: &Weights) -> Track {
-        let associated = track.filter.associated(weights.deviation, &weights.measured);
-        let filter = associated.filter(|_| !weights.measured.is_empty()).unwrap_or(track.filter);
+        let filter = if weights.measured.is_empty() {
+            track.filter
+        } else {
+            track.filter.associated(weights.deviation, &weights.measured).unwrap_or(track.filter)
+        };
         let likeliest = weights.likeliest().filter(|_| weights.missed() < MORE_PROBABLE);
         match likeliest {
             Some((detection, _)) => {
