@@ -3,9 +3,13 @@
 mod common;
 
 use std::fs;
+use std::io::Cursor as Bytes;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
+use image::codecs::png::PngDecoder;
+use image::imageops::crop_imm;
+use image::{AnimationDecoder as _, DynamicImage};
 use motionscope::experiment::source::Source;
 use motionscope::media::{Open, open};
 use motionscope::session::Session;
@@ -397,6 +401,49 @@ fn steps_are_exported_one_by_one_or_block_by_block() {
     stdout(here, &format!("export {SMALL} --estimator full-search --steps 11..99 --every block --out rest"));
     assert_eq!((count("steps"), count("blocks"), count("rest")), (6, 4, 2));
     assert!(here.join("steps/step_00005.png").exists() && here.join("blocks/step_00003.svg").exists());
+}
+
+#[test]
+fn an_animation_shows_the_exported_steps() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let export = format!("export {SMALL} --estimator full-search --steps 2.1..2.6");
+    stdout(here, &format!("{export} --legend --out steps"));
+    let said = stdout(here, &format!("{export} --legend --animation steps.apng --rate 5"));
+    assert_eq!(said, "6 pictures in steps.apng\n");
+    let decoder = PngDecoder::new(Bytes::new(fs::read(here.join("steps.apng")).unwrap())).unwrap();
+    let frames = decoder.apng().unwrap().into_frames().collect_frames().unwrap();
+    assert_eq!(frames.len(), 6);
+    for (index, frame) in frames.iter().enumerate() {
+        let picture = image::open(here.join(format!("steps/step_{index:05}.png"))).unwrap().into_rgb8();
+        let seen = DynamicImage::ImageRgba8(frame.buffer().clone()).into_rgb8();
+        // Where a legend takes fewer lines, the rest is filled up.
+        let part = crop_imm(&seen, 0, 0, picture.width(), picture.height()).to_image();
+        assert!(part == picture, "picture {index}");
+    }
+    for (asked, wanted) in [
+        ("--animation steps.avi", ".gif, .apng, .webp or .mp4"),
+        ("--animation steps.gif --rate 900", "0.1 to 50 steps per second"),
+        ("--animation no/steps.gif", "no/steps.gif"),
+        ("--animation steps.gif --out steps", "cannot be used with"),
+    ] {
+        let said = refusal(here, &format!("{export} {asked}"));
+        assert!(said.contains(wanted), "{said}");
+    }
+    let mut names: Vec<_> = fs::read_dir(here).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    names.sort();
+    assert_eq!(names, ["steps", "steps.apng"], "what is refused leaves nothing");
+}
+
+#[test]
+fn without_ffmpeg_an_mp4_says_what_to_do() {
+    let folder = tempfile::tempdir().unwrap();
+    let line = format!("export {SMALL} --estimator full-search --steps 2.1..2.2 --animation steps.mp4");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_motionscope"));
+    let output = command.current_dir(folder.path()).args(line.split_whitespace()).env("PATH", "").output().unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(!output.status.success() && said.contains("install it, or save as .gif, .apng or .webp"), "{said}");
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
 #[test]

@@ -56,6 +56,7 @@ use motionscope::view::look::Look;
 use motionscope::view::motion::Reverse;
 use motionscope::view::panes::Selection;
 use motionscope::view::rendering::Format;
+use motionscope::view::steps::Range;
 use motionscope_core::scene::{Focus, Readout};
 use motionscope_core::{Cursor, Value, metrics};
 
@@ -619,7 +620,7 @@ fn what_is_still_being_written_is_not_cut_short_by_the_next() {
     };
     let mut window = Window::usual();
     let (from, to) = (Cursor { unit: 0, event: 1 }, Cursor { unit: 0, event: 12 });
-    let steps = OutputKind::Steps { from, to, granularity: 2, format: Format::Png };
+    let steps = OutputKind::Steps(Range { from, to, granularity: 2 }, Format::Png);
     window.harness.state_mut().write(order(steps, "steps"));
     window.harness.state_mut().write(order(OutputKind::Picture, "one.png"));
     assert!(window.app().message().is_some_and(|text| text.contains("still being saved")));

@@ -9,6 +9,7 @@ use motionscope_core::{Cursor, Pace, Threads};
 use super::examples;
 use super::look::LookFlags;
 use crate::experiment::pixel::Pixel;
+use crate::media::export::Timing;
 use crate::results::Asked;
 use crate::session;
 use crate::view::panes::Named;
@@ -256,16 +257,25 @@ pub struct ExportArgs {
     /// First and last step, inclusive.
     #[arg(long, help_heading = "Output", value_name = "A..B", value_parser = steps)]
     pub steps: (Cursor, Cursor),
-    /// Output folder.
-    #[arg(long, help_heading = "Output", value_name = "DIR")]
-    pub out: PathBuf,
+    /// Folder for numbered pictures.
+    #[arg(long, help_heading = "Output", value_name = "DIR", required_unless_present = "animation")]
+    pub out: Option<PathBuf>,
+    /// Save the steps as one animation instead: .gif, .apng, .webp or, by ffmpeg, .mp4.
+    #[arg(long, help_heading = "Output", value_name = "FILE", conflicts_with_all = ["out", "format"])]
+    pub animation: Option<PathBuf>,
+    /// Steps per second of the animation, 0.1 to 50.
+    #[arg(long, help_heading = "Output", value_name = "HZ", default_value_t = Timing::default().rate_hz, value_parser = rate, requires = "animation")]
+    pub rate: f32,
+    /// Blended pictures that lead from each step of the animation to the next.
+    #[arg(long, help_heading = "Output", value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(..=i64::from(Timing::MOST_BETWEEN)), requires = "animation")]
+    pub between: u32,
     /// Overwrite input files, or save among the frames of the clip.
     #[arg(long, help_heading = "Output")]
     pub force: bool,
     /// Save one picture per granularity of the estimator, e.g. block; one per event by default.
     #[arg(long, help_heading = "Output", value_name = "GRANULARITY")]
     pub every: Option<String>,
-    /// Format: png, svg or pdf.
+    /// Format of the pictures: png, svg or pdf.
     #[arg(long, help_heading = "Output", default_value = "png", value_parser = format)]
     pub format: Format,
 }
@@ -286,6 +296,12 @@ fn format(ending: &str) -> Result<Format, String> {
 
 fn pace(id: &str) -> Result<Pace, String> {
     session::pace(id).map_err(|error| error.to_string())
+}
+
+fn rate(text: &str) -> Result<f32, String> {
+    let range = Timing::RATE_HZ;
+    let message = || format!("the rate is from {} to {} steps per second, not {text}", range.start(), range.end());
+    text.parse().ok().filter(|rate| range.contains(rate)).ok_or_else(message)
 }
 
 fn cursor(text: &str) -> Result<Cursor, String> {

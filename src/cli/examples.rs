@@ -10,6 +10,7 @@ Examples:
   motionscope run ball.mp4 --estimator full-search --frame 3 --set search-range=8 --overlay ball.png
   motionscope run synth:pillar --estimator full-search --json
   motionscope export synth:pillar --estimator full-search --steps 35..36 --out steps
+  motionscope export synth:pillar --estimator diamond --steps 164..165 --animation diamond.gif
 
 A CLIP is a video, an animation, an image of a numbered sequence, two pictures, a folder of
 images, a printf pattern such as frame%02d.png, a session (*.motionscope), `-` for Y4M on
@@ -64,7 +65,8 @@ Examples:
 pub const EXPORT: &str = "\
 Examples:
   motionscope export synth:pillar --estimator full-search --steps 35..35.20 --out steps
-  motionscope export synth:pillar --estimator full-search --steps 1..50 --every block --format svg --out blocks";
+  motionscope export synth:pillar --estimator full-search --steps 1..50 --every block --format svg --out blocks
+  motionscope export synth:pillar --estimator diamond --steps 164..165 --caption --animation diamond.gif --rate 4";
 
 /// Of `compare`.
 pub const COMPARE: &str = "\

@@ -1,45 +1,54 @@
-//! `motionscope export`: saves pictures of a range of steps.
+//! `motionscope export`: saves a range of steps as pictures or as an animation.
 
 use motionscope_core::{Error, Info};
 
 use super::args::ExportArgs;
-use super::outputs::refuse_losses;
+use super::outputs::{check_folder, refuse_losses};
 use super::say;
 use super::task;
-use crate::media::export::Target;
+use crate::media::export::{AnimationFormat, Target, Timing};
 use crate::view::panes::Selection;
-use crate::view::steps::{self, Steps};
+use crate::view::steps::{self, Medium, Range, Steps};
 
 /// Saves the pictures that `args` ask for, each file atomically.
 ///
 /// # Errors
 /// One sentence if anything named does not exist, cannot run or cannot be written.
 pub fn export(args: &ExportArgs) -> Result<(), Error> {
+    if let Some(file) = &args.animation {
+        // Before anything runs.
+        AnimationFormat::of(file)?;
+        check_folder(file)?;
+    }
     let session = task::session(&args.task, &args.picture)?;
     let (look, pixel) = (task::look(&session), task::pixel(session.position, &args.picture));
     let prepared = task::prepare(&args.task, session.experiment)?;
     let info = prepared.experiment.info();
     let granularity = args.every.as_deref().map(|name| granularity(info, name)).transpose()?;
+    let (from, to) = args.steps;
     let steps = Steps {
-        from: args.steps.0,
-        to: args.steps.1,
-        granularity: granularity.unwrap_or(info.granularities.len() - 1),
-        format: args.format,
+        range: Range { from, to, granularity: granularity.unwrap_or(info.granularities.len() - 1) },
         scale: args.picture.scale,
         look,
         panes: Selection::of(&args.sheet.panes),
         pixel,
         must_have_layer: args.picture.look.0.has("layer"),
     };
-    let out = [("out", Target::Numbered(&args.out, steps::STEP))];
-    refuse_losses(&prepared.inputs, &out, args.force)?;
-    // Told before the first is written, so that a range that is too long can be given up in time.
-    let tell = |count: usize| match count {
-        1 => eprintln!("1 picture is saved into {}", args.out.display()),
-        count => eprintln!("{count} pictures are saved into {}", args.out.display()),
+    let timing = Timing { rate_hz: args.rate, between: args.between };
+    let (medium, place) = match (&args.animation, &args.out) {
+        (Some(file), _) => (Medium::Animation(file, timing), ("animation", Target::File(file))),
+        (None, Some(folder)) => (Medium::Pictures(folder, args.format), ("out", Target::Numbered(folder, steps::STEP))),
+        (None, None) => return Err(Error::new("name a folder with --out or a file with --animation")),
     };
-    let written = steps.write_counted(&prepared, &args.out, None, Some(&tell))?;
-    say(&format!("{} in {}{}", written.pictures(), args.out.display(), written.without()))
+    refuse_losses(&prepared.inputs, &[place], args.force)?;
+    let to = place.1.path().display();
+    // Said before the first is painted, so that a range that is too long can be given up in time.
+    let tell = |count: usize| match count {
+        1 => eprintln!("1 picture is saved into {to}"),
+        count => eprintln!("{count} pictures are saved into {to}"),
+    };
+    let written = steps.write(&prepared, medium, None, Some(&tell))?;
+    say(&format!("{} in {to}{}", written.pictures(), written.without()))
 }
 
 /// Returns the index of the granularity `name`; the run as a whole is none.

@@ -1,4 +1,4 @@
-//! Export of a range of steps as numbered pictures.
+//! Export of a range of steps as numbered pictures, or as one animation.
 
 use std::path::Path;
 
@@ -9,22 +9,29 @@ use super::moment::Viewer;
 use super::motion::{AvailableLayers, Reverse, Site};
 use super::panes::Selection;
 use super::rendering::{Format, Rendering};
+use super::sheet::Layout;
 use super::tile::{self, tiles};
 use crate::experiment::Prepared;
 use crate::experiment::pixel::Chosen;
+use crate::media::export::{AnimationFormat, Reel, Timing};
 use crate::media::{Progress, export};
 use crate::paint::FlowLayer;
 
-/// A range of steps to be saved as numbered pictures.
-pub struct Steps {
+/// Steps of a run at which a granularity stops.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Range {
     /// The first step.
     pub from: Cursor,
     /// The last step; beyond the end of the run, its end.
     pub to: Cursor,
-    /// The granularity whose stops are written.
+    /// The granularity whose stops are shown.
     pub granularity: usize,
-    /// The file format.
-    pub format: Format,
+}
+
+/// A range of steps to be saved as pictures.
+pub struct Steps {
+    /// The steps.
+    pub range: Range,
     /// Pixels for each pixel of the clip.
     pub scale: u32,
     /// The view options.
@@ -35,6 +42,15 @@ pub struct Steps {
     pub pixel: Option<Chosen>,
     /// Whether a layer that no step has is an error.
     pub must_have_layer: bool,
+}
+
+/// What a range of steps is saved as.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Medium<'a> {
+    /// Numbered pictures in a folder, `step_00000.png` and so on.
+    Pictures(&'a Path, Format),
+    /// One animation in a file; the ending of its name is the format.
+    Animation(&'a Path, Timing),
 }
 
 /// The prefix of the file names.
@@ -85,29 +101,55 @@ impl Steps {
     /// Returns the progress at the cursor of `walk`, from 0 to 1.
     fn share(&self, walk: &dyn Walk) -> f32 {
         let place = |cursor: Cursor| cursor.unit as f32 + cursor.event.min(walk.events()) as f32 / walk.events() as f32;
-        let (from, to) = (place(self.from), place(self.to));
+        let (from, to) = (place(self.range.from), place(self.range.to));
         ((place(walk.cursor()) - from) / (to - from).max(f32::MIN_POSITIVE)).clamp(0.0, 1.0)
     }
 
-    /// Writes `step_00000.png` … of the run of `prepared` into `folder`, each whole or not at all; gives how many.
+    /// Writes the steps of the run of `prepared`, each file whole or not at all; gives how many. Before the first picture is
+    /// painted, `tell` receives their number.
     ///
     /// # Errors
     /// If the estimator never has one of the panes, the run cannot start or breaks off, a pixel that is asked for cannot be
     /// explained at the first step, no step has the layer that they must have, a file cannot be written, or the work was cancelled.
-    pub fn write(&self, prepared: &Prepared, folder: &Path, progress: Option<&dyn Progress>) -> Result<Written, Error> {
-        self.write_counted(prepared, folder, progress, None)
-    }
-
-    /// The same; before the first is written, `tell` hears how many there will be.
-    ///
-    /// # Errors
-    /// As [`Steps::write`].
-    pub fn write_counted(
+    pub fn write(
         &self,
         prepared: &Prepared,
-        folder: &Path,
+        medium: Medium<'_>,
         progress: Option<&dyn Progress>,
         tell: Option<&dyn Fn(usize)>,
+    ) -> Result<Written, Error> {
+        match medium {
+            Medium::Pictures(folder, format) => self.each(prepared, progress, tell, |rendering, layout, index| {
+                if index == 0 {
+                    export::make_folder(folder)?;
+                }
+                let picture = rendering.encode_in(layout, format, self.scale)?;
+                export::save_result(&folder.join(Self::file_name(index, format)), &picture)
+            }),
+            Medium::Animation(path, timing) => {
+                let format = AnimationFormat::of(path)?;
+                let [r, g, b, _] = self.look.theme.chrome().panel.0;
+                let mut reel = Reel::new(timing, [r, g, b]);
+                let painting = progress.map(|progress| Part { progress, from: 0.0, to: PAINTING });
+                let painting = painting.as_ref().map(|part| part as &dyn Progress);
+                let written = self.each(prepared, painting, tell, |rendering, layout, _| {
+                    reel.push(rendering.encode_in(layout, Format::Png, self.scale)?)
+                })?;
+                let encoding = progress.map(|progress| Part { progress, from: PAINTING, to: 1.0 });
+                let bytes = reel.encode(format, encoding.as_ref().map(|part| part as &dyn Progress))?;
+                export::save_result(path, &bytes)?;
+                Ok(written)
+            }
+        }
+    }
+
+    /// Walks through the steps and hands over each, with the layout that all sheets share and its index.
+    fn each(
+        &self,
+        prepared: &Prepared,
+        progress: Option<&dyn Progress>,
+        tell: Option<&dyn Fn(usize)>,
+        mut take: impl FnMut(Rendering<'_>, &mut Option<Layout>, usize) -> Result<(), Error>,
     ) -> Result<Written, Error> {
         let Prepared { experiment, clip, .. } = prepared;
         let estimator = &*experiment.estimator;
@@ -124,17 +166,12 @@ impl Steps {
         if let Some(tell) = tell {
             tell(self.count(prepared, progress)?);
         }
-        export::make_folder(folder)?;
         let (mut written, mut layout) = (Written::default(), None);
-        while viewer.walk.cursor() <= self.to {
+        while viewer.walk.cursor() <= self.range.to {
             let focus = self.pixel.and_then(|pixel| pixel.on_the_way(&*viewer.walk));
             let moment = viewer.moment(focus)?;
-            let picture = Rendering { moment: &moment, estimator, look: &self.look, panes: &self.panes }.encode_in(
-                &mut layout,
-                self.format,
-                self.scale,
-            )?;
-            export::save_result(&folder.join(Self::file_name(written.count, self.format)), &picture)?;
+            let rendering = Rendering { moment: &moment, estimator, look: &self.look, panes: &self.panes };
+            take(rendering, &mut layout, written.count)?;
             written.add(layer.and_then(|layer| Some((layer, moment.why_without(layer)?))));
             if let Some(progress) = progress {
                 progress.report(self.share(&*viewer.walk));
@@ -142,17 +179,13 @@ impl Steps {
             if viewer.walk.at_end() {
                 break;
             }
-            travel(
-                &mut *viewer.walk,
-                Move::Granularity(self.granularity, Direction::Forward),
-                written.count,
-                progress,
-            )?;
+            let next = Move::Granularity(self.range.granularity, Direction::Forward);
+            travel(&mut *viewer.walk, next, written.count, progress)?;
         }
         viewer.walk.failure().map_or(Ok(written), |failure| Err(failure.clone()))
     }
 
-    /// How many pictures [`Steps::write`] writes, found by going through them without drawing any.
+    /// How many pictures [`Steps::write`] shows, found by going through them without drawing any.
     ///
     /// # Errors
     /// If the run cannot start or ends before the first step, or the work was cancelled.
@@ -161,26 +194,26 @@ impl Steps {
         let mut walk = experiment.walk(clip)?;
         self.begin(&mut *walk, progress)?;
         let mut count = 0;
-        while walk.cursor() <= self.to {
+        while walk.cursor() <= self.range.to {
             count += 1;
             if walk.at_end() {
                 break;
             }
-            travel(&mut *walk, Move::Granularity(self.granularity, Direction::Forward), 0, progress)?;
+            travel(&mut *walk, Move::Granularity(self.range.granularity, Direction::Forward), 0, progress)?;
         }
         Ok(count)
     }
 
     /// Goes to the first stop.
     fn begin(&self, walk: &mut dyn Walk, progress: Option<&dyn Progress>) -> Result<(), Error> {
-        travel(walk, Move::To(self.from), 0, progress)?;
-        if walk.cursor().unit < self.from.unit {
+        travel(walk, Move::To(self.range.from), 0, progress)?;
+        if walk.cursor().unit < self.range.from.unit {
             let short =
-                || Error::new(format!("the run ends at {}, before the first step {}", walk.cursor(), self.from));
+                || Error::new(format!("the run ends at {}, before the first step {}", walk.cursor(), self.range.from));
             return Err(walk.failure().cloned().unwrap_or_else(short));
         }
-        if self.granularity + 1 < walk.info().granularities.len() && walk.cursor().event < walk.events() {
-            travel(walk, Move::Granularity(self.granularity, Direction::Forward), 0, progress)?;
+        if self.range.granularity + 1 < walk.info().granularities.len() && walk.cursor().event < walk.events() {
+            travel(walk, Move::Granularity(self.range.granularity, Direction::Forward), 0, progress)?;
         }
         Ok(())
     }
@@ -198,19 +231,39 @@ impl Steps {
             AvailableLayers::at(Site { walk, clip, scene: &scene }).why_not(layer)
         };
         let Some(why) = why_not(walk) else { return Ok(()) };
-        travel(walk, Move::To(self.to), 0, progress)?;
+        travel(walk, Move::To(self.range.to), 0, progress)?;
         let at_last = why_not(walk);
         if at_last.is_some() && !layer.is_of_the_end() {
             self.begin(walk, progress)?;
-            while !walk.at_end() && walk.cursor() <= self.to {
+            while !walk.at_end() && walk.cursor() <= self.range.to {
                 if why_not(walk).is_none() {
                     return Ok(());
                 }
-                travel(walk, Move::Granularity(self.granularity, Direction::Forward), 0, progress)?;
+                travel(walk, Move::Granularity(self.range.granularity, Direction::Forward), 0, progress)?;
             }
         }
         let refused = format!("none of these steps has the layer {}: {why}; choose another --layer", layer.id());
         at_last.map_or(Ok(()), |_| Err(Error::new(refused)))
+    }
+}
+
+/// The share of the work on an animation after which its pictures are painted.
+const PAINTING: f32 = 0.7;
+
+/// A part of a longer computation, which reports its own progress from 0 to 1.
+struct Part<'a> {
+    progress: &'a dyn Progress,
+    from: f32,
+    to: f32,
+}
+
+impl Progress for Part<'_> {
+    fn report(&self, fraction: f32) {
+        self.progress.report(self.from + fraction * (self.to - self.from));
+    }
+
+    fn cancelled(&self) -> bool {
+        self.progress.cancelled()
     }
 }
 

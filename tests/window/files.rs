@@ -2,6 +2,8 @@
 
 use std::ffi::OsStr;
 
+use image::AnimationDecoder as _;
+
 use super::*;
 
 #[test]
@@ -68,6 +70,32 @@ fn a_range_of_steps_is_exported() {
         write_to(&mut window, &alone);
         assert!(fs::read(file).expect("a picture") == fs::read(&alone).expect("a picture"), "step {event}");
     }
+}
+
+#[test]
+fn a_range_of_steps_is_animated() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut window = Window::usual();
+    window.command(Command::ExportSteps);
+    let unit = window.cursor().unit;
+    let step = |event| Cursor { unit, event }.to_string();
+    window.harness.get_by_label("First step").set_text_value_accesskit(&step(10));
+    window.harness.get_by_label("Last step").set_text_value_accesskit(&step(13));
+    window.settle();
+    assert!(window.harness.query_by_label("Rate").is_none(), "pictures have none");
+    for label in ["GIF", "4", "1×", "Blended"] {
+        window.click_role(Role::Button, label);
+    }
+    assert!(window.harness.query_by_label("4 steps.").is_some());
+    let file = folder.path().join("steps.gif");
+    write_to(&mut window, &file);
+    let said = window.app().message().map(str::to_owned);
+    assert!(said.as_ref().is_some_and(|said| said.starts_with("Saved 4 pictures as")), "{said:?}");
+    let bytes = std::io::BufReader::new(fs::File::open(&file).expect("the file"));
+    let frames = image::codecs::gif::GifDecoder::new(bytes).expect("a GIF").into_frames();
+    let delays: Vec<u32> = frames.map(|frame| frame.expect("a picture").delay().numer_denom_ms().0).collect();
+    assert_eq!(delays.len(), 3 * 5 + 1, "four pictures lead from each step to the next");
+    assert_eq!(delays[..6], [130, 30, 30, 30, 30, 130], "half of a quarter of a second, in hundredths");
 }
 
 pub(super) fn write_to(window: &mut Window, path: &Path) {

@@ -4,6 +4,7 @@ use super::files::{command_line, paint, write_to};
 use super::*;
 use motionscope::ui::model::snapshot::Pointed;
 use motionscope::view::panes::Selection;
+use motionscope::view::steps::Range;
 
 /// A window on an estimator at a step, with further lines of its session.
 fn window(estimator: &str, step: &str, clip: &str) -> Window {
@@ -211,8 +212,8 @@ fn steps_are_written_about_the_pixel_that_is_held() {
     let [mine, lines] = ["mine", "lines"].map(|name| folder.path().join(name));
     let look = Session::load(&file).expect("a session").look.over(Look::default());
     let (from, to) = (Cursor { unit: 1, event: 1 }, Cursor { unit: 3, event: 1 });
-    let what =
-        OutputKind::Steps { from, to, granularity: window.shown().info.granularities.len() - 1, format: Format::Png };
+    let granularity = window.shown().info.granularities.len() - 1;
+    let what = OutputKind::Steps(Range { from, to, granularity }, Format::Png);
     window.harness.state_mut().write(Order { what, path: mine.clone(), scale: 1, look, panes: Selection::default() });
     window.settle();
     let words = ["motionscope", "export", "LESSON", "--steps", "2.1..4.1", "--out", "LINES"].map(|word| match word {

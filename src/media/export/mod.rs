@@ -1,5 +1,6 @@
 //! Encoding and saving of flow, tables, pictures and tracks. Encoders return bytes; only [`save`] writes files.
 
+mod animation;
 mod clip;
 mod flo;
 mod guard;
@@ -11,6 +12,7 @@ mod picture;
 mod save;
 mod written_files;
 
+pub use animation::{AnimationFormat, Reel, Timing};
 pub use clip::{clip, frame};
 pub use flo::flo;
 pub use guard::{Conflict, InputKind, Inputs, Target, check};

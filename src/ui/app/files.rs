@@ -341,7 +341,9 @@ impl App {
         let inputs = Arc::clone(&shown.subject.inputs);
         let work: Work = match order.what {
             OutputKind::Picture => Box::new(move |order, _| writer::picture(order, &shown)),
-            OutputKind::Steps { .. } => Box::new(move |order, progress| writer::steps(order, &shown, progress)),
+            OutputKind::Steps(..) | OutputKind::Animation(..) => {
+                Box::new(move |order, progress| writer::steps(order, &shown, progress))
+            }
             OutputKind::Session => {
                 let session = self.session(&shown);
                 Box::new(move |order, _| save_session(&session, &order.path))

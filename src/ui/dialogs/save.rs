@@ -8,7 +8,7 @@ use motionscope_core::{Cursor, Params, ProductKind, Value};
 
 use super::path::PathField;
 use crate::experiment::Prepared;
-use crate::media::export::Inputs;
+use crate::media::export::{AnimationFormat, Inputs, Timing};
 use crate::paint::grouped;
 use crate::results::{self, Export};
 use crate::ui::app::action::{Action, Actions, Browse};
@@ -20,10 +20,15 @@ use crate::ui::parts::widgets;
 use crate::view::look::{CaptionWords, Look};
 use crate::view::panes::{Angles, PANES, Pane, STAGE, Selection};
 use crate::view::rendering::Format;
-use crate::view::steps::Steps;
+use crate::view::steps::{Range, Steps};
 
 /// Scales that can be chosen.
 const SCALES: [u32; 4] = [1, 2, 4, 8];
+
+/// Rates of an animation that can be chosen, in steps per second.
+const RATES_HZ: [f32; 6] = [1.0, 2.0, 4.0, 8.0, 15.0, 25.0];
+/// Pictures between two steps of an animation that are blended of both.
+const BLENDED: u32 = 4;
 
 /// What the dialog writes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,7 +47,7 @@ impl Kind {
     fn title(self) -> &'static str {
         match self {
             Kind::Picture => "Export the picture of this step",
-            Kind::Steps => "Export pictures of several steps",
+            Kind::Steps => "Export several steps",
             Kind::Result => "Export the result so far",
             Kind::Session => "Save the session",
         }
@@ -50,14 +55,18 @@ impl Kind {
 
     /// What can be chosen, of an estimator that makes products of `kinds`; at least one.
     fn choices(self, kinds: &[&ProductKind]) -> Vec<Choice> {
-        let choice = |ending, doc| Choice { label: label(ending), ending, doc, export: None };
+        let choice = |ending, doc| Choice { label: label(ending), ending, doc, export: None, animation: None };
+        let pictures = [
+            choice("png", "PNG, pixels"),
+            choice("svg", "SVG, lines that stay sharp"),
+            choice("pdf", "PDF, a page with lines and words that stay sharp"),
+        ];
         match self {
-            Kind::Picture | Kind::Steps => {
-                vec![
-                    choice("png", "PNG, pixels"),
-                    choice("svg", "SVG, lines that stay sharp"),
-                    choice("pdf", "PDF, a page with lines and words that stay sharp"),
-                ]
+            Kind::Picture => pictures.into(),
+            Kind::Steps => {
+                let animations = AnimationFormat::ALL
+                    .map(|format| Choice { animation: Some(format), ..choice(format.extension(), format.doc()) });
+                pictures.into_iter().chain(animations).collect()
             }
             Kind::Session => vec![choice("motionscope", "Session")],
             Kind::Result => {
@@ -66,12 +75,14 @@ impl Kind {
                     ending: format.ending,
                     doc: format.doc,
                     export: Some(export),
+                    animation: None,
                 });
                 let folders = results::folders(kinds).map(|export| Choice {
                     label: export.name.into(),
                     ending: export.formats[0].ending,
                     doc: export.explained,
                     export: Some(export),
+                    animation: None,
                 });
                 files.chain(folders).collect()
             }
@@ -86,6 +97,8 @@ struct Choice {
     doc: &'static str,
     /// What writes it, if it is a result.
     export: Option<&'static Export>,
+    /// Its format, if it is an animation.
+    animation: Option<AnimationFormat>,
 }
 
 fn label(ending: &str) -> String {
@@ -119,6 +132,7 @@ pub struct State {
     from: String,
     to: String,
     granularity: usize,
+    timing: Timing,
     /// All files that the clip is read from.
     inputs: Arc<Inputs>,
     /// The target that was looked up, and what was found there.
@@ -126,7 +140,7 @@ pub struct State {
     /// The run whose steps are written.
     subject: Arc<Prepared>,
     /// The range whose pictures are being counted, or were.
-    counting: Option<((Cursor, Cursor, usize), Background<usize>)>,
+    counting: Option<(Range, Background<usize>)>,
 }
 
 /// What lies already where something is to be written.
@@ -161,6 +175,7 @@ impl State {
             from: from.to_string(),
             to: to.to_string(),
             granularity: Granularities::new(shown.info.granularities).event(),
+            timing: Timing::default(),
             inputs: Arc::clone(&shown.subject.inputs),
             found: None,
             subject: Arc::clone(&shown.subject),
@@ -181,6 +196,7 @@ impl State {
     fn explained(&self) -> &'static str {
         match (self.kind, self.choice().export) {
             (_, Some(export)) => export.explained,
+            (Kind::Steps, _) if self.choice().animation.is_some() => "One file that plays the steps again and again.",
             (Kind::Steps, _) => "One numbered file for each step, into a folder.",
             (Kind::Session, _) => "A small text file: clip, estimator, parameters, step and view.",
             _ if self.selection().panes.is_empty() => {
@@ -200,7 +216,8 @@ impl State {
 
     /// Whether several files are written into a folder.
     fn is_folder(&self) -> bool {
-        self.kind == Kind::Steps || self.choice().export.is_some_and(|export| export.folder.is_some())
+        let is_numbered = self.kind == Kind::Steps && self.choice().animation.is_none();
+        is_numbered || self.choice().export.is_some_and(|export| export.folder.is_some())
     }
 
     /// Where it is written to: a file has one of the endings of its kind.
@@ -222,7 +239,7 @@ impl State {
     fn find(&mut self, order: &Order) -> Found {
         let target = &order.path;
         let file = match self.kind {
-            Kind::Steps => target.join(Steps::file_name(0, self.format())),
+            Kind::Steps if self.is_folder() => target.join(Steps::file_name(0, self.format())),
             _ => target.to_owned(),
         };
         // Looking may take a while on a drive far away: once for each name.
@@ -240,16 +257,18 @@ impl State {
 
     /// How many pictures the range comes to, in words; they are counted on a thread of their own.
     fn counted(&mut self, ctx: &egui::Context) -> Option<String> {
-        let Ok(Order { what: OutputKind::Steps { from, to, granularity, format }, scale, look, panes, .. }) =
-            self.order()
-        else {
-            self.counting = None;
-            return None;
+        let order = self.order().map(|Order { what, scale, look, panes, .. }| (what, scale, look, panes));
+        let (range, scale, look, panes) = match order {
+            Ok((OutputKind::Steps(range, _) | OutputKind::Animation(range, _), scale, look, panes)) => {
+                (range, scale, look, panes)
+            }
+            _ => {
+                self.counting = None;
+                return None;
+            }
         };
-        let range = (from, to, granularity);
         if self.counting.as_ref().is_none_or(|(counted, _)| *counted != range) {
-            let steps =
-                Steps { from, to, granularity, format, scale, look, panes, pixel: None, must_have_layer: false };
+            let steps = Steps { range, scale, look, panes, pixel: None, must_have_layer: false };
             let (subject, ctx) = (Arc::clone(&self.subject), ctx.clone());
             let work = Background::new(
                 "count the steps",
@@ -259,8 +278,10 @@ impl State {
             self.counting = Some((range, work));
         }
         let (_, counting) = self.counting.as_ref()?;
+        let is_one = self.choice().animation.is_some();
         Some(counting.look(|outcome| match outcome {
             None => "Counting the pictures…".to_owned(),
+            Some(Ok(count)) if is_one => format!("{} steps.", grouped(*count)),
             Some(Ok(1)) => "Saves 1 file.".to_owned(),
             Some(Ok(count)) => format!("Saves {} files.", grouped(*count)),
             Some(Err(error)) => format!("{error}."),
@@ -296,7 +317,11 @@ impl State {
                 if to < from {
                     return Err("The last step lies before the first.".into());
                 }
-                OutputKind::Steps { from, to, granularity: self.granularity, format: self.format() }
+                let range = Range { from, to, granularity: self.granularity };
+                match self.choice().animation {
+                    Some(_) => OutputKind::Animation(range, self.timing),
+                    None => OutputKind::Steps(range, self.format()),
+                }
             }
         };
         Ok(Order { what, path, scale: self.scale, look: self.look, panes: self.selection() })
@@ -379,7 +404,10 @@ fn options(ui: &mut Ui, state: &mut State, granularities: Granularities) {
     if !matches!(state.kind, Kind::Picture | Kind::Steps) {
         return;
     }
-    if state.ending() == "png" {
+    if state.choice().animation.is_some() {
+        timing(ui, &mut state.timing);
+    }
+    if state.ending() == "png" || state.choice().animation.is_some() {
         line(ui, "Scale", |ui| {
             ui.spacing_mut().item_spacing.x = 4.0;
             for scale in SCALES {
@@ -402,6 +430,30 @@ fn options(ui: &mut Ui, state: &mut State, granularities: Granularities) {
                     state.look.set_value(index, Value::Switch(on)).unwrap_or_default();
                 }
                 ui.add_space(8.0);
+            }
+        }
+    });
+}
+
+/// The rate of an animation, and whether its steps turn into each other.
+fn timing(ui: &mut Ui, timing: &mut Timing) {
+    line(ui, "Rate", |ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        for rate_hz in RATES_HZ {
+            if ui.selectable_label(timing.rate_hz == rate_hz, format!("{rate_hz}")).clicked() {
+                timing.rate_hz = rate_hz;
+            }
+        }
+        ui.label(RichText::new("steps/s").weak());
+    });
+    line(ui, "Turn", |ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        for (between, label, tip) in [
+            (0, "At once", "Each step replaces the one before it at once."),
+            (BLENDED, "Blended", "Each step turns into the next by pictures that are blended of both."),
+        ] {
+            if ui.selectable_label(timing.between == between, label).on_hover_text(tip).clicked() {
+                timing.between = between;
             }
         }
     });

@@ -4,18 +4,18 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::Duration;
 
-use motionscope_core::{Cursor, Error, Output};
+use motionscope_core::{Error, Output};
 
 use super::background::Background;
 use super::snapshot::Snapshot;
 use crate::experiment::pixel::Chosen;
 use crate::media::Progress;
-use crate::media::export::{self, Inputs, Target};
+use crate::media::export::{self, Inputs, Target, Timing};
 use crate::results::Export;
 use crate::view::look::Look;
 use crate::view::panes::Selection;
 use crate::view::rendering::{Format, Rendering};
-use crate::view::steps::{STEP, Steps};
+use crate::view::steps::{Medium, Range, STEP, Steps};
 
 /// How often writing that waits for the run asks whether it was cancelled.
 const POLL: Duration = Duration::from_millis(50);
@@ -25,17 +25,10 @@ const POLL: Duration = Duration::from_millis(50);
 pub enum OutputKind {
     /// The step that is shown.
     Picture,
-    /// Steps from one cursor to another, at the stops of a granularity.
-    Steps {
-        /// The first.
-        from: Cursor,
-        /// The last.
-        to: Cursor,
-        /// The granularity.
-        granularity: usize,
-        /// What they are written as.
-        format: Format,
-    },
+    /// Numbered pictures of a range of steps.
+    Steps(Range, Format),
+    /// A range of steps as one animation.
+    Animation(Range, Timing),
     /// What the run has made so far.
     Result(&'static Export),
     /// Everything that reopens the window as it is.
@@ -61,9 +54,9 @@ impl OutputKind {
     /// Where this is written to, if `path` is what was chosen.
     fn target(self, path: &Path) -> Target<'_> {
         match self {
-            Self::Steps { .. } => Target::Numbered(path, STEP),
+            Self::Steps(..) => Target::Numbered(path, STEP),
             Self::Result(export) => export.target(path),
-            Self::Picture | Self::Session => Target::File(path),
+            Self::Picture | Self::Animation(..) | Self::Session => Target::File(path),
         }
     }
 }
@@ -116,17 +109,25 @@ pub fn picture(order: &Order, shown: &Snapshot) -> Result<String, Error> {
     Ok(format!("Saved {}.", order.path.display()))
 }
 
-/// Writes the pictures of several steps; says what was written.
+/// Writes several steps, as pictures or as an animation; says what was written.
 ///
 /// # Errors
 /// As [`Steps::write`].
 pub fn steps(order: &Order, shown: &Snapshot, progress: &dyn Progress) -> Result<String, Error> {
-    let OutputKind::Steps { from, to, granularity, format } = order.what else { return picture(order, shown) };
+    let path = &*order.path;
+    let (range, medium) = match order.what {
+        OutputKind::Steps(range, format) => (range, Medium::Pictures(path, format)),
+        OutputKind::Animation(range, timing) => (range, Medium::Animation(path, timing)),
+        OutputKind::Picture | OutputKind::Result(_) | OutputKind::Session => return picture(order, shown),
+    };
     let pixel = shown.held().map(Chosen::Held);
-    let (panes, scale) = (order.panes.clone(), order.scale);
-    let steps = Steps { from, to, granularity, format, scale, look: order.look, panes, pixel, must_have_layer: false };
-    let written = steps.write(&shown.subject, &order.path, Some(progress))?;
-    Ok(format!("Saved {} into {}{}.", written.pictures(), order.path.display(), written.without()))
+    let panes = order.panes.clone();
+    let steps = Steps { range, scale: order.scale, look: order.look, panes, pixel, must_have_layer: false };
+    let written = steps.write(&shown.subject, medium, Some(progress), None)?;
+    Ok(match medium {
+        Medium::Pictures(..) => format!("Saved {} into {}{}.", written.pictures(), path.display(), written.without()),
+        Medium::Animation(..) => format!("Saved {} as {}{}.", written.pictures(), path.display(), written.without()),
+    })
 }
 
 /// Writes a result as soon as it comes, in the format that the ending of `path` asks for; says what was written.

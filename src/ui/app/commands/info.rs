@@ -431,8 +431,8 @@ impl Command {
             C::ExportSteps => (
                 Menu::Export,
                 Icon::Images,
-                "Pictures of several steps…",
-                "Save a range of steps as numbered pictures.",
+                "Several steps…",
+                "Save a range of steps as numbered pictures, or as an animation: GIF, APNG, WebP or MP4.",
                 const { &[ctrl_shift(Key::E)] },
             ),
             C::ExportResult => (

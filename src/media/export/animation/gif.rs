@@ -1,0 +1,59 @@
+//! GIF: one palette for all pictures, and of each picture only what changes.
+
+use std::borrow::Cow;
+
+use ::gif::{DisposalMethod, Encoder, Frame, Repeat};
+use motionscope_core::Error;
+
+use super::palette::{COLORS, Palette};
+use super::{AnimationFormat, Area, Progress, Reel, failed};
+
+/// The index of pixels that stay as they were.
+const UNCHANGED: u8 = COLORS as u8;
+/// The shortest time that viewers respect, in hundredths of a second.
+const LEAST_DELAY: u32 = 2;
+
+/// Encodes `reel` as a GIF.
+///
+/// # Errors
+/// If a side is larger than 65 535 px or the work was cancelled.
+pub fn encode(reel: &Reel, progress: Option<&dyn Progress>) -> Result<Vec<u8>, Error> {
+    let too_large = || failed(AnimationFormat::Gif, &"it has at most 65\u{2009}535 px a side; choose a smaller scale");
+    let side = |side: u32| u16::try_from(side).map_err(|_| too_large());
+    let [width, height] = reel.size;
+    let (wide, tall) = (side(width)?, side(height)?);
+    let mut palette = Palette::of(reel, progress)?;
+    let mut bytes = Vec::new();
+    let why = |error: ::gif::EncodingError| failed(AnimationFormat::Gif, &error);
+    let mut encoder = Encoder::new(&mut bytes, wide, tall, &palette.bytes()).map_err(why)?;
+    encoder.set_repeat(Repeat::Infinite).map_err(why)?;
+    let mut before: Option<Vec<u8>> = None;
+    reel.each(progress, |_, shot| {
+        let now: Vec<u8> = shot.picture.pixels().map(|pixel| palette.index(pixel.0)).collect();
+        let (area, pixels) = match &before {
+            None => (Area::whole(reel.size), now.clone()),
+            Some(before) => {
+                let area = Area::of_changes([before, &now], width, 1);
+                let pairs = area.cut(before, width, 1).into_iter().zip(area.cut(&now, width, 1));
+                (area, pairs.map(|(old, new)| if old == new { UNCHANGED } else { new }).collect())
+            }
+        };
+        let frame = Frame {
+            // Not beyond `wide` and `tall`, which fit.
+            left: area.x as u16,
+            top: area.y as u16,
+            width: area.width as u16,
+            height: area.height as u16,
+            delay: ((shot.ms + 5) / 10).max(LEAST_DELAY) as u16,
+            dispose: DisposalMethod::Keep,
+            transparent: before.is_some().then_some(UNCHANGED),
+            buffer: Cow::Owned(pixels),
+            ..Frame::default()
+        };
+        encoder.write_frame(&frame).map_err(why)?;
+        before = Some(now);
+        Ok(())
+    })?;
+    drop(encoder);
+    Ok(bytes)
+}

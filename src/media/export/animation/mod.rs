@@ -1,0 +1,278 @@
+//! Animations of pictures: GIF, animated PNG and WebP; MP4 by the user's own ffmpeg.
+
+mod apng;
+mod gif;
+mod mp4;
+mod palette;
+mod webp;
+
+use std::io::Cursor;
+use std::path::Path;
+
+use image::{ImageFormat, Rgb, RgbImage};
+use motionscope_core::Error;
+
+use crate::media::Progress;
+
+/// The time for which the last picture stays before an animation begins anew, in milliseconds.
+const LAST_MS: u32 = 2000;
+/// The share of a picture's time in which it turns into the next, if it does.
+const TURN: f32 = 0.5;
+
+/// The file format of an animation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AnimationFormat {
+    /// 256 colours, chosen for all pictures together.
+    Gif,
+    /// Animated PNG, without loss.
+    Apng,
+    /// Animated WebP, without loss.
+    WebP,
+    /// H.264 video, encoded by the user's ffmpeg.
+    Mp4,
+}
+
+impl AnimationFormat {
+    /// All formats.
+    pub const ALL: [Self; 4] = [Self::Gif, Self::Apng, Self::WebP, Self::Mp4];
+
+    /// Returns the format by the extension of `path`.
+    ///
+    /// # Errors
+    /// A sentence with the extensions.
+    pub fn of(path: &Path) -> Result<Self, Error> {
+        let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+        // Animated PNG files are often called .png.
+        let extension = extension.map(|ending| if ending == "png" { "apng".to_owned() } else { ending });
+        let refused = || {
+            Error::new(format!("{}: the name of an animation must end in .gif, .apng, .webp or .mp4", path.display()))
+        };
+        let found = extension.and_then(|ending| Self::ALL.into_iter().find(|format| format.extension() == ending));
+        found.ok_or_else(refused)
+    }
+
+    /// Returns the file extension.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Gif => "gif",
+            Self::Apng => "apng",
+            Self::WebP => "webp",
+            Self::Mp4 => "mp4",
+        }
+    }
+
+    /// Returns what the format is good for.
+    pub fn doc(self) -> &'static str {
+        match self {
+            Self::Gif => "GIF, 256 colours, plays everywhere",
+            Self::Apng => "Animated PNG, exact colours, plays in browsers",
+            Self::WebP => "Animated WebP, exact colours, smaller than PNG",
+            Self::Mp4 => "MP4 video, encoded by the ffmpeg of this computer",
+        }
+    }
+}
+
+/// How fast an animation plays.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Timing {
+    /// Steps per second.
+    pub rate_hz: f32,
+    /// Pictures that lead from each step to the next, blended with an eased weight; 0 for none.
+    pub between: u32,
+}
+
+impl Timing {
+    /// The slowest and the fastest rate in steps per second; GIF has no shorter times than hundredths of a second.
+    pub const RATE_HZ: std::ops::RangeInclusive<f32> = 0.1..=50.0;
+    /// The largest number of pictures between two steps.
+    pub const MOST_BETWEEN: u32 = 8;
+
+    /// Returns the time of each picture in milliseconds: of a step, and of one that leads to the next.
+    fn times_ms(self) -> [u32; 2] {
+        let whole = 1000.0 / self.rate_hz.clamp(*Self::RATE_HZ.start(), *Self::RATE_HZ.end());
+        let ms = |time: f32| time.round().max(1.0) as u32;
+        match self.between {
+            0 => [ms(whole), 0],
+            count => [ms(whole * (1.0 - TURN)), ms(whole * TURN / count as f32)],
+        }
+    }
+}
+
+impl Default for Timing {
+    fn default() -> Self {
+        Self { rate_hz: 8.0, between: 0 }
+    }
+}
+
+/// The steps of an animation in order, each as a PNG file, so that hundreds fit into memory.
+pub struct Reel {
+    steps: Vec<Vec<u8>>,
+    /// Width and height that all of them fit into.
+    size: [u32; 2],
+    background: Rgb<u8>,
+    timing: Timing,
+}
+
+/// A picture of an animation and the time that it is shown, in milliseconds.
+struct Shot {
+    picture: RgbImage,
+    ms: u32,
+}
+
+impl Reel {
+    /// Returns an animation without pictures; where one is smaller than others, `background` is seen.
+    pub fn new(timing: Timing, background: [u8; 3]) -> Self {
+        Self { steps: Vec::new(), size: [1, 1], background: Rgb(background), timing }
+    }
+
+    /// Adds a step, as a PNG file.
+    ///
+    /// # Errors
+    /// If it is none.
+    pub fn push(&mut self, png: Vec<u8>) -> Result<(), Error> {
+        let header = ::png::Decoder::new(Cursor::new(&png)).read_info();
+        let (width, height) = header.map_err(|error| unread(&error))?.info().size();
+        self.size = [self.size[0].max(width), self.size[1].max(height)];
+        self.steps.push(png);
+        Ok(())
+    }
+
+    /// Encodes the animation; it plays again and again.
+    ///
+    /// # Errors
+    /// If there is no picture, it is too large for the format, ffmpeg is needed and missing, or the work was cancelled.
+    pub fn encode(&self, format: AnimationFormat, progress: Option<&dyn Progress>) -> Result<Vec<u8>, Error> {
+        if self.steps.is_empty() {
+            return Err(Error::new("there is no step to animate"));
+        }
+        match format {
+            AnimationFormat::Gif => gif::encode(self, progress),
+            AnimationFormat::Apng => apng::encode(self, progress),
+            AnimationFormat::WebP => webp::encode(self, progress),
+            AnimationFormat::Mp4 => mp4::encode(self, progress),
+        }
+    }
+
+    /// Returns the number of pictures.
+    fn shots(&self) -> usize {
+        (self.steps.len() - 1) * (1 + self.timing.between as usize) + 1
+    }
+
+    /// Hands all pictures over in order, after their index.
+    fn each(
+        &self,
+        progress: Option<&dyn Progress>,
+        mut take: impl FnMut(usize, Shot) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let [step_ms, between_ms] = self.timing.times_ms();
+        let (count, mut index) = (self.shots(), 0);
+        let mut give = |shot: Shot| {
+            if progress.is_some_and(|progress| progress.cancelled()) {
+                return Err(Error::new("saving was cancelled"));
+            }
+            take(index, shot)?;
+            index += 1;
+            if let Some(progress) = progress {
+                progress.report(index as f32 / count as f32);
+            }
+            Ok(())
+        };
+        let mut next = self.picture(0)?;
+        for step in 0..self.steps.len() {
+            let now = next;
+            if step + 1 == self.steps.len() {
+                return give(Shot { picture: now, ms: step_ms.max(LAST_MS) });
+            }
+            next = self.picture(step + 1)?;
+            let between: Vec<_> = (1..=self.timing.between).map(|i| blend([&now, &next], self.weight(i))).collect();
+            give(Shot { picture: now, ms: step_ms })?;
+            for picture in between {
+                give(Shot { picture, ms: between_ms })?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns the weight of the next step in the picture `i`, from 1, of those that lead to it: slow, fast, slow.
+    fn weight(&self, i: u32) -> f32 {
+        let share = i as f32 / (self.timing.between + 1) as f32;
+        share * share * (3.0 - 2.0 * share)
+    }
+
+    /// Decodes a step; it is put at the top left of a picture of the common size.
+    fn picture(&self, step: usize) -> Result<RgbImage, Error> {
+        let png = image::load_from_memory_with_format(&self.steps[step], ImageFormat::Png);
+        let picture = png.map_err(|error| unread(&error))?.into_rgb8();
+        let [width, height] = self.size;
+        if picture.dimensions() == (width, height) {
+            return Ok(picture);
+        }
+        let mut whole = RgbImage::from_pixel(width, height, self.background);
+        image::imageops::replace(&mut whole, &picture, 0, 0);
+        Ok(whole)
+    }
+}
+
+/// Mixes two pictures of one size; `weight` is that of the second.
+fn blend([first, second]: [&RgbImage; 2], weight: f32) -> RgbImage {
+    let mut mixed = first.clone();
+    let part = (weight * 256.0).round() as u32;
+    for (to, from) in mixed.iter_mut().zip(second.iter()) {
+        *to = ((u32::from(*to) * (256 - part) + u32::from(*from) * part + 128) >> 8) as u8;
+    }
+    mixed
+}
+
+/// A rectangle of a picture in px.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Area {
+    x: u32,
+    y: u32,
+    width: u32,
+    height: u32,
+}
+
+impl Area {
+    /// Returns the whole of a picture.
+    fn whole([width, height]: [u32; 2]) -> Self {
+        Self { x: 0, y: 0, width, height }
+    }
+
+    /// Returns the smallest rectangle that contains every pixel in which two pictures differ, `bytes` for each pixel; one
+    /// pixel if they are equal, because no format has pictures without pixels.
+    fn of_changes([before, now]: [&[u8]; 2], width: u32, bytes: usize) -> Self {
+        let row = width as usize * bytes;
+        let rows = before.chunks_exact(row).zip(now.chunks_exact(row));
+        let (mut top, mut bottom, mut left, mut right) = (None, 0, usize::MAX, 0);
+        for (y, (before, now)) in rows.enumerate() {
+            let differs = |(a, b): (&[u8], &[u8])| a != b;
+            let pixels = || before.chunks_exact(bytes).zip(now.chunks_exact(bytes));
+            if let (Some(first), Some(last)) = (pixels().position(differs), pixels().rposition(differs)) {
+                top = top.or(Some(y));
+                (bottom, left, right) = (y, left.min(first), right.max(last));
+            }
+        }
+        let Some(top) = top else { return Self { x: 0, y: 0, width: 1, height: 1 } };
+        let [x, y, width, height] = [left, top, right + 1 - left, bottom + 1 - top].map(|side| side as u32);
+        Self { x, y, width, height }
+    }
+
+    /// Returns the pixels of the rectangle, row by row.
+    fn cut(self, pixels: &[u8], width: u32, bytes: usize) -> Vec<u8> {
+        let rows = pixels.chunks_exact(width as usize * bytes).skip(self.y as usize).take(self.height as usize);
+        let columns = self.x as usize * bytes..(self.x + self.width) as usize * bytes;
+        rows.flat_map(|row| &row[columns.clone()]).copied().collect()
+    }
+}
+
+fn unread(why: &dyn std::fmt::Display) -> Error {
+    Error::new(format!("a picture of the animation could not be read back: {why}"))
+}
+
+/// Says that a format could not be written, and why.
+fn failed(format: AnimationFormat, why: &dyn std::fmt::Display) -> Error {
+    Error::new(format!("the {} animation could not be made: {why}", format.extension().to_uppercase()))
+}
+
+#[cfg(test)]
+mod tests;
