@@ -19,14 +19,19 @@ pub struct Counted {
 /// Largest displacement component of pixels in px: outliers are counted at the edge.
 const FARTHEST: f32 = 64.0;
 
-/// Counts of displacements in bins of 1×1 px.
+/// Bins per px that are tried: the first of which all displacements of blocks are multiples.
+const BINS_PER_PX: [i32; 3] = [1, 2, 4];
+
+/// Counts of displacements in bins of 1×1 px, or of ½ or ¼ px where all displacements of blocks are multiples of these.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Histogram {
     /// The element that has a displacement: `block`.
     pub of: &'static str,
     /// Level of the pyramid, if there are several.
     pub level: Option<usize>,
-    /// Displacement at the centre of the first bin in px.
+    /// Bins per px along each axis.
+    pub bins_per_px: i32,
+    /// Column and row of the first bin, counted from the bin of displacement (0, 0).
     pub origin: [i32; 2],
     /// Count of each bin.
     pub counts: Grid<u32>,
@@ -37,7 +42,7 @@ pub struct Histogram {
     /// Zero-order entropy in bits per vector, vectors being quantised to 0.01 px; `None` for pixels, whose vectors are not
     /// coded one by one.
     pub bits: Option<f64>,
-    /// Whether some displacements are fractional, and rounded to their bin.
+    /// Whether some displacements lie beside the centres of their bins.
     pub is_rounded: bool,
 }
 
@@ -46,8 +51,11 @@ impl Histogram {
     /// without vectors.
     pub fn of(counted: Counted, vectors: &[[f32; 2]], has_newest: bool) -> Option<Self> {
         let last = vectors.last()?;
-        let bin = |vector: &[f32; 2]| vector.map(|c| c.round() as i32);
-        let (mut low, mut high) = ([-LEAST; 2], [LEAST; 2]);
+        let is_multiple = |per_px: &&i32| vectors.iter().flatten().all(|c| (c * **per_px as f32).fract() == 0.0);
+        let exact = BINS_PER_PX.iter().find(is_multiple);
+        let bins_per_px = exact.copied().unwrap_or(1);
+        let bin = |vector: &[f32; 2]| vector.map(|c| (c * bins_per_px as f32).round() as i32);
+        let (mut low, mut high) = ([-LEAST * bins_per_px; 2], [LEAST * bins_per_px; 2]);
         for at in vectors.iter().map(bin) {
             low = [0, 1].map(|i| low[i].min(at[i]));
             high = [0, 1].map(|i| high[i].max(at[i]));
@@ -63,12 +71,13 @@ impl Histogram {
         Some(Self {
             of: "block",
             level: counted.level,
+            bins_per_px,
             origin: low,
             counts,
             units,
             newest: has_newest.then(|| bin(last)),
             bits: Some(entropy::vector_bits(vectors.iter().copied()) / vectors.len() as f64),
-            is_rounded: vectors.iter().flatten().any(|c| c.fract() != 0.0),
+            is_rounded: exact.is_none(),
         })
     }
 
@@ -78,6 +87,11 @@ impl Histogram {
         let vectors: Vec<[f32; 2]> = known.map(|vector| vector.map(|c| c.clamp(-FARTHEST, FARTHEST))).collect();
         let counted = Self::of(Counted::default(), &vectors, false)?;
         Some(Self { of: "pixel", units: counted.units.map(|_| None), bits: None, ..counted })
+    }
+
+    /// Displacement at the centre of a bin in px.
+    pub fn displacement(&self, bin: [i32; 2]) -> [f32; 2] {
+        bin.map(|c| c as f32 / self.bins_per_px as f32)
     }
 
     /// Sum of all counts.
@@ -114,7 +128,7 @@ mod tests {
 
     #[test]
     fn every_displacement_is_counted_once_in_its_bin() {
-        let vectors = [[0.0, 0.0], [3.0, -1.0], [0.0, 0.0], [2.75, -1.25], [-5.0, 7.0]];
+        let vectors = [[0.0, 0.0], [3.0, -1.0], [0.0, 0.0], [2.7, -1.25], [-5.0, 7.0]];
         let histogram =
             Histogram::of(Counted { first_unit: 10, level: None }, &vectors, true).expect("there are vectors");
         assert_eq!((histogram.origin, histogram.counts.size()), ([-5, -2], (9, 10)));
@@ -127,6 +141,19 @@ mod tests {
         // Two of one kind and three of their own, the rounded ones apart: 2/5·log₂(5/2) + 3/5·log₂5.
         let bits = histogram.bits.expect("of blocks");
         assert!((bits - 1.921_928).abs() < 1e-5, "{bits}");
+    }
+
+    #[test]
+    fn fractions_of_a_search_have_bins_of_their_own() {
+        let bins = |vectors: &[[f32; 2]]| {
+            let histogram = Histogram::of(Counted::default(), vectors, true).expect("there are vectors");
+            let fullest: Vec<_> = histogram.fullest().into_iter().map(|(bin, _)| histogram.displacement(bin)).collect();
+            (histogram.bins_per_px, fullest, histogram.is_rounded)
+        };
+        let quarters = [[0.5, 0.25], [0.5, 0.25], [1.0, 0.0]];
+        assert_eq!(bins(&quarters), (4, vec![[0.5, 0.25], [1.0, 0.0]], false));
+        assert_eq!(bins(&[[0.5, 0.0], [1.0, 0.0], [0.5, 0.0]]), (2, vec![[0.5, 0.0], [1.0, 0.0]], false));
+        assert_eq!(bins(&[[0.3, 0.0]]), (1, vec![[0.0, 0.0]], true), "minima of parabolas lie anywhere");
     }
 
     #[test]

@@ -251,10 +251,26 @@ pub struct Surface {
     pub best: Option<[i32; 2]>,
     /// The costs that the search did not work out, once it is over and others know better; NaN where it did.
     pub untested: Option<Grid<f32>>,
-    /// The positions between pixels that were tested, in px.
-    pub between: Vec<[f32; 2]>,
+    /// The displacements between pixels that were tested.
+    pub between: Vec<BetweenPixels>,
     /// The true displacement in px, once the search is over, where it is known.
     pub truth: Option<[f32; 2]>,
+}
+
+/// A displacement between whole pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BetweenPixels {
+    /// The displacement in px.
+    pub at: [f32; 2],
+    /// Its cost or similarity; NaN where it was fitted and not worked out.
+    pub value: f32,
+}
+
+impl BetweenPixels {
+    /// A displacement without a value.
+    pub fn of_unknown(at: [f32; 2]) -> Self {
+        Self { at, value: f32::NAN }
+    }
 }
 
 impl Surface {
@@ -335,6 +351,30 @@ impl Surface {
         Some((best, at.map(|(x, y)| [self.origin[0] + x as i32, self.origin[1] + y as i32]).collect()))
     }
 
+    /// The best displacement between pixels, if it is better than all whole ones.
+    pub fn optimum_between(&self) -> Option<BetweenPixels> {
+        let known = self.between.iter().filter(|between| between.value.is_finite());
+        let best = known.min_by(|a, b| self.cost_of(a.value).total_cmp(&self.cost_of(b.value)))?;
+        let whole = self.optimum().map_or(f32::INFINITY, |(value, _)| self.cost_of(value));
+        (self.cost_of(best.value) < whole).then_some(*best)
+    }
+
+    /// The part around the displacements between pixels whose values are known, with a margin of `margin` px; `None` without any.
+    #[must_use]
+    pub fn around_between(&self, margin: usize) -> Option<Self> {
+        let known = || self.between.iter().filter(|between| between.value.is_finite()).map(|between| between.at);
+        let first = known().next()?;
+        let ends = known().fold([first; 2], |[low, high], at| {
+            [[0, 1].map(|i| low[i].min(at[i])), [0, 1].map(|i| high[i].max(at[i]))]
+        });
+        let (width, height) = self.values.size();
+        let last = [width, height].map(|side| side as i32 - 1);
+        let place = |c: f32, i: usize| (c as i32 - self.origin[i]).clamp(0, last[i]) as usize;
+        let [low, high] =
+            [0, 1].map(|end| [0, 1].map(|i| place(if end == 0 { ends[0][i].floor() } else { ends[1][i].ceil() }, i)));
+        Some(self.cut([low, high], margin))
+    }
+
     /// The part with all tested displacements and a margin of `margin` px; the whole surface before the first test.
     #[must_use]
     pub fn around_tested(&self, margin: usize) -> Self {
@@ -345,7 +385,12 @@ impl Surface {
         let around = |ends: [[usize; 2]; 2], (x, y): (usize, usize)| {
             [[ends[0][0].min(x), ends[0][1].min(y)], [ends[1][0].max(x), ends[1][1].max(y)]]
         };
-        let [[left, top], [right, bottom]] = tested.fold([[x, y]; 2], around);
+        self.cut(tested.fold([[x, y]; 2], around), margin)
+    }
+
+    /// The part between two cells, with a margin of `margin` px where the surface has it.
+    fn cut(&self, [[left, top], [right, bottom]]: [[usize; 2]; 2], margin: usize) -> Self {
+        let (width, height) = self.values.size();
         let (left, top) = (left.saturating_sub(margin), top.saturating_sub(margin));
         let (right, bottom) = ((right + margin).min(width - 1), (bottom + margin).min(height - 1));
         let size = (right - left + 1, bottom - top + 1);

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use motionscope_core::scene::Surface;
+use motionscope_core::scene::{BetweenPixels, Surface};
 use motionscope_core::{Grid, Role, fixed};
 
 use super::super::primitive::{Anchor, Primitive, Rect};
@@ -18,6 +18,9 @@ const FAINT: f32 = 0.6;
 /// Colors of the bar: so many that no step between two is seen.
 const SHADES: usize = 128;
 
+/// Pixels around the displacements between pixels that are shown with them.
+const MARGIN: usize = 1;
+
 /// What is mapped.
 #[derive(Clone, Copy, Debug)]
 pub struct HeatMap<'a> {
@@ -27,9 +30,12 @@ pub struct HeatMap<'a> {
     pub whose: &'a str,
 }
 
-/// Lays the map out as large as it fits into `area`: the whole search window at every step, so that a displacement has one place.
+/// Lays the map out as large as it fits into `area`: the whole search window at every step with whole pixels, so that a displacement
+/// has one place, and at sub-pixel steps what surrounds them.
 pub fn draw(data: HeatMap<'_>, area: Rect, style: ChartStyle) -> Drawing<Map> {
-    let (surface, theme) = (data.surface, style.theme);
+    // Between pixels the search goes on within a few of them.
+    let closer = data.surface.around_between(MARGIN);
+    let (surface, theme) = (closer.as_ref().unwrap_or(data.surface), style.theme);
     // At the right stand the color bar and its numbers.
     let map = Map::new((surface.origin, surface.values.size()), area, 7.5, theme);
     let mut canvas = Canvas::default();
@@ -95,6 +101,8 @@ fn costs(surface: &Surface, style: ChartStyle) -> Grid<[u8; 4]> {
 fn path(canvas: &mut Canvas, map: &Map, surface: &Surface, style: ChartStyle) {
     /// Of more tests the order cannot be seen.
     const MOST: usize = 80;
+    /// Radius of a displacement between pixels in cells: a quarter of a pixel from the next.
+    const FINE: f32 = 0.1;
     let theme = style.theme;
     let at = |[u, v]: [f32; 2]| {
         let cell = map.cell_rect([0, 0]);
@@ -112,9 +120,18 @@ fn path(canvas: &mut Canvas, map: &Map, surface: &Surface, style: ChartStyle) {
             canvas.disc(place, radius, cost(surface, at).map_or(neutral(theme), |cost| shades.at(cost)));
         }
     }
-    for place in surface.between.iter().map(|place| at(*place)) {
-        canvas.disc(place, 2.5, Color::BLACK.alpha(150));
-        canvas.disc(place, 1.8, theme.ink(Role::Candidate).color);
+    let shades = Shades::of(surface, style.colors);
+    let radius = (FINE * map.cell).max(2.5);
+    for BetweenPixels { at: place, value } in surface.between.iter().copied() {
+        let color = if value.is_finite() { shades.at(value) } else { theme.ink(Role::Candidate).color };
+        canvas.disc(at(place), radius + 1.0, Color::BLACK.alpha(150));
+        canvas.disc(at(place), radius, color);
+    }
+    if let Some(BetweenPixels { at: place, .. }) = surface.optimum_between() {
+        let ink = theme.ink(Role::Best);
+        let ring = around(at(place), [2.0 * radius + 3.0; 2]);
+        canvas.frame(ring, ink.width + 2.0 * ink.halo_width, ink.halo);
+        canvas.frame(ring, ink.width, ink.color);
     }
     let missed = surface.missed().map(|(at, _)| (Role::Error, at.map(|c| c as f32)));
     for (role, place) in missed.into_iter().chain(surface.truth.map(|truth| (Role::Truth, truth))) {
@@ -249,8 +266,11 @@ fn sought(surface: &Surface) -> &'static str {
 /// The best value so far with its place, in words: `minimum 812 at (−3, 2)`; or how many displacements have it.
 pub fn optimum_words(surface: &Surface) -> Option<String> {
     let (least, at) = surface.optimum()?;
-    let least = format!("{} {} {}", sought(surface), number(least), surface.unit);
-    let least = least.trim_end();
+    let named = |value: f32| format!("{} {} {}", sought(surface), number(value), surface.unit).trim_end().to_owned();
+    if let Some(BetweenPixels { at, value }) = surface.optimum_between() {
+        return Some(format!("{} at {}", named(value), fine_vector(at)));
+    }
+    let least = named(least);
     Some(match &at[..] {
         [only] => format!("{least} at {}", vector(*only)),
         [first, second] => format!("{least}, a tie of {} and {}", vector(*first), vector(*second)),
@@ -261,6 +281,9 @@ pub fn optimum_words(surface: &Surface) -> Option<String> {
 /// The best value so far, and how many displacements have it where several do: `minimum 0 (5 equal)`.
 fn brief_optimum(surface: &Surface) -> String {
     let Some((least, at)) = surface.optimum() else { return String::new() };
+    if let Some(between) = surface.optimum_between() {
+        return format!("{} {}", sought(surface), number(between.value));
+    }
     let ties = if at.len() > 1 { format!(" ({} equal)", grouped(at.len())) } else { String::new() };
     format!("{} {}{ties}", sought(surface), number(least))
 }
@@ -269,7 +292,8 @@ fn brief_optimum(surface: &Surface) -> String {
 fn optimum(canvas: &mut Canvas, map: &Map, (surface, area): (&Surface, Rect), theme: Theme) {
     /// So many are told apart; more are a plain.
     const RINGS: usize = 12;
-    if let Some((_, at)) = surface.optimum().filter(|(_, at)| (2..=RINGS).contains(&at.len())) {
+    let ties = surface.optimum().filter(|_| surface.optimum_between().is_none());
+    if let Some((_, at)) = ties.filter(|(_, at)| (2..=RINGS).contains(&at.len())) {
         let color = theme.ink(Role::Best).color;
         for cell in at.into_iter().map(|at| map.cell_rect(at)) {
             let radius = (map.cell / 4.0).clamp(2.0, 5.0);
@@ -287,8 +311,8 @@ fn optimum(canvas: &mut Canvas, map: &Map, (surface, area): (&Surface, Rect), th
     canvas.text([area.min[0], map.below()], (Anchor::Start, Level::Top), &words, dim);
 }
 
-/// A true displacement with two decimals, none where both components are whole, as in sentences.
-fn true_motion(uv: [f32; 2]) -> String {
+/// A displacement between pixels with two decimals, none where both components are whole, as in sentences.
+fn fine_vector(uv: [f32; 2]) -> String {
     let decimals = if uv.iter().all(|c| c.fract() == 0.0) { 0 } else { 2 };
     let [u, v] = uv.map(|c| fixed(c.into(), decimals));
     format!("({u}, {v})")
@@ -298,7 +322,7 @@ fn true_motion(uv: [f32; 2]) -> String {
 fn signs(surface: &Surface) -> impl Iterator<Item = (String, Role)> {
     let missed =
         surface.missed().map(|(at, cost)| (format!("× missed: {} at {}", number(cost), vector(at)), Role::Error));
-    let truth = surface.truth.map(|uv| (format!("× true motion {}", true_motion(uv)), Role::Truth));
+    let truth = surface.truth.map(|uv| (format!("× true motion {}", fine_vector(uv)), Role::Truth));
     missed.into_iter().chain(truth)
 }
 

@@ -1,17 +1,19 @@
 //! How many blocks have each displacement: a map of counts, and the fullest bins as a list.
 
-use motionscope_core::{Histogram, Role};
+use motionscope_core::{Histogram, Role, fixed};
 
 use super::super::primitive::{Anchor, Point, Primitive, Rect};
-use super::super::{Color, ColorMap, Face, grouped, number};
+use super::super::{Color, ColorMap, Face, Theme, grouped, number};
 use super::canvas::{Canvas, Level, Type, around, middle, shortened};
-use super::heat_map::vector;
 use super::{ChartStyle, Drawing, Map};
 
 /// Letters of room for the list.
 const LIST: f32 = 13.0;
 /// The smallest side of a bin that has any, in points: it must be seen and found.
 const LEAST: f32 = 4.0;
+
+/// Sizes of a count in its bin, of the usual type, of which the first that fits is taken.
+const COUNT_SHARES: [f32; 3] = [1.0, 0.85, 0.7];
 
 /// What is shown.
 #[derive(Clone, Copy, Debug)]
@@ -25,7 +27,7 @@ pub struct Counts<'a> {
 /// Lays the histogram out as large as it fits into `area`.
 pub fn draw(data: Counts<'_>, area: Rect, style: ChartStyle) -> Drawing<Map> {
     let (histogram, theme) = (data.histogram, style.theme);
-    let map = Map::new((histogram.origin, histogram.counts.size()), area, LIST, theme);
+    let map = map(histogram, area, theme);
     let mut canvas = Canvas::default();
     canvas.fill(map.rect, theme.chrome().raised);
     bins(&mut canvas, &map, histogram, style.colors);
@@ -34,14 +36,26 @@ pub fn draw(data: Counts<'_>, area: Rect, style: ChartStyle) -> Drawing<Map> {
         newest(&mut canvas, &map, at, style);
     }
     list(&mut canvas, &map, (area, histogram), style);
+    if !map.is_tight() {
+        let (dim, room) = (Type::dim(theme), map.name_left(theme) - map.small - area.min[0]);
+        let words = shortened(&details(histogram).join(", "), dim, room);
+        canvas.text([area.min[0], map.below()], (Anchor::Start, Level::Top), &words, dim);
+    }
     Drawing { place: map, body: canvas.into_layers(), head: head(data, &map, area, None, style) }
+}
+
+/// Where the bins lie.
+fn map(histogram: &Histogram, area: Rect, theme: Theme) -> Map {
+    let of = (histogram.origin, histogram.counts.size());
+    Map::new(of, area, LIST, theme).with_cells_per_px(histogram.bins_per_px)
 }
 
 /// What stands above the map: what is counted, or `told` of the bin that is pointed at.
 pub fn head(data: Counts<'_>, map: &Map, area: Rect, description: Option<String>, style: ChartStyle) -> Vec<Primitive> {
     let (text, left) = (Type::text(style.theme), map.head_left(area, style.theme));
     let width = area.max[0] - left;
-    let what = || super::titled(data.whose, &summary(data.histogram), (text.size, width));
+    let summed = if map.is_tight() { summary(data.histogram) } else { counts(data.histogram) };
+    let what = || super::titled(data.whose, &summed, (text.size, width));
     let words = shortened(&description.unwrap_or_else(what), text, width);
     let mut canvas = Canvas::default();
     let at = [left, area.min[1] + 0.8 * text.size];
@@ -51,16 +65,39 @@ pub fn head(data: Counts<'_>, map: &Map, area: Rect, description: Option<String>
 
 /// What the histogram shows, in words.
 pub fn summary(histogram: &Histogram) -> String {
+    let details = details(histogram).into_iter().map(|words| format!("; {words}"));
+    details.fold(counts(histogram), |all, words| all + &words)
+}
+
+/// What is counted, and how many different ones there are.
+fn counts(histogram: &Histogram) -> String {
     let all = counted(histogram, histogram.total());
     let level = histogram.level.map_or_else(String::new, |level| format!(" of level {level}"));
     let bins = match histogram.distinct() {
         1 => "one displacement".to_owned(),
         distinct => format!("{} displacements", grouped(distinct)),
     };
-    let rounded = if histogram.is_rounded { ", counted by whole px" } else { "" };
+    format!("{all}{level}, {bins}")
+}
+
+/// How coarse the bins are, and what a vector costs.
+fn details(histogram: &Histogram) -> Vec<String> {
+    let bins = match (histogram.is_rounded, histogram.bins_per_px) {
+        (true, _) => Some("bins of 1 px".to_owned()),
+        (false, 1) => None,
+        (false, 2) => Some("bins of ½ px".to_owned()),
+        (false, _) => Some("bins of ¼ px".to_owned()),
+    };
     // A field of real numbers has as many displacements as pixels, and none of them is coded.
-    let entropy = histogram.bits.map_or_else(String::new, |bits| format!("; entropy {bits:.2} bits each"));
-    format!("{all}{level}, {bins}{rounded}{entropy}")
+    let entropy = histogram.bits.map(|bits| format!("entropy {bits:.2} bits each"));
+    bins.into_iter().chain(entropy).collect()
+}
+
+/// The displacement of a bin as it is written.
+fn displacement(histogram: &Histogram, bin: [i32; 2]) -> String {
+    let [u, v] = histogram.displacement(bin);
+    let decimals = if histogram.bins_per_px == 1 { 0 } else { 2 };
+    format!("({}, {})", fixed(u.into(), decimals), fixed(v.into(), decimals))
 }
 
 fn counted(histogram: &Histogram, count: u32) -> String {
@@ -78,9 +115,10 @@ pub fn description(histogram: &Histogram, at: [i32; 2], leads: bool) -> String {
     let count = cell.map_or(0, |cell| histogram.counts[cell]);
     let percent = 100.0 * f64::from(count) / f64::from(histogram.total().max(1));
     let near = if histogram.is_rounded { "within half a px of" } else { "by" };
+    let at = displacement(histogram, at);
     let leads = leads && cell.is_some_and(|cell| histogram.units[cell].is_some());
     let first = if leads { "; a click goes to the first" } else { "" };
-    format!("{} {near} {} px, {percent:.1} %{first}", counted(histogram, count), vector(at))
+    format!("{} {near} {at} px, {percent:.1} %{first}", counted(histogram, count))
 }
 
 /// What is painted for a bin.
@@ -114,8 +152,12 @@ fn bins(canvas: &mut Canvas, map: &Map, histogram: &Histogram, colors: ColorMap)
         let (rect, fill) = (seen(map, at), color(count, most, colors));
         canvas.fill(rect.grown(if map.cell > 8.0 { -0.5 } else { 0.0 }), fill);
         let words = grouped(count as usize);
-        let style = Type { face: Face::Sans, size: map.small, color: super::on(fill) };
-        if style.width(&words) + 2.0 < rect.size()[0] && 1.2 * map.small < rect.size()[1] + 4.0 {
+        let fitting = |share: &f32| {
+            let style = Type { face: Face::Sans, size: share * map.small, color: super::on(fill) };
+            let fits = style.width(&words) + 2.0 < rect.size()[0] && 1.2 * style.size < rect.size()[1] + 4.0;
+            fits.then_some(style)
+        };
+        if let Some(style) = COUNT_SHARES.iter().find_map(fitting) {
             canvas.text(middle(&rect), (Anchor::Middle, Level::Middle), &words, style);
         }
     }
@@ -144,7 +186,7 @@ fn list(canvas: &mut Canvas, map: &Map, (area, histogram): (Rect, &Histogram), s
             true => text.face(Face::Bold).color(style.theme.word(Role::Result)),
             false => text,
         };
-        canvas.text([left, y], (Anchor::Start, Level::Middle), &vector(at), style);
+        canvas.text([left, y], (Anchor::Start, Level::Middle), &displacement(histogram, at), style);
         canvas.text([right, y], (Anchor::End, Level::Middle), &number(count as f32), style);
     }
     if rest > 0 {
@@ -157,7 +199,6 @@ fn list(canvas: &mut Canvas, map: &Map, (area, histogram): (Rect, &Histogram), s
 mod tests {
     use motionscope_core::Counted;
 
-    use super::super::super::Theme;
     use super::super::{flat, texts};
     use super::*;
 
@@ -172,7 +213,10 @@ mod tests {
         assert_eq!(description([0, 0]), "1 block by (0, 0) px, 25.0 %; a click goes to the first");
         let fine =
             Histogram::of(Counted { first_unit: 20, level: Some(2) }, &[[0.25, 0.0]], false).expect("there is one");
-        assert_eq!(summary(&fine), "1 block of level 2, one displacement, counted by whole px; entropy 0.00 bits each");
+        assert_eq!(summary(&fine), "1 block of level 2, one displacement; bins of ¼ px; entropy 0.00 bits each");
+        assert!(super::description(&fine, [1, 0], false).starts_with("1 block by (0.25, 0.00) px"));
+        let fitted = Histogram::of(Counted::default(), &[[0.3, 0.0]], false).expect("there is one");
+        assert_eq!(summary(&fitted), "1 block, one displacement; bins of 1 px; entropy 0.00 bits each");
     }
 
     #[test]
@@ -180,7 +224,7 @@ mod tests {
         let histogram =
             Histogram::of(Counted::default(), &[[-60.0, 40.0], [64.0, -64.0]], false).expect("there are vectors");
         let area = Rect::new([0.0; 2], [300.0, 200.0]);
-        let map = Map::new((histogram.origin, histogram.counts.size()), area, LIST, Theme::Dark);
+        let map = map(&histogram, area, Theme::Dark);
         assert!(map.cell < 2.0);
         let [x, y] = middle(&map.cell_rect([-60, 40]));
         assert_eq!(nearest(&histogram, &map, [x + 1.6, y - 1.6]), Some([-60, 40]));

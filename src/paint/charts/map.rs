@@ -16,6 +16,8 @@ pub struct Map {
     pub small: f32,
     origin: [i32; 2],
     size: [usize; 2],
+    /// Cells per px.
+    per_px: f32,
     /// Whether the names of the axes share the rows of what stands above and of the numbers below.
     is_tight: bool,
 }
@@ -39,17 +41,23 @@ impl Map {
         let extent = size.map(|n| n as f32 * cell);
         // What is not needed is left on both sides.
         let left = (min[0] + (room[0] - extent[0]).max(0.0) / 2.0).round();
-        Self { rect: Rect::new([left, min[1].round()], extent), cell, small, origin, size, is_tight }
+        Self { rect: Rect::new([left, min[1].round()], extent), cell, small, origin, size, per_px: 1.0, is_tight }
     }
 
-    /// The displacement at a place.
+    /// The same map with so many cells per px.
+    #[must_use]
+    pub fn with_cells_per_px(self, count: i32) -> Self {
+        Self { per_px: count.max(1) as f32, ..self }
+    }
+
+    /// The displacement at a place, in cells.
     pub fn displacement(&self, at: Point) -> Option<[i32; 2]> {
         let cells = [0, 1].map(|i| ((at[i] - self.rect.min[i]) / self.cell).floor());
         let inside = (0..2).all(|i| cells[i] >= 0.0 && cells[i] < self.size[i] as f32);
         inside.then(|| [0, 1].map(|i| self.origin[i] + cells[i] as i32))
     }
 
-    /// The cell of a displacement.
+    /// The cell of a displacement in cells.
     pub fn cell_rect(&self, uv: [i32; 2]) -> Rect {
         let place = [0, 1].map(|i| self.rect.min[i] + (uv[i] - self.origin[i]) as f32 * self.cell);
         Rect::new(place, [self.cell; 2])
@@ -60,7 +68,10 @@ impl Map {
         let first = self.origin[which] as f32;
         let last = first + self.size[which].saturating_sub(1) as f32;
         let half = self.cell / 2.0;
-        Axis::new([first, last], [self.rect.min[which] + half, self.rect.max[which] - half])
+        Axis::new(
+            [first, last].map(|cell| cell / self.per_px),
+            [self.rect.min[which] + half, self.rect.max[which] - half],
+        )
     }
 
     /// Draws the frame, and numbers along two sides.

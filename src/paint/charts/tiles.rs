@@ -163,6 +163,8 @@ pub fn draw(data: Tiles<'_>, area: Rect, style: ChartStyle) -> Drawing<Places> {
     for (tile, rect) in data.tiles.iter().zip(&places.tiles) {
         label(&mut canvas, tile, [rect.min[0], rect.min[1] - line(style)], style);
         paint(&mut canvas, tile, (*rect, places.cell), size, theme);
+        // Else black pixels would not be seen on a dark ground.
+        canvas.frame(rect.grown(0.5), 1.0, theme.chrome().line);
         if data.is_centered {
             let ink = theme.ink(Role::Reference);
             let middle = around(middle(rect), [places.cell; 2]);

@@ -261,18 +261,27 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) {
     }
 }
 
-/// A part of the strip, with its left edge in points.
-type Column = (f32, Part);
+/// A part of the strip, with its top left corner in points.
+type Placed<Content> = (Vec2, Content);
 
-/// Sentence and formula beside each other, and the room that they have needed so far.
+/// The room of the strip.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StripRoom {
+    /// Points of height that are kept for it.
+    pub kept: f32,
+    /// Whether it stands beside the chart, with its parts below each other.
+    pub is_column: bool,
+}
+
+/// Sentence and formula, and the room that they have needed so far.
 #[derive(Clone, Debug, Default)]
 pub struct Strip {
     key: Option<Key>,
     /// The most that a step needed.
     height: f32,
     /// What there always is room for.
-    kept: f32,
-    shown: Option<(Arc<Step>, Vec<Column>)>,
+    room: Option<StripRoom>,
+    shown: Option<(Arc<Step>, Vec<Placed<Part>>)>,
 }
 
 /// Sizes of the strip's type that are tried until all of it is seen: 18 points on a projector.
@@ -300,27 +309,27 @@ impl Strip {
     }
 }
 
-/// Shows why, and the formula with its numbers; where a step has none, its numbers alone. `kept` points of height are kept for it:
-/// longer texts are set smaller, and only what has no room even so asks for more.
-pub fn strip(ui: &mut Ui, (input, kept): (Input<'_>, f32), state: &mut Strip) {
+/// Shows why, and the formula with its numbers; where a step has none, its numbers alone. Texts that are longer than what is kept
+/// for them are set smaller, and only what has no room even so asks for more.
+pub fn strip(ui: &mut Ui, (input, room): (Input<'_>, StripRoom), state: &mut Strip) {
     let Input { step, theme, .. } = input;
     let key = Key { density: Density::strip(theme), ..key_of(ui, input, None) };
-    let kept = kept - STRIP_MARGIN;
+    let room = StripRoom { kept: room.kept - STRIP_MARGIN, ..room };
     // Where even the smallest type leaves something out of sight, a bar that is always seen says so; its room is kept.
     let scroll = &mut ui.spacing_mut().scroll;
     (scroll.dormant_handle_opacity, scroll.dormant_background_opacity) = (0.6, 0.3);
     scroll.floating_width = scroll.bar_width;
     let width = key.width as f32 - scroll.allocated_width();
-    if state.key != Some(key) || state.kept != kept {
-        *state = Strip { key: Some(key), kept, ..Strip::default() };
+    if state.key != Some(key) || state.room != Some(room) {
+        *state = Strip { key: Some(key), room: Some(room), ..Strip::default() };
     }
     let known = state.shown.take().filter(|(shown, _)| Arc::ptr_eq(shown, step));
-    let parts = |painter: &Painter| strip_parts(painter, input, [width, kept]);
+    let parts = |painter: &Painter| strip_parts(painter, input, (width, room));
     let (shown, parts) = known.unwrap_or_else(|| (Arc::clone(step), parts(ui.painter())));
-    let needed = parts.iter().map(|(_, part)| part.size.y).fold(0.0, f32::max).ceil();
+    let needed = parts.iter().map(|(at, part)| at.y + part.size.y).fold(0.0, f32::max).ceil();
     // It only grows, so that nothing jumps from step to step.
     if needed > state.height {
-        let has_room = needed <= kept;
+        let has_room = needed <= room.kept;
         state.height = needed;
         if !has_room {
             ui.ctx().request_discard("the strip needs more height");
@@ -330,15 +339,15 @@ pub fn strip(ui: &mut Ui, (input, kept): (Input<'_>, f32), state: &mut Strip) {
     egui::ScrollArea::vertical().id_salt("strip").auto_shrink(false).max_height(room).show(ui, |ui| {
         let top = ui.cursor().min;
         // Formulas in two columns are read down, not across.
-        if let [.., (_, first), (left, second)] = &parts[..]
+        if let [.., (_, first), (at, second)] = &parts[..]
             && parts.len() > 2
         {
             let bottom = first.size.y.max(second.size.y);
-            let x = top.x + left - STRIP_GAP / 2.0;
+            let x = top.x + at.x - STRIP_GAP / 2.0;
             ui.painter().vline(x, top.y..=top.y + bottom, ui.visuals().widgets.noninteractive.bg_stroke);
         }
-        for (i, (left, part)) in parts.iter().enumerate() {
-            let place = Rect::from_min_size(top + vec2(*left, 0.0), vec2(width, needed));
+        for (i, (at, part)) in parts.iter().enumerate() {
+            let place = Rect::from_min_size(top + *at, vec2(width, needed));
             let mut inside = ui.new_child(egui::UiBuilder::new().id_salt(i).max_rect(place));
             part.show(&mut inside, "strip");
         }
@@ -347,9 +356,9 @@ pub fn strip(ui: &mut Ui, (input, kept): (Input<'_>, f32), state: &mut Strip) {
     state.shown = Some((shown, parts));
 }
 
-/// The parts of the strip beside each other, each with its left edge, in the largest type in which all of it is seen: rather
-/// without a formula's symbols, and then smaller, than out of sight.
-fn strip_parts(painter: &Painter, input: Input<'_>, [width, kept]: [f32; 2]) -> Vec<Column> {
+/// The parts of the strip, in the largest type in which all of it is seen: rather without a formula's symbols, and then smaller,
+/// than out of sight.
+fn strip_parts(painter: &Painter, input: Input<'_>, (width, room): (f32, StripRoom)) -> Vec<Placed<Part>> {
     let usual = Density::strip(input.theme);
     let at = |share: &f32| Density { words: share * usual.words, math: share * usual.math, ..usual };
     let formula = explanation::equation_of(input.step);
@@ -358,12 +367,29 @@ fn strip_parts(painter: &Painter, input: Input<'_>, [width, kept]: [f32; 2]) -> 
     let shorter = TYPE_SHARES.iter().filter(|_| brief.len() < formula.len()).chain(&SMALL_SHARES);
     let mut columns = Vec::new();
     for (share, formula) in whole.chain(shorter.map(|share| (share, &brief[..]))) {
-        columns = strip_columns((input, formula), (width, at(share)), kept);
-        if height(&columns, width) <= kept {
+        columns = match room.is_column {
+            true => strip_rows((input, formula), (width, at(share))),
+            false => strip_columns((input, formula), (width, at(share)), room.kept),
+        };
+        if height(&columns, width) <= room.kept {
             break;
         }
     }
-    columns.into_iter().map(|(left, block)| (left, Part::new(painter, block, input.info.family))).collect()
+    columns.into_iter().map(|(at, block)| (at, Part::new(painter, block, input.info.family))).collect()
+}
+
+/// The sentence, and below it the formula, or the numbers where there is none.
+fn strip_rows((input, formula): (Input<'_>, &[Math]), (width, density): (f32, Density)) -> Vec<Placed<Block>> {
+    let Input { step, theme, .. } = input;
+    let facts = explanation::facts_of(step);
+    let sentence = explanation::sentence(&step.sentence, (width, density), theme);
+    let below = vec2(0.0, sentence.size[1] + STRIP_GAP);
+    let second = match (formula.is_empty(), facts.is_empty()) {
+        (false, _) => explanation::equation(formula, (width, density), theme),
+        (true, false) => explanation::table(facts, (width, density), theme),
+        (true, true) => return vec![(Vec2::ZERO, sentence)],
+    };
+    vec![(Vec2::ZERO, sentence), (below, second)]
 }
 
 /// The formulas without lines of symbols alone: their numbers follow the name of the result at once.
@@ -401,11 +427,11 @@ fn has_number(math: &Math) -> bool {
     }
 }
 
-/// How high the parts are; where one reaches into the next, or beyond `width`, they do not fit at all.
-fn height(columns: &[(f32, Block)], width: f32) -> f32 {
-    let ends = columns.iter().skip(1).map(|(left, _)| *left).chain([width]);
-    let fits = columns.iter().zip(ends).all(|((left, block), end)| left + block.size[0] <= end);
-    if fits { columns.iter().map(|(_, block)| block.size[1]).fold(0.0, f32::max) } else { f32::INFINITY }
+/// How high the parts are; where one reaches into the next beside it, or beyond `width`, they do not fit at all.
+fn height(parts: &[Placed<Block>], width: f32) -> f32 {
+    let ends = parts.iter().skip(1).map(|(at, _)| if at.x > 0.0 { at.x } else { width }).chain([width]);
+    let fits = parts.iter().zip(ends).all(|((at, block), end)| at.x + block.size[0] <= end);
+    if fits { parts.iter().map(|(at, block)| at.y + block.size[1]).fold(0.0, f32::max) } else { f32::INFINITY }
 }
 
 /// The sentence, and the formula in one column or two: as usual if that is no higher than `most`, or else whichever is lowest.
@@ -413,17 +439,17 @@ fn strip_columns(
     (input, formula): (Input<'_>, &[Math]),
     (width, density): (f32, Density),
     most: f32,
-) -> Vec<(f32, Block)> {
+) -> Vec<Placed<Block>> {
     let Input { step, theme, .. } = input;
     let facts = explanation::facts_of(step);
     let sentence = |width: f32| explanation::sentence(&step.sentence, (width, density), theme);
     let lines = |lines: &[Math], width: f32| explanation::equation(lines, (width, density), theme);
     if formula.is_empty() && facts.is_empty() {
-        return vec![(0.0, sentence(width))];
+        return vec![(Vec2::ZERO, sentence(width))];
     }
     let one = |share: f32, block: &dyn Fn(f32) -> Block| {
         let left = share * width;
-        vec![(0.0, sentence(left)), (left + STRIP_GAP, block(width - left - STRIP_GAP))]
+        vec![(Vec2::ZERO, sentence(left)), (vec2(left + STRIP_GAP, 0.0), block(width - left - STRIP_GAP))]
     };
     if formula.is_empty() {
         let facts = &facts[..facts.len().min(STRIP_FACTS)];
@@ -432,10 +458,10 @@ fn strip_columns(
     let two = |share: f32| {
         let left = share * width;
         let column = (width - left) / 2.0 - STRIP_GAP;
-        let at = |i: f32| left + STRIP_GAP + i * (column + STRIP_GAP);
+        let at = |i: f32| vec2(left + STRIP_GAP + i * (column + STRIP_GAP), 0.0);
         let cut_at = |cut: usize| {
             let (first, second) = formula.split_at(cut);
-            vec![(0.0, sentence(left)), (at(0.0), lines(first, column)), (at(1.0), lines(second, column))]
+            vec![(Vec2::ZERO, sentence(left)), (at(0.0), lines(first, column)), (at(1.0), lines(second, column))]
         };
         let cuts = cuts(formula).into_iter().map(cut_at);
         cuts.min_by(|a, b| height(a, width).total_cmp(&height(b, width))).unwrap_or_default()
@@ -443,7 +469,7 @@ fn strip_columns(
     let in_one = |share: &f32| one(*share, &|width| lines(formula, width));
     let narrow = if formula.len() > ONE_COLUMN { &NARROW_SHARES[..] } else { &[] };
     let usual = [SENTENCE_SHARES.first().map(in_one), narrow.first().map(|share| two(*share))];
-    let lowest = |ways: &mut dyn Iterator<Item = Vec<(f32, Block)>>| {
+    let lowest = |ways: &mut dyn Iterator<Item = Vec<Placed<Block>>>| {
         ways.min_by(|a, b| height(a, width).total_cmp(&height(b, width))).unwrap_or_default()
     };
     let usual = lowest(&mut usual.into_iter().flatten());

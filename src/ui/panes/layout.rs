@@ -7,6 +7,8 @@
 use eframe::egui::{Rect, Vec2, pos2, vec2};
 use serde::{Deserialize, Serialize};
 
+use super::explanation::StripRoom;
+
 /// A pane that can be folded away.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pane {
@@ -129,8 +131,8 @@ pub struct Arrangement {
     pub explanation: Option<Rect>,
     /// Sentence and formula alone.
     pub strip: Option<Rect>,
-    /// Height that is kept for the strip, whatever the step tells.
-    pub kept_strip: f32,
+    /// What is kept for the strip, whatever the step tells.
+    pub strip_room: StripRoom,
     /// The parameters.
     pub parameters: Option<Rect>,
     /// Panes that lie over others, at the edge.
@@ -157,6 +159,10 @@ const STRIP_SHARE: f32 = 0.22;
 /// Share of the stage's height that the strip may take over what is kept for it, where its longest text is not whole otherwise:
 /// two lines, and little enough that the pictures stay about where they are.
 const STRIP_GROWTH: f32 = 0.1;
+/// How much wider than high the body is at least where the strip stands beside an enlarged chart, and the strip's share of the
+/// width there: the chart keeps its share of the window.
+const WIDE: f32 = 1.4;
+const STRIP_COLUMN: f32 = 0.32;
 /// Between two panes.
 const GAP: f32 = 1.0;
 /// Half the width of a border for the pointer.
@@ -267,11 +273,7 @@ impl Room {
 
     fn lecture(&self) -> Arrangement {
         let mut all = Arrangement::default();
-        let [kept, most] = self.strip_heights();
-        all.kept_strip = kept;
-        let strip = within(self.strip, kept, most);
-        let (mut rest, strip) = split_y(self.body, self.body.height() - strip - GAP);
-        all.strip = Some(strip);
+        let mut rest = self.with_strip(&mut all);
         if self.columns() > 0 {
             let is_tall = rest.height() > 0.9 * rest.width();
             let extent = if is_tall { rest.height() } else { rest.width() };
@@ -301,6 +303,23 @@ impl Room {
         }
         self.stage(rest, &mut all);
         all
+    }
+
+    /// Gives the strip its place, and returns the rest: beside a chart that takes the place of the stage, because most charts are
+    /// about as high as they are wide, and else below stage and chart.
+    fn with_strip(&self, all: &mut Arrangement) -> Rect {
+        let is_wide = self.body.width() > WIDE * self.body.height();
+        if self.is_enlarged && self.columns() > 0 && is_wide {
+            let (rest, strip) = split_x(self.body, (1.0 - STRIP_COLUMN) * self.body.width());
+            all.strip = Some(strip);
+            all.strip_room = StripRoom { kept: strip.height(), is_column: true };
+            return rest;
+        }
+        let [kept, most] = self.strip_heights();
+        let (rest, strip) = split_y(self.body, self.body.height() - within(self.strip, kept, most) - GAP);
+        all.strip = Some(strip);
+        all.strip_room = StripRoom { kept, is_column: false };
+        rest
     }
 
     /// Height that is kept for the strip, and the most that it may have: they follow from the window and not from the step, so

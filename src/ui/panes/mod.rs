@@ -153,7 +153,7 @@ impl Panes<'_> {
         self.charts(ui, &all.charts);
         if let Some(rect) = all.strip {
             self.within(ui, rect, Margin { left: 16, right: 16, top: 6, bottom: 2 }, "strip", |panes, ui| {
-                panes.strip(ui, all.kept_strip)
+                panes.strip(ui, all.strip_room)
             });
         }
         let is_drawer = |rect: &Rect| all.drawers.contains(rect);
@@ -461,11 +461,11 @@ impl Panes<'_> {
     }
 
     /// Sentence and formula.
-    fn strip(&mut self, ui: &mut Ui, kept: f32) {
+    fn strip(&mut self, ui: &mut Ui, room: explanation::StripRoom) {
         if let Some(shown) = &self.view.shown {
             let (info, step) = self.explained(shown);
             let input = explanation::Input { info, step, at_end: shown.at_end, theme: self.look.theme };
-            explanation::strip(ui, (input, kept), &mut self.states.strip);
+            explanation::strip(ui, (input, room), &mut self.states.strip);
         }
     }
 

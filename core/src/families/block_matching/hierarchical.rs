@@ -249,9 +249,8 @@ impl Hierarchical {
         tester.stage(line::TEST_COARSER, inherited.iter().copied().chain([[0, 0]]), || {
             let twice = inherited.first().map_or(String::new(), |first| vector(*first));
             format!(
-                "{} candidates initialise this level: the doubled motion vector {twice} of the nearest block on the coarser level, \
-                 those of its neighbours, and zero motion.",
-                inherited.len() + 1
+                "Initial candidates: twice the vector of the nearest block on the coarser level, {twice}, those of its neighbours, and \
+                 (0, 0)."
             )
         });
         let (best, reach) = (tester.best(), self.refinement_range as i32);

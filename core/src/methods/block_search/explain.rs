@@ -54,12 +54,12 @@ pub(crate) fn vector([u, v]: [impl Into<f64>; 2]) -> String {
 fn skipped(stage: &Stage) -> String {
     match (stage.points.len(), stage.asked) {
         (new, asked) if new == asked => String::new(),
-        (0, 1) => " This candidate was tested before or lies outside the search window.".into(),
-        (0, 2) => " Both were tested before or lie outside the search window.".into(),
-        (0, asked) => format!(" All {asked} were tested before or lie outside the search window."),
+        (0, 1) => " Its cost is known already, or it lies outside the search window.".into(),
+        (0, 2) => " Both costs are known already, or outside the search window.".into(),
+        (0, asked) => format!(" All {asked} costs are known already, or outside the search window."),
         (new, asked) => {
             let are = if new == 1 { "is" } else { "are" };
-            format!(" Of these {asked}, {new} {are} new and inside the search window.")
+            format!(" Of these {asked}, {new} {are} distinct, untested and inside the search window.")
         }
     }
 }
@@ -309,7 +309,7 @@ impl Probe<'_> {
             _ => "infinite (no error)".into(),
         };
         let quality = format!(
-            " All {} are matched: PSNR of the motion-compensated prediction {}, without motion {}.",
+            " All {} are matched: PSNR of the motion-compensated prediction {}, with zero motion vectors {}.",
             counted(all.len(), "block"),
             psnr(&prediction),
             psnr(next)

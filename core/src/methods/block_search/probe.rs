@@ -65,7 +65,7 @@ impl Probe<'_> {
         self.pair.blocks.block(self.index)
     }
 
-    /// The candidate under test.
+    /// The candidate that was tested last.
     pub(super) fn candidate(&self) -> Option<(Match, usize)> {
         self.events.iter().rev().find_map(|event| match event {
             &Event::Candidate { tested, rows } => Some((tested, rows)),
@@ -95,6 +95,16 @@ impl Probe<'_> {
 
     pub fn is_over(&self) -> bool {
         matches!(self.events.last(), Some(Event::Found(_)))
+    }
+
+    /// Whether a refinement between pixels is announced or fitted: no candidate is under test.
+    fn is_refining(&self) -> bool {
+        matches!(self.events.last(), Some(Event::Refine(_) | Event::Fit(_)))
+    }
+
+    /// The candidate under test, if the step tests one.
+    pub(super) fn at_hand(&self) -> Option<(Match, usize)> {
+        self.candidate().filter(|_| !self.is_over() && !self.is_refining())
     }
 
     /// Marks on the stage.
@@ -140,7 +150,7 @@ impl Probe<'_> {
         if let Some(displacement) = self.passed_over() {
             scene.mark(Picture::NEXT, Role::Candidate, at(Match::whole(displacement, 0.0).vector()));
             scene.legend(Role::Candidate, "skipped candidate");
-        } else if let Some((candidate, _)) = self.candidate().filter(|_| !self.is_over()) {
+        } else if let Some((candidate, _)) = self.at_hand() {
             scene.mark(Picture::NEXT, Role::Candidate, at(candidate.vector()));
             scene.legend(Role::Candidate, "candidate");
         }

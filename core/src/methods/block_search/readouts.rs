@@ -8,7 +8,7 @@ use crate::base::words::{cost as cost_text, fixed, grouped};
 use crate::data::{Between, Histogram};
 use crate::geometry::Grid;
 use crate::methods::cost::{Cut, Sum, bounds::Parts};
-use crate::scene::{Fact, Math, Readout, Role, Series, Surface, Tile};
+use crate::scene::{BetweenPixels, Fact, Math, Readout, Role, Series, Surface, Tile};
 
 impl Probe<'_> {
     /// The facts, formulas and charts of the step.
@@ -31,7 +31,7 @@ impl Probe<'_> {
             let tiles = self.subpixel_costs().into_iter().chain(self.tiles(candidate, rows)).collect();
             readouts.push(Readout::Tiles(tiles));
         }
-        let is_on_surface = |candidate: &Match| !self.is_over() && candidate.fraction == [0.0; 2];
+        let is_on_surface = |candidate: &Match| candidate.fraction == [0.0; 2];
         let is_fitted = self.settings.refinement.subpixel == Subpixel::Parabola;
         readouts.push(Readout::Surface(Surface {
             title: self.settings.label(),
@@ -42,7 +42,7 @@ impl Probe<'_> {
             values: self.costs(),
             events: self.tests(),
             probe: self.passed_over().or_else(|| {
-                self.candidate().map(|(candidate, _)| candidate).filter(is_on_surface).map(|at| at.displacement)
+                self.at_hand().map(|(candidate, _)| candidate).filter(is_on_surface).map(|at| at.displacement)
             }),
             // A sub-pixel position is not on the cost surface; a fitted one stays where it was tested.
             best: self.best().filter(|best| is_fitted || best.fraction == [0.0; 2]).map(|best| best.displacement),
@@ -71,9 +71,11 @@ impl Probe<'_> {
     }
 
     /// The candidates between pixels.
-    fn between(&self) -> Vec<[f32; 2]> {
+    fn between(&self) -> Vec<BetweenPixels> {
         let tested = self.events.iter().filter_map(|event| match event {
-            Event::Candidate { tested, .. } if tested.fraction != [0.0; 2] => Some(tested.vector()),
+            Event::Candidate { tested, .. } if tested.fraction != [0.0; 2] => {
+                Some(BetweenPixels { at: tested.vector(), value: tested.cost as f32 })
+            }
             _ => None,
         });
         tested.collect()
@@ -126,13 +128,16 @@ impl Probe<'_> {
                 Some((Match { fraction: [0.0; 2], ..*found }, self.block().height))
             }
             Some(Event::Found(found)) => Some((*found, self.block().height)),
+            Some(Event::Refine(_) | Event::Fit(_)) => {
+                self.at_hand().or_else(|| Some((self.best()?, self.block().height)))
+            }
             _ => self.candidate(),
         }
     }
 
     /// The role of that candidate.
     pub(super) fn shown_role(&self) -> Role {
-        if self.is_over() { Role::Best } else { Role::Candidate }
+        if self.at_hand().is_some() { Role::Candidate } else { Role::Best }
     }
 
     fn facts(&self) -> Vec<Fact> {
@@ -156,7 +161,7 @@ impl Probe<'_> {
         if let Some(Event::Skipped { skipped, .. }) = self.events.last() {
             let bound = Match::whole(skipped.displacement, self.bound_of(skipped));
             facts.push(Fact { label: "Candidate", value: at_least(bound), role: Some(Role::Candidate) });
-        } else if let Some((candidate, rows)) = self.candidate().filter(|_| !self.is_over()) {
+        } else if let Some((candidate, rows)) = self.at_hand() {
             let value = if rows < block.height { at_least(candidate) } else { of(candidate) };
             facts.push(Fact { label: "Candidate", value, role: Some(Role::Candidate) });
         }

@@ -6,7 +6,9 @@ use crate::geometry::Grid;
 use crate::methods::differential::numbers;
 use crate::products::metrics;
 use crate::run::Seen;
-use crate::scene::{Fact, Math, Matrix, Picture, Readout, Role, Scene, Sentence, Shape, Step, Surface, Tile};
+use crate::scene::{
+    BetweenPixels, Fact, Math, Matrix, Picture, Readout, Role, Scene, Sentence, Shape, Step, Surface, Tile,
+};
 
 /// Cells along a side of a tile, at most.
 const CELLS: usize = 96;
@@ -427,7 +429,7 @@ fn surface(stage: Stage, state: &State) -> Surface {
     Surface {
         best: state.peak.map(|peak| state.wrapped(peak)),
         between: if matches!(stage, Stage::Subpixel(_) | Stage::Result) {
-            vec![state.translation().map(|c| c as f32)]
+            vec![BetweenPixels::of_unknown(state.translation().map(|c| c as f32))]
         } else {
             Vec::new()
         },

@@ -5,7 +5,7 @@ use crate::base::words::{counted, fixed, place};
 use crate::geometry::Grid;
 use crate::methods::numbers::ratio;
 use crate::methods::region::{At, Explained};
-use crate::scene::{Arrow, Fact, Math, Picture, Readout, Role, Scene, Sentence, Shape, Surface, Tile};
+use crate::scene::{Arrow, BetweenPixels, Fact, Math, Picture, Readout, Role, Scene, Sentence, Shape, Surface, Tile};
 
 /// The response is drawn as a surface up to this displacement, in px.
 const REACH_PX: i32 = 24;
@@ -241,7 +241,7 @@ fn surface(response: &Response) -> Surface {
     let origin = reach.map(|reach| -reach);
     Surface {
         best: is_shown.then_some(best),
-        between: if is_shown { vec![response.displacement] } else { Vec::new() },
+        between: if is_shown { vec![BetweenPixels::of_unknown(response.displacement)] } else { Vec::new() },
         is_similarity: true,
         ..Surface::new("g", origin, values, Grid::new(size[0], size[1], Some(1)))
     }
