@@ -885,6 +885,13 @@ fn the_list_of_sweeps_opens_as_often_as_it_is_asked_for() {
         window.compared();
         assert!(!has_list(&window), "it is closed");
     }
+    // It lies above the dialog, which was clicked: a click on an entry reaches it.
+    window.harness.get_by_role_and_label(Role::ComboBox, "Sweep").click();
+    window.compared();
+    window.harness.get_by_label_contains("Search range: ").click();
+    window.compared();
+    let chosen = window.harness.get_by_role_and_label(Role::ComboBox, "Sweep").accesskit_node().value();
+    assert!(chosen.as_ref().is_some_and(|chosen| chosen.starts_with("Search range: ")), "{chosen:?}");
 }
 
 #[test]

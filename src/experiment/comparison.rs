@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use motionscope_core::compare::Figures;
 use motionscope_core::products::{self, Assessment, KINDS, Measure, Reference};
-use motionscope_core::{AnyEstimator, Clip, Error, FRAMES, Threads, Value, detection, estimator, grouped};
+use motionscope_core::{AnyEstimator, Clip, Error, FRAMES, Threads, Value, detection, estimator, fixed, grouped};
 use serde_json::{Map, json};
 
 use crate::experiment::source::Source;
@@ -176,7 +176,7 @@ impl Column {
     pub fn text(&self, row: &Row) -> String {
         match (self.value(row), self.from) {
             (Some(value), _) if self.digits == 0 && value >= 0.0 => grouped(value.round() as usize),
-            (Some(value), _) => format!("{value:.*}", self.digits),
+            (Some(value), _) => fixed(value, self.digits),
             (None, From::Assessment(measure, _)) if row.assessment.score(measure).is_some() => {
                 match measure.otherwise {
                     "" => NOTHING.to_owned(),

@@ -53,7 +53,7 @@ fn a_click_on_the_other_frame_is_none_on_frame_t() {
 
 #[test]
 fn what_a_frame_is_compared_with_stands_beside_it() {
-    for (estimator, title) in [("frame-difference", "Frame t−1 = 1"), ("running-average", "Reference")] {
+    for (estimator, title) in [("frame-difference", "Frame t−1 = 1"), ("running-average", "Background")] {
         let mut window = objects::window(estimator, "3.2");
         window.key(Key::Num1);
         let other = on_picture(&window, title, [0.5, 0.5]);
@@ -72,7 +72,7 @@ fn what_a_frame_is_compared_with_stands_beside_it() {
 
 #[test]
 fn a_pixel_of_the_background_is_explained_as_that_of_the_frame() {
-    for (estimator, title) in [("frame-difference", "Frame t−1 = 1"), ("running-average", "Reference")] {
+    for (estimator, title) in [("frame-difference", "Frame t−1 = 1"), ("running-average", "Background")] {
         let mut window = objects::window(estimator, "3.2");
         window.key(Key::Num1);
         let [here, there] = ["Frame t =", title].map(|title| on_picture(&window, title, [0.5, 0.5]));

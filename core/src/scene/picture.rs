@@ -83,7 +83,7 @@ impl Picture {
         let number = number.map_or_else(String::new, |number| format!(" = {number}"));
         let what = match self.role {
             PictureRole::Frame => format!("Frame {}{number}", self.moment("−")),
-            PictureRole::Reference => "Reference".into(),
+            PictureRole::Reference => "Background".into(),
             PictureRole::Template => "Template".into(),
             PictureRole::Mosaic => "Mosaic".into(),
             PictureRole::Warped => format!("Warped frame {}{number}", self.moment("−")),

@@ -52,7 +52,7 @@ impl App {
             }
             Action::Enter(index) => self.enter(index),
             Action::Settle => self.document.settle(),
-            Action::Place(index) => self.states.stage.placing = index,
+            Action::Place(index) => self.place(index),
             Action::ResetAll(owner) => {
                 self.document.reset(owner);
                 self.restart();
@@ -174,6 +174,14 @@ impl App {
     }
 
     /// Plays in the direction `way`, or pauses if it does; from where it cannot go on, it begins at the other end.
+    /// Begins to place a parameter on the picture, on which no drawer may lie, or ends it.
+    fn place(&mut self, index: Option<usize>) {
+        self.states.stage.placing = index;
+        if index.is_some() {
+            self.settings.close_drawer();
+        }
+    }
+
     fn toggle_play(&mut self, way: Direction) {
         if self.player.plays(way) {
             return self.player.pause();
@@ -328,6 +336,10 @@ impl App {
                 if self.document.parents().len() > 0 {
                     self.toasts
                         .hint(format!("{} runs on the clip itself, so the stage was closed.", chosen.info().name));
+                }
+                // Colours that tell of one family's results would cover the pictures of another.
+                if self.document.estimator().info().family != chosen.info().family {
+                    self.settings.look.layer = None;
                 }
                 self.document.choose(changed_alike(self.document.estimator(), chosen));
                 self.suit_view(was_single);

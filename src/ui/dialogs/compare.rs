@@ -124,12 +124,12 @@ pub fn show(ctx: &egui::Context, state: &mut State, document: &Document, theme: 
         let tall = (screen.height() - 120.0).min(62.0 * size);
         ui.set_min_height(tall);
         let bottom = ui.cursor().min.y + tall;
-        ui.heading("Compare estimators");
+        visited |= widgets::title(ui, "Compare estimators");
         let on = match state.course {
             Some(_) => {
                 "The course's table of search algorithms, measured on this pair of frames with default parameters."
             }
-            None => "All estimators run on this pair of frames, with the current parameters.",
+            None => extent(state),
         };
         ui.label(RichText::new(on).weak());
         if state.course.is_some() {
@@ -152,7 +152,7 @@ pub fn show(ctx: &egui::Context, state: &mut State, document: &Document, theme: 
         ui.add_space(4.0);
         ui.horizontal(|ui| {
             sweep(ui, state, document);
-            visited = step_by_step(ui, state, actions);
+            visited |= step_by_step(ui, state, actions);
         });
         start(ui, state, document);
         ui.add_space(8.0);
@@ -164,6 +164,16 @@ pub fn show(ctx: &egui::Context, state: &mut State, document: &Document, theme: 
         });
     });
     !(modal.should_close() || visited)
+}
+
+/// On what the chosen estimators run.
+fn extent(state: &State) -> &'static str {
+    let through_clip = chosen(state).iter().filter(|one| one.info().granularities[0] == "clip").count();
+    match through_clip {
+        0 => "All estimators run on this pair of frames, with the current parameters.",
+        count if count == state.chosen.len() => "All estimators run through the clip, with the current parameters.",
+        _ => "Estimators of a pair run on these two frames, the others through the clip, with the current parameters.",
+    }
 }
 
 /// Chooses between a comparison of estimators and the course's table.
@@ -314,7 +324,7 @@ fn sweep(ui: &mut Ui, state: &mut State, document: &Document) {
         Some(Source::Synth { difficulty, .. }) => sweeps::of_sliders(difficulty),
         _ => Vec::new(),
     };
-    let title = |sweep: &Option<Sweep>| sweep.as_ref().map_or("nothing".to_owned(), |sweep| sweep.title.clone());
+    let title = |sweep: &Option<Sweep>| sweep.as_ref().map_or("none".to_owned(), |sweep| sweep.title.clone());
     let limits = document.prepared_alone().map(|of| Limits::of(&of.clip, of.experiment.frame));
     let all = [("parameters", sweeps::of_estimators(&chosen, limits)), ("sliders of the clip", of_clip)];
     if state.sweep.as_ref().is_some_and(|sweep| all.iter().all(|(_, some)| !some.contains(sweep))) {
@@ -322,6 +332,8 @@ fn sweep(ui: &mut Ui, state: &mut State, document: &Document) {
     }
     let combo = ComboBox::from_id_salt("sweep").selected_text(title(&state.sweep)).width(0.0);
     let shown = combo.show_ui(ui, |ui| {
+        // A click on the dialog has put it above the list, and it would stay there.
+        ui.ctx().move_to_top(ui.layer_id());
         ui.selectable_value(&mut state.sweep, None, title(&None));
         for (of, some) in all.into_iter().filter(|(_, some)| !some.is_empty()) {
             ui.label(RichText::new(of).small().weak());
@@ -545,7 +557,7 @@ fn table(
     let (swept, mut visited) = (rows.first().and_then(|row| row.swept.as_ref()).map(|(name, _)| name.clone()), false);
     let plotted = state.plotted.unwrap_or_else(|| comparison::telling(rows));
     Grid::new("comparison").striped(true).spacing([12.0, 4.0]).show(ui, |ui| {
-        let strong = |text: &str| RichText::new(text).small().family(style::bold());
+        let strong = |text: &str| RichText::new(broken(text)).small().family(style::bold());
         ui.label(strong("Estimator"));
         if let Some(name) = &swept {
             ui.label(strong(name));
@@ -559,13 +571,16 @@ fn table(
                         state.plotted = Some(*i);
                     }
                 }
-                None => drop(ui.label(strong(column.heading)).on_hover_ui(|ui| glossary::tooltip(ui, column.doc))),
+                None => drop(
+                    ui.add(Label::new(strong(column.heading)).halign(Align::Max))
+                        .on_hover_ui(|ui| glossary::tooltip(ui, column.doc)),
+                ),
             });
         }
         ui.end_row();
         for row in rows {
             // Long names wrap, so that the columns with numbers have room.
-            ui.vertical(|ui| {
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 ui.set_width(NAME_LETTERS * TextStyle::Body.resolve(ui.style()).size);
                 ui.add(Label::new(row.estimator.info().name).wrap());
             });
@@ -581,6 +596,16 @@ fn table(
         }
     });
     visited
+}
+
+/// A heading on two lines where that makes it narrower: broken at the space nearest to its middle.
+fn broken(heading: &str) -> String {
+    let middle = heading.len() / 2;
+    let spaces = heading.match_indices(' ').map(|(at, _)| at);
+    match spaces.min_by_key(|at| at.abs_diff(middle)) {
+        Some(at) => format!("{}\n{}", &heading[..at], &heading[at + 1..]),
+        None => heading.to_owned(),
+    }
 }
 
 /// Shows a number; the share of missed minima links to the first such block.

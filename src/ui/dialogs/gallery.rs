@@ -83,12 +83,12 @@ pub fn show(ctx: &egui::Context, state: &mut State, theme: Theme, actions: &mut 
     let room = (screen.size() - vec2(120.0, 220.0)).max(vec2(240.0, 160.0));
     let modal = widgets::modal(ctx, "sample clips", vec2(70.0 * size, 60.0 * size)).show(ctx, |ui| {
         ui.set_width((70.0 * size).min(room.x));
-        ui.heading("Samples");
+        let is_closed = widgets::title(ui, "Samples");
         ui.label(RichText::new("Synthetic clips with exact ground truth. Each shows one effect.").weak());
         ui.add_space(8.0);
         let height = room.y.min(44.0 * size);
         ScrollArea::vertical().max_height(height).min_scrolled_height(height).show(ui, |ui| {
-            chosen = cards(ui, state, theme, actions);
+            chosen = cards(ui, state, theme, actions) || is_closed;
         });
     });
     !(modal.should_close() || chosen)

@@ -110,7 +110,7 @@ pub fn show(ctx: &egui::Context, state: &mut State, recent: &[PathBuf], actions:
     let mut done = false;
     let modal = widgets::modal(ctx, "open", vec2(40.0 * size, 30.0 * size)).show(ctx, |ui| {
         ui.set_width((40.0 * size).min(ui.ctx().content_rect().width() - 48.0));
-        ui.heading("Open");
+        done |= widgets::title(ui, "Open");
         ui.label(
             RichText::new(
                 "A video, a picture of a numbered sequence, a folder of pictures, detections (det.txt) or a session; \

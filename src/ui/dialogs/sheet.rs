@@ -1,12 +1,15 @@
 //! Every key on one page, and what the program is.
 
 use eframe::egui::style::ScrollStyle;
-use eframe::egui::{self, Grid, RichText, ScrollArea, TextStyle, Ui, vec2};
+use eframe::egui::{self, Grid, Label, RichText, ScrollArea, TextStyle, Ui, vec2};
 
 use crate::paint::Theme;
 use crate::ui::app::commands::{Command, Granularities, Menu, key_text};
 use crate::ui::drawing::style;
 use crate::ui::parts::widgets;
+
+/// Between keys and names, in points.
+const GAP: f32 = 16.0;
 
 /// Shows the shortcut sheet; gives whether it is still open.
 pub fn shortcuts(ctx: &egui::Context, granularities: &Granularities, theme: Theme) -> bool {
@@ -14,7 +17,7 @@ pub fn shortcuts(ctx: &egui::Context, granularities: &Granularities, theme: Them
     let screen = ctx.content_rect();
     let modal = widgets::modal(ctx, "shortcuts", vec2(62.0 * size, 70.0 * size)).show(ctx, |ui| {
         ui.set_width((62.0 * size).min(screen.width() - 120.0));
-        ui.heading("Keyboard shortcuts");
+        let is_closed = widgets::title(ui, "Keyboard shortcuts");
         ui.add_space(8.0);
         let height = (screen.height() - 190.0).max(120.0);
         // A bar that is always there says that the page goes on.
@@ -28,8 +31,9 @@ pub fn shortcuts(ctx: &egui::Context, granularities: &Granularities, theme: Them
         });
         ui.add_space(8.0);
         ui.label(RichText::new("Esc closes this page.").small().weak());
+        is_closed
     });
-    !modal.should_close()
+    !(modal.should_close() || modal.inner)
 }
 
 /// Groups below each other; their keys and names stand in line.
@@ -45,7 +49,9 @@ fn column(ui: &mut Ui, menus: &[Menu], granularities: &Granularities, theme: The
 
 /// The keys of a menu, in a column of a given width, and what they do.
 fn group(ui: &mut Ui, menu: Menu, granularities: &Granularities, (theme, keys): (Theme, f32)) {
-    Grid::new(menu.name()).num_columns(2).spacing([16.0, 4.0]).min_col_width(keys).show(ui, |ui| {
+    // Long names wrap before they reach the next column of groups.
+    let names = ui.available_width() - keys - 2.0 * GAP;
+    Grid::new(menu.name()).num_columns(2).spacing([GAP, 4.0]).min_col_width(keys).show(ui, |ui| {
         let here =
             Command::ALL.iter().filter(|command| command.info().menu == menu && command.is_listed(granularities));
         for (command, keys) in
@@ -57,7 +63,11 @@ fn group(ui: &mut Ui, menu: Menu, granularities: &Granularities, (theme, keys): 
                     widgets::key_cap(ui, &key_text(*key), theme);
                 }
             });
-            ui.label(command.text(granularities)).on_hover_text(command.tip(granularities));
+            ui.scope(|ui| {
+                ui.set_max_width(names);
+                let name = ui.add(Label::new(command.text(granularities)).wrap());
+                name.on_hover_text(command.tip(granularities));
+            });
             ui.end_row();
         }
     });

@@ -133,13 +133,24 @@ impl Settings {
         }
     }
 
-    /// Folds `pane` away or brings it back.
-    pub fn toggle(&mut self, pane: Pane) {
-        let folded = match self.mode {
+    /// Folds the parameters away where they lie over the pictures.
+    pub fn close_drawer(&mut self) {
+        if self.mode == Some(Mode::Lecture) || self.is_narrow {
+            self.folded_mut().parameters = true;
+        }
+    }
+
+    fn folded_mut(&mut self) -> &mut Folded {
+        match self.mode {
             Some(Mode::Lecture) => &mut self.folded_lecture,
             _ if self.is_narrow => &mut self.folded_narrow,
             _ => &mut self.folded,
-        };
+        }
+    }
+
+    /// Folds `pane` away or brings it back.
+    pub fn toggle(&mut self, pane: Pane) {
+        let folded = self.folded_mut();
         let folded = match pane {
             Pane::Parameters => &mut folded.parameters,
             Pane::Explanation => &mut folded.explanation,

@@ -15,7 +15,8 @@ pub mod transport;
 use std::sync::Arc;
 
 use eframe::egui::{
-    self, Button, CursorIcon, Frame, Margin, Rect, RichText, Sense, Stroke, TextStyle, Ui, UiBuilder, WidgetInfo, vec2,
+    self, Button, CursorIcon, Frame, Margin, Rect, RichText, Sense, Stroke, TextStyle, Ui, UiBuilder, Vec2, WidgetInfo,
+    vec2,
 };
 use eframe::egui_wgpu::RenderState;
 use lucide_icons::Icon;
@@ -53,6 +54,9 @@ pub struct States {
     /// The stage.
     #[serde(skip)]
     pub stage: stage::State,
+    /// Whether the pointer on the stage is meant to point.
+    #[serde(skip)]
+    pub pointing: Pointing,
     /// Whether it was told what can be done on the stage.
     pub has_hinted: bool,
     /// Which of several estimators is explained.
@@ -141,6 +145,23 @@ pub struct Panes<'a> {
     pub look: &'a mut Look,
     /// What is asked for.
     pub actions: &'a mut Actions,
+}
+
+/// Whether the pointer is meant to point: one that rests while steps are taken leaves the steps their own explanation.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Pointing {
+    cursor: Option<Cursor>,
+    is_meant: bool,
+}
+
+impl Pointing {
+    /// Whether the pointer has moved since the step at `cursor` was reached.
+    fn is_meant(&mut self, ui: &Ui, cursor: Cursor) -> bool {
+        let is_new = self.cursor.replace(cursor) != Some(cursor);
+        let moves = ui.input(|input| input.pointer.delta() != Vec2::ZERO);
+        self.is_meant = moves || self.is_meant && !is_new;
+        self.is_meant
+    }
 }
 
 impl Panes<'_> {
@@ -280,8 +301,9 @@ impl Panes<'_> {
             flows: self.flows,
         };
         let response = stage::show(ui, input, &mut self.states.stage);
-        self.actions.ask(Action::Focus(response.hovered));
-        if response.hovered.is_some() && !std::mem::replace(&mut self.states.has_hinted, true) {
+        let hovered = response.hovered.filter(|_| self.states.pointing.is_meant(ui, shown.cursor));
+        self.actions.ask(Action::Focus(hovered));
+        if hovered.is_some() && !std::mem::replace(&mut self.states.has_hinted, true) {
             self.actions.ask(Action::Hint(HINT));
         }
         if let Some(explained) = response.explained {

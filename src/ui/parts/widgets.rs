@@ -1,7 +1,7 @@
 //! Small parts that the panes share: icons, icon buttons, headings, key caps, dialogs.
 
 use eframe::egui::{
-    self, Align2, Button, FontId, Frame, Id, Layout, Modal, Rect, Response, RichText, Sense, Stroke, StrokeKind,
+    self, Align, Align2, Button, FontId, Frame, Id, Layout, Modal, Rect, Response, RichText, Sense, Stroke, StrokeKind,
     TextStyle, Ui, UiBuilder, Vec2, WidgetInfo, vec2,
 };
 use lucide_icons::Icon;
@@ -78,6 +78,16 @@ pub fn modal(ctx: &egui::Context, name: &str, size: Vec2) -> Modal {
     // A slow computer would show a dialog that fades in as an empty shade for a long while.
     let area = Modal::default_area(id).default_size(size.min(most)).fade_in(false);
     Modal::new(id).area(area).frame(Frame::window(&ctx.global_style()).inner_margin(20))
+}
+
+/// The title of a dialog with the way out at its right; returns whether that was clicked.
+pub fn title(ui: &mut Ui, text: &str) -> bool {
+    ui.horizontal(|ui| {
+        ui.heading(text);
+        let right = Layout::right_to_left(Align::Center);
+        ui.with_layout(right, |ui| icon_button(ui, Icon::X, "Close", false).clicked()).inner
+    })
+    .inner
 }
 
 /// Puts what is typed into `text` as long as its field `id` has not the keyboard yet: a dialog draws nothing in its first pass,

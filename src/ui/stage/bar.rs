@@ -116,11 +116,11 @@ fn choice(ui: &mut Ui, room: f32, input: &Input<'_>, look: &mut Look) {
         });
         return;
     }
-    let list = egui::ComboBox::from_id_salt("view").selected_text(now.name());
+    let list = egui::ComboBox::from_id_salt("view").selected_text(name(now, input));
     let shown = list.show_ui(ui, |ui| {
         for view in View::ALL {
             ui.add_enabled_ui(can_be(view), |ui| {
-                let response = ui.selectable_label(now == view, view.name());
+                let response = ui.selectable_label(now == view, name(view, input));
                 if response.on_hover_text(view.tip()).on_disabled_hover_text(view.tip()).clicked() {
                     look.view = Some(view);
                 }
@@ -128,6 +128,17 @@ fn choice(ui: &mut Ui, room: f32, input: &Input<'_>, look: &mut Look) {
         }
     });
     shown.response.accessible_name("Pictures");
+}
+
+/// The name of a view: a step may have other pictures than both frames.
+fn name(view: View, input: &Input<'_>) -> String {
+    let pictures = &input.scene.pictures;
+    if view != View::SideBySide || pictures.len() < 2 {
+        return view.name().to_owned();
+    }
+    let names: Vec<_> = pictures.iter().map(|canvas| canvas.picture.title(None)).collect();
+    let rest = names[1..].iter().map(|name| format!(" and {}", name[..1].to_lowercase() + &name[1..]));
+    names[0].clone() + &rest.collect::<String>()
 }
 
 /// The name of a view where eight of them stand in a row.

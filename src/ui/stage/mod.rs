@@ -206,7 +206,6 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
     ui.spacing_mut().item_spacing = vec2(8.0, 4.0);
     let mut response = Response { look: input.look, ..Response::default() };
     bar::tools(ui, &input, state, &mut response);
-    placing::tools(ui, &input, &mut response);
     let input = Input { look: response.look, ..input };
     // Each of several estimators has its own level.
     let on_level = input.pictures.on_level(input.scene.levels.as_ref(), input.look.level, view(&input));
@@ -216,7 +215,10 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
     let (area, _) = ui.allocate_exact_size(room, Sense::hover());
     state.area = Some(area);
     panes(ui, area, &input, state, &mut response);
-    bar::line(ui, &input, state);
+    match input.placing {
+        Some(_) => placing::tools(ui, &input, &mut response),
+        None => bar::line(ui, &input, state),
+    }
     response
 }
 

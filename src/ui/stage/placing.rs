@@ -1,10 +1,12 @@
 //! Placing lines, zones, contours or points on the picture with the mouse.
 
-use eframe::egui::{Button, Color32, Painter, Pos2, RichText, Shape, Stroke, TextStyle, Ui, WidgetInfo};
+use eframe::egui::{
+    Align, Button, Color32, Label, Layout, Painter, Pos2, RichText, Shape, Stroke, TextStyle, Ui, WidgetInfo, vec2,
+};
 use motionscope_core::params::{Figure, Placed, Spec, Spot};
 use motionscope_core::scene::{Picture, PictureRole};
 
-use super::{Input, Lens, Response, State};
+use super::{Input, Lens, Response, State, bar};
 use crate::paint::Theme;
 use crate::ui::drawing::style;
 
@@ -62,43 +64,41 @@ pub enum Grip {
     New([f32; 2], Placed),
 }
 
-/// What to do, and the way out.
+/// What to do, and the way out: in the line below the pictures, so that they stay where they are.
 pub fn tools(ui: &mut Ui, input: &Input<'_>, response: &mut Response) {
     let Some(placing) = input.placing else { return };
     let what = placing.spec.label.to_lowercase();
     let message = match placing.now.figure() {
         Figure::Spots if !placing.is_by_frame => {
-            "Click on points of the picture, or drag one. Right-click a point to remove it.".into()
+            "A click adds a point, dragging moves it, a right-click removes it.".to_owned()
         }
-        Figure::Spots => format!(
-            "Click where it is in frame {}; the next frame follows. Right-click a point to remove it.",
-            placing.frame
-        ),
-        Figure::Lines => {
-            "Drag from one end of a line to the other, or move an end. Each drag adds a line; right-click an end \
-             to remove its line."
-                .into()
+        Figure::Spots => {
+            format!(
+                "Click the object in frame {}; the next frame follows. A right-click removes a point.",
+                placing.frame
+            )
         }
+        Figure::Lines => "Dragging adds a line or moves an end; a right-click on an end removes its line.".to_owned(),
         Figure::Zones => {
-            "Drag from one corner of a zone to the opposite one, or move a corner. Each drag adds a zone; right-click \
-             a corner to remove its zone."
-                .into()
+            "Dragging adds a zone or moves a corner; a right-click on a corner removes its zone.".to_owned()
         }
-        Figure::Contour => format!(
-            "Drag a box to draw an ellipse in it as the {what}. Drag a corner to move it, click beside an edge to add one, \
-             right-click one to remove it."
-        ),
-        Figure::Zone => format!(
-            "Drag from one corner of the {what} to the opposite one, or move a corner. Right-click a corner to remove it."
-        ),
+        Figure::Contour => {
+            "Drag a box for an ellipse, or a corner; a click beside an edge adds a corner, a right-click removes it."
+                .to_owned()
+        }
+        Figure::Zone => {
+            format!("Drag from corner to corner of the {what}, or move a corner. A right-click removes it.")
+        }
     };
-    ui.horizontal_wrapped(|ui| {
+    let size = vec2(ui.available_width(), bar::line_height(input.theme()));
+    ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
         let done = ui.add(Button::new(RichText::new("Done").small()).small());
         done.widget_info(|| WidgetInfo::labeled(eframe::egui::Role::Button, true, format!("Done placing {what}")));
         if done.on_hover_text("Esc").clicked() {
             response.placing = Gesture::Done;
         }
-        ui.label(RichText::new(message).text_style(TextStyle::Small));
+        // The whole of it comes on hover where it is cut.
+        ui.add(Label::new(RichText::new(message).text_style(TextStyle::Small)).truncate());
     });
 }
 

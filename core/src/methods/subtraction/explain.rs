@@ -365,7 +365,7 @@ fn layer(scene: &mut Scene, role: Role, meaning: &'static str, mask: Arc<Mask>) 
 /// Draws a mask compared with the true foreground.
 fn draw_errors(scene: &mut Scene, errors: &MaskErrors) {
     layer(scene, Role::Estimate, "correct foreground", Arc::new(errors.correct.clone()));
-    layer(scene, Role::Rejected, "false alarm", Arc::new(errors.false_positives.clone()));
+    layer(scene, Role::Error, "false alarm", Arc::new(errors.false_positives.clone()));
     layer(scene, Role::Truth, "missed", Arc::new(errors.misses.clone()));
 }
 

@@ -94,7 +94,18 @@ impl<M: Model> Variational<M> {
         let [across, down] = frames.scale(frames.count() - 1);
         let conclusion = Conclusion::new(&frames.frame_pair, &after.flow(), across.max(down));
         // The end of the run is about its result alone; what the last iteration changed stands in the facts.
-        Sentence::default().text(conclusion.sentence(&M::ADVICE).trim_start())
+        let said = Sentence::default().text(conclusion.sentence(&M::ADVICE).trim_start());
+        let said = match is_tested && note.change >= tolerance {
+            true => said.text(format!(
+                " Not converged: the last iteration still changed the flow by {precise} px on average. More iterations \
+                 carry it on from the gradients into areas without any."
+            )),
+            false => said,
+        };
+        match Probe::at(seen) {
+            Some(probe) => said.text(" Formula: pixel ").ink(Role::Reference, words::pixel(probe.place)).text("."),
+            None => said,
+        }
     }
 
     /// Returns energy, change and error of the iteration that ends at the cursor.
