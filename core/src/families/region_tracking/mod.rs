@@ -7,6 +7,7 @@ mod correlation_filter;
 mod greedy_contour;
 mod mean_shift;
 mod particle_filter;
+mod template_tracker;
 
 pub use active_contour::ActiveContour;
 pub use camshift::Camshift;
@@ -14,3 +15,4 @@ pub use correlation_filter::CorrelationFilter;
 pub use greedy_contour::GreedyContour;
 pub use mean_shift::MeanShift;
 pub use particle_filter::ParticleFilter;
+pub use template_tracker::TemplateTracker;
