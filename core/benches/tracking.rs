@@ -163,17 +163,20 @@ fn of_one_region(c: &mut Criterion) {
         ("camshift", &[]),
         ("particle-filter", &[("particles", "1000")]),
         ("correlation-filter", &[]),
+        ("template-tracker", &[("update", "none")]),
+        ("template-tracker", &[("update", "drift-corrected")]),
     ] {
         let mut tracker = estimator(id).expect("it is registered");
         tracker.set("region", "199.5,179.5,263.5,243.5").expect("a region");
         settings.iter().for_each(|(name, value)| tracker.set(name, value).expect("in range"));
-        c.bench_function(&format!("{id}, 64×64 px, VGA, {} frames", FRAMES - 1), |b| {
+        let own = settings.last().map_or("", |(_, value)| *value);
+        c.bench_function(&format!("{id} {own}, 64×64 px, VGA, {} frames", FRAMES - 1), |b| {
             b.iter(|| tracker.run(&clip, 0, &pool).expect("a run"));
         });
     }
 }
 
-/// A contour of 100 points around a bright disc. The viscosity is so high that it does not converge in 100 iterations; a frame of these is to
+/// A contour around a bright disc, of 100 points where it has points. The viscosity is so high that it does not converge in 100 iterations; a frame of these is to
 /// take 2 ms at most. The greedy one converges earlier.
 fn contours(c: &mut Criterion) {
     const FRAMES: usize = 11;
@@ -195,10 +198,12 @@ fn contours(c: &mut Criterion) {
         ("active-contour", &[("gamma", "5"), ("epsilon", "0.001"), ("force", "gradient")][..]),
         ("active-contour", &[("gamma", "5"), ("epsilon", "0.001"), ("force", "gradient-vector-flow")]),
         ("greedy-contour", &[]),
+        ("chan-vese", &[]),
     ] {
         let mut tracker = estimator(id).expect("it is registered");
-        let own = [("contour", contour.as_str()), ("spacing", "4"), ("iterations", "100")];
-        own.iter().chain(settings).for_each(|(name, value)| tracker.set(name, value).expect("in range"));
+        let own = [("contour", contour.as_str()), ("iterations", "100")];
+        let spaced = (id != "chan-vese").then_some(("spacing", "4"));
+        own.iter().chain(&spaced).chain(settings).for_each(|(name, value)| tracker.set(name, value).expect("in range"));
         let force = settings.last().map_or("", |(_, value)| *value);
         c.bench_function(&format!("{id} {force}, 100 points, up to 100 iterations, {FRAMES} frames"), |b| {
             b.iter(|| tracker.run(&clip, 0, &pool).expect("a run"));

@@ -19,7 +19,7 @@ use crate::families::{
         Clg, Farneback, HornSchunck, Klt, LucasKanade, NormalFlow, PointTrajectories, PyramidalLucasKanade, TvL1,
     },
     region_tracking::{
-        ActiveContour, Camshift, CorrelationFilter, GreedyContour, MeanShift, ParticleFilter, TemplateTracker,
+        ActiveContour, Camshift, ChanVese, CorrelationFilter, GreedyContour, MeanShift, ParticleFilter, TemplateTracker,
     },
     tracking::{BlobTracker, JointProbabilistic, KalmanFilter, KalmanTracker, MultipleHypothesis, TrajectoryAnalysis},
 };
@@ -89,6 +89,7 @@ impl Entries for Course {
         Entry::of::<RegionTracking<TemplateTracker>>(),
         Entry::of::<RegionTracking<ActiveContour>>(),
         Entry::of::<RegionTracking<GreedyContour>>(),
+        Entry::of::<RegionTracking<ChanVese>>(),
     ];
 }
 

@@ -3,6 +3,7 @@
 
 mod active_contour;
 mod camshift;
+mod chan_vese;
 mod correlation_filter;
 mod greedy_contour;
 mod mean_shift;
@@ -11,6 +12,7 @@ mod template_tracker;
 
 pub use active_contour::ActiveContour;
 pub use camshift::Camshift;
+pub use chan_vese::ChanVese;
 pub use correlation_filter::CorrelationFilter;
 pub use greedy_contour::GreedyContour;
 pub use mean_shift::MeanShift;

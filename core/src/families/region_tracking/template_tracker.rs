@@ -72,7 +72,7 @@ params! {
         epsilon: f32 = 0.01, 0.001..=1.0, "px";
         /// Correlation of the warped window with its template below which the object is lost: the region stays, and the template is not
         /// updated.
-        min_correlation: f32 = 0.6, 0.0..=1.0;
+        min_correlation: f32 = 0.7, 0.0..=1.0;
     }
     advanced { "iterations", "epsilon" }
     when {
