@@ -169,8 +169,8 @@ fn of_one_region(c: &mut Criterion) {
         let mut tracker = estimator(id).expect("it is registered");
         tracker.set("region", "199.5,179.5,263.5,243.5").expect("a region");
         settings.iter().for_each(|(name, value)| tracker.set(name, value).expect("in range"));
-        let own = settings.last().map_or("", |(_, value)| *value);
-        c.bench_function(&format!("{id} {own}, 64×64 px, VGA, {} frames", FRAMES - 1), |b| {
+        let name = settings.iter().fold(id.to_owned(), |name, (_, value)| format!("{name} {value}"));
+        c.bench_function(&format!("{name}, 64×64 px, VGA, {} frames", FRAMES - 1), |b| {
             b.iter(|| tracker.run(&clip, 0, &pool).expect("a run"));
         });
     }

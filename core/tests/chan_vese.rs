@@ -238,6 +238,22 @@ fn what_is_as_bright_and_touches_the_object_becomes_a_part_of_it() {
 }
 
 #[test]
+fn a_smaller_margin_keeps_clutter_out_of_the_window() {
+    // A wall brighter than both the object and its ground.
+    let place = |t: usize| [34.0, 22.0 + 2.0 * t as f64];
+    let level = |t: usize| {
+        frame(10.0, t as u64, move |at| match (distance(at, place(t)) < 14.0, at.0 >= 58) {
+            (true, _) => 105.0,
+            (_, true) => 255.0,
+            _ => 70.0,
+        })
+    };
+    let clip = clip((0..FRAMES).map(level).collect());
+    let [small, large] = ["4", "16"].map(|margin| last("chan-vese", &[("margin", margin)], &clip, place));
+    assert!(small > 0.9 && large < 0.4, "margin of 4 px {small:.3}, of 16 px {large:.3}");
+}
+
+#[test]
 fn the_length_of_the_contour_ignores_noise() {
     let picture = frame(140.0, 3, |at| if distance(at, [46.0, 36.0]) < 14.0 { 150.0 } else { 80.0 });
     let clip = clip(vec![picture; 2]);

@@ -102,8 +102,8 @@ impl Explained for ChanVese {
             "The means inside and outside held the contour: it needs no edges, and noise averages out. Anything as bright as the object that \
              touches it would become a part of it."
         } else {
-            "Object and surroundings had no different means, or something as bright as the object touched it. A smaller margin leaves out \
-             clutter; where edges separate what means do not, an active contour with edges works."
+            "Object and surroundings had no different means, or something as bright as the object touched it. A smaller margin keeps clutter out \
+             of the window; where edges separate what means do not, an active contour with edges works."
         }
     }
 }
