@@ -173,7 +173,34 @@ fn of_one_region(c: &mut Criterion) {
     }
 }
 
-/// A contour of 100 points around a bright disc. The viscosity is so high that it does not converge in 100 iterations; a frame of these is to
+/// Alignment of a template of 64×64 px that moves by 3 px/frame with its texture, for each frame but the first.
+fn template(c: &mut Criterion) {
+    const FRAMES: usize = 21;
+    let waves =
+        |x: f32, y: f32| 60.0 * (0.31 * x).sin() * (0.27 * y + 0.05 * x).cos() + 20.0 * (0.83 * y - 0.4 * x).sin();
+    let frame = |t: usize| {
+        let left = 200 + 3 * t;
+        Frame::gray(Grid::from_fn(640, 480, |x, y| {
+            let is_inside = (left..left + 64).contains(&x) && (180..244).contains(&y);
+            let [u, v] = [x as f32, y as f32];
+            let level =
+                if is_inside { 140.0 + waves(u - left as f32, v) } else { 80.0 + 0.5 * waves(1.3 * u, 0.7 * v) };
+            (level + 8.0 * chance(x, y)) as u8
+        }))
+    };
+    let clip = Clip::from_frames("template", (0..FRAMES).map(frame).collect()).expect("frames of one size");
+    let pool = Threads::single();
+    for update in ["none", "drift-corrected"] {
+        let mut tracker = estimator("template-tracker").expect("it is registered");
+        tracker.set("region", "199.5,179.5,263.5,243.5").expect("a region");
+        tracker.set("update", update).expect("a choice");
+        c.bench_function(&format!("template-tracker, update {update}, 64×64 px, VGA, {} frames", FRAMES - 1), |b| {
+            b.iter(|| tracker.run(&clip, 0, &pool).expect("a run"));
+        });
+    }
+}
+
+/// A contour around a bright disc, of 100 points where it has points. The viscosity is so high that it does not converge in 100 iterations; a frame of these is to
 /// take 2 ms at most. The greedy one converges earlier.
 fn contours(c: &mut Criterion) {
     const FRAMES: usize = 11;
@@ -195,10 +222,12 @@ fn contours(c: &mut Criterion) {
         ("active-contour", &[("gamma", "5"), ("epsilon", "0.001"), ("force", "gradient")][..]),
         ("active-contour", &[("gamma", "5"), ("epsilon", "0.001"), ("force", "gradient-vector-flow")]),
         ("greedy-contour", &[]),
+        ("chan-vese", &[]),
     ] {
         let mut tracker = estimator(id).expect("it is registered");
-        let own = [("contour", contour.as_str()), ("spacing", "4"), ("iterations", "100")];
-        own.iter().chain(settings).for_each(|(name, value)| tracker.set(name, value).expect("in range"));
+        let own = [("contour", contour.as_str()), ("iterations", "100")];
+        let spaced = (id != "chan-vese").then_some(("spacing", "4"));
+        own.iter().chain(&spaced).chain(settings).for_each(|(name, value)| tracker.set(name, value).expect("in range"));
         let force = settings.last().map_or("", |(_, value)| *value);
         c.bench_function(&format!("{id} {force}, 100 points, up to 100 iterations, {FRAMES} frames"), |b| {
             b.iter(|| tracker.run(&clip, 0, &pool).expect("a run"));
@@ -206,5 +235,5 @@ fn contours(c: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, filter, tracker, ambiguous, many, of_one_region, contours);
+criterion_group!(benches, filter, tracker, ambiguous, many, of_one_region, template, contours);
 criterion_main!(benches);

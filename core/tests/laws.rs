@@ -569,7 +569,7 @@ fn a_given_region_stays_on_its_object() {
         }
         ran += 1;
     }
-    assert_eq!(ran, 6);
+    assert_eq!(ran, 8);
 }
 
 #[test]

@@ -18,7 +18,9 @@ use crate::families::{
     optical_flow::{
         Clg, Farneback, HornSchunck, Klt, LucasKanade, NormalFlow, PointTrajectories, PyramidalLucasKanade, TvL1,
     },
-    region_tracking::{ActiveContour, Camshift, CorrelationFilter, GreedyContour, MeanShift, ParticleFilter},
+    region_tracking::{
+        ActiveContour, Camshift, ChanVese, CorrelationFilter, GreedyContour, MeanShift, ParticleFilter, TemplateTracker,
+    },
     tracking::{BlobTracker, JointProbabilistic, KalmanFilter, KalmanTracker, MultipleHypothesis, TrajectoryAnalysis},
 };
 use crate::methods::{
@@ -84,8 +86,10 @@ impl Entries for Course {
         Entry::of::<RegionTracking<Camshift>>(),
         Entry::of::<RegionTracking<ParticleFilter>>(),
         Entry::of::<RegionTracking<CorrelationFilter>>(),
+        Entry::of::<RegionTracking<TemplateTracker>>(),
         Entry::of::<RegionTracking<ActiveContour>>(),
         Entry::of::<RegionTracking<GreedyContour>>(),
+        Entry::of::<RegionTracking<ChanVese>>(),
     ];
 }
 

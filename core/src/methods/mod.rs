@@ -1,5 +1,6 @@
 //! What the estimators of a family share: a folder for each method, of which several are made.
 
+pub(crate) mod alignment;
 pub mod block_search;
 pub mod camera_path;
 pub mod contour;

@@ -227,6 +227,13 @@ pub static GLOSSARY: &[Term] = &[
         "The decision, pixel by pixel, whether a frame differs from a reference by more than noise explains.",
     ),
     term(
+        Trajectories,
+        "Chan–Vese model",
+        &["Chan-Vese model", "Chan–Vese", "Chan and Vese", "active contour without edges", "contour without edges"],
+        "A partition of an image into two regions with different means and a short contour between them, which needs \
+        no edges.",
+    ),
+    term(
         KalmanFilters,
         "chi-squared distribution",
         &["χ²", "χ² distribution", "chi-square distribution", "chi-squared"],
@@ -522,6 +529,13 @@ pub static GLOSSARY: &[Term] = &[
         "drift",
         &["drifts", "tracker drift"],
         "The slow departure of a tracker from its target, because small errors of each frame add up.",
+    ),
+    term(
+        Trajectories,
+        "drift correction",
+        &["drift-corrected"],
+        "The alignment of the first template from where the updated one was found, so that errors of the updates do \
+        not add up.",
     ),
     term(
         DifferentialMethods,
@@ -1292,6 +1306,14 @@ pub static GLOSSARY: &[Term] = &[
         &["least-squares", "weighted least squares", "method of least squares"],
         "The solution of more equations than unknowns that minimises the sum of the squared residuals.",
     ),
+    term(
+        Trajectories,
+        "level set function",
+        &["level set", "level sets", "level set method"],
+        "A function on the image that is positive inside a contour, negative outside and zero on it, so that the \
+        contour can split and merge as the function changes.",
+    )
+    .symbol("φ"),
     term(
         DifferentialMethods,
         "linearisation",
@@ -2106,6 +2128,12 @@ pub static GLOSSARY: &[Term] = &[
         &["template"],
         "The search for the position in a frame at which a stored patch has the lowest cost or the highest \
         correlation.",
+    ),
+    term(
+        Trajectories,
+        "template tracker",
+        &["template trackers", "template tracking"],
+        "A tracker that aligns a stored patch with each frame by the iterations of Lucas and Kanade.",
     ),
     term(
         Trajectories,

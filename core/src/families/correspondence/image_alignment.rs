@@ -1,21 +1,20 @@
 //! Image alignment by Lucas and Kanade's method in its inverse compositional form, coarse to fine.
 
 mod explain;
-mod warp;
 
 use std::sync::{Arc, OnceLock};
 
 use crate::base::{Error, Observer};
 use crate::data::{Clip, Flow, Frame};
-use crate::geometry::{Grid, Sampling, pyramid::halvings};
+use crate::geometry::{Grid, pyramid::halvings};
+use crate::methods::alignment::{Aligner, Compared, Increment, composed, gradients, solve};
 use crate::methods::differential::truth;
 use crate::params;
-use crate::products::model::{IDENTITY, Matrix3, mapped};
+use crate::products::model::{IDENTITY, Matrix3};
 use crate::products::{Model, ModelField, Output, Product, ProductKind};
 use crate::pseudocode;
 use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Progress, Seen};
 use crate::scene::{Chart, Scene, Step};
-use warp::{Normalized, columns, solve, warp_of};
 
 params! {
     /// Image alignment.
@@ -45,7 +44,7 @@ struct Level {
 
 impl Level {
     fn gradients(&self) -> &[Grid<f32>; 2] {
-        self.gradients.get_or_init(|| warp::gradients(&self.pictures[0]))
+        self.gradients.get_or_init(|| gradients(&self.pictures[0]))
     }
 
     fn bytes(&self) -> usize {
@@ -58,36 +57,6 @@ struct Fixed {
     pair: [Arc<Frame>; 2],
     levels: Vec<Level>,
     truth: Option<Arc<Flow>>,
-}
-
-impl Fixed {
-    /// The coordinates of a level in which parameters are estimated.
-    fn coordinates(&self, level: usize) -> Normalized {
-        Normalized::of(self.levels[level].pictures[0].size())
-    }
-}
-
-/// The comparison of frame t with the warped frame t + 1.
-#[derive(Clone, Debug, Default)]
-struct Compared {
-    /// Root mean square difference in gray levels.
-    rms: f64,
-    /// Share of the pixels that lie inside frame t + 1.
-    overlap: f64,
-    /// The right-hand side: sums of steepest-descent images times difference.
-    right: Vec<f64>,
-    /// The Hessian of those pixels, row by row.
-    hessian: Vec<f64>,
-}
-
-/// The solution of an iteration.
-#[derive(Clone, Debug)]
-struct Increment {
-    parameters: Vec<f64>,
-    /// The warp of the parameters in px of the level.
-    matrix: Matrix3,
-    /// Farthest motion of a corner, in px of the level.
-    moved_px: f64,
 }
 
 /// The next unit of a level.
@@ -200,46 +169,10 @@ impl State {
 }
 
 impl ImageAlignment {
-    /// The products of the steepest-descent images: the Gauss–Newton approximation of the Hessian.
-    fn hessian(&self, state: &State) -> Vec<f64> {
-        let (count, coordinates) = (self.model.freedom(), state.fixed.coordinates(state.level));
-        let ([along, down], mut hessian) = (state.level().gradients(), vec![0.0; count * count]);
-        for (x, y) in places(along) {
-            let row = columns(self.model, coordinates.of_pixel(x, y), [along[(x, y)], down[(x, y)]], coordinates.scale);
-            add_products(&mut hessian, &row[..count]);
-        }
-        hessian
-    }
-
-    /// Compares frame t with the warped frame t + 1. The Hessian of the pixels inside is that of all pixels without those outside, which are
-    /// few.
-    fn compare(&self, state: &State) -> Compared {
-        let (count, coordinates) = (self.model.freedom(), state.fixed.coordinates(state.level));
-        let ([along, down], warp) = (state.level().gradients(), state.warp());
-        let [template, image] = &state.level().pictures;
-        let (mut right, mut squares, mut inside) = (vec![0.0; count], 0.0, 0usize);
-        let mut outside = vec![0.0; count * count];
-        for (x, y) in places(template) {
-            let row = columns(self.model, coordinates.of_pixel(x, y), [along[(x, y)], down[(x, y)]], coordinates.scale);
-            let Some(difference) = difference([template, image], &warp, (x, y)) else {
-                add_products(&mut outside, &row[..count]);
-                continue;
-            };
-            right.iter_mut().zip(&row).for_each(|(sum, value)| *sum += value * f64::from(difference));
-            squares += f64::from(difference * difference);
-            inside += 1;
-        }
-        let rms = (squares / inside.max(1) as f64).sqrt();
-        let hessian = state.hessian.iter().zip(outside).map(|(all, outside)| all - outside).collect();
-        Compared { rms, overlap: inside as f64 / template.cells().len() as f64, right, hessian }
-    }
-
-    /// Solves for the increment; `None` if the Hessian is singular.
-    fn increment(&self, state: &State, Compared { hessian, right, .. }: &Compared) -> Option<Increment> {
-        let parameters = solve(hessian, right)?;
-        let coordinates = state.fixed.coordinates(state.level);
-        let matrix = coordinates.in_px(&warp_of(self.model, &parameters));
-        Some(Increment { moved_px: moved_px(&matrix, state.level().pictures[0].size()), parameters, matrix })
+    /// The alignment of the level at hand.
+    fn aligner<'a>(&self, state: &'a State) -> Aligner<'a> {
+        let level = state.level();
+        Aligner { model: self.model, template: &level.pictures[0], gradients: level.gradients() }
     }
 
     /// Moves on to the next finer level, or ends the run.
@@ -252,7 +185,7 @@ impl ImageAlignment {
 
     /// Performs an iteration; `report` is called after each of its stages.
     fn iterate(&self, state: &mut State, iteration: usize, mut report: impl FnMut(Stage, &State)) {
-        let compared = self.compare(state);
+        let compared = self.aligner(state).compare(&state.hessian, &state.level().pictures[1], &state.warp());
         Arc::make_mut(&mut state.errors).push((state.level, compared.rms));
         let (is_diverged, rms) = (compared.overlap < f64::from(self.min_overlap), compared.rms);
         let compared = Arc::new(compared);
@@ -265,8 +198,8 @@ impl ImageAlignment {
             report(stage, state);
             return Self::next_level(state);
         }
-        let increment = self.increment(state, &compared);
-        let updated = increment.as_ref().and_then(|found| warp::composed(&state.warp(), &found.matrix));
+        let increment = self.aligner(state).increment(&compared);
+        let updated = increment.as_ref().and_then(|found| composed(&state.warp(), &found.matrix));
         let Some((increment, updated)) = increment.zip(updated) else {
             report(Stage::Undetermined, state);
             return Self::next_level(state);
@@ -279,35 +212,6 @@ impl ImageAlignment {
         report(if is_last { Stage::Converged } else { Stage::Update }, state);
         if is_last { Self::next_level(state) } else { state.turn = Turn::Iteration(iteration + 1) }
     }
-}
-
-/// Adds the products of all pairs of entries of `row` to a symmetric matrix.
-#[inline(always)]
-fn add_products(matrix: &mut [f64], row: &[f64]) {
-    for (line, value) in matrix.chunks_exact_mut(row.len()).zip(row) {
-        line.iter_mut().zip(row).for_each(|(sum, other)| *sum += value * other);
-    }
-}
-
-/// The pixels of a picture, row by row.
-fn places(picture: &Grid<f32>) -> impl Iterator<Item = (usize, usize)> + use<> {
-    let (width, height) = picture.size();
-    (0..height).flat_map(move |y| (0..width).map(move |x| (x, y)))
-}
-
-/// The difference I(W(x)) − T(x) of a pixel, if it is warped into the picture.
-fn difference([template, image]: [&Grid<f32>; 2], warp: &Matrix3, (x, y): (usize, usize)) -> Option<f32> {
-    let [u, v] = mapped(warp, [x as f64, y as f64])?;
-    let value = Sampling::Bilinear.sample_inside(image, u as f32, v as f32);
-    value.is_finite().then(|| value - template[(x, y)])
-}
-
-/// The farthest motion of a corner of a picture, in px.
-fn moved_px(matrix: &Matrix3, (width, height): (usize, usize)) -> f64 {
-    let [right, bottom] = [width, height].map(|extent| extent as f64 - 1.0);
-    let corners = [[0.0, 0.0], [right, 0.0], [right, bottom], [0.0, bottom]];
-    let moved = |at: [f64; 2]| mapped(matrix, at).map_or(f64::INFINITY, |to| (to[0] - at[0]).hypot(to[1] - at[1]));
-    corners.into_iter().map(moved).fold(0.0, f64::max)
 }
 
 pseudocode! {
@@ -373,7 +277,7 @@ impl Estimator for ImageAlignment {
                 state.turn = Turn::Hessian;
             }
             Turn::Hessian => {
-                state.hessian = Arc::new(self.hessian(state));
+                state.hessian = Arc::new(self.aligner(state).hessian());
                 let is_regular = solve(&state.hessian, &vec![0.0; self.model.freedom()]).is_some();
                 report(if is_regular { Stage::Hessian } else { Stage::Singular }, state);
                 state.turn = Turn::Iteration(0);

@@ -3,14 +3,18 @@
 
 mod active_contour;
 mod camshift;
+mod chan_vese;
 mod correlation_filter;
 mod greedy_contour;
 mod mean_shift;
 mod particle_filter;
+mod template_tracker;
 
 pub use active_contour::ActiveContour;
 pub use camshift::Camshift;
+pub use chan_vese::ChanVese;
 pub use correlation_filter::CorrelationFilter;
 pub use greedy_contour::GreedyContour;
 pub use mean_shift::MeanShift;
 pub use particle_filter::ParticleFilter;
+pub use template_tracker::TemplateTracker;

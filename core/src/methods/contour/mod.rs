@@ -58,16 +58,21 @@ impl Model {
 
     /// The pixels inside.
     pub(crate) fn mask(&self) -> PackedMask {
-        const BITS: usize = u64::BITS as usize;
-        let mut mask = Mask::new(self.picture.0, self.picture.1);
-        polygon::fill(&self.points, self.picture, |y, xs| {
-            mask.write_row(y, |words| xs.for_each(|x| words[x / BITS] |= 1 << (x % BITS)));
-        });
-        PackedMask::new(&mask)
+        PackedMask::new(&filled(&self.points, self.picture))
     }
 
     /// Memory in bytes.
     pub(crate) fn bytes(&self) -> usize {
         size_of::<Self>() + size_of_val(&self.points[..])
     }
+}
+
+/// The pixels of a picture inside a closed curve.
+pub(crate) fn filled(points: &[Point], picture: (usize, usize)) -> Mask {
+    const BITS: usize = u64::BITS as usize;
+    let mut mask = Mask::new(picture.0, picture.1);
+    polygon::fill(points, picture, |y, xs| {
+        mask.write_row(y, |words| xs.for_each(|x| words[x / BITS] |= 1 << (x % BITS)));
+    });
+    mask
 }

@@ -1,20 +1,16 @@
 //! The explanation and the drawing of image alignment.
 
-use super::warp::{columns, names};
-use super::{Event, ImageAlignment, Stage, State, difference, line, places};
+use super::{Event, ImageAlignment, Stage, State, line};
 use crate::base::words::{counted, fixed, percent};
-use crate::geometry::{Grid, Sampling};
+use crate::geometry::Grid;
+use crate::methods::alignment::explain::{hessian, parameters, warp_matrix};
+use crate::methods::alignment::{self, difference, places};
 use crate::methods::differential::numbers;
 use crate::products::Model;
 use crate::products::metrics;
 use crate::products::model::{Matrix3, mapped};
 use crate::run::Seen;
-use crate::scene::{Fact, Math, Matrix, Picture, Readout, Role, Scene, Section, Sentence, Series, Shape, Step, Tile};
-
-/// Cells along a side of a tile, at most.
-const CELLS: usize = 36;
-/// The labels of the steepest-descent images.
-const IMAGES: [&str; 8] = ["D₁", "D₂", "D₃", "D₄", "D₅", "D₆", "D₇", "D₈"];
+use crate::scene::{Fact, Math, Matrix, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step, Tile};
 
 fn px(length: f64) -> String {
     format!("{} px", fixed(length, 3))
@@ -176,7 +172,9 @@ impl ImageAlignment {
     fn readouts(&self, stage: Stage, state: &State) -> Vec<Readout> {
         let mut readouts = vec![Readout::Facts(self.facts(state)), Readout::Equation(self.equation(stage, state))];
         readouts.push(Readout::Tiles(match stage {
-            Stage::SteepestDescent | Stage::Hessian | Stage::Singular => self.steepest_descent(state),
+            Stage::SteepestDescent | Stage::Hessian | Stage::Singular => {
+                alignment::explain::steepest_descent(&self.aligner(state))
+            }
             _ => compared(state),
         }));
         let matrices = self.matrices(stage, state);
@@ -252,61 +250,18 @@ impl ImageAlignment {
     }
 
     fn matrices(&self, stage: Stage, state: &State) -> Vec<Matrix> {
-        let (count, names) = (self.model.freedom(), names(self.model));
-        let labels = || names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>();
-        let of_warp = |symbol, name, role, matrix: &Matrix3| Matrix {
-            symbol,
-            name,
-            role: Some(role),
-            entries: Grid::from_fn(3, 3, |x, y| matrix[y][x]),
-            rows: Vec::new(),
-            columns: Vec::new(),
-            changed: None,
-        };
-        let vector = |symbol, name, role, values: &[f64]| Matrix {
-            symbol,
-            name,
-            role,
-            entries: Grid::from_fn(1, values.len(), |_, y| values[y]),
-            rows: labels(),
-            columns: Vec::new(),
-            changed: None,
-        };
         match (stage, &state.compared, &state.increment) {
-            (Stage::Hessian | Stage::Singular, ..) => vec![Matrix {
-                symbol: "H",
-                name: "Hessian",
-                role: None,
-                entries: Grid::from_fn(count, count, |x, y| state.hessian[y * count + x]),
-                rows: labels(),
-                columns: labels(),
-                changed: None,
-            }],
+            (Stage::Hessian | Stage::Singular, ..) => vec![hessian(self.model, &state.hessian)],
             (Stage::Solve, Some(compared), Some(increment)) => vec![
-                vector("b", "right-hand side", Some(Role::Error), &compared.right),
-                vector("Δp", "increment", Some(Role::Estimate), &increment.parameters),
+                parameters(self.model, ("b", "right-hand side", Role::Error), &compared.right),
+                parameters(self.model, ("Δp", "increment", Role::Estimate), &increment.parameters),
             ],
             (Stage::Update | Stage::Converged, _, Some(increment)) => vec![
-                of_warp("ΔW", "warp of the increment, px of the level", Role::Estimate, &increment.matrix),
-                of_warp("W", "warp, px of the picture", Role::Result, &state.matrix),
+                warp_matrix(("ΔW", "warp of the increment, px of the level", Role::Estimate), &increment.matrix),
+                warp_matrix(("W", "warp, px of the picture", Role::Result), &state.matrix),
             ],
-            _ => vec![of_warp("W", "warp, px of the picture", Role::Result, &state.matrix)],
+            _ => vec![warp_matrix(("W", "warp, px of the picture", Role::Result), &state.matrix)],
         }
-    }
-
-    /// The steepest-descent images of the level.
-    fn steepest_descent(&self, state: &State) -> Vec<Tile> {
-        let ([along, down], coordinates) = (state.level().gradients(), state.fixed.coordinates(state.level));
-        let image = |k: usize| {
-            let value = |x: usize, y: usize| {
-                let gradient = [along[(x, y)], down[(x, y)]];
-                columns(self.model, coordinates.of_pixel(x, y), gradient, coordinates.scale)[k] as f32
-            };
-            let values = sampled(along.size(), value);
-            let most = values.cells().iter().fold(1e-3f32, |most, value| most.max(value.abs()));
-            Tile { label: IMAGES[k], role: None, values, range: [-most, most] }
-        };
-        (0..self.model.freedom()).map(image).collect()
     }
 
     pub(super) fn draw_step(&self, seen: &Seen<Self>, scene: &mut Scene) {
@@ -348,30 +303,6 @@ fn difference_rms(state: &State, warp: &Matrix3) -> f64 {
     (squares / count.max(1) as f64).sqrt()
 }
 
-/// A picture of values as a tile of limited size: every second value, every third, and so on.
-fn sampled((width, height): (usize, usize), value: impl Fn(usize, usize) -> f32) -> Grid<f32> {
-    let step = width.max(height).div_ceil(CELLS).max(1);
-    Grid::from_fn(width.div_ceil(step), height.div_ceil(step), |x, y| value(x * step, y * step))
-}
-
-/// Frame t, the warped frame t + 1, and their difference, on the current level.
-fn compared(state: &State) -> Vec<Tile> {
-    let [template, image] = &state.level().pictures;
-    // The warp that was compared: an update comes after it.
-    let warp = super::on_level(&state.matrix, state.level);
-    let warped = |x: usize, y: usize| match mapped(&warp, [x as f64, y as f64]) {
-        Some([u, v]) => Sampling::Bilinear.sample_inside(image, u as f32, v as f32),
-        None => f32::NAN,
-    };
-    let size = template.size();
-    let tile = |label, role, values, range| Tile { label, role, values, range };
-    vec![
-        tile("frame t", None, sampled(size, |x, y| template[(x, y)]), [0.0, 255.0]),
-        tile("warped", None, sampled(size, warped), [0.0, 255.0]),
-        tile("difference", None, sampled(size, |x, y| warped(x, y) - template[(x, y)]), [-64.0, 64.0]),
-    ]
-}
-
 /// The absolute difference of the current level, over the whole picture.
 fn error_picture(state: &State) -> Shape {
     let ([template, image], warp) = (&state.level().pictures, state.warp());
@@ -384,26 +315,14 @@ fn error_picture(state: &State) -> Shape {
     Shape::Heat { origin: [0.0; 2], values }
 }
 
+/// Frame t, the warped frame t + 1, and their difference, on the current level.
+fn compared(state: &State) -> Vec<Tile> {
+    let [template, image] = &state.level().pictures;
+    // The warp that was compared: an update comes after it.
+    alignment::explain::compared("frame t", [template, image], &state.warp())
+}
+
 /// The error over the iterations, in a section for each level.
 fn plot(state: &State) -> Option<Series> {
-    let errors = &state.errors;
-    let mut sections: Vec<Section> = Vec::new();
-    for (i, (level, _)) in errors.iter().enumerate() {
-        let is_new = i == 0 || errors[i - 1].0 != *level;
-        sections.extend(is_new.then(|| Section {
-            from: (i + 1) as f32,
-            label: format!("level {level}"),
-            is_part: false,
-        }));
-    }
-    let points = errors.iter().enumerate().map(|(i, (_, rms))| [(i + 1) as f32, *rms as f32]).collect();
-    (!errors.is_empty()).then(|| Series {
-        title: "Alignment error",
-        x_label: "iteration",
-        y_label: "RMS difference (gray levels)",
-        x_max: errors.len(),
-        sections,
-        lines: vec![("RMS difference", Role::Error, points)],
-        ..Series::default()
-    })
+    alignment::explain::errors(state.errors.iter().map(|(level, rms)| (format!("level {level}"), *rms)))
 }

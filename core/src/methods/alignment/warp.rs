@@ -2,30 +2,30 @@
 
 use crate::geometry::Grid;
 use crate::products::Model;
-use crate::products::model::{IDENTITY, Matrix3};
+use crate::products::model::{IDENTITY, Matrix3, product};
 
 /// Coordinates from the middle of a picture in halves of its longer side: in them all parameters have similar size.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Normalized {
+pub(crate) struct Normalized {
     middle: [f64; 2],
     /// px of a unit.
     pub scale: f64,
 }
 
 impl Normalized {
-    pub(super) fn of((width, height): (usize, usize)) -> Self {
+    pub(crate) fn of((width, height): (usize, usize)) -> Self {
         let middle = [width, height].map(|extent| (extent as f64 - 1.0) / 2.0);
         Self { middle, scale: (width.max(height) as f64 / 2.0).max(1.0) }
     }
 
     /// A pixel in these coordinates.
     #[inline(always)]
-    pub(super) fn of_pixel(&self, x: usize, y: usize) -> [f64; 2] {
+    pub(crate) fn of_pixel(&self, x: usize, y: usize) -> [f64; 2] {
         [(x as f64 - self.middle[0]) / self.scale, (y as f64 - self.middle[1]) / self.scale]
     }
 
     /// A warp in these coordinates as one of pixels.
-    pub(super) fn in_px(&self, matrix: &Matrix3) -> Matrix3 {
+    pub(crate) fn in_px(&self, matrix: &Matrix3) -> Matrix3 {
         let ([x, y], s) = (self.middle, self.scale);
         let to = [[1.0 / s, 0.0, -x / s], [0.0, 1.0 / s, -y / s], [0.0, 0.0, 1.0]];
         let from = [[s, 0.0, x], [0.0, s, y], [0.0, 0.0, 1.0]];
@@ -34,7 +34,7 @@ impl Normalized {
 }
 
 /// The names of the parameters.
-pub(super) fn names(model: Model) -> &'static [&'static str] {
+pub(crate) fn names(model: Model) -> &'static [&'static str] {
     match model {
         Model::Translation => &["t_x", "t_y"],
         Model::Rigid => &["θ", "t_x", "t_y"],
@@ -45,7 +45,7 @@ pub(super) fn names(model: Model) -> &'static [&'static str] {
 }
 
 /// The warp with these parameters; all 0 give no motion.
-pub(super) fn warp_of(model: Model, p: &[f64]) -> Matrix3 {
+pub(crate) fn warp_of(model: Model, p: &[f64]) -> Matrix3 {
     match (model, p) {
         (Model::Translation, [x, y]) => [[1.0, 0.0, *x], [0.0, 1.0, *y], [0.0, 0.0, 1.0]],
         (Model::Rigid, [angle, x, y]) => {
@@ -61,7 +61,7 @@ pub(super) fn warp_of(model: Model, p: &[f64]) -> Matrix3 {
 
 /// The values of the steepest-descent images at a pixel: its gradient in gray levels per unit, times the derivatives of the warp.
 #[inline(always)]
-pub(super) fn columns(model: Model, [x, y]: [f64; 2], gradient: [f32; 2], scale: f64) -> [f64; 8] {
+pub(crate) fn columns(model: Model, [x, y]: [f64; 2], gradient: [f32; 2], scale: f64) -> [f64; 8] {
     let [u, v] = gradient.map(|slope| f64::from(slope) * scale);
     match model {
         Model::Translation => [u, v, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
@@ -76,7 +76,7 @@ pub(super) fn columns(model: Model, [x, y]: [f64; 2], gradient: [f32; 2], scale:
 }
 
 /// Derivatives along x and y: central differences, at the border to one side.
-pub(super) fn gradients(picture: &Grid<f32>) -> [Grid<f32>; 2] {
+pub(crate) fn gradients(picture: &Grid<f32>) -> [Grid<f32>; 2] {
     let (width, height) = picture.size();
     let slope = |low: f32, high: f32, apart: usize| if apart == 0 { 0.0 } else { (high - low) / apart as f32 };
     let ends = |c: usize, extent: usize| (c.saturating_sub(1), (c + 1).min(extent - 1));
@@ -91,13 +91,8 @@ pub(super) fn gradients(picture: &Grid<f32>) -> [Grid<f32>; 2] {
     [along, down]
 }
 
-fn product(a: &Matrix3, b: &Matrix3) -> Matrix3 {
-    let entry = |i: usize, j: usize| (0..3).map(|k| a[i][k] * b[k][j]).sum::<f64>();
-    [0, 1, 2].map(|i| [0, 1, 2].map(|j| entry(i, j)))
-}
-
 /// The warp after the inverse of `increment`, with a last entry of 1; `None` if that has no inverse.
-pub(super) fn composed(warp: &Matrix3, increment: &Matrix3) -> Option<Matrix3> {
+pub(crate) fn composed(warp: &Matrix3, increment: &Matrix3) -> Option<Matrix3> {
     let composed = product(warp, &inverse(increment)?);
     let last = composed[2][2];
     let is_sound = last.abs() > 1e-9 && composed.iter().flatten().all(|entry| entry.is_finite());
@@ -116,7 +111,7 @@ fn inverse(m: &Matrix3) -> Option<Matrix3> {
 }
 
 /// Solves `matrix · x = right` for a symmetric positive definite matrix, by Cholesky decomposition; `None` if it is singular.
-pub(super) fn solve(matrix: &[f64], right: &[f64]) -> Option<Vec<f64>> {
+pub(crate) fn solve(matrix: &[f64], right: &[f64]) -> Option<Vec<f64>> {
     /// A pivot below this share of its diagonal entry is rounding.
     const SINGULAR: f64 = 1e-9;
     let count = right.len();
