@@ -14,6 +14,7 @@ use super::is_far_outside;
 use crate::base::{Error, Observer};
 use crate::data::{Clip, Detection};
 use crate::methods::multi_object::{
+    chances::Chances,
     dynamics::Dynamics,
     lifecycle::Rules,
     selected::track_at,
@@ -33,18 +34,14 @@ params! {
         settings: tracker_run::Settings = tracker_run::Settings::default();
         /// The filters of the tracks.
         dynamics: Dynamics = Dynamics::default();
-        /// Gate probability: share of the true measurements inside the gate. It sets the gating threshold of d² by the χ² distribution with 2 degrees of freedom.
-        gate: f32 = 0.999, 0.5..=0.9999;
-        /// Detection probability P_D: the share of the frames in which an object is detected.
-        detection_probability: f32 = 0.9, 0.01..=0.999;
-        /// Expected number of false alarms per frame, anywhere in the picture. Over the area of the picture it is the density β_FT.
-        false_alarms: f32 = 1.0, 0.001..=1000.0;
+        /// The probabilities of detections.
+        chances: Chances = Chances::default();
         /// Expected number of new tracks per frame, anywhere in the picture. Over the area of the picture it is the density β_NT.
         new_tracks: f32 = 0.1, 0.001..=1000.0;
         /// Maximum number k of hypotheses of a cluster of tracks. With 1, each frame is decided at once, and tracks only start if more new
         /// tracks are expected than false alarms.
         max_hypotheses: usize = 30, 1..=300;
-        /// Minimum probability of a hypothesis relative to the leading one.
+        /// Minimum probability of a hypothesis relative to the leading one. With 0 only their maximum number bounds them.
         min_ratio: f32 = 0.001, 0.0..=1.0;
         /// Number N of frames after which the leading hypothesis decides a frame (N-scan pruning). With 0, each frame is
         /// decided at once, and tracks only start if more new tracks are expected than false alarms.
@@ -63,8 +60,6 @@ params! {
 pub struct State {
     run: TrackerRun,
     clusters: Vec<Cluster>,
-    /// The frames that are decided, as they were when they were decided.
-    decided: Vec<Arc<ObjectFrame>>,
 }
 
 /// The leading global hypothesis, and the one that is second.
@@ -164,7 +159,7 @@ impl Estimator for MultipleHypothesis {
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         let run = TrackerRun::new(self.settings.clone(), clip, frame)?;
-        Ok(State { run, clusters: Vec::new(), decided: Vec::new() })
+        Ok(State { run, clusters: Vec::new() })
     }
 
     fn advance(&self, clip: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
@@ -234,7 +229,7 @@ impl Footprint<State> for MultipleHypothesis {
 
     fn state_bytes(&self, state: &State) -> usize {
         let clusters: usize = state.clusters.iter().map(Cluster::bytes).sum();
-        state.run.own_bytes() + size_of_val(&state.decided[..]) + clusters
+        state.run.own_bytes() + clusters
     }
 
     fn memory_bytes(&self, state: &State) -> usize {
@@ -311,14 +306,12 @@ impl MultipleHypothesis {
         let groups = self.grouped(clusters, &mut gates);
         let gates = Arc::new(gates);
         observer.see(|| Event::Gated(Arc::clone(&gates)));
-        let wanted = || clip.wanted();
-        let mut budget = Self::budget(&wanted);
-        for group in groups {
-            let ranking = self.ranked(&group, &gates, &mut budget)?;
-            let after = self.branched(&group, &gates, &ranking, || state.run.next_id());
+        let rankings = self.rankings(clip, &groups, &gates)?;
+        for (group, ranking) in groups.iter().zip(&rankings) {
+            let after = self.branched(group, &gates, ranking, || state.run.next_id());
             if !group.detections.is_empty() {
                 observer.see(|| {
-                    let expansion = self.expansion(&group, &gates, &ranking, &after);
+                    let expansion = self.expansion(group, &gates, ranking, &after);
                     Event::Expanded(Arc::clone(&gates), Arc::new(expansion))
                 });
             }
@@ -356,16 +349,14 @@ impl MultipleHypothesis {
         observer: &mut impl Observer<Event>,
     ) -> Progress {
         let (first, last) = (state.run.span.first, state.run.frame());
-        let before = state.run.frames()[state.decided.len()..].to_vec();
-        state.run.rewind(std::mem::take(&mut state.decided));
         let mut revised = Vec::new();
-        for old in before {
+        for old in state.run.rewind() {
             let frame = state.run.frame();
             let made = self.written(state, frame, old.detections.clone());
             revised.extend(revisions(frame, &old, &made));
             state.run.again(made);
             if frame + self.n_scan <= last {
-                state.decided = state.run.frames().to_vec();
+                state.run.settle();
             }
         }
         if !revised.is_empty() {
@@ -375,7 +366,7 @@ impl MultipleHypothesis {
         observer.see(|| Event::Done(Arc::clone(&made), Box::new(state.run.conclusion(clip, &made))));
         let progress = state.run.note(clip, self.rules, made);
         if self.n_scan == 0 {
-            state.decided = state.run.frames().to_vec();
+            state.run.settle();
         }
         if let Some(decided) = last.checked_sub(self.n_scan).filter(|decided| *decided >= first) {
             state.clusters.iter_mut().for_each(|cluster| cluster.forget(decided));

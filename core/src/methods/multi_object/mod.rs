@@ -1,5 +1,6 @@
 //! Multi-object tracking: sources of detections, track management, and what steps say of them.
 
+pub(crate) mod chances;
 pub mod directions;
 pub(crate) mod dynamics;
 pub(crate) mod explain;

@@ -76,9 +76,10 @@ impl JointProbabilistic {
                 validation.distances.len(),
                 count(validation.tracks.len() * validation.detections.len(), "pair"),
                 squared(validation.limit),
-                percent(self.gate),
+                percent(self.chances.gate),
                 count(validation.clusters.len(), "cluster")
-            )),
+            ))
+            .text(explain::crowded(validation.crowded)),
             Event::Enumerated(validation, joint) => self.enumerated(validation, joint),
             Event::Weighed(validation, joint) => weighed(validation, joint),
             Event::Updated(both, weights) => updated(both, weights),
@@ -238,12 +239,19 @@ fn updated([before, after]: &[Track; 2], weights: &Weights) -> Sentence {
     let most = likeliest.map_or_else(String::new, |(detection, weight)| {
         format!(", most of all detection {} (β = {})", detection + 1, ratio(weight))
     });
+    let reported = match (weights.own, likeliest) {
+        (Some((own, _)), Some((likeliest, _))) if own != likeliest => {
+            format!(" Detection {} counts for another track, and detection {} for this one.", likeliest + 1, own + 1)
+        }
+        (None, Some(_)) if weights.is_detected() => " Its detections count for other tracks.".into(),
+        _ => String::new(),
+    };
     let why = match number {
         1 => " The part β₀ for no detection keeps its covariance larger than a certain update would.",
         _ => " Their spread adds to its covariance, because only one of them can be right.",
     };
     Sentence::default().ink(Role::Estimate, named(after)).text(format!(
-        ": combined innovation of {}{most} moves the position from {} to {} px, σ from {} to {} px.{why}",
+        ": combined innovation of {}{most} moves the position from {} to {} px, σ from {} to {} px.{why}{reported}",
         count(number, "detection"),
         at(before),
         at(after),

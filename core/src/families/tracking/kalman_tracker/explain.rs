@@ -10,7 +10,6 @@ use crate::methods::{
     kalman::{Filter, Measurement, ellipse},
     multi_object::{
         explain::{self, Names, count},
-        gating::MOST_NEAR,
         selected::Selected,
         truth,
     },
@@ -458,10 +457,7 @@ impl KalmanTracker {
 
 /// The limits of the work in dense crowds, if they were reached.
 fn crowd(costs: &Costs) -> String {
-    let crowded = match costs.crowded {
-        0 => String::new(),
-        all => format!(" Of {}, only the {MOST_NEAR} nearest detections are compared.", count(all, "track")),
-    };
+    let crowded = explain::crowded(costs.crowded);
     match costs.greedy {
         0 => crowded,
         all => {

@@ -76,9 +76,10 @@ impl MultipleHypothesis {
             gates.distances.len(),
             count(pairs, "pair"),
             squared(gates.limit),
-            percent(self.gate),
+            percent(self.chances.gate),
             count(all, "cluster"),
         ))
+        .text(explain::crowded(gates.crowded))
     }
 
     fn expanded(&self, gates: &Gates, expansion: &Expansion) -> Sentence {
@@ -94,9 +95,11 @@ impl MultipleHypothesis {
         let parents = hypotheses(expansion.parents.len());
         let branches = branches(expansion.branches.len());
         let verb = if expansion.parents.len() == 1 { "has" } else { "have" };
-        let least = ratio(self.min_ratio.into());
-        let said = Sentence::default()
-            .text(format!("{about}{parents} {verb} {branches} of at least {least} times the highest probability. "));
+        let least = match self.min_ratio {
+            0.0 => String::new(),
+            least => format!(" of at least {} times the highest probability", ratio(least.into())),
+        };
+        let said = Sentence::default().text(format!("{about}{parents} {verb} {branches}{least}. "));
         let mut all = expansion.branches.iter();
         let said = match all.next() {
             Some(best) => said
@@ -204,7 +207,7 @@ impl MultipleHypothesis {
     fn equation(&self, gates: &Gates, expansion: &Expansion) -> Vec<Math> {
         let terms = expansion.terms;
         let [found, missed, wrong, new] = terms.counts;
-        let detected = f64::from(self.detection_probability);
+        let [ln_detected, ln_missed] = [self.chances.detected(), self.chances.missed()].map(f64::ln);
         let [false_density, new_density] = self.densities(gates.size());
         let symbol = |base: &'static str, index: &str, power: &str| {
             Math::power(Math::indexed(Math::Var(base), Math::text(index)), Math::text(power))
@@ -219,6 +222,7 @@ impl MultipleHypothesis {
             symbol("P", "D", "DT"),
             Math::text(" (1 − "),
             Math::indexed(Math::Var("P"), Math::text("D")),
+            Math::indexed(Math::Var("P"), Math::text("G")),
             Math::power(Math::text(")"), Math::text("missed")),
             Math::text(" "),
             symbol("β", "FT", "FT"),
@@ -226,24 +230,27 @@ impl MultipleHypothesis {
             symbol("β", "NT", "NT"),
             Math::text(" ∏ "),
             Math::Var("N"),
-            Math::text("(ν; 0, S)"),
+            Math::text("(ν; 0, S) "),
+            Math::indexed(Math::Var("L"), Math::text("size")),
         ];
         let number = |value: f64| fixed(value, 2);
         let counts = format!("with DT = {found}, missed = {missed}, FT = {wrong}, NT = {new}; c normalises");
         let total = terms.ln_parent
-            + found as f64 * detected.ln()
-            + missed as f64 * (1.0 - detected).ln()
+            + found as f64 * ln_detected
+            + missed as f64 * ln_missed
             + wrong as f64 * false_density.ln()
             + new as f64 * new_density.ln()
-            + terms.ln_innovations;
+            + terms.ln_innovations
+            + terms.ln_sizes;
         let numbers = format!(
-            "ln = {} + {found}·({}) + {missed}·({}) + {wrong}·({}) + {new}·({}) + ({}) = ",
+            "ln = {} + {found}·({}) + {missed}·({}) + {wrong}·({}) + {new}·({}) + ({}) + ({}) = ",
             number(terms.ln_parent),
-            number(detected.ln()),
-            number((1.0 - detected).ln()),
+            number(ln_detected),
+            number(ln_missed),
             number(false_density.ln()),
             number(new_density.ln()),
-            number(terms.ln_innovations)
+            number(terms.ln_innovations),
+            number(terms.ln_sizes)
         );
         vec![
             Math::Row(formula),
