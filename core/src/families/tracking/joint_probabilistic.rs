@@ -15,17 +15,17 @@ use crate::geometry::Bounds;
 use crate::methods::{
     kalman::Filter,
     multi_object::{
-        Extent,
+        self, Extent,
         chances::Chances,
         dynamics::Dynamics,
         lifecycle::{Rules, TrackAge},
-        selected::track_at,
-        tracker_run::{self, Conclusion, TrackerRun},
+        tracker_run::{self, Conclusion},
+        tracking::{MultiTracker, MultiTracking},
     },
 };
-use crate::products::{Object, ObjectField, ObjectFrame, Output, Product, ProductKind};
-use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
-use crate::scene::{Chart, Focus, Role, Scene, Step};
+use crate::products::{Object, ObjectFrame};
+use crate::run::{Info, Need, Progress, Seen};
+use crate::scene::{Role, Scene, Step};
 use crate::{params, pseudocode};
 use events::{Joint, Validation};
 
@@ -48,12 +48,7 @@ params! {
 /// The probability from which on something counts as the more probable of two.
 const MORE_PROBABLE: f64 = 0.5;
 
-/// The state of a run.
-#[derive(Clone)]
-pub struct State {
-    run: TrackerRun,
-    tracks: Vec<Track>,
-}
+type State = multi_object::tracking::State<Vec<Track>>;
 
 /// A track.
 #[derive(Clone, Debug)]
@@ -143,7 +138,7 @@ pseudocode! {
     BEGIN_TRACK: "  start a track where a detection belongs to no track, Σ β < 0.5",
 }
 
-impl Estimator for JointProbabilistic {
+impl MultiTracker for JointProbabilistic {
     const INFO: Info = Info {
         id: "joint-probabilistic",
         name: "Joint probabilistic data association",
@@ -156,19 +151,24 @@ impl Estimator for JointProbabilistic {
         granularities: &["clip", "frame", "step"],
         frames: 2,
     };
-    const GUARANTEE: Guarantee = Guarantee::Objects;
-    const NEEDS_PICTURES: bool = false;
-    const CHARTS: &'static [Chart] = &[Chart::Matrices, Chart::Series];
-    const PRODUCES: &'static [&'static ProductKind] = &[ObjectField::KIND];
-    type State = State;
+    type Tracks = Vec<Track>;
     type Event = Event;
 
-    fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
-        Ok(State { run: TrackerRun::new(self.settings.clone(), clip, frame)?, tracks: Vec::new() })
+    fn settings(&self) -> &tracker_run::Settings {
+        &self.settings
     }
 
-    fn advance(&self, clip: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
-        let (detections, discarded) = state.run.look(clip)?;
+    fn rules(&self) -> Rules {
+        self.rules
+    }
+
+    fn track(
+        &self,
+        clip: &Clip,
+        state: &mut State,
+        (detections, discarded): (Vec<Detection>, usize),
+        observer: &mut impl Observer<Event>,
+    ) -> Result<Progress, Error> {
         let detections = Arc::new(detections);
         observer.see(|| Event::Detected(Arc::clone(&detections), discarded));
         let mut tracks = std::mem::take(&mut state.tracks);
@@ -182,24 +182,7 @@ impl Estimator for JointProbabilistic {
         let objects = self.update_tracks(state, (&validation, &weights), observer);
         let frame = state.run.finished(self.rules, Vec::clone(&detections), objects);
         observer.see(|| Event::Done(Arc::clone(&frame), Box::new(state.run.conclusion(clip, &frame))));
-        clip.wanted()?;
         Ok(state.run.note(clip, self.rules, frame))
-    }
-
-    fn units(&self, state: &State) -> Option<usize> {
-        state.run.span.frames()
-    }
-
-    fn place(&self, state: &State) -> Vec<Granularity> {
-        state.run.place()
-    }
-
-    fn units_of(&self, _picture: (usize, usize), frames: usize) -> Option<usize> {
-        Some(frames)
-    }
-
-    fn at_frame(&self, state: &State) -> Option<usize> {
-        Some(state.run.frame())
     }
 
     fn landmark(&self, event: &Event) -> Option<Role> {
@@ -210,44 +193,20 @@ impl Estimator for JointProbabilistic {
         }
     }
 
-    fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {
-        Some(self)
-    }
-
-    fn step(&self, seen: &Seen<Self>) -> Step {
-        self.explained_step(seen)
-    }
-
-    fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        self.drawn(seen, scene);
-    }
-
-    fn causal(&self, state: &State) -> Option<Output> {
-        state.run.causal_field(self.rules).map(Output::of)
-    }
-
-    fn output(&self, state: &State) -> Output {
-        Output::of(state.run.field())
-    }
-}
-
-impl Footprint<State> for JointProbabilistic {
     fn need(&self, clip: &Clip) -> Need {
         super::need(clip)
     }
 
-    fn state_bytes(&self, state: &State) -> usize {
-        state.run.own_bytes() + size_of_val(&state.tracks[..])
+    fn tracks_bytes(&self, tracks: &Vec<Track>) -> usize {
+        size_of_val(&tracks[..])
     }
 
-    fn memory_bytes(&self, state: &State) -> usize {
-        self.state_bytes(state) + state.run.shared_bytes()
+    fn step(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
+        self.explained_step(seen)
     }
-}
 
-impl Pointed<State> for JointProbabilistic {
-    fn explained(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<Explained> {
-        track_at(&state.run, point).map(|_| Explained::Always)
+    fn draw(&self, seen: &Seen<MultiTracking<Self>>, scene: &mut Scene) {
+        self.drawn(seen, scene);
     }
 }
 

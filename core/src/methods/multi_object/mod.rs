@@ -11,6 +11,8 @@ pub(crate) mod partial;
 pub(crate) mod selected;
 pub mod source;
 pub(crate) mod tracker_run;
+pub(crate) mod tracking;
 pub(crate) mod truth;
 
 pub use extent::Extent;
+pub use tracking::MultiTracking;

@@ -306,11 +306,6 @@ impl TrackerRun {
     pub fn live_field(&self) -> ObjectField {
         ObjectField { frames: self.live.clone(), ..self.field() }
     }
-
-    /// Returns the tracks of all frames as they were in real time, where `rules` look back.
-    pub fn causal_field(&self, rules: Rules) -> Option<ObjectField> {
-        rules.looks_back().then(|| self.live_field())
-    }
 }
 
 /// Matches the confirmed tracks of a frame with the true boxes, if these are known.

@@ -12,11 +12,11 @@ use crate::methods::{
     multi_object::{
         explain::{self, Names, count},
         selected::Selected,
+        tracking::{self, MultiTracking, errors, selected},
         truth,
     },
     numbers::{fixed, ratio, squared},
 };
-use crate::products::objects::score::FrameErrors;
 use crate::run::Seen;
 use crate::scene::{Arrow, Fact, Math, Matrix, Picture, Readout, Role, Scene, Sentence, Shape, Step};
 
@@ -26,7 +26,7 @@ const LISTED: usize = 3;
 const ROWS: usize = 12;
 
 impl MultipleHypothesis {
-    pub(super) fn explained_step(&self, seen: &Seen<Self>) -> Step {
+    pub(super) fn explained_step(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
         let line = match seen.events.last() {
             None | Some(Event::Done(..)) => line::EACH_FRAME,
             Some(Event::Detected(..)) => line::DETECT,
@@ -40,7 +40,7 @@ impl MultipleHypothesis {
         Step { line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
     }
 
-    fn sentence(&self, seen: &Seen<Self>) -> Sentence {
+    fn sentence(&self, seen: &Seen<MultiTracking<Self>>) -> Sentence {
         let said = Sentence::default();
         let frame = seen.before.run.frame();
         let Some(event) = seen.events.last() else {
@@ -59,12 +59,7 @@ impl MultipleHypothesis {
             Event::Pruned(pruning) => self.pruned(*pruning),
             Event::Led(leading) => self.led(leading, frame),
             Event::Revised(revisions) => revised(revisions),
-            Event::Done(done, conclusion) => match selected(seen) {
-                Some(selected) => selected.sentence(),
-                None => said
-                    .text(explain::done(frame, done, conclusion))
-                    .text(errors(seen).as_ref().map(truth::switches).unwrap_or_default()),
-            },
+            Event::Done(done, conclusion) => tracking::done(seen, (done, conclusion)),
         }
     }
 
@@ -167,14 +162,14 @@ impl MultipleHypothesis {
         }
     }
 
-    fn readouts(&self, seen: &Seen<Self>) -> Vec<Readout> {
+    fn readouts(&self, seen: &Seen<MultiTracking<Self>>) -> Vec<Readout> {
         let state = seen.before;
         let after = seen.after.unwrap_or(state);
         let of = |clusters: &[super::Cluster]| clusters.iter().map(|cluster| cluster.hypotheses.len()).sum::<usize>();
         let mut facts = vec![
             Fact::new("Frame", state.run.frame().to_string(), None),
-            Fact::new("Clusters", after.clusters.len().to_string(), None),
-            Fact::new("Hypotheses", of(&after.clusters).to_string(), None),
+            Fact::new("Clusters", after.tracks.len().to_string(), None),
+            Fact::new("Hypotheses", of(&after.tracks).to_string(), None),
         ];
         let (mut tables, mut equation) = (Vec::new(), None);
         match seen.events.last() {
@@ -259,7 +254,7 @@ impl MultipleHypothesis {
         ]
     }
 
-    pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
+    pub(super) fn drawn(&self, seen: &Seen<MultiTracking<Self>>, scene: &mut Scene) {
         let detected =
             seen.events.iter().find_map(|event| if let Event::Detected(all, _) = event { Some(all) } else { None });
         explain::draw_detections(scene, detected.into_iter().flat_map(|all| all.iter()));
@@ -361,16 +356,6 @@ fn revised(revisions: &[Revision]) -> Sentence {
     ))
 }
 
-/// The track that is pointed at.
-fn selected(seen: &Seen<MultipleHypothesis>) -> Option<Selected> {
-    Selected::at(&seen.after.unwrap_or(seen.before).run, seen.clip, seen.point()?)
-}
-
-/// The errors of the frame beside the truth, at its end.
-fn errors(seen: &Seen<MultipleHypothesis>) -> Option<FrameErrors> {
-    truth::errors_of_last(seen.clip, &seen.after?.run)
-}
-
 /// The squared Mahalanobis distances in the gates.
 fn distances(gates: &Gates) -> Option<Matrix> {
     let named = gates.tracks.iter().enumerate().map(|(i, track)| {
@@ -432,9 +417,9 @@ fn draw_track(scene: &mut Scene, track: &Track) {
 }
 
 /// Draws the tracks of the leading hypotheses with their trajectories.
-fn draw_leading(scene: &mut Scene, state: &State, seen: &Seen<MultipleHypothesis>) {
+fn draw_leading(scene: &mut Scene, state: &State, seen: &Seen<MultiTracking<MultipleHypothesis>>) {
     let run = &seen.after.unwrap_or(seen.before).run;
-    for cluster in &state.clusters {
+    for cluster in &state.tracks {
         for track in cluster.hypotheses.first().iter().flat_map(|leader| &leader.tracks) {
             let track = &cluster.tracks[*track];
             explain::trail(scene, run, explain::role(track.age.status).0, (track.id, track.filter.place()));
@@ -485,7 +470,7 @@ fn draw_second(scene: &mut Scene, leading: &Leading, frame: usize) {
 }
 
 /// Draws where the revised detections were.
-fn draw_revisions(scene: &mut Scene, seen: &Seen<MultipleHypothesis>, revisions: &[Revision]) {
+fn draw_revisions(scene: &mut Scene, seen: &Seen<MultiTracking<MultipleHypothesis>>, revisions: &[Revision]) {
     let first = seen.before.run.span.first;
     for revision in revisions {
         let frame = revision.frame.checked_sub(first).and_then(|i| seen.before.run.frames().get(i));
