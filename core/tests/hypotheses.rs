@@ -1,33 +1,18 @@
 //! Trackers that weigh several explanations of the detections, against plain references that enumerate all of them.
 
 mod common;
+#[path = "common/crossing.rs"]
+mod crossing;
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use common::{Objects, numbers, set};
+use crossing::{Dice, HEIGHT, OF_CROSSING, PICTURE, SEEDS, crossing, crossings, found, rows, run, scored};
 use motionscope_core::objects::assignment::WorkBudget;
 use motionscope_core::objects::k_best::{Choice, Problem, Row, k_best};
-use motionscope_core::objects::score::{Scores, scores};
 use motionscope_core::scene::Readout;
-use motionscope_core::{
-    AnyEstimator, Bounds, Clip, Cursor, Detection, Direction, Error, Move, ObjectBox, ObjectField, Threads, synth,
-};
-
-/// Numbers of 0 to 1, and normal ones.
-struct Dice(u64);
-
-impl Dice {
-    fn roll(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(0x5851_F42D_4C95_7F2D).wrapping_add(0x1405_7B7E_F767_814F);
-        let mixed = (self.0 ^ (self.0 >> 33)).wrapping_mul(0xFF51_AFD7_ED55_8CCD);
-        ((mixed ^ (mixed >> 29)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn normal(&mut self) -> f64 {
-        (-2.0 * (1.0 - self.roll()).ln()).sqrt() * (std::f64::consts::TAU * self.roll()).cos()
-    }
-}
+use motionscope_core::{AnyEstimator, Bounds, Clip, Cursor, Direction, Error, Move, ObjectBox, ObjectField, synth};
 
 /// All assignments of a problem with their costs.
 fn enumerated(problem: &Problem) -> Vec<(Vec<Choice>, f64)> {
@@ -123,21 +108,21 @@ fn a_ranking_without_work_left_is_an_assignment_that_is_allowed() {
     assert!(whole.solutions[0].cost <= found.solutions[0].cost && whole.solutions.len() == 20);
 }
 
-const PICTURE: (usize, usize) = (320, 240);
-const HEIGHT: f32 = 20.0;
-
-fn found(center: [f64; 2]) -> Detection {
-    let center = center.map(|c| c as f32);
-    Detection { bounds: Bounds::around(center, [HEIGHT; 2]), center, score: 0.9, blob: None }
-}
-
-fn rows(frames: Vec<Vec<Detection>>) -> Clip {
-    Clip::blank("rows", PICTURE, frames.len()).with_detections(frames)
-}
-
-fn run(estimator: &dyn AnyEstimator, clip: &Clip) -> ObjectField {
-    let output = estimator.run(clip, 0, &Threads::single()).expect("a run");
-    output.get::<ObjectField>().expect("objects").clone()
+#[test]
+fn the_budget_of_a_ranking_counts_the_pairs_that_its_subproblems_visit_and_copy() {
+    // Each of the 200 solutions is parted into subproblems of 60 rows with up to 60 × 50 pairs, so that thousands of pairs are visited for a
+    // solution: as many as a frame has at most are enough, but 5 000 for a solution are not.
+    let (mut dice, go_on) = (Dice(9), || Ok::<_, Error>(()));
+    let mut large = problem(&mut dice, 60, 50);
+    large.rows.iter_mut().for_each(|row| row.alone = [8.0, 9.0]);
+    let ranked = |pairs| {
+        let mut budget = WorkBudget::limited(pairs, &go_on);
+        k_best(&[large.clone()], (200, f64::INFINITY), &mut budget).expect("wanted")
+    };
+    let (all, few) = (ranked(20_000_000), ranked(1_000_000));
+    assert_eq!((all.solutions.len(), all.is_exhausted), (200, false));
+    assert!(few.is_exhausted);
+    assert!(few.solutions.len() <= 200 && few.solutions[0].cost == all.solutions[0].cost);
 }
 
 /// The tracks after the fact and in real time.
@@ -147,10 +132,6 @@ fn both(id: &str, settings: &[(&str, &str)], clip: &Clip) -> [ObjectField; 2] {
     walk.jump(Move::End);
     let causal = walk.causal().expect("it decides later");
     [run(&*estimator, clip), causal.get::<ObjectField>().expect("objects").clone()]
-}
-
-fn scored(field: &ObjectField, clip: &Clip) -> Scores {
-    scores(field, &**clip.truth().expect("exact")).expect("readable").expect("objects")
 }
 
 /// Everything that the steps of a run say, with the line of each.
@@ -227,8 +208,20 @@ fn limit(probability: f32) -> f64 {
     -2.0 * (1.0 - f64::from(probability)).ln()
 }
 
+/// The probability that a track has no detection in its gate.
+fn missed(gate: f32) -> f64 {
+    1.0 - detected() * f64::from(gate)
+}
+
+/// The likelihood ratio of a size that is that of the track: normal in the logarithms of width and height with a deviation of 0.2, against
+/// even over a factor of 4 in each.
+fn same_size() -> f64 {
+    let deviation = f64::from(0.2f32);
+    4f64.ln().powi(2) / (std::f64::consts::TAU * deviation * deviation)
+}
+
 /// Reid's hypotheses by full enumeration; those with another explanation of the frame `n_scan` before than the best are deleted.
-fn all_hypotheses(frames: &[Vec<[f64; 2]>], n_scan: usize) -> Vec<Explained> {
+fn all_hypotheses(frames: &[Vec<[f64; 2]>], n_scan: usize, gate: f32) -> Vec<Explained> {
     let area = (PICTURE.0 * PICTURE.1) as f64;
     let mut all = vec![Explained { weight: 1.0, tracks: Vec::new(), origins: Vec::new() }];
     for (t, detections) in frames.iter().enumerate() {
@@ -240,7 +233,7 @@ fn all_hypotheses(frames: &[Vec<[f64; 2]>], n_scan: usize) -> Vec<Explained> {
             let mut choices = vec![Vec::new()];
             for at in detections {
                 let allowed: Vec<usize> =
-                    (0..count + 2).filter(|i| *i >= count || expected[*i].weighed(*at).0 <= limit(0.9999)).collect();
+                    (0..count + 2).filter(|i| *i >= count || expected[*i].weighed(*at).0 <= limit(gate)).collect();
                 choices = choices
                     .iter()
                     .flat_map(|before: &Vec<usize>| {
@@ -252,10 +245,10 @@ fn all_hypotheses(frames: &[Vec<[f64; 2]>], n_scan: usize) -> Vec<Explained> {
             for choice in choices {
                 let (mut tracks, mut weight, mut origins) = (expected.clone(), one.weight, Vec::new());
                 let is_found = |track: usize| choice.contains(&track);
-                weight *= (0..count).map(|i| if is_found(i) { detected() } else { 1.0 - detected() }).product::<f64>();
+                weight *= (0..count).map(|i| if is_found(i) { detected() } else { missed(gate) }).product::<f64>();
                 for (i, at) in choice.iter().zip(detections) {
                     if *i < count {
-                        weight *= expected[*i].weighed(*at).1;
+                        weight *= expected[*i].weighed(*at).1 * same_size();
                         tracks[*i] = expected[*i].updated(*at);
                         origins.push(Some(*i));
                     } else if *i == count {
@@ -292,19 +285,21 @@ fn the_leading_hypotheses_are_those_of_full_enumeration() {
         let frames = vec![vec![near(0, 1.0)], vec![near(1, 2.0), near(1, 12.0)], vec![near(2, 2.0), near(2, 9.0)]];
         let clip = rows(frames.iter().map(|all| all.iter().map(|at| found(*at)).collect()).collect());
         let mut leaders = Vec::new();
+        // A narrow gate leaves out many detections of the object.
+        let (gate, gate_text) = if case % 2 == 0 { (0.9999, "0.9999") } else { (0.9, "0.9") };
         for (n_scan, text) in [(9, "9"), (1, "1"), (0, "0")] {
             let settings = [
                 ("source", "detections"),
                 ("n-scan", text),
                 ("max-hypotheses", "300"),
                 ("min-ratio", "0"),
-                ("gate", "0.9999"),
+                ("gate", gate_text),
                 ("min-hits", "1"),
                 ("max-age", "500"),
                 ("interpolate", "off"),
             ];
             let tracker = set("multiple-hypothesis", &settings);
-            let expected = all_hypotheses(&frames, n_scan);
+            let expected = all_hypotheses(&frames, n_scan, gate);
             let field = run(&*tracker, &clip);
             for (t, frame) in field.frames.iter().enumerate() {
                 let track = |i: usize| frame.objects.iter().find(|object| object.detection == Some(i));
@@ -347,64 +342,15 @@ fn the_leading_hypotheses_are_those_of_full_enumeration() {
     assert!(decided_otherwise > 5 && of_tracks > 100, "{decided_otherwise} decided otherwise, {of_tracks} links");
 }
 
-/// Two objects that cross at a small angle, each detected in 9 of 10 frames, with false alarms around them.
-fn crossing(seed: u64) -> Clip {
-    const FRAMES: usize = 40;
-    let mut dice = Dice(seed);
-    let place = |id: u32, t: usize| {
-        let x = 40.0 + 6.0 * t as f64;
-        if id == 1 { [x, 90.0 + 1.5 * t as f64] } else { [x, 150.0 - 1.5 * t as f64] }
-    };
-    let object = |id: u32, t: usize| {
-        let [x, y] = place(id, t).map(|c| c as f32 - HEIGHT / 2.0);
-        ObjectBox { id, x, y, width: HEIGHT, height: HEIGHT, visibility: 1.0 }
-    };
-    let mut frame = |t: usize| {
-        let mut all = Vec::new();
-        for id in [1, 2] {
-            if dice.roll() < 0.9 {
-                all.push(found(place(id, t).map(|c| c + 2.0 * dice.normal())));
-            }
-        }
-        for _ in 0..3 {
-            // In the strip of the objects, where they are in the way.
-            all.push(found([320.0 * dice.roll(), 80.0 + 80.0 * dice.roll()]));
-        }
-        all
-    };
-    let detections = (0..FRAMES).map(&mut frame).collect();
-    let truth = (0..FRAMES).map(|t| vec![object(1, t), object(2, t)]).collect();
-    rows(detections).with_truth(Arc::new(Objects(truth)))
-}
-
-/// Parameters that describe those detections, for all trackers alike.
-const OF_CROSSING: [(&str, &str); 4] =
-    [("source", "detections"), ("measurement-noise", "0.1"), ("process-noise", "0.02"), ("max-age", "6")];
-
-/// The sums of identity switches and of IDF1 over clips.
-fn sums(fields: impl Iterator<Item = Scores>) -> (usize, f64) {
-    fields.fold((0, 0.0), |(switches, idf1), scores| (switches + scores.switches, idf1 + scores.idf1))
-}
-
-/// The number of clips with a crossing.
-const SEEDS: u64 = 100;
-
-fn crossings(id: &str, settings: &[(&str, &str)]) -> (usize, f64) {
-    let tracker = set(id, &[&OF_CROSSING[..], settings].concat());
-    sums((1..=SEEDS).map(|seed| {
-        let clip = crossing(seed);
-        scored(&run(&*tracker, &clip), &clip)
-    }))
-}
-
 #[test]
 fn several_hypotheses_switch_identities_less_than_one_in_a_crossing_with_clutter() {
-    let single = crossings("kalman-tracker", &[("cost", "mahalanobis"), ("recover", "off")]);
-    let default = crossings("kalman-tracker", &[]);
-    let several = crossings("multiple-hypothesis", &[("false-alarms", "3")]);
-    let soft = crossings("joint-probabilistic", &[("false-alarms", "3")]);
+    let single = crossings("kalman-tracker", &[("cost", "mahalanobis"), ("recover", "off")], SEEDS);
+    let default = crossings("kalman-tracker", &[], SEEDS);
+    let several = crossings("multiple-hypothesis", &[("false-alarms", "3")], SEEDS);
+    let soft = crossings("joint-probabilistic", &[("false-alarms", "3")], SEEDS);
     // Decided at once, a detection is never the start of a track unless that is the more probable origin.
-    let at_once = crossings("multiple-hypothesis", &[("false-alarms", "3"), ("new-tracks", "4"), ("n-scan", "0")]);
+    let at_once =
+        crossings("multiple-hypothesis", &[("false-alarms", "3"), ("new-tracks", "4"), ("n-scan", "0")], SEEDS);
     println!(
         "switches and IDF1: {single:?}, {default:?}, several {several:?}, decided at once {at_once:?}, soft {soft:?}"
     );
@@ -457,6 +403,11 @@ fn stars_that_cross_keep_their_identities() {
 
 /// Two objects that meet, are one detection for `together` frames and turn back or go on.
 fn meeting(together: usize, turns_back: bool) -> Clip {
+    meeting_at(5.0, together, turns_back)
+}
+
+/// The same at this speed in px/frame.
+fn meeting_at(speed: f64, together: usize, turns_back: bool) -> Clip {
     const MEET: usize = 15;
     let frames = 2 * MEET + together;
     let place = |id: u32, t: usize| {
@@ -471,7 +422,7 @@ fn meeting(together: usize, turns_back: bool) -> Clip {
             t - part + 1.0
         };
         let off = if turns_back { -off.abs() } else { off };
-        [160.0 + if id == 1 { 5.0 * off } else { -5.0 * off }, 120.0]
+        [160.0 + if id == 1 { speed * off } else { -speed * off }, 120.0]
     };
     let object = |id: u32, t: usize| {
         let [x, y] = place(id, t).map(|c| c as f32 - HEIGHT / 2.0);
@@ -497,19 +448,77 @@ fn objects_that_turn_back_while_they_are_one_detection_exchange_their_tracks() {
     assert!(back.switches == 2 || back.idf1 < 0.8, "{back:?}");
 }
 
-#[test]
-fn one_detection_belongs_to_one_track_in_each_hypothesis() {
-    let clip = meeting(3, false);
-    let field = run(&*set("multiple-hypothesis", &[("source", "detections")]), &clip);
-    for frame in &field.frames {
+/// Asserts that no detection is reported for two tracks of a frame.
+fn assert_each_once(field: &ObjectField, case: &str) {
+    for (t, frame) in field.frames.iter().enumerate() {
         let mut taken: Vec<usize> = frame.objects.iter().filter_map(|object| object.detection).collect();
         let all = taken.len();
         taken.sort_unstable();
         taken.dedup();
-        assert_eq!(taken.len(), all, "{:?}", frame.objects);
+        assert_eq!(taken.len(), all, "{case}, frame {t}: {:?}", frame.objects);
     }
+}
+
+#[test]
+fn one_detection_belongs_to_one_track_in_each_hypothesis() {
+    let clip = meeting(3, false);
+    assert_each_once(&run(&*set("multiple-hypothesis", &[("source", "detections")]), &clip), "meeting");
     let told = steps(&*set("multiple-hypothesis", &[("source", "detections")]), &clip);
     assert!(told.iter().any(|(_, said)| said.starts_with("2 tracks compete for 1 detection")), "{told:?}");
+}
+
+/// Two objects 1 px apart, which soft association draws together; in the last frame one detection is on both, the other 7.5 px away.
+fn coalesced() -> Clip {
+    const LAST: usize = 9;
+    let across = |t: usize| if t == LAST { [120.0, 127.5] } else { [119.5, 120.5] };
+    rows((0..=LAST).map(|t| across(t).map(|y| found([60.0 + 4.0 * t as f64, y])).to_vec()).collect())
+}
+
+#[test]
+fn tracks_with_the_same_most_probable_detection_report_different_ones() {
+    // So many false alarms that one of the tracks may well have been missed.
+    let tracker = set("joint-probabilistic", &[("source", "detections"), ("false-alarms", "1000")]);
+    let clip = coalesced();
+    assert_each_once(&run(&*tracker, &clip), "coalesced");
+    let told = steps(&*tracker, &clip);
+    assert!(told.iter().any(|(_, said)| said.contains("counts for another track")), "{told:?}");
+}
+
+/// Two objects that meet, are one detection for a frame and turn back so slowly that each stays in its gate; the second of this height.
+fn meeting_of_sizes(height: f32) -> Clip {
+    let alike = meeting_at(3.0, 1, true);
+    let resized =
+        |bounds: Bounds, center: [f32; 2]| Bounds::around(center, bounds.size().map(|side| side * height / HEIGHT));
+    let frames = alike.info().frames.unwrap_or(0);
+    let detections = (0..frames).map(|t| {
+        let mut all = alike.detections(t).unwrap_or_default().to_vec();
+        all.iter_mut().skip(1).for_each(|second| second.bounds = resized(second.bounds, second.center));
+        all
+    });
+    let truth = alike.truth().expect("exact");
+    let boxes = (0..frames).map(|t| {
+        let mut all = truth.objects(t).expect("readable").unwrap_or_default();
+        for second in all.iter_mut().skip(1) {
+            let bounds = Bounds::from(&*second);
+            let [x, y] = resized(bounds, bounds.center()).min;
+            *second = ObjectBox { x, y, width: height, height, ..*second };
+        }
+        all
+    });
+    let boxes = boxes.collect();
+    rows(detections.collect()).with_truth(Arc::new(Objects(boxes)))
+}
+
+#[test]
+fn objects_of_other_sizes_keep_their_tracks_where_motion_would_exchange_them() {
+    let of = |size_noise: &str| {
+        let clip = meeting_of_sizes(2.0 * HEIGHT);
+        let settings = [("source", "detections"), ("size-noise", size_noise)];
+        scored(&run(&*set("multiple-hypothesis", &settings), &clip), &clip)
+    };
+    let (known, ignored) = (of("0.2"), of("2"));
+    assert!(known.switches == 0 && known.idf1 > 0.95, "{known:?}");
+    assert!(ignored.switches == 2 || ignored.idf1 < 0.8, "{ignored:?}");
 }
 
 #[test]
@@ -553,10 +562,60 @@ fn an_explosion_of_hypotheses_is_bounded_and_said() {
     assert!(begun.elapsed() < Duration::from_secs(60), "{:?}", begun.elapsed());
 }
 
+/// A tracker of the detections of the clip that expects this number of new tracks, if it expects any number.
+fn several(id: &str, new_tracks: &str) -> Box<dyn AnyEstimator> {
+    let mut tracker = set(id, &[("source", "detections")]);
+    tracker.set("new-tracks", new_tracks).ok();
+    tracker
+}
+
+#[test]
+fn an_explosion_in_one_place_leaves_the_work_for_others() {
+    // A pair far from the heap: its few branches are ranked in full in each frame.
+    for id in ["multiple-hypothesis", "joint-probabilistic"] {
+        let frames = (0..3).map(|t| {
+            let crowd = heap(300, 3).detections(t).unwrap_or_default().to_vec();
+            crowd.into_iter().chain([found([20.0, 20.0]), found([26.0, 20.0])]).collect()
+        });
+        let clip = rows(frames.collect());
+        let told = steps(&*several(id, "1000"), &clip);
+        let exhausted = |said: &str| said.contains("too large to rank");
+        assert!(told.iter().any(|(_, said)| exhausted(said)), "{id}: the heap is not large enough");
+        let small = told.iter().filter(|(_, said)| {
+            said.contains("2 tracks compete for 2 detections") || said.starts_with("2 tracks and 2 detections")
+        });
+        let small: Vec<_> = small.collect();
+        assert!(!small.is_empty() && small.iter().all(|(_, said)| !exhausted(said)), "{id}: {small:?}");
+    }
+}
+
+#[test]
+fn detections_beyond_the_nearest_are_said_to_be_left_out() {
+    let dense = heap(900, 1).detections(0).unwrap_or_default().to_vec();
+    let clip = rows(vec![vec![found([160.0, 120.0])], dense]);
+    for id in ["multiple-hypothesis", "joint-probabilistic"] {
+        let told = steps(&*several(id, "10"), &clip);
+        let gated = told.iter().filter(|(line, _)| line == "gate" || line == "validate");
+        let said = gated.filter(|(_, said)| said.contains("only the 500 nearest detections are compared")).count();
+        assert_eq!(said, 1, "{id}");
+    }
+}
+
+#[test]
+fn without_a_minimum_ratio_no_ratio_is_said_and_their_number_alone_bounds_hypotheses() {
+    let clip = heap(4, 3);
+    for (ratio, is_said) in [("0", false), ("0.001", true)] {
+        let told = steps(&*set("multiple-hypothesis", &[("source", "detections"), ("min-ratio", ratio)]), &clip);
+        let expanded = told.iter().filter(|(line, _)| line == "expand");
+        let said = expanded.filter(|(_, said)| said.contains("times the highest probability")).count();
+        assert_eq!(said > 0, is_said, "{told:?}");
+    }
+}
+
 /// β by enumeration of all joint events of all tracks: tracks by detections, with β₀ at the end.
 fn enumerated_weights(tracks: &[Plain], detections: &[[f64; 2]]) -> Vec<Vec<f64>> {
     let (gate, density) = (0.999f32, 1.0 / (PICTURE.0 * PICTURE.1) as f64);
-    let missed = 1.0 - detected() * f64::from(gate);
+    let missed = missed(gate);
     let none = tracks.len();
     let mut events: Vec<Vec<usize>> = vec![Vec::new()];
     for at in detections {
@@ -571,7 +630,7 @@ fn enumerated_weights(tracks: &[Plain], detections: &[[f64; 2]]) -> Vec<Vec<f64>
     let weight = |event: &Vec<usize>| {
         let of_detections = event.iter().zip(detections).map(|(i, at)| match *i == none {
             true => density,
-            false => detected() * tracks[*i].weighed(*at).1,
+            false => detected() * tracks[*i].weighed(*at).1 * same_size(),
         });
         of_detections.product::<f64>()
             * (0..none).map(|i| if event.contains(&i) { 1.0 } else { missed }).product::<f64>()

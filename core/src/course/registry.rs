@@ -24,8 +24,8 @@ use crate::families::{
     tracking::{BlobTracker, JointProbabilistic, KalmanFilter, KalmanTracker, MultipleHypothesis, TrajectoryAnalysis},
 };
 use crate::methods::{
-    features::Corners, geometric::robust::Robust, region::RegionTracking, subtraction::Subtraction,
-    variational::Variational,
+    features::Corners, geometric::robust::Robust, multi_object::MultiTracking, region::RegionTracking,
+    subtraction::Subtraction, variational::Variational,
 };
 use crate::run::{AnyEstimator, Course, Entries, Entry};
 
@@ -76,11 +76,11 @@ impl Entries for Course {
         Entry::of::<Subtraction<FlowMagnitude>>(),
         Entry::of::<Subtraction<CompensatedDifference>>(),
         Entry::of::<ConnectedComponents>(),
-        Entry::of::<BlobTracker>(),
+        Entry::of::<MultiTracking<BlobTracker>>(),
         Entry::of::<KalmanFilter>(),
-        Entry::of::<KalmanTracker>(),
-        Entry::of::<MultipleHypothesis>(),
-        Entry::of::<JointProbabilistic>(),
+        Entry::of::<MultiTracking<KalmanTracker>>(),
+        Entry::of::<MultiTracking<MultipleHypothesis>>(),
+        Entry::of::<MultiTracking<JointProbabilistic>>(),
         Entry::of::<TrajectoryAnalysis>(),
         Entry::of::<RegionTracking<MeanShift>>(),
         Entry::of::<RegionTracking<Camshift>>(),

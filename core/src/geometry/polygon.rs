@@ -31,19 +31,63 @@ pub fn bounds(corners: &[Point]) -> Option<Bounds> {
     Some(Bounds { min: min.map(|c| c as f32), max: max.map(|c| c as f32) })
 }
 
-/// The numbers of two edges that cross, edge i being that from corner i; the first such pair. Edges that only touch do not cross.
+/// The numbers of two edges that cross, edge i being that from corner i; the first such pair. The outline also crosses itself where it
+/// passes to the other side through a corner. Edges that only touch do not cross.
 pub fn crossing(corners: &[Point]) -> Option<[usize; 2]> {
-    let all: Vec<_> = edges(corners).collect();
-    let count = all.len();
+    // Corners on top of the one before have no direction.
+    let numbered = corners.iter().copied().enumerate();
+    let distinct: Vec<(usize, Point)> =
+        numbered.filter(|(i, at)| *at != corners[(i + corners.len() - 1) % corners.len()]).collect();
+    let count = distinct.len();
+    let at = |i: usize| distinct[i % count].1;
     let later = |i: usize| (i + 2..count).filter(move |j| (j + 1) % count != i);
-    (0..count).find_map(|i| later(i).find(|j| do_cross(all[i], all[*j])).map(|j| [i, j]))
+    let meet = |i: usize, j: usize| {
+        let [first, second] = [i, j].map(|i| [at(i), at(i + 1)]);
+        // The corners from i and from j on, where one lies on the other edge.
+        do_cross(first, second)
+            || is_on(second, first[0]) && pass([at(i + count - 1), at(i), at(i + 1)], second, at(j + count - 1))
+            || is_on(first, second[0]) && pass([at(j + count - 1), at(j), at(j + 1)], first, at(i + count - 1))
+    };
+    (0..count).find_map(|i| later(i).find(|j| meet(i, *j)).map(|j| [i, j].map(|i| distinct[i].0)))
+}
+
+/// The side of a line on which a place lies, by its sign; 0 on the line.
+fn side([a, b]: [Point; 2], p: Point) -> f64 {
+    (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0])
 }
 
 /// Whether each of two segments has its ends on both sides of the other.
 fn do_cross(first: [Point; 2], second: [Point; 2]) -> bool {
-    let side = |[a, b]: [Point; 2], p: Point| (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
     let parts = |line: [Point; 2], other: [Point; 2]| side(line, other[0]) * side(line, other[1]) < 0.0;
     parts(first, second) && parts(second, first)
+}
+
+/// Whether a place lies on a segment, its end left out.
+fn is_on([a, b]: [Point; 2], p: Point) -> bool {
+    let along = (b[0] - a[0]) * (p[0] - a[0]) + (b[1] - a[1]) * (p[1] - a[1]);
+    let long = (b[0] - a[0]).powi(2) + (b[1] - a[1]).powi(2);
+    side([a, b], p) == 0.0 && (0.0..long).contains(&along)
+}
+
+/// Whether an outline through a corner on another edge passes to its other side. Where the corner is the first of that edge, `before` is the
+/// corner before it.
+fn pass([from, at, to]: [Point; 3], edge: [Point; 2], before: Point) -> bool {
+    let arms = [edge[1], if edge[0] == at { before } else { edge[0] }];
+    let ahead = |arm: Point, p: Point| (arm[0] - at[0]) * (p[0] - at[0]) + (arm[1] - at[1]) * (p[1] - at[1]) > 0.0;
+    let is_along = |p: Point| arms.iter().any(|arm| side([at, *arm], p) == 0.0 && ahead(*arm, p));
+    let turn = side([at, arms[0]], arms[1]);
+    // Whether a place is in the angle from the first arm to the second.
+    let is_between = |p: Point| {
+        let [first, second] = arms.map(|arm| side([at, arm], p));
+        match turn {
+            turn if turn > 0.0 => first > 0.0 && second < 0.0,
+            turn if turn < 0.0 => first > 0.0 || second < 0.0,
+            // Straight on, or back along itself.
+            _ => first > 0.0 && !ahead(arms[0], arms[1]),
+        }
+    };
+    // An outline that goes on along the edge only touches it here.
+    !is_along(from) && !is_along(to) && is_between(from) != is_between(to)
 }
 
 /// `count` points at equal distances along the outline, from the first corner on.
@@ -112,6 +156,14 @@ mod tests {
         let touching = [[0.0, 0.0], [8.0, 0.0], [8.0, 8.0], [4.0, 0.0]];
         assert_eq!(crossing(&touching), None, "a corner on another edge");
         assert_eq!(crossing(&[[0.0, 0.0], [8.0, 0.0], [0.0, 8.0]]), None, "a triangle has neighbours only");
+        let at_corner = [[0.0, 0.0], [8.0, 8.0], [8.0, 0.0], [4.0, 4.0], [0.0, 8.0]];
+        assert_eq!(crossing(&at_corner), Some([0, 3]), "through a corner on an edge");
+        let at_both = [[0.0, 0.0], [4.0, 4.0], [8.0, 8.0], [8.0, 0.0], [4.0, 4.0], [0.0, 8.0]];
+        assert_eq!(crossing(&at_both), Some([1, 4]), "through a corner at a corner");
+        let twice = [[0.0, 0.0], [4.0, 4.0], [4.0, 4.0], [8.0, 8.0], [8.0, 0.0], [4.0, 4.0], [0.0, 8.0]];
+        assert!(crossing(&twice).is_some(), "through corners on top of each other");
+        let apart = [[0.0, 0.0], [4.0, 4.0], [8.0, 0.0], [8.0, 8.0], [4.0, 4.0], [0.0, 8.0]];
+        assert_eq!(crossing(&apart), None, "two corners that only touch");
     }
 
     #[test]

@@ -4,12 +4,12 @@ mod explain;
 
 use std::sync::Arc;
 
-use crate::base::{Error, Observer};
-use crate::data::{Clip, Frame, PackedMask};
-use crate::geometry::{Bounds, polygon};
-use crate::methods::contour::{self, Edges, Force, Model, Pentadiagonal, Point, Snake, Verdict};
-use crate::methods::region::{At, Explained, RegionModel, Settings, Similarity};
-use crate::products::{MaskField, Product, ProductKind, Region, RegionField, RegionFrame};
+use crate::base::Observer;
+use crate::data::{Clip, Frame};
+use crate::geometry::polygon;
+use crate::methods::contour::{self, Edges, Fit, Force, Model, Pentadiagonal, Point, Snake, Verdict};
+use crate::methods::region::{At, Explained};
+use crate::products::Region;
 use crate::run::{Info, Need};
 use crate::scene::{Chart, Fact, Name, Readout, Scene, Sentence};
 use crate::{choices, params, pseudocode};
@@ -94,10 +94,6 @@ pub struct Iteration {
     before: Vec<Point>,
     /// The points after it.
     after: Vec<Point>,
-    /// The energy after it.
-    energy: Energy,
-    /// The mean lengths of the internal and of the external force before it, in 1/px.
-    forces: [f64; 2],
     /// The mean displacement in px.
     moved: f64,
 }
@@ -121,8 +117,9 @@ fn around<const N: usize>(points: &[Point], i: usize, by: [isize; N]) -> [Point;
 }
 
 impl ActiveContour {
-    /// The energy of a contour.
-    fn energy(&self, edges: &Edges, points: &[Point]) -> Energy {
+    /// The energy after an iteration.
+    fn energy(&self, iteration: &Iteration) -> Energy {
+        let (edges, points) = (&iteration.field.edges, &iteration.after);
         let square = |d: Point| d[0] * d[0] + d[1] * d[1];
         let (mut elastic, mut bending, mut strength) = (0.0, 0.0, 0.0);
         for (i, at) in points.iter().enumerate() {
@@ -140,8 +137,10 @@ impl ActiveContour {
         }
     }
 
-    /// The mean lengths of the internal force −A v and of the external force, in 1/px.
-    fn mean_forces(&self, points: &[Point], forces: &[Point]) -> [f64; 2] {
+    /// The mean lengths of the internal force −A v and of the external force before an iteration, in 1/px.
+    fn mean_forces(&self, iteration: &Iteration) -> [f64; 2] {
+        let (points, mut forces) = (&iteration.before, Vec::new());
+        self.forces(&iteration.field, points, &mut forces);
         let (alpha, beta) = (f64::from(self.alpha), f64::from(self.beta));
         let internal = |i: usize| {
             let [a, b, c, d, e] = around(points, i, [-2, -1, 0, 1, 2]);
@@ -186,8 +185,6 @@ impl ActiveContour {
                     field: Arc::clone(field),
                     before: points.clone(),
                     after: next.clone(),
-                    energy: self.energy(&field.edges, &next),
-                    forces: self.mean_forces(&points, &forces),
                     moved,
                 }))
             });
@@ -198,8 +195,45 @@ impl ActiveContour {
         }
         points
     }
+}
 
-    /// Fits the contour to a frame.
+fn mean_distance(before: &[Point], after: &[Point]) -> f64 {
+    let each = before.iter().zip(after).map(|(a, b)| (b[0] - a[0]).hypot(b[1] - a[1]));
+    each.sum::<f64>() / before.len() as f64
+}
+
+pseudocode! {
+    CHOOSE: "v ← contour of the object in the first frame; stop if there is no edge around it",
+    EACH_FRAME: "for each frame t, from the contour v of frame t − 1, its points at equal distances",
+    FIND_EDGES: "  f ← |∇(G_σ * I)| / its maximum in the window around v; F ← ∇f",
+    DIFFUSE: "  if gradient vector flow: F ← g after steps g ← g + μ ∇²g − |∇f|² (g − ∇f) from g = ∇f, scaled",
+    SOLVE: "  repeat: v ← (A + γ I)⁻¹ (γ v + κ F(v) + p ∂area/∂v), until the mean displacement < ε",
+    JUDGE: "  lost if the mean f on v < min-edge, or v has collapsed or crosses itself",
+    MOVE: "  the mask is the inside of v, the region the box around it, unless the object is lost",
+}
+
+impl Fit for ActiveContour {
+    const INFO: Info = Info {
+        id: "active-contour",
+        name: "Active contour",
+        family: "Region tracking",
+        summary: "Fits a closed curve to the edges of each frame: it minimises its elastic and bending energy and an external energy, which is \
+                  low on edges.",
+        source: "M. Kass, A. Witkin and D. Terzopoulos, Snakes: active contour models, IJCV 1(4), 1988; balloon force: L. D. Cohen, On active \
+                 contour models and balloons, CVGIP 53(2), 1991; gradient vector flow: C. Xu and J. L. Prince, Snakes, shapes, and gradient \
+                 vector flow, IEEE TIP 7(3), 1998",
+        pseudocode: line::ALL,
+        granularities: &["clip", "frame", "step"],
+        frames: 2,
+    };
+    const CHARTS: &'static [Chart] = &[Chart::Series];
+    const CONTRASTS: Option<&'static str> = Some("force");
+    type Event = Event;
+
+    fn snake(&self) -> &Snake {
+        &self.snake
+    }
+
     fn fit(
         &self,
         (frame, region): (&Frame, Region),
@@ -222,90 +256,11 @@ impl ActiveContour {
         observer.see(|| Event::Judged(Arc::clone(&field), points.as_slice().into(), verdict));
         Model::of((frame.size(), before, region), (points, verdict.strength, verdict.is_lost))
     }
-}
-
-fn mean_distance(before: &[Point], after: &[Point]) -> f64 {
-    let each = before.iter().zip(after).map(|(a, b)| (b[0] - a[0]).hypot(b[1] - a[1]));
-    each.sum::<f64>() / before.len() as f64
-}
-
-pseudocode! {
-    CHOOSE: "v ← contour of the object in the first frame; stop if there is no edge around it",
-    EACH_FRAME: "for each frame t, from the contour v of frame t − 1, its points at equal distances",
-    FIND_EDGES: "  f ← |∇(G_σ * I)| / its maximum in the window around v; F ← ∇f",
-    DIFFUSE: "  if gradient vector flow: F ← g after steps g ← g + μ ∇²g − |∇f|² (g − ∇f) from g = ∇f, scaled",
-    SOLVE: "  repeat: v ← (A + γ I)⁻¹ (γ v + κ F(v) + p ∂area/∂v), until the mean displacement < ε",
-    JUDGE: "  lost if the mean f on v < min-edge, or v has collapsed or crosses itself",
-    MOVE: "  the mask is the inside of v, the region the box around it, unless the object is lost",
-}
-
-impl RegionModel for ActiveContour {
-    const INFO: Info = Info {
-        id: "active-contour",
-        name: "Active contour",
-        family: "Region tracking",
-        summary: "Fits a closed curve to the edges of each frame: it minimises its elastic and bending energy and an external energy, which is \
-                  low on edges.",
-        source: "M. Kass, A. Witkin and D. Terzopoulos, Snakes: active contour models, IJCV 1(4), 1988; balloon force: L. D. Cohen, On active \
-                 contour models and balloons, CVGIP 53(2), 1991; gradient vector flow: C. Xu and J. L. Prince, Snakes, shapes, and gradient \
-                 vector flow, IEEE TIP 7(3), 1998",
-        pseudocode: line::ALL,
-        granularities: &["clip", "frame", "step"],
-        frames: 2,
-    };
-    const CHARTS: &'static [Chart] = &[Chart::Series];
-    const CONTRASTS: Option<&'static str> = Some("force");
-    const SIMILARITY: Similarity = Similarity { name: "mean edge strength", symbol: "f", decimals: 3 };
-    const PRODUCES: &'static [&'static ProductKind] = &[RegionField::KIND, MaskField::KIND];
-    type Model = Model;
-    type Event = Event;
-
-    fn settings(&self) -> &Settings {
-        &self.snake.placement.settings
-    }
-
-    fn placed(&self, picture: (usize, usize)) -> Result<Option<Bounds>, Error> {
-        self.snake.placement.placed(picture)
-    }
-
-    fn refusal(&self, frame: &Frame, region: Region) -> Option<String> {
-        self.snake.refusal(frame, region)
-    }
-
-    fn begin(&self, frame: &Arc<Frame>, region: Region, observer: &mut impl Observer<Event>) -> (Model, f32) {
-        let start = self.snake.placement.start(region).into();
-        let model = self.fit((frame, region), &start, observer);
-        let similarity = model.result.similarity;
-        (model, similarity)
-    }
-
-    fn follow(
-        &self,
-        model: &mut Model,
-        frame: &Arc<Frame>,
-        region: Region,
-        observer: &mut impl Observer<Event>,
-    ) -> RegionFrame {
-        *model = self.fit((frame, region), &model.points, observer);
-        model.result
-    }
-
-    fn fitted(&self, model: &Model) -> Option<RegionFrame> {
-        Some(model.result)
-    }
-
-    fn mask(&self, model: &Model) -> Option<PackedMask> {
-        Some(model.mask())
-    }
 
     fn need(&self, clip: &Clip) -> Need {
         // Edges and forces, at most of the whole picture; in a walk the points of each iteration too.
         let steps = 64e3 * self.iterations as f64;
         Need::per_pixel(clip, [40.0, 80.0]).and([1e6, 1e6 + steps])
-    }
-
-    fn model_bytes(&self, model: &Model) -> usize {
-        model.bytes()
     }
 
     fn line(&self, event: &Event) -> Name {
@@ -324,7 +279,7 @@ impl Explained for ActiveContour {
     }
 
     fn facts(&self, at: &At<'_, Self>) -> Vec<Fact> {
-        explain::facts(at)
+        explain::facts(self, at)
     }
 
     fn readouts(&self, at: &At<'_, Self>) -> Vec<Readout> {

@@ -4,12 +4,12 @@ mod explain;
 
 use std::sync::Arc;
 
-use crate::base::{Error, Observer};
-use crate::data::{Clip, Frame, PackedMask};
-use crate::geometry::{Bounds, polygon};
-use crate::methods::contour::{self, Edges, Model, Point, Snake, Verdict};
-use crate::methods::region::{At, Explained, RegionModel, Settings, Similarity};
-use crate::products::{MaskField, Product, ProductKind, Region, RegionField, RegionFrame};
+use crate::base::Observer;
+use crate::data::{Clip, Frame};
+use crate::geometry::polygon;
+use crate::methods::contour::{self, Edges, Fit, Model, Point, Snake, Verdict};
+use crate::methods::region::{At, Explained};
+use crate::products::Region;
 use crate::run::{Info, Need};
 use crate::scene::{Chart, Fact, Name, Readout, Scene, Sentence};
 use crate::{params, pseudocode};
@@ -40,7 +40,7 @@ params! {
 }
 
 /// The smallest range of edge strengths in a neighbourhood that the edge energy is relative to.
-const LEAST_RANGE: f64 = 5.0 / 255.0;
+const LEAST_STRENGTH_RANGE: f64 = 5.0 / 255.0;
 
 /// The energies of a pixel in the neighbourhood of a point, each normalised over the neighbourhood.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -197,7 +197,7 @@ impl GreedyContour {
         };
         let ([_, farthest], [_, bent]) = (range(|of| of.continuity), range(|of| of.curvature));
         let [low, high] = range(|of| of.edge);
-        let low = low.min(high - LEAST_RANGE);
+        let low = low.min(high - LEAST_STRENGTH_RANGE);
         let share = |value: f64, most: f64| if most > 0.0 { value / most } else { 0.0 };
         for of in terms.iter_mut().flatten() {
             *of = Terms {
@@ -223,11 +223,14 @@ impl GreedyContour {
         let (count, mut terms) = (curve.points.len(), Vec::new());
         let (mut moved, mut sums) = (0, Terms::default());
         // The first point comes again as the last, so that no point is special.
-        for index in (0..count).chain([0]) {
+        for (visit, index) in (0..count).chain([0]).enumerate() {
             let site = curve.site(index);
             let best = self.test(curve.edges, &site, &mut terms);
             observer.see(|| Event::Tested(Test { iteration, index, edges: Arc::clone(edges), site, best }));
-            sums.add(&self.weighted(terms[best].unwrap_or_default(), site.is_corner));
+            // Its energy counts once, where it comes to rest.
+            if visit > 0 {
+                sums.add(&self.weighted(terms[best].unwrap_or_default(), site.is_corner));
+            }
             if best != terms.len() / 2 {
                 curve.points[index] = self.place(site.at, best);
                 moved += 1;
@@ -277,8 +280,39 @@ impl GreedyContour {
         }
         curve.points
     }
+}
 
-    /// Fits the contour to a frame.
+pseudocode! {
+    CHOOSE: "v ← contour of the object in the first frame; stop if there is no edge around it",
+    EACH_FRAME: "for each frame t, from the contour v of frame t − 1, its points on pixels at equal distances",
+    FIND_EDGES: "  f ← |∇(G_σ * I)| / its maximum in the window around v",
+    EACH_PASS: "  repeat, until at most max-moved points move",
+    MOVE_POINT: "    for each point i: v_i ← the pixel of its neighbourhood with the lowest α E_cont + β_i E_curv + κ E_edge",
+    FIND_CORNERS: "    β_i ← 0 where the direction changes most and f is high, else β; d ← mean distance of the points",
+    JUDGE: "  lost if the mean f on v < min-edge, or v has collapsed or crosses itself",
+    MOVE: "  the mask is the inside of v, the region the box around it, unless the object is lost",
+}
+
+impl Fit for GreedyContour {
+    const INFO: Info = Info {
+        id: "greedy-contour",
+        name: "Greedy active contour",
+        family: "Region tracking",
+        summary: "Moves one point of a closed curve after the other to the neighbouring pixel with the lowest energy of continuity, curvature and \
+                  edge strength.",
+        source: "D. J. Williams and M. Shah, A fast algorithm for active contours and curvature estimation, CVGIP: Image Understanding 55(1), \
+                 1992",
+        pseudocode: line::ALL,
+        granularities: &["clip", "frame", "step"],
+        frames: 2,
+    };
+    const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series];
+    type Event = Event;
+
+    fn snake(&self) -> &Snake {
+        &self.snake
+    }
+
     fn fit(
         &self,
         (frame, region): (&Frame, Region),
@@ -295,84 +329,11 @@ impl GreedyContour {
         observer.see(|| Event::Judged(Arc::clone(&edges), points.as_slice().into(), verdict));
         Model::of((frame.size(), before, region), (points, verdict.strength, verdict.is_lost))
     }
-}
-
-pseudocode! {
-    CHOOSE: "v ← contour of the object in the first frame; stop if there is no edge around it",
-    EACH_FRAME: "for each frame t, from the contour v of frame t − 1, its points on pixels at equal distances",
-    FIND_EDGES: "  f ← |∇(G_σ * I)| / its maximum in the window around v",
-    EACH_PASS: "  repeat, until at most max-moved points move",
-    MOVE_POINT: "    for each point i: v_i ← the pixel of its neighbourhood with the lowest α E_cont + β_i E_curv + κ E_edge",
-    FIND_CORNERS: "    β_i ← 0 where the direction changes most and f is high, else β; d ← mean distance of the points",
-    JUDGE: "  lost if the mean f on v < min-edge, or v has collapsed or crosses itself",
-    MOVE: "  the mask is the inside of v, the region the box around it, unless the object is lost",
-}
-
-impl RegionModel for GreedyContour {
-    const INFO: Info = Info {
-        id: "greedy-contour",
-        name: "Greedy active contour",
-        family: "Region tracking",
-        summary: "Moves one point of a closed curve after the other to the neighbouring pixel with the lowest energy of continuity, curvature and \
-                  edge strength.",
-        source: "D. J. Williams and M. Shah, A fast algorithm for active contours and curvature estimation, CVGIP: Image Understanding 55(1), \
-                 1992",
-        pseudocode: line::ALL,
-        granularities: &["clip", "frame", "step"],
-        frames: 2,
-    };
-    const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series];
-    const SIMILARITY: Similarity = Similarity { name: "mean edge strength", symbol: "f", decimals: 3 };
-    const PRODUCES: &'static [&'static ProductKind] = &[RegionField::KIND, MaskField::KIND];
-    type Model = Model;
-    type Event = Event;
-
-    fn settings(&self) -> &Settings {
-        &self.snake.placement.settings
-    }
-
-    fn placed(&self, picture: (usize, usize)) -> Result<Option<Bounds>, Error> {
-        self.snake.placement.placed(picture)
-    }
-
-    fn refusal(&self, frame: &Frame, region: Region) -> Option<String> {
-        self.snake.refusal(frame, region)
-    }
-
-    fn begin(&self, frame: &Arc<Frame>, region: Region, observer: &mut impl Observer<Event>) -> (Model, f32) {
-        let start = self.snake.placement.start(region).into();
-        let model = self.fit((frame, region), &start, observer);
-        let similarity = model.result.similarity;
-        (model, similarity)
-    }
-
-    fn follow(
-        &self,
-        model: &mut Model,
-        frame: &Arc<Frame>,
-        region: Region,
-        observer: &mut impl Observer<Event>,
-    ) -> RegionFrame {
-        *model = self.fit((frame, region), &model.points, observer);
-        model.result
-    }
-
-    fn fitted(&self, model: &Model) -> Option<RegionFrame> {
-        Some(model.result)
-    }
-
-    fn mask(&self, model: &Model) -> Option<PackedMask> {
-        Some(model.mask())
-    }
 
     fn need(&self, clip: &Clip) -> Need {
         // Edges, at most of the whole picture; in a walk the points that are tested too.
         let steps = 64e3 * self.iterations as f64;
         Need::per_pixel(clip, [24.0, 40.0]).and([1e6, 1e6 + steps])
-    }
-
-    fn model_bytes(&self, model: &Model) -> usize {
-        model.bytes()
     }
 
     fn line(&self, event: &Event) -> Name {

@@ -9,20 +9,21 @@ use crate::base::{Error, Observer};
 use crate::data::{Clip, Detection};
 use crate::geometry::{Bounds, Grid};
 use crate::methods::multi_object::{
+    self,
     lifecycle::{Rules, TrackAge},
     partial::WholeSize,
-    selected::track_at,
-    tracker_run::{self, Conclusion, TrackerRun},
+    tracker_run::{self, Conclusion},
+    tracking::{MultiTracker, MultiTracking},
 };
 use crate::products::{
-    Object, ObjectField, ObjectFrame, Output, Product, ProductKind, TrackStatus,
+    Object, ObjectFrame, TrackStatus,
     objects::{
         assignment::{WorkBudget, least_cost},
         pairs::Pairs,
     },
 };
-use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
-use crate::scene::{Chart, Focus, Role, Scene, Step};
+use crate::run::{Info, Need, Progress, Seen};
+use crate::scene::{Role, Scene, Step};
 use crate::{choices, params, pseudocode};
 use correspond::{Blob, Correspondence};
 
@@ -71,16 +72,11 @@ const GRAY_LEVELS: f64 = 20.0;
 /// greedy.
 const MOST_WORK: u64 = 20_000_000;
 
-/// The state of a run.
-#[derive(Clone)]
-pub struct State {
-    run: TrackerRun,
-    tracked_blobs: Vec<TrackedBlob>,
-}
+type State = multi_object::tracking::State<Vec<TrackedBlob>>;
 
 /// The tracks of one blob: a single track, or several that have merged into a group.
 #[derive(Clone, Debug)]
-struct TrackedBlob {
+pub struct TrackedBlob {
     /// The last box, or the predicted one.
     bounds: Bounds,
     /// The recent blob centres, the oldest first.
@@ -378,7 +374,7 @@ impl BlobTracker {
                 });
                 objects
                     .extend(missed.iter().flat_map(|tracked| tracked.members.iter().map(|member| member.object(None))));
-                state.tracked_blobs.extend(missed);
+                state.tracks.extend(missed);
                 continue;
             }
             let decision = Arc::new(self.decide(clip, table, (rows, columns))?);
@@ -394,13 +390,13 @@ impl BlobTracker {
                     objects.push(object);
                 }
             }
-            state.tracked_blobs.extend(decision.after.iter().map(|(_, tracked)| tracked.clone()));
+            state.tracks.extend(decision.after.iter().map(|(_, tracked)| tracked.clone()));
         }
         for (column, blob) in table.blobs.iter().enumerate().filter(|(column, _)| !is_taken[*column]) {
             let tracked = self.begun(blob, state.run.next_id());
             observer.see(|| Event(EventKind::Begun(Arc::new(tracked.clone()))));
             objects.extend(tracked.members.iter().map(|member| member.object(Some(column))));
-            state.tracked_blobs.push(tracked);
+            state.tracks.push(tracked);
         }
         objects.sort_by_key(|object| object.id);
         Ok(objects)
@@ -420,7 +416,7 @@ pseudocode! {
     BEGIN_OBJECT: "  no track: start one, tentative until min-hits frames are matched",
 }
 
-impl Estimator for BlobTracker {
+impl MultiTracker for BlobTracker {
     const INFO: Info = Info {
         id: "blob-tracker",
         name: "Blob tracker",
@@ -434,23 +430,28 @@ impl Estimator for BlobTracker {
         granularities: &["clip", "frame", "step"],
         frames: 2,
     };
-    const GUARANTEE: Guarantee = Guarantee::Objects;
-    const NEEDS_PICTURES: bool = false;
-    const CHARTS: &'static [Chart] = &[Chart::Matrices, Chart::Series];
-    const PRODUCES: &'static [&'static ProductKind] = &[ObjectField::KIND];
-    type State = State;
+    type Tracks = Vec<TrackedBlob>;
     type Event = Event;
 
-    fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
-        Ok(State { run: TrackerRun::new(self.settings.clone(), clip, frame)?, tracked_blobs: Vec::new() })
+    fn settings(&self) -> &tracker_run::Settings {
+        &self.settings
     }
 
-    fn advance(&self, clip: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
+    fn rules(&self) -> Rules {
+        self.rules
+    }
+
+    fn track(
+        &self,
+        clip: &Clip,
+        state: &mut State,
+        (found, discarded): (Vec<Detection>, usize),
+        observer: &mut impl Observer<Event>,
+    ) -> Result<Progress, Error> {
         let is_gray_needed = self.identity == Identity::Appearance;
-        let (found, discarded) = state.run.look(clip)?;
         let blobs = Blob::all((clip, state.run.frame()), found, is_gray_needed)?;
         observer.see(|| Event(EventKind::Detected(Arc::new(blobs.clone()), discarded)));
-        let tracked_blobs = std::mem::take(&mut state.tracked_blobs).into_iter();
+        let tracked_blobs = std::mem::take(&mut state.tracks).into_iter();
         let tracked_blobs: Vec<TrackedBlob> =
             tracked_blobs.map(|tracked| if self.predict { tracked.predicted() } else { tracked }).collect();
         observer.see(|| Event(EventKind::Predicted(Arc::new(tracked_blobs.clone()))));
@@ -460,24 +461,7 @@ impl Estimator for BlobTracker {
         let detections: Vec<Detection> = table.blobs.iter().map(|blob| blob.detection).collect();
         let frame = state.run.finished(self.rules, detections, objects);
         observer.see(|| Event(EventKind::Done(Arc::clone(&frame), Box::new(state.run.conclusion(clip, &frame)))));
-        clip.wanted()?;
         Ok(state.run.note(clip, self.rules, frame))
-    }
-
-    fn units(&self, state: &State) -> Option<usize> {
-        state.run.span.frames()
-    }
-
-    fn place(&self, state: &State) -> Vec<Granularity> {
-        state.run.place()
-    }
-
-    fn units_of(&self, _picture: (usize, usize), frames: usize) -> Option<usize> {
-        Some(frames)
-    }
-
-    fn at_frame(&self, state: &State) -> Option<usize> {
-        Some(state.run.frame())
     }
 
     fn landmark(&self, event: &Event) -> Option<Role> {
@@ -490,47 +474,20 @@ impl Estimator for BlobTracker {
         }
     }
 
-    fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {
-        Some(self)
-    }
-
-    fn step(&self, seen: &Seen<Self>) -> Step {
-        self.explained_step(seen)
-    }
-
-    fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        self.drawn(seen, scene);
-    }
-
-    fn causal(&self, state: &State) -> Option<Output> {
-        state.run.causal_field(self.rules).map(Output::of)
-    }
-
-    fn output(&self, state: &State) -> Output {
-        Output::of(state.run.field())
-    }
-}
-
-impl Pointed<State> for BlobTracker {
-    fn explained(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<Explained> {
-        track_at(&state.run, point).map(|_| Explained::Always)
-    }
-}
-
-impl Footprint<State> for BlobTracker {
     fn need(&self, clip: &Clip) -> Need {
         super::need(clip)
     }
 
-    fn state_bytes(&self, state: &State) -> usize {
-        let tracked_blobs = state
-            .tracked_blobs
-            .iter()
-            .map(|tracked| size_of_val(&tracked.centers[..]) + size_of_val(&tracked.members[..]));
-        state.run.own_bytes() + size_of_val(&state.tracked_blobs[..]) + tracked_blobs.sum::<usize>()
+    fn tracks_bytes(&self, tracks: &Vec<TrackedBlob>) -> usize {
+        let of = |tracked: &TrackedBlob| size_of_val(&tracked.centers[..]) + size_of_val(&tracked.members[..]);
+        size_of_val(&tracks[..]) + tracks.iter().map(of).sum::<usize>()
     }
 
-    fn memory_bytes(&self, state: &State) -> usize {
-        self.state_bytes(state) + state.run.shared_bytes()
+    fn step(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
+        self.explained_step(seen)
+    }
+
+    fn draw(&self, seen: &Seen<MultiTracking<Self>>, scene: &mut Scene) {
+        self.drawn(seen, scene);
     }
 }

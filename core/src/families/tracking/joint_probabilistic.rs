@@ -15,16 +15,17 @@ use crate::geometry::Bounds;
 use crate::methods::{
     kalman::Filter,
     multi_object::{
-        Extent,
+        self, Extent,
+        chances::Chances,
         dynamics::Dynamics,
         lifecycle::{Rules, TrackAge},
-        selected::track_at,
-        tracker_run::{self, Conclusion, TrackerRun},
+        tracker_run::{self, Conclusion},
+        tracking::{MultiTracker, MultiTracking},
     },
 };
-use crate::products::{Object, ObjectField, ObjectFrame, Output, Product, ProductKind};
-use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
-use crate::scene::{Chart, Focus, Role, Scene, Step};
+use crate::products::{Object, ObjectFrame};
+use crate::run::{Info, Need, Progress, Seen};
+use crate::scene::{Role, Scene, Step};
 use crate::{params, pseudocode};
 use events::{Joint, Validation};
 
@@ -35,12 +36,8 @@ params! {
         settings: tracker_run::Settings = tracker_run::Settings::default();
         /// The filters of the tracks.
         dynamics: Dynamics = Dynamics::default();
-        /// Gate probability P_G: share of the true measurements inside the gate. It sets the gating threshold of d² by the χ² distribution with 2 degrees of freedom.
-        gate: f32 = 0.999, 0.5..=0.9999;
-        /// Detection probability P_D: the share of the frames in which an object is detected.
-        detection_probability: f32 = 0.9, 0.01..=0.999;
-        /// Expected number of false alarms per frame, anywhere in the picture. Over the area of the picture it is the density λ.
-        false_alarms: f32 = 1.0, 0.001..=1000.0;
+        /// The probabilities of detections.
+        chances: Chances = Chances::default();
         /// Maximum number of joint events of a cluster of tracks, the most probable ones.
         max_events: usize = 500, 1..=5000;
         /// Track management.
@@ -51,12 +48,7 @@ params! {
 /// The probability from which on something counts as the more probable of two.
 const MORE_PROBABLE: f64 = 0.5;
 
-/// The state of a run.
-#[derive(Clone)]
-pub struct State {
-    run: TrackerRun,
-    tracks: Vec<Track>,
-}
+type State = multi_object::tracking::State<Vec<Track>>;
 
 /// A track.
 #[derive(Clone, Debug)]
@@ -76,6 +68,8 @@ pub struct Weights {
     measured: Vec<([f64; 2], f64)>,
     /// The standard deviation of a measurement along each axis in px.
     deviation: f64,
+    /// The detection that is reported as the track's own, with its probability: no other track has it.
+    own: Option<(usize, f64)>,
 }
 
 /// An event of a frame.
@@ -120,6 +114,11 @@ impl Weights {
         (1.0 - self.detections.iter().map(|(_, weight)| weight).sum::<f64>()).max(0.0)
     }
 
+    /// Returns whether one of the detections is more probably the track's than none.
+    fn is_detected(&self) -> bool {
+        self.missed() < MORE_PROBABLE
+    }
+
     /// Returns the most probable detection.
     fn likeliest(&self) -> Option<(usize, f64)> {
         self.detections.iter().copied().reduce(|a, b| if b.1 > a.1 { b } else { a })
@@ -133,13 +132,13 @@ pseudocode! {
     VALIDATE: "  validation matrix: detections in the gates, d² ≤ threshold; clusters",
     EACH_CLUSTER: "  for each cluster of tracks with common detections",
     ENUMERATE: "    feasible joint events θ: no detection and no track used twice",
-    WEIGH: "    P(θ) = ∏ P_D N(ν; 0, S) / λ ∏ (1 − P_D P_G), normalised; sum it to β for each pair",
+    WEIGH: "    P(θ) = ∏ P_D N(ν; 0, S) L_size / λ ∏ (1 − P_D P_G), normalised; sum it to β for each pair",
     UPDATE_TRACK: "  for each track: update x, P with ν = Σ β ν_j and its spread",
     COAST_OR_END: "    coast where β_0 ≥ 0.5; delete if tentative or missed > max-age frames",
     BEGIN_TRACK: "  start a track where a detection belongs to no track, Σ β < 0.5",
 }
 
-impl Estimator for JointProbabilistic {
+impl MultiTracker for JointProbabilistic {
     const INFO: Info = Info {
         id: "joint-probabilistic",
         name: "Joint probabilistic data association",
@@ -152,19 +151,24 @@ impl Estimator for JointProbabilistic {
         granularities: &["clip", "frame", "step"],
         frames: 2,
     };
-    const GUARANTEE: Guarantee = Guarantee::Objects;
-    const NEEDS_PICTURES: bool = false;
-    const CHARTS: &'static [Chart] = &[Chart::Matrices, Chart::Series];
-    const PRODUCES: &'static [&'static ProductKind] = &[ObjectField::KIND];
-    type State = State;
+    type Tracks = Vec<Track>;
     type Event = Event;
 
-    fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
-        Ok(State { run: TrackerRun::new(self.settings.clone(), clip, frame)?, tracks: Vec::new() })
+    fn settings(&self) -> &tracker_run::Settings {
+        &self.settings
     }
 
-    fn advance(&self, clip: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
-        let (detections, discarded) = state.run.look(clip)?;
+    fn rules(&self) -> Rules {
+        self.rules
+    }
+
+    fn track(
+        &self,
+        clip: &Clip,
+        state: &mut State,
+        (detections, discarded): (Vec<Detection>, usize),
+        observer: &mut impl Observer<Event>,
+    ) -> Result<Progress, Error> {
         let detections = Arc::new(detections);
         observer.see(|| Event::Detected(Arc::clone(&detections), discarded));
         let mut tracks = std::mem::take(&mut state.tracks);
@@ -178,24 +182,7 @@ impl Estimator for JointProbabilistic {
         let objects = self.update_tracks(state, (&validation, &weights), observer);
         let frame = state.run.finished(self.rules, Vec::clone(&detections), objects);
         observer.see(|| Event::Done(Arc::clone(&frame), Box::new(state.run.conclusion(clip, &frame))));
-        clip.wanted()?;
         Ok(state.run.note(clip, self.rules, frame))
-    }
-
-    fn units(&self, state: &State) -> Option<usize> {
-        state.run.span.frames()
-    }
-
-    fn place(&self, state: &State) -> Vec<Granularity> {
-        state.run.place()
-    }
-
-    fn units_of(&self, _picture: (usize, usize), frames: usize) -> Option<usize> {
-        Some(frames)
-    }
-
-    fn at_frame(&self, state: &State) -> Option<usize> {
-        Some(state.run.frame())
     }
 
     fn landmark(&self, event: &Event) -> Option<Role> {
@@ -206,44 +193,20 @@ impl Estimator for JointProbabilistic {
         }
     }
 
-    fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {
-        Some(self)
-    }
-
-    fn step(&self, seen: &Seen<Self>) -> Step {
-        self.explained_step(seen)
-    }
-
-    fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        self.drawn(seen, scene);
-    }
-
-    fn causal(&self, state: &State) -> Option<Output> {
-        state.run.causal_field(self.rules).map(Output::of)
-    }
-
-    fn output(&self, state: &State) -> Output {
-        Output::of(state.run.field())
-    }
-}
-
-impl Footprint<State> for JointProbabilistic {
     fn need(&self, clip: &Clip) -> Need {
         super::need(clip)
     }
 
-    fn state_bytes(&self, state: &State) -> usize {
-        state.run.own_bytes() + size_of_val(&state.tracks[..])
+    fn tracks_bytes(&self, tracks: &Vec<Track>) -> usize {
+        size_of_val(&tracks[..])
     }
 
-    fn memory_bytes(&self, state: &State) -> usize {
-        self.state_bytes(state) + state.run.shared_bytes()
+    fn step(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
+        self.explained_step(seen)
     }
-}
 
-impl Pointed<State> for JointProbabilistic {
-    fn explained(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<Explained> {
-        track_at(&state.run, point).map(|_| Explained::Always)
+    fn draw(&self, seen: &Seen<MultiTracking<Self>>, scene: &mut Scene) {
+        self.drawn(seen, scene);
     }
 }
 
@@ -255,15 +218,11 @@ impl JointProbabilistic {
         } else {
             track.filter.associated(weights.deviation, &weights.measured).unwrap_or(track.filter)
         };
-        let likeliest = weights.likeliest().filter(|_| weights.missed() < MORE_PROBABLE);
-        match likeliest {
-            Some((detection, _)) => {
-                let found = &detections[detection];
-                let (extent, age) = (track.extent.towards(found), self.rules.seen(track.age, found));
-                Track { filter, extent, age, ..*track }
-            }
-            None => Track { filter, ..*track },
-        }
+        let likeliest = weights.likeliest().filter(|_| weights.is_detected());
+        let Some((likeliest, _)) = likeliest else { return Track { filter, ..*track } };
+        // Without a detection of its own it was detected, but its box stays.
+        let extent = weights.own.map_or(track.extent, |(own, _)| track.extent.towards(&detections[own]));
+        Track { filter, extent, age: self.rules.seen(track.age, &detections[likeliest]), ..*track }
     }
 
     /// Updates, deletes and starts tracks; returns the objects of this frame.
@@ -284,9 +243,8 @@ impl JointProbabilistic {
                     Event::Updated(both, Box::new(weights.clone()))
                 });
             }
-            let missed = weights.missed();
-            if missed < MORE_PROBABLE {
-                let object = updated.object(weights.likeliest().map(|(detection, _)| detection));
+            if weights.is_detected() {
+                let object = updated.object(weights.own.map(|(detection, _)| detection));
                 state.run.look_back(self.rules, &object, track.age);
                 objects.push(object);
                 state.tracks.push(updated);
@@ -295,7 +253,7 @@ impl JointProbabilistic {
             let is_outside = is_far_outside(updated.filter.place(), state.run.picture());
             let age = self.rules.missed(track.age).filter(|_| !is_outside);
             observer.see(|| match age {
-                Some(age) => Event::Missed(Box::new(Track { age, ..updated.clone() }), missed),
+                Some(age) => Event::Missed(Box::new(Track { age, ..updated.clone() }), weights.missed()),
                 None => Event::Deleted(Box::new(updated.clone())),
             });
             let coasting = age.map(|age| Track { age, ..updated });

@@ -12,17 +12,17 @@ use crate::geometry::Bounds;
 use crate::methods::{
     kalman::{Filter, Measurement},
     multi_object::{
-        Extent,
+        self, Extent,
         dynamics::Dynamics,
         lifecycle::{Rules, TrackAge},
         partial::WholeSize,
-        selected::track_at,
-        tracker_run::{self, Conclusion, TrackerRun},
+        tracker_run::{self, Conclusion},
+        tracking::{MultiTracker, MultiTracking},
     },
 };
-use crate::products::{Object, ObjectField, ObjectFrame, Output, Product, ProductKind, TrackStatus};
-use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
-use crate::scene::{Chart, Focus, Role, Scene, Step};
+use crate::products::{Object, ObjectFrame, TrackStatus};
+use crate::run::{Info, Need, Progress, Seen};
+use crate::scene::{Role, Scene, Step};
 use crate::{choices, params, pseudocode};
 
 pub use association::Costs;
@@ -93,12 +93,7 @@ params! {
     }
 }
 
-/// The state of a run.
-#[derive(Clone)]
-pub struct State {
-    run: TrackerRun,
-    tracks: Vec<Track>,
-}
+type State = multi_object::tracking::State<Vec<Track>>;
 
 /// A track.
 #[derive(Clone, Debug)]
@@ -203,7 +198,7 @@ pseudocode! {
     BEGIN_TRACK: "    start a track, tentative until min-hits frames and min-travel",
 }
 
-impl Estimator for KalmanTracker {
+impl MultiTracker for KalmanTracker {
     const INFO: Info = Info {
         id: "kalman-tracker",
         name: "Kalman tracker",
@@ -217,19 +212,24 @@ impl Estimator for KalmanTracker {
         granularities: &["clip", "frame", "step"],
         frames: 2,
     };
-    const GUARANTEE: Guarantee = Guarantee::Objects;
-    const NEEDS_PICTURES: bool = false;
-    const CHARTS: &'static [Chart] = &[Chart::Matrices, Chart::Series];
-    const PRODUCES: &'static [&'static ProductKind] = &[ObjectField::KIND];
-    type State = State;
+    type Tracks = Vec<Track>;
     type Event = Event;
 
-    fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
-        Ok(State { run: TrackerRun::new(self.settings.clone(), clip, frame)?, tracks: Vec::new() })
+    fn settings(&self) -> &tracker_run::Settings {
+        &self.settings
     }
 
-    fn advance(&self, clip: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
-        let (detections, discarded) = state.run.look(clip)?;
+    fn rules(&self) -> Rules {
+        self.rules
+    }
+
+    fn track(
+        &self,
+        clip: &Clip,
+        state: &mut State,
+        (detections, discarded): (Vec<Detection>, usize),
+        observer: &mut impl Observer<Event>,
+    ) -> Result<Progress, Error> {
         let detections = Arc::new(detections);
         observer.see(|| Event::Detected(Arc::clone(&detections), discarded));
         let mut tracks = std::mem::take(&mut state.tracks);
@@ -246,24 +246,7 @@ impl Estimator for KalmanTracker {
         let objects = self.update_tracks(state, &costs, observer);
         let frame = state.run.finished(self.rules, Vec::clone(&costs.detections), objects);
         observer.see(|| Event::Done(Arc::clone(&frame), Box::new(state.run.conclusion(clip, &frame))));
-        clip.wanted()?;
         Ok(state.run.note(clip, self.rules, frame))
-    }
-
-    fn units(&self, state: &State) -> Option<usize> {
-        state.run.span.frames()
-    }
-
-    fn place(&self, state: &State) -> Vec<Granularity> {
-        state.run.place()
-    }
-
-    fn units_of(&self, _picture: (usize, usize), frames: usize) -> Option<usize> {
-        Some(frames)
-    }
-
-    fn at_frame(&self, state: &State) -> Option<usize> {
-        Some(state.run.frame())
     }
 
     fn landmark(&self, event: &Event) -> Option<Role> {
@@ -274,44 +257,20 @@ impl Estimator for KalmanTracker {
         }
     }
 
-    fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {
-        Some(self)
-    }
-
-    fn step(&self, seen: &Seen<Self>) -> Step {
-        self.explained_step(seen)
-    }
-
-    fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        self.drawn(seen, scene);
-    }
-
-    fn causal(&self, state: &State) -> Option<Output> {
-        state.run.causal_field(self.rules).map(Output::of)
-    }
-
-    fn output(&self, state: &State) -> Output {
-        Output::of(state.run.field())
-    }
-}
-
-impl Footprint<State> for KalmanTracker {
     fn need(&self, clip: &Clip) -> Need {
         super::need(clip)
     }
 
-    fn state_bytes(&self, state: &State) -> usize {
-        state.run.own_bytes() + size_of_val(&state.tracks[..])
+    fn tracks_bytes(&self, tracks: &Vec<Track>) -> usize {
+        size_of_val(&tracks[..])
     }
 
-    fn memory_bytes(&self, state: &State) -> usize {
-        self.state_bytes(state) + state.run.shared_bytes()
+    fn step(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
+        self.explained_step(seen)
     }
-}
 
-impl Pointed<State> for KalmanTracker {
-    fn explained(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<Explained> {
-        track_at(&state.run, point).map(|_| Explained::Always)
+    fn draw(&self, seen: &Seen<MultiTracking<Self>>, scene: &mut Scene) {
+        self.drawn(seen, scene);
     }
 }
 

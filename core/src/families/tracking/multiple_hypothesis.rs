@@ -14,14 +14,16 @@ use super::is_far_outside;
 use crate::base::{Error, Observer};
 use crate::data::{Clip, Detection};
 use crate::methods::multi_object::{
+    self,
+    chances::Chances,
     dynamics::Dynamics,
     lifecycle::Rules,
-    selected::track_at,
-    tracker_run::{self, Conclusion, TrackerRun},
+    tracker_run::{self, Conclusion},
+    tracking::{MultiTracker, MultiTracking},
 };
-use crate::products::{Object, ObjectField, ObjectFrame, Output, Product, ProductKind};
-use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
-use crate::scene::{Chart, Focus, Role, Scene, Step};
+use crate::products::{Object, ObjectFrame};
+use crate::run::{Info, Need, Progress, Seen};
+use crate::scene::{Role, Scene, Step};
 use crate::{params, pseudocode};
 use expand::{Expansion, Gates};
 use forest::{Cluster, Scan, Track};
@@ -33,18 +35,14 @@ params! {
         settings: tracker_run::Settings = tracker_run::Settings::default();
         /// The filters of the tracks.
         dynamics: Dynamics = Dynamics::default();
-        /// Gate probability: share of the true measurements inside the gate. It sets the gating threshold of d² by the χ² distribution with 2 degrees of freedom.
-        gate: f32 = 0.999, 0.5..=0.9999;
-        /// Detection probability P_D: the share of the frames in which an object is detected.
-        detection_probability: f32 = 0.9, 0.01..=0.999;
-        /// Expected number of false alarms per frame, anywhere in the picture. Over the area of the picture it is the density β_FT.
-        false_alarms: f32 = 1.0, 0.001..=1000.0;
+        /// The probabilities of detections.
+        chances: Chances = Chances::default();
         /// Expected number of new tracks per frame, anywhere in the picture. Over the area of the picture it is the density β_NT.
         new_tracks: f32 = 0.1, 0.001..=1000.0;
         /// Maximum number k of hypotheses of a cluster of tracks. With 1, each frame is decided at once, and tracks only start if more new
         /// tracks are expected than false alarms.
         max_hypotheses: usize = 30, 1..=300;
-        /// Minimum probability of a hypothesis relative to the leading one.
+        /// Minimum probability of a hypothesis relative to the leading one. With 0 only their maximum number bounds them.
         min_ratio: f32 = 0.001, 0.0..=1.0;
         /// Number N of frames after which the leading hypothesis decides a frame (N-scan pruning). With 0, each frame is
         /// decided at once, and tracks only start if more new tracks are expected than false alarms.
@@ -58,14 +56,7 @@ params! {
     }
 }
 
-/// The state of a run.
-#[derive(Clone)]
-pub struct State {
-    run: TrackerRun,
-    clusters: Vec<Cluster>,
-    /// The frames that are decided, as they were when they were decided.
-    decided: Vec<Arc<ObjectFrame>>,
-}
+type State = multi_object::tracking::State<Vec<Cluster>>;
 
 /// The leading global hypothesis, and the one that is second.
 #[derive(Clone, Debug)]
@@ -142,7 +133,7 @@ pseudocode! {
     REVISE: "  rewrite the frames since t − N where they have changed",
 }
 
-impl Estimator for MultipleHypothesis {
+impl MultiTracker for MultipleHypothesis {
     const INFO: Info = Info {
         id: "multiple-hypothesis",
         name: "Multiple hypothesis tracking",
@@ -155,96 +146,60 @@ impl Estimator for MultipleHypothesis {
         granularities: &["clip", "frame", "step"],
         frames: 2,
     };
-    const GUARANTEE: Guarantee = Guarantee::Objects;
-    const NEEDS_PICTURES: bool = false;
-    const CHARTS: &'static [Chart] = &[Chart::Matrices, Chart::Series];
-    const PRODUCES: &'static [&'static ProductKind] = &[ObjectField::KIND];
-    type State = State;
+    type Tracks = Vec<Cluster>;
     type Event = Event;
 
-    fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
-        let run = TrackerRun::new(self.settings.clone(), clip, frame)?;
-        Ok(State { run, clusters: Vec::new(), decided: Vec::new() })
+    fn settings(&self) -> &tracker_run::Settings {
+        &self.settings
     }
 
-    fn advance(&self, clip: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
-        let (detections, discarded) = state.run.look(clip)?;
+    fn rules(&self) -> Rules {
+        self.rules
+    }
+
+    fn is_deferred(&self) -> bool {
+        self.n_scan > 0 && self.max_hypotheses > 1
+    }
+
+    fn track(
+        &self,
+        clip: &Clip,
+        state: &mut State,
+        (detections, discarded): (Vec<Detection>, usize),
+        observer: &mut impl Observer<Event>,
+    ) -> Result<Progress, Error> {
         let detections = Arc::new(detections);
         observer.see(|| Event::Detected(Arc::clone(&detections), discarded));
-        let mut clusters = std::mem::take(&mut state.clusters);
+        let mut clusters = std::mem::take(&mut state.tracks);
         clusters.iter_mut().for_each(|cluster| self.predict(cluster));
         observer.see(|| Event::Predicted(Arc::new(tracks_of(&clusters))));
         self.expand(clip, state, (clusters, &detections), observer)?;
         self.prune(state, observer);
         let frame = state.run.frame();
-        observer.see(|| Event::Led(Arc::new(leading(&state.clusters, frame))));
-        let progress = self.finish(clip, state, &detections, observer);
-        clip.wanted()?;
-        Ok(progress)
-    }
-
-    fn units(&self, state: &State) -> Option<usize> {
-        state.run.span.frames()
-    }
-
-    fn place(&self, state: &State) -> Vec<Granularity> {
-        state.run.place()
-    }
-
-    fn units_of(&self, _picture: (usize, usize), frames: usize) -> Option<usize> {
-        Some(frames)
-    }
-
-    fn at_frame(&self, state: &State) -> Option<usize> {
-        Some(state.run.frame())
+        observer.see(|| Event::Led(Arc::new(leading(&state.tracks, frame))));
+        Ok(self.finish(clip, state, &detections, observer))
     }
 
     fn landmark(&self, event: &Event) -> Option<Role> {
         matches!(event, Event::Revised(_)).then_some(Role::Reference)
     }
 
-    fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {
-        Some(self)
-    }
-
-    fn step(&self, seen: &Seen<Self>) -> Step {
-        self.explained_step(seen)
-    }
-
-    fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        self.drawn(seen, scene);
-    }
-
-    fn causal(&self, state: &State) -> Option<Output> {
-        let is_deferred = self.n_scan > 0 && self.max_hypotheses > 1;
-        (is_deferred || self.rules.looks_back()).then(|| Output::of(state.run.live_field()))
-    }
-
-    fn output(&self, state: &State) -> Output {
-        Output::of(state.run.field())
-    }
-}
-
-impl Footprint<State> for MultipleHypothesis {
     fn need(&self, clip: &Clip) -> Need {
         // Of each cluster a few hypotheses are kept on average, and their tracks in each frame that is not decided.
         let frames = (self.n_scan + 1) as f64 * self.max_hypotheses.min(30) as f64;
         super::need(clip).and([super::most_objects(clip) * 200.0 * frames, super::most_objects(clip) * 800.0 * frames])
     }
 
-    fn state_bytes(&self, state: &State) -> usize {
-        let clusters: usize = state.clusters.iter().map(Cluster::bytes).sum();
-        state.run.own_bytes() + size_of_val(&state.decided[..]) + clusters
+    fn tracks_bytes(&self, tracks: &Vec<Cluster>) -> usize {
+        tracks.iter().map(Cluster::bytes).sum()
     }
 
-    fn memory_bytes(&self, state: &State) -> usize {
-        self.state_bytes(state) + state.run.shared_bytes()
+    fn step(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
+        self.explained_step(seen)
     }
-}
 
-impl Pointed<State> for MultipleHypothesis {
-    fn explained(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<Explained> {
-        track_at(&state.run, point).map(|_| Explained::Always)
+    fn draw(&self, seen: &Seen<MultiTracking<Self>>, scene: &mut Scene) {
+        self.drawn(seen, scene);
     }
 }
 
@@ -311,18 +266,16 @@ impl MultipleHypothesis {
         let groups = self.grouped(clusters, &mut gates);
         let gates = Arc::new(gates);
         observer.see(|| Event::Gated(Arc::clone(&gates)));
-        let wanted = || clip.wanted();
-        let mut budget = Self::budget(&wanted);
-        for group in groups {
-            let ranking = self.ranked(&group, &gates, &mut budget)?;
-            let after = self.branched(&group, &gates, &ranking, || state.run.next_id());
+        let rankings = self.rankings(clip, &groups, &gates)?;
+        for (group, ranking) in groups.iter().zip(&rankings) {
+            let after = self.branched(group, &gates, ranking, || state.run.next_id());
             if !group.detections.is_empty() {
                 observer.see(|| {
-                    let expansion = self.expansion(&group, &gates, &ranking, &after);
+                    let expansion = self.expansion(group, &gates, ranking, &after);
                     Event::Expanded(Arc::clone(&gates), Arc::new(expansion))
                 });
             }
-            state.clusters.push(after);
+            state.tracks.push(after);
         }
         Ok(())
     }
@@ -332,7 +285,7 @@ impl MultipleHypothesis {
         let frame = state.run.frame();
         let last = frame.checked_sub(self.n_scan).filter(|last| *last >= state.run.span.first);
         let mut pruning = Pruning { frame: last.unwrap_or(0), ..Pruning::default() };
-        for cluster in &mut state.clusters {
+        for cluster in &mut state.tracks {
             if let Some(last) = last {
                 let (removed, probability) = cluster.decide(last);
                 pruning.clusters += usize::from(removed > 0);
@@ -356,16 +309,14 @@ impl MultipleHypothesis {
         observer: &mut impl Observer<Event>,
     ) -> Progress {
         let (first, last) = (state.run.span.first, state.run.frame());
-        let before = state.run.frames()[state.decided.len()..].to_vec();
-        state.run.rewind(std::mem::take(&mut state.decided));
         let mut revised = Vec::new();
-        for old in before {
+        for old in state.run.rewind() {
             let frame = state.run.frame();
             let made = self.written(state, frame, old.detections.clone());
             revised.extend(revisions(frame, &old, &made));
             state.run.again(made);
             if frame + self.n_scan <= last {
-                state.decided = state.run.frames().to_vec();
+                state.run.settle();
             }
         }
         if !revised.is_empty() {
@@ -375,19 +326,19 @@ impl MultipleHypothesis {
         observer.see(|| Event::Done(Arc::clone(&made), Box::new(state.run.conclusion(clip, &made))));
         let progress = state.run.note(clip, self.rules, made);
         if self.n_scan == 0 {
-            state.decided = state.run.frames().to_vec();
+            state.run.settle();
         }
         if let Some(decided) = last.checked_sub(self.n_scan).filter(|decided| *decided >= first) {
-            state.clusters.iter_mut().for_each(|cluster| cluster.forget(decided));
+            state.tracks.iter_mut().for_each(|cluster| cluster.forget(decided));
         }
-        let clusters = std::mem::take(&mut state.clusters).into_iter().flat_map(Cluster::split);
-        state.clusters = clusters.filter(|cluster| !cluster.is_over()).collect();
+        let clusters = std::mem::take(&mut state.tracks).into_iter().flat_map(Cluster::split);
+        state.tracks = clusters.filter(|cluster| !cluster.is_over()).collect();
         progress
     }
 
     /// Returns a frame as the leading hypotheses explain it, and applies hindsight to the frames before.
     fn written(&self, state: &mut State, frame: usize, detections: Vec<Detection>) -> Arc<ObjectFrame> {
-        let scans = scans_of(&state.clusters, frame);
+        let scans = scans_of(&state.tracks, frame);
         let mut tracks: Vec<Arc<Track>> = scans.flat_map(|scan| scan.tracks.iter().cloned()).collect();
         tracks.sort_unstable_by_key(|track| track.id);
         let objects: Vec<Object> = tracks.iter().map(|track| track.object()).collect();

@@ -81,7 +81,7 @@ pub fn usable(field: &ModelField) -> Option<Matrix3> {
 }
 
 /// The map from the first frame after one more motion; `None` if it has no inverse.
-fn chained(motion: &Matrix3, before: &Matrix3) -> Option<Matrix3> {
+fn composed(motion: &Matrix3, before: &Matrix3) -> Option<Matrix3> {
     normalised(&product(motion, before)).filter(|after| inverse(after).is_some())
 }
 
@@ -150,8 +150,8 @@ impl Chain {
         need::check_kept(clip, self.bytes())?;
         let field = motion.model(clip, self.frame, threads)?;
         let before = self.to_frames[self.to_frames.len() - 1];
-        let chained = |motion: Matrix3| chained(&motion, &before).map(|after| (motion, after)).ok_or(Refused::Path);
-        let known = usable(&field).ok_or(Refused::Motion).and_then(chained);
+        let composed = |motion: Matrix3| composed(&motion, &before).map(|after| (motion, after)).ok_or(Refused::Path);
+        let known = usable(&field).ok_or(Refused::Motion).and_then(composed);
         let (motion, after) = known.unwrap_or((IDENTITY, before));
         let truth = clip.truth().map_or(Ok(None), |truth| truth.background(self.frame));
         Arc::make_mut(&mut self.motions).push(motion);
@@ -175,12 +175,12 @@ mod tests {
     #[test]
     fn a_motion_that_ends_the_path_is_refused() {
         let turn = [[1.0, 0.0, 2.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        assert_eq!(chained(&turn, &turn).map(|after| after[0][2]), Some(4.0));
+        assert_eq!(composed(&turn, &turn).map(|after| after[0][2]), Some(4.0));
         // The origin of the first frame goes to infinity: no last entry of 1.
         let tilted = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-0.5, 0.0, 1.0]];
-        assert_eq!(chained(&tilted, &turn), None);
+        assert_eq!(composed(&tilted, &turn), None);
         // Each motion has an inverse; all together they leave less than rounding errors of the picture.
         let smaller = [[1e-5, 0.0, 0.0], [0.0, 1e-5, 0.0], [0.0, 0.0, 1.0]];
-        assert!(inverse(&smaller).is_some() && chained(&smaller, &smaller).is_none());
+        assert!(inverse(&smaller).is_some() && composed(&smaller, &smaller).is_none());
     }
 }

@@ -2,7 +2,7 @@
 
 use super::Point;
 use crate::base::{Threads, effort};
-use crate::geometry::filter::smooth;
+use crate::geometry::filter::{gaussian, smooth};
 use crate::geometry::{Border, Bounds, Gray, Grid, polygon};
 
 /// Edges are relative to the steepest one, or to this gradient where none is as steep, in gray levels/px: noise is no edge.
@@ -20,15 +20,21 @@ pub(crate) struct Edges {
 }
 
 impl Edges {
-    /// The edges up to `margin` px around `points`; beyond the window its border is repeated.
+    /// The edges up to `margin` px around `points`, from all pixels that the filters reach; beyond the picture its border is repeated.
     pub fn around(luma: &Gray, points: &[Point], (sigma_px, margin): (f32, usize)) -> Self {
-        let (origin, window) = cut(luma, points, margin);
-        let smoothed = smooth(&window, sigma_px, Border::Replicate, &Threads::single());
-        let mut strength = gradient(&smoothed).map(|[x, y]| (x * x + y * y).sqrt());
+        let window = Window::around(points, margin, luma.size());
+        // The Gaussian, and a pixel for the central difference.
+        let read = window.grown(gaussian(sigma_px).len() / 2 + 1, luma.size());
+        let smoothed = smooth(&read.cut(luma), sigma_px, Border::Replicate, &Threads::single());
+        let (gradients, [x0, y0]) = (gradient(&smoothed), [0, 1].map(|i| window.origin[i] - read.origin[i]));
+        let mut strength = Grid::from_fn(window.size[0], window.size[1], |x, y| {
+            let [x, y] = gradients[(x0 + x, y0 + y)];
+            (x * x + y * y).sqrt()
+        });
         let steepest = strength.cells().iter().copied().fold(0.0, f32::max);
         let scale = 1.0 / steepest.max(LEAST_GRADIENT);
         strength.cells_mut().iter_mut().for_each(|f| *f *= scale);
-        Self { origin, strength, steepest }
+        Self { origin: window.origin, strength, steepest }
     }
 
     /// A place in the window, relative to its first pixel; one outside is brought to its border.
@@ -66,16 +72,36 @@ impl Edges {
     }
 }
 
-/// The part of a picture up to `margin` px around `points`, and its first pixel.
-fn cut(luma: &Gray, points: &[Point], margin: usize) -> ([usize; 2], Gray) {
-    let (width, height) = luma.size();
-    let bounds = polygon::bounds(points).unwrap_or(Bounds { min: [0.0; 2], max: [0.0; 2] });
-    let margin = margin as f32;
-    let first = [0, 1].map(|i| ((bounds.min[i] - margin).floor().max(0.0) as usize).min([width, height][i] - 1));
-    let end = [0, 1].map(|i| ((bounds.max[i] + margin).ceil().max(0.0) as usize + 1).min([width, height][i]));
-    let size = [0, 1].map(|i| end[i].max(first[i] + 1) - first[i]);
-    effort::add(size[0] * size[1]);
-    (first, Grid::from_fn(size[0], size[1], |x, y| luma[(first[0] + x, first[1] + y)]))
+/// A part of a picture: its first pixel, and its width and height in px.
+#[derive(Clone, Copy)]
+struct Window {
+    origin: [usize; 2],
+    size: [usize; 2],
+}
+
+impl Window {
+    /// The window up to `margin` px around `points`.
+    fn around(points: &[Point], margin: usize, (width, height): (usize, usize)) -> Self {
+        let bounds = polygon::bounds(points).unwrap_or(Bounds { min: [0.0; 2], max: [0.0; 2] });
+        let margin = margin as f32;
+        let origin = [0, 1].map(|i| ((bounds.min[i] - margin).floor().max(0.0) as usize).min([width, height][i] - 1));
+        let end = [0, 1].map(|i| ((bounds.max[i] + margin).ceil().max(0.0) as usize + 1).min([width, height][i]));
+        Self { origin, size: [0, 1].map(|i| end[i].max(origin[i] + 1) - origin[i]) }
+    }
+
+    /// The window with up to `by` px more on each side.
+    fn grown(&self, by: usize, (width, height): (usize, usize)) -> Self {
+        let origin = self.origin.map(|first| first.saturating_sub(by));
+        let end = [0, 1].map(|i| (self.origin[i] + self.size[i] + by).min([width, height][i]));
+        Self { origin, size: [0, 1].map(|i| end[i] - origin[i]) }
+    }
+
+    /// The pixels of a picture in the window.
+    fn cut(&self, luma: &Gray) -> Gray {
+        let Self { origin: [x0, y0], size: [width, height] } = *self;
+        effort::add(width * height);
+        Grid::from_fn(width, height, |x, y| luma[(x0 + x, y0 + y)])
+    }
 }
 
 /// The central differences of `of` along x and y, its border repeated.
@@ -132,5 +158,29 @@ fn diffuse_row([above, here, below]: [&[[f32; 2]]; 3], edge: &[[f32; 2]], mu: f3
             let laplacian = above[x][i] + below[x][i] + left[i] + right[i] - 4.0 * here[x][i];
             here[x][i] + mu * laplacian - weight * (here[x][i] - force[i])
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn edges_do_not_depend_on_the_margin_but_for_their_scale() {
+        let luma =
+            Grid::from_fn(90, 70, |x, y| (127.0 + 60.0 * (0.4 * x as f32).sin() + 60.0 * (0.3 * y as f32).cos()) as u8);
+        let points = [[40.0, 30.0], [50.0, 30.0], [50.0, 40.0], [40.0, 40.0]];
+        let whole = Edges::around(&luma, &points, (2.0, 200));
+        assert_eq!((whole.origin, whole.strength.size()), ([0, 0], (90, 70)));
+        for margin in [4, 9, 24] {
+            let part = Edges::around(&luma, &points, (2.0, margin));
+            assert_eq!(part.origin, [40 - margin, 30 - margin]);
+            let (width, height) = part.strength.size();
+            for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+                let there = whole.strength[(x + part.origin[0], y + part.origin[1])] * whole.steepest;
+                let here = part.strength[(x, y)] * part.steepest;
+                assert!((here - there).abs() < 1e-3, "margin {margin} px, pixel {x}, {y}: {here}, not {there}");
+            }
+        }
     }
 }

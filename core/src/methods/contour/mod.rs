@@ -4,6 +4,7 @@
 
 mod edges;
 pub(crate) mod explain;
+mod fit;
 mod pentadiagonal;
 mod snake;
 mod start;
@@ -11,6 +12,7 @@ mod start;
 use std::sync::Arc;
 
 pub(crate) use edges::{Edges, Force};
+pub use fit::Fit;
 pub(crate) use pentadiagonal::Pentadiagonal;
 pub use snake::Snake;
 pub(crate) use snake::Verdict;
@@ -21,7 +23,7 @@ use crate::geometry::polygon;
 use crate::products::{Region, RegionFrame};
 
 /// A place in px.
-pub(crate) type Point = [f64; 2];
+pub type Point = [f64; 2];
 
 /// A contour that encloses less has collapsed, in px².
 pub(crate) const LEAST_AREA_PX: f64 = 16.0;

@@ -29,7 +29,7 @@ const LEAST_POINTS: usize = 8;
 /// The most points of a contour.
 const MOST_POINTS: usize = 400;
 /// The smallest range of gray levels with an edge.
-const LEAST_RANGE: u8 = 8;
+const LEAST_GRAY_RANGE: u8 = 8;
 
 /// The judgement of a fit.
 #[derive(Clone, Copy, Debug)]
@@ -77,12 +77,12 @@ impl Snake {
         let levels = rows.flat_map(|y| &luma.row(y)[columns.clone()]);
         let [low, high] = levels.fold([u8::MAX, 0], |[low, high], level| [low.min(*level), high.max(*level)]);
         let range = high.saturating_sub(low);
-        (range < LEAST_RANGE).then(|| {
+        (range < LEAST_GRAY_RANGE).then(|| {
             format!(
                 "the gray levels in the window around it differ by {} at most, less than {}, and without an edge no force acts on the \
                  contour.",
                 fixed(range.into(), 0),
-                fixed(LEAST_RANGE.into(), 0)
+                fixed(LEAST_GRAY_RANGE.into(), 0)
             )
         })
     }

@@ -121,35 +121,35 @@ impl Planarity {
 fn sigma_px(squared: &[f64]) -> f64 {
     /// The inverse of the 75 % quantile of the normal distribution.
     const OF_MEDIAN: f64 = 1.4826;
-    let mut sorted = squared.to_vec();
-    sorted.sort_by(f64::total_cmp);
+    let mut squares = squared.to_vec();
+    let (_, median, _) = squares.select_nth_unstable_by(squared.len() / 2, f64::total_cmp);
     let freedom = FUNDAMENTAL.parameters;
     let few = 1.0 + 5.0 / (squared.len() as f64 - freedom).max(1.0);
-    (OF_MEDIAN * few * sorted[sorted.len() / 2].sqrt()).max(LEAST_SIGMA_PX)
+    (OF_MEDIAN * few * median.sqrt()).max(LEAST_SIGMA_PX)
 }
 
 /// The homography of least robust sum, and the squared distances of the matches from it.
 fn homography(matches: &[Correspondence], sigma_px: f64, seed: u64) -> Option<(Matrix3, Vec<f64>)> {
-    let errors = |matrix: Matrix3| -> (Matrix3, Vec<f64>) {
-        (matrix, matches.iter().map(|m| squared_distance(&matrix, m)).collect())
+    let judged = |matrix: Matrix3| -> (f64, Matrix3, Vec<f64>) {
+        let errors: Vec<f64> = matches.iter().map(|m| squared_distance(&matrix, m)).collect();
+        (HOMOGRAPHY.robust(&errors, sigma_px), matrix, errors)
     };
-    let sum = |(_, errors): &(Matrix3, Vec<f64>)| HOMOGRAPHY.robust(errors, sigma_px);
     let through =
         |iteration: usize| fit(Model::Homography, &chosen(matches, &sample(4, matches.len(), seed, iteration)));
-    let all = (0..SAMPLES).filter_map(through).map(errors);
-    let mut best = all.reduce(|best, other| if sum(&other) < sum(&best) { other } else { best })?;
+    let all = (0..SAMPLES).filter_map(through).map(judged);
+    let (mut least, mut best, mut errors) = all.reduce(|best, other| if other.0 < best.0 { other } else { best })?;
     let limit = HOMOGRAPHY.most() * sigma_px * sigma_px;
     for _ in 0..ROUNDS {
         // Fitted to all that agree, noise of the four points of a sample averages out.
-        let near = matches.iter().zip(&best.1).filter(|(_, error)| **error < limit);
+        let near = matches.iter().zip(&errors).filter(|(_, error)| **error < limit);
         let near: Vec<_> = near.map(|(m, _)| *m).collect();
-        let Some(next) = least_squares(Model::Homography, &near).map(errors) else { break };
-        if sum(&next) >= sum(&best) {
+        let Some(next) = least_squares(Model::Homography, &near).map(judged) else { break };
+        if next.0 >= least {
             break;
         }
-        best = next;
+        (least, best, errors) = next;
     }
-    Some(best)
+    Some((best, errors))
 }
 
 /// The squared distance in px² from the nearest pair of positions that a homography maps to each other, to first order: eᵀ (I + A Aᵀ)⁻¹ e

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::gating::MOST_NEAR;
 use super::tracker_run::{Conclusion, TrackerRun};
 pub(crate) use crate::base::words::counted as count;
 use crate::base::words::{grouped, heading};
@@ -24,6 +25,14 @@ pub(crate) fn detected((all, one): (usize, &str), frame: usize, (discarded, min_
         0 => ".".into(),
         _ => format!("; {discarded} more discarded with a score below the minimum of {}.", fixed(min_score.into(), 2)),
     })
+}
+
+/// The limit of the number of detections that are compared with a track, in words for the tracks that reached it.
+pub(crate) fn crowded(tracks: usize) -> String {
+    match tracks {
+        0 => String::new(),
+        all => format!(" Of {}, only the {MOST_NEAR} nearest detections are compared.", count(all, "track")),
+    }
 }
 
 /// A velocity as speed and heading.

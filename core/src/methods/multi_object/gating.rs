@@ -3,6 +3,7 @@
 
 use std::f64::consts::PI;
 
+use super::Extent;
 use crate::base::Error;
 use crate::data::{Clip, Detection};
 use crate::methods::kalman::{Filter, Measurement};
@@ -106,12 +107,29 @@ fn around(place: [f64; 2], reach: [f64; 2]) -> Corners {
     [[place[0] - reach[0], place[1] - reach[1]], [place[0] + reach[0], place[1] + reach[1]]]
 }
 
-/// Returns ln N(ν; 0, S) of a measurement at squared Mahalanobis distance d², a density in 1/px².
+/// Returns ln N(ν; 0, S) of a measurement at squared Mahalanobis distance d², a density in 1/px². Of interacting modes it is the logarithm
+/// of the mixture Σ μ_m N(ν_m; 0, S_m) (Blom and Bar-Shalom 1988), not of the normal distribution with its moments.
 pub fn ln_likelihood(filter: &Filter, measured: &Measurement, squared: f64) -> f64 {
+    if let Some((probabilities, logs)) = filter.probabilities().zip(filter.log_likelihoods(measured)) {
+        let most = logs[0].max(logs[1]);
+        return most + [0, 1].map(|m| probabilities[m] * (logs[m] - most).exp()).iter().sum::<f64>().ln();
+    }
     let [[xx, xy], [_, yy]] = filter.place_covariance();
     let variance = measured.place_deviation * measured.place_deviation;
     let det = (xx + variance) * (yy + variance) - xy * xy;
     -0.5 * (squared + det.max(f64::MIN_POSITIVE).ln()) - (2.0 * PI).ln()
+}
+
+/// The range of sizes in which those of false alarms and new tracks are distributed evenly, as ln of the largest by the smallest width or
+/// height: a factor of 4.
+const SIZE_RANGE: f64 = 2.0 * std::f64::consts::LN_2;
+
+/// Returns the logarithm of the likelihood ratio of a detection's size: that of a track with this box, whose width and height deviate by
+/// `deviation` in their logarithms, against that of any other object. Attributes count as a factor of the likelihood of the position (S.
+/// Blackman and R. Popoli, Design and analysis of modern tracking systems, 1999, section 6.2).
+pub fn ln_size_ratio(extent: &Extent, found: &Detection, deviation: f64) -> f64 {
+    let peak = SIZE_RANGE * SIZE_RANGE / (2.0 * PI * deviation * deviation);
+    peak.ln() - extent.size_distance(found, deviation) / 2.0
 }
 
 /// Disjoint sets.
@@ -137,5 +155,36 @@ impl Sets {
         let (a, b) = (self.root(a), self.root(b));
         let (low, high) = (a.min(b), a.max(b));
         self.0[high] = low;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::methods::kalman::{MotionModel, Noises};
+
+    #[test]
+    fn interacting_modes_weigh_a_measurement_by_the_mixture_of_their_likelihoods() {
+        let model = MotionModel::Interacting.model(Noises { acceleration: 0.5, turn_deg: 3.0, switch: 0.05 });
+        let measured = |place| Measurement { place, place_deviation: 1.0, velocity: None };
+        let mut filter = Filter::begun(model, &measured([0.0; 2]), 4.0);
+        // Along a circle, until both modes predict other positions.
+        for t in 1..20 {
+            let (sin, cos) = (f64::from(t) * 0.15).sin_cos();
+            filter = filter.predicted().updated(&measured([60.0 * sin, 60.0 - 60.0 * cos])).expect("sound").0;
+        }
+        for _ in 0..4 {
+            filter = filter.predicted();
+        }
+        let (modes, probabilities) = filter.modes().zip(filter.probabilities()).expect("it has modes");
+        let apart = [0, 1].map(|i| modes[0].place()[i] - modes[1].place()[i]);
+        assert!(apart[0].hypot(apart[1]) > 5.0, "{apart:?}");
+        for at in [modes[0].place(), modes[1].place(), [40.0, 80.0]].map(measured) {
+            let density =
+                |filter: &Filter| ln_likelihood(filter, &at, filter.squared_distance(&at).expect("sound")).exp();
+            let mixture = probabilities[0] * density(&modes[0]) + probabilities[1] * density(&modes[1]);
+            let found = density(&filter);
+            assert!((found / mixture - 1.0).abs() < 1e-9, "{found}, not {mixture}");
+        }
     }
 }

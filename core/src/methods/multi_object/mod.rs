@@ -1,5 +1,6 @@
 //! Multi-object tracking: sources of detections, track management, and what steps say of them.
 
+pub(crate) mod chances;
 pub mod directions;
 pub(crate) mod dynamics;
 pub(crate) mod explain;
@@ -10,6 +11,8 @@ pub(crate) mod partial;
 pub(crate) mod selected;
 pub mod source;
 pub(crate) mod tracker_run;
+pub(crate) mod tracking;
 pub(crate) mod truth;
 
 pub use extent::Extent;
+pub use tracking::MultiTracking;

@@ -78,6 +78,10 @@ pub(crate) struct TrackerRun {
     frames: Vec<Arc<ObjectFrame>>,
     /// The same frames as they were in real time, without hindsight; shared with `frames` as long as they are equal.
     live: Vec<Arc<ObjectFrame>>,
+    /// The number of finished frames that are settled: a tracker that decides later writes those after them anew.
+    settled: usize,
+    /// Settled frames that hindsight from frames after them has changed, as they were before.
+    before: Vec<(usize, Arc<ObjectFrame>)>,
     /// The first finished frame that the last unit has changed.
     changed_from: usize,
     picture: (usize, usize),
@@ -99,7 +103,18 @@ impl TrackerRun {
             SourceSettings { noise, clicks, click_chooses: false, stage: detector },
         )?;
         let picture = clip.size();
-        Ok(Self { span, detector, min_score, begun: 0, frames: Vec::new(), live: Vec::new(), changed_from: 0, picture })
+        Ok(Self {
+            span,
+            detector,
+            min_score,
+            begun: 0,
+            frames: Vec::new(),
+            live: Vec::new(),
+            settled: 0,
+            before: Vec::new(),
+            changed_from: 0,
+            picture,
+        })
     }
 
     /// Returns the next frame.
@@ -153,10 +168,29 @@ impl TrackerRun {
         Arc::new(frame)
     }
 
-    /// Goes back to the frame after these finished ones, for trackers that decide later what the frames since then contain.
-    pub fn rewind(&mut self, frames: Vec<Arc<ObjectFrame>>) {
-        self.changed_from = self.changed_from.min(frames.len());
-        self.frames = frames;
+    /// Goes back to the settled frames, as they were settled, for trackers that decide later; returns the frames after them.
+    pub fn rewind(&mut self) -> Vec<Arc<ObjectFrame>> {
+        for (t, frame) in self.before.drain(..) {
+            self.changed_from = self.changed_from.min(t);
+            self.frames[t] = frame;
+        }
+        self.changed_from = self.changed_from.min(self.settled);
+        self.frames.split_off(self.settled)
+    }
+
+    /// Settles the finished frames.
+    pub fn settle(&mut self) {
+        self.settled = self.frames.len();
+        self.before.clear();
+    }
+
+    /// Returns a finished frame to be changed.
+    fn changed(&mut self, t: usize) -> &mut ObjectFrame {
+        self.changed_from = self.changed_from.min(t);
+        if t < self.settled && self.before.iter().all(|(other, _)| *other != t) {
+            self.before.push((t, Arc::clone(&self.frames[t])));
+        }
+        Arc::make_mut(&mut self.frames[t])
     }
 
     /// Adds a finished frame that was there before, as it is known now.
@@ -179,10 +213,9 @@ impl TrackerRun {
     /// ones; `was` is its age before the match.
     pub fn look_back(&mut self, rules: Rules, object: &Object, was: TrackAge) {
         if rules.backdate && was.status == TrackStatus::Tentative && object.status == TrackStatus::Confirmed {
-            for (t, frame) in self.frames.iter_mut().enumerate().rev() {
-                let Some(i) = frame.place(object.id) else { break };
-                Arc::make_mut(frame).objects[i].status = TrackStatus::Confirmed;
-                self.changed_from = self.changed_from.min(t);
+            for t in (0..self.frames.len()).rev() {
+                let Some(i) = self.frames[t].place(object.id) else { break };
+                self.changed(t).objects[i].status = TrackStatus::Confirmed;
             }
         }
         if rules.interpolate && was.missed > 0 {
@@ -195,13 +228,12 @@ impl TrackerRun {
         let (now, count) = (object.bounds, self.frames.len());
         let Some(before) = count.checked_sub(missed + 1).map(|i| Arc::clone(&self.frames[i])) else { return };
         let Some(from) = before.object(object.id) else { return };
-        self.changed_from = self.changed_from.min(count - missed);
-        for (step, frame) in self.frames[count - missed..].iter_mut().enumerate() {
+        for (step, t) in (count - missed..count).enumerate() {
             let share = (step + 1) as f32 / (missed + 1) as f32;
             let between = |a: [f32; 2], b: [f32; 2]| [0, 1].map(|i| a[i] + (b[i] - a[i]) * share);
             let bounds = Bounds { min: between(from.bounds.min, now.min), max: between(from.bounds.max, now.max) };
-            if let Some(i) = frame.place(object.id) {
-                let other = &mut Arc::make_mut(frame).objects[i];
+            if let Some(i) = self.frames[t].place(object.id) {
+                let other = &mut self.changed(t).objects[i];
                 // Only the box is interpolated: velocity and covariance were predictions.
                 *other = Object {
                     bounds,
@@ -247,7 +279,8 @@ impl TrackerRun {
     /// Memory of its own in bytes. Earlier frames are shared with the states before, unless the last unit has changed them.
     pub fn own_bytes(&self) -> usize {
         let changed: usize = self.frames[self.changed_from..].iter().map(|frame| frame.bytes()).sum();
-        size_of::<Self>() + 2 * size_of_val(&self.frames[..]) + changed
+        let before: usize = self.before.iter().map(|(_, frame)| frame.bytes()).sum();
+        size_of::<Self>() + 2 * size_of_val(&self.frames[..]) + changed + before
     }
 
     /// Memory of the detector and of all frames, in bytes.
@@ -273,11 +306,6 @@ impl TrackerRun {
     pub fn live_field(&self) -> ObjectField {
         ObjectField { frames: self.live.clone(), ..self.field() }
     }
-
-    /// Returns the tracks of all frames as they were in real time, where `rules` look back.
-    pub fn causal_field(&self, rules: Rules) -> Option<ObjectField> {
-        rules.looks_back().then(|| self.live_field())
-    }
 }
 
 /// Matches the confirmed tracks of a frame with the true boxes, if these are known.
@@ -286,4 +314,43 @@ fn matches(clip: &Clip, t: usize, frame: &ObjectFrame) -> Option<Matches> {
     let known: Boxes = truth.iter().map(|object| (object.id, Bounds::from(object))).collect();
     let confirmed = frame.objects.iter().filter(|object| object.status == TrackStatus::Confirmed);
     Some(Matches::of(&(known, confirmed.map(|object| (object.id, object.bounds)).collect())))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settled_frames_are_as_they_were_settled_after_a_rewind() {
+        let found = Detection { bounds: Bounds::around([9.0; 2], [8.0; 2]), center: [9.0; 2], score: 1.0, blob: None };
+        let clip = Clip::blank("rows", (64, 48), 9).with_detections(vec![vec![found]; 9]);
+        let (rules, settings) = (Rules { min_hits: 4, ..Rules::default() }, Settings::default());
+        let mut run = TrackerRun::new(settings, &clip, 0).expect("it has detections");
+        let object = |status| Object {
+            id: 1,
+            bounds: found.bounds,
+            status,
+            position: [9.0; 2],
+            velocity: None,
+            covariance: None,
+            detection: Some(0),
+        };
+        let note = |run: &mut TrackerRun, object| {
+            let frame = run.finished(rules, vec![found], vec![object]);
+            run.note(&clip, rules, frame);
+        };
+        let statuses = |run: &TrackerRun| run.frames().iter().map(|frame| frame.objects[0].status).collect::<Vec<_>>();
+        let (tentative, confirmed) = (object(TrackStatus::Tentative), object(TrackStatus::Confirmed));
+        (0..3).for_each(|_| note(&mut run, tentative));
+        run.settle();
+        let settled = run.frames().to_vec();
+        note(&mut run, tentative);
+        let age = TrackAge { status: TrackStatus::Tentative, ..rules.begun(&found) };
+        run.look_back(rules, &confirmed, age);
+        note(&mut run, confirmed);
+        assert_eq!(statuses(&run), [TrackStatus::Confirmed; 5]);
+        assert_eq!(run.rewind().len(), 2);
+        assert_eq!(statuses(&run), [TrackStatus::Tentative; 3]);
+        assert!(run.frames().iter().zip(&settled).all(|(now, then)| Arc::ptr_eq(now, then)), "none was copied");
+    }
 }

@@ -30,6 +30,30 @@ impl<'a, E> WorkBudget<'a, E> {
         Self { left: pairs, since: 0, wanted }
     }
 
+    /// Does the work of all parts, the smallest first, each with an equal share of what is left: no large part takes the share of a small
+    /// one, and what the small ones leave is for the large ones. Returns the results in the order of the parts.
+    ///
+    /// # Errors
+    /// Those of the work.
+    pub fn shared<P, T>(
+        &mut self,
+        parts: &[P],
+        size: impl Fn(&P) -> usize,
+        mut work: impl FnMut(&P, &mut Self) -> Result<T, E>,
+    ) -> Result<Vec<T>, E> {
+        let mut order: Vec<usize> = (0..parts.len()).collect();
+        order.sort_by_key(|part| size(&parts[*part]));
+        let mut done = Vec::with_capacity(parts.len());
+        for (before, part) in order.into_iter().enumerate() {
+            let rest = self.left - self.left / (parts.len() - before) as u64;
+            self.left -= rest;
+            done.push((part, work(&parts[part], self)?));
+            self.left += rest;
+        }
+        done.sort_unstable_by_key(|(part, _)| *part);
+        Ok(done.into_iter().map(|(_, result)| result).collect())
+    }
+
     /// Takes pairs from the budget; returns whether any was left.
     pub(super) fn take(&mut self, pairs: usize) -> Result<bool, E> {
         let pairs = pairs as u64;
@@ -360,6 +384,24 @@ mod tests {
 
     fn least(costs: &Pairs) -> Vec<Option<usize>> {
         least_cost(costs, &mut WorkBudget::endless(&wanted)).expect("it is wanted").columns
+    }
+
+    #[test]
+    fn small_parts_have_their_share_of_the_budget_and_leave_the_rest_to_large_ones() {
+        let mut budget = WorkBudget::limited(100, &wanted);
+        // Each part takes as many pairs as it has, if it has the budget.
+        let parts = [500, 3, 40, 7];
+        let had = budget.shared(
+            &parts,
+            |part| *part,
+            |part, budget| {
+                let left = budget.left;
+                budget.take(*part).map(|_| left)
+            },
+        );
+        // 100 / 4, 97 / 3, 90 / 2, and what is left.
+        assert_eq!(had.expect("it is wanted"), [50, 25, 45, 32]);
+        assert_eq!(budget.left, 0);
     }
 
     /// The same by paths, as it is done for large tables.

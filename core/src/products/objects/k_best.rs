@@ -4,7 +4,7 @@
 //! the hypotheses of a scan are (I. J. Cox and S. L. Hingorani, 1996).
 
 use std::cmp::Ordering;
-use std::collections::BinaryHeap;
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 use super::assignment::WorkBudget;
@@ -66,6 +66,9 @@ pub struct Ranking {
 /// Returns the `count` assignments of least cost of all problems together, of those that cost at most `excess` more than the best.
 /// Of equal costs, the one of the earlier problem and then the one found first comes first.
 ///
+/// No more subproblems are kept than solutions are missing, because each yields one: memory is bounded by `count`. The budget counts the
+/// pairs that paths visit and the entries that subproblems copy.
+///
 /// # Errors
 /// If the work is cancelled.
 pub fn k_best<E>(
@@ -73,15 +76,15 @@ pub fn k_best<E>(
     (count, excess): (usize, f64),
     budget: &mut WorkBudget<E>,
 ) -> Result<Ranking, E> {
-    let (mut heap, mut ranking, mut scratch) = (BinaryHeap::new(), Ranking::default(), Scratch::default());
+    let (mut open, mut ranking, mut scratch) = (BTreeSet::new(), Ranking::default(), Scratch::default());
     for (index, problem) in problems.iter().enumerate() {
         let node = Node::first(index, problem, (&mut scratch, budget))?;
         ranking.is_exhausted |= node.as_ref().is_some_and(|node| node.is_greedy);
-        heap.extend(node);
+        open.extend(node);
     }
-    let most = heap.peek().map_or(0.0, |best: &Node| best.cost) + excess;
+    let mut most = open.first().map_or(0.0, |best: &Node| best.cost) + excess;
     let mut serial = 0;
-    while let Some(node) = heap.pop().filter(|node| node.cost <= most) {
+    while let Some(node) = open.pop_first().filter(|node| node.cost <= most) {
         if ranking.solutions.len() == count {
             ranking.has_more = true;
             break;
@@ -95,7 +98,12 @@ pub fn k_best<E>(
                 Augmented::Found(mut child) => {
                     serial += 1;
                     child.serial = serial;
-                    heap.push(*child);
+                    open.insert(*child);
+                    // One more than the missing ones tells whether there are more.
+                    while open.len() > count - ranking.solutions.len() {
+                        open.pop_last();
+                        most = open.last().map_or(most, |last| most.min(last.cost));
+                    }
                 }
                 Augmented::TooFar => {}
                 Augmented::Exhausted => ranking.is_exhausted = true,
@@ -137,10 +145,9 @@ impl PartialOrd for Node {
 }
 
 impl Ord for Node {
-    /// The cheapest is the largest; of equal ones, that of the earlier problem, then the one found first.
+    /// The cheapest comes first; of equal ones, that of the earlier problem, then the one found first.
     fn cmp(&self, other: &Self) -> Ordering {
-        let cheaper = other.cost.total_cmp(&self.cost);
-        cheaper.then(other.problem.cmp(&self.problem)).then(other.serial.cmp(&self.serial))
+        self.cost.total_cmp(&other.cost).then(self.problem.cmp(&other.problem)).then(self.serial.cmp(&other.serial))
     }
 }
 
@@ -153,20 +160,20 @@ enum Augmented {
     Exhausted,
 }
 
-/// What the path comes from.
+/// A step of an augmenting path.
 #[derive(Clone, Copy)]
-enum From {
+enum Step {
     /// A row takes what was reached.
-    Row(usize, Choice),
+    Taken(usize, Choice),
     /// The column is left free.
-    Free,
+    Freed,
 }
 
 /// Distances of columns, and after them of *free*: a column that no row has, or a row's way of staying alone.
 #[derive(Default)]
 struct Scratch {
     far: Vec<f64>,
-    from: Vec<Option<From>>,
+    step: Vec<Option<Step>>,
     is_done: Vec<bool>,
     /// The rows on shortest paths with their distances.
     rows: Vec<(usize, f64)>,
@@ -265,6 +272,10 @@ impl Node {
         let is_same = row == self.fixed;
         let mut forbidden = if is_same { self.forbidden.clone() } else { Vec::new() };
         forbidden.push(self.choices[row]);
+        let ways = problem.rows[row].columns.len() + WAYS_ALONE;
+        if !budget.take(ways * forbidden.len())? {
+            return Ok(Augmented::Exhausted);
+        }
         // The cheapest other choice is a lower bound that costs little.
         let prices = |column: usize| self.row_price[row] + self.column_price[column];
         let columns = problem.rows[row].columns.iter().map(|(x, cost)| (Choice::Column(*x), cost - prices(*x)));
@@ -275,7 +286,9 @@ impl Node {
         if self.cost + least > most {
             return Ok(Augmented::TooFar);
         }
-        if !budget.take(0)? {
+        // The copy, and the sum of its costs.
+        let entries: usize = problem.rows.iter().map(|row| row.columns.len()).sum();
+        if !budget.take(2 * (problem.rows.len() + problem.columns) + entries)? {
             return Ok(Augmented::Exhausted);
         }
         let mut node = self.clone();
@@ -306,9 +319,9 @@ impl Node {
         let free = problem.columns;
         let target = search.freed.unwrap_or(free);
         scratch.begin(free + 1);
-        self.relax_row(problem, search, (search.row, 0.0), scratch);
+        let mut visited = self.relax_row(problem, search, (search.row, 0.0), scratch);
         let length = loop {
-            if !budget.take(free + 1 + problem.rows.len())? {
+            if !budget.take(visited + free + 1)? {
                 return Ok(false);
             }
             let Some((at, far)) = scratch.nearest().filter(|(_, far)| *far <= search.most) else { return Ok(false) };
@@ -316,19 +329,19 @@ impl Node {
                 break far;
             }
             scratch.is_done[at] = true;
-            if at == free {
-                self.relax_free(problem, search, far, scratch);
-            } else if let Some(row) = self.row_of[at] {
-                self.relax_row(problem, search, (row, far), scratch);
-            }
+            visited = if at == free {
+                self.relax_free(problem, search, far, scratch)
+            } else {
+                self.row_of[at].map_or(0, |row| self.relax_row(problem, search, (row, far), scratch))
+            };
         };
         self.reprice(search, (free, length), scratch);
         self.follow(search.row, (free, target), scratch);
         Ok(true)
     }
 
-    /// Relaxes the choices of a row.
-    fn relax_row(&self, problem: &Problem, search: &Search, (row, far): (usize, f64), scratch: &mut Scratch) {
+    /// Relaxes the choices of a row; returns their number.
+    fn relax_row(&self, problem: &Problem, search: &Search, (row, far): (usize, f64), scratch: &mut Scratch) -> usize {
         let free = problem.columns;
         scratch.rows.push((row, far));
         let is_allowed = |choice: Choice| row != search.row || !search.forbidden.contains(&choice);
@@ -340,29 +353,33 @@ impl Node {
             }
             let there = far + (cost - self.row_price[row] - self.column_price[column]).max(0.0);
             let is_free = self.row_of[column].is_none() && search.freed != Some(column);
-            scratch.relax(if is_free { free } else { column }, there, From::Row(row, choice));
+            scratch.relax(if is_free { free } else { column }, there, Step::Taken(row, choice));
         }
         for (way, cost) in problem.rows[row].alone.into_iter().enumerate() {
             let choice = Choice::Alone(way);
             if cost.is_finite() && is_allowed(choice) {
-                scratch.relax(free, far + (cost - self.row_price[row]).max(0.0), From::Row(row, choice));
+                scratch.relax(free, far + (cost - self.row_price[row]).max(0.0), Step::Taken(row, choice));
             }
         }
+        problem.rows[row].columns.len() + WAYS_ALONE
     }
 
-    /// Relaxes what is possible once something free is taken: another column may stay free, and a row that was alone may leave.
-    fn relax_free(&self, problem: &Problem, search: &Search, far: f64, scratch: &mut Scratch) {
+    /// Relaxes what is possible once something free is taken: another column may stay free, and a row that was alone may leave. Returns
+    /// the number of pairs and rows visited.
+    fn relax_free(&self, problem: &Problem, search: &Search, far: f64, scratch: &mut Scratch) -> usize {
+        let mut visited = problem.columns + search.active.len();
         for column in 0..problem.columns {
             let is_held = self.row_of[column].is_some_and(|row| search.active.contains(&row));
             if is_held || search.freed == Some(column) {
-                scratch.relax(column, far - self.column_price[column].min(0.0), From::Free);
+                scratch.relax(column, far - self.column_price[column].min(0.0), Step::Freed);
             }
         }
         for row in search.active.clone() {
             if row != search.row && matches!(self.choices[row], Choice::Alone(_)) {
-                self.relax_row(problem, search, (row, far), scratch);
+                visited += self.relax_row(problem, search, (row, far), scratch);
             }
         }
+        visited
     }
 
     /// Updates the prices after a path of this length.
@@ -388,14 +405,14 @@ impl Node {
     /// Back along the path, each row takes what it has reached.
     fn follow(&mut self, first: usize, (free, target): (usize, usize), scratch: &Scratch) {
         let mut at = target;
-        while let Some(from) = scratch.from[at] {
-            match from {
-                From::Free => {
+        while let Some(step) = scratch.step[at] {
+            match step {
+                Step::Freed => {
                     self.row_of[at] = None;
                     self.column_price[at] = 0.0;
                     at = free;
                 }
-                From::Row(row, choice) => {
+                Step::Taken(row, choice) => {
                     let before = std::mem::replace(&mut self.choices[row], choice);
                     if let Choice::Column(column) = choice {
                         self.row_of[column] = Some(row);
@@ -417,16 +434,16 @@ impl Scratch {
     fn begin(&mut self, places: usize) {
         self.far.clear();
         self.far.resize(places, f64::INFINITY);
-        self.from.clear();
-        self.from.resize(places, None);
+        self.step.clear();
+        self.step.resize(places, None);
         self.is_done.clear();
         self.is_done.resize(places, false);
         self.rows.clear();
     }
 
-    fn relax(&mut self, at: usize, far: f64, from: From) {
+    fn relax(&mut self, at: usize, far: f64, step: Step) {
         if !self.is_done[at] && far < self.far[at] {
-            (self.far[at], self.from[at]) = (far, Some(from));
+            (self.far[at], self.step[at]) = (far, Some(step));
         }
     }
 

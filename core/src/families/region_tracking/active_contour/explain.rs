@@ -43,7 +43,7 @@ impl ActiveContour {
     }
 
     fn iterated(&self, iteration: &Iteration, said: Sentence) -> Sentence {
-        let [internal, external] = iteration.forces;
+        let [internal, external] = self.mean_forces(iteration);
         let why = if external > internal {
             "the edges and the pressure pull harder than elasticity and rigidity"
         } else {
@@ -52,7 +52,7 @@ impl ActiveContour {
         let said = said
             .text(format!("Iteration {}: the solution of (A + γ I) v = γ v + F moves the points by ", iteration.number))
             .ink(Role::Estimate, format!("{} px", ratio(iteration.moved)))
-            .text(format!(" on average, to a total energy of {}.", energy(iteration.energy.total())));
+            .text(format!(" on average, to a total energy of {}.", energy(self.energy(iteration).total())));
         if iteration.moved < f64::from(self.epsilon) {
             said.text(format!(
                 " Less than ε = {} px: converged. Internal and external forces balance.",
@@ -73,7 +73,7 @@ impl ActiveContour {
             Event::Edges(..) => vec![Readout::Equation(vec![formula_of_energy()])],
             Event::Diffused(..) => Vec::new(),
             Event::Iterated(iteration) => {
-                vec![Readout::Equation(vec![formula_of_energy(), numbers(&iteration.energy)]), self.energies(at)]
+                vec![Readout::Equation(vec![formula_of_energy(), numbers(&self.energy(iteration))]), self.energies(at)]
             }
             Event::Judged(..) => vec![self.energies(at)],
         }
@@ -88,7 +88,7 @@ impl ActiveContour {
         for (i, event) in at.events.iter().enumerate() {
             if let Event::Iterated(iteration) = event {
                 events.push(first + i);
-                all.push((iteration.number, iteration.energy));
+                all.push((iteration.number, self.energy(iteration)));
             }
         }
         let line = |name, role, of: fn(&Energy) -> f64| {
@@ -156,14 +156,14 @@ fn numbers(of: &Energy) -> Math {
     ])
 }
 
-pub(super) fn facts(at: &At<'_, ActiveContour>) -> Vec<Fact> {
+pub(super) fn facts(tracker: &ActiveContour, at: &At<'_, ActiveContour>) -> Vec<Fact> {
     match at.event {
         Event::Edges(field, points) | Event::Diffused([_, field], points) => vec![
             Fact::new("Points", points.len().to_string(), None),
             Fact::new("Mean force at the points", energy(mean_force(field, points)), Some(Role::Predicted)),
         ],
         Event::Iterated(iteration) => {
-            let Energy { elastic, bending, external, balloon } = iteration.energy;
+            let Energy { elastic, bending, external, balloon } = tracker.energy(iteration);
             vec![
                 Fact::new("Iteration", iteration.number.to_string(), None),
                 Fact::new("Mean displacement", format!("{} px", ratio(iteration.moved)), Some(Role::Estimate)),

@@ -10,10 +10,11 @@ use crate::methods::multi_object::{
     explain::{self, Names, count},
     partial::WholeSize,
     selected::Selected,
+    tracking::{MultiTracking, errors, selected},
     truth,
 };
 use crate::methods::numbers::{fixed, percent, px, ratio};
-use crate::products::{TrackStatus, objects::score::FrameErrors};
+use crate::products::TrackStatus;
 use crate::run::Seen;
 use crate::scene::{Arrow, Fact, Matrix, Picture, Readout, Role, Scene, Sentence, Shape, Step};
 
@@ -77,7 +78,7 @@ fn gray(value: Option<f64>) -> String {
 }
 
 impl BlobTracker {
-    pub(super) fn explained_step(&self, seen: &Seen<Self>) -> Step {
+    pub(super) fn explained_step(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
         let line = match last(seen.events) {
             None | Some(EventKind::Done(..)) => line::EACH_FRAME,
             Some(EventKind::Detected(..)) => line::DETECT,
@@ -101,7 +102,7 @@ impl BlobTracker {
         !decision.rows.iter().any(is_linked)
     }
 
-    fn sentence(&self, seen: &Seen<Self>) -> Sentence {
+    fn sentence(&self, seen: &Seen<MultiTracking<Self>>) -> Sentence {
         let said = Sentence::default();
         let frame = seen.before.run.frame();
         let Some(event) = last(seen.events) else {
@@ -264,7 +265,7 @@ impl BlobTracker {
         }
     }
 
-    fn readouts(&self, seen: &Seen<Self>) -> Vec<Readout> {
+    fn readouts(&self, seen: &Seen<MultiTracking<Self>>) -> Vec<Readout> {
         let run = &seen.after.unwrap_or(seen.before).run;
         let mut facts = vec![Fact::new("Frame", seen.before.run.frame().to_string(), None)];
         let mut tables = Vec::new();
@@ -277,7 +278,7 @@ impl BlobTracker {
                 facts.extend(tracked_facts(tracked))
             }
             _ => {
-                let tracked_blobs = &seen.after.unwrap_or(seen.before).tracked_blobs;
+                let tracked_blobs = &seen.after.unwrap_or(seen.before).tracks;
                 facts.push(Fact::new("Tracks", tracks_of(tracked_blobs).to_string(), None));
                 let groups = tracked_blobs.iter().filter(|tracked| tracked.is_group()).count();
                 facts.push(Fact::new("Groups", groups.to_string(), None));
@@ -317,7 +318,7 @@ impl BlobTracker {
         names.table(("D", name), |row, column| dissimilarity[(column, row)], &paired)
     }
 
-    pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
+    pub(super) fn drawn(&self, seen: &Seen<MultiTracking<Self>>, scene: &mut Scene) {
         let detected = seen
             .events
             .iter()
@@ -334,20 +335,10 @@ impl BlobTracker {
         errors(seen).iter().for_each(|errors| truth::draw(scene, errors));
         let state = seen.after.unwrap_or(seen.before);
         if seen.after.is_some() || seen.events.is_empty() {
-            return state.tracked_blobs.iter().for_each(|tracked| draw_tracked(scene, tracked, state));
+            return state.tracks.iter().for_each(|tracked| draw_tracked(scene, tracked, state));
         }
         draw_work(seen, scene);
     }
-}
-
-/// The track that is pointed at.
-fn selected(seen: &Seen<BlobTracker>) -> Option<Selected> {
-    Selected::at(&seen.after.unwrap_or(seen.before).run, seen.clip, seen.point()?)
-}
-
-/// The errors of the frame beside the truth, at its end.
-fn errors(seen: &Seen<BlobTracker>) -> Option<FrameErrors> {
-    truth::errors_of_last(seen.clip, &seen.after?.run)
 }
 
 fn tracked_facts(tracked: &TrackedBlob) -> Vec<Fact> {
@@ -383,7 +374,7 @@ fn decision_facts(decision: &Decision) -> Vec<Fact> {
 }
 
 /// The correspondence, once it is computed, and the update of the step.
-fn table_of<'a>(seen: &Seen<'a, BlobTracker>) -> Option<(&'a Correspondence, Option<&'a Decision>)> {
+fn table_of<'a>(seen: &Seen<'a, MultiTracking<BlobTracker>>) -> Option<(&'a Correspondence, Option<&'a Decision>)> {
     let decision = match last(seen.events)? {
         EventKind::Decided(decision) => Some(&**decision),
         _ => None,
@@ -409,12 +400,12 @@ fn correspondence(table: &Correspondence, names: &Names, decision: Option<&Decis
 }
 
 /// Draws the tracks within a frame: updated, or else predicted.
-fn draw_work(seen: &Seen<BlobTracker>, scene: &mut Scene) {
+fn draw_work(seen: &Seen<MultiTracking<BlobTracker>>, scene: &mut Scene) {
     let before = seen.before;
     let predicted =
         seen.events.iter().find_map(|event| if let EventKind::Predicted(all) = &event.0 { Some(all) } else { None });
     let Some(predicted) = predicted else {
-        return before.tracked_blobs.iter().for_each(|tracked| draw_tracked(scene, tracked, before));
+        return before.tracks.iter().for_each(|tracked| draw_tracked(scene, tracked, before));
     };
     let (mut gone, mut done, mut arrows) = (BTreeSet::new(), Vec::new(), Vec::new());
     for event in seen.events {

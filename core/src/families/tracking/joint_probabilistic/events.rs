@@ -7,11 +7,11 @@ use super::{Event, JointProbabilistic, Track, Weights};
 use crate::base::{Error, Observer};
 use crate::data::{Clip, Detection};
 use crate::methods::{
-    kalman::{Measurement, chi_square},
-    multi_object::gating::{MOST_NEAR, Sets, ln_likelihood, rows_of},
+    kalman::Measurement,
+    multi_object::gating::{MOST_NEAR, Sets, rows_of},
 };
 use crate::products::objects::{
-    assignment::WorkBudget,
+    assignment::{WorkBudget, most_worth},
     box_index::{BoxIndex, nearest},
     k_best::{Choice, Problem, Row, k_best},
     pairs::Pairs,
@@ -29,6 +29,8 @@ pub struct Validation {
     pub distances: Pairs,
     /// The gating threshold of d².
     pub limit: f64,
+    /// The number of tracks with more detections nearby than are compared.
+    pub crowded: usize,
     /// The false alarms per px².
     density: f64,
     /// Tracks and detections of each cluster, with the tracks that have no detection left out.
@@ -89,9 +91,9 @@ impl JointProbabilistic {
         clip: &Clip,
         (tracks, detections): (Vec<Track>, Arc<Vec<Detection>>),
     ) -> Result<Validation, Error> {
-        let limit = chi_square::quantile(f64::from(self.gate), 2);
+        let limit = self.chances.limit();
         let places = BoxIndex::new(detections.iter().map(|found| [found.center.map(f64::from); 2]));
-        let (distances, _) = rows_of(clip, detections.len(), tracks.iter(), |track, found| {
+        let (distances, crowded) = rows_of(clip, detections.len(), tracks.iter(), |track, found| {
             let ([[xx, _], [_, yy]], [x, y]) = (track.filter.place_covariance(), track.filter.place());
             let variance = self.deviation(track) * self.deviation(track);
             // The ellipse of the gate touches this box.
@@ -102,10 +104,8 @@ impl JointProbabilistic {
             let is_cut = nearest(found, [x, y], (&detections, MOST_NEAR));
             (found.clone(), is_cut)
         })?;
-        let (width, height) = clip.size();
-        let density = f64::from(self.false_alarms) / (width * height) as f64;
-        let clusters = clusters(&distances);
-        Ok(Validation { tracks, detections, distances, limit, density, clusters })
+        let (density, clusters) = (self.chances.density(clip.size()), clusters(&distances));
+        Ok(Validation { tracks, detections, distances, limit, crowded, density, clusters })
     }
 
     /// Returns the weights of the detections of all tracks.
@@ -118,12 +118,20 @@ impl JointProbabilistic {
         validation: &Arc<Validation>,
         observer: &mut impl Observer<Event>,
     ) -> Result<Vec<Weights>, Error> {
-        let none = |track| Weights { detections: Vec::new(), measured: Vec::new(), deviation: self.deviation(track) };
+        let none = |track| Weights {
+            detections: Vec::new(),
+            measured: Vec::new(),
+            deviation: self.deviation(track),
+            own: None,
+        };
         let mut all: Vec<Weights> = validation.tracks.iter().map(none).collect();
         let wanted = || clip.wanted();
         let mut budget = WorkBudget::limited(MOST_WORK, &wanted);
-        for [tracks, detections] in &validation.clusters {
-            let joint = Arc::new(self.joint(validation, (tracks, detections), &mut budget)?);
+        let size = |[tracks, detections]: &[Vec<usize>; 2]| tracks.len() * detections.len();
+        let joints = budget.shared(&validation.clusters, size, |[tracks, detections], budget| {
+            self.joint(validation, (tracks, detections), budget).map(Arc::new)
+        })?;
+        for ([tracks, detections], joint) in validation.clusters.iter().zip(joints) {
             observer.see(|| Event::Enumerated(Arc::clone(validation), Arc::clone(&joint)));
             observer.see(|| Event::Weighed(Arc::clone(validation), Arc::clone(&joint)));
             for (place, track) in tracks.iter().enumerate() {
@@ -136,6 +144,7 @@ impl JointProbabilistic {
                 }
             }
         }
+        own(&mut all, validation.detections.len(), &mut WorkBudget::limited(MOST_WORK, &wanted))?;
         Ok(all)
     }
 
@@ -146,17 +155,17 @@ impl JointProbabilistic {
         (tracks, detections): (&[usize], &[usize]),
         budget: &mut WorkBudget,
     ) -> Result<Joint, Error> {
-        let [detected, gate] = [self.detection_probability, self.gate].map(f64::from);
-        let ln_missed = (1.0 - detected * gate).ln();
+        let [ln_detected, ln_missed] = [self.chances.detected(), self.chances.missed()].map(f64::ln);
         let alone = [-validation.density.ln(), f64::INFINITY];
         let mut rows = vec![Row { columns: Vec::new(), alone }; detections.len()];
         for (column, &row) in tracks.iter().enumerate() {
             let track = &validation.tracks[row];
             for (detection, squared) in validation.distances.row(row) {
                 let Ok(place) = detections.binary_search(&detection) else { continue };
-                let measured = self.measurement(track, &validation.detections[detection]);
-                let likelihood = ln_likelihood(&track.filter, &measured, squared);
-                rows[place].columns.push((column, -(detected.ln() + likelihood - ln_missed)));
+                let found = &validation.detections[detection];
+                let measured = self.measurement(track, found);
+                let of = self.chances.ln_likelihoods((&track.filter, &track.extent), (found, &measured), squared);
+                rows[place].columns.push((column, -(ln_detected + of[0] + of[1] - ln_missed)));
             }
         }
         let problem = Problem { base: -(tracks.len() as f64) * ln_missed, columns: tracks.len(), rows };
@@ -182,6 +191,21 @@ impl JointProbabilistic {
             is_exhausted: ranking.is_exhausted,
         })
     }
+}
+
+/// Gives each detected track a detection of its own: the pairs of the largest expected number of correct ones, Σ β. Several tracks may have
+/// the same most probable detection.
+fn own(all: &mut [Weights], columns: usize, budget: &mut WorkBudget) -> Result<(), Error> {
+    let mut worths = Pairs::new(columns);
+    for weights in all.iter() {
+        let weighed = weights.detections.iter().copied().filter(|_| weights.is_detected());
+        worths.push(weighed.collect::<Vec<_>>());
+    }
+    let assigned = most_worth(&worths, budget)?;
+    for ((row, weights), column) in all.iter_mut().enumerate().zip(assigned.columns) {
+        weights.own = column.and_then(|column| Some((column, worths.get(row, column)?)));
+    }
+    Ok(())
 }
 
 /// Returns the tracks and the detections of each cluster, in the order of its first track.

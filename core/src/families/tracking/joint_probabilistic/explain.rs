@@ -11,11 +11,12 @@ use crate::methods::{
     multi_object::{
         explain::{self, Names, count},
         selected::Selected,
+        tracking::{self, MultiTracking, errors, selected},
         truth,
     },
     numbers::{px, ratio, squared},
 };
-use crate::products::{TrackStatus, objects::score::FrameErrors};
+use crate::products::TrackStatus;
 use crate::run::Seen;
 use crate::scene::{Arrow, Fact, Math, Matrix, Picture, Readout, Role, Scene, Sentence, Shape, Step};
 
@@ -36,7 +37,7 @@ fn deviations(track: &Track) -> String {
 }
 
 impl JointProbabilistic {
-    pub(super) fn explained_step(&self, seen: &Seen<Self>) -> Step {
+    pub(super) fn explained_step(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
         let line = match seen.events.last() {
             None | Some(Event::Done(..)) => line::EACH_FRAME,
             Some(Event::Detected(..)) => line::DETECT,
@@ -51,7 +52,7 @@ impl JointProbabilistic {
         Step { line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
     }
 
-    fn sentence(&self, seen: &Seen<Self>) -> Sentence {
+    fn sentence(&self, seen: &Seen<MultiTracking<Self>>) -> Sentence {
         let said = Sentence::default();
         let frame = seen.before.run.frame();
         let Some(event) = seen.events.last() else {
@@ -76,9 +77,10 @@ impl JointProbabilistic {
                 validation.distances.len(),
                 count(validation.tracks.len() * validation.detections.len(), "pair"),
                 squared(validation.limit),
-                percent(self.gate),
+                percent(self.chances.gate),
                 count(validation.clusters.len(), "cluster")
-            )),
+            ))
+            .text(explain::crowded(validation.crowded)),
             Event::Enumerated(validation, joint) => self.enumerated(validation, joint),
             Event::Weighed(validation, joint) => weighed(validation, joint),
             Event::Updated(both, weights) => updated(both, weights),
@@ -108,12 +110,7 @@ impl JointProbabilistic {
                     ratio(*share),
                     self.rules.min_hits
                 )),
-            Event::Done(done, conclusion) => match selected(seen) {
-                Some(selected) => selected.sentence(),
-                None => said
-                    .text(explain::done(frame, done, conclusion))
-                    .text(errors(seen).as_ref().map(truth::switches).unwrap_or_default()),
-            },
+            Event::Done(done, conclusion) => tracking::done(seen, (done, conclusion)),
         }
     }
 
@@ -141,7 +138,7 @@ impl JointProbabilistic {
         }
     }
 
-    fn readouts(&self, seen: &Seen<Self>) -> Vec<Readout> {
+    fn readouts(&self, seen: &Seen<MultiTracking<Self>>) -> Vec<Readout> {
         let state = seen.before;
         let mut facts = vec![Fact::new("Frame", state.run.frame().to_string(), None)];
         facts.push(Fact::new("Tracks", seen.after.unwrap_or(state).tracks.len().to_string(), None));
@@ -177,7 +174,7 @@ impl JointProbabilistic {
         readouts
     }
 
-    pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
+    pub(super) fn drawn(&self, seen: &Seen<MultiTracking<Self>>, scene: &mut Scene) {
         let detected =
             seen.events.iter().find_map(|event| if let Event::Detected(all, _) = event { Some(all) } else { None });
         explain::draw_detections(scene, detected.into_iter().flat_map(|all| all.iter()));
@@ -238,12 +235,19 @@ fn updated([before, after]: &[Track; 2], weights: &Weights) -> Sentence {
     let most = likeliest.map_or_else(String::new, |(detection, weight)| {
         format!(", most of all detection {} (β = {})", detection + 1, ratio(weight))
     });
+    let reported = match (weights.own, likeliest) {
+        (Some((own, _)), Some((likeliest, _))) if own != likeliest => {
+            format!(" Detection {} counts for another track, and detection {} for this one.", likeliest + 1, own + 1)
+        }
+        (None, Some(_)) if weights.is_detected() => " Its detections count for other tracks.".into(),
+        _ => String::new(),
+    };
     let why = match number {
         1 => " The part β₀ for no detection keeps its covariance larger than a certain update would.",
         _ => " Their spread adds to its covariance, because only one of them can be right.",
     };
     Sentence::default().ink(Role::Estimate, named(after)).text(format!(
-        ": combined innovation of {}{most} moves the position from {} to {} px, σ from {} to {} px.{why}",
+        ": combined innovation of {}{most} moves the position from {} to {} px, σ from {} to {} px.{why}{reported}",
         count(number, "detection"),
         at(before),
         at(after),
@@ -356,18 +360,8 @@ fn update_equation(before: &Track, weights: &Weights) -> Vec<Math> {
     ]
 }
 
-/// The track that is pointed at.
-fn selected(seen: &Seen<JointProbabilistic>) -> Option<Selected> {
-    Selected::at(&seen.after.unwrap_or(seen.before).run, seen.clip, seen.point()?)
-}
-
-/// The errors of the frame beside the truth, at its end.
-fn errors(seen: &Seen<JointProbabilistic>) -> Option<FrameErrors> {
-    truth::errors_of_last(seen.clip, &seen.after?.run)
-}
-
 /// The track of the step.
-fn track_of<'a>(seen: &Seen<'a, JointProbabilistic>) -> Option<&'a Track> {
+fn track_of<'a>(seen: &Seen<'a, MultiTracking<JointProbabilistic>>) -> Option<&'a Track> {
     match seen.events.last()? {
         Event::Updated(both, _) => Some(&both[1]),
         Event::Missed(track, _) | Event::Deleted(track) | Event::Begun(track, _) => Some(track),
@@ -386,18 +380,18 @@ fn draw(scene: &mut Scene, track: &Track, (role, meaning): (Role, &'static str))
     scene.legend(role, meaning);
 }
 
-fn draw_track(scene: &mut Scene, track: &Track, seen: &Seen<JointProbabilistic>) {
+fn draw_track(scene: &mut Scene, track: &Track, seen: &Seen<MultiTracking<JointProbabilistic>>) {
     let role = explain::role(track.age.status);
     explain::trail(scene, &seen.after.unwrap_or(seen.before).run, role.0, (track.id, track.filter.place()));
     draw(scene, track, role);
 }
 
-fn draw_tracks(scene: &mut Scene, state: &State, seen: &Seen<JointProbabilistic>) {
+fn draw_tracks(scene: &mut Scene, state: &State, seen: &Seen<MultiTracking<JointProbabilistic>>) {
     state.tracks.iter().for_each(|track| draw_track(scene, track, seen));
 }
 
 /// Draws the tracks within a frame: updated, or else predicted.
-fn draw_work(scene: &mut Scene, seen: &Seen<JointProbabilistic>) {
+fn draw_work(scene: &mut Scene, seen: &Seen<MultiTracking<JointProbabilistic>>) {
     let predicted = seen.events.iter().find_map(|event| match event {
         Event::Predicted(tracks) => Some(tracks),
         _ => None,

@@ -10,13 +10,12 @@ use crate::methods::{
     kalman::{Filter, Measurement, ellipse},
     multi_object::{
         explain::{self, Names, count},
-        gating::MOST_NEAR,
-        selected::Selected,
+        tracking::{self, MultiTracking, errors, selected},
         truth,
     },
     numbers::{fixed, px, ratio, squared},
 };
-use crate::products::{TrackStatus, objects::score::FrameErrors};
+use crate::products::TrackStatus;
 use crate::run::Seen;
 use crate::scene::{Arrow, Fact, Math, Matrix, Picture, Readout, Role, Scene, Sentence, Shape, Step};
 
@@ -63,7 +62,7 @@ fn state_matrices(before: &Filter, after: &Filter) -> Vec<Matrix> {
 }
 
 impl KalmanTracker {
-    pub(super) fn explained_step(&self, seen: &Seen<Self>) -> Step {
+    pub(super) fn explained_step(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
         let line = match seen.events.last() {
             None | Some(Event::Done(..)) => line::EACH_FRAME,
             Some(Event::Detected(..)) => line::DETECT,
@@ -77,7 +76,7 @@ impl KalmanTracker {
         Step { line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
     }
 
-    fn sentence(&self, seen: &Seen<Self>) -> Sentence {
+    fn sentence(&self, seen: &Seen<MultiTracking<Self>>) -> Sentence {
         let said = Sentence::default();
         let frame = seen.before.run.frame();
         let Some(event) = seen.events.last() else {
@@ -131,12 +130,7 @@ impl KalmanTracker {
                     px(track.filter.covariance()[(2, 2)].max(0.0).sqrt()),
                     self.rules.min_hits
                 )),
-            Event::Done(done, conclusion) => match selected(seen) {
-                Some(selected) => selected.sentence(),
-                None => said
-                    .text(explain::done(frame, done, conclusion))
-                    .text(errors(seen).as_ref().map(truth::switches).unwrap_or_default()),
-            },
+            Event::Done(done, conclusion) => tracking::done(seen, (done, conclusion)),
         }
     }
 
@@ -256,7 +250,7 @@ impl KalmanTracker {
         format!("{}.", words::capital(&all))
     }
 
-    fn readouts(&self, seen: &Seen<Self>) -> Vec<Readout> {
+    fn readouts(&self, seen: &Seen<MultiTracking<Self>>) -> Vec<Readout> {
         let state = seen.before;
         let mut facts = vec![Fact::new("Frame", state.run.frame().to_string(), None)];
         let objects = seen.after.unwrap_or(state).tracks.len();
@@ -405,7 +399,7 @@ impl KalmanTracker {
         all.into_iter().flatten().collect()
     }
 
-    pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
+    pub(super) fn drawn(&self, seen: &Seen<MultiTracking<Self>>, scene: &mut Scene) {
         let detected =
             seen.events.iter().find_map(|event| if let Event::Detected(all, _) = event { Some(all) } else { None });
         explain::draw_detections(scene, detected.into_iter().flat_map(|all| all.iter()));
@@ -428,7 +422,7 @@ impl KalmanTracker {
     }
 
     /// Draws the tracks within a frame: updated, or else predicted.
-    fn draw_work(&self, seen: &Seen<Self>, scene: &mut Scene) {
+    fn draw_work(&self, seen: &Seen<MultiTracking<Self>>, scene: &mut Scene) {
         let predicted = seen.events.iter().find_map(|event| match event {
             Event::Predicted(tracks) => Some(tracks),
             _ => None,
@@ -458,10 +452,7 @@ impl KalmanTracker {
 
 /// The limits of the work in dense crowds, if they were reached.
 fn crowd(costs: &Costs) -> String {
-    let crowded = match costs.crowded {
-        0 => String::new(),
-        all => format!(" Of {}, only the {MOST_NEAR} nearest detections are compared.", count(all, "track")),
-    };
+    let crowded = explain::crowded(costs.crowded);
     match costs.greedy {
         0 => crowded,
         all => {
@@ -471,7 +462,7 @@ fn crowd(costs: &Costs) -> String {
 }
 
 /// Draws the assigned pairs as arrows from prediction to detection.
-fn pairs(seen: &Seen<KalmanTracker>, scene: &mut Scene) {
+fn pairs(seen: &Seen<MultiTracking<KalmanTracker>>, scene: &mut Scene) {
     let chosen = seen.events.iter().filter_map(|event| match event {
         Event::Assigned(costs, [row, column]) => {
             let from = costs.tracks[*row].filter.place().map(|c| c as f32);
@@ -485,18 +476,8 @@ fn pairs(seen: &Seen<KalmanTracker>, scene: &mut Scene) {
     }
 }
 
-/// The track that is pointed at.
-fn selected(seen: &Seen<KalmanTracker>) -> Option<Selected> {
-    Selected::at(&seen.after.unwrap_or(seen.before).run, seen.clip, seen.point()?)
-}
-
-/// The errors of the frame beside the truth, at its end.
-fn errors(seen: &Seen<KalmanTracker>) -> Option<FrameErrors> {
-    truth::errors_of_last(seen.clip, &seen.after?.run)
-}
-
 /// The track of the step.
-fn track_of<'a>(seen: &Seen<'a, KalmanTracker>) -> Option<&'a Track> {
+fn track_of<'a>(seen: &Seen<'a, MultiTracking<KalmanTracker>>) -> Option<&'a Track> {
     match seen.events.last()? {
         Event::Updated(both, _) => Some(&both[1]),
         Event::Missed(track) | Event::Deleted(track) | Event::Begun(track) => Some(track),
@@ -506,7 +487,7 @@ fn track_of<'a>(seen: &Seen<'a, KalmanTracker>) -> Option<&'a Track> {
 }
 
 /// The cost matrix, once it is computed, and the pair of the step.
-fn costs_of<'a>(seen: &Seen<'a, KalmanTracker>) -> Option<(&'a Costs, Option<[usize; 2]>)> {
+fn costs_of<'a>(seen: &Seen<'a, MultiTracking<KalmanTracker>>) -> Option<(&'a Costs, Option<[usize; 2]>)> {
     let pair = match seen.events.last()? {
         Event::Assigned(_, pair) => Some(*pair),
         _ => None,
@@ -527,7 +508,7 @@ fn draw(scene: &mut Scene, track: &Track, (role, meaning): (Role, &'static str))
 }
 
 /// Draws a track and its trajectory by its status.
-fn draw_track(scene: &mut Scene, track: &Track, seen: &Seen<KalmanTracker>) {
+fn draw_track(scene: &mut Scene, track: &Track, seen: &Seen<MultiTracking<KalmanTracker>>) {
     let role = explain::role(track.age.status);
     explain::trail(scene, &seen.after.unwrap_or(seen.before).run, role.0, (track.id, track.filter.place()));
     draw(scene, track, role);

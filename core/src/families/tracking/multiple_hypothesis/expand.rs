@@ -8,10 +8,10 @@ use super::forest::{Claim, Cluster, Hypothesis, Origin, Scan, Track};
 use crate::base::Error;
 use crate::data::{Clip, Detection};
 use crate::methods::{
-    kalman::{Measurement, chi_square},
+    kalman::Measurement,
     multi_object::{
         Extent,
-        gating::{Sets, ln_likelihood, squared_distances},
+        gating::{Sets, squared_distances},
     },
 };
 use crate::products::objects::{
@@ -38,6 +38,8 @@ pub struct Gates {
     pub distances: Pairs,
     /// The gating threshold of d².
     pub limit: f64,
+    /// The number of tracks with more detections nearby than are compared.
+    pub crowded: usize,
     /// Width and height of the picture in px.
     picture: (usize, usize),
     /// The clusters after the merge: the number of all, and of those merged of several.
@@ -57,6 +59,14 @@ pub struct Group {
     /// Its tracks among those of the gates.
     rows: Vec<usize>,
     pub detections: Vec<usize>,
+}
+
+impl Group {
+    /// The number of entries of its assignment problems, if all pairs are in the gates.
+    fn entries(&self) -> usize {
+        let columns: usize = self.cluster.hypotheses.iter().map(|one| 1 + one.tracks.len()).sum();
+        columns * self.detections.len()
+    }
 }
 
 /// A branch of a scan.
@@ -90,15 +100,15 @@ pub struct Terms {
     /// Tracks with a detection, without one, false alarms and new tracks.
     pub counts: [usize; 4],
     pub ln_parent: f64,
-    /// Σ ln N(ν; 0, S) over the tracks with a detection.
+    /// Σ ln N(ν; 0, S) over the tracks with a detection, and that of the likelihood ratios of their sizes.
     pub ln_innovations: f64,
+    pub ln_sizes: f64,
 }
 
 impl MultipleHypothesis {
     /// Returns the densities of false alarms and of new tracks in 1/px².
     pub(super) fn densities(&self, (width, height): (usize, usize)) -> [f64; 2] {
-        let area = (width * height) as f64;
-        [self.false_alarms, self.new_tracks].map(|count| f64::from(count) / area)
+        [self.chances.density((width, height)), f64::from(self.new_tracks) / (width * height) as f64]
     }
 
     /// Computes the gates of predicted clusters.
@@ -112,11 +122,12 @@ impl MultipleHypothesis {
         (clusters, detections): (&[Cluster], Arc<Vec<Detection>>),
     ) -> Result<Gates, Error> {
         let measured: Vec<_> = detections.iter().map(|found| self.dynamics.measurement(found)).collect();
-        let limit = chi_square::quantile(f64::from(self.gate), 2);
+        let limit = self.chances.limit();
         let tracks: Vec<Arc<Track>> = clusters.iter().flat_map(|cluster| cluster.tracks.iter().cloned()).collect();
         let filters = tracks.iter().map(|track| &track.filter);
-        let (distances, _) = squared_distances(clip, filters, (&detections, &measured), limit)?;
-        Ok(Gates { frame, detections, measured, tracks, distances, limit, picture: clip.size(), clusters: [0; 2] })
+        let (distances, crowded) = squared_distances(clip, filters, (&detections, &measured), limit)?;
+        let (picture, clusters) = (clip.size(), [0; 2]);
+        Ok(Gates { frame, detections, measured, tracks, distances, limit, crowded, picture, clusters })
     }
 
     /// Merges the clusters that share a detection. A detection in no gate has a cluster of its own.
@@ -150,38 +161,46 @@ impl MultipleHypothesis {
         merged.collect()
     }
 
-    /// Returns the budget of the branches of a frame.
-    pub(super) fn budget<'a>(wanted: &'a dyn Fn() -> Result<(), Error>) -> WorkBudget<'a> {
-        WorkBudget::limited(MOST_WORK, wanted)
-    }
-
-    /// Ranks the explanations of the detections of a group by all of its hypotheses together.
+    /// Ranks the explanations of the detections of all groups, the smallest first, so that a large one leaves them their shares of the work.
     ///
     /// # Errors
     /// If the work is cancelled.
-    pub(super) fn ranked(&self, group: &Group, gates: &Gates, budget: &mut WorkBudget) -> Result<Ranking, Error> {
+    pub(super) fn rankings(&self, clip: &Clip, groups: &[Group], gates: &Gates) -> Result<Vec<Ranking>, Error> {
+        let wanted = || clip.wanted();
+        let mut budget = WorkBudget::limited(MOST_WORK, &wanted);
+        budget.shared(groups, Group::entries, |group, budget| self.ranked(group, gates, budget))
+    }
+
+    /// Ranks the explanations of the detections of a group by all of its hypotheses together.
+    fn ranked(&self, group: &Group, gates: &Gates, budget: &mut WorkBudget) -> Result<Ranking, Error> {
         let problems: Vec<Problem> =
             group.cluster.hypotheses.iter().map(|one| self.problem(group, one, gates)).collect();
-        let excess = -f64::from(self.min_ratio).max(f64::MIN_POSITIVE).ln();
+        // Infinite for a ratio of 0, which leaves out nothing.
+        let excess = -f64::from(self.min_ratio).ln();
         k_best(&problems, (self.max_hypotheses, excess), budget)
     }
 
     /// Returns the assignment problem of a hypothesis: detections are rows, its tracks columns, the costs negative logarithms.
     fn problem(&self, group: &Group, hypothesis: &Hypothesis, gates: &Gates) -> Problem {
-        let detected = f64::from(self.detection_probability);
-        let odds = detected.ln() - (1.0 - detected).ln();
+        let [ln_detected, ln_missed] = [self.chances.detected(), self.chances.missed()].map(f64::ln);
         let alone = self.densities(gates.picture).map(|density| -density.ln());
         let mut rows = vec![Row { columns: Vec::new(), alone }; group.detections.len()];
         for (column, track) in hypothesis.tracks.iter().enumerate() {
             let row = group.rows[*track];
             for (detection, squared) in gates.distances.row(row) {
                 let Ok(place) = group.detections.binary_search(&detection) else { continue };
-                let likelihood = ln_likelihood(&gates.tracks[row].filter, &gates.measured[detection], squared);
-                rows[place].columns.push((column, -(odds + likelihood)));
+                let [of_place, of_size] = self.ln_likelihoods(gates, (row, detection), squared);
+                rows[place].columns.push((column, -(ln_detected - ln_missed + of_place + of_size)));
             }
         }
-        let missed = hypothesis.tracks.len() as f64 * (1.0 - detected).ln();
+        let missed = hypothesis.tracks.len() as f64 * ln_missed;
         Problem { base: -hypothesis.ln_probability - missed, columns: hypothesis.tracks.len(), rows }
+    }
+
+    /// Returns the logarithms of the likelihoods of position and size of a track and a detection.
+    fn ln_likelihoods(&self, gates: &Gates, (row, detection): (usize, usize), squared: f64) -> [f64; 2] {
+        let (track, found) = (&gates.tracks[row], &gates.detections[detection]);
+        self.chances.ln_likelihoods((&track.filter, &track.extent), (found, &gates.measured[detection]), squared)
     }
 
     /// Returns the cluster after the scan: a hypothesis for each ranked explanation. `next_id` numbers new tracks.
@@ -238,8 +257,9 @@ impl MultipleHypothesis {
                     let (row, detection) = (group.rows[parent.tracks[*column]], group.detections[place]);
                     let squared = gates.distances.get(row, detection).unwrap_or(f64::INFINITY);
                     terms.counts[0] += 1;
-                    terms.ln_innovations +=
-                        ln_likelihood(&gates.tracks[row].filter, &gates.measured[detection], squared);
+                    let [of_place, of_size] = self.ln_likelihoods(gates, (row, detection), squared);
+                    terms.ln_innovations += of_place;
+                    terms.ln_sizes += of_size;
                 }
                 Choice::Alone(way) => terms.counts[if *way == FALSE_ALARM { 2 } else { 3 }] += 1,
             }

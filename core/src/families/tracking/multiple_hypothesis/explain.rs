@@ -12,11 +12,11 @@ use crate::methods::{
     multi_object::{
         explain::{self, Names, count},
         selected::Selected,
+        tracking::{self, MultiTracking, errors, selected},
         truth,
     },
     numbers::{fixed, ratio, squared},
 };
-use crate::products::objects::score::FrameErrors;
 use crate::run::Seen;
 use crate::scene::{Arrow, Fact, Math, Matrix, Picture, Readout, Role, Scene, Sentence, Shape, Step};
 
@@ -26,7 +26,7 @@ const LISTED: usize = 3;
 const ROWS: usize = 12;
 
 impl MultipleHypothesis {
-    pub(super) fn explained_step(&self, seen: &Seen<Self>) -> Step {
+    pub(super) fn explained_step(&self, seen: &Seen<MultiTracking<Self>>) -> Step {
         let line = match seen.events.last() {
             None | Some(Event::Done(..)) => line::EACH_FRAME,
             Some(Event::Detected(..)) => line::DETECT,
@@ -40,7 +40,7 @@ impl MultipleHypothesis {
         Step { line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
     }
 
-    fn sentence(&self, seen: &Seen<Self>) -> Sentence {
+    fn sentence(&self, seen: &Seen<MultiTracking<Self>>) -> Sentence {
         let said = Sentence::default();
         let frame = seen.before.run.frame();
         let Some(event) = seen.events.last() else {
@@ -59,12 +59,7 @@ impl MultipleHypothesis {
             Event::Pruned(pruning) => self.pruned(*pruning),
             Event::Led(leading) => self.led(leading, frame),
             Event::Revised(revisions) => revised(revisions),
-            Event::Done(done, conclusion) => match selected(seen) {
-                Some(selected) => selected.sentence(),
-                None => said
-                    .text(explain::done(frame, done, conclusion))
-                    .text(errors(seen).as_ref().map(truth::switches).unwrap_or_default()),
-            },
+            Event::Done(done, conclusion) => tracking::done(seen, (done, conclusion)),
         }
     }
 
@@ -76,9 +71,10 @@ impl MultipleHypothesis {
             gates.distances.len(),
             count(pairs, "pair"),
             squared(gates.limit),
-            percent(self.gate),
+            percent(self.chances.gate),
             count(all, "cluster"),
         ))
+        .text(explain::crowded(gates.crowded))
     }
 
     fn expanded(&self, gates: &Gates, expansion: &Expansion) -> Sentence {
@@ -94,9 +90,11 @@ impl MultipleHypothesis {
         let parents = hypotheses(expansion.parents.len());
         let branches = branches(expansion.branches.len());
         let verb = if expansion.parents.len() == 1 { "has" } else { "have" };
-        let least = ratio(self.min_ratio.into());
-        let said = Sentence::default()
-            .text(format!("{about}{parents} {verb} {branches} of at least {least} times the highest probability. "));
+        let least = match self.min_ratio {
+            0.0 => String::new(),
+            least => format!(" of at least {} times the highest probability", ratio(least.into())),
+        };
+        let said = Sentence::default().text(format!("{about}{parents} {verb} {branches}{least}. "));
         let mut all = expansion.branches.iter();
         let said = match all.next() {
             Some(best) => said
@@ -164,14 +162,14 @@ impl MultipleHypothesis {
         }
     }
 
-    fn readouts(&self, seen: &Seen<Self>) -> Vec<Readout> {
+    fn readouts(&self, seen: &Seen<MultiTracking<Self>>) -> Vec<Readout> {
         let state = seen.before;
         let after = seen.after.unwrap_or(state);
         let of = |clusters: &[super::Cluster]| clusters.iter().map(|cluster| cluster.hypotheses.len()).sum::<usize>();
         let mut facts = vec![
             Fact::new("Frame", state.run.frame().to_string(), None),
-            Fact::new("Clusters", after.clusters.len().to_string(), None),
-            Fact::new("Hypotheses", of(&after.clusters).to_string(), None),
+            Fact::new("Clusters", after.tracks.len().to_string(), None),
+            Fact::new("Hypotheses", of(&after.tracks).to_string(), None),
         ];
         let (mut tables, mut equation) = (Vec::new(), None);
         match seen.events.last() {
@@ -204,7 +202,7 @@ impl MultipleHypothesis {
     fn equation(&self, gates: &Gates, expansion: &Expansion) -> Vec<Math> {
         let terms = expansion.terms;
         let [found, missed, wrong, new] = terms.counts;
-        let detected = f64::from(self.detection_probability);
+        let [ln_detected, ln_missed] = [self.chances.detected(), self.chances.missed()].map(f64::ln);
         let [false_density, new_density] = self.densities(gates.size());
         let symbol = |base: &'static str, index: &str, power: &str| {
             Math::power(Math::indexed(Math::Var(base), Math::text(index)), Math::text(power))
@@ -219,6 +217,7 @@ impl MultipleHypothesis {
             symbol("P", "D", "DT"),
             Math::text(" (1 − "),
             Math::indexed(Math::Var("P"), Math::text("D")),
+            Math::indexed(Math::Var("P"), Math::text("G")),
             Math::power(Math::text(")"), Math::text("missed")),
             Math::text(" "),
             symbol("β", "FT", "FT"),
@@ -226,24 +225,27 @@ impl MultipleHypothesis {
             symbol("β", "NT", "NT"),
             Math::text(" ∏ "),
             Math::Var("N"),
-            Math::text("(ν; 0, S)"),
+            Math::text("(ν; 0, S) "),
+            Math::indexed(Math::Var("L"), Math::text("size")),
         ];
         let number = |value: f64| fixed(value, 2);
         let counts = format!("with DT = {found}, missed = {missed}, FT = {wrong}, NT = {new}; c normalises");
         let total = terms.ln_parent
-            + found as f64 * detected.ln()
-            + missed as f64 * (1.0 - detected).ln()
+            + found as f64 * ln_detected
+            + missed as f64 * ln_missed
             + wrong as f64 * false_density.ln()
             + new as f64 * new_density.ln()
-            + terms.ln_innovations;
+            + terms.ln_innovations
+            + terms.ln_sizes;
         let numbers = format!(
-            "ln = {} + {found}·({}) + {missed}·({}) + {wrong}·({}) + {new}·({}) + ({}) = ",
+            "ln = {} + {found}·({}) + {missed}·({}) + {wrong}·({}) + {new}·({}) + ({}) + ({}) = ",
             number(terms.ln_parent),
-            number(detected.ln()),
-            number((1.0 - detected).ln()),
+            number(ln_detected),
+            number(ln_missed),
             number(false_density.ln()),
             number(new_density.ln()),
-            number(terms.ln_innovations)
+            number(terms.ln_innovations),
+            number(terms.ln_sizes)
         );
         vec![
             Math::Row(formula),
@@ -252,7 +254,7 @@ impl MultipleHypothesis {
         ]
     }
 
-    pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
+    pub(super) fn drawn(&self, seen: &Seen<MultiTracking<Self>>, scene: &mut Scene) {
         let detected =
             seen.events.iter().find_map(|event| if let Event::Detected(all, _) = event { Some(all) } else { None });
         explain::draw_detections(scene, detected.into_iter().flat_map(|all| all.iter()));
@@ -354,16 +356,6 @@ fn revised(revisions: &[Revision]) -> Sentence {
     ))
 }
 
-/// The track that is pointed at.
-fn selected(seen: &Seen<MultipleHypothesis>) -> Option<Selected> {
-    Selected::at(&seen.after.unwrap_or(seen.before).run, seen.clip, seen.point()?)
-}
-
-/// The errors of the frame beside the truth, at its end.
-fn errors(seen: &Seen<MultipleHypothesis>) -> Option<FrameErrors> {
-    truth::errors_of_last(seen.clip, &seen.after?.run)
-}
-
 /// The squared Mahalanobis distances in the gates.
 fn distances(gates: &Gates) -> Option<Matrix> {
     let named = gates.tracks.iter().enumerate().map(|(i, track)| {
@@ -425,9 +417,9 @@ fn draw_track(scene: &mut Scene, track: &Track) {
 }
 
 /// Draws the tracks of the leading hypotheses with their trajectories.
-fn draw_leading(scene: &mut Scene, state: &State, seen: &Seen<MultipleHypothesis>) {
+fn draw_leading(scene: &mut Scene, state: &State, seen: &Seen<MultiTracking<MultipleHypothesis>>) {
     let run = &seen.after.unwrap_or(seen.before).run;
-    for cluster in &state.clusters {
+    for cluster in &state.tracks {
         for track in cluster.hypotheses.first().iter().flat_map(|leader| &leader.tracks) {
             let track = &cluster.tracks[*track];
             explain::trail(scene, run, explain::role(track.age.status).0, (track.id, track.filter.place()));
@@ -478,7 +470,7 @@ fn draw_second(scene: &mut Scene, leading: &Leading, frame: usize) {
 }
 
 /// Draws where the revised detections were.
-fn draw_revisions(scene: &mut Scene, seen: &Seen<MultipleHypothesis>, revisions: &[Revision]) {
+fn draw_revisions(scene: &mut Scene, seen: &Seen<MultiTracking<MultipleHypothesis>>, revisions: &[Revision]) {
     let first = seen.before.run.span.first;
     for revision in revisions {
         let frame = revision.frame.checked_sub(first).and_then(|i| seen.before.run.frames().get(i));

@@ -1,6 +1,7 @@
 //! The hypotheses of a scan in clusters: tracks that compete for no detection are independent, and each cluster has hypotheses of
 //! its own (Reid 1979, section V).
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use super::super::object_of;
@@ -102,15 +103,41 @@ impl Scan {
         Self { frame: self.frame, tracks, claims }
     }
 
-    /// Returns the part that is about tracks for which `counts` holds, with the false alarms where `has_false` is set.
-    fn part(&self, counts: impl Fn(u32) -> bool, has_false: bool) -> Self {
+    fn empty(frame: usize) -> Self {
+        Self { frame, tracks: Vec::new(), claims: Vec::new() }
+    }
+
+    /// Returns the part that is about tracks for which `counts` holds, with the false alarms.
+    fn part(&self, counts: impl Fn(u32) -> bool) -> Self {
         let claims = self.claims.iter().filter(|claim| match claim.origin {
             Origin::Track(id) | Origin::New(id) => counts(id),
-            Origin::False => has_false,
+            Origin::False => true,
         });
         let tracks = self.tracks.iter().filter(|track| counts(track.id));
         Self { frame: self.frame, tracks: tracks.cloned().collect(), claims: claims.copied().collect() }
     }
+}
+
+/// Returns the parts of a past that are about each of these tracks alone, in one pass.
+fn parts(past: &[Arc<Scan>], ids: &[u32]) -> Vec<Vec<Arc<Scan>>> {
+    let place: BTreeMap<u32, usize> = ids.iter().enumerate().map(|(place, id)| (*id, place)).collect();
+    let mut parts = vec![Vec::with_capacity(past.len()); ids.len()];
+    for scan in past {
+        let mut own = vec![Scan::empty(scan.frame); ids.len()];
+        for track in &scan.tracks {
+            if let Some(place) = place.get(&track.id) {
+                own[*place].tracks.push(Arc::clone(track));
+            }
+        }
+        for claim in &scan.claims {
+            let (Origin::Track(id) | Origin::New(id)) = claim.origin else { continue };
+            if let Some(place) = place.get(&id) {
+                own[*place].claims.push(*claim);
+            }
+        }
+        parts.iter_mut().zip(own).for_each(|(part, own)| part.push(Arc::new(own)));
+    }
+    parts
 }
 
 /// Returns the scans of two independent pasts together.
@@ -220,23 +247,24 @@ impl Cluster {
 
     /// Splits off each track that all hypotheses have in common: it depends on no other any more.
     pub fn split(mut self) -> Vec<Self> {
-        let has_all = |track: usize| self.hypotheses.iter().all(|one| one.tracks.contains(&track));
-        let common: Vec<usize> = (0..self.tracks.len()).filter(|track| has_all(*track)).collect();
-        if common.is_empty() || self.hypotheses.len() == 1 && self.tracks.len() == 1 {
+        let mut shared = vec![0; self.tracks.len()];
+        self.hypotheses.iter().flat_map(|one| &one.tracks).for_each(|track| shared[*track] += 1);
+        let count = self.hypotheses.len();
+        let common: Vec<usize> = (0..self.tracks.len()).filter(|track| shared[*track] == count).collect();
+        if common.is_empty() || count == 1 && self.tracks.len() == 1 {
             return vec![self];
         }
         let ids: Vec<u32> = common.iter().map(|track| self.tracks[*track].id).collect();
-        let past = self.hypotheses.first().map(|leader| leader.past.clone()).unwrap_or_default();
-        let alone = common.iter().map(|track| {
-            let leaf = Arc::clone(&self.tracks[*track]);
-            let own = past.iter().map(|scan| Arc::new(scan.part(|id| id == leaf.id, false))).collect();
-            let hypotheses = vec![Hypothesis { tracks: vec![0], ln_probability: 0.0, past: own }];
-            Self { tracks: vec![leaf], hypotheses }
+        let past = self.hypotheses.first().map(|leader| &leader.past[..]).unwrap_or_default();
+        let alone = common.iter().zip(parts(past, &ids)).map(|(track, past)| {
+            let hypotheses = vec![Hypothesis { tracks: vec![0], ln_probability: 0.0, past }];
+            Self { tracks: vec![Arc::clone(&self.tracks[*track])], hypotheses }
         });
         let mut all: Vec<Self> = alone.collect();
+        let split: BTreeSet<u32> = ids.into_iter().collect();
         for one in &mut self.hypotheses {
-            one.tracks.retain(|track| !common.contains(track));
-            one.past = one.past.iter().map(|scan| Arc::new(scan.part(|id| !ids.contains(&id), true))).collect();
+            one.tracks.retain(|track| shared[*track] != count);
+            one.past = one.past.iter().map(|scan| Arc::new(scan.part(|id| !split.contains(&id)))).collect();
         }
         self.drop_unused();
         self.unite_equal();
@@ -259,5 +287,66 @@ impl Cluster {
         size_of::<Self>()
             + self.tracks.len() * (size_of::<Track>() + size_of::<Arc<Track>>())
             + self.hypotheses.iter().map(one).sum::<usize>()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::{Duration, Instant};
+
+    use super::*;
+    use crate::data::Detection;
+    use crate::methods::multi_object::{dynamics::Dynamics, lifecycle::Rules};
+
+    /// A cluster of so many tracks in 3 scans, all of them in the one hypothesis but the last, which only a second one has.
+    fn cluster(count: u32) -> Cluster {
+        let found = Detection { bounds: Bounds::around([9.0; 2], [8.0; 2]), center: [9.0; 2], score: 1.0, blob: None };
+        let (filter, age) = (Dynamics::default().begun(&found), Rules::default().begun(&found));
+        let extent = Extent::of(&found);
+        let track = |id| Arc::new(Track { id, filter, extent, detection: Some(id as usize), before: age, age });
+        let tracks: Vec<Arc<Track>> = (0..count).map(track).collect();
+        let scan = |frame, count: usize| {
+            let claim = |id: usize| Claim { detection: id, origin: Origin::Track(id as u32) };
+            let claims = (0..count).map(claim).chain([Claim { detection: count, origin: Origin::False }]);
+            Arc::new(Scan { frame, tracks: tracks[..count].to_vec(), claims: claims.collect() })
+        };
+        let hypothesis = |count: usize, ln_probability| Hypothesis {
+            tracks: (0..count).collect(),
+            ln_probability,
+            past: (0..3).map(|frame| scan(frame, count)).collect(),
+        };
+        let count = count as usize;
+        let hypotheses = vec![hypothesis(count - 1, 0.75f64.ln()), hypothesis(count, 0.25f64.ln())];
+        Cluster { tracks, hypotheses }
+    }
+
+    #[test]
+    fn common_tracks_are_split_off_with_their_pasts() {
+        let all = cluster(5).split();
+        assert_eq!(all.len(), 5);
+        for (id, alone) in all[..4].iter().enumerate() {
+            let [one] = &alone.hypotheses[..] else { panic!("{:?}", alone.hypotheses) };
+            assert_eq!((alone.tracks[0].id, &one.tracks[..], one.past.len()), (id as u32, &[0][..], 3));
+            for scan in &one.past {
+                let claim = Claim { detection: id, origin: Origin::Track(id as u32) };
+                assert_eq!((&scan.claims[..], scan.tracks.len(), scan.tracks[0].id), (&[claim][..], 1, id as u32));
+            }
+        }
+        let rest = &all[4];
+        let sizes: Vec<(usize, f64)> =
+            rest.hypotheses.iter().map(|one| (one.tracks.len(), one.probability())).collect();
+        assert_eq!((rest.tracks.len(), sizes.len(), sizes[0].0, sizes[1].0), (1, 2, 0, 1));
+        assert!((sizes[0].1 - 0.75).abs() < 1e-9, "{sizes:?}");
+        let claims = |one: &Hypothesis| one.past.iter().map(|scan| scan.claims.len()).collect::<Vec<_>>();
+        assert_eq!([claims(&rest.hypotheses[0]), claims(&rest.hypotheses[1])], [vec![1; 3], vec![2; 3]]);
+    }
+
+    #[test]
+    fn splitting_takes_time_in_proportion_to_the_tracks() {
+        // Some milliseconds; comparing each track with all others would take a minute.
+        let all = cluster(40_000);
+        let begun = Instant::now();
+        assert_eq!(all.split().len(), 40_000);
+        assert!(begun.elapsed() < Duration::from_secs(3), "{:?}", begun.elapsed());
     }
 }
