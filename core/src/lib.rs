@@ -91,7 +91,8 @@ pub use data::{
     ObjectBox, PackedMask, PixelClass, TrueMask, Truth,
 };
 pub use families::{
-    block_matching, correspondence, interest_points, moving_objects, optical_flow, region_tracking, tracking,
+    block_matching, correspondence, interest_points, motion_segmentation, moving_objects, optical_flow,
+    region_tracking, tracking,
 };
 pub use geometry::{Border, Bounds, Gray, Grid};
 pub use methods::{geometric, kalman};
@@ -100,7 +101,8 @@ pub use products::{
     Agreement, Block, BlockField, BlockGrid, BlockVector, Coding, Confidence, Consistency, DenseField, Descriptor,
     EpipolarField, Feature, Followed, Keypoint, MaskField, Match, MatchField, MatchStatus, Model, ModelField, Object,
     ObjectField, ObjectFrame, Output, PathField, PointField, Product, ProductKind, Region, RegionField, RegionFrame,
-    Status, Streak, Streaks, Track, TrackField, TrackStatus, metrics, predict, table,
+    Segment, SegmentField, SegmentFrame, Status, Streak, Streaks, Track, TrackField, TrackStatus, metrics, predict,
+    table,
 };
 pub use run::{
     AnyEstimator, AnyRun, Beside, CandidateCount, Cursor, Direction, Estimator, Explained, Extent, FRAME, FRAMES,

@@ -28,6 +28,7 @@ pub const EXPORT: Export = Export {
         RegionField::KIND,
     ],
     folder: None,
+    or_file: false,
     formats: &[Format { ending: "csv", doc: "CSV", encode }],
 };
 

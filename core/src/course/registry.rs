@@ -11,6 +11,7 @@ use crate::families::{
         Stabilization, TemplateMatching,
     },
     interest_points::{Fast, Harris, Orb, ShiTomasi, Sift, Surf},
+    motion_segmentation::MotionClustering,
     moving_objects::{
         CompensatedDifference, ConnectedComponents, FlowMagnitude, FrameDifference, KnnBackground, MedianBackground,
         MixtureOfGaussians, RunningAverage, SingleGaussian,
@@ -50,6 +51,7 @@ impl Entries for Course {
         Entry::of::<Variational<TvL1>>(),
         Entry::of::<Farneback>(),
         Entry::of::<PointTrajectories>(),
+        Entry::of::<MotionClustering>(),
         Entry::of::<Corners<Harris>>(),
         Entry::of::<Corners<ShiTomasi>>(),
         Entry::of::<Fast>(),
