@@ -73,6 +73,11 @@ pub mod effort {
     pub use crate::base::effort::pixels;
 }
 
+/// The points of a clustering.
+pub mod segmentation {
+    pub use crate::methods::segmentation::points::{MOST_DIMENSIONS, Place, Points, Tally, squared_distance};
+}
+
 /// What moving objects are told with, from pixels that differ to objects with a past.
 pub mod objects {
     pub use crate::data::{

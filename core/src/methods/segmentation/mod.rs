@@ -1,6 +1,8 @@
 //! Motion segmentation: clusterings of points, the flow that is segmented, labels that stay from frame to frame.
 
+pub mod affine;
 pub mod explain;
+pub mod forest;
 pub mod input;
 pub mod kmeans;
 pub mod mixture;

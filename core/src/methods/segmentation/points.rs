@@ -47,6 +47,11 @@ impl Points {
         Self { coordinates }
     }
 
+    /// Whether there are no points.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
     /// Returns the number of points.
     pub fn len(&self) -> usize {
         self.coordinates.first().map_or(0, Vec::len)

@@ -42,11 +42,6 @@ impl Record {
         self.picture
     }
 
-    /// Number of frames with a flow, if known.
-    pub fn count(&self) -> Option<usize> {
-        self.span.pairs()
-    }
-
     /// The position of a run in `round` of its frame.
     pub fn place(&self, round: usize) -> Vec<Granularity> {
         let mut place = self.span.place_of_pair(self.frame());

@@ -147,7 +147,7 @@ impl MotionClustering {
             Some(Event::Seeded(index, seed)) => seeded(view, *index, seed),
             Some(Event::Exhausted(0)) => said.text("Without points there are no seeds, and so no clusters."),
             Some(Event::Exhausted(count)) => said
-                .text("All pixels lie on the seeds so far. There are only ")
+                .text("All pixels lie on the seeds so far. The flow has only ")
                 .ink(Role::Result, words::counted(*count, "distinct motion"))
                 .text(", so k is lowered to that."),
             Some(Event::Sampled(density)) => said.text(format!(
