@@ -178,7 +178,7 @@ fn layers_answer_bad_input_in_words() {
     let still = with_flow(Grid::new(64, 48, [0.0; 2]));
     let all = steps("motion-layers", &[TRUE_FLOW], &still);
     assert!(said(&all, "label")[0].contains("nothing moves against it"));
-    let clip = small("rigid-layers");
+    let clip = clip("rigid-layers", &[("frames", "2")]);
     for clusters in ["1", "32"] {
         let field = segments("motion-layers", &[TRUE_FLOW, ("clusters", clusters)], &clip);
         assert_eq!(field.frames[0].segments.len(), 3, "clusters = {clusters}: splits and merges find the motions");

@@ -246,7 +246,7 @@ impl FlowSegmentation {
             state.phase = Phase::Label;
             return;
         };
-        let region = self.region(data, seed, Arc::make_mut(&mut state.taken));
+        let region = self.region(data, seed, Arc::<Vec<bool>>::make_mut(&mut state.taken));
         effort::add(region.pixels.len());
         let forest = Arc::make_mut(&mut state.forest);
         for pixel in &region.pixels[1..] {

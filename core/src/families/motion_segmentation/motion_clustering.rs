@@ -143,7 +143,7 @@ pub enum Event {
     /// Responsibilities; number of changes and log-likelihood per pixel.
     Expected(Arc<Vec<u8>>, usize, f64),
     /// A component is fitted anew.
-    Maximized(usize, Component),
+    Maximized(usize, Arc<Component>),
     /// A window shifts.
     Shifted(Place, Mode),
     /// A window has come to a mode; its index, and whether it is new.
@@ -293,7 +293,7 @@ impl MotionClustering {
         }
         for (index, component) in state.components.iter_mut().enumerate() {
             *component = expected.maximized(index, component, &data.points);
-            observer.see(|| Event::Maximized(index, component.clone()));
+            observer.see(|| Event::Maximized(index, Arc::new(component.clone())));
         }
         false
     }

@@ -57,11 +57,9 @@ impl Moments {
 
     fn take(&mut self, off: &[f64; MOST_DIMENSIONS], share: f64, dimensions: usize) {
         self.count += share;
-        for i in 0..dimensions {
-            self.first[i] += share * off[i];
-            for j in 0..=i {
-                self.second[i][j] += share * off[i] * off[j];
-            }
+        for (i, a) in off.iter().enumerate().take(dimensions) {
+            self.first[i] += share * a;
+            self.second[i].iter_mut().zip(&off[..=i]).for_each(|(sum, b)| *sum += share * a * b);
         }
     }
 
@@ -103,11 +101,8 @@ impl Component {
 
     /// The logarithm of its weighted density at a difference from its mean, and the squared Mahalanobis distance.
     fn log_density(&self, off: &[f64; MOST_DIMENSIONS], dimensions: usize) -> (f64, f64) {
-        let mut squared = 0.0;
-        for i in 0..dimensions {
-            let row = &self.precision[i][..dimensions];
-            squared += off[i] * row.iter().zip(off).map(|(p, off)| p * off).sum::<f64>();
-        }
+        let row = |row: &[f64]| row.iter().zip(off).take(dimensions).map(|(p, off)| p * off).sum::<f64>();
+        let squared: f64 = self.precision.iter().zip(off).take(dimensions).map(|(p, off)| off * row(p)).sum();
         (self.scale - 0.5 * squared, squared)
     }
 

@@ -69,7 +69,7 @@ impl<'a> View<'a> {
             Event::Seeded(_, seed) => self.means.push(seed.place),
             Event::Assigned(nearest, ..) | Event::Expected(nearest, ..) => self.nearest = Some(nearest),
             Event::Averaged { index, to, .. } => self.means[*index] = *to,
-            Event::Maximized(index, component) => self.components[*index] = component.clone(),
+            Event::Maximized(index, component) => self.components[*index] = Component::clone(component),
             Event::Shifted(from, mode) => {
                 if self.path.is_empty() {
                     self.path.push(*from);
