@@ -416,7 +416,11 @@ pub fn summary(plane: &Plane) -> String {
         Some(format!("{} from {low} to {high} {}", cost.name, cost.unit))
     });
     let path = (plane.path.len() > 1).then(|| format!("a path of {} estimates", plane.path.len()));
-    let rest = points.chain(spread).chain(cost).chain(path);
+    let groups = (!plane.groups.is_empty()).then(|| {
+        let names: std::collections::BTreeSet<u32> = plane.groups.iter().map(|(group, _)| *group).collect();
+        format!("{} displacements in {} groups", plane.groups.len(), names.len())
+    });
+    let rest = points.chain(spread).chain(cost).chain(path).chain(groups);
     [format!("{}: {lines}", plane.title)].into_iter().chain(rest).collect::<Vec<_>>().join(", ")
 }
 
