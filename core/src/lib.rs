@@ -73,6 +73,11 @@ pub mod effort {
     pub use crate::base::effort::pixels;
 }
 
+/// The points of a clustering.
+pub mod segmentation {
+    pub use crate::methods::segmentation::points::{MOST_DIMENSIONS, Place, Points, Tally, squared_distance};
+}
+
 /// What moving objects are told with, from pixels that differ to objects with a past.
 pub mod objects {
     pub use crate::data::{
@@ -91,7 +96,8 @@ pub use data::{
     ObjectBox, PackedMask, PixelClass, TrueMask, Truth,
 };
 pub use families::{
-    block_matching, correspondence, interest_points, moving_objects, optical_flow, region_tracking, tracking,
+    block_matching, correspondence, interest_points, motion_segmentation, moving_objects, optical_flow,
+    region_tracking, tracking,
 };
 pub use geometry::{Border, Bounds, Gray, Grid};
 pub use methods::{geometric, kalman};
@@ -100,7 +106,8 @@ pub use products::{
     Agreement, Block, BlockField, BlockGrid, BlockVector, Coding, Confidence, Consistency, DenseField, Descriptor,
     EpipolarField, Feature, Followed, Keypoint, MaskField, Match, MatchField, MatchStatus, Model, ModelField, Object,
     ObjectField, ObjectFrame, Output, PathField, PointField, Product, ProductKind, Region, RegionField, RegionFrame,
-    Status, Streak, Streaks, Track, TrackField, TrackStatus, metrics, predict, table,
+    Segment, SegmentField, SegmentFrame, Status, Streak, Streaks, Track, TrackField, TrackStatus, metrics, predict,
+    table,
 };
 pub use run::{
     AnyEstimator, AnyRun, Beside, CandidateCount, Cursor, Direction, Estimator, Explained, Extent, FRAME, FRAMES,

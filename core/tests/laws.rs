@@ -415,6 +415,7 @@ fn known_translations_are_recovered_as_far_as_promised() {
             | Guarantee::SubPixelPlaces { .. }
             | Guarantee::Objects
             | Guarantee::Region
+            | Guarantee::Segments
             | Guarantee::AlongGradient => return,
         };
         for motion in [(0, 0), (2, -1), (-2, 2)] {
@@ -793,6 +794,10 @@ proptest! {
                 // A pyramid of so many levels has no room for a block. It says so, and one of two levels has. A template, a region or a
                 // contour may be placed beside the picture; one that is chosen automatically is not.
                 let told = error.to_string();
+                if told.contains("there is no true flow") {
+                    estimator.set("flow-source", "estimated").expect("a choice");
+                    continue;
+                }
                 let all = ["template", "region", "contour"];
                 let placed = all.into_iter().find(|name| told.contains(&format!("set {name} to none")));
                 if let Some(placed) = placed {

@@ -114,7 +114,7 @@ struct Outputs<'a> {
 impl<'a> Outputs<'a> {
     fn new(args: &'a RunArgs) -> Result<Self, Error> {
         let asked = &args.results.0;
-        let files = asked.iter().filter(|(export, _)| export.folder.is_none()).map(|(_, path)| path);
+        let files = asked.iter().filter(|(export, path)| export.folder_at(path).is_none()).map(|(_, path)| path);
         let files: Vec<_> = args.overlay.iter().chain(files).collect();
         let pipes = files.iter().filter(|path| path.as_path() == Path::new("-")).count();
         if pipes + usize::from(args.json) > 1 {

@@ -341,7 +341,7 @@ impl Painter<'_> {
 }
 
 /// The colour of a region; none for 0.
-fn region_color(label: u32) -> [u8; 4] {
+pub fn region_color(label: u32) -> [u8; 4] {
     if label == 0 { [0; 4] } else { own_color(label).alpha(HEAT_ALPHA).0 }
 }
 

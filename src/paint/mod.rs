@@ -36,7 +36,7 @@ pub use focus::{CloseUp, FocusMode, Work};
 pub use fonts::Face;
 pub use layer::{Backdrop, FlowLayer, LayerStyle, Opacity, Scalars, Tint, TintKey, dimmed};
 pub use links::{LinkSite, links};
-pub use marks::{ArrowStyle, Lengthen, Look, Placement, Style, ellipse, is_lengthened, resolve, streaks};
+pub use marks::{ArrowStyle, Lengthen, Look, Placement, Style, ellipse, is_lengthened, region_color, resolve, streaks};
 pub use number::{grouped, labels, number};
 pub use panel::{LevelShown, Panel, Phase, Pictures, Share, Shown, View};
 pub use pdf::export_pdf;

@@ -22,6 +22,7 @@ pub const EXPORT: Export = Export {
         ModelField::KIND,
     ],
     folder: None,
+    or_file: false,
     formats: &[
         Format {
             ending: "flo",

@@ -16,6 +16,7 @@ pub const EXPORT: Export = Export {
     explained: "The foreground masks: one PNG per frame in a folder, foreground white.",
     takes: &[MaskField::KIND],
     folder: Some(MASK),
+    or_file: false,
     formats: &[Format { ending: "png", doc: "PNG", encode }],
 };
 

@@ -3,6 +3,7 @@
 //! The flags of `motionscope run`, the window's dialogs and the files follow from it.
 
 mod flow;
+mod labels;
 mod masks;
 mod pictures;
 mod table;
@@ -16,7 +17,8 @@ use crate::media::export::{self, Target};
 use crate::media::names::extension;
 
 /// All exports; where two share a file extension, the window offers the first.
-pub const EXPORTS: &[&Export] = &[&flow::EXPORT, &table::EXPORT, &tracks::EXPORT, &masks::EXPORT, &pictures::EXPORT];
+pub const EXPORTS: &[&Export] =
+    &[&flow::EXPORT, &table::EXPORT, &tracks::EXPORT, &masks::EXPORT, &labels::EXPORT, &pictures::EXPORT];
 
 /// An export of a product to files.
 #[derive(Debug)]
@@ -35,6 +37,8 @@ pub struct Export {
     pub takes: &'static [&'static ProductKind],
     /// The prefix of the file names, if several files are saved in a folder.
     pub folder: Option<&'static str>,
+    /// Whether a path with the ending of its format is a single file, that of the last frame, and no folder.
+    pub or_file: bool,
     /// The formats; the first is used for standard output.
     pub formats: &'static [Format],
 }
@@ -76,7 +80,14 @@ impl EncodedFiles {
 impl Export {
     /// Where it writes to at `path`.
     pub fn target<'a>(&self, path: &'a Path) -> Target<'a> {
-        self.folder.map_or(Target::File(path), |begin| Target::Numbered(path, begin))
+        self.folder_at(path).map_or(Target::File(path), |begin| Target::Numbered(path, begin))
+    }
+
+    /// The prefix of the file names if `path` is a folder of several files.
+    pub fn folder_at(&self, path: &Path) -> Option<&'static str> {
+        let ending = extension(path);
+        let is_file = self.or_file && self.formats.iter().any(|format| format.ending == ending);
+        self.folder.filter(|_| !is_file)
     }
 
     /// Whether an estimator that makes products of `kinds` has something to be written so.
@@ -102,7 +113,7 @@ impl Export {
     /// A sentence that tells which endings there are.
     pub fn format(&self, path: &Path) -> Result<&'static Format, Error> {
         let ending = extension(path);
-        let is_first = self.folder.is_some() || path == Path::new("-");
+        let is_first = self.folder_at(path).is_some() || path == Path::new("-");
         let found = self.formats.iter().find(|format| is_first || format.ending == ending);
         found.ok_or_else(|| {
             let endings: Vec<_> = self.formats.iter().map(|format| format!(".{}", format.ending)).collect();
@@ -120,8 +131,8 @@ impl Export {
     /// # Errors
     /// If a file cannot be written.
     pub fn save(&self, path: &Path, made: &EncodedFiles) -> Result<String, Error> {
-        if self.folder.is_none() {
-            made.files.iter().try_for_each(|(_, bytes)| export::save_result(path, bytes))?;
+        if self.folder_at(path).is_none() {
+            made.files.last().map_or(Ok(()), |(_, bytes)| export::save_result(path, bytes))?;
             return Ok(path.display().to_string());
         }
         export::make_folder(path)?;
@@ -207,5 +218,8 @@ mod tests {
         assert_eq!(rows, ["txt", "txt", "csv", "npy"]);
         assert!(of(&tracks::EXPORT, "a.png").unwrap_err().to_string().contains(".npy"));
         assert!(of(&table::EXPORT, "a").is_err() && of(&masks::EXPORT, "folder").is_ok());
+        let folder = |name: &str| labels::EXPORT.folder_at(Path::new(name)).is_some();
+        assert_eq!(["all", "a.PNG", "b/c.png", "d.npy"].map(folder), [true, false, false, true]);
+        assert!(masks::EXPORT.folder_at(Path::new("masks.png")).is_some(), "masks are always a folder");
     }
 }

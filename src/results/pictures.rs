@@ -16,6 +16,7 @@ pub const EXPORT: Export = Export {
     explained: "The pictures made of the frames, such as stabilised frames or a mosaic: a PNG each in a folder.",
     takes: &[PathField::KIND],
     folder: Some(PICTURE),
+    or_file: false,
     formats: &[Format { ending: "png", doc: "PNG", encode }],
 };
 

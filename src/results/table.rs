@@ -3,7 +3,7 @@
 use motionscope_core::table::Table;
 use motionscope_core::{
     BlockField, DenseField, EpipolarField, Error, MaskField, MatchField, ModelField, ObjectField, Output, PathField,
-    PointField, Product, RegionField, TrackField,
+    PointField, Product, RegionField, SegmentField, TrackField,
 };
 
 use super::{EncodedFiles, Export, Format};
@@ -11,7 +11,7 @@ use super::{EncodedFiles, Export, Format};
 pub const EXPORT: Export = Export {
     flag: "table",
     value: "FILE.csv",
-    help: "Save motion vectors, features, matches, objects or detections as CSV; `-` is standard output",
+    help: "Save motion vectors, features, matches, objects, detections or segments as CSV; `-` is standard output",
     name: "Table",
     explained: "A table with units in its headings.",
     takes: &[
@@ -25,9 +25,11 @@ pub const EXPORT: Export = Export {
         PathField::KIND,
         ObjectField::KIND,
         MaskField::KIND,
+        SegmentField::KIND,
         RegionField::KIND,
     ],
     folder: None,
+    or_file: false,
     formats: &[Format { ending: "csv", doc: "CSV", encode }],
 };
 

@@ -15,6 +15,7 @@ pub const EXPORT: Export = Export {
     explained: "The tracks: position and box of each object in each frame.",
     takes: &[ObjectField::KIND, RegionField::KIND],
     folder: None,
+    or_file: false,
     formats: &[
         Format {
             ending: "txt",

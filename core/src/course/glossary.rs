@@ -109,6 +109,7 @@ pub fn chapters_of(family: &str) -> &'static [Chapter] {
         "Block matching" => &[Chapter::MotionVectors],
         "Optical flow" => &[Chapter::DifferentialMethods, Chapter::DynamicScenes, Chapter::MotionVectors],
         "Correspondence" => &[Chapter::InterestPoints, Chapter::MotionVectors],
+        "Motion segmentation" => &[Chapter::DynamicScenes, Chapter::MovingObjects],
         "Interest points" => &[Chapter::InterestPoints, Chapter::DifferentialMethods],
         "Moving objects" => &[Chapter::MovingObjects, Chapter::DynamicScenes],
         "Tracking" => &[Chapter::KalmanFilters, Chapter::MultipleObjects],

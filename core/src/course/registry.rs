@@ -11,6 +11,7 @@ use crate::families::{
         Stabilization, TemplateMatching,
     },
     interest_points::{Fast, Harris, Orb, ShiTomasi, Sift, Surf},
+    motion_segmentation::{FlowSegmentation, MotionClustering, MotionLayers},
     moving_objects::{
         CompensatedDifference, ConnectedComponents, FlowMagnitude, FrameDifference, KnnBackground, MedianBackground,
         MixtureOfGaussians, RunningAverage, SingleGaussian,
@@ -52,6 +53,9 @@ impl Entries for Course {
         Entry::of::<Variational<TvL1>>(),
         Entry::of::<Farneback>(),
         Entry::of::<PointTrajectories>(),
+        Entry::of::<MotionClustering>(),
+        Entry::of::<MotionLayers>(),
+        Entry::of::<FlowSegmentation>(),
         Entry::of::<Corners<Harris>>(),
         Entry::of::<Corners<ShiTomasi>>(),
         Entry::of::<Fast>(),

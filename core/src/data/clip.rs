@@ -160,6 +160,15 @@ pub trait Truth: Send + Sync {
         Ok(None)
     }
 
+    /// The true label of each pixel of frame `t`, from 1 on; 0 where it is not known. Pixels of one label move together, and a label is
+    /// the same in all frames.
+    ///
+    /// # Errors
+    /// If the truth is there but cannot be read.
+    fn segments(&self, _t: usize) -> Result<Option<Arc<Grid<u32>>>, Error> {
+        Ok(None)
+    }
+
     /// The true map of the background from frame `t` to frame `t` + 1, a 3×3 matrix by rows in px: the apparent motion that the
     /// camera causes.
     ///
@@ -169,7 +178,7 @@ pub trait Truth: Send + Sync {
         Ok(None)
     }
 
-    /// What kinds of truth there are, in words for a person: `flow`, `occlusion`, `objects`, `foreground`.
+    /// What kinds of truth there are, in words for a person: `flow`, `occlusion`, `segments`, `objects`, `foreground`.
     fn kinds(&self) -> Vec<&'static str>;
 
     /// What each of these kinds was read from, as `flow10.flo`; nothing for truth that is computed.

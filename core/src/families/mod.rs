@@ -3,6 +3,7 @@
 pub mod block_matching;
 pub mod correspondence;
 pub mod interest_points;
+pub mod motion_segmentation;
 pub mod moving_objects;
 pub mod optical_flow;
 pub mod region_tracking;

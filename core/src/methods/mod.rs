@@ -16,5 +16,6 @@ pub(crate) mod numbers;
 pub mod polynomial;
 pub mod region;
 pub mod scale_space;
+pub mod segmentation;
 pub mod subtraction;
 pub mod variational;

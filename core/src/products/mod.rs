@@ -24,6 +24,7 @@ mod record;
 pub mod region;
 pub mod registration;
 mod repeatability;
+pub mod segments;
 mod streaks;
 pub mod table;
 mod tracks;
@@ -47,6 +48,7 @@ pub use product::{AnyProduct, Confidence, Motion, Product, ProductKind, Tested};
 pub use record::Record;
 pub use region::{Region, RegionField, RegionFrame};
 pub use repeatability::{Repeatability, TOLERANCE_PX, repeatability, repeatability_in_flow};
+pub use segments::{AffineMotion, Segment, SegmentField, SegmentFrame};
 pub use streaks::{Streak, Streaks};
 pub use table::{Cell, Table};
 pub use tracks::{Track, TrackField};
@@ -62,6 +64,7 @@ pub const KINDS: &[&ProductKind] = &[
     EpipolarField::KIND,
     PathField::KIND,
     MaskField::KIND,
+    SegmentField::KIND,
     ObjectField::KIND,
     RegionField::KIND,
 ];

@@ -64,6 +64,8 @@ pub enum Guarantee {
     Objects,
     /// The object whose region is given in the first frame, before a background of other colours; no displacement.
     Region,
+    /// The segments of rigid motions in a true flow; no displacement.
+    Segments,
     /// The normal flow of a sub-pixel translation, on smooth texture.
     AlongGradient,
 }

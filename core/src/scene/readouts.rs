@@ -417,6 +417,8 @@ pub struct Plane {
     pub reach: f32,
     /// A cost of the displacements shown.
     pub cost: Option<PlaneCost>,
+    /// Displacements of pixels, each with its group, which has a colour of its own; 0 is none.
+    pub groups: Vec<(u32, [f32; 2])>,
     /// The constraint lines of the pixels.
     pub lines: Vec<Constraint>,
     /// The estimates of an iteration in their order, joined by arrows; fewer than two are no path.

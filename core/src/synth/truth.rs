@@ -15,6 +15,7 @@ pub struct ExactTruth {
     difficulty: Difficulty,
     kept: Recent<Pair>,
     masks: Recent<TrueMask>,
+    labels: Recent<Grid<u32>>,
 }
 
 /// Flow and occlusion from one frame to the next; they are found together.
@@ -26,7 +27,7 @@ struct Pair {
 impl ExactTruth {
     /// The truth of what `stage` shows.
     pub fn new(stage: Arc<Stage>, difficulty: Difficulty) -> Self {
-        Self { stage, difficulty, kept: Recent::new(4), masks: Recent::new(4) }
+        Self { stage, difficulty, kept: Recent::new(4), masks: Recent::new(4), labels: Recent::new(4) }
     }
 
     /// Frames `t` and `t + 1`, if there are both.
@@ -58,6 +59,17 @@ impl Truth for ExactTruth {
     /// Pixels of frame `t` that are hidden in frame `t + 1`, or have left the picture.
     fn occlusion(&self, t: usize) -> Result<Option<Arc<Grid<bool>>>, Error> {
         Ok(self.pair(t).map(|pair| Arc::clone(&pair.hidden)))
+    }
+
+    /// The foremost layer at each pixel, counted from 1 at the front.
+    fn segments(&self, t: usize) -> Result<Option<Arc<Grid<u32>>>, Error> {
+        Ok((t < self.difficulty.frames).then(|| {
+            self.labels.get(t, || {
+                let now = self.stage.at(t as f64);
+                let label = |x, y| now.foremost([x as f64, y as f64]).map_or(0, |layer| layer as u32 + 1);
+                Grid::from_fn(self.difficulty.width, self.difficulty.height, label)
+            })
+        }))
     }
 
     /// The objects that are at least partly within the picture's borders, hidden or not, with their whole extent.
@@ -104,7 +116,7 @@ impl Truth for ExactTruth {
     }
 
     fn kinds(&self) -> Vec<&'static str> {
-        let kinds = ["flow", "occlusion", "objects", "foreground"];
-        kinds[..if self.stage.has_objects() { 4 } else { 2 }].to_vec()
+        let kinds = ["flow", "occlusion", "segments", "objects", "foreground"];
+        kinds[..if self.stage.has_objects() { 5 } else { 3 }].to_vec()
     }
 }

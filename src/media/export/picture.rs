@@ -15,6 +15,8 @@ pub enum Pixels<'a> {
     Rgba(&'a [u8]),
     /// 16-bit big-endian red, green, blue.
     Rgb16(&'a [u8]),
+    /// 8-bit indices into a palette of up to 256 entries of 8-bit red, green, blue.
+    Indexed(&'a [u8], &'a [u8]),
 }
 
 /// `pixels` as a PNG, compressed quickly rather than tightly. The same pixels always give the same bytes.
@@ -40,6 +42,7 @@ fn encode(width: usize, height: usize, pixels: Pixels, says: Option<[&str; 2]>) 
         Pixels::Rgb(samples) => (samples, ColorType::Rgb, BitDepth::Eight),
         Pixels::Rgba(samples) => (samples, ColorType::Rgba, BitDepth::Eight),
         Pixels::Rgb16(samples) => (samples, ColorType::Rgb, BitDepth::Sixteen),
+        Pixels::Indexed(samples, _) => (samples, ColorType::Indexed, BitDepth::Eight),
     };
     let refused = |why: String| Error::new(format!("a picture of {width}×{height} px cannot be saved as PNG: {why}"));
     let side = |n: usize| u32::try_from(n).map_err(|e| refused(e.to_string()));
@@ -47,6 +50,9 @@ fn encode(width: usize, height: usize, pixels: Pixels, says: Option<[&str; 2]>) 
     let mut encoder = png::Encoder::new(&mut bytes, side(width)?, side(height)?);
     encoder.set_color(color);
     encoder.set_depth(depth);
+    if let Pixels::Indexed(_, palette) = pixels {
+        encoder.set_palette(palette);
+    }
     encoder.set_compression(png::Compression::Fast);
     if let Some([keyword, text]) = says {
         encoder.add_text_chunk(keyword.into(), text.into()).map_err(|e| refused(e.to_string()))?;

@@ -6,7 +6,7 @@ use motionscope_core::scene::{Constraint, Plane, Spread};
 use motionscope_core::{Grid, Role, fixed};
 
 use super::super::primitive::{Anchor, Point, Primitive, Rect};
-use super::super::{Color, Face, Theme, labels, legend, marks, number};
+use super::super::{Color, Face, Theme, labels, legend, marks, number, region_color};
 use super::axis::Axis;
 use super::canvas::{Canvas, Level, Type, shortened, solid};
 use super::{ChartStyle, Drawing, titled};
@@ -165,6 +165,7 @@ pub fn draw(data: Shown<'_>, area: Rect, style: ChartStyle) -> Drawing<Square> {
     let ellipse = plane.ellipse.as_ref().map(|ellipse| spread(&square, ellipse, theme));
     canvas.inside(square.rect, |canvas| {
         canvas.extend(ellipse);
+        groups(canvas, &square, plane, theme);
         path(canvas, &square, plane, theme);
     });
     names(&mut canvas, &square, area, (plane, style));
@@ -212,6 +213,17 @@ fn costs(canvas: &mut Canvas, square: &Square, plane: &Plane, style: ChartStyle)
     let pixels = cost.values.map(|cost| if cost.is_finite() { shade(*cost).0 } else { [0; 4] });
     let [min, max] = [-1.0, 1.0].map(|side| square.at(plane.center.map(|c| c + side * plane.reach)));
     canvas.add(Primitive::Image { pixels: Arc::new(pixels), rect: Rect { min, max } });
+}
+
+/// The displacements of groups, as dots in the colour of each.
+fn groups(canvas: &mut Canvas, square: &Square, plane: &Plane, theme: Theme) {
+    for (group, uv) in &plane.groups {
+        let at = square.at(*uv);
+        if square.displacement(at).is_some() {
+            let own = Color(region_color(*group)).alpha(255);
+            canvas.disc(at, 2.0, if *group == 0 { theme.chrome().line } else { own });
+        }
+    }
 }
 
 /// The estimates of an iteration, joined in their order.
@@ -404,7 +416,11 @@ pub fn summary(plane: &Plane) -> String {
         Some(format!("{} from {low} to {high} {}", cost.name, cost.unit))
     });
     let path = (plane.path.len() > 1).then(|| format!("a path of {} estimates", plane.path.len()));
-    let rest = points.chain(spread).chain(cost).chain(path);
+    let groups = (!plane.groups.is_empty()).then(|| {
+        let names: std::collections::BTreeSet<u32> = plane.groups.iter().map(|(group, _)| *group).collect();
+        format!("{} displacements in {} groups", plane.groups.len(), names.len())
+    });
+    let rest = points.chain(spread).chain(cost).chain(path).chain(groups);
     [format!("{}: {lines}", plane.title)].into_iter().chain(rest).collect::<Vec<_>>().join(", ")
 }
 
@@ -421,7 +437,18 @@ mod tests {
         let points = vec![("normal flow", Role::Result, [1.0, -0.25])];
         let (title, lines) = ("Gradient constraint", vec![line]);
         let (center, path) = ([0.0; 2], Vec::new());
-        Plane { title, unit: "px".into(), center, reach: 2.0, cost: None, lines, path, points, ellipse: None }
+        Plane {
+            title,
+            unit: "px".into(),
+            center,
+            reach: 2.0,
+            cost: None,
+            groups: Vec::new(),
+            lines,
+            path,
+            points,
+            ellipse: None,
+        }
     }
 
     fn style() -> ChartStyle {

@@ -29,6 +29,13 @@ pub static GLOSSARY: &[Term] = &[
         the predictor itself, and then refines with a small cross.",
     ),
     term(
+        Evaluation,
+        "adjusted Rand index",
+        &["ARI", "Rand index"],
+        "The share of pairs of pixels that two segmentations both keep together or both separate, corrected for chance: 1 for equal \
+        segmentations, about 0 for random ones.",
+    ),
+    term(
         DynamicScenes,
         "affine model",
         &["affine motion", "affine transformation", "affine warp"],
@@ -687,6 +694,13 @@ pub static GLOSSARY: &[Term] = &[
         "The equations that a minimum of an energy functional satisfies, one for u and one for v at every pixel.",
     ),
     term(
+        DynamicScenes,
+        "expectation maximisation",
+        &["expectation maximization", "expectation step", "maximisation step"],
+        "An iteration that fits a mixture by computing responsibilities from the components and components from the \
+        responsibilities in turn, and never lowers the likelihood.",
+    ),
+    term(
         KalmanFilters,
         "extended Kalman filter",
         &["EKF"],
@@ -1251,6 +1265,13 @@ pub static GLOSSARY: &[Term] = &[
         probability of each association.",
     ),
     term(
+        DynamicScenes,
+        "k-means",
+        &["k-means clustering", "k-means++"],
+        "A clustering that assigns each point to the nearest of k averages and moves each average to its points, in turn, \
+        until nothing changes.",
+    ),
+    term(
         KalmanFilters,
         "Kalman filter",
         &["Kalman filters", "Kalman filtering"],
@@ -1333,6 +1354,12 @@ pub static GLOSSARY: &[Term] = &[
         &["local minima", "local optimum"],
         "A displacement with a lower cost than its neighbours that need not be the global minimum, and in which fast \
         searches can stop.",
+    ),
+    term(
+        DynamicScenes,
+        "log-likelihood",
+        &["log-likelihoods"],
+        "The logarithm of the probability density that a model gives to the data; the larger, the better the model fits.",
     ),
     term(
         MotionVectors,
@@ -1483,6 +1510,12 @@ pub static GLOSSARY: &[Term] = &[
         &["true motion field"],
         "The projection of the three-dimensional velocities of scene points onto the image plane, which optical flow \
         can only approximate.",
+    ),
+    term(
+        DynamicScenes,
+        "motion layer",
+        &["motion layers"],
+        "A part of the picture with one parametric motion, which need not be connected and may be covered by others.",
     ),
     term(
         DynamicScenes,
@@ -1871,6 +1904,12 @@ pub static GLOSSARY: &[Term] = &[
     ),
     term(
         DynamicScenes,
+        "responsibility",
+        &["responsibilities"],
+        "The probability that a component of a mixture has generated a point; those of all components sum to 1.",
+    ),
+    term(
+        DynamicScenes,
         "rigid motion",
         &["rigid-body motion", "rigid"],
         "Motion by rotation and translation only, which preserves the distances between the points of an object.",
@@ -1978,6 +2017,13 @@ pub static GLOSSARY: &[Term] = &[
         &["scale-invariant feature transform"],
         "Scale-invariant feature transform: extrema of differences of Gaussians with a descriptor of 128 \
         gradient-orientation bins.",
+    ),
+    term(
+        DynamicScenes,
+        "silhouette",
+        &["silhouettes", "mean silhouette"],
+        "A measure of how much nearer a point is to its own cluster than to the next one, from −1 to 1, whose mean is used to \
+        choose the number of clusters.",
     ),
     term(
         DifferentialMethods,

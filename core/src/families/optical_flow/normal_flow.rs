@@ -312,6 +312,7 @@ impl NormalFlow {
             center: [0.0; 2],
             cost: None,
             path: Vec::new(),
+            groups: Vec::new(),
             lines: explain::line(factors, weight, Role::Candidate).into_iter().collect(),
             points,
             ellipse: None,

@@ -223,6 +223,7 @@ impl LevelTrace<'_> {
             center: self.guess,
             reach,
             cost: Some(self.squared_difference(reach)),
+            groups: Vec::new(),
             lines: Vec::new(),
             path,
             points,

@@ -271,6 +271,7 @@ impl Probe<'_> {
             center: [0.0; 2],
             cost: None,
             path: Vec::new(),
+            groups: Vec::new(),
             lines: if is_pixel { of_pixel() } else { self.window_lines() },
             points,
             ellipse: None,

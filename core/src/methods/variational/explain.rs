@@ -289,6 +289,7 @@ fn plane<M: Model>(
         center: [0.0; 2],
         cost: None,
         path: Vec::new(),
+        groups: Vec::new(),
         lines,
         points: all,
         ellipse: None,

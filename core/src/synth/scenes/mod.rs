@@ -13,11 +13,13 @@ mod leaves;
 mod parallax;
 mod passing_bus;
 mod pillar;
+mod rigid_layers;
 mod spin_zoom;
 mod sub_pixel;
 mod traffic;
 mod translation;
 mod tunnel;
+mod turntable;
 mod wallpaper;
 
 use super::Sample;
@@ -41,4 +43,6 @@ pub const SCENES: &[Sample] = &[
     flag::SAMPLE,
     tunnel::SAMPLE,
     leaves::SAMPLE,
+    rigid_layers::SAMPLE,
+    turntable::SAMPLE,
 ];

@@ -202,6 +202,7 @@ impl LucasKanade {
         let start = probe.linear.start.at(probe.pixel.0, probe.pixel.1);
         let reach = explain::reach(points.iter().map(|(.., point)| *point).chain([start]));
         let plane = Plane {
+            groups: Vec::new(),
             title: "Squared difference of the window, and its constraint lines",
             unit: "px".into(),
             center: [0.0; 2],

@@ -1,0 +1,142 @@
+//! What all motion segmentations tell and draw: labels, segments, the plane of displacements, conclusions.
+
+use std::sync::Arc;
+
+use super::points::{Place, Points};
+use crate::base::words;
+use crate::data::Clip;
+use crate::geometry::Grid;
+use crate::methods::numbers::{percent, ratio};
+use crate::products::segments::{Overlap, adjusted_rand_index, mean_overlap};
+use crate::products::{Segment, SegmentFrame};
+use crate::scene::{Arrow, Fact, Picture, Plane, Readout, Role, Scene, Shape};
+
+/// Points shown in the plane of displacements at most.
+const SHOWN: usize = 400;
+/// Segments listed at most.
+const LISTED: usize = 8;
+
+/// Draws labels, each in its colour.
+pub fn draw_labels(scene: &mut Scene, labels: Arc<Grid<u32>>, meaning: &'static str) {
+    scene.mark(Picture::CURRENT, Role::Best, Shape::Labels(labels));
+    scene.legend(Role::Best, meaning);
+}
+
+/// Draws segments with their numbers and mean displacements.
+pub fn draw_segments(scene: &mut Scene, frame: &SegmentFrame) {
+    draw_labels(scene, Arc::clone(&frame.labels), "segments, one colour each");
+    for Segment { label, center, displacement, .. } in &frame.segments {
+        let to = [0, 1].map(|i| center[i] + displacement[i]);
+        scene.mark_of(*label, Picture::CURRENT, Role::Result, Shape::Arrows(vec![Arrow { from: *center, to }]));
+        let text = format!("{label}: {}", words::place(*displacement));
+        scene.mark_of(*label, Picture::CURRENT, Role::Result, Shape::Text { at: *center, text });
+    }
+    scene.legend(Role::Result, "mean displacement of a segment");
+}
+
+/// The legend of the segments as facts: label, motion and area, the largest first.
+pub fn segment_facts(frame: &SegmentFrame) -> Vec<Fact> {
+    let mut all: Vec<&Segment> = frame.segments.iter().collect();
+    all.sort_by_key(|segment| std::cmp::Reverse(segment.area));
+    let fact = |segment: &&Segment| {
+        Fact::new("Segment", format!("{}: {}", segment.label, segment.described()), Some(Role::Result))
+    };
+    let mut facts = vec![Fact::new("Segments", frame.segments.len().to_string(), None)];
+    facts.extend(all.iter().take(LISTED).map(fact));
+    facts
+}
+
+/// What a frame comes to, in sentences: number of segments, dominant motion, agreement with the true labels of frame `t`.
+pub fn conclusion(clip: &Clip, t: usize, frame: &SegmentFrame) -> String {
+    let Some(dominant) = frame.segments.iter().find(|segment| segment.is_dominant) else {
+        return "No pixel has a known flow, so there is no segment.".into();
+    };
+    let (width, height) = frame.labels.size();
+    let share = dominant.area as f64 / (width * height) as f64;
+    let found = match frame.segments.len() {
+        1 => format!(
+            "One segment holds all pixels of known flow and moves by {} px/frame: nothing moves against it.",
+            words::place(dominant.displacement)
+        ),
+        count => format!(
+            "{count} segments. The dominant motion is that of segment {}: {} px/frame, {} of the picture, usually the background.",
+            dominant.label,
+            words::place(dominant.displacement),
+            percent(share)
+        ),
+    };
+    match scores(clip, t, frame) {
+        Some([index, overlap]) => format!(
+            "{found} Against the true labels: adjusted Rand index {}, mean overlap {}.",
+            ratio(index),
+            ratio(overlap)
+        ),
+        None => found,
+    }
+}
+
+/// Adjusted Rand index and mean overlap against the true labels of frame `t`, if they are known.
+pub fn scores(clip: &Clip, t: usize, frame: &SegmentFrame) -> Option<[f64; 2]> {
+    // Unreadable truth is reported where the product is assessed.
+    let truth = clip.truth()?.segments(t).ok().flatten()?;
+    let overlap = (truth.size() == frame.labels.size()).then(|| Overlap::of(&truth, &frame.labels))?;
+    Some([adjusted_rand_index(&overlap), mean_overlap(&overlap)])
+}
+
+/// The names of means in the plane of displacements, by their index.
+pub fn mean_name(index: usize) -> &'static str {
+    const NAMES: [&str; 16] = [
+        "mean 1", "mean 2", "mean 3", "mean 4", "mean 5", "mean 6", "mean 7", "mean 8", "mean 9", "mean 10", "mean 11",
+        "mean 12", "mean 13", "mean 14", "mean 15", "mean 16",
+    ];
+    NAMES.get(index).copied().unwrap_or("a further mean")
+}
+
+/// The plane of displacements with a sample of the points, each in the colour of its group, and places with names. `first` is the coordinate
+/// that is u.
+pub fn plane(
+    (points, first): (&Points, usize),
+    group: impl Fn(usize) -> u32,
+    named: &[(&'static str, Role, Place)],
+    path: &[Place],
+) -> Readout {
+    let (sample, indices) = points.sampled(SHOWN);
+    let displacement = |place: &Place| [place[first], place[first + 1]];
+    let groups: Vec<(u32, [f32; 2])> =
+        indices.iter().enumerate().map(|(i, index)| (group(*index), displacement(&sample.at(i)))).collect();
+    let points: Vec<_> = named.iter().map(|(name, role, place)| (*name, *role, displacement(place))).collect();
+    let path: Vec<[f32; 2]> = path.iter().map(displacement).collect();
+    let (center, reach) = window(groups.iter().map(|(_, uv)| *uv), points.iter().map(|(.., uv)| *uv));
+    Readout::Plane(Plane {
+        title: "Displacements",
+        unit: "px/frame".into(),
+        center,
+        reach,
+        cost: None,
+        groups,
+        lines: Vec::new(),
+        path,
+        points,
+        ellipse: None,
+    })
+}
+
+/// The middle and the reach of a window on all named displacements and on all of the sample but its farthest hundredth.
+fn window(sample: impl Iterator<Item = [f32; 2]>, named: impl Iterator<Item = [f32; 2]>) -> ([f32; 2], f32) {
+    const LEAST: f32 = 0.5;
+    let sample: Vec<[f32; 2]> = sample.collect();
+    let named: Vec<[f32; 2]> = named.collect();
+    let ends = [0, 1].map(|i| {
+        let mut values: Vec<f32> = sample.iter().map(|uv| uv[i]).collect();
+        values.sort_by(f32::total_cmp);
+        let out = values.len() / 100;
+        let inner = values.get(out..values.len() - out).unwrap_or_default();
+        let all = inner.first().into_iter().chain(inner.last()).copied().chain(named.iter().map(|uv| uv[i]));
+        all.fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])
+    });
+    if !ends.iter().flatten().all(|end| end.is_finite()) {
+        return ([0.0; 2], LEAST);
+    }
+    let reach = ends.iter().map(|[low, high]| (high - low) / 2.0).fold(LEAST, f32::max);
+    (ends.map(|[low, high]| (low + high) / 2.0), 1.15 * reach)
+}

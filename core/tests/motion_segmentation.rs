@@ -1,0 +1,327 @@
+//! Motion segmentation: true and estimated flow of rigid layers, a plain reference, and what it cannot do.
+
+mod common;
+
+use std::sync::Arc;
+
+use common::{fact, set};
+use motionscope_core::products::segments::{Overlap, adjusted_rand_index, mean_overlap};
+use motionscope_core::scene::Readout;
+use motionscope_core::{
+    Clip, Direction, Error, Flow, Frame, Grid, Guarantee, Move, Params, SegmentField, Step, Threads, Truth, estimators,
+    synth,
+};
+
+fn clip(scene: &str, settings: &[(&str, &str)]) -> Clip {
+    let scene = synth::scene(scene).expect("a bundled scene");
+    let mut difficulty = scene.difficulty();
+    settings.iter().for_each(|(name, value)| difficulty.set(name, value).expect("in range"));
+    scene.clip(&difficulty).expect("a clip")
+}
+
+fn small(scene: &str) -> Clip {
+    clip(scene, &[("width", "160"), ("height", "120"), ("frames", "5")])
+}
+
+/// A flow that is known, of frames without pictures of it.
+struct Known(Flow);
+
+impl Truth for Known {
+    fn flow(&self, _: usize) -> Result<Option<Arc<Flow>>, Error> {
+        Ok(Some(Arc::new(self.0.clone())))
+    }
+
+    fn kinds(&self) -> Vec<&'static str> {
+        vec!["flow"]
+    }
+}
+
+fn with_flow(flow: Grid<[f32; 2]>) -> Clip {
+    let frames = vec![Frame::gray(Grid::new(flow.width(), flow.height(), 90)); 2];
+    Clip::from_frames("known", frames).expect("frames of one size").with_truth(Arc::new(Known(Flow(flow))))
+}
+
+/// The segments that the estimator `id` finds from frame 0 on.
+fn segments(id: &str, settings: &[(&str, &str)], clip: &Clip) -> SegmentField {
+    let output = set(id, settings).run(clip, 0, &Threads::single()).expect("a run");
+    output.get::<SegmentField>().expect("segments").clone()
+}
+
+/// Adjusted Rand index and mean overlap of frame `index`.
+fn scores(field: &SegmentField, clip: &Clip, index: usize) -> [f64; 2] {
+    let truth = clip.truth().expect("truth").segments(field.first + index).expect("readable").expect("labels");
+    let overlap = Overlap::of(&truth, &field.frames[index].labels);
+    [adjusted_rand_index(&overlap), mean_overlap(&overlap)]
+}
+
+/// The steps of a run.
+fn steps(id: &str, settings: &[(&str, &str)], clip: &Clip) -> Vec<Step> {
+    let mut walk = set(id, settings).walk(clip, 0).expect("a walk");
+    let event = walk.info().granularities.len() - 1;
+    let mut steps = Vec::new();
+    while !walk.at_end() {
+        walk.jump(Move::Granularity(event, Direction::Forward));
+        steps.push(walk.step(None));
+    }
+    steps
+}
+
+fn said(steps: &[Step], line: &str) -> Vec<String> {
+    steps.iter().filter(|step| step.line.as_str() == line).map(|step| step.sentence.plain()).collect()
+}
+
+const TRUE_FLOW: (&str, &str) = ("flow-source", "truth");
+
+#[test]
+fn clusters_of_the_true_flow_are_the_rigid_layers() {
+    let clip = clip("rigid-layers", &[("frames", "2")]);
+    for method in ["k-means", "gaussian-mixture", "mean-shift"] {
+        let found = segments("motion-clustering", &[("method", method), TRUE_FLOW], &clip);
+        let [index, overlap] = scores(&found, &clip, 0);
+        assert!(index >= 0.95 && overlap >= 0.95, "{method}: {index}, {overlap}");
+    }
+}
+
+#[test]
+fn clusters_of_an_estimated_flow_are_nearly_the_rigid_layers() {
+    let clip = clip("rigid-layers", &[("frames", "2")]);
+    for method in ["k-means", "gaussian-mixture", "mean-shift"] {
+        let found = segments("motion-clustering", &[("method", method)], &clip);
+        let [index, overlap] = scores(&found, &clip, 0);
+        println!("{method}: {index}, {overlap}, {} segments", found.frames[0].segments.len());
+        assert!(index >= 0.85, "{method}: {index}, {overlap}");
+    }
+}
+
+#[test]
+fn layers_of_the_true_flow_are_the_rigid_motions() {
+    for scene in ["rigid-layers", "turntable"] {
+        let clip = clip(scene, &[("frames", "2")]);
+        let found = segments("motion-layers", &[TRUE_FLOW], &clip);
+        let [index, overlap] = scores(&found, &clip, 0);
+        assert!(index >= 0.95 && overlap >= 0.95, "{scene}: {index}, {overlap}, {:?}", found.frames[0].segments);
+    }
+}
+
+#[test]
+fn layers_of_an_estimated_flow_are_nearly_the_rigid_motions() {
+    for scene in ["rigid-layers", "turntable"] {
+        let clip = clip(scene, &[("frames", "2")]);
+        let found = segments("motion-layers", &[], &clip);
+        let [index, overlap] = scores(&found, &clip, 0);
+        println!("layers {scene}: {index}, {overlap}, {} segments", found.frames[0].segments.len());
+        assert!(index >= 0.85, "{scene}: {index}, {overlap}");
+    }
+}
+
+#[test]
+fn layers_cut_a_waving_flag_into_pieces() {
+    let clip = clip("flag", &[("frames", "2")]);
+    let found = segments("motion-layers", &[TRUE_FLOW], &clip);
+    let [index, _] = scores(&found, &clip, 0);
+    println!("layers flag: {index}, {} segments", found.frames[0].segments.len());
+    assert!(index < 0.8 && found.frames[0].segments.len() > 3, "{index}");
+}
+
+#[test]
+fn every_motion_segmentation_separates_rigid_motions() {
+    let clip = clip("rigid-layers", &[("frames", "2")]);
+    let mut ran = 0;
+    for mut estimator in estimators().into_iter().filter(|estimator| estimator.guarantee() == Guarantee::Segments) {
+        estimator.set("flow-source", "truth").expect("a choice");
+        let output = estimator.run(&clip, 0, &Threads::new(2).expect("threads")).expect("a run");
+        let field = output.get::<SegmentField>().expect("segments");
+        let [index, _] = scores(field, &clip, 0);
+        assert!(index >= 0.95, "{}: {index}", estimator.info().id);
+        ran += 1;
+    }
+    assert_eq!(ran, 2);
+}
+
+/// A turning and growing square before a shearing background, as affine motions.
+const SQUARE: [f64; 6] = [3.0, 0.02, -0.04, -2.0, 0.04, 0.02];
+const BEHIND: [f64; 6] = [-1.0, 0.0, 0.01, 0.5, 0.0, 0.0];
+
+fn moved(a: [f64; 6], (x, y): (usize, usize)) -> [f64; 2] {
+    let (x, y) = (x as f64, y as f64);
+    [a[0] + a[1] * x + a[2] * y, a[3] + a[4] * x + a[5] * y]
+}
+
+#[test]
+fn layers_have_the_affine_motions_of_a_plain_reference() {
+    let is_square = |x: usize, y: usize| (30..80).contains(&x) && (20..70).contains(&y);
+    let flow =
+        Grid::from_fn(120, 100, |x, y| moved(if is_square(x, y) { SQUARE } else { BEHIND }, (x, y)).map(|c| c as f32));
+    let clip = with_flow(flow.clone());
+    let field = segments("motion-layers", &[TRUE_FLOW, ("block-size", "10")], &clip);
+    let frame = &field.frames[0];
+    assert_eq!(frame.segments.len(), 2, "{:?}", frame.segments);
+    for (truth, at) in [(SQUARE, (50, 40)), (BEHIND, (5, 5))] {
+        let segment = frame.segment(frame.labels[at]).expect("a segment");
+        let affine = segment.affine.expect("an affine motion");
+        assert!(affine.iter().zip(truth).all(|(a, b)| (a - b).abs() < 1e-3), "{affine:?}, not {truth:?}");
+        assert_eq!(segment.is_dominant, at == (5, 5), "the background is dominant");
+    }
+    // Each pixel has the layer of the smallest residual.
+    for (x, y) in (0..100).flat_map(|y| (0..120).map(move |x| (x, y))) {
+        let residual = |segment: &motionscope_core::Segment| {
+            let [u, v] = moved(segment.affine.expect("an affine motion"), (x, y));
+            (u - f64::from(flow[(x, y)][0])).hypot(v - f64::from(flow[(x, y)][1]))
+        };
+        let own = residual(frame.segment(frame.labels[(x, y)]).expect("a segment"));
+        assert!(frame.segments.iter().all(|other| own <= residual(other) + 1e-4), "({x}, {y})");
+    }
+}
+
+#[test]
+fn layers_answer_bad_input_in_words() {
+    let still = with_flow(Grid::new(64, 48, [0.0; 2]));
+    let all = steps("motion-layers", &[TRUE_FLOW], &still);
+    assert!(said(&all, "label")[0].contains("nothing moves against it"));
+    let clip = clip("rigid-layers", &[("frames", "2")]);
+    for clusters in ["1", "32"] {
+        let field = segments("motion-layers", &[TRUE_FLOW, ("clusters", clusters)], &clip);
+        assert_eq!(field.frames[0].segments.len(), 3, "clusters = {clusters}: splits and merges find the motions");
+    }
+    let all = steps("motion-layers", &[TRUE_FLOW, ("clusters", "1")], &clip);
+    assert!(!said(&all, "split").is_empty(), "one cluster is not enough");
+    let unknown = with_flow(Grid::new(32, 24, Flow::UNKNOWN));
+    assert!(segments("motion-layers", &[TRUE_FLOW], &unknown).frames[0].segments.is_empty());
+}
+
+#[test]
+fn clusters_cut_a_rotating_object_into_pieces() {
+    let clip = clip("turntable", &[("frames", "2")]);
+    let found = segments("motion-clustering", &[TRUE_FLOW], &clip);
+    let [index, _] = scores(&found, &clip, 0);
+    assert!(index < 0.6, "{index}");
+}
+
+#[test]
+fn labels_stay_from_frame_to_frame() {
+    let clip = small("rigid-layers");
+    for id in ["motion-clustering", "motion-layers"] {
+        let found = segments(id, &[TRUE_FLOW, ("frames", "5")], &clip);
+        assert_eq!(found.frames.len(), 4);
+        let name = |index: usize, label: u32| {
+            let truth = clip.truth().expect("truth").segments(index).expect("readable").expect("labels");
+            let overlap = Overlap::of(&truth, &found.frames[index].labels);
+            overlap.pairs_by_shared_pixels().into_iter().find(|(truth, _)| *truth == label).map(|(_, label)| label)
+        };
+        for label in 1..=3 {
+            let names: Vec<_> = (0..4).map(|index| name(index, label)).collect();
+            assert!(names.iter().all(|name| name.is_some() && *name == names[0]), "{id}: {names:?}");
+        }
+    }
+}
+
+/// Lloyd's iteration with sums in double precision, from these means on.
+fn lloyd(points: &[[f32; 2]], mut means: Vec<[f64; 2]>) -> Vec<usize> {
+    let squared = |p: &[f32; 2], m: &[f64; 2]| (f64::from(p[0]) - m[0]).powi(2) + (f64::from(p[1]) - m[1]).powi(2);
+    let mut labels = vec![usize::MAX; points.len()];
+    loop {
+        let nearest = |p: &[f32; 2]| {
+            (0..means.len()).min_by(|a, b| squared(p, &means[*a]).total_cmp(&squared(p, &means[*b]))).expect("a mean")
+        };
+        let next: Vec<usize> = points.iter().map(nearest).collect();
+        if next == labels {
+            return labels;
+        }
+        labels = next;
+        for (j, mean) in means.iter_mut().enumerate() {
+            let own: Vec<_> = points.iter().zip(&labels).filter(|(_, label)| **label == j).map(|(p, _)| p).collect();
+            *mean = [0, 1].map(|i| own.iter().map(|p| f64::from(p[i])).sum::<f64>() / own.len() as f64);
+        }
+    }
+}
+
+#[test]
+fn k_means_is_that_of_a_plain_reference() {
+    // Displacements that fill a square, so that many iterations are needed.
+    let value = |x: usize, y: usize, k: usize| ((x * 31 + y * k) % 97) as f32 / 24.0;
+    let flow = Grid::from_fn(60, 40, |x, y| [value(x, y, 57), value(x, y, 83) + x as f32 / 30.0]);
+    let clip = with_flow(flow.clone());
+    let settings = [TRUE_FLOW, ("clusters", "4"), ("iterations", "200")];
+    let all = steps("motion-clustering", &settings, &clip);
+    let last_seed = all.iter().rfind(|step| step.line.as_str() == "pick-seed").expect("seeds");
+    let seeds: Vec<[f64; 2]> = common::plane(last_seed).points.iter().map(|(.., uv)| uv.map(f64::from)).collect();
+    assert_eq!(seeds.len(), 4);
+    assert!(said(&all, "assign").len() > 5, "it takes a while");
+    let expected = lloyd(flow.cells(), seeds);
+    let found = segments("motion-clustering", &settings, &clip);
+    let labels = found.frames[0].labels.cells();
+    // Labels are numbers of clusters in a first frame.
+    let mut names = [0; 4];
+    labels.iter().zip(&expected).for_each(|(label, cluster)| names[*cluster] = *label);
+    let off = labels.iter().zip(&expected).filter(|(label, cluster)| **label != names[**cluster]).count();
+    assert_eq!(off, 0, "of {}", labels.len());
+}
+
+#[test]
+fn the_log_likelihood_of_a_mixture_never_falls() {
+    let clip = small("rigid-layers");
+    let settings = [("method", "gaussian-mixture"), ("clusters", "4"), ("flow", "horn-schunck")];
+    let all = steps("motion-clustering", &settings, &clip);
+    let values: Vec<f64> = all
+        .iter()
+        .filter(|step| step.line.as_str() == "expect")
+        .map(|step| common::numbers(&fact(step, "Log-likelihood per pixel").expect("a number"))[0])
+        .collect();
+    assert!(values.len() > 4 && values.windows(2).all(|pair| pair[1] >= pair[0]), "{values:?}");
+}
+
+#[test]
+fn the_silhouette_finds_the_number_of_motions() {
+    let clip = small("rigid-layers");
+    let settings = [("selection", "silhouette"), ("clusters", "8"), TRUE_FLOW];
+    let found = segments("motion-clustering", &settings, &clip);
+    assert_eq!(found.frames[0].segments.len(), 3);
+    let all = steps("motion-clustering", &settings, &clip);
+    let has_elbow = |step: &Step| {
+        let title =
+            |readout: &Readout| matches!(readout, Readout::Series(series) if series.title.contains("by number"));
+        step.readouts.iter().filter(|readout| title(readout)).count() == 2
+    };
+    assert!(all.last().is_some_and(has_elbow), "distances and silhouettes over k");
+}
+
+#[test]
+fn bad_input_is_answered_in_words() {
+    let still = with_flow(Grid::new(32, 24, [0.0; 2]));
+    let clip = small("rigid-layers");
+    let k = |k: &'static str| [("clusters", k), TRUE_FLOW];
+    // No motion at all.
+    for method in ["k-means", "gaussian-mixture", "mean-shift"] {
+        let settings = [("method", method), TRUE_FLOW];
+        assert_eq!(segments("motion-clustering", &settings, &still).frames[0].segments.len(), 1, "{method}");
+        let all = steps("motion-clustering", &settings, &still);
+        assert!(said(&all, "label")[0].contains("nothing moves against it"), "{method}");
+    }
+    // One cluster.
+    let all = steps("motion-clustering", &k("1"), &clip);
+    assert!(said(&all, "label")[0].contains("A single cluster was asked for"));
+    // More clusters than distinct motions.
+    let all = steps("motion-clustering", &k("7"), &clip);
+    assert!(said(&all, "pick-seed").last().is_some_and(|said| said.contains("only 3 distinct motions")));
+    assert_eq!(segments("motion-clustering", &k("7"), &clip).frames[0].segments.len(), 3);
+    // No flow is known.
+    let unknown = with_flow(Grid::new(32, 24, Flow::UNKNOWN));
+    let field = segments("motion-clustering", &k("3"), &unknown);
+    assert!(field.frames[0].segments.is_empty() && field.frames[0].labels.cells().iter().all(|label| *label == 0));
+    // There is no truth.
+    let blind = Clip::from_frames("blind", vec![Frame::gray(Grid::new(32, 24, 90)); 2]).expect("frames");
+    let refused = set("motion-clustering", &k("3")).walk(&blind, 0).err().expect("no truth").to_string();
+    assert!(refused.contains("set flow-source to estimated"), "{refused}");
+}
+
+#[test]
+fn a_pixel_is_explained_by_its_distances() {
+    let clip = small("rigid-layers");
+    let estimator = set("motion-clustering", &[TRUE_FLOW]);
+    let step = common::explained_at(&*estimator, &clip, 1, [43.0, 46.0]);
+    let equation = common::equation(&step);
+    assert_eq!(equation.len(), 3, "{equation:?}");
+    let distances: Vec<f64> = equation.iter().map(|row| *common::numbers(row).last().expect("a number")).collect();
+    assert!(distances.contains(&0.0), "{distances:?}");
+    assert!(fact(&step, "Displacement").is_some_and(|text| text.contains('(')));
+}
