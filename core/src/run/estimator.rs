@@ -64,6 +64,8 @@ pub enum Guarantee {
     Objects,
     /// The object whose region is given in the first frame, before a background of other colours; no displacement.
     Region,
+    /// The disparity of two views shifted by a whole number of px, on texture that does not repeat; no displacement.
+    Disparity,
     /// The normal flow of a sub-pixel translation, on smooth texture.
     AlongGradient,
 }

@@ -14,6 +14,8 @@ mod parallax;
 mod passing_bus;
 mod pillar;
 mod spin_zoom;
+mod stereo_traps;
+mod still_life;
 mod sub_pixel;
 mod traffic;
 mod translation;
@@ -41,4 +43,6 @@ pub const SCENES: &[Sample] = &[
     flag::SAMPLE,
     tunnel::SAMPLE,
     leaves::SAMPLE,
+    still_life::SAMPLE,
+    stereo_traps::SAMPLE,
 ];
