@@ -91,7 +91,7 @@ pub use data::{
     Interpolation, Mask, MaskErrors, ObjectBox, PackedMask, PixelClass, TrueMask, Truth, Viewpoint,
 };
 pub use families::{
-    block_matching, correspondence, interest_points, moving_objects, optical_flow, region_tracking, tracking,
+    block_matching, correspondence, interest_points, moving_objects, optical_flow, region_tracking, stereo, tracking,
 };
 pub use geometry::{Border, Bounds, Gray, Grid};
 pub use methods::{geometric, kalman};

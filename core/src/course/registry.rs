@@ -19,6 +19,7 @@ use crate::families::{
         Clg, Farneback, HornSchunck, Klt, LucasKanade, NormalFlow, PointTrajectories, PyramidalLucasKanade, TvL1,
     },
     region_tracking::{ActiveContour, Camshift, CorrelationFilter, GreedyContour, MeanShift, ParticleFilter},
+    stereo::{BlockStereo, SemiGlobalMatching},
     tracking::{BlobTracker, JointProbabilistic, KalmanFilter, KalmanTracker, MultipleHypothesis, TrajectoryAnalysis},
 };
 use crate::methods::{
@@ -86,6 +87,8 @@ impl Entries for Course {
         Entry::of::<RegionTracking<CorrelationFilter>>(),
         Entry::of::<RegionTracking<ActiveContour>>(),
         Entry::of::<RegionTracking<GreedyContour>>(),
+        Entry::of::<BlockStereo>(),
+        Entry::of::<SemiGlobalMatching>(),
     ];
 }
 

@@ -6,4 +6,5 @@ pub mod interest_points;
 pub mod moving_objects;
 pub mod optical_flow;
 pub mod region_tracking;
+pub mod stereo;
 pub mod tracking;

@@ -15,5 +15,6 @@ pub(crate) mod numbers;
 pub mod polynomial;
 pub mod region;
 pub mod scale_space;
+pub mod stereo;
 pub mod subtraction;
 pub mod variational;
