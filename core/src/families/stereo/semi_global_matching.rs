@@ -40,7 +40,7 @@ params! {
         /// Penalty P1 for a change of the disparity by 1 px between neighbours. Larger values make slanted surfaces into steps.
         p1: usize = 10, 0..=MOST_PENALTY;
         /// Penalty P2 for a larger change, at least P1. Larger values suppress noise, but pull thin objects into the background.
-        p2: usize = 120, 0..=MOST_PENALTY;
+        p2: usize = 60, 0..=MOST_PENALTY;
         /// Number of directions of paths.
         paths: Paths = Paths::Eight;
         /// Fill pixels that fail a test from their surroundings.
@@ -447,7 +447,7 @@ impl Footprint<State> for SemiGlobalMatching {
     fn need(&self, clip: &Clip) -> Need {
         let depth = self.settings.disparities.next_multiple_of(LANES) as f64;
         let lines = 16.0 * (clip.size().0 + 2) as f64 * (depth + 32.0);
-        Need::per_pixel(clip, [3.0 * depth + 110.0, 8.0 * depth + 220.0]).and([lines, lines])
+        Need::per_pixel(clip, [3.0 * depth + 110.0, 10.0 * depth + 260.0]).and([lines, lines])
     }
 
     fn state_bytes(&self, state: &State) -> usize {
