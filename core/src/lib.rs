@@ -92,22 +92,22 @@ pub use base::words::{fixed, grouped, spaced};
 pub use base::{Count, Error, Observer, Stop, Tally, Threads};
 pub use course::{compare, detection, estimator, estimators, glossary};
 pub use data::{
-    Blob, Clip, ClipInfo, Counted, Detection, Flow, Frame, FrameSource, Histogram, Interpolation, Mask, MaskErrors,
-    ObjectBox, PackedMask, PixelClass, TrueMask, Truth,
+    Blob, Calibration, Clip, ClipInfo, Counted, Detection, Disparity, Flow, Frame, FrameSource, Histogram,
+    Interpolation, Mask, MaskErrors, ObjectBox, PackedMask, PixelClass, TrueMask, Truth, Viewpoint,
 };
 pub use families::{
     block_matching, correspondence, interest_points, motion_segmentation, moving_objects, optical_flow,
-    region_tracking, tracking,
+    region_tracking, stereo, tracking,
 };
 pub use geometry::{Border, Bounds, Gray, Grid};
 pub use methods::{geometric, kalman};
 pub use params::{Params, Spec, Value};
 pub use products::{
     Agreement, Block, BlockField, BlockGrid, BlockVector, Coding, Confidence, Consistency, DenseField, Descriptor,
-    EpipolarField, Feature, Followed, Keypoint, MaskField, Match, MatchField, MatchStatus, Model, ModelField, Object,
-    ObjectField, ObjectFrame, Output, PathField, PointField, Product, ProductKind, Region, RegionField, RegionFrame,
-    Segment, SegmentField, SegmentFrame, Status, Streak, Streaks, Track, TrackField, TrackStatus, metrics, predict,
-    table,
+    DisparityField, EpipolarField, Feature, Followed, Keypoint, MaskField, Match, MatchField, MatchStatus, Model,
+    ModelField, Object, ObjectField, ObjectFrame, Output, PathField, PointField, Product, ProductKind, Region,
+    RegionField, RegionFrame, Segment, SegmentField, SegmentFrame, Status, Streak, Streaks, Track, TrackField,
+    TrackStatus, metrics, predict, table,
 };
 pub use run::{
     AnyEstimator, AnyRun, Beside, CandidateCount, Cursor, Direction, Estimator, Explained, Extent, FRAME, FRAMES,

@@ -1,8 +1,8 @@
 //! Results hold bit for bit: what every estimator makes of bundled clips, as one number each.
 
 use motionscope_core::{
-    AnyEstimator, BlockField, Clip, Feature, MaskField, MatchField, ObjectField, Output, Params, PathField,
-    RegionField, Threads, TrackField, estimators, products, products::EpipolarField, synth,
+    AnyEstimator, BlockField, Clip, DisparityField, Feature, MaskField, MatchField, ObjectField, Output, Params,
+    PathField, RegionField, Threads, TrackField, estimators, products, products::EpipolarField, synth,
 };
 
 /// Keypoints as the line of an estimator holds them: scale, orientation and descriptor have a line of their own.
@@ -58,7 +58,8 @@ fn further(output: &Output) -> Vec<(&'static str, u64)> {
     let epipolar = output.get::<EpipolarField>().map(|field| ("matrix", format!("{:?}", field.matrix)));
     let path = output.get::<PathField>().map(|field| ("path", format!("{:?} {:?}", field.motions, field.corrections)));
     let region = output.get::<RegionField>().map(|field| ("region", format!("{field:?}")));
-    let told = [masks, confidence, keypoints, matches, epipolar, path, region].into_iter().flatten();
+    let disparity = output.get::<DisparityField>().map(|field| ("disparity", format!("{:?}", field.map)));
+    let told = [masks, confidence, keypoints, matches, epipolar, path, region, disparity].into_iter().flatten();
     told.map(|(name, told)| (name, hash(told.bytes()))).collect()
 }
 

@@ -2,8 +2,8 @@
 
 use motionscope_core::table::Table;
 use motionscope_core::{
-    BlockField, DenseField, EpipolarField, Error, MaskField, MatchField, ModelField, ObjectField, Output, PathField,
-    PointField, Product, RegionField, SegmentField, TrackField,
+    BlockField, DenseField, DisparityField, EpipolarField, Error, MaskField, MatchField, ModelField, ObjectField,
+    Output, PathField, PointField, Product, RegionField, SegmentField, TrackField,
 };
 
 use super::{EncodedFiles, Export, Format};
@@ -11,12 +11,13 @@ use super::{EncodedFiles, Export, Format};
 pub const EXPORT: Export = Export {
     flag: "table",
     value: "FILE.csv",
-    help: "Save motion vectors, features, matches, objects, detections or segments as CSV; `-` is standard output",
+    help: "Save motion vectors, features, matches, disparities, objects, detections or segments as CSV; `-` is standard output",
     name: "Table",
     explained: "A table with units in its headings.",
     takes: &[
         BlockField::KIND,
         DenseField::KIND,
+        DisparityField::KIND,
         PointField::KIND,
         TrackField::KIND,
         MatchField::KIND,

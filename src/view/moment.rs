@@ -216,7 +216,10 @@ fn named(scene: &Scene, RunView { walk, clip, pair, named, .. }: RunView<'_>) ->
             return Ok(Arc::clone(pair.frame_of(picture)));
         }
         let index = walk.at_frame().checked_add_signed(picture.time as isize);
-        index.map_or_else(|| Err(Error::new("the clip begins after it")), |index| clip.frame(index))
+        index.map_or_else(
+            || Err(Error::new("the clip begins after it")),
+            |index| clip.frame_from(picture.viewpoint, index),
+        )
     };
     named.of(walk.cursor(), &scene.pictures, read)
 }

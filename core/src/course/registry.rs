@@ -22,6 +22,8 @@ use crate::families::{
     region_tracking::{
         ActiveContour, Camshift, ChanVese, CorrelationFilter, GreedyContour, MeanShift, ParticleFilter, TemplateTracker,
     },
+    region_tracking::{ActiveContour, Camshift, CorrelationFilter, GreedyContour, MeanShift, ParticleFilter},
+    stereo::{BlockStereo, SemiGlobalMatching},
     tracking::{BlobTracker, JointProbabilistic, KalmanFilter, KalmanTracker, MultipleHypothesis, TrajectoryAnalysis},
 };
 use crate::methods::{
@@ -94,6 +96,8 @@ impl Entries for Course {
         Entry::of::<RegionTracking<ActiveContour>>(),
         Entry::of::<RegionTracking<GreedyContour>>(),
         Entry::of::<RegionTracking<ChanVese>>(),
+        Entry::of::<BlockStereo>(),
+        Entry::of::<SemiGlobalMatching>(),
     ];
 }
 

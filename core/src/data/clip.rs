@@ -3,7 +3,7 @@
 use std::fmt;
 use std::sync::Arc;
 
-use super::{Detection, TrueMask};
+use super::{Calibration, Detection, Disparity, TrueMask, Viewpoint};
 use crate::base::{Error, Stop};
 use crate::geometry::{Bounds, Gray, Grid};
 
@@ -178,7 +178,23 @@ pub trait Truth: Send + Sync {
         Ok(None)
     }
 
-    /// What kinds of truth there are, in words for a person: `flow`, `occlusion`, `segments`, `objects`, `foreground`.
+    /// The disparity of each pixel of frame `t` of the left view.
+    ///
+    /// # Errors
+    /// If the truth is there but cannot be read.
+    fn disparity(&self, _t: usize) -> Result<Option<Arc<Disparity>>, Error> {
+        Ok(None)
+    }
+
+    /// Pixels of frame `t` of the left view that the right view does not show: half-occluded, or beside its picture.
+    ///
+    /// # Errors
+    /// If the truth is there but cannot be read.
+    fn half_occlusion(&self, _t: usize) -> Result<Option<Arc<Grid<bool>>>, Error> {
+        Ok(None)
+    }
+
+    /// What kinds of truth there are, in words for a person: `flow`, `occlusion`, `segments`, `objects`, `foreground`, `disparity`.
     fn kinds(&self) -> Vec<&'static str>;
 
     /// What each of these kinds was read from, as `flow10.flo`; nothing for truth that is computed.
@@ -245,6 +261,8 @@ pub struct Clip {
     frames: Arc<dyn FrameSource>,
     truth: Option<Arc<dyn Truth>>,
     detections: Option<Arc<Vec<Vec<Detection>>>>,
+    right: Option<Arc<Clip>>,
+    calibration: Option<Calibration>,
     stop: Stop,
     budget: Option<u64>,
 }
@@ -258,7 +276,16 @@ impl fmt::Debug for Clip {
 impl Clip {
     /// A clip of frames that `frames` delivers.
     pub fn new(info: ClipInfo, frames: Arc<dyn FrameSource>) -> Self {
-        Self { info: Arc::new(info), frames, truth: None, detections: None, stop: Stop::default(), budget: None }
+        Self {
+            info: Arc::new(info),
+            frames,
+            truth: None,
+            detections: None,
+            right: None,
+            calibration: None,
+            stop: Stop::default(),
+            budget: None,
+        }
     }
 
     /// A clip of frames in memory.
@@ -320,6 +347,35 @@ impl Clip {
     /// The same clip with the detections of `other` in the place of its own.
     pub fn with_detections_of(mut self, other: &Clip) -> Self {
         self.detections.clone_from(&other.detections);
+        self
+    }
+
+    /// The same clip as the left view of a rectified pair of cameras, with the frames of `right` as the right one.
+    ///
+    /// # Errors
+    /// If both views differ in size, or in a known number of frames.
+    pub fn with_right(mut self, right: Clip) -> Result<Self, Error> {
+        if self.size() != right.size() {
+            let ((w, h), (rw, rh)) = (self.size(), right.size());
+            return Err(Error::new(format!(
+                "the left view is {w}×{h} px and the right view {rw}×{rh} px; rectified views have one size"
+            )));
+        }
+        if let (Some(left), Some(frames)) = (self.info.frames, right.info.frames)
+            && left != frames
+        {
+            return Err(Error::new(format!(
+                "the left view has {left} frames and the right view {frames}; both views must show the same moments"
+            )));
+        }
+        self.right = Some(Arc::new(right));
+        Ok(self)
+    }
+
+    /// The same clip with the calibration of its two cameras.
+    #[must_use]
+    pub fn with_calibration(mut self, calibration: Calibration) -> Self {
+        self.calibration = Some(calibration);
         self
     }
 
@@ -414,6 +470,29 @@ impl Clip {
         self.info.frames.map_or_else(|| self.frames.has_frame(index, &self.stop), |count| Ok(index < count))
     }
 
+    /// The right view, if there is one.
+    pub fn right(&self) -> Option<&Clip> {
+        self.right.as_deref()
+    }
+
+    /// The calibration of the two cameras, if it is known.
+    pub fn calibration(&self) -> Option<&Calibration> {
+        self.calibration.as_ref()
+    }
+
+    /// Frame `index` from a viewpoint. May decode: never call it on the window's thread.
+    ///
+    /// # Errors
+    /// As [`Clip::frame`], and if there is no right view.
+    pub fn frame_from(&self, viewpoint: Viewpoint, index: usize) -> Result<Arc<Frame>, Error> {
+        if viewpoint == Viewpoint::Left {
+            return self.frame(index);
+        }
+        let missing = || Error::new(format!("{} has no right view; open one beside it", self.info.name));
+        let right = self.right.as_deref().ok_or_else(missing)?;
+        right.clone().until(self.stop.clone()).frame(index)
+    }
+
     /// Frame `index` if it is at hand without any work.
     pub fn cached(&self, index: usize) -> Option<Arc<Frame>> {
         self.frames.cached(index)
@@ -464,14 +543,19 @@ impl Clip {
         Ok(Self::new(info, Arc::new(InMemory(vec![second, first]))).part_of(self))
     }
 
-    /// Frames `t` and `t + 1` as a clip of their own.
+    /// Frames `t` and `t + 1` as a clip of their own, from both viewpoints if there are two.
     ///
     /// # Errors
     /// As [`Clip::pair`].
     pub fn pair_from(&self, t: usize) -> Result<Self, Error> {
         let frames = self.pair(t)?;
         let info = ClipInfo { frames: Some(2), ..ClipInfo::clone(&self.info) };
-        Ok(Self::new(info, Arc::new(InMemory(frames.into()))).part_of(self))
+        let mut pair = Self::new(info, Arc::new(InMemory(frames.into()))).part_of(self);
+        if let Some(right) = &self.right {
+            pair = pair.with_right(Clip::clone(right).until(self.stop.clone()).pair_from(t)?)?;
+        }
+        pair.calibration = self.calibration;
+        Ok(pair)
     }
 }
 
@@ -536,6 +620,30 @@ mod tests {
         let grays: Vec<_> = reversed.pair(0).unwrap().iter().map(|frame| frame.luma()[(0, 0)]).collect();
         assert_eq!((grays, reversed.info().frames), (vec![3, 2], Some(2)));
         assert!(clip.reversed(2).is_err());
+    }
+
+    #[test]
+    fn a_right_view_goes_with_the_left_one() {
+        let clip = |first: u8, width, frames: u8| {
+            let frame = |t| Frame::gray(Grid::new(width, 2, first + t));
+            Clip::from_frames("view", (0..frames).map(frame).collect()).unwrap()
+        };
+        let calibration = Calibration::new(300.0, 0.1, [1.0, 0.5]).unwrap();
+        let both = clip(0, 4, 3).with_right(clip(100, 4, 3)).unwrap().with_calibration(calibration);
+        let level = |clip: &Clip, viewpoint, t| clip.frame_from(viewpoint, t).unwrap().luma()[(0, 0)];
+        assert_eq!([Viewpoint::Left, Viewpoint::Right].map(|viewpoint| level(&both, viewpoint, 2)), [2, 102]);
+        let pair = both.pair_from(1).unwrap();
+        assert_eq!((level(&pair, Viewpoint::Right, 0), pair.calibration()), (101, Some(&calibration)));
+        assert!(
+            clip(0, 4, 3)
+                .with_right(clip(0, 5, 3))
+                .unwrap_err()
+                .to_string()
+                .contains("4×2 px and the right view 5×2 px")
+        );
+        assert!(clip(0, 4, 3).with_right(clip(0, 4, 2)).unwrap_err().to_string().contains("3 frames"));
+        let missing = clip(0, 4, 1).frame_from(Viewpoint::Right, 0).unwrap_err().to_string();
+        assert!(missing.contains("no right view"), "{missing}");
     }
 
     #[test]

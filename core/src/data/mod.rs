@@ -7,6 +7,7 @@ mod histogram;
 mod interpolation;
 mod mask;
 mod morphology;
+mod stereo;
 mod true_mask;
 
 pub use clip::{Clip, ClipInfo, Flow, Frame, FrameSource, ObjectBox, Truth};
@@ -17,4 +18,5 @@ pub(crate) use interpolation::Between;
 pub use interpolation::Interpolation;
 pub use mask::{Mask, PackedMask};
 pub use morphology::MAX_RADIUS_PX;
+pub use stereo::{Calibration, Disparity, Viewpoint};
 pub use true_mask::{MaskErrors, PixelClass, TrueMask};

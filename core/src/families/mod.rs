@@ -7,4 +7,5 @@ pub mod motion_segmentation;
 pub mod moving_objects;
 pub mod optical_flow;
 pub mod region_tracking;
+pub mod stereo;
 pub mod tracking;

@@ -17,5 +17,6 @@ pub mod polynomial;
 pub mod region;
 pub mod scale_space;
 pub mod segmentation;
+pub mod stereo;
 pub mod subtraction;
 pub mod variational;

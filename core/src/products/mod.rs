@@ -8,6 +8,7 @@ mod block_vectors;
 mod coding;
 pub mod consistency;
 mod dense_flow;
+pub mod disparity;
 pub mod epipolar;
 mod flow_error;
 pub mod keypoints;
@@ -34,6 +35,7 @@ pub use block_vectors::{Block, BlockField, BlockGrid, BlockVector};
 pub use coding::Coding;
 pub use consistency::{Agreement, Consistency};
 pub use dense_flow::DenseField;
+pub use disparity::DisparityField;
 pub use epipolar::EpipolarField;
 pub use keypoints::{Descriptor, Feature, Keypoint, PointField, Status};
 pub use mask::MaskField;
@@ -57,6 +59,7 @@ pub use tracks::{Track, TrackField};
 pub const KINDS: &[&ProductKind] = &[
     BlockField::KIND,
     DenseField::KIND,
+    DisparityField::KIND,
     PointField::KIND,
     TrackField::KIND,
     MatchField::KIND,

@@ -66,6 +66,8 @@ pub enum Guarantee {
     Region,
     /// The segments of rigid motions in a true flow; no displacement.
     Segments,
+    /// The disparity of two views shifted by a whole number of px, on texture that does not repeat; no displacement.
+    Disparity,
     /// The normal flow of a sub-pixel translation, on smooth texture.
     AlongGradient,
 }

@@ -6,16 +6,7 @@ use std::sync::Arc;
 
 use crate::base::Error;
 use crate::data::Frame;
-
-/// The viewpoint of a picture.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Viewpoint {
-    /// The only camera, or the left one of two.
-    #[default]
-    Left,
-    /// The right one of two.
-    Right,
-}
+pub use crate::data::Viewpoint;
 
 /// The role of a picture in its step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -33,6 +24,8 @@ pub enum PictureRole {
     Warped,
     /// The response of a filter, such as a difference of Gaussians, in the coordinates of the frame.
     Response,
+    /// A cut through a volume of costs along a row of the frame: x to the right, disparity down.
+    Slice,
 }
 
 /// The name of a picture: viewpoint, time, pyramid level, and role in the step.
@@ -55,6 +48,8 @@ impl Picture {
     pub const CURRENT: Self = Self::at(0);
     /// Frame t + 1.
     pub const NEXT: Self = Self::at(1);
+    /// Frame t of the right view.
+    pub const RIGHT: Self = Self { viewpoint: Viewpoint::Right, ..Self::CURRENT };
     /// The picture that frame t is compared with.
     pub const REFERENCE: Self = Self { role: PictureRole::Reference, ..Self::CURRENT };
     /// The response of a filter to frame t.
@@ -88,6 +83,7 @@ impl Picture {
             PictureRole::Mosaic => "Mosaic".into(),
             PictureRole::Warped => format!("Warped frame {}{number}", self.moment("−")),
             PictureRole::Response => "Filter response".into(),
+            PictureRole::Slice => "Cut through the cost volume".into(),
         };
         let of = if self.viewpoint == Viewpoint::Right { "Right view · " } else { "" };
         let level = if self.level > 0 { format!(" · level {}", self.level) } else { String::new() };
@@ -117,6 +113,7 @@ impl fmt::Display for Picture {
             PictureRole::Mosaic => "mosaic".into(),
             PictureRole::Warped => format!("warped-{}", self.moment("-")),
             PictureRole::Response => "response".into(),
+            PictureRole::Slice => "slice".into(),
         })?;
         if self.level > 0 { write!(f, "-level-{}", self.level) } else { Ok(()) }
     }
@@ -128,8 +125,8 @@ impl FromStr for Picture {
     fn from_str(text: &str) -> Result<Self, Error> {
         let invalid = || {
             Error::new(format!(
-                "a picture must be t, t+1, t-1, warped-t, reference, template, mosaic or response, with the prefix right- for the right \
-                 view and the suffix -level-2 for a level of a pyramid, not {text}"
+                "a picture must be t, t+1, t-1, warped-t, reference, template, mosaic, response or slice, with the prefix right- for the \
+                 right view and the suffix -level-2 for a level of a pyramid, not {text}"
             ))
         };
         let (viewpoint, rest) = match text.strip_prefix("right-") {
@@ -146,6 +143,7 @@ impl FromStr for Picture {
             "template" => (PictureRole::Template, Some(0)),
             "mosaic" => (PictureRole::Mosaic, Some(0)),
             "response" => (PictureRole::Response, Some(0)),
+            "slice" => (PictureRole::Slice, Some(0)),
             "t" => (PictureRole::Frame, Some(0)),
             "warped-t" => (PictureRole::Warped, Some(0)),
             moment => match moment.strip_prefix("warped-") {
@@ -237,6 +235,8 @@ mod tests {
             (mosaic, "mosaic"),
             (Picture::REFERENCE, "reference"),
             (Picture::RESPONSE, "response"),
+            (Picture::RIGHT, "right-t"),
+            (Picture { role: PictureRole::Slice, ..Picture::CURRENT }, "slice"),
             (Picture::warped(0), "warped-t"),
             (Picture::warped(1), "warped-t+1"),
         ] {

@@ -183,26 +183,13 @@ impl Moment<'_> {
             let spot = Spot { x, y, pixel: placed.pixel };
             let cover = left * spot.cover(placed.layer.shape.inside([x, y]));
             if cover > 0.0 {
-                let own = self.painted(placed.layer, spot);
+                let own = painted(placed.layer.plain, &placed.layer.paint, spot, self.difficulty);
                 color = std::array::from_fn(|c| color[c] + cover * own[c]);
                 left -= cover;
             }
             if left <= 0.0 {
                 break;
             }
-        }
-        color
-    }
-
-    fn painted(&self, layer: &Layer, spot: Spot) -> Rgb {
-        let d = self.difficulty;
-        let contrast = 1.0 - d.low_texture / 100.0;
-        let mut color = layer.plain;
-        if contrast > 0.0 {
-            color = mix(layer.plain, (layer.paint)(spot), contrast);
-        }
-        if d.repeating_texture > 0.0 {
-            color = mix(color, wallpaper(layer.plain, spot, d, contrast), d.repeating_texture / 100.0);
         }
         color
     }
@@ -268,6 +255,19 @@ impl Moment<'_> {
         }
         TrackPoint { id, bounds: placed.bounds, visible: f64::from(visible) / f64::from(all.max(1)) }
     }
+}
+
+/// The colour of a surface at a spot, with as much of its texture as the sliders leave.
+pub fn painted(plain: Rgb, paint: &Paint, spot: Spot, d: &Difficulty) -> Rgb {
+    let contrast = 1.0 - d.low_texture / 100.0;
+    let mut color = plain;
+    if contrast > 0.0 {
+        color = mix(plain, paint(spot), contrast);
+    }
+    if d.repeating_texture > 0.0 {
+        color = mix(color, wallpaper(plain, spot, d, contrast), d.repeating_texture / 100.0);
+    }
+    color
 }
 
 /// The pattern that the repeating texture brings: light and dark spots on a lattice.

@@ -1,8 +1,9 @@
 //! Synthetic clips with exact ground truth, rendered on demand from moving layers.
 //!
 //! A *scene* ([`SCENES`]) is a list of layers from front to back. Each has a shape, a texture defined at every real
-//! coordinate, and an invertible motion, so that frames and true motion are exact at any time. [`Difficulty`] holds one
-//! slider for each difficulty of the course.
+//! coordinate, and an invertible motion, so that frames and true motion are exact at any time. Scenes for stereo consist of planes
+//! and spheres in space instead; they have a right view, a calibration, and true disparities. [`Difficulty`] holds one slider for each
+//! difficulty of the course.
 //!
 //! The same scene and sliders give the same bytes on every platform, in any order of frames: random numbers are hashes of
 //! seed and position, and all elementary functions are our own.
@@ -29,16 +30,20 @@ pub(crate) mod random;
 mod recent;
 mod scenes;
 mod shape;
+mod space;
+mod stage;
 mod texture;
 mod truth;
 
 use std::sync::Arc;
 
 use crate::base::{Error, Stop, words};
-use crate::data::{Clip, ClipInfo, Frame, FrameSource};
-use layer::{Layer, Stage, reach, scale};
+use crate::data::{Clip, ClipInfo, Frame, FrameSource, Viewpoint};
+use layer::{Layer, reach, scale};
 use path::Path;
 use recent::Recent;
+use space::{Body, Space};
+use stage::Stage;
 use truth::ExactTruth;
 
 pub use difficulty::Difficulty;
@@ -55,10 +60,19 @@ pub struct Sample {
     pub teaches: &'static str,
     /// Sets the scene's own defaults of the sliders.
     tune: fn(&mut Difficulty),
-    /// Its layers, front to back.
-    layers: fn(&Setting) -> Vec<Layer>,
-    /// The motion of its camera.
+    /// What it consists of.
+    scenery: Scenery,
+    /// The motion of its camera over layers.
     path: Path,
+}
+
+/// What a scene consists of.
+#[derive(Clone, Copy, Debug)]
+enum Scenery {
+    /// Layers, front to back.
+    Flat(fn(&Setting) -> Vec<Layer>),
+    /// Bodies in space, seen by two cameras.
+    Deep(fn(&Setting) -> Vec<Body>),
 }
 
 /// Parameters of a scene's layers.
@@ -91,10 +105,16 @@ impl Sample {
 
     /// Its layers and its camera.
     fn stage(&self, difficulty: &Difficulty) -> Stage {
-        Stage::new((self.layers)(&Setting::new(difficulty, &self.path)), difficulty.clone()).seen_along(self.path)
+        let setting = Setting::new(difficulty, &self.path);
+        match self.scenery {
+            Scenery::Flat(layers) => {
+                Stage::Flat(layer::Stage::new(layers(&setting), difficulty.clone()).seen_along(self.path))
+            }
+            Scenery::Deep(bodies) => Stage::Deep(Space::new(bodies(&setting), difficulty.clone())),
+        }
     }
 
-    /// The clip with its ground truth; frames are rendered on demand.
+    /// The clip with its ground truth, and with its right view and calibration where two cameras see it; frames are rendered on demand.
     ///
     /// # Errors
     /// If a slider is out of range: a sentence with the range.
@@ -112,7 +132,15 @@ impl Sample {
             warnings: Vec::new(),
         };
         let truth = ExactTruth::new(Arc::clone(&stage), difficulty.clone());
-        Ok(Clip::new(info, Arc::new(Studio::new(stage, difficulty.clone()))).with_truth(Arc::new(truth)))
+        let view = |viewpoint| {
+            let studio = Studio::new((Arc::clone(&stage), viewpoint), difficulty.clone());
+            Clip::new(info.clone(), Arc::new(studio))
+        };
+        let mut clip = view(Viewpoint::Left).with_truth(Arc::new(truth));
+        if stage.is_stereo() {
+            clip = clip.with_right(view(Viewpoint::Right))?;
+        }
+        Ok(stage.calibration().into_iter().fold(clip, Clip::with_calibration))
     }
 }
 
@@ -138,17 +166,18 @@ pub fn make(id: &str, difficulty: &Difficulty) -> Result<Clip, Error> {
 /// The source of a synthetic clip: renders frames on demand.
 struct Studio {
     stage: Arc<Stage>,
+    viewpoint: Viewpoint,
     difficulty: Difficulty,
     kept: Recent<Frame>,
 }
 
 impl Studio {
     /// A source that caches as many frames as fit into 32 MiB, but at least two.
-    fn new(stage: Arc<Stage>, difficulty: Difficulty) -> Self {
+    fn new((stage, viewpoint): (Arc<Stage>, Viewpoint), difficulty: Difficulty) -> Self {
         const BUDGET_BYTES: usize = 32 << 20;
         const BYTES_PER_PIXEL: usize = 4;
         let most = (BUDGET_BYTES / (difficulty.width * difficulty.height * BYTES_PER_PIXEL)).max(2);
-        Self { stage, difficulty, kept: Recent::new(most) }
+        Self { stage, viewpoint, difficulty, kept: Recent::new(most) }
     }
 }
 
@@ -157,7 +186,7 @@ impl FrameSource for Studio {
         if index >= self.difficulty.frames {
             return Err(Error::new(format!("there is no frame {index}")));
         }
-        Ok(self.kept.get(index, || camera::take(&self.stage, &self.difficulty, index)))
+        Ok(self.kept.get(index, || camera::take((&self.stage, self.viewpoint), &self.difficulty, index)))
     }
 
     fn cached(&self, index: usize) -> Option<Arc<Frame>> {

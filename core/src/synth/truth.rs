@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use super::difficulty::Difficulty;
-use super::layer::Stage;
 use super::recent::Recent;
+use super::stage::Stage;
 use crate::base::Error;
-use crate::data::{Flow, ObjectBox, PixelClass, TrueMask, Truth};
+use crate::data::{Disparity, Flow, ObjectBox, PixelClass, TrueMask, Truth, Viewpoint};
 use crate::geometry::Grid;
 
 /// The truth of a synthetic clip, computed from the same layers and motions as its pixels.
@@ -16,6 +16,7 @@ pub struct ExactTruth {
     kept: Recent<Pair>,
     masks: Recent<TrueMask>,
     labels: Recent<Grid<u32>>,
+    views: Recent<Views>,
 }
 
 /// Flow and occlusion from one frame to the next; they are found together.
@@ -24,10 +25,23 @@ struct Pair {
     hidden: Arc<Grid<bool>>,
 }
 
+/// Disparity and half-occlusion of a frame; they are found together.
+struct Views {
+    disparity: Arc<Disparity>,
+    hidden: Arc<Grid<bool>>,
+}
+
 impl ExactTruth {
     /// The truth of what `stage` shows.
     pub fn new(stage: Arc<Stage>, difficulty: Difficulty) -> Self {
-        Self { stage, difficulty, kept: Recent::new(4), masks: Recent::new(4), labels: Recent::new(4) }
+        Self {
+            stage,
+            difficulty,
+            kept: Recent::new(4),
+            masks: Recent::new(4),
+            labels: Recent::new(4),
+            views: Recent::new(4),
+        }
     }
 
     /// Frames `t` and `t + 1`, if there are both.
@@ -41,13 +55,35 @@ impl ExactTruth {
         let mut hidden = Grid::new(width, height, false);
         let flow = Grid::from_fn(width, height, |x, y| {
             let p = [x as f64, y as f64];
-            let Some((layer, to)) = now.foremost(p).and_then(|layer| Some((layer, now.carry(layer, p, &next)?))) else {
+            let Some((to, is_hidden)) = now.foremost(p).and_then(|surface| now.follow(surface, p, &next)) else {
                 return Flow::UNKNOWN;
             };
-            hidden[(x, y)] = !next.in_picture(to) || next.hides(layer, to);
+            hidden[(x, y)] = is_hidden;
             [(to[0] - p[0]) as f32, (to[1] - p[1]) as f32]
         });
         Pair { flow: Arc::new(Flow(flow)), hidden: Arc::new(hidden) }
+    }
+
+    /// Both views of frame `t`, if there are two.
+    fn views(&self, t: usize) -> Option<Arc<Views>> {
+        let is_known = t < self.difficulty.frames && self.stage.is_stereo();
+        is_known.then(|| self.views.get(t, || self.relate(t)))
+    }
+
+    fn relate(&self, t: usize) -> Views {
+        let (width, height) = (self.difficulty.width, self.difficulty.height);
+        let [left, right] =
+            [Viewpoint::Left, Viewpoint::Right].map(|viewpoint| self.stage.seen_from(viewpoint, t as f64));
+        let mut hidden = Grid::new(width, height, true);
+        let disparity = Grid::from_fn(width, height, |x, y| {
+            let p = [x as f64, y as f64];
+            let Some((to, is_hidden)) = left.foremost(p).and_then(|surface| left.follow(surface, p, &right)) else {
+                return Disparity::UNKNOWN;
+            };
+            hidden[(x, y)] = is_hidden;
+            (p[0] - to[0]) as f32
+        });
+        Views { disparity: Arc::new(Disparity(disparity)), hidden: Arc::new(hidden) }
     }
 }
 
@@ -115,8 +151,22 @@ impl Truth for ExactTruth {
         }))
     }
 
+    fn disparity(&self, t: usize) -> Result<Option<Arc<Disparity>>, Error> {
+        Ok(self.views(t).map(|views| Arc::clone(&views.disparity)))
+    }
+
+    fn half_occlusion(&self, t: usize) -> Result<Option<Arc<Grid<bool>>>, Error> {
+        Ok(self.views(t).map(|views| Arc::clone(&views.hidden)))
+    }
+
     fn kinds(&self) -> Vec<&'static str> {
-        let kinds = ["flow", "occlusion", "segments", "objects", "foreground"];
-        kinds[..if self.stage.has_objects() { 5 } else { 3 }].to_vec()
+        let mut kinds = vec!["flow", "occlusion", "segments"];
+        if self.stage.has_objects() {
+            kinds.extend(["objects", "foreground"]);
+        }
+        if self.stage.is_stereo() {
+            kinds.push("disparity");
+        }
+        kinds
     }
 }

@@ -108,6 +108,13 @@ pub static GLOSSARY: &[Term] = &[
         "A pressure along the normal of an active contour that inflates or deflates it where no edge acts on it.",
     ),
     term(
+        InterestPoints,
+        "baseline",
+        &["stereo baseline"],
+        "The distance between the centres of projection of two cameras: a longer one makes depths more accurate, but views more different.",
+    )
+    .symbol("B"),
+    term(
         Trajectories,
         "bending energy",
         &["rigidity"],
@@ -214,6 +221,12 @@ pub static GLOSSARY: &[Term] = &[
         "causal",
         &["real time", "real-time"],
         "Using only the current and earlier frames, as in real time.",
+    ),
+    term(
+        InterestPoints,
+        "census transform",
+        &["census strings", "census string", "census"],
+        "A string of bits for each pixel that says which pixels of its window are darker, so that neither brightness nor contrast matters.",
     ),
     term(
         DifferentialMethods,
@@ -423,6 +436,13 @@ pub static GLOSSARY: &[Term] = &[
         &["error surface", "cost surfaces"],
         "The cost as a function of the displacement (u, v) over the search window; its minimum is the motion vector.",
     ),
+    term(
+        InterestPoints,
+        "cost volume",
+        &["disparity space image"],
+        "The matching costs of all pixels and all disparities, a box over x, y and d, out of which one disparity is chosen for each pixel.",
+    )
+    .symbol("C(p, d)"),
     term(
         Trajectories,
         "counting line",
@@ -977,6 +997,18 @@ pub static GLOSSARY: &[Term] = &[
     ),
     term(
         InterestPoints,
+        "half-occlusion",
+        &["half-occluded", "half-occlusions"],
+        "The part of a scene that one of two views shows and the other does not, beside the edge of a nearer object; it has no match.",
+    ),
+    term(
+        InterestPoints,
+        "Hamming distance",
+        &["Hamming distances"],
+        "The number of bits in which two strings of the same length differ.",
+    ),
+    term(
+        InterestPoints,
         "Hann window",
         &["Hann windows"],
         "A weight that falls from 1 in the middle of a picture to 0 at its border along half a wave of the \
@@ -1335,6 +1367,11 @@ pub static GLOSSARY: &[Term] = &[
         contour can split and merge as the function changes.",
     )
     .symbol("φ"),
+        InterestPoints,
+        "left–right check",
+        &["left-right consistency", "left–right consistency"],
+        "The test that a match found from the left view is found from the right view as well; it rejects half-occluded pixels and many mismatches.",
+    ),
     term(
         DifferentialMethods,
         "linearisation",
@@ -1685,14 +1722,14 @@ pub static GLOSSARY: &[Term] = &[
     term(
         Trajectories,
         "optical flow network",
-        &["RAFT", "FlowNet", "PWC-Net", "cost volume"],
+        &["RAFT", "FlowNet", "PWC-Net"],
         "A neural network trained to estimate flow, which matches learned features through a cost volume and refines \
         the flow iteratively.",
     ),
     term(
         InterestPoints,
         "ORB",
-        &["BRIEF", "Hamming distance"],
+        &["BRIEF"],
         "A fast binary feature: FAST corners with orientation, described by BRIEF bits and compared by Hamming \
         distance.",
     ),
@@ -1735,6 +1772,13 @@ pub static GLOSSARY: &[Term] = &[
         "A recursive Bayesian filter that represents the distribution of the state by weighted samples, for motion \
         that is not linear or noise that is not Gaussian.",
     ),
+    term(
+        InterestPoints,
+        "path cost",
+        &["path costs"],
+        "The lowest cost with which a path through the picture arrives at a pixel with a disparity: matching costs plus penalties for changes of the disparity.",
+    )
+    .symbol("L(p, d)"),
     term(
         MotionVectors,
         "peak signal-to-noise ratio",
@@ -1990,6 +2034,12 @@ pub static GLOSSARY: &[Term] = &[
         &["accelerated segment test", "high-speed test"],
         "The test of FAST: whether enough contiguous pixels of a circle are all brighter or all darker than its centre by \
         a threshold.",
+    ),
+    term(
+        InterestPoints,
+        "semi-global matching",
+        &["SGM", "semi-global method"],
+        "Stereo matching that minimises costs with smoothness penalties along paths from several directions and adds them up before it chooses.",
     ),
     term(
         KalmanFilters,
@@ -2289,6 +2339,12 @@ pub static GLOSSARY: &[Term] = &[
         "unimodal error surface assumption",
         &["unimodal", "unimodal error surface"],
         "The assumption behind fast searches that the cost grows with the distance from the global minimum.",
+    ),
+    term(
+        InterestPoints,
+        "uniqueness",
+        &["uniqueness ratio", "uniqueness test"],
+        "The share by which the second-best cost of a match must exceed the best one; small where texture is missing or repeats.",
     ),
     term(
         KalmanFilters,

@@ -1,7 +1,7 @@
 //! A barber's pole: slanted stripes seen through a narrow opening.
 
 use crate::synth::{
-    Sample, Setting,
+    Sample, Scenery, Setting,
     layer::Layer,
     maths::floor,
     motion::Motion,
@@ -16,7 +16,7 @@ pub const SAMPLE: Sample = Sample {
     teaches: "The stripes move to the right but seem to climb: along an edge the brightness is constant, so only normal flow can \
               be measured.",
     tune: |_| {},
-    layers,
+    scenery: Scenery::Flat(layers),
     path: Path::REST,
 };
 

@@ -1,7 +1,7 @@
 //! Two equal stars fly towards each other at night, and pass.
 
 use crate::synth::{
-    Sample, Setting,
+    Sample, Scenery, Setting,
     layer::Layer,
     maths::floor,
     motion::Motion,
@@ -16,7 +16,7 @@ pub const SAMPLE: Sample = Sample {
     title: "Crossing stars: data association",
     teaches: "Two objects of equal appearance meet and part: only a motion model keeps their identities apart.",
     tune: |_| {},
-    layers,
+    scenery: Scenery::Flat(layers),
     path: Path::REST,
 };
 

@@ -1,7 +1,7 @@
 //! A basketball is thrown across the gym.
 
 use crate::synth::{
-    Sample, Setting,
+    Sample, Scenery, Setting,
     layer::Layer,
     maths::floor,
     motion::Motion,
@@ -18,7 +18,7 @@ pub const SAMPLE: Sample = Sample {
               a pyramid with blocks of 8 px; larger blocks lose the ball on coarse levels. Judge by the ball and the PSNR: \
               the wall is static, so the mean endpoint error stays small even where the ball is missed.",
     tune: |d| d.frames = 16,
-    layers,
+    scenery: Scenery::Flat(layers),
     path: Path::REST,
 };
 

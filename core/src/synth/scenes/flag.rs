@@ -1,7 +1,7 @@
 //! A flag in the wind.
 
 use crate::synth::{
-    Sample, Setting,
+    Sample, Scenery, Setting,
     layer::Layer,
     motion::{Motion, Wave},
     path::Path,
@@ -14,7 +14,7 @@ pub const SAMPLE: Sample = Sample {
     title: "Flag in the wind: non-rigid motion",
     teaches: "Motion varies smoothly from point to point. Dense flow can represent it; one vector per block cannot.",
     tune: |_| {},
-    layers,
+    scenery: Scenery::Flat(layers),
     path: Path::REST,
 };
 

@@ -1,7 +1,7 @@
 //! A plain wall with one small picture on it, and a camera that pans.
 
 use crate::synth::{
-    Sample, Setting,
+    Sample, Scenery, Setting,
     layer::Layer,
     motion::Motion,
     path::Path,
@@ -15,7 +15,7 @@ pub const SAMPLE: Sample = Sample {
     teaches: "The whole view moves by (2, 1) px per frame, but only the picture and the switch have texture. Elsewhere \
               noise determines the estimates.",
     tune: |d| d.noise = 2.0,
-    layers,
+    scenery: Scenery::Flat(layers),
     path: Path::REST,
 };
 

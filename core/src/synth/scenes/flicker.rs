@@ -1,7 +1,7 @@
 //! A bookshelf under a lamp that flickers.
 
 use crate::synth::{
-    Sample, Setting,
+    Sample, Scenery, Setting,
     layer::Layer,
     maths::floor,
     motion::Motion,
@@ -16,7 +16,7 @@ pub const SAMPLE: Sample = Sample {
     title: "Library: brightness changes",
     teaches: "Flicker violates brightness constancy, the assumption of nearly every estimator.",
     tune: |d| d.flicker = 20.0,
-    layers,
+    scenery: Scenery::Flat(layers),
     path: Path::REST,
 };
 

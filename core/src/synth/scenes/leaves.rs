@@ -2,7 +2,7 @@
 
 use super::tunnel::{RADIUS, ball_with_bands, lawn};
 use crate::synth::{
-    Sample, Setting,
+    Sample, Scenery, Setting,
     layer::Layer,
     motion::Motion,
     path::Path,
@@ -18,7 +18,7 @@ pub const SAMPLE: Sample = Sample {
               spreads over the leaves; a correlation filter knows the pattern of the ball and stays on it.",
     tune: |d| (d.frames, d.gain) = (36, 2.0),
     path: Path::REST,
-    layers,
+    scenery: Scenery::Flat(layers),
 };
 
 fn layers(setting: &Setting) -> Vec<Layer> {

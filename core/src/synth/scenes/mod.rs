@@ -15,6 +15,8 @@ mod passing_bus;
 mod pillar;
 mod rigid_layers;
 mod spin_zoom;
+mod stereo_traps;
+mod still_life;
 mod sub_pixel;
 mod traffic;
 mod translation;
@@ -45,4 +47,6 @@ pub const SCENES: &[Sample] = &[
     leaves::SAMPLE,
     rigid_layers::SAMPLE,
     turntable::SAMPLE,
+    still_life::SAMPLE,
+    stereo_traps::SAMPLE,
 ];

@@ -1,7 +1,7 @@
 //! Seen from a train: pines rush by, mountains hardly move.
 
 use crate::synth::{
-    Sample, Setting,
+    Sample, Scenery, Setting,
     layer::Layer,
     maths::{floor, sin, there_and_back},
     motion::Motion,
@@ -16,7 +16,7 @@ pub const SAMPLE: Sample = Sample {
     title: "From the train: motion parallax",
     teaches: "Layers at different depths move at different speeds, so motion alone segments the pines from the hills.",
     tune: |_| {},
-    layers,
+    scenery: Scenery::Flat(layers),
     path: Path::REST,
 };
 

@@ -1,7 +1,7 @@
 //! A bus that fills most of the picture of a shaking camera.
 
 use crate::synth::{
-    Sample, Setting,
+    Sample, Scenery, Setting,
     layer::Layer,
     maths::floor,
     motion::Motion,
@@ -15,7 +15,7 @@ pub const SAMPLE: Sample = Sample {
     title: "Passing bus: the dominant motion",
     teaches: "A bus fills most of the picture, so most matches lie on it: the dominant motion is not that of the camera.",
     tune: |_| {},
-    layers,
+    scenery: Scenery::Flat(layers),
     path: Path { pan: [0.5, 0.0], shake: [2.0, 2.0], roll: 0.001 },
 };
 

@@ -1,7 +1,7 @@
 //! A beach ball drifts over the waves and passes behind a stone pillar.
 
 use crate::synth::{
-    Sample, Setting,
+    Sample, Scenery, Setting,
     layer::Layer,
     maths::{floor, sin},
     motion::Motion,
@@ -17,7 +17,7 @@ pub const SAMPLE: Sample = Sample {
     teaches: "Occlusion: points that pass behind the pillar have no match in the next frame. Compare the estimates there with the \
               mask of occluded pixels.",
     tune: |_| {},
-    layers,
+    scenery: Scenery::Flat(layers),
     path: Path::REST,
 };
 

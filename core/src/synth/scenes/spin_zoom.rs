@@ -1,7 +1,7 @@
 //! A rose window that turns and comes nearer.
 
 use crate::synth::{
-    Sample, Setting,
+    Sample, Scenery, Setting,
     layer::Layer,
     maths::floor,
     motion::Motion,
@@ -16,7 +16,7 @@ pub const SAMPLE: Sample = Sample {
     title: "Rose window: rotation and zoom",
     teaches: "Rotation and scaling violate the translation model of block matching: errors grow with the distance from the centre.",
     tune: |_| {},
-    layers,
+    scenery: Scenery::Flat(layers),
     path: Path::REST,
 };
 

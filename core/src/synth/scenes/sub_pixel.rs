@@ -1,7 +1,7 @@
 //! A pebble beach under a slowly drifting camera.
 
 use crate::synth::{
-    Sample, Setting,
+    Sample, Scenery, Setting,
     layer::Layer,
     motion::Motion,
     path::Path,
@@ -16,7 +16,7 @@ pub const SAMPLE: Sample = Sample {
     teaches: "Every pixel moves by (0.5, 0.25) px per frame. Whole-pixel vectors cannot represent this; gradient \
               methods and sub-pixel refinement can.",
     tune: |_| {},
-    layers,
+    scenery: Scenery::Flat(layers),
     path: Path::REST,
 };
 

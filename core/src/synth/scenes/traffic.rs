@@ -1,7 +1,7 @@
 //! A crossing from above: cars on a road, and a bridge over it with a car of its own.
 
 use crate::synth::{
-    Sample, Setting,
+    Sample, Scenery, Setting,
     layer::Layer,
     maths::floor,
     motion::Motion,
@@ -15,7 +15,7 @@ pub const SAMPLE: Sample = Sample {
     title: "Traffic: five cars and a bridge",
     teaches: "Several objects, some of them occluded by a bridge for a while: a tracker must keep their identities.",
     tune: |_| {},
-    layers,
+    scenery: Scenery::Flat(layers),
     path: Path::REST,
 };
 

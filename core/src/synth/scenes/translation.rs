@@ -1,7 +1,7 @@
 //! Marbled paper, drawn past at a whole number of pixels per frame.
 
 use crate::synth::{
-    Sample, Setting,
+    Sample, Scenery, Setting,
     layer::Layer,
     motion::Motion,
     path::Path,
@@ -14,7 +14,7 @@ pub const SAMPLE: Sample = Sample {
     title: "Marble: uniform translation",
     teaches: "Every pixel moves by (3, −2) px per frame: global motion, which every estimator must find.",
     tune: |_| {},
-    layers,
+    scenery: Scenery::Flat(layers),
     path: Path::REST,
 };
 

@@ -1,7 +1,7 @@
 //! A red ball rolls across a lawn and through a tunnel that hides the whole of it.
 
 use crate::synth::{
-    Sample, Setting,
+    Sample, Scenery, Setting,
     layer::Layer,
     maths::floor,
     motion::Motion,
@@ -18,7 +18,7 @@ pub const SAMPLE: Sample = Sample {
               predicts a velocity, as the particle filter does, finds the ball at the exit.",
     tune: |d| d.frames = 40,
     path: Path::REST,
-    layers,
+    scenery: Scenery::Flat(layers),
 };
 
 /// The radius of the ball.

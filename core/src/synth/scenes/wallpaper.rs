@@ -1,7 +1,7 @@
 //! Wallpaper with a leaf pattern that is the same every 24 px.
 
 use crate::synth::{
-    Sample, Setting,
+    Sample, Scenery, Setting,
     layer::Layer,
     maths::{cos, floor},
     motion::Motion,
@@ -15,7 +15,7 @@ pub const SAMPLE: Sample = Sample {
     title: "Wallpaper: ambiguous matches",
     teaches: "The texture repeats every 24 px, so the cost surface has several equally deep minima, and only one is the motion.",
     tune: |_| {},
-    layers,
+    scenery: Scenery::Flat(layers),
     path: Path::REST,
 };
 

@@ -1,8 +1,9 @@
 //! The truth is what happens to the pixels.
 
-use super::super::layer::{Layer, Stage};
+use super::super::layer::{self, Layer};
 use super::super::motion::Motion;
 use super::super::shape::Shape;
+use super::super::stage::{Moment, Stage};
 use super::super::texture::rgb;
 use super::super::truth::ExactTruth;
 use super::*;
@@ -71,17 +72,17 @@ fn colors_travel_with_the_motion() {
         let clip = scene.clip(&d).unwrap();
         let hidden = hidden(&clip, 3);
         // Away from outlines, where one layer's edge mixes with what is behind it.
-        let deep = |p: [f64; 2], moment: &super::super::layer::Moment, layer| {
+        let deep = |p: [f64; 2], moment: &Moment, layer| {
             let mut around = (-2..=2).flat_map(|dy| (-2..=2).map(move |dx| [f64::from(dx), f64::from(dy)]));
             around.all(|[dx, dy]| moment.foremost([p[0] + dx, p[1] + dy]) == Some(layer))
         };
         // A pixel of a scene that grows sees a little less of everything fine.
-        let slack = if ["spin-zoom", "leaves"].contains(&scene.id) { 4.0 } else { 0.01 };
+        let slack = if ["spin-zoom", "leaves", "still-life", "stereo-traps"].contains(&scene.id) { 4.0 } else { 0.01 };
         let (mut checked, mut off) = (0.0, 0.0);
         for (x, y) in pixels(&clip).step_by(7).filter(|&at| !hidden[at]) {
             let p = [x as f64, y as f64];
             let layer = now.foremost(p).unwrap();
-            let to = now.carry(layer, p, &next).unwrap();
+            let (to, _) = now.follow(layer, p, &next).unwrap();
             if deep(p, &now, layer) && deep(to, &next, layer) {
                 let (a, b) = (now.color(p), next.color(to));
                 checked += 1.0;
@@ -127,7 +128,7 @@ fn disc_behind_a_pillar() -> (Arc<Stage>, Difficulty) {
         Layer::new(Shape::disc(20.0), disc, gray, move |_| gray).object(7),
         Layer::new(Shape::Everywhere, Motion::still([0.0; 2]), gray, move |_| gray),
     ];
-    (Arc::new(Stage::new(layers, Difficulty::default())), Difficulty::default())
+    (Arc::new(Stage::Flat(layer::Stage::new(layers, Difficulty::default()))), Difficulty::default())
 }
 
 #[test]

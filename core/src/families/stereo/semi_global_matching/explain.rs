@@ -1,0 +1,394 @@
+//! What semi-global matching tells and draws.
+
+use std::sync::Arc;
+
+use super::fill::{self, Gap};
+use super::paths::{self, Job, Line, NONE};
+use super::{Event, SemiGlobalMatching, Stage, State, line};
+use crate::base::words;
+use crate::data::Frame;
+use crate::geometry::Grid;
+use crate::methods::stereo::{
+    BITS, Curve, Pair, Verdict, concluded, depth, disparity_px, draw_map, draw_match, smallest, starting, true_at,
+};
+use crate::run::Seen;
+use crate::scene::{Canvas, Fact, Math, Picture, PictureRole, Readout, Role, Scene, Sentence, Shape, Step};
+
+/// The cut through the cost volume along a row.
+const SLICE: Picture = Picture { role: PictureRole::Slice, ..Picture::CURRENT };
+
+/// The pixel that a step explains.
+struct Shown<'a> {
+    /// The state with the results of the stage, as far as it is over; else the one before it.
+    state: &'a State,
+    before: &'a State,
+    stage: Stage,
+    pixel: (usize, usize),
+}
+
+/// The path costs of a pixel along a direction, with what they are made of.
+struct Path {
+    /// The first pixel of the path.
+    from: (usize, usize),
+    /// Path costs of the pixel and, unless the path begins there, of the one before.
+    costs: Vec<u32>,
+    before: Option<Vec<u32>>,
+}
+
+impl Shown<'_> {
+    /// The costs of the disparities of a pixel, without those of matches beside the right view.
+    fn costs(&self, of: &SemiGlobalMatching, (x, y): (usize, usize)) -> Vec<u8> {
+        let (fixed, width) = (&self.before.fixed, self.before.fixed.views.size().0);
+        let mut row = vec![NONE; width * fixed.depth];
+        of.cost_row(fixed, y, &mut row);
+        row[x * fixed.depth..(x + 1) * fixed.depth].to_vec()
+    }
+
+    /// The sums of a pixel so far, without those of matches beside the right view.
+    fn sums(&self, of: &SemiGlobalMatching) -> Vec<u32> {
+        let ((x, y), width, depth) = (self.pixel, self.before.fixed.views.size().0, self.before.fixed.depth);
+        let cells = &self.state.sums[(y * width + x) * depth..][..of.last(x) + 1];
+        cells.iter().map(|sum| u32::from(*sum)).collect()
+    }
+
+    /// Follows a path from the border of the picture to the pixel.
+    fn path(&self, of: &SemiGlobalMatching, [dx, dy]: [isize; 2]) -> Path {
+        let ((width, height), depth) = (self.before.fixed.views.size(), self.before.fixed.depth);
+        let inside = |(x, y): (isize, isize)| (0..width as isize).contains(&x) && (0..height as isize).contains(&y);
+        let mut from = (self.pixel.0 as isize, self.pixel.1 as isize);
+        while inside((from.0 - dx, from.1 - dy)) {
+            from = (from.0 - dx, from.1 - dy);
+        }
+        let (mut at, mut before) = (from, Line::outside(1, depth));
+        let (mut last, mut sums) = (None, vec![0; depth]);
+        loop {
+            let costs = self.costs_on_path(of, at);
+            let mut line = Line::outside(1, depth);
+            let job = Job {
+                dx: 0,
+                before: Some(&before),
+                line: &mut line,
+                costs,
+                sums: &mut sums,
+                penalties: of.penalties(),
+            };
+            paths::follow(job);
+            if at == (self.pixel.0 as isize, self.pixel.1 as isize) {
+                let told =
+                    |line: &Line, x: usize| line.at(0)[..of.last(x) + 1].iter().map(|cost| u32::from(*cost)).collect();
+                let came_from = (at.0 - dx) as usize;
+                return Path {
+                    from: (from.0 as usize, from.1 as usize),
+                    costs: told(&line, self.pixel.0),
+                    before: last.map(|()| told(&before, came_from)),
+                };
+            }
+            (before, last) = (line, Some(()));
+            at = (at.0 + dx, at.1 + dy);
+        }
+    }
+
+    /// The costs of a pixel out of the volume.
+    fn costs_on_path(&self, of: &SemiGlobalMatching, (x, y): (isize, isize)) -> &[u8] {
+        debug_assert_eq!(self.before.fixed.depth, of.settings.disparities.next_multiple_of(paths::LANES));
+        let (width, depth) = (self.before.fixed.views.size().0, self.before.fixed.depth);
+        &self.before.costs[(y as usize * width + x as usize) * depth..][..depth]
+    }
+}
+
+/// The name of a direction of paths.
+fn direction_name(direction: [isize; 2]) -> &'static str {
+    match direction {
+        [1, 0] => "from the left",
+        [-1, 0] => "from the right",
+        [0, 1] => "from above",
+        [0, -1] => "from below",
+        [1, 1] => "from the upper left",
+        [-1, 1] => "from the upper right",
+        [1, -1] => "from the lower left",
+        _ => "from the lower right",
+    }
+}
+
+impl SemiGlobalMatching {
+    /// The largest disparity of a pixel with a match inside the right view.
+    fn last(&self, x: usize) -> usize {
+        x.min(self.settings.disparities - 1)
+    }
+
+    /// The pixel pointed at, else the middle of the row at work; `None` before the first.
+    fn shown<'a>(&self, seen: &'a Seen<Self>) -> Option<Shown<'a>> {
+        let Event { stage, y } = *seen.events.last()?;
+        let views = &seen.before.fixed.views;
+        let pointed_at = seen.point().and_then(|point| views.left.luma().cell_at(point));
+        let pixel = pointed_at.unwrap_or((views.size().0 / 2, y as usize));
+        Some(Shown { state: seen.after.unwrap_or(seen.before), before: seen.before, stage, pixel })
+    }
+
+    fn pair<'a>(&self, shown: &Shown<'a>) -> Pair<'a> {
+        Pair { views: &shown.before.fixed.views, pixel: shown.pixel, reach: 4, disparities: self.settings.disparities }
+    }
+
+    pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
+        let Some(shown) = self.shown(seen) else {
+            let sentence = starting(&seen.before.fixed.views, &self.settings).text(
+                " The cost of a single pixel is ambiguous; sums of costs along paths through the picture make neighbours agree.",
+            );
+            return Step { line: line::TAKE_VIEWS, sentence, readouts: Vec::new() };
+        };
+        let mut step = match shown.stage {
+            Stage::Cost => self.told_cost(&shown),
+            Stage::Path(direction) => self.told_path(&shown, direction),
+            Stage::Winner => self.told_choice(&shown),
+            Stage::Check => self.told_check(&shown),
+            Stage::Fill => self.told_fill(&shown),
+        };
+        if let (Some(after), None) = (seen.after.filter(|after| after.done == self.stages().len()), seen.point()) {
+            let conclusion = concluded(&after.fixed.views, &self.settings, &after.kept);
+            step.sentence = step.sentence.text(conclusion);
+        }
+        step
+    }
+
+    fn pixel_named(&self, shown: &Shown) -> Sentence {
+        Sentence::default().ink(Role::Reference, format!("Pixel {}", words::pixel(shown.pixel)))
+    }
+
+    /// The facts of a pixel, with those of a stage in front.
+    fn facts(&self, shown: &Shown, mut facts: Vec<Fact>) -> Readout {
+        facts.insert(0, Fact::new("Pixel", words::pixel(shown.pixel), Some(Role::Reference)));
+        let truth = true_at(&shown.before.fixed.views, shown.pixel);
+        facts.extend(truth.map(|truth| Fact::new("True disparity", disparity_px(truth), Some(Role::Truth))));
+        Readout::Facts(facts)
+    }
+
+    fn told_cost(&self, shown: &Shown) -> Step {
+        let costs: Vec<u32> = self.single_costs(shown);
+        let minimum = smallest(&costs);
+        let least = words::cost(minimum.cost.into());
+        let sentence = self
+            .pixel_named(shown)
+            .text(": the census strings of the pixel and its match differ least, in ")
+            .ink(Role::Best, format!("{least} of {BITS} bits at d = {}", minimum.at))
+            .text(". The window of 9×7 px is small, so the cost has many minima of nearly the same depth.");
+        let curve =
+            self.curve(shown, "Matching cost along the epipolar line", vec![("cost C(p, d)", Role::Candidate, &costs)]);
+        let facts = vec![Fact::new("Least Hamming distance", format!("{least} of {BITS} bits"), Some(Role::Best))];
+        Step { line: line::COMPUTE_COSTS, sentence, readouts: vec![self.facts(shown, facts), curve] }
+    }
+
+    /// The matching costs of the pixel.
+    fn single_costs(&self, shown: &Shown) -> Vec<u32> {
+        let costs = shown.costs(self, shown.pixel);
+        costs[..self.last(shown.pixel.0) + 1].iter().map(|cost| u32::from(*cost)).collect()
+    }
+
+    fn curve(&self, shown: &Shown, title: &'static str, lines: Vec<(&'static str, Role, &[u32])>) -> Readout {
+        let best = lines.last().map_or(0, |(.., costs)| smallest(costs).at);
+        let real = |costs: &[u32]| costs.iter().map(|cost| *cost as f32).collect();
+        let lines = lines.into_iter().map(|(name, role, costs)| (name, role, real(costs))).collect();
+        Curve { title, y_label: "cost (bits)", lines, best, thresholds: Vec::new(), pair: self.pair(shown) }.readout()
+    }
+
+    fn told_path(&self, shown: &Shown, direction: [isize; 2]) -> Step {
+        let (path, costs) = (shown.path(self, direction), self.single_costs(shown));
+        let (alone, along) = (smallest(&costs), smallest(&path.costs));
+        let name = direction_name(direction);
+        let said = self.pixel_named(shown).text(format!(", path {name}: "));
+        let said = match &path.before {
+            None => said.text("the path begins here, so the path cost is the matching cost. "),
+            Some(before) => said.text(format!(
+                "the path arrives with its minimum at d = {}, and changes of the disparity are penalised. ",
+                smallest(before).at
+            )),
+        };
+        let sentence = said
+            .text(format!("The minimum of the matching cost is at d = {}, that of the path cost at ", alone.at))
+            .ink(Role::Best, format!("d = {}", along.at))
+            .text(".");
+        let facts = vec![
+            Fact::new("Direction", name, None),
+            Fact::new("Penalties P1, P2", format!("{}, {}", self.p1, self.p2.max(self.p1)), None),
+            Fact::new("Matching cost", format!("{} at d = {}", words::cost(alone.cost.into()), alone.at), None),
+            Fact::new("Path cost", format!("{} at d = {}", words::cost(along.cost.into()), along.at), Some(Role::Best)),
+        ];
+        let lines = vec![
+            ("cost C(p, d)", Role::Candidate, &costs[..]),
+            ("path cost L(p, d)", Role::Predicted, &path.costs[..]),
+        ];
+        let curve = self.curve(shown, "Path cost along the epipolar line", lines);
+        let equation = Readout::Equation(self.recursion(&path, &costs, along.at));
+        Step { line: line::AGGREGATE, sentence, readouts: vec![self.facts(shown, facts), equation, curve] }
+    }
+
+    /// The recursion, and with the numbers of disparity `d`.
+    fn recursion(&self, path: &Path, costs: &[u32], d: usize) -> Vec<Math> {
+        let formula = "L(p, d) = C(p, d) + min(L(p − r, d), L(p − r, d ± 1) + P1, m + P2) − m";
+        let mut lines = vec![Math::text(formula)];
+        let Some(before) = &path.before else { return lines };
+        let [p1, p2] = self.penalties().map(u32::from);
+        let least = smallest(before).cost;
+        let at = |d: Option<usize>| d.and_then(|d| before.get(d)).copied();
+        let beside = [at(d.checked_sub(1)), at(Some(d + 1))].into_iter().flatten().min();
+        let terms = [
+            at(Some(d)).map(|cost| cost.to_string()),
+            beside.map(|cost| format!("{cost} + {p1}")),
+            Some(format!("{least} + {p2}")),
+        ];
+        let terms: Vec<_> = terms.into_iter().flatten().collect();
+        lines.push(Math::Row(vec![
+            Math::text(format!("L(p, {d}) = {} + min({}) − {least} = ", costs[d], terms.join(", "))),
+            Math::ink(Role::Best, path.costs[d].to_string()),
+        ]));
+        lines
+    }
+
+    fn told_choice(&self, shown: &Shown) -> Step {
+        let sums = shown.sums(self);
+        let (minimum, paths) = (smallest(&sums), self.directions().len());
+        let rival = minimum.rival.map(|(at, cost)| (at, words::cost(cost.into())));
+        let limit = u64::from(minimum.cost) * (100 + self.settings.uniqueness as u64);
+        let is_ambiguous =
+            self.settings.uniqueness > 0 && minimum.rival.is_some_and(|(_, cost)| 100 * u64::from(cost) <= limit);
+        let said = self
+            .pixel_named(shown)
+            .text(format!(": the sum of its {paths} path costs is lowest, "))
+            .ink(Role::Best, format!("{} at d = {}", words::cost(minimum.cost.into()), minimum.at));
+        let (line, sentence) = match &rival {
+            Some((at, cost)) if is_ambiguous => (
+                line::REJECT_AMBIGUOUS,
+                said.text(format!(
+                    ". Its rival, {cost} at d = {at}, is less than {} % higher, so the match is ambiguous and the pixel gets no disparity yet.",
+                    self.settings.uniqueness
+                )),
+            ),
+            _ => (line::CHOOSE, said.text(", and no rival comes near it: the disparity is unique.")),
+        };
+        let mut facts = vec![Fact::new(
+            "Minimum of the sum",
+            format!("{} at d = {}", words::cost(minimum.cost.into()), minimum.at),
+            Some(Role::Best),
+        )];
+        facts.extend(rival.map(|(at, cost)| Fact::new("Next minimum", format!("{cost} at d = {at}"), None)));
+        Step { line, sentence, readouts: vec![self.facts(shown, facts), self.sum_curve(shown, &sums)] }
+    }
+
+    fn sum_curve(&self, shown: &Shown, sums: &[u32]) -> Readout {
+        self.curve(shown, "Sum of path costs along the epipolar line", vec![("sum S(p, d)", Role::Estimate, sums)])
+    }
+
+    /// The disparities from the left and, at the match, from the right view.
+    fn both(&self, shown: &Shown, sums: &[u32]) -> [usize; 2] {
+        let ((x, y), width, depth) = (shown.pixel, shown.before.fixed.views.size().0, shown.before.fixed.depth);
+        let best = smallest(sums).at;
+        let row = &shown.state.sums[y * width * depth..(y + 1) * width * depth];
+        let mut desk = super::Desk::default();
+        self.winners(row, &mut desk);
+        [best, usize::from(desk.winners.right[x - best])]
+    }
+
+    fn told_check(&self, shown: &Shown) -> Step {
+        let sums = shown.sums(self);
+        let [best, back] = self.both(shown, &sums);
+        let said = self.pixel_named(shown).text(format!(
+            ": from the left view d = {best}, from its match in the {} ",
+            shown.before.fixed.views.second_name()
+        ));
+        let said = said.ink(Role::Best, format!("d = {back}"));
+        let sentence = match best.abs_diff(back) <= self.settings.max_difference {
+            true => said.text(". The left–right check confirms the disparity."),
+            false => said.text(
+                ". The left–right check rejects the disparity: the pixel is half-occluded, hidden from the other view, or mismatched.",
+            ),
+        };
+        let facts = vec![
+            Fact::new("From the left view", format!("d = {best}"), Some(Role::Best)),
+            Fact::new("From the other view", format!("d = {back}"), None),
+        ];
+        Step { line: line::CHECK, sentence, readouts: vec![self.facts(shown, facts), self.sum_curve(shown, &sums)] }
+    }
+
+    fn told_fill(&self, shown: &Shown) -> Step {
+        let ((x, y), width) = (shown.pixel, shown.before.fixed.views.size().0);
+        let index = y * width + x;
+        let was = shown.before.kept[index];
+        let sums = shown.sums(self);
+        let said = self.pixel_named(shown);
+        let (sentence, value) = if was.disparity.is_finite() {
+            (said.text(" passed all tests, so its disparity stays."), was.disparity)
+        } else {
+            let gap = self.gap(&shown.before.right[y * width..], x);
+            let around = fill::nearest(&shown.before.kept, width).into_iter().find(|(hole, _)| *hole == index);
+            let value = around.map_or(f32::NAN, |(_, around)| fill::value(gap, around));
+            let why = match (gap, was.verdict) {
+                (Gap::Occluded, _) => {
+                    "no pixel of the other view is matched with it: half-occluded. The background continues there, so it takes the second lowest of the \
+                     nearest disparities in 8 directions, "
+                }
+                (Gap::Mismatched, Verdict::Ambiguous) => {
+                    "its match is ambiguous. It takes the median of the nearest disparities in 8 directions, "
+                }
+                (Gap::Mismatched, _) => {
+                    "its match is wrong, as another pixel takes the same place. It takes the median of the nearest disparities in 8 directions, "
+                }
+            };
+            let told = if value.is_finite() { disparity_px(value) } else { "of which there are none".into() };
+            (said.text(format!(": {why}")).ink(Role::Result, told).text("."), value)
+        };
+        let mut facts = Vec::new();
+        if value.is_finite() {
+            facts.push(Fact::new("Disparity", disparity_px(value), Some(Role::Result)));
+            let depth = depth(shown.before.fixed.views.calibration.as_ref(), value);
+            let unknown = || "unknown: it needs the focal length and the baseline of the cameras".to_owned();
+            facts.push(Fact::new("Depth", depth.unwrap_or_else(unknown), None));
+        }
+        Step { line: line::FILL, sentence, readouts: vec![self.facts(shown, facts), self.sum_curve(shown, &sums)] }
+    }
+
+    pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
+        let state = seen.after.unwrap_or(seen.before);
+        scene.pictures = seen.before.fixed.views.canvases();
+        let meaning = if state.kept.is_empty() { "disparity of least cost so far, in px" } else { "disparity in px" };
+        draw_map(scene, state.map(), self.settings.disparities, meaning);
+        let Some(shown) = self.shown(seen) else { return };
+        let (x, y) = shown.pixel;
+        let slice = self.slice(&shown);
+        scene.pictures.push(Canvas::made(SLICE, move || Frame::gray(Grid::clone(&slice))));
+        let index = y * seen.before.fixed.views.size().0 + x;
+        let kept = state.kept.get(index);
+        let best = match &state.sums[..] {
+            [] => smallest(&self.single_costs(&shown)).at as f32,
+            _ => smallest(&shown.sums(self)).at as f32,
+        };
+        let is_kept = kept.is_none_or(|kept| kept.disparity.is_finite());
+        let at = kept.map(|kept| kept.disparity).filter(|d| d.is_finite()).unwrap_or(best);
+        draw_match(scene, &self.pair(&shown), at, is_kept);
+        let column = vec![[x as f32, -0.5], [x as f32, self.last(x) as f32 + 0.5]];
+        scene.mark(SLICE, Role::Window, Shape::Path { points: column, closed: false });
+        scene.mark(SLICE, Role::Best, Shape::Points(vec![[x as f32, best]]));
+        scene.legend(Role::Best, "match");
+        if let Stage::Path(direction) = shown.stage {
+            let from = shown.path(self, direction).from;
+            let points = vec![[from.0 as f32, from.1 as f32], [x as f32, y as f32]];
+            scene.mark(Picture::CURRENT, Role::Predicted, Shape::Path { points, closed: false });
+            scene.legend(Role::Predicted, "path to the pixel");
+        }
+    }
+
+    /// The cut through the volume along the row of the pixel: x to the right, d down, low costs bright; the sums so far, else the costs.
+    fn slice(&self, shown: &Shown) -> Arc<Grid<u8>> {
+        let (fixed, y) = (&shown.before.fixed, shown.pixel.1);
+        let (width, depth) = (fixed.views.size().0, fixed.depth);
+        let paths = (shown.state.done.min(self.directions().len() + 1) as u32).saturating_sub(1);
+        let values: Vec<u32> = if paths > 0 {
+            shown.state.sums[y * width * depth..(y + 1) * width * depth].iter().map(|sum| u32::from(*sum)).collect()
+        } else {
+            let mut row = vec![NONE; width * depth];
+            self.cost_row(fixed, y, &mut row);
+            row.into_iter().map(u32::from).collect()
+        };
+        let most = BITS.max(paths * (BITS + u32::from(self.penalties()[1])) / 2);
+        let shade = |x: usize, d: usize| 255 - (255 * values[x * depth + d].min(most) / most) as u8;
+        Arc::new(Grid::from_fn(width, self.settings.disparities, shade))
+    }
+}
