@@ -262,6 +262,7 @@ impl ImageAlignment {
             rows: Vec::new(),
             columns: Vec::new(),
             changed: None,
+            decimals: None,
         };
         let vector = |symbol, name, role, values: &[f64]| Matrix {
             symbol,
@@ -271,6 +272,7 @@ impl ImageAlignment {
             rows: labels(),
             columns: Vec::new(),
             changed: None,
+            decimals: None,
         };
         match (stage, &state.compared, &state.increment) {
             (Stage::Hessian | Stage::Singular, ..) => vec![Matrix {
@@ -281,6 +283,7 @@ impl ImageAlignment {
                 rows: labels(),
                 columns: labels(),
                 changed: None,
+                decimals: None,
             }],
             (Stage::Solve, Some(compared), Some(increment)) => vec![
                 vector("b", "right-hand side", Some(Role::Error), &compared.right),
