@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use common::set;
 use motionscope_core::objects::score::{scores, scores_on};
-use motionscope_core::scene::{Focus, Readout, Scene, Shape};
+use motionscope_core::scene::{Focus, Matrix, Readout, Scene, Shape};
 use motionscope_core::{
     AnyEstimator, Bounds, Clip, Cursor, Detection, Direction, Error, Flow, Move, ObjectBox, ObjectField, Role, Stop,
     Threads, TrackStatus, Truth, Walk, synth,
@@ -79,6 +79,39 @@ fn a_box_that_is_pointed_at_explains_its_track() {
         // What is not about one track goes on as it is.
         assert!(!walk.step(None).sentence.plain().contains("Selected"), "{id}");
     }
+}
+
+/// The matrices of a step.
+fn matrices(walk: &dyn Walk, there: Option<Focus>) -> Vec<Matrix> {
+    let all = walk.step(there).readouts.into_iter();
+    all.filter_map(|readout| if let Readout::Matrices(all) = readout { Some(all) } else { None }).flatten().collect()
+}
+
+#[test]
+fn the_matrices_of_a_selected_track_are_those_of_its_frame() {
+    let clip = walker(20, 8..12);
+    let mut walk = set("kalman-tracker", &[]).walk(&clip, 0).expect("a run");
+    let there = |t: usize| Some(Focus::current([100.0 + 4.0 * t as f32, 200.0]));
+    // Updated: the prediction, and the update that its step showed.
+    walk.jump(Move::To(Cursor { unit: 5, event: 0 }));
+    let mut of_update = Vec::new();
+    while walk.cursor().unit == 5 && of_update.is_empty() {
+        if walk.step(None).sentence.plain().starts_with("Track 1: the update") {
+            of_update = matrices(&*walk, None);
+        }
+        walk.jump(Move::Granularity(2, Direction::Forward));
+    }
+    assert_eq!(of_update.iter().map(|matrix| matrix.symbol).collect::<Vec<_>>(), ["x⁻", "x", "P⁻", "P"]);
+    walk.jump(Move::To(Cursor { unit: 5, event: usize::MAX }));
+    assert_eq!(matrices(&*walk, there(5)), of_update);
+    // Coasting: the prediction alone, one velocity further than before, and no update.
+    walk.jump(Move::To(Cursor { unit: 8, event: usize::MAX }));
+    let first = matrices(&*walk, there(8));
+    walk.jump(Move::To(Cursor { unit: 9, event: usize::MAX }));
+    let second = matrices(&*walk, there(9));
+    assert_eq!(second.iter().map(|matrix| matrix.symbol).collect::<Vec<_>>(), ["x⁻", "P⁻"]);
+    let [before, after] = [&first[0], &second[0]].map(|state| state.entries.cells().to_vec());
+    assert!((after[0] - before[0] - before[2]).abs() < 1e-9, "{before:?}, {after:?}");
 }
 
 const BOX: [f32; 2] = [40.0, 80.0];

@@ -371,7 +371,11 @@ impl Layout<'_> {
         if let Some(layer) = layer.as_ref().filter(|_| panel.is_tinted()) {
             primitives.push(image(&layer.pixels));
         }
-        primitives.extend(marks::resolve(shown(panel, part.scene), &self.look, placement));
+        primitives.extend(marks::resolve(
+            shown(panel, part.scene),
+            &self.look,
+            Placement { room: Some(rect), ..placement },
+        ));
         if let Some(streaks) = streaks.as_ref().filter(|_| of_frame_t) {
             primitives.push(marks::streaks(&streaks.at(self.options.phase), self.look.theme, placement));
         }
@@ -458,7 +462,7 @@ fn close_ups(parts: &[Part<'_>], options: &FigureOptions) -> Vec<Option<CloseUp>
 fn magnified(pane: Rect, CloseUp { center, times }: CloseUp, zoom: f32) -> Placement {
     let zoom = zoom * times;
     let origin = [0, 1].map(|i| (pane.min[i] + pane.max[i]) / 2.0 - (center[i] + 0.5) * zoom);
-    Placement { origin, zoom, seen: Some(pane) }
+    Placement { seen: Some(pane), ..Placement::new(origin, zoom) }
 }
 
 /// The pixels that are seen at `place` and no others, where they lie.

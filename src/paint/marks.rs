@@ -1,6 +1,6 @@
 //! Marks of a scene become primitives: the one place where roles turn into ink.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use motionscope_core::scene::{self, Mark, Shape};
@@ -102,12 +102,14 @@ pub struct Placement {
     pub zoom: f32,
     /// What of the sheet can be seen, in points, if not all of it: dense fields draw no arrows elsewhere.
     pub seen: Option<Rect>,
+    /// Where the labels of boxes have to stand, in points, if not anywhere: the part of the picture that is seen.
+    pub room: Option<Rect>,
 }
 
 impl Placement {
     /// The whole of a picture.
     pub fn new(origin: Point, zoom: f32) -> Self {
-        Self { origin, zoom, seen: None }
+        Self { origin, zoom, seen: None, room: None }
     }
 
     /// Where a place in image pixels (pixel centres at integers) lies.
@@ -132,48 +134,130 @@ pub fn resolve<'a>(marks: impl IntoIterator<Item = &'a Mark>, look: &Look, place
     // What is under test is seen also where it lies on the best; its costs lie below all lines.
     let is_under_test = |mark: &&Mark| mark.role == Role::Candidate && !mark.shape.is_layer();
     let (under_test, others): (Vec<_>, Vec<_>) = marks.into_iter().partition(is_under_test);
-    let mut of_measurements = Vec::new();
-    for mark in others.into_iter().chain(under_test) {
-        if mark.shape.is_finite() {
-            if mark.role == Role::Measured && matches!(mark.shape, Shape::Text { .. }) {
-                of_measurements.push(primitives.len());
+    let (mut labels, mut boxes) = (Vec::new(), HashMap::new());
+    for mark in others.into_iter().chain(under_test).filter(|mark| mark.shape.is_finite()) {
+        let mut ink = look.theme.ink(mark.role);
+        ink.color = mark.of.map_or(ink.color, own_color);
+        match &mark.shape {
+            Shape::Text { at, text } => labels.push((mark.role, *at, text, ink)),
+            shape => {
+                if let Shape::Rect { min, max } = shape {
+                    let rect = place.rect(*min, *max).grown(ink.width + ink.halo_width);
+                    boxes.insert(corner(*min), (rect, Side::Above));
+                    boxes.insert(corner([min[0], max[1]]), (rect, Side::Below));
+                }
+                Painter { ink, look, place, out: &mut primitives }.shape(mark.role, shape);
             }
-            let mut ink = look.theme.ink(mark.role);
-            ink.color = mark.of.map_or(ink.color, own_color);
-            Painter { ink, look, place, out: &mut primitives }.shape(mark.role, &mark.shape);
         }
     }
-    leave_out_crowded(&mut primitives, &of_measurements);
+    let label = |(role, at, text, ink): (Role, [f32; 2], &String, Ink)| {
+        let size = look.theme.sizes().small;
+        let runs = vec![Run::new(text, ink.color).face(Face::Bold)];
+        let line = Line { at: place.at(at), anchor: Anchor::Start, size, runs, halo: Some(ink.halo) };
+        Label::new(role, line, boxes.get(&corner(at)).copied(), place.room)
+    };
+    // Lines never cross out a label.
+    primitives.extend(apart_labels(labels.into_iter().map(label)).map(Primitive::Text));
     primitives
+}
+
+/// A corner of a box, to look it up.
+fn corner(at: [f32; 2]) -> [u32; 2] {
+    at.map(f32::to_bits)
+}
+
+/// The side of a box on which its label stands where there is room.
+#[derive(Clone, Copy, PartialEq)]
+enum Side {
+    Above,
+    Below,
+}
+
+/// A label and the starts of its baseline that come into question, the best first.
+struct Label {
+    role: Role,
+    line: Line,
+    places: Vec<Point>,
+}
+
+impl Label {
+    /// The label of a box, or one at a point, which stays there.
+    fn new(role: Role, line: Line, of: Option<(Rect, Side)>, room: Option<Rect>) -> Self {
+        let ([x, y], size) = (line.at, line.size);
+        let Some((rect, side)) = of else {
+            // The name of a measurement stands below its place.
+            let y = if role == Role::Measured { y + size + LABEL_RIM } else { y };
+            return Self { role, line, places: vec![[x, y]] };
+        };
+        let width = line.width();
+        let [left, right] = [rect.min[0], rect.max[0] - width];
+        let [above, below] = [rect.min[1] - LABEL_RIM, rect.max[1] + LABEL_RIM + CAPITALS * size];
+        let rows = if side == Side::Above { [above, below] } else { [below, above] };
+        let beside = [rect.max[0] + LABEL_RIM, rect.min[0] - LABEL_RIM - width];
+        let level = rect.min[1] + CAPITALS * size;
+        let mut places = vec![[left, rows[0]], [right, rows[0]], [left, rows[1]], [right, rows[1]]];
+        places.extend(beside.map(|x| [x, level]));
+        let mut label = Self { role, line, places };
+        if let Some(room) = room.filter(|room| room.meets(&rect)) {
+            let first = label.places[0];
+            let near = |at: Point| {
+                let inside = moved_into(&room, &label.line, at);
+                let is_near = (0..2).all(|i| (inside[i] - at[i]).abs() <= 2.0 * LABEL_RIM);
+                is_near.then_some(inside)
+            };
+            label.places = label.places.iter().filter_map(|at| near(*at)).collect();
+            if label.places.is_empty() {
+                label.places.push(moved_into(&room, &label.line, first));
+            }
+        }
+        label
+    }
+}
+
+/// Height of capitals and figures as a share of the size of the type.
+const CAPITALS: f32 = 0.75;
+
+/// The rectangle of the letters of a label whose baseline starts at `[x, y]`, with half of their rim.
+fn letters(line: &Line, [x, y]: Point) -> Rect {
+    let (up, down) = (CAPITALS * line.size, 0.2 * line.size);
+    Rect::new([x, y - up], [line.width(), up + down]).grown(LABEL_RIM / 2.0)
+}
+
+/// The start of the baseline nearest to `at` with which all of a label lies in `room`.
+fn moved_into(room: &Rect, line: &Line, at: Point) -> Point {
+    let rect = letters(line, at);
+    [0, 1].map(|i| {
+        let by = (room.max[i] - rect.max[i]).min(0.0);
+        // What is wider than the room begins in it.
+        at[i] + by.max(room.min[i] - rect.min[i])
+    })
+}
+
+/// The labels where they lie over no other one. Those of measurements give way: they are left out where there is no such place.
+fn apart_labels(labels: impl Iterator<Item = Label>) -> impl Iterator<Item = Line> {
+    let (measured, others): (Vec<_>, Vec<_>) = labels.partition(|label| label.role == Role::Measured);
+    let mut taken: Vec<Rect> = Vec::new();
+    let mut free = |label: &Label, is_needed: bool| {
+        let is_free = |at: &&Point| !taken.iter().any(|other| other.meets(&letters(&label.line, **at)));
+        // So many cannot be read, and each is compared with all others.
+        let place = if taken.len() < MOST_LABELS { label.places.iter().find(is_free) } else { None };
+        let place = place.or(label.places.first().filter(|_| is_needed)).copied()?;
+        taken.push(letters(&label.line, place));
+        Some(place)
+    };
+    let mut lines = Vec::new();
+    for (label, is_needed) in
+        others.into_iter().map(|one| (one, true)).chain(measured.into_iter().map(|one| (one, false)))
+    {
+        lines.extend(free(&label, is_needed).map(|at| Line { at, ..label.line }));
+    }
+    lines.into_iter()
 }
 
 /// The width of a label's rim in points.
 const LABEL_RIM: f32 = 3.0;
-/// Labels of measurements beyond this number are left out: so many cannot be read, and each is compared with all others.
+/// Beyond this number labels of measurements are left out, and others stay in their first place.
 const MOST_LABELS: usize = 200;
-
-/// Leaves out those of the `labels` of measurements, by ascending index, that would lie over another label.
-fn leave_out_crowded(primitives: &mut Vec<Primitive>, labels: &[usize]) {
-    let is_label = |i: usize| labels.binary_search(&i).is_ok();
-    let words = primitives.iter().enumerate().filter(|(i, one)| matches!(one, Primitive::Text(_)) && !is_label(*i));
-    let mut taken: Vec<Rect> = words.map(|(_, one)| one.bounds()).collect();
-    let (mut i, mut count) = (0, 0);
-    primitives.retain(|one| {
-        let is_measured = is_label(i);
-        i += 1;
-        if !is_measured {
-            return true;
-        }
-        // Rims may touch.
-        let bounds = one.bounds().grown(-LABEL_RIM);
-        let has_room = count < MOST_LABELS && !taken.iter().any(|other| other.meets(&bounds));
-        if has_room {
-            taken.push(bounds);
-            count += 1;
-        }
-        has_room
-    });
-}
 
 struct Painter<'a> {
     ink: Ink,
@@ -210,19 +294,8 @@ impl Painter<'_> {
                     sized_point(self.out, &ink, self.place.at(at), radius);
                 }
             }
-            Shape::Text { at, text } => {
-                let size = self.look.theme.sizes().small;
-                let [x, y] = self.place.at(*at);
-                // The name of a measurement stands below its box, that of a track above it.
-                let y = if role == Role::Measured { y + size + LABEL_RIM } else { y };
-                self.out.push(Primitive::Text(Line {
-                    at: [x, y],
-                    anchor: Anchor::Start,
-                    size,
-                    runs: vec![Run::new(text, self.ink.color).face(Face::Bold)],
-                    halo: Some(self.ink.halo),
-                }))
-            }
+            // Labels are placed once all else is known.
+            Shape::Text { .. } => {}
             Shape::Heat { origin, values } => self.heat(*origin, values),
             Shape::Flow { origin, values } => self.flow(role, *origin, values),
             Shape::Mask(mask) => {
@@ -725,7 +798,7 @@ mod tests {
     fn only_arrows_that_can_be_seen_are_made() {
         let scene = dense();
         let seen = Some(Rect::new([0.0; 2], [200.0, 200.0]));
-        let near = drawn(&scene, ArrowStyle::default(), Placement { origin: [-2800.0, -1400.0], zoom: 28.0, seen });
+        let near = drawn(&scene, ArrowStyle::default(), Placement { seen, ..Placement::new([-2800.0, -1400.0], 28.0) });
         assert!((7 * 7..17 * 17).contains(&near.len()), "{}", near.len());
         assert!(near.iter().all(|arrow| (90.0..120.0).contains(&arrow.from[0])));
     }
@@ -786,6 +859,50 @@ mod tests {
         assert_eq!(labels(&tracks), ["1", "2"]);
         let many: Vec<_> = (0..MOST_LABELS + 20).map(|i| measured([0.0, 40.0 * i as f32], "a")).collect();
         assert_eq!(labels(&many).len(), MOST_LABELS, "more cannot be read");
+    }
+
+    /// The labels of boxes of 40×20 px at `boxes`, in a picture of 200×100 px, with the rectangles of their letters.
+    fn boxed(boxes: &[(Role, [f32; 2], &str)]) -> Vec<(String, Rect)> {
+        let mut scene = Scene::default();
+        for (role, min, text) in boxes {
+            let max = [min[0] + 40.0, min[1] + 20.0];
+            // The name of a measurement belongs below its box, drawn before or after it.
+            let at = if *role == Role::Measured { [min[0], max[1]] } else { *min };
+            scene.mark(Picture::CURRENT, *role, Shape::Text { at, text: (*text).into() });
+            scene.mark(Picture::CURRENT, *role, Shape::Rect { min: *min, max });
+        }
+        let look = Look::new(&scene, Style::default());
+        let place = Placement { room: Some(Rect::new([0.0; 2], [200.0, 100.0])), ..Placement::new([0.0; 2], 1.0) };
+        let all = resolve(&scene.marks, &look, place);
+        let first = all.iter().position(|one| matches!(one, Primitive::Text(_))).expect("labels");
+        assert!(all[first..].iter().all(|one| matches!(one, Primitive::Text(_))), "no line lies over a label");
+        let label = |one: &Primitive| match one {
+            Primitive::Text(line) => (line.runs.iter().map(|run| run.text.clone()).collect(), letters(line, line.at)),
+            other => panic!("{other:?}"),
+        };
+        all[first..].iter().map(label).collect()
+    }
+
+    #[test]
+    fn labels_of_boxes_keep_clear_of_the_edge_of_each_other_and_of_their_box() {
+        let room = Rect::new([0.0; 2], [200.0, 100.0]);
+        for at in [[80.0, 40.0], [2.0, 1.0], [170.0, 1.0], [155.0, 78.0], [-10.0, 85.0]] {
+            let beside = [at[0] + 3.0, at[1] + 2.0];
+            let all =
+                boxed(&[(Role::Measured, beside, "d 1"), (Role::Estimate, at, "12"), (Role::Measured, at, "d 2")]);
+            assert_eq!(all.len(), 3, "{at:?}: {all:?}");
+            for (i, (text, rect)) in all.iter().enumerate() {
+                let is_inside = (0..2).all(|i| room.min[i] <= rect.min[i] + 1e-3 && rect.max[i] <= room.max[i] + 1e-3);
+                assert!(is_inside, "{text} at {at:?}: {rect:?}");
+                assert!(all[..i].iter().all(|(_, other)| !other.meets(rect)), "{at:?}: {all:?}");
+            }
+        }
+        let [(_, above), (_, below)] =
+            &boxed(&[(Role::Estimate, [80.0, 40.0], "12"), (Role::Measured, [80.0, 40.0], "d")])[..]
+        else {
+            panic!("two labels")
+        };
+        assert!(above.max[1] <= 40.0 && below.min[1] >= 60.0, "{above:?}, {below:?}");
     }
 
     #[test]

@@ -22,7 +22,6 @@ use crate::families::{
     region_tracking::{
         ActiveContour, Camshift, ChanVese, CorrelationFilter, GreedyContour, MeanShift, ParticleFilter, TemplateTracker,
     },
-    region_tracking::{ActiveContour, Camshift, CorrelationFilter, GreedyContour, MeanShift, ParticleFilter},
     stereo::{BlockStereo, SemiGlobalMatching},
     tracking::{BlobTracker, JointProbabilistic, KalmanFilter, KalmanTracker, MultipleHypothesis, TrajectoryAnalysis},
 };

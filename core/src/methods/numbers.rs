@@ -2,9 +2,16 @@
 
 pub(crate) use crate::base::words::{fixed, gray};
 
+/// The decimals of a length in px or a velocity in px/frame.
+pub(crate) const LENGTH_DECIMALS: usize = 2;
+/// The decimals of a squared Mahalanobis distance.
+pub(crate) const SQUARED_DECIMALS: usize = 2;
+/// The decimals of a share, weight, overlap or cost without unit.
+pub(crate) const RATIO_DECIMALS: usize = 3;
+
 /// A length in px or a velocity in px/frame: two decimals.
 pub(crate) fn px(value: f64) -> String {
-    fixed(value, 2)
+    fixed(value, LENGTH_DECIMALS)
 }
 
 /// The gray level of a pixel: a whole number.
@@ -14,12 +21,12 @@ pub(crate) fn level(value: f32) -> String {
 
 /// A squared Mahalanobis distance, NIS, NEES or gate: two decimals.
 pub(crate) fn squared(value: f64) -> String {
-    fixed(value, 2)
+    fixed(value, SQUARED_DECIMALS)
 }
 
 /// A share, weight, rate, overlap or cost without unit: three decimals.
 pub(crate) fn ratio(value: f64) -> String {
-    fixed(value, 3)
+    fixed(value, RATIO_DECIMALS)
 }
 
 /// A measured share of 0 to 1 in percent: one decimal.

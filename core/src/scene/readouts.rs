@@ -131,6 +131,16 @@ pub struct Matrix {
     pub columns: Vec<String>,
     /// The entries that this step changes or uses.
     pub changed: Option<Grid<bool>>,
+    /// The decimals of its quantity; `None` for as many as its smallest entry needs.
+    pub decimals: Option<usize>,
+}
+
+impl Matrix {
+    /// Returns the matrix with entries of that many decimals.
+    #[must_use]
+    pub fn with_decimals(self, decimals: usize) -> Self {
+        Self { decimals: Some(decimals), ..self }
+    }
 }
 
 /// A quantity over steps.

@@ -11,16 +11,16 @@ use super::{ChartStyle, Drawing};
 /// Between two matrices, in letters.
 const GAP_LETTERS: [f32; 2] = [1.6, 0.8];
 /// Least width of a column, in letters, and what lies between one and what stands in the next.
-const COLUMN_LETTERS: f32 = 3.2;
+const COLUMN_LETTERS: f32 = 2.4;
 const COLUMN_GAP_LETTERS: f32 = 1.1;
 /// Height of a row, in letters.
 const ROW_LETTERS: f32 = 1.45;
 /// Height of the line with the name, in letters.
 const HEAD_LETTERS: f32 = 1.9;
 
-/// Sizes of the type that are tried, as shares of the usual one, until all matrices fit: few numbers are large enough for the
-/// last row of a lecture hall.
-const TYPE_SHARES: [f32; 12] = [1.5, 1.35, 1.2, 1.1, 1.0, 0.95, 0.9, 0.85, 0.8, 0.75, 0.7, 0.65];
+/// Sizes of the type that are tried, as shares of the usual one, until all matrices fit. The largest is little larger than the
+/// usual one, so that the size hardly changes from step to step.
+const TYPE_SHARES: [f32; 10] = [1.2, 1.1, 1.0, 0.95, 0.9, 0.85, 0.8, 0.75, 0.7, 0.65];
 
 /// Lays all matrices out from the upper left corner of `area` on, as many beside each other as it is wide, in the largest type
 /// in which they fit; returns where each lies. They may need more room than there is: [`Drawing::place`] tells how much.
@@ -95,11 +95,15 @@ const ROUNDING: f64 = 1e-13;
 /// The least decimals of a gain: it has no unit, and 0.996 is not 1.
 const GAIN_DECIMALS: usize = 3;
 
-/// The entries of a matrix as text, all with as many decimals as suit the smallest; small ones with a power of ten, so that no
-/// entry loses its digits, and what is nothing is 0.
+/// The entries of a matrix as text, with the decimals of its quantity; where it has none, all with as many as suit the smallest,
+/// and small ones with a power of ten, so that no entry loses its digits. What is nothing is 0.
 fn entries(matrix: &Matrix) -> Grid<String> {
     let sizes = || matrix.entries.cells().iter().map(|value| value.abs());
     let rounding = ROUNDING * sizes().filter(|size| size.is_finite()).fold(0.0, f64::max);
+    if let Some(decimals) = matrix.decimals {
+        let is_nothing = |value: &f64| value.abs() <= rounding;
+        return matrix.entries.map(|v| if is_nothing(v) { NOTHING.to_owned() } else { fixed(*v, decimals) });
+    }
     let smallest = sizes().filter(|size| *size > rounding).fold(f64::INFINITY, f64::min);
     let decimals = match smallest {
         _ if smallest >= 100.0 => 1,
@@ -142,8 +146,9 @@ struct Place {
     /// Room for the names of the columns and rows; none where there are no names.
     columns: f32,
     rows: f32,
-    /// Size of an entry.
-    cell: [f32; 2],
+    /// Width of each column, and height of a row.
+    widths: Vec<f32>,
+    row: f32,
     /// Size of all of it.
     size: [f32; 2],
 }
@@ -154,16 +159,21 @@ impl Place {
         let small = text.size;
         let (width, height) = matrix.entries.size();
         let widest = |words: &mut dyn Iterator<Item = String>| words.map(|word| text.width(&word)).fold(0.0, f32::max);
-        let entries = widest(&mut entries(matrix).cells().iter().cloned());
-        let column = entries.max(widest(&mut matrix.columns.iter().cloned())) + COLUMN_GAP_LETTERS * small;
+        let words = entries(matrix);
+        let of_column = |x: usize| {
+            let entries = (0..height).map(|y| words[(x, y)].clone());
+            let column = widest(&mut entries.chain(matrix.columns.get(x).cloned()));
+            (column + COLUMN_GAP_LETTERS * small).max(COLUMN_LETTERS * small)
+        };
+        let widths: Vec<f32> = (0..width).map(of_column).collect();
         let rows = widest(&mut matrix.rows.iter().cloned());
         let head = HEAD_LETTERS * small;
         let columns = if matrix.columns.is_empty() { 0.0 } else { ROW_LETTERS * small };
         let rows = if matrix.rows.is_empty() { 0.0 } else { (rows + small).max(2.2 * small) };
-        let cell = [column.max(COLUMN_LETTERS * small), ROW_LETTERS * small];
+        let row = ROW_LETTERS * small;
         let name = letters.symbol().width(matrix.symbol) + 0.5 * small + text.width(matrix.name);
-        let body = [rows + cell[0] * width as f32, columns + cell[1] * height as f32];
-        Self { head, columns, rows, cell, size: [body[0].max(name + 2.0).ceil(), (head + body[1]).ceil()] }
+        let body = [rows + widths.iter().sum::<f32>(), columns + row * height as f32];
+        Self { head, columns, rows, widths, row, size: [body[0].max(name + 2.0).ceil(), (head + body[1]).ceil()] }
     }
 }
 
@@ -182,7 +192,8 @@ fn one(canvas: &mut Canvas, matrix: &Matrix, place: &Place, min: Point, letters:
     }
     let origin = [min[0] + place.rows, min[1] + place.head + place.columns];
     let cell = |x: usize, y: usize| {
-        Rect::new([origin[0] + x as f32 * place.cell[0], origin[1] + y as f32 * place.cell[1]], place.cell)
+        let left = origin[0] + place.widths[..x].iter().sum::<f32>();
+        Rect::new([left, origin[1] + y as f32 * place.row], [place.widths[x], place.row])
     };
     let words = entries(matrix);
     for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
@@ -239,6 +250,7 @@ mod tests {
             rows: vec!["x".into(), "v".into()],
             columns: Vec::new(),
             changed: Some(Grid::from_fn(2, 2, |x, y| (x, y) == (1, 1))),
+            decimals: None,
         }
     }
 
@@ -269,6 +281,36 @@ mod tests {
         assert_eq!(of([1.5e-12, 1e-17, -0.0, 2.5]), ["1.5·10⁻¹²", "0", "0", "2.5000"], "1e-17 is rounding");
         let font = Face::Sans.font().expect("a font");
         assert!("⁰¹²³⁴⁵⁶⁷⁸⁹⁻·".chars().all(|letter| font.glyph_id(letter).0 != 0), "exponents have no letters");
+    }
+
+    #[test]
+    fn the_decimals_of_a_quantity_are_kept_whatever_its_entries() {
+        let of = |values: [f64; 4]| {
+            let entries = Grid::from_fn(2, 2, |x, y| values[2 * y + x]);
+            super::entries(&Matrix { entries, ..matrix().with_decimals(2) }).cells().to_vec()
+        };
+        assert_eq!(of([16_664.8981, 7.0e-5, 0.0, -0.05]), ["16\u{202f}664.90", "0.00", "0", "−0.05"]);
+        assert_eq!(of([155.758, f64::INFINITY, 0.304, 2.0]), ["155.76", "∞", "0.30", "2.00"]);
+    }
+
+    #[test]
+    fn six_states_are_seen_whole_beside_the_stage_of_a_lecture() {
+        let names = || ["x", "y", "u", "v", "a_x", "a_y"].map(String::from).to_vec();
+        let square = |entry: f64, decimals| Matrix {
+            symbol: "P",
+            entries: Grid::from_fn(6, 6, |x, y| if x % 2 == y % 2 { entry } else { 0.0 }),
+            rows: names(),
+            columns: names(),
+            changed: None,
+            decimals,
+            ..matrix()
+        };
+        let state = Matrix { entries: Grid::new(1, 6, 330.64), columns: Vec::new(), ..square(0.0, Some(2)) };
+        let all = [state, square(37.8, None), square(1.0, Some(1)), square(2.25, None)];
+        let room = Rect::new([0.0; 2], [530.0, 400.0]);
+        let style = ChartStyle { theme: Theme::Projector, ..style() };
+        let extent = extent(&draw(&all, room, style).place);
+        assert!(extent[0] <= 530.0 && extent[1] <= 400.0, "{extent:?}");
     }
 
     #[test]

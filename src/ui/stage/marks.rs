@@ -69,7 +69,9 @@ impl Marks {
         let (_, panel) = spot;
         let look = self.look(input);
         let pane = primitive::Rect { min: lens.pane.min.into(), max: lens.pane.max.into() };
-        let place = Placement { origin: lens.picture_rect().min.into(), zoom: lens.scale, seen: Some(pane) };
+        let picture = lens.picture_rect().intersect(lens.pane);
+        let room = Some(primitive::Rect { min: picture.min.into(), max: picture.max.into() });
+        let place = Placement { seen: Some(pane), room, ..Placement::new(lens.picture_rect().min.into(), lens.scale) };
         let without = moving.iter().map(|(index, _)| *index).collect();
         let (pixels_per_point, atlas) = (painter.pixels_per_point(), ink::atlas(painter.ctx()));
         let lit = self.lit;

@@ -1360,6 +1360,12 @@ pub static GLOSSARY: &[Term] = &[
         "The solution of more equations than unknowns that minimises the sum of the squared residuals.",
     ),
     term(
+        InterestPoints,
+        "left–right check",
+        &["left-right consistency", "left–right consistency"],
+        "The test that a match found from the left view is found from the right view as well; it rejects half-occluded pixels and many mismatches.",
+    ),
+    term(
         Trajectories,
         "level set function",
         &["level set", "level sets", "level set method"],
@@ -1367,11 +1373,6 @@ pub static GLOSSARY: &[Term] = &[
         contour can split and merge as the function changes.",
     )
     .symbol("φ"),
-        InterestPoints,
-        "left–right check",
-        &["left-right consistency", "left–right consistency"],
-        "The test that a match found from the left view is found from the right view as well; it rejects half-occluded pixels and many mismatches.",
-    ),
     term(
         DifferentialMethods,
         "linearisation",

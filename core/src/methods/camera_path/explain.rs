@@ -19,6 +19,7 @@ pub fn matrix(symbol: &'static str, name: &'static str, role: Role, entries: &Ma
         rows: Vec::new(),
         columns: Vec::new(),
         changed: None,
+        decimals: None,
     }
 }
 

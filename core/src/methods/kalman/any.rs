@@ -7,6 +7,7 @@ use super::unscented::SigmaPoints;
 use super::{Acceleration, Estimate, Motion, Nonlinear, Sensor, Turn, Velocity, smoothed};
 use crate::choices;
 use crate::geometry::Grid;
+use crate::methods::numbers::LENGTH_DECIMALS;
 
 /// A state estimate and its motion model.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -502,6 +503,11 @@ impl Filter {
     /// Returns the state x.
     pub fn state(&self) -> Vec<f64> {
         with!(self, |_motion, estimate| estimate.state.iter().copied().collect())
+    }
+
+    /// Returns the decimals of the state as shown: two for px, four where a turn rate in rad/frame is part of it.
+    pub fn decimals(&self) -> usize {
+        if self.names().contains(&"ω") { 4 } else { LENGTH_DECIMALS }
     }
 
     /// Returns the covariance P.

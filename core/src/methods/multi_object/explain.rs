@@ -87,6 +87,7 @@ impl Names {
             rows: self.rows[rows].to_vec(),
             columns: self.columns[columns].to_vec(),
             changed: Some(changed),
+            decimals: None,
         })
     }
 }
@@ -152,8 +153,14 @@ pub(crate) fn series(run: &TrackerRun) -> Option<Readout> {
         ("coasting tracks", Role::Predicted, with(TrackStatus::Coasting)),
     ];
     let x_max = run.span.first + run.span.frames().map_or(frames.len(), |frames| frames - 1);
-    let series =
-        Series { title: "Tracks", x_label: "frame", y_label: "number of tracks", x_max, lines, ..Series::default() };
+    let series = Series {
+        title: "Detections and tracks",
+        x_label: "frame",
+        y_label: "number per frame",
+        x_max,
+        lines,
+        ..Series::default()
+    };
     (frames.len() > 1).then_some(Readout::Series(series))
 }
 
@@ -165,22 +172,24 @@ fn of_status(frame: &ObjectFrame, status: TrackStatus) -> usize {
 pub(crate) fn done(number: usize, frame: &ObjectFrame, conclusion: &Conclusion) -> String {
     let of = |status| of_status(frame, status);
     let [seen, coasting, tentative] = [TrackStatus::Confirmed, TrackStatus::Coasting, TrackStatus::Tentative].map(of);
-    let counts = format!("Frame {number}: {seen} confirmed, {coasting} coasting, {tentative} tentative tracks.");
+    let tentative = count(tentative, "tentative track");
+    let counts = format!("Frame {number}: {seen} confirmed, {coasting} coasting, {tentative}.");
     let Some(run) = conclusion.run.filter(|run| run.truths > 0) else {
-        return counts + &conclusion.frame.map_or_else(String::new, of_frame);
+        let tracks = conclusion.tracks.map(|all| format!(" Run: {}.", count(all, "confirmed track")));
+        return counts + &conclusion.frame.map_or_else(String::new, of_frame) + &tracks.unwrap_or_default();
     };
     let [mota, idf1] = [run.mota, run.idf1].map(ratio);
     let scores = format!(" Run: MOTA {mota}, IDF1 {idf1}, {}.", plural(run.switches, "identity switch", "es"));
     let rates = format!(" Precision {}, recall {}.", fixed(run.precision, 2), fixed(run.recall, 2));
-    let worst = conclusion.worst.map_or_else(String::new, |(t, all)| {
-        let [misses, alarms] = [plural(all.misses(), "miss", "es"), plural(all.false_positives(), "false alarm", "s")];
-        format!(" Most errors in frame {t}: {misses}, {alarms}.")
-    });
+    let worst = most_errors(&conclusion.worst);
     let (misses, alarms) = (run.truths - run.matches, run.hypotheses - run.matches);
     let advice = match run.switches {
         0 if misses + alarms == 0 => "",
         switches if switches > misses.max(alarms) => {
             " To keep identities, raise the maximum age or choose a motion model that fits."
+        }
+        _ if misses > alarms && conclusion.is_of_truth => {
+            " In the run, misses dominate. The detections are true boxes with noise, so the missed objects are occluded: coasting tracks do not count as matches."
         }
         _ if misses > alarms => {
             " In the run, misses dominate: lower the minimum number of hits or the score thresholds, or use another detector."
@@ -193,6 +202,25 @@ pub(crate) fn done(number: usize, frame: &ObjectFrame, conclusion: &Conclusion) 
         }
     };
     counts + &scores + &rates + &worst + advice
+}
+
+/// The frames with the most errors in words.
+fn most_errors(worst: &[(usize, Matches)]) -> String {
+    let kinds = |all: &Matches| {
+        format!("{}, {}", plural(all.misses(), "miss", "es"), plural(all.false_positives(), "false alarm", "s"))
+    };
+    let Some((first, all)) = worst.first() else { return String::new() };
+    let errors = plural(all.misses() + all.false_positives(), "error", "s");
+    match worst {
+        [_] => format!(" Most errors in frame {first}: {}.", kinds(all)),
+        [_, (second, _)] => format!(" Most errors in frames {first} and {second}: {errors} each."),
+        _ => format!(" Most errors in {}, from frame {first} on: {errors} each.", count(worst.len(), "frame")),
+    }
+}
+
+/// The missed frames in a row.
+pub(crate) fn missed_in_a_row(missed: usize) -> String {
+    format!("{} in a row", count(missed, "missed frame"))
 }
 
 /// The matches of a frame in words.

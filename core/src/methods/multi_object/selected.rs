@@ -4,7 +4,7 @@ use super::explain::count;
 use super::tracker_run::TrackerRun;
 use crate::data::Clip;
 use crate::geometry::Bounds;
-use crate::methods::numbers::{fixed, px};
+use crate::methods::numbers::{px, ratio};
 use crate::products::{Object, ObjectFrame, TrackStatus};
 use crate::scene::{Fact, Role, Sentence};
 
@@ -96,11 +96,12 @@ impl Selected {
                 let compared = match self.last.status {
                     _ if iou < 0.5 => "below 0.5, so they do not match",
                     TrackStatus::Confirmed => "at least 0.5, so they match",
-                    TrackStatus::Tentative | TrackStatus::Coasting => "but only confirmed tracks count as matches",
+                    TrackStatus::Tentative => "but a tentative track does not count as a match",
+                    TrackStatus::Coasting => "but a coasting track does not count as a match",
                 };
-                said.text(" The box of ")
+                said.text(" Its box overlaps ")
                     .ink(Role::Truth, format!("true object {object}"))
-                    .text(format!(" overlaps with IoU {}, {compared}.", fixed(iou.into(), 2)))
+                    .text(format!(" (IoU {}), {compared}.", ratio(iou.into())))
             }
             None => said,
         }
@@ -120,7 +121,7 @@ impl Selected {
         ];
         facts.extend(self.speed().map(|speed| Fact::new("Mean speed", format!("{} px/frame", px(speed)), None)));
         facts.extend(self.truth.map(|(object, iou)| {
-            Fact::new("True object", format!("{object}, IoU {}", fixed(iou.into(), 2)), Some(Role::Truth))
+            Fact::new("True object", format!("{object}, IoU {}", ratio(iou.into())), Some(Role::Truth))
         }));
         facts
     }

@@ -165,6 +165,11 @@ impl Detector {
         matches!(self.origin, Origin::Moving(_))
     }
 
+    /// Returns whether its detections are the true boxes with noise.
+    pub fn is_truth(&self) -> bool {
+        matches!(self.origin, Origin::Truth)
+    }
+
     /// Returns whether its detections are clicks.
     pub fn is_clicked(&self) -> bool {
         matches!(self.origin, Origin::Clicks(_))

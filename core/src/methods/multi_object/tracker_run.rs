@@ -56,14 +56,18 @@ impl Settings {
 }
 
 /// The confirmed tracks of a frame and of the run beside the ground truth.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Conclusion {
     /// The matches of the frame.
     pub frame: Option<Matches>,
+    /// The number of tracks that were confirmed in the run, at its end.
+    pub tracks: Option<usize>,
     /// The scores of the run, at its end.
     pub run: Option<Scores>,
-    /// The frame of the run with the most misses and false alarms, at its end.
-    pub worst: Option<(usize, Matches)>,
+    /// The frames of the run with the most misses and false alarms, at its end.
+    pub worst: Vec<(usize, Matches)>,
+    /// Whether the detections are the true boxes with noise.
+    pub is_of_truth: bool,
 }
 
 /// The finished frames of a run, and the detector of those to come.
@@ -263,11 +267,16 @@ impl TrackerRun {
             Some((t, matches(clip, t, frame)?))
         });
         let errors = |all: &Matches| all.misses() + all.false_positives();
-        let worst = all.reduce(|a, b| if errors(&b.1) > errors(&a.1) { b } else { a });
+        let all: Vec<(usize, Matches)> = all.collect();
+        let most = all.iter().map(|(_, all)| errors(all)).max().unwrap_or(0);
+        let objects = field.frames.iter().flat_map(|frame| &frame.objects);
+        let confirmed = objects.filter(|object| object.status == TrackStatus::Confirmed).map(|object| object.id);
         Conclusion {
             frame: matches(clip, self.frame(), frame),
+            tracks: Some(confirmed.collect::<BTreeSet<u32>>().len()),
             run: scores_on(clip, &field).ok().flatten(),
-            worst: worst.filter(|(_, all)| errors(all) > 0),
+            worst: all.into_iter().filter(|(_, all)| most > 0 && errors(all) == most).collect(),
+            is_of_truth: self.detector.is_truth(),
         }
     }
 

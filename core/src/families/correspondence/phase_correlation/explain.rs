@@ -251,6 +251,7 @@ impl PhaseCorrelation {
                 rows: Vec::new(),
                 columns: Vec::new(),
                 changed: None,
+                decimals: None,
             }]));
         }
         readouts

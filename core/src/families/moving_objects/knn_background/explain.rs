@@ -103,6 +103,7 @@ impl KnnBackground {
             rows: names.collect(),
             columns: columns.into_iter().map(String::from).collect(),
             changed: Some(changed),
+            decimals: None,
         }
     }
 }

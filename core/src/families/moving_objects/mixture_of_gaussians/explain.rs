@@ -245,7 +245,7 @@ fn table(symbol: &'static str, name: &'static str, modes: &[Mode], pixel: &[f32]
     });
     let rows = (1..=modes.len()).map(|number| number.to_string()).collect();
     let columns = columns.into_iter().map(String::from).collect();
-    Matrix { symbol, name, role: Some(Role::Predicted), entries, rows, columns, changed: None }
+    Matrix { symbol, name, role: Some(Role::Predicted), entries, rows, columns, changed: None, decimals: None }
 }
 
 #[cfg(test)]

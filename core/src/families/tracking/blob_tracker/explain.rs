@@ -143,8 +143,8 @@ impl BlobTracker {
             EventKind::Missed(tracked) => {
                 let missed = tracked.members.iter().map(|member| member.age.missed).max().unwrap_or(0);
                 said.ink(Role::Predicted, named(tracked)).text(format!(
-                    " has no blob and coasts: {} missed in a row, deleted after more than {} (the maximum age).",
-                    count(missed, "frame"),
+                    " has no blob and coasts: {} (maximum age {}).",
+                    explain::missed_in_a_row(missed),
                     self.rules.max_age
                 ))
             }

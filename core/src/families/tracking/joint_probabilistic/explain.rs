@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::events::{Joint, JointEvent, Validation};
 use super::{Event, JointProbabilistic, State, Track, Weights, line};
-use crate::base::words::{percent, place};
+use crate::base::words::{capital, percent, place};
 use crate::geometry::{Bounds, Grid};
 use crate::methods::{
     kalman::ellipse,
@@ -14,7 +14,7 @@ use crate::methods::{
         tracking::{self, MultiTracking, errors, selected},
         truth,
     },
-    numbers::{px, ratio, squared},
+    numbers::{LENGTH_DECIMALS, RATIO_DECIMALS, SQUARED_DECIMALS, px, ratio, squared},
 };
 use crate::products::TrackStatus;
 use crate::run::Seen;
@@ -85,9 +85,9 @@ impl JointProbabilistic {
             Event::Weighed(validation, joint) => weighed(validation, joint),
             Event::Updated(both, weights) => updated(both, weights),
             Event::Missed(track, missed) => said.ink(Role::Predicted, named(track)).text(format!(
-                " coasts: β₀ = {} ≥ 0.5, so more probably none of the detections is its own. {} missed in a row, deleted after more than {} (the maximum age).",
+                " coasts: β₀ = {} ≥ 0.5, so more probably none of the detections is its own. {} (maximum age {}).",
                 ratio(*missed),
-                count(track.age.missed, "frame"),
+                capital(&explain::missed_in_a_row(track.age.missed)),
                 self.rules.max_age
             )),
             Event::Deleted(track) => said.ink(Role::Rejected, named(track)).text(match track.age.status {
@@ -247,7 +247,8 @@ fn updated([before, after]: &[Track; 2], weights: &Weights) -> Sentence {
         _ => " Their spread adds to its covariance, because only one of them can be right.",
     };
     Sentence::default().ink(Role::Estimate, named(after)).text(format!(
-        ": combined innovation of {}{most} moves the position from {} to {} px, σ from {} to {} px.{why}{reported}",
+        ": combined innovation of {}{most} moves the position from {} to {} px, its standard deviation from {} to {} \
+         px.{why}{reported}",
         count(number, "detection"),
         at(before),
         at(after),
@@ -259,7 +260,9 @@ fn updated([before, after]: &[Track; 2], weights: &Weights) -> Sentence {
 fn validation_table(validation: &Validation) -> Option<Matrix> {
     let names = Names::new(validation.tracks.iter().map(|track| track.id.to_string()), 0..validation.detections.len());
     let distance = |row, column| validation.distances.get(row, column).unwrap_or(f64::INFINITY);
-    names.table(("d²", "squared Mahalanobis distance in the gate: tracks (rows), detections (columns)"), distance, &[])
+    names
+        .table(("d²", "squared Mahalanobis distance in the gate: tracks (rows), detections (columns)"), distance, &[])
+        .map(|table| table.with_decimals(SQUARED_DECIMALS))
 }
 
 /// The joint events with their probabilities.
@@ -279,6 +282,7 @@ fn event_tables(validation: &Validation, joint: &Joint) -> Vec<Matrix> {
         rows: names.rows.clone(),
         columns: Vec::new(),
         changed: None,
+        decimals: Some(RATIO_DECIMALS),
     };
     names.table(("θ", name), entry, &[]).into_iter().chain((!all.is_empty()).then_some(probability)).collect()
 }
@@ -294,7 +298,9 @@ fn weight_table(validation: &Validation, joint: &Joint) -> Option<Matrix> {
         true => joint.weight(row, column),
         false => joint.missed(row),
     };
-    names.table(("β", "probability of the association: tracks (rows), detections (columns)"), entry, &[])
+    names
+        .table(("β", "probability of the association: tracks (rows), detections (columns)"), entry, &[])
+        .map(|table| table.with_decimals(RATIO_DECIMALS))
 }
 
 fn weight_equation() -> Vec<Math> {
@@ -325,11 +331,12 @@ fn update_tables(before: &Track, weights: &Weights) -> Vec<Matrix> {
         columns: if entries.width() > 1 { axes.clone() } else { Vec::new() },
         rows: rows.to_vec(),
         changed: None,
+        decimals: None,
         entries,
     };
     let innovation = Grid::from_fn(1, 2, |_, y| numbers.innovation[y]);
     vec![
-        matrix("ν", "combined innovation", Role::Measured, innovation, &axes),
+        matrix("ν", "combined innovation", Role::Measured, innovation, &axes).with_decimals(LENGTH_DECIMALS),
         matrix("S", "innovation covariance", Role::Predicted, numbers.covariance, &axes),
         matrix("K", "Kalman gain", Role::Estimate, numbers.gain, &states),
         matrix("P̃", "spread of the innovations", Role::Candidate, numbers.spread, &axes),

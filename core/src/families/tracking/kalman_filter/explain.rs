@@ -5,6 +5,7 @@ use super::sensors::{Observations, SensorReading, Sensors};
 use super::{Event, FrameRecord, Gated, KalmanFilter, Loss, State, line, modes};
 use crate::base::words::{self, counted as count, percent};
 use crate::methods::kalman::{Filter, Measurement, MotionModel, chi_square, ellipse};
+use crate::methods::multi_object::explain::missed_in_a_row;
 use crate::methods::numbers::{px, ratio, squared};
 use crate::run::Seen;
 use crate::scene::{Arrow, Band, Fact, Math, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step};
@@ -34,13 +35,15 @@ struct StepEstimates<'a> {
     predicted: Option<Filter>,
     gated: Vec<&'a Gated>,
     after: Option<Filter>,
+    /// The role of the estimate after the step: filtered, or smoothed.
+    role: Role,
 }
 
 impl StepEstimates<'_> {
     /// Returns the current estimate and its role.
     fn current(&self) -> Option<(&Filter, Role)> {
         let predicted = || self.predicted.as_ref().or(self.before.as_ref()).map(|filter| (filter, Role::Predicted));
-        self.after.as_ref().map(|filter| (filter, Role::Estimate)).or_else(predicted)
+        self.after.as_ref().map(|filter| (filter, self.role)).or_else(predicted)
     }
 }
 
@@ -53,6 +56,7 @@ impl KalmanFilter {
             predicted: None,
             gated: Vec::new(),
             after: None,
+            role: if state.back.is_some() { Role::Result } else { Role::Estimate },
         };
         for event in seen.events {
             match event {
@@ -112,7 +116,8 @@ impl KalmanFilter {
                 said.text(format!("Prediction for frame {frame}: "))
                     .ink(Role::Predicted, format!("{} px", place(both[1].place())))
                     .text(format!(
-                        ". Process noise Q and the uncertain velocity increase σ from {} to {} px.",
+                        ". {} increase the standard deviation of the position from {} to {} px.",
+                        self.sources(),
                         px(before),
                         px(after)
                     ))
@@ -128,7 +133,7 @@ impl KalmanFilter {
                 .text("The first measurement starts a track at ")
                 .ink(Role::Estimate, format!("{} px", place(filter.place())))
                 .text(format!(
-                    ". Its velocity is unknown: 0 ± {} px/frame, the initial speed.",
+                    ". Its velocity is unknown: 0, standard deviation {} px/frame (parameter Initial speed).",
                     px(f64::from(self.initial_speed))
                 ))
                 .text(if *there > 0 && self.object > *there {
@@ -156,7 +161,7 @@ impl KalmanFilter {
                 said.text(format!("Smoothing frame {frame} with the later measurements moves the estimate by {} px to ", px(far)))
                     .ink(Role::Result, format!("{} px", place(all[1].place())))
                     .text(format!(
-                        ". σ changes from {} to {} px.",
+                        ". The standard deviation of the position changes from {} to {} px.",
                         px(deviation(&all[0])),
                         px(deviation(&all[1]))
                     ))
@@ -169,6 +174,17 @@ impl KalmanFilter {
         said.text(self.conclusion(seen))
     }
 
+    /// What increases the covariance in a prediction.
+    fn sources(&self) -> &'static str {
+        match self.motion {
+            MotionModel::Velocity => "Process noise Q and the uncertain velocity",
+            MotionModel::Acceleration => "Process noise Q and the uncertain velocity and acceleration",
+            MotionModel::Turn | MotionModel::Unscented | MotionModel::Interacting => {
+                "Process noise Q and the uncertain velocity and turn rate"
+            }
+        }
+    }
+
     /// Why no track has started yet.
     fn waiting(&self, seen: &Seen<Self>, frame: usize) -> String {
         let detections = seen.events.iter().find_map(|event| match event {
@@ -176,11 +192,16 @@ impl KalmanFilter {
             _ => None,
         });
         match detections.filter(|count| *count > 0) {
-            Some(detections) if seen.before.detector.is_moving() => format!(
-                "No track has started yet: of {} in frame {frame} none is where the longest consistent motion begins. A click on \
-                 an object chooses it (parameter Clicks).",
-                count(detections, "detection")
-            ),
+            Some(detections) if seen.before.detector.is_moving() => {
+                let none = match detections {
+                    1 => "the only detection does not belong".to_owned(),
+                    _ => format!("none of the {} belongs", count(detections, "detection")),
+                };
+                format!(
+                    "No track yet: {none} to the object that moves most consistently. Click an object to track it instead \
+                     (parameter Clicks)."
+                )
+            }
             Some(detections) => {
                 format!(
                     "No track has started yet: none of {} in frame {frame} was chosen.",
@@ -209,7 +230,7 @@ impl KalmanFilter {
 
     /// A frame without an accepted measurement, and after three rejections in a row a remedy.
     fn coasting(&self, seen: &Seen<Self>, now: &StepEstimates, filter: &Filter) -> Sentence {
-        let missed = count(seen.before.missed + 1, "frame");
+        let missed = missed_in_a_row(seen.before.missed + 1);
         let said = Sentence::default()
             .text(match now.gated.len() {
                 0 => "No measurement: the track coasts at the prediction ",
@@ -217,7 +238,7 @@ impl KalmanFilter {
                 _ => "All measurements are rejected, so the track coasts at the prediction ",
             })
             .ink(Role::Estimate, format!("{} px", place(filter.place())))
-            .text(format!(". {missed} missed in a row; the maximum age is {}.", self.max_age));
+            .text(format!(". {missed} (maximum age {}).", self.max_age));
         let earlier = seen.before.records.iter().rev();
         let is_rejected = |gated: &[Gated]| !gated.is_empty() && !gated.iter().any(Gated::is_inside);
         let earlier = earlier.take_while(|record| is_rejected(&record.gated)).filter_map(|record| record.gated.first());
@@ -287,52 +308,52 @@ impl KalmanFilter {
         format!(" The innovations are biased by {} px: the motion model does not fit. {}", place(mean), self.remedy())
     }
 
-    /// At the end of a run: errors beside the truth, consistency by the mean NIS, and the remedy.
-    fn conclusion(&self, seen: &Seen<Self>) -> String {
-        let Some(state) = seen.after else { return String::new() };
+    /// The state at the end of a run.
+    fn ended<'a>(&self, seen: &Seen<'a, Self>) -> Option<&'a State> {
+        let state = seen.after?;
         let frames = state.records.len();
         let is_over = match state.back {
             Some(done) => done == frames,
             None => !self.smooths() && state.span.frames() == Some(frames),
         };
-        if !is_over {
-            return String::new();
-        }
-        let mut said = " Run:".to_owned();
-        let rmse = |of: fn(&FrameRecord) -> Option<Filter>| {
-            let errors = state.records.iter().filter_map(|record| Some(distance(of(record)?.place(), record.truth?)));
-            root_mean_square(errors)
+        is_over.then_some(state)
+    }
+
+    /// The figures of a run: errors beside the truth, rejections, and the mean NIS with its band.
+    fn run_facts(&self, state: &State) -> Vec<Fact> {
+        let mut facts = Vec::new();
+        let rmse = |of: fn(&FrameRecord) -> Option<[f64; 2]>| {
+            root_mean_square(state.records.iter().filter_map(|record| Some(distance(of(record)?, record.truth?))))
         };
-        if let Some(filtered) = rmse(|record| record.filtered) {
-            said += &format!(" position error (RMS) {} px filtered", px(filtered));
-            let smoothed = rmse(|record| record.smoothed).filter(|_| self.smooths());
-            said += &smoothed.map_or_else(String::new, |smoothed| format!(", {} px smoothed", px(smoothed)));
-            said += ".";
-            // Only frames with a measurement compare the filter with its sensor.
-            let both = |of: fn(&FrameRecord) -> Option<[f64; 2]>| {
-                let measured = state.records.iter().filter(|record| record.of_sensor(0).is_some());
-                root_mean_square(measured.filter_map(|record| Some(distance(of(record)?, record.truth?))))
-            };
-            let measured = both(|record| Some(record.of_sensor(0)?.measurement().place));
-            let filtered = both(|record| Some(record.filtered?.place()));
-            if let (Some(measured), Some(filtered)) = (measured, filtered) {
-                said += &format!(
-                    " RMS error in frames with a measurement, rejected ones included: {} px measured, {} px filtered.",
-                    px(measured),
-                    px(filtered)
-                );
-            }
+        let mut error = |label, value: Option<f64>| {
+            facts.extend(value.map(|value| Fact::new(label, format!("{} px", px(value)), None)));
+        };
+        error("RMS error, filtered", rmse(|record| Some(record.filtered?.place())));
+        if self.smooths() {
+            error("RMS error, smoothed", rmse(|record| Some(record.smoothed?.place())));
         }
+        // Only frames with a measurement, rejected ones included, compare the filter with its sensor.
+        error("RMS error, measurements", rmse(|record| Some(record.of_sensor(0)?.measurement().place)));
+        error("Filtered, same frames", rmse(|record| record.of_sensor(0).and(Some(record.filtered?.place()))));
+        if let Some(ConsistencyTest { mean, band: [low, high] }) = ConsistencyTest::of(&accepted(state)) {
+            let value = format!("{}, 95 % band {}–{}", squared(mean), squared(low), squared(high));
+            facts.push(Fact::new("Mean NIS (accepted)", value, None));
+        }
+        facts
+    }
+
+    /// At the end of a run: rejections, bias, consistency by the mean NIS, and the remedy.
+    fn conclusion(&self, seen: &Seen<Self>) -> String {
+        let Some(state) = self.ended(seen) else { return String::new() };
         let noise = f64::from(self.measurement_noise);
-        said += &modes::concluded(state.records.iter().map(|record| &**record), noise);
+        let mut said = modes::concluded(state.records.iter().map(|record| &**record), noise);
         let gated: Vec<&Gated> = state.records.iter().filter_map(|record| record.of_sensor(0)).collect();
-        // Rejected measurements are of something else: they say nothing about the filter's covariance.
-        let nis: Vec<&Gated> = gated.iter().copied().filter(|gated| gated.is_inside()).collect();
+        let nis = accepted(state);
         let rejected = gated.len() - nis.len();
         if rejected > 0 {
-            said += &format!(" Rejected by the gate: {rejected} of {} measurements.", gated.len());
+            said += &format!(" The gate rejected {rejected} of {}.", count(gated.len(), "measurement"));
         }
-        let Some(dof) = nis.first().map(|gated| gated.measurement().numbers()) else {
+        let Some(test) = ConsistencyTest::of(&nis) else {
             return said
                 + " No measurement was accepted, so the innovations do not show whether the covariance is right.";
         };
@@ -340,38 +361,25 @@ impl KalmanFilter {
         said += &bias;
         // The gate cuts off the large values: their mean would look consistent whatever the filter does.
         if rejected as f64 > MOST_REJECTED * gated.len() as f64 {
-            let share = (100.0 * rejected as f64 / gated.len() as f64).round();
-            said += &format!(" With {share} % rejected, the NIS of the rest does not test the filter.");
             let refused: Vec<&Gated> = gated.iter().copied().filter(|gated| !gated.is_inside()).collect();
-            return match of_another(&refused) {
-                Some(true) => said + " All rejected measurements are of other objects: the gate was right.",
-                Some(false) => {
-                    said + " They are of the object, so the filter has diverged: the motion model does not fit. "
-                        + self.remedy()
-                }
-                None => {
-                    said + " If the rejected measurements are of the object, the filter has diverged: the motion model does not fit. "
-                        + self.remedy()
-                }
-            };
+            return said + &self.untested(&refused, gated.len());
         }
-        let mean = nis.iter().map(|gated| gated.squared_distance).sum::<f64>() / nis.len() as f64;
-        let [low, high] = [0.025, 0.975].map(|p| chi_square::quantile(p, dof * nis.len()) / nis.len() as f64);
-        said += &format!(
-            " Mean NIS of the accepted measurements {}, 95 % band {} to {}: {}",
-            squared(mean),
-            squared(low),
-            squared(high),
-            match mean {
-                mean if mean > high =>
-                    "the filter is overconfident: its covariance is too small. Raise the process noise or the measurement noise.",
-                mean if mean < low =>
-                    "the filter is underconfident: its covariance is too large. Lower the measurement noise or the process noise.",
-                _ if !bias.is_empty() => "their size agrees with S, so NIS alone does not show the bias.",
-                _ => "the filter is consistent.",
-            }
-        );
-        said
+        said + &test.verdict(!bias.is_empty())
+    }
+
+    /// Why the mean NIS tests nothing where many of `all` measurements were refused, and the remedy.
+    fn untested(&self, refused: &[&Gated], all: usize) -> String {
+        let share = (100.0 * refused.len() as f64 / all as f64).round();
+        let said = format!(" With {share} % rejected, the NIS of the rest does not test the filter.");
+        let diverged = "so the filter has diverged: the motion model does not fit.";
+        match of_another(refused) {
+            Some(true) => said + " All rejected measurements are of other objects: the gate was right.",
+            Some(false) => format!("{said} They are of the object, {diverged} {}", self.remedy()),
+            None => format!(
+                "{said} If the rejected measurements are of the object, the filter has diverged: the motion model does not fit. {}",
+                self.remedy()
+            ),
+        }
     }
 
     fn readouts(&self, seen: &Seen<Self>, now: &StepEstimates) -> Vec<Readout> {
@@ -388,15 +396,13 @@ impl KalmanFilter {
 
     fn facts(&self, seen: &Seen<Self>, now: &StepEstimates) -> Vec<Fact> {
         let mut facts = vec![Fact::new("Frame", now.frame.to_string(), None)];
+        facts.extend(self.ended(seen).into_iter().flat_map(|state| self.run_facts(state)));
         let current = now.current();
         if let Some((filter, role)) = current {
             let ([u, v], [[xx, _], [_, yy]]) = (filter.velocity(), filter.place_covariance());
             facts.push(Fact::new("Position", format!("{} px", place(filter.place())), Some(role)));
-            facts.push(Fact::new(
-                "Velocity",
-                format!("{} px/frame, speed {} px/frame", place([u, v]), px(u.hypot(v))),
-                None,
-            ));
+            facts.push(Fact::new("Velocity", format!("{} px/frame", place([u, v])), None));
+            facts.push(Fact::new("Speed", format!("{} px/frame", px(u.hypot(v))), None));
             facts.push(Fact::new(
                 "Standard deviations σ",
                 format!("({},\u{a0}{}) px", px(xx.sqrt()), px(yy.sqrt())),
@@ -433,8 +439,6 @@ impl KalmanFilter {
             Event::Weighed(update) => modes::weights_formula(&update.0, &update.1)?,
             Event::Updated(update) if update.1.modes().is_some() => return None,
             Event::Predicted(both) => {
-                let (before, after) = (&both[0], &both[1]);
-                let [x, u] = [before.place()[0], before.velocity()[0]];
                 // A turn is no linear function of the state: the extended filter applies f, and its Jacobian F to P.
                 let transition = match self.motion {
                     MotionModel::Turn => vec![Math::Var("f"), text("("), Math::Bold("x"), text(")")],
@@ -456,13 +460,7 @@ impl KalmanFilter {
                 let is_unscented = self.motion == MotionModel::Unscented;
                 vec![
                     if is_unscented { modes::moments_formula() } else { by_jacobian },
-                    Math::Row(vec![
-                        Math::Var("x"),
-                        text(&format!(" = {}, u = {} px/frame; predicted ", px(x), px(u))),
-                        Math::Var("x"),
-                        text(" = "),
-                        Math::ink(Role::Predicted, px(after.place()[0])),
-                    ]),
+                    prediction_along_x(&both[0], &both[1]),
                 ]
             }
             Event::Gated(gated) => {
@@ -519,7 +517,8 @@ impl KalmanFilter {
                         text(" + "),
                         Math::Bold("K"),
                         Math::Bold("ν"),
-                        text(",  "),
+                    ]),
+                    Math::Row(vec![
                         Math::Bold("P"),
                         text(" ← ("),
                         Math::Bold("I"),
@@ -528,7 +527,6 @@ impl KalmanFilter {
                         Math::Bold("H"),
                         text(")"),
                         Math::Bold("P"),
-                        text("  (equals the Joseph form)"),
                     ]),
                     Math::Row(vec![
                         Math::Var("x"),
@@ -641,7 +639,7 @@ impl KalmanFilter {
 
     pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
         let (state, now) = (seen.before, self.now(seen));
-        trails(seen, scene);
+        trails(seen, &now, scene);
         let detections = seen.events.iter().find_map(|event| match event {
             Event::Observed(observed) => Some(&observed.detections),
             _ => None,
@@ -700,6 +698,50 @@ impl KalmanFilter {
     }
 }
 
+/// The accepted measurements of a run: rejected ones are of something else, and say nothing about the filter's covariance.
+fn accepted(state: &State) -> Vec<&Gated> {
+    let gated = state.records.iter().filter_map(|record| record.of_sensor(0));
+    gated.filter(|gated| gated.is_inside()).collect()
+}
+
+/// The mean NIS of a run and its two-sided 95 % band.
+struct ConsistencyTest {
+    mean: f64,
+    band: [f64; 2],
+}
+
+impl ConsistencyTest {
+    /// Returns the test of these measurements; `None` without any.
+    fn of(nis: &[&Gated]) -> Option<Self> {
+        let dof = nis.first()?.measurement().numbers();
+        let number = nis.len() as f64;
+        let mean = nis.iter().map(|gated| gated.squared_distance).sum::<f64>() / number;
+        let band = [0.025, 0.975].map(|p| chi_square::quantile(p, dof * nis.len()) / number);
+        Some(Self { mean, band })
+    }
+
+    /// The outcome in words, and the remedy.
+    fn verdict(&self, is_biased: bool) -> String {
+        let Self { mean, band: [low, high] } = *self;
+        let (place, verdict) = match mean {
+            mean if mean > high => (
+                "above",
+                ". The covariance is too small (overconfident): raise the process noise Q or the measurement noise R.",
+            ),
+            mean if mean < low => (
+                "below",
+                ". The covariance is too large (underconfident): lower the process noise Q or the measurement noise R.",
+            ),
+            _ if is_biased => {
+                ("within", ": the innovations agree with S in size, so NIS alone does not show the bias.")
+            }
+            _ => ("within", ": the filter is consistent."),
+        };
+        let [mean, low, high] = [mean, low, high].map(squared);
+        format!(" Mean NIS {mean} is {place} the 95 % band {low}–{high}{verdict}")
+    }
+}
+
 /// The measurements of a frame in words.
 fn measurements((frame, is_clicked): (usize, bool), observed: &Observations, kind: &str) -> Sentence {
     let said = Sentence::default();
@@ -751,12 +793,46 @@ fn updated(gated: &Gated, after: &Filter) -> Sentence {
         .text(format!("Update with Kalman gain {} along x: position ", ratio(gain)))
         .ink(Role::Estimate, format!("{} → {} px", place(from.place()), place(after.place())))
         .text(format!(
-            ", velocity {} → {} px/frame. σ falls from {} to {} px.",
+            ", velocity {} → {} px/frame. The standard deviation of the position falls from {} to {} px.",
             speed(from),
             speed(after),
             px(deviation(from)),
             px(deviation(after))
         ))
+}
+
+/// A term of a sum with the sign before it.
+fn term(value: f64) -> String {
+    let sign = if value < 0.0 { "−" } else { "+" };
+    format!(" {sign} {}", px(value.abs()))
+}
+
+/// The predicted x with its numbers: of a linear motion model as the sum that it is.
+fn prediction_along_x(before: &Filter, after: &Filter) -> Math {
+    let text = |text: String| Math::text(text);
+    let [x, u] = [before.place()[0], before.velocity()[0]];
+    let predicted = Math::ink(Role::Predicted, px(after.place()[0]));
+    let sum = || vec![Math::Var("x"), text(" + ".into()), Math::Var("u")];
+    let numbers = format!(" = {}{}", px(x), term(u));
+    Math::Row(match before {
+        Filter::Velocity(..) => {
+            [sum(), vec![text(numbers), text(" = ".into()), predicted, text(" px".into())]].concat()
+        }
+        Filter::Acceleration(_, estimate) => {
+            let a = estimate.state[4];
+            let sign = if a < 0.0 { "−" } else { "+" };
+            let acceleration = Math::indexed(Math::Var("a"), Math::Var("x"));
+            let numbers = format!("{numbers} {sign} ½ · {} = ", px(a.abs()));
+            [sum(), vec![text(" + ½ ".into()), acceleration, text(numbers), predicted, text(" px".into())]].concat()
+        }
+        Filter::Turn(..) | Filter::Interacting(..) => vec![
+            Math::Var("x"),
+            text(format!(" = {}, u = {} px/frame; predicted ", px(x), px(u))),
+            Math::Var("x"),
+            text(" = ".into()),
+            predicted,
+        ],
+    })
 }
 
 /// Whether all measurements are of other objects than the tracked one, or none is; `None` where they differ or it is unknown.
@@ -807,15 +883,22 @@ fn truth(seen: &Seen<KalmanFilter>) -> Option<[f64; 2]> {
     observed.or_else(|| seen.before.records.get(index)?.truth)
 }
 
-/// Draws the filtered and the smoothed trajectory so far.
-fn trails(seen: &Seen<KalmanFilter>, scene: &mut Scene) {
+/// Draws the filtered and the smoothed trajectory up to the estimate of the step.
+fn trails(seen: &Seen<KalmanFilter>, now: &StepEstimates, scene: &mut Scene) {
     let state = seen.before;
+    let index = now.frame - state.span.first;
+    let is_new = matches!(seen.events.last(), Some(Event::Begun(..)));
     let mut draw = |of: fn(&FrameRecord) -> Option<Filter>, role: Role, meaning: &'static str| {
+        let known = state.records.iter().enumerate().map(|(i, record)| {
+            let of_step = now.after.filter(|_| i == index && role == now.role);
+            (of_step.or_else(|| of(record)), record.begins)
+        });
+        let of_step = now.after.filter(|_| index == state.records.len() && role == now.role);
         let mut runs: Vec<Vec<[f32; 2]>> = Vec::new();
-        for record in &state.records {
-            match of(record) {
+        for (filter, begins) in known.chain(of_step.map(|filter| (Some(filter), is_new))) {
+            match filter {
                 Some(filter) => {
-                    if runs.is_empty() || record.begins {
+                    if runs.is_empty() || begins {
                         runs.push(Vec::new());
                     }
                     if let Some(run) = runs.last_mut() {

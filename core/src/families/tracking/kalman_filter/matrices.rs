@@ -3,6 +3,7 @@
 use super::{Event, FrameRecord, Gated, modes};
 use crate::geometry::Grid;
 use crate::methods::kalman::{Filter, UpdateNumbers};
+use crate::methods::numbers::LENGTH_DECIMALS;
 use crate::scene::{Matrix, Role};
 
 /// The names of the components of a measurement.
@@ -20,7 +21,7 @@ fn owned(names: &[&str]) -> Vec<String> {
 
 /// Returns a matrix without row and column names.
 fn matrix(symbol: &'static str, name: &'static str, role: Option<Role>, entries: Grid<f64>) -> Matrix {
-    Matrix { symbol, name, role, entries, rows: Vec::new(), columns: Vec::new(), changed: None }
+    Matrix { symbol, name, role, entries, rows: Vec::new(), columns: Vec::new(), changed: None, decimals: None }
 }
 
 /// Lights the entries that differ from `before`, if that is comparable.
@@ -40,7 +41,8 @@ fn changes(now: &Grid<f64>, before: &Grid<f64>) -> Grid<bool> {
 /// The state and its covariance.
 fn estimate_matrices(filter: &Filter, before: Option<&Filter>, role: Role) -> [Matrix; 2] {
     let rows = owned(filter.names());
-    let state = Matrix { rows: rows.clone(), ..matrix("x", "state", Some(role), column(&filter.state())) };
+    let state = matrix("x", "state", Some(role), column(&filter.state())).with_decimals(filter.decimals());
+    let state = Matrix { rows: rows.clone(), ..state };
     let covariance = matrix("P", "state covariance", Some(role), filter.covariance());
     let covariance = Matrix { columns: rows.clone(), rows, ..covariance };
     [
@@ -58,13 +60,13 @@ fn of_update(numbers: &UpdateNumbers, before: Option<&UpdateNumbers>, names: &[&
         columns: measured.clone(),
         ..matrix(symbol, meaning, None, entries.clone())
     };
-    let innovation = matrix("ν", "innovation", Some(Role::Measured), column(residual));
+    let innovation = matrix("ν", "innovation", Some(Role::Measured), column(residual)).with_decimals(LENGTH_DECIMALS);
     let gain =
         Matrix { rows: owned(names), columns: measured.clone(), ..matrix("K", "Kalman gain", None, gain.clone()) };
     let observation = Matrix {
         rows: measured.clone(),
         columns: owned(names),
-        ..matrix("H", "measurement matrix", None, observation.clone())
+        ..matrix("H", "measurement matrix", None, observation.clone()).with_decimals(0)
     };
     [
         lit(Matrix { rows: measured.clone(), ..innovation }, before.map(|before| column(&before.residual)).as_ref()),
@@ -84,8 +86,15 @@ fn of_prediction(from: &Filter, before: Option<&Filter>) -> [Matrix; 2] {
         columns: names.clone(),
         ..matrix(symbol, meaning, None, entries)
     };
+    // The entries of a linear model are 0, 1 and ½.
+    let decimals = match from {
+        Filter::Velocity(..) => Some(0),
+        Filter::Acceleration(..) => Some(1),
+        Filter::Turn(..) | Filter::Interacting(..) => None,
+    };
+    let transition = Matrix { decimals, ..square("F", "transition matrix", now.transition) };
     [
-        lit(square("F", "transition matrix", now.transition), before.as_ref().map(|before| &before.transition)),
+        lit(transition, before.as_ref().map(|before| &before.transition)),
         lit(square("Q", "process noise covariance", now.noise), before.as_ref().map(|before| &before.noise)),
     ]
 }

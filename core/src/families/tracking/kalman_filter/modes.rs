@@ -4,7 +4,7 @@ use super::{FrameRecord, Gated};
 use crate::base::words::{fixed, place};
 use crate::geometry::Grid;
 use crate::methods::kalman::{Filter, Sigma, ellipse};
-use crate::methods::numbers::{px, ratio};
+use crate::methods::numbers::{RATIO_DECIMALS, px, ratio};
 use crate::scene::{Arrow, Fact, Math, Matrix, Picture, Role, Scene, Sentence, Shape};
 
 /// The modes in sentences, in the order of their filters.
@@ -244,7 +244,7 @@ pub(super) fn weights_formula(gated: &Gated, after: &Filter) -> Option<Vec<Math>
 fn modes_matrix(symbol: &'static str, name: &'static str, entries: Grid<f64>) -> Matrix {
     let names = vec!["velocity".to_owned(), "turn".to_owned()];
     let columns = if entries.width() == 2 { names.clone() } else { Vec::new() };
-    Matrix { symbol, name, role: None, entries, rows: names, columns, changed: None }
+    Matrix { symbol, name, role: None, entries, rows: names, columns, changed: None, decimals: Some(RATIO_DECIMALS) }
 }
 
 /// The probabilities of the modes as a column, with those that differ from `before` lit.

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::association::{Costs, MatchingStage};
-use super::{Event, KalmanTracker, PairCost, State, Track, line};
+use super::{Event, KalmanTracker, PairCost, Track, line};
 use crate::base::words;
 use crate::geometry::{Bounds, Grid};
 use crate::methods::{
@@ -13,7 +13,7 @@ use crate::methods::{
         tracking::{self, MultiTracking, errors, selected},
         truth,
     },
-    numbers::{fixed, px, ratio, squared},
+    numbers::{RATIO_DECIMALS, SQUARED_DECIMALS, fixed, px, ratio, squared},
 };
 use crate::products::TrackStatus;
 use crate::run::Seen;
@@ -40,25 +40,59 @@ fn deviations(track: &Track) -> String {
     if x == y { x } else { format!("({x},\u{a0}{y})") }
 }
 
-/// State and covariance before and after an update, with the changed entries lit.
-fn state_matrices(before: &Filter, after: &Filter) -> Vec<Matrix> {
-    let names: Vec<String> = before.names().iter().map(|name| (*name).into()).collect();
+/// The state and the covariance of a filter, with the entries that differ from those of `before` lit.
+fn estimate_matrices(
+    filter: &Filter,
+    before: Option<&Filter>,
+    role: Role,
+    named: [(&'static str, &'static str); 2],
+) -> [Matrix; 2] {
+    let names: Vec<String> = filter.names().iter().map(|name| (*name).into()).collect();
     let state = |filter: &Filter| Grid::from_fn(1, names.len(), |_, y| filter.state()[y]);
-    let matrix = |symbol, name, role, entries: Grid<f64>, old: Option<Grid<f64>>| Matrix {
+    let matrix = |(symbol, name), entries: Grid<f64>, old: Option<Grid<f64>>| Matrix {
         symbol,
         name,
         role: Some(role),
+        decimals: None,
         rows: names.clone(),
         columns: if entries.width() > 1 { names.clone() } else { Vec::new() },
         changed: old.map(|old| Grid::from_fn(old.width(), old.height(), |x, y| entries[(x, y)] != old[(x, y)])),
         entries,
     };
-    vec![
-        matrix("x⁻", "predicted state", Role::Predicted, state(before), None),
-        matrix("x", "updated state", Role::Estimate, state(after), Some(state(before))),
-        matrix("P⁻", "predicted covariance", Role::Predicted, before.covariance(), None),
-        matrix("P", "updated covariance", Role::Estimate, after.covariance(), Some(before.covariance())),
+    [
+        matrix(named[0], state(filter), before.map(state)).with_decimals(filter.decimals()),
+        matrix(named[1], filter.covariance(), before.map(Filter::covariance)),
     ]
+}
+
+/// State and covariance of a prediction.
+fn prediction_matrices(predicted: &Filter) -> [Matrix; 2] {
+    let named = [("x⁻", "predicted state"), ("P⁻", "predicted covariance")];
+    estimate_matrices(predicted, None, Role::Predicted, named)
+}
+
+/// State and covariance before and after an update.
+fn update_matrices(predicted: &Filter, updated: &Filter) -> Vec<Matrix> {
+    let [state, covariance] = prediction_matrices(predicted);
+    let named = [("x", "updated state"), ("P", "updated covariance")];
+    let [new_state, new_covariance] = estimate_matrices(updated, Some(predicted), Role::Estimate, named);
+    vec![state, new_state, covariance, new_covariance]
+}
+
+/// The matrices of a track in a frame: of its update, of its start, or of the prediction alone.
+fn matrices_of(id: u32, events: &[Event]) -> Vec<Matrix> {
+    let of_track = events.iter().rev().find_map(|event| match event {
+        Event::Updated(both, _) if both[1].id == id => Some(update_matrices(&both[0].filter, &both[1].filter)),
+        Event::Missed(track) | Event::Deleted(track) if track.id == id => {
+            Some(prediction_matrices(&track.filter).to_vec())
+        }
+        Event::Begun(track) if track.id == id => {
+            let named = [("x", "initial state"), ("P", "initial covariance")];
+            Some(estimate_matrices(&track.filter, None, Role::Reference, named).to_vec())
+        }
+        _ => None,
+    });
+    of_track.unwrap_or_default()
 }
 
 impl KalmanTracker {
@@ -102,8 +136,8 @@ impl KalmanTracker {
             Event::Assigned(costs, [row, column]) => self.assigned(costs, [*row, *column]),
             Event::Updated(both, measurement) => self.updated_track(both, measurement),
             Event::Missed(track) => said.ink(Role::Predicted, named(track)).text(format!(
-                " is unassigned and coasts: {} missed in a row, deleted after more than {} (the maximum age). Without an update σ grows to {} px.",
-                count(track.age.missed, "frame"),
+                " is unassigned and coasts: {} (maximum age {}). Without an update the standard deviation of the position grows to {} px.",
+                explain::missed_in_a_row(track.age.missed),
                 self.rules.max_age,
                 deviations(track)
             )),
@@ -126,7 +160,7 @@ impl KalmanTracker {
                 .text("An unassigned detection starts ")
                 .ink(Role::Reference, named(track).to_lowercase())
                 .text(format!(
-                    " with velocity 0 ± {} px/frame. It is tentative until it has {} hits, the minimum number.",
+                    " with velocity 0, standard deviation {} px/frame. It is tentative until it has {} hits, the minimum number.",
                     px(track.filter.covariance()[(2, 2)].max(0.0).sqrt()),
                     self.rules.min_hits
                 )),
@@ -148,11 +182,11 @@ impl KalmanTracker {
 
     fn assigned(&self, costs: &Costs, [row, column]: [usize; 2]) -> Sentence {
         let pair = costs.pairs[row];
-        let overlap = fixed(costs.overlap(row, column), 2);
+        let overlap = ratio(costs.overlap(row, column));
         let compared = match pair.map(|pair| pair.stage) {
             Some(MatchingStage::LastBox) => format!(
                 "The prediction is outside the gate or the IoU threshold; IoU with the last box {} {}.",
-                fixed(1.0 - pair.map_or(1.0, |pair| pair.cost), 2),
+                ratio(1.0 - pair.map_or(1.0, |pair| pair.cost)),
                 self.iou_limit()
             ),
             stage => {
@@ -194,7 +228,7 @@ impl KalmanTracker {
             }
         };
         let said = Sentence::default().ink(Role::Estimate, named(after)).text(format!(
-            ": the update {by} moves the position from {} to {} px. σ falls from {} to {} px; velocity {}.",
+            ": the update {by} moves the position from {} to {} px. The standard deviation of the position falls from {} to {} px; velocity {}.",
             at(before),
             at(after),
             deviations(before),
@@ -239,7 +273,7 @@ impl KalmanTracker {
     fn limits(&self, costs: &Costs) -> String {
         let near = format!("the gate is d² ≤ {} (χ², 2 dof, {})", squared(costs.limit), words::percent(self.gate));
         let shared = match self.iou_threshold > 0.0 {
-            true => format!("the IoU threshold is {}", fixed(self.iou_threshold.into(), 2)),
+            true => format!("the IoU threshold is {}", ratio(self.iou_threshold.into())),
             false => "boxes have to overlap".into(),
         };
         let all = match self.cost {
@@ -270,14 +304,14 @@ impl KalmanTracker {
             equation = self.equation(costs, pair);
         }
         if let Some(Event::Updated(both, _)) = seen.events.last() {
-            (tables, equation) = (state_matrices(&both[0].filter, &both[1].filter), None);
+            (tables, equation) = (update_matrices(&both[0].filter, &both[1].filter), None);
         }
         facts.extend(errors(seen).iter().flat_map(truth::facts));
         if let Some(selected) = selected(seen).filter(|_| track_of(seen).is_none()) {
             facts.extend(selected.facts());
-            let filter = |state: &State| state.tracks.iter().find(|track| track.id == selected.id).map(|of| of.filter);
-            if let Some((before, after)) = filter(state).zip(seen.after.and_then(filter)) {
-                (tables, equation) = (state_matrices(&before, &after), None);
+            let of_track = matrices_of(selected.id, seen.events);
+            if seen.after.is_some() && !of_track.is_empty() {
+                (tables, equation) = (of_track, None);
             }
         }
         let mut readouts = vec![Readout::Facts(facts)];
@@ -300,7 +334,7 @@ impl KalmanTracker {
             let total = Math::ink(Role::Best, ratio(costs.costs.get(row, column)?));
             let (distance, overlap) = (self.distance(costs, row, column), costs.overlap(row, column));
             let [distance, limit] = [distance, costs.limit].map(|v| Math::text(squared(v)));
-            let [overlap, least] = [overlap, f64::from(self.iou_threshold)].map(|v| Math::text(fixed(v, 2)));
+            let [overlap, least] = [overlap, f64::from(self.iou_threshold)].map(|v| Math::text(ratio(v)));
             let mut numbers = vec![Math::text("= "), self.cost([distance, limit, overlap, least])];
             // d² is its own result.
             if self.cost != PairCost::Mahalanobis {
@@ -330,7 +364,7 @@ impl KalmanTracker {
 
     /// The formula of a pair that the last detected box has joined, at its `cost`.
     fn last_box_equation(&self, cost: f64) -> Vec<Math> {
-        let iou = fixed(1.0 - cost, 2);
+        let iou = ratio(1.0 - cost);
         vec![
             Math::Row(vec![Math::Var("C"), Math::text(" = 1 − IoU of the last box")]),
             Math::Row(vec![Math::text(format!("= 1 − {iou} = ")), Math::ink(Role::Best, ratio(cost))]),
@@ -347,7 +381,7 @@ impl KalmanTracker {
             Math::Row(vec![Math::power(Math::Var("d"), Math::text("2")), Math::text(compared)])
         };
         let overlap = || {
-            let value = pair.map_or_else(String::new, |[row, column]| fixed(costs.overlap(row, column), 2));
+            let value = pair.map_or_else(String::new, |[row, column]| ratio(costs.overlap(row, column)));
             Math::text(format!("IoU{} {}", equals(value), self.iou_limit()))
         };
         let all = match self.cost {
@@ -363,7 +397,7 @@ impl KalmanTracker {
     /// What the IoU of a pair has to meet: boxes that do not overlap are never a pair.
     fn iou_limit(&self) -> String {
         match self.iou_threshold > 0.0 {
-            true => format!("≥ {}", fixed(self.iou_threshold.into(), 2)),
+            true => format!("≥ {}", ratio(self.iou_threshold.into())),
             false => "> 0".to_owned(),
         }
     }
@@ -388,13 +422,20 @@ impl KalmanTracker {
             }
         };
         let cost = |row, column| costs.costs.get(row, column).unwrap_or(f64::INFINITY);
-        let mut all = vec![names.table(("C", "cost matrix: tracks (rows), detections (columns)"), cost, &lit)];
+        // The Mahalanobis distance is its own cost.
+        let decimals = if self.cost == PairCost::Mahalanobis { SQUARED_DECIMALS } else { RATIO_DECIMALS };
+        let in_decimals = |table: Matrix| table.with_decimals(decimals);
+        let mut all =
+            vec![names.table(("C", "cost matrix: tracks (rows), detections (columns)"), cost, &lit).map(in_decimals)];
         if self.cost != PairCost::Overlap {
             let distance = |row, column| self.distance(costs, row, column);
-            all.push(names.table(("d²", "squared Mahalanobis distance"), distance, &lit));
+            let table = names.table(("d²", "squared Mahalanobis distance"), distance, &lit);
+            all.push(table.map(|table| table.with_decimals(SQUARED_DECIMALS)));
         }
         if self.cost != PairCost::Mahalanobis {
-            all.push(names.table(("IoU", "intersection over union"), |row, column| costs.overlap(row, column), &lit));
+            let overlap = |row, column| costs.overlap(row, column);
+            let table = names.table(("IoU", "intersection over union"), overlap, &lit);
+            all.push(table.map(|table| table.with_decimals(RATIO_DECIMALS)));
         }
         all.into_iter().flatten().collect()
     }

@@ -15,7 +15,7 @@ use crate::methods::{
         tracking::{self, MultiTracking, errors, selected},
         truth,
     },
-    numbers::{fixed, ratio, squared},
+    numbers::{SQUARED_DECIMALS, fixed, ratio, squared},
 };
 use crate::run::Seen;
 use crate::scene::{Arrow, Fact, Math, Matrix, Picture, Readout, Role, Scene, Sentence, Shape, Step};
@@ -365,7 +365,9 @@ fn distances(gates: &Gates) -> Option<Matrix> {
     });
     let names = Names::new(named, 0..gates.detections.len());
     let distance = |row, column| gates.distances.get(row, column).unwrap_or(f64::INFINITY);
-    names.table(("d²", "squared Mahalanobis distance in the gate: tracks (rows), detections (columns)"), distance, &[])
+    names
+        .table(("d²", "squared Mahalanobis distance in the gate: tracks (rows), detections (columns)"), distance, &[])
+        .map(|table| table.with_decimals(SQUARED_DECIMALS))
 }
 
 /// Reid's matrix: the origin of each detection in each branch, with the probabilities.
@@ -390,6 +392,7 @@ fn branch_tables(expansion: &Expansion) -> Vec<Matrix> {
         rows: names.rows.clone(),
         columns: Vec::new(),
         changed: None,
+        decimals: None,
     };
     let table = names.table(("Ω", name), entry, &lit);
     let probability = column("P", "probability of the branch", &|y| all[y].probability);

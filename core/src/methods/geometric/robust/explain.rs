@@ -301,6 +301,7 @@ impl<M: RobustModel> Robust<M> {
             rows: Vec::new(),
             columns: Vec::new(),
             changed: None,
+            decimals: None,
         };
         let mut all = Vec::new();
         all.extend(hypothesis.map(|found| matrix("hypothesis", Role::Candidate, found)));
