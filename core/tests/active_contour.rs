@@ -545,3 +545,29 @@ fn a_plain_ball_is_followed_to_the_tunnel_and_lost_in_it() {
     let overlap = overlap_in("active-contour", &scene_with("tunnel", &[]), 1..11);
     assert!(overlap < 0.4, "{overlap:.3} with bands");
 }
+
+#[test]
+fn a_plain_balloon_is_followed_and_a_banded_ball_folds_the_contour() {
+    let balloon = scene_with("balloon", &[]);
+    let end = |id: &str, clip: &Clip| {
+        let mut walk = set(id, &[]).walk(clip, 0).expect("a walk");
+        walk.jump(Move::End);
+        walk.step(None).sentence.plain()
+    };
+    for id in BOTH {
+        let overlap = overlap_in(id, &balloon, 1..40);
+        assert!(overlap > 0.85, "{id}: {overlap:.3}");
+        let said = end(id, &balloon);
+        assert!(said.contains("The edges held the contour"), "{id}: {said}");
+    }
+    let tunnel = scene_with("tunnel", &[]);
+    let mut walk = set("active-contour", &[]).walk(&tunnel, 0).expect("a walk");
+    let mut losses = Vec::new();
+    while !walk.at_end() && losses.is_empty() {
+        walk.jump(Move::Granularity(2, Direction::Forward));
+        losses.extend(Some(walk.step(None).sentence.plain()).filter(|said| said.contains("the object is lost")));
+    }
+    assert!(losses[0].contains("lost: the contour crosses itself (mean edge strength"), "{losses:?}");
+    let said = end("active-contour", &tunnel);
+    assert!(!said.contains("Gradient vector flow") && !said.contains("held the contour"), "{said}");
+}

@@ -239,7 +239,10 @@ fn a_correlation_filter_is_that_of_direct_sums() {
 #[test]
 fn success_is_the_area_under_the_plot() {
     let overlaps = [1.0, 0.82, 0.5, 0.31, 0.0, 0.0, 0.64, 0.0];
-    let error = |overlap| RegionError { frame: 1, truth: Bounds::around([0.0; 2], [1.0; 2]), overlap, center_px: 0.0 };
+    let error = |overlap| {
+        let truth = Bounds::around([0.0; 2], [1.0; 2]);
+        RegionError { frame: 1, truth, bounds: truth, overlap, center_px: 0.0 }
+    };
     let errors: Vec<_> = overlaps.into_iter().map(error).collect();
     // Fine steps: the area under the share of frames above a threshold is the mean overlap, which the 21 thresholds come near.
     let fine: f64 =
@@ -429,4 +432,80 @@ fn particles_outside_the_picture_are_said_to_have_no_weight() {
     let lost = field.frames.iter().position(|frame| frame.is_lost).expect("all particles have left");
     assert_eq!(field.frames[lost].region, field.frames[lost - 1].region, "the estimate is not used");
     assert!(!steps(&*estimator, &clip, "none inside has a weight above 0").is_empty());
+}
+
+/// A scene with a slider.
+fn scene_with(id: &str, slider: (&str, &str)) -> Clip {
+    let mut difficulty = synth::scene(id).expect("it is bundled").difficulty();
+    difficulty.set(slider.0, slider.1).expect("a slider");
+    synth::make(id, &difficulty).expect("a clip")
+}
+
+/// The sentence at the end of a run.
+fn conclusion(estimator: &dyn AnyEstimator, clip: &Clip) -> String {
+    let mut walk = estimator.walk(clip, 0).expect("a walk");
+    walk.jump(Move::End);
+    walk.step(None).sentence.plain()
+}
+
+#[test]
+fn the_end_of_a_run_says_what_became_of_the_region() {
+    let (leaves, fast, tunnel) = (scene("leaves"), scene_with("leaves", ("speed", "4")), scene("tunnel"));
+    for (id, clip, said, unsaid) in [
+        (
+            "camshift",
+            &leaves,
+            &["times as large as the true box", "spread over a background of like hue"][..],
+            "stood out",
+        ),
+        ("particle-filter", &fast, &["1 failure", "All particles lie outside the picture"], "survived"),
+        ("particle-filter", &tunnel, &["The object was hidden in", "the velocity carried"], "outside the picture"),
+        (
+            "mean-shift",
+            &tunnel,
+            &["1 failure", "itself reported no loss", "The object was hidden in"],
+            "led the ellipse",
+        ),
+        ("correlation-filter", &tunnel, &["1 failure", "The object was hidden in"], "does not attract"),
+    ] {
+        let end = conclusion(&*set(id, &[]), clip);
+        assert!(said.iter().all(|phrase| end.contains(phrase)) && !end.contains(unsaid), "{id}: {end}");
+    }
+}
+
+#[test]
+fn without_true_boxes_no_success_is_claimed() {
+    let still = Clip::from_frames("still", vec![disc([30.0, 24.0], 1); 4]).expect("frames of one size");
+    for id in ALL {
+        let end = conclusion(&*set(id, &[("region", "21,15,39,33")]), &still);
+        assert!(end.contains("lost in 0 of 4 frames") && end.contains("only the pictures show"), "{id}: {end}");
+    }
+    // Gray pixels have no hue: the model is empty, whatever lies beside it.
+    let gray = Frame::rgb(Grid::from_fn(64, 48, |x, y| [noise(x, y, 1) / 4 + 90; 3]));
+    let clip = Clip::from_frames("gray", vec![gray; 4]).expect("frames of one size");
+    let end = conclusion(&*set("camshift", &[("region", "20,15,40,35")]), &clip);
+    assert!(end.contains("the model has no hue") && end.contains("The model is empty"), "{end}");
+}
+
+#[test]
+fn a_region_without_extent_is_refused_by_its_size() {
+    let mut mean_shift = set("mean-shift", &[]);
+    let refusal = mean_shift.set("region", "50,100,50,100").unwrap_err().to_string();
+    assert!(refusal.contains("region has 0 × 0 px") && refusal.contains("must differ"), "{refusal}");
+    let refusal = mean_shift.set("region", "50,100,50").unwrap_err().to_string();
+    assert!(refusal.contains("two opposite corners"), "{refusal}");
+}
+
+#[test]
+fn a_size_that_stays_is_no_move() {
+    let still = Clip::from_frames("still", vec![disc([30.0, 24.0], 1); 3]).expect("frames of one size");
+    let mean_shift = set("mean-shift", &[("region", "21,15,39,33")]);
+    let sizes = steps(&*mean_shift, &still, "with the larger one.");
+    assert!(!sizes.is_empty());
+    for step in sizes {
+        let said = step.sentence.plain();
+        let is_present = said.contains("The best is the present size");
+        assert_eq!(is_present, said.contains("so the size stays"), "{said}");
+        assert_eq!(is_present, !said.contains("of the way to it"), "{said}");
+    }
 }

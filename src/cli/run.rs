@@ -54,6 +54,9 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
     {
         return Err(Error::new(format!("there is no step {step}: the run ends at {}", extent.units)));
     }
+    for why in clip.info().warnings.iter().filter(|why| why.starts_with("ground truth")) {
+        eprintln!("warning: {why}");
+    }
     let assessment = detection::assess(estimator, &output, &Reference { clip, frame }, &threads)?;
     match &assessment.truth_error {
         Some(error) if experiment.given.truth.is_some() => return Err(error.clone()),

@@ -257,18 +257,31 @@ impl SideBySide {
     }
 }
 
-/// The first choice of parameter `name` that is not at hand.
+/// A choice of parameter `name` that is not at hand: the one of which the present one is a variety, as `turn` of `unscented-turn`, or else
+/// the first.
 fn another(estimator: &dyn AnyEstimator, name: &str) -> Option<String> {
     let now = estimator.get(name).ok()?;
     let spec = estimator.specs().iter().find(|spec| spec.name == name)?;
     let Kind::Choice(choices) = &spec.kind else { return None };
-    choices.iter().map(|choice| choice.name).find(|choice| Value::Choice(choice) != now).map(str::to_owned)
+    let others = || choices.iter().map(|choice| choice.name).filter(|choice| Value::Choice(choice) != now);
+    let is_base = |other: &&str| matches!(now, Value::Choice(now) if now.strip_suffix(other).is_some_and(|own| own.ends_with('-')));
+    others().find(is_base).or_else(|| others().next()).map(str::to_owned)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use motionscope_core::Value;
+
+    #[test]
+    fn an_unscented_turn_is_contrasted_with_the_extended_one() {
+        let mut leader = estimator("kalman-filter").unwrap();
+        for (motion, other) in [("velocity", "acceleration"), ("unscented-turn", "turn"), ("imm", "velocity")] {
+            leader.set("motion", motion).unwrap();
+            let usual = SideBySide::usual(&*leader);
+            assert_eq!(usual.beside[0].estimator.get("motion").unwrap(), Value::Choice(other), "beside {motion}");
+        }
+    }
 
     #[test]
     fn all_work_under_the_conditions_of_the_leader() {

@@ -118,6 +118,27 @@ pub fn chapters_of(family: &str) -> &'static [Chapter] {
     }
 }
 
+/// Words that mean something else in a family of estimators: the term, the family, and the term that is meant there.
+const SENSES: [(&str, &str, &str); 3] = [
+    ("hypothesis", "Region tracking", "state hypothesis"),
+    ("hypothesis", "Tracking", "global hypothesis"),
+    ("precision", "Region tracking", "precision plot"),
+];
+
+/// The term that is meant by `term` in a text of an estimator of this family.
+///
+/// ```
+/// use motionscope_core::glossary::{find, in_family};
+///
+/// let hypothesis = find("hypotheses").expect("it is in the glossary");
+/// assert_eq!(in_family(hypothesis, "Region tracking").name, "state hypothesis");
+/// assert_eq!(in_family(hypothesis, "Correspondence").name, "hypothesis");
+/// ```
+pub fn in_family(term: &'static Term, family: &str) -> &'static Term {
+    let sense = SENSES.iter().find(|(name, of, _)| (*name, *of) == (term.name, family));
+    sense.and_then(|(.., meant)| find(meant)).unwrap_or(term)
+}
+
 /// The term with this name or alias, as [`find`] finds it.
 ///
 /// # Errors
@@ -314,6 +335,16 @@ mod tests {
         assert!(["", "eigen", "the", "größe"].iter().all(|word| find(word).is_none()));
         for term in GLOSSARY {
             assert!(term.spellings().all(|written| find(written) == Some(term)), "{}", term.name);
+        }
+    }
+
+    #[test]
+    fn a_word_has_the_sense_of_the_family() {
+        for (name, family, meant) in SENSES {
+            let term = find(name).expect("a term");
+            assert!(find(meant).is_some() && chapters_of(family).len() > 1, "{name} in {family}");
+            assert_eq!(in_family(term, family).name, meant);
+            assert_eq!(in_family(term, "Interest points"), term);
         }
     }
 

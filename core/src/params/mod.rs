@@ -243,6 +243,11 @@ impl Spec {
         if self.kind.is_whole() && given.parse::<f64>().is_ok_and(|v| v.fract() != 0.0) {
             return Error::new(format!("{} must be a whole number, {}, not {given}", self.name, self.allowed()));
         }
+        if let Kind::Placed(figure) = self.kind
+            && let Some(size) = figure.parse(given).and_then(|placed| placed.too_small())
+        {
+            return Error::new(format!("{} has {size}: its corners must differ in x and in y", self.name));
+        }
         Error::new(format!("{} must be {}, not {given}", self.name, self.allowed()))
     }
 }

@@ -310,6 +310,12 @@ impl Placed {
         }
     }
 
+    /// The size of a rectangle that is too small to be visible, in words.
+    pub(super) fn too_small(&self) -> Option<String> {
+        let Self::Zone(Some(zone)) = self else { return None };
+        zone.size().iter().any(|side| *side < LEAST_PX).then(|| size(zone))
+    }
+
     /// Whether it is valid: near the picture, and not too small to be visible.
     pub(super) fn is_sound(&self) -> bool {
         let is_near = |place: [f32; 2]| place.iter().all(|c| c.abs() <= REACH_PX);

@@ -80,6 +80,8 @@ pub struct RegionError {
     pub frame: usize,
     /// The true box.
     pub truth: Bounds,
+    /// The box around the region.
+    pub bounds: Bounds,
     /// Intersection over union of both boxes.
     pub overlap: f64,
     /// Distance of their centres in px.
@@ -178,7 +180,19 @@ impl RegionField {
 fn error(frame: usize, region: Region, truth: Bounds) -> RegionError {
     let (bounds, at) = (region.bounds(), truth.center());
     let off = [0, 1].map(|i| f64::from(region.center[i] - at[i]));
-    RegionError { frame, truth, overlap: bounds.iou(&truth).into(), center_px: off[0].hypot(off[1]) }
+    RegionError { frame, truth, bounds, overlap: bounds.iou(&truth).into(), center_px: off[0].hypot(off[1]) }
+}
+
+/// The area of the box around a region as a multiple of that of the true box.
+pub fn area_ratio(of: &RegionError) -> f64 {
+    f64::from(of.bounds.area()) / f64::from(of.truth.area())
+}
+
+/// The share of the true box that a region covers.
+pub fn covered(of: &RegionError) -> f64 {
+    // From the overlap I / (A + B − I) with the areas A and B.
+    let both = f64::from(of.bounds.area()) + f64::from(of.truth.area());
+    of.overlap * both / (1.0 + of.overlap) / f64::from(of.truth.area())
 }
 
 impl RegionScores {
@@ -253,7 +267,8 @@ impl Product for RegionField {
     fn assess(&self, reference: &Reference<'_>) -> Result<Assessment, Error> {
         let lost = self.frames.iter().filter(|frame| frame.is_lost).count();
         let values = [self.frames.len(), lost].map(Figure::from);
-        let facts = vec![fact("Frames", format!("{}, lost in {}", grouped(self.frames.len()), grouped(lost)))];
+        let facts =
+            vec![fact("Frames", format!("{}, reported as lost in {}", grouped(self.frames.len()), grouped(lost)))];
         let own = Assessment::default().with(scores(&OWN, values), facts);
         let compared = self.errors(reference.clip);
         reference.clip.wanted()?;
@@ -306,6 +321,15 @@ mod tests {
         // Above 0 to 0.30 are two frames (7 thresholds), above 0.35 to 0.95 one (13), above 1 none.
         assert!((of.success - (7.0 * 0.5 + 13.0 * 0.25) / 21.0).abs() < 1e-9, "{}", of.success);
         assert_eq!(RegionScores::of(&[]), None);
+    }
+
+    #[test]
+    fn an_overlap_is_told_apart_by_areas() {
+        let large = Bounds { min: [-10.0, -10.0], max: [20.0, 20.0] };
+        let around = error(1, large.into(), box_at(0.0));
+        assert!((area_ratio(&around) - 9.0).abs() < 1e-6 && (covered(&around) - 1.0).abs() < 1e-6, "{around:?}");
+        let beside = error(1, box_at(7.0).into(), box_at(0.0));
+        assert!((area_ratio(&beside) - 1.0).abs() < 1e-6 && (covered(&beside) - 0.3).abs() < 1e-6, "{beside:?}");
     }
 
     #[test]

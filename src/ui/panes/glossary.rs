@@ -1,7 +1,7 @@
 //! Definitions of terms where the pointer is.
 
 use eframe::egui::{Id, Rect, RichText, Sense, Shape, Ui, Vec2};
-use motionscope_core::glossary::{Chapter, GLOSSARY, Term, chapters_of, find, occurrences};
+use motionscope_core::glossary::{Chapter, GLOSSARY, Term, chapters_of, find, in_family, occurrences};
 
 use crate::paint::charts::explanation::Block;
 use crate::ui::drawing::chart::rect_from;
@@ -25,7 +25,11 @@ pub struct Link {
 
 /// The terms and symbols of a part of an explanation; `family` is that of the estimator, whose chapters say what a symbol means.
 pub fn links(block: &Block, family: &str) -> Vec<Link> {
-    let words = block.terms.iter().map(|(rect, term)| Link { rect: rect_from(*rect), term, is_word: true });
+    let words = block.terms.iter().map(|(rect, term)| Link {
+        rect: rect_from(*rect),
+        term: in_family(term, family),
+        is_word: true,
+    });
     let symbols = block.symbols.iter().filter_map(|(rect, name)| {
         let term = symbol(name, family)?;
         Some(Link { rect: rect_from(*rect), term, is_word: false })
@@ -125,6 +129,9 @@ mod tests {
         let found = links(&sentence(&words, (400.0, density), Theme::Dark), "Tracking");
         let names: Vec<_> = found.iter().map(|link| (link.term.name, link.is_word)).collect();
         assert_eq!(names, [("Kalman gain", true), ("innovation", true)]);
+        let words = Sentence::default().text("Each is a hypothesis.");
+        let found = links(&sentence(&words, (400.0, density), Theme::Dark), "Region tracking");
+        assert_eq!(found[0].term.name, "state hypothesis");
         assert!(found.iter().all(|link| link.rect.width() > 20.0 && link.rect.height() > 8.0));
         let formula = Math::Row(vec![Math::Bold("K"), Math::text(" = "), Math::Bold("P")]);
         let found = links(&equation(&[formula], (400.0, density), Theme::Dark), "Tracking");

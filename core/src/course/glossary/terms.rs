@@ -484,6 +484,12 @@ pub static GLOSSARY: &[Term] = &[
     )
     .symbol("E_D"),
     term(
+        Trajectories,
+        "degeneracy",
+        &["degenerate weights"],
+        "The concentration of nearly all weight on few particles after some updates, measured by the effective sample size and removed by resampling.",
+    ),
+    term(
         MultipleObjects,
         "deleted track",
         &["deleted", "deletion", "deleted tracks", "max age"],
@@ -734,6 +740,12 @@ pub static GLOSSARY: &[Term] = &[
     ),
     term(
         Evaluation,
+        "failure",
+        &["failures"],
+        "A frame in which the overlap of a tracked region with the true box falls to 0, after which a tracker would have to be started anew.",
+    ),
+    term(
+        Evaluation,
         "false negative",
         &["false negatives", "missed detection", "missed detections", "FN"],
         "An object or pixel of the ground truth that was not detected.",
@@ -916,6 +928,12 @@ pub static GLOSSARY: &[Term] = &[
         left.",
     ),
     term(
+        MultipleObjects,
+        "global hypothesis",
+        &["global hypotheses"],
+        "A set of compatible track hypotheses, in which no detection belongs to two, that explains all detections of a cluster; its probability follows from its scores.",
+    ),
+    term(
         MotionVectors,
         "global minimum",
         &["global minima", "global optimum"],
@@ -1091,6 +1109,12 @@ pub static GLOSSARY: &[Term] = &[
         "A model computed from a random sample, to be tested against all matches.",
     ),
     term(
+        MultipleObjects,
+        "hypothesis tree",
+        &["hypothesis trees", "tree of hypotheses", "track tree", "track trees"],
+        "The tree of track hypotheses of one object: a branch for each detection in the gate and for a missed one, frame by frame.",
+    ),
+    term(
         MovingObjects,
         "hysteresis thresholding",
         &["hysteresis"],
@@ -1158,6 +1182,12 @@ pub static GLOSSARY: &[Term] = &[
         &["warping", "warp", "warps", "warped", "backward warping"],
         "The resampling of frame t + 1 at positions displaced by the current flow, toward frame t, so that only an \
         increment remains to be estimated.",
+    ),
+    term(
+        Trajectories,
+        "impoverishment",
+        &["sample impoverishment", "impoverished", "impoverished cloud"],
+        "The loss of diversity when resampling leaves copies of few distinct particles, until the process noise spreads them again.",
     ),
     term(
         DifferentialMethods,
@@ -1242,7 +1272,7 @@ pub static GLOSSARY: &[Term] = &[
     term(
         Evaluation,
         "intersection over union",
-        &["IoU", "Jaccard index"],
+        &["IoU", "Jaccard index", "mean overlap", "overlap with the true box"],
         "The area that two regions share divided by the area that they cover together, from 0 to 1.",
     ),
     term(
@@ -1809,6 +1839,12 @@ pub static GLOSSARY: &[Term] = &[
         translation between two pictures.",
     ),
     term(Evaluation, "precision", &[], "The share of detections that are correct.").symbol("TP / (TP + FP)"),
+    term(
+        Evaluation,
+        "precision plot",
+        &["precision curve"],
+        "The share of frames in which the centre of a tracked region lies within a distance of the true one, over distances; a tracker is scored by its value at 20 px.",
+    ),
     term(KalmanFilters, "predicted measurement", &[], "The measurement H x that the predicted state implies.")
         .symbol("H x"),
     term(
@@ -2115,6 +2151,12 @@ pub static GLOSSARY: &[Term] = &[
     )
     .symbol("x"),
     term(
+        Trajectories,
+        "state hypothesis",
+        &["state hypotheses"],
+        "One possible state of the object, such as its position, velocity and scale, that a particle stands for; its weight says how well the image fits it.",
+    ),
+    term(
         KalmanFilters,
         "steady state",
         &["steady-state"],
@@ -2297,6 +2339,12 @@ pub static GLOSSARY: &[Term] = &[
         "The estimated state of one object over time, with its identity and status.",
     ),
     term(
+        MultipleObjects,
+        "track hypothesis",
+        &["track hypotheses"],
+        "One sequence of detections and misses that may be an object, with a score that is its log-likelihood ratio to false detections.",
+    ),
+    term(
         Trajectories,
         "trajectory",
         &["trajectories", "trajectory detection"],
@@ -2353,6 +2401,12 @@ pub static GLOSSARY: &[Term] = &[
         &["UKF", "sigma point", "sigma points"],
         "A Kalman filter for nonlinear models that propagates a few chosen points, the sigma points, instead of \
         linearising.",
+    ),
+    term(
+        KalmanFilters,
+        "unscented transform",
+        &["unscented transformation"],
+        "The moments of a random quantity after a nonlinear function, computed from sigma points that the function moves, without its derivative.",
     ),
     term(
         KalmanFilters,

@@ -8,7 +8,7 @@ use crate::base::Observer;
 use crate::data::{Clip, Frame};
 use crate::geometry::polygon;
 use crate::methods::contour::{self, Edges, Fit, Force, Model, Pentadiagonal, Point, Snake, Verdict};
-use crate::methods::region::{At, Explained};
+use crate::methods::region::{At, Ending, Explained};
 use crate::products::Region;
 use crate::run::{Info, Need};
 use crate::scene::{Chart, Fact, Name, Readout, Scene, Sentence};
@@ -273,6 +273,14 @@ impl Fit for ActiveContour {
     }
 }
 
+/// The judgement of the frame, once it is there.
+fn verdict<'a>(at: &'a At<'_, ActiveContour>) -> Option<&'a Verdict> {
+    match at.event {
+        Event::Judged(_, _, verdict) => Some(verdict),
+        _ => None,
+    }
+}
+
 impl Explained for ActiveContour {
     fn sentence(&self, at: &At<'_, Self>) -> Sentence {
         self.said(at)
@@ -294,20 +302,15 @@ impl Explained for ActiveContour {
         contour::explain::result(scene, model);
     }
 
-    fn advice(&self, is_kept: bool) -> &'static str {
-        match (is_kept, self.force) {
-            (true, _) => {
-                "The edges held the contour, because they moved less from frame to frame than their force reaches. It knows neither colour \
-                 nor texture: a stronger edge nearby would attract it."
-            }
-            (false, External::Gradient) => {
-                "Between two frames the object moved farther than its edges attract, or other edges were nearer. Gradient vector flow or a \
-                 larger σ reaches farther; a velocity is not predicted."
-            }
-            (false, External::Flow) => {
-                "Between two frames the object moved farther than even the diffused force reaches, or other edges were nearer. A velocity \
-                 is not predicted."
-            }
-        }
+    fn loss(&self, at: &At<'_, Self>) -> Option<&'static str> {
+        contour::explain::loss(verdict(at)?)
+    }
+
+    fn advice(&self, ending: Ending, at: &At<'_, Self>) -> String {
+        let reach = match self.force {
+            External::Gradient => "Gradient vector flow or a larger σ reaches farther; a velocity is not predicted.",
+            External::Flow => "A velocity is not predicted.",
+        };
+        contour::explain::advice(ending, verdict(at), reach)
     }
 }

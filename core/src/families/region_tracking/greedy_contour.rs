@@ -8,7 +8,7 @@ use crate::base::Observer;
 use crate::data::{Clip, Frame};
 use crate::geometry::polygon;
 use crate::methods::contour::{self, Edges, Fit, Model, Point, Snake, Verdict};
-use crate::methods::region::{At, Explained};
+use crate::methods::region::{At, Ending, Explained};
 use crate::products::Region;
 use crate::run::{Info, Need};
 use crate::scene::{Chart, Fact, Name, Readout, Scene, Sentence};
@@ -346,6 +346,14 @@ impl Fit for GreedyContour {
     }
 }
 
+/// The judgement of the frame, once it is there.
+fn verdict<'a>(at: &'a At<'_, GreedyContour>) -> Option<&'a Verdict> {
+    match at.event {
+        Event::Judged(_, _, verdict) => Some(verdict),
+        _ => None,
+    }
+}
+
 impl Explained for GreedyContour {
     fn sentence(&self, at: &At<'_, Self>) -> Sentence {
         self.said(at)
@@ -367,13 +375,12 @@ impl Explained for GreedyContour {
         contour::explain::result(scene, model);
     }
 
-    fn advice(&self, is_kept: bool) -> &'static str {
-        if is_kept {
-            "The points followed the strongest edges of their neighbourhoods, pixel by pixel. They know neither colour nor texture: a \
-             stronger edge nearby would attract them."
-        } else {
-            "Between two frames the object moved farther than its edges attract, or other edges were nearer. A larger σ blurs the edges \
-             so that they reach farther; a velocity is not predicted."
-        }
+    fn loss(&self, at: &At<'_, Self>) -> Option<&'static str> {
+        contour::explain::loss(verdict(at)?)
+    }
+
+    fn advice(&self, ending: Ending, at: &At<'_, Self>) -> String {
+        let reach = "A larger σ blurs the edges so that they reach farther; a velocity is not predicted.";
+        contour::explain::advice(ending, verdict(at), reach)
     }
 }

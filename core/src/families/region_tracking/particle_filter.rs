@@ -185,7 +185,8 @@ impl RegionModel for ParticleFilter {
         frames: 2,
     };
     const CONTRASTS: Option<&'static str> = Some("resampling");
-    const SIMILARITY: Similarity = Similarity { name: "weighted mean coefficient", symbol: "ρ", decimals: 3 };
+    const SIMILARITY: Similarity =
+        Similarity { name: "weighted mean Bhattacharyya coefficient", symbol: "ρ", decimals: 3 };
     type Model = Model;
     type Event = Event;
 

@@ -1,9 +1,10 @@
 //! What all contours explain and draw alike.
 
 use super::{Edges, LEAST_AREA_PX, Model, Point, Verdict};
-use crate::base::words::fixed;
+use crate::base::words::{counted, fixed};
 use crate::geometry::Grid;
 use crate::methods::numbers::{gray, ratio};
+use crate::methods::region::{Ending, Outcome};
 use crate::scene::{Arrow, Fact, Picture, Role, Scene, Sentence, Shape};
 
 /// The distance of drawn arrows in px.
@@ -35,7 +36,7 @@ pub(crate) fn judged(said: Sentence, verdict: &Verdict, min_edge: f32) -> Senten
         .ink(Role::Measured, ratio(verdict.strength.into()))
         .text(format!(" and encloses {}", area(verdict.area.abs())));
     if verdict.crosses {
-        said.text(", but it crosses itself and has no inside. Less displacement per iteration or more rigidity keeps it smooth.")
+        said.text(", but it crosses itself and has no inside: edges inside the object or in the background drew its points past each other.")
     } else if verdict.area <= -LEAST_AREA_PX {
         said.text(", but it has turned inside out.")
     } else if verdict.area < LEAST_AREA_PX {
@@ -44,6 +45,55 @@ pub(crate) fn judged(said: Sentence, verdict: &Verdict, min_edge: f32) -> Senten
         said.text(format!(". That is below {}: on average its points do not lie on edges.", ratio(min_edge.into())))
     } else {
         said.text(format!(". That is not below {}: it lies on edges, and the fit is accepted.", ratio(min_edge.into())))
+    }
+}
+
+/// Why a fit is refused, as a clause.
+pub(crate) fn loss(verdict: &Verdict) -> Option<&'static str> {
+    match verdict {
+        _ if !verdict.is_lost => None,
+        _ if verdict.crosses => Some("the contour crosses itself"),
+        _ if verdict.area <= -LEAST_AREA_PX => Some("the contour has turned inside out"),
+        _ if verdict.area < LEAST_AREA_PX => Some("the contour has collapsed"),
+        _ => Some("its points do not lie on edges"),
+    }
+}
+
+/// What a patterned object does to a contour, and what helps.
+const PATTERN: &str = "Where a pattern has stronger edges than the outline, no weight helps: a plain object on a plain background has its \
+                       strongest edges at its outline, and trackers of colours or texture follow a patterned one.";
+
+/// The lesson of a run with its last judgement; `reach` says what reaches farther.
+pub(crate) fn advice(ending: Ending, verdict: Option<&Verdict>, reach: &str) -> String {
+    match (ending.outcome, verdict) {
+        (Outcome::Followed, _) => {
+            "The edges held the contour, because they moved less from frame to frame than their force reaches. It knows neither colour \
+             nor texture: a stronger edge nearby would attract it."
+                .into()
+        }
+        (Outcome::Lost, _) if ending.hidden > 0 => {
+            format!(
+                "The object was hidden in {}, and a contour searches only where it was. A velocity is not predicted.",
+                counted(ending.hidden, "frame")
+            )
+        }
+        (_, Some(verdict)) if verdict.crosses => {
+            format!("Edges inside the object or in the background drew the points past each other, so the contour folded. {PATTERN}")
+        }
+        (_, Some(verdict)) if verdict.area.abs() < LEAST_AREA_PX => {
+            "No edge held the contour against its own elasticity, so it collapsed. A smaller α or a balloon pressure keeps it open.".into()
+        }
+        (Outcome::Shrunk, _) => format!("The contour slipped onto edges inside the object. {PATTERN}"),
+        (Outcome::Grown, _) => "The contour spread to edges of the background, which are stronger than the outline.".into(),
+        (Outcome::Regained, _) => {
+            "The contour left the object and met it again: it finds only what comes back to it. A velocity is not predicted.".into()
+        }
+        (Outcome::Beside | Outcome::Unknown, _) => {
+            format!("A part of the contour lies on edges that are not the outline. {PATTERN}")
+        }
+        (Outcome::Lost, _) => {
+            format!("Between two frames the object moved farther than its edges attract, or other edges were nearer. {reach}")
+        }
     }
 }
 

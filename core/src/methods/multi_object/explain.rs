@@ -229,9 +229,10 @@ fn of_frame(all: Matches) -> String {
         0 if all.truths == 0 => " No true objects in this frame.".into(),
         0 => format!(" Ground truth (IoU ≥ 0.5): all {} true objects are matched.", grouped(all.truths)),
         _ => format!(
-            " Ground truth (IoU ≥ 0.5): {} of {} true objects are matched, {}.",
+            " Ground truth (IoU ≥ 0.5): {} of {} {}, {}.",
             grouped(all.pairs),
-            grouped(all.truths),
+            plural(all.truths, "true object", "s"),
+            if all.pairs == 1 { "is matched" } else { "are matched" },
             plural(all.false_positives(), "false alarm", "s")
         ),
     }

@@ -1,11 +1,12 @@
 //! What all trackers of a region explain alike: the start, the result of a frame, the conclusion of the run.
 
+use super::ending::FAIR;
 use super::start::Origin;
-use super::{At, Event, Explained, RegionTracking, State, line, plots};
-use crate::base::words::{fixed, place};
+use super::{At, Ending, Event, Explained, Outcome, RegionTracking, State, line, plots};
+use crate::base::words::{counted, fixed, place};
 use crate::data::Clip;
 use crate::methods::numbers::{px, ratio};
-use crate::products::region::{NEAR_PX, RegionError, RegionScores, success};
+use crate::products::region::{NEAR_PX, RegionError, RegionScores, area_ratio, covered, success};
 use crate::products::{Region, RegionFrame};
 use crate::run::Seen;
 use crate::scene::{Fact, Name, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step};
@@ -29,12 +30,17 @@ impl<T: Explained> RegionTracking<T> {
 
     /// The run at an event of the tracker.
     fn at<'a>(seen: &'a Seen<'_, Self>) -> Option<At<'a, T>> {
+        matches!(seen.events.last()?, Event::Own(_)).then(|| Self::at_last(seen))?
+    }
+
+    /// The run at the last event of the tracker in the frame.
+    fn at_last<'a>(seen: &'a Seen<'_, Self>) -> Option<At<'a, T>> {
         let own = |event: &'a Event<T::Event>| match event {
             Event::Own(event) => Some(event),
             _ => None,
         };
-        let event = own(seen.events.last()?)?;
-        let events = seen.events.iter().filter_map(own).collect();
+        let events: Vec<_> = seen.events.iter().filter_map(own).collect();
+        let event = *events.last()?;
         Some(At { model: seen.before.model.as_deref(), region: seen.before.region, events, event })
     }
 
@@ -70,8 +76,10 @@ impl<T: Explained> RegionTracking<T> {
         let by = [0, 1].map(|i| result.region.center[i] - state.region.center[i]);
         let value = fixed(result.similarity.into(), similarity.decimals);
         let said = if result.is_lost {
+            let why = Self::at_last(seen).and_then(|at| self.0.loss(&at));
             said.text(format!("Frame {}: the object is ", state.frame)).ink(Role::Error, "lost").text(format!(
-                ", {} {value}. The region stays at {} px.",
+                "{} ({} {value}). The region stays at {} px.",
+                why.map(|why| format!(": {why}")).unwrap_or_default(),
                 similarity.name,
                 place(result.region.center)
             ))
@@ -85,16 +93,12 @@ impl<T: Explained> RegionTracking<T> {
                     crate::base::words::capital(similarity.name)
                 ))
         };
-        let Some(RegionError { overlap, center_px, .. }) = error_of_last(seen) else { return said };
-        let verdict = match overlap {
-            0.0 => ": the region is not on the object",
-            0.0..0.5 => ", below 0.5: it covers a part of the object",
-            _ => "",
-        };
+        let Some(error) = error_of_last(seen) else { return said };
         said.text(format!(
-            " Overlap with the true box (IoU) {}, centre error {} px{verdict}.",
-            ratio(overlap),
-            px(center_px)
+            " Overlap with the true box (IoU) {}{}. Centre error {} px.",
+            ratio(error.overlap),
+            verdict(&error),
+            px(error.center_px)
         ))
     }
 
@@ -102,29 +106,26 @@ impl<T: Explained> RegionTracking<T> {
     fn concluded(&self, seen: &Seen<Self>, said: Sentence) -> Sentence {
         let Some(after) = seen.after.filter(|after| is_over(seen.clip, after)) else { return said };
         let errors = errors(seen.clip, after);
-        let lost = after.past.iter().filter(|frame| frame.is_lost).count();
-        let (told, is_kept) = match RegionScores::of(&errors) {
-            Some(of) => (
-                format!(
-                    " End of the run: mean overlap {}, success {}, precision {} at {} px, and {} failures in {} frames with a true box.",
-                    ratio(of.overlap),
-                    ratio(of.success),
-                    ratio(of.precision),
-                    fixed(NEAR_PX, 0),
-                    of.failures,
-                    of.frames
-                ),
-                errors.last().is_some_and(|error| error.overlap > 0.0),
-            ),
-            None => (
-                format!(
-                    " End of the run: lost in {lost} of {} frames. No true boxes are known, so there are no scores.",
-                    after.past.len()
-                ),
-                !after.past.last().is_some_and(|frame| frame.is_lost),
+        let ending = Ending::of(&after.past, &errors);
+        let told = match RegionScores::of(&errors) {
+            Some(of) => scored(&of, ending),
+            None => format!(
+                " End of the run: the tracker reports the object as lost in {} of {} frames. No true boxes are known, so there are no scores.",
+                ending.reported,
+                after.past.len()
             ),
         };
-        said.text(told).text(format!(" {}", self.0.advice(is_kept)))
+        let said = said.text(told);
+        if ending.outcome == Outcome::Unknown {
+            return said.text(format!(
+                " Whether the region is still on the object, only the pictures show: a {} of {} in the last frame is a similarity of the model, \
+                 which a background of like appearance has too.",
+                T::SIMILARITY.name,
+                fixed(after.past.last().map_or(0.0, |frame| frame.similarity.into()), T::SIMILARITY.decimals)
+            ));
+        }
+        let advice = Self::at_last(seen).map(|at| self.0.advice(ending, &at));
+        said.text(advice.map(|advice| format!(" {advice}")).unwrap_or_default())
     }
 
     fn readouts(&self, seen: &Seen<Self>) -> Vec<Readout> {
@@ -225,6 +226,40 @@ fn errors<M>(clip: &Clip, state: &State<M>) -> Vec<RegionError> {
 fn error_of_last<T: Explained>(seen: &Seen<RegionTracking<T>>) -> Option<RegionError> {
     let after = seen.after?;
     after.field().error_of(seen.clip, after.past.len().checked_sub(1)?).ok().flatten()
+}
+
+/// An overlap below 0.5 in words: what is wrong with the region.
+fn verdict(error: &RegionError) -> String {
+    let larger = area_ratio(error);
+    match error.overlap {
+        0.0 => ": the region is not on the object".into(),
+        0.0..FAIR if larger >= 2.0 => {
+            format!(", below {}: the region is {} times as large as the true box", fixed(FAIR, 1), fixed(larger, 1))
+        }
+        0.0..FAIR => {
+            let covered = fixed(100.0 * covered(error), 0);
+            format!(", below {}: the region covers {covered} % of the true box", fixed(FAIR, 1))
+        }
+        _ => String::new(),
+    }
+}
+
+/// The scores of a run in words.
+fn scored(of: &RegionScores, ending: Ending) -> String {
+    let said = format!(
+        " End of the run: mean overlap {}, success {}, precision {} at {} px, and {} in {} with a true box.",
+        ratio(of.overlap),
+        ratio(of.success),
+        ratio(of.precision),
+        fixed(NEAR_PX, 0),
+        counted(of.failures, "failure"),
+        counted(of.frames, "frame")
+    );
+    said + &match (of.failures, ending.reported) {
+        (0, _) => String::new(),
+        (_, 0) => " The tracker itself reported no loss.".into(),
+        (_, lost) => format!(" The tracker itself reported a loss in {}.", counted(lost, "frame")),
+    }
 }
 
 fn chosen<M>(state: &State<M>, said: Sentence) -> Sentence {

@@ -4,12 +4,14 @@
 //! estimator.
 
 pub(crate) mod color;
+mod ending;
 mod explain;
 pub(crate) mod plots;
 mod start;
 
 use std::sync::Arc;
 
+pub use ending::{Ending, Outcome};
 pub use start::Settings;
 pub(crate) use start::line;
 use start::{Chosen, choose};
@@ -120,8 +122,14 @@ pub trait Explained: RegionModel {
     /// Draws the result of a frame over frame t, beside its region.
     fn draw_result(&self, _model: &Self::Model, _scene: &mut Scene) {}
 
-    /// What would help, at the end of a run that kept the object or lost it.
-    fn advice(&self, is_kept: bool) -> &'static str;
+    /// Why the object is lost in a frame, at the tracker's last event, as a clause.
+    fn loss(&self, _at: &At<'_, Self>) -> Option<&'static str> {
+        None
+    }
+
+    /// The lesson of a run at the last event of its tracker: why it ended so, and what would help. The outcome is never
+    /// [`Outcome::Unknown`].
+    fn advice(&self, ending: Ending, at: &At<'_, Self>) -> String;
 }
 
 /// The run at an event of a tracker.

@@ -14,7 +14,8 @@ use crate::synth::{
 pub const SAMPLE: Sample = Sample {
     id: "crossing-stars",
     title: "Crossing stars: data association",
-    teaches: "Two objects of equal appearance meet and part: only a motion model keeps their identities apart.",
+    teaches: "Two objects of equal appearance meet and part: only a motion model keeps their identities apart. With \
+              a rotation of 6°/frame both fly in turns, which a coordinated turn predicts and constant velocity does not.",
     tune: |_| {},
     scenery: Scenery::Flat(layers),
     path: Path::REST,

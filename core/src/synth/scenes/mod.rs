@@ -2,6 +2,7 @@
 //!
 //! A scene is drawn for a picture of 320×240 and shown larger or smaller in any other; what lies farther out is there too.
 
+mod balloon;
 mod barber_pole;
 mod crossing_stars;
 mod fast_ball;
@@ -43,6 +44,7 @@ pub const SCENES: &[Sample] = &[
     hand_held::SAMPLE,
     passing_bus::SAMPLE,
     flag::SAMPLE,
+    balloon::SAMPLE,
     tunnel::SAMPLE,
     leaves::SAMPLE,
     rigid_layers::SAMPLE,

@@ -45,6 +45,7 @@ fn every_scene_looks_as_it_did() {
         ("hand-held", 0x0664_a860_a20d_89ff),
         ("passing-bus", 0x249f_1029_2c3f_e244),
         ("flag", 0x971d_5ef0_a63e_aeb5),
+        ("balloon", 0x0),
         ("tunnel", 0x0c60_423e_9470_1f73),
         ("leaves", 0x866f_0c9f_afc7_0a01),
     ];

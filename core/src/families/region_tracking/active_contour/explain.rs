@@ -44,10 +44,11 @@ impl ActiveContour {
 
     fn iterated(&self, iteration: &Iteration, said: Sentence) -> Sentence {
         let [internal, external] = self.mean_forces(iteration);
+        let outer = if self.balloon == 0.0 { "the edges" } else { "the edges and the pressure" };
         let why = if external > internal {
-            "the edges and the pressure pull harder than elasticity and rigidity"
+            format!("{outer} pull harder than elasticity and rigidity")
         } else {
-            "elasticity and rigidity pull harder than the edges and the pressure"
+            format!("elasticity and rigidity pull harder than {outer}")
         };
         let said = said
             .text(format!("Iteration {}: the solution of (A + γ I) v = γ v + F moves the points by ", iteration.number))

@@ -1,12 +1,12 @@
 //! The explanation and the drawing of CamShift.
 
 use super::{Bins, Camshift, Event, Model, Resized, Shift};
-use crate::base::words::{fixed, grouped, place};
+use crate::base::words::{counted, fixed, grouped, place};
 use crate::data::Frame;
 use crate::geometry::{Bounds, Grid};
 use crate::methods::numbers::{px, ratio};
 use crate::methods::region::color::Area;
-use crate::methods::region::{At, Explained, plots};
+use crate::methods::region::{At, Ending, Explained, Outcome, plots};
 use crate::scene::{Arrow, Fact, Math, Picture, Readout, Role, Scene, Sentence, Shape};
 
 /// The back-projection is drawn this far around the window, in px.
@@ -137,14 +137,48 @@ impl Explained for Camshift {
         }
     }
 
-    fn advice(&self, is_kept: bool) -> &'static str {
-        if is_kept {
-            "The hue of the object stood out. On a background of like hue the window would grow over it, because every pixel with the \
-             hue counts, wherever it is."
-        } else {
-            "Pixels of like hue beside the object, or an occlusion, took the window away. Fewer colours of the background in the region, a \
-             higher minimum saturation, or mean shift with a background-weighted histogram help."
+    fn loss(&self, at: &At<'_, Self>) -> Option<&'static str> {
+        match at.event {
+            _ if at.model.is_some_and(is_empty) => Some("the model has no hue"),
+            Event::Shifted(_, Shift { by: None, .. }) => Some("no pixel of the window has a hue of the object"),
+            _ => None,
         }
+    }
+
+    fn advice(&self, ending: Ending, at: &At<'_, Self>) -> String {
+        if at.model.is_some_and(is_empty) {
+            return "The model is empty, because no pixel of the region is saturated and bright enough to have a hue. Lower the minimum \
+                    saturation or value, or place the region on a coloured object."
+                .into();
+        }
+        match ending.outcome {
+            Outcome::Followed => {
+                "The hue of the object stood out. Every pixel with the hue counts, wherever it is, so on a background of like hue the window \
+                 would grow over it."
+            }
+            Outcome::Regained => {
+                "The window left the object and met it again. CamShift predicts no velocity, so it finds only what comes back into the window."
+            }
+            Outcome::Grown => {
+                "The window spread over a background of like hue, because every pixel with the hue counts, wherever it is. Mean shift compares \
+                 shares of all colours, and a correlation filter knows the pattern."
+            }
+            Outcome::Shrunk => "The window shrank to the part of the object that has the hues of the model.",
+            Outcome::Beside | Outcome::Unknown => {
+                "The window holds a part of the object only: the moments follow all pixels with its hue, those of the background too."
+            }
+            Outcome::Lost if ending.hidden > 0 => {
+                return format!(
+                    "The object was hidden in {}, and the window is not carried on by a velocity, as the particles of a particle filter are.",
+                    counted(ending.hidden, "frame")
+                );
+            }
+            Outcome::Lost => {
+                "Pixels of like hue beside the object, or an occlusion, took the window away, or the object left it between two frames. Fewer \
+                 colours of the background in the region, a higher minimum saturation, or mean shift with a background-weighted histogram help."
+            }
+        }
+        .into()
     }
 }
 
@@ -189,6 +223,11 @@ impl Camshift {
             "the object fills it, and the window of the next frame is the box around it."
         })
     }
+}
+
+/// Whether no pixel of the region has a hue.
+fn is_empty(model: &Model) -> bool {
+    model.histogram.support.is_empty()
 }
 
 fn modelled(model: &Model, said: Sentence) -> Sentence {

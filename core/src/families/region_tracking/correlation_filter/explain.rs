@@ -4,7 +4,7 @@ use super::{CorrelationFilter, Event, Model, PERTURBED_SCALE, Response};
 use crate::base::words::{counted, fixed, place};
 use crate::geometry::Grid;
 use crate::methods::numbers::ratio;
-use crate::methods::region::{At, Explained};
+use crate::methods::region::{At, Ending, Explained, Outcome};
 use crate::scene::{Arrow, BetweenPixels, Fact, Math, Picture, Readout, Role, Scene, Sentence, Shape, Surface, Tile};
 
 /// The response is drawn as a surface up to this displacement, in px.
@@ -152,14 +152,37 @@ impl Explained for CorrelationFilter {
         scene.legend(Role::Best, "peak");
     }
 
-    fn advice(&self, is_kept: bool) -> &'static str {
-        if is_kept {
-            "The filter knows shape and texture, so colours of the background do not attract it; it has no scale, and a velocity is \
-             not predicted."
-        } else {
-            "Between two frames the object left the window of the filter, turned farther than the perturbations, was hidden for long, or \
-             changed faster than the learning rate follows. A larger window reaches farther, and a larger rotation recognises more poses."
+    fn loss(&self, at: &At<'_, Self>) -> Option<&'static str> {
+        let is_low = matches!(at.event, Event::Judged(response) if response.psr < self.min_psr);
+        is_low.then_some("the peak does not stand out")
+    }
+
+    fn advice(&self, ending: Ending, _at: &At<'_, Self>) -> String {
+        match ending.outcome {
+            Outcome::Followed => {
+                "The filter knows shape and texture, so colours of the background do not attract it; it has no scale, and a velocity is \
+                 not predicted."
+            }
+            Outcome::Regained => "The object left the window of the filter and came back into it. A velocity is not predicted.",
+            Outcome::Grown | Outcome::Shrunk => {
+                "The region keeps the size of the first frame, and the object changed its own: this filter has no scale."
+            }
+            Outcome::Beside | Outcome::Unknown => {
+                "The peak lies beside the object: windows that were off by some pixels, or of another pose, were averaged into the filter. A \
+                 smaller learning rate slows such drift."
+            }
+            Outcome::Lost if ending.hidden > 0 => {
+                return format!(
+                    "The object was hidden in {}. The filter searches around the last position, and a velocity is not predicted.",
+                    counted(ending.hidden, "frame")
+                );
+            }
+            Outcome::Lost => {
+                "Between two frames the object left the window of the filter, turned farther than the perturbations, was hidden for long, or \
+                 changed faster than the learning rate follows. A larger window reaches farther, and a larger rotation recognises more poses."
+            }
         }
+        .into()
     }
 }
 

@@ -1,12 +1,12 @@
 //! The explanation and the drawing of mean shift.
 
 use super::{Background, Event, LEAST_PX, MeanShift, SCALE_RATE, Search, Shift, Trial};
-use crate::base::words::{fixed, place};
+use crate::base::words::{counted, fixed, place};
 use crate::data::Frame;
 use crate::geometry::Grid;
 use crate::methods::numbers::{px, ratio};
 use crate::methods::region::color::{Histogram, ellipse_rows};
-use crate::methods::region::{At, Explained, plots};
+use crate::methods::region::{At, Ending, Explained, Outcome, plots};
 use crate::products::Region;
 use crate::scene::{Arrow, Fact, Math, Picture, Readout, Role, Scene, Sentence, Series, Shape};
 
@@ -116,18 +116,47 @@ impl Explained for MeanShift {
         }
     }
 
-    fn advice(&self, is_kept: bool) -> &'static str {
-        match (is_kept, self.background) {
-            (true, Background::Ignored) => {
-                "Mean shift follows the colours, not the shape: a background of like colour would attract the ellipse, which the \
-                 background-weighted histogram resists."
+    fn loss(&self, at: &At<'_, Self>) -> Option<&'static str> {
+        let is_empty = at.events.iter().any(|event| matches!(event, Event::Shifted(_, shift) if shift.to.is_none()));
+        is_empty.then_some("none of the pixels of the ellipse has a colour of the model")
+    }
+
+    fn advice(&self, ending: Ending, _at: &At<'_, Self>) -> String {
+        let remedy = match self.background {
+            Background::Ignored => " The background-weighted histogram gives them little weight.",
+            Background::Weighted => "",
+        };
+        match (ending.outcome, self.background) {
+            (Outcome::Followed, Background::Ignored) => {
+                "The colours of the object led the ellipse. Mean shift follows the colours, not the shape: a background of like colour \
+                 attracts it, which the background-weighted histogram resists."
+                    .into()
             }
-            (true, Background::Weighted) => {
-                "The colours that only the object has led the ellipse; they were learned in the first frame and are not updated."
+            (Outcome::Followed, Background::Weighted) => {
+                "The colours that only the object has led the ellipse; they were learned in the first frame and are not updated.".into()
             }
-            (false, _) => {
-                "The object left the ellipse between two frames, was hidden, or passed a background of like colour. A particle filter \
-                 keeps several hypotheses and a velocity, which mean shift has not."
+            (Outcome::Regained, _) => {
+                "The ellipse left the object and met it again. Mean shift predicts no velocity, so it finds only what comes back into the \
+                 ellipse."
+                    .into()
+            }
+            (Outcome::Grown, _) => format!("The ellipse grew over a background with colours of the model.{remedy}"),
+            (Outcome::Shrunk, _) => {
+                "The ellipse shrank to a part of the object: its commonest colours alone have the larger ρ. Without an adapted scale the size \
+                 stays."
+                    .into()
+            }
+            (Outcome::Beside | Outcome::Unknown, _) => {
+                format!("The ellipse holds a part of the object only: colours of the background in the model attract it too.{remedy}")
+            }
+            (Outcome::Lost, _) if ending.hidden > 0 => format!(
+                "The object was hidden in {}. Mean shift has no velocity that would carry the ellipse on; a particle filter has one.",
+                counted(ending.hidden, "frame")
+            ),
+            (Outcome::Lost, _) => {
+                "The object left the ellipse between two frames, or passed a background of like colour. A particle filter keeps several \
+                 hypotheses and a velocity, which mean shift has not."
+                    .into()
             }
         }
     }
@@ -151,8 +180,8 @@ impl MeanShift {
             None => said.text(". "),
         };
         said.text(
-            "A pixel weighs √(q/p) of its bin: above 1 where its colour is rarer in the ellipse than in the model, 0 where the object \
-             has not its colour.",
+            "A pixel weighs √(q/p) of its bin: above 1 where its colour is rarer in the ellipse than in the model, 0 where the model \
+             lacks its colour.",
         )
     }
 
@@ -168,7 +197,7 @@ impl MeanShift {
             .text(format!(": a shift of {} px, ", px(shift.length().into())));
         let epsilon = px(self.epsilon.into());
         if shift.length() < self.epsilon {
-            said.text(format!("shorter than ε = {epsilon} px. Converged after {} shifts.", shift.iteration))
+            said.text(format!("shorter than ε = {epsilon} px. Converged after {}.", counted(shift.iteration, "shift")))
         } else if shift.iteration == self.iterations {
             said.text(format!(
                 "not shorter than ε = {epsilon} px, but the limit of {} shifts is reached.",
@@ -208,13 +237,12 @@ fn chosen(trials: &[Trial; 3], best: usize, region: Region, said: Sentence) -> S
     let [now, smaller, larger] = trials.each_ref().map(|trial| ratio(trial.similarity.into()));
     let said = said
         .text(format!("ρ is {now} with the present size, {smaller} with the smaller and {larger} with the larger one. The best is the "))
-        .ink(Role::Best, SIZES[best])
-        .text(format!(
-            ", and the size moves {} of the way to it: {}×{} px",
-            fixed(SCALE_RATE.into(), 1),
-            px(region.size[0].into()),
-            px(region.size[1].into())
-        ));
+        .ink(Role::Best, SIZES[best]);
+    let size = format!("{}×{} px", px(region.size[0].into()), px(region.size[1].into()));
+    let said = match best {
+        0 => said.text(format!(", so the size stays {size}")),
+        _ => said.text(format!(", and the size moves {} of the way to it: {size}", fixed(SCALE_RATE.into(), 1))),
+    };
     if region.size.iter().any(|side| *side <= LEAST_PX) {
         said.text(", the smallest that is allowed.")
     } else {

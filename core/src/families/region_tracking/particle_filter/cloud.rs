@@ -151,6 +151,55 @@ impl Estimate {
     }
 }
 
+/// A part of a cloud.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Part {
+    /// Its share of the weight.
+    pub weight: f64,
+    /// Its weighted mean in px.
+    pub at: [f64; 2],
+}
+
+/// A cloud has two parts if this share of the variance along its main axis lies between them. A normal distribution has 0.64, a uniform
+/// one 0.75.
+const BETWEEN: f64 = 0.85;
+/// The least weight of a part.
+const LEAST_PART: f64 = 0.1;
+
+/// The two parts of a cloud farther apart than `least_px`, the heavier first; none where it is one. It is split across its main axis, where
+/// the variance between the parts is largest (Otsu 1979).
+pub fn parts(particles: &[Particle], least_px: f64) -> Option<[Part; 2]> {
+    let Estimate { at: mean, covariance: [[xx, xy], [_, yy]], .. } = Estimate::of(particles, &[]);
+    let (sin, cos) = (0.5 * (2.0 * xy).atan2(xx - yy)).sin_cos();
+    let along =
+        |particle: &Particle| f64::from(particle.at[0] - mean[0]) * cos + f64::from(particle.at[1] - mean[1]) * sin;
+    let mut order: Vec<&Particle> = particles.iter().collect();
+    order.sort_by(|a, b| along(a).total_cmp(&along(b)));
+    let variance: f64 = order.iter().map(|particle| f64::from(particle.weight) * along(particle).powi(2)).sum();
+    let (mut weight, mut sum, mut best) = (0.0, 0.0, (0.0, 0));
+    for (i, particle) in order.iter().enumerate() {
+        weight += f64::from(particle.weight);
+        sum += f64::from(particle.weight) * along(particle);
+        // The mean of all is 0, so that of the rest follows.
+        let between = sum * sum / (weight * (1.0 - weight)).max(f64::MIN_POSITIVE);
+        if (LEAST_PART..=1.0 - LEAST_PART).contains(&weight) && between > best.0 {
+            best = (between, i + 1);
+        }
+    }
+    if best.0 < BETWEEN * variance || best.1 == 0 {
+        return None;
+    }
+    let part = |of: &[&Particle]| {
+        let weight: f64 = of.iter().map(|particle| f64::from(particle.weight)).sum();
+        let mean = |k: usize| of.iter().map(|p| f64::from(p.weight) * f64::from(p.at[k])).sum::<f64>() / weight;
+        Part { weight, at: [mean(0), mean(1)] }
+    };
+    let (near, far) = order.split_at(best.1);
+    let [a, b] = [part(near), part(far)];
+    let is_apart = (a.at[0] - b.at[0]).hypot(a.at[1] - b.at[1]) > least_px;
+    is_apart.then_some(if a.weight >= b.weight { [a, b] } else { [b, a] })
+}
+
 /// The number of copies of each particle: as many in all as there are particles.
 pub fn copies(draw: Draw, resampling: Resampling, particles: &[Particle]) -> Vec<u32> {
     let count = particles.len();
@@ -261,6 +310,27 @@ mod tests {
         );
         // N w (1 − w) of a multinomial distribution.
         assert!((square - mean[3] * mean[3] - 0.96).abs() < 0.05);
+    }
+
+    #[test]
+    fn a_cloud_of_two_modes_has_two_parts() {
+        let cloud = |distance: f32| -> Vec<Particle> {
+            let mut all = weights(&vec![1.0; 500]);
+            for (i, particle) in all.iter_mut().enumerate() {
+                let middle = if i % 5 < 2 { distance } else { 0.0 };
+                particle.at = [30.0 + middle + 2.0 * DRAW.normal(i, 0), 40.0 + 2.0 * DRAW.normal(i, 1)];
+            }
+            normalize(&mut all);
+            all
+        };
+        let [heavy, light] = parts(&cloud(24.0), 10.0).expect("two parts");
+        assert!((heavy.weight - 0.6).abs() < 1e-3 && (light.weight - 0.4).abs() < 1e-3, "{heavy:?}, {light:?}");
+        assert!((heavy.at[0] - 30.0).abs() < 0.5 && (light.at[0] - 54.0).abs() < 0.5, "{heavy:?}, {light:?}");
+        assert_eq!(
+            (parts(&cloud(0.0), 0.0), parts(&cloud(24.0), 30.0)),
+            (None, None),
+            "one part, and two that are near"
+        );
     }
 
     #[test]

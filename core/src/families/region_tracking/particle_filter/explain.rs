@@ -1,11 +1,11 @@
 //! The explanation and the drawing of the particle filter.
 
-use super::cloud::{Estimate, Particle};
+use super::cloud::{Estimate, Particle, parts};
 use super::{Event, ParticleFilter, Resampled, Resampling, Weighed};
-use crate::base::words::{fixed, grouped, place};
+use crate::base::words::{counted, fixed, grouped, place};
 use crate::methods::kalman;
 use crate::methods::numbers::{px, ratio};
-use crate::methods::region::{At, Explained, plots};
+use crate::methods::region::{At, Ending, Explained, Outcome, plots};
 use crate::products::Region;
 use crate::scene::{Arrow, Fact, Math, Picture, Readout, Role, Scene, Sentence, Series, Shape};
 
@@ -15,6 +15,33 @@ const CIRCLES: usize = 400;
 const RADIUS_PX: [f32; 3] = [1.5, 0.4, 8.0];
 /// The share of the particles inside the drawn ellipse, if they are normally distributed.
 const CONFIDENCE: f64 = 0.95;
+
+/// A cloud is impoverished if fewer than one in so many of its particles are distinct.
+const POOR: usize = 10;
+
+/// The exponential of a number as text: a whole number, or a power of ten where it is large.
+fn factor(ln: f64) -> String {
+    let exponent = (ln / std::f64::consts::LN_10).floor();
+    if exponent < 6.0 {
+        return grouped(ln.exp().round() as usize);
+    }
+    let mantissa = (ln - exponent * std::f64::consts::LN_10).exp();
+    let digit = |d: char| d.to_digit(10).and_then(|d| "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().nth(d as usize)).unwrap_or(d);
+    format!("{}·10{}", fixed(mantissa, 1), fixed(exponent, 0).chars().map(digit).collect::<String>())
+}
+
+/// Where a cloud has two parts, farther apart than half the object.
+fn two_parts(at: &At<'_, ParticleFilter>, particles: &[Particle]) -> String {
+    let size = at.model.map_or(at.region.size, |model| model.size);
+    let Some(parts) = parts(particles, f64::from(size[0].min(size[1])) / 2.0) else { return String::new() };
+    let [heavy, light] = parts.map(|part| part.weight);
+    let [first, second] = parts.map(|part| place(part.at.map(|c| c as f32)));
+    format!(
+        " The cloud has two parts, of the weights {} around {first} px and {} around {second} px; the mean lies between them.",
+        ratio(heavy),
+        ratio(light)
+    )
+}
 
 /// The standard deviations along x and y as text.
 fn deviations(covariance: [[f64; 2]; 2]) -> String {
@@ -52,7 +79,7 @@ impl Explained for ParticleFilter {
                 .ink(Role::Predicted, format!("The cloud spreads to {}", spread(particles)))
                 .text("."),
             Event::Weighed(weighed) => self.weighed(weighed, said),
-            Event::Estimated(_, estimate) => said
+            Event::Estimated(particles, estimate) => said
                 .text("The weighted mean of the particles is ")
                 .ink(Role::Estimate, format!("{} px", place(estimate.at)))
                 .text(format!(
@@ -62,7 +89,8 @@ impl Explained for ParticleFilter {
                     place(estimate.velocity),
                     ratio(estimate.scale.into()),
                     fixed(100.0 * CONFIDENCE, 0)
-                )),
+                ))
+                .text(two_parts(at, particles)),
             Event::Counted(particles, effective) => self.counted(particles, *effective, said),
             Event::Resampled(resampled) => self.resampled(resampled, said),
         }
@@ -85,7 +113,7 @@ impl Explained for ParticleFilter {
             ],
             Event::Resampled(resampled) => {
                 let survivors = resampled.copies.iter().filter(|copies| **copies > 0).count();
-                vec![Fact::new("Survivors", grouped(survivors), Some(Role::Best))]
+                vec![Fact::new("Distinct particles", grouped(survivors), Some(Role::Best))]
             }
             Event::Modelled(_) | Event::Scattered(_) | Event::Predicted(_) => Vec::new(),
         }
@@ -157,7 +185,10 @@ impl Explained for ParticleFilter {
                 ]
             }
             Event::Resampled(resampled) => {
-                vec![Readout::Series(weights(&resampled.before, Some(&resampled.copies)))]
+                vec![
+                    Readout::Series(cumulative(resampled)),
+                    Readout::Series(weights(&resampled.before, Some(&resampled.copies))),
+                ]
             }
         };
         readouts.extend(self.sizes(at));
@@ -190,14 +221,46 @@ impl Explained for ParticleFilter {
         }
     }
 
-    fn advice(&self, is_kept: bool) -> &'static str {
-        if is_kept {
-            "Particles on other hypotheses survived while the likelihood was ambiguous, and the velocity carried them through occlusions. \
-             More particles or less process noise make the estimate steadier."
-        } else {
-            "No particle was near the object when it could be seen again. More particles or more process noise cover more of the picture; a \
-             smaller λ lets more hypotheses survive."
+    fn loss(&self, at: &At<'_, Self>) -> Option<&'static str> {
+        are_outside(at).then_some("no particle has a weight above 0")
+    }
+
+    fn advice(&self, ending: Ending, at: &At<'_, Self>) -> String {
+        if are_outside(at) {
+            return "All particles lie outside the picture, where none has a weight, and nothing brings them back. Only a new start finds an \
+                    object that enters again."
+                .into();
         }
+        match ending.outcome {
+            Outcome::Followed if ending.hidden > 0 => {
+                return format!(
+                    "The object was hidden in {}: the velocity carried the particles on, and those on other places survived until it could be \
+                     seen again. More particles make that likelier.",
+                    counted(ending.hidden, "frame")
+                );
+            }
+            Outcome::Followed => {
+                "Resampling multiplied the particles on the object, and the process noise spread them enough to follow it. More particles or \
+                 less process noise make the estimate steadier."
+            }
+            Outcome::Regained => {
+                "The estimate left the object, and particles that were near it won later: other hypotheses had survived. A Kalman filter keeps \
+                 one only."
+            }
+            Outcome::Grown | Outcome::Shrunk => {
+                "The scale of the particles drifted from that of the object, because the histogram changes little with the size. A smaller \
+                 scale noise keeps it nearer."
+            }
+            Outcome::Beside | Outcome::Unknown => {
+                "The mean of the cloud lies beside the object: particles off it have colours of the model too. A larger λ lets fewer of \
+                 them survive."
+            }
+            Outcome::Lost => {
+                "No particle was near the object any more, or others had larger weights. More particles or more process noise cover more of the picture; a \
+                 smaller λ lets more hypotheses survive."
+            }
+        }
+        .into()
     }
 }
 
@@ -228,7 +291,7 @@ impl ParticleFilter {
         said.text(format!(
             ". With λ = {} the best counts {} times as much as the worst.",
             fixed(self.lambda.into(), 1),
-            grouped((self.lambda * (best - worst)).exp().min(1e9).round() as usize)
+            factor((self.lambda * (best - worst)).into())
         ))
     }
 
@@ -252,17 +315,17 @@ impl ParticleFilter {
         let count = resampled.copies.len();
         let said = match self.resampling {
             Resampling::Systematic => {
-                said.text("Systematic resampling sets equally spaced pointers on the wheel of weights: ")
+                said.text("Systematic resampling sets equally spaced pointers on the cumulative weights: ")
             }
             Resampling::Multinomial => {
-                said.text("Multinomial resampling spins the wheel of weights once for each particle: ")
+                said.text("Multinomial resampling draws a random number on the cumulative weights for each particle: ")
             }
         };
         let said = said
-            .ink(Role::Best, format!("{} of {} particles survive", grouped(survivors), grouped(count)))
+            .ink(Role::Best, format!("{} distinct particles of {} survive", grouped(survivors), grouped(count)))
             .text(format!(", the heaviest with {most} copies. "));
-        said.text(if 10 * survivors < count {
-            "So few different ones are an impoverished cloud; the process noise has to spread it again."
+        said.text(if POOR * survivors < count {
+            "So few distinct ones are an impoverishment of the cloud; the process noise has to spread it again."
         } else {
             "All have equal weights now."
         })
@@ -290,6 +353,11 @@ impl ParticleFilter {
     }
 }
 
+/// Whether no particle of the frame has a weight.
+fn are_outside(at: &At<'_, ParticleFilter>) -> bool {
+    at.events.iter().any(|event| matches!(event, Event::Weighed(weighed) if !weighed.is_weighted))
+}
+
 fn equation(parts: Vec<Math>) -> Readout {
     Readout::Equation(vec![Math::Row(parts)])
 }
@@ -309,6 +377,28 @@ fn weights(particles: &[Particle], copies: Option<&[u32]>) -> Series {
     }
     let title = if copies.is_some() { "Copies of each particle" } else { "Weights of the particles" };
     plots::histograms(title, ["particle, by weight", "N w"], lines)
+}
+
+/// The cumulative weights of the particles, the heaviest first, and the cumulative shares of their copies: the pointers that fall on a
+/// step become the copies of its particle.
+fn cumulative(resampled: &Resampled) -> Series {
+    let count = resampled.before.len();
+    let mut order: Vec<usize> = (0..count).collect();
+    let weight = |i: usize| resampled.before[i].weight;
+    order.sort_by(|a, b| weight(*b).total_cmp(&weight(*a)).then(a.cmp(b)));
+    let steps = |share: &dyn Fn(usize) -> f32| {
+        let sums = order.iter().scan(0.0, |sum, i| {
+            *sum += share(*i);
+            Some(*sum)
+        });
+        plots::bars(sums)
+    };
+    let copies = |i: usize| resampled.copies[i] as f32 / count as f32;
+    let lines = vec![
+        ("cumulative weight", Role::Candidate, steps(&weight)),
+        ("cumulative copies / N", Role::Best, steps(&copies)),
+    ];
+    plots::histograms("Cumulative weights", ["particle, by weight", "sum of w"], lines)
 }
 
 /// Draws particles as points.
@@ -344,4 +434,16 @@ fn circles(scene: &mut Scene, particles: &[Particle]) {
         scene.mark(Picture::CURRENT, Role::Candidate, shape);
     }
     scene.legend(Role::Candidate, "particles, area by weight");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn large_factors_are_powers_of_ten() {
+        let of = |factor: f64| super::factor(factor.ln());
+        assert_eq!([of(1.0), of(12_345.0), of(1.2e7)], ["1", "12\u{202f}345", "1.2·10⁷"]);
+        assert_eq!(factor(20.0 * 4.0), "5.5·10³⁴", "λ = 200 would overflow a count");
+    }
 }

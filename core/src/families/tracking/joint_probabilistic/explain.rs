@@ -358,13 +358,53 @@ fn update_equation(before: &Track, weights: &Weights) -> Vec<Math> {
             Math::Bold("ν"),
             Math::text(" = "),
             Math::Sum(Box::new(Math::text("j"))),
-            Math::text(" β_j "),
+            Math::indexed(Math::Var("β"), Math::Var("j")),
+            Math::text(" "),
             Math::indexed(Math::Bold("ν"), Math::text("j")),
             Math::text(format!(" = {}", terms.join(" + "))),
         ]),
-        Math::text("P ← β_0 P + (1 − β_0) (P − K S K^T) + K (Σ β_j ν_j ν_j^T − ν ν^T) K^T"),
-        Math::text(format!("with β_0 = {}", ratio(weights.missed()))),
+        covariance_formula(),
+        Math::Row(vec![missed(), Math::text(format!(" = {}", ratio(weights.missed())))]),
     ]
+}
+
+/// β₀, the probability that the track is missed.
+fn missed() -> Math {
+    Math::indexed(Math::Var("β"), Math::text("0"))
+}
+
+/// The covariance after the update, with the spread of the innovations.
+fn covariance_formula() -> Math {
+    let transposed = |name| Math::power(Math::Bold(name), Math::text("T"));
+    let nu = || Math::indexed(Math::Bold("ν"), Math::Var("j"));
+    Math::Row(vec![
+        Math::Bold("P"),
+        Math::text(" ← "),
+        missed(),
+        Math::text(" "),
+        Math::Bold("P"),
+        Math::text(" + (1 − "),
+        missed(),
+        Math::text(") ("),
+        Math::Bold("P"),
+        Math::text(" − "),
+        Math::Bold("K"),
+        Math::Bold("S"),
+        transposed("K"),
+        Math::text(") + "),
+        Math::Bold("K"),
+        Math::text(" ("),
+        Math::Sum(Box::new(Math::Var("j"))),
+        Math::indexed(Math::Var("β"), Math::Var("j")),
+        Math::text(" "),
+        nu(),
+        Math::power(nu(), Math::text("T")),
+        Math::text(" − "),
+        Math::Bold("ν"),
+        transposed("ν"),
+        Math::text(") "),
+        transposed("K"),
+    ])
 }
 
 /// The track of the step.

@@ -251,11 +251,11 @@ impl KalmanFilter {
                     Some(true) => ", all of other objects: the tracked object is not detected (occluded or out of the picture), and the \
                                    gate is right."
                         .to_owned(),
-                    Some(false) => format!(", all of the object: the motion model does not fit. {}", self.remedy()),
+                    Some(false) => format!(", all of the object: the motion model does not fit. {}", self.remedy(&rejected)),
                     None => format!(
                         ". The object may be occluded and the nearest detection another object's; then the gate is right to reject it. \
                          If the rejected measurements are of the object, the motion model does not fit. {}",
-                        self.remedy()
+                        self.remedy(&rejected)
                     ),
                 }
             )),
@@ -269,18 +269,24 @@ impl KalmanFilter {
             return String::new();
         }
         let earlier = seen.before.records.iter().rev();
-        let beyond = earlier.take_while(|record| record.of_sensor(0).is_some_and(Gated::is_beyond)).count() + 1;
-        match beyond {
-            3.. => format!(" {beyond} in a row lie outside it: the motion model does not fit. {}", self.remedy()),
+        let earlier = earlier.map_while(|record| record.of_sensor(0).filter(|gated| gated.is_beyond()));
+        let beyond: Vec<&Gated> = earlier.chain([gated]).collect();
+        match beyond.len() {
+            count @ 3.. => {
+                format!(" {count} in a row lie outside it: the motion model does not fit. {}", self.remedy(&beyond))
+            }
             _ => String::new(),
         }
     }
 
-    /// The parameters to change where the motion model does not fit.
-    fn remedy(&self) -> &'static str {
+    /// The parameters to change where the motion model does not fit these measurements.
+    fn remedy(&self, gated: &[&Gated]) -> &'static str {
         match self.motion {
+            MotionModel::Velocity if is_sideways(gated) => {
+                "The measurements lie beside the predicted path: choose the coordinated turn, or constant acceleration for a thrown object."
+            }
             MotionModel::Velocity => {
-                "Choose the motion model of constant acceleration for a thrown or braking object, or raise the process noise."
+                "The measurements lie along the predicted path: choose the motion model of constant acceleration, or raise the process noise."
             }
             MotionModel::Interacting => {
                 "Neither mode does: raise the process noise or the turn noise, or choose another motion model."
@@ -305,7 +311,11 @@ impl KalmanFilter {
             return String::new();
         }
         let mean = sum.map(|sum| sum / accepted.len() as f64);
-        format!(" The innovations are biased by {} px: the motion model does not fit. {}", place(mean), self.remedy())
+        format!(
+            " The innovations are biased by {} px: the motion model does not fit. {}",
+            place(mean),
+            self.remedy(accepted)
+        )
     }
 
     /// The state at the end of a run.
@@ -374,10 +384,10 @@ impl KalmanFilter {
         let diverged = "so the filter has diverged: the motion model does not fit.";
         match of_another(refused) {
             Some(true) => said + " All rejected measurements are of other objects: the gate was right.",
-            Some(false) => format!("{said} They are of the object, {diverged} {}", self.remedy()),
+            Some(false) => format!("{said} They are of the object, {diverged} {}", self.remedy(refused)),
             None => format!(
                 "{said} If the rejected measurements are of the object, the filter has diverged: the motion model does not fit. {}",
-                self.remedy()
+                self.remedy(refused)
             ),
         }
     }
@@ -438,6 +448,7 @@ impl KalmanFilter {
             Event::Drawn(_) => modes::points_formula(),
             Event::Weighed(update) => modes::weights_formula(&update.0, &update.1)?,
             Event::Updated(update) if update.1.modes().is_some() => return None,
+            Event::Predicted(both) if both[1].modes().is_some() => modes::prediction_formula(&both[1])?,
             Event::Predicted(both) => {
                 // A turn is no linear function of the state: the extended filter applies f, and its Jacobian F to P.
                 let transition = match self.motion {
@@ -861,6 +872,17 @@ fn frame_of(state: &State) -> usize {
 
 fn sensor(gated: &Gated) -> &'static str {
     if gated.reading.sensor == 0 { "" } else { "second sensor's " }
+}
+
+/// Whether measurements lie farther beside the predicted path than along it, as those of a turn do.
+fn is_sideways(gated: &[&Gated]) -> bool {
+    let [along, beside] = gated.iter().fold([0.0; 2], |sums, gated| {
+        let (from, to) = (gated.expected.place(), gated.measurement().place);
+        let ([u, v], [x, y]) = (gated.expected.velocity(), [0, 1].map(|k| to[k] - from[k]));
+        let speed = u.hypot(v).max(f64::MIN_POSITIVE);
+        [sums[0] + (u * x + v * y) / speed, sums[1] + (u * y - v * x) / speed]
+    });
+    beside.abs() > along.abs()
 }
 
 fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {

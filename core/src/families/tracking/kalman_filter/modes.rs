@@ -1,7 +1,7 @@
 //! The steps of sigma points and of interacting modes in words, formulas, matrices and marks.
 
 use super::{FrameRecord, Gated};
-use crate::base::words::{fixed, place};
+use crate::base::words::{counted, fixed, place};
 use crate::geometry::Grid;
 use crate::methods::kalman::{Filter, Sigma, ellipse};
 use crate::methods::numbers::{RATIO_DECIMALS, px, ratio};
@@ -95,17 +95,65 @@ pub(super) fn weighed(gated: &Gated, after: &Filter) -> Sentence {
     let (Some(logs), Some(before), Some(now)) = (logs, gated.expected.probabilities(), after.probabilities()) else {
         return said;
     };
-    let better = usize::from(logs[1] > logs[0]);
     let said = said
         .text(format!("Log-likelihood of the measurement: {} for ", fixed(logs[0], 2)))
         .ink(ROLES[0], NAMES[0])
         .text(format!(" and {} for ", fixed(logs[1], 2)))
-        .ink(ROLES[1], NAMES[1])
-        .text(format!(". It is more likely under {}, so that probability rises: ", NAMES[better]))
-        .ink(ROLES[better], format!("{} → {}", ratio(before[better]), ratio(now[better])));
-    said.text(". The estimate is the mean of both modes with these weights, ")
+        .ink(ROLES[1], NAMES[1]);
+    compared(said, logs, [before, now])
+        .text(". The estimate is the mean of both modes with these weights, ")
         .ink(Role::Estimate, format!("{} px", place(point(after.place()))))
         .text(".")
+}
+
+/// What the log-likelihoods do to the probabilities of the modes, before and after them, to the decimals that are shown.
+fn compared(said: Sentence, logs: [f64; 2], [before, now]: [[f64; 2]; 2]) -> Sentence {
+    let better = usize::from(logs[1] > logs[0]);
+    let [was, is] = [before[better], now[better]].map(ratio);
+    if fixed(logs[0], 2) == fixed(logs[1], 2) && was == is {
+        return said.text(format!(
+            ". It is equally likely under both, so the mode probabilities stay at {} and {}",
+            ratio(now[0]),
+            ratio(now[1])
+        ));
+    }
+    let said = said.text(format!(". It is more likely under {}, so that probability ", NAMES[better]));
+    match was == is {
+        true => said.text("stays at ").ink(ROLES[better], is),
+        false => said.text("rises: ").ink(ROLES[better], format!("{was} → {is}")),
+    }
+}
+
+/// The predicted x as the mean of the predictions of both modes.
+pub(super) fn prediction_formula(after: &Filter) -> Option<Vec<Math>> {
+    let (modes, probabilities) = (after.modes()?, after.probabilities()?);
+    let hat = |index: &'static str| Math::indexed(Math::Bold("x"), text(index));
+    let general = Math::Row(vec![
+        hat("j"),
+        text(" ← "),
+        Math::indexed(Math::Var("f"), Math::Var("j")),
+        text("("),
+        hat("0j"),
+        text("),  "),
+        Math::Bold("x"),
+        text(" = "),
+        Math::Sum(Box::new(Math::Var("j"))),
+        of("μ", "j"),
+        text(" "),
+        hat("j"),
+    ]);
+    let part = |i: usize| Math::ink(ROLES[i], format!("{} · {}", fixed(probabilities[i], 3), px(modes[i].place()[0])));
+    let numbers = Math::Row(vec![
+        text("predicted "),
+        Math::Var("x"),
+        text(" = "),
+        part(0),
+        text(" + "),
+        part(1),
+        text(" = "),
+        Math::ink(Role::Predicted, px(after.place()[0])),
+    ]);
+    Some(vec![general, numbers])
 }
 
 /// The probabilities of the modes of a filter.
@@ -120,9 +168,9 @@ pub(super) fn concluded<'a>(records: impl Iterator<Item = &'a FrameRecord>, nois
     let turning = filters.iter().filter_map(Filter::probabilities).filter(|[velocity, turn]| turn > velocity).count();
     if filters.iter().any(|filter| filter.probabilities().is_some()) {
         return format!(
-            " The coordinated turn was the more probable mode in {turning} of {} frames. One model alone would be noisier on straight \
-             parts or lag in turns.",
-            filters.len()
+            " The coordinated turn was the more probable mode in {turning} of {}. Whether two modes were worth it, the RMS error of one \
+             motion model alone shows.",
+            counted(filters.len(), "frame")
         );
     }
     let bends: Vec<f64> = filters.iter().filter_map(Filter::sigma).map(|sigma| curvature(&sigma)).collect();
@@ -300,4 +348,20 @@ pub(super) fn lines<'a>(
     }
     let line = |i: usize| of.iter().map(|(x, probabilities)| [*x, probabilities[i] as f32]).collect();
     vec![("constant velocity", ROLES[0], line(0)), ("coordinated turn", ROLES[1], line(1))]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tie_is_no_win() {
+        let of = |logs, before, now| compared(Sentence::default(), logs, [before, now]).plain();
+        let tie = of([-5.461, -5.4612], [0.5, 0.5], [0.50005, 0.49995]);
+        assert!(tie.contains("equally likely under both") && !tie.contains("rises"), "{tie}");
+        let win = of([-5.0, -4.0], [0.5, 0.5], [0.269, 0.731]);
+        assert!(win.contains("more likely under the coordinated turn") && win.contains("0.500 → 0.731"), "{win}");
+        let sure = of([-5.0, -4.0], [0.0, 1.0], [0.0, 1.0]);
+        assert!(sure.contains("stays at 1.000"), "{sure}");
+    }
 }
