@@ -38,7 +38,7 @@ wide! {
 #[inline(always)]
 fn compare_each(strings: &mut [u64], centres: &[u8], neighbours: &[u8]) {
     for ((string, centre), neighbour) in strings.iter_mut().zip(centres).zip(neighbours) {
-        *string = *string << 1 | u64::from(neighbour < centre);
+        *string = (*string << 1) | u64::from(neighbour < centre);
     }
 }
 

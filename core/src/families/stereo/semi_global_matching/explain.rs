@@ -64,6 +64,8 @@ impl Shown<'_> {
         loop {
             let costs = self.costs_on_path(of, at);
             let mut line = Line::outside(1, depth);
+            // A path may be longer than sums have room for.
+            sums.fill(0);
             let job = Job {
                 dx: 0,
                 before: Some(&before),
