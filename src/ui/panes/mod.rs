@@ -15,7 +15,7 @@ pub mod transport;
 use std::sync::Arc;
 
 use eframe::egui::{
-    self, Button, CursorIcon, Frame, Margin, Rect, RichText, Sense, Stroke, TextStyle, Ui, UiBuilder, Vec2, WidgetInfo,
+    self, Button, CursorIcon, Frame, Margin, Pos2, Rect, RichText, Sense, Stroke, TextStyle, Ui, UiBuilder, WidgetInfo,
     vec2,
 };
 use eframe::egui_wgpu::RenderState;
@@ -151,16 +151,18 @@ pub struct Panes<'a> {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Pointing {
     cursor: Option<Cursor>,
-    is_meant: bool,
+    /// Where the pointer was when the step was reached.
+    rest: Option<Pos2>,
 }
 
 impl Pointing {
     /// Whether the pointer has moved since the step at `cursor` was reached.
     fn is_meant(&mut self, ui: &Ui, cursor: Cursor) -> bool {
-        let is_new = self.cursor.replace(cursor) != Some(cursor);
-        let moves = ui.input(|input| input.pointer.delta() != Vec2::ZERO);
-        self.is_meant = moves || self.is_meant && !is_new;
-        self.is_meant
+        let at = ui.input(|input| input.pointer.latest_pos());
+        if self.cursor.replace(cursor) != Some(cursor) {
+            self.rest = at;
+        }
+        at != self.rest
     }
 }
 
@@ -301,7 +303,8 @@ impl Panes<'_> {
             flows: self.flows,
         };
         let response = stage::show(ui, input, &mut self.states.stage);
-        let hovered = response.hovered.filter(|_| self.states.pointing.is_meant(ui, shown.cursor));
+        let is_meant = self.states.pointing.is_meant(ui, shown.cursor);
+        let hovered = response.hovered.filter(|_| is_meant);
         self.actions.ask(Action::Focus(hovered));
         if hovered.is_some() && !std::mem::replace(&mut self.states.has_hinted, true) {
             self.actions.ask(Action::Hint(HINT));
