@@ -51,6 +51,7 @@ pub(crate) fn warp_matrix((symbol, name, role): (&'static str, &'static str, Rol
         rows: Vec::new(),
         columns: Vec::new(),
         changed: None,
+        decimals: None,
     }
 }
 
@@ -68,6 +69,7 @@ pub(crate) fn parameters(
         rows: names(model).iter().map(|name| (*name).to_owned()).collect(),
         columns: Vec::new(),
         changed: None,
+        decimals: None,
     }
 }
 
@@ -83,6 +85,7 @@ pub(crate) fn hessian(model: Model, values: &[f64]) -> Matrix {
         rows: labels(),
         columns: labels(),
         changed: None,
+        decimals: None,
     }
 }
 

@@ -1,7 +1,7 @@
 //! A plain balloon drifts through a hazy sky: its outline is the strongest edge.
 
 use crate::synth::{
-    Sample, Setting,
+    Sample, Scenery, Setting,
     layer::Layer,
     motion::Motion,
     path::Path,
@@ -16,7 +16,7 @@ pub const SAMPLE: Sample = Sample {
               bands, the contour slips onto the edges inside.",
     tune: |d| d.frames = 40,
     path: Path::REST,
-    layers,
+    scenery: Scenery::Flat(layers),
 };
 
 /// The radii of the balloon.

@@ -1,7 +1,7 @@
 //! Paper cut-outs slide over a table: three rigid motions, each a translation, and a table that drifts.
 
 use crate::synth::{
-    Sample, Setting,
+    Sample, Scenery, Setting,
     layer::Layer,
     motion::Motion,
     path::Path,
@@ -15,7 +15,7 @@ pub const SAMPLE: Sample = Sample {
     teaches: "A disc and a card move rigidly over a drifting table. In the plane of displacements, each layer is one point, so \
               clustering finds exactly the true segments.",
     tune: |_| {},
-    layers,
+    scenery: Scenery::Flat(layers),
     path: Path::REST,
 };
 

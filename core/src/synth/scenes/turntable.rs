@@ -2,7 +2,7 @@
 
 use super::rigid_layers::speckled;
 use crate::synth::{
-    Sample, Setting,
+    Sample, Scenery, Setting,
     layer::Layer,
     motion::Motion,
     path::Path,
@@ -16,7 +16,7 @@ pub const SAMPLE: Sample = Sample {
     teaches: "A record turns, so each of its pixels has another displacement although they move together. Clustering displacements \
               cuts it into pieces; affine layers find it as one.",
     tune: |_| {},
-    layers,
+    scenery: Scenery::Flat(layers),
     path: Path::REST,
 };
 

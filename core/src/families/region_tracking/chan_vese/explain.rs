@@ -8,7 +8,7 @@ use crate::data::Mask;
 use crate::geometry::Grid;
 use crate::methods::contour::explain::area;
 use crate::methods::numbers::{gray, ratio};
-use crate::methods::region::{At, Explained};
+use crate::methods::region::{At, Ending, Explained, Outcome};
 use crate::scene::{Fact, Math, Picture, Readout, Role, Scene, Sentence, Series, Shape, Tile};
 
 /// The values of φ that a tile shows black and white, in px.
@@ -97,14 +97,30 @@ impl Explained for ChanVese {
         }
     }
 
-    fn advice(&self, is_kept: bool) -> &'static str {
-        if is_kept {
-            "The means inside and outside held the contour: it needs no edges, and noise averages out. Anything as bright as the object that \
-             touches it would become a part of it."
-        } else {
-            "Object and surroundings had no different means, or something as bright as the object touched it. A smaller margin keeps clutter out \
-             of the window; where edges separate what means do not, an active contour with edges works."
+    fn advice(&self, ending: Ending, _at: &At<'_, Self>) -> String {
+        match ending.outcome {
+            Outcome::Followed => {
+                "The means inside and outside held the contour: it needs no edges, and noise averages out. Anything as bright as the \
+                 object that touches it would become a part of it."
+            }
+            Outcome::Grown => {
+                "Something as bright as the object touched it and became a part of it. A smaller margin keeps clutter out of the window; \
+                 where edges separate what means do not, an active contour with edges works."
+            }
+            Outcome::Shrunk => {
+                "A part of the object is nearer to the mean outside than to the mean inside. Where edges separate what means do not, an \
+                 active contour with edges works."
+            }
+            Outcome::Unknown => {
+                "Without ground truth it is not known whether the contour is on the object. Anything as bright as the object that touches \
+                 it becomes a part of it."
+            }
+            Outcome::Regained | Outcome::Beside | Outcome::Lost => {
+                "Object and surroundings had no different means, or something as bright as the object touched it. A smaller margin keeps \
+                 clutter out of the window; where edges separate what means do not, an active contour with edges works."
+            }
         }
+        .into()
     }
 }
 

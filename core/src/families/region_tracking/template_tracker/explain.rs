@@ -6,7 +6,7 @@ use crate::base::words::{counted, fixed};
 use crate::geometry::{Bounds, Grid, Sampling, polygon};
 use crate::methods::alignment::explain::{compared, errors, hessian, parameters, steepest_descent, warp_matrix};
 use crate::methods::numbers::{percent, px, ratio};
-use crate::methods::region::{At, Explained};
+use crate::methods::region::{At, Ending, Explained, Outcome};
 use crate::products::model::{Matrix3, inverse, mapped};
 use crate::scene::{Fact, Math, Picture, Readout, Role, Scene, Sentence, Series, Shape, Tile};
 
@@ -142,8 +142,11 @@ impl Explained for TemplateTracker {
         }
     }
 
-    fn advice(&self, is_kept: bool) -> &'static str {
-        match (is_kept, self.update) {
+    fn advice(&self, ending: Ending, _at: &At<'_, Self>) -> String {
+        if ending.outcome == Outcome::Unknown {
+            return "Without ground truth drift is seen in the warped template alone: it should still show the object of the first frame.".into();
+        }
+        match (ending.outcome == Outcome::Followed, self.update) {
             (true, Update::None) => {
                 "The first template fits the object in all frames, so nothing drifts. A change of its appearance would not be followed."
             }
@@ -163,6 +166,7 @@ impl Explained for TemplateTracker {
                  a larger region reach farther; a velocity is not predicted."
             }
         }
+        .into()
     }
 }
 
