@@ -314,8 +314,10 @@ fn lost_objects_and_windows_without_two_regions_are_said() {
     assert!(walk.step(None).sentence.plain().contains("lost, contrast"), "{}", walk.step(None).sentence.plain());
 
     let flat = clip(vec![frame(0.0, 0, |_| 90.0); 2]);
-    let said = steps(&*set("chan-vese", &[]), &flat, "no two regions with different means");
-    assert_eq!(said.len(), 1);
+    let mut walk = set("chan-vese", &[]).walk(&flat, 0).expect("a walk");
+    walk.jump(Move::End);
+    let said = walk.step(None).sentence.plain();
+    assert!(said.contains("no two regions with different means"), "{said}");
     for (contour, said) in [
         ("10,10 40,40 40,10 10,40", "crosses itself: its edges 1 and 3 meet"),
         ("10,10 40,10 40,40 120,40", "lies outside the picture of 96×72 px"),
