@@ -38,7 +38,7 @@ params! {
         time_step: f32 = 50.0, 0.1..=1000.0;
         /// Maximum number of iterations in a frame.
         iterations: usize = 100, 1..=1000;
-        /// Difference of both means below which the object is lost: object and region stay.
+        /// Contrast |c₁ − c₂| of both means below which the object is lost: object and region stay.
         min_contrast: f32 = 8.0, 0.0..=255.0, "gray levels";
         /// Largest factor by which the area may grow or shrink from one frame to the next; beyond it the object is lost.
         max_growth: f32 = 2.0, 1.0..=20.0;
