@@ -4,7 +4,9 @@ mod common;
 
 use common::{set, tile};
 use motionscope_core::scene::{Readout, Step};
-use motionscope_core::{AnyEstimator, Clip, Direction, Frame, Grid, MaskField, Move, RegionField, Threads};
+use motionscope_core::{
+    AnyEstimator, Clip, Direction, Frame, Grid, MaskField, Move, Params, RegionField, Threads, synth,
+};
 
 type Point = [f64; 2];
 
@@ -199,6 +201,26 @@ fn a_blurred_object_in_noise_has_no_edges_but_means() {
         let edges = last(id, own, &clip, place);
         assert!(edges < 0.6, "{id} {own:?}: {edges:.3}, without edges {regions:.3}");
     }
+}
+
+#[test]
+fn a_plain_ball_in_noise_is_followed_to_the_tunnel() {
+    let mut difficulty = synth::scene("tunnel").expect("it is bundled").difficulty();
+    [("low-texture", "100"), ("noise", "20")]
+        .iter()
+        .for_each(|(name, value)| difficulty.set(name, value).expect("in range"));
+    let clip = synth::make("tunnel", &difficulty).expect("a clip");
+    // Just before the ball reaches the entrance.
+    let overlap = |id: &str| {
+        let output = set(id, &[]).run(&clip, 0, &Threads::single()).expect("a run");
+        let errors = output.get::<RegionField>().expect("a region").errors(&clip).expect("readable");
+        errors[8..11].iter().map(|error| error.overlap).sum::<f64>() / 3.0
+    };
+    let [regions, snake, greedy] = ["chan-vese", "active-contour", "greedy-contour"].map(overlap);
+    assert!(
+        regions > 0.9 && snake < 0.7 && greedy < 0.2,
+        "without edges {regions:.3}, with {snake:.3} and {greedy:.3}"
+    );
 }
 
 #[test]
