@@ -102,6 +102,8 @@ fn all() -> Vec<(Box<dyn AnyEstimator>, String)> {
         ("connected-components", &[("closing", "0"), ("threshold", "3"), ("connectivity", "4")]),
         ("flow-magnitude", &[("method", "tv-l1")]),
         ("kalman-tracker", &[("source", "moving")]),
+        ("template-tracker", &[("region", "0,0,319,239"), ("levels", "6")]),
+        ("chan-vese", &[("region", "20,20,300,220"), ("margin", "200")]),
     ] {
         all.push((set(id, settings), format!("{settings:?}")));
     }

@@ -4,7 +4,7 @@ mod common;
 
 use common::{central, set, waves};
 use motionscope_core::scene::{Readout, Step};
-use motionscope_core::{AnyEstimator, Bounds, Clip, Direction, Frame, Grid, Move, RegionField, Threads};
+use motionscope_core::{AnyEstimator, Bounds, Clip, Direction, Frame, Grid, Move, RegionField, Threads, synth};
 
 /// The linear part and the shift of an affine warp, row by row.
 type Affine = [[f64; 3]; 2];
@@ -252,6 +252,19 @@ fn a_change_of_appearance_is_lost_without_update() {
     }
     let failed = steps(&*set("template-tracker", &[region]), &disc.0, "it has failed, since drift is slow");
     assert!(!failed.is_empty(), "the first template no longer fits");
+}
+
+#[test]
+fn a_ball_that_grows_over_leaves_of_its_colour_is_followed_without_drift() {
+    let difficulty = synth::scene("leaves").expect("it is bundled").difficulty();
+    let clip = synth::make("leaves", &difficulty).expect("a clip");
+    let overlap = |update: &str| {
+        let field = run(&*set("template-tracker", &[("update", update)]), &clip);
+        let errors = field.errors(&clip).expect("readable");
+        errors[25..].iter().map(|error| error.overlap).sum::<f64>() / errors[25..].len() as f64
+    };
+    let [naive, corrected] = ["every-frame", "drift-corrected"].map(overlap);
+    assert!(corrected > 0.85 && naive < 0.4, "{naive:.3} with an update in every frame, corrected {corrected:.3}");
 }
 
 #[test]

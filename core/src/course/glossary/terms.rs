@@ -249,7 +249,7 @@ pub static GLOSSARY: &[Term] = &[
     term(
         Trajectories,
         "Chan–Vese model",
-        &["Chan-Vese model", "Chan–Vese", "Chan and Vese", "active contour without edges", "contour without edges"],
+        &["Chan–Vese", "Chan and Vese", "active contour without edges", "contour without edges"],
         "A partition of an image into two regions with different means and a short contour between them, which needs \
         no edges.",
     ),

@@ -27,7 +27,7 @@ params! {
         /// frame; a large one holds more clutter.
         margin: usize = 16, 4..=200, "px";
         /// Weight μ of the length of the contour. Large values smooth the contour and ignore small details, such as noise.
-        mu: f32 = 0.2, 0.0..=5.0;
+        mu: f32 = 0.1, 0.0..=5.0;
         /// Weight ν of the area inside. A positive one shrinks the inside, a negative one lets it grow.
         nu: f32 = 0.0, -1.0..=1.0;
         /// Weight λ₁ of the squared differences from the mean inside.
@@ -35,10 +35,10 @@ params! {
         /// Weight λ₂ of the squared differences from the mean outside.
         lambda_outside: f32 = 1.0, 0.0..=10.0;
         /// Time step Δt. The scheme is stable for any; a large one needs fewer iterations.
-        time_step: f32 = 50.0, 0.1..=1000.0;
+        time_step: f32 = 200.0, 0.1..=1000.0;
         /// Maximum number of iterations in a frame.
         iterations: usize = 100, 1..=1000;
-        /// Difference of both means below which the object is lost: object and region stay.
+        /// Contrast |c₁ − c₂| of both means below which the object is lost: object and region stay.
         min_contrast: f32 = 8.0, 0.0..=255.0, "gray levels";
         /// Largest factor by which the area may grow or shrink from one frame to the next; beyond it the object is lost.
         max_growth: f32 = 2.0, 1.0..=20.0;
