@@ -7,12 +7,18 @@ mod crossing;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use common::{Objects, numbers, set};
+use common::{Objects, numbers};
 use crossing::{Dice, HEIGHT, OF_CROSSING, PICTURE, SEEDS, crossing, crossings, found, rows, run, scored};
 use motionscope_core::objects::assignment::WorkBudget;
 use motionscope_core::objects::k_best::{Choice, Problem, Row, k_best};
 use motionscope_core::scene::Readout;
 use motionscope_core::{AnyEstimator, Bounds, Clip, Cursor, Direction, Error, Move, ObjectBox, ObjectField, synth};
+
+/// A tracker with the noise of the detections here, and with further parameters.
+fn set(id: &str, settings: &[(&str, &str)]) -> Box<dyn AnyEstimator> {
+    let noise = [("measurement-noise", "0.1"), ("process-noise", "0.02")];
+    common::set(id, &[&noise[..], settings].concat())
+}
 
 /// All assignments of a problem with their costs.
 fn enumerated(problem: &Problem) -> Vec<(Vec<Choice>, f64)> {
@@ -396,7 +402,7 @@ fn stars_that_cross_keep_their_identities() {
     let clip =
         synth::make("crossing-stars", &synth::scene("crossing-stars").expect("a scene").difficulty()).expect("a clip");
     for seed in ["1", "2", "3", "4", "5"] {
-        let of = scored(&run(&*set("multiple-hypothesis", &[("seed", seed)]), &clip), &clip);
+        let of = scored(&run(&*common::set("multiple-hypothesis", &[("seed", seed)]), &clip), &clip);
         assert!(of.switches == 0 && of.idf1 > 0.9 && of.precision > 0.95, "noise {seed}: {of:?}");
     }
 }

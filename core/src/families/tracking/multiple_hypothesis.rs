@@ -28,13 +28,18 @@ use crate::{params, pseudocode};
 use expand::{Expansion, Gates};
 use forest::{Cluster, Scan, Track};
 
+/// Noise as the boxes of detectors of persons have it, which lie within 0.04 heights of the true ones (standard deviation): hypotheses are
+/// weighed by their densities, where a gate only has to be wide enough.
+const MEASUREMENT_NOISE: f32 = 0.05;
+const PROCESS_NOISE: f32 = 0.004;
+
 params! {
     /// Multi-object tracking with several hypotheses about the origins of the detections.
     pub struct MultipleHypothesis {
         /// The frames of the run and the source of the detections.
         settings: tracker_run::Settings = tracker_run::Settings::default();
         /// The filters of the tracks.
-        dynamics: Dynamics = Dynamics::default();
+        dynamics: Dynamics = Dynamics { process_noise: PROCESS_NOISE, measurement_noise: MEASUREMENT_NOISE, ..Dynamics::default() };
         /// The probabilities of detections.
         chances: Chances = Chances::default();
         /// Expected number of new tracks per frame, anywhere in the picture. Over the area of the picture it is the density β_NT.
