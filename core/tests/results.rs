@@ -2,7 +2,7 @@
 
 use motionscope_core::{
     AnyEstimator, BlockField, Clip, Feature, MaskField, MatchField, ObjectField, Output, Params, PathField,
-    RegionField, Threads, TrackField, estimators, products, products::EpipolarField, synth,
+    RegionField, SegmentField, Threads, TrackField, estimators, products, products::EpipolarField, synth,
 };
 
 /// Keypoints as the line of an estimator holds them: scale, orientation and descriptor have a line of their own.
@@ -58,7 +58,8 @@ fn further(output: &Output) -> Vec<(&'static str, u64)> {
     let epipolar = output.get::<EpipolarField>().map(|field| ("matrix", format!("{:?}", field.matrix)));
     let path = output.get::<PathField>().map(|field| ("path", format!("{:?} {:?}", field.motions, field.corrections)));
     let region = output.get::<RegionField>().map(|field| ("region", format!("{field:?}")));
-    let told = [masks, confidence, keypoints, matches, epipolar, path, region].into_iter().flatten();
+    let segments = output.get::<SegmentField>().map(|field| ("segments", format!("{field:?}")));
+    let told = [masks, confidence, keypoints, matches, epipolar, path, region, segments].into_iter().flatten();
     told.map(|(name, told)| (name, hash(told.bytes()))).collect()
 }
 
