@@ -5,7 +5,7 @@ mod common;
 use common::set;
 use motionscope_core::kalman::chi_square;
 use motionscope_core::objects::score::scores;
-use motionscope_core::scene::{Matrix, Readout, Series};
+use motionscope_core::scene::{Matrix, Readout, Series, Shape};
 use motionscope_core::{
     AnyEstimator, Bounds, Clip, Detection, Frame, Grid, Move, ObjectField, Role, Threads, TrackStatus, Walk, synth,
 };

@@ -2,7 +2,7 @@
 
 use motionscope_core::{
     AnyEstimator, BlockField, Clip, DisparityField, Feature, MaskField, MatchField, ObjectField, Output, Params,
-    PathField, RegionField, Threads, TrackField, estimators, products, products::EpipolarField, synth,
+    PathField, RegionField, SegmentField, Threads, TrackField, estimators, products, products::EpipolarField, synth,
 };
 
 /// Keypoints as the line of an estimator holds them: scale, orientation and descriptor have a line of their own.
@@ -59,7 +59,9 @@ fn further(output: &Output) -> Vec<(&'static str, u64)> {
     let path = output.get::<PathField>().map(|field| ("path", format!("{:?} {:?}", field.motions, field.corrections)));
     let region = output.get::<RegionField>().map(|field| ("region", format!("{field:?}")));
     let disparity = output.get::<DisparityField>().map(|field| ("disparity", format!("{:?}", field.map)));
-    let told = [masks, confidence, keypoints, matches, epipolar, path, region, disparity].into_iter().flatten();
+    let segments = output.get::<SegmentField>().map(|field| ("segments", format!("{field:?}")));
+    let told =
+        [masks, confidence, keypoints, matches, epipolar, path, region, disparity, segments].into_iter().flatten();
     told.map(|(name, told)| (name, hash(told.bytes()))).collect()
 }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::points::{Place, Points};
 use crate::base::words;
-use crate::data::Clip;
+use crate::data::{Clip, Flow};
 use crate::geometry::Grid;
 use crate::methods::numbers::{percent, ratio};
 use crate::products::segments::{Overlap, adjusted_rand_index, mean_overlap};
@@ -15,6 +15,12 @@ use crate::scene::{Arrow, Fact, Picture, Plane, Readout, Role, Scene, Shape};
 const SHOWN: usize = 400;
 /// Segments listed at most.
 const LISTED: usize = 8;
+
+/// Draws the flow that is segmented.
+pub fn draw_flow(scene: &mut Scene, flow: &Flow) {
+    scene.mark(Picture::CURRENT, Role::Result, Shape::Flow { origin: [0.0; 2], values: flow.0.clone() });
+    scene.legend(Role::Result, "flow to frame t+1");
+}
 
 /// Draws labels, each in its colour.
 pub fn draw_labels(scene: &mut Scene, labels: Arc<Grid<u32>>, meaning: &'static str) {

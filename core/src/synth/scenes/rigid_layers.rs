@@ -13,7 +13,7 @@ pub const SAMPLE: Sample = Sample {
     id: "rigid-layers",
     title: "Rigid layers: three motions",
     teaches: "A disc and a card move rigidly over a drifting table. In the plane of displacements, each layer is one point, so \
-              clustering finds exactly the true segments.",
+              clustering the true flow gives the true segments.",
     tune: |_| {},
     scenery: Scenery::Flat(layers),
     path: Path::REST,

@@ -5,7 +5,9 @@ use std::sync::Arc;
 use super::{Data, Event, Features, LEAST_RISE, Method, MotionClustering, State, line};
 use crate::base::words;
 use crate::methods::numbers::{fixed, percent, ratio};
-use crate::methods::segmentation::explain::{conclusion, draw_labels, draw_segments, mean_name, plane, segment_facts};
+use crate::methods::segmentation::explain::{
+    conclusion, draw_flow, draw_labels, draw_segments, mean_name, plane, segment_facts,
+};
 use crate::methods::segmentation::{
     Place, kmeans,
     kmeans::Trial,
@@ -422,7 +424,7 @@ impl MotionClustering {
         };
         match event {
             Event::Flow(_) | Event::Compared(..) | Event::Exhausted(_) => {
-                crate::methods::differential::field::draw(data.flow.0.clone(), scene);
+                draw_flow(scene, &data.flow);
             }
             Event::Seeded(..) => {
                 let seeds = seen.events.iter().filter_map(|event| match event {

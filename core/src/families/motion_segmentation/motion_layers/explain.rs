@@ -6,10 +6,9 @@ use super::{Block, Event, Layer, MotionLayers, Note, hypotheses, line};
 use crate::base::words;
 use crate::data::Flow;
 use crate::geometry::Grid;
-use crate::methods::differential::field;
 use crate::methods::numbers::{fixed, percent, px};
 use crate::methods::segmentation::affine::Frame;
-use crate::methods::segmentation::explain::{conclusion, draw_labels, draw_segments, plane, segment_facts};
+use crate::methods::segmentation::explain::{conclusion, draw_flow, draw_labels, draw_segments, plane, segment_facts};
 use crate::methods::segmentation::{Place, Points};
 use crate::products::AffineMotion;
 use crate::run::Seen;
@@ -253,7 +252,7 @@ impl MotionLayers {
         let view = View::new(seen);
         match seen.events.last() {
             None => {}
-            Some(Event::Flow(flow)) => field::draw(flow.0.clone(), scene),
+            Some(Event::Flow(flow)) => draw_flow(scene, flow),
             Some(Event::Fitted(block)) => draw_blocks(scene, &view.blocks(), Some(block)),
             Some(Event::Clustered(_)) => draw_blocks(scene, &seen.before.blocks, None),
             Some(Event::Labelled(frame)) => draw_segments(scene, frame),
