@@ -346,7 +346,7 @@ fn the_path_ends_at_the_estimate_of_the_step() {
         }
         let of = |is: fn(&Shape) -> Option<[f32; 2]>| {
             let scene = walk.scene(None);
-            scene.marks.iter().filter(|mark| mark.role == Role::Estimate).filter_map(|mark| is(&mark.shape)).last()
+            scene.marks.iter().rev().filter(|mark| mark.role == Role::Estimate).find_map(|mark| is(&mark.shape))
         };
         let path = of(|shape| if let Shape::Path { points, .. } = shape { points.last().copied() } else { None });
         let estimate = of(|shape| if let Shape::Points(points) = shape { points.last().copied() } else { None });

@@ -189,7 +189,7 @@ pub(crate) fn done(number: usize, frame: &ObjectFrame, conclusion: &Conclusion) 
             " To keep identities, raise the maximum age or choose a motion model that fits."
         }
         _ if misses > alarms && conclusion.is_of_truth => {
-            " In the run, misses dominate. The detections are true boxes with noise, so the missed objects are occluded: coasting tracks do not count as matches."
+            " In the run, misses dominate. No detector would reduce them: the detections are true boxes with noise. Occluded objects are missed because coasting tracks, like tentative ones, do not count as matches."
         }
         _ if misses > alarms => {
             " In the run, misses dominate: lower the minimum number of hits or the score thresholds, or use another detector."
@@ -245,6 +245,16 @@ fn plural(count: usize, one: &str, ending: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn all_frames_with_the_most_errors_are_named() {
+        let two = Matches { truths: 5, estimates: 3, pairs: 3 };
+        assert_eq!(most_errors(&[]), "");
+        assert_eq!(most_errors(&[(21, two)]), " Most errors in frame 21: 2 misses, 0 false alarms.");
+        assert_eq!(most_errors(&[(21, two), (23, two)]), " Most errors in frames 21 and 23: 2 errors each.");
+        let said = most_errors(&[(21, two), (22, two), (23, two)]);
+        assert_eq!(said, " Most errors in 3 frames, from frame 21 on: 2 errors each.");
+    }
 
     #[test]
     fn a_large_table_shows_what_it_is_about_with_its_names() {
