@@ -340,10 +340,10 @@ pub(crate) fn aligned(clip: &Clip, times: &[usize]) -> Result<Vec<Displaced>, Er
             None => camera = Some(Camera::new(&frame)),
         }
         let (at, is_lost) = camera.as_ref().map_or(([0.0; 2], false), |camera| (camera.model_at, camera.is_lost));
-        let (width, height) = frame.size();
         if is_lost {
             break;
         }
+        let (width, height) = frame.size();
         if at[0].hypot(at[1]) <= ALIGNED_SHARE * width.max(height) as f32 {
             all.push((frame, at));
         }
