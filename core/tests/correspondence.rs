@@ -4,8 +4,9 @@ mod common;
 
 use common::set;
 use motionscope_core::products::{EpipolarField, keypoints::Descriptor};
+use motionscope_core::scene::{Math, Readout};
 use motionscope_core::{
-    Clip, Frame, Grid, MatchField, MatchStatus, ModelField, Move, Output, PointField, Threads, synth,
+    Clip, Direction, Frame, Grid, MatchField, MatchStatus, ModelField, Move, Output, PointField, Threads, synth,
 };
 use nalgebra::{Rotation3, Vector3};
 
@@ -269,6 +270,36 @@ fn last_sentence(id: &str, settings: &[(&str, &str)], clip: &Clip) -> String {
     let mut walk = set(id, settings).walk(clip, 0).expect("a walk");
     walk.jump(Move::End);
     walk.step(None).sentence.plain()
+}
+
+#[test]
+fn the_number_of_iterations_follows_from_the_share_of_inliers_beside_it() {
+    let mut seen = 0;
+    for id in ["epipolar-geometry", "global-motion"] {
+        let estimator = set(id, &[]);
+        let mut walk = estimator.walk(&scene("parallax"), 0).expect("a run");
+        let innermost = walk.info().granularities.len() - 1;
+        while !walk.at_end() {
+            walk.jump(Move::Granularity(innermost, Direction::Forward));
+            let step = walk.step(None);
+            let lines = step.readouts.iter().find_map(|readout| match readout {
+                Readout::Equation(lines) => Some(lines.iter().map(Math::plain).collect::<Vec<_>>()),
+                _ => None,
+            });
+            let formula = lines.and_then(|lines| lines.into_iter().find(|line| line.contains(", so ")));
+            if let Some((quotient, count)) = formula.as_deref().and_then(|line| line.split_once(", so ")) {
+                // log(1 − p) / log(1 − wⁿ), with w to three decimals.
+                let (numbers, size) = (common::numbers(quotient), if id == "global-motion" { 4 } else { 7 });
+                let share = numbers.iter().copied().find(|n| n.fract() != 0.0 && *n != 0.99).unwrap_or(1.0);
+                let needed = |share: f64| (0.01f64.ln() / (1.0 - share.min(1.0).powi(size)).ln()).ceil().max(1.0);
+                let [low, high] = [share + 5e-4, share - 5e-4].map(needed);
+                let said = common::numbers(count)[0];
+                assert!((low..=high).contains(&said) || said == common::numbers(count)[1], "{quotient}, so {count}");
+                seen += 1;
+            }
+        }
+    }
+    assert!(seen > 5, "{seen} formulas");
 }
 
 #[test]

@@ -520,3 +520,16 @@ fn clicks_are_not_scored_as_boxes() {
         assert_eq!(scores(&field, &**truth).expect("readable").map(|scores| scores.mota), None, "{id}");
     }
 }
+
+#[test]
+fn clicks_on_a_thrown_ball_show_that_constant_velocity_is_biased() {
+    // 4 px/frame² of gravity: with the wide gate of the first frames among them, the mean NIS is that of a consistent filter.
+    let clicks: Vec<String> = (0..12).map(|t| format!("{t}:{},{}", 60 + 11 * t, 300 - 24 * t + 2 * t * t)).collect();
+    // Something else stands still.
+    let clip = rows(vec![vec![found([600.0, 40.0], [10.0; 2], 1.0)]; 12]);
+    let mut walk = set("kalman-filter", &[("clicks", &clicks.join(" "))]).walk(&clip, 0).expect("a run");
+    walk.jump(Move::End);
+    let said = walk.step(None).sentence.plain();
+    assert!(said.contains("The innovations are biased by") && said.contains("constant acceleration"), "{said}");
+    assert!(!said.contains("the filter is consistent"), "{said}");
+}

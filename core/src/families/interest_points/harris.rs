@@ -82,7 +82,9 @@ impl Measure for Harris {
     fn meaning(&self, [large, _]: [f32; 2], response: f32) -> String {
         let value = format!("R = det T − k (tr T)² = {}", numbers::gray(response));
         match () {
-            () if large < FLAT_AREA => format!("{value}: hardly any gradient, a flat area."),
+            () if large < FLAT_AREA => {
+                format!("{value}: λ₁ is below {FLAT_AREA:.2}, as noise alone can cause: a flat area.")
+            }
             () if response > 0.0 => format!("{value} is positive: gradients in two directions, possibly a corner."),
             () => format!("{value} is not positive: gradients in one direction only, an edge."),
         }

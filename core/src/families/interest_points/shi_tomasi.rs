@@ -82,7 +82,9 @@ impl Measure for ShiTomasi {
     fn meaning(&self, [large, small]: [f32; 2], response: f32) -> String {
         let value = format!("R = λ₂ = {}", numbers::gray(response));
         match () {
-            () if large < FLAT_AREA => format!("{value}: hardly any gradient, a flat area."),
+            () if large < FLAT_AREA => {
+                format!("{value}: λ₁ is below {FLAT_AREA:.2}, as noise alone can cause: a flat area.")
+            }
             () if small < EDGE_RATIO * large => {
                 format!("{value}, less than a tenth of λ₁: gradients in one direction only, an edge.")
             }

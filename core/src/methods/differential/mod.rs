@@ -21,4 +21,4 @@ pub use field::Field;
 pub use frame_pair::{FramePair, truth};
 pub use linear::{Constraints, Linear};
 pub use multiscale::Multiscale;
-pub use tensor::{Sums, Tensor, Texture, Weights, Window};
+pub use tensor::{EDGE_RATIO, Sums, Tensor, Texture, Weights, Window};

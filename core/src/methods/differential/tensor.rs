@@ -31,13 +31,17 @@ impl Weights {
 pub enum Texture {
     /// No pixel with a known constraint.
     Unknown,
-    /// Both eigenvalues small.
+    /// Both eigenvalues small, or one below the threshold and the other hardly larger.
     Flat,
-    /// One eigenvalue large, one small.
+    /// One eigenvalue large, the other small and at most a tenth of it.
     Edge,
     /// Both eigenvalues large.
     Corner,
 }
+
+/// The least ratio λ₁ / λ₂ of an edge (D. G. Lowe, Distinctive image features from scale-invariant keypoints, IJCV 60(2), 2004, section 4.1).
+/// Below it the constraint lines have many directions.
+pub const EDGE_RATIO: f32 = 10.0;
 
 /// The weighted means over a window of the products of the derivatives; the weights sum to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -76,7 +80,7 @@ impl Tensor {
         match () {
             () if self.pixels == 0.0 => Texture::Unknown,
             () if counts(small) && small > 1e-5 * large => Texture::Corner,
-            () if counts(large) => Texture::Edge,
+            () if counts(large) && large >= EDGE_RATIO * small => Texture::Edge,
             () => Texture::Flat,
         }
     }
@@ -364,6 +368,8 @@ mod tests {
         let texture = |xx, yy, threshold| Tensor { xx, yy, pixels: 9.0, ..Tensor::default() }.texture(threshold);
         assert_eq!(texture(4.0, 3.0, 0.5), Texture::Corner);
         assert_eq!((texture(4.0, 0.4, 0.5), texture(0.4, 0.4, 0.5)), (Texture::Edge, Texture::Flat));
+        // The weak gradients of a flat window have all directions.
+        assert_eq!((texture(0.99, 0.4, 0.5), texture(4.6, 0.48, 0.5)), (Texture::Flat, Texture::Flat));
         // Without a threshold, rounding is neither an edge nor a corner.
         assert_eq!((texture(4.0, 2e-5, 0.0), texture(1e-3, 1e-7, 0.0)), (Texture::Edge, Texture::Edge));
         assert_eq!((texture(1e-9, 0.0, 0.0), texture(1e-9, 1e-9, 0.0)), (Texture::Flat, Texture::Flat));

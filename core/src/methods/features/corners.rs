@@ -45,8 +45,9 @@ pub struct Corners<M>(pub M);
 
 inner_params!(Corners<M: Measure>);
 
-/// Both eigenvalues below this are a flat area, in (gray levels per px)².
-pub const FLAT_AREA: f32 = 0.05;
+/// Both eigenvalues below this are a flat area, in (gray levels per px)². Central differences of noise with σ = 2 gray levels, as of a
+/// camera with compression, have a mean square of σ² / 2 = 2 in every direction; in a window they reach more than twice that.
+pub const FLAT_AREA: f32 = 5.0;
 
 /// The state of a run.
 #[derive(Clone)]

@@ -3,7 +3,7 @@
 //! An eigenvalue is the mean square of the gradient along its eigenvector. The axes show the roots, in gray levels per px: most eigenvalues
 //! are small, and the region of edges is narrow.
 
-use super::corners::Measure;
+use super::corners::{FLAT_AREA, Measure};
 use crate::scene::{Regions, Role};
 
 /// The number of points of a boundary.
@@ -26,18 +26,18 @@ pub(super) fn regions<M: Measure>(measure: &M, Pixel { name, eigenvalues, thresh
     let of = |[large, small]: [f32; 2]| measure.response([large * large, 0.0, small * small]);
     let [large, small] = eigenvalues.map(|value| value.max(0.0).sqrt());
     let equal = threshold.and_then(|level| crossing(|root| of([root; 2]), level, MOST));
-    let reach = (1.25 * large).max(2.5 * equal.unwrap_or_default()).max(1.0);
+    let flat = FLAT_AREA.sqrt();
+    let reach = (1.25 * large).max(2.5 * equal.unwrap_or_default()).max(2.0 * flat);
     let levels = [threshold.map(|level| ("R = threshold", Role::Result, level)), Some(("R = 0", Role::Candidate, 0.0))];
     let line = |(name, role, level)| Some((name, role, boundary(&of, level, reach)?));
-    let boundaries = levels.into_iter().flatten().filter_map(line);
+    let flat_area = ("limit of flat areas", Role::Predicted, vec![[0.0, flat], [flat, flat], [flat, 0.0]]);
+    let boundaries = levels.into_iter().flatten().filter_map(line).chain([flat_area]);
     Regions {
         title: "RMS gradient along the eigenvectors, gray levels per px",
         labels: ["√λ₁", "√λ₂"],
         reach,
         boundaries: boundaries.collect(),
-        names: names(equal.is_some_and(|equal| equal > 0.3 * reach))
-            .map(|(name, at)| (name, at.map(|share| share * reach)))
-            .collect(),
+        names: names(flat / reach).map(|(name, at)| (name, at.map(|share| share * reach))).collect(),
         points: vec![(name, Role::Reference, [large, small])],
     }
 }
@@ -45,10 +45,13 @@ pub(super) fn regions<M: Measure>(measure: &M, Pixel { name, eigenvalues, thresh
 /// The largest root of an eigenvalue that is looked at: responses are squares of eigenvalues.
 const MOST: f32 = 1e6;
 
-/// The regions with their places as shares of the axes; that of flat areas where it is large enough.
-fn names(has_flat: bool) -> impl Iterator<Item = (&'static str, [f32; 2])> {
-    let all = [("corner", [0.72, 0.72]), ("edge", [0.8, 0.07]), ("edge", [0.07, 0.9]), ("flat", [0.16, 0.16])];
-    all.into_iter().filter(move |(name, _)| has_flat || *name != "flat")
+/// The least share of an axis at which the flat area has room for its name.
+const ROOM: f32 = 0.2;
+
+/// The regions with their places as shares of the axes; that of the flat area, which ends at the share `flat`, where it is large enough.
+fn names(flat: f32) -> impl Iterator<Item = (&'static str, [f32; 2])> {
+    let all = [("corner", [0.72, 0.72]), ("edge", [0.8, 0.07]), ("edge", [0.07, 0.9]), ("flat", [flat / 2.0; 2])];
+    all.into_iter().filter(move |(name, _)| flat >= ROOM || *name != "flat")
 }
 
 /// The smallest argument from 0 to `most` at which an increasing function reaches `level`.
@@ -95,7 +98,7 @@ mod tests {
     fn the_boundary_of_harris_is_where_its_response_has_the_level() {
         let measure = Harris::default();
         let all = regions(&measure, pixel([40.0, 3.0], Some(200.0)));
-        assert_eq!(all.boundaries.len(), 2, "the threshold and zero");
+        assert_eq!(all.boundaries.len(), 3, "the threshold, zero and the flat area");
         for ((.., line), level) in all.boundaries.iter().zip([200.0, 0.0]) {
             assert!(line.len() > POINTS, "{level}");
             for [a, b] in line {
@@ -110,9 +113,28 @@ mod tests {
     #[test]
     fn the_boundary_of_shi_and_tomasi_is_a_right_angle() {
         let all = regions(&ShiTomasi::default(), pixel([9.0, 1.0], Some(4.0)));
-        assert_eq!(all.boundaries.len(), 1, "a response of zero is on the axes alone");
+        assert_eq!(all.boundaries.len(), 2, "a response of zero is on the axes alone; the flat area");
         let (.., line) = &all.boundaries[0];
         assert!(line.iter().all(|[a, b]| (a.min(*b) - 2.0).abs() < 1e-3), "{line:?}");
+    }
+
+    #[test]
+    fn weak_gradients_in_two_directions_are_a_flat_area() {
+        let harris = Harris::default();
+        for [large, small] in [[0.47, 0.07], [4.85, 2.55]] {
+            let response = harris.response([large, 0.0, small]);
+            assert!(response > 0.0);
+            for said in [harris.meaning([large, small], response), ShiTomasi::default().meaning([large, small], small)]
+            {
+                assert!(said.contains("flat area") && !said.contains("corner"), "{said}");
+            }
+            // Without a threshold too, the pixel lies in the region that is named flat.
+            let all = regions(&harris, pixel([large, small], None));
+            let (.., line) = all.boundaries.last().unwrap();
+            let [x, y] = all.points[0].2;
+            assert!(x < line[1][0] && y < line[1][1] && all.names.iter().any(|(name, _)| *name == "flat"));
+        }
+        assert!(harris.meaning([40.0, 30.0], harris.response([40.0, 0.0, 30.0])).contains("corner"));
     }
 
     #[test]

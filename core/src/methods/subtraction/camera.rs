@@ -52,8 +52,8 @@ const RANGE_PX: [i32; 2] = [5, 2];
 /// The displacement in px at which the reference is replaced by the present frame.
 const ANCHOR_PX: f32 = 4.0;
 
-/// The greatest displacement of a frame in px that is aligned with the first one.
-const ALIGNED_PX: f32 = 15.0;
+/// The greatest displacement of a frame that is aligned with the first one, as a share of the longer side of the picture.
+const ALIGNED_SHARE: f32 = 0.05;
 
 /// The camera during a run.
 #[derive(Clone, Debug)]
@@ -305,14 +305,6 @@ fn mixed(color: &Grid<[u8; 3]>, [x, y]: [f32; 2]) -> [u8; 3] {
     [0, 1, 2].map(|c| (row(top, c) + (row(bottom, c) - row(top, c)) * down).round() as u8)
 }
 
-/// Returns a frame displaced by `by` px, in whole px and completed with another one.
-pub(crate) fn shifted_frame(frame: &Frame, by: [f32; 2], beyond: &Frame) -> Frame {
-    match (frame.color(), beyond.color()) {
-        (Some(color), Some(other)) => Frame::rgb(shifted(color, by, |x, y| other[(x, y)])),
-        _ => Frame::gray(shifted(frame.luma(), by, |x, y| beyond.luma()[(x, y)])),
-    }
-}
-
 /// Returns the foreground pixels that the background of another pixel within the radius of the shake suppression explains: `fits` tells
 /// whether the background of its second pixel explains the value of the frame at its first.
 pub(crate) fn displaced(
@@ -333,7 +325,7 @@ pub(crate) fn displaced(
 pub(crate) type Displaced = (Arc<Frame>, [f32; 2]);
 
 /// Follows the camera through the frames of a clip at intervals; returns each with its displacement from the first in whole px, as long as
-/// that is small: perspective changes with a larger one.
+/// that is small: perspective changes with a larger one. Frames after one that could not be followed have no known displacement.
 ///
 /// # Errors
 /// If a frame cannot be read.
@@ -348,7 +340,11 @@ pub(crate) fn aligned(clip: &Clip, times: &[usize]) -> Result<Vec<Displaced>, Er
             None => camera = Some(Camera::new(&frame)),
         }
         let (at, is_lost) = camera.as_ref().map_or(([0.0; 2], false), |camera| (camera.model_at, camera.is_lost));
-        if !is_lost && at[0].hypot(at[1]) <= ALIGNED_PX {
+        if is_lost {
+            break;
+        }
+        let (width, height) = frame.size();
+        if at[0].hypot(at[1]) <= ALIGNED_SHARE * width.max(height) as f32 {
             all.push((frame, at));
         }
     }

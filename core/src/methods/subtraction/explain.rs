@@ -306,22 +306,36 @@ impl Conclusion {
         format!(" {} of the frame differs from the background: {cause}.{moved} {advice}", percent(self.differing))
     }
 
-    fn advice(&self, all: Matches) -> String {
-        let (misses, alarms) = (all.misses(), all.false_positives());
-        match self.ghosts {
-            0 if all.f1() >= GOOD_F1 || misses + alarms == 0 => String::new(),
-            0 if misses > alarms => format!(
-                " Most errors are misses ({}): try a lower threshold, a smaller opening or a smaller minimum area.",
-                grouped(misses)
-            ),
-            0 if misses == alarms => format!(" {0} misses and {0} false alarms.", grouped(misses)),
-            0 => format!(
-                " Most errors are false alarms ({}): try a higher threshold, a larger opening or a larger minimum area.",
-                grouped(alarms)
-            ),
-            ghosts => format!(
+    /// What to change, by the errors of the mask where its truth is known, otherwise by those of the boxes: a box that overlaps a true one
+    /// by too little is a miss and a false alarm, whatever the threshold is.
+    fn advice(&self, boxes: Matches) -> String {
+        if self.ghosts > 0 {
+            return format!(
                 " {} where an object of the first frame has left: initialise with the median, or let the model learn faster.",
-                counted(ghosts, ["ghost remains", "ghosts remain"])
+                counted(self.ghosts, ["ghost remains", "ghosts remain"])
+            );
+        }
+        let masks = self.pixels();
+        let all = masks.unwrap_or(boxes);
+        let number = |count| if masks.is_some() { pixels(count) } else { grouped(count) };
+        let (misses, alarms) = (all.misses(), all.false_positives());
+        match () {
+            () if masks.is_some() && all.f1() >= GOOD_F1 && boxes.f1() < GOOD_F1 => {
+                " The masks agree with the truth: most wrong boxes are blobs that join or split objects, which closing decides.".into()
+            }
+            () if all.f1() >= GOOD_F1 || misses + alarms == 0 => String::new(),
+            () if misses > alarms => format!(
+                " Most errors are misses ({}): try a lower threshold, a smaller opening or a smaller minimum area.",
+                number(misses)
+            ),
+            () if misses < alarms => format!(
+                " Most errors are false alarms ({}): try a higher threshold, a larger opening or a larger minimum area.",
+                number(alarms)
+            ),
+            () => format!(
+                " {} and {}.",
+                counted(misses, ["miss", "misses"]),
+                counted(alarms, ["false alarm", "false alarms"])
             ),
         }
     }
@@ -548,8 +562,8 @@ impl<M: Background> Subtraction<M> {
                     .text(format!(" ({} of the frame): {}.", percent(share), self.0.rule()))
             }
             Event::Shadows(_, shadows) => said
-                .ink(Role::Rejected, format!("{} of the foreground are cast shadows", pixels(shadows.count())))
-                .text(": darker than the background, but of the same colour, and not enclosed by foreground. They are removed."),
+                .ink(Role::Rejected, format!("Cast shadows: {} of the foreground", pixels(shadows.count())))
+                .text(", darker than the background, but of the same colour, and not enclosed by foreground. They are removed."),
             Event::Steadied(_, displaced) => said
                 .ink(Role::Rejected, format!("{} of the foreground fit", pixels(displaced.count())))
                 .text(format!(

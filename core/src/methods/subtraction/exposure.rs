@@ -2,7 +2,12 @@
 //!
 //! The brightness transfer function gives the gray level of a frame for each gray level of the background (M. D. Grossberg and
 //! S. K. Nayar, Determining the camera response from images: what is knowable?, IEEE TPAMI 25(11), 2003). Here it is the median
-//! difference among the pixels of similar background: an object that covers less than half of them does not change it.
+//! difference among the pixels of similar gray level: an object that covers less than half of them does not change it.
+//!
+//! Pixels are similar by the mean of their two gray levels, not by that of the background. Where a frame is displaced by a few pixels, the
+//! darkest pixels of the background meet lighter ones and the lightest meet darker ones, which would look like less contrast (regression
+//! to the mean; J. M. Bland and D. G. Altman, Comparing methods of measurement: why plotting difference against standard method is
+//! misleading, The Lancet 346, 1995).
 
 use crate::choices;
 use crate::data::Frame;
@@ -48,12 +53,11 @@ impl Transfer {
     /// Returns the transfer from the background, whose gray level `expected` gives where it is known, to a frame; `None` where the
     /// exposure has not changed.
     pub fn between(frame: &Gray, expected: impl Fn(usize, usize) -> Option<f32>) -> Option<Self> {
-        let bins = sampled(frame, expected);
+        let samples = sampled(frame, expected);
         let mut all: Counts = [0; DIFFERENCES];
-        for bin in &bins {
-            all.iter_mut().zip(bin).for_each(|(sum, count)| *sum += count);
-        }
+        samples.iter().for_each(|sample| all[sample.index()] += 1);
         let median = median(&all).filter(|median| median.abs() >= LEAST_CHANGE)?;
+        let bins = by_level(&samples, median);
         let least = (all.iter().sum::<u32>() / LEAST_SHARE).max(1);
         let spread = SPREAD[0] + SPREAD[1] * median.abs();
         // A bin that objects cover for the most part keeps near the others.
@@ -103,18 +107,38 @@ impl Transfer {
     }
 }
 
-/// Counts the differences of a frame from the background in bins of background levels, at pixels of a regular grid.
-fn sampled(frame: &Gray, expected: impl Fn(usize, usize) -> Option<f32>) -> Vec<Counts> {
+/// The gray levels of a pixel in the background and in a frame.
+struct Sample {
+    background: i32,
+    frame: i32,
+}
+
+impl Sample {
+    /// The place of its difference among the counts.
+    fn index(&self) -> usize {
+        (255 + self.frame - self.background) as usize
+    }
+}
+
+/// Returns the gray levels at pixels of a regular grid where the background is known.
+fn sampled(frame: &Gray, expected: impl Fn(usize, usize) -> Option<f32>) -> Vec<Sample> {
     let (width, height) = frame.size();
     let step = (1..).find(|step| width * height <= SAMPLES * step * step).unwrap_or(1);
+    let places = (step / 2..height).step_by(step).flat_map(|y| (step / 2..width).step_by(step).map(move |x| (x, y)));
+    let samples = places.filter_map(|at| {
+        let background = expected(at.0, at.1)?.round().clamp(0.0, 255.0) as i32;
+        Some(Sample { background, frame: i32::from(frame[at]) })
+    });
+    samples.collect()
+}
+
+/// Counts the differences in bins of background levels. That of a pixel is taken from the mean of its two levels, from which half
+/// the median change is subtracted.
+fn by_level(samples: &[Sample], median: f32) -> Vec<Counts> {
     let mut bins = vec![[0; DIFFERENCES]; BINS];
-    for y in (step / 2..height).step_by(step) {
-        for x in (step / 2..width).step_by(step) {
-            if let Some(level) = expected(x, y) {
-                let level = level.round().clamp(0.0, 255.0) as usize;
-                bins[level / BIN_LEVELS][255 + usize::from(frame[(x, y)]) - level] += 1;
-            }
-        }
+    for sample in samples {
+        let level = ((sample.background + sample.frame) as f32 - median) / 2.0;
+        bins[level.clamp(0.0, 255.0) as usize / BIN_LEVELS][sample.index()] += 1;
     }
     bins
 }
@@ -180,6 +204,20 @@ mod tests {
         assert!(wrong(&corrected) < 90 && wrong(&frame) > 5000, "{} {}", wrong(&corrected), wrong(&frame));
         // The object stays far from the background, the lightest of which is at 200.
         assert!(corrected.luma()[(3, 3)] > 205, "{}", corrected.luma()[(3, 3)]);
+    }
+
+    #[test]
+    fn a_displaced_frame_is_not_taken_for_less_contrast() {
+        // Waves that are displaced by 3 px, and 8 gray levels lighter.
+        let waves = |x: usize, y: usize| {
+            let [x, y] = [x, y].map(|c| c as f32);
+            110.0 + 40.0 * (0.5 * x + 0.2 * y).sin() + 35.0 * (0.3 * x - 0.45 * y).sin()
+        };
+        let frame = Grid::from_fn(120, 90, |x, y| (waves(x + 3, y) + 8.0).round() as u8);
+        let transfer = Transfer::between(&frame, |x, y| Some(waves(x, y))).unwrap();
+        for level in [70.0, 110.0, 150.0] {
+            assert!((transfer.change(level) - 8.0).abs() < 4.0, "{level}: {}", transfer.change(level));
+        }
     }
 
     #[test]

@@ -5,7 +5,7 @@ use crate::base::{Threads, words};
 use crate::data::Flow;
 use crate::geometry::Sampling;
 use crate::methods::differential::{
-    Conclusion, Constraints, FramePair, Linear, Tensor, Texture, explain, field, numbers,
+    Conclusion, Constraints, EDGE_RATIO, FramePair, Linear, Tensor, Texture, explain, field, numbers,
 };
 use crate::run::Seen;
 use crate::scene::{
@@ -135,6 +135,11 @@ impl LucasKanade {
             Texture::Unknown => {
                 said.text(": the flow leads all its pixels out of frame t+1. Without constraints the flow is unknown.")
             }
+            Texture::Flat if eigenvalues[0] >= self.min_eigenvalue && eigenvalues[1] > 0.0 => said.text(format!(
+                ": λ₂ = {small} is {}, and λ₁ = {large} is less than {EDGE_RATIO:.0} times as large, so this is no edge but a flat \
+                 window: its weak gradients have many directions. Noise would determine the solution, so the flow is unknown.",
+                why(eigenvalues[1], "0 up to rounding")
+            )),
             Texture::Flat => said.text(format!(
                 ": λ₁ = {large} and λ₂ = {small} are both {}, a flat window. Noise would determine the solution, so the flow is \
                  unknown.",

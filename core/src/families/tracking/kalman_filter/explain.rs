@@ -295,18 +295,22 @@ impl KalmanFilter {
         }
     }
 
-    /// The mean innovation where it is not zero, and the remedy.
+    /// The mean innovation where it is not zero, and the remedy. Each innovation is divided by its standard deviation from S: the first ones
+    /// are so uncertain that they would hide the others. (Y. Bar-Shalom, X.-R. Li and T. Kirubarajan, Estimation with applications to
+    /// tracking and navigation, 2001, section 5.4.)
     fn bias(&self, accepted: &[&Gated]) -> String {
-        let (mut sum, mut variance) = ([0.0; 2], [0.0; 2]);
+        let (mut sum, mut normalized) = ([0.0; 2], [0.0; 2]);
         for gated in accepted {
             let (measured, expected) = (gated.measurement(), &gated.expected);
             let (at, covariance) = (expected.place(), expected.place_covariance());
             for axis in 0..2 {
-                sum[axis] += measured.place[axis] - at[axis];
-                variance[axis] += covariance[axis][axis] + measured.place_deviation * measured.place_deviation;
+                let innovation = measured.place[axis] - at[axis];
+                let variance = covariance[axis][axis] + measured.place_deviation * measured.place_deviation;
+                sum[axis] += innovation;
+                normalized[axis] += innovation / variance.sqrt();
             }
         }
-        let is_biased = (0..2).any(|axis| sum[axis].abs() > BIAS_SIGMAS * variance[axis].sqrt());
+        let is_biased = normalized.iter().any(|sum| sum.abs() > BIAS_SIGMAS * (accepted.len() as f64).sqrt());
         if accepted.len() < LEAST_INNOVATIONS || !is_biased {
             return String::new();
         }

@@ -183,8 +183,24 @@ impl<M: RobustModel> Robust<M> {
         }
     }
 
-    /// The best hypothesis at the end of the events so far.
+    /// The best model at the end of the events so far: the best hypothesis, or the fit to its inliers.
     fn best_now(&self, seen: &Seen<Self>) -> Option<(Matrix3, Score)> {
+        let mut best = self.best_hypothesis(seen);
+        for event in seen.events {
+            match event {
+                Event::Resampled(_, matrix, score)
+                | Event::Refit(matrix, score)
+                | Event::Kept(matrix, score)
+                | Event::Sequel(_, Best { matrix, score }) => best = Some((*matrix, *score)),
+                Event::Doubted(_) => best = None,
+                _ => {}
+            }
+        }
+        best
+    }
+
+    /// The best hypothesis at the end of the events so far, from which the number of iterations follows.
+    fn best_hypothesis(&self, seen: &Seen<Self>) -> Option<(Matrix3, Score)> {
         let mut matrix = None;
         let mut best = seen.before.consensus.best.map(|best| (best.matrix, best.score));
         let mut candidate: Option<(Matrix3, Score)> = None;
@@ -194,12 +210,7 @@ impl<M: RobustModel> Robust<M> {
                 Event::Scored(score) => candidate = matrix.map(|matrix| (matrix, *score)),
                 Event::Local(matrix, score) => candidate = Some((*matrix, *score)),
                 Event::Best(_) => best = candidate,
-                Event::Resampled(_, matrix, score)
-                | Event::Refit(matrix, score)
-                | Event::Kept(matrix, score)
-                | Event::Sequel(_, Best { matrix, score }) => best = Some((*matrix, *score)),
-                Event::Doubted(_) => best = None,
-                Event::TooFew | Event::Degenerate | Event::Sample(_) => {}
+                _ => {}
             }
         }
         best
@@ -251,7 +262,9 @@ impl<M: RobustModel> Robust<M> {
         };
         facts.extend(sequel.facts);
         let mut all = vec![Readout::Facts(facts)];
-        all.extend(best.map(|(_, score)| Readout::Equation(self.equation(seen, &score, needed))));
+        // The final fit has other inliers than the hypothesis that the number of iterations follows from.
+        let hypothesis = self.best_hypothesis(seen);
+        all.extend(hypothesis.map(|(_, score)| Readout::Equation(self.equation(seen, &score, needed))));
         all.push(Readout::Matrices(match sequel.matrices.is_empty() {
             true => self.matrices(seen, best),
             false => sequel.matrices,
