@@ -241,7 +241,13 @@ fn distribute<const N: usize>(samples: &Samples<N>, sums: &mut Sums) {
             let (lower, upper) = (shares.lower[k][i], shares.upper[k][i]);
             for (entry, sum) in near[offset].iter_mut().enumerate() {
                 let at = entry as i32 - bin;
-                *sum += if at == 0 { lower } else if at == 1 { upper } else { 0.0 };
+                *sum += if at == 0 {
+                    lower
+                } else if at == 1 {
+                    upper
+                } else {
+                    0.0
+                };
             }
         }
     }
