@@ -318,10 +318,11 @@ impl TemplateMatching {
         observer: &mut impl Observer<Event>,
     ) -> (usize, usize) {
         let mut best = pair.better(best, (0, y));
-        for x in 0..pair.costs.width() {
+        place::not_above(pair.costs.row(y), pair.costs[best], |x| {
             best = pair.better(Some(best), (x, y));
-            observer.see(|| Event::Candidate(Arc::clone(pair), [x as u32, y as u32]));
-        }
+            pair.costs[best]
+        });
+        (0..pair.costs.width()).for_each(|x| observer.see(|| Event::Candidate(Arc::clone(pair), [x as u32, y as u32])));
         best
     }
 

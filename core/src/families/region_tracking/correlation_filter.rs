@@ -1,22 +1,24 @@
 //! The correlation filter MOSSE: learned to answer with a peak at the object, and updated in every frame.
 
 mod explain;
+mod lanes;
+mod perturbation;
 mod transform;
 
 use std::sync::Arc;
 
 use rustfft::num_complex::Complex;
 
-use crate::base::{Observer, effort};
+use crate::base::{LANES, Observer, effort};
 use crate::data::{Clip, Frame};
 use crate::geometry::{Border, Gray, Grid};
 use crate::methods::region::{RegionModel, Settings, Similarity};
 use crate::products::{Region, RegionFrame};
 use crate::run::{Info, Need};
 use crate::scene::{Chart, Name};
-use crate::synth::random::{hash, unit};
 use crate::{params, pseudocode};
 
+use lanes::Lanes;
 use transform::{Spectrum, Transform, hann};
 
 params! {
@@ -55,12 +57,13 @@ const MOST_PX: f32 = 512.0;
 const LEAST_PX: f32 = 8.0;
 /// The smallest standard deviation of a region with texture, in gray levels.
 const LEAST_DEVIATION: f64 = 1.0;
-/// The largest change of scale of a perturbation.
-const PERTURBED_SCALE: f64 = 0.1;
 /// Sidelobes are farther from the peak than this, in px.
 const SIDELOBE_PX: usize = 5;
 /// Regularisation of the filter: the least energy of a frequency, as a share of the mean.
 const REGULARIZATION: f32 = 1e-3;
+
+/// Number of gray levels.
+const LEVELS: usize = 256;
 
 /// What the filter needs in every frame and does not change.
 pub struct Fixed {
@@ -68,7 +71,7 @@ pub struct Fixed {
     /// The window function along x and y.
     hann: [Vec<f32>; 2],
     /// log(1 + gray level).
-    logarithms: [f32; 256],
+    logarithms: [f64; LEVELS],
     /// The spectrum of the Gaussian.
     target: Spectrum,
 }
@@ -80,7 +83,7 @@ pub struct Model {
     /// Numerator Σ G F*.
     numerator: Arc<Spectrum>,
     /// Denominator Σ F F*.
-    energy: Arc<Vec<f32>>,
+    energy: Arc<Vec<Lanes>>,
 }
 
 /// The response of a frame.
@@ -126,11 +129,13 @@ impl Model {
     /// The conjugate filter H* at each frequency.
     fn filter(&self) -> Spectrum {
         let least = REGULARIZATION * self.fixed.transform.mean(&self.energy) + f32::MIN_POSITIVE;
-        self.numerator.iter().zip(&self.energy[..]).map(|(a, b)| a / (b + least)).collect()
+        let least = Lanes::all(least);
+        self.numerator.iter().zip(&self.energy[..]).map(|(a, b)| a / (*b + least)).collect()
     }
 
     /// Adds the spectrum of a window with a weight.
     fn add(&mut self, spectrum: &Spectrum, keep: f32, add: f32) {
+        let [keep, add] = [keep, add].map(Lanes::all);
         let target = &self.fixed.target;
         let numerator = Arc::make_mut(&mut self.numerator);
         for ((a, f), g) in numerator.iter_mut().zip(spectrum).zip(target) {
@@ -147,19 +152,24 @@ impl Model {
         [center[0].round() as i32 - width as i32 / 2, center[1].round() as i32 - height as i32 / 2]
     }
 
-    /// The window from a pixel on, prepared for the filter; `at` gives the gray level of a pixel of it.
-    fn prepared(&self, at: impl Fn(usize, usize) -> u8) -> Grid<f32> {
+    /// A window of gray levels, prepared for the filter: for each level the logarithm without the mean of all pixels, of norm 1;
+    /// then under the window function.
+    fn prepared(&self, levels: &Gray) -> Grid<f32> {
         let (width, height) = self.size();
         let Fixed { logarithms, hann: [across, down], .. } = &*self.fixed;
         effort::add(width * height);
-        let mut patch = Grid::from_fn(width, height, |x, y| logarithms[usize::from(at(x, y))]);
-        let count = (width * height) as f32;
-        let mean = patch.cells().iter().sum::<f32>() / count;
-        let norm = patch.cells().iter().map(|v| (v - mean) * (v - mean)).sum::<f32>().sqrt();
+        let counts = counts(levels);
+        let sum = |of: &dyn Fn(f64) -> f64| -> f64 {
+            counts.iter().zip(logarithms).map(|(count, log)| f64::from(*count) * of(*log)).sum()
+        };
+        let mean = sum(&|log| log) / (width * height) as f64;
+        let norm = sum(&|log| (log - mean) * (log - mean)).sqrt();
         let scale = if norm > 0.0 { 1.0 / norm } else { 0.0 };
+        let values = logarithms.map(|log| ((log - mean) * scale) as f32);
+        let mut patch = Grid::new(width, height, 0.0);
         for (y, down) in down.iter().enumerate().take(height) {
-            let weight = down * scale;
-            patch.row_mut(y).iter_mut().zip(across).for_each(|(v, across)| *v = (*v - mean) * weight * across);
+            let cells = patch.row_mut(y).iter_mut().zip(levels.row(y));
+            cells.zip(across).for_each(|((v, level), across)| *v = values[usize::from(*level)] * down * across);
         }
         patch
     }
@@ -167,14 +177,21 @@ impl Model {
     /// The window of a frame, which is repeated beyond its border.
     fn window(&self, luma: &Gray, [left, top]: [i32; 2]) -> Grid<f32> {
         let (width, height) = self.size();
-        let is_inside =
-            left >= 0 && top >= 0 && left as usize + width <= luma.width() && top as usize + height <= luma.height();
-        match is_inside {
-            true => self.prepared(|x, y| luma[(left as usize + x, top as usize + y)]),
-            false => {
-                self.prepared(|x, y| luma.at(left as isize + x as isize, top as isize + y as isize, Border::Replicate))
+        let columns = left as isize..left as isize + width as isize;
+        let is_inside = columns.start >= 0 && columns.end as usize <= luma.width();
+        let mut levels = Grid::new(width, height, 0);
+        for y in 0..height {
+            let source = luma.row(Border::Replicate.index(top as isize + y as isize, luma.height()));
+            let target = levels.row_mut(y);
+            match is_inside {
+                true => target.copy_from_slice(&source[columns.start as usize..][..width]),
+                false => {
+                    let at = |x| source[Border::Replicate.index(x, source.len())];
+                    target.iter_mut().zip(columns.clone()).for_each(|(level, x)| *level = at(x));
+                }
             }
         }
+        self.prepared(&levels)
     }
 
     fn spectrum(&self, patch: &Grid<f32>) -> Spectrum {
@@ -186,7 +203,7 @@ impl Model {
         let origin = self.origin(center);
         let patch = self.window(luma, origin);
         let mut product = self.spectrum(&patch);
-        product.iter_mut().zip(self.filter()).for_each(|(f, h)| *f *= h);
+        product.iter_mut().zip(self.filter()).for_each(|(f, h)| *f = *f * h);
         let (width, height) = self.size();
         let mut values = Grid::new(width, height, 0.0);
         values.cells_mut().copy_from_slice(&self.fixed.transform.inverse(product));
@@ -198,11 +215,39 @@ impl Model {
     }
 }
 
+/// The number of pixels of each gray level.
+fn counts(levels: &Gray) -> [u32; LEVELS] {
+    // In turn, because equal neighbours would wait for each other.
+    let mut turns = [[0; LEVELS]; 4];
+    for levels in levels.cells().chunks(turns.len()) {
+        levels.iter().zip(&mut turns).for_each(|(level, counts)| counts[usize::from(*level)] += 1);
+    }
+    std::array::from_fn(|level| turns.iter().map(|counts| counts[level]).sum())
+}
+
 /// The place of the highest value, the first of equals.
 fn highest(values: &Grid<f32>) -> (usize, usize) {
-    let cells = values.cells().iter().enumerate();
-    let best = cells.fold((0, f32::NEG_INFINITY), |best, (i, v)| if *v > best.1 { (i, *v) } else { best });
-    (best.0 % values.width(), best.0 / values.width())
+    let higher = |a: f32, b: f32| if b > a { b } else { a };
+    let (groups, rest) = values.cells().as_chunks::<LANES>();
+    let mut lanes = [f32::NEG_INFINITY; LANES];
+    groups.iter().for_each(|group| lanes.iter_mut().zip(group).for_each(|(most, v)| *most = higher(*most, *v)));
+    let most = lanes.iter().chain(rest).copied().fold(f32::NEG_INFINITY, higher);
+    let best = values.cells().iter().position(|v| *v == most).unwrap_or(0);
+    (best % values.width(), best / values.width())
+}
+
+/// The sums of values and of their squares.
+fn sums(values: &[f32]) -> [f32; 2] {
+    let (groups, rest) = values.as_chunks::<LANES>();
+    let [mut sum, mut squares] = [[0.0; LANES]; 2];
+    for group in groups {
+        for ((sum, square), v) in sum.iter_mut().zip(&mut squares).zip(group) {
+            *sum += v;
+            *square += v * v;
+        }
+    }
+    let rest = [rest.iter().sum(), rest.iter().map(|v| v * v).sum::<f32>()];
+    [sum.iter().sum::<f32>() + rest[0], squares.iter().sum::<f32>() + rest[1]]
 }
 
 /// The mean and the standard deviation of the values outside an 11×11 window around the peak.
@@ -210,11 +255,7 @@ fn sidelobes(values: &Grid<f32>, (px, py): (usize, usize)) -> [f32; 2] {
     let (width, height) = values.size();
     let (mut sum, mut squares, mut count) = (0.0f64, 0.0f64, 0usize);
     let mut add = |cells: &[f32]| {
-        let (mut own, mut own_squares) = (0.0f32, 0.0f32);
-        cells.iter().for_each(|v| {
-            own += v;
-            own_squares += v * v;
-        });
+        let [own, own_squares] = sums(cells);
         (sum, squares, count) = (sum + f64::from(own), squares + f64::from(own_squares), count + cells.len());
     };
     for y in 0..height {
@@ -265,27 +306,9 @@ impl CorrelationFilter {
         Fixed {
             transform,
             hann: [hann(width), hann(height)],
-            logarithms: std::array::from_fn(|level| (1.0 + level as f32).ln()),
+            logarithms: std::array::from_fn(|level| (1.0 + level as f64).ln()),
             target,
         }
-    }
-
-    /// The window of the first frame, turned and scaled at random about its middle. Each copy turns by an angle in a part of its own of the
-    /// range, so that a few copies cover all of it.
-    fn perturbed(&self, model: &Model, luma: &Gray, center: [f32; 2], index: usize) -> Grid<f32> {
-        let random = |i: u64| unit(hash(u64::from(self.seed), index as u64, i));
-        let part = (index as f64 + random(0)) / self.perturbations as f64;
-        let angle = f64::from(self.rotation).to_radians() * (2.0 * part - 1.0);
-        let scale = 1.0 + PERTURBED_SCALE * (2.0 * random(1) - 1.0);
-        let (sin, cos) = (angle.sin() * scale, angle.cos() * scale);
-        let ([left, top], (width, height)) = (model.origin(center), model.size());
-        let middle = [(width / 2) as f64, (height / 2) as f64];
-        model.prepared(|x, y| {
-            let (dx, dy) = (x as f64 - middle[0], y as f64 - middle[1]);
-            let (u, v) = (cos * dx - sin * dy, sin * dx + cos * dy);
-            let at = [f64::from(left) + middle[0] + u, f64::from(top) + middle[1] + v].map(|c| c as f32);
-            (luma.sample(at[0], at[1]) + 0.5) as u8
-        })
     }
 }
 
@@ -346,11 +369,11 @@ impl RegionModel for CorrelationFilter {
 
     fn begin(&self, frame: &Arc<Frame>, region: Region, observer: &mut impl Observer<Event>) -> (Model, f32) {
         let fixed = self.fixed(self.window_of(region));
-        let count = fixed.transform.frequencies();
+        let count = fixed.transform.length();
         let mut model = Model {
             fixed: Arc::new(fixed),
             numerator: Arc::new(vec![Complex::default(); count]),
-            energy: Arc::new(vec![0.0; count]),
+            energy: Arc::new(vec![Lanes::default(); count]),
         };
         let luma = frame.luma();
         let own = model.window(luma, model.origin(region.center));
@@ -360,9 +383,9 @@ impl RegionModel for CorrelationFilter {
             model.add(&model.spectrum(&patch), 1.0, 1.0);
         }
         // A mean, as the running average of later frames is one.
-        let share = 1.0 / (self.perturbations + 1) as f32;
-        Arc::make_mut(&mut model.numerator).iter_mut().for_each(|a| *a *= share);
-        Arc::make_mut(&mut model.energy).iter_mut().for_each(|b| *b *= share);
+        let share = Lanes::all(1.0 / (self.perturbations + 1) as f32);
+        Arc::make_mut(&mut model.numerator).iter_mut().for_each(|a| *a = *a * share);
+        Arc::make_mut(&mut model.energy).iter_mut().for_each(|b| *b = *b * share);
         observer.see(|| Event::Learned(Arc::new(own), model.clone()));
         let psr = model.response(luma, region.center).psr;
         (model, psr)

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex, num_complex::Complex};
 
 use crate::base::wide::widest;
-use crate::geometry::{Gray, Grid};
+use crate::geometry::Gray;
 
 /// Frequencies that stand beside each other: so many registers hold at once.
 const LANES: usize = 8;
@@ -74,37 +74,62 @@ impl Spectra {
     }
 }
 
-/// Returns Σ a·b of a template with the pixels under it, for all places at which it lies inside `area`.
-pub fn products(template: &Gray, area: &Gray) -> Grid<u32> {
-    let (columns, rows) = (area.width() + 1 - template.width(), area.height() + 1 - template.height());
-    let plan = Plan::new(area.width());
-    let margin = BELOW - 1;
-    let (of_template, of_area) = (plan.spectra(template, [margin; 2]), plan.spectra(area, [0, margin]));
-    let mut sums = Grid::new(columns, rows, 0);
-    let mut spectra = [(); BELOW].map(|()| vec![Complex::default(); plan.groups() * LANES]);
-    let (mut row, mut scratch) = (plan.inverse.make_output_vec(), plan.inverse.make_scratch_vec());
-    for j in (0..rows).step_by(BELOW) {
-        for group in 0..plan.groups() {
-            let under = &of_area.group(group)[j..][..template.height() + margin];
+/// Σ a·b of a template with the pixels under it, row by row, for all places at which it lies inside an area.
+pub struct Products {
+    plan: Plan,
+    template: Spectra,
+    area: Spectra,
+    /// Rows of the template, and rows before and after it.
+    reach: usize,
+    /// The spectra of the rows of places at hand.
+    spectra: [Vec<Complex<f64>>; BELOW],
+    row: Vec<f64>,
+    scratch: Vec<Complex<f64>>,
+}
+
+impl Products {
+    /// Transforms the rows of a template and of an area.
+    pub fn of(template: &Gray, area: &Gray) -> Self {
+        let (plan, margin) = (Plan::new(area.width()), BELOW - 1);
+        Self {
+            template: plan.spectra(template, [margin; 2]),
+            area: plan.spectra(area, [0, margin]),
+            reach: template.height() + margin,
+            spectra: [(); BELOW].map(|()| vec![Complex::default(); plan.groups() * LANES]),
+            row: plan.inverse.make_output_vec(),
+            scratch: plan.inverse.make_scratch_vec(),
+            plan,
+        }
+    }
+
+    /// Sets `sums` to those of row `j` of places; the rows are asked for in their order.
+    pub fn take_row(&mut self, j: usize, sums: &mut [u32]) {
+        if j.is_multiple_of(BELOW) {
+            self.multiply_from(j);
+        }
+        let Self { plan, spectra, row, scratch, .. } = self;
+        let spectrum = &mut spectra[j % BELOW][..plan.length / 2 + 1];
+        // Real by nature; what rounding leaves would be refused.
+        spectrum[0].im = 0.0;
+        spectrum[plan.length / 2].im = 0.0;
+        plan.inverse.process_with_scratch(spectrum, row, scratch).ok();
+        let scale = 1.0 / plan.length as f64;
+        sums.iter_mut().zip(row).for_each(|(sum, value)| *sum = (*value * scale + 0.5) as u32);
+    }
+
+    /// Computes the spectra of the rows of places from row `j` on.
+    fn multiply_from(&mut self, j: usize) {
+        for group in 0..self.plan.groups() {
+            let under = &self.area.group(group)[j..][..self.reach];
             let mut totals = [[[0.0; LANES]; 2]; BELOW];
-            multiply(of_template.group(group), under, &mut totals);
-            for (spectrum, [re, im]) in spectra.iter_mut().zip(&totals) {
+            multiply(self.template.group(group), under, &mut totals);
+            for (spectrum, [re, im]) in self.spectra.iter_mut().zip(&totals) {
                 for (k, value) in spectrum[group * LANES..][..LANES].iter_mut().enumerate() {
                     *value = Complex { re: re[k], im: im[k] };
                 }
             }
         }
-        for (spectrum, y) in spectra.iter_mut().zip(j..rows.min(j + BELOW)) {
-            let spectrum = &mut spectrum[..plan.length / 2 + 1];
-            // Real by nature; what rounding leaves would be refused.
-            spectrum[0].im = 0.0;
-            spectrum[plan.length / 2].im = 0.0;
-            plan.inverse.process_with_scratch(spectrum, &mut row, &mut scratch).ok();
-            let scale = 1.0 / plan.length as f64;
-            sums.row_mut(y).iter_mut().zip(&row).for_each(|(sum, value)| *sum = (value * scale + 0.5) as u32);
-        }
     }
-    sums
 }
 
 widest!(fn multiply(template: &[Lanes], area: &[Lanes], totals: &mut [Lanes; BELOW]) = multiply_rows);

@@ -1,7 +1,7 @@
 //! The scores of template matching, from sums of whole numbers.
 
 use super::fourier;
-use crate::base::wide::wide;
+use crate::base::wide::widest;
 use crate::choices;
 use crate::geometry::{Border, Gray, Grid};
 use crate::methods::cost::{self, Cut, products::Products, windows};
@@ -149,24 +149,28 @@ pub fn map(score: Score, way: Evaluation, template: &Gray, area: &Gray) -> Grid<
         let mut costs = costs.into_iter().map(f64::from);
         return Grid::from_fn(size.0, size.1, |_, _| costs.next().unwrap_or(f64::INFINITY));
     }
-    let products = match way {
-        Evaluation::Fourier => fourier::products(template, area),
+    let mut products = match way {
+        Evaluation::Fourier => Sums::Fourier(fourier::Products::of(template, area), vec![0; size.0]),
         Evaluation::Direct => {
             let mut products = Products::default();
             products.compute(&block, &under, size);
-            let mut sums = Grid::new(size.0, size.1, 0);
-            (0..size.1).for_each(|j| sums.row_mut(j).copy_from_slice(&products.row(j)[..size.0]));
-            sums
+            Sums::Direct(products)
         }
     };
     let boxes = windows::Boxes { block: template.size(), size };
-    let [mut sums, mut squares, mut columns] = [(); 3].map(|()| Vec::new());
-    windows::box_sums::<true>(&mut squares, &under, boxes, &mut columns);
-    windows::box_sums::<false>(&mut sums, &under, boxes, &mut columns);
+    let mut all_squares = windows::Sliding::<true>::new(&under, boxes, Vec::new());
+    let mut all_sums = (score == Score::Zncc).then(|| windows::Sliding::<false>::new(&under, boxes, Vec::new()));
     let own = Moments::of(template, template);
+    let [mut sums, mut squares] = [(); 2].map(|()| vec![0; size.0]);
     let mut costs = Grid::new(size.0, size.1, 0.0);
-    for (j, (sums, squares)) in sums.chunks_exact(size.0).zip(squares.chunks_exact(size.0)).enumerate() {
-        let row = Row { own, sums, squares, products: products.row(j) };
+    for j in 0..size.1 {
+        squares.fill(0);
+        all_squares.add_row(&mut squares);
+        if let Some(all_sums) = &mut all_sums {
+            sums.fill(0);
+            all_sums.add_row(&mut sums);
+        }
+        let row = Row { own, sums: &sums, squares: &squares, products: products.row(j) };
         match score {
             Score::Ssd => squared_differences(&row, costs.row_mut(j)),
             Score::Ncc => correlations(&row, costs.row_mut(j)),
@@ -176,19 +180,38 @@ pub fn map(score: Score, way: Evaluation, template: &Gray, area: &Gray) -> Grid<
     costs
 }
 
+/// Σ a·b of all places, row by row.
+enum Sums {
+    Direct(Products),
+    /// With room for a row.
+    Fourier(fourier::Products, Vec<u32>),
+}
+
+impl Sums {
+    fn row(&mut self, j: usize) -> &[u32] {
+        match self {
+            Self::Direct(products) => products.row(j),
+            Self::Fourier(products, row) => {
+                products.take_row(j, row);
+                row
+            }
+        }
+    }
+}
+
 /// The sums of a row of places.
 struct Row<'a> {
     /// Those of the template alone.
     own: Moments,
-    /// By place: Σ b, Σ b² and Σ a·b.
+    /// By place: Σ b (which only the zero-mean score needs), Σ b² and Σ a·b.
     sums: &'a [u32],
     squares: &'a [u32],
     products: &'a [u32],
 }
 
-wide!(fn squared_differences(row: &Row<'_>, costs: &mut [f64]) = squared_differences_of);
-wide!(fn correlations(row: &Row<'_>, costs: &mut [f64]) = correlations_of);
-wide!(fn zero_mean_correlations(row: &Row<'_>, costs: &mut [f64]) = zero_mean_correlations_of);
+widest!(fn squared_differences(row: &Row<'_>, costs: &mut [f64]) = squared_differences_of);
+widest!(fn correlations(row: &Row<'_>, costs: &mut [f64]) = correlations_of);
+widest!(fn zero_mean_correlations(row: &Row<'_>, costs: &mut [f64]) = zero_mean_correlations_of);
 
 #[inline(always)]
 fn squared_differences_of(row: &Row<'_>, costs: &mut [f64]) {

@@ -93,26 +93,55 @@ pub struct Boxes {
     pub size: Size,
 }
 
-/// Sums gray levels, or their squares, over all candidates, row by row: the sums of columns move down a row at a time, and runs of
-/// them are doubled.
+/// Sums gray levels, or their squares, over all candidates, row by row.
 pub fn box_sums<const SQUARED: bool>(sums: &mut Vec<u32>, area: &Cut, boxes: Boxes, columns: &mut Vec<u32>) {
-    let Boxes { block: (width, height), size } = boxes;
     sums.clear();
-    sums.resize(size.0 * size.1, 0);
-    let reach = size.0 + width - 1;
-    columns.clear();
-    columns.resize(3 * reach, 0);
-    let (columns, runs) = columns.split_at_mut(reach);
-    let add = if SQUARED { add_squares } else { add_levels };
-    for y in 0..height - 1 {
-        add(columns, area.row(0, y), 1);
+    sums.resize(boxes.size.0 * boxes.size.1, 0);
+    let mut sliding = Sliding::<SQUARED>::new(area, boxes, std::mem::take(columns));
+    sums.chunks_exact_mut(boxes.size.0).for_each(|sums| sliding.add_row(sums));
+    *columns = sliding.columns;
+}
+
+/// The gray levels, or their squares, of candidates summed row by row: the sums of columns move down a row at a time, and runs of
+/// them are doubled.
+pub struct Sliding<'a, const SQUARED: bool> {
+    area: &'a Cut,
+    boxes: Boxes,
+    /// The next row of candidates.
+    row: usize,
+    /// Sums of columns, and room for runs of them twice.
+    columns: Vec<u32>,
+}
+
+impl<'a, const SQUARED: bool> Sliding<'a, SQUARED> {
+    /// Begins with the first row of candidates; `columns` is room to work in.
+    pub fn new(area: &'a Cut, boxes: Boxes, mut columns: Vec<u32>) -> Self {
+        let reach = boxes.size.0 + boxes.block.0 - 1;
+        columns.clear();
+        columns.resize(3 * reach, 0);
+        let mut sliding = Self { area, boxes, row: 0, columns };
+        (0..boxes.block.1 - 1).for_each(|y| sliding.add_pixels(y, 1));
+        sliding
     }
-    for (j, sums) in sums.chunks_exact_mut(size.0).enumerate() {
-        add(columns, area.row(0, j + height - 1), 1);
+
+    /// Adds those of the next row of candidates to `sums`.
+    pub fn add_row(&mut self, sums: &mut [u32]) {
+        let (width, height) = self.boxes.block;
+        self.add_pixels(self.row + height - 1, 1);
+        let reach = self.columns.len() / 3;
+        let (columns, runs) = self.columns.split_at_mut(reach);
         runs[..reach].copy_from_slice(columns);
         add_runs(runs, width, sums);
         // Minus one: the row leaves the candidates.
-        add(columns, area.row(0, j), u32::MAX);
+        self.add_pixels(self.row, u32::MAX);
+        self.row += 1;
+    }
+
+    /// Adds a row of pixels to the sums of columns, so many times.
+    fn add_pixels(&mut self, y: usize, times: u32) {
+        let reach = self.columns.len() / 3;
+        let add = if SQUARED { add_squares } else { add_levels };
+        add(&mut self.columns[..reach], self.area.row(0, y), times);
     }
 }
 

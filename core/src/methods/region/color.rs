@@ -1,6 +1,6 @@
 //! Colour histograms: the bins of pixels, and histograms of ellipses weighted by the Epanechnikov kernel.
 
-use crate::base::effort;
+use crate::base::{effort, wide::wide};
 use crate::data::Frame;
 use crate::geometry::{Bounds, Grid};
 use crate::products::Region;
@@ -191,15 +191,15 @@ impl<'a> Bins<'a> {
         known.copied().filter(|bin| *bin != NO_BIN)
     }
 
-    /// The bin of the pixel around a place, if that is known.
-    #[inline]
-    pub(crate) fn at_place(&self, at: [f32; 2]) -> Option<u16> {
-        /// More than any coordinate left of or above the picture, so that truncation is rounding down.
-        const BEYOND: f32 = 4096.0;
-        let [x, y] = [0, 1].map(|i| (at[i] + (BEYOND + 0.5)) as isize - BEYOND as isize - self.area.from[i] as isize);
-        let (width, height) = self.bins.size();
-        let is_inside = x >= 0 && y >= 0 && (x as usize) < width && (y as usize) < height;
-        is_inside.then(|| self.bins.cells()[y as usize * width + x as usize])
+    /// The known bins, row by row.
+    pub(crate) fn cells(&self) -> &[u16] {
+        self.bins.cells()
+    }
+
+    /// Sets `positions` to those in [`cells`](Self::cells) of the pixels around the places of a `pattern`, given in radii of an
+    /// upright ellipse from its centre; of places that are not known, to [`u32::MAX`].
+    pub(crate) fn find(&self, region: Region, pattern: &[[f32; 2]], positions: &mut [u32]) {
+        find(self, region, pattern, positions);
     }
 
     /// Calls `see` with each row of pixels that are in the picture and in a rectangle: the bins from the first column on, that
@@ -210,6 +210,24 @@ impl<'a> Bins<'a> {
             let columns = area.from[0] - self.area.from[0]..area.to[0] - self.area.from[0];
             see(&self.bins.row(y - self.area.from[1])[columns], area.from[0], y);
         }
+    }
+}
+
+wide!(fn find(bins: &Bins<'_>, region: Region, pattern: &[[f32; 2]], positions: &mut [u32]) = find_all);
+
+#[inline(always)]
+fn find_all(bins: &Bins<'_>, region: Region, pattern: &[[f32; 2]], positions: &mut [u32]) {
+    /// More than any coordinate left of or above the picture, so that truncation is rounding down.
+    const BEYOND: f32 = 4096.0;
+    let half = region.size.map(|side| side / 2.0);
+    let first = bins.area.from.map(|from| from as i32 + BEYOND as i32);
+    let (width, height) = (bins.bins.width() as u32, bins.bins.height() as u32);
+    for (position, place) in positions.iter_mut().zip(pattern) {
+        let at = [0, 1].map(|i| region.center[i] + place[i] * half[i]);
+        // Negative ones become larger than any side.
+        let [x, y] = [0, 1].map(|i| ((at[i] + (BEYOND + 0.5)) as i32).wrapping_sub(first[i]) as u32);
+        let index = y.wrapping_mul(width).wrapping_add(x);
+        *position = if (x < width) & (y < height) { index } else { u32::MAX };
     }
 }
 

@@ -4,7 +4,7 @@ use std::f32::consts::TAU;
 
 use super::angle;
 use crate::base::LANES;
-use crate::base::wide::wide;
+use crate::base::wide::widest;
 use crate::geometry::Grid;
 
 /// Cells along a side of the descriptor's window.
@@ -50,20 +50,22 @@ pub struct Descriptor(pub [f32; CELLS * BINS]);
 
 /// Cells with one more on each side, into which samples at the border are interpolated.
 const PADDED: usize = SIDE + 2;
-/// Directions with two more, which are the first two again.
-const WRAPPED: usize = BINS + 2;
+/// Entries of a padded cell, as wide as a register: the directions, and two more, which are the first two again.
+const WRAPPED: usize = 16;
+/// The histograms of the padded cells.
+type Sums = [[f32; WRAPPED]; PADDED * PADDED];
 
 impl Descriptor {
     /// The histograms around a keypoint in a Gaussian image. Each sample is distributed over the two nearest cells in both
     /// directions and the two nearest bins.
     pub fn around(image: &Grid<f32>, place: &Place) -> Self {
-        let mut sums = [0.0; PADDED * PADDED * WRAPPED];
+        let mut sums = [[0.0; WRAPPED]; PADDED * PADDED];
         accumulate(image, place, &mut sums);
         let mut cells = [0.0; CELLS * BINS];
         for (i, bins) in cells.chunks_exact_mut(BINS).enumerate() {
-            let padded = &sums[((i / SIDE + 1) * PADDED + i % SIDE + 1) * WRAPPED..][..WRAPPED];
+            let padded = &sums[(i / SIDE + 1) * PADDED + i % SIDE + 1];
             bins.copy_from_slice(&padded[..BINS]);
-            bins.iter_mut().zip(&padded[BINS..]).for_each(|(bin, again)| *bin += again);
+            bins.iter_mut().zip(&padded[BINS..BINS + 2]).for_each(|(bin, again)| *bin += again);
         }
         Self(cells)
     }
@@ -89,12 +91,12 @@ impl Descriptor {
     }
 }
 
-wide! {
-    fn accumulate(image: &Grid<f32>, place: &Place, sums: &mut [f32; PADDED * PADDED * WRAPPED]) = accumulate_body
+widest! {
+    fn accumulate(image: &Grid<f32>, place: &Place, sums: &mut Sums) = accumulate_body
 }
 
 #[inline(always)]
-fn accumulate_body(image: &Grid<f32>, place: &Place, sums: &mut [f32; PADDED * PADDED * WRAPPED]) {
+fn accumulate_body(image: &Grid<f32>, place: &Place, sums: &mut Sums) {
     let (width, height) = image.size();
     let (sin, cos) = place.angle_rad.sin_cos();
     let (scale, [x, y]) = (1.0 / place.cell_px(), place.at);
@@ -187,25 +189,66 @@ impl Stretch<'_> {
     }
 }
 
-/// Distributes each sample over the two nearest cells in both directions and the two nearest bins.
-#[inline(always)]
-fn distribute<const N: usize>(samples: &Samples<N>, sums: &mut [f32; PADDED * PADDED * WRAPPED]) {
-    /// From the first of the eight entries of a sample to behind the last.
-    const REACH: usize = (PADDED + 1) * WRAPPED + 2;
-    let edge = SIDE as f32 + 1.0;
-    for i in 0..N {
-        let (c, r, b, m) = (samples.columns[i], samples.rows[i], samples.bins[i], samples.magnitudes[i]);
-        if !(c > 0.0 && c < edge && r > 0.0 && r < edge) {
-            continue;
+/// Offsets of the four cells around a sample from the first of them.
+const AROUND: [usize; 4] = [0, 1, PADDED, PADDED + 1];
+
+/// The shares of neighbouring samples in the cells around them.
+struct Shares<const N: usize> {
+    /// The first of the four cells, and the lower one of the two bins.
+    cells: [i32; N],
+    bins: [i32; N],
+    /// By cell: what its lower and its upper bin get.
+    lower: [[f32; N]; 4],
+    upper: [[f32; N]; 4],
+}
+
+impl<const N: usize> Samples<N> {
+    /// The shares of the samples; those outside of the window have none.
+    #[inline(always)]
+    fn shares(&self) -> Shares<N> {
+        let edge = SIDE as f32 + 1.0;
+        let mut shares = Shares { cells: [0; N], bins: [0; N], lower: [[0.0; N]; 4], upper: [[0.0; N]; 4] };
+        for i in 0..N {
+            let (c, r, b) = (self.columns[i], self.rows[i], self.bins[i]);
+            let is_inside = (c > 0.0) & (c < edge) & (r > 0.0) & (r < edge);
+            let m = if is_inside { self.magnitudes[i] } else { 0.0 };
+            let [c, r] = [c, r].map(|c| if is_inside { c } else { 0.0 });
+            let (c0, r0, b0) = (c as i32, r as i32, b as i32);
+            let (c1, r1, b1) = (c - c0 as f32, r - r0 as f32, b - b0 as f32);
+            let (down, up) = (m * r1, m - m * r1);
+            let parts = [up - up * c1, up * c1, down - down * c1, down * c1];
+            for (k, part) in parts.into_iter().enumerate() {
+                shares.upper[k][i] = part * b1;
+                shares.lower[k][i] = part - part * b1;
+            }
+            (shares.cells[i], shares.bins[i]) = (r0 * PADDED as i32 + c0, b0);
         }
-        let (c0, r0, b0) = (c as usize, r as usize, b as usize);
-        let (c1, r1, b1) = (c - c0 as f32, r - r0 as f32, b - b0 as f32);
-        let near = &mut sums[(r0 * PADDED + c0) * WRAPPED + b0..][..REACH];
-        let (down, up) = (m * r1, m - m * r1);
-        let four = [up - up * c1, up * c1, down - down * c1, down * c1];
-        for (part, offset) in four.into_iter().zip([0, WRAPPED, PADDED * WRAPPED, (PADDED + 1) * WRAPPED]) {
-            near[offset] += part - part * b1;
-            near[offset + 1] += part * b1;
+        shares
+    }
+}
+
+/// Distributes each sample over the two nearest cells in both directions and the two nearest bins.
+///
+/// All entries of a cell are added to at once, nearly all of them nothing: single ones would wait for those of the sample before.
+#[inline(always)]
+fn distribute<const N: usize>(samples: &Samples<N>, sums: &mut Sums) {
+    let shares = samples.shares();
+    for i in 0..N {
+        let first = shares.cells[i] as usize;
+        let Some(near) = sums.get_mut(first..first + PADDED + 2) else { continue };
+        let bin = shares.bins[i];
+        for (k, offset) in AROUND.into_iter().enumerate() {
+            let (lower, upper) = (shares.lower[k][i], shares.upper[k][i]);
+            for (entry, sum) in near[offset].iter_mut().enumerate() {
+                let at = entry as i32 - bin;
+                *sum += if at == 0 {
+                    lower
+                } else if at == 1 {
+                    upper
+                } else {
+                    0.0
+                };
+            }
         }
     }
 }

@@ -22,7 +22,6 @@ pub struct Extremum {
 }
 
 /// The largest and the smallest value of each column of nine rows.
-#[derive(Default)]
 struct Columns {
     high: Vec<f32>,
     low: Vec<f32>,
@@ -38,20 +37,28 @@ pub fn extrema_of_row(octave: &Octave, (level, y): (usize, usize), least: f32, m
     let rows: [&[f32]; 9] = std::array::from_fn(|i| images[i / 3].row(y + i % 3 - 1));
     let mut columns = Columns { high: vec![0.0; width], low: vec![0.0; width] };
     ends_of_columns(rows, &mut columns);
-    let Columns { high, low } = columns;
-    let row = images[1].row(y);
-    for x in BORDER..width - BORDER {
-        let value = row[x];
-        if value.abs() <= least {
-            continue;
-        }
-        let is_extremum = match value > 0.0 {
-            true => value >= high[x - 1].max(high[x]).max(high[x + 1]),
-            false => value <= low[x - 1].min(low[x]).min(low[x + 1]),
-        };
-        if is_extremum {
-            tell(x);
-        }
+    let inside = BORDER..width - BORDER;
+    let mut marks = vec![0; inside.len()];
+    mark_extrema(&images[1].row(y)[inside], &columns, least, &mut marks);
+    marks.iter().enumerate().filter(|(_, mark)| **mark != 0).for_each(|(i, _)| tell(BORDER + i));
+}
+
+widest! {
+    fn mark_extrema(row: &[f32], columns: &Columns, least: f32, marks: &mut [u32]) = mark_extrema_body
+}
+
+/// Marks by 1 the pixels of a row from column [`BORDER`] on that no neighbour exceeds; without a branch, for all pixels alike.
+#[inline(always)]
+fn mark_extrema_body(row: &[f32], Columns { high, low }: &Columns, least: f32, marks: &mut [u32]) {
+    let count = marks.len();
+    let row = &row[..count];
+    let [[a, b, c], [d, e, f]] = [high, low].map(|ends| [0, 1, 2].map(|i| &ends[BORDER - 1 + i..][..count]));
+    for i in 0..count {
+        let value = row[i];
+        let is_highest = (value >= a[i]) & (value >= b[i]) & (value >= c[i]);
+        let is_lowest = (value <= d[i]) & (value <= e[i]) & (value <= f[i]);
+        let is_extremum = ((value > 0.0) & is_highest) | ((value <= 0.0) & is_lowest);
+        marks[i] = u32::from((value.abs() > least) & is_extremum);
     }
 }
 

@@ -3,8 +3,7 @@
 use std::ops::Range;
 
 use super::{LEAST_PX, MOST_PX, Template, TemplateMatching};
-use crate::base::Error;
-use crate::base::wide::wide;
+use crate::base::{Error, LANES, wide::wide};
 use crate::geometry::{Bounds, Gray, Grid};
 
 /// A peak this near to the best one is part of it, in px.
@@ -138,17 +137,39 @@ pub(super) fn subpixel(costs: &Grid<f64>, (x, y): (usize, usize)) -> ([f32; 2], 
 
 /// The second-best peak: the lowest local minimum that is not a neighbour of the best place.
 pub(super) fn second(costs: &Grid<f64>, best: (usize, usize)) -> Option<(usize, usize)> {
-    let (width, height) = costs.size();
     let is_apart = |(x, y): (usize, usize)| x.abs_diff(best.0).max(y.abs_diff(best.1)) >= APART_PX;
-    let mut second: Option<(usize, usize)> = None;
-    for place in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
-        // The comparison with the second first: it excludes nearly all places.
-        let is_lower = second.is_none_or(|second| costs[place] < costs[second]);
-        if is_lower && is_apart(place) && is_minimum(costs, place) {
-            second = Some(place);
-        }
+    let (mut second, mut least): (Option<(usize, usize)>, f64) = (None, f64::INFINITY);
+    for y in 0..costs.height() {
+        not_above(costs.row(y), least, |x| {
+            let place = (x, y);
+            let is_lower = second.is_none() || costs[place] < least;
+            if is_lower && is_apart(place) && is_minimum(costs, place) {
+                (second, least) = (Some(place), costs[place]);
+            }
+            least
+        });
     }
     second
+}
+
+/// Calls `see` with the columns of a row, from left to right, that have a cost of at most `least`, which is what `see` returned
+/// last. It excludes nearly all columns, several at once.
+pub(super) fn not_above(costs: &[f64], mut least: f64, mut see: impl FnMut(usize) -> f64) {
+    let (groups, rest) = costs.as_chunks::<LANES>();
+    let mut look = |first: usize, costs: &[f64], least: &mut f64| {
+        for (x, cost) in (first..).zip(costs) {
+            if *cost <= *least {
+                *least = see(x);
+            }
+        }
+    };
+    for (i, group) in groups.iter().enumerate() {
+        // All of a group, so that the compiler makes vector instructions of it.
+        if group.iter().fold(false, |any, cost| any | (*cost <= least)) {
+            look(i * LANES, group, &mut least);
+        }
+    }
+    look(groups.len() * LANES, rest, &mut least);
 }
 
 /// Whether no neighbour of a place has a lower cost.

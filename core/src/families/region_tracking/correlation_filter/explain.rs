@@ -1,6 +1,7 @@
 //! The explanation and the drawing of the correlation filter.
 
-use super::{CorrelationFilter, Event, Model, PERTURBED_SCALE, Response};
+use super::perturbation::PERTURBED_SCALE;
+use super::{CorrelationFilter, Event, Model, Response};
 use crate::base::words::{counted, fixed, place};
 use crate::geometry::Grid;
 use crate::methods::numbers::ratio;

@@ -1,21 +1,28 @@
 //! Fourier transforms of real windows of one size.
 //!
-//! They are computed without wide registers, so that they are the same on every machine.
+//! Several rows or columns beside each other are transformed at once, number by number as a single one is, so that spectra are the
+//! same on every machine.
 
 use std::sync::Arc;
 
 use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftPlannerScalar};
 
-/// The frequencies of a real window, column by column: those from 0 to half the width, because the others are their conjugates.
-pub type Spectrum = Vec<Complex<f32>>;
+use super::lanes::{LANES, Lanes};
+
+/// The frequencies of a real window: in groups of columns beside each other, row by row. The columns are those from 0 to half the
+/// width, because the others are their conjugates; those that fill up the last group are 0.
+pub type Spectrum = Vec<Complex<Lanes>>;
+
+/// Rows of pixels that are transformed at once: two as the real and the imaginary part of each number.
+const ROWS: usize = 2 * LANES;
 
 /// The transforms of windows of one size.
 pub struct Transform {
     size: (usize, usize),
     /// Along rows and columns, to frequencies and back.
-    forward: [Arc<dyn Fft<f32>>; 2],
-    inverse: [Arc<dyn Fft<f32>>; 2],
+    forward: [Arc<dyn Fft<Lanes>>; 2],
+    inverse: [Arc<dyn Fft<Lanes>>; 2],
 }
 
 impl Transform {
@@ -32,25 +39,28 @@ impl Transform {
         self.size
     }
 
-    /// Number of columns of a spectrum.
+    /// Number of columns of a spectrum, without those that fill it up.
     fn columns(&self) -> usize {
         self.size.0 / 2 + 1
     }
 
-    /// Number of values of a spectrum.
-    pub fn frequencies(&self) -> usize {
-        self.columns() * self.size.1
+    /// Length of a spectrum.
+    pub fn length(&self) -> usize {
+        self.columns().div_ceil(LANES) * self.size.1
     }
 
     /// The mean over all frequencies of values given for those of a spectrum.
-    pub fn mean(&self, values: &[f32]) -> f32 {
+    pub fn mean(&self, values: &[Lanes]) -> f32 {
         let (width, height) = self.size;
-        let columns = values.chunks_exact(height).enumerate();
+        let groups = values.chunks_exact(height);
+        let columns = groups.flat_map(|group| group.iter().fold(Lanes::default(), |sum, values| sum + *values).0);
         // A column of the other half has the values of its mirror.
         let sum: f32 = columns
+            .take(self.columns())
+            .enumerate()
             .map(|(k, column)| {
                 let is_single = k == 0 || 2 * k == width;
-                column.iter().sum::<f32>() * if is_single { 1.0 } else { 2.0 }
+                column * if is_single { 1.0 } else { 2.0 }
             })
             .sum();
         sum / (width * height) as f32
@@ -59,21 +69,28 @@ impl Transform {
     /// Transforms the pixels of a window, row by row.
     pub fn forward(&self, pixels: &[f32]) -> Spectrum {
         let (width, height) = self.size;
-        // Two rows at once: as real and imaginary part, from which their transforms are separated by symmetry.
-        let mut pairs: Spectrum = Vec::with_capacity(height.div_ceil(2) * width);
-        for rows in pixels.chunks(2 * width) {
-            let (first, second) = rows.split_at(width);
-            pairs.extend((0..width).map(|x| Complex::new(first[x], second.get(x).copied().unwrap_or(0.0))));
+        // Two rows as real and imaginary part, from which their transforms are separated by symmetry.
+        let mut pairs: Spectrum = vec![Complex::default(); height.div_ceil(ROWS) * width];
+        for (pairs, rows) in pairs.chunks_exact_mut(width).zip(pixels.chunks(ROWS * width)) {
+            for (i, row) in rows.chunks_exact(width).enumerate() {
+                for (pair, pixel) in pairs.iter_mut().zip(row) {
+                    part_mut(pair, i % 2).0[i / 2] = *pixel;
+                }
+            }
         }
         self.forward[0].process(&mut pairs);
-        let mut spectrum = vec![Complex::default(); self.frequencies()];
-        for (k, column) in spectrum.chunks_exact_mut(height).enumerate() {
-            for (j, rows) in column.chunks_mut(2).enumerate() {
-                let (value, mirrored) = (pairs[j * width + k], pairs[j * width + (width - k) % width].conj());
-                rows[0] = (value + mirrored) * 0.5;
-                if let Some(second) = rows.get_mut(1) {
-                    let apart = (value - mirrored) * 0.5;
-                    *second = Complex::new(apart.im, -apart.re);
+        let mut spectrum: Spectrum = vec![Complex::default(); self.length()];
+        let half = Lanes::all(0.5);
+        for (j, pairs) in pairs.chunks_exact(width).enumerate() {
+            let rows = ROWS.min(height - j * ROWS);
+            for k in 0..self.columns() {
+                let (value, mirrored) = (pairs[k], pairs[(width - k) % width].conj());
+                let (first, apart) = ((value + mirrored) * half, (value - mirrored) * half);
+                let both = [first, Complex::new(apart.im, -apart.re)];
+                let column = &mut spectrum[k / LANES * height + j * ROWS..][..rows];
+                for (i, target) in column.iter_mut().enumerate() {
+                    target.re.0[k % LANES] = both[i % 2].re.0[i / 2];
+                    target.im.0[k % LANES] = both[i % 2].im.0[i / 2];
                 }
             }
         }
@@ -85,26 +102,41 @@ impl Transform {
     pub fn inverse(&self, mut spectrum: Spectrum) -> Vec<f32> {
         let (width, height) = self.size;
         self.inverse[1].process(&mut spectrum);
-        let mut pairs = vec![Complex::default(); height.div_ceil(2) * width];
-        let turned = |of: Complex<f32>| Complex::new(-of.im, of.re);
-        for (k, column) in spectrum.chunks_exact(height).enumerate() {
-            for (j, rows) in column.chunks(2).enumerate() {
-                let (first, second) = (rows[0], rows.get(1).copied().unwrap_or_default());
+        let mut pairs = vec![Complex::default(); height.div_ceil(ROWS) * width];
+        let turned = |of: Complex<Lanes>| Complex::new(-of.im, of.re);
+        for (j, pairs) in pairs.chunks_exact_mut(width).enumerate() {
+            let rows = ROWS.min(height - j * ROWS);
+            for k in 0..self.columns() {
+                let mut both = [Complex::<Lanes>::default(); 2];
+                let column = &spectrum[k / LANES * height + j * ROWS..][..rows];
+                for (i, value) in column.iter().enumerate() {
+                    both[i % 2].re.0[i / 2] = value.re.0[k % LANES];
+                    both[i % 2].im.0[i / 2] = value.im.0[k % LANES];
+                }
+                let [first, second] = both;
                 // The mirror first: where it is the same frequency, both are equal.
-                pairs[j * width + (width - k) % width] = first.conj() + turned(second.conj());
-                pairs[j * width + k] = first + turned(second);
+                pairs[(width - k) % width] = first.conj() + turned(second.conj());
+                pairs[k] = first + turned(second);
             }
         }
         self.inverse[0].process(&mut pairs);
         let scale = 1.0 / (width * height) as f32;
-        let mut pixels = Vec::with_capacity(pairs.len() * 2);
-        for row in pairs.chunks_exact(width) {
-            pixels.extend(row.iter().map(|value| value.re * scale));
-            pixels.extend(row.iter().map(|value| value.im * scale));
+        let mut pixels = vec![0.0; width * height];
+        for (pairs, rows) in pairs.chunks_exact_mut(width).zip(pixels.chunks_mut(ROWS * width)) {
+            for (i, row) in rows.chunks_exact_mut(width).enumerate() {
+                for (pair, pixel) in pairs.iter_mut().zip(row) {
+                    *pixel = part_mut(pair, i % 2).0[i / 2] * scale;
+                }
+            }
         }
-        pixels.truncate(width * height);
         pixels
     }
+}
+
+/// The real part 0 or the imaginary part 1.
+#[inline(always)]
+fn part_mut(of: &mut Complex<Lanes>, part: usize) -> &mut Lanes {
+    if part == 0 { &mut of.re } else { &mut of.im }
 }
 
 /// The Hann window over `extent` pixels: 1 at the pixel in the middle, as the Gaussian is.
@@ -129,11 +161,13 @@ mod tests {
             let pixels: Vec<f32> = (0..width * height).map(wave).collect();
             let transform = Transform::new((width, height));
             let spectrum = transform.forward(&pixels);
-            for (i, value) in spectrum.iter().enumerate() {
-                let expected = if i == 2 * height + 3 { count / 2.0 } else { 0.0 };
-                assert!((value.norm() - expected).abs() < 1e-3, "{width}×{height}, {i}");
+            for (i, k) in (0..spectrum.len()).flat_map(|i| (0..LANES).map(move |k| (i, k))) {
+                let norm = spectrum[i].re.0[k].hypot(spectrum[i].im.0[k]);
+                let column = i / height * LANES + k;
+                let expected = if (column, i % height) == (2, 3) { count / 2.0 } else { 0.0 };
+                assert!((norm - expected).abs() < 1e-3, "{width}×{height}, {i}, {k}");
             }
-            let energy: Vec<f32> = spectrum.iter().map(|value| value.norm_sqr()).collect();
+            let energy: Vec<Lanes> = spectrum.iter().map(|value| value.norm_sqr()).collect();
             // Parseval: the mean energy of the frequencies is the sum of the squares of the pixels.
             let squares: f32 = pixels.iter().map(|value| value * value).sum();
             assert!((transform.mean(&energy) / squares - 1.0).abs() < 1e-4, "{width}×{height}");

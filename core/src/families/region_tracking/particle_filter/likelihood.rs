@@ -44,7 +44,8 @@ impl Likelihood {
 
     /// Begins the comparison of ellipses in a frame, whose pixels are covered by `bins`.
     pub fn meter<'a>(&'a self, bins: &'a Bins<'a>) -> Meter<'a> {
-        Meter { of: self, bins, counts: vec![0; self.roots.len()], seen: vec![0; self.pattern.0.len()] }
+        let count = self.pattern.0.len();
+        Meter { of: self, bins, counts: vec![0; self.roots.len()], positions: vec![0; count], seen: vec![0; count] }
     }
 }
 
@@ -54,7 +55,9 @@ pub struct Meter<'a> {
     bins: &'a Bins<'a>,
     /// Number of pixels in each bin; 0 between ellipses.
     counts: Vec<u8>,
-    /// The bins of the ellipse at hand.
+    /// The pixels of the ellipse at hand.
+    positions: Vec<u32>,
+    /// Their bins.
     seen: Vec<u16>,
 }
 
@@ -63,11 +66,10 @@ impl Meter<'_> {
     pub fn coefficient(&mut self, region: Region) -> f32 {
         let Likelihood { pattern, roots, steps } = self.of;
         effort::add(pattern.0.len());
-        let half = region.size.map(|side| side / 2.0);
-        let (mut sum, mut count) = (0.0, 0);
-        for place in &pattern.0 {
-            let at = [0, 1].map(|i| region.center[i] + place[i] * half[i]);
-            let Some(bin) = self.bins.at_place(at) else { continue };
+        self.bins.find(region, &pattern.0, &mut self.positions);
+        let (cells, mut sum, mut count) = (self.bins.cells(), 0.0, 0);
+        for position in &self.positions {
+            let Some(&bin) = cells.get(*position as usize) else { continue };
             let pixels = &mut self.counts[usize::from(bin)];
             // Adding to √c what leads to √(c + 1) spares a pass over the bins.
             sum += roots[usize::from(bin)] * steps[usize::from(*pixels)];
