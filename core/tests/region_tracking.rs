@@ -7,7 +7,9 @@ use std::f64::consts::TAU;
 use common::{set, tile};
 use motionscope_core::products::region::{RegionError, RegionScores, success};
 use motionscope_core::scene::Step;
-use motionscope_core::{AnyEstimator, Bounds, Clip, Direction, Frame, Grid, Move, Region, RegionField, Threads, synth};
+use motionscope_core::{
+    AnyEstimator, Bounds, Clip, Direction, Frame, Grid, Move, Params as _, Region, RegionField, Threads, synth,
+};
 
 const ALL: [&str; 4] = ["mean-shift", "camshift", "particle-filter", "correlation-filter"];
 
