@@ -197,6 +197,9 @@ impl Label {
         let level = rect.min[1] + CAPITALS * size;
         let mut places = vec![[left, rows[0]], [right, rows[0]], [left, rows[1]], [right, rows[1]]];
         places.extend(beside.map(|x| [x, level]));
+        // In a crowd, a line farther away.
+        let farther = LINE * size;
+        places.extend([[left, below + farther], [left, above - farther]]);
         let mut label = Self { role, line, places };
         if let Some(room) = room.filter(|room| room.meets(&rect)) {
             let first = label.places[0];
@@ -216,6 +219,8 @@ impl Label {
 
 /// Height of capitals and figures as a share of the size of the type.
 const CAPITALS: f32 = 0.75;
+/// Distance of two lines of labels, as the same share.
+const LINE: f32 = 1.3;
 
 /// The rectangle of the letters of a label whose baseline starts at `[x, y]`, with half of their rim.
 fn letters(line: &Line, [x, y]: Point) -> Rect {
