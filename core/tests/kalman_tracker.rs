@@ -93,14 +93,12 @@ fn the_matrices_of_a_selected_track_are_those_of_its_frame() {
     let mut walk = set("kalman-tracker", &[]).walk(&clip, 0).expect("a run");
     let there = |t: usize| Some(Focus::current([100.0 + 4.0 * t as f32, 200.0]));
     // Updated: the prediction, and the update that its step showed.
-    walk.jump(Move::To(Cursor { unit: 5, event: 0 }));
-    let mut of_update = Vec::new();
-    while walk.cursor().unit == 5 && of_update.is_empty() {
-        if walk.step(None).sentence.plain().starts_with("Track 1: the update") {
-            of_update = matrices(&*walk, None);
-        }
-        walk.jump(Move::Granularity(2, Direction::Forward));
-    }
+    let of_update = (1..8).find_map(|event| {
+        walk.jump(Move::To(Cursor { unit: 5, event }));
+        let is_update = walk.step(None).sentence.plain().starts_with("Track 1: the update");
+        is_update.then(|| matrices(&*walk, None))
+    });
+    let of_update = of_update.expect("an update");
     assert_eq!(of_update.iter().map(|matrix| matrix.symbol).collect::<Vec<_>>(), ["x⁻", "x", "P⁻", "P"]);
     walk.jump(Move::To(Cursor { unit: 5, event: usize::MAX }));
     assert_eq!(matrices(&*walk, there(5)), of_update);
@@ -441,8 +439,8 @@ fn the_formula_of_a_pair_ends_with_the_condition_that_it_meets() {
         all
     };
     for (settings, condition) in [
-        (&[("cost", "both"), ("iou-threshold", "0.25")][..], "IoU = 1.00 ≥ 0.25"),
-        (&[("cost", "overlap"), ("iou-threshold", "0")], "with IoU = 1.00 > 0"),
+        (&[("cost", "both"), ("iou-threshold", "0.25")][..], "IoU = 1.000 ≥ 0.250"),
+        (&[("cost", "overlap"), ("iou-threshold", "0")], "with IoU = 1.000 > 0"),
         (&[("cost", "mahalanobis")], "≤ gate 13.82"),
     ] {
         let all = formulas(settings);
@@ -453,5 +451,5 @@ fn the_formula_of_a_pair_ends_with_the_condition_that_it_meets() {
     let all = formulas(&[("cost", "both"), ("iou-threshold", "0.25")]);
     let (sentence, lines) = all.last().expect("a pair");
     assert!(sentence.contains("IoU with the last box"), "{sentence}");
-    assert!(lines[0] == "C = 1 − IoU of the last box" && lines[2].ends_with("≥ 0.25"), "{lines:?}");
+    assert!(lines[0] == "C = 1 − IoU of the last box" && lines[2].ends_with("≥ 0.250"), "{lines:?}");
 }

@@ -197,6 +197,9 @@ impl Label {
         let level = rect.min[1] + CAPITALS * size;
         let mut places = vec![[left, rows[0]], [right, rows[0]], [left, rows[1]], [right, rows[1]]];
         places.extend(beside.map(|x| [x, level]));
+        // In a crowd, a line farther away.
+        let farther = LINE * size;
+        places.extend([[left, below + farther], [left, above - farther]]);
         let mut label = Self { role, line, places };
         if let Some(room) = room.filter(|room| room.meets(&rect)) {
             let first = label.places[0];
@@ -216,6 +219,8 @@ impl Label {
 
 /// Height of capitals and figures as a share of the size of the type.
 const CAPITALS: f32 = 0.75;
+/// Distance of two lines of labels, as the same share.
+const LINE: f32 = 1.3;
 
 /// The rectangle of the letters of a label whose baseline starts at `[x, y]`, with half of their rim.
 fn letters(line: &Line, [x, y]: Point) -> Rect {
@@ -886,7 +891,7 @@ mod tests {
     #[test]
     fn labels_of_boxes_keep_clear_of_the_edge_of_each_other_and_of_their_box() {
         let room = Rect::new([0.0; 2], [200.0, 100.0]);
-        for at in [[80.0, 40.0], [2.0, 1.0], [170.0, 1.0], [155.0, 78.0], [-10.0, 85.0]] {
+        for at in [[80.0, 40.0], [2.0, 1.0], [170.0, 1.0], [155.0, 78.0], [2.0, 78.0]] {
             let beside = [at[0] + 3.0, at[1] + 2.0];
             let all =
                 boxed(&[(Role::Measured, beside, "d 1"), (Role::Estimate, at, "12"), (Role::Measured, at, "d 2")]);

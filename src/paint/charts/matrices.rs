@@ -305,7 +305,8 @@ mod tests {
             decimals,
             ..matrix()
         };
-        let state = Matrix { entries: Grid::new(1, 6, 330.64), columns: Vec::new(), ..square(0.0, Some(2)) };
+        let state =
+            Matrix { name: "state", entries: Grid::new(1, 6, 330.64), columns: Vec::new(), ..square(0.0, Some(2)) };
         let all = [state, square(37.8, None), square(1.0, Some(1)), square(2.25, None)];
         let room = Rect::new([0.0; 2], [530.0, 400.0]);
         let style = ChartStyle { theme: Theme::Projector, ..style() };
