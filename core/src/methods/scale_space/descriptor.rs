@@ -110,7 +110,9 @@ fn accumulate_body(image: &Grid<f32>, place: &Place, sums: &mut Sums) {
     let weight = |d: f32| (across * d * d).exp();
     let first = inside((x - radius).ceil(), width);
     let last = inside((x + radius).floor() + 1.0, width);
-    let of_columns: Vec<f32> = (first..last).map(|i| weight(i as f32 - x)).collect();
+    // With nothing behind the last, because samples are computed several at once.
+    let of_columns = (first..last).map(|i| weight(i as f32 - x)).chain([0.0; LANES]);
+    let of_columns: Vec<f32> = of_columns.collect();
     for j in rows {
         let dy = j as f32 - y;
         // The part of the row inside the rotated window.
@@ -130,12 +132,15 @@ fn accumulate_body(image: &Grid<f32>, place: &Place, sums: &mut Sums) {
             continue;
         }
         let stretch = Stretch { image, place, row: j, dy, of_row: weight(dy), scale, turn: [sin, cos] };
-        let whole = from + (to - from) / LANES * LANES;
-        for i in (from..whole).step_by(LANES) {
-            distribute(&stretch.samples::<LANES>(i, &of_columns[i - first..]), sums);
-        }
-        for i in whole..to {
-            distribute(&stretch.samples::<1>(i, &of_columns[i - first..]), sums);
+        for i in (from..to).step_by(LANES) {
+            let count = LANES.min(to - i);
+            if i + LANES < width {
+                distribute(&stretch.samples::<LANES>(i, &of_columns[i - first..]), count, sums);
+                continue;
+            }
+            for i in i..i + count {
+                distribute(&stretch.samples::<1>(i, &of_columns[i - first..]), 1, sums);
+            }
         }
     }
 }
@@ -155,102 +160,88 @@ struct Stretch<'a> {
     turn: [f32; 2],
 }
 
-/// Neighbouring samples of a row.
-struct Samples<const N: usize> {
-    /// Weighted gradient magnitudes.
-    magnitudes: [f32; N],
-    /// Directions relative to the orientation, in bins.
-    bins: [f32; N],
-    /// Columns and rows in the padded cells.
-    columns: [f32; N],
-    rows: [f32; N],
-}
-
-impl Stretch<'_> {
-    /// The samples from column `start` on; `weights` are those of their columns.
-    #[inline(always)]
-    fn samples<const N: usize>(&self, start: usize, weights: &[f32]) -> Samples<N> {
-        let Self { image, place, row: j, dy, of_row, scale, turn: [sin, cos] } = *self;
-        let middle = (SIDE as f32 + 1.0) / 2.0;
-        let [above, below] = [j - 1, j + 1].map(|j| &image.row(j)[start..start + N]);
-        let [left, right] = [start - 1, start + 1].map(|i| &image.row(j)[i..i + N]);
-        let weights = &weights[..N];
-        let [mut magnitudes, mut bins, mut columns, mut rows] = [[0.0; N]; 4];
-        for i in 0..N {
-            let (gx, gy) = (right[i] - left[i], below[i] - above[i]);
-            magnitudes[i] = (gx * gx + gy * gy).sqrt() * of_row * weights[i];
-            let turns = (angle(gx, gy) - place.angle_rad) / TAU;
-            bins[i] = (turns - turns.floor()) * BINS as f32;
-            let dx = start as f32 + i as i32 as f32 - place.at[0];
-            columns[i] = (cos * dx + sin * dy) * scale + middle;
-            rows[i] = (cos * dy - sin * dx) * scale + middle;
-        }
-        Samples { magnitudes, bins, columns, rows }
-    }
-}
-
 /// Offsets of the four cells around a sample from the first of them.
 const AROUND: [usize; 4] = [0, 1, PADDED, PADDED + 1];
 
-/// The shares of neighbouring samples in the cells around them.
-struct Shares<const N: usize> {
-    /// The first of the four cells, and the lower one of the two bins.
-    cells: [i32; N],
-    bins: [i32; N],
+/// The shares of neighbouring samples of a row in the cells around them.
+struct Samples<const N: usize> {
+    /// The first of the four cells, and the lower one of the two bins: whole numbers.
+    cells: [f32; N],
+    bins: [f32; N],
     /// By cell: what its lower and its upper bin get.
     lower: [[f32; N]; 4],
     upper: [[f32; N]; 4],
 }
 
-impl<const N: usize> Samples<N> {
-    /// The shares of the samples; those outside of the window have none.
+impl Stretch<'_> {
+    /// The samples from column `start` on; `weights` are those of their columns. Those outside of the window have no shares.
     #[inline(always)]
-    fn shares(&self) -> Shares<N> {
-        let edge = SIDE as f32 + 1.0;
-        let mut shares = Shares { cells: [0; N], bins: [0; N], lower: [[0.0; N]; 4], upper: [[0.0; N]; 4] };
+    fn samples<const N: usize>(&self, start: usize, weights: &[f32]) -> Samples<N> {
+        let Self { image, place, row: j, dy, of_row, scale, turn: [sin, cos] } = *self;
+        let (middle, edge) = ((SIDE as f32 + 1.0) / 2.0, SIDE as f32 + 1.0);
+        let [above, below] = [j - 1, j + 1].map(|j| &image.row(j)[start..start + N]);
+        let [left, right] = [start - 1, start + 1].map(|i| &image.row(j)[i..i + N]);
+        let weights = &weights[..N];
+        let [mut cells, mut bins] = [[0.0; N]; 2];
+        let [mut lower, mut upper] = [[[0.0; N]; 4]; 2];
         for i in 0..N {
-            let (c, r, b) = (self.columns[i], self.rows[i], self.bins[i]);
+            let (gx, gy) = (right[i] - left[i], below[i] - above[i]);
+            let magnitude = (gx * gx + gy * gy).sqrt() * of_row * weights[i];
+            let turns = (angle(gx, gy) - place.angle_rad) / TAU;
+            let b = (turns - turns.floor()) * BINS as f32;
+            let dx = start as f32 + i as i32 as f32 - place.at[0];
+            let c = (cos * dx + sin * dy) * scale + middle;
+            let r = (cos * dy - sin * dx) * scale + middle;
             let is_inside = (c > 0.0) & (c < edge) & (r > 0.0) & (r < edge);
-            let m = if is_inside { self.magnitudes[i] } else { 0.0 };
-            let [c, r] = [c, r].map(|c| if is_inside { c } else { 0.0 });
-            let (c0, r0, b0) = (c as i32, r as i32, b as i32);
-            let (c1, r1, b1) = (c - c0 as f32, r - r0 as f32, b - b0 as f32);
+            let m = if is_inside { magnitude } else { 0.0 };
+            let (c0, r0, b0) = (c.floor(), r.floor(), b.floor());
+            let (c1, r1, b1) = (c - c0, r - r0, b - b0);
             let (down, up) = (m * r1, m - m * r1);
-            let parts = [up - up * c1, up * c1, down - down * c1, down * c1];
-            for (k, part) in parts.into_iter().enumerate() {
-                shares.upper[k][i] = part * b1;
-                shares.lower[k][i] = part - part * b1;
-            }
-            (shares.cells[i], shares.bins[i]) = (r0 * PADDED as i32 + c0, b0);
+            let [p, q, s, t] = [up - up * c1, up * c1, down - down * c1, down * c1];
+            (upper[0][i], upper[1][i], upper[2][i], upper[3][i]) = (p * b1, q * b1, s * b1, t * b1);
+            (lower[0][i], lower[1][i]) = (p - p * b1, q - q * b1);
+            (lower[2][i], lower[3][i]) = (s - s * b1, t - t * b1);
+            cells[i] = if is_inside { r0 * PADDED as f32 + c0 } else { 0.0 };
+            bins[i] = b0;
         }
-        shares
+        Samples { cells, bins, lower, upper }
     }
 }
 
-/// Distributes each sample over the two nearest cells in both directions and the two nearest bins.
+/// A single one: from the right place on, the entries of a cell of which one is counted.
+const ONE: [f32; 2 * WRAPPED] = {
+    let mut entries = [0.0; 2 * WRAPPED];
+    entries[WRAPPED] = 1.0;
+    entries
+};
+
+/// Distributes each of the first samples over the two nearest cells in both directions and the two nearest bins.
 ///
-/// All entries of a cell are added to at once, nearly all of them nothing: single ones would wait for those of the sample before.
+/// All entries of a cell are added to at once, nearly all of them nothing, and stay in registers as long as neighbouring samples
+/// lie in the same cells: entries in memory would wait for the sample before.
 #[inline(always)]
-fn distribute<const N: usize>(samples: &Samples<N>, sums: &mut Sums) {
-    let shares = samples.shares();
-    for i in 0..N {
-        let first = shares.cells[i] as usize;
-        let Some(near) = sums.get_mut(first..first + PADDED + 2) else { continue };
-        let bin = shares.bins[i];
-        for (k, offset) in AROUND.into_iter().enumerate() {
+fn distribute<const N: usize>(shares: &Samples<N>, count: usize, sums: &mut Sums) {
+    /// The last cell that has others right of it and below it.
+    const LAST: usize = PADDED * PADDED - PADDED - 2;
+    let entries = |bin: usize| ONE.get(WRAPPED.wrapping_sub(bin)..)?.first_chunk::<WRAPPED>();
+    let mut first = (shares.cells[0] as usize).min(LAST);
+    let mut near = AROUND.map(|offset| sums[first + offset]);
+    for i in 0..count.min(N) {
+        let (cell, bin) = ((shares.cells[i] as usize).min(LAST), shares.bins[i] as usize);
+        let (Some(at_lower), Some(at_upper)) = (entries(bin), entries(bin + 1)) else { continue };
+        if cell != first {
+            AROUND.iter().zip(&near).for_each(|(offset, near)| sums[first + offset] = *near);
+            first = cell;
+            near = AROUND.map(|offset| sums[first + offset]);
+        }
+        for k in 0..AROUND.len() {
             let (lower, upper) = (shares.lower[k][i], shares.upper[k][i]);
-            for (entry, sum) in near[offset].iter_mut().enumerate() {
-                let at = entry as i32 - bin;
-                *sum += if at == 0 {
-                    lower
-                } else if at == 1 {
-                    upper
-                } else {
-                    0.0
-                };
+            for j in 0..WRAPPED {
+                near[k][j] += at_lower[j] * lower + at_upper[j] * upper;
             }
         }
     }
+    AROUND.iter().zip(&near).for_each(|(offset, near)| sums[first + offset] = *near);
 }
 
 #[cfg(test)]
