@@ -2,7 +2,7 @@
 
 use crate::methods::{
     differential::{Tensor, numbers},
-    features::{FLAT_AREA, Measure, Settings, corner_pseudocode},
+    features::{Measure, Settings, corner_pseudocode},
 };
 use crate::params;
 use crate::run::Info;
