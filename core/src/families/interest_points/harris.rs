@@ -4,7 +4,7 @@ use crate::base::Threads;
 use crate::geometry::{Gray, Grid};
 use crate::methods::{
     differential::{Tensor, numbers},
-    features::{Corners, FLAT_AREA, Measure, Settings, corner_pseudocode},
+    features::{Corners, Measure, Settings, corner_pseudocode},
 };
 use crate::params;
 use crate::run::Info;
@@ -79,11 +79,11 @@ impl Measure for Harris {
         [symbols, numbers]
     }
 
-    fn meaning(&self, [large, _]: [f32; 2], response: f32) -> String {
+    fn meaning(&self, [large, _]: [f32; 2], response: f32, flat: f32) -> String {
         let value = format!("R = det T − k (tr T)² = {}", numbers::gray(response));
         match () {
-            () if large < FLAT_AREA => {
-                format!("{value}: λ₁ is below {FLAT_AREA:.2}, as noise alone can cause: a flat area.")
+            () if large < flat => {
+                format!("{value}: λ₁ is below {}, as noise alone can cause: a flat area.", numbers::gray(flat))
             }
             () if response > 0.0 => format!("{value} is positive: gradients in two directions, possibly a corner."),
             () => format!("{value} is not positive: gradients in one direction only, an edge."),

@@ -2,7 +2,7 @@
 
 use crate::methods::{
     differential::{Tensor, numbers},
-    features::{FLAT_AREA, Measure, Settings, corner_pseudocode},
+    features::{Measure, Settings, corner_pseudocode},
 };
 use crate::params;
 use crate::run::Info;
@@ -79,11 +79,11 @@ impl Measure for ShiTomasi {
         [symbols, numbers]
     }
 
-    fn meaning(&self, [large, small]: [f32; 2], response: f32) -> String {
+    fn meaning(&self, [large, small]: [f32; 2], response: f32, flat: f32) -> String {
         let value = format!("R = λ₂ = {}", numbers::gray(response));
         match () {
-            () if large < FLAT_AREA => {
-                format!("{value}: λ₁ is below {FLAT_AREA:.2}, as noise alone can cause: a flat area.")
+            () if large < flat => {
+                format!("{value}: λ₁ is below {}, as noise alone can cause: a flat area.", numbers::gray(flat))
             }
             () if small < EDGE_RATIO * large => {
                 format!("{value}, less than a tenth of λ₁: gradients in one direction only, an edge.")

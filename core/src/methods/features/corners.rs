@@ -35,8 +35,8 @@ pub trait Measure: Params + Default + Clone + Send + Sync + 'static {
     /// Returns the response in symbols and in numbers.
     fn equation(&self, tensor: &Tensor) -> [Math; 2];
 
-    /// Explains sign and size of a response by the eigenvalues, as a whole sentence.
-    fn meaning(&self, eigenvalues: [f32; 2], response: f32) -> String;
+    /// Explains sign and size of a response by the eigenvalues, as a whole sentence; with both below `flat` a pixel lies in a flat area.
+    fn meaning(&self, eigenvalues: [f32; 2], response: f32, flat: f32) -> String;
 }
 
 /// The corner detector with the measure `M`.
@@ -44,10 +44,6 @@ pub trait Measure: Params + Default + Clone + Send + Sync + 'static {
 pub struct Corners<M>(pub M);
 
 inner_params!(Corners<M: Measure>);
-
-/// Both eigenvalues below this are a flat area, in (gray levels per px)². Central differences of noise with σ = 2 gray levels, as of a
-/// camera with compression, have a mean square of σ² / 2 = 2 in every direction; in a window they reach more than twice that.
-pub const FLAT_AREA: f32 = 5.0;
 
 /// The state of a run.
 #[derive(Clone)]

@@ -3,7 +3,7 @@
 //! An eigenvalue is the mean square of the gradient along its eigenvector. The axes show the roots, in gray levels per px: most eigenvalues
 //! are small, and the region of edges is narrow.
 
-use super::corners::{FLAT_AREA, Measure};
+use super::corners::Measure;
 use crate::scene::{Regions, Role};
 
 /// The number of points of a boundary.
@@ -19,15 +19,17 @@ pub(super) struct Pixel {
     pub eigenvalues: [f32; 2],
     /// The threshold of the response, once it is known.
     pub threshold: Option<f32>,
+    /// The eigenvalue below which noise alone may be the gradient.
+    pub flat: f32,
 }
 
 /// Returns the regions of a corner measure as C. Harris and M. Stephens draw them (1988, figure 5).
-pub(super) fn regions<M: Measure>(measure: &M, Pixel { name, eigenvalues, threshold }: Pixel) -> Regions {
+pub(super) fn regions<M: Measure>(measure: &M, Pixel { name, eigenvalues, threshold, flat }: Pixel) -> Regions {
     let of = |[large, small]: [f32; 2]| measure.response([large * large, 0.0, small * small]);
     let [large, small] = eigenvalues.map(|value| value.max(0.0).sqrt());
     let equal = threshold.and_then(|level| crossing(|root| of([root; 2]), level, MOST));
-    let flat = FLAT_AREA.sqrt();
-    let reach = (1.25 * large).max(2.5 * equal.unwrap_or_default()).max(2.0 * flat);
+    let flat = flat.sqrt();
+    let reach = (1.25 * large).max(2.5 * equal.unwrap_or_default()).max(2.0 * flat).max(1.0);
     let levels = [threshold.map(|level| ("R = threshold", Role::Result, level)), Some(("R = 0", Role::Candidate, 0.0))];
     let line = |(name, role, level)| Some((name, role, boundary(&of, level, reach)?));
     let flat_area = ("limit of flat areas", Role::Predicted, vec![[0.0, flat], [flat, flat], [flat, 0.0]]);
@@ -91,7 +93,7 @@ mod tests {
     use crate::families::interest_points::{Harris, ShiTomasi};
 
     fn pixel(eigenvalues: [f32; 2], threshold: Option<f32>) -> Pixel {
-        Pixel { name: "(1, 2)".into(), eigenvalues, threshold }
+        Pixel { name: "(1, 2)".into(), eigenvalues, threshold, flat: 5.0 }
     }
 
     #[test]
@@ -124,8 +126,11 @@ mod tests {
         for [large, small] in [[0.47, 0.07], [4.85, 2.55]] {
             let response = harris.response([large, 0.0, small]);
             assert!(response > 0.0);
-            for said in [harris.meaning([large, small], response), ShiTomasi::default().meaning([large, small], small)]
-            {
+            let said = [
+                harris.meaning([large, small], response, 5.0),
+                ShiTomasi::default().meaning([large, small], small, 5.0),
+            ];
+            for said in said {
                 assert!(said.contains("flat area") && !said.contains("corner"), "{said}");
             }
             // Without a threshold too, the pixel lies in the region that is named flat.
@@ -134,7 +139,7 @@ mod tests {
             let [x, y] = all.points[0].2;
             assert!(x < line[1][0] && y < line[1][1] && all.names.iter().any(|(name, _)| *name == "flat"));
         }
-        assert!(harris.meaning([40.0, 30.0], harris.response([40.0, 0.0, 30.0])).contains("corner"));
+        assert!(harris.meaning([40.0, 30.0], harris.response([40.0, 0.0, 30.0]), 5.0).contains("corner"));
     }
 
     #[test]

@@ -21,6 +21,8 @@ struct Probe {
     is_pointed_at: bool,
     tensor: Tensor,
     response: f32,
+    /// The eigenvalue below which noise alone may be the gradient.
+    flat: f32,
 }
 
 impl<M: Measure> Corners<M> {
@@ -36,8 +38,10 @@ impl<M: Measure> Corners<M> {
         };
         let place = seen.point().and_then(|point| state.map.cell_at(point)).unwrap_or(at_work);
         let is_pointed_at = place != at_work;
-        let tensor = self.tensors(state).at(place);
-        Some(Probe { place, is_pointed_at, tensor, response: self.0.response([tensor.xx, tensor.xy, tensor.yy]) })
+        let tensors = self.tensors(state);
+        let (tensor, flat) = (tensors.at(place), tensors.flat_below());
+        let response = self.0.response([tensor.xx, tensor.xy, tensor.yy]);
+        Some(Probe { place, is_pointed_at, tensor, response, flat })
     }
 
     pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
@@ -85,7 +89,7 @@ impl<M: Measure> Corners<M> {
         Sentence::default()
             .ink(Role::Reference, format!("Pixel {}", pixel(probe.place)))
             .text(format!(": eigenvalues λ₁ = {large} and λ₂ = {small}. "))
-            .ink(Role::Result, self.0.meaning(eigenvalues, probe.response))
+            .ink(Role::Result, self.0.meaning(eigenvalues, probe.response, probe.flat))
     }
 
     /// Adds the conclusion at the end of a run.
@@ -209,7 +213,7 @@ impl<M: Measure> Corners<M> {
             tiles.push(tile("Response, compressed", shown, [0.0, most]));
         }
         let threshold = (state.stage != Stage::Response).then(|| self.peaks(state).limit);
-        let inspected = Pixel { name: pixel(*place), eigenvalues: tensor.eigenvalues(), threshold };
+        let inspected = Pixel { name: pixel(*place), eigenvalues: tensor.eigenvalues(), threshold, flat: probe.flat };
         vec![
             Readout::Facts(facts),
             Readout::Equation(vec![matrix(), symbols, numbers]),

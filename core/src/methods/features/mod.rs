@@ -20,7 +20,7 @@ pub mod tracker;
 pub(crate) mod trails;
 
 pub use conclusion::{conclusion, reason_of};
-pub use corners::{Corners, FLAT_AREA, Measure};
+pub use corners::{Corners, Measure};
 pub(crate) use declare::corner_pseudocode;
 pub use level_trace::{LevelTrace, why};
 pub use select::{Selection, Settings, choose, spread};

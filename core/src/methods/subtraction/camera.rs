@@ -142,6 +142,47 @@ fn truncated_difference([from, to]: [&Gray; 2], by: [isize; 2]) -> f64 {
     sum as f64 / count.max(1) as f64
 }
 
+/// The displacements in px beside that of a frame whose misfit is compared with its own.
+const BESIDE_PX: [[isize; 2]; 4] = [[8, 0], [-8, 0], [0, 8], [0, -8]];
+/// The greatest misfit of an aligned frame, as a share of that beside.
+const ALIGNED_MISFIT: f64 = 0.85;
+/// A misfit beside below this shows too little texture to tell, in gray levels.
+const LEAST_MISFIT: f64 = 6.0;
+
+/// Returns whether a picture fits another one better at a displacement than some px beside. A camera that was lost for a frame has a
+/// displacement that is none.
+fn is_aligned(pictures: [&Gray; 2], at: [f32; 2]) -> bool {
+    let at = at.map(|c| c.round() as isize);
+    let beside: f64 = BESIDE_PX.iter().map(|by| misfit(pictures, [at[0] + by[0], at[1] + by[1]])).sum();
+    let beside = beside / BESIDE_PX.len() as f64;
+    beside < LEAST_MISFIT || misfit(pictures, at) <= ALIGNED_MISFIT * beside
+}
+
+/// The mean truncated deviation from the median difference of a picture and the displaced one, at every second pixel of every second
+/// row, in gray levels: the exposure may have changed.
+fn misfit([from, to]: [&Gray; 2], by: [isize; 2]) -> f64 {
+    let (width, height) = from.size();
+    let mut counts = [0u32; 511];
+    for y in (0..height).step_by(2) {
+        let Some(v) = y.checked_add_signed(by[1]).filter(|v| *v < height) else { continue };
+        for x in (0..width).step_by(2) {
+            let Some(u) = x.checked_add_signed(by[0]).filter(|u| *u < width) else { continue };
+            counts[255 + usize::from(to[(u, v)]) - usize::from(from[(x, y)])] += 1;
+        }
+    }
+    let all: u32 = counts.iter().sum();
+    let mut below = 0;
+    let median = counts.iter().position(|count| {
+        below += count;
+        2 * below >= all
+    });
+    let median = median.unwrap_or_default();
+    let deviations = counts.iter().enumerate();
+    let sum: f64 =
+        deviations.map(|(i, count)| f64::from(*count) * i.abs_diff(median).min(usize::from(OTHER)) as f64).sum();
+    sum / f64::from(all.max(1))
+}
+
 /// Returns the displacement of the picture between two pyramids in px, near a guess; `None` where the blocks disagree. Along an axis
 /// without enough texture it is the guess.
 pub(crate) fn displacement([from, to]: [&[Gray]; 2], guess: [f32; 2]) -> Option<[f32; 2]> {
@@ -325,13 +366,13 @@ pub(crate) fn displaced(
 pub(crate) type Displaced = (Arc<Frame>, [f32; 2]);
 
 /// Follows the camera through the frames of a clip at intervals; returns each with its displacement from the first in whole px, as long as
-/// that is small: perspective changes with a larger one. Frames after one that could not be followed have no known displacement.
+/// that is small: perspective changes with a larger one. Frames that do not fit the first one there are left out.
 ///
 /// # Errors
 /// If a frame cannot be read.
 pub(crate) fn aligned(clip: &Clip, times: &[usize]) -> Result<Vec<Displaced>, Error> {
     let mut camera: Option<Camera> = None;
-    let mut all = Vec::new();
+    let mut all: Vec<Displaced> = Vec::new();
     for t in times {
         clip.wanted()?;
         let frame = clip.frame(*t)?;
@@ -339,12 +380,11 @@ pub(crate) fn aligned(clip: &Clip, times: &[usize]) -> Result<Vec<Displaced>, Er
             Some(camera) => _ = camera.follow(&frame, false),
             None => camera = Some(Camera::new(&frame)),
         }
-        let (at, is_lost) = camera.as_ref().map_or(([0.0; 2], false), |camera| (camera.model_at, camera.is_lost));
-        if is_lost {
-            break;
-        }
+        let at = camera.as_ref().map_or([0.0; 2], |camera| camera.model_at);
         let (width, height) = frame.size();
-        if at[0].hypot(at[1]) <= ALIGNED_SHARE * width.max(height) as f32 {
+        let is_near = at[0].hypot(at[1]) <= ALIGNED_SHARE * width.max(height) as f32;
+        let fits = all.first().is_none_or(|(first, _)| is_aligned([first.luma(), frame.luma()], at));
+        if is_near && fits {
             all.push((frame, at));
         }
     }
@@ -430,5 +470,18 @@ mod tests {
         let grid = Grid::from_fn(3, 2, |x, y| 10 * y + x);
         assert_eq!(shifted(&grid, [1.0, 0.0], |_, _| 99).cells(), [99, 0, 1, 99, 10, 11]);
         assert_eq!(shifted(&grid, [0.0, -1.0], |_, _| 99).cells(), [10, 11, 12, 99, 99, 99]);
+    }
+
+    #[test]
+    fn a_frame_at_the_displacement_of_a_lost_camera_is_not_aligned() {
+        let at = |place: [f32; 2], offset: u8| picture(place, 20).luma().map(|level| level.saturating_add(offset));
+        let first = at([0.0; 2], 0);
+        for offset in [0, 12] {
+            let moved = at([9.0, -14.0], offset);
+            assert!(is_aligned([&first, &moved], [9.0, -14.0]), "{offset}: its own displacement");
+            assert!(!is_aligned([&first, &moved], [-3.0, 5.0]), "{offset}: an old one");
+        }
+        let flat = Grid::new(160, 120, 90);
+        assert!(is_aligned([&flat, &flat], [3.0, 1.0]), "without texture it does not matter");
     }
 }
