@@ -490,6 +490,16 @@ fn without_true_boxes_no_success_is_claimed() {
 }
 
 #[test]
+fn a_loose_region_needs_the_background_weighted_histogram() {
+    let leaves = scene("leaves");
+    let [ignored, weighted] = ["ignored", "weighted"].map(|background| {
+        let mean_shift = set("mean-shift", &[("region", "18,114,66,162"), ("background", background)]);
+        overlap(&errors(&*mean_shift, &leaves), 1..36)
+    });
+    assert!(ignored < 0.45 && weighted > 0.65, "{ignored:.3}, weighted {weighted:.3}");
+}
+
+#[test]
 fn a_region_without_extent_is_refused_by_its_size() {
     let mut mean_shift = set("mean-shift", &[]);
     let refusal = mean_shift.set("region", "50,100,50,100").unwrap_err().to_string();

@@ -264,7 +264,7 @@ fn another(estimator: &dyn AnyEstimator, name: &str) -> Option<String> {
     let spec = estimator.specs().iter().find(|spec| spec.name == name)?;
     let Kind::Choice(choices) = &spec.kind else { return None };
     let others = || choices.iter().map(|choice| choice.name).filter(|choice| Value::Choice(choice) != now);
-    let is_base = |other: &&str| matches!(now, Value::Choice(now) if now.strip_suffix(other).is_some_and(|own| own.ends_with('-')));
+    let is_base = |other: &&str| matches!(now, Value::Choice(now) if now.strip_suffix(*other).is_some_and(|own| own.ends_with('-')));
     others().find(is_base).or_else(|| others().next()).map(str::to_owned)
 }
 

@@ -19,7 +19,8 @@ choices! {
     pub enum Background {
         /// All colours of the object count alike.
         Ignored = "ignored" "Ignored",
-        /// Colours of the surroundings in the first frame count less: the background-weighted histogram.
+        /// Colours of the surroundings in the first frame count less: the background-weighted histogram. It helps where a loose region holds much
+        /// of the background, and changes little where the region is the box of the object.
         Weighted = "weighted" "Weighted",
     }
 }

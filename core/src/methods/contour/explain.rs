@@ -92,7 +92,7 @@ pub(crate) fn advice(ending: Ending, verdict: Option<&Verdict>, reach: &str) -> 
             format!("A part of the contour lies on edges that are not the outline. {PATTERN}")
         }
         (Outcome::Lost, _) => {
-            format!("Between two frames the object moved farther than its edges attract, or other edges were nearer. {reach}")
+            format!("The object moved farther between two frames than its edges attract, or other edges were nearer. {reach} {PATTERN}")
         }
     }
 }

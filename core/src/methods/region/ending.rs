@@ -6,8 +6,7 @@ use crate::products::region::{RegionError, RegionScores, area_ratio};
 /// A region with less of an overlap does not follow the object.
 pub(crate) const FAIR: f64 = 0.5;
 /// A region so many times as large as the true box has grown, one with the inverse has shrunk.
-const GROWN: f64 = 2.0;
-
+pub(super) const GROWN: f64 = 2.0;
 /// So many frames before an occlusion a region that met the object is lost by it.
 const SHORTLY: usize = 5;
 
@@ -16,7 +15,7 @@ const SHORTLY: usize = 5;
 pub enum Outcome {
     /// It followed the object.
     Followed,
-    /// It left the object for some frames and met it again.
+    /// It left the object, or most of it, for some frames and met it again.
     Regained,
     /// It is on the object, and at least twice as large.
     Grown,
@@ -37,7 +36,7 @@ pub struct Ending {
     pub outcome: Outcome,
     /// Frames in which the tracker reports the object as lost.
     pub reported: usize,
-    /// Frames of occlusions at the begin of which the region was on the object, where the truth is known.
+    /// Frames of occlusions before which the region was on the object, where the truth is known.
     pub hidden: usize,
 }
 
@@ -56,8 +55,7 @@ impl Ending {
             0.0..FAIR if ratio >= GROWN => Outcome::Grown,
             0.0..FAIR if ratio <= 1.0 / GROWN => Outcome::Shrunk,
             0.0..FAIR => Outcome::Beside,
-            _ if scores.failures > 0 => Outcome::Regained,
-            _ if scores.overlap < FAIR => Outcome::Beside,
+            _ if scores.failures > 0 || scores.overlap < FAIR => Outcome::Regained,
             _ => Outcome::Followed,
         };
         Self { outcome, reported, hidden: hidden(errors) }
@@ -105,7 +103,7 @@ mod tests {
         assert_eq!(outcome(&[on, ([50.0; 2], 40.0)]), Outcome::Grown);
         assert_eq!(outcome(&[on, ([50.0; 2], 5.0)]), Outcome::Shrunk);
         assert_eq!(outcome(&[on, ([56.0, 50.0], 10.0)]), Outcome::Beside);
-        assert_eq!(outcome(&[([57.0; 2], 10.0), ([57.0; 2], 10.0), on]), Outcome::Beside);
+        assert_eq!(outcome(&[([57.0; 2], 10.0), ([57.0; 2], 10.0), on]), Outcome::Regained);
     }
 
     #[test]

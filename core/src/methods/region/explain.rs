@@ -1,6 +1,6 @@
 //! What all trackers of a region explain alike: the start, the result of a frame, the conclusion of the run.
 
-use super::ending::FAIR;
+use super::ending::{FAIR, GROWN};
 use super::start::Origin;
 use super::{At, Ending, Event, Explained, Outcome, RegionTracking, State, line, plots};
 use crate::base::words::{counted, fixed, place};
@@ -233,7 +233,7 @@ fn verdict(error: &RegionError) -> String {
     let larger = area_ratio(error);
     match error.overlap {
         0.0 => ": the region is not on the object".into(),
-        0.0..FAIR if larger >= 2.0 => {
+        0.0..FAIR if larger >= GROWN => {
             format!(", below {}: the region is {} times as large as the true box", fixed(FAIR, 1), fixed(larger, 1))
         }
         0.0..FAIR => {

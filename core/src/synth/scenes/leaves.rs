@@ -15,7 +15,8 @@ pub const SAMPLE: Sample = Sample {
     id: "leaves",
     title: "Fallen leaves: clutter of like colour",
     teaches: "The leaves have the hue of the ball, which grows, and the light changes. A tracker that counts pixels by hue, as CamShift does, \
-              spreads over the leaves; a correlation filter knows the pattern of the ball and stays on it.",
+              spreads over the leaves; a correlation filter knows the pattern of the ball and stays on it. Mean shift in a loose region (18,114,66,162) needs \
+              the background-weighted histogram.",
     tune: |d| (d.frames, d.gain) = (36, 2.0),
     path: Path::REST,
     scenery: Scenery::Flat(layers),

@@ -315,7 +315,7 @@ mod tests {
     #[test]
     fn a_cloud_of_two_modes_has_two_parts() {
         let cloud = |distance: f32| -> Vec<Particle> {
-            let mut all = weights(&vec![1.0; 500]);
+            let mut all = weights(&[1.0; 500]);
             for (i, particle) in all.iter_mut().enumerate() {
                 let middle = if i % 5 < 2 { distance } else { 0.0 };
                 particle.at = [30.0 + middle + 2.0 * DRAW.normal(i, 0), 40.0 + 2.0 * DRAW.normal(i, 1)];
