@@ -499,7 +499,8 @@ pub fn renamed(estimators: &[&dyn AnyEstimator], setting: &str) -> Option<String
 pub fn set_all(estimators: &mut [Box<dyn AnyEstimator>], name: &str, value: &str) -> Result<(), Error> {
     let mut set = false;
     for estimator in estimators.iter_mut().filter(|estimator| estimator.get(name).is_ok()) {
-        estimator.set(name, value)?;
+        let id = estimator.info().id;
+        estimator.set(name, value).map_err(|error| Error::new(format!("{id}: {error}")))?;
         set = true;
     }
     if set { Ok(()) } else { Err(Error::new(format!("none of these estimators has a parameter {name}"))) }
@@ -510,6 +511,14 @@ mod tests {
     use motionscope_core::compare::{LIGHT, NOISE_SIGMA};
 
     use super::*;
+
+    #[test]
+    fn a_value_out_of_range_names_its_estimator() {
+        let mut estimators =
+            [estimator("horn-schunck").expect("it exists"), estimator("hierarchical").expect("it exists")];
+        let error = set_all(&mut estimators, "levels", "1").expect_err("one level is no hierarchy").to_string();
+        assert!(error.starts_with("hierarchical: levels must be 2 to"), "{error}");
+    }
 
     #[test]
     fn columns_follow_the_products_of_the_estimators() {
