@@ -567,7 +567,7 @@ fn a_plain_balloon_is_followed_and_a_banded_ball_folds_the_contour() {
         walk.jump(Move::Granularity(2, Direction::Forward));
         losses.extend(Some(walk.step(None).sentence.plain()).filter(|said| said.contains("the object is lost")));
     }
-    assert!(losses[0].contains("lost: the contour crosses itself (mean edge strength"), "{losses:?}");
+    assert!(losses[0].contains("lost: the contour has collapsed (mean edge strength"), "{losses:?}");
     let said = end("active-contour", &tunnel);
     assert!(said.contains("no weight helps") && !said.contains("held the contour"), "{said}");
 }

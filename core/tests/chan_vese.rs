@@ -199,7 +199,7 @@ fn a_blurred_object_in_noise_has_no_edges_but_means() {
     assert!(regions > 0.8, "{regions:.3}");
     for (id, own) in SNAKES {
         let edges = last(id, own, &clip, place);
-        assert!(edges < 0.6, "{id} {own:?}: {edges:.3}, without edges {regions:.3}");
+        assert!(edges < regions - 0.15, "{id} {own:?}: {edges:.3}, without edges {regions:.3}");
     }
 }
 
@@ -333,7 +333,7 @@ fn lost_objects_and_windows_without_two_regions_are_said() {
     assert_eq!(field.frames[11].region, field.frames[10].region, "it stays");
     let mut walk = tracker.walk(&faded, 0).expect("a walk");
     walk.jump(Move::End);
-    assert!(walk.step(None).sentence.plain().contains("lost, contrast"), "{}", walk.step(None).sentence.plain());
+    assert!(walk.step(None).sentence.plain().contains("is lost (contrast"), "{}", walk.step(None).sentence.plain());
 
     let flat = clip(vec![frame(0.0, 0, |_| 90.0); 2]);
     let mut walk = set("chan-vese", &[]).walk(&flat, 0).expect("a walk");

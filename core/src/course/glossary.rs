@@ -112,6 +112,7 @@ pub fn chapters_of(family: &str) -> &'static [Chapter] {
         "Motion segmentation" => &[Chapter::DynamicScenes, Chapter::MovingObjects],
         "Interest points" => &[Chapter::InterestPoints, Chapter::DifferentialMethods],
         "Moving objects" => &[Chapter::MovingObjects, Chapter::DynamicScenes],
+        "Stereo" => &[Chapter::InterestPoints, Chapter::DynamicScenes],
         "Tracking" => &[Chapter::KalmanFilters, Chapter::MultipleObjects],
         "Region tracking" => &[Chapter::Trajectories, Chapter::MovingObjects],
         _ => &[],

@@ -50,10 +50,15 @@ impl Histogram {
     /// The histogram of `vectors`, the displacements of blocks in px; the last is the latest result if `has_newest`. `None`
     /// without vectors.
     pub fn of(counted: Counted, vectors: &[[f32; 2]], has_newest: bool) -> Option<Self> {
+        let is_multiple = |per_px: &i32| vectors.iter().flatten().all(|c| (c * *per_px as f32).fract() == 0.0);
+        let exact = BINS_PER_PX.into_iter().find(is_multiple);
+        let whole = Self::in_bins(counted, vectors, exact.unwrap_or(1))?;
+        Some(Self { newest: whole.newest.filter(|_| has_newest), is_rounded: exact.is_none(), ..whole })
+    }
+
+    /// The same with so many bins per px.
+    fn in_bins(counted: Counted, vectors: &[[f32; 2]], bins_per_px: i32) -> Option<Self> {
         let last = vectors.last()?;
-        let is_multiple = |per_px: &&i32| vectors.iter().flatten().all(|c| (c * **per_px as f32).fract() == 0.0);
-        let exact = BINS_PER_PX.iter().find(is_multiple);
-        let bins_per_px = exact.copied().unwrap_or(1);
         let bin = |vector: &[f32; 2]| vector.map(|c| (c * bins_per_px as f32).round() as i32);
         let (mut low, mut high) = ([-LEAST * bins_per_px; 2], [LEAST * bins_per_px; 2]);
         for at in vectors.iter().map(bin) {
@@ -75,9 +80,9 @@ impl Histogram {
             origin: low,
             counts,
             units,
-            newest: has_newest.then(|| bin(last)),
+            newest: Some(bin(last)),
             bits: Some(entropy::vector_bits(vectors.iter().copied()) / vectors.len() as f64),
-            is_rounded: exact.is_none(),
+            is_rounded: vectors.iter().flatten().any(|c| (c * bins_per_px as f32).fract() != 0.0),
         })
     }
 
@@ -85,8 +90,8 @@ impl Histogram {
     pub fn of_pixels(flow: &Flow) -> Option<Self> {
         let known = flow.0.cells().iter().filter(|vector| vector[0].is_finite());
         let vectors: Vec<[f32; 2]> = known.map(|vector| vector.map(|c| c.clamp(-FARTHEST, FARTHEST))).collect();
-        let counted = Self::of(Counted::default(), &vectors, false)?;
-        Some(Self { of: "pixel", units: counted.units.map(|_| None), bits: None, ..counted })
+        let counted = Self::in_bins(Counted::default(), &vectors, 1)?;
+        Some(Self { of: "pixel", units: counted.units.map(|_| None), newest: None, bits: None, ..counted })
     }
 
     /// Displacement at the centre of a bin in px.

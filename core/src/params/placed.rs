@@ -539,7 +539,6 @@ mod tests {
             ("lines", "1,2,3,4 5,6,7"),
             ("lines", "nan,2,3,4"),
             ("zones", "1,2,3,4 1,2,1,9"),
-            ("zone", "1,2,1,9"),
             ("zone", "1,2,inf,9"),
             ("zone", "1:2,3"),
             ("contour", "1,2 3,4 5,6"),
@@ -554,6 +553,8 @@ mod tests {
             assert!(refusal.starts_with(name) && refusal.contains("in px"), "{refusal}");
             assert_eq!(all.get(name).unwrap().to_string(), "none");
         }
+        let flat = all.set("zone", "1,2,1,9").unwrap_err().to_string();
+        assert_eq!(flat, "zone has 0 × 7 px: its corners must differ in x and in y");
     }
 
     #[test]

@@ -83,7 +83,7 @@ impl Picture {
             PictureRole::Mosaic => "Mosaic".into(),
             PictureRole::Warped => format!("Warped frame {}{number}", self.moment("−")),
             PictureRole::Response => "Filter response".into(),
-            PictureRole::Slice => "Cut through the cost volume".into(),
+            PictureRole::Slice => "Cost slice".into(),
         };
         let of = if self.viewpoint == Viewpoint::Right { "Right view · " } else { "" };
         let level = if self.level > 0 { format!(" · level {}", self.level) } else { String::new() };

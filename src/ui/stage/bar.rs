@@ -130,6 +130,9 @@ fn choice(ui: &mut Ui, room: f32, input: &Input<'_>, look: &mut Look) {
     shown.response.accessible_name("Pictures");
 }
 
+/// The longest name of a picture that is named beside another, in characters.
+const LONGEST: usize = 10;
+
 /// The name of a view: a step may have other pictures than both frames.
 fn name(view: View, input: &Input<'_>) -> String {
     let pictures = &input.scene.pictures;
@@ -137,8 +140,11 @@ fn name(view: View, input: &Input<'_>) -> String {
         return view.name().to_owned();
     }
     let names: Vec<_> = pictures.iter().map(|canvas| canvas.picture.title(None)).collect();
-    let rest = names[1..].iter().map(|name| format!(" and {}", name[..1].to_lowercase() + &name[1..]));
-    names[0].clone() + &rest.collect::<String>()
+    match &names[..] {
+        [first, second] if second.chars().count() <= LONGEST => format!("{first} and {}", second.to_lowercase()),
+        [_, _] => "Both pictures".to_owned(),
+        _ => "All pictures".to_owned(),
+    }
 }
 
 /// The name of a view where eight of them stand in a row.

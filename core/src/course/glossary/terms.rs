@@ -1392,7 +1392,7 @@ pub static GLOSSARY: &[Term] = &[
     term(
         InterestPoints,
         "left–right check",
-        &["left-right consistency", "left–right consistency"],
+        &["left–right consistency"],
         "The test that a match found from the left view is found from the right view as well; it rejects half-occluded pixels and many mismatches.",
     ),
     term(
@@ -2109,7 +2109,7 @@ pub static GLOSSARY: &[Term] = &[
         DynamicScenes,
         "silhouette",
         &["silhouettes", "mean silhouette"],
-        "A measure of how much nearer a point is to its own cluster than to the next one, from −1 to 1, whose mean is used to \
+        "A measure of how much nearer a point is to its own cluster than to the next one, from −1 to 1. Its mean is used to \
         choose the number of clusters.",
     ),
     term(

@@ -373,7 +373,7 @@ pseudocode! {
     EACH_FRAME: "for each frame t",
     FIND_FLOW: "  w ← flow from frame t to t+1; point of a pixel ← (u, v), or (s x, s y, u, v) with weight s",
     CHOOSE_NUMBER: "  if k is chosen by the silhouette: k ← number of clusters of largest mean silhouette",
-    PICK_SEED: "  k-means++: next seed ← point drawn with probability ∝ d², its squared distance from the nearest seed",
+    PICK_SEED: "  k-means++: next seed ← point drawn with a probability in proportion to d², its squared distance to the nearest seed",
     EACH_ITERATION: "  k-means: repeat until no pixel changes its cluster",
     ASSIGN: "    cluster of each pixel ← nearest mean",
     UPDATE_MEAN: "    each mean ← average of its pixels",

@@ -100,9 +100,12 @@ impl Transfer {
                 reached
             })
             .collect();
+        // Levels beyond all that the transfer reaches are no darker than the last of these.
+        let mut lightest = i16::MIN;
         std::array::from_fn(|level| {
             let from = mapped.partition_point(|mapped| *mapped < level as f32).min(255);
-            (-self.change(from as f32)).round() as i16
+            lightest = lightest.max(level as i16 - self.change(from as f32).round() as i16);
+            lightest - level as i16
         })
     }
 }

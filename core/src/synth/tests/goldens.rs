@@ -45,9 +45,13 @@ fn every_scene_looks_as_it_did() {
         ("hand-held", 0x0664_a860_a20d_89ff),
         ("passing-bus", 0x249f_1029_2c3f_e244),
         ("flag", 0x971d_5ef0_a63e_aeb5),
-        ("balloon", 0x0),
+        ("balloon", 0xe1c6_0a96_e56e_ebc8),
         ("tunnel", 0x0c60_423e_9470_1f73),
         ("leaves", 0x866f_0c9f_afc7_0a01),
+        ("rigid-layers", 0xac42_703d_5c9c_1bf6),
+        ("turntable", 0xf259_fe60_029a_1b82),
+        ("still-life", 0x5935_d7b7_6cb0_174f),
+        ("stereo-traps", 0x44b3_1ab7_128c_c20b),
     ];
     assert_eq!(found, expected, "{found:#018x?}");
 }

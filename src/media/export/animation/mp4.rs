@@ -25,7 +25,7 @@ pub fn encode(reel: &Reel, progress: Option<&dyn Progress>) -> Result<Vec<u8>, E
         .args(["-video_size", &format!("{width}x{height}"), "-framerate", &RATE.to_string(), "-i", "pipe:0"])
         // The chroma of 4:2:0 needs even sides; the matrix is that of high definition, and says so.
         .args(["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709", "-colorspace", "bt709"])
-        .args(["-c:v", "libx264", "-crf", "16", "-preset", "fast", "-pix_fmt", "yuv420p", "-movflags", "+faststart"])
+        .args(["-c:v", "libx264", "-crf", "16", "-pix_fmt", "yuv420p", "-movflags", "+faststart"])
         .arg(&file)
         .stdin(Stdio::piped())
         .stdout(Stdio::null())

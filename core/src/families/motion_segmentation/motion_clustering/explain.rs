@@ -483,7 +483,7 @@ fn seeded(view: &View, index: usize, seed: &Seed) -> Sentence {
         return said.text(", drawn from all pixels with equal probability.");
     }
     said.text(format!(
-        ". Its squared distance from the nearest earlier seed is {}, of {} in all, which is its probability; distant pixels are \
+        ". Its squared distance to the nearest earlier seed is {}, of {} in all, which is its probability; distant pixels are \
          likely, so the seeds spread over the motions.",
         squared(seed.squared_distance.into()),
         squared(seed.sum)
