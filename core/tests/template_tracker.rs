@@ -155,8 +155,11 @@ fn iterations_are_those_of_the_definition() {
     assert!((u - 30.0).hypot(v - 27.0) < 0.05, "the middle of the template lies at ({u}, {v})");
 }
 
+/// A place and a linear map.
+type Pose = ([f64; 2], [[f64; 2]; 2]);
+
 /// A turn by 1.5° and growth by 1 % a frame about a point that moves; the truth of the point and of the linear part.
-fn turning(frames: usize) -> (Clip, impl Fn(usize) -> ([f64; 2], [[f64; 2]; 2])) {
+fn turning(frames: usize) -> (Clip, impl Fn(usize) -> Pose) {
     let pose = |t: usize| {
         let (sin, cos) = (0.026 * t as f64).sin_cos();
         let scale = 1.01f64.powi(t as i32);

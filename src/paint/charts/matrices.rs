@@ -289,7 +289,7 @@ mod tests {
             let entries = Grid::from_fn(2, 2, |x, y| values[2 * y + x]);
             super::entries(&Matrix { entries, ..matrix().with_decimals(2) }).cells().to_vec()
         };
-        assert_eq!(of([16_664.8981, 7.0e-5, 0.0, -0.05]), ["16\u{202f}664.90", "0.00", "0", "−0.05"]);
+        assert_eq!(of([16_664.898_1, 7.0e-5, 0.0, -0.05]), ["16\u{202f}664.90", "0.00", "0", "−0.05"]);
         assert_eq!(of([155.758, f64::INFINITY, 0.304, 2.0]), ["155.76", "∞", "0.30", "2.00"]);
     }
 

@@ -244,7 +244,7 @@ impl TemplateTracker {
             match found.zip(after) {
                 None => (None, Some(End::Singular)),
                 Some((found, after)) => {
-                    let after = of_level.from_level(&after);
+                    let after = of_level.at_full_resolution(&after);
                     let px = farthest([&before, &after], template.size());
                     let end = if px <= f64::from(self.epsilon) {
                         Some(End::Converged)

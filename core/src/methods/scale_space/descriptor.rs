@@ -234,10 +234,10 @@ fn distribute<const N: usize>(shares: &Samples<N>, count: usize, sums: &mut Sums
             first = cell;
             near = AROUND.map(|offset| sums[first + offset]);
         }
-        for k in 0..AROUND.len() {
-            let (lower, upper) = (shares.lower[k][i], shares.upper[k][i]);
-            for j in 0..WRAPPED {
-                near[k][j] += at_lower[j] * lower + at_upper[j] * upper;
+        for (near, (lower, upper)) in near.iter_mut().zip(shares.lower.iter().zip(&shares.upper)) {
+            let (lower, upper) = (lower[i], upper[i]);
+            for (sum, (at_lower, at_upper)) in near.iter_mut().zip(at_lower.iter().zip(at_upper)) {
+                *sum += at_lower * lower + at_upper * upper;
             }
         }
     }

@@ -101,7 +101,7 @@ mod tests {
     #[test]
     fn ascents_lead_to_the_centres_of_the_groups() {
         let near = |i: usize, k: usize| ((i * k) % 23) as f32 / 23.0 - 11.0 / 23.0;
-        let center = |i: usize| if i % 4 == 0 { [5.0, 1.0] } else { [0.0, 0.0] };
+        let center = |i: usize| if i.is_multiple_of(4) { [5.0, 1.0] } else { [0.0, 0.0] };
         let value = |d: usize, k: usize| (0..1840).map(|i| center(i)[d] + near(i / 4, k)).collect();
         let density = Density::new(&Points::new(vec![value(0, 5), value(1, 9)]));
         let mut modes = Vec::new();

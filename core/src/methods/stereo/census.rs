@@ -19,7 +19,7 @@ pub(crate) fn census(picture: &Gray, threads: &Threads) -> Grid<u64> {
         Grid::from_fn(width + 2 * reach_x, height, |x, y| picture.row(y)[x.saturating_sub(reach_x).min(width - 1)]);
     let mut strings = Grid::new(width, height, 0);
     threads.rows(&mut strings, |y, row| {
-        let centre = &picture.row(y)[..];
+        let centre = picture.row(y);
         for dy in 0..2 * reach_y + 1 {
             let around = padded.row((y + dy).saturating_sub(reach_y).min(height - 1));
             for dx in (0..2 * reach_x + 1).filter(|dx| (*dx, dy) != (reach_x, reach_y)) {

@@ -59,7 +59,7 @@ impl Level {
     }
 
     /// The inverse of [`Level::on_level`].
-    pub fn from_level(&self, warp: &Matrix3) -> Matrix3 {
+    pub fn at_full_resolution(&self, warp: &Matrix3) -> Matrix3 {
         let (s, [x, y]) = (self.step, self.middle());
         let back = [[1.0 / s, 0.0, x], [0.0, 1.0 / s, y], [0.0, 0.0, 1.0]];
         product(&scaling(s), &product(warp, &back))
@@ -203,7 +203,7 @@ mod tests {
         );
         let warp = [[1.1, -0.4, 31.0], [0.3, 0.8, 22.0], [0.0, 0.0, 1.0]];
         for level in &template.levels {
-            let back = level.from_level(&level.on_level(&warp));
+            let back = level.at_full_resolution(&level.on_level(&warp));
             assert!(back.iter().flatten().zip(warp.iter().flatten()).all(|(a, b)| (a - b).abs() < 1e-12));
         }
         let still = [[1.0, 0.0, 40.0], [0.0, 1.0, 31.0], [0.0, 0.0, 1.0]];
