@@ -14,7 +14,7 @@ const DATA: [(&str, &str); 3] = [
 ];
 
 /// Words that are names of something else in the file that has them.
-const OTHERWISE: [(&str, &str, &str); 22] = [
+const OTHERWISE: [(&str, &str, &str); 23] = [
     ("src/cli/args.rs", "frame", "a flag"),
     ("src/cli/list.rs", "frames", "a key of the JSON"),
     ("src/cli/list.rs", "source", "a key of the JSON"),
@@ -22,6 +22,7 @@ const OTHERWISE: [(&str, &str, &str); 22] = [
     ("src/media/export/clip.rs", "flow", "a folder of a clip"),
     ("src/media/sequence.rs", "flow", "the beginning of a file's name"),
     ("src/media/sequence.rs", "mask", "the beginning of a file's name"),
+    ("src/media/truth/find.rs", "flow", "a folder of truth"),
     ("src/media/truth/mot.rs", "frame", "a column of the file"),
     ("src/media/truth/mot.rs", "identity", "a column of the file"),
     ("src/media/video/y4m.rs", "alpha", "a plane of the picture"),

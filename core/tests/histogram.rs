@@ -54,10 +54,11 @@ fn each_bin_leads_to_its_first_block_and_the_bits_are_those_of_the_coding() {
         let histogram = histogram(&*walk).expect("the run is over");
         let output = walk.output();
         let field = output.get::<BlockField>().expect("a block search has blocks");
-        let bins: Vec<_> =
-            field.vectors.iter().map(|v| v.expect("all are found").displacement.map(f32::round)).collect();
+        let per_px = histogram.bins_per_px as f32;
+        let bin = |uv: [f32; 2]| uv.map(|c| (c * per_px).round() / per_px);
+        let bins: Vec<_> = field.vectors.iter().map(|v| bin(v.expect("all are found").displacement)).collect();
         for (at, count) in histogram.fullest() {
-            let same = |bin: &&[f32; 2]| **bin == at.map(|c| c as f32);
+            let same = |bin: &&[f32; 2]| **bin == histogram.displacement(at);
             assert_eq!(bins.iter().filter(same).count(), count as usize);
             let cell = histogram.cell(at).expect("it is shown");
             assert_eq!(histogram.units[cell], bins.iter().position(|bin| same(&bin)));

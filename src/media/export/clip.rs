@@ -206,7 +206,9 @@ mod tests {
         let read = open(folder.path(), &Open::default()).unwrap();
         assert_eq!((read.size(), read.info().frames, read.info().warnings.len()), ((96, 64), Some(4), 0));
         let (wanted, found) = (made.truth().unwrap(), read.truth().unwrap());
-        assert_eq!(found.kinds(), wanted.kinds());
+        // Segments have no format of their own in a folder.
+        let kinds: Vec<_> = wanted.kinds().into_iter().filter(|kind| *kind != "segments").collect();
+        assert_eq!(found.kinds(), kinds);
         for t in 0..4 {
             assert_eq!(read.frame(t).unwrap(), made.frame(t).unwrap());
             assert_eq!(found.occlusion(t).unwrap(), wanted.occlusion(t).unwrap());

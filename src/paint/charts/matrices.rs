@@ -20,7 +20,7 @@ const HEAD_LETTERS: f32 = 1.9;
 
 /// Sizes of the type that are tried, as shares of the usual one, until all matrices fit. The largest is little larger than the
 /// usual one, so that the size hardly changes from step to step.
-const TYPE_SHARES: [f32; 10] = [1.2, 1.1, 1.0, 0.95, 0.9, 0.85, 0.8, 0.75, 0.7, 0.65];
+const TYPE_SHARES: [f32; 11] = [1.2, 1.1, 1.0, 0.95, 0.9, 0.85, 0.8, 0.75, 0.7, 0.65, 0.6];
 
 /// Lays all matrices out from the upper left corner of `area` on, as many beside each other as it is wide, in the largest type
 /// in which they fit; returns where each lies. They may need more room than there is: [`Drawing::place`] tells how much.

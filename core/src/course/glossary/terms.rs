@@ -2109,7 +2109,7 @@ pub static GLOSSARY: &[Term] = &[
         DynamicScenes,
         "silhouette",
         &["silhouettes", "mean silhouette"],
-        "A measure of how much nearer a point is to its own cluster than to the next one, from −1 to 1. Its mean is used to \
+        "A measure of how much nearer a point is to its own cluster than to the next one, from −1 to 1; its mean is used to \
         choose the number of clusters.",
     ),
     term(
