@@ -14,7 +14,7 @@ const DATA: [(&str, &str); 3] = [
 ];
 
 /// Words that are names of something else in the file that has them.
-const OTHERWISE: [(&str, &str, &str); 23] = [
+const OTHERWISE: [(&str, &str, &str); 29] = [
     ("src/cli/args.rs", "frame", "a flag"),
     ("src/cli/list.rs", "frames", "a key of the JSON"),
     ("src/cli/list.rs", "source", "a key of the JSON"),
@@ -23,17 +23,23 @@ const OTHERWISE: [(&str, &str, &str); 23] = [
     ("src/media/sequence.rs", "flow", "the beginning of a file's name"),
     ("src/media/sequence.rs", "mask", "the beginning of a file's name"),
     ("src/media/truth/find.rs", "flow", "a folder of truth"),
+    ("src/media/truth/mod.rs", "flow", "a kind of truth"),
     ("src/media/truth/mot.rs", "frame", "a column of the file"),
     ("src/media/truth/mot.rs", "identity", "a column of the file"),
     ("src/media/video/y4m.rs", "alpha", "a plane of the picture"),
     ("src/paint/layer.rs", "confidence", "a layer of colors"),
+    ("src/paint/svg.rs", "fill", "an attribute of the format"),
+    ("src/results/flow.rs", "flow", "a flag"),
     ("src/session/read.rs", "clip", "a key of the session"),
     ("src/session/read.rs", "frame", "a key of the session"),
     ("src/session/read.rs", "pixel", "a key of the session"),
     ("src/session/read.rs", "step", "a key of the session"),
     ("src/session/read.rs", "zoom", "a key of the session"),
+    ("src/ui/dialogs/compare.rs", "clip", "a granularity"),
     ("src/ui/drawing/arrows.rs", "gamma", "an entry point of a shader"),
     ("src/ui/model/document.rs", "stage", "a change that is undone"),
+    ("src/ui/model/loader.rs", "flow", "a kind of truth"),
+    ("src/view/motion.rs", "flow", "a kind of truth"),
     ("src/ui/panes/granularities.rs", "run", "the whole run, above all granularities"),
     ("src/ui/panes/granularities.rs", "step", "any granularity"),
     ("src/ui/panes/timeline.rs", "step", "any granularity"),
