@@ -895,6 +895,37 @@ fn the_list_of_sweeps_opens_as_often_as_it_is_asked_for() {
 }
 
 #[test]
+fn the_table_keeps_its_heading_and_names_what_is_the_same_in_all_rows() {
+    let mut window = Window::new(vec2(1280.0, 720.0));
+    window.harness.key_press(Key::C);
+    window.compared();
+    let below = window.harness.query_by_label_contains("The same in all rows").expect("a line below the table").rect();
+    let same = window.harness.get_by_label_contains("frame without prediction kB").rect();
+    assert!(same.min.y >= below.min.y, "it stands in the line below and not in the heading");
+    window.harness.get_by_role_and_label(Role::ComboBox, "Sweep").click();
+    window.compared();
+    window.harness.get_by_label_contains("Search range: ").click();
+    window.compared();
+    let heading = |window: &Window| window.harness.get_by_label("Estimator").rect();
+    let row = |window: &Window| {
+        let rows = window.harness.query_all_by_label("Full search").map(|node| node.rect().min.y);
+        rows.fold(f32::INFINITY, f32::min)
+    };
+    let before = (heading(&window), row(&window));
+    window.harness.hover_at(before.0.center_bottom() + vec2(0.0, 20.0));
+    window.harness.event(Event::MouseWheel {
+        unit: MouseWheelUnit::Point,
+        source: MouseWheelSource::Unknown,
+        delta: vec2(0.0, -60.0),
+        phase: TouchPhase::Move,
+        modifiers: Modifiers::NONE,
+    });
+    window.harness.run_steps(60);
+    assert_eq!(heading(&window), before.0, "the heading stays");
+    assert!(row(&window) < before.1 - 20.0, "{} after {}: the rows go up", row(&window), before.1);
+}
+
+#[test]
 fn the_plot_of_a_sweep_and_the_table_are_saved() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut window = Window::new(vec2(1600.0, 1000.0));

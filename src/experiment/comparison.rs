@@ -299,6 +299,19 @@ pub fn telling<R: Borrow<Row>>(rows: &[R]) -> usize {
     best.or(shown.first()).map_or(0, |(i, _)| *i)
 }
 
+/// Returns the columns of [`columns_of`] that tell the rows apart, with their indices among all columns, and those that have the same
+/// number in every row. The telling column and the time are always among the first.
+pub fn told_apart<R: Borrow<Row>>(rows: &[R]) -> (Vec<(usize, Column)>, Vec<Column>) {
+    let best = telling(rows);
+    let is_alike = |(i, column): &(usize, Column)| {
+        let mut texts = rows.iter().map(|row| column.text(row.borrow()));
+        let first = texts.next();
+        rows.len() > 1 && *i != best && column.name != "ms" && texts.all(|text| Some(text) == first)
+    };
+    let (alike, apart) = columns_of(rows).into_iter().partition::<Vec<_>, _>(is_alike);
+    (apart, alike.into_iter().map(|(_, column)| column).collect())
+}
+
 /// Stands for a missing number.
 const NOTHING: &str = "–";
 

@@ -112,22 +112,25 @@ fn of_one_window(rows: &[Row; 3]) -> Vec<CourseRow> {
             measured: shown(kilobytes, 1),
         },
         CourseRow {
-            feature: "noise: blocks in % with a displacement that changes by at most 1 px under Gaussian noise".into(),
+            feature: format!(
+                "noise: blocks in % with a displacement that changes by at most 1 px under Gaussian noise of σ = {NOISE_SIGMA} gray levels"
+            ),
             said: "sequential search is sensitive, logarithmic search less so, hierarchical search robust",
             holds: rising(noise),
             measured: shown(noise, 1),
         },
         CourseRow {
-            feature:
-                "light: blocks in % with a displacement that changes by at most 1 px under a change of illumination"
-                    .into(),
+            feature: format!(
+                "light: blocks in % with a displacement that changes by at most 1 px when I becomes {} I + {} in frame t + 1",
+                LIGHT.0, LIGHT.1
+            ),
             said: "sequential search is sensitive, logarithmic search less so, hierarchical search robust",
             holds: rising(light),
             measured: shown(light, 1),
         },
         CourseRow {
             feature: "real time: frames per second".into(),
-            said: "not for sequential search, for logarithmic search, perhaps not for the pyramid",
+            said: "sequential search: no; logarithmic search: yes; hierarchical search: perhaps not",
             holds: hertz[0] < REAL_TIME_HZ && hertz[1] >= REAL_TIME_HZ,
             measured: shown(hertz, 0),
         },
@@ -195,7 +198,8 @@ impl CourseRow {
 
 /// Returns the headings and cells of the table.
 fn cells(course_table: &[CourseRow]) -> Vec<Vec<String>> {
-    let heading = ["measured"].iter().chain(&NAMES).chain(&["the course"]).map(|&name| name.to_owned()).collect();
+    let heading =
+        ["measured"].iter().chain(&NAMES).chain(&["the course's statement"]).map(|&name| name.to_owned()).collect();
     let line = |row: &CourseRow| {
         let mut line = vec![row.feature.clone()];
         line.extend(row.measured.iter().cloned());
@@ -227,19 +231,15 @@ pub fn named() -> String {
 
 /// Returns the conditions under which the table was measured.
 pub fn key() -> String {
-    format!(
-        "{} Default parameters except where stated. Noise: Gaussian, σ = {NOISE_SIGMA} gray levels, in both frames. Light: gray levels I of \
-         frame t + 1 become {} I + {}.\n",
-        named(),
-        LIGHT.0,
-        LIGHT.1
-    )
+    format!("{} Default parameters except where stated. The noise is added to both frames.\n", named())
 }
 
 /// Returns the table as Markdown, with the statements of the course.
 pub fn markdown(course_table: &[CourseRow]) -> String {
     let mut lines = cells(course_table);
-    for (line, said) in lines.iter_mut().zip(std::iter::once("statement").chain(course_table.iter().map(|c| c.said))) {
+    for (line, said) in
+        lines.iter_mut().zip(std::iter::once("the statement").chain(course_table.iter().map(|c| c.said)))
+    {
         line.push(said.to_owned());
     }
     markdown_table(&lines)

@@ -53,7 +53,7 @@ pub(super) const MEASURES: [Measure; 4] = [
             "frame_bits",
             "Zero-order entropy of the frame without motion compensation, in bits (in comparisons in kB of 8000 bits).",
         ),
-        "frame kB",
+        "frame without prediction kB",
         "frame_kb",
     ),
 ];
@@ -75,7 +75,7 @@ pub(super) fn assess(
     let headline = psnr.map_or("perfect prediction".into(), |_| quality.clone());
     let kilobytes = |bits: f64| format!("{:.1}", bits / 8000.0);
     let vectors = vector_bits.map_or_else(String::new, |bits| format!(" + {}", kilobytes(bits)));
-    let coding = format!("{}{vectors} kB, frame alone {} kB", kilobytes(residual_bits), kilobytes(frame_bits));
+    let coding = format!("{}{vectors} kB, without prediction {} kB", kilobytes(residual_bits), kilobytes(frame_bits));
     let sent = if vector_bits.is_some() { "Residual + vectors" } else { "Residual" };
     let facts = vec![fact("Prediction", quality), fact(sent, coding)];
     Ok(Assessment { headline, ..Assessment::default() }.with(scores(&MEASURES, values), facts))

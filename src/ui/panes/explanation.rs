@@ -196,8 +196,8 @@ impl State {
     }
 }
 
-/// Shows the explanation in the whole of `ui`.
-pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) {
+/// Shows the explanation in the whole of `ui`, with the sentence unless that stands elsewhere.
+pub fn show(ui: &mut Ui, (input, has_sentence): (Input<'_>, bool), state: &mut State) {
     let Input { info, step, theme, at_end } = input;
     let key = key_of(ui, input, state.key);
     ui.spacing_mut().item_spacing = vec2(8.0, gap(key.density, theme));
@@ -206,7 +206,9 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) {
     let parts = known.unwrap_or_else(|| Parts::new(ui.painter(), input, key));
     let from = ui.cursor().min.y;
     // The sentence stays in sight, however far the rest is scrolled.
-    hold(ui, &mut state.sentence, at_end, |ui| _ = parts.sentence.show(ui, "sentence"));
+    if has_sentence {
+        hold(ui, &mut state.sentence, at_end, |ui| _ = parts.sentence.show(ui, "sentence"));
+    }
     // Nor does the line at work: it stands at the bottom where it is scrolled out of sight. Nothing scrolls by itself.
     let (room, below) = (ui.available_height(), parts.pinned_height + ui.spacing().item_spacing.y);
     let height = state.pinned.unwrap_or(room).clamp(0.0, room.max(0.0));
@@ -218,7 +220,9 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) {
         // Before the first step there is neither: no room is kept then.
         if parts.facts.size.y > 0.0 || parts.equation.size.y > 0.0 {
             // The formula is what is taught: it is seen in a small window as well.
-            parts.rule.show(ui, "first rule");
+            if has_sentence {
+                parts.rule.show(ui, "first rule");
+            }
             hold(ui, &mut state.equation, at_end, |ui| places.extend(parts.equation.show(ui, "equation")));
             formula_end = ui.cursor().min.y - top_of_all;
             parts.rule.show(ui, "second rule");

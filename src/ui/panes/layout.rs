@@ -354,9 +354,11 @@ impl Room {
     fn drawer(&self, drawer: Drawer, all: &mut Arrangement) {
         let width = (24.0 * self.type_pt).min(0.46 * self.body.width());
         let at = |min: f32| Rect::from_min_size(pos2(min, self.body.min.y), vec2(width, self.body.height()));
-        let rect = match drawer {
-            Drawer::Parameters => at(self.body.min.x),
-            Drawer::Explanation => at(self.body.max.x - width),
+        let rect = match (drawer, all.strip.filter(|_| !all.strip_room.is_column)) {
+            (Drawer::Parameters, _) => at(self.body.min.x),
+            // Sentence and formula stay in sight.
+            (Drawer::Explanation, Some(strip)) => at(self.body.max.x - width).with_max_y(strip.min.y - GAP),
+            (Drawer::Explanation, None) => at(self.body.max.x - width),
         };
         match drawer {
             Drawer::Parameters => all.parameters = Some(rect),

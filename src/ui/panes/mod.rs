@@ -181,7 +181,7 @@ impl Panes<'_> {
         }
         let is_drawer = |rect: &Rect| all.drawers.contains(rect);
         if let Some(rect) = all.explanation.filter(|rect| !is_drawer(rect)) {
-            self.column(ui, rect);
+            self.column(ui, rect, true);
         }
         if let Some(rect) = all.parameters.filter(|rect| !is_drawer(rect)) {
             self.parameters(ui, rect);
@@ -195,7 +195,8 @@ impl Panes<'_> {
             if all.parameters == Some(*rect) {
                 self.parameters(ui, *rect);
             } else {
-                self.column(ui, *rect);
+                // The strip shows the sentence.
+                self.column(ui, *rect, all.strip.is_none());
             }
         }
     }
@@ -225,14 +226,14 @@ impl Panes<'_> {
         });
     }
 
-    /// The whole explanation.
-    fn column(&mut self, ui: &mut Ui, rect: Rect) {
+    /// The explanation, with the sentence or without.
+    fn column(&mut self, ui: &mut Ui, rect: Rect, has_sentence: bool) {
         let margin = Margin { left: 16, right: 10, top: 8, bottom: 0 };
         self.within(ui, rect, margin, "explanation", |panes, ui| {
             if panes.is_stale() {
                 ui.multiply_opacity(0.4);
             }
-            panes.explanation(ui);
+            panes.explanation(ui, has_sentence);
         });
     }
 
@@ -474,12 +475,12 @@ impl Panes<'_> {
         });
     }
 
-    fn explanation(&mut self, ui: &mut Ui) {
+    fn explanation(&mut self, ui: &mut Ui, has_sentence: bool) {
         match &self.view.shown {
             Some(shown) => {
                 let (info, step) = self.explained(shown);
                 let input = explanation::Input { info, step, at_end: shown.at_end, theme: self.look.theme };
-                explanation::show(ui, input, &mut self.states.explanation);
+                explanation::show(ui, (input, has_sentence), &mut self.states.explanation);
             }
             None => empty(ui, &self.before("No step is explained")),
         }

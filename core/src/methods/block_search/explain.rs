@@ -256,12 +256,12 @@ impl Probe<'_> {
         let Some((truth, off)) = self.true_error(found) else { return String::new() };
         let truth = vector(truth);
         match off < CLOSE_PX {
-            true => format!(" True motion: {truth} px; the error of the vector is {} px.", px(off)),
-            false => format!(" True motion: {truth} px. The vector is wrong by {} px.", px(off)),
+            true => format!(" True motion: {truth} px; endpoint error {} px.", px(off)),
+            false => format!(" True motion: {truth} px: an endpoint error of {} px.", px(off)),
         }
     }
 
-    /// The true motion of the block and the error of the vector in px, where the truth is known.
+    /// The true motion of the block and the endpoint error in px, where the truth is known.
     fn true_error(&self, found: Match) -> Option<([f32; 2], f32)> {
         let truth = self.truth_of_block()?;
         let [u, v] = found.vector();

@@ -72,20 +72,22 @@ impl<M: Model> Variational<M> {
         let number = seen.before.iteration + 1;
         let is_tested = tolerance > 0.0 && number.is_multiple_of(TESTED);
         // The tolerance may be smaller than the decimals of a displacement.
+        // The change is that of the displacements in the frame.
+        let unit = if seen.before.level == 0 { "px" } else { "px of level 0" };
         let (change, precise) = (numbers::px(note.change), numbers::fixed(note.change, 4));
         let said = match is_tested && note.change < tolerance {
             true => format!(
-                " The mean change of {precise} px is below the tolerance of {} px: converged.",
+                " The mean change of {precise} {unit} is below the tolerance of {} px: converged.",
                 numbers::fixed(tolerance, 4)
             ),
             false if number == iterations => {
-                format!(" Mean change of iteration {iterations}, the last of this warp: {change} px.")
+                format!(" Mean change of iteration {iterations}, the last of this warp: {change} {unit}.")
             }
             false if is_tested => format!(
-                " The mean change of {precise} px is not below the tolerance of {} px: next iteration.",
+                " The mean change of {precise} {unit} is not below the tolerance of {} px: next iteration.",
                 numbers::fixed(tolerance, 4)
             ),
-            false => format!(" Mean change of the iteration: {change} px."),
+            false => format!(" Mean change of the iteration: {change} {unit}."),
         };
         if !after.is_done {
             return sentence.text(said);

@@ -632,7 +632,7 @@ impl KalmanFilter {
             all.push(Series { bands: vec![band(dof)], thresholds, ..nis });
         }
         if has_estimates {
-            all.push(series("Standard deviation σ of the position", "px", deviations));
+            all.push(series("Position σ", "px", deviations));
         }
         let nees = line(&|record| record.filtered?.squared_error(record.truth?));
         if nees.len() > 1 {

@@ -1,0 +1,120 @@
+//! The table or the plot of a comparison as a file.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use eframe::egui::{RichText, TextStyle, Ui};
+use motionscope_core::Error;
+use motionscope_core::scene::Series;
+
+use super::{State, plotted};
+use crate::experiment::comparison::{self, Row};
+use crate::media;
+use crate::media::export::{Inputs, Target};
+use crate::paint::Theme;
+use crate::ui::app::action::{Action, Actions, Browse};
+use crate::ui::dialogs::open;
+use crate::ui::model::background::Background;
+use crate::ui::model::document::Document;
+use crate::view::rendering::Format;
+use crate::view::sweep_plot;
+
+/// Pixels per point of a plot that is saved as a PNG.
+const SCALE: u32 = 2;
+/// Width of the field for the path, in sizes of its type.
+const FIELD_LETTERS: f32 = 15.0;
+
+/// Shows the buttons that copy the table, or save the plot or the table in a file; returns whether to save.
+pub fn buttons(ui: &mut Ui, rows: &[Arc<Row>], state: &mut State, actions: &mut Actions) -> bool {
+    let is_swept = rows.iter().any(|row| row.swept.is_some());
+    let size = TextStyle::Body.resolve(ui.style()).size;
+    if ui.button("Copy as CSV").on_hover_text("Copy all rows so far as CSV, for a spreadsheet.").clicked() {
+        ui.copy_text(comparison::csv(rows));
+    }
+    let mut is_entered = state.file.show(ui, "File of the plot or the table", FIELD_LETTERS * size);
+    if ui.button("Browse…").clicked() {
+        actions.ask(Action::Browse(Browse::SaveFile));
+    }
+    let tip = match is_swept {
+        true => "Save the plot as .png, .svg or .pdf, or all rows as .csv: the end of the name decides.",
+        false => "Save all rows as .csv. A sweep has a plot as well.",
+    };
+    is_entered |= ui.button("Save").on_hover_text(tip).clicked();
+    is_entered
+}
+
+/// Begins to save where `is_entered`, and says what became of it.
+pub fn outcome(ui: &mut Ui, rows: &[Arc<Row>], state: &mut State, of: (&Document, Theme), is_entered: bool) {
+    state.file.show_found(ui);
+    if is_entered {
+        let ctx = ui.ctx().clone();
+        let saved = encoded(rows, state, of);
+        state.saved = Some(Background::new("save", move || ctx.request_repaint(), move |_| saved?.save()));
+    }
+    if let Some(saved) = &state.saved {
+        saved.look(|outcome| match outcome {
+            Some(Ok(message)) => drop(ui.label(message.as_str())),
+            Some(Err(why)) => {
+                drop(ui.label(RichText::new(why.to_string()).color(ui.visuals().error_fg_color)));
+            }
+            None => {}
+        });
+    }
+}
+
+/// A plot or a table on its way to a file.
+struct PendingFile {
+    path: PathBuf,
+    inputs: Arc<Inputs>,
+    content: Content,
+}
+
+/// What is written.
+enum Content {
+    /// Rows as text.
+    Table(String),
+    /// A plot.
+    Plot(Box<Series>, Theme, Format),
+}
+
+/// The first name for a table, or for the plot of a sweep.
+pub fn file_of(is_swept: bool) -> String {
+    let name = if is_swept { "comparison.svg" } else { "comparison.csv" };
+    std::env::current_dir().unwrap_or_default().join(name).display().to_string()
+}
+
+/// What the path asks for: the table, or the plot of the column that is shown.
+fn encoded(rows: &[Arc<Row>], state: &State, (document, theme): (&Document, Theme)) -> Result<PendingFile, Error> {
+    let message = || Error::new("enter a path that ends in .svg, .png, .pdf or .csv");
+    let path = open::parse(&state.file.text).map(PathBuf::from).ok_or_else(message)?;
+    let inputs = document.prepared_alone().map(|prepared| prepared.inputs).unwrap_or_default();
+    let is_table = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
+    let content = if is_table {
+        Content::Table(comparison::csv(rows))
+    } else if rows.iter().any(|row| row.swept.is_some()) {
+        let plotted = plotted(rows, state);
+        let axis = state.sweep.as_ref().map_or("", |sweep| sweep.axis);
+        Content::Plot(Box::new(sweep_plot::series(rows, &plotted, axis)), theme, Format::of(&path)?)
+    } else {
+        return Err(Error::new("only a sweep has a plot; choose one under Sweep, or save the table as .csv"));
+    };
+    Ok(PendingFile { path, inputs, content })
+}
+
+impl PendingFile {
+    /// Writes the file, if there is none yet; gives what was written.
+    fn save(self) -> Result<String, Error> {
+        let Self { path, inputs, content } = self;
+        if path.exists() {
+            return Err(Error::new(format!("{} is there already; choose another name", path.display())));
+        }
+        media::export::check(&inputs, &[Target::File(&path)])
+            .map_err(|conflict| Error::new(format!("{} {}; choose another name", path.display(), conflict.why)))?;
+        let bytes = match content {
+            Content::Table(table) => table.into_bytes(),
+            Content::Plot(series, theme, format) => sweep_plot::encode(&series, theme, format, SCALE)?,
+        };
+        media::export::save_result(&path, &bytes)?;
+        Ok(format!("Saved {}.", path.display()))
+    }
+}
