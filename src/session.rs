@@ -23,6 +23,7 @@
 //! layer = "error"                  # the flow layer
 //! ```
 
+mod example;
 mod read;
 mod toml_text;
 mod write;
@@ -30,6 +31,7 @@ mod write;
 use std::ffi::OsStr;
 use std::path::Path;
 
+use motionscope_core::examples::Example;
 use motionscope_core::{Error, Pace};
 use serde::Serialize;
 
@@ -72,6 +74,10 @@ impl Named {
     /// # Errors
     /// If it is a session that cannot be read, or a scene that does not exist.
     pub fn find(name: &OsStr, given: Given) -> Result<Self, Error> {
+        if let Some(session) = example::named(name) {
+            let session = session?;
+            return Ok(Self { source: session.experiment.source.clone(), given, session: Some(session) });
+        }
         if !Session::is_named(Path::new(name)) {
             return Ok(Self { source: Source::parse(name)?, given, session: None });
         }
@@ -99,6 +105,14 @@ impl VisiblePart {
 }
 
 impl Session {
+    /// Returns the session of an `example` of the estimator `id`.
+    ///
+    /// # Errors
+    /// If the estimator or the scene does not have what the example sets.
+    pub fn of_example(id: &str, example: &Example) -> Result<Self, Error> {
+        example::session(id, example)
+    }
+
     /// Whether `path` has the extension of a session.
     pub fn is_named(path: &Path) -> bool {
         path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(EXTENSION))

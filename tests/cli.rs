@@ -467,6 +467,18 @@ fn a_session_brings_all_that_the_command_line_needs() {
 }
 
 #[test]
+fn an_example_is_a_clip_with_its_settings() {
+    let folder = tempfile::tempdir().unwrap();
+    let ran = json(folder.path(), "run example:full-search/large-motion --json");
+    assert_eq!((&ran["estimator"], &ran["params"]["search-range"]), (&"full-search".into(), &8.into()));
+    assert!(ran["clip"].as_str().is_some_and(|clip| clip.contains("speed=4")), "{}", ran["clip"]);
+    let why = refusal(folder.path(), "run example:full-search/none --json");
+    assert!(why.contains("example:full-search/large-motion"), "{why}");
+    let listed = stdout(folder.path(), "list full-search");
+    assert!(listed.contains("example:full-search/low-texture") && listed.contains("fails, low texture"), "{listed}");
+}
+
+#[test]
 fn a_session_names_detections_as_the_flag_does() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();

@@ -90,7 +90,7 @@ pub mod objects {
 
 pub use base::words::{fixed, grouped, spaced};
 pub use base::{Count, Error, Observer, Stop, Tally, Threads};
-pub use course::{compare, detection, estimator, estimators, glossary};
+pub use course::{compare, detection, estimator, estimators, examples, glossary};
 pub use data::{
     Blob, Calibration, Clip, ClipInfo, Counted, Detection, Disparity, Flow, Frame, FrameSource, Histogram,
     Interpolation, Mask, MaskErrors, ObjectBox, PackedMask, PixelClass, TrueMask, Truth, Viewpoint,

@@ -55,7 +55,7 @@ Examples:
   motionscope run frame10.png --estimator horn-schunck --layer error --legend --overlay error.png
   motionscope run frame10.png --estimator horn-schunck --step 20.1 --pixel 303,202 --caption --overlay pixel.png
   motionscope run synth:pillar --estimator full-search --pixel 30,20 --json
-  motionscope run synth:flat-wall,noise=0 --estimator horn-schunck --set solver=jacobi --set levels=1 --set warps=1 --overlay fill.png
+  motionscope run example:horn-schunck/filling-in --overlay fill.png
   motionscope run synth:pillar --estimator lucas-kanade --layer consistency --json
   motionscope run hall.mp4 --estimator mixture-of-gaussians --frames 0..99 --masks masks
   motionscope run --detections det.txt --truth gt.txt --estimator kalman-tracker --tracks tracks.txt --json

@@ -1,5 +1,6 @@
 //! The lists of estimators with their parameters, and of synthetic scenes with their sliders.
 
+use motionscope_core::examples::{self, Cause, Example};
 use motionscope_core::params::Kind;
 use motionscope_core::pseudocode::Line;
 use motionscope_core::synth::{Difficulty, SCENES};
@@ -25,9 +26,18 @@ pub fn text(all: &[Box<dyn AnyEstimator>], has_pseudocode: bool) -> String {
         if has_pseudocode {
             text += "\n";
             info.pseudocode.iter().for_each(|line| text += &format!("    {}\n", line.text));
+            text += "\n";
+            examples::of(info.id).for_each(|example| text += &example_text(info.id, example));
         }
     }
     text
+}
+
+/// Returns an example with the name under which it is opened.
+fn example_text(id: &str, example: &Example) -> String {
+    let Example { id: own, title, cause, says, .. } = example;
+    let cause = cause.map_or_else(|| "works".to_owned(), |cause| format!("fails, {}", cause.name()));
+    format!("  example:{id}/{own}  {title} ({cause})\n    {says}\n")
 }
 
 fn parameters(specs: &[Spec]) -> String {
@@ -67,11 +77,27 @@ pub fn json(all: &[Box<dyn AnyEstimator>]) -> String {
                 "granularities": info.granularities,
                 "frames": info.frames,
                 "produces": estimator.produces().iter().map(|kind| kind.id).collect::<Vec<_>>(),
+                "examples": examples::of(info.id).map(example_json).collect::<Vec<_>>(),
                 "params": estimator.specs().iter().map(spec).collect::<Vec<_>>(),
             })
         })
         .collect();
     format!("{:#}", json!(all))
+}
+
+fn example_json(example: &Example) -> serde_json::Value {
+    let set = |settings: examples::Settings| settings.iter().copied().collect::<std::collections::BTreeMap<_, _>>();
+    let instead = example.instead.map(|other| json!({ "estimator": other.id, "set": set(other.settings) }));
+    json!({
+        "id": example.id,
+        "title": example.title,
+        "cause": example.cause.map(Cause::name),
+        "clip": format!("synth:{}", example.clip),
+        "frame": example.frame,
+        "set": set(example.settings),
+        "says": example.says,
+        "instead": instead,
+    })
 }
 
 fn line(line: &Line) -> serde_json::Value {

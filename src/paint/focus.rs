@@ -72,6 +72,8 @@ const LEAST_SIDE: f32 = 22.0;
 const MARGIN: (f32, f32) = (0.12, 2.0);
 /// Room on each side of a tracked object, in sizes of it: six of them are seen across.
 const OBJECT_MARGIN: f32 = 2.5;
+/// The largest magnification of a tracked object: closer, the view would leap with each change of its covariance.
+const OBJECT_MOST: f32 = 4.0;
 /// How much smaller than they could be shown works and tracked objects may be, before they are shown larger.
 const SLACK: (f32, f32) = (2.0, 10.0);
 /// Steps of magnification: coarse, so that a little more or less work does not change it.
@@ -113,6 +115,11 @@ impl Work {
             true => marks().filter_map(seen).reduce(union),
         };
         let bounds = local::tested_part(scene).or(bounds);
+        let has_window = marks().any(|mark| mark.role == Role::Window && bounds_at_work(mark).is_some());
+        let is_object = !has_window && marks().any(is_state);
+        // The frame of a tracked object is one among those of others, but belongs to its state.
+        let frames = || marks().filter(|mark| is_object && matches!(mark.shape, Shape::Rect { .. })).filter_map(seen);
+        let bounds = bounds.map(|own| frames().filter(|frame| frame.contains(own.center())).fold(own, union));
         let is_example = !own.is_empty() && are_examples(&own, scene, picture);
         let bounds = bounds.or(scene.is_overview.then_some(whole))?;
         let inside = |bounds: Rect| Rect {
@@ -120,7 +127,6 @@ impl Work {
             max: [0, 1].map(|i| bounds.max[i].clamp(-0.5, picture[i] - 0.5)),
         };
         let needed = local::untested_block(scene).unwrap_or(bounds);
-        let has_window = marks().any(|mark| mark.role == Role::Window && bounds_at_work(mark).is_some());
         let is_map = |mark: &Mark| match &mark.shape {
             Shape::Heat { values, .. } => values.size() == size,
             Shape::Mask(_) | Shape::Labels(_) => true,
@@ -135,7 +141,7 @@ impl Work {
             needed: inside(needed),
             is_picture_wide: scene.is_overview || marks().any(is_map) || is_example,
             is_of_many: own.is_empty() && !scene.is_overview,
-            is_object: !has_window && marks().any(is_state),
+            is_object,
         })
     }
 
@@ -145,14 +151,12 @@ impl Work {
         width.max(height)
     }
 
-    fn center(&self) -> [f32; 2] {
-        [0, 1].map(|i| (self.bounds.min[i] + self.bounds.max[i]) / 2.0)
-    }
-
     /// The largest magnification at which it is seen with some room around it where `room` px are seen unmagnified.
     fn times(&self, room: [f32; 2]) -> f32 {
-        let around = if self.is_object { OBJECT_MARGIN * self.side() } else { 0.0 };
-        times(self.bounds.grown(around), room)
+        match self.is_object {
+            true => times(self.bounds.grown(OBJECT_MARGIN * self.side()), room).min(OBJECT_MOST),
+            false => times(self.bounds, room),
+        }
     }
 }
 
@@ -179,9 +183,13 @@ fn has_twin(mark: &Mark, scene: &Scene) -> bool {
     kind(&mark.shape).is_some() && scene.marks.iter().filter(|other| is_alike(other)).nth(1).is_some()
 }
 
-/// Whether a mark is the state of a tracked object, with its covariance.
+/// Whether a mark is the state of a tracked object with its covariance, or its measurement.
 fn is_state(mark: &Mark) -> bool {
-    matches!(mark.shape, Shape::Ellipse { .. }) && matches!(mark.role, Role::Predicted | Role::Estimate)
+    match mark.shape {
+        Shape::Ellipse { .. } => matches!(mark.role, Role::Predicted | Role::Estimate),
+        Shape::Points(_) => mark.role == Role::Measured,
+        _ => false,
+    }
 }
 
 /// The bounds of a mark, if it belongs to the work of a step: results, truth, trails and layers do not.
@@ -278,7 +286,7 @@ impl CloseUp {
         }
         let close_up = |(i, work): (usize, &Option<Work>)| {
             let work = if is_shared { &together } else { work.as_ref().unwrap_or(&together) };
-            let fresh = Self { center: within(work.center(), times, picture, room), times };
+            let fresh = Self { center: within(work.bounds.center(), times, picture, room), times };
             let before = before.get(i).copied().flatten().filter(|old| old.times == times);
             Some(before.filter(|old| old.serves(work, &fresh, room)).unwrap_or(fresh))
         };
@@ -513,11 +521,20 @@ mod tests {
         assert_eq!(one(FocusMode::Auto, &scene), None, "they lie all over the picture");
         let before = [Some(CloseUp { center: [60.0, 80.0], times: 4.0 })];
         assert_eq!(of(FocusMode::Auto, std::slice::from_ref(&scene), &before), before, "the view stays where it was");
-        let ellipse = Shape::Ellipse { center: [65.0, 85.0], radii: [4.0, 3.0], angle_rad: 0.0 };
-        scene.mark(Picture::CURRENT, Role::Predicted, ellipse);
-        scene.mark(Picture::CURRENT, Role::Measured, Shape::Points(vec![[69.0, 88.0]]));
+        let at = |x: f32| Shape::Ellipse { center: [x, 85.0], radii: [4.0, 3.0], angle_rad: 0.0 };
+        let mut inside = scene.clone();
+        inside.mark(Picture::CURRENT, Role::Predicted, at(65.0));
+        let work = Work::of(&inside, SIZE).unwrap();
+        assert_eq!(
+            work.bounds,
+            Rect { min: [39.5, 59.5], max: [89.5, 109.5] },
+            "the frame of the object belongs to it"
+        );
+        assert_eq!(one(FocusMode::Auto, &inside), None, "six of its sizes take the whole picture");
+        scene.mark(Picture::CURRENT, Role::Predicted, at(150.0));
+        scene.mark(Picture::CURRENT, Role::Measured, Shape::Points(vec![[154.0, 88.0]]));
         let close = one(FocusMode::Auto, &scene).unwrap();
-        assert!(close.times >= 3.0 && close.center[0] > 60.0 && close.center[0] < 70.0, "{close:?}");
+        assert!((3.0..=OBJECT_MOST).contains(&close.times) && (145.0..155.0).contains(&close.center[0]), "{close:?}");
         let work = Work::of(&scene, SIZE).unwrap();
         let seen = close.seen(ROOM).size();
         assert!(seen.iter().all(|extent| *extent >= 6.0 * work.side()), "{seen:?} of {:?}", work.bounds);

@@ -3,21 +3,42 @@
 pub use motionscope_core::grouped;
 use motionscope_core::spaced;
 
+/// Numbers from here on are written without a power of ten.
+const SMALL: f32 = 1e-4;
+/// What is smaller is nothing but rounding.
+const ROUNDING: f32 = 1e-6;
+
 /// A number for a person: a true minus sign, thin spaces between thousands, four digits that count.
 pub fn number(value: f32) -> String {
     if !value.is_finite() {
         return "–".into();
     }
     let size = value.abs();
+    if (ROUNDING..SMALL).contains(&size) {
+        return with_power(value.into());
+    }
     let decimals = match size {
         _ if value.fract() == 0.0 || size >= 1000.0 => 0,
         _ if size >= 100.0 => 1,
         _ if size >= 1.0 => 2,
         // Three that count, and nothing of what is but rounding.
-        _ if (1e-6..0.01).contains(&size) => (2.0 - size.log10().floor()) as usize,
+        _ if (SMALL..0.01).contains(&size) => (2.0 - size.log10().floor()) as usize,
         _ => 3,
     };
     with_decimals(value, decimals)
+}
+
+/// A small number with two digits and a power of ten: `−2.4·10⁻⁷`.
+pub fn with_power(value: f64) -> String {
+    let digits = format!("{:.1e}", value.abs());
+    let (mantissa, exponent) = digits.split_once('e').unwrap_or((&digits, "0"));
+    let sign = if value < 0.0 { "−" } else { "" };
+    format!("{sign}{mantissa}·10{}", exponent.chars().map(superscript).collect::<String>())
+}
+
+fn superscript(digit: char) -> char {
+    const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    digit.to_digit(10).map_or('⁻', |digit| DIGITS[digit as usize])
 }
 
 /// The labels at the ticks of an axis: at each as many decimals as the one that needs most, 0.8, 1.0, 1.2.
@@ -50,7 +71,7 @@ mod tests {
         let shown = [-3.0, 812.0, 4096.0, 65_025.0, 16_646_400.0, 3.17, -1e-7, f32::NAN].map(number);
         assert_eq!(shown, ["−3", "812", "4096", "65\u{202f}025", "16\u{202f}646\u{202f}400", "3.17", "0.000", "–"]);
         assert_eq!([0.5, 12.34, 110.73, 10_234.4].map(number), ["0.500", "12.34", "110.7", "10\u{202f}234"]);
-        assert_eq!([0.05, 0.0012, -0.0004, 2e-6].map(number), ["0.050", "0.00120", "−0.000400", "0.00000200"]);
+        assert_eq!([0.05, 0.0012, -0.0004, 2e-6].map(number), ["0.050", "0.00120", "−0.000400", "2.0·10⁻⁶"]);
     }
 
     #[test]

@@ -53,6 +53,16 @@ impl Rect {
         vec![[x0, y0], [x1, y0], [x1, y1], [x0, y1]]
     }
 
+    /// Its middle.
+    pub fn center(&self) -> [f32; 2] {
+        [0, 1].map(|i| (self.min[i] + self.max[i]) / 2.0)
+    }
+
+    /// Whether `point` lies in it.
+    pub fn contains(&self, point: [f32; 2]) -> bool {
+        (0..2).all(|i| (self.min[i]..=self.max[i]).contains(&point[i]))
+    }
+
     /// Whether the two have an inner point in common.
     pub fn meets(&self, other: &Rect) -> bool {
         (0..2).all(|i| self.min[i] < other.max[i] && other.min[i] < self.max[i])

@@ -68,14 +68,17 @@ fn words(runs: &[Run]) -> Vec<Vec<Run>> {
 const UNITS: &[&str] = &["%", "px", "ms", "dB", "σ", "px²", "px/frame"];
 /// Relations that stay with both of their sides.
 const RELATIONS: &[&str] = &["=", "≥", "≤", "<", ">", "±"];
+/// Length of a component of a vector, with its bracket and comma, beyond which a line may break behind it.
+const LONGEST_COMPONENT: usize = 12;
 
-/// Whether no line may break between two words: a figure and its unit, the sides of a relation.
+/// Whether no line may break between two words: a figure and its unit, the sides of a relation, the components of a vector.
 fn belong_together(before: &str, after: &str) -> bool {
     let [before, after] = [before, after].map(str::trim_end);
     let unit = after.trim_end_matches([',', '.', ';', ':', ')']);
     before.ends_with(|c: char| c.is_ascii_digit()) && UNITS.contains(&unit)
         || RELATIONS.contains(&after)
         || RELATIONS.contains(&before)
+        || before.starts_with('(') && before.ends_with(',') && after.contains(')') && before.len() <= LONGEST_COMPONENT
 }
 
 fn plain(word: &[Run]) -> String {
@@ -116,6 +119,20 @@ pub fn inked(sentence: &Sentence, theme: Theme) -> Vec<Run> {
 mod tests {
     use super::*;
     use motionscope_core::Role;
+
+    #[test]
+    fn a_vector_stays_on_one_line() {
+        let runs = inked(&Sentence::default().text("the update gives the new flow (u, v) here"), Theme::Dark);
+        for width in [60.0, 90.0, 120.0, 150.0, 180.0, 210.0] {
+            let lines = wrap(&runs, 14.0, width);
+            let text = |line: &Vec<Run>| line.iter().map(|run| run.text.as_str()).collect::<String>();
+            assert!(
+                lines.iter().any(|line| text(line).contains("(u, v)")),
+                "{:?}",
+                lines.iter().map(text).collect::<Vec<_>>()
+            );
+        }
+    }
 
     #[test]
     fn lines_break_at_spaces_and_lose_no_word() {

@@ -208,7 +208,7 @@ pub const TILES: Pane = Pane {
 pub const MATRICES: Pane = Pane {
     id: "matrices",
     title: "Matrices",
-    doc: "state, covariances and gain of the step, with the entries that changed",
+    doc: "the matrices of the step, with the entries that changed",
     when: "after the first step of the filter",
     chart: Some(Chart::Matrices),
     is_available: |step| find(step, some_matrices).is_some(),

@@ -190,7 +190,10 @@ fn said_at_end(assessment: &Assessment, in_all: Option<String>) -> Vec<Sentence>
         |words: &str, after: &str| Sentence::default().ink(Role::Result, words.to_owned()).text(after.to_owned());
     let counts = in_all.map(|in_all| [format!("  ·  {in_all} candidates in all"), format!("  ·  {in_all} in all")]);
     let with_counts = counts.iter().flatten().map(|counts| line(&quality, counts));
-    with_counts.chain([line(&quality, "")]).chain(value.map(|value| line(&value, ""))).collect()
+    // In a narrow tile the first figures alone.
+    let figures: Vec<&str> = quality.split(", ").collect();
+    let fewer = (1..=figures.len()).rev().map(|count| line(&figures[..count].join(", "), ""));
+    with_counts.chain(fewer).chain(value.map(|value| line(&value, ""))).collect()
 }
 
 /// The number that a step is about, with its name and without.

@@ -67,7 +67,13 @@ fn commands_and_options_are_named_as_the_field_does() {
 #[test]
 fn help_and_lists_speak_as_the_field_does() {
     let mut lines = Vec::new();
-    for arguments in [&["--help"][..], &["list"], &["synth", "--list"], &["glossary"]] {
+    for arguments in [
+        &["--help"][..],
+        &["list"],
+        &["list", "full-search", "horn-schunck", "camshift", "running-average"],
+        &["synth", "--list"],
+        &["glossary"],
+    ] {
         lines.extend(printed(arguments).into_iter().map(|line| ("printed", line)));
     }
     for command in ["list", "glossary", "info", "synth", "run", "export", "compare"] {

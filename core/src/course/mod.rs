@@ -2,6 +2,7 @@
 
 pub mod compare;
 pub mod detection;
+pub mod examples;
 pub mod glossary;
 mod registry;
 

@@ -252,7 +252,7 @@ fn description(surface: &Surface, at: [i32; 2]) -> String {
         (Some(cost), _) => format!("{} at {} is {}", surface.title, vector(at), number(cost)),
         (None, Some(_)) => format!("{} was {GIVEN_UP}", vector(at)),
         (None, None) => match untested {
-            Some(cost) => format!("{} was not tested; its {} is {}", vector(at), surface.title, number(cost)),
+            Some(cost) => format!("{}: {} {}, not tested", vector(at), surface.title, number(cost)),
             None => format!("{} is not tested yet", vector(at)),
         },
     }
@@ -476,7 +476,7 @@ mod tests {
         let joined =
             |primitive: &&Primitive| matches!(primitive, Primitive::Polyline { points, .. } if points.len() == 3);
         assert_eq!(primitives.iter().filter(joined).count(), 1, "the tested cells are joined");
-        assert_eq!(description(&surface, [-12, -8]), "(−12, −8) was not tested; its SAD is 10");
+        assert_eq!(description(&surface, [-12, -8]), "(−12, −8): SAD 10, not tested");
     }
 
     fn costs_of(primitives: &[Primitive]) -> Grid<[u8; 4]> {

@@ -3,6 +3,7 @@
 use motionscope_core::scene::Matrix;
 use motionscope_core::{Grid, fixed};
 
+use super::super::number::with_power;
 use super::super::primitive::{Anchor, Point, Rect};
 use super::super::{Color, Face, Theme};
 use super::canvas::{Canvas, Level, Type, middle, solid};
@@ -21,6 +22,10 @@ const HEAD_LETTERS: f32 = 1.9;
 /// Sizes of the type that are tried, as shares of the usual one, until all matrices fit. The largest is little larger than the
 /// usual one, so that the size hardly changes from step to step.
 const TYPE_SHARES: [f32; 11] = [1.2, 1.1, 1.0, 0.95, 0.9, 0.85, 0.8, 0.75, 0.7, 0.65, 0.6];
+/// Those that are tried first in a large area, as that of a chart that takes the place of the stage.
+const LARGE_SHARES: [f32; 3] = [1.8, 1.6, 1.4];
+/// Width of a large area, in letters.
+const LARGE_LETTERS: f32 = 40.0;
 
 /// Lays all matrices out from the upper left corner of `area` on, as many beside each other as it is wide, in the largest type
 /// in which they fit; returns where each lies. They may need more room than there is: [`Drawing::place`] tells how much.
@@ -31,7 +36,9 @@ pub fn draw(matrices: &[Matrix], area: Rect, style: ChartStyle) -> Drawing<Vec<R
         needed[0] <= size[0] && needed[1] <= size[1]
     };
     let smallest = TYPE_SHARES[TYPE_SHARES.len() - 1];
-    let share = TYPE_SHARES.into_iter().find(fits).unwrap_or(smallest);
+    let is_large = size[0] > LARGE_LETTERS * style.theme.sizes().body;
+    let large = LARGE_SHARES.into_iter().filter(|_| is_large);
+    let share = large.chain(TYPE_SHARES).find(fits).unwrap_or(smallest);
     draw_at(matrices, area, style, share)
 }
 
@@ -121,19 +128,6 @@ fn entries(matrix: &Matrix) -> Grid<String> {
 
 /// What stands in place of an entry that is nothing.
 const NOTHING: &str = "0";
-
-/// A small number with two digits and a power of ten: `−2.4·10⁻⁷`.
-fn with_power(value: f64) -> String {
-    let digits = format!("{:.1e}", value.abs());
-    let (mantissa, exponent) = digits.split_once('e').unwrap_or((&digits, "0"));
-    let sign = if value < 0.0 { "−" } else { "" };
-    format!("{sign}{mantissa}·10{}", exponent.chars().map(superscript).collect::<String>())
-}
-
-fn superscript(digit: char) -> char {
-    const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
-    digit.to_digit(10).map_or('⁻', |digit| DIGITS[digit as usize])
-}
 
 fn extent(places: &[Rect]) -> [f32; 2] {
     places.iter().fold([0.0; 2], |size, rect| [size[0].max(rect.max[0]), size[1].max(rect.max[1])])

@@ -89,6 +89,8 @@ pub struct Plot {
     pub whole: Window,
     /// Whether the axis of values has logarithms.
     pub logarithmic: bool,
+    /// Whether the values are counts, which have no parts.
+    has_counts: bool,
     small: f32,
     /// Rows above for the title and the names of the lines.
     rows: usize,
@@ -327,6 +329,7 @@ impl Plot {
             y: Axis::new(window.y, places),
             whole,
             logarithmic,
+            has_counts: series.decimals == Some(0),
             small,
             rows,
             is_named_below,
@@ -390,7 +393,7 @@ impl Plot {
 
     /// The ticks of the values, each with its place on the axis.
     fn ticks(&self) -> Vec<(f32, f32)> {
-        let smallest = if self.logarithmic { 1.0 } else { 0.0 };
+        let smallest = if self.logarithmic || self.has_counts { 1.0 } else { 0.0 };
         let value = |tick: f32| if self.logarithmic { 10f32.powf(tick) } else { tick };
         self.y.ticks(3.0 * self.small, smallest).into_iter().map(|tick| (value(tick), self.y.place(tick))).collect()
     }

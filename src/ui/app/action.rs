@@ -3,6 +3,7 @@
 use std::ffi::OsString;
 use std::sync::Arc;
 
+use motionscope_core::examples::Example;
 use motionscope_core::scene::Focus;
 use motionscope_core::synth::Sample;
 use motionscope_core::{Cursor, Pace, Value};
@@ -46,6 +47,8 @@ pub enum Action {
     Type(Command, String, bool),
     /// Open a bundled sample.
     OpenSample(&'static Sample),
+    /// Open an example of the estimator with this id.
+    OpenExample(&'static str, &'static Example),
     /// Cancel opening a clip.
     CancelOpening,
     /// Open the system's file dialog.

@@ -11,7 +11,7 @@ use crate::ui::app::action::Action;
 use crate::ui::app::commands::Command;
 use crate::ui::app::window::{App, Overlay};
 use crate::ui::dialogs::save::Kind;
-use crate::ui::dialogs::{compare, open as open_dialog, palette};
+use crate::ui::dialogs::{compare, open as open_dialog, palette, terms};
 use crate::ui::drawing::style::ZOOM;
 use crate::ui::model::document::Owner;
 use crate::ui::model::snapshot::Place;
@@ -31,6 +31,7 @@ impl App {
             }
             Action::Type(_, text, _) => self.overlay = Overlay::Open(Box::new(open_dialog::State::asking(text))),
             Action::OpenSample(sample) => self.open_sample(sample),
+            Action::OpenExample(id, example) => self.open_example(id, example),
             Action::CancelOpening => self.loading = None,
             Action::Browse(wanted) => self.browse(wanted),
             Action::Write(order) => self.write(*order),
@@ -107,7 +108,9 @@ impl App {
             }
             C::Lockstep => self.toggle_lockstep(),
             C::Samples => self.overlay = Overlay::Samples,
+            C::NextExample => self.next_example(),
             C::Palette => self.overlay = Overlay::Palette(palette::State::default()),
+            C::Glossary => self.overlay = Overlay::Glossary(terms::State::default()),
             C::Shortcuts => self.overlay = Overlay::Shortcuts,
             C::About => self.overlay = Overlay::About,
             C::Quit => self.ctx.send_viewport_cmd(ViewportCommand::Close),

@@ -49,6 +49,8 @@ commands! {
     PastePath,
     /// Show the bundled samples.
     Samples,
+    /// Open the next example of the estimator.
+    NextExample,
     /// Save the session file.
     SaveSession,
     /// Close the window.
@@ -197,6 +199,8 @@ commands! {
     ExportResult,
     /// Find a command by name.
     Palette,
+    /// Define the terms of the course.
+    Glossary,
     /// List all shortcuts.
     Shortcuts,
     /// Version, licences and sources.
@@ -427,7 +431,7 @@ impl Command {
             C::NextLayer => now.has_run && now.available.has_colors(),
             C::Streaks | C::LockScale => now.has_run && now.available.has_field(),
             C::Layer(_) => now.has_run && self.layer().is_some_and(|layer| now.available.why_never(layer).is_none()),
-            C::Open | C::PastePath | C::Samples | C::Quit => true,
+            C::Open | C::PastePath | C::Samples | C::NextExample | C::Quit => true,
             C::NextTheme | C::DarkTheme | C::LightTheme | C::ProjectorTheme => true,
             C::SmallerInterface | C::NormalInterface => true,
             C::ViridisColors | C::TurboColors => true,
@@ -437,7 +441,7 @@ impl Command {
             C::ShowParameters | C::ShowExplanation | C::ShowCharts => true,
             C::Lecture | C::FullScreen => true,
             C::ReducedMotion | C::ResetLayout | C::Slower | C::Faster => true,
-            C::Palette | C::Shortcuts | C::About => true,
+            C::Palette | C::Glossary | C::Shortcuts | C::About => true,
         }
     }
 

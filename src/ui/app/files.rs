@@ -7,6 +7,7 @@ use std::sync::mpsc::{TryRecvError, channel};
 use std::time::Instant;
 
 use eframe::egui::ViewportCommand;
+use motionscope_core::examples::{self, Example};
 use motionscope_core::synth::Sample;
 use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Info, estimator};
 
@@ -130,6 +131,36 @@ impl App {
         let left = self.document.open(clip, source, Given::default());
         self.begin(left);
         self.go_on(Cursor::default());
+    }
+
+    /// Opens an example of the estimator `id`, and says what it shows.
+    pub fn open_example(&mut self, id: &str, example: &'static Example) {
+        self.open(format!("example:{id}/{}", example.id));
+        let verdict = match example.cause {
+            Some(cause) => format!("Fails: {}.", cause.name()),
+            None => "Works.".to_owned(),
+        };
+        let instead = example.instead.and_then(|other| {
+            let name = estimator(other.id).ok()?.info().name;
+            let set: Vec<_> = other.settings.iter().map(|(name, value)| format!("{name} {value}")).collect();
+            let set = if set.is_empty() { String::new() } else { format!(" with {}", set.join(", ")) };
+            Some(format!(" Works here: {name}{set}."))
+        });
+        self.toasts.describe(format!("{}. {verdict} {}{}", example.title, example.says, instead.unwrap_or_default()));
+    }
+
+    /// Opens the example of the estimator after the one that is open, or its first one.
+    pub(super) fn next_example(&mut self) {
+        let info = self.document.estimator().info();
+        let all: Vec<_> = examples::of(info.id).collect();
+        let is_open = |example: &&Example| {
+            Session::of_example(info.id, example).is_ok_and(|session| session.experiment == *self.document.experiment())
+        };
+        let next = all.iter().position(|example| is_open(example)).map_or(0, |open| (open + 1) % all.len());
+        match all.get(next) {
+            Some(example) => self.open_example(info.id, example),
+            None => self.toasts.hint(format!("There is no example of {} yet.", info.name)),
+        }
     }
 
     /// Notes where the clip is left that is open.

@@ -11,7 +11,7 @@ use crate::experiment::side_by_side::SideBySide;
 use crate::ui::app::action::{Action, Actions, Browse};
 use crate::ui::app::commands::{Granularities, Situation};
 use crate::ui::app::keys;
-use crate::ui::dialogs::{compare, gallery, open as open_dialog, palette, save as save_dialog, sheet};
+use crate::ui::dialogs::{compare, gallery, open as open_dialog, palette, save as save_dialog, sheet, terms};
 use crate::ui::drawing::style::{self, ZOOM};
 use crate::ui::model::document::{Document, Owner};
 use crate::ui::model::loader::Loading;
@@ -36,6 +36,8 @@ pub(super) enum Overlay {
     None,
     /// The command palette.
     Palette(palette::State),
+    /// The terms of the course.
+    Glossary(terms::State),
     /// Every key.
     Shortcuts,
     /// A path to open.
@@ -329,6 +331,7 @@ impl App {
             mode: self.settings.mode.unwrap_or(Mode::Working),
             folded: self.settings.folded(),
             charts: self.charts().len(),
+            tiles: self.view.shown.as_ref().map_or(0, |shown| shown.tiles.len()),
             is_enlarged: self.settings.charts.is_enlarged,
             strip: self.states.strip.height(),
             explanation: self.states.explanation.formula_end(),
@@ -448,6 +451,7 @@ impl App {
                 actions.0.extend(chosen);
                 open
             }
+            Overlay::Glossary(state) => terms::show(ctx, state),
             Overlay::Shortcuts => sheet::shortcuts(ctx, &self.granularities(), theme),
             Overlay::Open(state) => open_dialog::show(ctx, state, &self.settings.recent, actions),
             Overlay::Save(state) => save_dialog::show(ctx, state, self.granularities(), actions),

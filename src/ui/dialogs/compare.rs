@@ -134,7 +134,7 @@ pub fn show(ctx: &egui::Context, state: &mut State, document: &Document, theme: 
         }
         state.is_choosing |= state.chosen.is_empty();
         if state.is_choosing {
-            choice::choice(ui, state);
+            visited |= choice::choice(ui, state, actions);
         } else {
             visited |= summary(ui, state, actions);
         }

@@ -8,3 +8,4 @@ pub mod palette;
 pub mod path;
 pub mod save;
 pub mod sheet;
+pub mod terms;

@@ -7,7 +7,8 @@ use eframe::egui::{
     WidgetInfo, vec2,
 };
 use lucide_icons::Icon;
-use motionscope_core::{AnyEstimator, estimators, synth};
+use motionscope_core::examples::{self, Cause};
+use motionscope_core::{AnyEstimator, estimator, estimators, synth};
 
 use super::fuzzy;
 use crate::paint::{FlowLayer, Theme};
@@ -180,6 +181,7 @@ fn tags(command: Command) -> &'static str {
         }
         C::Layer(FlowLayer::Model(_)) => "model quantity background variance sigma layer overlay",
         C::Layer(_) => "flow colour layer overlay motion",
+        C::Glossary => "definition term meaning",
         C::Shortcuts => "keys help",
         _ => "",
     }
@@ -215,13 +217,22 @@ fn entries(input: &Input) -> Vec<Entry> {
         let (tip, about, keys) = (String::new(), sample.teaches.to_owned(), String::new());
         Entry { icon: Icon::Film, text, tip, also: sample.id, about, keys, action }
     });
+    let examples = examples::examples().flat_map(|example| example.of.iter().map(move |id| (*id, example)));
+    let examples = examples.filter_map(|(id, example)| {
+        let text = format!("Example: {}", example.title);
+        let tip = estimator(id).ok()?.info().name.to_owned();
+        let cause = example.cause.map_or("works", Cause::name);
+        let (about, keys) = (format!("{tip} {cause} {}", example.says), String::new());
+        let action = Action::OpenExample(id, example);
+        Some(Entry { icon: Icon::Lightbulb, text, tip, also: id, about, keys, action })
+    });
     let recent = input.recent.iter().map(|path| {
         let text = format!("Open {}", widgets::elide(&path.display().to_string(), 56));
         let action = Action::Open(path.into());
         let (tip, about, keys) = (String::new(), "recent file".to_owned(), String::new());
         Entry { icon: Icon::History, text, tip, also: "", about, keys, action }
     });
-    commands.chain(estimators).chain(samples).chain(recent).collect()
+    commands.chain(estimators).chain(samples).chain(examples).chain(recent).collect()
 }
 
 #[cfg(test)]

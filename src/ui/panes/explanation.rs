@@ -290,6 +290,8 @@ pub struct Strip {
 
 /// Sizes of the strip's type that are tried until all of it is seen: 18 points on a projector.
 const TYPE_SHARES: [f32; 3] = [1.0, 0.93, 0.86];
+/// The size that is tried first in the themes whose usual type is smaller: a lecture on any screen is read from afar.
+const LARGE_SHARE: f32 = 1.25;
 /// Those for what is too long even with its formula in numbers alone.
 const SMALL_SHARES: [f32; 2] = [0.8, 0.74];
 /// Most lines of a formula that always stand below each other: a short one is read across otherwise.
@@ -367,7 +369,8 @@ fn strip_parts(painter: &Painter, input: Input<'_>, (width, room): (f32, StripRo
     let at = |share: &f32| Density { words: share * usual.words, math: share * usual.math, ..usual };
     let formula = explanation::equation_of(input.step);
     let brief = in_numbers(formula);
-    let whole = TYPE_SHARES.iter().map(|share| (share, formula));
+    let large = (input.theme != Theme::Projector).then_some((&LARGE_SHARE, formula));
+    let whole = large.into_iter().chain(TYPE_SHARES.iter().map(|share| (share, formula)));
     let shorter = TYPE_SHARES.iter().filter(|_| brief.len() < formula.len()).chain(&SMALL_SHARES);
     let mut columns = Vec::new();
     for (share, formula) in whole.chain(shorter.map(|share| (share, &brief[..]))) {

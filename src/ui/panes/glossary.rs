@@ -74,15 +74,20 @@ pub fn sense(ui: &Ui, salt: &str, links: &[Link], by: Vec2) {
     }
 }
 
-/// A term with its definition and the chapter that introduces it.
-pub fn define(ui: &mut Ui, term: &Term) {
-    ui.set_max_width(WIDTH * ui.text_style_height(&eframe::egui::TextStyle::Body));
+/// A term with its definition.
+pub fn entry(ui: &mut Ui, term: &Term) {
     let name = match term.symbol {
         Some(symbol) => format!("{}  {symbol}", capitalized(term.name)),
         None => capitalized(term.name),
     };
     ui.label(ink::scripted(ui, &name, RichText::strong));
     ui.label(ink::scripted(ui, term.definition, |words| words));
+}
+
+/// A term with its definition and the chapter that introduces it.
+pub fn define(ui: &mut Ui, term: &Term) {
+    ui.set_max_width(WIDTH * ui.text_style_height(&eframe::egui::TextStyle::Body));
+    entry(ui, term);
     ui.label(RichText::new(term.chapter.title()).weak().small());
 }
 

@@ -99,6 +99,8 @@ pub struct Room {
     pub folded: Folded,
     /// How many charts the step has.
     pub charts: usize,
+    /// How many estimators share the stage.
+    pub tiles: usize,
     /// Whether a chart takes the place of the stage.
     pub is_enlarged: bool,
     /// The most height that the strip has needed so far, in points.
@@ -163,6 +165,10 @@ const STRIP_GROWTH: f32 = 0.1;
 /// width there: the chart keeps its share of the window.
 const WIDE: f32 = 1.4;
 const STRIP_COLUMN: f32 = 0.32;
+/// Share of the chart beside the stage, and where this many estimators share the stage.
+const CHART_SHARE: f32 = 0.42;
+const CHART_BESIDE_TILES: f32 = 0.3;
+const MANY_TILES: usize = 3;
 /// Between two panes.
 const GAP: f32 = 1.0;
 /// Half the width of a border for the pointer.
@@ -277,7 +283,7 @@ impl Room {
         if self.columns() > 0 {
             let is_tall = rest.height() > 0.9 * rest.width();
             let extent = if is_tall { rest.height() } else { rest.width() };
-            let usual = 0.42 * extent;
+            let usual = if self.tiles >= MANY_TILES { CHART_BESIDE_TILES } else { CHART_SHARE } * extent;
             let length = within(usual * self.shares.charts, 0.25 * extent, 0.6 * extent);
             let (first, second) = if is_tall {
                 split_y(rest, rest.height() - length - GAP)
@@ -431,6 +437,7 @@ mod tests {
             mode: Mode::of(size, type_pt, is_lecture),
             folded: Folded { parameters: true, ..Folded::default() },
             charts: 3,
+            tiles: 0,
             is_enlarged: false,
             strip: 6.0 * type_pt,
             explanation: 0.0,

@@ -100,6 +100,10 @@ fn place(shown: &Snapshot, totals: bool) -> Vec<(&'static str, String)> {
             let coarsest = if totals { format!(" ({} is the coarsest)", of - 1) } else { String::new() };
             Some((LEVEL, format!("level {}{coarsest}", of - 1 - granularity.index)))
         }
+        // Counted, where all others are named by their number in the clip.
+        (FRAME, Some(of)) if totals => {
+            Some((FRAME, format!("{} of {} frames", grouped(granularity.index + 1), grouped(of))))
+        }
         (name, of) => Some((name, counted(name, granularity.index + 1, of.filter(|_| totals)))),
     };
     all.filter_map(part).collect()

@@ -243,7 +243,15 @@ fn items(ui: &mut Ui, menu: Menu, input: &Input, actions: &mut Actions) {
 
 fn all_items(ui: &mut Ui, menu: Menu, input: &Input, actions: &mut Actions) {
     let listed = |command: &Command| command.info().menu == menu && command.is_listed(&input.granularities);
-    let commands: Vec<Command> = Command::ALL.iter().copied().filter(listed).collect();
+    let mut commands: Vec<Command> = Command::ALL.iter().copied().filter(listed).collect();
+    // What lies in one submenu stands together, where its first command does.
+    let all = commands.clone();
+    let first = |command: &Command| {
+        let is_with = |other: &Command| section(*other) == section(*command) && other.submenu() == command.submenu();
+        let of_submenu = command.submenu().and_then(|_| all.iter().position(is_with));
+        of_submenu.or_else(|| all.iter().position(|other| other == command))
+    };
+    commands.sort_by_key(|command| (all.iter().position(|other| section(*other) == section(*command)), first(command)));
     for (index, group) in commands.chunk_by(|a, b| section(*a) == section(*b)).enumerate() {
         if index > 0 {
             ui.separator();

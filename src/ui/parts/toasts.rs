@@ -7,8 +7,10 @@ use super::widgets;
 use crate::paint::Theme;
 use crate::ui::drawing::style;
 
-/// How long a message stays, in seconds; errors stay longer.
+/// How long a message stays at least, in seconds; errors stay longer.
 const STAY_SECS: f64 = 6.0;
+/// How long a letter takes to be read.
+const LETTER_SECS: f64 = 0.07;
 
 /// One message.
 struct Toast {
@@ -27,6 +29,8 @@ enum Kind {
     Done,
     /// Something can be done.
     Hint,
+    /// What was opened shows this.
+    Description,
     /// Something could not be done.
     Error,
 }
@@ -56,6 +60,12 @@ impl Toasts {
         self.0.push(Toast { text: text.into(), kind: Kind::Hint, is_introduction: false, until: None });
     }
 
+    /// Describes what was opened, in the place of what was described before.
+    pub fn describe(&mut self, text: impl Into<String>) {
+        self.0.retain(|toast| toast.kind != Kind::Description);
+        self.0.push(Toast { text: text.into(), kind: Kind::Description, is_introduction: false, until: None });
+    }
+
     /// The newest message.
     pub fn last(&self) -> Option<&str> {
         self.0.iter().rfind(|toast| !toast.is_introduction).map(|toast| toast.text.as_str())
@@ -65,7 +75,8 @@ impl Toasts {
     pub fn show(&mut self, ctx: &egui::Context, corner: egui::Pos2, theme: Theme) {
         let now = ctx.input(|i| i.time);
         for toast in &mut self.0 {
-            let stay = if toast.kind == Kind::Error { 2.0 * STAY_SECS } else { STAY_SECS };
+            let read = STAY_SECS.max(LETTER_SECS * toast.text.chars().count() as f64);
+            let stay = if toast.kind == Kind::Error { 2.0 * read } else { read };
             toast.until.get_or_insert(now + stay);
         }
         self.0.retain(|toast| toast.until.is_none_or(|until| now < until));
@@ -80,7 +91,7 @@ impl Toasts {
             for (index, toast) in self.0.iter().enumerate() {
                 let (glyph, ink) = match toast.kind {
                     Kind::Error => (Icon::TriangleAlert, chrome.error),
-                    Kind::Hint => (Icon::Lightbulb, chrome.accent),
+                    Kind::Hint | Kind::Description => (Icon::Lightbulb, chrome.accent),
                     Kind::Done => (Icon::CircleCheck, chrome.accent),
                 };
                 let fill = style::color(chrome.raised);

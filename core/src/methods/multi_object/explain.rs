@@ -159,6 +159,7 @@ pub(crate) fn series(run: &TrackerRun) -> Option<Readout> {
         y_label: "number per frame",
         x_max,
         lines,
+        decimals: Some(0),
         ..Series::default()
     };
     (frames.len() > 1).then_some(Readout::Series(series))

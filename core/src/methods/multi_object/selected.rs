@@ -6,10 +6,12 @@ use crate::data::Clip;
 use crate::geometry::Bounds;
 use crate::methods::numbers::{px, ratio};
 use crate::products::{Object, ObjectFrame, TrackStatus};
-use crate::scene::{Fact, Role, Sentence};
+use crate::scene::{Fact, Picture, Role, Scene, Sentence, Shape};
 
 /// A track that ended is found at its places of so many frames.
 const RECENT_FRAMES: usize = 40;
+/// Between the box of a track and the frame that marks it as selected, in px.
+const AROUND_PX: f32 = 3.0;
 
 /// A track, and what is known of it so far.
 pub(crate) struct Selected {
@@ -68,6 +70,16 @@ impl Selected {
     fn speed(&self) -> Option<f64> {
         let [first, last] = self.frames;
         (last > first).then(|| self.length_px / (last - first) as f64)
+    }
+
+    /// Draws a frame around the box of the track, if it is in the last finished frame.
+    pub fn draw(&self, scene: &mut Scene) {
+        if self.is_live {
+            let Bounds { min, max } = self.last.bounds;
+            let shape = Shape::Rect { min: min.map(|c| c - AROUND_PX), max: max.map(|c| c + AROUND_PX) };
+            scene.mark(Picture::CURRENT, Role::Reference, shape);
+            scene.legend(Role::Reference, "selected track");
+        }
     }
 
     /// Returns the track in words.

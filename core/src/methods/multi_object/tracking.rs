@@ -127,6 +127,9 @@ impl<T: MultiTracker> Estimator for MultiTracking<T> {
 
     fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
         self.0.draw(seen, scene);
+        if let Some(selected) = selected(seen) {
+            selected.draw(scene);
+        }
     }
 
     fn causal(&self, state: &Self::State) -> Option<Output> {

@@ -64,6 +64,13 @@ impl Command {
                 "Choose a bundled clip; each shows one effect, such as occlusion or the aperture problem.",
                 const { &[ctrl(Key::N)] },
             ),
+            C::NextExample => (
+                Menu::File,
+                Icon::Lightbulb,
+                "Next example",
+                "Open a clip on which this estimator works, and with each further press one on which it fails, with the reason.",
+                const { &[key(Key::E)] },
+            ),
             C::SaveSession => (
                 Menu::File,
                 Icon::Save,
@@ -448,6 +455,13 @@ impl Command {
                 "Find a command…",
                 "Find a command or setting by a few letters.",
                 const { &[ctrl(Key::K)] },
+            ),
+            C::Glossary => (
+                Menu::Help,
+                Icon::BookOpen,
+                "Glossary…",
+                "Define the terms of the course, by chapter.",
+                const { &[key(Key::D)] },
             ),
             C::Shortcuts => (
                 Menu::Help,

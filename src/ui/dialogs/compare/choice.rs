@@ -3,13 +3,15 @@
 use eframe::egui::{Button, RichText, TextEdit, TextStyle, Ui, vec2};
 use motionscope_core::{Info, estimators};
 
-use super::{MOST, State};
+use super::{MOST, State, step_by_step};
+use crate::ui::app::action::Actions;
 
-/// Chooses the estimators.
-pub fn choice(ui: &mut Ui, state: &mut State) {
+/// Chooses the estimators; returns whether they are to go in lockstep.
+pub fn choice(ui: &mut Ui, state: &mut State, actions: &mut Actions) -> bool {
     let all: Vec<&'static Info> = estimators().iter().map(|estimator| estimator.info()).collect();
     let is_full = state.chosen.len() >= MOST;
     let count = RichText::new(format!("{} of {MOST}", state.chosen.len())).small().weak();
+    let mut taken = false;
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = vec2(4.0, 4.0);
         let infos = state.chosen.iter().filter_map(|id| all.iter().find(|info| info.id == *id));
@@ -25,6 +27,7 @@ pub fn choice(ui: &mut Ui, state: &mut State) {
         if ui.button("Done").on_hover_text("Give the results the room.").clicked() {
             state.is_choosing = false;
         }
+        taken = step_by_step(ui, state, actions);
     });
     families(ui, state, &all);
     let wanted = state.wanted.to_lowercase();
@@ -46,6 +49,7 @@ pub fn choice(ui: &mut Ui, state: &mut State) {
             }
         }
     });
+    taken
 }
 
 /// Chooses the family that is offered, or searches in all of them.

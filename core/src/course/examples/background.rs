@@ -1,0 +1,31 @@
+//! Examples of background subtraction.
+
+use super::{Cause, Example, Limit};
+
+pub(super) const EXAMPLES: &[Example] = &[
+    Example {
+        id: "works",
+        title: "A camera at rest",
+        of: &["running-average", "mixture-of-gaussians", "frame-difference"],
+        cause: None,
+        clip: "traffic",
+        settings: &[],
+        frame: 0,
+        says: "The background stays as it is, so a pixel unlike it belongs to an object.",
+        claim: ("mask_f1", Limit::AtLeast(0.8)),
+        instead: None,
+    },
+    Example {
+        id: "camera-motion",
+        title: "A camera held by hand",
+        of: &["running-average", "mixture-of-gaussians", "frame-difference"],
+        cause: Some(Cause::CameraMotion),
+        clip: "hand-held",
+        settings: &[],
+        frame: 0,
+        says: "The model of a pixel is that of a place in the scene, and the camera turns away from it. The motion of the camera has to be \
+               estimated first.",
+        claim: ("mask_f1", Limit::AtMost(0.6)),
+        instead: None,
+    },
+];

@@ -1,0 +1,82 @@
+//! What the examples claim, measured: where an estimator works, where it fails, and what works instead.
+
+use motionscope_core::examples::{self, Example, Settings};
+use motionscope_core::products::Reference;
+use motionscope_core::{AnyEstimator, Clip, Params, Threads, estimator, estimators, synth};
+
+/// The clip of an example.
+fn clip(example: &Example) -> Clip {
+    let mut parts = example.clip.split(',');
+    let scene = synth::scene(parts.next().expect("a scene")).expect("a scene of the generator");
+    let mut difficulty = scene.difficulty();
+    for part in parts {
+        let (name, value) = part.split_once('=').expect("NAME=VALUE");
+        difficulty.set(name, value).expect("a slider in range");
+    }
+    scene.clip(&difficulty).expect("a clip")
+}
+
+/// The value of the measure `key` of a run of the estimator `id`.
+fn measured(id: &str, settings: Settings, example: &Example, key: &str) -> f64 {
+    let mut estimator = estimator(id).expect("an estimator");
+    settings.iter().for_each(|(name, value)| estimator.set(name, value).expect("a parameter in range"));
+    let (clip, threads) = (clip(example), Threads::single());
+    let output = estimator.run(&clip, example.frame, &threads).expect("a run");
+    let assessment = output.assess(&Reference { clip: &clip, frame: example.frame }).expect("an assessment");
+    let score = assessment.scores.iter().find(|score| score.measure.key == key);
+    let value = score.and_then(|score| score.value.real());
+    value.unwrap_or_else(|| panic!("{id} on {} has no {key}", example.clip))
+}
+
+fn check(family: impl Fn(&dyn AnyEstimator) -> bool) {
+    let mut count = 0;
+    for example in examples::examples() {
+        for id in example.of.iter().filter(|id| family(&*estimator(id).expect("an estimator"))) {
+            let (key, limit) = example.claim;
+            let value = measured(id, example.settings, example, key);
+            assert!(limit.holds(value), "{id}, {}: {key} {value} is not {limit:?}", example.id);
+            count += 1;
+        }
+        let Some(other) = example.instead.filter(|_| family(&*estimator(example.of[0]).expect("an estimator"))) else {
+            continue;
+        };
+        let value = measured(other.id, other.settings, example, example.claim.0);
+        assert!(other.limit.holds(value), "{} instead, {}: {value} is not {:?}", other.id, example.id, other.limit);
+    }
+    assert!(count > 0, "none was checked");
+}
+
+#[test]
+fn what_block_matching_shows() {
+    check(|estimator| estimator.info().family == estimator_family("full-search"));
+}
+
+#[test]
+fn what_optical_flow_shows() {
+    check(|estimator| estimator.info().family == estimator_family("horn-schunck"));
+}
+
+#[test]
+fn what_all_others_show() {
+    let checked = [estimator_family("full-search"), estimator_family("horn-schunck")];
+    check(|estimator| !checked.contains(&estimator.info().family));
+}
+
+fn estimator_family(id: &str) -> &'static str {
+    estimator(id).expect("an estimator").info().family
+}
+
+#[test]
+fn examples_have_names_of_their_own_and_say_the_cause_of_a_failure() {
+    for estimator in estimators() {
+        let all: Vec<_> = examples::of(estimator.info().id).collect();
+        let mut ids: Vec<_> = all.iter().map(|example| example.id).collect();
+        ids.sort_unstable();
+        ids.dedup();
+        assert_eq!(ids.len(), all.len(), "{}", estimator.info().id);
+        if let Some(first) = all.first() {
+            assert!(!first.is_failure(), "{}: the first example is one where it works", estimator.info().id);
+            assert!(all.iter().any(|example| example.is_failure()), "{}: none fails", estimator.info().id);
+        }
+    }
+}
