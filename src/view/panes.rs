@@ -7,8 +7,8 @@ use motionscope_core::scene::{Chart, Diagram, Distribution, Plane, Readout, Regi
 use motionscope_core::{AnyEstimator, DenseField, Error, Info, Product, Step};
 
 use crate::paint::charts::{
-    ChartStyle, Orbit, diagram, distribution, explanation, heat_map, histogram, matrices, plane, regions, relief, series, stack,
-    tiles,
+    ChartStyle, Orbit, diagram, distribution, explanation, heat_map, histogram, matrices, plane, regions, relief,
+    series, stack, tiles,
 };
 use crate::paint::primitive::Rect;
 use crate::paint::{Layer, LevelShown};

@@ -99,8 +99,7 @@ mod tests {
 
     #[test]
     fn lines_nodes_and_words_stand_at_their_places() {
-        let line =
-            DiagramLine { role: Role::Best, width: 2.0, is_faded: false, points: vec![[0.0, 0.0], [10.0, 5.0]] };
+        let line = DiagramLine { role: Role::Best, width: 2.0, is_faded: false, points: vec![[0.0, 0.0], [10.0, 5.0]] };
         let diagram = Diagram {
             title: "Tree of hypotheses",
             size: [10.0, 5.0],
