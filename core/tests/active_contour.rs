@@ -445,7 +445,7 @@ fn gradient_vector_flow_attracts_from_farther_than_the_gradient() {
     // 9 px from the edge, and no internal energy that contracts the contour.
     let (clip, start) = (plain(12.0), circle([31.0, 27.0], 21.0));
     let overlap = |force: &str| {
-        let own = [("contour", start.as_str()), ("force", force), ("min-edge", "0")];
+        let own = [("contour", start.as_str()), ("force", force), ("min-edge-strength", "0")];
         let settings = [("alpha", "0"), ("beta", "0"), ("epsilon", "0.001")];
         let estimator = set("active-contour", &[own, settings].concat());
         overlaps(&*estimator, &clip, |_| ([31.0, 27.0], 12.0), 1)[0]

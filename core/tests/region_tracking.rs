@@ -386,6 +386,10 @@ fn regions_without_pixels_are_refused_and_flat_ones_are_told() {
         let estimator = set(id, &[("region", "20,15,40,35")]);
         let phrase = if id == "correlation-filter" { "without texture" } else { "flat region in one bin" };
         assert!(!steps(&*estimator, &clip, phrase).is_empty(), "{id} says nothing of a flat region");
+        if id == "mean-shift" {
+            let told = steps(&*estimator, &clip, "nothing distinguishes this position");
+            assert_eq!(told.len(), 3, "one for each frame after the first");
+        }
         let expected = Region::from(Bounds { min: [20.0, 15.0], max: [40.0, 35.0] });
         let field = run(&*estimator, &clip);
         match id {

@@ -3,12 +3,12 @@
 use std::fmt;
 use std::str::FromStr;
 
-use motionscope_core::scene::{Chart, Distribution, Plane, Readout, Regions, Series, Surface};
+use motionscope_core::scene::{Chart, Diagram, Distribution, Plane, Readout, Regions, Series, Surface};
 use motionscope_core::{AnyEstimator, DenseField, Error, Info, Product, Step};
 
 use crate::paint::charts::{
-    ChartStyle, Orbit, distribution, explanation, heat_map, histogram, matrices, plane, regions, relief, series, stack,
-    tiles,
+    ChartStyle, Orbit, diagram, distribution, explanation, heat_map, histogram, matrices, plane, regions, relief,
+    series, stack, tiles,
 };
 use crate::paint::primitive::Rect;
 use crate::paint::{Layer, LevelShown};
@@ -158,6 +158,21 @@ pub const REGIONS: Pane = Pane {
     },
 };
 
+/// A drawing of lines and nodes.
+pub const DIAGRAM: Pane = Pane {
+    id: "diagram",
+    title: "Diagram",
+    doc: "the tree of hypotheses, or the wheel of a resampling",
+    when: "when hypotheses branch or particles are drawn anew",
+    chart: Some(Chart::Diagram),
+    is_available: |step| find(step, a_diagram).is_some(),
+    room: |_, size, style| letters(size, [28.0, 19.0], style),
+    draw: |content, area, style| {
+        let draw = |diagram| diagram::draw(diagram::Shown { diagram, whose: content.info.name }, area, style);
+        find(content.step, a_diagram).map(|found| draw(found).into_layers()).unwrap_or_default()
+    },
+};
+
 /// Plots of quantities over the steps.
 pub const SERIES: Pane = Pane {
     id: "series",
@@ -273,13 +288,14 @@ pub const PYRAMID: Pane = Pane {
 };
 
 /// All panes, in the order in which they are offered.
-pub static PANES: [&Pane; 12] = [
+pub static PANES: [&Pane; 13] = [
     &STAGE,
     &EXPLANATION,
     &SURFACE,
     &SURFACE_3D,
     &PLANE,
     &REGIONS,
+    &DIAGRAM,
     &SERIES,
     &TILES,
     &MATRICES,
@@ -406,6 +422,10 @@ fn a_plane(readout: &Readout) -> Option<&Plane> {
 
 fn some_regions(readout: &Readout) -> Option<&Regions> {
     if let Readout::Regions(regions) = readout { Some(regions) } else { None }
+}
+
+fn a_diagram(readout: &Readout) -> Option<&Diagram> {
+    if let Readout::Diagram(diagram) = readout { Some(diagram) } else { None }
 }
 
 /// Returns the quantities that have values: the others are no plots yet.

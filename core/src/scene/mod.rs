@@ -2,6 +2,7 @@
 //!
 //! A scene is data. Painters (window, PNG, SVG) choose colours, dashes and halos by [`Role`].
 
+mod diagram;
 mod levels;
 mod marks;
 mod picture;
@@ -12,6 +13,7 @@ mod role;
 mod sentence;
 mod step;
 
+pub use diagram::{Diagram, DiagramLine, Node, Words};
 pub use levels::{Floor, Level, Levels, Stack};
 pub use marks::{Arrow, Link, Mark, Scene, Shape, arrow_spacing};
 pub use picture::{Canvas, Focus, Picture, PictureRole, Pixels, Viewpoint};

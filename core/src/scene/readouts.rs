@@ -1,6 +1,6 @@
 //! The contents beside the stage: equations, tables and charts, as data.
 
-use super::{Math, Role, Stack};
+use super::{Diagram, Math, Role, Stack};
 use crate::data::Histogram;
 use crate::geometry::Grid;
 
@@ -21,6 +21,8 @@ pub enum Readout {
     Plane(Plane),
     /// The regions of a decision in the plane of two quantities.
     Regions(Regions),
+    /// A drawing of lines and nodes, such as a tree.
+    Diagram(Diagram),
     /// The histogram of displacements.
     Histogram(Histogram),
     /// The distribution of a quantity.
@@ -44,6 +46,8 @@ pub enum Chart {
     Plane,
     /// [`Readout::Regions`].
     Regions,
+    /// [`Readout::Diagram`].
+    Diagram,
     /// [`Readout::Histogram`].
     Histogram,
     /// [`Readout::Stack`].
@@ -60,6 +64,7 @@ impl Chart {
         Chart::Surface,
         Chart::Plane,
         Chart::Regions,
+        Chart::Diagram,
         Chart::Histogram,
         Chart::Stack,
         Chart::Matrices,
@@ -76,6 +81,7 @@ impl Readout {
             Readout::Surface(_) => Some(Chart::Surface),
             Readout::Plane(_) => Some(Chart::Plane),
             Readout::Regions(_) => Some(Chart::Regions),
+            Readout::Diagram(_) => Some(Chart::Diagram),
             Readout::Histogram(_) => Some(Chart::Histogram),
             Readout::Stack(_) => Some(Chart::Stack),
             Readout::Matrices(_) => Some(Chart::Matrices),

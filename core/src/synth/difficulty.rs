@@ -22,6 +22,9 @@ crate::params! {
         repeating_texture: f32 = 0.0, 0.0..=100.0, "%";
         /// Period of the repeating pattern.
         period: u32 = 16, 4..=64, "px";
+        /// Share of the background behind moving objects that is covered by patches with their colours and texture: clutter of like colour.
+        /// No effect in scenes without objects.
+        clutter: f32 = 0.0, 0.0..=100.0, "%";
         /// Multiplicative brightness change per frame (negative: darker), over four frames; over the next four it reverses.
         gain: f32 = 0.0, -10.0..=10.0, "%/frame";
         /// Additive brightness change per frame, over four frames; over the next four it reverses.

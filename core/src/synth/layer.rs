@@ -2,9 +2,10 @@
 
 use super::Setting;
 use super::difficulty::Difficulty;
-use super::maths::cos;
+use super::maths::{cos, floor};
 use super::motion::{Affine, Motion, grown};
 use super::path::Path;
+use super::random::{lattice, part};
 use super::shape::{Point, Shape, length};
 use super::texture::{Rgb, Spot, mix, smooth};
 
@@ -178,12 +179,12 @@ impl Moment<'_> {
     pub fn color(&self, p: Point) -> Rgb {
         let mut color = [0.0; 3];
         let mut left = 1.0;
-        for placed in self.layers.iter().filter(|placed| placed.may_reach(p)) {
+        for (index, placed) in self.layers.iter().enumerate().filter(|(_, placed)| placed.may_reach(p)) {
             let [x, y] = placed.back(p);
             let spot = Spot { x, y, pixel: placed.pixel };
             let cover = left * spot.cover(placed.layer.shape.inside([x, y]));
             if cover > 0.0 {
-                let own = painted(placed.layer.plain, &placed.layer.paint, spot, self.difficulty);
+                let own = self.surface(index, spot);
                 color = std::array::from_fn(|c| color[c] + cover * own[c]);
                 left -= cover;
             }
@@ -192,6 +193,34 @@ impl Moment<'_> {
             }
         }
         color
+    }
+
+    /// The colour of a layer at a spot, with the clutter on the rearmost one.
+    fn surface(&self, index: usize, spot: Spot) -> Rgb {
+        let layer = self.layers[index].layer;
+        let own = painted(layer.plain, &layer.paint, spot, self.difficulty);
+        if self.difficulty.clutter > 0.0 && index + 1 == self.layers.len() { self.cluttered(own, spot) } else { own }
+    }
+
+    /// The colour of the background with patches of the objects' colours and texture.
+    fn cluttered(&self, own: Rgb, spot: Spot) -> Rgb {
+        /// Side of a patch in units of the scene.
+        const SIDE: f64 = 20.0;
+        let d = self.difficulty;
+        let cell = [spot.x, spot.y].map(|c| floor(c / SIDE));
+        let patch = lattice(d.seed.wrapping_add(900), cell[0], cell[1]);
+        let count = self.layers.iter().filter(|placed| placed.layer.object.is_some()).count();
+        if part(patch, 0) >= f64::from(d.clutter) / 100.0 || count == 0 {
+            return own;
+        }
+        let number = ((part(patch, 1) * count as f64) as usize).min(count - 1);
+        let object = self.layers.iter().filter(|placed| placed.layer.object.is_some()).nth(number);
+        let Some(Placed { layer, .. }) = object else { return own };
+        // About the middle of the object, where all objects have their surface.
+        let [x, y] = [spot.x - f64::from(cell[0]) * SIDE, spot.y - f64::from(cell[1]) * SIDE];
+        let inside = x.min(SIDE - x).min(y.min(SIDE - y));
+        let place = Spot { x: x - SIDE / 2.0, y: y - SIDE / 2.0, ..spot };
+        mix(own, painted(layer.plain, &layer.paint, place, d), spot.cover(inside))
     }
 
     /// Number of the foremost layer whose outline holds `p`.

@@ -105,6 +105,11 @@ impl Texts {
                 regions.names.iter().for_each(|(name, _)| self.add("plot", name));
                 regions.boundaries.iter().for_each(|(name, ..)| self.add("plot", name));
             }
+            Readout::Diagram(diagram) => {
+                self.add("plot", diagram.title);
+                self.add("plot", &diagram.summary);
+                diagram.words.iter().for_each(|words| self.add("plot", &words.text));
+            }
             Readout::Histogram(histogram) => self.add("plot", histogram.of),
             Readout::Distribution(distribution) => {
                 self.add("plot", &format!("{} [{}]", distribution.title, distribution.unit));

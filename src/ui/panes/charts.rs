@@ -11,7 +11,7 @@ use crate::ui::app::action::Action;
 use crate::ui::app::commands::Command;
 use crate::ui::charts::heat_map::Clicked;
 use crate::ui::charts::{
-    distribution, heat_map, histogram, matrices, plane, plots, regions, stack3d, surface3d, tiles,
+    diagram, distribution, heat_map, histogram, matrices, plane, plots, regions, stack3d, surface3d, tiles,
 };
 use crate::ui::drawing::chart::Subject;
 use crate::ui::parts::widgets;
@@ -183,6 +183,9 @@ impl Panes<'_> {
                 }
                 Readout::Regions(regions) if *pane == panes::REGIONS => {
                     regions::show(ui, regions::Input { regions, subject }, &mut self.states.regions);
+                }
+                Readout::Diagram(drawing) if *pane == panes::DIAGRAM => {
+                    diagram::show(ui, (drawing, subject), &mut self.states.diagram);
                 }
                 Readout::Tiles(tiles) if *pane == panes::TILES => {
                     let is_centered = !estimator.tests_candidates();

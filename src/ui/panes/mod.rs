@@ -32,7 +32,7 @@ use super::parts::widgets;
 use crate::ui::app::action::{Action, Actions, Side};
 use crate::ui::app::commands::Command;
 use crate::ui::charts::{
-    distribution, heat_map, histogram, matrices, plane, plots, regions, stack3d, surface3d, tiles,
+    diagram, distribution, heat_map, histogram, matrices, plane, plots, regions, stack3d, surface3d, tiles,
 };
 use crate::ui::drawing::style;
 use crate::ui::stage;
@@ -84,6 +84,9 @@ pub struct States {
     /// The regions of a decision.
     #[serde(skip)]
     pub regions: regions::State,
+    /// A drawing of lines and nodes.
+    #[serde(skip)]
+    pub diagram: diagram::State,
     /// Quantities over steps.
     #[serde(skip)]
     pub plots: plots::State,

@@ -51,6 +51,7 @@ params! {
         /// Mean displacement of the points in an iteration below which the contour has converged.
         epsilon: f32 = 0.01, 0.001..=1.0, "px";
     }
+    renamed { "sigma-px" => "sigma", "min-edge" => "min-edge-strength" }
     advanced { "gamma", "mu", "diffusions", "epsilon" }
     when {
         "mu": |p| p.force == External::Flow, "Regularisation has no effect on the gradient of the edge strength, which is not diffused.";
@@ -208,7 +209,7 @@ pseudocode! {
     FIND_EDGES: "  f ← |∇(G_σ * I)| / its maximum in the window around v; F ← ∇f",
     DIFFUSE: "  if gradient vector flow: F ← g after steps g ← g + μ ∇²g − |∇f|² (g − ∇f) from g = ∇f, scaled",
     SOLVE: "  repeat: v ← (A + γ I)⁻¹ (γ v + κ F(v) + p ∂area/∂v), until the mean displacement < ε",
-    JUDGE: "  lost if the mean f on v < min-edge, or v has collapsed or crosses itself",
+    JUDGE: "  lost if the mean f on v < min-edge-strength, or v has collapsed or crosses itself",
     MOVE: "  the mask is the inside of v, the region the box around it, unless the object is lost",
 }
 

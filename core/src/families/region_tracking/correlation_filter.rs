@@ -31,7 +31,7 @@ params! {
         /// from, but learns more of the background.
         window_scale: f32 = 2.5, 1.0..=4.0;
         /// Standard deviation of the Gaussian that the filter is to answer with.
-        sigma_px: f32 = 2.0, 0.5..=10.0, "px";
+        sigma: f32 = 2.0, 0.5..=10.0, "px";
         /// Share η of the newest frame in the filter. Large values follow changes of appearance, and drift more.
         learning_rate: f32 = 0.125, 0.0..=1.0;
         /// Peak-to-sidelobe ratio below which the object is lost: the region stays, and the filter is not updated.
@@ -44,7 +44,8 @@ params! {
         /// Random seed of these copies. The same seed gives the same copies.
         seed: u32 = 1, 0..=9999;
     }
-    advanced { "sigma-px", "seed" }
+    renamed { "sigma-px" => "sigma" }
+    advanced { "sigma", "seed" }
     when {
         "rotation": |p| p.perturbations > 0, "Rotation has no effect without perturbations.";
         "seed": |p| p.perturbations > 0, "The seed has no effect without perturbations.";
@@ -300,7 +301,7 @@ impl CorrelationFilter {
         let middle = [width / 2, height / 2];
         let gaussian = |i: usize| {
             let [dx, dy] = [(i % width) as f32 - middle[0] as f32, (i / width) as f32 - middle[1] as f32];
-            (-(dx * dx + dy * dy) / (2.0 * self.sigma_px * self.sigma_px)).exp()
+            (-(dx * dx + dy * dy) / (2.0 * self.sigma * self.sigma)).exp()
         };
         let target = transform.forward(&(0..width * height).map(gaussian).collect::<Vec<_>>());
         Fixed {

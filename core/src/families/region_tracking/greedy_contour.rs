@@ -36,6 +36,7 @@ params! {
         /// Maximum number of iterations in a frame.
         iterations: usize = 50, 1..=200;
     }
+    renamed { "sigma-px" => "sigma", "min-edge" => "min-edge-strength" }
     advanced { "corner-turn", "corner-edge", "max-moved" }
 }
 
@@ -289,7 +290,7 @@ pseudocode! {
     EACH_PASS: "  repeat, until at most max-moved points move",
     MOVE_POINT: "    for each point i: v_i ← the pixel of its neighbourhood with the lowest α E_cont + β_i E_curv + κ E_edge",
     FIND_CORNERS: "    β_i ← 0 where the direction changes most and f is high, else β; d ← mean distance of the points",
-    JUDGE: "  lost if the mean f on v < min-edge, or v has collapsed or crosses itself",
+    JUDGE: "  lost if the mean f on v < min-edge-strength, or v has collapsed or crosses itself",
     MOVE: "  the mask is the inside of v, the region the box around it, unless the object is lost",
 }
 

@@ -3,6 +3,7 @@
 mod cloud;
 mod explain;
 mod likelihood;
+mod wheel;
 
 use std::sync::Arc;
 
@@ -12,7 +13,7 @@ use crate::methods::region::color::{Bins, ColorBins, Histogram};
 use crate::methods::region::{RegionModel, Settings, Similarity};
 use crate::products::{Region, RegionFrame};
 use crate::run::{Info, Need};
-use crate::scene::Name;
+use crate::scene::{Chart, Name};
 use crate::{choices, params, pseudocode};
 
 use cloud::{Draw, Estimate, Particle};
@@ -93,6 +94,8 @@ pub struct Resampled {
     pub before: Arc<Vec<Particle>>,
     /// Number of copies of each of them.
     pub copies: Vec<u32>,
+    /// The pointers on the cumulative weights, as shares of their sum.
+    pub pointers: Vec<f32>,
     /// The particles after it.
     pub after: Arc<Vec<Particle>>,
 }
@@ -184,6 +187,7 @@ impl RegionModel for ParticleFilter {
         granularities: &["clip", "frame", "step"],
         frames: 2,
     };
+    const CHARTS: &'static [Chart] = &[Chart::Series, Chart::Diagram];
     const CONTRASTS: Option<&'static str> = Some("resampling");
     const SIMILARITY: Similarity =
         Similarity { name: "weighted mean Bhattacharyya coefficient", symbol: "ρ", decimals: 3 };
@@ -233,7 +237,9 @@ impl RegionModel for ParticleFilter {
             model.particles = Arc::new(cloud::copied(&particles, &copies));
             observer.see(|| {
                 let after = Arc::clone(&model.particles);
-                Event::Resampled(Arc::new(Resampled { before: particles, copies, after }))
+                let pointers =
+                    cloud::pointers(draw, self.resampling, particles.len()).map(|share| share as f32).collect();
+                Event::Resampled(Arc::new(Resampled { before: particles, copies, pointers, after }))
             });
         }
         if is_lost {

@@ -7,6 +7,7 @@
 mod expand;
 mod explain;
 mod forest;
+mod tree;
 
 use std::sync::Arc;
 
@@ -23,10 +24,11 @@ use crate::methods::multi_object::{
 };
 use crate::products::{Object, ObjectFrame};
 use crate::run::{Info, Need, Progress, Seen};
-use crate::scene::{Role, Scene, Step};
+use crate::scene::{Chart, Role, Scene, Step};
 use crate::{params, pseudocode};
 use expand::{Expansion, Gates};
-use forest::{Cluster, Scan, Track};
+use forest::{Cluster, Hypothesis, Scan, Track};
+use tree::Tree;
 
 /// Noise as the boxes of detectors of persons have it, which lie within 0.04 heights of the true ones (standard deviation): hypotheses are
 /// weighed by their densities, where a gate only has to be wide enough.
@@ -74,6 +76,8 @@ pub struct Leading {
     /// What the leading hypotheses say of the frame.
     scans: Vec<Arc<Scan>>,
     second: Option<Second>,
+    /// The hypotheses of the largest cluster; none if each has a single one.
+    tree: Option<Tree>,
 }
 
 /// The second global hypothesis: it differs from the leading one in a single cluster.
@@ -96,13 +100,15 @@ pub struct Revision {
 }
 
 /// The hypotheses deleted by a decision.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Pruning {
     frame: usize,
     clusters: usize,
     removed: usize,
     /// The sum of their probabilities.
     probability: f64,
+    /// The hypotheses of the largest cluster with those deleted; none if each cluster has a single one.
+    tree: Option<Tree>,
 }
 
 /// An event of a frame.
@@ -117,7 +123,7 @@ pub enum Event {
     /// The branches of a cluster.
     Expanded(Arc<Gates>, Arc<Expansion>),
     /// The leading hypothesis decides an earlier frame.
-    Pruned(Pruning),
+    Pruned(Arc<Pruning>),
     /// The leading and the second hypothesis.
     Led(Arc<Leading>),
     /// The leading hypothesis explains earlier frames otherwise than the one that led before.
@@ -151,6 +157,7 @@ impl MultiTracker for MultipleHypothesis {
         granularities: &["clip", "frame", "step"],
         frames: 2,
     };
+    const CHARTS: &'static [Chart] = &[Chart::Diagram, Chart::Matrices, Chart::Series];
     type Tracks = Vec<Cluster>;
     type Event = Event;
 
@@ -233,6 +240,19 @@ fn leading(clusters: &[Cluster], frame: usize) -> Leading {
         hypotheses: clusters.iter().map(|cluster| cluster.hypotheses.len()).sum(),
         scans: scans_of(clusters, frame).cloned().collect(),
         second: second.and_then(|(ratio, cluster)| second_of(cluster, (ln_probability + ratio).exp())),
+        tree: Tree::largest(clusters, &[]),
+    }
+}
+
+/// Returns what the decision of a frame has deleted from each cluster.
+fn pruning(frame: usize, clusters: &[Cluster], deleted: &[Vec<Hypothesis>]) -> Pruning {
+    let all = || deleted.iter().flatten();
+    Pruning {
+        frame,
+        clusters: deleted.iter().filter(|of_cluster| !of_cluster.is_empty()).count(),
+        removed: all().count(),
+        probability: all().map(Hypothesis::probability).sum(),
+        tree: Tree::largest(clusters, deleted),
     }
 }
 
@@ -289,19 +309,13 @@ impl MultipleHypothesis {
     fn prune(&self, state: &mut State, observer: &mut impl Observer<Event>) {
         let frame = state.run.frame();
         let last = frame.checked_sub(self.n_scan).filter(|last| *last >= state.run.span.first);
-        let mut pruning = Pruning { frame: last.unwrap_or(0), ..Pruning::default() };
+        if let Some(last) = last {
+            let deleted: Vec<_> = state.tracks.iter_mut().map(|cluster| cluster.decide(last)).collect();
+            observer.see(|| Event::Pruned(Arc::new(pruning(last, &state.tracks, &deleted))));
+        }
         for cluster in &mut state.tracks {
-            if let Some(last) = last {
-                let (removed, probability) = cluster.decide(last);
-                pruning.clusters += usize::from(removed > 0);
-                pruning.removed += removed;
-                pruning.probability += probability;
-            }
             cluster.unite_equal();
             cluster.drop_unused();
-        }
-        if last.is_some() {
-            observer.see(|| Event::Pruned(pruning));
         }
     }
 

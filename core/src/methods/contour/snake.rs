@@ -15,11 +15,11 @@ params! {
         /// Distance of the points along the contour at the start of each frame.
         spacing: f32 = 4.0, 1.0..=32.0, "px";
         /// Standard deviation of the Gaussian that smooths the frame. Large values attract from farther, and blur details of the outline.
-        sigma_px: f32 = 2.0, 0.5..=10.0, "px";
+        sigma: f32 = 2.0, 0.5..=10.0, "px";
         /// Margin of the window around the contour, beyond which it cannot move in a frame.
         margin: usize = 24, 4..=200, "px";
         /// Mean edge strength along the contour below which the object is lost: contour and region stay.
-        min_edge: f32 = 0.15, 0.0..=1.0;
+        min_edge_strength: f32 = 0.15, 0.0..=1.0;
     }
     advanced { "margin" }
 }
@@ -53,7 +53,7 @@ impl Snake {
 
     /// The edges of a frame around the contour.
     pub(crate) fn edges(&self, frame: &Frame, points: &[Point]) -> Edges {
-        Edges::around(frame.luma(), points, (self.sigma_px, self.margin))
+        Edges::around(frame.luma(), points, (self.sigma, self.margin))
     }
 
     /// Judges a contour at the end of its fit.
@@ -61,7 +61,7 @@ impl Snake {
         let strength = points.iter().map(|at| edges.strength_at(*at)).sum::<f32>() / points.len() as f32;
         let (area, crosses) = (polygon::area(points), polygon::crossing(points).is_some());
         // What is not a number is no sound contour either.
-        let is_sound = !crosses && area >= LEAST_AREA_PX && strength >= self.min_edge;
+        let is_sound = !crosses && area >= LEAST_AREA_PX && strength >= self.min_edge_strength;
         Verdict { strength, area, crosses, is_lost: !is_sound }
     }
 

@@ -15,6 +15,8 @@ use crate::scene::{Chart, Focus, Role, Scene, Sentence, Step};
 pub trait MultiTracker: Params + Default + Clone + Send + Sync + 'static {
     /// The description of the tracker.
     const INFO: Info;
+    /// The charts of its steps.
+    const CHARTS: &'static [Chart] = &[Chart::Matrices, Chart::Series];
     /// Everything that is carried from frame to frame, besides the run.
     type Tracks: Clone + Default + Send + Sync + 'static;
     /// An event inside a frame.
@@ -76,7 +78,7 @@ impl<T: MultiTracker> Estimator for MultiTracking<T> {
     const INFO: Info = T::INFO;
     const GUARANTEE: Guarantee = Guarantee::Objects;
     const NEEDS_PICTURES: bool = false;
-    const CHARTS: &'static [Chart] = &[Chart::Matrices, Chart::Series];
+    const CHARTS: &'static [Chart] = T::CHARTS;
     const PRODUCES: &'static [&'static ProductKind] = &[ObjectField::KIND];
     type State = State<T::Tracks>;
     type Event = T::Event;

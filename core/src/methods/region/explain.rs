@@ -75,6 +75,7 @@ impl<T: Explained> RegionTracking<T> {
         let (state, similarity) = (seen.before, T::SIMILARITY);
         let by = [0, 1].map(|i| result.region.center[i] - state.region.center[i]);
         let value = fixed(result.similarity.into(), similarity.decimals);
+        let caveat = Self::at_last(seen).and_then(|at| self.0.caveat(&at));
         let said = if result.is_lost {
             let why = Self::at_last(seen).and_then(|at| self.0.loss(&at));
             said.text(format!("Frame {}: the object is ", state.frame)).ink(Role::Error, "lost").text(format!(
@@ -92,6 +93,7 @@ impl<T: Explained> RegionTracking<T> {
                     size(result.region.size),
                     crate::base::words::capital(similarity.name)
                 ))
+                .text(caveat.map(|caveat| format!(" {caveat}")).unwrap_or_default())
         };
         let Some(error) = error_of_last(seen) else { return said };
         said.text(format!(

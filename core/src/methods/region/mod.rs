@@ -127,6 +127,11 @@ pub trait Explained: RegionModel {
         None
     }
 
+    /// What the result of a frame that did not lose the object does not show, at the tracker's last event, as a sentence.
+    fn caveat(&self, _at: &At<'_, Self>) -> Option<String> {
+        None
+    }
+
     /// The lesson of a run at the last event of its tracker: why it ended so, and what would help. The outcome is never
     /// [`Outcome::Unknown`].
     fn advice(&self, ending: Ending, at: &At<'_, Self>) -> String;

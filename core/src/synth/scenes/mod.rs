@@ -4,8 +4,10 @@
 
 mod balloon;
 mod barber_pole;
+mod blurred_swing;
 mod crossing_stars;
 mod fast_ball;
+mod fast_flight;
 mod flag;
 mod flat_wall;
 mod flicker;
@@ -16,12 +18,14 @@ mod passing_bus;
 mod pillar;
 mod rigid_layers;
 mod spin_zoom;
+mod spinning_sign;
 mod stereo_traps;
 mod still_life;
 mod sub_pixel;
 mod traffic;
 mod translation;
 mod tunnel;
+mod turning_box;
 mod turntable;
 mod wallpaper;
 
@@ -51,4 +55,8 @@ pub const SCENES: &[Sample] = &[
     turntable::SAMPLE,
     still_life::SAMPLE,
     stereo_traps::SAMPLE,
+    turning_box::SAMPLE,
+    spinning_sign::SAMPLE,
+    blurred_swing::SAMPLE,
+    fast_flight::SAMPLE,
 ];

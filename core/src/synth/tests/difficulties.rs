@@ -55,6 +55,32 @@ fn salt_and_pepper_hit_their_share() {
 }
 
 #[test]
+fn clutter_covers_its_share_of_the_background_alone() {
+    let balloon = scene("balloon").unwrap();
+    let clean = clean(balloon);
+    let [clear, cluttered] = [0.0, 30.0].map(|clutter| balloon.clip(&Difficulty { clutter, ..clean.clone() }).unwrap());
+    let objects = clear.truth().unwrap().foreground(3).unwrap().unwrap();
+    let [before, after] = [&clear, &cluttered].map(|clip| clip.frame(3).unwrap());
+    let (mut changed, mut all) = (0, 0);
+    for place in (0..240).flat_map(|y| (0..320).map(move |x| (x, y))) {
+        let change = before.luma()[place].abs_diff(after.luma()[place]);
+        if objects.0[place] == crate::data::PixelClass::Background {
+            all += 1;
+            changed += usize::from(change > 20);
+        }
+    }
+    let share = changed as f64 / f64::from(all);
+    assert!((share - 0.3).abs() < 0.06, "{share}");
+    let inside = cluttered.frame(3).unwrap().color().unwrap()[(72, 126)];
+    assert_eq!(inside, clear.frame(3).unwrap().color().unwrap()[(72, 126)], "the object stays");
+    // A scene without objects stays as it is.
+    let wallpaper = scene("wallpaper").unwrap();
+    let [plain, same] = [0.0, 60.0]
+        .map(|clutter| wallpaper.clip(&Difficulty { clutter, ..small(wallpaper) }).unwrap().frame(2).unwrap());
+    assert_eq!(plain, same);
+}
+
+#[test]
 fn light_swells_and_fades() {
     let level = |d: &Difficulty, t| mean(frame(d, t).luma());
     let clear = level(&plain(), 0);
@@ -126,6 +152,7 @@ fn looks_never_change_the_truth() {
         let loud = Difficulty {
             low_texture: 40.0,
             repeating_texture: 30.0,
+            clutter: 20.0,
             gain: 3.0,
             offset: -2.0,
             flicker: 10.0,
@@ -199,12 +226,12 @@ fn all_are_off_unless_a_scene_needs_one() {
         scene.difficulty() != Difficulty { frames: scene.difficulty().frames, ..Difficulty::default() }
     };
     let tuned: Vec<_> = SCENES.iter().filter(|scene| changed(scene)).map(|scene| scene.id).collect();
-    assert_eq!(tuned, ["flat-wall", "flicker", "leaves"]);
+    assert_eq!(tuned, ["flat-wall", "flicker", "leaves", "blurred-swing"]);
 }
 
 /// Any slider anywhere in its range, in a picture small enough to try many.
 fn any_difficulty() -> impl Strategy<Value = Difficulty> {
-    let shares = proptest::collection::vec(0.0..=1.0f64, 17);
+    let shares = proptest::collection::vec(0.0..=1.0f64, 18);
     shares.prop_map(|shares| {
         let mut d = Difficulty::default();
         for (i, (spec, share)) in Difficulty::default().specs().iter().zip(shares).enumerate() {

@@ -22,7 +22,7 @@ impl ActiveContour {
     pub(super) fn said(&self, at: &At<'_, Self>) -> Sentence {
         let said = Sentence::default();
         match at.event {
-            Event::Edges(field, points) => explain::edges(said, &field.edges, self.snake.sigma_px).text(format!(
+            Event::Edges(field, points) => explain::edges(said, &field.edges, self.snake.sigma).text(format!(
                 " The external energy −κ f is low on edges, and its force κ ∇f acts near them. The contour has {}.",
                 counted(points.len(), "point")
             )),
@@ -38,7 +38,7 @@ impl ActiveContour {
                 .ink(Role::Predicted, energy(mean_force(after, points)))
                 .text("."),
             Event::Iterated(iteration) => self.iterated(iteration, said),
-            Event::Judged(_, _, verdict) => explain::judged(said, verdict, self.snake.min_edge),
+            Event::Judged(_, _, verdict) => explain::judged(said, verdict, self.snake.min_edge_strength),
         }
     }
 

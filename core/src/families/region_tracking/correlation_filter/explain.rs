@@ -28,7 +28,7 @@ impl Explained for CorrelationFilter {
                     patch.width(),
                     patch.height(),
                     self.perturbed_copies(),
-                    fixed(self.sigma_px.into(), 1)
+                    fixed(self.sigma.into(), 1)
                 )),
             Event::Cut(response) => {
                 let (width, height) = response.patch.size();

@@ -49,13 +49,13 @@ impl GreedyContour {
     pub(super) fn said(&self, at: &At<'_, Self>) -> Sentence {
         let said = Sentence::default();
         match at.event {
-            Event::Edges(edges, points) => explain::edges(said, edges, self.snake.sigma_px).text(format!(
+            Event::Edges(edges, points) => explain::edges(said, edges, self.snake.sigma).text(format!(
                 " The edge energy is low where f is high. The contour has {}, each on a pixel.",
                 counted(points.len(), "point")
             )),
             Event::Tested(test) => self.tested(test, said),
             Event::Passed(pass) => self.passed(pass, said),
-            Event::Judged(_, _, verdict) => explain::judged(said, verdict, self.snake.min_edge),
+            Event::Judged(_, _, verdict) => explain::judged(said, verdict, self.snake.min_edge_strength),
         }
     }
 

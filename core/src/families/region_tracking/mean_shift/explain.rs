@@ -116,6 +116,21 @@ impl Explained for MeanShift {
         }
     }
 
+    fn caveat(&self, at: &At<'_, Self>) -> Option<String> {
+        let similarity = match at.event {
+            Event::Scaled(scaled) => scaled.0[scaled.1].similarity,
+            Event::Shifted(_, shift) => shift.similarity,
+            _ => return None,
+        };
+        // Of one bin, with all pixels of the ellipse in it: equal weights.
+        let is_flat = at.model?.histogram.support.len() == 1 && similarity > 0.9999;
+        is_flat.then(|| {
+            "All pixels of the ellipse lie in the one bin of the model and have the same weight: nothing distinguishes this position from \
+             others on the flat region."
+                .into()
+        })
+    }
+
     fn loss(&self, at: &At<'_, Self>) -> Option<&'static str> {
         let is_empty = at.events.iter().any(|event| matches!(event, Event::Shifted(_, shift) if shift.to.is_none()));
         is_empty.then_some("none of the pixels of the ellipse has a colour of the model")

@@ -200,6 +200,15 @@ pub fn parts(particles: &[Particle], least_px: f64) -> Option<[Part; 2]> {
     is_apart.then_some(if a.weight >= b.weight { [a, b] } else { [b, a] })
 }
 
+/// The pointers of a resampling, in order of their numbers: shares of the sum of all weights, as many as particles.
+pub fn pointers(draw: Draw, resampling: Resampling, count: usize) -> impl Iterator<Item = f64> {
+    let start = draw.uniform(0);
+    (0..count).map(move |i| match resampling {
+        Resampling::Systematic => (i as f64 + start) / count as f64,
+        Resampling::Multinomial => draw.uniform(i),
+    })
+}
+
 /// The number of copies of each particle: as many in all as there are particles.
 pub fn copies(draw: Draw, resampling: Resampling, particles: &[Particle]) -> Vec<u32> {
     let count = particles.len();
@@ -213,13 +222,8 @@ pub fn copies(draw: Draw, resampling: Resampling, particles: &[Particle]) -> Vec
         .collect();
     let mut copies = vec![0; count];
     // The sum is 1 but for rounding.
-    let mut point = |share: f64| copies[ends.partition_point(|end| *end <= share * sum).min(count - 1)] += 1;
-    match resampling {
-        Resampling::Systematic => {
-            let start = draw.uniform(0);
-            (0..count).for_each(|i| point((i as f64 + start) / count as f64));
-        }
-        Resampling::Multinomial => (0..count).for_each(|i| point(draw.uniform(i))),
+    for share in pointers(draw, resampling, count) {
+        copies[ends.partition_point(|end| *end <= share * sum).min(count - 1)] += 1;
     }
     copies
 }

@@ -1,6 +1,7 @@
 //! The explanation and the drawing of the particle filter.
 
 use super::cloud::{Estimate, Particle, parts};
+use super::wheel::wheel;
 use super::{Event, ParticleFilter, Resampled, Resampling, Weighed};
 use crate::base::words::{counted, fixed, grouped, place};
 use crate::methods::kalman;
@@ -186,6 +187,7 @@ impl Explained for ParticleFilter {
             }
             Event::Resampled(resampled) => {
                 vec![
+                    Readout::Diagram(wheel(resampled, self.resampling)),
                     Readout::Series(cumulative(resampled)),
                     Readout::Series(weights(&resampled.before, Some(&resampled.copies))),
                 ]

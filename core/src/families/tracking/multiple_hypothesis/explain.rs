@@ -18,7 +18,7 @@ use crate::methods::{
     numbers::{SQUARED_DECIMALS, fixed, ratio, squared},
 };
 use crate::run::Seen;
-use crate::scene::{Arrow, Fact, Math, Matrix, Picture, Readout, Role, Scene, Sentence, Shape, Step};
+use crate::scene::{Arrow, Diagram, Fact, Math, Matrix, Picture, Readout, Role, Scene, Sentence, Shape, Step};
 
 /// The most detections of a hypothesis that a sentence lists.
 const LISTED: usize = 3;
@@ -56,7 +56,7 @@ impl MultipleHypothesis {
             Event::Predicted(tracks) => predicted(tracks),
             Event::Gated(gates) => self.gated(gates),
             Event::Expanded(gates, expansion) => self.expanded(gates, expansion),
-            Event::Pruned(pruning) => self.pruned(*pruning),
+            Event::Pruned(pruning) => self.pruned(pruning),
             Event::Led(leading) => self.led(leading, frame),
             Event::Revised(revisions) => revised(revisions),
             Event::Done(done, conclusion) => tracking::done(seen, (done, conclusion)),
@@ -119,9 +119,9 @@ impl MultipleHypothesis {
         }
     }
 
-    fn pruned(&self, pruning: Pruning) -> Sentence {
+    fn pruned(&self, pruning: &Pruning) -> Sentence {
         let later = count(self.n_scan, "later frame");
-        let Pruning { frame, clusters, removed, probability } = pruning;
+        let Pruning { frame, clusters, removed, probability, .. } = *pruning;
         Sentence::default().text(match removed {
             0 => format!("Frame {frame} is decided after {later}: all hypotheses explain it alike."),
             _ => format!(
@@ -134,7 +134,7 @@ impl MultipleHypothesis {
     }
 
     fn led(&self, leading: &Leading, frame: usize) -> Sentence {
-        let Leading { probability, clusters, hypotheses: all, scans, second } = leading;
+        let Leading { probability, clusters, hypotheses: all, scans, second, .. } = leading;
         let explained: Vec<Claim> = scans.iter().flat_map(|scan| scan.claims.iter().copied()).collect();
         let said = Sentence::default().ink(Role::Best, "Leading hypothesis").text(format!(
             " of {} in {}: P = {}, the product over clusters. {}.",
@@ -193,9 +193,33 @@ impl MultipleHypothesis {
         facts.extend(selected(seen).iter().flat_map(Selected::facts));
         let mut readouts = vec![Readout::Facts(facts)];
         readouts.extend(equation.map(Readout::Equation));
+        readouts.extend(self.tree(seen).map(Readout::Diagram));
         readouts.extend((!tables.is_empty()).then_some(Readout::Matrices(tables)));
         readouts.extend(explain::series(&after.run));
         readouts
+    }
+
+    /// The tree of the hypotheses before and after the decision of an earlier frame.
+    fn tree(&self, seen: &Seen<MultiTracking<Self>>) -> Option<Diagram> {
+        let tree = match seen.events.last()? {
+            Event::Pruned(pruning) => pruning.tree.as_ref()?,
+            Event::Led(leading) => leading.tree.as_ref()?,
+            _ => return None,
+        };
+        let of_tree = seen.events.iter().find_map(|event| match event {
+            Event::Expanded(_, expansion) => {
+                expansion.branches.iter().any(|branch| tree.has(&branch.scan)).then_some(expansion)
+            }
+            _ => None,
+        });
+        let mut notes = Vec::new();
+        if of_tree.is_some_and(|expansion| expansion.has_more) {
+            notes.push(format!("k best: branches beyond the first {} are left out", self.max_hypotheses));
+        }
+        if self.min_ratio > 0.0 {
+            notes.push(format!("ratio: branches below {} times the best are left out", ratio(self.min_ratio.into())));
+        }
+        Some(tree.drawn(&notes))
     }
 
     /// The probability of the leading branch, and its logarithm with the numbers of the step.

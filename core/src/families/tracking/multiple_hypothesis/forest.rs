@@ -207,23 +207,17 @@ impl Cluster {
         self.normalize();
     }
 
-    /// Decides a frame as the leading hypothesis explains it, and forgets it; returns the number of hypotheses with another
-    /// explanation, which are deleted, and their probability.
-    pub fn decide(&mut self, frame: usize) -> (usize, f64) {
+    /// Decides a frame as the leading hypothesis explains it; returns the hypotheses with another explanation, which are deleted.
+    pub fn decide(&mut self, frame: usize) -> Vec<Hypothesis> {
         let claims = |one: &Hypothesis| one.scan(frame).map(|scan| scan.claims.clone());
-        let Some(decided) = self.hypotheses.first().map(claims) else { return (0, 0.0) };
-        let before = self.hypotheses.len();
-        let mut lost = 0.0;
-        self.hypotheses.retain(|one| {
-            let is_kept = claims(one) == decided;
-            lost += if is_kept { 0.0 } else { one.probability() };
-            is_kept
-        });
-        let removed = before - self.hypotheses.len();
-        if removed > 0 {
+        let Some(decided) = self.hypotheses.first().map(claims) else { return Vec::new() };
+        let all = std::mem::take(&mut self.hypotheses).into_iter();
+        let (kept, deleted) = all.partition::<Vec<_>, _>(|one| claims(one) == decided);
+        self.hypotheses = kept;
+        if !deleted.is_empty() {
             self.normalize();
         }
-        (removed, lost)
+        deleted
     }
 
     /// Forgets the scans up to a frame.

@@ -1,0 +1,311 @@
+//! RAPiD, held to its definition with derivatives by differences, to exact poses, and to what it says of the scenes that break it.
+
+mod common;
+
+use common::set;
+use motionscope_core::scene::{Readout, Step};
+use motionscope_core::{AnyEstimator, Clip, Direction, Frame, Grid, Move, Params, Pose, RegionField, Threads, synth};
+
+fn run(settings: &[(&str, &str)], clip: &Clip) -> RegionField {
+    let output = set("rapid", settings).run(clip, 0, &Threads::single()).expect("a run");
+    output.get::<RegionField>().expect("a region").clone()
+}
+
+/// The turning box with these sliders.
+fn turning(sliders: &[(&str, &str)]) -> Clip {
+    let scene = synth::scene("turning-box").expect("a scene");
+    let mut difficulty = scene.difficulty();
+    sliders.iter().for_each(|(name, value)| difficulty.set(name, value).expect("a slider"));
+    scene.clip(&difficulty).expect("a clip")
+}
+
+/// The steps of a run whose sentences have a phrase, in their order.
+fn steps(estimator: &dyn AnyEstimator, clip: &Clip, phrase: &str) -> Vec<Step> {
+    let mut walk = estimator.walk(clip, 0).expect("a walk");
+    let mut found = Vec::new();
+    loop {
+        let step = walk.step(None);
+        if step.sentence.plain().contains(phrase) {
+            found.push(step);
+        }
+        if walk.at_end() {
+            return found;
+        }
+        walk.jump(Move::Granularity(2, Direction::Forward));
+    }
+}
+
+/// A matrix that a step shows.
+fn matrix(step: &Step, symbol: &str) -> Grid<f64> {
+    let all = step.readouts.iter().filter_map(|readout| match readout {
+        Readout::Matrices(matrices) => Some(matrices),
+        _ => None,
+    });
+    all.flatten().find(|matrix| matrix.symbol == symbol).expect("a matrix").entries.clone()
+}
+
+fn pose(step: &Step) -> Pose {
+    let entries = matrix(step, "[R T]");
+    let rotation = [0, 1, 2].map(|y| [0, 1, 2].map(|x| entries[(x, y)]));
+    Pose { rotation, translation: [0, 1, 2].map(|y| entries[(3, y)]) }
+}
+
+/// The largest errors of the angles in degrees, across the optical axis and along it in mm, over all frames but the lost ones.
+fn errors(settings: &[(&str, &str)], clip: &Clip) -> [f64; 3] {
+    let truth = clip.truth().expect("a truth");
+    let judged = steps(&*set("rapid", settings), clip, "of the control points have an edge");
+    let each = judged.iter().enumerate().map(|(t, step)| {
+        let exact = truth.pose(1, t).expect("readable").expect("a pose");
+        let [rotation, shift] = exact.motion_to(&pose(step));
+        let angle = rotation.iter().map(|c| c * c).sum::<f64>().sqrt().to_degrees();
+        [angle, 1000.0 * shift[0].hypot(shift[1]), 1000.0 * shift[2].abs()]
+    });
+    each.fold([0.0; 3], |most, error| [0, 1, 2].map(|i| f64::max(most[i], error[i])))
+}
+
+/// Half the sides of the model in m.
+const HALF: [f64; 3] = [0.24, 0.16, 0.18];
+/// Focal length and principal point of the default parameters in a picture of 320×240.
+const MIDDLE: [f64; 2] = [159.5, 119.5];
+
+fn focal() -> f64 {
+    160.0 / (56.14f64.to_radians() / 2.0).tan()
+}
+
+fn projected([x, y, z]: [f64; 3]) -> [f64; 2] {
+    [MIDDLE[0] + focal() * x / z, MIDDLE[1] + focal() * y / z]
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (0..3).map(|i| a[i] * b[i]).sum()
+}
+
+/// The edges of the box that a pose shows, by their ends in the coordinates of the camera: all but those between two faces that are turned
+/// away.
+fn visible(pose: &Pose) -> Vec<[[f64; 3]; 2]> {
+    let corner = |signs: [f64; 3]| pose.moved([0, 1, 2].map(|i| signs[i] * HALF[i]));
+    let faces_camera = |axis: usize, sign: f64| {
+        let normal = [0, 1, 2].map(|i| if i == axis { sign } else { 0.0 });
+        dot(pose.turned(normal), pose.moved([0, 1, 2].map(|i| normal[i] * HALF[i]))) < 0.0
+    };
+    let mut all = Vec::new();
+    for axis in 0..3 {
+        let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
+        for (a, b) in [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)] {
+            if faces_camera(u, a) || faces_camera(v, b) {
+                all.push([-1.0, 1.0].map(|end| {
+                    let mut signs = [0.0; 3];
+                    (signs[axis], signs[u], signs[v]) = (end, a, b);
+                    corner(signs)
+                }));
+            }
+        }
+    }
+    all
+}
+
+/// The distance of the strongest edge within 8 px along a normal, if its gradient is at least 6 levels/px.
+fn edge(picture: &Grid<u8>, at: [f64; 2], normal: [f64; 2]) -> Option<f64> {
+    let between = |[x, y]: [f64; 2]| {
+        let (i, j) = (x.floor() as usize, y.floor() as usize);
+        let (u, v) = (x - i as f64, y - j as f64);
+        let value = |x: usize, y: usize| f64::from(picture[(x, y)]);
+        (1.0 - v) * ((1.0 - u) * value(i, j) + u * value(i + 1, j))
+            + v * ((1.0 - u) * value(i, j + 1) + u * value(i + 1, j + 1))
+    };
+    let along = |k: f64| {
+        let beside = |s: f64| between([at[0] + k * normal[0] - s * normal[1], at[1] + k * normal[1] + s * normal[0]]);
+        (beside(-1.0) + beside(0.0) + beside(1.0)) / 3.0
+    };
+    let slope = |k: i32| (along(f64::from(k) + 1.0) - along(f64::from(k) - 1.0)).abs() / 2.0;
+    let best = (-8..=8).max_by(|a, b| slope(*a).total_cmp(&slope(*b)).then(b.abs().cmp(&a.abs())))?;
+    let [before, here, after] = [slope(best - 1), slope(best), slope(best + 1)];
+    let bend = before - 2.0 * here + after;
+    let part = if bend < 0.0 { ((before - after) / (2.0 * bend)).clamp(-0.5, 0.5) } else { 0.0 };
+    (here >= 6.0).then_some(f64::from(best) + part)
+}
+
+/// The solution of a system of six equations by elimination with pivots.
+fn solved(mut m: [[f64; 7]; 6]) -> [f64; 6] {
+    for i in 0..6 {
+        let pivot = (i..6).max_by(|a, b| m[*a][i].abs().total_cmp(&m[*b][i].abs())).expect("rows");
+        m.swap(i, pivot);
+        for row in 0..6 {
+            let factor = m[row][i] / m[i][i];
+            if row != i {
+                (i..7).for_each(|column| m[row][column] -= factor * m[i][column]);
+            }
+        }
+    }
+    std::array::from_fn(|i| m[i][6] / m[i][i])
+}
+
+/// A point relative to the origin of the object after a small rotation about it and a translation.
+fn moved([x, y, z]: [f64; 3], origin: [f64; 3], by: [f64; 6]) -> [f64; 3] {
+    let [a, b, c, ..] = by;
+    let turned = [x + b * z - c * y, y + c * x - a * z, z + a * y - b * x];
+    [0, 1, 2].map(|i| turned[i] + origin[i] + by[3 + i])
+}
+
+/// The six parameters of one iteration (Harris 1990): the derivatives of the projections are differences.
+fn iterated(picture: &Grid<u8>, pose: &Pose) -> [f64; 6] {
+    let mut system = [[0.0; 7]; 6];
+    for [from, to] in visible(pose) {
+        let [a, b] = [projected(from), projected(to)];
+        let length = (b[0] - a[0]).hypot(b[1] - a[1]);
+        let normal = [(b[1] - a[1]) / length, (a[0] - b[0]) / length];
+        let count = (length / 6.0).round() as usize;
+        for i in 0..count {
+            let share = (i as f64 + 0.5) / count as f64;
+            let place = [0, 1, 2].map(|k| from[k] + share * (to[k] - from[k]));
+            let Some(distance) = edge(picture, projected(place), normal) else { continue };
+            let arm = [0, 1, 2].map(|k| place[k] - pose.translation[k]);
+            let slope = |k: usize| {
+                let along = |step: f64| {
+                    let mut by = [0.0; 6];
+                    by[k] = step;
+                    let [x, y] = projected(moved(arm, pose.translation, by));
+                    normal[0] * x + normal[1] * y
+                };
+                (along(1e-5) - along(-1e-5)) / 2e-5
+            };
+            let row: [f64; 6] = std::array::from_fn(slope);
+            for k in 0..6 {
+                (0..6).for_each(|l| system[k][l] += row[k] * row[l]);
+                system[k][6] += row[k] * distance;
+            }
+        }
+    }
+    solved(system)
+}
+
+#[test]
+fn iterations_are_those_of_the_definition() {
+    let clip = turning(&[]);
+    let estimator = set("rapid", &[("frames", "6")]);
+    let judged = steps(&*estimator, &clip, "of the control points have an edge");
+    let first = steps(&*estimator, &clip, "Iteration 1:");
+    assert_eq!((judged.len(), first.len()), (6, 6));
+    for t in 1..6 {
+        // Without a prediction, a frame starts at the pose of the one before.
+        let before = pose(&judged[t - 1]);
+        let expected = iterated(clip.frame(t).expect("a frame").luma(), &before);
+        let found = before.motion_to(&pose(&first[t]));
+        for (i, (found, expected)) in found.as_flattened().iter().zip(expected).enumerate() {
+            assert!((found - expected).abs() < 1e-5, "frame {t}, parameter {i}: {found}, {expected}");
+        }
+    }
+}
+
+#[test]
+fn the_covariance_grows_with_noise() {
+    let deviation = |noise: &str| {
+        let judged = steps(
+            &*set("rapid", &[("frames", "8")]),
+            &turning(&[("noise", noise)]),
+            "of the control points have an edge",
+        );
+        judged.iter().map(|step| matrix(step, "P")[(5, 5)].sqrt()).sum::<f64>() / judged.len() as f64
+    };
+    let all = ["0", "8", "20"].map(deviation);
+    assert!(all[0] > 0.0 && all.is_sorted_by(|a, b| a < b), "{all:?} mm");
+}
+
+/// A gray cylinder of radius 0.2 m and height 0.5 m in a pose, by casting a ray through 3×3 places of each pixel.
+fn cylinder(pose: &Pose) -> Frame {
+    let eye = pose.turned_back(pose.translation.map(|c| -c));
+    let shade = |x: f64, y: f64| {
+        let ray = pose.turned_back([(x - MIDDLE[0]) / focal(), (y - MIDDLE[1]) / focal(), 1.0]);
+        let [a, b, c] = [
+            ray[0] * ray[0] + ray[2] * ray[2],
+            eye[0] * ray[0] + eye[2] * ray[2],
+            eye[0] * eye[0] + eye[2] * eye[2] - 0.04,
+        ];
+        let at = |t: f64| [0, 1, 2].map(|i| eye[i] + t * ray[i]);
+        let root = (b * b - a * c).max(0.0).sqrt();
+        let side = Some((-b - root) / a).filter(|t| b * b >= a * c && at(*t)[1].abs() <= 0.25).map(|t| (t, 140.0));
+        let end = |y: f64, gray: f64| {
+            let t = (y - eye[1]) / ray[1];
+            Some((t, gray)).filter(|_| at(t)[0].hypot(at(t)[2]) <= 0.2)
+        };
+        let all = [side, end(-0.25, 220.0), end(0.25, 80.0)];
+        all.into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0)).map_or(40.0, |(_, gray)| gray)
+    };
+    let thirds = [-1.0 / 3.0, 0.0, 1.0 / 3.0];
+    Frame::gray(Grid::from_fn(320, 240, |x, y| {
+        let places = thirds.into_iter().flat_map(|u| thirds.map(|v| (x as f64 + u, y as f64 + v)));
+        (places.map(|(x, y)| shade(x, y)).sum::<f64>() / 9.0 + 0.5) as u8
+    }))
+}
+
+#[test]
+fn a_cylinder_is_followed_but_for_the_rotation_about_its_axis() {
+    let tilt = |t: usize| (0.35 + 0.012 * t as f64).sin_cos();
+    let exact = |t: usize| Pose::tilted((0.0, 1.0), tilt(t), [0.012 * t as f64, 0.0, 1.8 - 0.02 * t as f64]);
+    let frames: Vec<Frame> = (0..12).map(|t| cylinder(&exact(t))).collect();
+    let clip = Clip::from_frames("cylinder", frames).expect("frames of one size");
+    // The rectangle around the first one.
+    let luma = clip.frame(0).expect("a frame");
+    let places = (0..240).flat_map(|y| (0..320).map(move |x| (x, y))).filter(|place| luma.luma()[*place] > 60);
+    let ends = places.fold([320, 240, 0, 0], |[l, t, r, b], (x, y)| [l.min(x), t.min(y), r.max(x), b.max(y)]);
+    let region = ends.map(|c| c.to_string()).join(",");
+    let settings =
+        [("region", region.as_str()), ("solid", "cylinder"), ("width", "0.4"), ("height", "0.5"), ("depth", "0.4")];
+    let settings = [&settings[..], &[("turn", "0"), ("tilt", "20"), ("frames", "12")]].concat();
+    let judged = steps(&*set("rapid", &settings), &clip, "of the control points have an edge");
+    assert_eq!(judged.len(), 12);
+    for (t, step) in judged.iter().enumerate() {
+        let (found, exact) = (pose(step), exact(t));
+        // Between the axes.
+        let [a, b] = [&found, &exact].map(|pose| pose.turned([0.0, 1.0, 0.0]));
+        let angle = dot(a, b).min(1.0).acos().to_degrees();
+        let [_, shift] = found.motion_to(&exact);
+        let off = shift.iter().map(|c| c * c).sum::<f64>().sqrt();
+        assert!(angle < 1.5 && off < 0.03, "frame {t}: {angle}°, {off} m");
+    }
+}
+
+#[test]
+fn bad_regions_are_refused_with_their_reason() {
+    let flat = Clip::from_frames("flat", vec![Frame::gray(Grid::new(64, 48, 90u8)); 3]).expect("frames of one size");
+    let estimator = set("rapid", &[("region", "20,15,44,33")]);
+    let refused = steps(&*estimator, &flat, "cannot be tracked");
+    assert!(
+        refused[0].sentence.plain().contains("0 of ") && refused[0].sentence.plain().contains("6 parameters of a pose")
+    );
+    let field = run(&[("region", "20,15,44,33")], &flat);
+    assert!(field.frames.len() == 1 && field.frames[0].is_lost, "{field:?}");
+    for extreme in [
+        ("field-of-view", "150"),
+        ("field-of-view", "5"),
+        ("depth", "100"),
+        ("width", "0.01"),
+        ("tilt", "89"),
+        ("turn", "-180"),
+    ] {
+        let field = run(&[extreme, ("frames", "4")], &turning(&[]));
+        let regions = field.frames.iter().map(|frame| frame.region);
+        assert!(
+            regions.into_iter().all(|region| region.size.iter().chain(&region.center).all(|c| c.is_finite())),
+            "{extreme:?}"
+        );
+    }
+}
+
+#[test]
+fn the_turning_box_is_followed_with_its_pose() {
+    let clip = turning(&[]);
+    let [angle, across, along] = errors(&[], &clip);
+    assert!(angle < 2.0 && across < 10.0 && along < 40.0, "{angle}°, {across} mm, {along} mm");
+    assert!(run(&[], &clip).frames.iter().all(|frame| !frame.is_lost));
+}
+
+#[test]
+fn motion_beyond_the_search_range_needs_a_prediction_or_a_longer_one() {
+    let clip = turning(&[("speed", "4")]);
+    let [short, long] = ["2", "16"].map(|range| errors(&[("search-range", range), ("iterations", "1")], &clip)[1]);
+    assert!(short > 2.0 * long, "{short} mm, {long} mm");
+    let settings = [("search-range", "2"), ("iterations", "1"), ("prediction", "constant-velocity")];
+    let predicted = errors(&settings, &clip)[1];
+    assert!(short > 2.0 * predicted, "{short} mm, {predicted} mm");
+}
