@@ -120,7 +120,7 @@ fn the_explanation_tells_why_in_words_symbols_and_numbers() {
     let mut state = explanation::State::default();
     let input =
         explanation::Input { info: fixture.walk.info(), step: &fixture.step, at_end: false, theme: Theme::Light };
-    let harness = harness(vec2(360.0, 900.0), Theme::Light, move |ui| explanation::show(ui, input, &mut state));
+    let harness = harness(vec2(360.0, 900.0), Theme::Light, move |ui| explanation::show(ui, (input, true), &mut state));
     let sentence = fixture.step.sentence.plain();
     assert!(harness.query_by_label(&sentence).is_some(), "{sentence}");
     assert!(harness.query_by_label_contains("Tested: ").is_some());
@@ -144,7 +144,7 @@ fn the_explanation_does_not_jump_from_step_to_step() {
         let shown = which.get();
         let input =
             explanation::Input { info: shown.walk.info(), step: &shown.step, at_end: false, theme: Theme::Dark };
-        explanation::show(ui, input, &mut state);
+        explanation::show(ui, (input, true), &mut state);
     });
     // Once each kind of step was seen, there is room for all of them.
     let citations = [&short, &long, &short, &long].map(|shown| {
@@ -166,7 +166,7 @@ fn a_small_pane_shows_words_numbers_symbols_and_the_line_at_work() {
     let mut state = explanation::State::default();
     let input =
         explanation::Input { info: fixture.walk.info(), step: &fixture.step, at_end: false, theme: Theme::Projector };
-    let mut harness = harness(SMALL_PANE, Theme::Projector, move |ui| explanation::show(ui, input, &mut state));
+    let mut harness = harness(SMALL_PANE, Theme::Projector, move |ui| explanation::show(ui, (input, true), &mut state));
     harness.run();
     let equation = fixture.step.readouts.iter().find_map(|readout| match readout {
         Readout::Equation(lines) => lines.last().map(|line| line.plain()),
@@ -194,7 +194,7 @@ fn the_explanation_stays_where_it_was_scrolled() {
         let shown = which.get();
         let input =
             explanation::Input { info: shown.walk.info(), step: &shown.step, at_end: false, theme: Theme::Projector };
-        explanation::show(ui, input, &mut state);
+        explanation::show(ui, (input, true), &mut state);
     });
     // Once each kind of step was seen, there is room for both.
     for shown in [&second, &first] {
@@ -367,7 +367,7 @@ fn the_explanation_is_painted_wherever_its_pane_lies() {
                 at_end: false,
                 theme: Theme::Dark,
             };
-            explanation::show(ui, input, &mut state);
+            explanation::show(ui, (input, true), &mut state);
         });
     });
     harness.run();
@@ -600,7 +600,7 @@ impl All {
             part(ui, &mut |ui| {
                 explanation::show(
                     ui,
-                    explanation::Input { info: fixture.walk.info(), step: &fixture.step, at_end: false, theme },
+                    (explanation::Input { info: fixture.walk.info(), step: &fixture.step, at_end: false, theme }, true),
                     &mut self.why,
                 );
             });
