@@ -1043,8 +1043,8 @@ pub static GLOSSARY: &[Term] = &[
         Trajectories,
         "heading",
         &["headings", "direction of motion"],
-        "The direction of a velocity as an angle, here counter-clockwise from the x axis, as seen on the picture: 90° is up. Since v points \
-        down, a positive v gives a negative heading.",
+        "The direction of a velocity as an angle, here counter-clockwise from the x axis as seen on the picture: 90° is up, where v is \
+        negative.",
     ),
     term(
         InterestPoints,
