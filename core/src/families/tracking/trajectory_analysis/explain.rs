@@ -244,7 +244,7 @@ impl TrajectoryAnalysis {
             let speed = |v: &[f64; 2]| format!("{} px/frame", px(v[0].hypot(v[1])));
             facts.push(Fact::new("Speed", speed(velocity), Some(Role::Result)));
             facts.push(Fact::new("Speed since last position", speed(step), Some(Role::Measured)));
-            facts.push(Fact::new("Heading", format!("{} counter-clockwise from the x axis", heading(*velocity)), None));
+            facts.push(Fact::new("Heading", format!("{} (90° is up)", heading(*velocity)), None));
         }
         facts.push(Fact::new("Path length", format!("{} px", px(trajectory.length_px())), None));
         if let Some(straightness) = trajectory.straightness() {
