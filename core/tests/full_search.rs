@@ -324,3 +324,31 @@ fn an_early_exit_stops_at_the_first_row_that_is_too_much() {
     let known = surface.values.cells().iter().filter(|v| v.is_finite()).count();
     assert_eq!(known, 3, "only (0, 0), (0, 1) and (0, 2) were summed to the end");
 }
+
+/// The end of a block of a bundled scene: its sentence, and the true motion on its cost surface.
+fn end_of_block(id: &str, scene: &str, unit: usize) -> (String, Option<[f32; 2]>) {
+    let scene = synth::scene(scene).expect("it is bundled");
+    let clip = scene.clip(&scene.difficulty()).expect("a clip");
+    let mut walk = estimator(id).expect("it is there").walk(&clip, 0).expect("a walk");
+    walk.jump(Move::To(Cursor { unit, event: usize::MAX }));
+    let step = walk.step(None);
+    let truth = step.readouts.iter().find_map(|readout| match readout {
+        Readout::Surface(surface) => Some(surface.truth),
+        _ => None,
+    });
+    (step.sentence.plain(), truth.expect("a surface"))
+}
+
+#[test]
+fn a_wrong_vector_is_explained_by_the_truth() {
+    // The ball covers the block: the match lies at the limit of the range, which is not the cause.
+    let (covered, truth) = end_of_block("full-search", "fast-ball", 181);
+    assert!(covered.contains("True motion: (0, 0) px; endpoint error 16.12 px. Its cost is higher, SAD "), "{covered}");
+    assert!(covered.ends_with("is hidden in frame t+1 (occlusion)."), "{covered}");
+    assert!(!covered.contains("larger range") && !covered.contains("Possible causes"), "{covered}");
+    assert_eq!(truth, Some([0.0; 2]));
+    // At the right border the true displacement is no candidate.
+    let (leaving, truth) = end_of_block("full-search", "wallpaper", 79);
+    assert!(leaving.ends_with("the block leaves the picture: it is no candidate."), "{leaving}");
+    assert!(!leaving.contains("larger range") && truth.is_none(), "{leaving}");
+}

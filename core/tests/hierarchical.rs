@@ -235,3 +235,17 @@ fn levels_are_granularities_and_say_where_they_are() {
     assert_eq!((corners[0], corners[2] - corners[0]), (4.0 * (64.0 - 0.5), 64.0));
     assert_eq!(walk.unit_at(Focus::current([300.0, 230.0])), Some(19));
 }
+
+#[test]
+fn the_finest_level_compares_its_vectors_with_the_truth() {
+    let clip = synth::make("fast-ball", &synth::scene("fast-ball").expect("sound").difficulty()).expect("sound");
+    let mut walk = estimator("hierarchical").expect("sound").walk(&clip, 0).expect("sound");
+    let mut end_of = |unit| {
+        walk.jump(Move::To(Cursor { unit, event: usize::MAX }));
+        walk.step(None).sentence.plain()
+    };
+    // The first block of the coarsest level, whose blocks are not those of the clip, and block 82 of level 0.
+    let (coarse, fine) = (end_of(0), end_of(181));
+    assert!(!coarse.contains("True motion"), "{coarse}");
+    assert!(fine.ends_with("True motion: (0, 0) px; endpoint error 0.00 px."), "{fine}");
+}

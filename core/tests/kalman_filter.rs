@@ -139,7 +139,7 @@ fn an_inconsistent_filter_shows_in_the_plot() {
     let (clip, filter) = (scene("fast-ball"), set("kalman-filter", &[("process-noise", "0.1"), ("smooth", "off")]));
     let Series { lines, bands, thresholds, .. } = series(&*filter, &clip, "NIS");
     let named = |name: &str| lines.iter().find(|(other, ..)| *other == name).map(|(.., points)| points.clone());
-    let (all, refused) = (named("NIS").expect("a line"), named("outside the gate").expect("marked"));
+    let (all, refused) = (named("NIS").expect("a line"), named("rejected").expect("marked"));
     let limit = chi_square::quantile(0.99, 2) as f32;
     assert!(!refused.is_empty() && refused.iter().all(|point| point[1] > limit && all.contains(point)), "{refused:?}");
     let band = [0.025, 0.975].map(|p| chi_square::quantile(p, 2) as f32);
@@ -369,7 +369,7 @@ fn verdict(clip: &Clip) -> (String, Vec<f64>) {
     walk.jump(Move::End);
     let plot = series(&*estimator, clip, "NIS");
     let points = |name: &str| plot.lines.iter().filter(|line| line.0 == name).flat_map(|line| line.2.clone()).collect();
-    let (all, refused): (Vec<[f32; 2]>, Vec<[f32; 2]>) = (points("NIS"), points("outside the gate"));
+    let (all, refused): (Vec<[f32; 2]>, Vec<[f32; 2]>) = (points("NIS"), points("rejected"));
     let is_accepted = |point: &&[f32; 2]| point[1].is_finite() && refused.iter().all(|other| other[0] != point[0]);
     let accepted = all.iter().filter(is_accepted).map(|point| f64::from(point[1])).collect();
     (walk.step(None).sentence.plain(), accepted)

@@ -438,7 +438,7 @@ fn every_decision_says_why() {
         "three-step",
         &range,
         "Square of 9 candidates with a step of 2 px around (0, 0). \
-         Of these 9, 8 are distinct, untested and inside the search window.",
+         8 of these 9 are tested now; the cost of the other is known already, or it lies outside the search window.",
     );
     has(
         "three-step",
@@ -456,14 +456,14 @@ fn every_decision_says_why() {
         "diamond",
         &range,
         "The large diamond of 9 candidates moves to (2, 0). \
-         Of these 9, 5 are distinct, untested and inside the search window.",
+         5 of these 9 are tested now; the costs of the others are known already, or they lie outside the search window.",
     );
     has("diamond", &range, "The minimum of the large diamond is its centre (2, 0): a local minimum is reached.");
     has(
         "diamond",
         &range,
         "Small diamond: the centre (2, 0) and its 4 neighbours refine the match to 1 px. \
-         Of these 5, 4 are distinct, untested and inside the search window.",
+         4 of these 5 are tested now; the cost of the other is known already, or it lies outside the search window.",
     );
     has("log-search", &range, "The minimum (2, 0) is the centre: the step is halved to 1 px.");
     has("quadrant-search", &range, "The minimum (0, 0) lies in the quadrant around (3, 3): this quadrant is kept.");
@@ -480,7 +480,7 @@ fn every_decision_says_why() {
         "adaptive-rood",
         &range,
         "Rood pattern: the centre (0, 0), the 4 arm ends and the predictor (7, 0). \
-         Of these 6, 4 are distinct, untested and inside the search window.",
+         4 of these 6 are tested now; the costs of the others are known already, or they lie outside the search window.",
     );
     has(
         "predictive",
@@ -490,7 +490,7 @@ fn every_decision_says_why() {
     let fixed = explained("predictive", &range, &pit(0, (2, 0)), 0);
     let expected = "SAD 4096 exceeds 640, a poor match: no predictor is near the motion, which differs from that of the neighbours or \
                     is too large. Squares with a spacing of 4 px around (0, 0) are tested. \
-                    Of these 8, 3 are distinct, untested and inside the search window.";
+                    3 of these 8 are tested now; the costs of the others are known already, or they lie outside the search window.";
     assert!(fixed.iter().any(|told| told == expected), "{fixed:#?}");
     has(
         "predictive",

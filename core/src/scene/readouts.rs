@@ -410,8 +410,12 @@ impl Surface {
         let (left, top) = (left.saturating_sub(margin), top.saturating_sub(margin));
         let (right, bottom) = ((right + margin).min(width - 1), (bottom + margin).min(height - 1));
         let size = (right - left + 1, bottom - top + 1);
+        let origin = [self.origin[0] + left as i32, self.origin[1] + top as i32];
+        let last = [origin[0] + size.0 as i32 - 1, origin[1] + size.1 as i32 - 1];
+        let is_inside = |uv: &[f32; 2]| (0..2).all(|i| (origin[i] as f32..=last[i] as f32).contains(&uv[i].round()));
         Self {
-            origin: [self.origin[0] + left as i32, self.origin[1] + top as i32],
+            origin,
+            truth: self.truth.filter(is_inside),
             values: Grid::from_fn(size.0, size.1, |x, y| self.values[(left + x, top + y)]),
             events: Grid::from_fn(size.0, size.1, |x, y| self.events[(left + x, top + y)]),
             untested: self.untested.as_ref().map(|all| Grid::from_fn(size.0, size.1, |x, y| all[(left + x, top + y)])),

@@ -48,7 +48,7 @@ pub(super) const EXAMPLES: &[Example] = &[
         of: EXHAUSTIVE,
         cause: Some(Cause::Repetition),
         clip: "wallpaper",
-        settings: &[],
+        settings: &[("search-range", "32")],
         frame: 0,
         says: "The cost has a minimum at every period of the pattern; the lowest of them need not be the true one.",
         claim: ("epe_px", Limit::AtLeast(1.0)),

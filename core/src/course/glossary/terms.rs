@@ -1049,7 +1049,8 @@ pub static GLOSSARY: &[Term] = &[
         Trajectories,
         "heading",
         &["headings", "direction of motion"],
-        "The direction of a velocity as an angle, here counter-clockwise from the right.",
+        "The direction of a velocity as an angle, here counter-clockwise from the x axis as seen on the picture: 90° is up, where v is \
+        negative.",
     ),
     term(
         InterestPoints,

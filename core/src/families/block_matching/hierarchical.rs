@@ -16,7 +16,7 @@ use std::cmp::Ordering;
 use std::sync::Arc;
 
 use crate::base::{Earlier, Error, Observer, Tally, Threads};
-use crate::data::{Clip, Counted, Frame};
+use crate::data::{Clip, Counted, Frame, Truth};
 use crate::geometry::pyramid;
 use crate::methods::block_search::{
     Displacement, Event, HasSettings, Match, Matching, Neighbours, Pair, Pattern, Probe, Refinement, Relay, Settings,
@@ -58,6 +58,9 @@ pub struct State {
     level: usize,
     /// The search pattern of the coarsest level.
     coarse: Pattern,
+    /// The ground truth of the clip, and frame t, for explanations.
+    truth: Option<Arc<dyn Truth>>,
+    frame: usize,
 }
 
 impl State {
@@ -204,7 +207,7 @@ impl Hierarchical {
         let pictures = levels.iter().map(|pair| Level::new([pair.current.clone(), pair.next.clone()])).collect();
         let (found, level) = (vec![Vec::new(); levels.len()], levels.len() - 1);
         let coarse = self.pattern()?.within(self.settings_on(level).matching.search_range)?;
-        Ok(State { found, level, levels: levels.into(), pictures, coarse })
+        Ok(State { found, level, levels: levels.into(), pictures, coarse, truth: clip.truth().cloned(), frame })
     }
 
     /// The levels of the pyramid over `frame`.
@@ -292,7 +295,9 @@ impl Hierarchical {
         let focus = seen.point().map(|point| point.map(|c| c / before.scale()));
         let probe = Probe::new(before.pair(), self.settings_on(before.level), found, (events, focus));
         let counted = Counted { first_unit: before.first_unit(before.level), level: Some(before.level) };
-        Probe { counted, ..probe }
+        // The blocks of coarser levels are not those of the clip.
+        let truth = before.truth.as_deref().filter(|_| before.level == 0).map(|truth| (truth, before.frame));
+        Probe { counted, truth, ..probe }
     }
 }
 

@@ -2,8 +2,9 @@
 
 use super::probe::Probe;
 use super::subpixel::has_lowest;
+use super::true_motion::CLOSE_PX;
 use super::{Cost, Event, Fit, Match, Skipped, Stage, Subpixel, shorter};
-use crate::base::words::{cost, counted, fixed, gray, grouped, px};
+use crate::base::words::{cost, counted, fixed, gray, grouped};
 use crate::methods::cost::bounds::Parts;
 use crate::products::{metrics, predict};
 use crate::scene::{Role, Sentence};
@@ -14,8 +15,6 @@ const POOR_MATCH: f64 = 10.0;
 const COMPETING_LEVELS: f64 = 0.5;
 /// The same as a share of the cost of the match; the smaller of both decides.
 const COMPETING_SHARE: f64 = 0.05;
-/// A motion vector is called wrong from this distance on from the true motion, in px.
-const CLOSE_PX: f32 = 1.0;
 /// How many ties are listed.
 const LISTED: usize = 6;
 
@@ -59,7 +58,11 @@ fn skipped(stage: &Stage) -> String {
         (0, asked) => format!(" All {asked} costs are known already, or outside the search window."),
         (new, asked) => {
             let are = if new == 1 { "is" } else { "are" };
-            format!(" Of these {asked}, {new} {are} distinct, untested and inside the search window.")
+            let rest = match asked - new {
+                1 => "the cost of the other is known already, or it lies",
+                _ => "the costs of the others are known already, or they lie",
+            };
+            format!(" {new} of these {asked} {are} tested now; {rest} outside the search window.")
         }
     }
 }
@@ -137,7 +140,7 @@ impl Probe<'_> {
     }
 
     /// The match where it was tested: a parabola moves it afterwards.
-    fn as_tested(&self, found: Match) -> Match {
+    pub(super) fn as_tested(&self, found: Match) -> Match {
         let is_fitted = self.settings.refinement.subpixel == Subpixel::Parabola;
         Match { fraction: if is_fitted { [0.0; 2] } else { found.fraction }, ..found }
     }
@@ -234,55 +237,25 @@ impl Probe<'_> {
             return ambiguity(same, competing_minima.iter().map(other).collect());
         }
         let range = self.settings.matching.search_range as u32;
-        if found.displacement.iter().any(|c| c.unsigned_abs() == range) {
+        // Where the truth is known, it says whether the range is the cause.
+        let may_be_short = self.truth_of_block().is_none();
+        if may_be_short && found.displacement.iter().any(|c| c.unsigned_abs() == range) {
             return format!(
                 "It lies at the limit of the search range of ±{range} px: a larger range may lower the cost."
             );
         }
         let (mean, levels) = self.difference_per_pixel(found);
         if levels.is_some_and(|levels| levels >= POOR_MATCH) {
-            return format!(
-                "{mean}, a poor match. Possible causes: occlusion, a change of brightness, or motion other than translation."
-            );
+            let causes = match self.is_explained(found) {
+                true => "",
+                false => " Possible causes: occlusion, a change of brightness, or motion other than translation.",
+            };
+            return format!("{mean}, a poor match.{causes}");
         }
         match surface.least.cost < whole {
             true => format!("It may be a local minimum, since candidates were left out.{}", sentence_of(&mean)),
             false => format!("It is the global minimum of the search window.{}", sentence_of(&mean)),
         }
-    }
-
-    /// The true motion of the block beside the match, where it is known.
-    fn true_motion(&self, found: Match) -> String {
-        let Some((truth, off)) = self.true_error(found) else { return String::new() };
-        let truth = vector(truth);
-        match off < CLOSE_PX {
-            true => format!(" True motion: {truth} px; endpoint error {} px.", px(off)),
-            false => format!(" True motion: {truth} px: an endpoint error of {} px.", px(off)),
-        }
-    }
-
-    /// The true motion of the block and the endpoint error in px, where the truth is known.
-    fn true_error(&self, found: Match) -> Option<([f32; 2], f32)> {
-        let truth = self.truth_of_block()?;
-        let [u, v] = found.vector();
-        Some((truth, (u - truth[0]).hypot(v - truth[1])))
-    }
-
-    /// The median of the true flow over the block, for each component; `None` where it is not known.
-    pub(super) fn truth_of_block(&self) -> Option<[f32; 2]> {
-        let (truth, frame) = self.truth?;
-        let (flow, block) = (truth.flow(frame).ok().flatten()?, self.block());
-        let places =
-            (block.y..block.y + block.height).flat_map(|y| (block.x..block.x + block.width).map(move |x| (x, y)));
-        let known: Vec<[f32; 2]> = places.filter_map(|(x, y)| flow.at(x, y)).collect();
-        if known.is_empty() {
-            return None;
-        }
-        Some([0, 1].map(|i| {
-            let mut parts: Vec<f32> = known.iter().map(|uv| uv[i]).collect();
-            parts.sort_by(f32::total_cmp);
-            parts[parts.len() / 2]
-        }))
     }
 
     /// The mean difference per pixel in words and in gray levels, for the costs that have one.

@@ -10,6 +10,7 @@ mod search;
 mod settings;
 mod subpixel;
 mod tester;
+mod true_motion;
 mod whole_readouts;
 mod whole_window;
 

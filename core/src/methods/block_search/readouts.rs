@@ -48,7 +48,7 @@ impl Probe<'_> {
             best: self.best().filter(|best| is_fitted || best.fraction == [0.0; 2]).map(|best| best.displacement),
             untested: self.untested(),
             between: self.between(),
-            truth: self.truth_of_block().filter(|_| self.is_over()),
+            truth: self.truth_in_window().filter(|_| self.is_over()),
         }));
         readouts.push(Readout::Series(self.series()));
         readouts.extend(self.histogram().map(Readout::Histogram));

@@ -1,6 +1,6 @@
 //! Formulas, facts and image patches that explain derivatives and gradient constraints.
 
-use super::numbers::{factor, gray, px, summand};
+use super::numbers::{factor, fixed, gray, px, summand};
 use super::{Derivatives, Linear};
 use crate::geometry::{Grid, Sampling};
 use crate::scene::{Constraint, Fact, Math, Role, Section, Tile};
@@ -8,6 +8,11 @@ use crate::scene::{Constraint, Fact, Math, Role, Section, Tile};
 /// I_x, I_y or I_t as a formula.
 pub fn derivative(along: &'static str) -> Math {
     Math::indexed(Math::Var("I"), Math::Var(along))
+}
+
+/// The decimals of derivatives in a formula: one more where any is below 1, so that the shown numbers give the shown result.
+fn decimals(derivatives: [f32; 3]) -> usize {
+    if derivatives.iter().any(|d| d.abs() < 1.0) { 3 } else { 2 }
 }
 
 /// The gradient constraint, in symbols and with the derivatives of one pixel.
@@ -24,16 +29,17 @@ pub fn constraint_equation([a, b, c]: [f32; 3], role: Role) -> [Math; 2] {
         derivative("t"),
         Math::text(" = 0"),
     ]);
+    let shown = |derivative: f32| fixed(derivative, decimals([a, b, c]));
     let numbers = Math::Row(vec![
-        Math::ink(role, gray(a)),
+        Math::ink(role, shown(a)),
         Math::text(" "),
         Math::Var("u"),
         Math::text(" "),
-        Math::ink(role, summand(gray(b))),
+        Math::ink(role, summand(shown(b))),
         Math::text(" "),
         Math::Var("v"),
         Math::text(" "),
-        Math::ink(role, summand(gray(c))),
+        Math::ink(role, summand(shown(c))),
         Math::text(" = 0"),
     ]);
     [symbols, numbers]
@@ -57,6 +63,58 @@ pub fn reach(points: impl IntoIterator<Item = [f32; 2]>) -> f32 {
         reach *= 2.0;
     }
     reach
+}
+
+/// The part of the (u, v) plane around some displacements.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    /// The displacement in the middle.
+    pub center: [f32; 2],
+    /// How far it reaches from there on both axes, in px.
+    pub reach: f32,
+}
+
+impl View {
+    /// The reach of a plane at least, in px.
+    const LEAST_PX: f32 = 0.1;
+    /// The share of the reach that the displacements take up at most, and the steps of the middle in it.
+    const FILLED: f32 = 0.75;
+    const STEP: f32 = 0.25;
+    /// Lines are taken in while the plane stays so many times as wide as its displacements need.
+    const FOR_LINE: f32 = 4.0;
+    /// Of so few lines each is looked at by itself.
+    const FEW: usize = 2;
+
+    /// The part that shows `points` with some margin, and of few `lines` each that does not lie much farther away.
+    pub fn around(points: &[[f32; 2]], lines: &[Constraint]) -> Self {
+        let alone = Self::of(points);
+        let feet = lines.iter().filter(|_| lines.len() <= Self::FEW).map(|line| foot(line, alone.center));
+        let all: Vec<_> = points.iter().copied().chain(feet).collect();
+        let with_lines = Self::of(&all);
+        if with_lines.reach <= Self::FOR_LINE * alone.reach { with_lines } else { alone }
+    }
+
+    fn of(points: &[[f32; 2]]) -> Self {
+        let range = |i: usize| {
+            let along = points.iter().map(|point| point[i]).filter(|c| c.is_finite());
+            along.fold(None, |range, c| Some(range.map_or([c; 2], |[low, high]: [f32; 2]| [low.min(c), high.max(c)])))
+        };
+        let ranges = [0, 1].map(|i| range(i).unwrap_or([0.0; 2]));
+        let half = ranges.iter().map(|[low, high]| (high - low) / 2.0).fold(0.0f32, f32::max);
+        // 1, 2, 5, 10 and so on, and a middle in steps: they seldom change from step to step.
+        let reaches = std::iter::successors(Some(Self::LEAST_PX), |first| Some(10.0 * first));
+        let mut reaches = reaches.flat_map(|first| [first, 2.0 * first, 5.0 * first]);
+        let reach = reaches.find(|reach| half <= Self::FILLED * reach || *reach > 1024.0).unwrap_or(Self::LEAST_PX);
+        let step = Self::STEP * reach;
+        Self { center: ranges.map(|[low, high]| ((low + high) / 2.0 / step).round() * step), reach }
+    }
+}
+
+/// The displacement on a constraint line that is nearest to `from`.
+pub fn foot(line: &Constraint, from: [f32; 2]) -> [f32; 2] {
+    let [a, b, c] = line.factors;
+    let off = (a * from[0] + b * from[1] + c) / (a * a + b * b);
+    [from[0] - a * off, from[1] - b * off]
 }
 
 /// The sections of a plot over iterations: one for each level and each warp. `places` gives the iterations plotted, numbered from
@@ -136,16 +194,17 @@ impl Linear {
         if !t.is_finite() {
             return [symbols, Math::text("unknown: (u₀, v₀) leads out of frame t+1")];
         }
-        let times = |a: f32, b: f32| Math::ink(role, format!("{} · {}", factor(gray(a)), factor(px(b))));
+        let shown = |derivative: f32| fixed(derivative, decimals([x, y, t]));
+        let times = |a: f32, b: f32| Math::ink(role, format!("{} · {}", factor(shown(a)), factor(px(b))));
         let numbers = Math::Row(vec![
             Math::text("= "),
-            Math::ink(role, gray(t)),
+            Math::ink(role, shown(t)),
             Math::text(" − "),
             times(x, u),
             Math::text(" − "),
             times(y, v),
             Math::text(" = "),
-            Math::ink(role, gray(self.factors.at(place)[2])),
+            Math::ink(role, shown(self.factors.at(place)[2])),
         ]);
         [symbols, numbers]
     }
@@ -219,5 +278,23 @@ mod tests {
         assert_eq!(reach([[0.1, -0.2]]), 1.0);
         assert_eq!(reach([[3.0, 0.0], [f32::NAN, 99.0]]), 128.0);
         assert!(reach([[1e9, 0.0]]).is_finite());
+    }
+
+    #[test]
+    fn the_view_is_that_of_displacements_close_together_and_of_a_line_near_them() {
+        let points = [[-1.524, -0.826], [-1.508, -0.875], [-1.519, f32::NAN]];
+        let holds = |view: View, [u, v]: [f32; 2]| {
+            (u - view.center[0]).abs() < view.reach && (v - view.center[1]).abs() < view.reach
+        };
+        let near = View::around(&points, &[]);
+        assert_eq!(near.reach, 0.1);
+        assert!(points[..2].iter().all(|point| holds(near, *point)), "{near:?}");
+        let line_at = |u: f32| Constraint { factors: [2.0, 0.0, -2.0 * u], weight: 1.0, role: Role::Candidate };
+        let with_line = View::around(&points, &[line_at(-1.3)]);
+        assert!(holds(with_line, foot(&line_at(-1.3), with_line.center)) && with_line.reach <= 0.4, "{with_line:?}");
+        assert_eq!(View::around(&points, &[line_at(8.0)]), near, "a line far away is left out");
+        assert_eq!(foot(&line_at(8.0), [1.0, -3.0]), [8.0, -3.0]);
+        assert!(View::around(&[[1e9, 0.0], [0.0; 2]], &[]).reach.is_finite());
+        assert_eq!(View::around(&[], &[]), View { center: [0.0; 2], reach: 0.1 });
     }
 }

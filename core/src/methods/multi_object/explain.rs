@@ -40,6 +40,11 @@ pub(crate) fn speed([u, v]: [f64; 2]) -> String {
     format!("{} px/frame, heading {}", px(u.hypot(v)), heading([u, v]))
 }
 
+/// The same as a fact of its own, which says how a heading is counted.
+pub(crate) fn velocity(velocity: [f64; 2]) -> String {
+    format!("{} (90° is up)", speed(velocity))
+}
+
 /// The names of rows and columns of a table of tracks (rows) and detections (columns).
 pub(crate) struct Names {
     pub rows: Vec<String>,

@@ -4,7 +4,8 @@ use super::shift::in_effect;
 use super::{DisplacementEquation, ExpansionPair, Polynomial, WindowSolver};
 use crate::base::words;
 use crate::geometry::Grid;
-use crate::methods::differential::{Field, Multiscale, Tensor, explain, numbers};
+use crate::methods::differential::explain::{self, View};
+use crate::methods::differential::{Field, Multiscale, Tensor, numbers};
 use crate::scene::{Constraint, Math, Picture, Plane, Readout, Role, Scene, Sentence, Shape, Tile};
 
 /// The steps of an iteration.
@@ -260,6 +261,9 @@ impl Probe<'_> {
             lines.filter_map(|line| explain::line(line, 1.0, Role::Candidate)).collect()
         };
         let is_pixel = self.part == Part::Compared;
+        let lines = if is_pixel { of_pixel() } else { self.window_lines() };
+        let shown: Vec<_> = points.iter().map(|(.., point)| *point).collect();
+        let View { center, reach } = View::around(&shown, &lines);
         Plane {
             title: if is_pixel {
                 "Displacement equations of the pixel: A d = Δb"
@@ -267,12 +271,12 @@ impl Probe<'_> {
                 "Displacement equations of the window: A d = Δb"
             },
             unit: self.unit(),
-            reach: explain::reach(points.iter().map(|(.., point)| *point)),
-            center: [0.0; 2],
+            reach,
+            center,
             cost: None,
             path: Vec::new(),
             groups: Vec::new(),
-            lines: if is_pixel { of_pixel() } else { self.window_lines() },
+            lines,
             points,
             ellipse: None,
         }

@@ -7,7 +7,8 @@ use super::model::{Explanation, Model, Probe};
 use super::run::{Event, Note, State, TESTED, Variational};
 use crate::base::words;
 use crate::geometry::Grid;
-use crate::methods::differential::{Conclusion, explain, numbers};
+use crate::methods::differential::explain::{self, View};
+use crate::methods::differential::{Conclusion, numbers};
 use crate::run::{Estimator, Seen};
 use crate::scene::{
     Fact, Floor, Layer, Levels, Picture, Plane, Quantity, Readout, Role, Scene, Sentence, Series, Shape, Stack, Step,
@@ -273,7 +274,8 @@ fn medians<M: Model>(state: &State<M>) -> Sentence {
     ))
 }
 
-/// The (u, v) plane: constraint lines, the flow before and after the step, and the true flow.
+/// The (u, v) plane: constraint lines, the flow before and after the step, and the true flow. A single line has its name at its
+/// displacement nearest to the neighbourhood mean, or else to the flow before the step: there the data term alone would lead.
 fn plane<M: Model>(
     state: &State<M>,
     probe: &Probe<M>,
@@ -284,11 +286,18 @@ fn plane<M: Model>(
     all.extend(points);
     let truth = state.fixed.frames.truth(probe.level, probe.place);
     all.extend(truth.map(|truth| ("true flow", Role::Truth, truth)));
+    let shown: Vec<_> = all.iter().map(|(.., point)| *point).collect();
+    let View { center, reach } = View::around(&shown, &lines);
+    if let [line] = &lines[..] {
+        let mean = all.iter().find(|(name, ..)| *name == "mean");
+        let from = mean.map_or(probe.from(), |(.., mean)| *mean);
+        all.push(("constraint line", line.role, explain::foot(line, from)));
+    }
     Readout::Plane(Plane {
         title: "Constraint line and neighbourhood mean",
         unit: probe.unit(),
-        reach: explain::reach(all.iter().map(|(.., point)| *point)),
-        center: [0.0; 2],
+        reach,
+        center,
         cost: None,
         path: Vec::new(),
         groups: Vec::new(),

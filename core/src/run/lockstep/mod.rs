@@ -58,7 +58,7 @@ impl Pace {
     /// The description of a run in lockstep at this pace.
     pub fn info(self) -> &'static Info {
         match self {
-            Self::Block | Self::Budget => const { &info(&["frame", "block", "candidate"]) },
+            Self::Block | Self::Budget => const { &info(&["frame", "block", "step"]) },
             Self::Frame => const { &info(&["clip", "frame", "step"]) },
             Self::Iteration => const { &info(&["frame", "iteration", "step"]) },
             Self::Level => const { &info(&["frame", "level", "step"]) },

@@ -13,7 +13,7 @@ use crate::synth::{
 pub const SAMPLE: Sample = Sample {
     id: "wallpaper",
     title: "Wallpaper: ambiguous matches",
-    teaches: "The texture repeats every 24 px, so the cost surface has several equally deep minima, and only one is the motion.",
+    teaches: "The texture repeats every 24 px: a search range of 32 px has several equally deep minima, and only one is the motion.",
     tune: |_| {},
     scenery: Scenery::Flat(layers),
     path: Path::REST,

@@ -28,8 +28,19 @@ impl Probe<'_> {
     }
 }
 
+/// So many times the threshold, the smaller eigenvalue exceeds it clearly.
+const CLEAR: f32 = 2.0;
+
 fn px(uv: [f32; 2]) -> String {
     format!("{} px", numbers::vector(uv))
+}
+
+/// The end of a sentence after the flow `found`: its endpoint error where the true flow is known.
+fn endpoint_error(truth: Option<[f32; 2]>, found: [f32; 2]) -> String {
+    match truth.map(|[u, v]| (found[0] - u).hypot(found[1] - v)).filter(|error| error.is_finite()) {
+        Some(error) => format!("; endpoint error {} px.", numbers::px(error)),
+        None => ".".into(),
+    }
 }
 
 impl LucasKanade {
@@ -64,7 +75,11 @@ impl LucasKanade {
             };
         };
         let line = if probe.is_solved() { line::SOLVE } else { line::IS_SINGULAR };
-        Step { line, sentence: self.concluded(seen, self.sentence(&probe)), readouts: self.readouts(seen, &probe) }
+        Step {
+            line,
+            sentence: self.concluded(seen, self.sentence(seen, &probe)),
+            readouts: self.readouts(seen, &probe),
+        }
     }
 
     /// Explains the linearisation before the first row of an iteration.
@@ -120,7 +135,7 @@ impl LucasKanade {
         ))
     }
 
-    fn sentence(&self, probe: &Probe) -> Sentence {
+    fn sentence(&self, seen: &Seen<Self>, probe: &Probe) -> Sentence {
         let Solution { displacement, eigenvalues, texture } = probe.solution;
         let (x, y) = probe.pixel;
         let [large, small] = eigenvalues.map(numbers::gray);
@@ -131,6 +146,15 @@ impl LucasKanade {
             true => format!("below the threshold of {}", numbers::gray(self.min_eigenvalue)),
             false => otherwise.to_owned(),
         };
+        // The constraint of the pixel itself is unknown: the rest of the window decides nothing.
+        if matches!(texture, Texture::Flat | Texture::Edge) && !probe.linear.factors.is_known(probe.pixel) {
+            let [gone, all] = self.left(&probe.linear.factors, probe.pixel);
+            return said.text(format!(
+                ": the flow (u₀, v₀) leads the pixel itself and {} of the {all} pixels of its window out of frame t+1. The other \
+                 constraints, λ₁ = {large} and λ₂ = {small}, do not determine the flow: it is unknown.",
+                gone.saturating_sub(1)
+            ));
+        }
         match texture {
             Texture::Unknown => {
                 said.text(": the flow leads all its pixels out of frame t+1. Without constraints the flow is unknown.")
@@ -150,14 +174,18 @@ impl LucasKanade {
                  the flow is unknown.",
                 why(eigenvalues[1], "0 up to rounding")
             )),
-            Texture::Corner => said
-                .text(format!(
-                    ": λ₁ = {large} and λ₂ = {small}, not below the threshold of {}, so the constraint lines intersect well. \
-                     Least squares gives (u, v) = ",
-                    numbers::gray(self.min_eigenvalue)
+            Texture::Corner => {
+                let threshold = numbers::gray(self.min_eigenvalue);
+                let what = match eigenvalues[1] < CLEAR * self.min_eigenvalue {
+                    true => "λ₂ only slightly, so noise has much influence on the solution",
+                    false => "so the constraint lines intersect well",
+                };
+                said.text(format!(
+                    ": λ₁ = {large} and λ₂ = {small} exceed the threshold of {threshold}, {what}. Least squares gives (u, v) = "
                 ))
                 .ink(Role::Result, px(displacement))
-                .text("."),
+                .text(endpoint_error(seen.before.frame_pair.true_displacement(probe.pixel), displacement))
+            }
         }
     }
 

@@ -347,7 +347,7 @@ fn tracked_facts(tracked: &TrackedBlob) -> Vec<Fact> {
         facts.push(Fact::new("Status", member.age.status.name(), None));
         facts.push(Fact::new("Hits", hits(member.age.hits), None));
     }
-    facts.extend(tracked.velocity().map(|velocity| Fact::new("Velocity", explain::speed(velocity), None)));
+    facts.extend(tracked.velocity().map(|velocity| Fact::new("Velocity", explain::velocity(velocity), None)));
     facts
 }
 

@@ -145,7 +145,7 @@ impl JointProbabilistic {
         if let Some(track) = track_of(seen) {
             facts.push(Fact::new("Track", track.id.to_string(), None));
             facts.push(Fact::new("Status", track.age.status.name(), None));
-            facts.push(Fact::new("Velocity", explain::speed(track.filter.velocity()), None));
+            facts.push(Fact::new("Velocity", explain::velocity(track.filter.velocity()), None));
             facts.push(Fact::new("Standard deviation σ", format!("{} px", deviations(track)), None));
         }
         let (mut tables, mut equation) = (Vec::new(), None);

@@ -171,7 +171,13 @@ impl KalmanFilter {
             )),
             Event::Kept(None) => said.text(format!("Frame {frame} has no estimate to smooth.")),
         };
-        said.text(self.conclusion(seen))
+        let conclusion = self.conclusion(seen);
+        match event {
+            _ if conclusion.is_empty() => said,
+            // The run is about its result, not about a frame before the track.
+            Event::Kept(None) => Sentence::default().text(conclusion.trim_start()),
+            _ => Sentence([Sentence::default().text(format!("{} ", conclusion.trim_start())).0, said.0].concat()),
+        }
     }
 
     /// What increases the covariance in a prediction.
@@ -517,6 +523,16 @@ impl KalmanFilter {
                 let (gated, after) = (&update.0, &update.1);
                 let numbers = gated.expected.update_numbers(gated.measurement())?;
                 let (gain, residual) = (numbers.gain[(0, 0)], numbers.residual[0]);
+                let kept = || {
+                    Math::Row(vec![
+                        text("("),
+                        Math::Bold("I"),
+                        text(" − "),
+                        Math::Bold("K"),
+                        Math::Bold("H"),
+                        text(")"),
+                    ])
+                };
                 let has_others = (1..numbers.residual.len()).any(|i| numbers.gain[(0, i)] * numbers.residual[i] != 0.0);
                 vec![
                     Math::Row(vec![
@@ -535,13 +551,14 @@ impl KalmanFilter {
                     ]),
                     Math::Row(vec![
                         Math::Bold("P"),
-                        text(" ← ("),
-                        Math::Bold("I"),
-                        text(" − "),
-                        Math::Bold("K"),
-                        Math::Bold("H"),
-                        text(")"),
+                        text(" ← "),
+                        kept(),
                         Math::Bold("P"),
+                        Math::power(kept(), text("T")),
+                        text(" + "),
+                        Math::Bold("K"),
+                        Math::Bold("R"),
+                        Math::power(Math::Bold("K"), text("T")),
                     ]),
                     Math::Row(vec![
                         Math::Var("x"),
@@ -624,7 +641,7 @@ impl KalmanFilter {
             let Some(dof) = dof else { continue };
             let mut lines = vec![("NIS", Role::Measured, all_of)];
             if !refused.is_empty() {
-                lines.push(("outside the gate", Role::Rejected, refused));
+                lines.push(("rejected", Role::Rejected, refused));
             }
             let limit = chi_square::quantile(f64::from(self.gate), dof) as f32;
             let thresholds = vec![(format!("{} gate", percent(self.gate)), limit)];

@@ -293,7 +293,7 @@ impl KalmanTracker {
             facts.push(Fact::new("Track", track.id.to_string(), None));
             facts.push(Fact::new("Status", track.age.status.name(), None));
             facts.push(Fact::new("Hits", count(track.age.hits, "matched frame"), None));
-            facts.push(Fact::new("Velocity", speed(track), None));
+            facts.push(Fact::new("Velocity", explain::velocity(track.filter.velocity()), None));
             facts.push(Fact::new("Standard deviation σ", format!("{} px", deviations(track)), None));
         }
         let (mut tables, mut equation) = (Vec::new(), None);

@@ -37,7 +37,7 @@ impl TrajectoryAnalysis {
             return said
                 .text("The trajectories of tracks give ")
                 .ink(Role::Result, "speed and heading")
-                .text(", crossings of ")
+                .text(" (counter-clockwise from the x axis, so 90° is up), crossings of ")
                 .ink(Role::Window, "lines")
                 .text(", dwell times in ")
                 .ink(Role::Reference, "zones")
@@ -244,7 +244,7 @@ impl TrajectoryAnalysis {
             let speed = |v: &[f64; 2]| format!("{} px/frame", px(v[0].hypot(v[1])));
             facts.push(Fact::new("Speed", speed(velocity), Some(Role::Result)));
             facts.push(Fact::new("Speed since last position", speed(step), Some(Role::Measured)));
-            facts.push(Fact::new("Heading", heading(*velocity), None));
+            facts.push(Fact::new("Heading", format!("{} (90° is up)", heading(*velocity)), None));
         }
         facts.push(Fact::new("Path length", format!("{} px", px(trajectory.length_px())), None));
         if let Some(straightness) = trajectory.straightness() {

@@ -1,0 +1,126 @@
+//! The true motion of a block beside its match: how far the match is off, and why.
+
+use std::cmp::Ordering;
+
+use super::explain::vector;
+use super::probe::Probe;
+use super::{Displacement, Match};
+use crate::base::words::fine;
+
+/// A motion vector is called wrong from this distance on from the true motion, in px.
+pub(super) const CLOSE_PX: f32 = 1.0;
+/// A block is called occluded from this share of hidden pixels on.
+const OCCLUDED: f64 = 0.5;
+/// No search range is longer, in px.
+const LONGEST_PX: f32 = 65_536.0;
+
+/// Where the true displacement stands among the candidates of the search window.
+pub(super) enum Standing {
+    /// The nearest candidate.
+    Candidate(Displacement),
+    /// The displacement is longer than the search range.
+    BeyondRange,
+    /// The displaced block leaves the picture.
+    OutsidePicture,
+}
+
+impl Probe<'_> {
+    /// The true motion of the block beside the match, where it is known, and why a wrong match was preferred.
+    pub(super) fn true_motion(&self, found: Match) -> String {
+        let Some((truth, off)) = self.true_error(found) else { return String::new() };
+        let why = if off < CLOSE_PX { String::new() } else { self.reason(truth, self.as_tested(found)) };
+        format!(" True motion: {} px; endpoint error {} px.{why}", vector(truth), fine(off))
+    }
+
+    /// Why the match is not the true displacement.
+    fn reason(&self, truth: [f32; 2], found: Match) -> String {
+        let range = self.settings.matching.search_range;
+        let at = match self.standing(truth) {
+            Standing::Candidate(at) => at,
+            Standing::BeyondRange => {
+                return format!(
+                    " The true motion lies beyond the search range of ±{range} px, so it is no candidate: a larger range would \
+                     contain it."
+                );
+            }
+            Standing::OutsidePicture => {
+                return " Displaced by the true motion, the block leaves the picture: it is no candidate.".into();
+            }
+        };
+        let Some(true_cost) = self.full_search().cost(at).filter(|_| at != found.displacement) else {
+            return String::new();
+        };
+        let place = if truth.iter().all(|c| c.fract() == 0.0) { String::new() } else { format!(" at {}", vector(at)) };
+        let shown = self.settings.show(true_cost);
+        match true_cost.total_cmp(&found.cost) {
+            Ordering::Less => format!(" Its cost is lower, {shown}{place}, but it was not tested."),
+            Ordering::Equal => format!(" Its cost is the same{place}."),
+            Ordering::Greater => match self.hidden_share() {
+                share if share >= OCCLUDED => format!(
+                    " Its cost is higher, {shown}{place}, because {:.0} % of the block is hidden in frame t+1 (occlusion).",
+                    100.0 * share
+                ),
+                _ => format!(" Its cost is higher, {shown}{place}."),
+            },
+        }
+    }
+
+    /// Whether the truth says why the match is wrong.
+    pub(super) fn is_explained(&self, found: Match) -> bool {
+        let wrong = self.true_error(found).filter(|(_, off)| *off >= CLOSE_PX);
+        wrong.is_some_and(|(truth, _)| match self.standing(truth) {
+            Standing::Candidate(_) => self.hidden_share() >= OCCLUDED,
+            Standing::BeyondRange | Standing::OutsidePicture => true,
+        })
+    }
+
+    /// Where a true displacement in px stands in the search window.
+    fn standing(&self, truth: [f32; 2]) -> Standing {
+        let at = truth.map(|c| c.clamp(-LONGEST_PX, LONGEST_PX).round() as i32);
+        let length = at.map(i32::unsigned_abs).into_iter().max().unwrap_or(0) as usize;
+        match self.window.index(at) {
+            Some(_) => Standing::Candidate(at),
+            None if self.pair.window(self.block(), length).index(at).is_some() => Standing::BeyondRange,
+            None => Standing::OutsidePicture,
+        }
+    }
+
+    /// The true motion of the block where it is a displacement of the search window.
+    pub(super) fn truth_in_window(&self) -> Option<[f32; 2]> {
+        self.truth_of_block().filter(|truth| matches!(self.standing(*truth), Standing::Candidate(_)))
+    }
+
+    /// The share of the pixels of the block that are hidden in frame t + 1; 0 where it is not known.
+    fn hidden_share(&self) -> f64 {
+        let hidden = self.truth.and_then(|(truth, frame)| truth.occlusion(frame).ok().flatten());
+        let (Some(hidden), block) = (hidden, self.block()) else { return 0.0 };
+        let places =
+            (block.y..block.y + block.height).flat_map(|y| (block.x..block.x + block.width).map(move |x| (x, y)));
+        let count = places.filter(|(x, y)| hidden.get(*x, *y).copied().unwrap_or(false)).count();
+        count as f64 / (block.width * block.height) as f64
+    }
+
+    /// The true motion of the block and the endpoint error in px, where the truth is known.
+    pub(super) fn true_error(&self, found: Match) -> Option<([f32; 2], f32)> {
+        let truth = self.truth_of_block()?;
+        let [u, v] = found.vector();
+        Some((truth, (u - truth[0]).hypot(v - truth[1])))
+    }
+
+    /// The median of the true flow over the block, for each component; `None` where it is not known.
+    pub(super) fn truth_of_block(&self) -> Option<[f32; 2]> {
+        let (truth, frame) = self.truth?;
+        let (flow, block) = (truth.flow(frame).ok().flatten()?, self.block());
+        let places =
+            (block.y..block.y + block.height).flat_map(|y| (block.x..block.x + block.width).map(move |x| (x, y)));
+        let known: Vec<[f32; 2]> = places.filter_map(|(x, y)| flow.at(x, y)).collect();
+        if known.is_empty() {
+            return None;
+        }
+        Some([0, 1].map(|i| {
+            let mut parts: Vec<f32> = known.iter().map(|uv| uv[i]).collect();
+            parts.sort_by(f32::total_cmp);
+            parts[parts.len() / 2]
+        }))
+    }
+}
