@@ -5,6 +5,9 @@
 //! clip = "clips/ball.mp4"          # beside the session file, or synth:NAME,SLIDER=VALUE
 //! truth = "truth.flo"              # ground truth given explicitly, relative to the session file as well
 //! detections = "det.txt"
+//! right = "right.mp4"              # right view, or side-by-side
+//! calibration = "calib.txt"        # or typed: "721.5,0.54"
+//! disparity-scale = 4              # gray levels per px of an 8-bit true disparity
 //! estimator = "full-search"
 //! pace = "block"                   # of the lockstep: block, budget, frame, iteration, level, stage or result
 //! frame = 12
@@ -62,7 +65,7 @@ pub struct Session {
 pub struct Named {
     /// The source of the clip.
     pub source: Source,
-    /// Ground truth and detections given explicitly.
+    /// Files given explicitly.
     pub given: Given,
     /// The session, if one was named.
     pub session: Option<Session>,

@@ -12,9 +12,9 @@ use std::path::{Path, PathBuf};
 
 use common::{Random, check_sentence, damaged, in_time, mistaken};
 use image::{DynamicImage, ExtendedColorType, ImageFormat, RgbaImage};
-use motionscope::media::{self, Open, export};
+use motionscope::media::{self, Given, Open, export};
 use motionscope::session::Session;
-use motionscope_core::{Clip, Error, Flow, Frame, Grid};
+use motionscope_core::{Clip, Disparity, Error, Flow, Frame, Grid};
 
 /// Files of each kind.
 const CASES: u64 = 120;
@@ -226,12 +226,13 @@ fn numbered_stills() {
 fn truth(path: &Path) -> Found {
     let frames = (0..3).map(|_| Frame::gray(Grid::new(6, 5, 0))).collect();
     let clip = Clip::from_frames("clip", frames).expect("a clip");
-    let clip = match media::with_truth(clip, path) {
+    let clip = match media::with_given_files(clip, &Open::from(Given { truth: Some(path.into()), ..Given::default() }))
+    {
         Ok(clip) => clip,
         Err(error) => return Found::of([&error]),
     };
     let Some(truth) = clip.truth() else { return Found::default() };
-    let errors = [truth.flow(0).err(), truth.occlusion(0).err(), truth.objects(0).err()];
+    let errors = [truth.flow(0).err(), truth.occlusion(0).err(), truth.objects(0).err(), truth.disparity(0).err()];
     Found::of(errors.iter().flatten())
 }
 
@@ -242,6 +243,15 @@ fn true_flow() {
     survive("t.flo", |random| damaged(&whole, random), truth);
     let whole = export::kitti(&flow).expect("a flow").bytes;
     survive("t.png", |random| damaged(&whole, random), truth);
+}
+
+#[test]
+fn true_disparity() {
+    let map = Disparity(Grid::from_fn(6, 5, |x, y| if x == y { f32::NAN } else { 1.0 + x as f32 / 4.0 }));
+    let whole = export::pfm(&map);
+    survive("d.pfm", |random| damaged(&whole, random), truth);
+    let whole = export::kitti_disparity(&map).expect("a disparity").bytes;
+    survive("d.png", |random| damaged(&whole, random), truth);
 }
 
 #[test]

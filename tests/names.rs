@@ -14,12 +14,11 @@ const DATA: [(&str, &str); 3] = [
 ];
 
 /// Words that are names of something else in the file that has them.
-const OTHERWISE: [(&str, &str, &str); 29] = [
+const OTHERWISE: [(&str, &str, &str); 28] = [
     ("src/cli/args.rs", "frame", "a flag"),
     ("src/cli/list.rs", "frames", "a key of the JSON"),
     ("src/cli/list.rs", "source", "a key of the JSON"),
     ("src/cli/list.rs", "stage", "a type in the JSON"),
-    ("src/media/export/clip.rs", "flow", "a folder of a clip"),
     ("src/media/sequence.rs", "flow", "the beginning of a file's name"),
     ("src/media/sequence.rs", "mask", "the beginning of a file's name"),
     ("src/media/truth/find.rs", "flow", "a folder of truth"),

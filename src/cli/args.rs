@@ -10,6 +10,7 @@ use super::examples;
 use super::look::LookFlags;
 use crate::experiment::pixel::Pixel;
 use crate::media::export::Timing;
+use crate::media::{Given, GivenCalibration, RightView};
 use crate::results::Asked;
 use crate::session;
 use crate::view::panes::Named;
@@ -63,9 +64,11 @@ pub enum Command {
         /// Count the frames by decoding the whole file if the container does not say.
         #[arg(long)]
         count: bool,
-        /// Ground truth: .flo, KITTI .png, a homography as .xml, masks of the foreground as .png, a folder of them, or a MOTChallenge gt.txt.
+        /// Ground truth: .flo, KITTI .png, a disparity as .pfm or .png, a homography as .xml, masks of the foreground as .png, a folder of them, or a MOTChallenge gt.txt.
         #[arg(long, value_name = "FILE")]
         truth: Option<PathBuf>,
+        #[command(flatten)]
+        stereo: StereoArgs,
     },
     /// Render a synthetic clip: frames as PNG, true flow as .flo, occlusion masks and gt.txt.
     #[command(after_help = examples::SYNTH)]
@@ -126,6 +129,8 @@ pub struct CompareArgs {
     /// Ground truth; by default it is searched for beside the clip.
     #[arg(long, help_heading = "Clip", value_name = "FILE")]
     pub truth: Option<PathBuf>,
+    #[command(flatten)]
+    pub stereo: StereoArgs,
     /// Runs of each estimator; the shortest time counts. By default 3, fewer if they take more than a second.
     #[arg(long, help_heading = "Execution", value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub repeat: Option<u32>,
@@ -150,6 +155,34 @@ pub struct CompareArgs {
     /// Print the table as Markdown.
     #[arg(long, help_heading = "Output")]
     pub markdown: bool,
+}
+
+/// The second view of a clip.
+#[derive(Clone, Debug, Default, Group)]
+pub struct StereoArgs {
+    /// Right view: a picture, a folder or a video, or side-by-side if each frame shows both views; by default it is searched for beside
+    /// the clip.
+    #[arg(long, help_heading = "Clip", value_name = "FILE|DIR")]
+    pub right: Option<PathBuf>,
+    /// Calibration of both views: a calib.txt of KITTI or Middlebury, or focal length in px and baseline in m as F,B, or with the
+    /// principal point as F,B,CX,CY.
+    #[arg(long, help_heading = "Clip", value_name = "FILE.txt|F,B")]
+    pub calibration: Option<PathBuf>,
+    /// Gray levels per px of a true disparity in an 8-bit PNG; by default as Middlebury names it.
+    #[arg(long, help_heading = "Clip", value_name = "S", value_parser = scale)]
+    pub disparity_scale: Option<f32>,
+}
+
+impl StereoArgs {
+    /// What is given besides.
+    pub fn with(&self, given: Given) -> Given {
+        Given {
+            right: self.right.as_deref().map(RightView::of),
+            calibration: self.calibration.as_deref().map(GivenCalibration::of),
+            disparity_scale: self.disparity_scale,
+            ..given
+        }
+    }
 }
 
 /// What to estimate: clip, estimator, parameters and frames.
@@ -185,6 +218,8 @@ pub struct TaskArgs {
     /// Detections as MOTChallenge rows, as in det.txt.
     #[arg(long, help_heading = "Clip", value_name = "FILE.txt")]
     pub detections: Option<PathBuf>,
+    #[command(flatten)]
+    pub stereo: StereoArgs,
     /// First and last frame of a run through the clip, from 0; replaces --frame and --set frames.
     #[arg(long, help_heading = "Estimation", value_name = "A..B", value_parser = frames, conflicts_with = "frame")]
     pub frames: Option<(usize, usize)>,
@@ -302,6 +337,11 @@ fn rate(text: &str) -> Result<f32, String> {
     let range = Timing::RATE_HZ;
     let message = || format!("the rate is from {} to {} steps per second, not {text}", range.start(), range.end());
     text.parse().ok().filter(|rate| range.contains(rate)).ok_or_else(message)
+}
+
+fn scale(text: &str) -> Result<f32, String> {
+    let message = || format!("the scale of a disparity is a positive number of gray levels per px, not {text}");
+    text.parse().ok().filter(|scale: &f32| scale.is_finite() && *scale > 0.0).ok_or_else(message)
 }
 
 fn cursor(text: &str) -> Result<Cursor, String> {

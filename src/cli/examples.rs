@@ -59,6 +59,7 @@ Examples:
   motionscope run synth:pillar --estimator lucas-kanade --layer consistency --json
   motionscope run hall.mp4 --estimator mixture-of-gaussians --frames 0..99 --masks masks
   motionscope run --detections det.txt --truth gt.txt --estimator kalman-tracker --tracks tracks.txt --json
+  motionscope run left.png --right right.png --calibration 721.5,0.54 --estimator block-stereo --disparity disparity.pfm
   motionscope run lesson.motionscope --overlay lesson.png --scale 4";
 
 /// Of `export`.

@@ -68,9 +68,9 @@ fn run(args: Args) -> Result<(), Error> {
             say(&if json { list::json(&all) } else { list::text(&all, !estimators.is_empty()) })
         }
         Some(Command::Glossary { term, json }) => say(&glossary(&term.join(" "), json)?),
-        Some(Command::Info { clip, next, json, count, truth }) => {
+        Some(Command::Info { clip, next, json, count, truth, stereo }) => {
             let clip = task::clip_name(clip, next)?;
-            let Named { source, given, .. } = Named::find(&clip, Given { truth, detections: None })?;
+            let Named { source, given, .. } = Named::find(&clip, stereo.with(Given { truth, ..Given::default() }))?;
             let info = Info::of(&source.open(&Open { count, given, ..Open::default() })?);
             say(&if json { report::to_json(&info)? } else { info.to_string() })
         }

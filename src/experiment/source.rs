@@ -105,11 +105,7 @@ impl Source {
             Self::Pair(files) => media::open_pair(files, options),
             Self::Synth { id, difficulty } => {
                 let clip = synth::make(id, difficulty)?;
-                let clip = match &options.given.truth {
-                    Some(truth) => media::with_truth(clip, truth)?,
-                    None => clip,
-                };
-                media::with_detections(clip, options)
+                media::with_detections(media::with_given_files(clip, options)?, options)
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use motionscope_core::Clip;
+use motionscope_core::{Calibration, Clip, fixed};
 use serde::Serialize;
 
 /// The description of a clip that `motionscope info` prints.
@@ -26,8 +26,34 @@ pub struct Info {
     pub truth: Vec<&'static str>,
     /// The files of each kind of ground truth, unless computed.
     pub truth_files: Vec<String>,
+    /// The name of the right view, if there is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub right: Option<String>,
+    /// The calibration of both views, if it is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub calibration: Option<Cameras>,
     /// Warnings.
     pub warnings: Vec<String>,
+}
+
+/// The calibration of a rectified pair of cameras.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Cameras {
+    /// Focal length in px.
+    pub focal_px: f64,
+    /// Baseline in m.
+    pub baseline_m: f64,
+    /// Principal point of the left view in px.
+    pub principal_px: [f64; 2],
+    /// Principal point of the right view minus that of the left one, along x in px.
+    pub offset_px: f64,
+}
+
+impl From<&Calibration> for Cameras {
+    fn from(calibration: &Calibration) -> Self {
+        let Calibration { focal_px, baseline_m, principal_px, offset_px } = *calibration;
+        Self { focal_px, baseline_m, principal_px, offset_px }
+    }
 }
 
 impl Info {
@@ -44,6 +70,8 @@ impl Info {
             codec: info.codec,
             truth: clip.truth().map(|truth| truth.kinds()).unwrap_or_default(),
             truth_files: clip.truth().map(|truth| truth.names()).unwrap_or_default(),
+            right: clip.right().map(|right| right.info().name.clone()),
+            calibration: clip.calibration().map(Cameras::from),
             warnings: info.warnings,
         }
     }
@@ -51,7 +79,7 @@ impl Info {
 
 impl fmt::Display for Info {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { width, height, frames, fps, seconds, container, codec, truth, truth_files, warnings } = self;
+        let Self { width, height, frames, fps, seconds, container, codec, truth, truth_files, .. } = self;
         writeln!(f, "size      {width}×{height} px")?;
         match frames {
             Some(frames) => writeln!(f, "frames    {frames}")?,
@@ -68,7 +96,14 @@ impl fmt::Display for Info {
         let files = |i: usize| truth_files.get(i).map_or_else(String::new, |name| format!(" ({name})"));
         let kinds: Vec<_> = truth.iter().enumerate().map(|(i, kind)| format!("{kind}{}", files(i))).collect();
         writeln!(f, "truth     {}", if truth.is_empty() { "none".into() } else { kinds.join(", ") })?;
-        warnings.iter().try_for_each(|warning| writeln!(f, "warning   {warning}"))
+        if let Some(right) = &self.right {
+            writeln!(f, "right     {right}")?;
+        }
+        if let Some(Cameras { focal_px, baseline_m, .. }) = &self.calibration {
+            let (focal, baseline) = (fixed(*focal_px, 1), fixed(*baseline_m, 3));
+            writeln!(f, "cameras   focal length {focal} px, baseline {baseline} m")?;
+        }
+        self.warnings.iter().try_for_each(|warning| writeln!(f, "warning   {warning}"))
     }
 }
 

@@ -15,6 +15,7 @@ pub(crate) mod names;
 mod picture;
 mod reason;
 mod sequence;
+mod stereo;
 mod stills;
 pub mod temporary;
 mod truth;
@@ -32,6 +33,8 @@ use export::{InputKind, Inputs};
 pub use info::Info;
 use input::{Input, Node};
 use sequence::Sequence;
+pub use stereo::{GivenCalibration, RightView};
+use stereo::{Half, LeftView};
 
 /// The progress of a long computation, and its cancellation.
 pub trait Progress: Send + Sync {
@@ -42,20 +45,45 @@ pub trait Progress: Send + Sync {
     fn cancelled(&self) -> bool;
 }
 
-/// Ground truth and detections given explicitly for a clip, instead of files found beside it.
+/// Ground truth, detections and a right view given explicitly for a clip, instead of files found beside it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Given {
     /// The ground truth.
     pub truth: Option<PathBuf>,
     /// The detections, as MOTChallenge rows.
     pub detections: Option<PathBuf>,
+    /// The right view of a rectified pair of cameras.
+    pub right: Option<RightView>,
+    /// The calibration of both cameras.
+    pub calibration: Option<GivenCalibration>,
+    /// Gray levels per px of disparity of a true disparity in 8 bits.
+    pub disparity_scale: Option<f32>,
 }
 
 impl Given {
     /// Returns these files with those of `later` in their place.
     #[must_use]
     pub fn then(self, later: Self) -> Self {
-        Self { truth: later.truth.or(self.truth), detections: later.detections.or(self.detections) }
+        Self {
+            truth: later.truth.or(self.truth),
+            detections: later.detections.or(self.detections),
+            right: later.right.or(self.right),
+            calibration: later.calibration.or(self.calibration),
+            disparity_scale: later.disparity_scale.or(self.disparity_scale),
+        }
+    }
+
+    /// The same with `f` applied to the path of each file.
+    #[must_use]
+    pub fn map_path(self, f: impl Fn(&Path) -> PathBuf) -> Self {
+        let Self { truth, detections, right, calibration, disparity_scale } = self;
+        Self {
+            truth: truth.map(|path| f(&path)),
+            detections: detections.map(|path| f(&path)),
+            right: right.map(|view| view.map_path(&f)),
+            calibration: calibration.map(|given| given.map_path(&f)),
+            disparity_scale,
+        }
     }
 }
 
@@ -190,7 +218,7 @@ fn open_clip(path: &Path, options: &Open) -> Result<Clip, Error> {
         });
     }
     let source = guarded(|| open_source(path, options)).map_err(|error| about(path, &error))?;
-    let clip = with_given_truth(path, options, source)?;
+    let clip = with_given(path, options, source)?;
     if options.given.detections.is_none() && path != Path::new("-") {
         return Ok(with_detections_beside(clip, path));
     }
@@ -210,7 +238,7 @@ pub fn open_pair(files: &[PathBuf; 2], options: &Open) -> Result<Clip, Error> {
         }
     }
     let source = guarded(|| stills::pair(files, options)).map_err(|error| about(&files[0], &error))?;
-    with_detections(with_given_truth(&files[0], options, source)?, options)
+    with_detections(with_given(&files[0], options, source)?, options)
 }
 
 /// The kind of the file at `path`.
@@ -226,6 +254,17 @@ fn guarded<T>(read: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
     catch_panic::catch_panic(read).unwrap_or_else(|panic| {
         Err(Error::new(format!("it is damaged and cannot be decoded{}", reason::bracketed(&panic))))
     })
+}
+
+/// The clip of `source`, read from `path`, with its ground truth, its right view and its calibration.
+fn with_given(path: &Path, options: &Open, source: Source) -> Result<Clip, Error> {
+    let source = match options.given.right {
+        Some(RightView::SideBySide) => stereo::half(source, Half::Left).map_err(|why| about(path, &why))?,
+        _ => source,
+    };
+    let files = Arc::clone(&source.files);
+    let clip = with_given_truth(path, options, source)?;
+    stereo::with_right_view(clip, &LeftView { path, files: &files }, options)
 }
 
 /// The clip of `source`, read from `path`, behind the frame cache and with its ground truth.
@@ -274,8 +313,13 @@ pub fn check_detections(path: &Path) -> Result<(), Error> {
 pub fn inputs(path: Option<&Path>, clip: &Clip, options: &Open) -> Inputs {
     let path = path.filter(|path| *path != Path::new("-"));
     let pictures = path.filter(|_| clip.info().container == stills::CONTAINER).map(Sequence::find);
-    let pictures = pictures.and_then(Result::ok).map(|found| found.files).unwrap_or_default();
+    let mut pictures = pictures.and_then(Result::ok).unwrap_or_default();
+    stereo::keep_left(&mut pictures, &options.given);
+    let pictures = pictures.files;
     let mut inputs = truth_inputs(path, &pictures, clip, options);
+    if let Some(path) = path {
+        add_right_view(&mut inputs, &LeftView { path, files: &pictures }, options);
+    }
     let beside = || path.filter(|path| path.is_dir()).and_then(detections::beside);
     options
         .given
@@ -296,15 +340,24 @@ pub fn inputs(path: Option<&Path>, clip: &Clip, options: &Open) -> Inputs {
 /// The files that `clip`, opened from the two pictures `files` with `options`, is read from.
 pub fn inputs_of_pair(files: &[PathBuf; 2], clip: &Clip, options: &Open) -> Inputs {
     let mut inputs = truth_inputs(Some(&files[0]), files, clip, options);
+    add_right_view(&mut inputs, &LeftView { path: &files[0], files }, options);
     options.given.detections.iter().for_each(|file| inputs.add(InputKind::Detections, file));
     files.iter().for_each(|file| inputs.add(InputKind::Frame, file));
     inputs
+}
+
+/// Adds the files of the right view and of the calibration.
+fn add_right_view(inputs: &mut Inputs, left: &LeftView<'_>, options: &Open) {
+    let (right, calibration) = stereo::files(left, options);
+    right.into_iter().for_each(|file| inputs.add(InputKind::RightView, file));
+    calibration.into_iter().for_each(|file| inputs.add(InputKind::Calibration, file));
 }
 
 /// The files of ground truth of `clip`, which is opened from `path` and made of `pictures`, if it is.
 fn truth_inputs(path: Option<&Path>, pictures: &[PathBuf], clip: &Clip, options: &Open) -> Inputs {
     let mut inputs = Inputs::default();
     let subject = truth::Subject::new(path.unwrap_or(Path::new(&clip.info().name)), clip.info(), pictures);
+    let subject = subject.with_scale(options.given.disparity_scale);
     let truth = match &options.given.truth {
         Some(given) => truth::TruthFiles::given(given, &subject),
         None if path.is_some() => truth::TruthFiles::beside(&subject),
@@ -322,9 +375,9 @@ pub fn read_text(path: &Path) -> Result<String, Error> {
     input::text(path)
 }
 
-/// Whether the file at `path` tells what is true of a clip, and holds no pictures: true objects, or a flow.
+/// Whether the file at `path` tells what is true of a clip, and holds no pictures: true objects, a flow, or disparities.
 pub fn is_truth(path: &Path) -> bool {
-    names::extension(path) == "flo" || detections::is_truth(path)
+    matches!(names::extension(path).as_str(), "flo" | "pfm") || detections::is_truth(path)
 }
 
 /// The same clip with the detections that `options` name, if they do.
@@ -338,13 +391,32 @@ pub fn with_detections(clip: Clip, options: &Open) -> Result<Clip, Error> {
     }
 }
 
-/// The same clip with the truth at `path` in place of its own.
+/// The same synthetic clip with the truth that is given in place of its own.
 ///
 /// # Errors
-/// One sentence if the truth cannot be read or does not fit the clip.
-pub fn with_truth(clip: Clip, path: &Path) -> Result<Clip, Error> {
-    let truth = truth::open(path, &truth::Subject::new(Path::new(&clip.info().name), clip.info(), &[]))?;
-    Ok(clip.with_truth(truth))
+/// One sentence if it cannot be read or does not fit the clip, or if a right view is given, which a scene has of its own.
+pub fn with_given_files(clip: Clip, options: &Open) -> Result<Clip, Error> {
+    let Given { truth, disparity_scale, .. } = &options.given;
+    let clip = match truth {
+        Some(path) => {
+            let subject = truth::Subject::new(Path::new(&clip.info().name), clip.info(), &[]);
+            let truth = truth::open(path, &subject.with_scale(*disparity_scale))?;
+            clip.with_truth(truth)
+        }
+        None => clip,
+    };
+    if options.given.right.is_some() || options.given.calibration.is_some() {
+        let why = "a synthetic scene has the views and the calibration of its own cameras; omit --right and --calibration, or render it \
+                   with motionscope synth";
+        return Err(Error::new(why));
+    }
+    Ok(clip)
+}
+
+/// Whether `path` is a picture, a folder of pictures or a pattern.
+fn is_still_or_folder(path: &Path) -> bool {
+    let is_still = || Input::open(path).and_then(|mut input| detect_format::kind(&mut input));
+    path.is_dir() || sequence::is_pattern(path) || matches!(is_still(), Ok(Kind::Still))
 }
 
 fn open_source(path: &Path, options: &Open) -> Result<Source, Error> {
@@ -366,7 +438,7 @@ fn open_source(path: &Path, options: &Open) -> Result<Source, Error> {
 }
 
 fn find_truth(path: &Path, options: &Open, source: &mut Source) -> Result<Option<Arc<dyn Truth>>, Error> {
-    let subject = truth::Subject::new(path, &source.info, &source.files);
+    let subject = truth::Subject::new(path, &source.info, &source.files).with_scale(options.given.disparity_scale);
     if let Some(given) = &options.given.truth {
         return truth::open(given, &subject).map(Some);
     }

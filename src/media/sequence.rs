@@ -38,6 +38,14 @@ impl Sequence {
         }
     }
 
+    /// Leaves out all pictures but the first `count`.
+    pub(crate) fn cut(&mut self, count: usize) {
+        self.files.truncate(count);
+        if count < 2 {
+            self.warnings.retain(|warning| !warning.starts_with(GAP));
+        }
+    }
+
     fn of_pictures(pictures: Vec<Picture>, mut warnings: Vec<String>) -> Self {
         warnings.extend(gap_warning(&pictures));
         Self { files: pictures.into_iter().map(|picture| picture.file).collect(), warnings }
@@ -225,6 +233,9 @@ impl Pattern {
     }
 }
 
+/// How the warning of missing numbers begins.
+const GAP: &str = "numbers are missing between";
+
 /// Tells of numbers that are missing between the pictures.
 fn gap_warning(pictures: &[Picture]) -> Option<String> {
     let shapes: Vec<_> = pictures.iter().map(|picture| shape(&picture.name)).collect();
@@ -240,7 +251,7 @@ fn gap_warning(pictures: &[Picture]) -> Option<String> {
         n => format!(" and in {n} more places"),
     };
     let [before, after] = [&first[0].name, &first[1].name];
-    Some(format!("numbers are missing between {before} and {after}{others}; the pictures are taken as consecutive"))
+    Some(format!("{GAP} {before} and {after}{others}; the pictures are taken as consecutive"))
 }
 
 /// The number in the name of a picture.

@@ -7,6 +7,7 @@ use motionscope_core::{ClipInfo, Error, Frame, Stop};
 
 use super::names::file_name;
 use super::sequence::Sequence;
+use super::stereo::keep_left;
 use super::{Decoder, Open, Source, name_of, picture};
 
 /// Opens the folder, pattern or picture at `path`; a numbered picture brings those that come after it.
@@ -14,7 +15,18 @@ use super::{Decoder, Open, Source, name_of, picture};
 /// # Errors
 /// One sentence, without the file's name.
 pub(crate) fn open(path: &Path, options: &Open) -> Result<Source, Error> {
-    clip(path, name_of(path), Sequence::find(path)?, options)
+    let mut sequence = Sequence::find(path)?;
+    keep_left(&mut sequence, &options.given);
+    clip(path, name_of(path), sequence, options)
+}
+
+/// Opens pictures as one clip.
+///
+/// # Errors
+/// One sentence, without the name of the first file.
+pub(crate) fn of_files(files: Vec<PathBuf>, options: &Open) -> Result<Source, Error> {
+    let first = files.first().cloned().unwrap_or_default();
+    clip(&first, name_of(&first), Sequence { files, warnings: Vec::new() }, options)
 }
 
 /// Opens two pictures as one clip.

@@ -2,6 +2,7 @@
 //!
 //! The flags of `motionscope run`, the window's dialogs and the files follow from it.
 
+mod disparity;
 mod flow;
 mod labels;
 mod masks;
@@ -17,8 +18,15 @@ use crate::media::export::{self, Target};
 use crate::media::names::extension;
 
 /// All exports; where two share a file extension, the window offers the first.
-pub const EXPORTS: &[&Export] =
-    &[&flow::EXPORT, &table::EXPORT, &tracks::EXPORT, &masks::EXPORT, &labels::EXPORT, &pictures::EXPORT];
+pub const EXPORTS: &[&Export] = &[
+    &flow::EXPORT,
+    &disparity::EXPORT,
+    &table::EXPORT,
+    &tracks::EXPORT,
+    &masks::EXPORT,
+    &labels::EXPORT,
+    &pictures::EXPORT,
+];
 
 /// An export of a product to files.
 #[derive(Debug)]

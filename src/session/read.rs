@@ -1,6 +1,6 @@
 //! The parser of sessions; errors name line and key.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use motionscope_core::{AnyEstimator, Error, Pace, estimator};
 
@@ -9,7 +9,7 @@ use super::{Session, VERSION, VisiblePart, key, pace};
 use crate::experiment::side_by_side::SideBySide;
 use crate::experiment::source::Source;
 use crate::experiment::{Experiment, Position};
-use crate::media::Given;
+use crate::media::{Given, GivenCalibration, RightView};
 use crate::view::look::{Changes, Look};
 
 /// Parses the session in `text`, whose paths are relative to `folder`.
@@ -28,8 +28,15 @@ pub(super) fn session(text: &str, folder: &Path) -> Result<Session, Error> {
         return Err(Error::new(message));
     }
     let source = top.need("clip")?.parsed(|clip| Source::parse(clip))?.map_path(|path| folder.join(path));
-    let mut path = |key| top.take(key).map(|entry| entry.text().map(|path| folder.join(path))).transpose();
-    let given = Given { truth: path("truth")?, detections: path("detections")? };
+    let mut path = |key| top.take(key).map(|entry| entry.text().map(PathBuf::from)).transpose();
+    let given = Given {
+        truth: path("truth")?,
+        detections: path("detections")?,
+        right: path("right")?.map(|path| RightView::of(&path)),
+        calibration: path("calibration")?.map(|path| GivenCalibration::of(&path)),
+        disparity_scale: top.take("disparity-scale").map(|scale| scale.number()).transpose()?,
+    };
+    let given = given.map_path(|path| folder.join(path));
     let mut leader = top.need("estimator")?.parsed(estimator)?;
     for (name, value) in section(&mut top, "set")?.all() {
         leader.set(&name, &value.plain()?).map_err(|why| value.wrong(why))?;

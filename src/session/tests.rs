@@ -8,6 +8,7 @@ use motionscope_core::{Cursor, Pace, Params, Value, estimator, estimators};
 use super::write::{relative, slashed};
 use super::*;
 use crate::experiment::side_by_side::SideBySide;
+use crate::media::{GivenCalibration, RightView};
 use crate::paint::{
     Backdrop, ColorMap, FlowLayer, FocusMode, Lengthen, LevelShown, Opacity, Phase, Share, Theme, View,
 };
@@ -102,8 +103,8 @@ fn what_cannot_be_written_down_is_reported() {
         saved.experiment.given = given;
         saved
     };
-    let truth = given(Given { truth: Some(clip.into()), detections: None });
-    let detections = given(Given { truth: None, detections: Some(clip.into()) });
+    let truth = given(Given { truth: Some(clip.into()), ..Given::default() });
+    let detections = given(Given { detections: Some(clip.into()), ..Given::default() });
     for session in [session(Source::parse(clip).unwrap()), truth, detections] {
         let message = session.text(Path::new(".")).unwrap_err().to_string();
         assert!(message.contains("caf\u{FFFD}.mp4") && message.contains("rename"), "{message}");
@@ -196,7 +197,10 @@ fn line_and_key_are_reported_in_words() {
         ("frame = 1\nframe = 2", "line 5 has a key that is there already"),
         ("step = 35.412", "line 4, step: a text in quotes is needed, not 35.412"),
         ("step = \"x\"", "line 4, step: a step is written UNIT.EVENT"),
-        ("frmae = 3", "line 4: there is no key frmae here; there are motionscope, clip, truth, detections, estimator"),
+        (
+            "frmae = 3",
+            "line 4: there is no key frmae here; there are motionscope, clip, truth, detections, right, calibration, disparity-scale, estimator",
+        ),
         ("clip.a = 3", "line 4 is not written as key = value"),
         ("\n[set]\n\nblock = 400", "line 7, set.block: "),
         ("[set]\nblock = [4]", "line 5, set.block: a single value is needed, not a list"),
@@ -235,15 +239,34 @@ fn what_is_given_by_hand_is_named_from_where_the_session_is() {
     fs::create_dir(path.parent().unwrap()).unwrap();
     let beside = |name: &str| Some(folder.path().join(name));
     let mut saved = session(Source::parse("synth:pillar").unwrap());
-    saved.experiment.given = Given { truth: beside("gt.txt"), detections: beside("lessons/det.txt") };
+    let given = Given { truth: beside("gt.txt"), detections: beside("lessons/det.txt"), ..Given::default() };
+    let right = Some(RightView::File(folder.path().join("right.mp4")));
+    let calibration = Some(GivenCalibration::File(folder.path().join("calib.txt")));
+    saved.experiment.given = Given { right, calibration, disparity_scale: Some(4.0), ..given };
     saved.save(&path).unwrap();
     let text = fs::read_to_string(&path).unwrap();
     assert!(text.contains("truth = \"../gt.txt\"\ndetections = \"det.txt\"\n"), "{text}");
+    let of_views = "right = \"../right.mp4\"\ncalibration = \"../calib.txt\"\ndisparity-scale = 4.0\n";
+    assert!(text.contains(of_views), "{text}");
     let read = Session::load(&path).unwrap().experiment.given;
-    assert_eq!(read, Given { truth: beside("lessons/../gt.txt"), detections: beside("lessons/det.txt") });
+    let at = |name: &str| folder.path().join("lessons").join(name);
+    let right = Some(RightView::File(at("../right.mp4")));
+    let calibration = Some(GivenCalibration::File(at("../calib.txt")));
+    let (truth, detections) = (Some(at("../gt.txt")), Some(at("det.txt")));
+    assert_eq!(read, Given { truth, detections, right, calibration, disparity_scale: Some(4.0) });
     // What the command line gives counts more, each by itself.
-    let named = Named::find(path.as_os_str(), Given { truth: None, detections: Some("mine.txt".into()) }).unwrap();
-    assert_eq!(named.given, Given { truth: read.truth, detections: Some("mine.txt".into()) });
+    let named =
+        Named::find(path.as_os_str(), Given { detections: Some("mine.txt".into()), ..Given::default() }).unwrap();
+    assert_eq!(named.given, Given { detections: Some("mine.txt".into()), ..read });
+    // What is no file is not looked for beside the session.
+    let typed = Given {
+        right: Some(RightView::SideBySide),
+        calibration: Some(GivenCalibration::of(Path::new("721.5,0.54"))),
+        ..Given::default()
+    };
+    saved.experiment.given = typed.clone();
+    saved.save(&path).unwrap();
+    assert_eq!(Session::load(&path).unwrap().experiment.given, typed);
 }
 
 /// A value for `kind` that is in range, chosen by `dice`.
@@ -325,7 +348,7 @@ fn an_old_session_opens_unchanged() {
                 colors = \"turbo\"\nlayer = \"error\"\nlayer-opacity = 0.5\narrows = 2.5\narrow-spacing = 16\nstreaks = 0.25\n\
                 legend = false\ncaption = true\n";
     let Session { experiment, position, look, sight } = Session::parse(text, Path::new("there")).unwrap();
-    assert_eq!(experiment.given, Given { truth: Some("there/t.flo".into()), detections: None });
+    assert_eq!(experiment.given, Given { truth: Some("there/t.flo".into()), ..Given::default() });
     assert_eq!((experiment.frame, experiment.estimator.get("block")), (3, Ok(Value::Int(8))));
     assert_eq!(position, Position { cursor: Some(Cursor { unit: 29, event: 2 }), pixel: None });
     let expected = Look {

@@ -11,7 +11,7 @@ use super::{Session, VERSION, VisiblePart, key};
 use crate::experiment::side_by_side;
 use crate::experiment::source::Source;
 use crate::experiment::{Experiment, Position};
-use crate::media::Given;
+use crate::media::{Given, GivenCalibration};
 use crate::view::look::Changes;
 
 /// The session file.
@@ -23,6 +23,12 @@ struct Text<'a> {
     truth: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     detections: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    right: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    calibration: Option<String>,
+    #[serde(rename = "disparity-scale", skip_serializing_if = "Option::is_none")]
+    disparity_scale: Option<f32>,
     estimator: String,
     frame: usize,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -67,8 +73,10 @@ impl Serialize for Picture<'_> {
 /// Returns the text of `session` for a file in `folder`.
 pub(super) fn text(session: &Session, folder: &Path) -> Result<String, Error> {
     let Session { experiment, position: Position { cursor, pixel }, look, sight } = session;
-    let Experiment { source, given: Given { truth, detections }, estimator, side_by_side, frame } = experiment;
-    let path = |path: &PathBuf| slashed(&relative(path, folder));
+    let Experiment { source, given, estimator, side_by_side, frame } = experiment;
+    let Given { truth, detections, right, calibration, disparity_scale } =
+        given.clone().map_path(|path| relative(path, folder));
+    let path = |path: &PathBuf| slashed(path);
     let text = Text {
         motionscope: VERSION,
         clip: match source.clone().map_path(|path| relative(path, folder)) {
@@ -81,6 +89,12 @@ pub(super) fn text(session: &Session, folder: &Path) -> Result<String, Error> {
         },
         truth: truth.as_ref().map(path).transpose()?,
         detections: detections.as_ref().map(path).transpose()?,
+        right: right.as_ref().map(|view| slashed(view.path())).transpose()?,
+        calibration: match &calibration {
+            Some(GivenCalibration::File(file)) => Some(slashed(file)?),
+            typed => typed.as_ref().map(ToString::to_string),
+        },
+        disparity_scale,
         estimator: estimator.info().id.into(),
         frame: *frame,
         step: cursor.map(|cursor| cursor.to_string()),

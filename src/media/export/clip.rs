@@ -3,18 +3,19 @@
 use std::fs;
 use std::path::Path;
 
-use motionscope_core::{Clip, Error, Frame, Grid, PixelClass, TrueMask, Truth};
+use motionscope_core::{Calibration, Clip, Error, Frame, Grid, PixelClass, TrueMask, Truth, Viewpoint};
 
 use super::save::not_made;
 use super::written_files::WrittenFiles;
-use super::{Pixels, flo, make_folder, mot, png, save};
+use super::{Pixels, flo, make_folder, mot, pfm, png, save};
 use crate::media::Progress;
 use crate::media::names::file_name;
 use crate::media::sequence::{Sequence, number};
 use crate::media::temporary;
 
 /// Writes `clip` into `folder`: `frame_0000.png` …, and what is known about it as `flow/frame_0000.flo` …,
-/// `occ/frame_0000.png` …, `foreground/frame_0000.png` … and `gt.txt`, so that opening the folder finds all of it again. A clip that was written there
+/// `occ/frame_0000.png` …, `foreground/frame_0000.png` …, `disparity/frame_0000.pfm` … and `gt.txt`, and of a second view
+/// `right/frame_0000.png` … and `calib.txt`, so that opening the folder finds all of it again. A clip that was written there
 /// earlier is replaced, once all of this one is made; what anybody else wrote or changed is not touched.
 ///
 /// # Errors
@@ -37,8 +38,11 @@ pub fn clip(clip: &Clip, folder: &Path, progress: Option<&dyn Progress>) -> Resu
             }
             progress.report(t as f32 / frames as f32);
         }
-        let [picture, known @ ..] = names(t);
+        let [picture, right, known @ ..] = names(t);
         draft.put(&picture, &frame(&*clip.frame(t)?)?)?;
+        if clip.right().is_some() {
+            draft.put(&right, &frame(&*clip.frame_from(Viewpoint::Right, t)?)?)?;
+        }
         if let Some(truth) = clip.truth() {
             for (name, bytes) in known.iter().zip(fields(truth.as_ref(), t)?) {
                 bytes.map_or(Ok(()), |bytes| draft.put(name, &bytes))?;
@@ -48,16 +52,36 @@ pub fn clip(clip: &Clip, folder: &Path, progress: Option<&dyn Progress>) -> Resu
     if let Some(truth) = clip.truth() {
         tracks(truth.as_ref(), frames)?.map_or(Ok(()), |rows| draft.put(TRACKS, rows.as_bytes()))?;
     }
+    clip.calibration()
+        .map_or(Ok(()), |cameras| draft.put(CALIBRATION, calibration(cameras, clip.size()).as_bytes()))?;
     draft.settle(folder, &before)
 }
 
 /// The file of all objects.
 const TRACKS: &str = "gt.txt";
 
-/// The files of frame `t`: its picture, its flow, its mask of occlusion and its foreground.
-fn names(t: usize) -> [String; 4] {
-    ["frame_", "flow/frame_", "occ/frame_", "foreground/frame_"]
-        .map(|start| format!("{start}{t:04}.{}", if start.starts_with("flow") { "flo" } else { "png" }))
+/// The file of the cameras.
+const CALIBRATION: &str = "calib.txt";
+
+/// The files of frame `t`: its picture, its right view, its flow, its mask of occlusion, its foreground and its disparity.
+fn names(t: usize) -> [String; 6] {
+    let starts = [
+        ("frame_", "png"),
+        ("right/frame_", "png"),
+        ("flow/frame_", "flo"),
+        ("occ/frame_", "png"),
+        ("foreground/frame_", "png"),
+        ("disparity/frame_", "pfm"),
+    ];
+    starts.map(|(start, ending)| format!("{start}{t:04}.{ending}"))
+}
+
+/// The calibration as Middlebury has it: matrices by rows, baseline in mm.
+fn calibration(cameras: &Calibration, (width, height): (usize, usize)) -> String {
+    let Calibration { focal_px: f, baseline_m, principal_px: [x, y], offset_px } = cameras;
+    let camera = |x: f64| format!("[{f} 0 {x}; 0 {f} {y}; 0 0 1]");
+    let (left, right, baseline_mm) = (camera(*x), camera(x + offset_px), baseline_m * 1000.0);
+    format!("cam0={left}\ncam1={right}\ndoffs={offset_px}\nbaseline={baseline_mm}\nwidth={width}\nheight={height}\n")
 }
 
 /// A clip in a folder of its own beside the place where it goes; gone if it does not get there.
@@ -118,7 +142,7 @@ pub fn frame(frame: &Frame) -> Result<Vec<u8>, Error> {
 
 /// Refuses to overwrite files with the names of this clip's files that are not part of the clip `before`.
 fn refuse_foreign(folder: &Path, before: &WrittenFiles, frames: usize) -> Result<(), Error> {
-    let mut names = (0..frames).flat_map(names).chain([TRACKS.to_owned()]);
+    let mut names = (0..frames).flat_map(names).chain([TRACKS, CALIBRATION].map(String::from));
     match names.find(|name| before.is_foreign(folder, name)) {
         Some(name) => Err(Error::new(format!(
             "{} already holds {name}, which is not part of an earlier synthetic clip; choose an empty folder",
@@ -144,12 +168,13 @@ fn refuse_other_pictures(folder: &Path, frames: usize) -> Result<(), Error> {
     }
 }
 
-/// The files of flow, occlusion and foreground at frame `t`, where they are known.
-fn fields(truth: &dyn Truth, t: usize) -> Result<[Option<Vec<u8>>; 3], Error> {
+/// The files of flow, occlusion, foreground and disparity at frame `t`, where they are known.
+fn fields(truth: &dyn Truth, t: usize) -> Result<[Option<Vec<u8>>; 4], Error> {
     let flow = truth.flow(t)?.map(|flow| flo(&flow));
     let hidden = truth.occlusion(t)?.map(|hidden| mask(&hidden)).transpose()?;
     let foreground = truth.foreground(t)?.map(|classes| foreground(&classes)).transpose()?;
-    Ok([flow, hidden, foreground])
+    let disparity = truth.disparity(t)?.map(|map| pfm(&map));
+    Ok([flow, hidden, foreground, disparity])
 }
 
 fn mask(hidden: &Grid<bool>) -> Result<Vec<u8>, Error> {

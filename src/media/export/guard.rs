@@ -20,6 +20,10 @@ pub enum InputKind {
     Truth,
     /// Detections.
     Detections,
+    /// The right view.
+    RightView,
+    /// The calibration.
+    Calibration,
     /// The session.
     Session,
 }
@@ -31,6 +35,8 @@ impl InputKind {
             Self::Frame => "a frame of the clip",
             Self::Truth => "the ground truth of the clip",
             Self::Detections => "the detections",
+            Self::RightView => "the right view",
+            Self::Calibration => "the calibration",
             Self::Session => "the session",
         }
     }

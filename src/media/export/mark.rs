@@ -44,7 +44,7 @@ pub(crate) fn is_result(path: &Path) -> bool {
 
 /// Whether files of this kind cannot say what they are.
 fn is_listed_kind(path: &Path) -> bool {
-    matches!(extension(path).as_str(), "flo" | "txt")
+    matches!(extension(path).as_str(), "flo" | "pfm" | "txt")
 }
 
 /// Adds a line to the list in the folder of `path`, in one go, so that several programs may do it at a time.

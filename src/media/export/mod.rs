@@ -2,6 +2,7 @@
 
 mod animation;
 mod clip;
+mod disparity;
 mod flo;
 mod guard;
 mod kitti;
@@ -14,6 +15,7 @@ mod written_files;
 
 pub use animation::{AnimationFormat, Reel, Timing};
 pub use clip::{clip, frame};
+pub use disparity::{kitti_disparity, kitti_disparity_result, pfm};
 pub use flo::flo;
 pub use guard::{Conflict, InputKind, Inputs, Target, check};
 pub use kitti::{Kitti, kitti, kitti_result};

@@ -13,6 +13,8 @@ pub enum Pixels<'a> {
     Rgb(&'a [u8]),
     /// 8-bit red, green, blue and alpha, not premultiplied.
     Rgba(&'a [u8]),
+    /// 16-bit big-endian gray.
+    Gray16(&'a [u8]),
     /// 16-bit big-endian red, green, blue.
     Rgb16(&'a [u8]),
     /// 8-bit indices into a palette of up to 256 entries of 8-bit red, green, blue.
@@ -41,6 +43,7 @@ fn encode(width: usize, height: usize, pixels: Pixels, says: Option<[&str; 2]>) 
         Pixels::Gray(samples) => (samples, ColorType::Grayscale, BitDepth::Eight),
         Pixels::Rgb(samples) => (samples, ColorType::Rgb, BitDepth::Eight),
         Pixels::Rgba(samples) => (samples, ColorType::Rgba, BitDepth::Eight),
+        Pixels::Gray16(samples) => (samples, ColorType::Grayscale, BitDepth::Sixteen),
         Pixels::Rgb16(samples) => (samples, ColorType::Rgb, BitDepth::Sixteen),
         Pixels::Indexed(samples, _) => (samples, ColorType::Indexed, BitDepth::Eight),
     };

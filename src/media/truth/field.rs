@@ -5,11 +5,12 @@ use std::io::{BufRead, BufReader, Read, Seek};
 use std::path::Path;
 
 use motionscope_core::products::model::{Matrix3, mapped};
-use motionscope_core::{Error, Flow, Grid, PixelClass, TrueMask};
+use motionscope_core::{Disparity, Error, Flow, Grid, PixelClass, TrueMask};
 use png::{BitDepth, ColorType, Transformations};
 
 use super::file_error;
 use crate::media::cannot_read;
+use crate::media::names::{extension, stem};
 
 /// Magnitudes above this say that the motion is not known (Middlebury).
 const UNKNOWN_ABOVE: f32 = 1e9;
@@ -104,6 +105,137 @@ pub fn foreground(path: &Path, size: (usize, usize)) -> Result<TrueMask, Error> 
     Ok(TrueMask(Grid::from_vec(size.0, size.1, classes)?))
 }
 
+/// Gray levels per px of disparity in a KITTI PNG of 16 bits.
+const KITTI_SCALE: f32 = 256.0;
+
+/// The disparity in the file at `path`, if it is `size` pixels: a PFM, a KITTI PNG of 16 bits, or a PNG of 8 bits with a scale. In a PNG 0
+/// is unknown, in a PFM what is not finite.
+///
+/// # Errors
+/// If it cannot be read, is damaged, has another size, or its scale is not known.
+pub fn disparity(path: &Path, size: (usize, usize), given: Option<f32>) -> Result<Disparity, Error> {
+    if extension(path) == "pfm" {
+        return pfm(start(path)?, path, size);
+    }
+    let mut picture = Picture::open(start(path)?, path, Transformations::EXPAND)?;
+    must_fit(path, picture.disparity_size(path)?, size)?;
+    let scale = scale_of(&picture, path, given)?;
+    let samples = picture.samples(path)?;
+    let level = |level: u16| if level == 0 { Disparity::UNKNOWN } else { f32::from(level) / scale };
+    let cells = match picture.reader.output_color_type().1 {
+        BitDepth::Sixteen => samples.chunks_exact(2).map(|b| level(u16::from_be_bytes([b[0], b[1]]))).collect(),
+        _ => samples.iter().map(|&b| level(b.into())).collect(),
+    };
+    Grid::from_vec(size.0, size.1, cells).map(Disparity)
+}
+
+/// Whether the header of the disparity at `path` states this `size`, and its scale is known.
+///
+/// # Errors
+/// As [`disparity`].
+pub fn check_disparity(path: &Path, size: (usize, usize), given: Option<f32>) -> Result<(), Error> {
+    if extension(path) == "pfm" {
+        return must_fit(path, pfm_header(&mut start(path)?, path)?.size, size);
+    }
+    let picture = Picture::open(start(path)?, path, Transformations::EXPAND)?;
+    must_fit(path, picture.disparity_size(path)?, size)?;
+    scale_of(&picture, path, given).map(drop)
+}
+
+/// Whether the file at `path` is a disparity rather than a flow or a mask: a PFM, a gray PNG of 16 bits, or one of 8 bits that is called
+/// one or has a scale.
+pub fn is_disparity(path: &Path, given: Option<f32>) -> bool {
+    if extension(path) == "pfm" {
+        return true;
+    }
+    let open = || Picture::open(start(path).ok()?, path, Transformations::EXPAND).ok();
+    open().is_some_and(|picture| match picture.reader.output_color_type() {
+        (ColorType::Grayscale, BitDepth::Sixteen) => true,
+        (ColorType::Grayscale, _) => given.is_some() || stem(path).starts_with("disp"),
+        _ => false,
+    })
+}
+
+/// The gray levels per px of a disparity of 8 bits; none for other formats.
+///
+/// # Errors
+/// If it cannot be read, or its scale is not known.
+pub fn scale(path: &Path, size: (usize, usize), given: Option<f32>) -> Result<Option<f32>, Error> {
+    if extension(path) == "pfm" {
+        return Ok(None);
+    }
+    let picture = Picture::open(start(path)?, path, Transformations::EXPAND)?;
+    must_fit(path, picture.size, size)?;
+    let is_deep = picture.reader.output_color_type().1 == BitDepth::Sixteen;
+    if is_deep { Ok(None) } else { scale_of(&picture, path, given).map(Some) }
+}
+
+/// Gray levels per px of disparity: those of the format, those given, or those of Middlebury's folders.
+fn scale_of<R: BufRead + Seek>(picture: &Picture<R>, path: &Path, given: Option<f32>) -> Result<f32, Error> {
+    if picture.reader.output_color_type().1 == BitDepth::Sixteen {
+        return Ok(KITTI_SCALE);
+    }
+    // Middlebury stores the disparities of the full size, whatever the size of the views.
+    let reduced = |full: usize, factors: [f32; 3]| {
+        let index = [full * 3 / 4, full * 5 / 12].into_iter().position(|least| picture.size.0 >= least);
+        factors[index.unwrap_or(2)]
+    };
+    let usual = match stem(path).as_str() {
+        "disp2" | "disp6" => Some(reduced(1800, [1.0, 2.0, 4.0])),
+        "disp1" | "disp5" => Some(reduced(1350, [1.0, 2.0, 3.0])),
+        _ => None,
+    };
+    given.or(usual).ok_or_else(|| {
+        let why = "a disparity of 8 bits needs its scale, the gray levels per px of disparity; add --disparity-scale";
+        file_error(path, why)
+    })
+}
+
+/// What precedes the samples of a PFM.
+struct PfmHeader {
+    size: (usize, usize),
+    is_little_endian: bool,
+}
+
+/// The three lines that a PFM begins with.
+fn pfm_header(reader: &mut impl BufRead, path: &Path) -> Result<PfmHeader, Error> {
+    /// Longer than any such header.
+    const MOST_BYTES: u64 = 256;
+    let mut words = Vec::new();
+    while words.len() < 4 {
+        let mut line = String::new();
+        let read = reader.by_ref().take(MOST_BYTES).read_line(&mut line);
+        if !read.is_ok_and(|bytes| bytes > 0) {
+            return Err(file_error(path, "this is not a PFM: it ends within its header"));
+        }
+        words.extend(line.split_whitespace().map(str::to_owned));
+    }
+    let wrong =
+        || file_error(path, "this is not a PFM of disparities: its header must be Pf, width, height and a scale");
+    let [kind, width, height, scale] = words.as_slice() else { return Err(wrong()) };
+    let side = |word: &String| word.parse::<usize>().map_err(|_| wrong());
+    let scale: f32 = scale.parse().map_err(|_| wrong())?;
+    if kind != "Pf" || !scale.is_finite() || scale == 0.0 {
+        return Err(wrong());
+    }
+    Ok(PfmHeader { size: (side(width)?, side(height)?), is_little_endian: scale < 0.0 })
+}
+
+/// A portable float map of one channel; its rows go from the bottom to the top.
+fn pfm(mut reader: BufReader<File>, path: &Path, size: (usize, usize)) -> Result<Disparity, Error> {
+    let header = pfm_header(&mut reader, path)?;
+    must_fit(path, header.size, size)?;
+    let mut bytes = vec![0; 4 * size.0 * size.1];
+    reader.read_exact(&mut bytes).map_err(|_| file_error(path, "it is cut short; get a whole copy"))?;
+    let float = |b: &[u8]| {
+        let b = [b[0], b[1], b[2], b[3]];
+        if header.is_little_endian { f32::from_le_bytes(b) } else { f32::from_be_bytes(b) }
+    };
+    let known = |d: f32| if d.is_finite() { d } else { Disparity::UNKNOWN };
+    let cells = bytes.chunks_exact(4 * size.0).rev().flat_map(|row| row.chunks_exact(4).map(|b| known(float(b))));
+    Grid::from_vec(size.0, size.1, cells.collect()).map(Disparity)
+}
+
 enum Format {
     Flo,
     Png,
@@ -125,7 +257,7 @@ fn detect(reader: &mut BufReader<File>, path: &Path) -> Result<Format, Error> {
     } else {
         Err(file_error(
             path,
-            "this is not ground truth; give a Middlebury .flo, a KITTI 16-bit PNG, a homography as .xml of OpenCV, or a MOTChallenge gt.txt",
+            "this is not ground truth; give a Middlebury .flo, a KITTI 16-bit PNG, a disparity as .pfm, a homography as .xml of OpenCV, or a MOTChallenge gt.txt",
         ))
     }
 }
@@ -222,6 +354,14 @@ impl<R: BufRead + Seek> Picture<R> {
         }
     }
 
+    /// Width and height, if there is one channel.
+    fn disparity_size(&self, path: &Path) -> Result<(usize, usize), Error> {
+        match self.reader.output_color_type() {
+            (ColorType::Grayscale, BitDepth::Eight | BitDepth::Sixteen) => Ok(self.size),
+            _ => Err(file_error(path, "a disparity is a PNG with one channel of 8 or 16 bits; this one has others")),
+        }
+    }
+
     /// All samples. The size must have been checked.
     fn samples(&mut self, path: &Path) -> Result<Vec<u8>, Error> {
         let length =
@@ -311,6 +451,64 @@ mod tests {
             save(data);
             let told = check_flow(&path, (7, 3)).unwrap_err().to_string();
             assert!(told.contains("9 finite numbers") && told.contains("H1to3p.xml"), "{told}");
+        }
+    }
+
+    #[test]
+    fn disparities_of_every_format_are_those_that_were_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let map =
+            Disparity(Grid::from_fn(3, 2, |x, y| if (x, y) == (1, 1) { f32::NAN } else { 1.5 + (x + 3 * y) as f32 }));
+        let at = |name: &str, bytes: &[u8]| {
+            let path = folder.path().join(name);
+            fs::write(&path, bytes).unwrap();
+            path
+        };
+        let pfm = export::pfm(&map);
+        let big: Vec<u8> = pfm[pfm.len() - 24..].chunks(4).flat_map(|b| [b[3], b[2], b[1], b[0]]).collect();
+        let big = [b"Pf 3 2 1.0\n".as_slice(), &big].concat();
+        let levels: Vec<u8> = map.0.cells().iter().map(|d| (8.0 * d) as u8).collect();
+        let scaled = export::png(3, 2, export::Pixels::Gray(&levels)).unwrap();
+        for (path, given) in [
+            (at("a.pfm", &pfm), None),
+            (at("b.pfm", &big), None),
+            (at("c.png", &export::kitti_disparity(&map).unwrap().bytes), Some(3.0)),
+            (at("d.png", &scaled), Some(8.0)),
+        ] {
+            assert!(is_disparity(&path, given) && check_disparity(&path, (3, 2), given).is_ok());
+            assert_eq!(disparity(&path, (3, 2), given).unwrap(), map, "{}", path.display());
+            let told = disparity(&path, (2, 2), given).unwrap_err().to_string();
+            assert!(told.contains("3×2") && told.contains("2×2"), "{told}");
+        }
+        let path = at("d.png", &scaled);
+        assert!(!is_disparity(&path, None), "it may be a mask");
+        assert!(disparity(&path, (3, 2), None).unwrap_err().to_string().contains("--disparity-scale"));
+        for (bytes, words) in [
+            (&b"PF\n3 2\n-1\n"[..], "Pf, width"),
+            (b"Pf\n3 x\n-1\n", "Pf, width"),
+            (b"Pf\n3", "header"),
+            (&pfm[..20], "cut short"),
+            (b"Pf\n99999999999 99999999999\n-1\n", "99999999999"),
+        ] {
+            let told = disparity(&at("e.pfm", bytes), (3, 2), None).unwrap_err().to_string();
+            assert!(told.contains(words) && told.contains("e.pfm"), "{told}");
+        }
+    }
+
+    #[test]
+    fn a_scale_follows_the_size_of_middlebury_views() {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, width, expected) in [
+            ("disp2.png", 450, 4.0),
+            ("disp6.png", 900, 2.0),
+            ("disp2.png", 1800, 1.0),
+            ("disp1.png", 437, 3.0),
+            ("disp5.png", 656, 2.0),
+            ("disp1.png", 1312, 1.0),
+        ] {
+            let path = folder.path().join(name);
+            fs::write(&path, export::png(width, 1, export::Pixels::Gray(&vec![8; width])).unwrap()).unwrap();
+            assert_eq!(scale(&path, (width, 1), None), Ok(Some(expected)), "{name} {width}");
         }
     }
 

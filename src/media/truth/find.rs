@@ -28,8 +28,8 @@ pub(crate) fn beside(subject: &Subject) -> Found {
     if subject.path == Path::new("-") {
         return found;
     }
-    let TruthFiles { flows, occlusions, foregrounds, objects, results } = TruthFiles::beside(subject);
-    let mut files = Files::new(subject.size);
+    let TruthFiles { flows, occlusions, disparities, foregrounds, objects, results } = TruthFiles::beside(subject);
+    let mut files = Files { scale: subject.scale, ..Files::new(subject.size) };
     let mut accept = |sound: Result<(), Error>| {
         let is_sound = sound.is_ok();
         found.warnings.extend(sound.err().map(|why| format!("ground truth beside the clip is ignored: {why}")));
@@ -40,6 +40,9 @@ pub(crate) fn beside(subject: &Subject) -> Found {
     }
     if accept(check(&occlusions, field::check_mask, subject)) {
         files.occlusions = occlusions;
+    }
+    if accept(check_disparity(&disparities, subject)) {
+        files.disparities = disparities;
     }
     if accept(check(&foregrounds, field::check_mask, subject)) {
         files.foregrounds = foregrounds;
@@ -74,16 +77,16 @@ fn not_truth(results: &[PathBuf]) -> Option<String> {
     })
 }
 
-/// Opens ground truth at a given path: a flow, a mask of the foreground, a `gt.txt`, a folder of flows or masks, or a folder written by
-/// `motionscope synth`.
+/// Opens ground truth at a given path: a flow, a disparity, a mask of the foreground, a `gt.txt`, a folder of one of these, or a folder
+/// written by `motionscope synth`.
 ///
-/// A single flow or mask whose name fits no frame belongs to the first, and so does a homography.
+/// A single field whose name fits no frame belongs to the first, and so does a homography.
 ///
 /// # Errors
 /// One sentence that names the file if it is no truth, or not that of this clip.
 pub(crate) fn open(path: &Path, subject: &Subject) -> Result<Arc<dyn Truth>, Error> {
     let node = Node::of(path).map_err(|why| file_error(path, why))?;
-    let TruthFiles { flows, occlusions, foregrounds, objects, .. } = TruthFiles::given(path, subject);
+    let TruthFiles { flows, occlusions, disparities, foregrounds, objects, .. } = TruthFiles::given(path, subject);
     if node == Node::Stream && objects.is_none() {
         let why = "it is a pipe, and a flow is read more than once; save it to a file and give that";
         return Err(file_error(path, why));
@@ -94,15 +97,17 @@ pub(crate) fn open(path: &Path, subject: &Subject) -> Result<Arc<dyn Truth>, Err
     };
     let read = |path: PathBuf| tracks(&path).map(|frames| Objects { path, frames }).map_err(about);
     let objects = objects.map(read).transpose()?;
-    let mut files = Files { flows, occlusions, foregrounds, objects, ..Files::new(subject.size) };
+    let scale = subject.scale;
+    let mut files = Files { flows, occlusions, disparities, scale, foregrounds, objects, ..Files::new(subject.size) };
     if files.is_empty() {
         return Err(file_error(
             path,
-            "the folder holds no ground truth: no gt.txt or groundtruth.txt, and no flow or mask numbered like a frame",
+            "the folder holds no ground truth: no gt.txt or groundtruth.txt, and no flow, disparity or mask numbered like a frame",
         ));
     }
     check(&files.flows, field::check_flow, subject)?;
     check(&files.occlusions, field::check_mask, subject)?;
+    check_disparity(&files.disparities, subject)?;
     if let Some(first) = files.foregrounds.values().next() {
         field::foreground(first, subject.size)?;
     }
@@ -119,11 +124,17 @@ fn check(
     files.values().next().map_or(Ok(()), |first| header(first, subject.size))
 }
 
+/// Whether the header of the first of `files` fits this clip as a disparity.
+fn check_disparity(files: &BTreeMap<usize, PathBuf>, subject: &Subject) -> Result<(), Error> {
+    files.values().next().map_or(Ok(()), |first| field::check_disparity(first, subject.size, subject.scale))
+}
+
 /// The files of truth of a clip, by the frame that they belong to; none of them was read.
 #[derive(Default)]
 pub(crate) struct TruthFiles {
     flows: BTreeMap<usize, PathBuf>,
     occlusions: BTreeMap<usize, PathBuf>,
+    disparities: BTreeMap<usize, PathBuf>,
     foregrounds: BTreeMap<usize, PathBuf>,
     objects: Option<PathBuf>,
     /// Files among them that are saved results.
@@ -136,8 +147,9 @@ impl TruthFiles {
         let mut search = Search { subject, results: Vec::new() };
         let folder = subject.folder();
         let (flows, occlusions, objects) = (search.flows(folder), search.occlusions(folder), search.tracks(folder));
+        let disparities = search.disparities(folder);
         let foregrounds = search.places(&FOREGROUNDS, folder, is_png);
-        Self { flows, occlusions, foregrounds, objects, results: search.results }
+        Self { flows, occlusions, disparities, foregrounds, objects, results: search.results }
     }
 
     /// Finds the files at the given `path`.
@@ -146,12 +158,17 @@ impl TruthFiles {
         if path.is_dir() {
             let mut flows = search.flows(path);
             let (occlusions, objects) = (search.occlusions(path), search.tracks(path));
+            let mut disparities = search.disparities(path);
             let mut foregrounds = search.places(&FOREGROUNDS, path, is_png);
-            if flows.is_empty() && foregrounds.is_empty() {
-                (foregrounds, flows) =
-                    search.frames(path, is_flow).into_iter().partition(|(_, file)| field::is_mask(file));
+            if flows.is_empty() && foregrounds.is_empty() && disparities.is_empty() {
+                let scale = subject.scale;
+                let all = search.frames(path, |file| is_flow(file) || is_disparity(file));
+                let (of_views, others): (BTreeMap<_, _>, BTreeMap<_, _>) =
+                    all.into_iter().partition(|(_, file)| field::is_disparity(file, scale));
+                disparities = of_views;
+                (foregrounds, flows) = others.into_iter().partition(|(_, file)| field::is_mask(file));
             }
-            return Self { flows, occlusions, foregrounds, objects, results: search.results };
+            return Self { flows, occlusions, disparities, foregrounds, objects, results: search.results };
         }
         // Rows of objects may come through a pipe, whose name says nothing.
         let is_pipe = || Node::of(path) == Ok(Node::Stream) && !is_flow(path);
@@ -162,6 +179,9 @@ impl TruthFiles {
         let t = t.filter(|_| Node::of(path) != Ok(Node::File) || !field::is_homography(path));
         let only = BTreeMap::from([(t.unwrap_or(0), path.into())]);
         // A pipe can be read only once.
+        if Node::of(path) == Ok(Node::File) && field::is_disparity(path, subject.scale) {
+            return Self { disparities: only, ..Self::default() };
+        }
         match Node::of(path) == Ok(Node::File) && field::is_mask(path) {
             true => Self { foregrounds: only, ..Self::default() },
             false => Self { flows: only, ..Self::default() },
@@ -170,9 +190,8 @@ impl TruthFiles {
 
     /// All of them, in order.
     pub(crate) fn into_files(self) -> impl Iterator<Item = PathBuf> {
-        let fields =
-            self.flows.into_values().chain(self.occlusions.into_values()).chain(self.foregrounds.into_values());
-        fields.chain(self.objects)
+        let Self { flows, occlusions, disparities, foregrounds, objects, .. } = self;
+        [flows, occlusions, disparities, foregrounds].into_iter().flat_map(BTreeMap::into_values).chain(objects)
     }
 }
 
@@ -192,6 +211,15 @@ struct Places {
 const FLOWS: Places =
     Places { inside: &["flow"], beside: &["flow_occ", "flow_noc"], across: &["flow", "other-gt-flow"], word: "flow" };
 const OCCLUSIONS: Places = Places { inside: &["occ", "occlusions"], beside: &[], across: &["occlusions"], word: "occ" };
+/// As KITTI has them, and `motionscope synth`.
+const DISPARITIES: Places = Places {
+    inside: &["disparity"],
+    beside: &["disp_occ_0", "disp_occ", "disp_noc_0", "disp_noc"],
+    across: &[],
+    word: "disp",
+};
+/// The disparity of a left view in Middlebury's folders, by the name of the view.
+const MIDDLEBURY: [[&str; 2]; 4] = [["im2", "disp2"], ["view1", "disp1"], ["im0", "disp0"], ["im0", "disp0GT"]];
 /// As changedetection.net has them, and `motionscope synth`.
 const FOREGROUNDS: Places =
     Places { inside: &["foreground", "groundtruth"], beside: &["groundtruth"], across: &[], word: "gt" };
@@ -209,7 +237,7 @@ pub(crate) fn is_place(path: &Path) -> bool {
     let [folder, beyond] = [above.next(), above.next()].map(Option::unwrap_or_default);
     let is_table = |name: &&str| file_name(path).eq_ignore_ascii_case(name);
     [TRACKS].iter().chain(&REGIONS).any(is_table)
-        || [FLOWS, OCCLUSIONS, FOREGROUNDS].iter().any(|Places { inside, beside, across, word }| {
+        || [FLOWS, OCCLUSIONS, DISPARITIES, FOREGROUNDS].iter().any(|Places { inside, beside, across, word }| {
             inside.iter().chain(*beside).any(|name| **name == folder)
                 || across.iter().any(|name| **name == beyond)
                 || is_numbered(path, word)
@@ -285,6 +313,20 @@ impl Search<'_> {
         occlusions
     }
 
+    /// The disparities of the left view: as KITTI has them, beside it as `disp2.png` of `im2.png`, or numbered like it.
+    fn disparities(&mut self, folder: &Path) -> BTreeMap<usize, PathBuf> {
+        let mut disparities = self.places(&DISPARITIES, folder, is_disparity);
+        let subject = self.subject;
+        for [view, name] in MIDDLEBURY {
+            let Some(t) = subject.called(view) else { continue };
+            let files = list(folder, |file| is_disparity(file) && stem(file) == name);
+            if let Some(file) = self.known(files).into_iter().next() {
+                disparities.entry(t).or_insert(file);
+            }
+        }
+        disparities
+    }
+
     fn tracks(&mut self, folder: &Path) -> Option<PathBuf> {
         // MOTChallenge keeps the pictures in `img1`, what was detected in `det` and the tracks in `gt` beside both.
         let above = if folder.ends_with("img1") || folder.ends_with("det") { folder.parent() } else { None };
@@ -305,6 +347,10 @@ fn is_flow(file: &Path) -> bool {
     is_png(file) || extension(file) == "flo"
 }
 
+fn is_disparity(file: &Path) -> bool {
+    is_png(file) || extension(file) == "pfm"
+}
+
 /// The files in `folder` that `fit`, in natural order; none if it cannot be read.
 fn list(folder: &Path, fits: impl Fn(&Path) -> bool) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
@@ -315,7 +361,7 @@ fn list(folder: &Path, fits: impl Fn(&Path) -> bool) -> Vec<PathBuf> {
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::{Clip, Flow, Grid, ObjectBox};
+    use motionscope_core::{Clip, Disparity, Flow, Grid, ObjectBox};
 
     use super::*;
     use crate::media::export::{self, Pixels};
@@ -393,6 +439,38 @@ mod tests {
     }
 
     #[test]
+    fn disparity_lies_where_the_benchmarks_have_it() {
+        let map = Disparity(Grid::from_fn(4, 3, |x, _| if x == 0 { f32::NAN } else { 2.5 + x as f32 }));
+        let picture = || export::png(4, 3, Pixels::Gray(&[9; 12])).unwrap();
+        let levels: Vec<u8> = map.0.cells().iter().map(|d| (4.0 * d) as u8).collect();
+        let [deep, scaled] =
+            [export::kitti_disparity(&map).unwrap().bytes, export::png(4, 3, Pixels::Gray(&levels)).unwrap()];
+        for (view, file, bytes, name) in [
+            ("image_2/000003_10.png", "disp_occ_0/000003_10.png", deep.clone(), "disp_occ_0/000003_10.png"),
+            ("im0.png", "disp0.pfm", export::pfm(&map), "disp0.pfm"),
+            ("im2.png", "disp2.png", scaled.clone(), "disp2.png (4 gray levels per px)"),
+            ("f_07.png", "disparity/f_07.pfm", export::pfm(&map), "disparity/f_07.pfm"),
+        ] {
+            let folder = tempfile::tempdir().unwrap();
+            put(folder.path(), view, picture());
+            put(folder.path(), file, &bytes);
+            let clip = open(&folder.path().join(view));
+            let truth = clip.truth().expect("a truth");
+            assert_eq!((truth.kinds(), truth.names()), (vec!["disparity"], vec![name.to_owned()]));
+            assert_eq!(*truth.disparity(0).unwrap().expect("known"), map, "{file}");
+            // By hand, under the name of a disparity.
+            let given = Given { truth: Some(folder.path().join(file)), ..Given::default() };
+            let clip = media::open(&folder.path().join(view), &Open::from(given)).unwrap();
+            assert_eq!(*clip.truth().unwrap().disparity(0).unwrap().expect("known"), map, "{file}");
+            // A result there is none.
+            export::save_result(&folder.path().join(file), &export::pfm(&map)).unwrap();
+            if file.ends_with("pfm") {
+                assert!(open(&folder.path().join(view)).truth().is_none(), "{file}");
+            }
+        }
+    }
+
+    #[test]
     fn flow_lies_where_flying_chairs_have_it() {
         let folder = tempfile::tempdir().unwrap();
         for pair in [1, 2] {
@@ -455,7 +533,7 @@ mod tests {
         assert_eq!(u(&clip, 1), Some(5.0));
         assert_eq!(clip.truth().unwrap().names(), ["flow/frame_0007.flo and 1 other file"]);
         // A person may mean it.
-        let options = Open::from(Given { truth: Some(at("flow/frame_0009.png")), detections: None });
+        let options = Open::from(Given { truth: Some(at("flow/frame_0009.png")), ..Given::default() });
         let clip = media::open(folder.path(), &options).unwrap();
         assert_eq!((u(&clip, 2), clip.truth().unwrap().names()), (Some(9.0), vec!["frame_0009.png".to_owned()]));
     }
@@ -496,7 +574,7 @@ mod tests {
             assert_eq!(truth.objects(2).unwrap(), Some(vec![]));
             // By hand, under any name, where a line has four numbers.
             put(folder.path(), "boxes.txt", "2,2,2,2\n");
-            let options = Open::from(Given { truth: Some(folder.path().join("boxes.txt")), detections: None });
+            let options = Open::from(Given { truth: Some(folder.path().join("boxes.txt")), ..Given::default() });
             let clip = media::open(&folder.path().join(frames), &options).unwrap();
             assert_eq!(clip.truth().unwrap().objects(0).unwrap().unwrap()[0].x, 0.5);
         }
@@ -531,7 +609,7 @@ mod tests {
         assert!(truth.foreground(2).unwrap().is_none());
         // By hand: the folder, and a mask.
         for (given, count) in [("groundtruth", 2), ("groundtruth/gt000002.png", 1)] {
-            let options = Open::from(Given { truth: Some(folder.path().join(given)), detections: None });
+            let options = Open::from(Given { truth: Some(folder.path().join(given)), ..Given::default() });
             let clip = media::open(&folder.path().join("input"), &options).unwrap();
             let known = (0..2).filter(|t| clip.truth().unwrap().foreground(*t).unwrap().is_some()).count();
             assert_eq!(known, count, "{given}");
@@ -557,7 +635,7 @@ mod tests {
         for (name, why) in
             [("flow/flow07.flo", "5×3"), ("gt.txt", "line 1"), ("frame07.png", "16-bit"), ("gone", "no such")]
         {
-            let options = Open::from(Given { truth: Some(folder.path().join(name)), detections: None });
+            let options = Open::from(Given { truth: Some(folder.path().join(name)), ..Given::default() });
             let message = media::open(folder.path(), &options).unwrap_err().to_string();
             assert!(message.contains(name) && message.contains(why), "{message}");
         }
@@ -571,7 +649,7 @@ mod tests {
         put(folder.path(), "made/my.flo", export::flo(&flow(1.0)));
         put(folder.path(), "made/my08.flo", export::flo(&flow(2.0)));
         let by_hand = |name: &str| {
-            let options = Open::from(Given { truth: Some(folder.path().join(name)), detections: None });
+            let options = Open::from(Given { truth: Some(folder.path().join(name)), ..Given::default() });
             let clip = media::open(folder.path(), &options).unwrap();
             (u(&clip, 0), u(&clip, 1))
         };

@@ -11,7 +11,7 @@ use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use motionscope_core::{Error, Flow, Grid, ObjectBox, TrueMask, Truth};
+use motionscope_core::{Disparity, Error, Flow, Grid, ObjectBox, TrueMask, Truth};
 
 use super::names::file_name;
 use super::sequence::parent;
@@ -24,12 +24,16 @@ struct Files {
     size: (usize, usize),
     flows: BTreeMap<usize, PathBuf>,
     occlusions: BTreeMap<usize, PathBuf>,
+    disparities: BTreeMap<usize, PathBuf>,
+    /// Gray levels per px of disparity in 8-bit pictures, if given.
+    scale: Option<f32>,
     foregrounds: BTreeMap<usize, PathBuf>,
     objects: Option<Objects>,
     /// The file names of each kind.
     names: Vec<String>,
     last_flows: Mutex<Last<Flow>>,
     last_occlusions: Mutex<Last<Grid<bool>>>,
+    last_disparities: Mutex<Last<Disparity>>,
     last_foregrounds: Mutex<Last<TrueMask>>,
 }
 
@@ -45,11 +49,14 @@ impl Files {
             size,
             flows: BTreeMap::new(),
             occlusions: BTreeMap::new(),
+            disparities: BTreeMap::new(),
+            scale: None,
             foregrounds: BTreeMap::new(),
             objects: None,
             names: Vec::new(),
             last_flows: Mutex::default(),
             last_occlusions: Mutex::default(),
+            last_disparities: Mutex::default(),
             last_foregrounds: Mutex::default(),
         }
     }
@@ -60,15 +67,22 @@ impl Files {
 
     /// Has the files called as they are found from `folder`.
     fn tell_from(&mut self, folder: &Path) {
-        let fields = [&self.flows, &self.occlusions, &self.foregrounds].into_iter().filter_map(|files| {
+        let named = |files: &BTreeMap<usize, PathBuf>| {
             let first = name_from(folder, files.values().next()?);
             Some(match files.len() - 1 {
                 0 => first,
                 1 => format!("{first} and 1 other file"),
                 others => format!("{first} and {others} other files"),
             })
-        });
-        self.names = fields.chain(self.objects.iter().map(|objects| name_from(folder, &objects.path))).collect();
+        };
+        // The scale decides every figure, and is only known by the name of the file.
+        let scale =
+            self.disparities.values().next().and_then(|first| field::scale(first, self.size, self.scale).ok()?);
+        let scale = scale.map_or_else(String::new, |scale| format!(" ({scale} gray levels per px)"));
+        let disparity = named(&self.disparities).map(|name| name + &scale);
+        let objects = self.objects.iter().map(|objects| name_from(folder, &objects.path));
+        let fields = [&self.flows, &self.occlusions].into_iter().filter_map(named).chain(disparity).chain(objects);
+        self.names = fields.chain(named(&self.foregrounds)).collect();
     }
 }
 
@@ -89,10 +103,16 @@ impl Truth for Files {
         keep(&self.last_foregrounds, t, &self.foregrounds, |path| field::foreground(path, self.size))
     }
 
+    fn disparity(&self, t: usize) -> Result<Option<Arc<Disparity>>, Error> {
+        let read = |path: &Path| field::disparity(path, self.size, self.scale);
+        keep(&self.last_disparities, t, &self.disparities, read)
+    }
+
     fn kinds(&self) -> Vec<&'static str> {
         let kinds = [
             ("flow", !self.flows.is_empty()),
             ("occlusion", !self.occlusions.is_empty()),
+            ("disparity", !self.disparities.is_empty()),
             ("objects", self.objects.is_some()),
             ("foreground", !self.foregrounds.is_empty()),
         ];

@@ -20,6 +20,8 @@ pub(crate) struct Subject {
     numbers: Vec<Option<u64>>,
     by_name: HashMap<String, usize>,
     by_number: HashMap<u64, usize>,
+    /// Gray levels per px of disparity in 8-bit pictures, if given.
+    pub(super) scale: Option<f32>,
 }
 
 impl Subject {
@@ -32,6 +34,7 @@ impl Subject {
             numbers: Vec::new(),
             by_name: HashMap::new(),
             by_number: HashMap::new(),
+            scale: None,
         };
         for (t, picture) in pictures.iter().enumerate() {
             let number = number(&file_name(picture));
@@ -42,6 +45,12 @@ impl Subject {
             }
         }
         subject
+    }
+
+    /// The same with the gray levels per px of disparity of 8-bit pictures.
+    #[must_use]
+    pub(crate) fn with_scale(self, scale: Option<f32>) -> Self {
+        Self { scale, ..self }
     }
 
     /// Where the frames lie.

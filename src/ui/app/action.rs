@@ -20,6 +20,10 @@ pub enum Browse {
     File,
     /// A folder to open.
     Folder,
+    /// A right view in a file.
+    RightFile,
+    /// A right view in a folder.
+    RightFolder,
     /// A file to save.
     SaveFile,
     /// A folder to save in.
@@ -42,6 +46,8 @@ pub enum Action {
     Command(Command),
     /// Open a clip or a session by its path, or a scene as `synth:pillar,noise=5`.
     Open(OsString),
+    /// Open the right view of the clip by its path, or `side-by-side`.
+    OpenRightView(OsString),
     /// Open the palette or the dialog that a command stands for, with something typed in it already, and whether Enter
     /// came behind it.
     Type(Command, String, bool),

@@ -26,6 +26,7 @@ impl App {
         match action {
             Action::Command(command) => self.command(command),
             Action::Open(name) => self.open(name),
+            Action::OpenRightView(name) => self.open_right_view(name),
             Action::Type(Command::Palette, text, is_entered) => {
                 self.overlay = Overlay::Palette(palette::State::asking(text, is_entered));
             }
@@ -102,6 +103,7 @@ impl App {
         }
         match command {
             C::Open => self.overlay = Overlay::Open(Box::default()),
+            C::OpenRightView => self.overlay = Overlay::Open(Box::new(open_dialog::State::of_right_view())),
             C::PastePath => self.ctx.send_viewport_cmd(ViewportCommand::RequestPaste),
             C::Compare => {
                 self.overlay = Overlay::Compare(Box::new(compare::State::new(self.document.estimator().info().id)))

@@ -47,6 +47,8 @@ commands! {
     Open,
     /// Open the path in the clipboard.
     PastePath,
+    /// Open the right view of the clip.
+    OpenRightView,
     /// Show the bundled samples.
     Samples,
     /// Open the next example of the estimator.
@@ -416,7 +418,7 @@ impl Command {
             }
             C::Into | C::Over | C::Out | C::NextUnit | C::NextMark | C::End => now.has_run && !now.at_end,
             C::Play | C::PlayBack => now.has_run,
-            C::Compare => now.has_clip,
+            C::Compare | C::OpenRightView => now.has_clip,
             C::Lockstep => now.has_clip && !now.in_stage,
             C::IntoStage => now.has_run && now.has_stage && !now.in_lockstep,
             C::OutOfStage => now.in_stage,

@@ -20,6 +20,7 @@ use crate::paint::number;
 use crate::session::{Session, VisiblePart};
 use crate::ui::app::action::Browse;
 use crate::ui::app::window::{App, Overlay, title};
+use crate::ui::dialogs::open::State;
 use crate::ui::dialogs::save::{self, Kind};
 use crate::ui::model::loader::{Beside, Loading, Opened};
 use crate::ui::model::settings::LeftAt;
@@ -90,8 +91,10 @@ impl App {
             return;
         }
         self.browsing = None;
-        let opens = matches!(wanted, Browse::File | Browse::Folder);
+        let is_right = matches!(wanted, Browse::RightFile | Browse::RightFolder);
+        let opens = is_right || matches!(wanted, Browse::File | Browse::Folder);
         match (path, &mut self.overlay) {
+            (Ok(Some(path)), _) if is_right => self.open_right_view(path.into()),
             (Ok(Some(path)), _) if opens => self.open(path),
             (Ok(Some(path)), Overlay::Save(state)) => state.path.text = path.display().to_string(),
             (Ok(Some(path)), Overlay::Compare(state)) => state.file.text = path.display().to_string(),
@@ -99,7 +102,8 @@ impl App {
             (Err(_), _) => {
                 self.toasts.fail("The system has no file dialog. Type or paste the path instead.");
                 if opens {
-                    self.overlay = Overlay::Open(Box::default());
+                    let dialog = if is_right { State::of_right_view() } else { State::default() };
+                    self.overlay = Overlay::Open(Box::new(dialog));
                 }
             }
         }
@@ -113,6 +117,16 @@ impl App {
         let beside = self.document.source().cloned();
         let beside = beside.map(|source| Beside { source, given: self.document.experiment().given.clone() });
         self.loading = Some(Loading::new(name.into(), beside, move || ctx.request_repaint()));
+    }
+
+    /// Opens the right view of the clip on another thread; the clip is opened again with it.
+    pub(super) fn open_right_view(&mut self, path: OsString) {
+        self.player.pause();
+        self.error = None;
+        let Some(source) = self.document.source().cloned() else { return };
+        let ctx = self.ctx.clone();
+        let beside = Beside { source, given: self.document.experiment().given.clone() };
+        self.loading = Some(Loading::right_view(path, beside, move || ctx.request_repaint()));
     }
 
     /// Opens a bundled sample where it was left, or at its start.
@@ -215,8 +229,9 @@ impl App {
         if matches!(&self.overlay, Overlay::Open(state) if state.is_opening()) {
             self.overlay = Overlay::None;
         }
-        // The truth of a clip is no clip.
-        if path.exists() && given.truth.as_deref() != Some(path) {
+        // The truth of a clip is no clip, nor is its right view.
+        let is_right = given.right.as_ref().is_some_and(|view| view.path() == path);
+        if path.exists() && given.truth.as_deref() != Some(path) && !is_right {
             self.settings.remember(path);
         }
         let left = self.document.open(clip, source, given);
@@ -399,10 +414,7 @@ impl App {
         let whole = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.into());
         let mut experiment = shown.subject.experiment.clone();
         experiment.source = experiment.source.map_path(whole);
-        let Given { truth, detections } = &mut experiment.given;
-        for path in [truth, detections].into_iter().flatten() {
-            *path = whole(path);
-        }
+        experiment.given = experiment.given.map_path(whole);
         let position = Position { cursor: Some(shown.cursor), pixel: shown.held() };
         Session { experiment, position, look: self.settings.look.into(), sight }
     }
@@ -424,6 +436,8 @@ fn ask_system(wanted: Browse) -> Option<PathBuf> {
     let dialog = rfd::FileDialog::new();
     match wanted {
         Browse::File => dialog.set_title("Open a clip or a session").pick_file(),
+        Browse::RightFile => dialog.set_title("Open the right view").pick_file(),
+        Browse::RightFolder => dialog.set_title("Open the folder of the right view").pick_folder(),
         Browse::Folder => dialog.set_title("Open a folder of images").pick_folder(),
         Browse::SaveFile => dialog.set_title("Save as").save_file(),
         Browse::SaveFolder => dialog.set_title("Save in a folder").pick_folder(),

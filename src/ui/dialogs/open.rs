@@ -13,9 +13,20 @@ use crate::ui::app::action::{Action, Actions, Browse};
 use crate::ui::app::commands::Command;
 use crate::ui::parts::widgets;
 
+/// What a dialog opens.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Purpose {
+    /// A clip or a session, or the truth of the open clip.
+    #[default]
+    Clip,
+    /// The right view of the open clip.
+    RightView,
+}
+
 /// The dialog while it is open.
 #[derive(Default)]
 pub struct State {
+    purpose: Purpose,
     path: PathField,
     /// The path that is being opened; the dialog stays until that is done.
     opening: Option<OsString>,
@@ -27,6 +38,11 @@ impl State {
     /// The dialog with something typed in it already.
     pub fn asking(path: impl Into<String>) -> Self {
         Self { path: PathField::new(path), ..Self::default() }
+    }
+
+    /// The dialog for the right view of the open clip.
+    pub fn of_right_view() -> Self {
+        Self { purpose: Purpose::RightView, ..Self::default() }
     }
 
     /// Whether the dialog waits for a path to be opened.
@@ -45,7 +61,10 @@ impl State {
 
     fn open(&mut self, path: OsString, actions: &mut Actions) {
         (self.opening, self.error) = (Some(path.clone()), None);
-        actions.ask(Action::Open(path));
+        actions.ask(match self.purpose {
+            Purpose::Clip => Action::Open(path),
+            Purpose::RightView => Action::OpenRightView(path),
+        });
     }
 }
 
@@ -110,33 +129,42 @@ pub fn show(ctx: &egui::Context, state: &mut State, recent: &[PathBuf], actions:
     let mut done = false;
     let modal = widgets::modal(ctx, "open", vec2(40.0 * size, 30.0 * size)).show(ctx, |ui| {
         ui.set_width((40.0 * size).min(ui.ctx().content_rect().width() - 48.0));
-        done |= widgets::title(ui, "Open");
-        ui.label(
-            RichText::new(
+        let is_clip = state.purpose == Purpose::Clip;
+        done |= widgets::title(ui, if is_clip { "Open" } else { "Open right view" });
+        let text = match state.purpose {
+            Purpose::Clip => {
                 "A video, a picture of a numbered sequence, a folder of pictures, detections (det.txt) or a session; \
-                 or ground truth for the open clip: gt.txt, a flow.",
-            )
-            .weak(),
-        );
+                 or ground truth for the open clip: gt.txt, a flow, a disparity."
+            }
+            Purpose::RightView => {
+                "The right view of the open clip: a picture, a folder of pictures or a video of the same size; or side-by-side, if each \
+                 frame shows both views. A calib.txt beside the clip is read for depths in metres."
+            }
+        };
+        ui.label(RichText::new(text).weak());
         ui.add_space(8.0);
         path_row(ui, state, actions);
         outcome(ui, state, actions);
         ui.add_space(4.0);
         ui.horizontal(|ui| {
+            let [file, folder] = match state.purpose {
+                Purpose::Clip => [Browse::File, Browse::Folder],
+                Purpose::RightView => [Browse::RightFile, Browse::RightFolder],
+            };
             for (glyph, text, wanted) in
-                [(Icon::FileVideo, "Browse files…", Browse::File), (Icon::Folder, "Browse folders…", Browse::Folder)]
+                [(Icon::FileVideo, "Browse files…", file), (Icon::Folder, "Browse folders…", folder)]
             {
                 if ui.button((widgets::icon(ui, glyph), text)).clicked() {
                     actions.ask(Action::Browse(wanted));
                     done = true;
                 }
             }
-            if ui.button((widgets::icon(ui, Command::Samples.info().icon), "Samples…")).clicked() {
+            if is_clip && ui.button((widgets::icon(ui, Command::Samples.info().icon), "Samples…")).clicked() {
                 actions.command(Command::Samples);
                 done = true;
             }
         });
-        if !recent.is_empty() {
+        if is_clip && !recent.is_empty() {
             ui.add_space(12.0);
             widgets::heading(ui, "Recent");
             if let Some(path) = chosen_of(ui, recent) {

@@ -161,6 +161,7 @@ fn tags(command: Command) -> &'static str {
     use Command as C;
     match command {
         C::Open | C::PastePath => "load file video clip movie image folder import detections truth ground",
+        C::OpenRightView => "load stereo second view camera calibration",
         C::Samples => "example synthetic scene demo",
         C::SaveSession => "file store keep",
         C::ExportPicture | C::ExportSteps => "export save image screenshot figure png svg pdf slides",

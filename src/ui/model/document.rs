@@ -409,7 +409,7 @@ impl Document {
             self.refused = None;
             return;
         }
-        let Given { truth, detections } = &self.setup.now().experiment.given;
+        let Given { truth, detections, .. } = &self.setup.now().experiment.given;
         let given = truth.is_some().then(|| clip.truth().cloned()).flatten();
         match synth::make(sample.id, &difficulty) {
             Ok(made) if given.is_some() && made.size() != clip.size() => {

@@ -9,7 +9,7 @@ use motionscope_core::{Clip, Error};
 use super::background::Background;
 use crate::experiment::source::Source;
 use crate::media::export::{InputKind, Inputs};
-use crate::media::{self, Given, Open, Progress};
+use crate::media::{self, Given, Open, Progress, RightView};
 use crate::session::{Named, Session};
 
 /// An opened clip.
@@ -56,6 +56,18 @@ impl Loading {
     }
 }
 
+impl Loading {
+    /// Starts opening the right view at `path` of the open clip `beside`, which is reopened with it.
+    pub fn right_view(path: OsString, beside: Beside, changed: impl Fn() + Send + Sync + 'static) -> Self {
+        let Beside { source, given } = beside;
+        let given = Given { right: Some(RightView::of(Path::new(&path))), ..given };
+        let work = Background::new("open the clip", changed, move |control| {
+            opened(Named { source, given, session: None }, None, Arc::clone(control) as Arc<dyn Progress>)
+        });
+        Self { name: path, work }
+    }
+}
+
 fn open(name: &OsStr, beside: Option<Beside>, progress: Arc<dyn Progress>) -> Result<Opened, Error> {
     let named = match beside.filter(|_| media::is_truth(Path::new(name))) {
         Some(Beside { source, given }) => {
@@ -63,13 +75,19 @@ fn open(name: &OsStr, beside: Option<Beside>, progress: Arc<dyn Progress>) -> Re
         }
         None => Named::find(name, Given::default())?,
     };
+    let session = named.session.is_some().then(|| Path::new(name));
+    opened(named, session, progress)
+}
+
+/// Opens a clip that is `named`, in the file `written` if it is a session.
+fn opened(named: Named, written: Option<&Path>, progress: Arc<dyn Progress>) -> Result<Opened, Error> {
     let Named { source, given, session } = named;
     let control = Arc::clone(&progress);
     let options = Open { progress: Some(progress), ..Open::from(given.clone()) };
     let clip = source.open(&options)?;
     let mut inputs = source.inputs(&clip, &options);
-    if session.is_some() {
-        inputs.add(InputKind::Session, name);
+    if let Some(file) = written {
+        inputs.add(InputKind::Session, file);
     }
     let first_known = first_known(&clip, &*control);
     Ok(Opened { clip, source, given, session, inputs, first_known })

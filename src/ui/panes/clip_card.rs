@@ -61,6 +61,10 @@ pub fn facts(document: &Document) -> String {
         container if container == info.codec => container.to_owned(),
         container => format!("{} in {container}", info.codec),
     });
+    if let Some(right) = clip.right().filter(|_| info.container != "synthetic") {
+        let cameras = if clip.calibration().is_some() { "calibrated" } else { "not calibrated" };
+        facts.push(format!("right view {}, {cameras}", right.info().name));
+    }
     if let Some(truth) = clip.truth() {
         let names = truth.names();
         let from = if names.is_empty() { String::new() } else { format!(" from {}", names.join(", ")) };

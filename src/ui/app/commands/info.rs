@@ -57,6 +57,13 @@ impl Command {
                 "Open the clip at the path in the clipboard.",
                 const { &[ctrl_shift(Key::V)] },
             ),
+            C::OpenRightView => (
+                Menu::File,
+                Icon::Columns2,
+                "Open right view…",
+                "Open the right view of the clip, from a second camera: a picture, a folder or a video.",
+                &[],
+            ),
             C::Samples => (
                 Menu::File,
                 Icon::LayoutGrid,
