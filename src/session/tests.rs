@@ -197,7 +197,10 @@ fn line_and_key_are_reported_in_words() {
         ("frame = 1\nframe = 2", "line 5 has a key that is there already"),
         ("step = 35.412", "line 4, step: a text in quotes is needed, not 35.412"),
         ("step = \"x\"", "line 4, step: a step is written UNIT.EVENT"),
-        ("frmae = 3", "line 4: there is no key frmae here; there are motionscope, clip, truth, detections, estimator"),
+        (
+            "frmae = 3",
+            "line 4: there is no key frmae here; there are motionscope, clip, truth, detections, right, calibration, disparity-scale, estimator",
+        ),
         ("clip.a = 3", "line 4 is not written as key = value"),
         ("\n[set]\n\nblock = 400", "line 7, set.block: "),
         ("[set]\nblock = [4]", "line 5, set.block: a single value is needed, not a list"),

@@ -13,6 +13,7 @@ mod paths;
 
 use std::sync::Arc;
 
+use crate::base::wide::wide;
 use crate::base::{Error, Observer, Tally, Threads};
 use crate::data::{Clip, Disparity};
 use crate::geometry::Grid;
@@ -141,33 +142,6 @@ impl SemiGlobalMatching {
         paths::hamming(costs, left.row(y), right.row(y), self.settings.disparities);
     }
 
-    /// The minima of the sums of a row from both views, and their rivals.
-    fn winners(&self, sums: &[u16], desk: &mut Desk) {
-        let Desk { winners, rivals, lowest, reversed } = desk;
-        let disparities = self.settings.disparities;
-        let depth = disparities.next_multiple_of(LANES);
-        let width = sums.len() / depth;
-        winners.left.clear();
-        rivals.clear();
-        [(&mut *lowest, u16::MAX), (&mut *reversed, 0)].into_iter().for_each(|(buffer, value)| {
-            buffer.clear();
-            buffer.resize(width, value);
-        });
-        for (x, sums) in sums.chunks_exact(depth).enumerate() {
-            let sums = &sums[..disparities.min(x + 1)];
-            let least = |sums: &[u16]| sums.iter().copied().fold(u16::MAX, u16::min);
-            let cost = least(sums);
-            let at = sums.iter().position(|sum| *sum == cost).unwrap_or_default();
-            winners.left.push(at as u16);
-            rivals.push(least(&sums[..at.saturating_sub(1)]).min(least(&sums[(at + 2).min(sums.len())..])));
-            // Pixel x − d of the right view is at index width − 1 − x + d of its row from right to left.
-            let from = width - 1 - x;
-            keep_lower(&mut lowest[from..], &mut reversed[from..], sums);
-        }
-        winners.right.clear();
-        winners.right.extend(reversed.iter().rev());
-    }
-
     /// Chooses the disparities of a row.
     fn choose_row(&self, sums: &[u16], desk: &Desk, row: &mut [Kept]) {
         let depth = self.settings.disparities.next_multiple_of(LANES);
@@ -225,7 +199,40 @@ impl SemiGlobalMatching {
     }
 }
 
+wide! {
+    /// The minima of the sums of a row from both views, and their rivals.
+    fn find_winners(disparities: usize, sums: &[u16], desk: &mut Desk) = find_each
+}
+
+#[inline(always)]
+fn find_each(disparities: usize, sums: &[u16], desk: &mut Desk) {
+    let Desk { winners, rivals, lowest, reversed } = desk;
+    let depth = disparities.next_multiple_of(LANES);
+    let width = sums.len() / depth;
+    winners.left.clear();
+    rivals.clear();
+    [(&mut *lowest, u16::MAX), (&mut *reversed, 0)].into_iter().for_each(|(buffer, value)| {
+        buffer.clear();
+        buffer.resize(width, value);
+    });
+    for (x, sums) in sums.chunks_exact(depth).enumerate() {
+        let sums = &sums[..disparities.min(x + 1)];
+        let least = |sums: &[u16]| sums.iter().copied().fold(u16::MAX, u16::min);
+        // The cost in the upper half, its disparity in the lower one: the least of these is the first of the least costs.
+        let keys = sums.iter().zip(0u32..).map(|(sum, d)| u32::from(*sum) << 16 | d);
+        let at = usize::from(keys.fold(u32::MAX, u32::min) as u16);
+        winners.left.push(at as u16);
+        rivals.push(least(&sums[..at.saturating_sub(1)]).min(least(&sums[(at + 2).min(sums.len())..])));
+        // Pixel x − d of the right view is at index width − 1 − x + d of its row from right to left.
+        let from = width - 1 - x;
+        keep_lower(&mut lowest[from..], &mut reversed[from..], sums);
+    }
+    winners.right.clear();
+    winners.right.extend(reversed.iter().rev());
+}
+
 /// Keeps the lower of two costs of each pixel, with its disparity, the index into `sums`.
+#[inline(always)]
 fn keep_lower(lowest: &mut [u16], at: &mut [u16], sums: &[u16]) {
     for (((lowest, at), &sum), d) in lowest.iter_mut().zip(at).zip(sums).zip(0u16..) {
         *at = if sum < *lowest { d } else { *at };
@@ -352,7 +359,7 @@ impl Estimator for SemiGlobalMatching {
                 let mut desk = Desk::default();
                 let rows = kept.chunks_exact_mut(width).zip(state.sums.chunks_exact(width * depth));
                 for (y, (row, sums)) in rows.enumerate() {
-                    self.winners(sums, &mut desk);
+                    find_winners(self.settings.disparities, sums, &mut desk);
                     match stage {
                         Stage::Winner => self.choose_row(sums, &desk, row),
                         _ => self.check_row(&desk, row, &mut right[y * width..(y + 1) * width]),
@@ -428,7 +435,7 @@ impl Estimator for SemiGlobalMatching {
         let rows = kept.chunks_exact_mut(width).zip(right.chunks_exact_mut(width)).zip(sums.chunks_exact(row));
         threads.each(rows.collect(), |((kept, right), sums)| {
             let mut desk = Desk::default();
-            self.winners(sums, &mut desk);
+            find_winners(self.settings.disparities, sums, &mut desk);
             self.choose_row(sums, &desk, kept);
             self.check_row(&desk, kept, right);
         });

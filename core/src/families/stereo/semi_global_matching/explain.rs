@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::fill::{self, Gap};
 use super::paths::{self, Job, Line, NONE};
-use super::{Event, SemiGlobalMatching, Stage, State, line};
+use super::{Event, SemiGlobalMatching, Stage, State, find_winners, line};
 use crate::base::words;
 use crate::data::Frame;
 use crate::geometry::Grid;
@@ -285,7 +285,7 @@ impl SemiGlobalMatching {
         let best = smallest(sums).at;
         let row = &shown.state.sums[y * width * depth..(y + 1) * width * depth];
         let mut desk = super::Desk::default();
-        self.winners(row, &mut desk);
+        find_winners(self.settings.disparities, row, &mut desk);
         [best, usize::from(desk.winners.right[x - best])]
     }
 

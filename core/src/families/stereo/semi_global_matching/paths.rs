@@ -92,19 +92,17 @@ fn follow_row(job: Job<'_>) {
 fn step(costs: &[u8], (last, least): (&[u8], u8), cells: &mut [u8], sums: &mut [u16], [p1, p2]: [u8; 2]) -> u8 {
     let jump = least.saturating_add(p2);
     let mut lowest = [NONE; LANES];
-    for ((costs, sums), from) in
-        costs.chunks_exact(LANES).zip(sums.chunks_exact_mut(LANES)).zip((MARGIN..).step_by(LANES))
-    {
-        let [below, same, above] = [from - 1, from, from + 1].map(|from| &last[from..from + LANES]);
-        let cells = &mut cells[from..from + LANES];
-        for i in 0..LANES {
-            let slope = below[i].min(above[i]).saturating_add(p1);
-            let best = same[i].min(slope).min(jump);
-            let cell = costs[i].saturating_add(best - least);
-            cells[i] = cell;
-            lowest[i] = lowest[i].min(cell);
-            sums[i] += u16::from(cell);
-        }
+    // Whole arrays, without sums that could overflow: the compiler keeps them in registers in every profile.
+    let (costs, sums) = (costs.as_chunks::<LANES>().0, sums.as_chunks_mut::<LANES>().0);
+    for ((costs, sums), from) in costs.iter().zip(sums).zip((MARGIN..).step_by(LANES)) {
+        let around = [from - 1, from, from + 1].map(|from| last.get(from..).and_then(<[u8]>::first_chunk::<LANES>));
+        let cells = cells.get_mut(from..).and_then(<[u8]>::first_chunk_mut::<LANES>);
+        let ([Some(below), Some(same), Some(above)], Some(cells)) = (around, cells) else { break };
+        let best: [u8; LANES] =
+            std::array::from_fn(|i| same[i].min(jump).min(below[i].min(above[i]).saturating_add(p1)));
+        *cells = std::array::from_fn(|i| costs[i].saturating_add(best[i].saturating_sub(least)));
+        lowest = std::array::from_fn(|i| lowest[i].min(cells[i]));
+        *sums = std::array::from_fn(|i| sums[i].wrapping_add(u16::from(cells[i])));
     }
     lowest.iter().copied().fold(NONE, u8::min)
 }
