@@ -52,6 +52,8 @@ fn whole_runs(c: &mut Criterion) {
         ("motion-clustering", Some("gaussian-mixture")),
         ("motion-clustering", Some("mean-shift")),
         ("motion-layers", None),
+        ("flow-segmentation", Some("graph")),
+        ("flow-segmentation", Some("region-growing")),
     ] {
         let mut estimator = estimator(id).expect("it is there");
         estimator.set("flow-source", "truth").expect("a choice");

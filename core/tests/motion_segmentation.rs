@@ -141,7 +141,7 @@ fn every_motion_segmentation_separates_rigid_motions() {
         assert!(index >= 0.95, "{}: {index}", estimator.info().id);
         ran += 1;
     }
-    assert_eq!(ran, 2);
+    assert_eq!(ran, 3);
 }
 
 /// A turning and growing square before a shearing background, as affine motions.
@@ -206,7 +206,7 @@ fn clusters_cut_a_rotating_object_into_pieces() {
 #[test]
 fn labels_stay_from_frame_to_frame() {
     let clip = small("rigid-layers");
-    for id in ["motion-clustering", "motion-layers"] {
+    for id in ["motion-clustering", "motion-layers", "flow-segmentation"] {
         let found = segments(id, &[TRUE_FLOW, ("frames", "5")], &clip);
         assert_eq!(found.frames.len(), 4);
         let name = |index: usize, label: u32| {
@@ -330,4 +330,185 @@ fn a_pixel_is_explained_by_its_distances() {
     let distances: Vec<f64> = equation.iter().map(|row| *common::numbers(row).last().expect("a number")).collect();
     assert!(distances.contains(&0.0), "{distances:?}");
     assert!(fact(&step, "Displacement").is_some_and(|text| text.contains('(')));
+}
+
+const METHODS: [&str; 2] = ["graph", "region-growing"];
+
+#[test]
+fn regions_of_the_true_flow_are_the_rigid_motions() {
+    for scene in ["rigid-layers", "turntable"] {
+        let clip = clip(scene, &[("frames", "2")]);
+        let found = segments("flow-segmentation", &[TRUE_FLOW], &clip);
+        let [index, overlap] = scores(&found, &clip, 0);
+        assert!(index >= 0.95 && overlap >= 0.95, "{scene}: {index}, {overlap}, {:?}", found.frames[0].segments);
+    }
+    let clip = clip("rigid-layers", &[("frames", "2")]);
+    let found = segments("flow-segmentation", &[TRUE_FLOW, ("method", "region-growing")], &clip);
+    let [index, overlap] = scores(&found, &clip, 0);
+    assert!(index >= 0.95 && overlap >= 0.95, "{index}, {overlap}");
+}
+
+#[test]
+fn regions_of_an_estimated_flow_are_nearly_the_rigid_layers() {
+    let clip = clip("rigid-layers", &[("frames", "2")]);
+    for method in METHODS {
+        let found = segments("flow-segmentation", &[("method", method)], &clip);
+        let [index, overlap] = scores(&found, &clip, 0);
+        println!("{method}: {index}, {overlap}, {} segments", found.frames[0].segments.len());
+        assert!(index >= 0.85, "{method}: {index}, {overlap}");
+    }
+}
+
+/// A flow with smooth parts, jumps and noise, as a plain function of the place.
+fn uneven() -> Grid<[f32; 2]> {
+    Grid::from_fn(18, 13, |x, y| {
+        let noise = ((x * 37 + y * 101 + x * y * 13) % 17) as f32 / 40.0;
+        let jump = if x > 7 && y > 4 { 3.0 } else { 0.0 };
+        [jump + x as f32 * 0.05 + noise, noise - y as f32 * 0.03]
+    })
+}
+
+/// Whether two partitions of the same pixels are the same, whatever their labels.
+fn is_same_partition(a: &[u32], b: &[u32]) -> bool {
+    let pairs: std::collections::BTreeSet<(u32, u32)> = a.iter().copied().zip(b.iter().copied()).collect();
+    let count = |all: &[u32]| all.iter().collect::<std::collections::BTreeSet<_>>().len();
+    a.len() == b.len() && pairs.len() == count(a) && pairs.len() == count(b)
+}
+
+/// Neighbouring pixels with the length of the difference of their displacements, in raster order.
+fn differences(flow: &Grid<[f32; 2]>) -> Vec<(f32, [usize; 2])> {
+    let (width, height) = flow.size();
+    let cells = flow.cells();
+    let pixels = 0..width * height;
+    let right = |i: usize| (i % width + 1 < width).then_some(i + 1);
+    let below = |i: usize| (i / width + 1 < height).then_some(i + width);
+    let pairs = pixels.flat_map(|i| [right(i), below(i)].into_iter().flatten().map(move |j| [i, j]));
+    pairs.map(|[i, j]| ((cells[i][0] - cells[j][0]).hypot(cells[i][1] - cells[j][1]), [i, j])).collect()
+}
+
+/// The largest edge of the minimum spanning tree of the pixels of one label, by Prim's algorithm.
+fn internal_difference(labels: &[u32], label: u32, edges: &[(f32, [usize; 2])]) -> f32 {
+    let mut reached = vec![false; labels.len()];
+    reached[labels.iter().position(|l| *l == label).expect("a pixel")] = true;
+    let mut largest = 0.0f32;
+    loop {
+        let crossing =
+            edges.iter().filter(|(_, [i, j])| labels[*i] == label && labels[*j] == label && reached[*i] != reached[*j]);
+        let Some((weight, ends)) = crossing.min_by(|a, b| a.0.total_cmp(&b.0)) else { return largest };
+        largest = largest.max(*weight);
+        ends.iter().for_each(|end| reached[*end] = true);
+    }
+}
+
+/// Algorithm 1 of Felzenszwalb and Huttenlocher (2004), with their definition of the internal difference.
+fn felzenszwalb(flow: &Grid<[f32; 2]>, scale: f32) -> Vec<u32> {
+    let edges = differences(flow);
+    let mut sorted = edges.clone();
+    sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut labels: Vec<u32> = (0..flow.cells().len() as u32).collect();
+    for (weight, [i, j]) in sorted {
+        let (a, b) = (labels[i], labels[j]);
+        let area = |label: u32| labels.iter().filter(|l| **l == label).count() as f32;
+        let limit = |label: u32| internal_difference(&labels, label, &edges) + scale / area(label);
+        if a != b && weight <= limit(a).min(limit(b)) {
+            labels.iter_mut().filter(|label| **label == b).for_each(|label| *label = a);
+        }
+    }
+    labels
+}
+
+/// Region growing from the first pixel of no region, breadth first, with a mean over the region so far.
+fn grown(flow: &Grid<[f32; 2]>, tolerance: f64) -> Vec<u32> {
+    let (width, height) = flow.size();
+    let uv = |i: usize| flow.cells()[i].map(f64::from);
+    let mut labels = vec![0u32; width * height];
+    let mut label = 0;
+    while let Some(seed) = labels.iter().position(|label| *label == 0) {
+        label += 1;
+        labels[seed] = label;
+        let (mut queue, mut sum, mut count) = (std::collections::VecDeque::from([seed]), uv(seed), 1.0);
+        while let Some(i) = queue.pop_front() {
+            let (x, y) = (i % width, i / width);
+            let around = [
+                (x > 0).then(|| i - 1),
+                (x + 1 < width).then_some(i + 1),
+                (y > 0).then(|| i - width),
+                (y + 1 < height).then_some(i + width),
+            ];
+            for j in around.into_iter().flatten() {
+                let off = [0, 1].map(|c| uv(j)[c] - sum[c] / count);
+                if labels[j] == 0 && off[0].hypot(off[1]) <= tolerance {
+                    labels[j] = label;
+                    (sum, count) = ([sum[0] + uv(j)[0], sum[1] + uv(j)[1]], count + 1.0);
+                    queue.push_back(j);
+                }
+            }
+        }
+    }
+    labels
+}
+
+#[test]
+fn regions_are_those_of_plain_references() {
+    let flow = uneven();
+    let clip = with_flow(flow.clone());
+    for scale in ["0.5", "2", "8"] {
+        let settings = [TRUE_FLOW, ("scale", scale), ("min-area", "0")];
+        let found = segments("flow-segmentation", &settings, &clip);
+        let expected = felzenszwalb(&flow, scale.parse().expect("a number"));
+        let regions = found.frames[0].segments.len();
+        assert!((2..200).contains(&regions), "scale {scale}: {regions} regions");
+        assert!(is_same_partition(found.frames[0].labels.cells(), &expected), "scale {scale}");
+    }
+    for tolerance in ["0.2", "0.5", "1"] {
+        let settings = [TRUE_FLOW, ("method", "region-growing"), ("tolerance", tolerance), ("min-area", "0")];
+        let found = segments("flow-segmentation", &settings, &clip);
+        let expected = grown(&flow, tolerance.parse().expect("a number"));
+        assert!(found.frames[0].segments.len() > 1);
+        assert!(is_same_partition(found.frames[0].labels.cells(), &expected), "tolerance {tolerance}");
+    }
+}
+
+#[test]
+fn regions_are_connected_so_an_object_behind_another_is_cut() {
+    // A bar before the middle of a background.
+    let flow = Grid::from_fn(90, 60, |x, _| if (40..50).contains(&x) { [5.0, 0.0] } else { [1.0, 0.5] });
+    let clip = with_flow(flow);
+    for method in METHODS {
+        let found = segments("flow-segmentation", &[TRUE_FLOW, ("method", method)], &clip);
+        assert_eq!(found.frames[0].segments.len(), 3, "{method}: both sides of the bar are segments");
+    }
+    assert_eq!(segments("motion-clustering", &[TRUE_FLOW, ("clusters", "2")], &clip).frames[0].segments.len(), 2);
+    let all = steps("flow-segmentation", &[TRUE_FLOW], &clip);
+    assert!(said(&all, "label")[0].contains("parts of one object on both sides of another are two segments"));
+}
+
+#[test]
+fn small_regions_are_merged_across_their_smallest_edge() {
+    // One deviant pixel, nearer to the right side.
+    let flow = Grid::from_fn(40, 20, |x, y| match (x, y) {
+        (19, 10) => [2.0, 0.0],
+        _ if x < 20 => [0.0, 0.0],
+        _ => [3.0, 0.0],
+    });
+    let clip = with_flow(flow);
+    let settings = |area: &'static str| [TRUE_FLOW, ("scale", "1"), ("min-area", area)];
+    assert_eq!(segments("flow-segmentation", &settings("0"), &clip).frames[0].segments.len(), 3);
+    let merged = segments("flow-segmentation", &settings("1"), &clip);
+    let labels = &merged.frames[0].labels;
+    assert_eq!(merged.frames[0].segments.len(), 2);
+    assert_eq!((labels[(19, 10)], labels[(19, 9)]), (labels[(30, 10)], labels[(5, 5)]));
+}
+
+#[test]
+fn flow_segmentation_answers_bad_input_in_words() {
+    let still = with_flow(Grid::new(64, 48, [0.0; 2]));
+    let unknown = with_flow(Grid::new(32, 24, Flow::UNKNOWN));
+    for method in METHODS {
+        let settings = [TRUE_FLOW, ("method", method)];
+        assert_eq!(segments("flow-segmentation", &settings, &still).frames[0].segments.len(), 1);
+        let all = steps("flow-segmentation", &settings, &still);
+        assert!(said(&all, "label")[0].contains("nothing moves against it"), "{method}");
+        assert!(segments("flow-segmentation", &settings, &unknown).frames[0].segments.is_empty());
+    }
 }

@@ -44,9 +44,9 @@ fn every_stage_offers_what_makes_its_product_and_nothing_else() {
         }
     }
     // Coarse search; detectors of KLT and pyramidal Lucas–Kanade; flow of trajectories and of flow magnitude; masks of
-    // connected components; detectors of five trackers, and the tracker of trajectory analysis; flow of motion clustering and motion layers; detectors of matching, tracking by
+    // connected components; detectors of five trackers, and the tracker of trajectory analysis; flow of three motion segmentations; detectors of matching, tracking by
     // matching, global motion and epipolar geometry; motions of stabilisation, mosaic and compensated difference.
-    assert_eq!(stages, 21);
+    assert_eq!(stages, 22);
 }
 
 #[test]

@@ -11,7 +11,7 @@ use crate::families::{
         Stabilization, TemplateMatching,
     },
     interest_points::{Fast, Harris, Orb, ShiTomasi, Sift, Surf},
-    motion_segmentation::{MotionClustering, MotionLayers},
+    motion_segmentation::{FlowSegmentation, MotionClustering, MotionLayers},
     moving_objects::{
         CompensatedDifference, ConnectedComponents, FlowMagnitude, FrameDifference, KnnBackground, MedianBackground,
         MixtureOfGaussians, RunningAverage, SingleGaussian,
@@ -57,6 +57,7 @@ impl Entries for Course {
         Entry::of::<PointTrajectories>(),
         Entry::of::<MotionClustering>(),
         Entry::of::<MotionLayers>(),
+        Entry::of::<FlowSegmentation>(),
         Entry::of::<Corners<Harris>>(),
         Entry::of::<Corners<ShiTomasi>>(),
         Entry::of::<Fast>(),

@@ -980,6 +980,13 @@ pub static GLOSSARY: &[Term] = &[
     ),
     term(
         DynamicScenes,
+        "graph-based segmentation",
+        &["graph-based merging", "internal difference"],
+        "A segmentation that goes through the edges between neighbouring pixels in ascending order of their differences and merges two \
+        regions where the difference across the edge is small against the differences inside both.",
+    ),
+    term(
+        DynamicScenes,
         "gray level",
         &["gray levels", "gray value", "gray values", "intensity", "intensities"],
         "The brightness of a pixel, here from 0 (black) to 255 (white).",
@@ -1969,6 +1976,12 @@ pub static GLOSSARY: &[Term] = &[
         "recurrent neural network",
         &["RNN", "LSTM", "recurrent neural networks"],
         "A network with memory that processes a sequence step by step, used to predict trajectories.",
+    ),
+    term(
+        DynamicScenes,
+        "region growing",
+        &["growing region", "growing regions"],
+        "A segmentation that starts from a pixel and adds neighbouring pixels as long as they are near the mean of the region.",
     ),
     term(
         DifferentialMethods,

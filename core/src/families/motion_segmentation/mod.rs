@@ -1,8 +1,10 @@
 //! Motion segmentation: which pixels move together. One file per estimator; the shared parts are in `methods/segmentation`.
 
+mod flow_segmentation;
 mod motion_clustering;
 mod motion_layers;
 
 pub use crate::methods::segmentation::{FlowInput, FlowSource};
+pub use flow_segmentation::{FlowSegmentation, Growth};
 pub use motion_clustering::{Features, Method, MotionClustering, Selection};
 pub use motion_layers::MotionLayers;

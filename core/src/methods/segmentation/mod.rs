@@ -2,6 +2,7 @@
 
 pub mod affine;
 pub mod explain;
+pub mod forest;
 pub mod input;
 pub mod kmeans;
 pub mod mixture;
