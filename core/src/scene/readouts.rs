@@ -112,6 +112,19 @@ pub struct Tile {
     pub values: Grid<f32>,
     /// The values shown black and white.
     pub range: [f32; 2],
+    /// Pixels framed in the colour of a role, as they are on the stage.
+    pub framed: Vec<Framed>,
+}
+
+/// Pixels of a [`Tile`] with a meaning.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Framed {
+    /// Their role.
+    pub role: Role,
+    /// The pixels from the upper left corner of the tile.
+    pub pixels: Vec<[usize; 2]>,
+    /// Whether the frame stands on the edges of a pixel, so that one of another meaning fits inside.
+    pub is_outer: bool,
 }
 
 /// A matrix, or a vector as one of a single column.

@@ -203,7 +203,7 @@ impl<M: Measure> Corners<M> {
             facts.push(fact("Threshold", numbers::gray(self.peaks(state).limit), None));
             facts.push(fact("Status", self.verdict(seen, probe).1, None));
         }
-        let tile = |label, values: Grid<f32>, range| Tile { label, role: None, values, range };
+        let tile = |label, values: Grid<f32>, range| Tile { label, role: None, values, range, framed: Vec::new() };
         let radius = (self.0.settings().window / 2 + 1).min(5);
         let [symbols, numbers] = self.0.equation(tensor);
         let mut tiles = vec![tile("Frame t", explain::around(state.picture.luma(), *place, radius), [0.0, 255.0])];

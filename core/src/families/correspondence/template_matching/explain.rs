@@ -654,7 +654,7 @@ fn template_facts(template: &Template) -> Vec<Fact> {
 
 fn template_tile(template: &Template) -> Tile {
     let values = template.pixels.map(|&pixel| f32::from(pixel));
-    Tile { label: "template", role: Some(Role::Reference), values, range: [0.0, 255.0] }
+    Tile { label: "template", role: Some(Role::Reference), values, range: [0.0, 255.0], framed: Vec::new() }
 }
 
 /// The template, the window at a place, and their difference.
@@ -667,7 +667,13 @@ fn tiles(pair: &Pair, place: (usize, usize), role: Role) -> Vec<Tile> {
     let values = under.map(|&pixel| f32::from(pixel));
     vec![
         template_tile(&pair.template),
-        Tile { label: "window", role: Some(role), values, range: [0.0, 255.0] },
-        Tile { label: "difference", role: Some(Role::Error), values: difference, range: [-64.0, 64.0] },
+        Tile { label: "window", role: Some(role), values, range: [0.0, 255.0], framed: Vec::new() },
+        Tile {
+            label: "difference",
+            role: Some(Role::Error),
+            values: difference,
+            range: [-64.0, 64.0],
+            framed: Vec::new(),
+        },
     ]
 }

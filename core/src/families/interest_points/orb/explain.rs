@@ -7,6 +7,7 @@ use crate::base::words::{counted, grouped, pixel};
 use crate::geometry::Grid;
 use crate::methods::differential::{explain, numbers};
 use crate::methods::features::brief::{BITS, Moments, Pair, WINDOW_REACH, turned, window_sum};
+use crate::methods::features::segment::SegmentTest;
 use crate::methods::numbers::percent;
 use crate::run::Seen;
 use crate::scene::{Fact, Math, Name, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step, Tile};
@@ -224,10 +225,21 @@ impl Orb {
         };
         let shares: usize = after.levels.iter().map(|level| level.share).sum();
         if after.corners.is_empty() {
-            return sentence.text(
-                " End of the run: no keypoint. The patch fits around none of the corners, or there are no corners; a lower \
-                 threshold or a smaller patch finds some.",
-            );
+            let test = SegmentTest { threshold: self.threshold as u8, arc: self.arc };
+            let highest = after.levels.iter().map(|level| test.highest_score(&level.of.picture)).max().unwrap_or(0);
+            return sentence.text(match usize::from(highest) < self.threshold {
+                true => format!(
+                    " End of the run: 0 keypoints. The highest score of all levels is V = {highest}, and a corner has at least V = t = {}; a \
+                     lower threshold finds some.",
+                    self.threshold
+                ),
+                false => format!(
+                    " End of the run: 0 keypoints. No corner is at least {} px from the border and so has a patch of {side}×{side} px; a \
+                     smaller patch finds some.",
+                    self.margin(),
+                    side = self.side()
+                ),
+            });
         }
         let by_level =
             (0..after.levels.len()).map(|level| after.corners.iter().filter(|corner| corner.level == level).count());
@@ -272,7 +284,13 @@ impl Orb {
             facts.push(Fact::new("Harris response R", numbers::gray(level.response(place)), Some(Role::Result)));
             let values = explain::around(&level.of.picture, level.place(place), 4);
             readouts.push(Readout::Series(responses(level)));
-            readouts.push(Readout::Tiles(vec![Tile { label: "Level", role: None, values, range: [0.0, 255.0] }]));
+            readouts.push(Readout::Tiles(vec![Tile {
+                label: "Level",
+                role: None,
+                values,
+                range: [0.0, 255.0],
+                framed: Vec::new(),
+            }]));
         }
         readouts.insert(0, Readout::Facts(facts));
         readouts
@@ -301,7 +319,7 @@ impl Orb {
                 Math::ink(Role::Result, u8::from(bit).to_string()),
             ]));
         }
-        let tile = |label, values| Tile { label, role: None, values, range: [0.0, 255.0] };
+        let tile = |label, values| Tile { label, role: None, values, range: [0.0, 255.0], framed: Vec::new() };
         let tiles = vec![
             tile("Patch", self.patch_of(probe, [1.0, 0.0])),
             tile("Patch, upright", self.patch_of(probe, probe.moments.direction())),

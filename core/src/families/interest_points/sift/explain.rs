@@ -233,9 +233,7 @@ impl Sift {
         let kept = self.select(state.oriented.clone());
         let all = words::grouped(state.oriented.len());
         let Some(last) = kept.last() else {
-            return "No extremum passed the tests, so there are no keypoints: the frame has no blobs of enough contrast. A lower contrast \
-                    threshold keeps weaker ones."
-                .into();
+            return self.none_said(state);
         };
         match kept.len() == self.max_points && state.oriented.len() > self.max_points {
             true => format!(
@@ -247,6 +245,35 @@ impl Sift {
                 "All {} keypoints are kept, in order of decreasing |D|; the weakest has {} gray levels.",
                 words::grouped(kept.len()),
                 gray(last.refined.response)
+            ),
+        }
+    }
+
+    /// Why there are no keypoints.
+    fn none_said(&self, state: &State) -> String {
+        let (contrast, least) = (self.thresholds().contrast, self.least());
+        let differences = state.space.octaves.iter().flat_map(|octave| &octave.differences);
+        let largest = differences.flat_map(|image| image.cells()).fold(0.0, |most: f32, value| most.max(value.abs()));
+        let at_extrema = state.extrema.iter().map(|at| {
+            let difference = &state.space.octaves[at.octave].differences[at.level];
+            difference[(at.x, at.y)].abs()
+        });
+        match at_extrema.fold(None, |most: Option<f32>, value| Some(most.map_or(value, |most| most.max(value)))) {
+            Some(strongest) => format!(
+                "No extremum passed the tests, so there are no keypoints: |D| is at most {} gray levels at the extrema ({}), the contrast threshold is \
+                 {}, and none may lie on an edge. A lower contrast threshold keeps weaker ones.",
+                gray(strongest),
+                words::grouped(state.extrema.len()),
+                gray(contrast)
+            ),
+            None if largest > least => "0 pixels exceed all of their 26 neighbours, so there are no keypoints: a blob has an extremum, edges and \
+                                        ramps have none."
+                .into(),
+            None => format!(
+                "|D| is at most {} gray levels, and an extremum needs more than {}, half the contrast threshold: the frame has no blobs of enough \
+                 contrast, so there are no keypoints. A lower contrast threshold finds weaker ones.",
+                gray(largest),
+                gray(least)
             ),
         }
     }
@@ -495,7 +522,7 @@ impl Sift {
         let Extremum { octave, level, x, y } = refined.at;
         let image = &state.space.octaves[octave].gaussians[level];
         let values = explain::around(image, (x, y), 8);
-        Tile { label: "Gaussian image", role: None, values, range: [0.0, 255.0] }
+        Tile { label: "Gaussian image", role: None, values, range: [0.0, 255.0], framed: Vec::new() }
     }
 
     fn descriptor_readouts(&self, seen: &Seen<Self>, event: Event) -> Vec<Readout> {
@@ -542,7 +569,7 @@ fn neighbourhood(around: &Around) -> Vec<Tile> {
     let labels = ["D, smaller scale", "D, this scale", "D, larger scale"];
     let values = around.differences.map(|difference| explain::around(difference, place, 1));
     let most = values.iter().flat_map(|grid| grid.cells()).fold(0.0f32, |most, v| most.max(v.abs())).max(1.0);
-    let tile = |(label, values)| Tile { label, role: None, values, range: [-most, most] };
+    let tile = |(label, values)| Tile { label, role: None, values, range: [-most, most], framed: Vec::new() };
     labels.into_iter().zip(values).map(tile).collect()
 }
 

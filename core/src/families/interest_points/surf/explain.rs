@@ -85,6 +85,23 @@ impl Surf {
         }
     }
 
+    /// Why there are no keypoints.
+    fn none_said(&self, state: &State) -> String {
+        let responses = state.layers.iter().flat_map(|layer| layer.responses.cells());
+        let largest = responses.fold(0.0, |most: f32, response| most.max(*response));
+        match largest > self.threshold {
+            true => "0 samples above the threshold are a maximum among their 26 neighbours, so there are no keypoints: the frame has no blobs \
+                     of these sizes."
+                .into(),
+            false => format!(
+                "The largest response is R = {}, and a keypoint needs more than the threshold R = {}, so there are no keypoints: the frame \
+                 has too little contrast. A lower threshold finds weaker ones.",
+                numbers::gray(largest),
+                self.threshold
+            ),
+        }
+    }
+
     pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
         let (line, sentence, readouts) = match self.probe(seen) {
             None => (line::EACH_LAYER, introduction(), Vec::new()),
@@ -187,10 +204,7 @@ impl Surf {
             }
             _ if maxima.is_empty() => (
                 line::EACH_PEAK,
-                said.text(
-                    "No sample is a maximum above the threshold, so there are no keypoints: the frame has no blobs of these sizes, or \
-                     too little contrast. A lower threshold finds weaker ones.",
-                ),
+                said.text(self.none_said(seen.before)),
             ),
             _ => (
                 line::EACH_PEAK,
@@ -295,7 +309,7 @@ impl Surf {
         let labels = ["R, layer below", "R", "R, layer above"];
         let tile = |(label, layer): (&'static str, &Layer)| {
             let values = explain::around(&layer.responses, sample, 1);
-            Tile { label, role: None, values, range: [0.0, most] }
+            Tile { label, role: None, values, range: [0.0, most], framed: Vec::new() }
         };
         vec![Readout::Facts(facts), Readout::Tiles(labels.into_iter().zip(of.layers).map(tile).collect())]
     }
@@ -439,7 +453,13 @@ fn readouts_of_filter(state: &State, of: &Filtered<'_>) -> Vec<Readout> {
         readouts.push(Readout::Equation(determinant_equations(derivatives)));
     }
     let values = explain::around(state.picture.luma(), at, (size / 2).min(5));
-    readouts.push(Readout::Tiles(vec![Tile { label: "Frame t", role: None, values, range: [0.0, 255.0] }]));
+    readouts.push(Readout::Tiles(vec![Tile {
+        label: "Frame t",
+        role: None,
+        values,
+        range: [0.0, 255.0],
+        framed: Vec::new(),
+    }]));
     readouts.insert(0, Readout::Facts(facts));
     readouts
 }
@@ -562,7 +582,13 @@ fn readouts_of_keypoint(state: &State, of: &Described<'_>) -> Vec<Readout> {
             let value = |x: usize, y: usize| {
                 of.subregions.get(y * SIDE + x).map_or(f32::NAN, |sums| (10.0 * sums[i]).round() / 10.0)
             };
-            Tile { label, role: None, values: Grid::from_fn(SIDE, SIDE, value), range: [-most, most] }
+            Tile {
+                label,
+                role: None,
+                values: Grid::from_fn(SIDE, SIDE, value),
+                range: [-most, most],
+                framed: Vec::new(),
+            }
         };
         readouts.push(Readout::Tiles(labels.into_iter().enumerate().map(tile).collect()));
     }
