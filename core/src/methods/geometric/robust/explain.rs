@@ -7,6 +7,7 @@ use crate::base::words::{self, grouped};
 use crate::geometry::Grid;
 use crate::methods::geometric::Correspondence;
 use crate::methods::geometric::ransac::{Score, Scoring, chosen};
+use crate::methods::geometric::system::System;
 use crate::products::model::Matrix3;
 use crate::run::Seen;
 use crate::scene::{Fact, Link, Math, Matrix, Name, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step};
@@ -261,12 +262,14 @@ impl<M: RobustModel> Robust<M> {
             _ => Sequel::default(),
         };
         facts.extend(sequel.facts);
+        let system = self.system(seen, event);
+        facts.extend(system.facts);
         let mut all = vec![Readout::Facts(facts)];
         // The final fit has other inliers than the hypothesis that the number of iterations follows from.
         let hypothesis = self.best_hypothesis(seen);
         all.extend(hypothesis.map(|(_, score)| Readout::Equation(self.equation(seen, &score, needed))));
         all.push(Readout::Matrices(match sequel.matrices.is_empty() {
-            true => self.matrices(seen, best),
+            true => [self.matrices(seen, best), system.matrices].concat(),
             false => sequel.matrices,
         }));
         all.extend(self.series(seen, best).map(Readout::Series));
@@ -298,6 +301,23 @@ impl<M: RobustModel> Robust<M> {
             Math::text(format!(", so {} (at most {})", grouped(needed), grouped(max_iterations))),
         ]);
         vec![symbols, numbers]
+    }
+
+    /// The linear system behind the model of an event: of the sample, or of the inliers that it is fitted to.
+    fn system(&self, seen: &Seen<Self>, event: &Event) -> System {
+        let points = &seen.before.fixed.points;
+        let solved: Vec<Correspondence> = match event {
+            Event::Hypothesis(_) => match seen.events.iter().rev().find(|event| matches!(event, Event::Sample(_))) {
+                Some(Event::Sample(indices)) => chosen(points, indices),
+                _ => Vec::new(),
+            },
+            Event::Local(matrix, _) | Event::Refit(matrix, _) | Event::Kept(matrix, _) => {
+                let are_inliers = self.are_inliers(points, matrix);
+                points.iter().zip(are_inliers).filter_map(|(point, is_inlier)| is_inlier.then_some(*point)).collect()
+            }
+            _ => Vec::new(),
+        };
+        if solved.is_empty() { System::default() } else { self.0.system(&solved) }
     }
 
     /// The hypothesis and the best model.

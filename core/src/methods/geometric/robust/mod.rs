@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use super::Correspondence;
 use super::ransac::{Score, Scoring, chosen, sample, samples_needed};
+use super::system::System;
 use crate::base::{Error, Observer, Tally, Threads};
 use crate::data::{Clip, Flow};
 use crate::methods::differential::truth;
@@ -62,6 +63,11 @@ pub trait RobustModel: Params + Default + Clone + Send + Sync + 'static {
     /// Number of inliers of each further sample by which the last hypothesis is optimised; 0 for none.
     fn resample_size(&self) -> usize {
         0
+    }
+
+    /// The linear system of a fit to matches in numbers; empty where the fit has a closed form.
+    fn system(&self, _matches: &[Correspondence]) -> System {
+        System::default()
     }
 
     /// The model fitted to inliers quickly.
