@@ -31,7 +31,7 @@ impl FeatureMatching {
         };
         let (line, sentence) = match last {
             Event::Nothing => {
-                let why = "Frame t has 0 keypoints, so nothing can be matched. A lower threshold of the detector finds weaker ones.";
+                let why = "Frame t has 0 keypoints, and a match needs at least 1. A lower threshold of the detector finds weaker ones.";
                 (line::EACH_KEYPOINT, Sentence::default().text(why))
             }
             Event::Of(event) => self.said(seen, event),
@@ -236,7 +236,13 @@ impl FeatureMatching {
         let tile = |side: usize, index: usize, label, role| {
             let luma = state.fixed.pair.frames[side].luma();
             let place = luma.cell_at(state.fixed.pair.sides[side].points[index].at)?;
-            Some(Tile { label, role: Some(role), values: explain::around(luma, place, reach), range: [0.0, 255.0] })
+            Some(Tile {
+                label,
+                role: Some(role),
+                values: explain::around(luma, place, reach),
+                range: [0.0, 255.0],
+                framed: Vec::new(),
+            })
         };
         let first = neighbors.first.and_then(|(index, _)| tile(1, index, "Nearest", Role::Best));
         let second = neighbors.second.and_then(|(index, _)| tile(1, index, "Second nearest", Role::Rejected));
@@ -346,12 +352,22 @@ fn concluded(state: &State, limit: f32, sentence: Sentence) -> Sentence {
     };
     let rejected = [count(MatchStatus::RejectedRatio), count(MatchStatus::RejectedCrossCheck)];
     let advice = match (accepted, rejected[0]) {
-        (0, 0) => "",
-        (0, _) => " A higher ratio limit accepts more.",
-        _ if limit >= 1.0 => {
-            " A ratio limit below 1 rejects nearest neighbours that are hardly nearer than the second."
+        (0, 0) if state.fixed.pair.sides[1].points.is_empty() => {
+            " Frame t+1 has 0 keypoints, and a match needs at least 1.".to_owned()
         }
-        _ => " A lower ratio limit rejects more wrong matches, and correct ones on repeating texture.",
+        (0, 0) => String::new(),
+        (0, _) => {
+            let least = all.iter().filter_map(|found| found.ratio).fold(f32::INFINITY, f32::min);
+            format!(
+                " The smallest ratio is {}, and the limit is {}; a higher one accepts more.",
+                words::fine(least),
+                words::fine(limit)
+            )
+        }
+        _ if limit >= 1.0 => {
+            " A ratio limit below 1 rejects nearest neighbours that are hardly nearer than the second.".to_owned()
+        }
+        _ => " A lower ratio limit rejects more wrong matches, and correct ones on repeating texture.".to_owned(),
     };
     let alone = all.iter().filter(|found| found.status == MatchStatus::Match && found.ratio.is_none()).count();
     let untested = match alone {
