@@ -357,7 +357,7 @@ fn without_texture_the_number_that_was_too_small_is_said() {
     let flat = still(Frame::gray(Grid::new(64, 48, 90)));
     for (id, number) in [
         ("sift", "|D| is at most 0.00 gray levels, and an extremum needs more than 1.70"),
-        ("surf", "The largest response is R = 0.00, and a keypoint needs more than the threshold R = 25"),
+        ("surf", "The largest response is R = 0.00, and a keypoint needs more than the threshold R = 25.00"),
         ("orb", "The highest score of all levels is V = 0, and a corner has at least V = t = 20"),
         ("fast", "The highest score is V = 0, and a corner has at least V = t = 20"),
         ("feature-matching", "0 keypoints, and a match needs at least 1"),

@@ -467,8 +467,8 @@ impl Fast {
             scene.legend(Role::Window, "minimum distance");
         } else if let Some(circle) = circle {
             draw_circle(&circle, seen.before.stage, scene);
-            // A step follows the pixel that it tests, and not the pointer.
-            if !is_pointed_at {
+            // A step is about the pixel that it tests or compares, and not about the pointer.
+            if !is_pointed_at && matches!(seen.events.last(), Some(Event::Tested(_) | Event::Compared(..))) {
                 let reach = RADIUS as f32 + 0.5;
                 scene.work = Some([-reach, reach].map(|by| point(place).map(|c| c + by)));
             }

@@ -229,12 +229,12 @@ impl Orb {
             let highest = after.levels.iter().map(|level| test.highest_score(&level.of.picture)).max().unwrap_or(0);
             return sentence.text(match usize::from(highest) < self.threshold {
                 true => format!(
-                    " End of the run: 0 keypoints. The highest score of all levels is V = {highest}, and a corner has at least V = t = {}; a \
+                    " End of the run: no keypoints. The highest score of all levels is V = {highest}, and a corner has at least V = t = {}; a \
                      lower threshold finds some.",
                     self.threshold
                 ),
                 false => format!(
-                    " End of the run: 0 keypoints. No corner is at least {} px from the border and so has a patch of {side}×{side} px; a \
+                    " End of the run: no keypoints. No corner is at least {} px from the border and so has a patch of {side}×{side} px; a \
                      smaller patch finds some.",
                     self.margin(),
                     side = self.side()

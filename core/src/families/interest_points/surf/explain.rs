@@ -97,7 +97,7 @@ impl Surf {
                 "The largest response is R = {}, and a keypoint needs more than the threshold R = {}, so there are no keypoints: the frame \
                  has too little contrast. A lower threshold finds weaker ones.",
                 numbers::gray(largest),
-                self.threshold
+                numbers::gray(self.threshold)
             ),
         }
     }
