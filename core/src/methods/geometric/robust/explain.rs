@@ -44,7 +44,7 @@ impl<M: RobustModel> Robust<M> {
         let (state, said) = (seen.before, Sentence::default());
         let (count, size) = (state.fixed.points.len(), self.0.sample_size());
         match event {
-            Event::TooFew => (line::REPEAT, said.text(self.too_few(count, state.consensus.iterations))),
+            Event::TooFew => (line::REPEAT, said.text(self.too_few(&state.fixed, state.consensus.iterations))),
             Event::Sample(_) => {
                 let sentence = format!(
                     "Iteration {}: a random sample of {}. {}",
@@ -115,12 +115,12 @@ impl<M: RobustModel> Robust<M> {
                 );
                 (line::REFIT, said.ink(Role::Result, sentence))
             }
-            Event::Doubted(doubt) => (line::REFIT, said.ink(Role::Rejected, self.doubted(*doubt, count))),
+            Event::Doubted(doubt) => (line::REFIT, said.ink(Role::Rejected, self.doubted(*doubt, &state.fixed))),
         }
     }
 
-    fn doubted(&self, doubt: Doubt, count: usize) -> String {
-        let (name, count) = (self.0.name(), grouped(count));
+    fn doubted(&self, doubt: Doubt, fixed: &Fixed) -> String {
+        let name = self.0.name();
         match doubt {
             Doubt::OnLine { inliers, spread_px } => format!(
                 "The model is rejected: its {} inliers lie on a line, with an RMS distance of {} px from it, and the {name} needs at least {} px. A \
@@ -130,22 +130,28 @@ impl<M: RobustModel> Robust<M> {
                 words::fixed(LEAST_SPREAD_PX, 2)
             ),
             Doubt::ByChance { inliers, needed } => format!(
-                "The model is rejected: {} of {count} matches are inliers, and random matches may have as many (number of false alarms at \
-                 least 1). At least {} inliers are needed; more keypoints, better matches or a simpler model help.",
+                "The model is rejected: {} of {} matches{} are inliers, and random matches may have as many (number of false alarms at least \
+                 1). At least {} inliers are needed; more keypoints, better matches or a simpler model help.",
                 grouped(inliers),
+                grouped(fixed.distinct),
+                if fixed.distinct < fixed.points.len() { " at distinct positions" } else { "" },
                 grouped(needed)
             ),
         }
     }
 
-    fn too_few(&self, count: usize, iterations: usize) -> String {
-        let (size, name) = (self.0.sample_size(), self.0.name());
-        match count < size {
-            true => format!(
-                "{count} of the needed {size} matches: too few for this model ({name}). A higher ratio limit, a detector with a lower threshold \
-                 or a simpler model helps."
+    fn too_few(&self, fixed: &Fixed, iterations: usize) -> String {
+        let (size, name, count) = (self.0.sample_size(), self.0.name(), fixed.points.len());
+        let help = "A higher ratio limit, a detector with a lower threshold or a simpler model helps.";
+        match (count < size, fixed.distinct < size) {
+            (true, _) => format!("{count} of the needed {size} matches: too few for this model ({name}). {help}"),
+            (false, true) => format!(
+                "{} of the needed {size} distinct positions: the {} are too few for this model ({name}), as keypoints with several \
+                 orientations at one point count once. {help}",
+                fixed.distinct,
+                matches(count)
             ),
-            false => format!(
+            (false, false) => format!(
                 "0 of {} of {size} matches determined this model ({name}): the points lie on a line or at one place. A simpler model helps.",
                 words::counted(iterations, "sample")
             ),

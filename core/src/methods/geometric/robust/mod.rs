@@ -23,7 +23,7 @@ use crate::synth::random::{hash, unit};
 
 pub(crate) use declare::robust_pseudocode;
 pub use doubt::Doubt;
-use doubt::sides_px;
+use doubt::{distinct, sides_px};
 pub use settings::Settings;
 
 /// A geometric model that is estimated from matches.
@@ -195,13 +195,15 @@ struct Fixed {
     /// The accepted matches, some replaced by random ones.
     matches: Vec<Match>,
     points: Vec<Correspondence>,
+    /// Number of matches at distinct positions.
+    distinct: usize,
     truth: Option<Arc<Flow>>,
 }
 
 /// An event of a unit.
 #[derive(Clone, Debug)]
 pub enum Event {
-    /// There are fewer matches than the model needs, or none of the samples determines it.
+    /// There are fewer matches at distinct positions than the model needs, or none of the samples determines it.
     TooFew,
     /// A sample is drawn.
     Sample(Vec<usize>),
@@ -258,8 +260,9 @@ impl<M: RobustModel> Robust<M> {
         matches.retain(|found| found.status == MatchStatus::Match);
         self.replace_some(&mut matches, clip.size());
         let position = |at: [f32; 2]| at.map(f64::from);
-        let points = matches.iter().map(|m| Correspondence { from: position(m.from), to: position(m.to) }).collect();
-        let fixed = Fixed { pair, matches, points, truth: truth(clip, frame) };
+        let points: Vec<_> =
+            matches.iter().map(|m| Correspondence { from: position(m.from), to: position(m.to) }).collect();
+        let fixed = Fixed { pair, matches, distinct: distinct(&points), points, truth: truth(clip, frame) };
         Ok(State { fixed: Arc::new(fixed), consensus: self.begin() })
     }
 
@@ -271,7 +274,8 @@ impl<M: RobustModel> Robust<M> {
     /// Estimates the model from given matches. The consensus has no final model if there are too few of them.
     pub fn estimate(&self, points: &[Correspondence]) -> Consensus {
         let mut consensus = self.begin();
-        while points.len() >= self.0.sample_size() && consensus.iterations < consensus.needed {
+        let is_enough = distinct(points) >= self.0.sample_size();
+        while is_enough && consensus.iterations < consensus.needed {
             self.iterate(points, &mut consensus, &mut ());
         }
         self.refit(points, &mut consensus, &mut ());
@@ -318,7 +322,7 @@ impl<M: RobustModel> Robust<M> {
         let on_line = (!self.0.is_known_on_line()).then(|| Doubt::on_line(&inliers)).flatten();
         on_line.or_else(|| {
             let share = M::share_of_area(self.0.settings().threshold.into(), sides_px(points));
-            Doubt::by_chance(self.0.sample_size(), [inliers.len(), points.len()], share)
+            Doubt::by_chance(self.0.sample_size(), [distinct(&inliers), distinct(points)], share)
         })
     }
 
@@ -456,7 +460,7 @@ impl<M: RobustModel> Estimator for Robust<M> {
 
     fn advance(&self, _: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
         let (fixed, consensus) = (Arc::clone(&state.fixed), &mut state.consensus);
-        if fixed.points.len() < self.0.sample_size() {
+        if fixed.distinct < self.0.sample_size() {
             observer.see(|| Event::TooFew);
             return Ok(Progress::Done);
         }
