@@ -602,4 +602,11 @@ fn the_turnover_of_a_pair_is_that_of_its_tracks() {
     let (old, continued) = (old.clone().count(), old.filter(|track| track.at(3).is_some()).count());
     assert!(said.contains(&format!(": {continued} of {old} tracks continued, {} lost", old - continued)), "{said}");
     assert!(said.contains("Mean endpoint error of this pair: "), "{said}");
+    // The plot counts as tracked what goes on to the next frame, lost tracks apart.
+    let tracked = field.tracks.iter().filter(|track| track.at(2).is_some() && track.at(3).is_some()).count();
+    let plotted = walk.step(None).readouts.into_iter().find_map(|readout| match readout {
+        Readout::Series(series) => series.lines[0].2.last().map(|[_, count]| *count as usize),
+        _ => None,
+    });
+    assert_eq!(plotted, Some(tracked));
 }

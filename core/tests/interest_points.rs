@@ -185,7 +185,7 @@ fn fast_tells_the_run_that_decides_and_shows_the_circle() {
     for to in [Move::To(Cursor { unit: 20, event: 1 }), Move::To(Cursor { unit: 54, event: 3 }), Move::End] {
         walk.jump(to);
         let legend = walk.scene(Some(Focus::current([20.0, 18.0]))).legend;
-        for meaning in ["similar to p", "brighter than I_p + t", "longest run, an arc"] {
+        for meaning in ["similar to p", "brighter than the centre p by more than t", "longest run, an arc"] {
             assert!(legend.iter().any(|(_, told)| *told == meaning), "{meaning} is missing in {legend:?}");
         }
     }

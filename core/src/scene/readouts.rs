@@ -196,6 +196,23 @@ pub struct Series {
 }
 
 impl Series {
+    /// The points of a line that shows values at x = 1, 2, … as bars from 0: it is broken between them.
+    pub fn bars(values: impl Iterator<Item = f32>) -> Vec<[f32; 2]> {
+        let bar = |(i, value): (usize, f32)| [f32::NAN, 0.0, value].map(|y| [(i + 1) as f32, y]);
+        values.enumerate().flat_map(bar).collect()
+    }
+
+    /// The sections of a plot of the entries of a descriptor, `each` for every cell of a square of `side` × `side`, with the numbers of the
+    /// cells.
+    pub fn cells(side: usize, each: usize) -> Vec<Section> {
+        let section = |cell: usize| Section {
+            from: (cell * each) as f32 + 0.5,
+            label: (cell + 1).to_string(),
+            is_part: !cell.is_multiple_of(side),
+        };
+        (0..side * side).map(section).collect()
+    }
+
     /// The step at hand: `present`, the last one with a value on a line, or the value that is set.
     pub fn now(&self) -> Option<f32> {
         if self.is_sweep {

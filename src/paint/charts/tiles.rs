@@ -27,7 +27,7 @@ const GAP: f32 = 16.0;
 pub struct Tiles<'a> {
     /// The tiles, left to right.
     pub tiles: &'a [Tile],
-    /// Whether the pixel that is explained lies in their middle.
+    /// Whether the pixel that is explained lies in the middle of those that have a middle pixel.
     pub is_centered: bool,
     /// How large their pixels are.
     pub closeness: Closeness,
@@ -166,7 +166,8 @@ pub fn draw(data: Tiles<'_>, area: Rect, style: ChartStyle) -> Drawing<Places> {
         frame_pixels(&mut canvas, tile, (*rect, places.cell), theme);
         // Else black pixels would not be seen on a dark ground.
         canvas.frame(rect.grown(0.5), 1.0, theme.chrome().line);
-        if data.is_centered {
+        let (width, height) = tile.values.size();
+        if data.is_centered && width % 2 == 1 && height % 2 == 1 {
             let ink = theme.ink(Role::Reference);
             let middle = around(middle(rect), [places.cell; 2]);
             canvas.frame(middle, 4.0, ink.halo);

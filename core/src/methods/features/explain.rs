@@ -89,7 +89,7 @@ impl<M: Measure> Corners<M> {
         Sentence::default()
             .ink(Role::Reference, format!("Pixel {}", pixel(probe.place)))
             .text(format!(": eigenvalues λ₁ = {large} and λ₂ = {small}. "))
-            .ink(Role::Result, self.0.meaning(eigenvalues, probe.response, probe.flat))
+            .text(self.0.meaning(eigenvalues, probe.response, probe.flat))
     }
 
     /// Adds the conclusion at the end of a run.

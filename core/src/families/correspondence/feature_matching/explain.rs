@@ -260,15 +260,19 @@ impl FeatureMatching {
             }
         }
         let shown = seen.after.unwrap_or(state);
-        let mut is_any = false;
-        for found in shown.matches().filter(|found| found.status == MatchStatus::Match) {
-            scene.links.push(link(Role::Result, found.from, found.to));
-            is_any = true;
-        }
-        if is_any {
-            scene.legend(Role::Result, "match");
-        }
         let is_end = seen.after.is_some_and(|after| after.found.len() >= after.count());
+        let truth = state.fixed.truth.as_deref();
+        for found in shown.matches().filter(|found| found.status == MatchStatus::Match) {
+            let (role, meaning) = match truth.map(|truth| MatchField::is_right(&found, truth)) {
+                Some(Some(true)) if is_end => (Role::Best, "right match"),
+                Some(Some(true)) => (Role::Best, "right match; nearest"),
+                Some(Some(false)) => (Role::Error, "wrong match"),
+                Some(None) => (Role::Result, "match, true displacement unknown"),
+                None => (Role::Result, "match"),
+            };
+            scene.links.push(link(role, found.from, found.to));
+            scene.legend(role, meaning);
+        }
         if !is_end {
             self.draw_current(seen, scene);
         }
@@ -429,7 +433,7 @@ fn distances(state: &State) -> Option<Series> {
     };
     let lines = match state.fixed.truth.as_deref() {
         Some(truth) => vec![
-            ("right", Role::Result, line(&|found| MatchField::is_right(found, truth) == Some(true))),
+            ("right", Role::Best, line(&|found| MatchField::is_right(found, truth) == Some(true))),
             ("wrong", Role::Error, line(&|found| MatchField::is_right(found, truth) == Some(false))),
         ],
         None => vec![("nearest neighbours", Role::Reference, line(&|_| true))],

@@ -389,7 +389,7 @@ impl Fast {
         Series {
             title: "Differences on the circle",
             x_label: "pixel of the circle",
-            y_label: "I_k − I_p, gray levels",
+            y_label: "difference from the centre p, gray levels",
             x_max: 16,
             x_ticks: COMPASS.map(|k| number(k) as f32).to_vec(),
             lines,
@@ -486,8 +486,8 @@ fn shows_circle(seen: &Seen<Fast>) -> bool {
 /// The shades with their roles and meanings, which no corner has.
 const SHADES: [(Shade, Role, &str); 3] = [
     (Shade::Similar, Role::Estimate, "similar to p"),
-    (Shade::Brighter, Role::Measured, "brighter than I_p + t"),
-    (Shade::Darker, Role::Predicted, "darker than I_p − t"),
+    (Shade::Brighter, Role::Measured, "brighter than the centre p by more than t"),
+    (Shade::Darker, Role::Predicted, "darker than the centre p by more than t"),
 ];
 
 /// Role and meaning of the longest run, different from those of the corners of `stage`.

@@ -195,7 +195,9 @@ impl Orb {
                     numbers::fixed(m10 as f32, 0),
                     numbers::fixed(m01 as f32, 0)
                 ))
-                .ink(Role::Result, format!("Orientation θ = atan2(m₀₁, m₁₀) = {}.", degrees(&probe.moments)));
+                .text("Orientation θ = atan2(m₀₁, m₁₀) = ")
+                .ink(Role::Result, degrees(&probe.moments))
+                .text(".");
             return (line::ORIENT, said);
         };
         let k = probe.bits.len() - 1;
@@ -206,9 +208,14 @@ impl Orb {
         let said = Sentence::default()
             .text(format!("Pair {} of {BITS}, turned by {}: the 5×5 window at ", k + 1, degrees(&probe.moments)))
             .ink(Role::Candidate, first)
-            .text(format!(" has the mean {}, {comparison} {} of the window at ", numbers::gray(a), numbers::gray(b)))
+            .text(format!(
+                " px of level {} has the mean {}, {comparison} {} of the window at ",
+                state.corners[probe.index].level,
+                numbers::gray(a),
+                numbers::gray(b)
+            ))
             .ink(Role::Candidate, second)
-            .text(format!(", so the bit is {}.", u8::from(*bit)));
+            .text(format!(" px, so the bit is {}.", u8::from(*bit)));
         (line::COMPARE, said)
     }
 

@@ -60,8 +60,8 @@ impl<M: RobustModel> Robust<M> {
                     _ => None,
                 });
                 let why = self.0.why_none(&drawn.unwrap_or_default());
-                let sentence = format!("The sample determines no model: {why}. It is skipped.");
-                (line::HYPOTHESISE, said.ink(Role::Rejected, sentence))
+                let said = said.ink(Role::Rejected, "The sample determines no model");
+                (line::HYPOTHESISE, said.text(format!(": {why}. It is skipped.")))
             }
             Event::Hypothesis(_) => {
                 let sentence = format!(
@@ -97,40 +97,39 @@ impl<M: RobustModel> Robust<M> {
                 (line.unwrap_or(line::REFIT), sentence)
             }
             Event::Refit(_, score) => {
-                let sentence = format!(
-                    "Least squares over all inliers: {} of {} matches are inliers, RMS distance {} px.",
-                    grouped(score.inliers),
-                    grouped(count),
-                    rms(score)
-                );
-                (line::REFIT, said.ink(Role::Result, sentence))
+                let said = said
+                    .text("Least squares over all inliers: ")
+                    .ink(Role::Result, format!("{} of {} matches", grouped(score.inliers), grouped(count)))
+                    .text(format!(" are inliers, RMS distance {} px.", rms(score)));
+                (line::REFIT, said)
             }
             Event::Kept(_, score) => {
-                let sentence = format!(
-                    "Least squares over all inliers finds no smaller distances, so the model stays: {} of {} matches are inliers, RMS \
-                     distance {} px.",
-                    grouped(score.inliers),
-                    grouped(count),
-                    rms(score)
-                );
-                (line::REFIT, said.ink(Role::Result, sentence))
+                let said = said
+                    .text("Least squares over all inliers finds no smaller distances, so the model stays: ")
+                    .ink(Role::Result, format!("{} of {} matches", grouped(score.inliers), grouped(count)))
+                    .text(format!(" are inliers, RMS distance {} px.", rms(score)));
+                (line::REFIT, said)
             }
-            Event::Doubted(doubt) => (line::REFIT, said.ink(Role::Rejected, self.doubted(*doubt, &state.fixed))),
+            Event::Doubted(doubt) => (
+                line::REFIT,
+                said.ink(Role::Rejected, "The model is rejected").text(self.doubted(*doubt, &state.fixed)),
+            ),
         }
     }
 
+    /// Why the model is rejected, as the end of a sentence.
     fn doubted(&self, doubt: Doubt, fixed: &Fixed) -> String {
         let name = self.0.name();
         match doubt {
             Doubt::OnLine { inliers, spread_px } => format!(
-                "The model is rejected: its {} inliers lie on a line, with an RMS distance of {} px from it, and the {name} needs at least {} px. A \
+                ": its {} inliers lie on a line, with an RMS distance of {} px from it, and the {name} needs at least {} px. A \
                  similarity or a translation is determined by them.",
                 grouped(inliers),
                 words::fixed(spread_px, 2),
                 words::fixed(LEAST_SPREAD_PX, 2)
             ),
             Doubt::ByChance { inliers, needed } => format!(
-                "The model is rejected: {} of {} matches{} are inliers, and random matches may have as many (number of false alarms at least \
+                ": {} of {} matches{} are inliers, and random matches may have as many (number of false alarms at least \
                  1). At least {} inliers are needed; more keypoints, better matches or a simpler model help.",
                 grouped(inliers),
                 grouped(fixed.distinct),

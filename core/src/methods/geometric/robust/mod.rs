@@ -596,6 +596,25 @@ mod tests {
     }
 
     #[test]
+    fn several_matches_of_a_point_support_no_model() {
+        let places = [[20.0, 30.0], [250.0, 40.0], [230.0, 200.0], [35.0, 180.0], [140.0, 90.0], [90.0, 150.0]];
+        // Wildly displaced, so that no two points move alike; two matches of each.
+        let one = |i: usize| {
+            let [x, y] = places[i / 2];
+            let by = |k: u64| 30.0 * unit(hash(5, (i / 2) as u64, k));
+            Correspondence { from: [x, y], to: [x + by(0), y + by(1)] }
+        };
+        let all: Vec<Correspondence> = (0..12).map(one).collect();
+        let mut motion = Robust::<GlobalMotion>::default();
+        motion.set("model", "homography").expect("it is one");
+        // A homography passes through any four points.
+        assert_eq!(motion.estimate(&all[..8]).fitted, None);
+        assert_eq!(motion.estimate(&all[..6]).iterations, 0, "3 of 4 distinct positions");
+        let epipolar = Robust::<EpipolarGeometry>::default();
+        assert_eq!(epipolar.estimate(&all).iterations, 0, "6 of 7 distinct positions");
+    }
+
+    #[test]
     fn the_cost_of_fits_to_the_inliers_never_rises() {
         let mut fits = 0;
         for (scoring, seed) in
