@@ -39,7 +39,7 @@ pub struct Report {
     /// The scores of the causal variant, without later frames.
     #[serde(serialize_with = "live_figures", skip_serializing_if = "Option::is_none")]
     live: Option<Assessment>,
-    /// The sentence of the last step, where a model of the motion was estimated or refused.
+    /// The sentence of the last step, where a model of the motion or one track was estimated or refused.
     #[serde(skip_serializing_if = "Option::is_none")]
     conclusion: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -100,7 +100,7 @@ pub struct Findings {
     pub check: Option<Check>,
     /// The assessment of the causal variant, if the estimator uses later frames.
     pub live: Option<Assessment>,
-    /// The sentence of the last step, where a model of the motion was estimated or refused.
+    /// The sentence of the last step, where a model of the motion or one track was estimated or refused.
     pub conclusion: Option<String>,
     /// The explanation of a pixel, if requested.
     pub pixel: Option<ExplainedPixel>,

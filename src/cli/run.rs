@@ -8,7 +8,7 @@ use motionscope_core::products::model::IDENTITY;
 use motionscope_core::scene::Picture;
 use motionscope_core::{
     AnyEstimator, Consistency, Cursor, EpipolarField, Error, Levels, ModelField, Move, Output, PathField, RunSummary,
-    Step, Threads, detection,
+    Step, Threads, TrackField, detection,
 };
 
 use super::args::RunArgs;
@@ -165,13 +165,14 @@ fn timed(
     Ok((ran, if rest.is_empty() { vec![first] } else { rest }))
 }
 
-/// Returns the sentence of the last step where a model of the motion was estimated, or those of a path with motions that were refused: it says
-/// how far the model holds, and why there is none. Where there is not enough memory to walk through the run, there is none.
+/// Returns the sentence of the last step where a model of the motion was estimated, one point was tracked, or motions of a path were refused: it
+/// says how far the result holds, or why there is none. Where there is not enough memory to walk through the run, there is none.
 fn conclusion(Prepared { experiment, clip, .. }: &Prepared, output: &Output) -> Option<String> {
     // A motion that is refused counts as the identity, which is never estimated exactly.
     let is_refused = |path: &PathField| path.motions.contains(&IDENTITY);
     let is_model = output.get::<ModelField>().is_some() || output.get::<EpipolarField>().is_some();
-    if !is_model && !output.get().is_some_and(is_refused) {
+    let is_one_track = output.get().is_some_and(|field: &TrackField| field.tracks.len() == 1);
+    if !is_model && !is_one_track && !output.get().is_some_and(is_refused) {
         return None;
     }
     let mut walk = experiment.estimator.walk(clip, experiment.frame).ok()?;

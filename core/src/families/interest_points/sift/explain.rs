@@ -579,9 +579,11 @@ fn octave_tiles(state: &State) -> Vec<Tile> {
     images.chain(differences).collect()
 }
 
+/// The longest side of a small picture in px.
+const SMALL_PX: usize = 40;
+
 /// A picture at most [`SMALL_PX`] wide and high with even sides, by the values of largest magnitude, so that thin structures stay.
 fn small(image: &Grid<f32>) -> Grid<f32> {
-    const SMALL_PX: usize = 40;
     let (width, height) = image.size();
     let step = width.max(height).div_ceil(SMALL_PX);
     let even = |extent: usize| (extent / step / 2 * 2).max(1);
