@@ -804,6 +804,30 @@ fn a_dense_flow_is_written_and_assessed_without_what_only_blocks_have() {
 }
 
 #[test]
+fn a_run_ends_with_its_conclusion_where_there_is_no_motion_model() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    fs::create_dir(here.join("flat")).unwrap();
+    for i in 0..3 {
+        image::GrayImage::from_pixel(96, 64, image::Luma([120])).save(here.join(format!("flat/{i}.png"))).unwrap();
+    }
+    for (id, why) in [
+        ("global-motion", "0 of the needed 4 matches"),
+        ("epipolar-geometry", "0 of the needed 7 matches"),
+        ("phase-correlation", "unknown"),
+        ("image-alignment", "unknown"),
+        ("stabilization", "Pairs without a usable motion, which count as at rest: 2 of 2"),
+        ("mosaic", "Pairs without a usable motion, which count as at rest: 2 of 2"),
+    ] {
+        let text = stdout(here, &format!("run flat --estimator {id}"));
+        let line = text.lines().find_map(|line| line.strip_prefix("conclusion  "));
+        assert!(line.is_some_and(|line| line.contains(why)), "{id}: {text}");
+        assert_eq!(json(here, &format!("run flat --estimator {id} --json"))["conclusion"].as_str(), line, "{id}");
+    }
+    assert!(!stdout(here, &format!("run {SMALL} --estimator horn-schunck")).contains("conclusion"));
+}
+
+#[test]
 fn features_are_written_and_assessed_without_what_only_fields_have() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();

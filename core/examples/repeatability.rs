@@ -2,6 +2,10 @@
 //! `cargo run --release -p motionscope-core --example repeatability a.png b.png h11 h12 h13 h21 … h33`.
 //!
 //! The strongest 500 keypoints of each picture; one is repeated if another lies within 1.5 px of where the homography maps it.
+//!
+//! On graffiti 1 and 3 of Oxford it prints 0.578 for FAST and 0.451 for SIFT. By the same measure OpenCV 5.0.0 has 0.576 and, with
+//! `enable_precise_upscale`, 0.451 on the gray levels of `cvtColor`. `imread` with `IMREAD_GRAYSCALE` truncates gray levels where both
+//! round them; half of all pixels are then darker by 1, and OpenCV has 0.601 and 0.459.
 
 use std::error::Error;
 use std::fs::File;

@@ -303,6 +303,39 @@ fn the_number_of_iterations_follows_from_the_share_of_inliers_beside_it() {
 }
 
 #[test]
+fn the_linear_system_of_a_hypothesis_and_of_the_final_fit_is_shown() {
+    let shown = |id: &str, settings: &[(&str, &str)], needle: &str| {
+        let mut walk = set(id, settings).walk(&scene("translation"), 0).expect("a walk");
+        loop {
+            walk.jump(Move::Granularity(2, Direction::Forward));
+            let step = walk.step(None);
+            if step.sentence.plain().contains(needle) {
+                let all = step.readouts.iter().filter_map(|readout| match readout {
+                    Readout::Matrices(all) => Some(all.iter().map(|matrix| matrix.symbol)),
+                    _ => None,
+                });
+                let size = step.readouts.iter().find_map(|readout| match readout {
+                    Readout::Facts(facts) => facts.iter().find(|fact| fact.label == "Linear system"),
+                    _ => None,
+                });
+                return (all.flatten().collect::<Vec<_>>(), size.map(|fact| fact.value.clone()));
+            }
+            assert!(!walk.at_end(), "{id}: no step says {needle}");
+        }
+    };
+    let (symbols, size) = shown("global-motion", &[], "through the sample is the hypothesis");
+    assert_eq!((symbols, size), (vec!["H", "T", "T′", "λ", "H"], Some("A h = 0 with 8×9 entries".into())));
+    let (symbols, size) = shown("global-motion", &[], "Least squares over all inliers");
+    assert!(symbols.ends_with(&["T", "T′", "λ", "H"]) && size.is_some_and(|size| !size.contains("8×9")), "{symbols:?}");
+    let (symbols, size) = shown("epipolar-geometry", &[], "through the sample is the hypothesis");
+    assert_eq!((symbols, size), (vec!["F", "T", "T′", "λ", "F₁", "F₂"], Some("A f = 0 with 7×9 entries".into())));
+    let (symbols, _) = shown("epipolar-geometry", &[("sampling", "eight")], "through the sample is the hypothesis");
+    assert_eq!(symbols, ["F", "T", "T′", "λ", "F", "s"]);
+    let (symbols, _) = shown("global-motion", &[("model", "affine")], "through the sample is the hypothesis");
+    assert_eq!(symbols, ["H", "N", "R"]);
+}
+
+#[test]
 fn a_plane_does_not_determine_the_epipolar_geometry_and_that_is_said() {
     let clip = scene("spin-zoom");
     let told = last_sentence("epipolar-geometry", &[], &clip);
@@ -322,7 +355,13 @@ fn a_plane_does_not_determine_the_epipolar_geometry_and_that_is_said() {
 #[test]
 fn without_texture_the_number_that_was_too_small_is_said() {
     let flat = still(Frame::gray(Grid::new(64, 48, 90)));
-    for (id, number) in [("sift", "no keypoints"), ("feature-matching", "0 keypoints")] {
+    for (id, number) in [
+        ("sift", "|D| is at most 0.00 gray levels, and an extremum needs more than 1.70"),
+        ("surf", "The largest response is R = 0.00, and a keypoint needs more than the threshold R = 25.00"),
+        ("orb", "The highest score of all levels is V = 0, and a corner has at least V = t = 20"),
+        ("fast", "The highest score is V = 0, and a corner has at least V = t = 20"),
+        ("feature-matching", "0 keypoints, and a match needs at least 1"),
+    ] {
         let told = last_sentence(id, &[], &flat);
         assert!(told.contains(number), "{id}: {told}");
     }
@@ -563,4 +602,11 @@ fn the_turnover_of_a_pair_is_that_of_its_tracks() {
     let (old, continued) = (old.clone().count(), old.filter(|track| track.at(3).is_some()).count());
     assert!(said.contains(&format!(": {continued} of {old} tracks continued, {} lost", old - continued)), "{said}");
     assert!(said.contains("Mean endpoint error of this pair: "), "{said}");
+    // The plot counts as tracked what goes on to the next frame, lost tracks apart.
+    let tracked = field.tracks.iter().filter(|track| track.at(2).is_some() && track.at(3).is_some()).count();
+    let plotted = walk.step(None).readouts.into_iter().find_map(|readout| match readout {
+        Readout::Series(series) => series.lines[0].2.last().map(|[_, count]| *count as usize),
+        _ => None,
+    });
+    assert_eq!(plotted, Some(tracked));
 }

@@ -4,7 +4,7 @@ mod common;
 
 use common::set;
 use motionscope_core::{
-    AnyEstimator, Clip, Cursor, Descriptor, Direction, Frame, Gray, Grid, Keypoint, Move, PointField, Threads,
+    AnyEstimator, Clip, Cursor, Descriptor, Direction, Frame, Gray, Grid, Keypoint, Move, PointField, Role, Threads,
     products::repeatability,
     scene::{Focus, Readout},
 };
@@ -185,12 +185,53 @@ fn fast_tells_the_run_that_decides_and_shows_the_circle() {
     for to in [Move::To(Cursor { unit: 20, event: 1 }), Move::To(Cursor { unit: 54, event: 3 }), Move::End] {
         walk.jump(to);
         let legend = walk.scene(Some(Focus::current([20.0, 18.0]))).legend;
-        for meaning in ["similar to p", "brighter than I_p + t", "longest run, an arc"] {
+        for meaning in ["similar to p", "brighter than the centre p by more than t", "longest run, an arc"] {
             assert!(legend.iter().any(|(_, told)| *told == meaning), "{meaning} is missing in {legend:?}");
         }
     }
     let border = walk.step(Some(Focus::current([1.0, 10.0]))).sentence.plain();
     assert!(border.contains("its circle does not fit"), "{border}");
+}
+
+#[test]
+fn a_tested_pixel_is_the_work_and_its_tile_has_the_circle() {
+    let picture = Grid::from_fn(40, 36, |x, y| match (x, y) {
+        (20, 18) => 40,
+        (20.., 18..) => 50,
+        _ => 170,
+    });
+    let mut walk = set("fast", &ALL).walk(&clip_of(picture), 0).expect("a walk");
+    let mut corners = 0;
+    while !walk.at_end() {
+        walk.jump(Move::Granularity(3, Direction::Forward));
+        let (step, work) = (walk.step(None), walk.scene(None).work);
+        let told = step.sentence.plain();
+        let is_compared = told.starts_with("Corner (") && !told.contains("minimum distance");
+        let is_of_pixel = told.starts_with("Pixel (") || is_compared;
+        assert_eq!(work.is_some(), is_of_pixel, "{told}");
+        let framed = step.readouts.iter().find_map(|readout| match readout {
+            Readout::Tiles(tiles) => Some(tiles[0].framed.clone()),
+            _ => None,
+        });
+        if !told.starts_with("Pixel (20,\u{a0}18)") {
+            continue;
+        }
+        corners += 1;
+        assert_eq!(work, Some([[16.5, 14.5], [23.5, 21.5]]), "the circle and nothing else");
+        let framed = framed.expect("a tile");
+        let pixels = |role: Role| {
+            let of_role = framed.iter().filter(|framed| framed.role == role);
+            of_role.flat_map(|framed| framed.pixels.clone()).collect::<Vec<_>>()
+        };
+        // Pixels 5 to 9 lie on the square; the run goes from 10 over 16 to 4.
+        assert_eq!(pixels(Role::Estimate), [[6, 3], [6, 4], [5, 5], [4, 6], [3, 6]]);
+        assert_eq!(pixels(Role::Measured).len(), 11);
+        let run = pixels(Role::Result);
+        assert_eq!((run[0], run[10], run.len()), ([2, 6], [6, 2], 11));
+    }
+    assert_eq!(corners, 1);
+    let hovered = walk.scene(Some(Focus::current([10.0, 10.0])));
+    assert_eq!(hovered.work, None, "the view does not follow the pointer");
 }
 
 #[test]

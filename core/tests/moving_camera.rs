@@ -6,7 +6,7 @@ use common::set;
 use motionscope_core::products::model::{Matrix3, mapped};
 use motionscope_core::products::path::{PathErrors, chained, jitter, track, true_motions};
 use motionscope_core::products::{Reference, Views};
-use motionscope_core::{Clip, Cursor, MaskField, Move, Output, Params, PathField, Threads, synth};
+use motionscope_core::{Clip, Cursor, Frame, Grid, MaskField, Move, Output, Params, PathField, Threads, synth};
 
 fn clip(scene: &str, settings: &[(&str, &str)]) -> Clip {
     let scene = synth::scene(scene).expect("a bundled scene");
@@ -211,4 +211,27 @@ fn without_texture_the_camera_counts_as_at_rest() {
     walk.jump(Move::To(Cursor { unit: 0, event: 1 }));
     let said = walk.step(None).sentence.plain();
     assert!(said.contains("none that is usable"), "{said}");
+    assert!(said.contains("0 of 0 matches support one") && said.contains("needs at least 2"), "{said}");
+    let mut walk = set("mosaic", &[]).walk(&flat, 0).expect("a walk");
+    walk.jump(Move::End);
+    let said = walk.step(None).sentence.plain();
+    assert!(said.contains("count as at rest: 2 of 2. Frames 0 and 1: 0 of 0 matches support one"), "{said}");
+}
+
+#[test]
+fn a_mosaic_of_frames_without_overlap_says_what_was_too_small() {
+    // Two textures that have nothing in common.
+    let texture = |seed: u64| {
+        let gray = move |x: usize, y: usize| {
+            let mixed = ((x as u64 / 4) * 0x9E37_79B9) ^ ((y as u64 / 4) * 0x85EB_CA6B) ^ (seed * 0xC2B2_AE35);
+            (mixed.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 56) as u8
+        };
+        Frame::gray(Grid::from_fn(120, 90, gray))
+    };
+    let apart = Clip::from_frames("apart", vec![texture(1), texture(2)]).expect("frames");
+    let mut walk = set("mosaic", &[]).walk(&apart, 0).expect("a walk");
+    walk.jump(Move::End);
+    let said = walk.step(None).sentence.plain();
+    assert!(said.contains("count as at rest: 1 of 1. Frames 0 and 1: "), "{said}");
+    assert!(said.contains("this model (homography) needs at least 4, and more than agree by chance"), "{said}");
 }

@@ -145,6 +145,34 @@ fn without_texture_the_run_ends_and_says_why() {
 }
 
 #[test]
+fn a_template_that_reaches_outside_the_picture_is_said_to_be_clipped() {
+    let clip = drifting((-1.0, 0.0), 3);
+    let said = |zone: &'static str| {
+        let mut walk = set("template-matching", &[("template", zone)]).walk(&clip, 0).expect("a walk");
+        let first = walk.step(None).sentence.plain();
+        walk.jump(Move::End);
+        [first, walk.step(None).sentence.plain()]
+    };
+    let clipped = "The rectangle of 40×20 px reaches outside the picture, so the template is clipped to 26×20 px.";
+    assert!(said("70,30,110,50").iter().all(|said| said.contains(clipped)), "{:?}", said("70,30,110,50"));
+    assert!(said("30,30,60,50").iter().all(|said| !said.contains("clipped")));
+}
+
+#[test]
+fn a_peak_at_the_limit_of_the_search_area_is_a_warning() {
+    let clip = drifting((3.0, 0.0), 3);
+    let said = |range: &'static str| {
+        let settings = [("template", "30,30,50,50"), ("search-range", range), ("min-zncc", "0")];
+        let mut walk = set("template-matching", &settings).walk(&clip, 0).expect("a walk");
+        walk.jump(Move::End);
+        walk.step(None).sentence.plain()
+    };
+    let warning = "the peak lies at the limit of the search area (±2 px)";
+    assert!(said("2").contains(warning), "{}", said("2"));
+    assert!(!said("8").contains("at the limit"), "{}", said("8"));
+}
+
+#[test]
 fn a_template_that_does_not_fit_is_refused_with_its_size() {
     let clip = moving(|place| place);
     for (zone, size) in [("200,10,240,50", "0×40 px"), ("-30,-30,1,70", "1×70 px"), ("10,10,12.5,30", "3×20 px")] {

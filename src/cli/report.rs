@@ -39,6 +39,9 @@ pub struct Report {
     /// The scores of the causal variant, without later frames.
     #[serde(serialize_with = "live_figures", skip_serializing_if = "Option::is_none")]
     live: Option<Assessment>,
+    /// The sentence of the last step, where a model of the motion or one track was estimated or refused.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    conclusion: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pixel: Option<ExplainedPixel>,
 }
@@ -97,6 +100,8 @@ pub struct Findings {
     pub check: Option<Check>,
     /// The assessment of the causal variant, if the estimator uses later frames.
     pub live: Option<Assessment>,
+    /// The sentence of the last step, where a model of the motion or one track was estimated or refused.
+    pub conclusion: Option<String>,
     /// The explanation of a pixel, if requested.
     pub pixel: Option<ExplainedPixel>,
 }
@@ -232,7 +237,7 @@ impl Report {
     pub fn new(
         Prepared { experiment, clip, .. }: &Prepared,
         output: &Output,
-        Findings { assessment: metrics, check, live, pixel }: Findings,
+        Findings { assessment: metrics, check, live, conclusion, pixel }: Findings,
         extent: Extent,
         timing: Timing,
     ) -> Self {
@@ -256,6 +261,7 @@ impl Report {
             model: ModelReport::of(output),
             consistency: check.map(Checked::of),
             live,
+            conclusion,
             pixel,
         }
     }
@@ -263,7 +269,7 @@ impl Report {
     /// Returns the report as text.
     pub fn text(&self) -> String {
         let Self { clip, estimator, params, frame, last_frame, units, events, threads, ms, .. } = self;
-        let Self { truth_files, metrics, consistency, live, pixel, .. } = self;
+        let Self { truth_files, metrics, consistency, live, conclusion, pixel, .. } = self;
         let params: Vec<_> = params.iter().map(|(name, value)| format!("{name}={}", bare(value))).collect();
         let mut text = format!("{estimator} on {clip}, frame {frame} to {last_frame}\n");
         text += &format!("parameters  {}\n", params.join(" "));
@@ -288,6 +294,9 @@ impl Report {
                  recall {recall}\n",
                 100.0 * share
             );
+        }
+        if let Some(conclusion) = conclusion {
+            text += &format!("conclusion  {conclusion}\n");
         }
         text + &pixel.as_ref().map(ExplainedPixel::text).unwrap_or_default()
     }

@@ -4,9 +4,11 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use motionscope_core::products::Reference;
+use motionscope_core::products::model::IDENTITY;
 use motionscope_core::scene::Picture;
 use motionscope_core::{
-    AnyEstimator, Consistency, Cursor, Error, Levels, Move, Output, RunSummary, Step, Threads, detection,
+    AnyEstimator, Consistency, Cursor, EpipolarField, Error, Levels, ModelField, Move, Output, PathField, RunSummary,
+    Step, Threads, TrackField, detection,
 };
 
 use super::args::RunArgs;
@@ -75,7 +77,9 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
     };
     let explain = |(pixel, Seen { moment, step, motion })| ExplainedPixel::new(pixel, moment.cursor, &step, motion);
     let pixel = args.picture.pixel.zip(seen).map(explain);
-    let report = Report::new(&prepared, &output, Findings { assessment, check, live, pixel }, extent, timing);
+    let conclusion = conclusion(&prepared, &output);
+    let findings = Findings { assessment, check, live, conclusion, pixel };
+    let report = Report::new(&prepared, &output, findings, extent, timing);
     let encode = |(export, path, format): &(&'static Export, &PathBuf, &results::Format)| {
         let made = (format.encode)(&output)?;
         if let Some(lost) = &made.lost {
@@ -159,6 +163,21 @@ fn timed(
     };
     let rest = (1..repeat).map(|_| plain()).collect::<Result<Vec<_>, Error>>()?;
     Ok((ran, if rest.is_empty() { vec![first] } else { rest }))
+}
+
+/// Returns the sentence of the last step where a model of the motion was estimated, one point was tracked, or motions of a path were refused: it
+/// says how far the result holds, or why there is none. Where there is not enough memory to walk through the run, there is none.
+fn conclusion(Prepared { experiment, clip, .. }: &Prepared, output: &Output) -> Option<String> {
+    // A motion that is refused counts as the identity, which is never estimated exactly.
+    let is_refused = |path: &PathField| path.motions.contains(&IDENTITY);
+    let is_model = output.get::<ModelField>().is_some() || output.get::<EpipolarField>().is_some();
+    let is_one_track = output.get().is_some_and(|field: &TrackField| field.tracks.len() == 1);
+    if !is_model && !is_one_track && !output.get().is_some_and(is_refused) {
+        return None;
+    }
+    let mut walk = experiment.estimator.walk(clip, experiment.frame).ok()?;
+    walk.jump(Move::End);
+    Some(walk.step(None).sentence.plain()).filter(|_| walk.failure().is_none())
 }
 
 /// What `args` ask for themselves of how the picture looks: what a session asks for may be missing at some steps.

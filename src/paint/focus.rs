@@ -105,6 +105,14 @@ impl Work {
     /// The work that `scene` shows on a picture of `size` px; `None` where none of its marks is at work.
     pub fn of(scene: &Scene, size: (usize, usize)) -> Option<Self> {
         let picture = [size.0 as f32, size.1 as f32];
+        let inside = |bounds: Rect| Rect {
+            min: [0, 1].map(|i| bounds.min[i].clamp(-0.5, picture[i] - 0.5)),
+            max: [0, 1].map(|i| bounds.max[i].clamp(-0.5, picture[i] - 0.5)),
+        };
+        if let Some([min, max]) = scene.work {
+            let bounds = inside(Rect { min, max });
+            return Some(Self { bounds, needed: bounds, is_picture_wide: false, is_of_many: false, is_object: false });
+        }
         let marks = || scene.marks.iter().filter(|mark| mark.on.is_aligned_with(Picture::CURRENT));
         let whole = Rect { min: [-0.5; 2], max: picture.map(|extent| extent - 0.5) };
         // What lies beyond the picture cannot be shown: its border is no place of work.
@@ -122,10 +130,6 @@ impl Work {
         let bounds = bounds.map(|own| frames().filter(|frame| frame.contains(own.center())).fold(own, union));
         let is_example = !own.is_empty() && are_examples(&own, scene, picture);
         let bounds = bounds.or(scene.is_overview.then_some(whole))?;
-        let inside = |bounds: Rect| Rect {
-            min: [0, 1].map(|i| bounds.min[i].clamp(-0.5, picture[i] - 0.5)),
-            max: [0, 1].map(|i| bounds.max[i].clamp(-0.5, picture[i] - 0.5)),
-        };
         let needed = local::untested_block(scene).unwrap_or(bounds);
         let is_map = |mark: &Mark| match &mark.shape {
             Shape::Heat { values, .. } => values.size() == size,
@@ -451,6 +455,18 @@ mod tests {
         assert!(one(FocusMode::On, &relaxed).is_some_and(|close| close.times >= 8.0));
         relaxed.mark(Picture::CURRENT, Role::Window, Shape::pixels(46, 56, 9, 9));
         assert!(one(FocusMode::Auto, &relaxed).is_some(), "a window is solved by itself");
+    }
+
+    #[test]
+    fn the_pixels_that_a_step_names_are_magnified_whatever_else_is_drawn() {
+        let mut scene = Scene::default();
+        let values = Grid::new(320, 240, 1.0);
+        scene.mark(Picture::CURRENT, Role::Candidate, Shape::Heat { origin: [0.0; 2], values });
+        scene.mark(Picture::CURRENT, Role::Window, Shape::pixels(0, 40, 320, 1));
+        assert_eq!(one(FocusMode::Auto, &scene), None, "a row and a map of all pixels");
+        scene.work = Some([[196.5, 36.5], [203.5, 43.5]]);
+        let close = one(FocusMode::Auto, &scene).unwrap();
+        assert!(close.center == [200.0, 40.0] && close.times >= 8.0, "{close:?}");
     }
 
     #[test]

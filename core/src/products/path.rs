@@ -205,7 +205,8 @@ impl PathField {
 const MEASURES: [Measure; 6] = [
     Measure::new(
         "jitter_px",
-        "Jitter of the camera's path: root mean square of the second differences of the middle of the picture, in px.",
+        "Jitter of the camera's path by the estimated motions: root mean square of the second differences of the middle of the picture, in px; \
+         larger with a homography as the motion model than with a similarity, as it follows more of the noise.",
     )
     .in_column("jitter px", 3),
     Measure::new("jitter_after_px", "The same after stabilisation, by the estimated motions.")

@@ -221,6 +221,8 @@ pub struct Scene {
     pub heat_scale: Option<[f32; 2]>,
     /// Whether the step sums up the whole picture, so that no part of it is magnified.
     pub is_overview: bool,
+    /// The outer edges, min and max, of the pixels of frame t that the step is about, if its marks do not tell.
+    pub work: Option<[[f32; 2]; 2]>,
 }
 
 impl Scene {
@@ -235,6 +237,7 @@ impl Scene {
             && self.heat_scale == other.heat_scale
             && self.links == other.links
             && self.is_overview == other.is_overview
+            && self.work == other.work
             && self.marks.len() == other.marks.len()
             && self.marks.iter().zip(&other.marks).all(same)
     }
@@ -251,8 +254,9 @@ impl Scene {
 
     /// Adds the marks and the legend of `other`, a scene on a picture `factor` times smaller.
     pub fn add_enlarged(&mut self, other: Scene, factor: usize) {
-        let Scene { marks, legend, heat_scale, is_overview, .. } = other;
+        let Scene { marks, legend, heat_scale, is_overview, work, .. } = other;
         self.is_overview |= is_overview;
+        self.work = self.work.or(work.map(|edges| edges.map(|edge| edge.map(|c| c * factor as f32))));
         // One scale for all that is drawn together.
         self.heat_scale = match (self.heat_scale, heat_scale) {
             (Some([low, high]), Some([lower, higher])) => Some([low.min(lower), high.max(higher)]),

@@ -20,8 +20,8 @@ pub use picture::{Canvas, Focus, Picture, PictureRole, Pixels, Viewpoint};
 pub use pseudocode::{Line, Name};
 pub use quantity::{Layer, Quantity};
 pub use readouts::{
-    Band, BetweenPixels, Chart, Constraint, Distribution, Fact, Matrix, Plane, PlaneCost, Readout, Regions, Section,
-    Series, Spread, Surface, Tile,
+    Band, BetweenPixels, Chart, Constraint, Distribution, Fact, Framed, Matrix, Plane, PlaneCost, Readout, Regions,
+    Section, Series, Spread, Surface, Tile,
 };
 pub use role::Role;
 pub use sentence::{Math, Sentence};

@@ -118,6 +118,19 @@ pub struct Tile {
     pub values: Grid<f32>,
     /// The values shown black and white.
     pub range: [f32; 2],
+    /// Pixels framed in the colour of a role, as they are on the stage.
+    pub framed: Vec<Framed>,
+}
+
+/// Pixels of a [`Tile`] with a meaning.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Framed {
+    /// Their role.
+    pub role: Role,
+    /// The pixels from the upper left corner of the tile.
+    pub pixels: Vec<[usize; 2]>,
+    /// Whether the frame stands on the edges of a pixel, so that one of another meaning fits inside.
+    pub is_outer: bool,
 }
 
 /// A matrix, or a vector as one of a single column.
@@ -189,6 +202,23 @@ pub struct Series {
 }
 
 impl Series {
+    /// The points of a line that shows values at x = 1, 2, … as bars from 0: it is broken between them.
+    pub fn bars(values: impl Iterator<Item = f32>) -> Vec<[f32; 2]> {
+        let bar = |(i, value): (usize, f32)| [f32::NAN, 0.0, value].map(|y| [(i + 1) as f32, y]);
+        values.enumerate().flat_map(bar).collect()
+    }
+
+    /// The sections of a plot of the entries of a descriptor, `each` for every cell of a square of `side` × `side`, with the numbers of the
+    /// cells.
+    pub fn cells(side: usize, each: usize) -> Vec<Section> {
+        let section = |cell: usize| Section {
+            from: (cell * each) as f32 + 0.5,
+            label: (cell + 1).to_string(),
+            is_part: !cell.is_multiple_of(side),
+        };
+        (0..side * side).map(section).collect()
+    }
+
     /// The step at hand: `present`, the last one with a value on a line, or the value that is set.
     pub fn now(&self) -> Option<f32> {
         if self.is_sweep {

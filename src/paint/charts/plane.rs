@@ -322,12 +322,14 @@ fn halves(axis: &Axis, spacing: f32) -> Vec<f32> {
     (-count..=count).map(|i| i as f32 * step).collect()
 }
 
+/// The ellipse of a standard deviation: unlike the lines and points of a plane.
+const SPREAD: Role = Role::Predicted;
+
 fn spread(square: &Square, spread: &Spread, theme: Theme) -> Primitive {
     // One px is as long across as down.
     let radii = spread.radii.map(|r| r / square.per_point());
     let points = marks::ellipse(square.at(spread.center), radii, spread.angle_rad);
-    let ink = theme.ink(Role::Measured);
-    Primitive::Polyline { points, closed: true, stroke: solid(ink.width, theme.word(Role::Measured)) }
+    Primitive::Polyline { points, closed: true, stroke: solid(theme.ink(SPREAD).width, theme.word(SPREAD)) }
 }
 
 /// Whether the plane is so small that the name of a point and its place share a line.
@@ -355,6 +357,14 @@ fn names(canvas: &mut Canvas, square: &Square, area: Rect, (plane, style): (&Pla
         let (x, y) = if is_short { (end + 0.6 * small, y) } else { (left, y + 1.4 * small) };
         canvas.text([x, y], place_at, &place_within(*uv, dim, area.max[0] - x), dim);
         at[1] += if is_short { 1.7 } else { 3.2 } * small;
+    }
+    if plane.ellipse.is_some() {
+        let ([x, y], radii) = (at.map(|c| c + small / 2.0), [0.6 * small, 0.35 * small]);
+        canvas.line(marks::ellipse([x, y], radii, 0.0), true, solid(theme.ink(SPREAD).width, theme.word(SPREAD)));
+        let left = at[0] + 1.8 * small;
+        let words = shortened("one standard deviation", text, area.max[0] - left);
+        canvas.text([left, y], (Anchor::Start, Level::Middle), &words, text);
+        at[1] += 1.7 * small;
     }
     let below = Rect::new(at, [area.max[0] - at[0], square.rect.max[1] - at[1]]);
     scale(canvas, below, (plane, style));

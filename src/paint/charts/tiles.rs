@@ -27,7 +27,7 @@ const GAP: f32 = 16.0;
 pub struct Tiles<'a> {
     /// The tiles, left to right.
     pub tiles: &'a [Tile],
-    /// Whether the pixel that is explained lies in their middle.
+    /// Whether the pixel that is explained lies in the middle of those that have a middle pixel.
     pub is_centered: bool,
     /// How large their pixels are.
     pub closeness: Closeness,
@@ -163,9 +163,11 @@ pub fn draw(data: Tiles<'_>, area: Rect, style: ChartStyle) -> Drawing<Places> {
     for (tile, rect) in data.tiles.iter().zip(&places.tiles) {
         label(&mut canvas, tile, [rect.min[0], rect.min[1] - line(style)], style);
         paint(&mut canvas, tile, (*rect, places.cell), size, theme);
+        frame_pixels(&mut canvas, tile, (*rect, places.cell), theme);
         // Else black pixels would not be seen on a dark ground.
         canvas.frame(rect.grown(0.5), 1.0, theme.chrome().line);
-        if data.is_centered {
+        let (width, height) = tile.values.size();
+        if data.is_centered && width % 2 == 1 && height % 2 == 1 {
             let ink = theme.ink(Role::Reference);
             let middle = around(middle(rect), [places.cell; 2]);
             canvas.frame(middle, 4.0, ink.halo);
@@ -255,6 +257,28 @@ fn paint(canvas: &mut Canvas, tile: &Tile, (rect, cell): (Rect, f32), size: f32,
     }
 }
 
+/// Frames the pixels of a tile that have a meaning, where frames leave room for a number.
+fn frame_pixels(canvas: &mut Canvas, tile: &Tile, (rect, cell): (Rect, f32), theme: Theme) {
+    /// Size of a pixel from which both of its frames can be told apart, in points.
+    const LEAST: f32 = 10.0;
+    if cell < LEAST {
+        return;
+    }
+    // Outer frames first: they reach over the edges of the pixels.
+    for is_outer in [true, false] {
+        for framed in tile.framed.iter().filter(|framed| framed.is_outer == is_outer) {
+            let ink = theme.ink(framed.role);
+            for [x, y] in &framed.pixels {
+                let min = [rect.min[0] + *x as f32 * cell, rect.min[1] + *y as f32 * cell];
+                let edges = Rect::new(min, [cell; 2]).grown(if is_outer { 0.0 } else { -2.5 });
+                let (width, rim) = if is_outer { (3.0, 4.0) } else { (1.5, 2.5) };
+                canvas.frame(edges, rim, ink.halo);
+                canvas.frame(edges, width, ink.color);
+            }
+        }
+    }
+}
+
 /// The numbers of a pixel in all tiles of one size, in words.
 pub fn description(tiles: &[Tile], pointed: Option<([usize; 2], (usize, usize))>) -> String {
     let Some(([x, y], size)) = pointed else { return "Point at a pixel to compare its numbers.".into() };
@@ -268,13 +292,15 @@ pub fn description(tiles: &[Tile], pointed: Option<([usize; 2], (usize, usize))>
 
 #[cfg(test)]
 mod tests {
+    use motionscope_core::scene::Framed;
+
     use super::super::super::ColorMap;
     use super::super::{flat, texts};
     use super::*;
 
     fn tile(side: usize, role: Role, top: f32) -> Tile {
         let values = Grid::from_fn(side, side, |x, _| top * x as f32 / side as f32);
-        Tile { label: "block", role: Some(role), values, range: [0.0, 255.0] }
+        Tile { label: "block", role: Some(role), values, range: [0.0, 255.0], framed: Vec::new() }
     }
 
     fn style() -> ChartStyle {
@@ -316,6 +342,23 @@ mod tests {
         assert_eq!(caption(&tile(4, Role::Error, 20.0)), "block × 8");
         assert_eq!(gain(&tile(4, Role::Error, 300.0)), 1.0);
         assert_eq!(gain(&tile(4, Role::Reference, 20.0)), 1.0);
+    }
+
+    #[test]
+    fn framed_pixels_have_the_colors_of_their_roles() {
+        let framed = |role, pixels, is_outer| Framed { role, pixels, is_outer };
+        let all = vec![framed(Role::Measured, vec![[1, 2], [3, 0]], false), framed(Role::Result, vec![[1, 2]], true)];
+        let tiles = [Tile { framed: all, ..tile(4, Role::Reference, 200.0) }];
+        let frames = |side: f32| {
+            let primitives = flat(draw(data(&tiles, Closeness::Whole), Rect::new([0.0; 2], [side; 2]), style()));
+            let has_color = |primitive: &&Primitive, role: Role| match primitive {
+                Primitive::Polyline { closed: true, stroke, .. } => stroke.color == Theme::Dark.ink(role).color,
+                _ => false,
+            };
+            [Role::Measured, Role::Result].map(|role| primitives.iter().filter(|p| has_color(p, role)).count())
+        };
+        assert_eq!(frames(300.0), [2, 1]);
+        assert_eq!(frames(50.0), [0, 0], "there is no room in small pixels");
     }
 
     #[test]

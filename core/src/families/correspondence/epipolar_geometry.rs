@@ -11,6 +11,7 @@ use crate::methods::geometric::{
     },
     planar::Planarity,
     robust::{self, Best, Estimate, RobustModel, Sequel, robust_pseudocode},
+    system::System,
 };
 use crate::methods::matching;
 use crate::methods::numbers::percent;
@@ -106,6 +107,10 @@ impl RobustModel for EpipolarGeometry {
             Sampling::Seven => seven_point(sample),
             Sampling::Eight => eight_point(sample).into_iter().collect(),
         }
+    }
+
+    fn system(&self, matches: &[Correspondence]) -> System {
+        System::of_fundamental(matches)
     }
 
     fn local(&self, inliers: &[Correspondence]) -> Option<Matrix3> {

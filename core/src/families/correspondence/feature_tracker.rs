@@ -33,7 +33,7 @@ pub struct State {
     tracks: Vec<Arc<Track>>,
     /// The track of each keypoint of the first frame of the pair that ends one.
     live: Arc<Vec<Option<u32>>>,
-    /// Number of tracks at work in each earlier pair.
+    /// Number of tracks that each earlier pair continues or begins.
     counts: Arc<Vec<u32>>,
     picture: (usize, usize),
     /// The keypoints of the first frame of the pair, made again where they are missing.
@@ -117,20 +117,20 @@ impl FeatureTracker {
         let outcomes = self.compared(clip, &pair, threads)?;
         let winners = Self::winners(&pair, &outcomes);
         let mut next: Vec<Option<u32>> = vec![None; pair.sides[1].points.len()];
-        let mut at_work = 0;
+        let mut tracked = 0;
         for (index, outcome) in outcomes.into_iter().enumerate() {
             let track = state.live.get(index).copied().flatten();
             let accepted = outcome.filter(|outcome| outcome.status == MatchStatus::Match);
             let to = accepted.map(|outcome| outcome.index).filter(|to| winners[*to] == Some(index));
             let linked = Linked { index, outcome, track, to };
             observer.see(|| Event::Linked(Arc::clone(&pair), linked));
-            at_work += u32::from(track.is_some() || to.is_some());
+            tracked += u32::from(to.is_some());
             if let Some(number) = Self::note(state, &pair, &linked) {
                 to.into_iter().for_each(|to| next[to] = Some(number));
             }
         }
         observer.see(|| Event::Ended(Arc::clone(&pair)));
-        Arc::make_mut(&mut state.counts).push(at_work);
+        Arc::make_mut(&mut state.counts).push(tracked);
         state.live = Arc::new(next);
         state.side = Some(Arc::clone(&pair.sides[1]));
         state.frame += 1;

@@ -10,6 +10,7 @@ use crate::methods::geometric::{
     fit::{fit, is_on_line, squared_errors},
     refine::least_squares,
     robust::{self, Best, Estimate, RobustModel, robust_pseudocode},
+    system::System,
 };
 use crate::methods::matching;
 use crate::params;
@@ -90,6 +91,14 @@ impl RobustModel for GlobalMotion {
         match is_flipped {
             true => "the homography through it maps some of its points behind the horizon, as no view of a plane does",
             false => "its points lie on a line or at one place",
+        }
+    }
+
+    fn system(&self, matches: &[Correspondence]) -> System {
+        match self.model {
+            Model::Homography => System::of_homography(matches),
+            Model::Affine => System::of_affine(matches),
+            Model::Translation | Model::Rigid | Model::Similarity => System::default(),
         }
     }
 

@@ -68,6 +68,8 @@ pub struct State {
     cross: Option<Arc<Spectrum>>,
     /// Number of frequencies that are not left out.
     kept: usize,
+    /// The largest ratio of a frequency's cross power to that of rounding.
+    highest_snr: f64,
     /// The smallest accepted peak, in standard deviations of the correlation.
     least_sigmas: f64,
     peak: Option<(usize, usize)>,
@@ -197,12 +199,12 @@ impl PhaseCorrelation {
         if self.hann { hann(extent) } else { vec![1.0; extent] }
     }
 
-    /// The cross power below which a frequency is left out: that of rounding to whole gray levels, times the smallest ratio.
-    fn noise(&self, (width, height): (usize, usize)) -> f64 {
+    /// The cross power of rounding to whole gray levels.
+    fn of_rounding(&self, (width, height): (usize, usize)) -> f64 {
         /// The variance of a rounding error, in gray levels².
         const VARIANCE: f64 = 1.0 / 12.0;
         let power = |extent| self.weights(extent).into_iter().map(|weight| weight * weight).sum::<f64>();
-        f64::from(self.min_snr) * VARIANCE * power(width) * power(height)
+        VARIANCE * power(width) * power(height)
     }
 
     /// The smallest accepted peak in standard deviations of the correlation: higher than the highest of `kept` random phases in 99 % of all
@@ -242,7 +244,11 @@ impl PhaseCorrelation {
                     Some(Arc::new(Grid::from_fn(size.0, size.1, |x, y| second[(x, y)] * first[(x, y)].conj())));
             }
             Stage::Normalize => {
-                let (cross, noise) = (whole(&state.cross), self.noise(size));
+                let (cross, of_rounding) = (whole(&state.cross), self.of_rounding(size));
+                // A frequency with less is left out.
+                let noise = f64::from(self.min_snr) * of_rounding;
+                let highest = cross.cells().iter().map(|value| value.norm()).fold(0.0, f64::max);
+                state.highest_snr = highest / of_rounding.max(f64::MIN_POSITIVE);
                 let is_kept = |value: &Complex<f64>| value.norm() > noise.max(f64::MIN_POSITIVE);
                 state.kept = cross.cells().iter().filter(|value| is_kept(value)).count();
                 state.least_sigmas = self.least_sigmas(state.kept);
@@ -347,6 +353,7 @@ impl Estimator for PhaseCorrelation {
             spectra: [None, None],
             cross: None,
             kept: 0,
+            highest_snr: 0.0,
             least_sigmas: 0.0,
             peak: None,
             second: None,

@@ -195,6 +195,8 @@ struct Past {
     /// Distances of the tracked point from the match of the first template and from its true position, in px.
     drift: Option<Drift>,
     error: Option<f32>,
+    /// Whether the match lies at the limit of the search range.
+    is_at_limit: bool,
 }
 
 /// The offset of the tracked point from the match of the first template.
@@ -234,6 +236,12 @@ pub struct Found {
 impl Found {
     fn is_lost(&self) -> bool {
         self.feature.displacement.is_none()
+    }
+
+    /// Whether the peak lies at an end of the search range: a better one may lie beyond it. Where the border of the picture ends the search area,
+    /// no template lies beyond.
+    fn is_at_limit(&self, range: usize) -> bool {
+        self.pair.displacement(self.best).iter().any(|along| along.unsigned_abs() as usize == range)
     }
 
     /// How many times better the best peak is than the second: ratio of scores, or of costs.
@@ -386,6 +394,7 @@ impl TemplateMatching {
             zncc: found.zncc as f32,
             drift: found.drift,
             error: found.true_point.filter(|_| !found.is_lost()).map(|truth| distance(truth, found.point)),
+            is_at_limit: found.is_at_limit(self.search_range),
         });
         let rows = found.pair.costs.height();
         (state.begun, state.turn, state.best, state.pair) = (state.begun + rows + 2, 0, None, None);

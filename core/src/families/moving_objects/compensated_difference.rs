@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use crate::base::{Error, Threads, words};
 use crate::data::{Clip, Frame, Mask};
 use crate::geometry::Grid;
-use crate::methods::camera_path::{matrix, usable};
+use crate::methods::camera_path::{Refused, matrix, usable, why};
 use crate::methods::numbers::level;
 use crate::methods::subtraction::{
     Background, CameraMotion, Comparison, Differencing, Explanation, Exposure, Found, FrameComparison, NOISE_SIGMAS,
@@ -56,6 +56,8 @@ struct Registered {
     /// The map from the latest previous frame to the present one.
     motion: Matrix3,
     is_usable: bool,
+    /// Why the motion of the stage is not used, if so.
+    refused: Option<Refused>,
     support: Option<Support>,
     /// The gray levels of each previous frame; NaN where it does not show the place.
     levels: Vec<Grid<f32>>,
@@ -78,7 +80,8 @@ impl CompensatedDifference {
 
     /// Warps the previous frames to the present one by the estimate of the stage.
     fn register(&self, model: &Model, frame: &Frame, field: Option<&ModelField>) -> Registered {
-        let known = field.and_then(usable);
+        let found = field.map(usable);
+        let known = found.and_then(Result::ok);
         let motion = known.unwrap_or(IDENTITY);
         let (width, height) = frame.size();
         let level = |earlier: &Earlier| {
@@ -98,7 +101,8 @@ impl CompensatedDifference {
             }
             (threshold, _) => threshold as u8,
         };
-        Registered { motion, is_usable: known.is_some(), support: field.and_then(|field| field.support), levels, limit }
+        let (support, refused) = (field.and_then(|field| field.support), found.and_then(Result::err));
+        Registered { motion, is_usable: known.is_some(), refused, support, levels, limit }
     }
 
     /// The comparison of a frame with the previous ones.
@@ -239,9 +243,10 @@ impl Background for CompensatedDifference {
             true => said.ink(Role::Predicted, format!("{moved} px at the centre of the picture")).text(
                 ". The previous frame is warped by this motion; objects with a motion of their own differ from it.",
             ),
-            false => said.ink(Role::Rejected, "no usable motion").text(
-                ". The texture gives too few matches, or the model is implausible. The camera counts as at rest in this frame.",
-            ),
+            false => said.ink(Role::Rejected, "no usable motion").text(format!(
+                ". {} The camera counts as at rest in this frame.",
+                registered.refused.map_or_else(String::new, why)
+            )),
         };
         let matrices = vec![matrix("M", "motion of the background", Role::Predicted, &registered.motion)];
         Some(FrameComparison { sentence, facts, matrices })

@@ -265,9 +265,8 @@ impl Klt {
         if state.turn.is_none_or(|turn| turn < state.live.len()) {
             return Progress::More;
         }
-        let count = state.live.len();
-        Arc::make_mut(&mut state.counts).push(count as u32);
-        state.begun += 1 + count;
+        Arc::make_mut(&mut state.counts).push(state.next.len() as u32);
+        state.begun += 1 + state.live.len();
         state.live = std::mem::take(&mut state.next);
         state.pyramid = state.pair.take().map(|pair| Arc::clone(&pair.pyramids[1]));
         (state.frame, state.turn) = (state.frame + 1, None);

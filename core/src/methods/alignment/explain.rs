@@ -24,7 +24,7 @@ pub(crate) fn steepest_descent(aligner: &Aligner<'_>) -> Vec<Tile> {
     let image = |k: usize| {
         let values = sampled(aligner.template.size(), |x, y| aligner.columns(&coordinates, (x, y))[k] as f32);
         let most = values.cells().iter().fold(1e-3f32, |most, value| most.max(value.abs()));
-        Tile { label: IMAGES[k], role: None, values, range: [-most, most] }
+        Tile { label: IMAGES[k], role: None, values, range: [-most, most], framed: Vec::new() }
     };
     (0..aligner.model.freedom()).map(image).collect()
 }
@@ -33,7 +33,7 @@ pub(crate) fn steepest_descent(aligner: &Aligner<'_>) -> Vec<Tile> {
 pub(crate) fn compared(label: &'static str, [template, image]: [&Grid<f32>; 2], warp: &Matrix3) -> Vec<Tile> {
     let warped = |x, y| warped(image, warp, (x, y)).unwrap_or(f32::NAN);
     let size = template.size();
-    let tile = |label, values, range| Tile { label, role: None, values, range };
+    let tile = |label, values, range| Tile { label, role: None, values, range, framed: Vec::new() };
     vec![
         tile(label, sampled(size, |x, y| template[(x, y)]), [0.0, 255.0]),
         tile("warped", sampled(size, warped), [0.0, 255.0]),

@@ -4,7 +4,7 @@
 pub(crate) mod explain;
 mod warp;
 
-pub(crate) use warp::{composed, gradients, solve};
+pub(crate) use warp::{composed, gradients, rank, solve};
 
 use crate::geometry::{Grid, Sampling};
 use crate::products::Model;

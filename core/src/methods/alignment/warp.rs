@@ -110,10 +110,31 @@ fn inverse(m: &Matrix3) -> Option<Matrix3> {
     (det.abs() > 1e-12).then(|| [0, 1, 2].map(|i| [0, 1, 2].map(|j| minor(j, i) / det)))
 }
 
+/// A pivot below this share of its diagonal entry is rounding.
+const SINGULAR: f64 = 1e-9;
+
+/// The rank of a symmetric positive semi-definite matrix of `count` rows: the parameters that it determines, each together with those before it.
+pub(crate) fn rank(matrix: &[f64], count: usize) -> usize {
+    let (mut root, mut rank) = (vec![0.0; count * count], 0);
+    for j in 0..count {
+        let rest = |i: usize, root: &[f64]| {
+            let known: f64 = (0..j).map(|k| root[i * count + k] * root[j * count + k]).sum();
+            matrix[i * count + j] - known
+        };
+        let pivot = rest(j, &root);
+        // A column without a pivot adds nothing to those before.
+        if pivot > SINGULAR * matrix[j * count + j] && pivot.is_finite() {
+            for i in j..count {
+                root[i * count + j] = rest(i, &root) / pivot.sqrt();
+            }
+            rank += 1;
+        }
+    }
+    rank
+}
+
 /// Solves `matrix · x = right` for a symmetric positive definite matrix, by Cholesky decomposition; `None` if it is singular.
 pub(crate) fn solve(matrix: &[f64], right: &[f64]) -> Option<Vec<f64>> {
-    /// A pivot below this share of its diagonal entry is rounding.
-    const SINGULAR: f64 = 1e-9;
     let count = right.len();
     let mut root = matrix.to_vec();
     for i in 0..count {
@@ -154,6 +175,20 @@ mod tests {
         }
         assert_eq!(solve(&[1.0, 2.0, 2.0, 4.0], &[1.0, 1.0]), None);
         assert_eq!(solve(&[0.0; 4], &[0.0; 2]), None);
+    }
+
+    #[test]
+    fn the_rank_is_the_number_of_independent_columns() {
+        let gram = |columns: &[[f64; 4]]| -> Vec<f64> {
+            let product = |a: &[f64; 4], b: &[f64; 4]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+            columns.iter().flat_map(|a| columns.iter().map(move |b| product(a, b))).collect()
+        };
+        let (a, b) = ([1.0, 2.0, 0.0, -1.0], [0.5, 0.0, 3.0, 1.0]);
+        let sum = [0, 1, 2, 3].map(|i| a[i] + 2.0 * b[i]);
+        assert_eq!(rank(&gram(&[a, b, [0.0, 0.0, 0.0, 1.0]]), 3), 3);
+        assert_eq!(rank(&gram(&[a, sum, b]), 3), 2);
+        assert_eq!(rank(&gram(&[[0.0; 4], a, a]), 3), 1);
+        assert_eq!(rank(&[0.0; 36], 6), 0);
     }
 
     #[test]

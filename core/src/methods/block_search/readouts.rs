@@ -271,7 +271,7 @@ impl Probe<'_> {
         }
         let known = || values.cells().iter().copied().filter(|cost| cost.is_finite());
         let range = [known().fold(f32::INFINITY, f32::min), known().fold(0.0, f32::max)];
-        Some(Tile { label, role: None, values, range })
+        Some(Tile { label, role: None, values, range, framed: Vec::new() })
     }
 
     fn equation(&self, candidate: Match, rows: usize) -> Vec<Math> {
@@ -409,7 +409,7 @@ impl Probe<'_> {
             Some(sum @ Sum::Squared) => ("difference²", terms(sum), 255.0 * 255.0),
             None => self.whole_tile(&a, &b),
         };
-        let tile = |label, role, values, top| Tile { label, role, values, range: [0.0, top] };
+        let tile = |label, role, values, top| Tile { label, role, values, range: [0.0, top], framed: Vec::new() };
         vec![
             tile("block", Some(Role::Reference), grid(&|x, y| f32::from(a.pixel(x, y))), 255.0),
             tile(

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::base::{Error, Threads};
 use crate::data::Clip;
 use crate::products::ModelField;
-use crate::products::model::{IDENTITY, Matrix3, inverse, normalised, product};
+use crate::products::model::{IDENTITY, Matrix3, Model, Support, inverse, normalised, product};
 use crate::products::path::corner_error;
 use crate::run::{GlobalModel, Granularity, Span, Stage, StageView, need};
 
@@ -44,13 +44,24 @@ pub struct Chain {
     pub to_frames: Arc<Vec<Matrix3>>,
     /// Number of pairs without a usable motion.
     pub unknown: usize,
+    /// The first frame of the first of them, and why.
+    pub first_refused: Option<(usize, Refused)>,
 }
 
 /// Why the motion of a pair is not used.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Refused {
-    /// The stage found none, or one that is implausible.
-    Motion,
+    /// The stage found none; with the matches, if it has any.
+    Unknown(Model, Option<Support>),
+    /// Its matrix has no inverse.
+    Singular,
+    /// It moves a corner farther than the diagonal of the picture.
+    Far {
+        /// The motion of that corner in px.
+        moved_px: f64,
+        /// The diagonal in px.
+        most_px: f64,
+    },
     /// Chained to the motions before, it gives a map without an inverse.
     Path,
 }
@@ -72,12 +83,19 @@ pub struct Link {
     pub truth: Result<Option<Matrix3>, Error>,
 }
 
-/// The motion of an estimate; `None` if there is none, it has no inverse, or moves a corner farther than the diagonal of the picture.
-pub fn usable(field: &ModelField) -> Option<Matrix3> {
-    let diagonal = (field.picture.0 as f64).hypot(field.picture.1 as f64);
-    let matrix = field.matrix.filter(|matrix| matrix.iter().flatten().all(|entry| entry.is_finite()))?;
-    inverse(&matrix)?;
-    (corner_error([&matrix, &IDENTITY], field.picture) <= diagonal).then_some(matrix)
+/// The motion of an estimate, or why it is not used.
+///
+/// # Errors
+/// If there is none, it has no inverse, or moves a corner farther than the diagonal of the picture.
+pub fn usable(field: &ModelField) -> Result<Matrix3, Refused> {
+    let most_px = (field.picture.0 as f64).hypot(field.picture.1 as f64);
+    let matrix = field.matrix.ok_or(Refused::Unknown(field.model, field.support))?;
+    let is_finite = matrix.iter().flatten().all(|entry| entry.is_finite());
+    if !is_finite || inverse(&matrix).is_none() {
+        return Err(Refused::Singular);
+    }
+    let moved_px = corner_error([&matrix, &IDENTITY], field.picture);
+    if moved_px <= most_px { Ok(matrix) } else { Err(Refused::Far { moved_px, most_px }) }
 }
 
 /// The map from the first frame after one more motion; `None` if it has no inverse.
@@ -99,6 +117,7 @@ impl Chain {
             motions: Arc::default(),
             to_frames: Arc::new(vec![IDENTITY]),
             unknown: 0,
+            first_refused: None,
         })
     }
 
@@ -151,12 +170,13 @@ impl Chain {
         let field = motion.model(clip, self.frame, threads)?;
         let before = self.to_frames[self.to_frames.len() - 1];
         let composed = |motion: Matrix3| composed(&motion, &before).map(|after| (motion, after)).ok_or(Refused::Path);
-        let known = usable(&field).ok_or(Refused::Motion).and_then(composed);
+        let known = usable(&field).and_then(composed);
         let (motion, after) = known.unwrap_or((IDENTITY, before));
         let truth = clip.truth().map_or(Ok(None), |truth| truth.background(self.frame));
         Arc::make_mut(&mut self.motions).push(motion);
         Arc::make_mut(&mut self.to_frames).push(after);
         self.unknown += usize::from(known.is_err());
+        self.first_refused = self.first_refused.or(known.err().map(|why| (self.frame, why)));
         self.frame += 1;
         self.is_complete = self.span.is_over(clip, self.frame + 1);
         Ok(Link { field, motion, refused: known.err(), before, after, truth })

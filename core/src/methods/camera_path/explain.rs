@@ -5,7 +5,7 @@ use super::{Chain, Link, Refused};
 use crate::base::words::{self, fixed, grouped};
 use crate::data::Clip;
 use crate::geometry::Grid;
-use crate::products::model::{Matrix3, inverse, mapped, product};
+use crate::products::model::{Matrix3, Support, inverse, mapped, product};
 use crate::products::path::{chained, corner_error, middle, track, true_motions};
 use crate::scene::{Fact, Matrix, Name, Picture, Readout, Role, Scene, Sentence, Series, Shape};
 
@@ -60,15 +60,54 @@ pub fn chain_step(chain: &Chain, link: &Link, (is_chained, stage): (bool, &str))
                 }
                 None => ".".to_owned(),
             }),
-        Some(Refused::Motion) => found
-            .ink(Role::Rejected, "none that is usable")
-            .text(". The texture gives too few matches, or the model moves a corner by more than the diagonal of the picture. The camera counts as at rest in this pair."),
-        Some(Refused::Path) => found
-            .ink(Role::Rejected, "none that continues the path")
-            .text(". Chained to the motions before, it gives a map from the first frame without an inverse: the view has moved too far \
-                   from that of the first frame. The camera counts as at rest in this pair; a shorter run helps."),
+        Some(refused) => found
+            .ink(
+                Role::Rejected,
+                match refused {
+                    Refused::Path => "none that continues the path",
+                    _ => "none that is usable",
+                },
+            )
+            .text(format!(". {} The camera counts as at rest in this pair.", why(refused))),
     };
     (line::ESTIMATE, sentence)
+}
+
+/// Why a motion is not used, as a sentence.
+pub fn why(refused: Refused) -> String {
+    match refused {
+        Refused::Unknown(model, Some(Support { inliers, matches })) => format!(
+            "{} of {} support one, and this model ({}) needs at least {}, and more than agree by chance: the frames overlap too little, or have too \
+             little texture.",
+            grouped(inliers),
+            words::counted(matches, "match"),
+            model.label().to_lowercase(),
+            model.sample_size()
+        ),
+        Refused::Unknown(model, None) => format!(
+            "The motion stage rejects its estimate ({}); the steps of that method say which number was too small.",
+            model.label().to_lowercase()
+        ),
+        Refused::Singular => "The matrix has no inverse.".to_owned(),
+        Refused::Far { moved_px, most_px } => {
+            format!("It moves a corner by {}, and the diagonal of the picture, {}, is the most.", px(moved_px), px(most_px))
+        }
+        Refused::Path => "Chained to the motions before, it gives a map from the first frame without an inverse: the view has moved too far from \
+                          that of the first frame. A shorter run helps."
+            .to_owned(),
+    }
+}
+
+/// How many pairs of a run have no usable motion, and why the first has none, as sentences; empty if all have one.
+pub fn unknown_pairs(chain: &Chain) -> String {
+    let Some((frame, refused)) = chain.first_refused else { return String::new() };
+    format!(
+        " Pairs without a usable motion, which count as at rest: {} of {}. Frames {frame} and {}: {}",
+        grouped(chain.unknown),
+        grouped(chain.motions.len()),
+        frame + 1,
+        why(refused)
+    )
 }
 
 /// The numbers of a pair.

@@ -219,10 +219,11 @@ fn derivatives_fact(derivatives: [f32; 3]) -> Fact {
 
 fn derivative_tiles(pictures: [(&'static str, Grid<f32>); 2], [x, y, t]: [Grid<f32>; 3]) -> Vec<Tile> {
     let [(first, current), (second, next)] = pictures;
-    let picture = |label, role, values| Tile { label, role: Some(role), values, range: [0.0, 255.0] };
+    let picture =
+        |label, role, values| Tile { label, role: Some(role), values, range: [0.0, 255.0], framed: Vec::new() };
     let signed = |label, values: Grid<f32>| {
         let most = values.cells().iter().filter(|v| v.is_finite()).fold(1.0f32, |most, v| most.max(v.abs()));
-        Tile { label, role: None, values, range: [-most, most] }
+        Tile { label, role: None, values, range: [-most, most], framed: Vec::new() }
     };
     vec![
         picture(first, Role::Reference, current),

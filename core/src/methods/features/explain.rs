@@ -89,7 +89,7 @@ impl<M: Measure> Corners<M> {
         Sentence::default()
             .ink(Role::Reference, format!("Pixel {}", pixel(probe.place)))
             .text(format!(": eigenvalues λ₁ = {large} and λ₂ = {small}. "))
-            .ink(Role::Result, self.0.meaning(eigenvalues, probe.response, probe.flat))
+            .text(self.0.meaning(eigenvalues, probe.response, probe.flat))
     }
 
     /// Adds the conclusion at the end of a run.
@@ -203,7 +203,7 @@ impl<M: Measure> Corners<M> {
             facts.push(fact("Threshold", numbers::gray(self.peaks(state).limit), None));
             facts.push(fact("Status", self.verdict(seen, probe).1, None));
         }
-        let tile = |label, values: Grid<f32>, range| Tile { label, role: None, values, range };
+        let tile = |label, values: Grid<f32>, range| Tile { label, role: None, values, range, framed: Vec::new() };
         let radius = (self.0.settings().window / 2 + 1).min(5);
         let [symbols, numbers] = self.0.equation(tensor);
         let mut tiles = vec![tile("Frame t", explain::around(state.picture.luma(), *place, radius), [0.0, 255.0])];

@@ -265,7 +265,7 @@ impl LevelTrace<'_> {
         let (window, there) = (of(current, [0.0; 2]), of(next, self.displacement()));
         let difference = Grid::from_fn(side, side, |i, j| window[(i, j)] - there[(i, j)]);
         let most = difference.cells().iter().filter(|v| v.is_finite()).fold(1.0f32, |most, v| most.max(v.abs()));
-        let tile = |label, role, values, range| Tile { label, role, values, range };
+        let tile = |label, role, values, range| Tile { label, role, values, range, framed: Vec::new() };
         vec![
             tile("Window in frame t", Some(Role::Reference), window, [0.0, 255.0]),
             tile("Window in frame t+1", Some(Role::Candidate), there, [0.0, 255.0]),

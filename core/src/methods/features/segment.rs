@@ -72,6 +72,16 @@ impl SegmentTest {
         self.arc / 4
     }
 
+    /// The highest score of all pixels of a picture, whatever the threshold: the largest threshold with a corner, 0 without one.
+    pub fn highest_score(self, picture: &Gray) -> u8 {
+        let (test, mut scores) = (Self { threshold: 0, ..self }, vec![0; picture.width()]);
+        let of_row = |y| {
+            test.row(picture, y, &mut scores, &mut ());
+            scores.iter().copied().max().unwrap_or(0)
+        };
+        (0..picture.height()).map(of_row).max().unwrap_or(0)
+    }
+
     /// Computes the scores of a row, 0 where there is no corner, with the widest registers available; all give the same result.
     /// `observer` sees the candidates.
     pub fn row(self, picture: &Gray, y: usize, scores: &mut [u8], observer: &mut impl Observer<Candidate>) {
@@ -432,6 +442,18 @@ mod tests {
                 assert!(width < 75 || arc > 9 || corners > 10, "{corners} corners");
             }
         }
+    }
+
+    #[test]
+    fn the_highest_score_is_the_largest_threshold_with_a_corner() {
+        let picture = noise(71, 40).map(|level| 100 + level / 4);
+        let has_corner = |threshold: u8| {
+            let test = SegmentTest { threshold, arc: 9 };
+            (0..40).any(|y| (0..71).any(|x| Circle::of(&picture, (x, y), test).is_some_and(|c| c.arc.is_some())))
+        };
+        let highest = SegmentTest { threshold: 200, arc: 9 }.highest_score(&picture);
+        assert!(highest > 10 && has_corner(highest) && !has_corner(highest + 1), "{highest}");
+        assert_eq!(SegmentTest { threshold: 20, arc: 9 }.highest_score(&Grid::new(30, 20, 90)), 0);
     }
 
     #[test]

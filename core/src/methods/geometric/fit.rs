@@ -56,7 +56,9 @@ fn rotation(matches: &[Correspondence], has_scale: bool) -> Option<Matrix3> {
     Some([[cos, -sin, offset[0]], [sin, cos, offset[1]], [0.0, 0.0, 1.0]])
 }
 
-fn affine(matches: &[Correspondence]) -> Option<Matrix3> {
+/// The normal equations of an affine map: the mean of the points of frame t, the sums of products of these points relative to it, and their sums
+/// of products with the points of frame t + 1.
+pub(super) fn normal_equations(matches: &[Correspondence]) -> ([f64; 2], SMatrix<f64, 3, 3>, SMatrix<f64, 3, 2>) {
     let centre = mean(matches.iter().map(|m| m.from));
     let (mut normal, mut right) = (SMatrix::<f64, 3, 3>::zeros(), SMatrix::<f64, 3, 2>::zeros());
     for m in matches {
@@ -64,6 +66,11 @@ fn affine(matches: &[Correspondence]) -> Option<Matrix3> {
         normal += row * row.transpose();
         right += row * SMatrix::<f64, 1, 2>::new(m.to[0], m.to[1]);
     }
+    (centre, normal, right)
+}
+
+fn affine(matches: &[Correspondence]) -> Option<Matrix3> {
+    let (centre, normal, right) = normal_equations(matches);
     // The spread of points across the line that fits them best decides whether they determine the map.
     let spread = normal[(0, 0)] * normal[(1, 1)] - normal[(0, 1)] * normal[(1, 0)];
     let size = normal[(0, 0)] + normal[(1, 1)];

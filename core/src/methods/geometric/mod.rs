@@ -9,6 +9,7 @@ pub mod rectify;
 pub mod refine;
 pub mod robust;
 mod sampson;
+pub mod system;
 
 /// A correspondence: the positions of a point in frame t and in frame t + 1 in px.
 #[derive(Clone, Copy, Debug, PartialEq)]

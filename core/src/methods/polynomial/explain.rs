@@ -235,7 +235,13 @@ impl Probe<'_> {
         };
         let tile = |label, role, values: Grid<f32>| {
             let most = values.cells().iter().filter(|v| v.is_finite()).fold(1.0f32, |most, v| most.max(v.abs()));
-            Tile { label, role, values, range: if label == "Residual" { [-most, most] } else { [0.0, 255.0] } }
+            Tile {
+                label,
+                role,
+                values,
+                range: if label == "Residual" { [-most, most] } else { [0.0, 255.0] },
+                framed: Vec::new(),
+            }
         };
         let row = |role, [pixels, fitted, left]: [Grid<f32>; 3], name| {
             [tile(name, Some(role), pixels), tile("Polynomial", Some(role), fitted), tile("Residual", None, left)]

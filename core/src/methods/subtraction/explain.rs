@@ -639,7 +639,7 @@ impl<M: Background> Subtraction<M> {
         let most = difference.cells().iter().filter(|v| v.is_finite()).fold(1.0f32, |most, v| most.max(*v));
         let channel = self.0.channel(model, frame, place);
         let [shown, background] = tile_labels(channel);
-        let tile = |label, role, values, range| Tile { label, role, values, range };
+        let tile = |label, role, values, range| Tile { label, role, values, range, framed: Vec::new() };
         Some(vec![
             tile(shown, Some(Role::Measured), around(&|place| f32::from(channel.level(frame, place))), [0.0, 255.0]),
             tile(

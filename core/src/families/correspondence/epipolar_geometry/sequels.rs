@@ -188,11 +188,11 @@ impl EpipolarGeometry {
                 (sentence, vec![Fact::new("Epipole inside", format!("{at} px"), Some(Role::Rejected))], Vec::new())
             }
             Err(Refusal::Planar(share)) => {
-                let share = percent(share);
-                let sentence = said.ink(Role::Rejected, "Rectification would mean nothing").text(format!(
-                    ": a homography explains {share} of the inliers and is the better model, so the fundamental matrix is not determined."
-                ));
-                (sentence, vec![Fact::new("Explained by a homography", share, Some(Role::Rejected))], Vec::new())
+                let sentence = said
+                    .ink(Role::Rejected, "Rectification would mean nothing")
+                    .text(": the fundamental matrix is not determined where a homography is the better model.");
+                let fact = Fact::new("Explained by a homography", percent(share), Some(Role::Rejected));
+                (sentence, vec![fact], Vec::new())
             }
             Err(Refusal::Degenerate) => {
                 let sentence = said

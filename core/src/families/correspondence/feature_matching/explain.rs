@@ -31,7 +31,7 @@ impl FeatureMatching {
         };
         let (line, sentence) = match last {
             Event::Nothing => {
-                let why = "Frame t has 0 keypoints, so nothing can be matched. A lower threshold of the detector finds weaker ones.";
+                let why = "Frame t has 0 keypoints, and a match needs at least 1. A lower threshold of the detector finds weaker ones.";
                 (line::EACH_KEYPOINT, Sentence::default().text(why))
             }
             Event::Of(event) => self.said(seen, event),
@@ -236,7 +236,13 @@ impl FeatureMatching {
         let tile = |side: usize, index: usize, label, role| {
             let luma = state.fixed.pair.frames[side].luma();
             let place = luma.cell_at(state.fixed.pair.sides[side].points[index].at)?;
-            Some(Tile { label, role: Some(role), values: explain::around(luma, place, reach), range: [0.0, 255.0] })
+            Some(Tile {
+                label,
+                role: Some(role),
+                values: explain::around(luma, place, reach),
+                range: [0.0, 255.0],
+                framed: Vec::new(),
+            })
         };
         let first = neighbors.first.and_then(|(index, _)| tile(1, index, "Nearest", Role::Best));
         let second = neighbors.second.and_then(|(index, _)| tile(1, index, "Second nearest", Role::Rejected));
@@ -254,15 +260,19 @@ impl FeatureMatching {
             }
         }
         let shown = seen.after.unwrap_or(state);
-        let mut is_any = false;
-        for found in shown.matches().filter(|found| found.status == MatchStatus::Match) {
-            scene.links.push(link(Role::Result, found.from, found.to));
-            is_any = true;
-        }
-        if is_any {
-            scene.legend(Role::Result, "match");
-        }
         let is_end = seen.after.is_some_and(|after| after.found.len() >= after.count());
+        let truth = state.fixed.truth.as_deref();
+        for found in shown.matches().filter(|found| found.status == MatchStatus::Match) {
+            let (role, meaning) = match truth.map(|truth| MatchField::is_right(&found, truth)) {
+                Some(Some(true)) if is_end => (Role::Best, "right match"),
+                Some(Some(true)) => (Role::Best, "right match; nearest"),
+                Some(Some(false)) => (Role::Error, "wrong match"),
+                Some(None) => (Role::Result, "match, true displacement unknown"),
+                None => (Role::Result, "match"),
+            };
+            scene.links.push(link(role, found.from, found.to));
+            scene.legend(role, meaning);
+        }
         if !is_end {
             self.draw_current(seen, scene);
         }
@@ -346,12 +356,22 @@ fn concluded(state: &State, limit: f32, sentence: Sentence) -> Sentence {
     };
     let rejected = [count(MatchStatus::RejectedRatio), count(MatchStatus::RejectedCrossCheck)];
     let advice = match (accepted, rejected[0]) {
-        (0, 0) => "",
-        (0, _) => " A higher ratio limit accepts more.",
-        _ if limit >= 1.0 => {
-            " A ratio limit below 1 rejects nearest neighbours that are hardly nearer than the second."
+        (0, 0) if state.fixed.pair.sides[1].points.is_empty() => {
+            " Frame t+1 has 0 keypoints, and a match needs at least 1.".to_owned()
         }
-        _ => " A lower ratio limit rejects more wrong matches, and correct ones on repeating texture.",
+        (0, 0) => String::new(),
+        (0, _) => {
+            let least = all.iter().filter_map(|found| found.ratio).fold(f32::INFINITY, f32::min);
+            format!(
+                " The smallest ratio is {}, and the limit is {}; a higher one accepts more.",
+                words::fine(least),
+                words::fine(limit)
+            )
+        }
+        _ if limit >= 1.0 => {
+            " A ratio limit below 1 rejects nearest neighbours that are hardly nearer than the second.".to_owned()
+        }
+        _ => " A lower ratio limit rejects more wrong matches, and correct ones on repeating texture.".to_owned(),
     };
     let alone = all.iter().filter(|found| found.status == MatchStatus::Match && found.ratio.is_none()).count();
     let untested = match alone {
@@ -413,7 +433,7 @@ fn distances(state: &State) -> Option<Series> {
     };
     let lines = match state.fixed.truth.as_deref() {
         Some(truth) => vec![
-            ("right", Role::Result, line(&|found| MatchField::is_right(found, truth) == Some(true))),
+            ("right", Role::Best, line(&|found| MatchField::is_right(found, truth) == Some(true))),
             ("wrong", Role::Error, line(&|found| MatchField::is_right(found, truth) == Some(false))),
         ],
         None => vec![("nearest neighbours", Role::Reference, line(&|_| true))],

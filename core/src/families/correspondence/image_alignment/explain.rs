@@ -4,7 +4,7 @@ use super::{Event, ImageAlignment, Stage, State, line};
 use crate::base::words::{counted, fixed, percent};
 use crate::geometry::Grid;
 use crate::methods::alignment::explain::{hessian, parameters, warp_matrix};
-use crate::methods::alignment::{self, difference, places};
+use crate::methods::alignment::{self, difference, places, rank};
 use crate::methods::differential::numbers;
 use crate::products::Model;
 use crate::products::metrics;
@@ -68,8 +68,9 @@ impl ImageAlignment {
                 .text("The Hessian is ")
                 .ink(Role::Rejected, "singular")
                 .text(format!(
-                    ": the texture of level {} does not determine {count} parameters. A model with fewer degrees of freedom may \
-                     still fit.",
+                    ": it has rank {}, and {count} parameters need rank {count}. The texture of level {} does not determine all of them; a model \
+                     with fewer degrees of freedom may still fit.",
+                    rank(&state.hessian, count),
                     state.level
                 )),
             Stage::Warp => said
@@ -106,7 +107,11 @@ impl ImageAlignment {
             Stage::Undetermined => said
                 .text(format!("The {} of the pixels inside the frame have a ", percent(rounded(overlap))))
                 .ink(Role::Rejected, "singular Hessian")
-                .text(": their texture does not determine the increment, and the level ends with the present warp."),
+                .text(format!(
+                    " of rank {}, and {count} parameters need rank {count}: their texture does not determine the increment, and the level ends \
+                     with the present warp.",
+                    compared.map_or(0, |compared| rank(&compared.hessian, count))
+                )),
             Stage::Update => said.text(format!(
                 "The increment is applied to frame t, so its inverse is composed with the warp of frame t+1. It moved a corner by \
                  {}, more than ε = {}: another iteration.",
@@ -133,8 +138,11 @@ impl ImageAlignment {
         if model.matrix.is_none() {
             return said.text(match after.errors.is_empty() {
                 true => format!(
-                    " End of the run: no level has texture for {}, so the motion of the picture remains unknown.",
-                    counted(self.model.freedom(), "parameter")
+                    " End of the run: no level has texture for {}; on level {} it determines {}, so the motion of the picture remains \
+                     unknown.",
+                    counted(self.model.freedom(), "parameter"),
+                    after.level,
+                    rank(&after.hessian, self.model.freedom())
                 ),
                 false => " End of the run: no level has found an update, so the motion of the picture remains unknown."
                     .into(),

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::{Event, Mosaic, Placed, State, line};
 use crate::base::words::{self, fixed, grouped};
 use crate::methods::camera_path::{
-    Blending, Canvas as Sheet, chain_facts, chain_step, draw_link, matrix, outline, path_series,
+    Blending, Canvas as Sheet, chain_facts, chain_step, draw_link, matrix, outline, path_series, unknown_pairs,
 };
 use crate::methods::numbers::percent;
 use crate::products::{PathField, Views};
@@ -126,11 +126,7 @@ impl Mosaic {
                 " Double edges show errors of the chained path; broken straight lines show parallax.".to_owned()
             }
         };
-        let unknown = match after.chain.unknown {
-            0 => "",
-            _ => " Pairs without a usable motion count as at rest.",
-        };
-        format!(" End of the run: {frames} in one picture.{quality}{unknown}")
+        format!(" End of the run: {frames} in one picture.{quality}{}", unknown_pairs(&after.chain))
     }
 
     fn readouts(&self, seen: &Seen<Self>, event: &Event) -> Vec<Readout> {

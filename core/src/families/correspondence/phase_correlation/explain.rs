@@ -110,9 +110,12 @@ impl PhaseCorrelation {
                     .ink(Role::Best, whole(at))
                     .text(": 1 would mean that all phases agree. ")
                     .text(Self::judged(state)),
-                None => said.text(
-                    "No frequency rises above the noise: there is no texture in common, and no peak. The displacement remains unknown.",
-                ),
+                None => said.text(format!(
+                    "No frequency rises above the noise: the strongest has {} times the cross power of rounding, and more than {} times is needed. \
+                     There is no texture in common, and no peak; the displacement remains unknown.",
+                    fixed(state.highest_snr, 1),
+                    fixed(self.min_snr.into(), 1)
+                )),
             },
             Stage::Second => self.second(state, peak, said),
             Stage::Subpixel(axis) => self.refined(state, axis, said),
@@ -199,7 +202,12 @@ impl PhaseCorrelation {
     fn concluded(&self, state: &State, height: f64, said: Sentence) -> Sentence {
         let model = state.model();
         if state.peak.is_none() {
-            return said.text("The translation remains unknown. Without texture no method finds a displacement.");
+            return said.text(format!(
+                "The translation remains unknown. No frequency is kept, because the strongest has {} times the cross power of rounding, and more than \
+                 {} times is needed. Without texture no method finds a displacement.",
+                fixed(state.highest_snr, 1),
+                fixed(self.min_snr.into(), 1)
+            ));
         }
         if !state.is_accepted() {
             return said.text("The translation remains unknown: the peak is ").ink(Role::Rejected, "rejected").text(format!(
@@ -345,7 +353,7 @@ impl PhaseCorrelation {
             let known = values.cells().iter().copied().filter(|value| value.is_finite());
             let range = known.fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)]);
             let range = if range[0] < range[1] { range } else { [0.0, 1.0] };
-            Tile { label, role: None, values, range }
+            Tile { label, role: None, values, range, framed: Vec::new() }
         };
         let magnitude = |of: rustfft::num_complex::Complex<f64>| (1.0 + of.norm()).ln();
         let labels = |i: usize, labels: [&'static str; 2]| labels[i];

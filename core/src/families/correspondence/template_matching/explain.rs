@@ -110,9 +110,10 @@ impl TemplateMatching {
         let Some(event) = seen.events.last() else {
             return said.text(format!(
                 "Template matching slides a template over a search area of each next frame and scores every window with {}, \
-                 through at most {} frames.",
+                 through at most {} frames.{}",
                 self.score.label(),
-                self.frames
+                self.frames,
+                self.clipped(&state.first)
             ));
         };
         match event {
@@ -152,17 +153,21 @@ impl TemplateMatching {
                 fixed(eigenvalue.into(), 2)
             )),
             None => {
-                let said = said.text("cut from the first frame of the run at the place given.");
-                match self.cut_off(template) {
-                    Some([wide, high]) => said.text(format!(
-                        " The rectangle of {}×{} px is cut at the picture border to {width}×{height} px.",
-                        fixed(wide, 0),
-                        fixed(high, 0)
-                    )),
-                    None => said,
-                }
+                said.text("cut from the first frame of the run at the place given.").text(self.clipped(template))
             }
         }
+    }
+
+    /// That the picture border clips the placed rectangle, as a sentence with a space before it; empty if it does not.
+    fn clipped(&self, template: &Template) -> String {
+        let (width, height) = template.pixels.size();
+        self.cut_off(template).map_or_else(String::new, |[wide, high]| {
+            format!(
+                " The rectangle of {}×{} px reaches outside the picture, so the template is clipped to {width}×{height} px.",
+                fixed(wide, 0),
+                fixed(high, 0)
+            )
+        })
     }
 
     /// Width and height of the placed rectangle in px, where the picture border cuts it.
@@ -235,7 +240,12 @@ impl TemplateMatching {
             Stage::Peak => said
                 .text(format!("The {} score of all {} places is ", self.score.best(), grouped(pair.costs.cells().len())))
                 .ink(Role::Best, score(found.best))
-                .text(format!(" at displacement {} px.", whole(pair.displacement(found.best)))),
+                .text(format!(" at displacement {} px.", whole(pair.displacement(found.best))))
+                .text(if found.is_at_limit(self.search_range) {
+                    " It lies at the limit of the search area, and a better one may lie beyond: a larger search range shows it."
+                } else {
+                    ""
+                }),
             Stage::Subpixel if found.around.iter().all(Option::is_none) => {
                 said.text("The peak lies at the border of the search area along x and y, so no parabola fits: the position stays whole.")
             }
@@ -321,6 +331,15 @@ impl TemplateMatching {
         if let Some((i, Past { zncc, .. })) = lowest {
             sentence += &format!(", lowest ZNCC {} in frame {}.", fixed((*zncc).into(), 3), after.span.first + i + 1);
         }
+        let limited = past.iter().filter(|past| past.is_at_limit).count();
+        if limited > 0 {
+            sentence += &format!(
+                " Warning: in {} the peak lies at the limit of the search area (±{} px), so the true displacement may be larger.",
+                counted(limited, "pair"),
+                self.search_range
+            );
+        }
+        sentence += &self.clipped(&after.first);
         if let Some(error) = past.iter().rev().find_map(|past| past.error) {
             sentence += &format!(" The final distance from the true position is {} px.", numbers::px(error));
         }
@@ -654,7 +673,7 @@ fn template_facts(template: &Template) -> Vec<Fact> {
 
 fn template_tile(template: &Template) -> Tile {
     let values = template.pixels.map(|&pixel| f32::from(pixel));
-    Tile { label: "template", role: Some(Role::Reference), values, range: [0.0, 255.0] }
+    Tile { label: "template", role: Some(Role::Reference), values, range: [0.0, 255.0], framed: Vec::new() }
 }
 
 /// The template, the window at a place, and their difference.
@@ -667,7 +686,13 @@ fn tiles(pair: &Pair, place: (usize, usize), role: Role) -> Vec<Tile> {
     let values = under.map(|&pixel| f32::from(pixel));
     vec![
         template_tile(&pair.template),
-        Tile { label: "window", role: Some(role), values, range: [0.0, 255.0] },
-        Tile { label: "difference", role: Some(Role::Error), values: difference, range: [-64.0, 64.0] },
+        Tile { label: "window", role: Some(role), values, range: [0.0, 255.0], framed: Vec::new() },
+        Tile {
+            label: "difference",
+            role: Some(Role::Error),
+            values: difference,
+            range: [-64.0, 64.0],
+            framed: Vec::new(),
+        },
     ]
 }

@@ -9,7 +9,7 @@ use crate::methods::features::{
     segment::{CIRCLE, COMPASS, Candidate, Circle, RADIUS, Shade, suppressed_by},
 };
 use crate::run::Seen;
-use crate::scene::{Fact, Math, Name, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step, Tile};
+use crate::scene::{Fact, Framed, Math, Name, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step, Tile};
 
 fn point((x, y): (usize, usize)) -> [f32; 2] {
     [x as f32, y as f32]
@@ -173,9 +173,12 @@ impl Fast {
         let Selection { min_distance, max_points } = self.selection;
         if state.peaks.is_empty() && state.scores.cells().iter().all(|score| *score == 0) {
             return said.text(format!(
-                "No pixel has {} contiguous circle pixels that differ by more than {} gray levels: there are no corners. A lower \
-                 threshold finds corners of less contrast.",
-                self.arc, self.threshold
+                "No pixel has {} contiguous circle pixels that differ by more than {} gray levels: there are no corners. The highest \
+                 score is V = {}, and a corner has at least V = t = {}. A lower threshold finds corners of less contrast.",
+                self.arc,
+                self.threshold,
+                self.test().highest_score(state.picture.luma()),
+                self.threshold
             ));
         }
         if state.peaks.is_empty() {
@@ -325,8 +328,12 @@ impl Fast {
             }
             readouts.push(Readout::Series(self.series(circle)));
         }
-        let tile = |label, values: Grid<f32>, range| Tile { label, role: None, values, range };
-        let mut tiles = vec![tile("Frame t", explain::around(state.picture.luma(), *place, RADIUS), [0.0, 255.0])];
+        let tile = |label, values: Grid<f32>, range| Tile { label, role: None, values, range, framed: Vec::new() };
+        let mut picture = tile("Frame t", explain::around(state.picture.luma(), *place, RADIUS), [0.0, 255.0]);
+        if let Some(circle) = circle.as_ref().filter(|_| shows_circle(seen)) {
+            picture.framed = framed(circle, state.stage);
+        }
+        let mut tiles = vec![picture];
         if state.stage != Stage::Test {
             let scores = explain::around(&state.scores.map(|score| f32::from(*score)), *place, RADIUS);
             let most =
@@ -382,7 +389,7 @@ impl Fast {
         Series {
             title: "Differences on the circle",
             x_label: "pixel of the circle",
-            y_label: "I_k − I_p, gray levels",
+            y_label: "difference from the centre p, gray levels",
             x_max: 16,
             x_ticks: COMPASS.map(|k| number(k) as f32).to_vec(),
             lines,
@@ -452,52 +459,84 @@ impl Fast {
     }
 
     fn draw_pixel(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        let Some(Probe { place, circle, .. }) = self.probe(seen) else { return };
-        if let (Some(Event::Peak(..)), None) = (seen.events.last(), seen.point()) {
+        let Some(Probe { place, circle, is_pointed_at }) = self.probe(seen) else { return };
+        if !shows_circle(seen) {
             let radius = self.selection.min_distance as f32;
             let shape = Shape::Ellipse { center: point(place), radii: [radius; 2], angle_rad: 0.0 };
             scene.mark(Picture::CURRENT, Role::Window, shape);
             scene.legend(Role::Window, "minimum distance");
         } else if let Some(circle) = circle {
-            self.draw_circle(&circle, seen.before.stage, scene);
+            draw_circle(&circle, seen.before.stage, scene);
+            // A step is about the pixel that it tests or compares, and not about the pointer.
+            if !is_pointed_at && matches!(seen.events.last(), Some(Event::Tested(_) | Event::Compared(..))) {
+                let reach = RADIUS as f32 + 0.5;
+                scene.work = Some([-reach, reach].map(|by| point(place).map(|c| c + by)));
+            }
         }
         scene.mark(Picture::CURRENT, Role::Reference, Shape::pixels(place.0 as i32, place.1 as i32, 1, 1));
         scene.legend(Role::Reference, "inspected pixel p");
     }
+}
 
-    /// Draws the pixels of the circle by their shades, and the longest run, in roles that no corner of `stage` has.
-    fn draw_circle(&self, circle: &Circle, stage: Stage, scene: &mut Scene) {
-        let on_circle = |k: usize, radius: f32| {
-            let [x, y] = point(circle.center);
-            let [i, j] = CIRCLE[k % 16].map(|offset| radius * offset as f32);
-            [x + i, y + j]
-        };
-        let shades = [
-            (Shade::Similar, Role::Estimate, "similar to p"),
-            (Shade::Brighter, Role::Measured, "brighter than I_p + t"),
-            (Shade::Darker, Role::Predicted, "darker than I_p − t"),
-        ];
-        for (shade, role, meaning) in shades {
-            for k in (0..16).filter(|k| circle.shades[*k] == shade) {
-                let [x, y] = on_circle(k, 1.0);
-                scene.mark(Picture::CURRENT, role, Shape::pixels(x as i32, y as i32, 1, 1));
-                scene.legend(role, meaning);
-            }
-        }
-        if let Some((start, length)) = circle.run {
-            let points = (start..start + length).map(|k| on_circle(k, 1.0)).collect();
-            let (role, meaning) = match circle.arc {
-                Some(_) if stage == Stage::Choice => (Role::Window, "longest run, an arc"),
-                Some(_) => (Role::Result, "longest run, an arc"),
-                None => (Role::Error, "longest run, too short"),
-            };
-            scene.mark(Picture::CURRENT, role, Shape::Path { points, closed: length == 16 });
+/// Whether the circle of the inspected pixel is shown; a corner that is kept or rejected has the minimum distance around it.
+fn shows_circle(seen: &Seen<Fast>) -> bool {
+    !matches!(seen.events.last(), Some(Event::Peak(..))) || seen.point().is_some()
+}
+
+/// The shades with their roles and meanings, which no corner has.
+const SHADES: [(Shade, Role, &str); 3] = [
+    (Shade::Similar, Role::Estimate, "similar to p"),
+    (Shade::Brighter, Role::Measured, "brighter than the centre p by more than t"),
+    (Shade::Darker, Role::Predicted, "darker than the centre p by more than t"),
+];
+
+/// Role and meaning of the longest run, different from those of the corners of `stage`.
+fn role_of_run(circle: &Circle, stage: Stage) -> (Role, &'static str) {
+    match circle.arc {
+        Some(_) if stage == Stage::Choice => (Role::Window, "longest run, an arc"),
+        Some(_) => (Role::Result, "longest run, an arc"),
+        None => (Role::Error, "longest run, too short"),
+    }
+}
+
+/// The pixels of the circle by their shades, and the longest run around them, as they are drawn on the stage.
+fn framed(circle: &Circle, stage: Stage) -> Vec<Framed> {
+    let pixel = |k: usize| CIRCLE[k % 16].map(|offset| offset.saturating_add_unsigned(RADIUS) as usize);
+    let run = circle.run.map(|(start, length)| Framed {
+        role: role_of_run(circle, stage).0,
+        pixels: (start..start + length).map(pixel).collect(),
+        is_outer: true,
+    });
+    let of_shade = |(shade, role, _)| {
+        let pixels = (0..16).filter(|k| circle.shades[*k] == shade).map(pixel).collect();
+        Framed { role, pixels, is_outer: false }
+    };
+    run.into_iter().chain(SHADES.map(of_shade)).collect()
+}
+
+/// Draws the pixels of the circle by their shades, and the longest run, in roles that no corner of `stage` has.
+fn draw_circle(circle: &Circle, stage: Stage, scene: &mut Scene) {
+    let on_circle = |k: usize, radius: f32| {
+        let [x, y] = point(circle.center);
+        let [i, j] = CIRCLE[k % 16].map(|offset| radius * offset as f32);
+        [x + i, y + j]
+    };
+    for (shade, role, meaning) in SHADES {
+        for k in (0..16).filter(|k| circle.shades[*k] == shade) {
+            let [x, y] = on_circle(k, 1.0);
+            scene.mark(Picture::CURRENT, role, Shape::pixels(x as i32, y as i32, 1, 1));
             scene.legend(role, meaning);
         }
-        for k in COMPASS {
-            let text = number(k).to_string();
-            scene.mark(Picture::CURRENT, Role::Reference, Shape::Text { at: on_circle(k, 4.0 / 3.0), text });
-        }
+    }
+    if let Some((start, length)) = circle.run {
+        let points = (start..start + length).map(|k| on_circle(k, 1.0)).collect();
+        let (role, meaning) = role_of_run(circle, stage);
+        scene.mark(Picture::CURRENT, role, Shape::Path { points, closed: length == 16 });
+        scene.legend(role, meaning);
+    }
+    for k in COMPASS {
+        let text = number(k).to_string();
+        scene.mark(Picture::CURRENT, Role::Reference, Shape::Text { at: on_circle(k, 4.0 / 3.0), text });
     }
 }
 

@@ -7,6 +7,7 @@ use crate::base::words::{counted, grouped, pixel};
 use crate::geometry::Grid;
 use crate::methods::differential::{explain, numbers};
 use crate::methods::features::brief::{BITS, Moments, Pair, WINDOW_REACH, turned, window_sum};
+use crate::methods::features::segment::SegmentTest;
 use crate::methods::numbers::percent;
 use crate::run::Seen;
 use crate::scene::{Fact, Math, Name, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step, Tile};
@@ -194,7 +195,9 @@ impl Orb {
                     numbers::fixed(m10 as f32, 0),
                     numbers::fixed(m01 as f32, 0)
                 ))
-                .ink(Role::Result, format!("Orientation θ = atan2(m₀₁, m₁₀) = {}.", degrees(&probe.moments)));
+                .text("Orientation θ = atan2(m₀₁, m₁₀) = ")
+                .ink(Role::Result, degrees(&probe.moments))
+                .text(".");
             return (line::ORIENT, said);
         };
         let k = probe.bits.len() - 1;
@@ -205,9 +208,14 @@ impl Orb {
         let said = Sentence::default()
             .text(format!("Pair {} of {BITS}, turned by {}: the 5×5 window at ", k + 1, degrees(&probe.moments)))
             .ink(Role::Candidate, first)
-            .text(format!(" has the mean {}, {comparison} {} of the window at ", numbers::gray(a), numbers::gray(b)))
+            .text(format!(
+                " px of level {} has the mean {}, {comparison} {} of the window at ",
+                state.corners[probe.index].level,
+                numbers::gray(a),
+                numbers::gray(b)
+            ))
             .ink(Role::Candidate, second)
-            .text(format!(", so the bit is {}.", u8::from(*bit)));
+            .text(format!(" px, so the bit is {}.", u8::from(*bit)));
         (line::COMPARE, said)
     }
 
@@ -224,10 +232,21 @@ impl Orb {
         };
         let shares: usize = after.levels.iter().map(|level| level.share).sum();
         if after.corners.is_empty() {
-            return sentence.text(
-                " End of the run: no keypoint. The patch fits around none of the corners, or there are no corners; a lower \
-                 threshold or a smaller patch finds some.",
-            );
+            let test = SegmentTest { threshold: self.threshold as u8, arc: self.arc };
+            let highest = after.levels.iter().map(|level| test.highest_score(&level.of.picture)).max().unwrap_or(0);
+            return sentence.text(match usize::from(highest) < self.threshold {
+                true => format!(
+                    " End of the run: no keypoints. The highest score of all levels is V = {highest}, and a corner has at least V = t = {}; a \
+                     lower threshold finds some.",
+                    self.threshold
+                ),
+                false => format!(
+                    " End of the run: no keypoints. No corner is at least {} px from the border and so has a patch of {side}×{side} px; a \
+                     smaller patch finds some.",
+                    self.margin(),
+                    side = self.side()
+                ),
+            });
         }
         let by_level =
             (0..after.levels.len()).map(|level| after.corners.iter().filter(|corner| corner.level == level).count());
@@ -272,7 +291,13 @@ impl Orb {
             facts.push(Fact::new("Harris response R", numbers::gray(level.response(place)), Some(Role::Result)));
             let values = explain::around(&level.of.picture, level.place(place), 4);
             readouts.push(Readout::Series(responses(level)));
-            readouts.push(Readout::Tiles(vec![Tile { label: "Level", role: None, values, range: [0.0, 255.0] }]));
+            readouts.push(Readout::Tiles(vec![Tile {
+                label: "Level",
+                role: None,
+                values,
+                range: [0.0, 255.0],
+                framed: Vec::new(),
+            }]));
         }
         readouts.insert(0, Readout::Facts(facts));
         readouts
@@ -301,7 +326,7 @@ impl Orb {
                 Math::ink(Role::Result, u8::from(bit).to_string()),
             ]));
         }
-        let tile = |label, values| Tile { label, role: None, values, range: [0.0, 255.0] };
+        let tile = |label, values| Tile { label, role: None, values, range: [0.0, 255.0], framed: Vec::new() };
         let tiles = vec![
             tile("Patch", self.patch_of(probe, [1.0, 0.0])),
             tile("Patch, upright", self.patch_of(probe, probe.moments.direction())),

@@ -14,8 +14,8 @@ use crate::methods::scale_space::{
 };
 use crate::run::Seen;
 use crate::scene::{
-    Arrow, Canvas, Fact, Floor, Level, Levels, Math, Name, Picture, Readout, Role, Scene, Section, Sentence, Series,
-    Shape, Stack, Step, Tile,
+    Arrow, Canvas, Fact, Floor, Level, Levels, Math, Name, Picture, Readout, Role, Scene, Sentence, Series, Shape,
+    Stack, Step, Tile,
 };
 
 /// Radius of the blob to which a difference of Gaussians responds most, in standard deviations.
@@ -178,30 +178,29 @@ impl Sift {
         let limit = (thresholds.edge + 1.0).powi(2) / thresholds.edge;
         match verdict {
             Err(Rejection::Unstable) => {
-                let why = "The extremum leaves the scale space or still moves after the last iteration: rejected as unstable.";
-                (line::UNSTABLE, said.ink(Role::Rejected, why))
+                let why = "The extremum leaves the scale space or still moves after the last iteration: ";
+                (line::UNSTABLE, said.text(why).ink(Role::Rejected, "rejected").text(" as unstable."))
             }
             Err(Rejection::LowContrast) => {
                 let outcome = format!(
-                    "|D| = {contrast} gray levels at the extremum is below the contrast threshold {}: rejected, noise would move it.",
+                    "|D| = {contrast} gray levels at the extremum is below the contrast threshold {}: ",
                     gray(thresholds.contrast)
                 );
-                (line::LOW_CONTRAST, said.ink(Role::Rejected, outcome))
+                (line::LOW_CONTRAST, said.text(outcome).ink(Role::Rejected, "rejected").text(", noise would move it."))
             }
             Err(Rejection::Edge) if determinant <= 0.0 => {
-                let outcome =
-                    "The principal curvatures have opposite signs, so this is a saddle in position: rejected.";
-                (line::ON_EDGE, said.ink(Role::Rejected, outcome))
+                let outcome = "The principal curvatures have opposite signs, so this is a saddle in position: ";
+                (line::ON_EDGE, said.text(outcome).ink(Role::Rejected, "rejected").text("."))
             }
             Err(Rejection::Edge) => {
                 let outcome = format!(
-                    "(tr H)² / det H = {} reaches (r + 1)² / r = {}: one principal curvature is at least {} times the other, an edge. \
-                     Rejected, its position along the edge is uncertain.",
+                    "(tr H)² / det H = {} reaches (r + 1)² / r = {}: one principal curvature is at least {} times the other, an edge. ",
                     gray(trace * trace / determinant),
                     gray(limit),
                     words::fixed(thresholds.edge.into(), 0)
                 );
-                (line::ON_EDGE, said.ink(Role::Rejected, outcome))
+                let why = ", its position along the edge is uncertain.";
+                (line::ON_EDGE, said.text(outcome).ink(Role::Rejected, "Rejected").text(why))
             }
             Ok(refined) => {
                 let (at, sigma_px) = self.in_frame(&refined);
@@ -233,9 +232,7 @@ impl Sift {
         let kept = self.select(state.oriented.clone());
         let all = words::grouped(state.oriented.len());
         let Some(last) = kept.last() else {
-            return "No extremum passed the tests, so there are no keypoints: the frame has no blobs of enough contrast. A lower contrast \
-                    threshold keeps weaker ones."
-                .into();
+            return self.none_said(state);
         };
         match kept.len() == self.max_points && state.oriented.len() > self.max_points {
             true => format!(
@@ -247,6 +244,35 @@ impl Sift {
                 "All {} keypoints are kept, in order of decreasing |D|; the weakest has {} gray levels.",
                 words::grouped(kept.len()),
                 gray(last.refined.response)
+            ),
+        }
+    }
+
+    /// Why there are no keypoints.
+    fn none_said(&self, state: &State) -> String {
+        let (contrast, least) = (self.thresholds().contrast, self.least());
+        let differences = state.space.octaves.iter().flat_map(|octave| &octave.differences);
+        let largest = differences.flat_map(|image| image.cells()).fold(0.0, |most: f32, value| most.max(value.abs()));
+        let at_extrema = state.extrema.iter().map(|at| {
+            let difference = &state.space.octaves[at.octave].differences[at.level];
+            difference[(at.x, at.y)].abs()
+        });
+        match at_extrema.fold(None, |most: Option<f32>, value| Some(most.map_or(value, |most| most.max(value)))) {
+            Some(strongest) => format!(
+                "No extremum passed the tests, so there are no keypoints: |D| is at most {} gray levels at the extrema ({}), the contrast threshold is \
+                 {}, and none may lie on an edge. A lower contrast threshold keeps weaker ones.",
+                gray(strongest),
+                words::grouped(state.extrema.len()),
+                gray(contrast)
+            ),
+            None if largest > least => "0 pixels exceed all of their 26 neighbours, so there are no keypoints: a blob has an extremum, edges and \
+                                        ramps have none."
+                .into(),
+            None => format!(
+                "|D| is at most {} gray levels, and an extremum needs more than {}, half the contrast threshold: the frame has no blobs of enough \
+                 contrast, so there are no keypoints. A lower contrast threshold finds weaker ones.",
+                gray(largest),
+                gray(least)
             ),
         }
     }
@@ -369,7 +395,7 @@ impl Sift {
         match event {
             Event::Level => {
                 let now = seen.after.unwrap_or(state);
-                let mut all = vec![Readout::Facts(self.level_facts(state))];
+                let mut all = vec![Readout::Facts(self.level_facts(state)), Readout::Tiles(octave_tiles(now))];
                 all.extend(self.stack(now).map(Readout::Stack));
                 all
             }
@@ -495,7 +521,7 @@ impl Sift {
         let Extremum { octave, level, x, y } = refined.at;
         let image = &state.space.octaves[octave].gaussians[level];
         let values = explain::around(image, (x, y), 8);
-        Tile { label: "Gaussian image", role: None, values, range: [0.0, 255.0] }
+        Tile { label: "Gaussian image", role: None, values, range: [0.0, 255.0], framed: Vec::new() }
     }
 
     fn descriptor_readouts(&self, seen: &Seen<Self>, event: Event) -> Vec<Readout> {
@@ -518,7 +544,7 @@ impl Sift {
         vec![Readout::Facts(facts), Readout::Series(series), Readout::Tiles(vec![self.patch(state, &oriented.refined)])]
     }
 
-    /// The differences of Gaussians of the current level in all octaves so far.
+    /// The last Gaussian image of each octave so far.
     fn stack(&self, state: &State) -> Option<Stack> {
         let all: Vec<Level> = state
             .space
@@ -536,31 +562,58 @@ impl Sift {
     }
 }
 
+/// The names of the Gaussian images of an octave and of their differences.
+const IMAGES: [&str; 9] = ["G₁", "G₂", "G₃", "G₄", "G₅", "G₆", "G₇", "G₈", "G₉"];
+const DIFFERENCES: [&str; 8] = ["D₁", "D₂", "D₃", "D₄", "D₅", "D₆", "D₇", "D₈"];
+
+/// The Gaussian images of the octave at work and their differences so far as small pictures: a difference of 0 is middle gray, on one scale for
+/// all.
+fn octave_tiles(state: &State) -> Vec<Tile> {
+    let Some(octave) = state.space.octaves.last() else { return Vec::new() };
+    let differences: Vec<Grid<f32>> = octave.differences.iter().map(|image| small(image)).collect();
+    let most = differences.iter().flat_map(|image| image.cells()).fold(1.0f32, |most, v| most.max(v.abs()));
+    let tile = |label, values, range| Tile { label, role: None, values, range, framed: Vec::new() };
+    let images =
+        IMAGES.into_iter().zip(&octave.gaussians).map(|(label, image)| tile(label, small(image), [0.0, 255.0]));
+    let differences = DIFFERENCES.into_iter().zip(differences).map(|(label, image)| tile(label, image, [-most, most]));
+    images.chain(differences).collect()
+}
+
+/// The longest side of a small picture in px.
+const SMALL_PX: usize = 40;
+
+/// A picture at most [`SMALL_PX`] wide and high with even sides, by the values of largest magnitude, so that thin structures stay.
+fn small(image: &Grid<f32>) -> Grid<f32> {
+    let (width, height) = image.size();
+    let step = width.max(height).div_ceil(SMALL_PX);
+    let even = |extent: usize| (extent / step / 2 * 2).max(1);
+    let larger = |a: f32, b: f32| if b.abs() > a.abs() { b } else { a };
+    Grid::from_fn(even(width), even(height), |x, y| {
+        let rows = (y * step)..((y + 1) * step).min(height);
+        rows.flat_map(|v| &image.row(v)[x * step..((x + 1) * step).min(width)]).copied().fold(0.0, larger)
+    })
+}
+
 /// The 3 × 3 × 3 neighbourhood of a pixel, as three tiles.
 fn neighbourhood(around: &Around) -> Vec<Tile> {
     let place = (around.at.x, around.at.y);
     let labels = ["D, smaller scale", "D, this scale", "D, larger scale"];
     let values = around.differences.map(|difference| explain::around(difference, place, 1));
     let most = values.iter().flat_map(|grid| grid.cells()).fold(0.0f32, |most, v| most.max(v.abs())).max(1.0);
-    let tile = |(label, values)| Tile { label, role: None, values, range: [-most, most] };
+    let tile = |(label, values)| Tile { label, role: None, values, range: [-most, most], framed: Vec::new() };
     labels.into_iter().zip(values).map(tile).collect()
 }
 
 /// The 128 entries of a descriptor, those of the first `filled` cells.
 fn descriptor_series(descriptor: &Descriptor, y_label: &'static str, filled: usize, shows_clamp: bool) -> Series {
-    let known = descriptor.0.iter().take(filled * BINS);
-    let points = known.enumerate().map(|(i, entry)| [(i + 1) as f32, *entry]).collect();
-    let section = |row: usize| Section {
-        from: (row * SIDE * BINS) as f32 + 0.5,
-        label: format!("cells {} to {}", row * SIDE + 1, (row + 1) * SIDE),
-        is_part: false,
-    };
+    let points = Series::bars(descriptor.0.iter().take(filled * BINS).copied());
     Series {
         title: "Descriptor",
-        x_label: "entry: 8 directions of each cell",
+        x_label: "entry: 8 directions of each of 16 cells",
         y_label,
         x_max: CELLS * BINS,
-        sections: (0..SIDE).map(section).collect(),
+        x_ticks: (0..=SIDE).map(|row| (row * SIDE * BINS).max(1) as f32).collect(),
+        sections: Series::cells(SIDE, BINS),
         lines: vec![("entries", Role::Result, points)],
         thresholds: if shows_clamp { vec![("limit 0.2".to_owned(), CLAMP)] } else { Vec::new() },
         is_sweep: true,
@@ -739,6 +792,7 @@ impl Sift {
             }
         }
         scene.legend(Role::Window, "cells of the descriptor");
+        scene.work = Some(around_all([[-half, -half], [half, -half], [half, half], [-half, half]].map(at)));
         let filled = seen.events.iter().filter(|event| matches!(event, Event::Cell(_))).count();
         let entries = self.gathered(&seen.before.space, oriented).0;
         let most = entries.iter().copied().fold(f32::MIN_POSITIVE, f32::max);
@@ -758,6 +812,12 @@ impl Sift {
             scene.legend(Role::Best, "weights of the 8 directions of a cell");
         }
     }
+}
+
+/// The smallest rectangle around corners, as min and max.
+fn around_all(corners: [[f32; 2]; 4]) -> [[f32; 2]; 2] {
+    let along = |i: usize, pick: fn(f32, f32) -> f32| corners.iter().map(|at| at[i]).fold(corners[0][i], pick);
+    [f32::min, f32::max].map(|pick| [along(0, pick), along(1, pick)])
 }
 
 /// An arrow from a point in a direction.

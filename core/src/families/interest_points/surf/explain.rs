@@ -85,6 +85,23 @@ impl Surf {
         }
     }
 
+    /// Why there are no keypoints.
+    fn none_said(&self, state: &State) -> String {
+        let responses = state.layers.iter().flat_map(|layer| layer.responses.cells());
+        let largest = responses.fold(0.0, |most: f32, response| most.max(*response));
+        match largest > self.threshold {
+            true => "0 samples above the threshold are a maximum among their 26 neighbours, so there are no keypoints: the frame has no blobs \
+                     of these sizes."
+                .into(),
+            false => format!(
+                "The largest response is R = {}, and a keypoint needs more than the threshold R = {}, so there are no keypoints: the frame \
+                 has too little contrast. A lower threshold finds weaker ones.",
+                numbers::gray(largest),
+                numbers::gray(self.threshold)
+            ),
+        }
+    }
+
     pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
         let (line, sentence, readouts) = match self.probe(seen) {
             None => (line::EACH_LAYER, introduction(), Vec::new()),
@@ -187,10 +204,7 @@ impl Surf {
             }
             _ if maxima.is_empty() => (
                 line::EACH_PEAK,
-                said.text(
-                    "No sample is a maximum above the threshold, so there are no keypoints: the frame has no blobs of these sizes, or \
-                     too little contrast. A lower threshold finds weaker ones.",
-                ),
+                said.text(self.none_said(seen.before)),
             ),
             _ => (
                 line::EACH_PEAK,
@@ -271,11 +285,12 @@ impl Surf {
                 let [x, y] = of.sums.get(best).copied().unwrap_or_default();
                 let said = said
                     .text(format!(
-                        "The sector from {} on has the longest sum, {}. ",
+                        "The sector from {} on has the longest sum, {}. Its direction is the orientation θ = ",
                         degrees(sector_start(best)),
                         numbers::gray(x.hypot(y))
                     ))
-                    .ink(Role::Result, format!("Its direction is the orientation θ = {}.", degrees(angle_rad)));
+                    .ink(Role::Result, degrees(angle_rad))
+                    .text(".");
                 (line::ORIENT, said)
             }
         }
@@ -295,7 +310,7 @@ impl Surf {
         let labels = ["R, layer below", "R", "R, layer above"];
         let tile = |(label, layer): (&'static str, &Layer)| {
             let values = explain::around(&layer.responses, sample, 1);
-            Tile { label, role: None, values, range: [0.0, most] }
+            Tile { label, role: None, values, range: [0.0, most], framed: Vec::new() }
         };
         vec![Readout::Facts(facts), Readout::Tiles(labels.into_iter().zip(of.layers).map(tile).collect())]
     }
@@ -411,8 +426,9 @@ fn filtered(of: &Filtered<'_>) -> (Name, Sentence) {
     };
     let said = said
         .ink(Role::Reference, name)
-        .text(format!(", octave {octave}, L = {size} px: "))
-        .ink(Role::Result, format!("R = D_xx D_yy − (0.9 D_xy)² = {} {meaning}.", numbers::gray(response)));
+        .text(format!(", octave {octave}, L = {size} px: R = D_xx D_yy − (0.9 D_xy)² = "))
+        .ink(Role::Result, numbers::gray(response))
+        .text(format!(" {meaning}."));
     (line, said)
 }
 
@@ -439,7 +455,13 @@ fn readouts_of_filter(state: &State, of: &Filtered<'_>) -> Vec<Readout> {
         readouts.push(Readout::Equation(determinant_equations(derivatives)));
     }
     let values = explain::around(state.picture.luma(), at, (size / 2).min(5));
-    readouts.push(Readout::Tiles(vec![Tile { label: "Frame t", role: None, values, range: [0.0, 255.0] }]));
+    readouts.push(Readout::Tiles(vec![Tile {
+        label: "Frame t",
+        role: None,
+        values,
+        range: [0.0, 255.0],
+        framed: Vec::new(),
+    }]));
     readouts.insert(0, Readout::Facts(facts));
     readouts
 }
@@ -521,8 +543,11 @@ fn refined_to(at: (usize, usize), refined: Option<Refined>) -> Sentence {
         ": the vertex of the quadratic function through its neighbours lies at an offset of ({dx},\u{a0}{dy}) samples and {ds} layers, "
     ));
     match refined.is_near() {
-        true => said.ink(Role::Result, format!("with R = {}: accepted.", numbers::gray(refined.response))),
-        false => said.ink(Role::Rejected, "more than one sample away, where the fit is unreliable: rejected."),
+        true => said.text("with R = ").ink(Role::Result, numbers::gray(refined.response)).text(": accepted."),
+        false => said
+            .text("more than one sample away, where the fit is unreliable: ")
+            .ink(Role::Rejected, "rejected")
+            .text("."),
     }
 }
 
@@ -552,21 +577,48 @@ fn readouts_of_keypoint(state: &State, of: &Described<'_>) -> Vec<Readout> {
     facts.extend(of.angle_rad.map(|angle_rad| Fact::new("Orientation θ", degrees(angle_rad), Some(Role::Result))));
     facts.extend(of.length.map(|length| Fact::new("Length before scaling", numbers::gray(length), None)));
     let mut readouts = vec![Readout::Facts(facts)];
-    if !of.sums.is_empty() {
+    if !of.sums.is_empty() && of.subregions.is_empty() {
         readouts.push(Readout::Series(wheel_series(of)));
     }
     if !of.subregions.is_empty() {
-        let labels = ["Σ d_x", "Σ d_y", "Σ |d_x|", "Σ |d_y|"];
+        readouts.push(Readout::Series(descriptor_series(of)));
+        let labels = ["Σ dx", "Σ dy", "Σ |dx|", "Σ |dy|"];
         let most = of.subregions.iter().flatten().fold(1.0f32, |most, value| most.max(value.abs()));
         let tile = |(i, label): (usize, &'static str)| {
             let value = |x: usize, y: usize| {
                 of.subregions.get(y * SIDE + x).map_or(f32::NAN, |sums| (10.0 * sums[i]).round() / 10.0)
             };
-            Tile { label, role: None, values: Grid::from_fn(SIDE, SIDE, value), range: [-most, most] }
+            Tile {
+                label,
+                role: None,
+                values: Grid::from_fn(SIDE, SIDE, value),
+                range: [-most, most],
+                framed: Vec::new(),
+            }
         };
         readouts.push(Readout::Tiles(labels.into_iter().enumerate().map(tile).collect()));
     }
     readouts
+}
+
+/// The entries of the descriptor so far, four for each subregion.
+fn descriptor_series(of: &Described<'_>) -> Series {
+    let (scale, y_label) = match of.length.filter(|length| *length > 0.0) {
+        Some(length) => (1.0 / length, "entry of length 1"),
+        None => (1.0, "sum, gray levels"),
+    };
+    let entries = of.subregions.iter().flatten().map(|sum| sum * scale);
+    Series {
+        title: "Descriptor",
+        x_label: "entry: Σ dx, Σ dy, Σ |dx|, Σ |dy| of each of 16 subregions",
+        y_label,
+        x_max: 4 * SIDE * SIDE,
+        x_ticks: (0..=SIDE).map(|row| (row * 4 * SIDE).max(1) as f32).collect(),
+        sections: Series::cells(SIDE, 4),
+        lines: vec![("entries", Role::Result, Series::bars(entries))],
+        is_sweep: true,
+        ..Series::default()
+    }
 }
 
 /// The length of the sums over the direction of the sector.
@@ -802,6 +854,9 @@ fn draw_subregions(of: &Described<'_>, angle_rad: f32, scene: &mut Scene) {
     let blob = of.maximum.blob;
     let longest = of.subregions.iter().map(|[x, y, ..]| x.hypot(*y)).fold(0.0, f32::max);
     let (sin, cos) = angle_rad.sin_cos();
+    let corners: Vec<_> = (0..SIDE * SIDE).flat_map(|k| subregion_corners(blob, angle_rad, k)).collect();
+    let ends = |pick: fn(f32, f32) -> f32, start: f32| [0, 1].map(|i| corners.iter().map(|at| at[i]).fold(start, pick));
+    scene.work = Some([ends(f32::min, f32::INFINITY), ends(f32::max, f32::NEG_INFINITY)]);
     for k in 0..SIDE * SIDE {
         let points = subregion_corners(blob, angle_rad, k);
         let middle = [0, 1].map(|axis| (points[0][axis] + points[2][axis]) / 2.0);
@@ -812,7 +867,7 @@ fn draw_subregions(of: &Described<'_>, angle_rad: f32, scene: &mut Scene) {
         let [u, v] = [dx, dy].map(|sum| sum * 2.5 * blob.scale / longest);
         let tip = [middle[0] + cos * u - sin * v, middle[1] + sin * u + cos * v];
         scene.mark(Picture::CURRENT, Role::Measured, Shape::Path { points: vec![middle, tip], closed: false });
-        scene.legend(Role::Measured, "Σ d_x, Σ d_y of a subregion");
+        scene.legend(Role::Measured, "sums Σ dx, Σ dy of a subregion");
     }
     scene.legend(Role::Window, "subregions of 5 s");
 }

@@ -399,7 +399,7 @@ fn views(level_trace: &LevelTrace, live: &Live, fit: &Fit) -> Vec<Tile> {
     let (first, now) = (grid(live.view.values()), grid(&live.view.warped(&level_trace.pyramids[1][0], to, fit)));
     let difference = Grid::from_fn(side, side, |x, y| first[(x, y)] - now[(x, y)]);
     let most = difference.cells().iter().filter(|v| v.is_finite()).fold(1.0f32, |most, v| most.max(v.abs()));
-    let tile = |label, role, values, range| Tile { label, role, values, range };
+    let tile = |label, role, values, range| Tile { label, role, values, range, framed: Vec::new() };
     vec![
         tile("First view", Some(Role::Reference), first, [0.0, 255.0]),
         tile("Mapped window", Some(Role::Best), now, [0.0, 255.0]),

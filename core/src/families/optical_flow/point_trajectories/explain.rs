@@ -326,7 +326,7 @@ fn tiles(pair: &Pair, moved: &Moved) -> Vec<Tile> {
         let value = |i, j| (level.sample([x + off(i), y + off(j)]) * 10.0).round() / 10.0;
         Grid::from_fn(side, side, value)
     };
-    let tile = |label, role, values| Tile { label, role: Some(role), values, range: [0.0, 255.0] };
+    let tile = |label, role, values| Tile { label, role: Some(role), values, range: [0.0, 255.0], framed: Vec::new() };
     let mut all = vec![tile("Frame t", Role::Reference, around(0, moved.live.at))];
     all.extend(moved.to().map(|to| tile("t+1, flow", Role::Result, around(1, to))));
     all.extend(moved.twin_to().map(|to| tile("t+1, feature", Role::Predicted, around(1, to))));

@@ -242,7 +242,13 @@ fn numbers(of: &Energy) -> Math {
 }
 
 fn tiles(field: &Field, phi: &Grid<f32>) -> Vec<Tile> {
-    let tile = |label, role, values: &Grid<f32>, range| Tile { label, role, values: values.clone(), range };
+    let tile = |label, role, values: &Grid<f32>, range| Tile {
+        label,
+        role,
+        values: values.clone(),
+        range,
+        framed: Vec::new(),
+    };
     vec![
         tile("gray levels u", Some(Role::Window), &field.levels, [0.0, 1.0]),
         tile("level set φ", Some(Role::Best), phi, [-RANGE_PX, RANGE_PX]),

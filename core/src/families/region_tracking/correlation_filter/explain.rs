@@ -225,7 +225,7 @@ fn tile(label: &'static str, role: Option<Role>, values: Grid<f32>) -> Tile {
     let range =
         values.cells().iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], v| [low.min(*v), high.max(*v)]);
     let range = if range[0] < range[1] { range } else { [0.0, 1.0] };
-    Tile { label, role, values, range }
+    Tile { label, role, values, range, framed: Vec::new() }
 }
 
 fn patch_tile(patch: &Grid<f32>) -> Tile {

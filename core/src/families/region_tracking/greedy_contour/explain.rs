@@ -166,6 +166,7 @@ impl GreedyContour {
                 terms[y * side + x].as_ref().map_or(f32::NAN, |terms| of(terms) as f32)
             }),
             range,
+            framed: Vec::new(),
         };
         let most = (self.alpha + self.beta).max(0.01);
         let total = [-self.edge_weight, most];

@@ -336,7 +336,13 @@ fn tiles(label: &'static str, (frame, template): (&Pyramid, &Template), (level, 
 }
 
 fn template_tile(label: &'static str, template: &Template) -> Tile {
-    Tile { label, role: Some(Role::Reference), values: template.levels[0].pixels.clone(), range: [0.0, 255.0] }
+    Tile {
+        label,
+        role: Some(Role::Reference),
+        values: template.levels[0].pixels.clone(),
+        range: [0.0, 255.0],
+        framed: Vec::new(),
+    }
 }
 
 /// The errors of all iterations of the frame so far.

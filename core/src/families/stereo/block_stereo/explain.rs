@@ -182,7 +182,7 @@ impl BlockStereo {
         };
         let (left, right) = (window(views.left.luma(), 0), window(views.right.luma(), best));
         let difference = Grid::from_fn(side, side, |i, j| right[(i, j)] - left[(i, j)]);
-        let tile = |label, role, values, range| Tile { label, role: Some(role), values, range };
+        let tile = |label, role, values, range| Tile { label, role: Some(role), values, range, framed: Vec::new() };
         vec![
             tile("window", Role::Reference, left, [0.0, 255.0]),
             tile("best match", Role::Best, right, [0.0, 255.0]),

@@ -1,5 +1,7 @@
 //! Whether the inliers of a model support it: they must not lie on a line, nor agree by chance.
 
+use std::collections::BTreeSet;
+
 use crate::methods::geometric::Correspondence;
 
 /// Smallest rms distance of inliers from the line that fits them best, in px: about the error of a position.
@@ -17,9 +19,9 @@ pub enum Doubt {
     },
     /// As many random matches agree with one of the possible models.
     ByChance {
-        /// Number of inliers.
+        /// Number of inliers at distinct positions: several of one point are no further evidence.
         inliers: usize,
-        /// The number of inliers from which on chance is excluded.
+        /// The number of them from which on chance is excluded.
         needed: usize,
     },
 }
@@ -52,6 +54,15 @@ fn false_alarms_log(n: usize, [k, all]: [usize; 2], share: f64) -> f64 {
     // With no other match there is nothing that could disagree.
     let tests = ((all - n).max(1) as f64).ln();
     tests + choose(all, k) + choose(k, n) + (k - n) as f64 * share.clamp(1e-12, 1.0).ln()
+}
+
+/// Number of matches at distinct positions: the smaller one of the numbers of positions in both frames. A detector may give a point several
+/// keypoints, such as one for each orientation, and their matches determine no more than one of them.
+pub fn distinct(points: &[Correspondence]) -> usize {
+    let places = |of: fn(&Correspondence) -> [f64; 2]| {
+        points.iter().map(|m| of(m).map(f64::to_bits)).collect::<BTreeSet<_>>().len()
+    };
+    places(|m| m.from).min(places(|m| m.to))
 }
 
 /// Width and height of the rectangle around the positions in frame t + 1 in px, each at least 1.
@@ -93,6 +104,16 @@ mod tests {
         assert!((spread_px - 0.3).abs() < 0.01, "{spread_px}");
         let square = [[0.0, 0.0], [9.0, 0.0], [9.0, 9.0], [0.0, 9.0]].map(|at| Correspondence { from: at, to: at });
         assert_eq!(Doubt::on_line(&square), None);
+    }
+
+    #[test]
+    fn matches_of_one_point_count_once() {
+        let point = |x: f64, y: f64| Correspondence { from: [x, y], to: [x + 2.0, y] };
+        let twice = [point(1.0, 2.0), point(1.0, 2.0), point(7.5, 2.0), point(1.0, 3.0)];
+        assert_eq!((distinct(&twice), distinct(&twice[1..]), distinct(&[])), (3, 3, 0));
+        // Two points of frame t that match one of frame t + 1.
+        let joined = [point(1.0, 2.0), Correspondence { from: [9.0, 9.0], ..point(1.0, 2.0) }];
+        assert_eq!(distinct(&joined), 1);
     }
 
     #[test]

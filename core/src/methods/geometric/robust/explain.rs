@@ -7,6 +7,7 @@ use crate::base::words::{self, grouped};
 use crate::geometry::Grid;
 use crate::methods::geometric::Correspondence;
 use crate::methods::geometric::ransac::{Score, Scoring, chosen};
+use crate::methods::geometric::system::System;
 use crate::products::model::Matrix3;
 use crate::run::Seen;
 use crate::scene::{Fact, Link, Math, Matrix, Name, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step};
@@ -43,7 +44,7 @@ impl<M: RobustModel> Robust<M> {
         let (state, said) = (seen.before, Sentence::default());
         let (count, size) = (state.fixed.points.len(), self.0.sample_size());
         match event {
-            Event::TooFew => (line::REPEAT, said.text(self.too_few(count, state.consensus.iterations))),
+            Event::TooFew => (line::REPEAT, said.text(self.too_few(&state.fixed, state.consensus.iterations))),
             Event::Sample(_) => {
                 let sentence = format!(
                     "Iteration {}: a random sample of {}. {}",
@@ -59,8 +60,8 @@ impl<M: RobustModel> Robust<M> {
                     _ => None,
                 });
                 let why = self.0.why_none(&drawn.unwrap_or_default());
-                let sentence = format!("The sample determines no model: {why}. It is skipped.");
-                (line::HYPOTHESISE, said.ink(Role::Rejected, sentence))
+                let said = said.ink(Role::Rejected, "The sample determines no model");
+                (line::HYPOTHESISE, said.text(format!(": {why}. It is skipped.")))
             }
             Event::Hypothesis(_) => {
                 let sentence = format!(
@@ -96,55 +97,60 @@ impl<M: RobustModel> Robust<M> {
                 (line.unwrap_or(line::REFIT), sentence)
             }
             Event::Refit(_, score) => {
-                let sentence = format!(
-                    "Least squares over all inliers: {} of {} matches are inliers, RMS distance {} px.",
-                    grouped(score.inliers),
-                    grouped(count),
-                    rms(score)
-                );
-                (line::REFIT, said.ink(Role::Result, sentence))
+                let said = said
+                    .text("Least squares over all inliers: ")
+                    .ink(Role::Result, format!("{} of {} matches", grouped(score.inliers), grouped(count)))
+                    .text(format!(" are inliers, RMS distance {} px.", rms(score)));
+                (line::REFIT, said)
             }
             Event::Kept(_, score) => {
-                let sentence = format!(
-                    "Least squares over all inliers finds no smaller distances, so the model stays: {} of {} matches are inliers, RMS \
-                     distance {} px.",
-                    grouped(score.inliers),
-                    grouped(count),
-                    rms(score)
-                );
-                (line::REFIT, said.ink(Role::Result, sentence))
+                let said = said
+                    .text("Least squares over all inliers finds no smaller distances, so the model stays: ")
+                    .ink(Role::Result, format!("{} of {} matches", grouped(score.inliers), grouped(count)))
+                    .text(format!(" are inliers, RMS distance {} px.", rms(score)));
+                (line::REFIT, said)
             }
-            Event::Doubted(doubt) => (line::REFIT, said.ink(Role::Rejected, self.doubted(*doubt, count))),
+            Event::Doubted(doubt) => (
+                line::REFIT,
+                said.ink(Role::Rejected, "The model is rejected").text(self.doubted(*doubt, &state.fixed)),
+            ),
         }
     }
 
-    fn doubted(&self, doubt: Doubt, count: usize) -> String {
-        let (name, count) = (self.0.name(), grouped(count));
+    /// Why the model is rejected, as the end of a sentence.
+    fn doubted(&self, doubt: Doubt, fixed: &Fixed) -> String {
+        let name = self.0.name();
         match doubt {
             Doubt::OnLine { inliers, spread_px } => format!(
-                "The model is rejected: its {} inliers lie on a line, with an RMS distance of {} px from it, and the {name} needs at least {} px. A \
+                ": its {} inliers lie on a line, with an RMS distance of {} px from it, and the {name} needs at least {} px. A \
                  similarity or a translation is determined by them.",
                 grouped(inliers),
                 words::fixed(spread_px, 2),
                 words::fixed(LEAST_SPREAD_PX, 2)
             ),
             Doubt::ByChance { inliers, needed } => format!(
-                "The model is rejected: {} of {count} matches are inliers, and random matches may have as many (number of false alarms at \
-                 least 1). At least {} inliers are needed; more keypoints, better matches or a simpler model help.",
+                ": {} of {} matches{} are inliers, and random matches may have as many (number of false alarms at least \
+                 1). At least {} inliers are needed; more keypoints, better matches or a simpler model help.",
                 grouped(inliers),
+                grouped(fixed.distinct),
+                if fixed.distinct < fixed.points.len() { " at distinct positions" } else { "" },
                 grouped(needed)
             ),
         }
     }
 
-    fn too_few(&self, count: usize, iterations: usize) -> String {
-        let (size, name) = (self.0.sample_size(), self.0.name());
-        match count < size {
-            true => format!(
-                "{count} of the needed {size} matches: too few for this model ({name}). A higher ratio limit, a detector with a lower threshold \
-                 or a simpler model helps."
+    fn too_few(&self, fixed: &Fixed, iterations: usize) -> String {
+        let (size, name, count) = (self.0.sample_size(), self.0.name(), fixed.points.len());
+        let help = "A higher ratio limit, a detector with a lower threshold or a simpler model helps.";
+        match (count < size, fixed.distinct < size) {
+            (true, _) => format!("{count} of the needed {size} matches: too few for this model ({name}). {help}"),
+            (false, true) => format!(
+                "{} of the needed {size} distinct positions: the {} are too few for this model ({name}), as keypoints with several \
+                 orientations at one point count once. {help}",
+                fixed.distinct,
+                matches(count)
             ),
-            false => format!(
+            (false, false) => format!(
                 "0 of {} of {size} matches determined this model ({name}): the points lie on a line or at one place. A simpler model helps.",
                 words::counted(iterations, "sample")
             ),
@@ -261,12 +267,14 @@ impl<M: RobustModel> Robust<M> {
             _ => Sequel::default(),
         };
         facts.extend(sequel.facts);
+        let system = self.system(seen, event);
+        facts.extend(system.facts);
         let mut all = vec![Readout::Facts(facts)];
         // The final fit has other inliers than the hypothesis that the number of iterations follows from.
         let hypothesis = self.best_hypothesis(seen);
         all.extend(hypothesis.map(|(_, score)| Readout::Equation(self.equation(seen, &score, needed))));
         all.push(Readout::Matrices(match sequel.matrices.is_empty() {
-            true => self.matrices(seen, best),
+            true => [self.matrices(seen, best), system.matrices].concat(),
             false => sequel.matrices,
         }));
         all.extend(self.series(seen, best).map(Readout::Series));
@@ -298,6 +306,23 @@ impl<M: RobustModel> Robust<M> {
             Math::text(format!(", so {} (at most {})", grouped(needed), grouped(max_iterations))),
         ]);
         vec![symbols, numbers]
+    }
+
+    /// The linear system behind the model of an event: of the sample, or of the inliers that it is fitted to.
+    fn system(&self, seen: &Seen<Self>, event: &Event) -> System {
+        let points = &seen.before.fixed.points;
+        let solved: Vec<Correspondence> = match event {
+            Event::Hypothesis(_) => match seen.events.iter().rev().find(|event| matches!(event, Event::Sample(_))) {
+                Some(Event::Sample(indices)) => chosen(points, indices),
+                _ => Vec::new(),
+            },
+            Event::Local(matrix, _) | Event::Refit(matrix, _) | Event::Kept(matrix, _) => {
+                let are_inliers = self.are_inliers(points, matrix);
+                points.iter().zip(are_inliers).filter_map(|(point, is_inlier)| is_inlier.then_some(*point)).collect()
+            }
+            _ => Vec::new(),
+        };
+        if solved.is_empty() { System::default() } else { self.0.system(&solved) }
     }
 
     /// The hypothesis and the best model.

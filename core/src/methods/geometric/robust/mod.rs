@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use super::Correspondence;
 use super::ransac::{Score, Scoring, chosen, sample, samples_needed};
+use super::system::System;
 use crate::base::{Error, Observer, Tally, Threads};
 use crate::data::{Clip, Flow};
 use crate::methods::differential::truth;
@@ -22,7 +23,7 @@ use crate::synth::random::{hash, unit};
 
 pub(crate) use declare::robust_pseudocode;
 pub use doubt::Doubt;
-use doubt::sides_px;
+use doubt::{distinct, sides_px};
 pub use settings::Settings;
 
 /// A geometric model that is estimated from matches.
@@ -62,6 +63,11 @@ pub trait RobustModel: Params + Default + Clone + Send + Sync + 'static {
     /// Number of inliers of each further sample by which the last hypothesis is optimised; 0 for none.
     fn resample_size(&self) -> usize {
         0
+    }
+
+    /// The linear system of a fit to matches in numbers; empty where the fit has a closed form.
+    fn system(&self, _matches: &[Correspondence]) -> System {
+        System::default()
     }
 
     /// The model fitted to inliers quickly.
@@ -189,13 +195,15 @@ struct Fixed {
     /// The accepted matches, some replaced by random ones.
     matches: Vec<Match>,
     points: Vec<Correspondence>,
+    /// Number of matches at distinct positions.
+    distinct: usize,
     truth: Option<Arc<Flow>>,
 }
 
 /// An event of a unit.
 #[derive(Clone, Debug)]
 pub enum Event {
-    /// There are fewer matches than the model needs, or none of the samples determines it.
+    /// There are fewer matches at distinct positions than the model needs, or none of the samples determines it.
     TooFew,
     /// A sample is drawn.
     Sample(Vec<usize>),
@@ -252,8 +260,9 @@ impl<M: RobustModel> Robust<M> {
         matches.retain(|found| found.status == MatchStatus::Match);
         self.replace_some(&mut matches, clip.size());
         let position = |at: [f32; 2]| at.map(f64::from);
-        let points = matches.iter().map(|m| Correspondence { from: position(m.from), to: position(m.to) }).collect();
-        let fixed = Fixed { pair, matches, points, truth: truth(clip, frame) };
+        let points: Vec<_> =
+            matches.iter().map(|m| Correspondence { from: position(m.from), to: position(m.to) }).collect();
+        let fixed = Fixed { pair, matches, distinct: distinct(&points), points, truth: truth(clip, frame) };
         Ok(State { fixed: Arc::new(fixed), consensus: self.begin() })
     }
 
@@ -265,7 +274,8 @@ impl<M: RobustModel> Robust<M> {
     /// Estimates the model from given matches. The consensus has no final model if there are too few of them.
     pub fn estimate(&self, points: &[Correspondence]) -> Consensus {
         let mut consensus = self.begin();
-        while points.len() >= self.0.sample_size() && consensus.iterations < consensus.needed {
+        let is_enough = distinct(points) >= self.0.sample_size();
+        while is_enough && consensus.iterations < consensus.needed {
             self.iterate(points, &mut consensus, &mut ());
         }
         self.refit(points, &mut consensus, &mut ());
@@ -312,7 +322,7 @@ impl<M: RobustModel> Robust<M> {
         let on_line = (!self.0.is_known_on_line()).then(|| Doubt::on_line(&inliers)).flatten();
         on_line.or_else(|| {
             let share = M::share_of_area(self.0.settings().threshold.into(), sides_px(points));
-            Doubt::by_chance(self.0.sample_size(), [inliers.len(), points.len()], share)
+            Doubt::by_chance(self.0.sample_size(), [distinct(&inliers), distinct(points)], share)
         })
     }
 
@@ -450,7 +460,7 @@ impl<M: RobustModel> Estimator for Robust<M> {
 
     fn advance(&self, _: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
         let (fixed, consensus) = (Arc::clone(&state.fixed), &mut state.consensus);
-        if fixed.points.len() < self.0.sample_size() {
+        if fixed.distinct < self.0.sample_size() {
             observer.see(|| Event::TooFew);
             return Ok(Progress::Done);
         }
@@ -583,6 +593,25 @@ mod tests {
         let kept = consensus.fitted.expect("half of the matches agree").score.limited(limit, points.len());
         assert!(kept <= limited, "{kept} is kept of {limited}");
         fits
+    }
+
+    #[test]
+    fn several_matches_of_a_point_support_no_model() {
+        let places = [[20.0, 30.0], [250.0, 40.0], [230.0, 200.0], [35.0, 180.0], [140.0, 90.0], [90.0, 150.0]];
+        // Wildly displaced, so that no two points move alike; two matches of each.
+        let one = |i: usize| {
+            let [x, y] = places[i / 2];
+            let by = |k: u64| 30.0 * unit(hash(5, (i / 2) as u64, k));
+            Correspondence { from: [x, y], to: [x + by(0), y + by(1)] }
+        };
+        let all: Vec<Correspondence> = (0..12).map(one).collect();
+        let mut motion = Robust::<GlobalMotion>::default();
+        motion.set("model", "homography").expect("it is one");
+        // A homography passes through any four points.
+        assert_eq!(motion.estimate(&all[..8]).fitted, None);
+        assert_eq!(motion.estimate(&all[..6]).iterations, 0, "3 of 4 distinct positions");
+        let epipolar = Robust::<EpipolarGeometry>::default();
+        assert_eq!(epipolar.estimate(&all).iterations, 0, "6 of 7 distinct positions");
     }
 
     #[test]

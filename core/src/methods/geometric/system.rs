@@ -1,0 +1,131 @@
+//! The linear systems of the normalised DLT, of the eight-point algorithm and of the affine fit in numbers, to be shown.
+
+use nalgebra::Matrix3 as Square;
+
+use super::Correspondence;
+use super::fit::{Normalisation, normal_equations};
+use super::moments::{Moments, Normal};
+use crate::base::words::grouped;
+use crate::geometry::Grid;
+use crate::products::model::Matrix3;
+use crate::scene::{Fact, Matrix};
+
+/// Facts and matrices of a linear system.
+#[derive(Clone, Debug, Default)]
+pub struct System {
+    /// Its size.
+    pub facts: Vec<Fact>,
+    /// Its matrices in the order of the computation.
+    pub matrices: Vec<Matrix>,
+}
+
+/// The eigenvalues that are shown, from the largest on: the last ones tell how well a solution is determined.
+const SHOWN: [(usize, &str); 4] = [(0, "λ₁"), (6, "λ₇"), (7, "λ₈"), (8, "λ₉")];
+
+impl System {
+    /// The system A h = 0 of a homography between normalised points (Hartley and Zisserman 2004, algorithm 4.2): two equations for each
+    /// match, solved by the eigenvector of AᵀA with the smallest eigenvalue. Empty if the points of a frame are at one place.
+    pub fn of_homography(matches: &[Correspondence]) -> Self {
+        let Some((by, moments)) = normalised(matches) else { return Self::default() };
+        let solved = Solved::of(moments.transfer());
+        let mut system = Self::solved_by(matches.len(), by, &solved);
+        system.facts.push(equations("h", 2 * matches.len()));
+        system.matrices.push(matrix(("H", "of the normalised points"), &solved.vectors[0]));
+        system
+    }
+
+    /// The system A f = 0 of a fundamental matrix between normalised points (Hartley 1997): an equation for each match. Seven leave two
+    /// solutions to be mixed; from eight on the singular values of the one solution are shown, of which the smallest becomes 0.
+    pub fn of_fundamental(matches: &[Correspondence]) -> Self {
+        let Some((by, moments)) = normalised(matches) else { return Self::default() };
+        let solved = Solved::of(moments.bilinear());
+        let mut system = Self::solved_by(matches.len(), by, &solved);
+        system.facts.push(equations("f", matches.len()));
+        let [least, next] = &solved.vectors;
+        if matches.len() < 8 {
+            system.matrices.push(matrix(("F₁", "solution, to be mixed"), least));
+            system.matrices.push(matrix(("F₂", "solution, to be mixed"), next));
+            return system;
+        }
+        let values = Square::from_fn(|i, j| least[i][j]).singular_values();
+        system.matrices.push(matrix(("F", "of the normalised points"), least));
+        let mut values = [values[0], values[1], values[2]];
+        values.sort_by(|a, b| b.total_cmp(a));
+        system.matrices.push(shown(
+            ("s", "singular values; the last becomes 0"),
+            Grid::from_fn(1, 3, |_, y| values[y]),
+            4,
+        ));
+        system
+    }
+
+    /// The normal equations N X = R of an affine map, with the points of frame t relative to their mean.
+    pub fn of_affine(matches: &[Correspondence]) -> Self {
+        let (_, normal, right) = normal_equations(matches);
+        let columns =
+            |count: usize, labels: [&str; 3]| labels.iter().take(count).map(|label| (*label).to_owned()).collect();
+        let normal = Matrix {
+            columns: columns(3, ["x", "y", "1"]),
+            ..shown(("N", "sums of products, px²"), Grid::from_fn(3, 3, |x, y| normal[(y, x)]), 1)
+        };
+        let right = Matrix {
+            columns: columns(2, ["x′", "y′", ""]),
+            ..shown(("R", "right-hand sides, px²"), Grid::from_fn(2, 3, |x, y| right[(y, x)]), 1)
+        };
+        Self { facts: Vec::new(), matrices: vec![normal, right] }
+    }
+
+    /// The normalisations and the eigenvalues.
+    fn solved_by(count: usize, by: [Normalisation; 2], solved: &Solved) -> Self {
+        let per_match = |i: usize| solved.eigenvalues[i] / count as f64;
+        let values = Grid::from_fn(1, SHOWN.len(), |_, y| per_match(SHOWN[y].0));
+        let rows = SHOWN.map(|(_, name)| name.to_owned()).to_vec();
+        let [from, to] = by;
+        let matrices = vec![
+            matrix(("T", "normalisation of frame t"), &from.matrix()),
+            matrix(("T′", "normalisation of frame t+1"), &to.matrix()),
+            Matrix { rows, ..shown(("λ", "eigenvalues of AᵀA per match"), values, 6) },
+        ];
+        Self { facts: Vec::new(), matrices }
+    }
+}
+
+/// Eigenvalues of a normal matrix, largest first, and the eigenvectors of the smallest and the next, by rows.
+struct Solved {
+    eigenvalues: [f64; 9],
+    vectors: [Matrix3; 2],
+}
+
+impl Solved {
+    fn of(normal: Normal) -> Self {
+        let eigen = normal.symmetric_eigen();
+        let mut order: [usize; 9] = std::array::from_fn(|i| i);
+        order.sort_by(|a, b| eigen.eigenvalues[*b].total_cmp(&eigen.eigenvalues[*a]));
+        let vector = |i: usize| {
+            let column = eigen.eigenvectors.column(order[i]);
+            std::array::from_fn(|row| std::array::from_fn(|x| column[3 * row + x]))
+        };
+        // Rounding leaves tiny negative ones.
+        Self { eigenvalues: order.map(|i| eigen.eigenvalues[i].max(0.0)), vectors: [vector(8), vector(7)] }
+    }
+}
+
+fn normalised(matches: &[Correspondence]) -> Option<([Normalisation; 2], Moments)> {
+    let from = Normalisation::of(matches.iter().map(|m| m.from))?;
+    let to = Normalisation::of(matches.iter().map(|m| m.to))?;
+    let moments = Moments::of(matches, [&from, &to], &vec![1.0; matches.len()]);
+    Some(([from, to], moments))
+}
+
+fn equations(unknown: &str, count: usize) -> Fact {
+    Fact::new("Linear system", format!("A {unknown} = 0 with {}×9 entries", grouped(count)), None)
+}
+
+fn matrix(names: (&'static str, &'static str), entries: &Matrix3) -> Matrix {
+    shown(names, Grid::from_fn(3, 3, |x, y| entries[y][x]), 4)
+}
+
+fn shown((symbol, name): (&'static str, &'static str), entries: Grid<f64>, decimals: usize) -> Matrix {
+    let (rows, columns) = (Vec::new(), Vec::new());
+    Matrix { symbol, name, role: None, entries, rows, columns, changed: None, decimals: Some(decimals) }
+}
