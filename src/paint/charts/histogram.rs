@@ -89,7 +89,7 @@ fn details(histogram: &Histogram) -> Vec<String> {
         (false, _) => Some("bins of ¼ px".to_owned()),
     };
     // A field of real numbers has as many displacements as pixels, and none of them is coded.
-    let entropy = histogram.bits.map(|bits| format!("entropy {bits:.2} bits each"));
+    let entropy = histogram.bits.map(|bits| format!("entropy {bits:.2} bits per vector"));
     bins.into_iter().chain(entropy).collect()
 }
 
@@ -206,17 +206,17 @@ mod tests {
     fn a_histogram_tells_itself_in_words() {
         let whole = Histogram::of(Counted::default(), &[[3.0, -1.0], [3.0, -1.0], [0.0, 0.0], [1.0, 0.0]], true);
         let whole = whole.expect("there are vectors");
-        assert_eq!(summary(&whole), "4 blocks, 3 displacements; entropy 1.50 bits each");
+        assert_eq!(summary(&whole), "4 blocks, 3 displacements; entropy 1.50 bits per vector");
         let description = |at| description(&whole, at, true);
         assert_eq!(description([3, -1]), "2 blocks by (3, −1) px, 50.0 %; a click goes to the first");
         assert_eq!(description([2, 2]), "0 blocks by (2, 2) px, 0.0 %");
         assert_eq!(description([0, 0]), "1 block by (0, 0) px, 25.0 %; a click goes to the first");
         let fine =
             Histogram::of(Counted { first_unit: 20, level: Some(2) }, &[[0.25, 0.0]], false).expect("there is one");
-        assert_eq!(summary(&fine), "1 block of level 2, one displacement; bins of ¼ px; entropy 0.00 bits each");
+        assert_eq!(summary(&fine), "1 block of level 2, one displacement; bins of ¼ px; entropy 0.00 bits per vector");
         assert!(super::description(&fine, [1, 0], false).starts_with("1 block by (0.25, 0.00) px"));
         let fitted = Histogram::of(Counted::default(), &[[0.3, 0.0]], false).expect("there is one");
-        assert_eq!(summary(&fitted), "1 block, one displacement; bins of 1 px; entropy 0.00 bits each");
+        assert_eq!(summary(&fitted), "1 block, one displacement; bins of 1 px; entropy 0.00 bits per vector");
     }
 
     #[test]

@@ -50,7 +50,7 @@ impl Window {
     /// All that `plane` shows at first: all points, and of few lines each that does not lie much farther away.
     pub fn whole(plane: &Plane) -> Self {
         let mut reaches = std::iter::successors(Some(plane.reach), |reach| Some(2.0 * reach));
-        let all = |reach: f32| plane.lines.iter().all(|line| line.within(reach).is_some());
+        let all = |reach: f32| plane.lines.iter().all(|line| seen_from(line, plane.center).within(reach).is_some());
         let found = reaches.find(|reach| *reach > FOR_LINE * plane.reach || all(*reach));
         let reach = found.filter(|reach| plane.lines.len() <= FEW && *reach <= FOR_LINE * plane.reach);
         Self { center: plane.center, reach: reach.unwrap_or(plane.reach) }
@@ -139,10 +139,15 @@ impl Square {
     /// The part of a line that is seen.
     fn part(&self, line: &Constraint) -> Option<[Point; 2]> {
         let Window { center: [u, v], reach } = self.window;
-        let [a, b, c] = line.factors;
-        let ends = Constraint { factors: [a, b, c + a * u + b * v], ..*line }.within(reach)?;
+        let ends = seen_from(line, [u, v]).within(reach)?;
         Some(ends.map(|end| self.at([end[0] + u, end[1] + v])))
     }
+}
+
+/// The line in displacements counted from `center`.
+fn seen_from(line: &Constraint, [u, v]: [f32; 2]) -> Constraint {
+    let [a, b, c] = line.factors;
+    Constraint { factors: [a, b, c + a * u + b * v], ..*line }
 }
 
 /// Lays the plane out as large as it fits into `area`.
