@@ -456,8 +456,13 @@ fn tiles_light_the_same_pixel_and_tell_its_numbers() {
 
 #[test]
 fn windows_are_seen_whole_and_read_at_a_click() {
-    let tile =
-        |label| Tile { label, role: None, values: Grid::from_fn(15, 15, |x, y| (x * y) as f32), range: [0.0, 255.0] };
+    let tile = |label| Tile {
+        label,
+        role: None,
+        values: Grid::from_fn(15, 15, |x, y| (x * y) as f32),
+        range: [0.0, 255.0],
+        framed: Vec::new(),
+    };
     let (shown, size) = ([tile("Window"), tile("Its place"), tile("δI")], vec2(440.0, 240.0));
     let mut state = tiles::State::default();
     let mut harness = harness(size, Theme::Dark, |ui| {
