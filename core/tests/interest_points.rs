@@ -337,7 +337,7 @@ fn orb_tells_the_windows_of_each_bit_as_they_are() {
     for k in 0..256 {
         walk.jump(Move::To(Cursor { unit: 1, event: k + 2 }));
         let said = walk.step(None).sentence.plain();
-        let told = common::numbers(&said.replace("5×5", ""));
+        let told = common::numbers(&said.replace("5×5", "").replace("of level 0", ""));
         // Pair, of 256, angle, x, y, mean, mean, x, y, bit.
         let [pair, _, _, x, y, a, b, u, v, bit] = told[..] else { panic!("{said}: {told:?}") };
         assert_eq!(pair as usize, k + 1);

@@ -1,7 +1,7 @@
 //! The explanation and the drawing of robust estimation.
 
 use super::declare::line;
-use super::doubt::{Doubt, LEAST_SPREAD_PX};
+use super::doubt::{Doubt, LEAST_SPREAD_PX, distinct};
 use super::{Best, Estimate, Event, Fixed, Robust, RobustModel, Sequel, Settings, State};
 use crate::base::words::{self, grouped};
 use crate::geometry::Grid;
@@ -59,7 +59,11 @@ impl<M: RobustModel> Robust<M> {
                     Event::Sample(indices) => Some(chosen(&state.fixed.points, indices)),
                     _ => None,
                 });
-                let why = self.0.why_none(&drawn.unwrap_or_default());
+                let drawn = drawn.unwrap_or_default();
+                let why = match distinct(&drawn) < drawn.len() {
+                    true => "some of its matches share a position",
+                    false => self.0.why_none(&drawn),
+                };
                 let said = said.ink(Role::Rejected, "The sample determines no model");
                 (line::HYPOTHESISE, said.text(format!(": {why}. It is skipped.")))
             }
