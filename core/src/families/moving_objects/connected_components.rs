@@ -1,6 +1,7 @@
 //! Connected-component labelling, row by row, with a union–find forest of labels.
 
 mod explain;
+mod forest;
 
 use std::sync::Arc;
 
@@ -163,7 +164,7 @@ impl Estimator for ConnectedComponents {
         frames: 2,
     };
     const GUARANTEE: Guarantee = Guarantee::Objects;
-    const CHARTS: &'static [Chart] = &[Chart::Series];
+    const CHARTS: &'static [Chart] = &[Chart::Diagram, Chart::Series];
     const PRODUCES: &'static [&'static ProductKind] = &[MaskField::KIND, ObjectField::KIND];
     type State = State;
     type Event = Event;

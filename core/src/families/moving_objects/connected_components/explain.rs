@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{ConnectedComponents, Event, MaskedFrame, State, line};
+use super::{ConnectedComponents, Event, MaskedFrame, State, forest, line};
 use crate::base::words;
 use crate::data::{LabelEvent, Run};
 use crate::geometry::Grid;
@@ -185,6 +185,11 @@ impl ConnectedComponents {
         facts.push(Fact::new("Label → parent", labels.forest(), None));
         let now = seen.after.unwrap_or(state);
         let mut readouts = vec![Readout::Facts(facts)];
+        let union = match seen.events.last() {
+            Some(Event::Run(LabelEvent::Merged(.., union))) => Some(*union),
+            _ => None,
+        };
+        readouts.extend(forest::drawn(&labels.parents, union).map(Readout::Diagram));
         readouts.extend(plots(&now.record, &state.span));
         readouts
     }
