@@ -88,7 +88,6 @@ fn clusters_of_an_estimated_flow_are_nearly_the_rigid_layers() {
     for method in ["k-means", "gaussian-mixture", "mean-shift"] {
         let found = segments("motion-clustering", &[("method", method)], &clip);
         let [index, overlap] = scores(&found, &clip, 0);
-        println!("{method}: {index}, {overlap}, {} segments", found.frames[0].segments.len());
         assert!(index >= 0.85, "{method}: {index}, {overlap}");
     }
 }
@@ -109,7 +108,6 @@ fn layers_of_an_estimated_flow_are_nearly_the_rigid_motions() {
         let clip = clip(scene, &[("frames", "2")]);
         let found = segments("motion-layers", &[], &clip);
         let [index, overlap] = scores(&found, &clip, 0);
-        println!("layers {scene}: {index}, {overlap}, {} segments", found.frames[0].segments.len());
         assert!(index >= 0.85, "{scene}: {index}, {overlap}");
     }
 }
@@ -354,7 +352,6 @@ fn regions_of_an_estimated_flow_are_nearly_the_rigid_layers() {
     for method in METHODS {
         let found = segments("flow-segmentation", &[("method", method)], &clip);
         let [index, overlap] = scores(&found, &clip, 0);
-        println!("{method}: {index}, {overlap}, {} segments", found.frames[0].segments.len());
         assert!(index >= 0.85, "{method}: {index}, {overlap}");
     }
 }

@@ -23,7 +23,7 @@ crate::params! {
         /// Period of the repeating pattern.
         period: u32 = 16, 4..=64, "px";
         /// Share of the background behind moving objects that is covered by patches with their colours and texture: clutter of like colour.
-        /// No effect in scenes without objects.
+        /// No effect in scenes without objects, and in scenes of bodies in space.
         clutter: f32 = 0.0, 0.0..=100.0, "%";
         /// Multiplicative brightness change per frame (negative: darker), over four frames; over the next four it reverses.
         gain: f32 = 0.0, -10.0..=10.0, "%/frame";

@@ -375,7 +375,7 @@ pub static GLOSSARY: &[Term] = &[
         Trajectories,
         "control point",
         &["control points"],
-        "A point on an edge of a model at whose projection the edge in the picture is searched along the normal.",
+        "A point on an edge of a model. From its projection, the edge in the picture is searched along the normal.",
     ),
     term(
         MotionVectors,

@@ -66,7 +66,6 @@ pub struct Data {
 /// The next unit of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Phase {
-    Begin,
     Merge,
     Label,
 }
@@ -118,8 +117,19 @@ pub struct Region {
     pixels: Vec<u32>,
     /// Its mean displacement in px/frame.
     mean: [f64; 2],
-    /// Neighbours that were too different.
+    /// Comparisons with a neighbour that was too different; a neighbour is compared from each side.
     refused: usize,
+}
+
+/// The merging of small regions.
+#[derive(Clone)]
+pub struct Absorbed {
+    /// Number of merges; one may join two small regions.
+    merges: usize,
+    /// Number of regions left.
+    left: usize,
+    /// The regions afterwards.
+    forest: Arc<Forest>,
 }
 
 /// An event of a unit.
@@ -133,8 +143,8 @@ pub enum Event {
     Merged(Part, Arc<Forest>),
     /// A region has grown.
     Grown(Arc<Region>),
-    /// Small regions are merged; their number, and that of the regions left.
-    Absorbed { small: usize, left: usize },
+    /// Regions are merged because one of them is small.
+    Absorbed(Absorbed),
     /// The segments of the frame.
     Labelled(Arc<SegmentFrame>),
 }
@@ -191,8 +201,8 @@ impl FlowSegmentation {
             return Ok(Progress::More);
         };
         match (state.phase, self.method) {
-            (Phase::Begin | Phase::Merge, Growth::Graph) => self.merge_part(&data, state, observer),
-            (Phase::Begin | Phase::Merge, Growth::Growing) => self.grow(&data, state, observer),
+            (Phase::Merge, Growth::Graph) => self.merge_part(&data, state, observer),
+            (Phase::Merge, Growth::Growing) => self.grow(&data, state, observer),
             (Phase::Label, _) => {
                 self.label(&data, state, observer);
                 return Ok(state.record.progress(clip));
@@ -308,8 +318,8 @@ impl FlowSegmentation {
             }
         }
         let unknown = (0..pixels).filter(|pixel| !data.is_known(*pixel)).count();
-        let (small, left) = (before - forest.regions(), forest.regions() - unknown);
-        observer.see(|| Event::Absorbed { small, left });
+        let (merges, left) = (before - forest.regions(), forest.regions() - unknown);
+        observer.see(|| Event::Absorbed(Absorbed { merges, left, forest: Arc::clone(&state.forest) }));
         let segments = state.record.add(&data.labels(&state.forest), &data.flow, |_| None);
         observer.see(|| Event::Labelled(segments));
         *state = State::new(state.record.clone());
@@ -330,7 +340,7 @@ impl State {
     fn new(record: Record) -> Self {
         Self {
             record,
-            phase: Phase::Begin,
+            phase: Phase::Merge,
             round: 0,
             data: None,
             forest: Arc::default(),
@@ -358,8 +368,8 @@ impl Estimator for FlowSegmentation {
         name: "Flow segmentation",
         family: "Motion segmentation",
         summary: "Divides the flow into connected regions along its jumps, by graph-based merging or by region growing.",
-        source: "P. Felzenszwalb and D. Huttenlocher, Efficient graph-based image segmentation, IJCV 59(2), 2004; region growing: R. Adams and \
-                 L. Bischof, Seeded region growing, PAMI 16(6), 1994",
+        source: "P. Felzenszwalb and D. Huttenlocher, Efficient graph-based image segmentation, IJCV 59(2), 2004; region growing: S. W. \
+                 Zucker, Region growing: childhood and adolescence, CGIP 5(3), 1976",
         pseudocode: line::ALL,
         granularities: &["clip", "frame", "round", "step"],
         frames: 2,

@@ -33,7 +33,7 @@ fn layers(setting: &Setting) -> Vec<Layer> {
     ]
 }
 
-/// A yellow field with a red half and a dark arrow, which no rotation but the whole turn repeats.
+/// A yellow field with a red half and a dark bar, which no rotation but the whole turn repeats.
 pub(super) fn sign(spot: Spot) -> Rgb {
     let half = mix(rgb(0xd8a021), rgb(0xb3261e), spot.cover(spot.y - 4.0));
     let shaft = 4.0 - (spot.x + 6.0).abs();

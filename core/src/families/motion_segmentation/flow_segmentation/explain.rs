@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Comparison, Data, Event, FlowSegmentation, Growth, PARTS, Part, Region, line};
+use super::{Absorbed, Comparison, Data, Event, FlowSegmentation, Growth, PARTS, Part, Region, line};
 use crate::base::words;
 use crate::geometry::Grid;
 use crate::methods::differential::field;
@@ -30,7 +30,7 @@ fn data<'a>(seen: &'a Seen<FlowSegmentation>) -> Option<&'a Arc<Data>> {
 /// The regions at the cursor.
 fn forest<'a>(seen: &'a Seen<FlowSegmentation>) -> &'a Forest {
     let merged = seen.events.iter().rev().find_map(|event| match event {
-        Event::Merged(_, forest) => Some(&**forest),
+        Event::Merged(_, forest) | Event::Absorbed(Absorbed { forest, .. }) => Some(&**forest),
         _ => None,
     });
     merged.unwrap_or(&seen.before.forest)
@@ -48,7 +48,7 @@ impl FlowSegmentation {
             Some(Event::Sorted(_)) => line::SORT,
             Some(Event::Merged(..)) => line::MERGE,
             Some(Event::Grown(_)) => line::GROW,
-            Some(Event::Absorbed { .. }) => line::ABSORB,
+            Some(Event::Absorbed(_)) => line::ABSORB,
             Some(Event::Labelled(_)) => line::LABEL,
         };
         Step { line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
@@ -69,10 +69,10 @@ impl FlowSegmentation {
                 .text(" between neighbours are sorted by the difference of their displacements, so that similar pixels are merged before a jump is met."),
             Some(Event::Merged(part, _)) => self.merged(part),
             Some(Event::Grown(region)) => self.grown(seen, region),
-            Some(Event::Absorbed { small, left }) => said
-                .ink(Role::Rejected, words::counted(*small, "region"))
+            Some(Event::Absorbed(Absorbed { merges, left, .. })) => said
+                .ink(Role::Rejected, words::counted(*merges, "merge"))
                 .text(format!(
-                    " of less than {} of the picture merged with a neighbour; such regions lie along jumps that the flow smooths. ",
+                    " of a region of less than {} of the picture with a neighbour; such regions lie along jumps that the flow smooths. ",
                     percent(f64::from(self.min_area) / 100.0)
                 ))
                 .ink(Role::Result, words::counted(*left, "region"))
@@ -120,9 +120,9 @@ impl FlowSegmentation {
             .text(" with the mean displacement ")
             .ink(Role::Measured, words::place(region.mean.map(|c| c as f32)))
             .text(format!(
-                " px/frame. It stops where neighbours differ from the mean by more than {} px/frame, {} times.",
+                " px/frame. It stops where neighbours differ from the mean by more than {} px/frame, in {}.",
                 px(self.tolerance.into()),
-                words::grouped(region.refused)
+                words::counted(region.refused, "comparison")
             ))
     }
 
@@ -146,7 +146,7 @@ impl FlowSegmentation {
                     Some(Role::Result),
                 ));
             }
-            Event::Absorbed { left, .. } => facts.push(Fact::new("Regions", words::grouped(*left), Some(Role::Result))),
+            Event::Absorbed(Absorbed { left, .. }) => facts.push(Fact::new("Regions", words::grouped(*left), Some(Role::Result))),
             Event::Flow(_) | Event::Sorted(_) => {
                 let edges = data(seen).map_or(0, |data| data.edges.len());
                 facts.push(Fact::new("Edges", words::grouped(edges), None));
@@ -221,7 +221,7 @@ impl FlowSegmentation {
             Event::Sorted(_) => {
                 draw_jumps(scene, data);
             }
-            Event::Merged(_, forest) => draw_regions(scene, data, forest),
+            Event::Merged(_, forest) | Event::Absorbed(Absorbed { forest, .. }) => draw_regions(scene, data, forest),
             Event::Grown(region) => {
                 draw_regions(scene, data, &seen.before.forest);
                 let mut pixels = vec![false; data.flow.0.cells().len()];
@@ -234,7 +234,6 @@ impl FlowSegmentation {
                 scene.legend(Role::Result, "new region");
                 scene.legend(Role::Candidate, "its first pixel");
             }
-            Event::Absorbed { .. } => draw_regions(scene, data, &seen.before.forest),
             Event::Labelled(frame) => draw_segments(scene, frame),
         }
     }

@@ -1,7 +1,7 @@
 //! The wheel of a resampling: an arc for each particle, as long as its weight, and the pointers that choose the copies.
 
 use super::{Resampled, Resampling};
-use crate::base::words::grouped;
+use crate::base::words::{counted, grouped};
 use crate::methods::numbers::ratio;
 use crate::scene::{Diagram, DiagramLine, Role, Words};
 
@@ -114,7 +114,7 @@ fn middle(resampled: &Resampled, resampling: Resampling, every: usize) -> Vec<Wo
     let lines = [
         (pointers, Some(Role::Measured)),
         (drawn.unwrap_or_else(|| "an arc is as long as a weight".into()), None),
-        (format!("{} particles chosen", grouped(survivors)), Some(Role::Best)),
+        (format!("{} chosen", counted(survivors, "particle")), Some(Role::Best)),
         (format!("{} not chosen", grouped(resampled.copies.len() - survivors)), Some(Role::Rejected)),
     ];
     let line = |(i, (text, role)): (usize, (String, Option<Role>))| Words {

@@ -22,12 +22,10 @@ struct Leaf {
     is_deleted: bool,
 }
 
-/// The hypotheses of a cluster, the most probable first.
+/// The hypotheses of a cluster: the leading one, then the others, the most probable first. The first [`MOST_LEAVES`] are drawn.
 #[derive(Clone, Debug)]
 pub struct Tree {
     leaves: Vec<Leaf>,
-    /// The number of hypotheses that are not drawn.
-    others: usize,
 }
 
 impl Tree {
@@ -50,11 +48,11 @@ impl Tree {
         };
         let all = cluster.hypotheses.iter().map(|one| leaf(one, kept, false));
         let mut leaves: Vec<Leaf> = all.chain(deleted.iter().map(|one| leaf(one, 1.0, true))).collect();
-        // The leader stays the first, because the sort is stable.
-        leaves.sort_by(|a, b| b.probability.total_cmp(&a.probability));
-        let others = leaves.len().saturating_sub(MOST_LEAVES);
-        leaves.truncate(MOST_LEAVES);
-        Self { leaves, others }
+        // The leader stays the first, even where rounding makes another one more probable.
+        if let Some((_, others)) = leaves.split_first_mut() {
+            others.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+        }
+        Self { leaves }
     }
 
     /// Whether one of the hypotheses ends with a scan.
@@ -75,7 +73,7 @@ impl Tree {
     pub fn drawn(&self, notes: &[String]) -> Diagram {
         let frames = self.frames();
         let mut drawing = Drawing { tree: self, frames: &frames, rows: 0, diagram: Diagram::default() };
-        let all: Vec<usize> = (0..self.leaves.len()).collect();
+        let all: Vec<usize> = (0..self.leaves.len().min(MOST_LEAVES)).collect();
         let root = drawing.grow(&all, 0);
         drawing.node((0, root), &all);
         let rows = drawing.rows;
@@ -88,7 +86,8 @@ impl Tree {
             at: [0.1, rows as f32 + 1.5 + i as f32],
             side: 1,
         };
-        let others = (self.others > 0).then(|| format!("{} less probable ones are not drawn", self.others));
+        let others = self.leaves.len() - all.len();
+        let others = (others > 0).then(|| format!("{others} less probable ones are not drawn"));
         let notes: Vec<String> = others.into_iter().chain(notes.iter().cloned()).collect();
         diagram.size = [width, rows as f32 + 1.5 + notes.len() as f32];
         diagram.words.extend(notes.into_iter().enumerate().map(note));
@@ -108,14 +107,16 @@ impl Tree {
         let leader = self.leaves.first().map_or(0.0, |leaf| leaf.probability);
         format!(
             "Tree of {} hypotheses over {} undecided frames: the leading one has a probability of {}, N-scan pruning deletes {deleted}",
-            self.leaves.len() + self.others,
+            self.leaves.len(),
             frames.len(),
             ratio(leader)
         )
     }
 
-    fn probability(&self, leaves: &[usize]) -> f64 {
-        leaves.iter().map(|leaf| self.leaves[*leaf].probability).sum()
+    /// The probability of the branch to a leaf over these frames: of all hypotheses that share it, drawn or not.
+    fn probability(&self, leaf: usize, frames: &[usize]) -> f64 {
+        let shares = |other: &usize| frames.iter().all(|frame| self.claims(*other, *frame) == self.claims(leaf, *frame));
+        (0..self.leaves.len()).filter(shares).map(|other| self.leaves[other].probability).sum()
     }
 
     /// What a hypothesis says of a frame.
@@ -165,7 +166,7 @@ impl Drawing<'_> {
             self.diagram.lines.push(DiagramLine { role, width, is_faded, points });
             self.node((depth + 1, height), group);
             if groups.len() > 1 && depth + 1 < self.frames.len() {
-                let text = ratio(self.tree.probability(group));
+                let text = ratio(self.tree.probability(group[0], &self.frames[..=depth]));
                 self.diagram.words.push(Words {
                     text,
                     role: Some(role),
@@ -198,7 +199,7 @@ impl Drawing<'_> {
         }
         let last = self.frames.last().map_or(&[][..], |frame| self.tree.claims(group[0], *frame));
         let why = if role == Role::Rejected { ", N-scan" } else { "" };
-        let text = format!("{}{why}  {}", ratio(self.tree.probability(group)), short(last));
+        let text = format!("{}{why}  {}", ratio(self.tree.probability(group[0], self.frames)), short(last));
         self.diagram.words.push(Words { text, role: Some(role), at: [at[0] + 0.12, height], side: 1 });
     }
 }
@@ -258,5 +259,22 @@ mod tests {
         }
         let is_inside = |at: &[f32; 2]| (0..2).all(|i| (0.0..=diagram.size[i]).contains(&at[i]));
         assert!(diagram.lines.iter().flat_map(|line| &line.points).all(is_inside));
+    }
+
+    #[test]
+    fn the_leader_stays_first_and_branches_count_what_is_not_drawn() {
+        let [a, b] = [Origin::Track(1), Origin::False].map(|origin| scan(4, origin));
+        let ends: Vec<_> = (0..20).map(|id| scan(5, Origin::New(id))).collect();
+        // All are equally probable, and the deleted one by rounding a little more.
+        let kept = ends.iter().map(|end| hypothesis(0, 0.05, &[&a, end])).collect();
+        let cluster = Cluster { tracks: Vec::new(), hypotheses: kept };
+        let deleted = [vec![hypothesis(1, 0.05 / 1.05 + 1e-12, &[&b, &ends[0]])]];
+        let tree = Tree::largest(&[cluster], &deleted).expect("a tree");
+        assert!(!tree.leaves[0].is_deleted && tree.leaves[1].is_deleted);
+        let diagram = tree.drawn(&[]);
+        let words: Vec<&str> = diagram.words.iter().map(|words| &words.text[..]).collect();
+        // 20 of 21 equal hypotheses share the branch, 15 of them are drawn.
+        assert!(words.contains(&"0.952") && words.contains(&"5 less probable ones are not drawn"), "{words:?}");
+        assert!(diagram.summary.contains("Tree of 21 hypotheses"), "{}", diagram.summary);
     }
 }
