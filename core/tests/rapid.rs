@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::set;
+use common::{fact, set};
 use motionscope_core::scene::{Readout, Step};
 use motionscope_core::{AnyEstimator, Clip, Direction, Frame, Grid, Move, Params, Pose, RegionField, Threads, synth};
 
@@ -50,10 +50,10 @@ fn pose(step: &Step) -> Pose {
     Pose { rotation, translation: [0, 1, 2].map(|y| entries[(3, y)]) }
 }
 
-/// The largest errors of the angles in degrees, across the optical axis and along it in mm, over all frames but the lost ones.
+/// The largest errors of the angles in degrees, across the optical axis and along it in mm, over all frames.
 fn errors(settings: &[(&str, &str)], clip: &Clip) -> [f64; 3] {
     let truth = clip.truth().expect("a truth");
-    let judged = steps(&*set("rapid", settings), clip, "of the control points have an edge");
+    let judged = steps(&*set("rapid", settings), clip, "Pose: turn");
     let each = judged.iter().enumerate().map(|(t, step)| {
         let exact = truth.pose(1, t).expect("readable").expect("a pose");
         let [rotation, shift] = exact.motion_to(&pose(step));
@@ -147,9 +147,12 @@ fn moved([x, y, z]: [f64; 3], origin: [f64; 3], by: [f64; 6]) -> [f64; 3] {
     [0, 1, 2].map(|i| turned[i] + origin[i] + by[3 + i])
 }
 
-/// The six parameters of one iteration (Harris 1990): the derivatives of the projections are differences.
-fn iterated(picture: &Grid<u8>, pose: &Pose) -> [f64; 6] {
-    let mut system = [[0.0; 7]; 6];
+/// An equation of an edge: the derivatives of its distance by the six parameters, and the distance in px.
+type Equation = ([f64; 6], f64);
+
+/// The equations of one iteration (Harris 1990): the derivatives of the projections are differences.
+fn equations(picture: &Grid<u8>, pose: &Pose) -> Vec<Equation> {
+    let mut all = Vec::new();
     for [from, to] in visible(pose) {
         let [a, b] = [projected(from), projected(to)];
         let length = (b[0] - a[0]).hypot(b[1] - a[1]);
@@ -169,42 +172,74 @@ fn iterated(picture: &Grid<u8>, pose: &Pose) -> [f64; 6] {
                 };
                 (along(1e-5) - along(-1e-5)) / 2e-5
             };
-            let row: [f64; 6] = std::array::from_fn(slope);
-            for k in 0..6 {
-                (0..6).for_each(|l| system[k][l] += row[k] * row[l]);
-                system[k][6] += row[k] * distance;
-            }
+            all.push((std::array::from_fn(slope), distance));
+        }
+    }
+    all
+}
+
+/// The weighted least-squares solution of equations.
+fn fitted(all: &[Equation], weights: &[f64]) -> [f64; 6] {
+    let mut system = [[0.0; 7]; 6];
+    for ((row, distance), weight) in all.iter().zip(weights) {
+        for k in 0..6 {
+            (0..6).for_each(|l| system[k][l] += weight * row[k] * row[l]);
+            system[k][6] += weight * row[k] * distance;
         }
     }
     solved(system)
 }
 
+/// Three times weights 1/(1 + |r|), r the distances that the solution with the last ones leaves (Drummond and Cipolla 2002).
+fn robust_weights(all: &[Equation]) -> Vec<f64> {
+    let mut weights = vec![1.0; all.len()];
+    for _ in 0..3 {
+        let motion = fitted(all, &weights);
+        let left = |(row, distance): &Equation| distance - (0..6).map(|k| row[k] * motion[k]).sum::<f64>();
+        weights = all.iter().map(|equation| 1.0 / (1.0 + left(equation).abs())).collect();
+    }
+    weights
+}
+
 #[test]
 fn iterations_are_those_of_the_definition() {
     let clip = turning(&[]);
-    let estimator = set("rapid", &[("frames", "6")]);
-    let judged = steps(&*estimator, &clip, "of the control points have an edge");
-    let first = steps(&*estimator, &clip, "Iteration 1:");
-    assert_eq!((judged.len(), first.len()), (6, 6));
-    for t in 1..6 {
-        // Without a prediction, a frame starts at the pose of the one before.
-        let before = pose(&judged[t - 1]);
-        let expected = iterated(clip.frame(t).expect("a frame").luma(), &before);
-        let found = before.motion_to(&pose(&first[t]));
-        for (i, (found, expected)) in found.as_flattened().iter().zip(expected).enumerate() {
-            assert!((found - expected).abs() < 1e-5, "frame {t}, parameter {i}: {found}, {expected}");
+    for weighting in ["equal", "robust"] {
+        let estimator = set("rapid", &[("frames", "6"), ("weighting", weighting)]);
+        let judged = steps(&*estimator, &clip, "Pose: turn");
+        let first = steps(&*estimator, &clip, "Iteration 1:");
+        assert_eq!((judged.len(), first.len()), (6, 6));
+        for t in 1..6 {
+            // Without a prediction, a frame starts at the pose of the one before.
+            let before = pose(&judged[t - 1]);
+            let all = equations(clip.frame(t).expect("a frame").luma(), &before);
+            let weights = if weighting == "robust" { robust_weights(&all) } else { vec![1.0; all.len()] };
+            let expected = fitted(&all, &weights);
+            let found = before.motion_to(&pose(&first[t]));
+            for (i, (found, expected)) in found.as_flattened().iter().zip(expected).enumerate() {
+                assert!((found - expected).abs() < 1e-5, "{weighting}, frame {t}, parameter {i}: {found}, {expected}");
+            }
         }
+    }
+}
+
+#[test]
+fn a_weighted_step_shows_its_weights_and_the_error_of_its_pose() {
+    let clip = turning(&[]);
+    for (weighting, what) in
+        [("equal", ". Least squares over 6 parameters"), ("robust", ". Weighted least squares over 6 parameters")]
+    {
+        let estimator = set("rapid", &[("frames", "2"), ("weighting", weighting)]);
+        assert!(!steps(&*estimator, &clip, what).is_empty(), "{weighting}");
+        let judged = steps(&*estimator, &clip, "Pose: turn");
+        assert!(judged.iter().all(|step| fact(step, "Error of the rotation").is_some_and(|text| text.ends_with('°'))));
     }
 }
 
 #[test]
 fn the_covariance_grows_with_noise() {
     let deviation = |noise: &str| {
-        let judged = steps(
-            &*set("rapid", &[("frames", "8")]),
-            &turning(&[("noise", noise)]),
-            "of the control points have an edge",
-        );
+        let judged = steps(&*set("rapid", &[("frames", "8")]), &turning(&[("noise", noise)]), "Pose: turn");
         judged.iter().map(|step| matrix(step, "P")[(5, 5)].sqrt()).sum::<f64>() / judged.len() as f64
     };
     let all = ["0", "8", "20"].map(deviation);
@@ -252,7 +287,7 @@ fn a_cylinder_is_followed_but_for_the_rotation_about_its_axis() {
     let settings =
         [("region", region.as_str()), ("solid", "cylinder"), ("width", "0.4"), ("height", "0.5"), ("depth", "0.4")];
     let settings = [&settings[..], &[("turn", "0"), ("tilt", "20"), ("frames", "12")]].concat();
-    let judged = steps(&*set("rapid", &settings), &clip, "of the control points have an edge");
+    let judged = steps(&*set("rapid", &settings), &clip, "Pose: turn");
     assert_eq!(judged.len(), 12);
     for (t, step) in judged.iter().enumerate() {
         let (found, exact) = (pose(step), exact(t));
@@ -262,6 +297,11 @@ fn a_cylinder_is_followed_but_for_the_rotation_about_its_axis() {
         let [_, shift] = found.motion_to(&exact);
         let off = shift.iter().map(|c| c * c).sum::<f64>().sqrt();
         assert!(angle < 1.5 && off < 0.03, "frame {t}: {angle}°, {off} m");
+        assert_eq!(fact(step, "Rotation about the axis of the cylinder").as_deref(), Some("held"));
+        // The held rotation has no variance: the axis and the covariance of the rotation are orthogonal.
+        let (covariance, axis) = (matrix(step, "P"), found.turned([0.0, 1.0, 0.0]));
+        let along = |y: usize| (0..3).map(|x| covariance[(x, y)] * axis[x]).sum::<f64>();
+        assert!((0..6).all(|y| along(y).abs() < 1e-9), "frame {t}: {covariance:?}");
     }
 }
 

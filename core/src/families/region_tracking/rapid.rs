@@ -22,7 +22,8 @@ choices! {
     pub enum Solid {
         /// Box: its visible edges.
         Box = "box" "Box",
-        /// Upright cylinder: the ellipses of its ends and the two sides of its outline. No edge shows a rotation about its axis, which is held.
+        /// Upright cylinder: the ellipses of its ends and the two sides of its outline. With equal width and depth no edge shows a rotation
+        /// about its axis, which is held.
         Cylinder = "cylinder" "Cylinder",
     }
 }
@@ -244,8 +245,9 @@ pseudocode! {
     PLACE: "pose (R, T) ← turn, tilt, and the translation at which the model fills the region",
     EACH_FRAME: "for each frame t",
     PREDICT: "  if prediction: (R, T) ← (R, T) moved by the last motion",
-    REFINE: "  repeat: lᵢ ← distance of the strongest edge along the normal of control point i; (θ, Δ) ← (Σ cᵢ cᵢ^T)⁻¹ Σ cᵢ lᵢ",
-    JUDGE: "  P ← σ² (Σ cᵢ cᵢ^T)⁻¹; lost if the share of control points with an edge < min-share",
+    REFINE: "  repeat: lᵢ ← distance of the strongest edge along the normal of control point i; (θ, Δ) ← (Σ wᵢ cᵢ cᵢ^T + λ a a^T)⁻¹ Σ wᵢ cᵢ lᵢ, \
+             with wᵢ = 1 unless the weights are robust, and λ = 0 unless a rotation about an axis a is held",
+    JUDGE: "  P ← σ² (Σ wᵢ cᵢ cᵢ^T + λ a a^T)⁻¹ without the held rotation; lost if the share of control points with an edge < min-share",
     MOVE: "  the region is the rectangle around the projection, unless the object is lost",
 }
 
@@ -286,10 +288,11 @@ impl RegionModel for Rapid {
     }
 
     fn begin(&self, frame: &Arc<Frame>, region: Region, observer: &mut impl Observer<Event>) -> (Model, f32) {
-        let view = self.placed_in(region, frame.size());
-        observer.see(|| Event::Placed(view.clone()));
-        let view = self.refine(frame, view, observer);
-        let result = self.result((frame, region), &view, observer);
+        let placed = self.placed_in(region, frame.size());
+        observer.see(|| Event::Placed(placed.clone()));
+        let refined = self.refine(frame, placed.clone(), observer);
+        let result = self.result((frame, region), &refined, observer);
+        let view = if result.is_lost { placed } else { refined };
         (Model { view, motion: Motion::default(), result }, result.similarity)
     }
 

@@ -146,7 +146,9 @@ impl FlowSegmentation {
                     Some(Role::Result),
                 ));
             }
-            Event::Absorbed(Absorbed { left, .. }) => facts.push(Fact::new("Regions", words::grouped(*left), Some(Role::Result))),
+            Event::Absorbed(Absorbed { left, .. }) => {
+                facts.push(Fact::new("Regions", words::grouped(*left), Some(Role::Result)))
+            }
             Event::Flow(_) | Event::Sorted(_) => {
                 let edges = data(seen).map_or(0, |data| data.edges.len());
                 facts.push(Fact::new("Edges", words::grouped(edges), None));

@@ -1,7 +1,7 @@
 //! The explanation and the drawing of RAPiD.
 
 use super::fit::{FREEDOM, Sought};
-use super::{End, Event, Iteration, Judged, Model, Prediction, Rapid, Solid, View, Weighting};
+use super::{End, Event, Iteration, Judged, Model, Motion, Prediction, Rapid, Solid, View, Weighting};
 use crate::base::words::{counted, fixed};
 use crate::data::Pose;
 use crate::geometry::Grid;
@@ -48,6 +48,11 @@ impl Explained for Rapid {
         match at.event {
             Event::Placed(view) => self.placed_at(view, said),
             Event::Predicted([before, after]) => {
+                if at.model.is_some_and(|model| model.motion == Motion::default()) {
+                    return said.text(
+                        "Constant velocity: after the start or a loss there is no last motion, so the search starts at the last pose.",
+                    );
+                }
                 let [rotation, shift] = before.pose.motion_to(&after.pose);
                 said.text("Constant velocity: the pose is predicted with the last motion, a rotation by ")
                     .ink(Role::Predicted, degrees(length(rotation)))
@@ -94,8 +99,15 @@ impl Explained for Rapid {
                     let [a, b, c, x, y, z] = deviations(covariance);
                     let [a, b, c] = [a, b, c].map(degrees);
                     let [x, y, z] = [x, y, z].map(|m| fixed(1000.0 * m, 1));
-                    facts.push(Fact::new("σ of the rotation", format!("{a}, {b}, {c}"), None));
-                    facts.push(Fact::new("σ of the translation", format!("{x}, {y}, {z} mm"), None));
+                    facts.push(Fact::new("σ of the rotation about X, Y, Z", format!("{a}, {b}, {c}"), None));
+                    facts.push(Fact::new("σ of the translation along X, Y, Z", format!("{x}, {y}, {z} mm"), None));
+                }
+                if judged.view.sight().axis.is_some() {
+                    facts.push(Fact::new("Rotation about the axis of the cylinder", "held", None));
+                }
+                if let Some((angle, distance)) = error(at) {
+                    facts.push(Fact::new("Error of the rotation", angle, Some(Role::Error)));
+                    facts.push(Fact::new("Error of the translation", distance, Some(Role::Error)));
                 }
                 facts
             }
@@ -112,11 +124,11 @@ impl Explained for Rapid {
                 pose_matrix("last pose", Role::Reference, &before.pose),
                 pose_matrix("predicted pose", Role::Predicted, &after.pose),
             ])],
-            Event::Iterated(iteration) => of_iteration(iteration),
+            Event::Iterated(iteration) => self.of_iteration(iteration),
             Event::Judged(judged) => {
                 let mut matrices = vec![pose_matrix("pose of the model", Role::Estimate, &judged.view.pose)];
                 matrices.extend(judged.covariance.as_deref().map(covariance_matrix));
-                vec![Readout::Equation(vec![formula_of_covariance()]), Readout::Matrices(matrices)]
+                vec![Readout::Equation(vec![self.formula_of_covariance(&judged.view)]), Readout::Matrices(matrices)]
             }
         };
         readouts.extend(distances(at).map(Readout::Series));
@@ -158,24 +170,25 @@ impl Explained for Rapid {
         })
     }
 
-    fn advice(&self, ending: Ending, _at: &At<'_, Self>) -> String {
+    fn advice(&self, ending: Ending, at: &At<'_, Self>) -> String {
         if ending.outcome == Outcome::Unknown {
             return "Without ground truth an error of the pose is seen where the projected edges leave those of the object.".into();
         }
-        match (ending.outcome == Outcome::Followed, self.prediction) {
+        let advice = match (ending.outcome == Outcome::Followed, self.prediction) {
             (true, _) => {
                 "The edges of the object stayed within the search range, so each frame determined the pose anew: errors do not add up."
             }
             (false, Prediction::None) => {
-                "The edges left the search range between two frames, or other edges lay nearer. Constant velocity predicts the motion, and a \
+                "The edges left the search range between two frames, or other edges were stronger. Constant velocity predicts the motion, and a \
                  longer search range reaches farther but meets more edges of the background."
             }
             (false, Prediction::ConstantVelocity) => {
                 "The prediction missed by more than the search range, or other edges were stronger. Robust weights take influence from single \
                  wrong edges; a wrong pose that many of them support is not corrected."
             }
-        }
-        .into()
+        };
+        let off = error(at).map(|(angle, distance)| format!(" The last pose is off by {angle} and {distance}."));
+        format!("{advice}{}", off.unwrap_or_default())
     }
 }
 
@@ -213,7 +226,7 @@ impl Rapid {
             Weighting::Robust => "Weighted least squares",
         };
         let said = said
-            .text(format!(" {what} over 6 parameters: rotation by "))
+            .text(format!(" {what} over {}: rotation by ", Self::unknowns(&iteration.view)))
             .ink(Role::Estimate, degrees(length(rotation)))
             .text(", translation by ")
             .ink(Role::Estimate, translation(shift))
@@ -239,19 +252,21 @@ impl Rapid {
                 format!("turn {turn}, tilt {tilt}, translation {}", translation(judged.view.pose.translation)),
             )
             .text(format!(
-                ". {} of the control points have an edge ({}).",
-                crate::methods::numbers::percent(judged.share),
+                ". {} of {} have an edge.",
+                judged.sought.iter().filter(|sought| sought.edge.is_some()).count(),
                 counted(judged.sought.len(), "control point")
             ));
         let Some(covariance) = &judged.covariance else {
             return said.text(" The edges do not determine a pose: ").ink(Role::Error, "the object is lost").text(".");
         };
         let [.., x, y, z] = deviations(covariance);
+        let across = x.max(y);
+        let why = if z > across { ", since a change of distance moves the edges least" } else { "" };
         let said = said.text(format!(
             " The covariance is the variance of the residuals times the inverse of the normal matrix: σ is {} mm along the optical axis and {} \
-             mm across it, since a change of distance moves the edges least.",
+             mm across it{why}.",
             fixed(1000.0 * z, 1),
-            fixed(1000.0 * x.max(y), 1)
+            fixed(1000.0 * across, 1)
         ));
         match judged.is_lost {
             true => said
@@ -261,6 +276,64 @@ impl Rapid {
             false => said,
         }
     }
+
+    /// The parameters of an iteration in words.
+    fn unknowns(view: &View) -> &'static str {
+        match view.sight().axis {
+            None => "6 parameters",
+            Some(_) => "5 parameters, the rotation about the axis being held",
+        }
+    }
+
+    fn weight(&self) -> Vec<Math> {
+        let weight = || Math::indexed(Math::Var("w"), Math::Var("i"));
+        (self.weighting == Weighting::Robust).then(weight).into_iter().collect()
+    }
+
+    /// Σ w c cᵀ + λ a aᵀ; w of robust weights, a where a rotation is held.
+    fn normal_matrix(&self, view: &View) -> Vec<Math> {
+        let product = |vector: fn() -> Math| vec![vector(), Math::power(vector(), Math::text("T"))];
+        let sum = vec![Math::Sum(Box::new(Math::Var("i")))];
+        let edges = product(|| Math::indexed(Math::Bold("c"), Math::Var("i")));
+        let held = match view.sight().axis {
+            None => Vec::new(),
+            Some(_) => [vec![Math::text(" + λ ")], product(|| Math::Bold("a"))].concat(),
+        };
+        [sum, self.weight(), edges, held].concat()
+    }
+
+    /// (Σ w c cᵀ + λ a aᵀ)(θ, Δ) = Σ w c l.
+    fn normal_equations(&self, view: &View) -> Math {
+        let right = vec![Math::indexed(Math::Bold("c"), Math::Var("i")), Math::indexed(Math::Var("l"), Math::Var("i"))];
+        let equals = vec![Math::text(") (θ, Δ) = "), Math::Sum(Box::new(Math::Var("i")))];
+        Math::Row([vec![Math::text("(")], self.normal_matrix(view), equals, self.weight(), right].concat())
+    }
+
+    /// P = σ² (Σ w c cᵀ + λ a aᵀ)⁻¹.
+    fn formula_of_covariance(&self, view: &View) -> Math {
+        let inverse = Math::power(Math::text(")"), Math::text("−1"));
+        let first = vec![Math::Bold("P"), Math::text(" = "), Math::squared(Math::text("σ")), Math::text(" (")];
+        Math::Row([first, self.normal_matrix(view), vec![inverse]].concat())
+    }
+
+    fn of_iteration(&self, iteration: &Iteration) -> Vec<Readout> {
+        let matrix = &iteration.equations.matrix;
+        // Parameters in units that move control points alike: degrees and centimetres.
+        let unit = |i: usize| if i < 3 { 1f64.to_radians() } else { 0.01 };
+        let entry = |x: usize, y: usize| matrix[y * FREEDOM + x] * unit(x) * unit(y);
+        let mut matrices = vec![of_parameters(("C", "normal matrix, in px² per ° and cm"), Role::Measured, entry)];
+        matrices.extend(
+            iteration.moved.as_ref().map(|(_, pose, _)| pose_matrix("pose after the iteration", Role::Estimate, pose)),
+        );
+        vec![Readout::Equation(vec![self.normal_equations(&iteration.view)]), Readout::Matrices(matrices)]
+    }
+}
+
+/// The errors of a judged pose where the true one is known: the angle of the rotation and the length of the translation between them.
+fn error(at: &At<'_, Rapid>) -> Option<(String, String)> {
+    let Event::Judged(judged) = at.event else { return None };
+    let [rotation, shift] = judged.view.pose.motion_to(&at.pose?);
+    Some((degrees(length(rotation)), format!("{} mm", fixed(1000.0 * length(shift), 1))))
 }
 
 /// u = f X/Z, v = f Y/Z with (X, Y, Z) = R m + T.
@@ -277,29 +350,6 @@ fn projection() -> Math {
         Math::text(" + "),
         Math::Bold("T"),
     ])
-}
-
-fn normal_matrix() -> Vec<Math> {
-    let c = || Math::indexed(Math::Bold("c"), Math::Var("i"));
-    vec![Math::Sum(Box::new(Math::Var("i"))), c(), Math::power(c(), Math::text("T"))]
-}
-
-/// (Σ c cᵀ)(θ, Δ) = Σ c l.
-fn normal_equations() -> Math {
-    let right = vec![
-        Math::text(" (θ, Δ) = "),
-        Math::Sum(Box::new(Math::Var("i"))),
-        Math::indexed(Math::Bold("c"), Math::Var("i")),
-        Math::indexed(Math::Var("l"), Math::Var("i")),
-    ];
-    Math::Row([vec![Math::text("(")], normal_matrix(), vec![Math::text(")")], right].concat())
-}
-
-/// P = σ² (Σ c cᵀ)⁻¹.
-fn formula_of_covariance() -> Math {
-    let inverse = Math::power(Math::text(")"), Math::text("−1"));
-    let first = vec![Math::Bold("P"), Math::text(" = "), Math::squared(Math::text("σ")), Math::text(" (")];
-    Math::Row([first, normal_matrix(), vec![inverse]].concat())
 }
 
 fn pose_matrix(name: &'static str, role: Role, pose: &Pose) -> Matrix {
@@ -339,18 +389,6 @@ fn covariance_matrix(entries: &[f64]) -> Matrix {
     let unit = |i: usize| if i < 3 { 1f64.to_degrees() } else { 1000.0 };
     let entry = |x: usize, y: usize| entries[y * FREEDOM + x] * unit(x) * unit(y);
     of_parameters(("P", "covariance of the pose, in ° and mm"), Role::Estimate, entry)
-}
-
-fn of_iteration(iteration: &Iteration) -> Vec<Readout> {
-    let matrix = &iteration.equations.matrix;
-    // Parameters in units that move control points alike: degrees and centimetres.
-    let unit = |i: usize| if i < 3 { 1f64.to_radians() } else { 0.01 };
-    let entry = |x: usize, y: usize| matrix[y * FREEDOM + x] * unit(x) * unit(y);
-    let mut matrices = vec![of_parameters(("C", "normal matrix, in px² per ° and cm"), Role::Measured, entry)];
-    matrices.extend(
-        iteration.moved.as_ref().map(|(_, pose, _)| pose_matrix("pose after the iteration", Role::Estimate, pose)),
-    );
-    vec![Readout::Equation(vec![normal_equations()]), Readout::Matrices(matrices)]
 }
 
 /// The distances of the edges over the iterations of the frame so far.

@@ -40,7 +40,7 @@ pub struct Sight {
 /// The normal equations of an iteration.
 #[derive(Clone, Debug)]
 pub struct Equations {
-    /// Σ w c cᵀ, row by row.
+    /// Σ w c cᵀ, with λ a aᵀ where the rotation about an axis a is held, row by row.
     pub matrix: Vec<f64>,
     /// Σ w c l.
     pub right: Vec<f64>,
@@ -101,7 +101,7 @@ impl Rapid {
 
 /// Weighs the equations by 1/(c + |r|), r the distance that a first least-squares solution leaves (Drummond and Cipolla 2002).
 fn reweigh(all: &mut [Sought], sight: &Sight) {
-    /// Below this distance in px an edge counts fully.
+    /// Distance in px at which the weight is one half.
     const SCALE_PX: f64 = 1.0;
     const PASSES: usize = 3;
     for _ in 0..PASSES {
@@ -153,19 +153,33 @@ pub fn motion_of(parameters: &[f64]) -> Motion {
     [0, 3].map(|first| [0, 1, 2].map(|i| parameters.get(first + i).copied().unwrap_or_default()))
 }
 
-/// The covariance of the parameters, row by row in rad and m: the variance of the residuals times the inverse of the matrix.
+/// The covariance of the parameters, row by row in rad and m: the variance of the residuals times the inverse of the matrix. A held rotation
+/// has none.
 pub fn covariance(all: &[Sought], sight: &Sight) -> Option<Vec<f64>> {
     let equations = equations(all, sight);
     let motion = solution(&equations)?;
     let squares: f64 = all.iter().filter_map(|s| Some(s.weight * residual(s, &sight.camera, &motion)?.powi(2))).sum();
-    let variance = squares / (equations.edges - FREEDOM).max(1) as f64;
+    let free = FREEDOM - usize::from(sight.axis.is_some());
+    let variance = squares / (equations.edges - free).max(1) as f64;
     let mut entries = vec![0.0; FREEDOM * FREEDOM];
     for j in 0..FREEDOM {
         let unit: Vec<f64> = (0..FREEDOM).map(|i| f64::from(u8::from(i == j))).collect();
         let column = solve(&equations.matrix, &unit)?;
         (0..FREEDOM).for_each(|i| entries[i * FREEDOM + j] = variance * column[i]);
     }
+    sight.axis.into_iter().for_each(|axis| hold(&mut entries, axis));
     Some(entries)
+}
+
+/// Takes the rotation about an axis out of a covariance, in which it stands by the term that holds it alone.
+fn hold(covariance: &mut [f64], axis: Vector) {
+    // Entries in a row follow each other, those in a column are a row apart.
+    for (line, entry) in [(FREEDOM, 1), (1, FREEDOM)] {
+        for first in (0..FREEDOM).map(|i| i * line) {
+            let along: f64 = axis.iter().enumerate().map(|(i, a)| a * covariance[first + i * entry]).sum();
+            axis.iter().enumerate().for_each(|(i, a)| covariance[first + i * entry] -= along * a);
+        }
+    }
 }
 
 /// The farthest motion of a control point in px between two poses.
@@ -205,6 +219,18 @@ mod tests {
                 assert!((slope - exact).abs() < 1e-3 * exact.abs().max(1.0), "parameter {i}: {slope}, {exact}");
             }
         }
+    }
+
+    #[test]
+    fn a_held_rotation_has_no_variance() {
+        let axis = [0.6, 0.0, 0.8];
+        let mut covariance: Vec<f64> =
+            (0..FREEDOM * FREEDOM).map(|i| if i % (FREEDOM + 1) == 0 { 2.0 } else { 0.5 }).collect();
+        hold(&mut covariance, axis);
+        let times = |i: usize| (0..3).map(|j| covariance[i * FREEDOM + j] * axis[j]).sum::<f64>();
+        assert!((0..FREEDOM).all(|i| times(i).abs() < 1e-12), "{covariance:?}");
+        // What is across the axis stays.
+        assert_eq!([covariance[FREEDOM + 1], covariance[5 * FREEDOM + 5]], [2.0; 2]);
     }
 
     #[test]

@@ -115,7 +115,8 @@ impl Tree {
 
     /// The probability of the branch to a leaf over these frames: of all hypotheses that share it, drawn or not.
     fn probability(&self, leaf: usize, frames: &[usize]) -> f64 {
-        let shares = |other: &usize| frames.iter().all(|frame| self.claims(*other, *frame) == self.claims(leaf, *frame));
+        let shares =
+            |other: &usize| frames.iter().all(|frame| self.claims(*other, *frame) == self.claims(leaf, *frame));
         (0..self.leaves.len()).filter(shares).map(|other| self.leaves[other].probability).sum()
     }
 
