@@ -50,7 +50,8 @@ pub struct Equations {
     pub rms: f64,
 }
 
-/// Searches the strongest edge within `range` px along the normal of a control point.
+/// Searches the strongest edge within `range` px along the normal of a control point: a local maximum of the gradient, so that the slope of an
+/// edge beyond the range is none.
 fn search(frame: &Frame, control: &Control, (range, least): (usize, f32)) -> Option<f64> {
     let (luma, reach) = (frame.luma(), range as isize);
     let Control { at, normal: [u, v], .. } = *control;
@@ -64,15 +65,16 @@ fn search(frame: &Frame, control: &Control, (range, least): (usize, f32)) -> Opt
     };
     let values: Vec<f32> = (-reach - 2..=reach + 2).map(value).collect();
     let slopes: Vec<f32> = values.windows(3).map(|three| (three[2] - three[0]).abs() / 2.0).collect();
+    let is_edge = |i: &usize| slopes[*i] >= least && slopes[*i] >= slopes[*i - 1].max(slopes[*i + 1]);
     let strongest = |best: usize, i: usize| if slopes[i] > slopes[best] { i } else { best };
     // Outwards from the control point, so that of equal edges the nearest is taken.
     let middle = range + 1;
-    let best = (1..=range).flat_map(|k| [middle - k, middle + k]).fold(middle, strongest);
+    let outwards = (1..=range).flat_map(|k| [middle - k, middle + k]);
+    let best = std::iter::once(middle).chain(outwards).filter(is_edge).reduce(strongest)?;
     let [before, here, after] = [slopes[best - 1], slopes[best], slopes[best + 1]].map(f64::from);
     let bend = before - 2.0 * here + after;
     let between = if bend < 0.0 { ((before - after) / (2.0 * bend)).clamp(-0.5, 0.5) } else { 0.0 };
-    let distance = best as f64 - middle as f64 + between;
-    (slopes[best] >= least).then_some(distance)
+    Some(best as f64 - middle as f64 + between)
 }
 
 /// The motion of a control point along its normal in px by the six parameters of a small motion.
@@ -250,6 +252,7 @@ mod tests {
         let edge = search(&frame, &control, (6, 5.0)).expect("an edge");
         assert!((edge - 3.3).abs() < 0.1, "{edge}");
         assert!(search(&frame, &control, (1, 5.0)).is_none(), "beyond the range");
+        assert!(search(&frame, &control, (2, 5.0)).is_none(), "only its slope lies within the range");
         assert!(search(&frame, &Control { at: [8.0, 15.0], ..control }, (6, 5.0)).is_none());
     }
 }
