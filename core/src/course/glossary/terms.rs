@@ -375,7 +375,7 @@ pub static GLOSSARY: &[Term] = &[
         Trajectories,
         "control point",
         &["control points"],
-        "A point on an edge of a model. From its projection, the edge in the picture is searched along the normal.",
+        "A point on an edge of a model, with the normal of its projected edge along which the edge in the picture is searched.",
     ),
     term(
         MotionVectors,
