@@ -185,17 +185,14 @@ fn scale_of<R: BufRead + Seek>(picture: &Picture<R>, path: &Path, given: Option<
 /// Gray levels per px of a disparity called `name` in Middlebury's folders of 2003, 2005 and 2006, which store the disparities of the full
 /// size, whatever the size of the views; none for other sizes, such as those of 2001, with other scales under the same names.
 fn usual_scale(name: &str, (width, height): (usize, usize)) -> Option<f32> {
-    match (name, height) {
-        ("disp2" | "disp6", _) => match (width, height) {
-            (1800, 1500) => Some(1.0),
-            (900, 750) => Some(2.0),
-            (450, 375) => Some(4.0),
-            _ => None,
-        },
+    match (name, width, height) {
+        ("disp2" | "disp6", 1800, 1500) => Some(1.0),
+        ("disp2" | "disp6", 900, 750) => Some(2.0),
+        ("disp2" | "disp6", 450, 375) => Some(4.0),
         // Full, half and third size; the scenes differ in width.
-        ("disp1" | "disp5", 1110) if (1240..=1396).contains(&width) => Some(1.0),
-        ("disp1" | "disp5", 555) if (620..=698).contains(&width) => Some(2.0),
-        ("disp1" | "disp5", 370) if (413..=466).contains(&width) => Some(3.0),
+        ("disp1" | "disp5", 1240..=1396, 1110) => Some(1.0),
+        ("disp1" | "disp5", 620..=698, 555) => Some(2.0),
+        ("disp1" | "disp5", 413..=466, 370) => Some(3.0),
         _ => None,
     }
 }
