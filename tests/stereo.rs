@@ -70,7 +70,7 @@ fn a_rendered_pair_opens_with_its_right_view_calibration_and_truth() {
     assert!(from_folder["bad3_percent"].as_f64().is_some_and(|percent| percent < 30.0), "{from_folder}");
     let info = json(here, "info pair --json");
     assert_eq!(info["calibration"]["baseline_m"].as_f64(), made.calibration().map(|c| c.baseline_m));
-    assert_eq!(info["right"], "frame_0000.png");
+    assert_eq!(info["right"], "right/frame_0000.png");
 }
 
 #[test]
@@ -101,7 +101,7 @@ fn the_views_of_middlebury_are_one_moment_with_a_scaled_truth() {
     let levels: Vec<u8> = truth.0.cells().iter().map(|d| (4.0 * d).round().clamp(0.0, 255.0) as u8).collect();
     fs::write(here.join("disp2.png"), export::png(160, 96, Pixels::Gray(&levels)).expect("a PNG")).expect("written");
     for path in [".", "im2.png"] {
-        let report = json(here, &format!("run {path} {MATCH}"));
+        let report = json(here, &format!("run {path} {MATCH} --disparity-scale 4"));
         assert_eq!(report["truth_files"], serde_json::json!(["disp2.png (4 gray levels per px)"]), "{path}");
         assert!(report["metrics"]["epe_px"].as_f64().is_some_and(|error| error < 1.5), "{report}");
         let info = json(here, &format!("info {path} --json"));
@@ -112,6 +112,9 @@ fn the_views_of_middlebury_are_one_moment_with_a_scaled_truth() {
         let text = String::from_utf8_lossy(&text.stdout).into_owned();
         assert!(text.contains("depth") && text.contains("focal length and the baseline"), "{text}");
     }
+    // Another size than those of the benchmark may have another scale, which is not guessed.
+    let unknown = refusal(here, &format!("run im2.png {MATCH} --truth disp2.png"));
+    assert!(unknown.contains("--disparity-scale"), "{unknown}");
     // Another scale is another truth.
     let scaled = json(here, &format!("run im2.png {MATCH} --truth disp2.png --disparity-scale 2"));
     assert_eq!(scaled["truth_files"], serde_json::json!(["disp2.png (2 gray levels per px)"]));
@@ -119,6 +122,22 @@ fn the_views_of_middlebury_are_one_moment_with_a_scaled_truth() {
     fs::rename(here.join("disp2.png"), here.join("disparity.png")).expect("renamed");
     let unknown = refusal(here, &format!("run im2.png {MATCH} --truth disparity.png"));
     assert!(unknown.contains("--disparity-scale"), "{unknown}");
+}
+
+#[test]
+fn the_folders_of_kitti_name_the_cameras_from_within_as_well() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (here, clip) = (folder.path(), scene());
+    for (from, name) in [(Viewpoint::Left, "image_0"), (Viewpoint::Right, "image_1")] {
+        put(&clip, from, &here.join(name).join("000000.png"));
+    }
+    let row = |camera: u32, shift: f64| format!("P{camera}: 700 0 80 {shift} 0 700 48 0 0 0 1 0\n");
+    let rows = [row(0, 0.0), row(1, -350.0), row(2, 0.0), row(3, -420.0)];
+    fs::write(here.join("calib.txt"), rows.concat()).expect("written");
+    for (at, path) in [(here, "image_0"), (&here.join("image_0"), ".")] {
+        let info = json(at, &format!("info {path} --json"));
+        assert_eq!((&info["right"], &info["calibration"]["baseline_m"]), (&"image_1/000000.png".into(), &0.5.into()));
+    }
 }
 
 #[test]
@@ -151,7 +170,7 @@ fn a_right_view_is_given_as_a_file_a_folder_or_a_half() {
     let text = "motionscope = 1\nclip = \"one/a.png\"\nright = \"two/b.png\"\ncalibration = \"300,0.12\"\nestimator = \"block-stereo\"\n";
     fs::write(here.join("pair.motionscope"), text).expect("written");
     let info = json(here, "info pair.motionscope --json");
-    assert_eq!((&info["right"], &info["calibration"]["focal_px"]), (&"b.png".into(), &300.0.into()));
+    assert_eq!((&info["right"], &info["calibration"]["focal_px"]), (&"two/b.png".into(), &300.0.into()));
     let table = json(here, "compare one/a.png --right two/b.png --estimators block-stereo,semi-global-matching --json");
     assert_eq!(table.as_array().map(Vec::len), Some(2));
 }

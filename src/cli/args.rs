@@ -10,7 +10,7 @@ use super::examples;
 use super::look::LookFlags;
 use crate::experiment::pixel::Pixel;
 use crate::media::export::Timing;
-use crate::media::{Given, GivenCalibration, RightView};
+use crate::media::{Given, GivenCalibration, RightView, disparity_scale};
 use crate::results::Asked;
 use crate::session;
 use crate::view::panes::Named;
@@ -168,7 +168,7 @@ pub struct StereoArgs {
     /// principal point as F,B,CX,CY.
     #[arg(long, help_heading = "Clip", value_name = "FILE.txt|F,B")]
     pub calibration: Option<PathBuf>,
-    /// Gray levels per px of a true disparity in an 8-bit PNG; by default as Middlebury names it.
+    /// Gray levels per px of a true disparity in an 8-bit PNG; by default that of Middlebury 2003 to 2006, by name and size.
     #[arg(long, help_heading = "Clip", value_name = "S", value_parser = scale)]
     pub disparity_scale: Option<f32>,
 }
@@ -340,8 +340,7 @@ fn rate(text: &str) -> Result<f32, String> {
 }
 
 fn scale(text: &str) -> Result<f32, String> {
-    let message = || format!("the scale of a disparity is a positive number of gray levels per px, not {text}");
-    text.parse().ok().filter(|scale: &f32| scale.is_finite() && *scale > 0.0).ok_or_else(message)
+    disparity_scale(text.parse().ok(), text).map_err(|error| error.to_string())
 }
 
 fn cursor(text: &str) -> Result<Cursor, String> {

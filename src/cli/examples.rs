@@ -14,7 +14,8 @@ Examples:
 
 A CLIP is a video, an animation, an image of a numbered sequence, two pictures, a folder of
 images, a printf pattern such as frame%02d.png, a session (*.motionscope), `-` for Y4M on
-standard input, or synth:NAME[,SLIDER=VALUE]... for a synthetic clip; see `motionscope synth --list`.";
+standard input, synth:NAME[,SLIDER=VALUE]... for a synthetic clip (see `motionscope synth --list`), or
+example:ESTIMATOR/ID for an example of an estimator (see `motionscope list ESTIMATOR`).";
 
 /// Of `list`.
 pub const LIST: &str = "\

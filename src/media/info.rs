@@ -26,7 +26,7 @@ pub struct Info {
     pub truth: Vec<&'static str>,
     /// The files of each kind of ground truth, unless computed.
     pub truth_files: Vec<String>,
-    /// The name of the right view, if there is one.
+    /// The name of the right view as found from the left one, if there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub right: Option<String>,
     /// The calibration of both views, if it is known.

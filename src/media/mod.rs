@@ -22,6 +22,7 @@ mod truth;
 mod unsupported;
 mod video;
 
+use std::fmt::Display;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -87,10 +88,20 @@ impl Given {
     }
 }
 
+/// The gray levels per px of a disparity that were `written`, and read as `scale`.
+///
+/// # Errors
+/// One sentence if it is no positive number.
+pub fn disparity_scale(scale: Option<f32>, written: impl Display) -> Result<f32, Error> {
+    let why =
+        || Error::new(format!("the scale of a disparity is a positive number of gray levels per px, not {written}"));
+    scale.filter(|scale| scale.is_finite() && *scale > 0.0).ok_or_else(why)
+}
+
 /// Options for opening a clip.
 #[derive(Clone)]
 pub struct Open {
-    /// Limit of the frame cache in bytes; the frame requested last is always kept.
+    /// Limit of the frame cache in bytes, shared by both views; the frame requested last of each is always kept.
     pub cache_bytes: usize,
     /// Whether to decode the whole file to count its frames where the container does not say.
     pub count: bool,
@@ -263,8 +274,11 @@ fn with_given(path: &Path, options: &Open, source: Source) -> Result<Clip, Error
         _ => source,
     };
     let files = Arc::clone(&source.files);
+    let left = LeftView { path, files: &files };
+    let views = if stereo::has_right_view(&left, options) { 2 } else { 1 };
+    let options = &Open { cache_bytes: options.cache_bytes / views, ..options.clone() };
     let clip = with_given_truth(path, options, source)?;
-    stereo::with_right_view(clip, &LeftView { path, files: &files }, options)
+    stereo::with_right_view(clip, &left, options)
 }
 
 /// The clip of `source`, read from `path`, behind the frame cache and with its ground truth.
@@ -406,8 +420,8 @@ pub fn with_given_files(clip: Clip, options: &Open) -> Result<Clip, Error> {
         None => clip,
     };
     if options.given.right.is_some() || options.given.calibration.is_some() {
-        let why = "a synthetic scene has the views and the calibration of its own cameras; omit --right and --calibration, or render it \
-                   with motionscope synth";
+        let why = "a synthetic scene has the views and the calibration of its own cameras; open it without another right view and \
+                   calibration, or render it with motionscope synth and open the folder";
         return Err(Error::new(why));
     }
     Ok(clip)

@@ -9,7 +9,7 @@ use super::{Session, VERSION, VisiblePart, key, pace};
 use crate::experiment::side_by_side::SideBySide;
 use crate::experiment::source::Source;
 use crate::experiment::{Experiment, Position};
-use crate::media::{Given, GivenCalibration, RightView};
+use crate::media::{self, Given, GivenCalibration, RightView};
 use crate::view::look::{Changes, Look};
 
 /// Parses the session in `text`, whose paths are relative to `folder`.
@@ -34,7 +34,7 @@ pub(super) fn session(text: &str, folder: &Path) -> Result<Session, Error> {
         detections: path("detections")?,
         right: path("right")?.map(|path| RightView::of(&path)),
         calibration: path("calibration")?.map(|path| GivenCalibration::of(&path)),
-        disparity_scale: top.take("disparity-scale").map(|scale| scale.number()).transpose()?,
+        disparity_scale: top.take("disparity-scale").map(|entry| disparity_scale(&entry)).transpose()?,
     };
     let given = given.map_path(|path| folder.join(path));
     let mut leader = top.need("estimator")?.parsed(estimator)?;
@@ -58,6 +58,12 @@ pub(super) fn session(text: &str, folder: &Path) -> Result<Session, Error> {
     let session = Session { experiment, position, look, sight: sight(&mut top)? };
     top.end()?;
     Ok(session)
+}
+
+/// The gray levels per px of a true disparity.
+fn disparity_scale(entry: &Entry<'_>) -> Result<f32, Error> {
+    let scale = entry.number()?;
+    media::disparity_scale(Some(scale), scale).map_err(|why| entry.wrong(why))
 }
 
 /// Whether this line states the version of the format.

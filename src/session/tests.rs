@@ -213,6 +213,13 @@ fn line_and_key_are_reported_in_words() {
         ("[picture]\nblend = \"half\"", "line 5, picture.blend: a number is needed, not the text \"half\""),
         ("[picture]\nview = 3", "line 5, picture.view: a text in quotes is needed, not 3"),
         ("truth = 3", "line 4, truth: a text in quotes is needed, not 3"),
+        (
+            "disparity-scale = 0",
+            "line 4, disparity-scale: the scale of a disparity is a positive number of gray levels per px, not 0",
+        ),
+        ("disparity-scale = -4", "line 4, disparity-scale: the scale of a disparity is a positive number"),
+        ("disparity-scale = inf", "line 4, disparity-scale: the scale of a disparity is a positive number"),
+        ("disparity-scale = nan", "line 4, disparity-scale: the scale of a disparity is a positive number"),
         ("detections = 3", "line 4, detections: a text in quotes is needed, not 3"),
         ("detections = []", "line 4, detections: a text in quotes is needed, not a list"),
         ("[picture]\nlooks = 1", "line 5: there is no key looks here; there are view, level"),

@@ -518,7 +518,7 @@ impl Clip {
     pub fn pair(&self, t: usize) -> Result<[Arc<Frame>; 2], Error> {
         if self.info.frames.is_some_and(|n| n < 2) {
             return Err(Error::new(format!(
-                "{} has a single frame or none, and motion needs two; open a clip, or a folder of numbered pictures",
+                "{} has a single frame or none, and motion needs two; open a clip or a folder of numbered pictures, or name both pictures",
                 self.info.name
             )));
         }

@@ -7,6 +7,7 @@ use motionscope_core::{Calibration, Error};
 
 use crate::media::input;
 use crate::media::names::file_name;
+use crate::media::sequence::parent;
 
 /// A calibration given explicitly.
 #[derive(Clone, Debug, PartialEq)]
@@ -72,7 +73,8 @@ pub(super) enum Cameras {
 impl Cameras {
     /// Those that the folder of `frame` is named after: `image_0`, or `image_00/data`.
     pub fn of(frame: &Path) -> Self {
-        let folders = frame.ancestors().skip(1).take(2).map(file_name);
+        let folder = parent(frame).canonicalize().unwrap_or_else(|_| parent(frame).into());
+        let folders = folder.ancestors().take(2).map(file_name);
         let number = folders.filter_map(|name| name.strip_prefix("image_")?.parse::<u32>().ok()).next();
         match number {
             Some(0 | 1) => Self::Gray,

@@ -11,8 +11,10 @@ use motionscope_core::{Calibration, Clip, Error};
 
 use super::input::Input;
 use super::names::file_name;
-use super::sequence::Sequence;
-use super::{Given, Kind, Open, Source, about, cache, detect_format, guarded, is_still_or_folder, open_source, stills};
+use super::sequence::{Sequence, parent};
+use super::{
+    Given, Kind, Open, Source, about, cache, detect_format, guarded, is_still_or_folder, open_source, stills, truth,
+};
 
 use calibration::Cameras;
 pub use calibration::GivenCalibration;
@@ -71,12 +73,17 @@ pub(crate) fn with_right_view(clip: Clip, left: &LeftView<'_>, options: &Open) -
     let clip = match &options.given.right {
         Some(RightView::File(path)) => {
             let right = guarded(|| given(path, left, options)).map_err(|why| about(path, &why))?;
-            clip.with_right(decoded(right, options)).map_err(|why| about(path, &why))?
+            clip.with_right(decoded(named(right, path, left), options)).map_err(|why| about(path, &why))?
         }
         Some(RightView::SideBySide) => clip.with_right(decoded(right_half(left, options)?, options))?,
         None => with_found(clip, left, options),
     };
     with_calibration(clip, left, &options.given)
+}
+
+/// Whether a right view is given, or lies beside the clip.
+pub(crate) fn has_right_view(left: &LeftView<'_>, options: &Open) -> bool {
+    options.given.right.is_some() || !find::right(left).files.is_empty()
 }
 
 /// The files that the right view and the calibration are read from.
@@ -97,6 +104,14 @@ pub(crate) fn files(left: &LeftView<'_>, options: &Open) -> (Vec<PathBuf>, Optio
 /// A clip of the frames of `source`, behind a cache of its own.
 fn decoded(source: Source, options: &Open) -> Clip {
     Clip::new(source.info.clone(), Arc::new(cache::Lazy::new(source, options.cache_bytes)))
+}
+
+/// The `source` of a right view at `path`, called as it is found from the left view: both may have the same file name.
+fn named(mut source: Source, path: &Path, left: &LeftView<'_>) -> Source {
+    let [left, right] = [(left.files, left.path), (&*source.files, path)]
+        .map(|(files, path)| files.first().map_or(path, PathBuf::as_path));
+    source.info.name = truth::name_from(parent(left), right);
+    source
 }
 
 /// The pictures at `path` that belong to those of the left view: by their names if all are there, else in order.
@@ -146,7 +161,8 @@ fn with_found(clip: Clip, left: &LeftView<'_>, options: &Open) -> Clip {
             }),
             _ => stills::of_files(found.files.clone(), options),
         };
-        match guarded(open).and_then(|right| clip.clone().with_right(decoded(right, options))) {
+        let right = guarded(open).map(|right| named(right, &found.files[0], left));
+        match right.and_then(|right| clip.clone().with_right(decoded(right, options))) {
             Ok(both) => return both,
             Err(why) => ignored = Some(format!("{}: {why}", file_name(&found.files[0]))),
         }

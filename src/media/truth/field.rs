@@ -175,20 +175,26 @@ fn scale_of<R: BufRead + Seek>(picture: &Picture<R>, path: &Path, given: Option<
     if picture.reader.output_color_type().1 == BitDepth::Sixteen {
         return Ok(KITTI_SCALE);
     }
-    // Middlebury stores the disparities of the full size, whatever the size of the views.
-    let reduced = |full: usize, factors: [f32; 3]| {
-        let index = [full * 3 / 4, full * 5 / 12].into_iter().position(|least| picture.size.0 >= least);
-        factors[index.unwrap_or(2)]
-    };
-    let usual = match stem(path).as_str() {
-        "disp2" | "disp6" => Some(reduced(1800, [1.0, 2.0, 4.0])),
-        "disp1" | "disp5" => Some(reduced(1350, [1.0, 2.0, 3.0])),
-        _ => None,
-    };
-    given.or(usual).ok_or_else(|| {
-        let why = "a disparity of 8 bits needs its scale, the gray levels per px of disparity; add --disparity-scale";
+    given.or_else(|| usual_scale(&stem(path), picture.size)).ok_or_else(|| {
+        let why = "a disparity of 8 bits needs its scale, the gray levels per px of disparity; give it with --disparity-scale, or as \
+                   disparity-scale in a session";
         file_error(path, why)
     })
+}
+
+/// Gray levels per px of a disparity called `name` in Middlebury's folders of 2003, 2005 and 2006, which store the disparities of the full
+/// size, whatever the size of the views; none for other sizes, such as those of 2001, with other scales under the same names.
+fn usual_scale(name: &str, (width, height): (usize, usize)) -> Option<f32> {
+    match (name, width, height) {
+        ("disp2" | "disp6", 1800, 1500) => Some(1.0),
+        ("disp2" | "disp6", 900, 750) => Some(2.0),
+        ("disp2" | "disp6", 450, 375) => Some(4.0),
+        // Full, half and third size; the scenes differ in width.
+        ("disp1" | "disp5", 1240..=1396, 1110) => Some(1.0),
+        ("disp1" | "disp5", 620..=698, 555) => Some(2.0),
+        ("disp1" | "disp5", 413..=466, 370) => Some(3.0),
+        _ => None,
+    }
 }
 
 /// What precedes the samples of a PFM.
@@ -201,10 +207,11 @@ struct PfmHeader {
 fn pfm_header(reader: &mut impl BufRead, path: &Path) -> Result<PfmHeader, Error> {
     /// Longer than any such header.
     const MOST_BYTES: u64 = 256;
+    let mut header = reader.take(MOST_BYTES);
     let mut words = Vec::new();
     while words.len() < 4 {
         let mut line = String::new();
-        let read = reader.by_ref().take(MOST_BYTES).read_line(&mut line);
+        let read = header.read_line(&mut line);
         if !read.is_ok_and(|bytes| bytes > 0) {
             return Err(file_error(path, "this is not a PFM: it ends within its header"));
         }
@@ -487,6 +494,7 @@ mod tests {
             (&b"PF\n3 2\n-1\n"[..], "Pf, width"),
             (b"Pf\n3 x\n-1\n", "Pf, width"),
             (b"Pf\n3", "header"),
+            (&[b"Pf\n".as_slice(), &b"\n".repeat(300), b"3 2\n-1\n"].concat(), "header"),
             (&pfm[..20], "cut short"),
             (b"Pf\n99999999999 99999999999\n-1\n", "99999999999"),
         ] {
@@ -498,17 +506,24 @@ mod tests {
     #[test]
     fn a_scale_follows_the_size_of_middlebury_views() {
         let folder = tempfile::tempdir().unwrap();
-        for (name, width, expected) in [
-            ("disp2.png", 450, 4.0),
-            ("disp6.png", 900, 2.0),
-            ("disp2.png", 1800, 1.0),
-            ("disp1.png", 437, 3.0),
-            ("disp5.png", 656, 2.0),
-            ("disp1.png", 1312, 1.0),
+        for (name, (width, height), expected) in [
+            ("disp2.png", (450, 375), Some(4.0)),
+            ("disp6.png", (900, 750), Some(2.0)),
+            ("disp2.png", (1800, 1500), Some(1.0)),
+            ("disp1.png", (437, 370), Some(3.0)),
+            ("disp5.png", (656, 555), Some(2.0)),
+            ("disp1.png", (1312, 1110), Some(1.0)),
+            // Views of 2001, with 8 and 16 gray levels per px.
+            ("disp2.png", (434, 383), None),
+            ("disp6.png", (384, 288), None),
+            ("disp1.png", (450, 375), None),
+            ("disp2.png", (437, 370), None),
         ] {
             let path = folder.path().join(name);
-            fs::write(&path, export::png(width, 1, export::Pixels::Gray(&vec![8; width])).unwrap()).unwrap();
-            assert_eq!(scale(&path, (width, 1), None), Ok(Some(expected)), "{name} {width}");
+            let levels = vec![8; width * height];
+            fs::write(&path, export::png(width, height, export::Pixels::Gray(&levels)).unwrap()).unwrap();
+            assert_eq!(scale(&path, (width, height), None).ok().flatten(), expected, "{name} {width}×{height}");
+            assert_eq!(scale(&path, (width, height), Some(8.0)), Ok(Some(8.0)));
         }
     }
 

@@ -454,12 +454,13 @@ mod tests {
             let folder = tempfile::tempdir().unwrap();
             put(folder.path(), view, picture());
             put(folder.path(), file, &bytes);
-            let clip = open(&folder.path().join(view));
+            let by_hand = Given { disparity_scale: file.starts_with("disp2").then_some(4.0), ..Given::default() };
+            let clip = media::open(&folder.path().join(view), &Open::from(by_hand.clone())).unwrap();
             let truth = clip.truth().expect("a truth");
             assert_eq!((truth.kinds(), truth.names()), (vec!["disparity"], vec![name.to_owned()]));
             assert_eq!(*truth.disparity(0).unwrap().expect("known"), map, "{file}");
             // By hand, under the name of a disparity.
-            let given = Given { truth: Some(folder.path().join(file)), ..Given::default() };
+            let given = Given { truth: Some(folder.path().join(file)), ..by_hand };
             let clip = media::open(&folder.path().join(view), &Open::from(given)).unwrap();
             assert_eq!(*clip.truth().unwrap().disparity(0).unwrap().expect("known"), map, "{file}");
             // A result there is none.

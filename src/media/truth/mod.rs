@@ -125,8 +125,8 @@ impl Truth for Files {
 }
 
 /// Returns `file` relative to `folder`: its name, with folders if it lies elsewhere.
-fn name_from(folder: &Path, file: &Path) -> String {
-    /// Truth lies two folders up at most.
+pub(super) fn name_from(folder: &Path, file: &Path) -> String {
+    /// Truth and right views lie two folders up at most.
     const UP: usize = 3;
     let whole = |folder: &Path| folder.canonicalize().unwrap_or_else(|_| folder.into());
     let (from, to) = (whole(folder), whole(parent(file)).join(file_name(file)));

@@ -418,7 +418,8 @@ impl Command {
             }
             C::Into | C::Over | C::Out | C::NextUnit | C::NextMark | C::End => now.has_run && !now.at_end,
             C::Play | C::PlayBack => now.has_run,
-            C::Compare | C::OpenRightView => now.has_clip,
+            C::Compare => now.has_clip,
+            C::OpenRightView => now.has_pictures,
             C::Lockstep => now.has_clip && !now.in_stage,
             C::IntoStage => now.has_run && now.has_stage && !now.in_lockstep,
             C::OutOfStage => now.in_stage,
@@ -489,6 +490,8 @@ fn presses(shortcut: KeyboardShortcut, key: Key, mut modifiers: Modifiers) -> bo
 pub struct Situation {
     /// A clip is open.
     pub has_clip: bool,
+    /// It is of pictures or a video in files.
+    pub has_pictures: bool,
     /// A run is shown.
     pub has_run: bool,
     /// It stands at its start.

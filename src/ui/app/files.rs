@@ -32,11 +32,15 @@ use crate::ui::stage::Zoom;
 impl App {
     /// Receives the results of other threads.
     pub(super) fn receive(&mut self) {
-        if let Some(outcome) = self.loading.as_ref().and_then(|loading| loading.work.take()) {
-            let name = self.loading.take().map(|loading| loading.name).unwrap_or_default();
+        if let Some((outcome, loading)) = self.loaded() {
             match outcome {
-                Ok(opened) => self.opened(opened, Path::new(&name)),
-                Err(error) => self.not_opened(Path::new(&name), error),
+                Ok(opened) => {
+                    self.opened(opened, Path::new(&loading.name));
+                    if let Some(text) = loading.description {
+                        self.toasts.describe(text);
+                    }
+                }
+                Err(error) => self.not_opened(Path::new(&loading.name), error),
             }
         }
         self.walker.tend();
@@ -65,6 +69,12 @@ impl App {
             }
         }
         self.browsed();
+    }
+
+    /// Takes what was being opened, once the other thread is done with it.
+    fn loaded(&mut self) -> Option<(Result<Opened, Error>, Loading)> {
+        let outcome = self.loading.as_ref()?.work.take()?;
+        Some((outcome, self.loading.take()?))
     }
 
     /// Says of a displacement that was clicked, and that no step of its unit tests, that it was not tested.
@@ -147,9 +157,8 @@ impl App {
         self.go_on(Cursor::default());
     }
 
-    /// Opens an example of the estimator `id`, and says what it shows.
+    /// Opens an example of the estimator `id`, and says what it shows once it is open.
     pub fn open_example(&mut self, id: &str, example: &'static Example) {
-        self.open(format!("example:{id}/{}", example.id));
         let verdict = match example.cause {
             Some(cause) => format!("Fails: {}.", cause.name()),
             None => "Works.".to_owned(),
@@ -160,7 +169,11 @@ impl App {
             let set = if set.is_empty() { String::new() } else { format!(" with {}", set.join(", ")) };
             Some(format!(" Works here: {name}{set}."))
         });
-        self.toasts.describe(format!("{}. {verdict} {}{}", example.title, example.says, instead.unwrap_or_default()));
+        self.open(format!("example:{id}/{}", example.id));
+        if let Some(loading) = &mut self.loading {
+            let instead = instead.unwrap_or_default();
+            loading.description = Some(format!("{}. {verdict} {}{instead}", example.title, example.says));
+        }
     }
 
     /// Opens the example of the estimator after the one that is open, or its first one.

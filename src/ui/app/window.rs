@@ -8,6 +8,7 @@ use eframe::egui_wgpu::RenderState;
 use motionscope_core::{Cursor, Direction, Error, Role};
 
 use crate::experiment::side_by_side::SideBySide;
+use crate::experiment::source::Source;
 use crate::ui::app::action::{Action, Actions, Browse};
 use crate::ui::app::commands::{Granularities, Situation};
 use crate::ui::app::keys;
@@ -240,6 +241,8 @@ impl App {
         let last = self.document.last_frame();
         Situation {
             has_clip: self.document.clip().is_some(),
+            has_pictures: self.document.clip().is_some_and(|clip| !clip.is_blank())
+                && matches!(self.document.source(), Some(Source::File(_) | Source::Pair(_))),
             has_run: shown.is_some() && self.refused().is_none(),
             at_start: shown.is_none_or(|shown| shown.cursor == motionscope_core::Cursor::default()),
             at_end: shown.is_some_and(|shown| shown.at_end),

@@ -40,6 +40,8 @@ pub struct Beside {
 pub struct Loading {
     /// The requested file, folder, session or `synth:` scene.
     pub name: OsString,
+    /// What is said once it is open.
+    pub description: Option<String>,
     /// The background task.
     pub work: Background<Opened>,
 }
@@ -52,7 +54,7 @@ impl Loading {
         let work = Background::new("open the clip", changed, move |control| {
             open(&wanted, beside, Arc::clone(control) as Arc<dyn Progress>)
         });
-        Self { name, work }
+        Self { name, description: None, work }
     }
 }
 
@@ -64,7 +66,7 @@ impl Loading {
         let work = Background::new("open the clip", changed, move |control| {
             opened(Named { source, given, session: None }, None, Arc::clone(control) as Arc<dyn Progress>)
         });
-        Self { name: path, work }
+        Self { name: path, description: None, work }
     }
 }
 

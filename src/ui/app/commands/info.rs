@@ -61,7 +61,7 @@ impl Command {
                 Menu::File,
                 Icon::Columns2,
                 "Open right view…",
-                "Open the right view of the clip, from a second camera: a picture, a folder or a video.",
+                "Open the right view of the clip, from a second camera: a picture, a folder or a video. Synthetic scenes have their own views.",
                 &[],
             ),
             C::Samples => (

@@ -90,6 +90,8 @@ fn follow_row(job: Job<'_>) {
 /// Writes the path costs of a pixel from those of the one before and their minimum, and adds them to the sums; returns their minimum.
 #[inline(always)]
 fn step(costs: &[u8], (last, least): (&[u8], u8), cells: &mut [u8], sums: &mut [u16], [p1, p2]: [u8; 2]) -> u8 {
+    debug_assert!(costs.len().is_multiple_of(LANES) && sums.len() == costs.len(), "whole lanes of costs and sums");
+    debug_assert!([last.len(), cells.len()].map(|len| len - 2 * MARGIN) == [costs.len(); 2], "path costs with margins");
     let jump = least.saturating_add(p2);
     let mut lowest = [NONE; LANES];
     // Whole arrays, without sums that could overflow: the compiler keeps them in registers in every profile.
