@@ -343,7 +343,10 @@ fn end_of_block(id: &str, scene: &str, unit: usize) -> (String, Option<[f32; 2]>
 fn a_wrong_vector_is_explained_by_the_truth() {
     // The ball covers the block: the match lies at the limit of the range, which is not the cause.
     let (covered, truth) = end_of_block("full-search", "fast-ball", 181);
-    assert!(covered.contains("True motion: (0, 0) px; endpoint error 16.12 px. Its cost is higher, SAD "), "{covered}");
+    assert!(
+        covered.contains("True motion: (0, 0) px; endpoint error 16.12 px. The true displacement costs more, SAD "),
+        "{covered}"
+    );
     assert!(covered.ends_with("is hidden in frame t+1 (occlusion)."), "{covered}");
     assert!(!covered.contains("larger range") && !covered.contains("Possible causes"), "{covered}");
     assert_eq!(truth, Some([0.0; 2]));

@@ -211,11 +211,11 @@ fn without_texture_the_camera_counts_as_at_rest() {
     walk.jump(Move::To(Cursor { unit: 0, event: 1 }));
     let said = walk.step(None).sentence.plain();
     assert!(said.contains("none that is usable"), "{said}");
-    assert!(said.contains("0 of 0 matches support one") && said.contains("needs at least 2"), "{said}");
+    assert!(said.contains("has 0 of 0 matches as inliers") && said.contains("At least 2 are needed"), "{said}");
     let mut walk = set("mosaic", &[]).walk(&flat, 0).expect("a walk");
     walk.jump(Move::End);
     let said = walk.step(None).sentence.plain();
-    assert!(said.contains("count as at rest: 2 of 2. Frames 0 and 1: 0 of 0 matches support one"), "{said}");
+    assert!(said.contains("count as at rest: 2 of 2. Frames 0 and 1: A motion of the model"), "{said}");
 }
 
 #[test]

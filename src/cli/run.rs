@@ -168,7 +168,7 @@ fn timed(
 /// Returns the sentence of the last step where a model of the motion was estimated, one point was tracked, or motions of a path were refused: it
 /// says how far the result holds, or why there is none. Where there is not enough memory to walk through the run, there is none.
 fn conclusion(Prepared { experiment, clip, .. }: &Prepared, output: &Output) -> Option<String> {
-    // A motion that is refused counts as the identity, which is never estimated exactly.
+    // A motion that is refused counts as the identity. One that was estimated as that has a conclusion too.
     let is_refused = |path: &PathField| path.motions.contains(&IDENTITY);
     let is_model = output.get::<ModelField>().is_some() || output.get::<EpipolarField>().is_some();
     let is_one_track = output.get().is_some_and(|field: &TrackField| field.tracks.len() == 1);

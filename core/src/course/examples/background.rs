@@ -23,8 +23,8 @@ pub(super) const EXAMPLES: &[Example] = &[
         clip: "hand-held",
         settings: &[],
         frame: 0,
-        says: "The model of a pixel is that of a place in the scene, and the camera turns away from it. The motion of the camera has to be \
-               estimated first.",
+        says: "A pixel is compared with earlier levels of the same pixel, but under a moving camera these show other places of the scene. The \
+               motion of the camera has to be estimated first.",
         claim: ("mask_f1", Limit::AtMost(0.6)),
         instead: None,
     },

@@ -238,8 +238,7 @@ impl Found {
         self.feature.displacement.is_none()
     }
 
-    /// Whether the peak lies at an end of the search range: a better one may lie beyond it. Where the border of the picture ends the search area,
-    /// no template lies beyond.
+    /// Whether the peak lies at an end of the search range: a better one may lie beyond it.
     fn is_at_limit(&self, range: usize) -> bool {
         self.pair.displacement(self.best).iter().any(|along| along.unsigned_abs() as usize == range)
     }

@@ -50,17 +50,21 @@ impl Probe<'_> {
         let Some(true_cost) = self.full_search().cost(at).filter(|_| at != found.displacement) else {
             return String::new();
         };
-        let place = if truth.iter().all(|c| c.fract() == 0.0) { String::new() } else { format!(" at {}", vector(at)) };
+        let place = if truth.iter().all(|c| c.fract() == 0.0) {
+            String::new()
+        } else {
+            format!(", rounded to {},", vector(at))
+        };
         let shown = self.settings.show(true_cost);
         match true_cost.total_cmp(&found.cost) {
-            Ordering::Less => format!(" Its cost is lower, {shown}{place}, but it was not tested."),
-            Ordering::Equal => format!(" Its cost is the same{place}."),
+            Ordering::Less => format!(" The true displacement{place} costs less, {shown}, but was not tested."),
+            Ordering::Equal => format!(" The true displacement{place} costs the same."),
             Ordering::Greater => match self.hidden_share() {
                 share if share >= OCCLUDED => format!(
-                    " Its cost is higher, {shown}{place}, because {:.0} % of the block is hidden in frame t+1 (occlusion).",
+                    " The true displacement{place} costs more, {shown}; {:.0} % of the block is occluded in frame t+1.",
                     100.0 * share
                 ),
-                _ => format!(" Its cost is higher, {shown}{place}."),
+                _ => format!(" The true displacement{place} costs more, {shown}."),
             },
         }
     }

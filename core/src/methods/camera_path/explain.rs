@@ -77,11 +77,10 @@ pub fn chain_step(chain: &Chain, link: &Link, (is_chained, stage): (bool, &str))
 pub fn why(refused: Refused) -> String {
     match refused {
         Refused::Unknown(model, Some(Support { inliers, matches })) => format!(
-            "{} of {} support one, and this model ({}) needs at least {}, and more than agree by chance: the frames overlap too little, or have too \
-             little texture.",
-            grouped(inliers),
-            words::counted(matches, "match"),
+            "A motion of the model ({}) has {} as inliers. At least {} are needed, and more than agree by chance: the frames overlap too little, or \
+             have too little texture.",
             model.label().to_lowercase(),
+            format_args!("{} of {}", grouped(inliers), words::counted(matches, "match")),
             model.sample_size()
         ),
         Refused::Unknown(model, None) => format!(

@@ -22,6 +22,9 @@ pub struct System {
 /// The eigenvalues that are shown, from the largest on: the last ones tell how well a solution is determined.
 const SHOWN: [(usize, &str); 4] = [(0, "λ₁"), (6, "λ₇"), (7, "λ₈"), (8, "λ₉")];
 
+/// The name of a solution.
+const SOLUTION: &str = "of the normalised points";
+
 impl System {
     /// The system A h = 0 of a homography between normalised points (Hartley and Zisserman 2004, algorithm 4.2): two equations for each
     /// match, solved by the eigenvector of AᵀA with the smallest eigenvalue. Empty if the points of a frame are at one place.
@@ -30,7 +33,7 @@ impl System {
         let solved = Solved::of(moments.transfer());
         let mut system = Self::solved_by(matches.len(), by, &solved);
         system.facts.push(equations("h", 2 * matches.len()));
-        system.matrices.push(matrix(("H", "of the normalised points"), &solved.vectors[0]));
+        system.matrices.push(matrix(("H", SOLUTION), &solved.vectors[0]));
         system
     }
 
@@ -48,7 +51,7 @@ impl System {
             return system;
         }
         let values = Square::from_fn(|i, j| least[i][j]).singular_values();
-        system.matrices.push(matrix(("F", "of the normalised points"), least));
+        system.matrices.push(matrix(("F", SOLUTION), least));
         let mut values = [values[0], values[1], values[2]];
         values.sort_by(|a, b| b.total_cmp(a));
         system.matrices.push(shown(
@@ -64,15 +67,27 @@ impl System {
         let (_, normal, right) = normal_equations(matches);
         let columns =
             |count: usize, labels: [&str; 3]| labels.iter().take(count).map(|label| (*label).to_owned()).collect();
+        let rows: Vec<String> = columns(3, ["x", "y", "1"]);
         let normal = Matrix {
-            columns: columns(3, ["x", "y", "1"]),
-            ..shown(("N", "sums of products, px²"), Grid::from_fn(3, 3, |x, y| normal[(y, x)]), 1)
+            columns: rows.clone(),
+            rows: rows.clone(),
+            ..shown(("N", "sums of products of x, y and 1"), Grid::from_fn(3, 3, |x, y| normal[(y, x)]), 1)
         };
         let right = Matrix {
             columns: columns(2, ["x′", "y′", ""]),
-            ..shown(("R", "right-hand sides, px²"), Grid::from_fn(2, 3, |x, y| right[(y, x)]), 1)
+            rows,
+            ..shown(("R", "sums of products with x′ and y′"), Grid::from_fn(2, 3, |x, y| right[(y, x)]), 1)
         };
         Self { facts: Vec::new(), matrices: vec![normal, right] }
+    }
+
+    /// The same with its solution named as what a refinement begins with.
+    #[must_use]
+    pub fn before_refinement(mut self) -> Self {
+        for matrix in self.matrices.iter_mut().filter(|matrix| matrix.name == SOLUTION) {
+            matrix.name = "of the normalised inliers, before refinement";
+        }
+        self
     }
 
     /// The normalisations and the eigenvalues.

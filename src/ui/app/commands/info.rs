@@ -75,7 +75,7 @@ impl Command {
                 Menu::File,
                 Icon::Lightbulb,
                 "Next example",
-                "Open a clip on which this estimator works, and with each further press one on which it fails, with the reason.",
+                "Open the next clip on which this estimator works, or fails, with the reason.",
                 const { &[key(Key::E)] },
             ),
             C::SaveSession => (

@@ -19,21 +19,23 @@ pub fn drawn(parents: &[u32], union: Option<[u32; 2]>) -> Option<Diagram> {
     let mut roots: Vec<usize> = (0..parents.len()).filter(is_tree).collect();
     // The sort is stable: the others stay in the order of their labels.
     roots.sort_by_key(|root| union.is_none_or(|[at_work, _]| at_work as usize != *root));
-    let mut forest = Forest { children: &children, union, columns: 0, deepest: 0, diagram: Diagram::default() };
-    let mut others = 0;
+    // Each label of such a tree has a parent or children.
+    let all =
+        (0..parents.len()).filter(|label| parents[*label] as usize != *label || !children[*label].is_empty()).count();
+    let mut forest =
+        Forest { children: &children, union, left: MOST, columns: 0, deepest: 0, diagram: Diagram::default() };
     for root in roots {
-        match forest.diagram.nodes.len() < MOST {
-            true => _ = forest.grow(root, 0),
-            false => others += 1,
-        }
+        forest.grow(root, 0);
     }
-    (!forest.diagram.nodes.is_empty()).then(|| forest.finished(others))
+    (all > 0).then(|| forest.finished(all.saturating_sub(MOST)))
 }
 
 /// The drawing so far.
 struct Forest<'a> {
     children: &'a [Vec<usize>],
     union: Option<[u32; 2]>,
+    /// How many more labels may be drawn.
+    left: usize,
     /// The columns that are taken; each label without children has one.
     columns: usize,
     deepest: usize,
@@ -41,12 +43,12 @@ struct Forest<'a> {
 }
 
 impl Forest<'_> {
-    /// Draws the tree below `label`; returns where its node stands.
-    fn grow(&mut self, label: usize, depth: usize) -> [f32; 2] {
+    /// Draws the tree below `label` as far as there is room; returns where its node stands.
+    fn grow(&mut self, label: usize, depth: usize) -> Option<[f32; 2]> {
+        self.left = self.left.checked_sub(1)?;
         self.deepest = self.deepest.max(depth);
-        let room = MOST.saturating_sub(self.diagram.nodes.len());
-        let below: Vec<[f32; 2]> =
-            self.children[label].iter().take(room).map(|child| self.grow(*child, depth + 1)).collect();
+        let all = self.children;
+        let below: Vec<[f32; 2]> = all[label].iter().map_while(|child| self.grow(*child, depth + 1)).collect();
         let x = match (below.first(), below.last()) {
             (Some(first), Some(last)) => (first[0] + last[0]) / 2.0,
             _ => {
@@ -64,15 +66,15 @@ impl Forest<'_> {
         self.diagram.nodes.push(Node { role, is_faded: false, at, radius: 5.0 });
         let text = (label + 1).to_string();
         self.diagram.words.push(Words { text, role: Some(role), at: [x + ASIDE, depth as f32], side: 1 });
-        at
+        Some(at)
     }
 
-    /// The drawing with its size, its title, and a note on the `others`, which are not drawn.
+    /// The drawing with its size, its title, and a note on the `others`: labels that are not drawn.
     fn finished(self, others: usize) -> Diagram {
         let size = [self.columns as f32, self.deepest as f32 + 0.6];
         let mut diagram = self.diagram;
         if others > 0 {
-            let text = format!("and {}", counted(others, "more tree"));
+            let text = format!("and {}", counted(others, "more label"));
             diagram.words.push(Words { text, role: None, at: [0.0, size[1]], side: 1 });
         }
         let summary = format!("{} in trees with several", counted(diagram.nodes.len(), "label"));
@@ -105,7 +107,10 @@ mod tests {
     fn a_large_forest_is_drawn_in_part_and_says_so() {
         let parents: Vec<u32> = (0..200).map(|label| label / 2 * 2).collect();
         let diagram = drawn(&parents, None).expect("a hundred trees");
-        assert!(diagram.nodes.len() <= MOST + 1, "{}", diagram.nodes.len());
-        assert!(diagram.words.iter().any(|words| words.text == "and 88 more trees"), "{:?}", diagram.words.last());
+        assert_eq!(diagram.nodes.len(), MOST);
+        assert!(diagram.words.iter().any(|words| words.text == "and 176 more labels"), "{:?}", diagram.words.last());
+        // A chain, as deep as it is long, is cut too.
+        let chain: Vec<u32> = (0..100_000_u32).map(|label| label.saturating_sub(1)).collect();
+        assert_eq!(drawn(&chain, None).map(|diagram| diagram.nodes.len()), Some(MOST));
     }
 }

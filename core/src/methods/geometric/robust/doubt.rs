@@ -56,7 +56,7 @@ fn false_alarms_log(n: usize, [k, all]: [usize; 2], share: f64) -> f64 {
     tests + choose(all, k) + choose(k, n) + (k - n) as f64 * share.clamp(1e-12, 1.0).ln()
 }
 
-/// Number of matches at distinct positions: the smaller one of the numbers of positions in both frames. A detector may give a point several
+/// The most matches with no position in common: the smaller one of the numbers of positions in both frames. A detector may give a point several
 /// keypoints, such as one for each orientation, and their matches determine no more than one of them.
 pub fn distinct(points: &[Correspondence]) -> usize {
     let places = |of: fn(&Correspondence) -> [f64; 2]| {

@@ -312,7 +312,7 @@ impl<M: RobustModel> Robust<M> {
         vec![symbols, numbers]
     }
 
-    /// The linear system behind the model of an event: of the sample, or of the inliers that it is fitted to.
+    /// The linear system behind the model of an event: of the sample, or of all inliers, where the refinement begins.
     fn system(&self, seen: &Seen<Self>, event: &Event) -> System {
         let points = &seen.before.fixed.points;
         let solved: Vec<Correspondence> = match event {
@@ -326,7 +326,11 @@ impl<M: RobustModel> Robust<M> {
             }
             _ => Vec::new(),
         };
-        if solved.is_empty() { System::default() } else { self.0.system(&solved) }
+        if solved.is_empty() {
+            return System::default();
+        }
+        let system = self.0.system(&solved);
+        if matches!(event, Event::Hypothesis(_)) { system } else { system.before_refinement() }
     }
 
     /// The hypothesis and the best model.
