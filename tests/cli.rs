@@ -885,7 +885,7 @@ fn estimators_in_lockstep_are_drawn_side_by_side() {
     assert!(four.1 > two.1 + 48 && four.0 == two.0, "two by two: {}×{}", four.0, four.1);
     let steps = stdout(
         here,
-        &format!("export {SMALL} --estimator full-search --beside diamond --steps 5..5 --every candidate --out steps"),
+        &format!("export {SMALL} --estimator full-search --beside diamond --steps 5..5 --every step --out steps"),
     );
     let last = fs::read_dir(here.join("steps")).unwrap().count();
     assert_eq!(steps.trim(), format!("{last} pictures in steps"));

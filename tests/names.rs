@@ -14,8 +14,10 @@ const DATA: [(&str, &str); 3] = [
 ];
 
 /// Words that are names of something else in the file that has them.
-const OTHERWISE: [(&str, &str, &str); 28] = [
+const OTHERWISE: [(&str, &str, &str); 30] = [
     ("src/cli/args.rs", "frame", "a flag"),
+    ("src/cli/list.rs", "clip", "a key of the JSON"),
+    ("src/cli/list.rs", "frame", "a key of the JSON"),
     ("src/cli/list.rs", "frames", "a key of the JSON"),
     ("src/cli/list.rs", "source", "a key of the JSON"),
     ("src/cli/list.rs", "stage", "a type in the JSON"),

@@ -201,7 +201,7 @@ fn a_tested_pixel_is_the_work_and_its_tile_has_the_circle() {
         _ => 170,
     });
     let mut walk = set("fast", &ALL).walk(&clip_of(picture), 0).expect("a walk");
-    let mut corners = 0;
+    let (mut corners, mut all) = (0, Vec::new());
     while !walk.at_end() {
         walk.jump(Move::Granularity(3, Direction::Forward));
         let (step, work) = (walk.step(None), walk.scene(None).work);
@@ -213,6 +213,7 @@ fn a_tested_pixel_is_the_work_and_its_tile_has_the_circle() {
             Readout::Tiles(tiles) => Some(tiles[0].framed.clone()),
             _ => None,
         });
+        all.push(told.clone());
         if !told.starts_with("Pixel (20,\u{a0}18)") {
             continue;
         }
@@ -229,7 +230,7 @@ fn a_tested_pixel_is_the_work_and_its_tile_has_the_circle() {
         let run = pixels(Role::Result);
         assert_eq!((run[0], run[10], run.len()), ([2, 6], [6, 2], 11));
     }
-    assert_eq!(corners, 1);
+    assert_eq!(corners, 1, "{all:?}");
     let hovered = walk.scene(Some(Focus::current([10.0, 10.0])));
     assert_eq!(hovered.work, None, "the view does not follow the pointer");
 }

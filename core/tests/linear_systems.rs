@@ -46,7 +46,10 @@ fn the_matrices_shown_give_the_homography() {
         let system = System::of_homography(&all);
         let [t, t_next, h] = ["T", "T′", "H"].map(|symbol| square(of(&system, symbol)));
         let found = product(&inverse(&t_next).expect("a similarity"), &product(&h, &t));
-        let off = apart(&found, &fit(Model::Homography, &all).expect("points in general position"));
+        let off = apart(
+            &found,
+            &fit(Model::Homography, &all).unwrap_or_else(|| panic!("{count} points in general position")),
+        );
         assert!(off < 1e-6, "{count} matches: {off}");
         let values = of(&system, "λ").cells();
         assert!(values.is_sorted_by(|a, b| a >= b) && (values[3] < 1e-12) == (count == 4), "{values:?}");

@@ -194,9 +194,12 @@ fn a_template_over_the_border_is_cut_and_says_so() {
         walk.step(None).sentence.plain()
     };
     let said = told("-10,5,20,20");
-    assert!(said.contains("rectangle of 30×15 px is cut at the picture border to 20×15 px"), "{said}");
+    assert!(
+        said.contains("rectangle of 30×15 px reaches outside the picture, so the template is clipped to 20×15 px"),
+        "{said}"
+    );
     let said = told("10,5,30,20");
-    assert!(said.contains("first frame of the run") && !said.contains("border"), "{said}");
+    assert!(said.contains("first frame of the run") && !said.contains("clipped"), "{said}");
 }
 
 #[test]

@@ -20,8 +20,7 @@ use crate::families::{
         Clg, Farneback, HornSchunck, Klt, LucasKanade, NormalFlow, PointTrajectories, PyramidalLucasKanade, TvL1,
     },
     region_tracking::{
-        ActiveContour, Camshift, ChanVese, CorrelationFilter, GreedyContour, MeanShift, ParticleFilter, Rapid,
-        TemplateTracker,
+        ActiveContour, Camshift, ChanVese, CorrelationFilter, GreedyContour, MeanShift, ParticleFilter, TemplateTracker,
     },
     stereo::{BlockStereo, SemiGlobalMatching},
     tracking::{BlobTracker, JointProbabilistic, KalmanFilter, KalmanTracker, MultipleHypothesis, TrajectoryAnalysis},
@@ -93,7 +92,6 @@ impl Entries for Course {
         Entry::of::<RegionTracking<ParticleFilter>>(),
         Entry::of::<RegionTracking<CorrelationFilter>>(),
         Entry::of::<RegionTracking<TemplateTracker>>(),
-        Entry::of::<RegionTracking<Rapid>>(),
         Entry::of::<RegionTracking<ActiveContour>>(),
         Entry::of::<RegionTracking<GreedyContour>>(),
         Entry::of::<RegionTracking<ChanVese>>(),

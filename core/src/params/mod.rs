@@ -91,7 +91,7 @@ impl Kind {
     fn allowed(&self, unit: &str) -> String {
         match self {
             Kind::Int { min, max } => format!("{} to {}{unit}", grouped(*min), grouped(*max)),
-            Kind::Real { min, max } => format!("{min} to {max}{unit}"),
+            Kind::Real { min, max } => format!("{} to {}{unit}", limit(*min), limit(*max)),
             Kind::Switch => "on or off".into(),
             Kind::Placed(figure) => figure.allowed().into(),
             Kind::Stage(kind) => one_of(&kind.ids()),
@@ -463,6 +463,11 @@ impl Parameter for f32 {
     fn from_value(value: Value) -> Option<Self> {
         if let Value::Real(v) = value { Some(v as f32) } else { None }
     }
+}
+
+/// A limit of a range as text, with spaces between thousands.
+fn limit(v: f64) -> String {
+    if v >= 10_000.0 && v.fract() == 0.0 { grouped(v as i64) } else { v.to_string() }
 }
 
 /// The real number that `v` is written as: 0.1, not 0.10000000149.

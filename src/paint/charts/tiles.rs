@@ -73,15 +73,20 @@ pub fn places(data: Tiles<'_>, area: Rect, style: ChartStyle) -> Places {
     let labels: Vec<_> = data.tiles.iter().map(|tile| label_width(tile, style.theme)).collect();
     let rows = Rows { tiles: data.tiles, labels: &labels, line: line(style) };
     let fitting = |columns: &usize| rows.fitting(*columns, area);
+    // As many beside each other as make their pixels largest; of equals, in fewest rows.
+    let best = || {
+        let columns = (1..=data.tiles.len().max(1)).rev();
+        columns.max_by(|a, b| fitting(a).total_cmp(&fitting(b)).then(a.cmp(b))).unwrap_or(1)
+    };
     match data.closeness {
         Closeness::Whole => {
-            // As many beside each other as make their pixels largest; of equals, in fewest rows.
-            let columns = (1..=data.tiles.len().max(1)).rev();
-            let best = columns.max_by(|a, b| fitting(a).total_cmp(&fitting(b)).then(a.cmp(b))).unwrap_or(1);
+            let best = best();
             rows.places(best, fitting(&best), area.min)
         }
         Closeness::Readable => {
-            let columns = data.tiles.len().max(1);
+            let all = data.tiles.len().max(1);
+            // Names that do not stand beside each other are not cut off.
+            let columns = if fitting(&all) > 0.0 { all } else { best() };
             let sizes = data.tiles.iter().map(|tile| tile.values.size());
             let longest = sizes.map(|(width, height)| width.max(height)).max().unwrap_or(1);
             let whole = fitting(&columns).max(2.0);

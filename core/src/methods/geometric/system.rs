@@ -99,7 +99,7 @@ impl System {
         let matrices = vec![
             matrix(("T", "normalisation of frame t"), &from.matrix()),
             matrix(("T′", "normalisation of frame t+1"), &to.matrix()),
-            Matrix { rows, ..shown(("λ", "eigenvalues of AᵀA per match"), values, 6) },
+            Matrix { rows, ..shown(("λ", "eigenvalues of A^T A per match"), values, 6) },
         ];
         Self { facts: Vec::new(), matrices }
     }

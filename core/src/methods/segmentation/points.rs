@@ -200,6 +200,6 @@ mod tests {
         let points = Points::new(vec![(0..100).map(|i| i as f32).collect()]);
         assert_eq!(points.sampled(4).1, [12, 37, 62, 87]);
         assert_eq!(points.sampled(1000).0, points);
-        assert_eq!(Points::new(vec![Vec::new()]).sampled(5).1, []);
+        assert!(Points::new(vec![Vec::new()]).sampled(5).1.is_empty());
     }
 }

@@ -13,8 +13,8 @@ use crate::synth::{
 pub const SAMPLE: Sample = Sample {
     id: "blurred-swing",
     title: "Blurred swing: motion blur that changes",
-    teaches: "With the shutter open all the time, the swinging lantern is sharp where it turns round and smeared over 14 px in between. Blur mixes \
-              the colours of bars and panes, so mean shift on RGB loses it; hue and saturation change less. A template that is updated follows.",
+    teaches: "With the shutter open all the time, the swinging lantern is sharp where it turns round and smeared over 20 px in between. A \
+              correlation filter knows the sharp pattern of bars and panes and loses it; hue and saturation change less, so mean shift on them follows.",
     tune: |d| {
         d.frames = 40;
         d.motion_blur = 100.0;
@@ -25,7 +25,7 @@ pub const SAMPLE: Sample = Sample {
 
 fn layers(setting: &Setting) -> Vec<Layer> {
     let seed = setting.seed;
-    let motion = Motion { sway: [62.0, 0.0], period: 28.0, ..Motion::still([160.0, 120.0]) };
+    let motion = Motion { sway: [62.0, 0.0], period: 19.0, ..Motion::still([160.0, 120.0]) };
     let night = [rgb(0x10192b), rgb(0x1b2a44), rgb(0x2c4163), rgb(0x3c577c)];
     let half = [20.0, 26.0];
     vec![

@@ -13,7 +13,7 @@ use crate::synth::{
 pub const SAMPLE: Sample = Sample {
     id: "spinning-sign",
     title: "Spinning sign: rotation between frames",
-    teaches: "The sign turns by 60° from frame to frame. A template that is aligned from the last warp does not converge over such a rotation; a \
+    teaches: "The sign turns by 90° from frame to frame. A template that is aligned from the last warp does not converge over such a rotation; a \
               colour histogram stays the same when its object turns, so mean shift follows.",
     tune: |d| d.frames = 40,
     path: Path::REST,
@@ -25,7 +25,7 @@ const RADIUS: f64 = 24.0;
 
 fn layers(setting: &Setting) -> Vec<Layer> {
     let seed = setting.seed;
-    let motion = Motion { velocity: [4.5, 0.4], spin: 60.0 / 360.0, ..Motion::still([60.0, 108.0]) };
+    let motion = Motion { velocity: [5.5, 0.5], spin: 90.0 / 360.0, ..Motion::still([60.0, 108.0]) };
     let wall = [rgb(0x53606a), rgb(0x74838c), rgb(0x98a4a8), rgb(0xb7c0bf)];
     vec![
         Layer::new(Shape::disc(RADIUS), motion, rgb(0xd8a021), sign).object(1).round(setting),

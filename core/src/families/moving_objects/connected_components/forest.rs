@@ -8,26 +8,23 @@ const MOST: usize = 24;
 /// From a node to its label, in columns.
 const ASIDE: f32 = 0.16;
 
-/// Draws the trees that have several labels, that of the last union first; `None` where there is none. `parents` holds the parent of each
+/// Draws the trees, that of the last union first and labels alone last; `None` where there is no label. `parents` holds the parent of each
 /// label, and `union` root and child of the union at work.
 pub fn drawn(parents: &[u32], union: Option<[u32; 2]>) -> Option<Diagram> {
     let mut children = vec![Vec::new(); parents.len()];
     for (label, parent) in parents.iter().enumerate().filter(|(label, parent)| *label != **parent as usize) {
         children[*parent as usize].push(label);
     }
-    let is_tree = |label: &usize| parents[*label] as usize == *label && !children[*label].is_empty();
-    let mut roots: Vec<usize> = (0..parents.len()).filter(is_tree).collect();
+    let mut roots: Vec<usize> = (0..parents.len()).filter(|label| parents[*label] as usize == *label).collect();
     // The sort is stable: the others stay in the order of their labels.
-    roots.sort_by_key(|root| union.is_none_or(|[at_work, _]| at_work as usize != *root));
-    // Each label of such a tree has a parent or children.
-    let all =
-        (0..parents.len()).filter(|label| parents[*label] as usize != *label || !children[*label].is_empty()).count();
+    let is_at_work = |root: usize| union.is_some_and(|[at_work, _]| at_work as usize == root);
+    roots.sort_by_key(|root| (!is_at_work(*root), children[*root].is_empty()));
     let mut forest =
         Forest { children: &children, union, left: MOST, columns: 0, deepest: 0, diagram: Diagram::default() };
     for root in roots {
         forest.grow(root, 0);
     }
-    (all > 0).then(|| forest.finished(all.saturating_sub(MOST)))
+    (!parents.is_empty()).then(|| forest.finished(parents.len().saturating_sub(MOST)))
 }
 
 /// The drawing so far.
@@ -77,7 +74,7 @@ impl Forest<'_> {
             let text = format!("and {}", counted(others, "more label"));
             diagram.words.push(Words { text, role: None, at: [0.0, size[1]], side: 1 });
         }
-        let summary = format!("{} in trees with several", counted(diagram.nodes.len(), "label"));
+        let summary = format!("{} drawn", counted(diagram.nodes.len(), "label"));
         Diagram { title: "Union–find forest of the labels", size, summary, ..diagram }
     }
 }
@@ -97,10 +94,10 @@ mod tests {
         assert_eq!((of("1")[1], of("2")[1], of("3")[1]), (0.0, 1.0, 2.0), "each level one lower");
         assert_eq!((of("4")[1], of("5")[1]), (0.0, 1.0));
         assert!(of("4")[0] < of("1")[0], "the tree at work is the first");
-        assert!(diagram.words.iter().all(|words| words.text != "6"), "a label alone is no tree");
+        assert!(of("6")[0] > of("2")[0], "a label alone is the last");
         let unions = diagram.lines.iter().filter(|line| line.role == Role::Measured).count();
         assert_eq!((diagram.lines.len(), unions), (3, 1));
-        assert_eq!(drawn(&[0, 1, 2], None), None);
+        assert_eq!(drawn(&[], None), None);
     }
 
     #[test]
