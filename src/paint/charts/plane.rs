@@ -327,6 +327,9 @@ fn halves(axis: &Axis, spacing: f32) -> Vec<f32> {
     (-count..=count).map(|i| i as f32 * step).collect()
 }
 
+/// How far a rounded place may lie from its point, as a share of the reach of the plane.
+const ROUNDED: f32 = 0.03;
+
 /// The ellipse of a standard deviation: unlike the lines and points of a plane.
 const SPREAD: Role = Role::Predicted;
 
@@ -360,7 +363,7 @@ fn names(canvas: &mut Canvas, square: &Square, area: Rect, (plane, style): (&Pla
         let y = at[1] + small / 2.0;
         let end = canvas.text([left, y], place_at, &shortened(name, text, room), text).max[0];
         let (x, y) = if is_short { (end + 0.6 * small, y) } else { (left, y + 1.4 * small) };
-        canvas.text([x, y], place_at, &place_within(*uv, dim, area.max[0] - x), dim);
+        canvas.text([x, y], place_at, &place_within(*uv, (dim, area.max[0] - x), square.window.reach), dim);
         at[1] += if is_short { 1.7 } else { 3.2 } * small;
     }
     if plane.ellipse.is_some() {
@@ -375,18 +378,20 @@ fn names(canvas: &mut Canvas, square: &Square, area: Rect, (plane, style): (&Pla
     scale(canvas, below, (plane, style));
 }
 
-/// A displacement as `(3.830, 0.750)`, to a thousandth as in sentences, or with fewer decimals where that is wider than `width` points.
-fn place_within([u, v]: [f32; 2], style: Type, width: f32) -> String {
+/// A displacement as `(3.830, 0.750)`, to a thousandth as in sentences, or with fewer decimals where that is wider than `width` points; nothing
+/// where so few would put it elsewhere in a plane that reaches so far.
+fn place_within([u, v]: [f32; 2], (style, width): (Type, f32), reach: f32) -> String {
     let whole = format!("({}, {})", fixed(u.into(), 3), fixed(v.into(), 3));
+    let is_exact = |decimals: usize| 0.5 * 10f32.powi(-(decimals as i32)) <= ROUNDED * reach;
     let coarse = |decimals: usize| {
         let unit = 10f32.powi(decimals as i32);
         // Adding 0 takes the sign from a zero.
         let rounded = |c: f32| format!("{:.decimals$}", (c * unit).round() / unit + 0.0).replace('-', "−");
         format!("({}, {})", rounded(u), rounded(v))
     };
-    let fitting =
-        [whole.clone(), coarse(2), coarse(1), coarse(0)].into_iter().find(|words| style.width(words) <= width);
-    fitting.unwrap_or_else(|| shortened(&whole, style, width))
+    let rounded = [2, 1, 0].into_iter().filter(|decimals| is_exact(*decimals)).map(coarse);
+    let fitting = std::iter::once(whole).chain(rounded).find(|words| style.width(words) <= width);
+    fitting.unwrap_or_default()
 }
 
 /// The scale of the colors of a cost, as much of it as has room.

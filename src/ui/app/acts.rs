@@ -8,7 +8,7 @@ use crate::experiment::comparison::Row;
 use crate::experiment::side_by_side::{Companion, SideBySide};
 use crate::paint::{FlowLayer, Phase, Theme, View};
 use crate::ui::app::action::Action;
-use crate::ui::app::commands::Command;
+use crate::ui::app::commands::{Command, Menu};
 use crate::ui::app::window::{App, Overlay};
 use crate::ui::dialogs::save::Kind;
 use crate::ui::dialogs::{compare, open as open_dialog, palette, terms};
@@ -100,6 +100,9 @@ impl App {
             let why = command.why_disabled(&now).filter(|why| self.toasts.last() != Some(why));
             why.into_iter().for_each(|why| self.toasts.hint(why));
             return;
+        }
+        if command.info().menu == Menu::Walk {
+            self.toasts.end_description();
         }
         match command {
             C::Open => self.overlay = Overlay::Open(Box::default()),

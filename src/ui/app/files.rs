@@ -183,7 +183,13 @@ impl App {
         let is_open = |example: &&Example| {
             Session::of_example(info.id, example).is_ok_and(|session| session.experiment == *self.document.experiment())
         };
-        let next = all.iter().position(|example| is_open(example)).map_or(0, |open| (open + 1) % all.len());
+        // While one is being opened the next one is the one after it.
+        let coming = self.loading.as_ref().map(|loading| loading.name.clone());
+        let is_coming = |example: &&Example| {
+            coming.as_ref().is_some_and(|name| *name == *format!("example:{}/{}", info.id, example.id))
+        };
+        let now = all.iter().position(is_coming).or_else(|| all.iter().position(|example| is_open(example)));
+        let next = now.map_or(0, |now| (now + 1) % all.len());
         match all.get(next) {
             Some(example) => self.open_example(info.id, example),
             None => self.toasts.hint(format!("There is no example of {} yet.", info.name)),

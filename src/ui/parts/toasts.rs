@@ -66,6 +66,11 @@ impl Toasts {
         self.0.push(Toast { text: text.into(), kind: Kind::Description, is_introduction: false, until: None });
     }
 
+    /// Takes away what was described: the person goes on.
+    pub fn end_description(&mut self) {
+        self.0.retain(|toast| toast.kind != Kind::Description);
+    }
+
     /// The newest message.
     pub fn last(&self) -> Option<&str> {
         self.0.iter().rfind(|toast| !toast.is_introduction).map(|toast| toast.text.as_str())

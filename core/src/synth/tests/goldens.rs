@@ -52,6 +52,9 @@ fn every_scene_looks_as_it_did() {
         ("turntable", 0xf259_fe60_029a_1b82),
         ("still-life", 0x5935_d7b7_6cb0_174f),
         ("stereo-traps", 0x44b3_1ab7_128c_c20b),
+        ("spinning-sign", 0x5081_800f_c518_d4b2),
+        ("blurred-swing", 0xfbb6_19ed_4fac_457d),
+        ("fast-flight", 0x2953_8cbb_4011_4d93),
     ];
     assert_eq!(found, expected, "{found:#018x?}");
 }
