@@ -347,7 +347,7 @@ fn a_wrong_vector_is_explained_by_the_truth() {
         covered.contains("True motion: (0, 0) px; endpoint error 16.12 px. The true displacement costs more, SAD "),
         "{covered}"
     );
-    assert!(covered.ends_with("is hidden in frame t+1 (occlusion)."), "{covered}");
+    assert!(covered.ends_with("% of the block is occluded in frame t+1."), "{covered}");
     assert!(!covered.contains("larger range") && !covered.contains("Possible causes"), "{covered}");
     assert_eq!(truth, Some([0.0; 2]));
     // At the right border the true displacement is no candidate.

@@ -19,7 +19,7 @@ pub(crate) enum Half {
 /// If the frames cannot be halved.
 pub(crate) fn half(source: Source, half: Half) -> Result<Source, Error> {
     let width = source.info.width;
-    if width % 2 != 0 {
+    if !width.is_multiple_of(2) {
         return Err(Error::new(format!(
             "its frames are {width} px wide; two views beside each other need an even width"
         )));

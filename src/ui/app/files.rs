@@ -188,7 +188,7 @@ impl App {
         let is_coming = |example: &&Example| {
             coming.as_ref().is_some_and(|name| *name == *format!("example:{}/{}", info.id, example.id))
         };
-        let now = all.iter().position(is_coming).or_else(|| all.iter().position(|example| is_open(example)));
+        let now = all.iter().position(is_coming).or_else(|| all.iter().position(is_open));
         let next = now.map_or(0, |now| (now + 1) % all.len());
         match all.get(next) {
             Some(example) => self.open_example(info.id, example),
