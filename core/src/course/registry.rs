@@ -27,7 +27,7 @@ use crate::families::{
 };
 use crate::methods::{
     features::Corners, geometric::robust::Robust, multi_object::MultiTracking, region::RegionTracking,
-    subtraction::Subtraction, variational::Variational,
+    segmentation::SegmentationRun, subtraction::Subtraction, variational::Variational,
 };
 use crate::run::{AnyEstimator, Course, Entries, Entry};
 
@@ -54,9 +54,9 @@ impl Entries for Course {
         Entry::of::<Variational<TvL1>>(),
         Entry::of::<Farneback>(),
         Entry::of::<PointTrajectories>(),
-        Entry::of::<MotionClustering>(),
-        Entry::of::<MotionLayers>(),
-        Entry::of::<FlowSegmentation>(),
+        Entry::of::<SegmentationRun<MotionClustering>>(),
+        Entry::of::<SegmentationRun<MotionLayers>>(),
+        Entry::of::<SegmentationRun<FlowSegmentation>>(),
         Entry::of::<Corners<Harris>>(),
         Entry::of::<Corners<ShiTomasi>>(),
         Entry::of::<Fast>(),

@@ -4,13 +4,13 @@ mod explain;
 
 use std::sync::Arc;
 
-use crate::base::{Error, Observer, Tally, Threads, effort};
+use crate::base::{Error, Observer, Threads, effort};
 use crate::data::{Clip, Flow};
 use crate::geometry::Grid;
-use crate::methods::segmentation::{FlowInput, Record, forest::Forest};
-use crate::products::{Output, Product, ProductKind, SegmentField, SegmentFrame};
-use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
-use crate::scene::{Chart, Focus, Role, Scene, Step};
+use crate::methods::segmentation::{FlowInput, Record, SegmentationRun, Segmenter, SegmenterState, forest::Forest};
+use crate::products::SegmentFrame;
+use crate::run::{Info, Progress, Seen};
+use crate::scene::{Role, Scene, Step};
 use crate::{choices, params, pseudocode};
 
 choices! {
@@ -178,39 +178,6 @@ impl Data {
 }
 
 impl FlowSegmentation {
-    fn work(
-        &self,
-        (clip, threads): (&Clip, &Threads),
-        state: &mut State,
-        observer: &mut impl Observer<Event>,
-    ) -> Result<Progress, Error> {
-        clip.wanted()?;
-        state.round += 1;
-        let Some(data) = state.data.clone() else {
-            state.record.check(clip)?;
-            let data = Arc::new(Data::new(self.input.between(clip, state.record.frame(), threads)?));
-            observer.see(|| Event::Flow(Arc::clone(&data)));
-            if self.method == Growth::Graph {
-                observer.see(|| Event::Sorted(data.edges.len()));
-            }
-            let count = data.flow.0.cells().len();
-            state.forest = Arc::new(Forest::new(count));
-            state.taken = Arc::new((0..count).map(|pixel| !data.is_known(pixel)).collect());
-            state.phase = if data.edges.is_empty() { Phase::Label } else { Phase::Merge };
-            state.data = Some(data);
-            return Ok(Progress::More);
-        };
-        match (state.phase, self.method) {
-            (Phase::Merge, Growth::Graph) => self.merge_part(&data, state, observer),
-            (Phase::Merge, Growth::Growing) => self.grow(&data, state, observer),
-            (Phase::Label, _) => {
-                self.label(&data, state, observer);
-                return Ok(state.record.progress(clip));
-            }
-        }
-        Ok(Progress::More)
-    }
-
     /// Goes through the next part of the sorted edges.
     fn merge_part(&self, data: &Data, state: &mut State, observer: &mut impl Observer<Event>) {
         let part = state.counts.len();
@@ -322,7 +289,7 @@ impl FlowSegmentation {
         observer.see(|| Event::Absorbed(Absorbed { merges, left, forest: Arc::clone(&state.forest) }));
         let segments = state.record.add(&data.labels(&state.forest), &data.flow, |_| None);
         observer.see(|| Event::Labelled(segments));
-        *state = State::new(state.record.clone());
+        *state = State::before(state.record.clone());
     }
 }
 
@@ -335,9 +302,8 @@ impl Data {
     }
 }
 
-impl State {
-    /// The state before the next frame of a record.
-    fn new(record: Record) -> Self {
+impl SegmenterState for State {
+    fn before(record: Record) -> Self {
         Self {
             record,
             phase: Phase::Merge,
@@ -348,6 +314,22 @@ impl State {
             next: 0,
             counts: Vec::new(),
         }
+    }
+
+    fn record(&self) -> &Record {
+        &self.record
+    }
+
+    fn round(&self) -> usize {
+        self.round
+    }
+
+    fn own_bytes(&self) -> usize {
+        self.forest.bytes() + size_of_val(&self.taken[..]) + size_of_val(&self.counts[..])
+    }
+
+    fn shared_bytes(&self) -> usize {
+        self.data.as_ref().map_or(0, |data| data.bytes())
     }
 }
 
@@ -362,7 +344,7 @@ pseudocode! {
     LABEL: "  label of a segment ← that of frame t−1 which shares the most pixels with it, moved by w",
 }
 
-impl Estimator for FlowSegmentation {
+impl Segmenter for FlowSegmentation {
     const INFO: Info = Info {
         id: "flow-segmentation",
         name: "Flow segmentation",
@@ -374,87 +356,61 @@ impl Estimator for FlowSegmentation {
         granularities: &["clip", "frame", "round", "step"],
         frames: 2,
     };
-    const GUARANTEE: Guarantee = Guarantee::Segments;
-    const CHARTS: &'static [Chart] = &[Chart::Plane, Chart::Series];
-    const PRODUCES: &'static [&'static ProductKind] = &[SegmentField::KIND];
+    // Flow, edges while they are sorted, forest and labels; a checkpoint has a forest of its own.
+    const BYTES_PER_PIXEL: [f64; 2] = [80.0, 110.0];
     type State = State;
     type Event = Event;
 
-    fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
-        let record = Record::new(clip, frame, self.frames)?;
-        self.input.check(clip, frame)?;
-        Ok(State::new(record))
+    fn input(&self) -> &FlowInput {
+        &self.input
     }
 
-    fn advance(&self, clip: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
-        self.work((clip, &Threads::single()), state, observer)
+    fn frames(&self) -> usize {
+        self.frames
     }
 
-    fn units(&self, _: &State) -> Option<usize> {
-        None
-    }
-
-    fn place(&self, state: &State) -> Vec<Granularity> {
-        state.record.place(state.round)
-    }
-
-    fn at_frame(&self, state: &State) -> Option<usize> {
-        Some(state.record.frame())
+    fn work(
+        &self,
+        (clip, threads): (&Clip, &Threads),
+        state: &mut State,
+        observer: &mut impl Observer<Event>,
+    ) -> Result<Progress, Error> {
+        clip.wanted()?;
+        state.round += 1;
+        let Some(data) = state.data.clone() else {
+            state.record.check(clip)?;
+            let data = Arc::new(Data::new(self.input.between(clip, state.record.frame(), threads)?));
+            observer.see(|| Event::Flow(Arc::clone(&data)));
+            if self.method == Growth::Graph {
+                observer.see(|| Event::Sorted(data.edges.len()));
+            }
+            let count = data.flow.0.cells().len();
+            state.forest = Arc::new(Forest::new(count));
+            state.taken = Arc::new((0..count).map(|pixel| !data.is_known(pixel)).collect());
+            state.phase = if data.edges.is_empty() { Phase::Label } else { Phase::Merge };
+            state.data = Some(data);
+            return Ok(Progress::More);
+        };
+        match (state.phase, self.method) {
+            (Phase::Merge, Growth::Graph) => self.merge_part(&data, state, observer),
+            (Phase::Merge, Growth::Growing) => self.grow(&data, state, observer),
+            (Phase::Label, _) => {
+                self.label(&data, state, observer);
+                return Ok(state.record.progress(clip));
+            }
+        }
+        Ok(Progress::More)
     }
 
     fn landmark(&self, event: &Event) -> Option<Role> {
         matches!(event, Event::Labelled(_)).then_some(Role::Result)
     }
 
-    fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {
-        Some(self)
+    fn explanation(&self, seen: &Seen<SegmentationRun<Self>>) -> Step {
+        self.explained_step(seen)
     }
 
-    fn step(&self, seen: &Seen<Self>) -> Step {
-        self.explanation(seen)
-    }
-
-    fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        self.draw_step(seen, scene);
-    }
-
-    fn output(&self, state: &State) -> Output {
-        state.record.output()
-    }
-
-    fn run(&self, clip: &Clip, frame: usize, threads: &Threads, tally: &impl Tally<Event>) -> Result<State, Error> {
-        let mut state = self.start(clip, frame)?;
-        let mut counter = tally.counter();
-        loop {
-            tally.add_units(1);
-            if self.work((clip, threads), &mut state, &mut counter)? == Progress::Done {
-                return Ok(state);
-            }
-        }
-    }
-}
-
-impl Footprint<State> for FlowSegmentation {
-    fn need(&self, clip: &Clip) -> Need {
-        let Need { run, .. } = self.input.need(clip);
-        // Flow, edges while they are sorted, forest and labels; a checkpoint has a forest of its own.
-        Need::per_pixel(clip, [80.0, 110.0]).and([run as f64; 2])
-    }
-
-    fn state_bytes(&self, state: &State) -> usize {
-        let own = state.forest.bytes() + size_of_val(&state.taken[..]) + size_of_val(&state.counts[..]);
-        size_of::<State>() + own + 8 * state.record.frames.len()
-    }
-
-    fn memory_bytes(&self, state: &State) -> usize {
-        self.state_bytes(state) + state.record.bytes() + state.data.as_ref().map_or(0, |data| data.bytes())
-    }
-}
-
-impl Pointed<State> for FlowSegmentation {
-    fn explained(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<Explained> {
-        let (width, height) = state.record.picture();
-        let inside = |i: usize, extent: usize| (0.0..extent as f32).contains(&(point[i] + 0.5));
-        (inside(0, width) && inside(1, height)).then_some(Explained::Always)
+    fn draw_step(&self, seen: &Seen<SegmentationRun<Self>>, scene: &mut Scene) {
+        self.drawn_step(seen, scene);
     }
 }

@@ -4,19 +4,19 @@ mod explain;
 
 use std::sync::Arc;
 
-use crate::base::{Error, Observer, Tally, Threads};
+use crate::base::{Error, Observer, Threads};
 use crate::data::{Clip, Flow};
 use crate::geometry::Grid;
 use crate::methods::segmentation::{
-    FlowInput, Place, Points, Record, kmeans,
+    FlowInput, Place, Points, Record, SegmentationRun, Segmenter, SegmenterState, kmeans,
     kmeans::Trial,
     mixture::{self, Component},
     seeds::{Seed, Seeds},
     shift::{self, Density, Mode},
 };
-use crate::products::{Output, Product, ProductKind, SegmentField, SegmentFrame};
-use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
-use crate::scene::{Chart, Focus, Role, Scene, Step};
+use crate::products::SegmentFrame;
+use crate::run::{Info, Progress, Seen};
+use crate::scene::{Role, Scene, Step};
 use crate::{choices, params, pseudocode};
 
 choices! {
@@ -184,36 +184,6 @@ impl MotionClustering {
         }
     }
 
-    fn work(
-        &self,
-        (clip, threads): (&Clip, &Threads),
-        state: &mut State,
-        observer: &mut impl Observer<Event>,
-    ) -> Result<Progress, Error> {
-        clip.wanted()?;
-        state.round += 1;
-        match (state.phase, &state.data) {
-            (Phase::Iterate, Some(data)) => {
-                let data = Arc::clone(data);
-                let is_done = match self.method {
-                    Method::KMeans => self.k_means(&data, threads, state, observer),
-                    Method::GaussianMixture => self.maximize(&data, threads, state, observer),
-                    Method::MeanShift => self.ascend(state, observer),
-                };
-                if is_done {
-                    state.phase = Phase::Label;
-                }
-                Ok(Progress::More)
-            }
-            (Phase::Label, Some(data)) => {
-                let data = Arc::clone(data);
-                self.label((&data, threads), state, observer);
-                Ok(state.record.progress(clip))
-            }
-            _ => self.begin((clip, threads), state, observer).map(|()| Progress::More),
-        }
-    }
-
     /// Finds the flow of the next frame and the starts of the clustering.
     fn begin(
         &self,
@@ -327,7 +297,7 @@ impl MotionClustering {
         let labels = data.labels(&state.nearest);
         let frame = state.record.add(&labels, &data.flow, |_| None);
         observer.see(|| Event::Labelled(frame));
-        *state = State::new(state.record.clone());
+        *state = State::before(state.record.clone());
     }
 }
 
@@ -351,9 +321,8 @@ impl Data {
     }
 }
 
-impl State {
-    /// The state before the next frame of a record.
-    fn new(record: Record) -> Self {
+impl SegmenterState for State {
+    fn before(record: Record) -> Self {
         Self {
             record,
             phase: Phase::Begin,
@@ -366,6 +335,26 @@ impl State {
             nearest: Arc::default(),
             progress: Vec::new(),
         }
+    }
+
+    fn record(&self) -> &Record {
+        &self.record
+    }
+
+    fn round(&self) -> usize {
+        self.round
+    }
+
+    fn own_bytes(&self) -> usize {
+        size_of_val(&self.means[..])
+            + size_of_val(&self.modes[..])
+            + size_of_val(&self.progress[..])
+            + size_of_val(&self.components[..])
+            + size_of_val(&self.nearest[..])
+    }
+
+    fn shared_bytes(&self) -> usize {
+        self.density.bytes() + self.data.as_ref().map_or(0, |data| data.bytes())
     }
 }
 
@@ -388,7 +377,7 @@ pseudocode! {
     LABEL: "  label of a segment ← that of frame t−1 which shares the most pixels with it, moved by w",
 }
 
-impl Estimator for MotionClustering {
+impl Segmenter for MotionClustering {
     const INFO: Info = Info {
         id: "motion-clustering",
         name: "Motion clustering",
@@ -401,92 +390,58 @@ impl Estimator for MotionClustering {
         granularities: &["clip", "frame", "round", "step"],
         frames: 2,
     };
-    const GUARANTEE: Guarantee = Guarantee::Segments;
-    const CHARTS: &'static [Chart] = &[Chart::Plane, Chart::Series];
-    const PRODUCES: &'static [&'static ProductKind] = &[SegmentField::KIND];
+    // Flow, coordinates, indices, distances of the seeds and labels; each event of a unit may hold labels of its own.
+    const BYTES_PER_PIXEL: [f64; 2] = [52.0, 64.0];
     type State = State;
     type Event = Event;
 
-    fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
-        let record = Record::new(clip, frame, self.frames)?;
-        self.input.check(clip, frame)?;
-        Ok(State::new(record))
+    fn input(&self) -> &FlowInput {
+        &self.input
     }
 
-    fn advance(&self, clip: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
-        self.work((clip, &Threads::single()), state, observer)
+    fn frames(&self) -> usize {
+        self.frames
     }
 
-    fn units(&self, _: &State) -> Option<usize> {
-        None
-    }
-
-    fn place(&self, state: &State) -> Vec<Granularity> {
-        state.record.place(state.round)
-    }
-
-    fn at_frame(&self, state: &State) -> Option<usize> {
-        Some(state.record.frame())
+    fn work(
+        &self,
+        (clip, threads): (&Clip, &Threads),
+        state: &mut State,
+        observer: &mut impl Observer<Event>,
+    ) -> Result<Progress, Error> {
+        clip.wanted()?;
+        state.round += 1;
+        match (state.phase, &state.data) {
+            (Phase::Iterate, Some(data)) => {
+                let data = Arc::clone(data);
+                let is_done = match self.method {
+                    Method::KMeans => self.k_means(&data, threads, state, observer),
+                    Method::GaussianMixture => self.maximize(&data, threads, state, observer),
+                    Method::MeanShift => self.ascend(state, observer),
+                };
+                if is_done {
+                    state.phase = Phase::Label;
+                }
+                Ok(Progress::More)
+            }
+            (Phase::Label, Some(data)) => {
+                let data = Arc::clone(data);
+                self.label((&data, threads), state, observer);
+                Ok(state.record.progress(clip))
+            }
+            _ => self.begin((clip, threads), state, observer).map(|()| Progress::More),
+        }
     }
 
     fn landmark(&self, event: &Event) -> Option<Role> {
         matches!(event, Event::Labelled(_)).then_some(Role::Result)
     }
 
-    fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {
-        Some(self)
+    fn explanation(&self, seen: &Seen<SegmentationRun<Self>>) -> Step {
+        self.explained_step(seen)
     }
 
-    fn step(&self, seen: &Seen<Self>) -> Step {
-        self.explanation(seen)
-    }
-
-    fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        self.draw_step(seen, scene);
-    }
-
-    fn output(&self, state: &State) -> Output {
-        state.record.output()
-    }
-
-    fn run(&self, clip: &Clip, frame: usize, threads: &Threads, tally: &impl Tally<Event>) -> Result<State, Error> {
-        let mut state = self.start(clip, frame)?;
-        let mut counter = tally.counter();
-        loop {
-            tally.add_units(1);
-            if self.work((clip, threads), &mut state, &mut counter)? == Progress::Done {
-                return Ok(state);
-            }
-        }
-    }
-}
-
-impl Footprint<State> for MotionClustering {
-    fn need(&self, clip: &Clip) -> Need {
-        let Need { run, .. } = self.input.need(clip);
-        // Flow, coordinates, indices, distances of the seeds and labels; each event of a unit may hold labels of its own.
-        Need::per_pixel(clip, [52.0, 64.0]).and([run as f64; 2])
-    }
-
-    fn state_bytes(&self, state: &State) -> usize {
-        let lists = size_of_val(&state.means[..]) + size_of_val(&state.modes[..]) + size_of_val(&state.progress[..]);
-        size_of::<State>()
-            + size_of_val(&state.components[..])
-            + lists
-            + size_of_val(&state.nearest[..])
-            + 8 * state.record.frames.len()
-    }
-
-    fn memory_bytes(&self, state: &State) -> usize {
-        let data = state.data.as_ref().map_or(0, |data| data.bytes());
-        self.state_bytes(state) + state.record.bytes() + state.density.bytes() + data
-    }
-}
-
-impl Pointed<State> for MotionClustering {
-    fn explained(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<Explained> {
-        let (width, height) = state.record.picture();
-        let inside = |i: usize, extent: usize| (0.0..extent as f32).contains(&(point[i] + 0.5));
-        (inside(0, width) && inside(1, height)).then_some(Explained::Always)
+    fn draw_step(&self, seen: &Seen<SegmentationRun<Self>>, scene: &mut Scene) {
+        self.drawn_step(seen, scene);
     }
 }

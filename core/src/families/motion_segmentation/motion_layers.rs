@@ -4,15 +4,15 @@ mod explain;
 
 use std::sync::Arc;
 
-use crate::base::{Error, Observer, Tally, Threads};
+use crate::base::{Error, Observer, Threads};
 use crate::data::{Clip, Connectivity, Flow, Labelling, Mask};
 use crate::geometry::Grid;
 use crate::methods::segmentation::affine::{self, Frame, Moments};
 use crate::methods::segmentation::kmeans::Clustering;
-use crate::methods::segmentation::{FlowInput, Place, Points, Record};
-use crate::products::{Output, Product, ProductKind, SegmentField, SegmentFrame};
-use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
-use crate::scene::{Chart, Focus, Role, Scene, Step};
+use crate::methods::segmentation::{FlowInput, Place, Points, Record, SegmentationRun, Segmenter, SegmenterState};
+use crate::products::SegmentFrame;
+use crate::run::{Info, Progress, Seen};
+use crate::scene::{Role, Scene, Step};
 use crate::{params, pseudocode};
 
 params! {
@@ -121,29 +121,6 @@ pub enum Event {
 }
 
 impl MotionLayers {
-    fn work(
-        &self,
-        (clip, threads): (&Clip, &Threads),
-        state: &mut State,
-        observer: &mut impl Observer<Event>,
-    ) -> Result<Progress, Error> {
-        clip.wanted()?;
-        state.round += 1;
-        let Some(flow) = state.flow.clone() else {
-            self.fit_blocks((clip, threads), state, observer)?;
-            return Ok(Progress::More);
-        };
-        match state.phase {
-            Phase::Blocks | Phase::Clusters => self.cluster(&flow, threads, state, observer),
-            Phase::Iterate => self.iterate(&flow, threads, state, observer),
-            Phase::Label => {
-                self.label(&flow, threads, state, observer);
-                return Ok(state.record.progress(clip));
-            }
-        }
-        Ok(Progress::More)
-    }
-
     /// Fits the affine motions of all blocks.
     fn fit_blocks(
         &self,
@@ -300,7 +277,7 @@ impl MotionLayers {
         let affine = |label: u32| motions.get((label as usize).checked_sub(1)?).map(|motion| frame.in_pixels(motion));
         let segments = state.record.add(&labels, flow, affine);
         observer.see(|| Event::Labelled(segments));
-        *state = State::new(state.record.clone());
+        *state = State::before(state.record.clone());
     }
 }
 
@@ -320,9 +297,8 @@ fn most_similar(layers: &[Layer]) -> Option<(usize, usize, f64)> {
     pairs.map(difference).min_by(|a, b| a.2.total_cmp(&b.2))
 }
 
-impl State {
-    /// The state before the next frame of a record.
-    fn new(record: Record) -> Self {
+impl SegmenterState for State {
+    fn before(record: Record) -> Self {
         Self {
             record,
             phase: Phase::Blocks,
@@ -333,6 +309,22 @@ impl State {
             labels: Arc::new(Grid::new(1, 1, 0)),
             notes: Vec::new(),
         }
+    }
+
+    fn record(&self) -> &Record {
+        &self.record
+    }
+
+    fn round(&self) -> usize {
+        self.round
+    }
+
+    fn own_bytes(&self) -> usize {
+        size_of_val(&self.layers[..]) + size_of_val(&self.notes[..]) + size_of_val(self.labels.cells())
+    }
+
+    fn shared_bytes(&self) -> usize {
+        size_of_val(&self.blocks[..]) + self.flow.as_ref().map_or(0, |flow| size_of_val(flow.0.cells()))
     }
 }
 
@@ -350,7 +342,7 @@ pseudocode! {
     LABEL: "  segments ← nearest layers; the motion of the most pixels is dominant; labels as in frame t−1",
 }
 
-impl Estimator for MotionLayers {
+impl Segmenter for MotionLayers {
     const INFO: Info = Info {
         id: "motion-layers",
         name: "Motion layers",
@@ -361,32 +353,40 @@ impl Estimator for MotionLayers {
         granularities: &["clip", "frame", "round", "step"],
         frames: 2,
     };
-    const GUARANTEE: Guarantee = Guarantee::Segments;
-    const CHARTS: &'static [Chart] = &[Chart::Plane, Chart::Series];
-    const PRODUCES: &'static [&'static ProductKind] = &[SegmentField::KIND];
+    // Flow, labels, connected regions; each event of a unit may hold labels of its own.
+    const BYTES_PER_PIXEL: [f64; 2] = [36.0, 56.0];
     type State = State;
     type Event = Event;
 
-    fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
-        let record = Record::new(clip, frame, self.frames)?;
-        self.input.check(clip, frame)?;
-        Ok(State::new(record))
+    fn input(&self) -> &FlowInput {
+        &self.input
     }
 
-    fn advance(&self, clip: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
-        self.work((clip, &Threads::single()), state, observer)
+    fn frames(&self) -> usize {
+        self.frames
     }
 
-    fn units(&self, _: &State) -> Option<usize> {
-        None
-    }
-
-    fn place(&self, state: &State) -> Vec<Granularity> {
-        state.record.place(state.round)
-    }
-
-    fn at_frame(&self, state: &State) -> Option<usize> {
-        Some(state.record.frame())
+    fn work(
+        &self,
+        (clip, threads): (&Clip, &Threads),
+        state: &mut State,
+        observer: &mut impl Observer<Event>,
+    ) -> Result<Progress, Error> {
+        clip.wanted()?;
+        state.round += 1;
+        let Some(flow) = state.flow.clone() else {
+            self.fit_blocks((clip, threads), state, observer)?;
+            return Ok(Progress::More);
+        };
+        match state.phase {
+            Phase::Blocks | Phase::Clusters => self.cluster(&flow, threads, state, observer),
+            Phase::Iterate => self.iterate(&flow, threads, state, observer),
+            Phase::Label => {
+                self.label(&flow, threads, state, observer);
+                return Ok(state.record.progress(clip));
+            }
+        }
+        Ok(Progress::More)
     }
 
     fn landmark(&self, event: &Event) -> Option<Role> {
@@ -397,56 +397,11 @@ impl Estimator for MotionLayers {
         }
     }
 
-    fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {
-        Some(self)
+    fn explanation(&self, seen: &Seen<SegmentationRun<Self>>) -> Step {
+        self.explained_step(seen)
     }
 
-    fn step(&self, seen: &Seen<Self>) -> Step {
-        self.explanation(seen)
-    }
-
-    fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        self.draw_step(seen, scene);
-    }
-
-    fn output(&self, state: &State) -> Output {
-        state.record.output()
-    }
-
-    fn run(&self, clip: &Clip, frame: usize, threads: &Threads, tally: &impl Tally<Event>) -> Result<State, Error> {
-        let mut state = self.start(clip, frame)?;
-        let mut counter = tally.counter();
-        loop {
-            tally.add_units(1);
-            if self.work((clip, threads), &mut state, &mut counter)? == Progress::Done {
-                return Ok(state);
-            }
-        }
-    }
-}
-
-impl Footprint<State> for MotionLayers {
-    fn need(&self, clip: &Clip) -> Need {
-        let Need { run, .. } = self.input.need(clip);
-        // Flow, labels, connected regions; each event of a unit may hold labels of its own.
-        Need::per_pixel(clip, [36.0, 56.0]).and([run as f64; 2])
-    }
-
-    fn state_bytes(&self, state: &State) -> usize {
-        let lists = size_of_val(&state.layers[..]) + size_of_val(&state.notes[..]);
-        size_of::<State>() + lists + size_of_val(state.labels.cells()) + 8 * state.record.frames.len()
-    }
-
-    fn memory_bytes(&self, state: &State) -> usize {
-        let flow = state.flow.as_ref().map_or(0, |flow| size_of_val(flow.0.cells()));
-        self.state_bytes(state) + state.record.bytes() + size_of_val(&state.blocks[..]) + flow
-    }
-}
-
-impl Pointed<State> for MotionLayers {
-    fn explained(&self, state: &State, Focus { at: point, .. }: Focus) -> Option<Explained> {
-        let (width, height) = state.record.picture();
-        let inside = |i: usize, extent: usize| (0.0..extent as f32).contains(&(point[i] + 0.5));
-        (inside(0, width) && inside(1, height)).then_some(Explained::Always)
+    fn draw_step(&self, seen: &Seen<SegmentationRun<Self>>, scene: &mut Scene) {
+        self.drawn_step(seen, scene);
     }
 }

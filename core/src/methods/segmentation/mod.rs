@@ -8,9 +8,11 @@ pub mod kmeans;
 pub mod mixture;
 pub mod points;
 pub mod record;
+pub mod run;
 pub mod seeds;
 pub mod shift;
 
 pub use input::{FlowInput, FlowSource};
 pub use points::{Place, Points, squared_distance};
 pub use record::Record;
+pub use run::{SegmentationRun, Segmenter, SegmenterState};

@@ -9,7 +9,7 @@ use crate::methods::differential::field;
 use crate::methods::numbers::{fixed, percent, px};
 use crate::methods::segmentation::explain::{conclusion, draw_labels, draw_segments, plane, segment_facts};
 use crate::methods::segmentation::forest::Forest;
-use crate::methods::segmentation::{Place, Points};
+use crate::methods::segmentation::{Place, Points, SegmentationRun};
 use crate::run::Seen;
 use crate::scene::{Fact, Math, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step};
 
@@ -19,7 +19,7 @@ fn difference(value: f32) -> String {
 }
 
 /// The frame's flow and edges, where they are there.
-fn data<'a>(seen: &'a Seen<FlowSegmentation>) -> Option<&'a Arc<Data>> {
+fn data<'a>(seen: &'a Seen<SegmentationRun<FlowSegmentation>>) -> Option<&'a Arc<Data>> {
     let new = seen.events.iter().find_map(|event| match event {
         Event::Flow(data) => Some(data),
         _ => None,
@@ -28,7 +28,7 @@ fn data<'a>(seen: &'a Seen<FlowSegmentation>) -> Option<&'a Arc<Data>> {
 }
 
 /// The regions at the cursor.
-fn forest<'a>(seen: &'a Seen<FlowSegmentation>) -> &'a Forest {
+fn forest<'a>(seen: &'a Seen<SegmentationRun<FlowSegmentation>>) -> &'a Forest {
     let merged = seen.events.iter().rev().find_map(|event| match event {
         Event::Merged(_, forest) | Event::Absorbed(Absorbed { forest, .. }) => Some(&**forest),
         _ => None,
@@ -41,7 +41,7 @@ fn pixel_of(data: &Data, pixel: usize) -> (usize, usize) {
 }
 
 impl FlowSegmentation {
-    pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
+    pub(super) fn explained_step(&self, seen: &Seen<SegmentationRun<Self>>) -> Step {
         let line = match seen.events.last() {
             None => line::EACH_FRAME,
             Some(Event::Flow(_)) => line::FIND_FLOW,
@@ -54,7 +54,7 @@ impl FlowSegmentation {
         Step { line, sentence: self.sentence(seen), readouts: self.readouts(seen) }
     }
 
-    fn sentence(&self, seen: &Seen<Self>) -> Sentence {
+    fn sentence(&self, seen: &Seen<SegmentationRun<Self>>) -> Sentence {
         let (said, t) = (Sentence::default(), seen.before.record.frame());
         match seen.events.last() {
             None => said.text(
@@ -112,7 +112,7 @@ impl FlowSegmentation {
         }
     }
 
-    fn grown(&self, seen: &Seen<Self>, region: &Region) -> Sentence {
+    fn grown(&self, seen: &Seen<SegmentationRun<Self>>, region: &Region) -> Sentence {
         let at = data(seen).map_or((0, 0), |data| pixel_of(data, region.seed));
         Sentence::default()
             .text(format!("From pixel {} a region grows to ", words::pixel(at)))
@@ -126,7 +126,7 @@ impl FlowSegmentation {
             ))
     }
 
-    fn readouts(&self, seen: &Seen<Self>) -> Vec<Readout> {
+    fn readouts(&self, seen: &Seen<SegmentationRun<Self>>) -> Vec<Readout> {
         let Some(event) = seen.events.last() else { return Vec::new() };
         let mut facts = vec![Fact::new("Frame", seen.before.record.frame().to_string(), None)];
         let mut readouts = Vec::new();
@@ -188,7 +188,7 @@ impl FlowSegmentation {
         ]
     }
 
-    fn plot(&self, seen: &Seen<Self>) -> Option<Readout> {
+    fn plot(&self, seen: &Seen<SegmentationRun<Self>>) -> Option<Readout> {
         let new = match seen.events.last() {
             Some(Event::Merged(part, _)) => Some(part.regions as u32),
             Some(Event::Grown(region)) => Some(region.pixels.len() as u32),
@@ -216,7 +216,7 @@ impl FlowSegmentation {
         }))
     }
 
-    pub(super) fn draw_step(&self, seen: &Seen<Self>, scene: &mut Scene) {
+    pub(super) fn drawn_step(&self, seen: &Seen<SegmentationRun<Self>>, scene: &mut Scene) {
         let Some((event, data)) = seen.events.last().zip(data(seen)) else { return };
         match event {
             Event::Flow(_) => field::draw(data.flow.0.clone(), scene),
@@ -267,7 +267,7 @@ fn draw_jumps(scene: &mut Scene, data: &Data) {
 }
 
 /// The displacements of the pixels in the colours of their regions.
-fn displacements(seen: &Seen<FlowSegmentation>, data: &Data, inspected: Option<[f32; 2]>) -> Readout {
+fn displacements(seen: &Seen<SegmentationRun<FlowSegmentation>>, data: &Data, inspected: Option<[f32; 2]>) -> Readout {
     let cells = data.flow.0.cells();
     let forest = forest(seen);
     let step = (cells.len() / 4000).max(1);

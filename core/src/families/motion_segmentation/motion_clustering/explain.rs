@@ -9,7 +9,7 @@ use crate::methods::segmentation::explain::{
     conclusion, draw_flow, draw_labels, draw_segments, mean_name, plane, segment_facts,
 };
 use crate::methods::segmentation::{
-    Place, kmeans,
+    Place, SegmentationRun, kmeans,
     kmeans::Trial,
     mixture::{Component, responsibilities},
     seeds::Seed,
@@ -36,7 +36,7 @@ fn pixel_of(data: &Data, point: usize) -> String {
 /// Everything that the steps of a unit show.
 struct View<'a> {
     by: &'a MotionClustering,
-    seen: &'a Seen<'a, MotionClustering>,
+    seen: &'a Seen<'a, SegmentationRun<MotionClustering>>,
     data: Option<&'a Arc<Data>>,
     /// The means up to the cursor.
     means: Vec<Place>,
@@ -48,7 +48,7 @@ struct View<'a> {
 }
 
 impl<'a> View<'a> {
-    fn new(by: &'a MotionClustering, seen: &'a Seen<'a, MotionClustering>) -> Self {
+    fn new(by: &'a MotionClustering, seen: &'a Seen<'a, SegmentationRun<MotionClustering>>) -> Self {
         let before = seen.before;
         let mut view = Self {
             by,
@@ -117,7 +117,7 @@ impl State {
 }
 
 impl MotionClustering {
-    pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
+    pub(super) fn explained_step(&self, seen: &Seen<SegmentationRun<Self>>) -> Step {
         let view = View::new(self, seen);
         let line = match seen.events.last() {
             None => line::EACH_FRAME,
@@ -410,7 +410,7 @@ impl MotionClustering {
         all
     }
 
-    pub(super) fn draw_step(&self, seen: &Seen<Self>, scene: &mut Scene) {
+    pub(super) fn drawn_step(&self, seen: &Seen<SegmentationRun<Self>>, scene: &mut Scene) {
         let view = View::new(self, seen);
         let Some((event, data)) = seen.events.last().zip(view.data) else { return };
         let points = |scene: &mut Scene, role, meaning, indices: &mut dyn Iterator<Item = usize>| {

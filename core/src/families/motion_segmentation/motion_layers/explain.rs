@@ -9,7 +9,7 @@ use crate::geometry::Grid;
 use crate::methods::numbers::{fixed, percent, px};
 use crate::methods::segmentation::affine::Frame;
 use crate::methods::segmentation::explain::{conclusion, draw_flow, draw_labels, draw_segments, plane, segment_facts};
-use crate::methods::segmentation::{Place, Points};
+use crate::methods::segmentation::{Place, Points, SegmentationRun};
 use crate::products::AffineMotion;
 use crate::run::Seen;
 use crate::scene::{Fact, Math, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step};
@@ -19,7 +19,7 @@ const LISTED: usize = 6;
 
 /// Everything that the steps of a unit show.
 struct View<'a> {
-    seen: &'a Seen<'a, MotionLayers>,
+    seen: &'a Seen<'a, SegmentationRun<MotionLayers>>,
     flow: Option<&'a Arc<Flow>>,
     layers: Vec<Layer>,
     labels: &'a Arc<Grid<u32>>,
@@ -27,7 +27,7 @@ struct View<'a> {
 }
 
 impl<'a> View<'a> {
-    fn new(seen: &'a Seen<'a, MotionLayers>) -> Self {
+    fn new(seen: &'a Seen<'a, SegmentationRun<MotionLayers>>) -> Self {
         let before = seen.before;
         let mut view = Self {
             seen,
@@ -103,7 +103,7 @@ fn written([a, b, c, d, e, f]: AffineMotion) -> [String; 2] {
 }
 
 impl MotionLayers {
-    pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
+    pub(super) fn explained_step(&self, seen: &Seen<SegmentationRun<Self>>) -> Step {
         let view = View::new(seen);
         let line = match seen.events.last() {
             None => line::EACH_FRAME,
@@ -248,7 +248,7 @@ impl MotionLayers {
         readouts
     }
 
-    pub(super) fn draw_step(&self, seen: &Seen<Self>, scene: &mut Scene) {
+    pub(super) fn drawn_step(&self, seen: &Seen<SegmentationRun<Self>>, scene: &mut Scene) {
         let view = View::new(seen);
         match seen.events.last() {
             None => {}
