@@ -111,7 +111,7 @@ pub use products::{
 };
 pub use run::{
     AnyEstimator, AnyRun, Beside, CandidateCount, Cursor, Direction, Estimator, Explained, Extent, FRAME, FRAMES,
-    Footprint, Granularity, Guarantee, Info, LEVEL, Move, Pace, Pointed, Progress, RunSummary, Seen, StageView,
+    Footprint, Granularity, Guarantee, Info, LEVEL, Move, Pace, Pointed, Progress, ROW, RunSummary, Seen, StageView,
     TestsCandidates, Timeline, Walk, lockstep, run_observed, stage,
 };
 pub use scene::{Floor, Level, Levels, Role, Scene, Stack, Step, pseudocode};

@@ -120,7 +120,7 @@ fn a_pixel_that_is_clicked_stays_explained() {
     window.harness.hover_at(Pos2::new(700.0, 880.0));
     window.settle();
     assert!(window.sentence() == told, "it stays explained when the pointer goes elsewhere");
-    assert!(status(&window).contains("Esc unpins it") && status(&window).contains("row 150 of 240"));
+    assert!(status(&window).contains("Esc unpins it") && status(&window).contains("150 of 240 rows"));
     window.key(Key::Escape);
     assert_eq!(pointed(&window), None);
     assert!(window.sentence() != told && window.cursor() == cursor);

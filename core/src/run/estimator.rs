@@ -81,6 +81,8 @@ impl Info {
 
 /// The granularity of pyramid levels, counted down to 0, the picture itself.
 pub const LEVEL: &str = "level";
+/// The granularity of rows of a picture, named by their coordinate y.
+pub const ROW: &str = "row";
 /// The granularity of frames, whose number in the clip is shown wherever a run is.
 pub const FRAME: &str = "frame";
 

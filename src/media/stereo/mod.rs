@@ -68,7 +68,7 @@ pub(crate) struct LeftView<'a> {
 /// The same clip with its right view and its calibration, given or found.
 ///
 /// # Errors
-/// One sentence if what is given cannot be read or does not fit the clip. What is found and does not fit is a warning.
+/// One sentence if what is given cannot be read or does not fit the clip. A found file that does not fit only causes a warning.
 pub(crate) fn with_right_view(clip: Clip, left: &LeftView<'_>, options: &Open) -> Result<Clip, Error> {
     let clip = match &options.given.right {
         Some(RightView::File(path)) => {

@@ -74,7 +74,10 @@ pub fn draw(data: Shown<'_>, area: Rect, style: ChartStyle) -> Drawing<Sheet> {
             _ => Anchor::End,
         };
         let color = words.role.map_or(dim.color, |role| theme.word(role));
-        canvas.text(sheet.at(words.at), (anchor, Level::Middle), &words.text, dim.color(color));
+        let at = sheet.at(words.at);
+        // To the right they end at the latest where the area does.
+        let shown = if words.side > 0 { shortened(&words.text, dim, area.max[0] - at[0]) } else { words.text.clone() };
+        canvas.text(at, (anchor, Level::Middle), &shown, dim.color(color));
     }
     Drawing { place: sheet, body: canvas.into_layers(), head: head(data, area, style) }
 }

@@ -332,11 +332,12 @@ fn results(ui: &mut Ui, state: &mut State, of: (&Document, Theme, f32), actions:
         return false;
     }
     let content = content(state, document);
+    let sizes = content.sizes(ui);
     let size = TextStyle::Body.resolve(ui.style()).size;
     let below = if content.alike.is_empty() { 0.0 } else { 3.0 * size };
     let room = Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), height - below));
     let (of_plot, of_table) = match content.swept() {
-        Some(_) => divided(room, size, content.sizes(ui).least()),
+        Some(_) => divided(room, size, sizes.least()),
         None => (None, room),
     };
     if let Some(rect) = of_plot {
@@ -347,7 +348,7 @@ fn results(ui: &mut Ui, state: &mut State, of: (&Document, Theme, f32), actions:
         series::show(&mut widgets::inside(ui, rect, Layout::top_down(Align::LEFT)), input, &mut state.plot);
     }
     let mut inner = widgets::inside(ui, of_table, Layout::top_down(Align::LEFT));
-    let visited = table::show(&mut inner, &content, of_table.height(), state, actions);
+    let visited = table::show(&mut inner, (&content, &sizes), of_table.height(), state, actions);
     let end = of_plot.map_or(inner.min_rect(), |plot| inner.min_rect().union(plot));
     ui.advance_cursor_after_rect(end);
     table::alike(ui, &content);
@@ -379,7 +380,13 @@ fn content(state: &State, document: &Document) -> table::Content {
     } else {
         (comparison::columns_of(&rows), Vec::new())
     };
-    table::Content { rows, columns, alike }
+    let mut content = table::Content { rows, columns, alike };
+    if content.swept().is_some() {
+        // What answers which value is best is in sight, where the others are scrolled to.
+        let best = comparison::telling(&content.rows);
+        content.columns.sort_by_key(|(index, _)| *index != best);
+    }
+    content
 }
 
 /// The column that is plotted.

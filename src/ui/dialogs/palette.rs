@@ -8,7 +8,7 @@ use eframe::egui::{
 };
 use lucide_icons::Icon;
 use motionscope_core::examples::{self, Cause};
-use motionscope_core::{AnyEstimator, estimator, estimators, synth};
+use motionscope_core::{AnyEstimator, estimators, synth};
 
 use super::fuzzy;
 use crate::paint::{FlowLayer, Theme};
@@ -206,10 +206,12 @@ fn entries(input: &Input) -> Vec<Entry> {
         let about = format!("{} {submenu} {}", command.tip(&input.granularities), tags(*command));
         Entry { icon: face.icon, text, tip, also: face.menu.name(), about, keys, action: Action::Command(*command) }
     });
-    let estimators = estimators().into_iter().map(|estimator| {
+    let all = estimators();
+    let name = |id: &str| all.iter().map(|estimator| estimator.info()).find(|info| info.id == id).map(|info| info.name);
+    let estimators = all.iter().map(|estimator| {
         let info = estimator.info();
         let (text, tip) = (format!("Estimator: {}", info.name), info.family.to_owned());
-        let (about, keys) = (about(&*estimator), String::new());
+        let (about, keys) = (about(&**estimator), String::new());
         Entry { icon: Icon::Grid3x3, text, tip, also: info.id, about, keys, action: Action::Choose(info.id) }
     });
     let samples = synth::SCENES.iter().map(|sample| {
@@ -221,7 +223,7 @@ fn entries(input: &Input) -> Vec<Entry> {
     let examples = examples::examples().flat_map(|example| example.of.iter().map(move |id| (*id, example)));
     let examples = examples.filter_map(|(id, example)| {
         let text = format!("Example: {}", example.title);
-        let tip = estimator(id).ok()?.info().name.to_owned();
+        let tip = name(id)?.to_owned();
         let cause = example.cause.map_or("works", Cause::name);
         let (about, keys) = (format!("{tip} {cause} {}", example.says), String::new());
         let action = Action::OpenExample(id, example);

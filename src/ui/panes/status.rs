@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use eframe::egui::{Button, ProgressBar, RichText, Ui};
 use motionscope_core::scene::{Focus, Picture};
-use motionscope_core::{Cursor, FRAME, Granularity, LEVEL};
+use motionscope_core::{Cursor, FRAME, Granularity, LEVEL, ROW};
 
 use crate::paint::grouped;
 use crate::ui::app::action::Actions;
@@ -100,6 +100,9 @@ fn place(shown: &Snapshot, totals: bool) -> Vec<(&'static str, String)> {
             let coarsest = if totals { format!(" ({} is the coarsest)", of - 1) } else { String::new() };
             Some((LEVEL, format!("level {}{coarsest}", of - 1 - granularity.index)))
         }
+        // A row is called by its coordinate, as in sentences.
+        (ROW, Some(of)) if totals => Some((ROW, format!("{} of {} rows", grouped(granularity.index + 1), grouped(of)))),
+        (ROW, _) => Some((ROW, counted(ROW, granularity.index, None))),
         // Counted, where all others are named by their number in the clip.
         (FRAME, Some(of)) if totals => {
             Some((FRAME, format!("{} of {} frames", grouped(granularity.index + 1), grouped(of))))

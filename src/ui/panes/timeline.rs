@@ -3,7 +3,7 @@
 use eframe::egui::{
     self, Align2, Color32, CursorIcon, Rect, Response, Sense, Stroke, TextStyle, Ui, WidgetInfo, pos2, vec2,
 };
-use motionscope_core::{Cursor, FRAME, Granularity, Role};
+use motionscope_core::{Cursor, FRAME, Granularity, ROW, Role};
 
 use crate::paint::{Theme, grouped};
 use crate::ui::drawing::style;
@@ -64,8 +64,8 @@ pub fn show(ui: &mut Ui, rect: Rect, shown: &Snapshot, theme: Theme) -> Option<C
         name: unit_name,
         label: if in_group.is_some_and(|of| Some(of) != shown.units) {
             format!("all {unit_name}s")
-        } else if unit_name == FRAME {
-            // A count: the number of the frame in the clip stands elsewhere, and begins with 0.
+        } else if [FRAME, ROW].contains(&unit_name) {
+            // A count: the number of the frame or the row stands elsewhere, and begins with 0.
             format!("{unit_name}s")
         } else {
             unit_name.into()

@@ -29,7 +29,7 @@ enum Kind {
     Done,
     /// Something can be done.
     Hint,
-    /// What was opened shows this.
+    /// An example that was opened.
     Description,
     /// Something could not be done.
     Error,
@@ -60,13 +60,13 @@ impl Toasts {
         self.0.push(Toast { text: text.into(), kind: Kind::Hint, is_introduction: false, until: None });
     }
 
-    /// Describes what was opened, in the place of what was described before.
+    /// Shows the description of an example that was opened; it replaces an earlier one.
     pub fn describe(&mut self, text: impl Into<String>) {
         self.0.retain(|toast| toast.kind != Kind::Description);
         self.0.push(Toast { text: text.into(), kind: Kind::Description, is_introduction: false, until: None });
     }
 
-    /// Takes away what was described: the person goes on.
+    /// Removes the description, as the person steps on.
     pub fn end_description(&mut self) {
         self.0.retain(|toast| toast.kind != Kind::Description);
     }

@@ -83,7 +83,7 @@ pub struct Alternative {
 pub struct Example {
     /// Names the example among those of an estimator: `large-motion`.
     pub id: &'static str,
-    /// What is seen, in a few words.
+    /// The effect in a few words.
     pub title: &'static str,
     /// The ids of the estimators that it belongs to.
     pub of: &'static [&'static str],

@@ -28,14 +28,13 @@ pub fn draw_labels(scene: &mut Scene, labels: Arc<Grid<u32>>, meaning: &'static 
     scene.legend(Role::Best, meaning);
 }
 
-/// Draws segments with their numbers and mean displacements.
+/// Draws segments with their numbers and the arrows of their mean displacements, which the facts give in numbers.
 pub fn draw_segments(scene: &mut Scene, frame: &SegmentFrame) {
     draw_labels(scene, Arc::clone(&frame.labels), "segments, one colour each");
     for Segment { label, center, displacement, .. } in &frame.segments {
         let to = [0, 1].map(|i| center[i] + displacement[i]);
         scene.mark_of(*label, Picture::CURRENT, Role::Result, Shape::Arrows(vec![Arrow { from: *center, to }]));
-        let text = format!("{label}: {}", words::place(*displacement));
-        scene.mark_of(*label, Picture::CURRENT, Role::Result, Shape::Text { at: *center, text });
+        scene.mark_of(*label, Picture::CURRENT, Role::Result, Shape::Text { at: *center, text: label.to_string() });
     }
     scene.legend(Role::Result, "mean displacement of a segment");
 }

@@ -88,8 +88,13 @@ impl Sizes {
 }
 
 /// Shows the table in `height` points; returns whether a block is to be visited. The heading stays in sight when the rows are scrolled.
-pub fn show(ui: &mut Ui, content: &Content, height: f32, state: &mut State, actions: &mut Actions) -> bool {
-    let sizes = content.sizes(ui);
+pub fn show(
+    ui: &mut Ui,
+    (content, sizes): (&Content, &Sizes),
+    height: f32,
+    state: &mut State,
+    actions: &mut Actions,
+) -> bool {
     let mut visited = false;
     ScrollArea::horizontal().max_height(height).show(ui, |ui| {
         ui.spacing_mut().item_spacing = vec2(GAP, 0.0);

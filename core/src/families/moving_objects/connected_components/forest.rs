@@ -40,7 +40,7 @@ struct Forest<'a> {
 }
 
 impl Forest<'_> {
-    /// Draws the tree below `label` as far as there is room; returns where its node stands.
+    /// Draws `label` and the labels below it until the limit is reached; returns the place of its node.
     fn grow(&mut self, label: usize, depth: usize) -> Option<[f32; 2]> {
         self.left = self.left.checked_sub(1)?;
         self.deepest = self.deepest.max(depth);

@@ -105,15 +105,15 @@ fn labels(all: &[Slice]) -> Vec<Words> {
 /// The words inside the ring.
 fn middle(resampled: &Resampled, resampling: Resampling, every: usize) -> Vec<Words> {
     let count = grouped(resampled.pointers.len());
-    let pointers = match resampling {
-        Resampling::Systematic => format!("{count} pointers, equally spaced"),
-        Resampling::Multinomial => format!("{count} pointers, random"),
+    let spacing = match resampling {
+        Resampling::Systematic => "equally spaced",
+        Resampling::Multinomial => "random",
     };
-    let drawn = (every > 1).then(|| format!("1 in {every} is drawn"));
+    let drawn = if every > 1 { format!("{spacing}, 1 in {every} drawn") } else { spacing.to_owned() };
     let survivors = resampled.copies.iter().filter(|copies| **copies > 0).count();
     let lines = [
-        (pointers, Some(Role::Measured)),
-        (drawn.unwrap_or_else(|| "an arc is as long as a weight".into()), None),
+        (format!("{count} pointers"), Some(Role::Measured)),
+        (drawn, Some(Role::Measured)),
         (format!("{} chosen", counted(survivors, "particle")), Some(Role::Best)),
         (format!("{} not chosen", grouped(resampled.copies.len() - survivors)), Some(Role::Rejected)),
     ];
@@ -172,10 +172,7 @@ mod tests {
             }
         }
         let wheel = wheel(&resampled(&weights, Resampling::Systematic), Resampling::Systematic);
-        assert!(
-            wheel.lines.len() >= 1000 + 20
-                && wheel.words.iter().any(|words| words.text == "1000 pointers, equally spaced")
-        );
+        assert!(wheel.lines.len() >= 1000 + 20 && wheel.words.iter().any(|words| words.text == "1000 pointers"));
         let is_inside = |at: &[f32; 2]| (0..2).all(|i| (0.0..=wheel.size[i]).contains(&at[i]));
         assert!(wheel.lines.iter().flat_map(|line| &line.points).all(is_inside));
     }

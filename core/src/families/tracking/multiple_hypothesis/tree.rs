@@ -92,7 +92,8 @@ impl Tree {
         diagram.size = [width, rows as f32 + 1.5 + notes.len() as f32];
         diagram.words.extend(notes.into_iter().enumerate().map(note));
         let frame = |(i, frame): (usize, &usize)| Words {
-            text: format!("frame {frame}"),
+            // Named once: the columns may be narrow.
+            text: if i == 0 { format!("frame {frame}") } else { frame.to_string() },
             role: None,
             at: [column(i + 1), 0.4],
             side: 0,
@@ -254,7 +255,7 @@ mod tests {
         assert_eq!((faded, leading), (2, 2), "the deleted branch and the leading one have two lines each");
         let words: Vec<&str> = diagram.words.iter().map(|words| &words.text[..]).collect();
         // Before the deletion the kept ones had 0.8 in all.
-        for text in ["0.600  1→1", "0.200  1→new 7", "0.200, N-scan  1→false", "0.800", "frame 4", "frame 5", "k best"]
+        for text in ["0.600  1→1", "0.200  1→new 7", "0.200, N-scan  1→false", "0.800", "frame 4", "5", "k best"]
         {
             assert!(words.contains(&text), "{text} is missing in {words:?}");
         }
