@@ -121,6 +121,16 @@ pub struct Region {
     refused: usize,
 }
 
+impl Region {
+    /// Makes its pixels one region of `forest`.
+    fn join(&self, forest: &mut Forest) {
+        for pixel in &self.pixels[1..] {
+            let root = forest.root(self.seed as u32);
+            forest.join(root, *pixel, 0.0);
+        }
+    }
+}
+
 /// The merging of small regions.
 #[derive(Clone)]
 pub struct Absorbed {
@@ -216,24 +226,27 @@ impl FlowSegmentation {
         }
     }
 
-    /// Grows a region from the first pixel of none.
+    /// Grows regions from the pixels of none in the next row that has any. A row is one unit: with a small tolerance there are as many
+    /// regions as pixels.
     fn grow(&self, data: &Data, state: &mut State, observer: &mut impl Observer<Event>) {
-        let Some(seed) = (state.next..state.taken.len()).find(|pixel| !state.taken[*pixel]) else {
+        let free = |state: &State, from: usize| (from..state.taken.len()).find(|pixel| !state.taken[*pixel]);
+        let Some(first) = free(state, state.next) else {
             // The phase ends with the last pixel.
             state.phase = Phase::Label;
             return;
         };
-        let region = self.region(data, seed, Arc::<Vec<bool>>::make_mut(&mut state.taken));
-        effort::add(region.pixels.len());
-        let forest = Arc::make_mut(&mut state.forest);
-        for pixel in &region.pixels[1..] {
-            let root = forest.root(seed as u32);
-            forest.join(root, *pixel, 0.0);
+        let width = data.flow.0.width();
+        state.next = (first / width + 1) * width;
+        for seed in first..state.next {
+            if !state.taken[seed] {
+                let region = self.region(data, seed, Arc::<Vec<bool>>::make_mut(&mut state.taken));
+                effort::add(region.pixels.len());
+                region.join(Arc::make_mut(&mut state.forest));
+                state.counts.push(region.pixels.len() as u32);
+                observer.see(|| Event::Grown(Arc::new(region)));
+            }
         }
-        state.next = seed + 1;
-        state.counts.push(region.pixels.len() as u32);
-        observer.see(|| Event::Grown(Arc::new(region)));
-        if !(state.next..state.taken.len()).any(|pixel| !state.taken[pixel]) {
+        if free(state, state.next).is_none() {
             state.phase = Phase::Label;
         }
     }

@@ -36,6 +36,14 @@ fn forest<'a>(seen: &'a Seen<SegmentationRun<FlowSegmentation>>) -> &'a Forest {
     merged.unwrap_or(&seen.before.forest)
 }
 
+/// The regions that have grown in this unit, up to the cursor.
+fn grown<'a>(seen: &'a Seen<SegmentationRun<FlowSegmentation>>) -> impl DoubleEndedIterator<Item = &'a Region> {
+    seen.events.iter().filter_map(|event| match event {
+        Event::Grown(region) => Some(&**region),
+        _ => None,
+    })
+}
+
 fn pixel_of(data: &Data, pixel: usize) -> (usize, usize) {
     (pixel % data.flow.0.width(), pixel / data.flow.0.width())
 }
@@ -189,12 +197,12 @@ impl FlowSegmentation {
     }
 
     fn plot(&self, seen: &Seen<SegmentationRun<Self>>) -> Option<Readout> {
-        let new = match seen.events.last() {
+        let merged = match seen.events.last() {
             Some(Event::Merged(part, _)) => Some(part.regions as u32),
-            Some(Event::Grown(region)) => Some(region.pixels.len() as u32),
             _ => None,
         };
-        let values = seen.before.counts.iter().copied().chain(new);
+        let areas = grown(seen).map(|region| region.pixels.len() as u32);
+        let values = seen.before.counts.iter().copied().chain(merged).chain(areas);
         let points: Vec<[f32; 2]> = values.enumerate().map(|(i, value)| [(i + 1) as f32, value as f32]).collect();
         if points.is_empty() {
             return None;
@@ -225,7 +233,9 @@ impl FlowSegmentation {
             }
             Event::Merged(_, forest) | Event::Absorbed(Absorbed { forest, .. }) => draw_regions(scene, data, forest),
             Event::Grown(region) => {
-                draw_regions(scene, data, &seen.before.forest);
+                let mut earlier = Forest::clone(&seen.before.forest);
+                grown(seen).rev().skip(1).for_each(|region| region.join(&mut earlier));
+                draw_regions(scene, data, &earlier);
                 let mut pixels = vec![false; data.flow.0.cells().len()];
                 region.pixels.iter().for_each(|pixel| pixels[*pixel as usize] = true);
                 let (width, height) = data.flow.0.size();
