@@ -26,7 +26,7 @@
 //! layer = "error"                  # the flow layer
 //! ```
 
-mod example;
+pub mod example;
 mod read;
 mod toml_text;
 mod write;
@@ -34,7 +34,6 @@ mod write;
 use std::ffi::OsStr;
 use std::path::Path;
 
-use motionscope_core::examples::Example;
 use motionscope_core::{Error, Pace};
 use serde::Serialize;
 
@@ -108,14 +107,6 @@ impl VisiblePart {
 }
 
 impl Session {
-    /// Returns the session of an `example` of the estimator `id`.
-    ///
-    /// # Errors
-    /// If the estimator or the scene does not have what the example sets.
-    pub fn of_example(id: &str, example: &Example) -> Result<Self, Error> {
-        example::session(id, example)
-    }
-
     /// Whether `path` has the extension of a session.
     pub fn is_named(path: &Path) -> bool {
         path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(EXTENSION))

@@ -35,9 +35,9 @@ pub fn text(all: &[Box<dyn AnyEstimator>], has_pseudocode: bool) -> String {
 
 /// Returns an example with the name under which it is opened.
 fn example_text(id: &str, example: &Example) -> String {
-    let Example { id: own, title, cause, says, .. } = example;
+    let Example { title, cause, says, .. } = example;
     let cause = cause.map_or_else(|| "works".to_owned(), |cause| format!("fails, {}", cause.name()));
-    format!("  example:{id}/{own}  {title} ({cause})\n    {says}\n")
+    format!("  {}  {title} ({cause})\n    {says}\n", crate::session::example::name(id, example))
 }
 
 fn parameters(specs: &[Spec]) -> String {

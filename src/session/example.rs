@@ -13,11 +13,31 @@ use crate::view::look::Changes;
 /// The prefix of an example's name.
 const EXAMPLE: &str = "example:";
 
+/// Returns the name under which an `example` of the estimator `id` is opened.
+pub fn name(id: &str, example: &Example) -> String {
+    format!("{EXAMPLE}{id}/{}", example.id)
+}
+
+/// Returns what an `example` shows: whether the estimator works, why, and which one works instead.
+pub fn description(example: &Example) -> String {
+    let verdict = match example.cause {
+        Some(cause) => format!("Fails: {}.", cause.name()),
+        None => "Works.".to_owned(),
+    };
+    let instead = example.instead.and_then(|other| {
+        let name = estimator(other.id).ok()?.info().name;
+        let set: Vec<_> = other.settings.iter().map(|(name, value)| format!("{name} {value}")).collect();
+        let set = if set.is_empty() { String::new() } else { format!(" with {}", set.join(", ")) };
+        Some(format!(" Works here: {name}{set}."))
+    });
+    format!("{}. {verdict} {}{}", example.title, example.says, instead.unwrap_or_default())
+}
+
 /// Returns the session of an `example` of the estimator `id`.
 ///
 /// # Errors
 /// If the estimator or the scene does not have what the example sets.
-pub(super) fn session(id: &str, example: &Example) -> Result<Session, Error> {
+pub fn session(id: &str, example: &Example) -> Result<Session, Error> {
     let mut estimator = estimator(id)?;
     example.settings.iter().try_for_each(|(name, value)| estimator.set(name, value))?;
     let source = Source::parse(format!("synth:{}", example.clip))?;
@@ -40,7 +60,7 @@ pub(super) fn named(name: &OsStr) -> Option<Result<Session, Error>> {
 
 /// The error where an estimator has no such example.
 fn unknown(id: &str) -> Error {
-    let all: Vec<_> = examples::of(id).map(|example| format!("{EXAMPLE}{id}/{}", example.id)).collect();
+    let all: Vec<_> = examples::of(id).map(|example| name(id, example)).collect();
     Error::new(match all.as_slice() {
         [] => format!("{id} has no examples"),
         all => format!("the examples of {id} are {}", all.join(", ")),

@@ -17,7 +17,7 @@ use crate::experiment::{Experiment, Position};
 use crate::media::{Given, Open};
 use crate::paint::charts::heat_map;
 use crate::paint::number;
-use crate::session::{Session, VisiblePart};
+use crate::session::{Session, VisiblePart, example};
 use crate::ui::app::action::Browse;
 use crate::ui::app::window::{App, Overlay, title};
 use crate::ui::dialogs::open::State;
@@ -159,20 +159,9 @@ impl App {
 
     /// Opens an example of the estimator `id`, and says what it shows once it is open.
     pub fn open_example(&mut self, id: &str, example: &'static Example) {
-        let verdict = match example.cause {
-            Some(cause) => format!("Fails: {}.", cause.name()),
-            None => "Works.".to_owned(),
-        };
-        let instead = example.instead.and_then(|other| {
-            let name = estimator(other.id).ok()?.info().name;
-            let set: Vec<_> = other.settings.iter().map(|(name, value)| format!("{name} {value}")).collect();
-            let set = if set.is_empty() { String::new() } else { format!(" with {}", set.join(", ")) };
-            Some(format!(" Works here: {name}{set}."))
-        });
-        self.open(format!("example:{id}/{}", example.id));
+        self.open(example::name(id, example));
         if let Some(loading) = &mut self.loading {
-            let instead = instead.unwrap_or_default();
-            loading.description = Some(format!("{}. {verdict} {}{instead}", example.title, example.says));
+            loading.description = Some(example::description(example));
         }
     }
 
@@ -180,14 +169,12 @@ impl App {
     pub(super) fn next_example(&mut self) {
         let info = self.document.estimator().info();
         let all: Vec<_> = examples::of(info.id).collect();
-        let is_open = |example: &&Example| {
-            Session::of_example(info.id, example).is_ok_and(|session| session.experiment == *self.document.experiment())
+        let is_open = |one: &&Example| {
+            example::session(info.id, one).is_ok_and(|session| session.experiment == *self.document.experiment())
         };
         // While one is being opened the next one is the one after it.
-        let coming = self.loading.as_ref().map(|loading| loading.name.clone());
-        let is_coming = |example: &&Example| {
-            coming.as_ref().is_some_and(|name| *name == *format!("example:{}/{}", info.id, example.id))
-        };
+        let is_coming =
+            |one: &&Example| self.loading.as_ref().is_some_and(|loading| *loading.name == *example::name(info.id, one));
         let now = all.iter().position(is_coming).or_else(|| all.iter().position(is_open));
         let next = now.map_or(0, |now| (now + 1) % all.len());
         match all.get(next) {

@@ -337,7 +337,10 @@ fn results(ui: &mut Ui, state: &mut State, of: (&Document, Theme, f32), actions:
     let below = if content.alike.is_empty() { 0.0 } else { 3.0 * size };
     let room = Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), height - below));
     let (of_plot, of_table) = match content.swept() {
-        Some(_) => divided(room, size, sizes.least()),
+        Some(_) => {
+            let (plot, table) = divided(room, size, sizes.least());
+            (Some(plot), table)
+        }
         None => (None, room),
     };
     if let Some(rect) = of_plot {
@@ -357,16 +360,15 @@ fn results(ui: &mut Ui, state: &mut State, of: (&Document, Theme, f32), actions:
 
 /// Divides `room` between the plot of a sweep and its table, which needs `least` points of height: above each other, or beside each
 /// other where that would leave a low plot.
-fn divided(room: Rect, size: f32, least: f32) -> (Option<Rect>, Rect) {
+fn divided(room: Rect, size: f32, least: f32) -> (Rect, Rect) {
     let above = (room.height() - least - GAP).min(24.0 * size);
-    let (plot, table) = if above >= LOW_PLOT * size {
+    if above >= LOW_PLOT * size {
         let plot = room.with_max_y(room.min.y + above).with_max_x(room.max.x.min(room.min.x + PLOT_LETTERS * size));
         (plot, room.with_min_y(plot.max.y + GAP))
     } else {
         let plot = room.with_max_x(room.min.x + PLOT_SHARE * room.width());
         (plot, room.with_min_x(plot.max.x + GAP))
-    };
-    (Some(plot), table)
+    }
 }
 
 /// Returns the content of the table. While runs are still to come every column stands in the table.
