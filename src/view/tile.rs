@@ -176,6 +176,7 @@ fn said(step: &Step, [long, short, shortest]: &[String; 3], in_all: &str) -> Vec
         line(format!("{short}  ·  "), String::new()),
         line(format!("{shortest}  ·  "), String::new()),
         marked(Sentence::default().text(format!("{shortest}  ·  ")).ink(role, cost)),
+        marked(Sentence::default().ink(role, cost)),
     ]
 }
 

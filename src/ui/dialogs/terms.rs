@@ -48,36 +48,63 @@ fn search(ui: &mut Ui, state: &mut State) {
     }
 }
 
-/// The terms that fit `query`, under the titles of their chapters.
+/// The terms that fit `query`, under the titles of their chapters; those with it in their definition alone come last.
 fn list(ui: &mut Ui, query: &str) {
     let query = query.trim().to_lowercase();
-    let mut is_empty = true;
+    let of = |fit: Fit| GLOSSARY.iter().filter(|term| Fit::of(term, &query) == Some(fit)).collect::<Vec<_>>();
+    let (exact, named, defined) = (of(Fit::Exact), of(Fit::Named), of(Fit::Defined));
+    exact.iter().for_each(|term| titled(ui, term.chapter.title(), &[term]));
     for chapter in Chapter::ALL {
-        let terms: Vec<_> = GLOSSARY.iter().filter(|term| term.chapter == chapter && fits(term, &query)).collect();
-        if terms.is_empty() {
-            continue;
-        }
-        is_empty = false;
-        widgets::heading(ui, chapter.title());
-        for term in terms {
-            glossary::entry(ui, term);
-            ui.add_space(4.0);
-        }
-        ui.add_space(8.0);
+        let terms: Vec<_> = named.iter().copied().filter(|term| term.chapter == chapter).collect();
+        titled(ui, chapter.title(), &terms);
     }
-    if is_empty {
+    titled(ui, "In the definition", &defined);
+    if exact.is_empty() && named.is_empty() && defined.is_empty() {
         ui.label(RichText::new("There is no such term. Try fewer letters.").weak());
     }
 }
 
-/// Whether a word of a spelling, the symbol or the definition of `term` begins with `query`, which is in lower case.
-fn fits(term: &Term, query: &str) -> bool {
-    let has = |text: &str| {
-        let text = text.to_lowercase();
-        let begins_a_word = |at: usize| !text[..at].ends_with(char::is_alphanumeric);
-        query.is_empty() || text.match_indices(query).any(|(at, _)| begins_a_word(at))
-    };
-    term.spellings().any(has) || term.symbol.is_some_and(has) || has(term.definition)
+/// Terms under a title; nothing if there are none.
+fn titled(ui: &mut Ui, title: &str, terms: &[&Term]) {
+    if terms.is_empty() {
+        return;
+    }
+    widgets::heading(ui, title);
+    for term in terms {
+        glossary::entry(ui, term);
+        ui.add_space(4.0);
+    }
+    ui.add_space(8.0);
+}
+
+/// How a term fits what is sought, the best first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Fit {
+    /// A spelling or the symbol is what is sought.
+    Exact,
+    /// A word of a spelling or of the symbol begins with it.
+    Named,
+    /// A word of the definition begins with it.
+    Defined,
+}
+
+impl Fit {
+    /// How `term` fits `query`, which is in lower case; without a query all terms fit by name.
+    fn of(term: &Term, query: &str) -> Option<Self> {
+        let has = |text: &str| {
+            let text = text.to_lowercase();
+            let begins_a_word = |at: usize| !text[..at].ends_with(char::is_alphanumeric);
+            query.is_empty() || text.match_indices(query).any(|(at, _)| begins_a_word(at))
+        };
+        let names = || term.spellings().chain(term.symbol);
+        if names().any(|name| name.to_lowercase() == query) {
+            Some(Self::Exact)
+        } else if names().any(has) {
+            Some(Self::Named)
+        } else {
+            has(term.definition).then_some(Self::Defined)
+        }
+    }
 }
 
 #[cfg(test)]
@@ -86,12 +113,17 @@ mod tests {
 
     #[test]
     fn a_term_is_found_by_name_abbreviation_and_definition() {
-        let found =
-            |query: &str| GLOSSARY.iter().filter(|term| fits(term, query)).map(|term| term.name).collect::<Vec<_>>();
-        assert!(found("structure tensor").contains(&"structure tensor"));
-        assert!(found("sad").iter().any(|name| name.contains("absolute differences")));
-        assert_eq!(found("").len(), GLOSSARY.len(), "without a query all of them");
-        assert!(!found("gain").contains(&"quadrant search"), "it keeps the best quadrant and divides it again");
-        assert!(found("no such term").is_empty());
+        let found = |query: &str, fit: Fit| {
+            let fits = GLOSSARY.iter().filter(|term| Fit::of(term, query) == Some(fit));
+            fits.map(|term| term.name).collect::<Vec<_>>()
+        };
+        assert_eq!(found("structure tensor", Fit::Exact), ["structure tensor"]);
+        assert!(found("sad", Fit::Exact).iter().any(|name| name.contains("absolute differences")));
+        assert!(found("structure", Fit::Named).contains(&"structure tensor"));
+        assert_eq!(found("", Fit::Named).len(), GLOSSARY.len(), "without a query all of them");
+        let gain = [Fit::Exact, Fit::Named, Fit::Defined].map(|fit| found("gain", fit)).concat();
+        assert!(!gain.contains(&"quadrant search"), "it keeps the best quadrant and divides it again");
+        assert!(found("gain", Fit::Defined).iter().all(|name| !found("gain", Fit::Named).contains(name)));
+        assert!([Fit::Exact, Fit::Named, Fit::Defined].iter().all(|fit| found("no such term", *fit).is_empty()));
     }
 }

@@ -298,8 +298,8 @@ const SMALL_SHARES: [f32; 2] = [0.8, 0.74];
 const ONE_COLUMN: usize = 3;
 /// Most rows of numbers in the strip.
 const STRIP_FACTS: usize = 3;
-/// Share of the strip's width for the sentence where numbers stand beside it.
-const SENTENCE_SHARE: f32 = 0.55;
+/// Shares of the strip's width for the sentence that are tried where numbers stand beside it.
+const FACTS_SHARES: [f32; 3] = [0.55, 0.62, 0.7];
 /// Those that are tried where a formula stands beside it: in one column, and in two.
 const SENTENCE_SHARES: [f32; 4] = [0.55, 0.62, 0.48, 0.42];
 const NARROW_SHARES: [f32; 3] = [0.4, 0.46, 0.52];
@@ -362,20 +362,22 @@ pub fn strip(ui: &mut Ui, (input, room): (Input<'_>, StripRoom), state: &mut Str
     state.shown = Some((shown, parts));
 }
 
-/// The parts of the strip, in the largest type in which all of it is seen: rather without a formula's symbols, and then smaller,
-/// than out of sight.
+/// The parts of the strip, in the largest type in which all of it is seen: rather with the symbols of its first formula alone, with
+/// none, and then smaller, than out of sight.
 fn strip_parts(painter: &Painter, input: Input<'_>, (width, room): (f32, StripRoom)) -> Vec<Placed<Part>> {
     let usual = Density::strip(input.theme);
     let at = |share: &f32| Density { words: share * usual.words, math: share * usual.math, ..usual };
     let formula = explanation::equation_of(input.step);
-    let brief = in_numbers(formula);
+    let (once, brief) = (in_numbers(formula, 1), in_numbers(formula, 0));
     let large = (input.theme != Theme::Projector).then_some((&LARGE_SHARE, formula));
     let whole = large.into_iter().chain(TYPE_SHARES.iter().map(|share| (share, formula)));
+    let first = TYPE_SHARES.iter().filter(|_| brief.len() < once.len() && once.len() < formula.len());
     let shorter = TYPE_SHARES.iter().filter(|_| brief.len() < formula.len()).chain(&SMALL_SHARES);
+    let first = first.map(|share| (share, &once[..]));
     let mut columns = Vec::new();
-    for (share, formula) in whole.chain(shorter.map(|share| (share, &brief[..]))) {
+    for (share, formula) in whole.chain(first).chain(shorter.map(|share| (share, &brief[..]))) {
         columns = match room.is_column {
-            true => strip_rows((input, formula), (width, at(share))),
+            true => strip_rows((input, formula), (width, at(share)), room.kept),
             false => strip_columns((input, formula), (width, at(share)), room.kept),
         };
         if height(&columns, width) <= room.kept {
@@ -385,30 +387,42 @@ fn strip_parts(painter: &Painter, input: Input<'_>, (width, room): (f32, StripRo
     columns.into_iter().map(|(at, block)| (at, Part::new(painter, block, input.info.family))).collect()
 }
 
-/// The sentence, and below it the formula, or the numbers where there is none.
-fn strip_rows((input, formula): (Input<'_>, &[Math]), (width, density): (f32, Density)) -> Vec<Placed<Block>> {
+/// The sentence, and below it the formula; where there is none, as many of the numbers as `most` has room for.
+fn strip_rows(
+    (input, formula): (Input<'_>, &[Math]),
+    (width, density): (f32, Density),
+    most: f32,
+) -> Vec<Placed<Block>> {
     let Input { step, theme, .. } = input;
     let facts = explanation::facts_of(step);
     let sentence = explanation::sentence(&step.sentence, (width, density), theme);
     let below = vec2(0.0, sentence.size[1] + STRIP_GAP);
     let second = match (formula.is_empty(), facts.is_empty()) {
         (false, _) => explanation::equation(formula, (width, density), theme),
-        (true, false) => explanation::table(facts, (width, density), theme),
+        (true, false) => {
+            let first = |count: usize| explanation::table(&facts[..count], (width, density), theme);
+            let fewest = facts.len().min(STRIP_FACTS);
+            let counts = (fewest..=facts.len()).rev();
+            counts.map(first).find(|table| below.y + table.size[1] <= most).unwrap_or_else(|| first(fewest))
+        }
         (true, true) => return vec![(Vec2::ZERO, sentence)],
     };
     vec![(Vec2::ZERO, sentence), (below, second)]
 }
 
-/// The formulas without lines of symbols alone: their numbers follow the name of the result at once.
-fn in_numbers(formula: &[Math]) -> Vec<Math> {
+/// The formulas without lines of symbols alone but for the first `kept` of them: the numbers of the others follow the name of the
+/// result at once.
+fn in_numbers(formula: &[Math], mut kept: usize) -> Vec<Math> {
     let mut brief: Vec<Math> = Vec::new();
     for line in formula {
         let is_value = line.plain().trim_start().starts_with('=');
         let name = brief.last().filter(|_| is_value).and_then(result_of_symbols);
-        if let (Some(last), Some(name)) = (brief.last_mut(), name) {
-            *last = Math::Row(vec![name, Math::text(" "), line.clone()]);
-        } else {
-            brief.push(line.clone());
+        match (brief.last_mut(), name) {
+            (Some(last), Some(name)) if kept == 0 => *last = Math::Row(vec![name, Math::text(" "), line.clone()]),
+            (_, name) => {
+                kept -= usize::from(name.is_some());
+                brief.push(line.clone());
+            }
         }
     }
     brief
@@ -460,7 +474,9 @@ fn strip_columns(
     };
     if formula.is_empty() {
         let facts = &facts[..facts.len().min(STRIP_FACTS)];
-        return one(SENTENCE_SHARE, &|width| explanation::table(facts, (width, density), theme));
+        let table = |share: &f32| one(*share, &|width| explanation::table(facts, (width, density), theme));
+        let fits = |parts: &Vec<Placed<Block>>| height(parts, width) <= most;
+        return FACTS_SHARES.iter().map(table).find(fits).unwrap_or_else(|| table(&FACTS_SHARES[0]));
     }
     let two = |share: f32| {
         let left = share * width;
@@ -536,8 +552,9 @@ mod tests {
         let symbols = Math::Row(vec![Math::Var("u"), Math::text(" = "), Math::squared(Math::Var("a"))]);
         let numbers = Math::Row(vec![Math::Var("w"), Math::text(" = "), Math::text("3 − 2")]);
         let lines = [symbols, Math::text("= 9"), numbers, Math::text("= 1")];
-        let brief: Vec<String> = in_numbers(&lines).iter().map(Math::plain).collect();
-        assert_eq!(brief, ["u = 9", "w = 3 − 2", "= 1"]);
+        let brief = |kept| in_numbers(&lines, kept).iter().map(Math::plain).collect::<Vec<_>>();
+        assert_eq!(brief(0), ["u = 9", "w = 3 − 2", "= 1"]);
+        assert_eq!(brief(1), ["u = a²", "= 9", "w = 3 − 2", "= 1"], "the first symbols stay");
     }
 
     #[test]

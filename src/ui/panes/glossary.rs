@@ -5,7 +5,7 @@ use motionscope_core::glossary::{Chapter, GLOSSARY, Term, chapters_of, find, in_
 
 use crate::paint::charts::explanation::Block;
 use crate::ui::drawing::chart::rect_from;
-use crate::ui::drawing::ink;
+use crate::ui::drawing::{ink, style};
 
 /// So many terms of one text are defined at most: more are not read.
 const MOST: usize = 4;
@@ -80,7 +80,8 @@ pub fn entry(ui: &mut Ui, term: &Term) {
         Some(symbol) => format!("{}  {symbol}", capitalized(term.name)),
         None => capitalized(term.name),
     };
-    ui.label(ink::scripted(ui, &name, RichText::strong));
+    let bold = |words: RichText| words.family(style::bold()).strong();
+    ui.label(ink::scripted(ui, &name, bold));
     ui.label(ink::scripted(ui, term.definition, |words| words));
 }
 

@@ -227,7 +227,8 @@ impl RegionModel for Camshift {
         granularities: &["clip", "frame", "step"],
         frames: 2,
     };
-    const SIMILARITY: Similarity = Similarity { name: "mean back-projection", symbol: "mean P", decimals: 3 };
+    const SIMILARITY: Similarity =
+        Similarity { name: "mean back-projection", label: "Mean back-projection", symbol: "mean P", decimals: 3 };
     type Model = Model;
     type Event = Event;
 

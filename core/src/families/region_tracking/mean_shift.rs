@@ -245,7 +245,8 @@ impl RegionModel for MeanShift {
         frames: 2,
     };
     const CONTRASTS: Option<&'static str> = Some("background");
-    const SIMILARITY: Similarity = Similarity { name: "Bhattacharyya coefficient", symbol: "ρ", decimals: 3 };
+    const SIMILARITY: Similarity =
+        Similarity { name: "Bhattacharyya coefficient", label: "Bhattacharyya coefficient", symbol: "ρ", decimals: 3 };
     type Model = Model;
     type Event = Event;
 

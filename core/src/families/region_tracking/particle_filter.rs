@@ -189,8 +189,12 @@ impl RegionModel for ParticleFilter {
     };
     const CHARTS: &'static [Chart] = &[Chart::Series, Chart::Diagram];
     const CONTRASTS: Option<&'static str> = Some("resampling");
-    const SIMILARITY: Similarity =
-        Similarity { name: "weighted mean Bhattacharyya coefficient", symbol: "ρ", decimals: 3 };
+    const SIMILARITY: Similarity = Similarity {
+        name: "weighted mean Bhattacharyya coefficient",
+        label: "Weighted mean Bhattacharyya coefficient",
+        symbol: "ρ",
+        decimals: 3,
+    };
     type Model = Model;
     type Event = Event;
 

@@ -308,7 +308,12 @@ impl RegionModel for TemplateTracker {
     };
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series, Chart::Matrices];
     const CONTRASTS: Option<&'static str> = Some("update");
-    const SIMILARITY: Similarity = Similarity { name: "correlation with the template", symbol: "ρ", decimals: 3 };
+    const SIMILARITY: Similarity = Similarity {
+        name: "correlation with the template",
+        label: "Correlation with the template",
+        symbol: "ρ",
+        decimals: 3,
+    };
     type Model = Model;
     type Event = Event;
 

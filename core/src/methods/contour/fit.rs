@@ -40,7 +40,8 @@ impl<T: Fit> RegionModel for T {
     const INFO: Info = T::INFO;
     const CHARTS: &'static [Chart] = T::CHARTS;
     const CONTRASTS: Option<&'static str> = T::CONTRASTS;
-    const SIMILARITY: Similarity = Similarity { name: "mean edge strength", symbol: "f", decimals: 3 };
+    const SIMILARITY: Similarity =
+        Similarity { name: "mean edge strength", label: "Mean edge strength", symbol: "f", decimals: 3 };
     const PRODUCES: &'static [&'static ProductKind] = &[RegionField::KIND, MaskField::KIND];
     type Model = Model;
     type Event = T::Event;

@@ -91,7 +91,7 @@ impl<T: Explained> RegionTracking<T> {
                     " to {} px and has {}. {} {value}.",
                     place(result.region.center),
                     size(result.region.size),
-                    crate::base::words::capital(similarity.name)
+                    similarity.label
                 ))
                 .text(caveat.map(|caveat| format!(" {caveat}")).unwrap_or_default())
         };
@@ -144,7 +144,7 @@ impl<T: Explained> RegionTracking<T> {
         facts.extend(at.iter().flat_map(|at| self.0.facts(at)));
         if let Event::Moved(result) = event {
             let value = fixed(result.similarity.into(), T::SIMILARITY.decimals);
-            facts.push(Fact::new(T::SIMILARITY.name, value, Some(Role::Estimate)));
+            facts.push(Fact::new(T::SIMILARITY.label, value, Some(Role::Estimate)));
             if let Some(error) = error_of_last(seen) {
                 facts.push(Fact::new("Overlap (IoU)", ratio(error.overlap), Some(Role::Truth)));
                 facts.push(Fact::new("Centre error", format!("{} px", px(error.center_px)), Some(Role::Error)));
@@ -169,7 +169,7 @@ impl<T: Explained> RegionTracking<T> {
             |title, y_label, lines| Series { title, x_label: "frame", y_label, x_max, lines, ..Series::default() };
         let line = state.past.iter().enumerate().map(|(i, frame)| [(first + i) as f32, frame.similarity]);
         let mut all = vec![over(
-            T::SIMILARITY.name,
+            T::SIMILARITY.label,
             T::SIMILARITY.symbol,
             vec![(T::SIMILARITY.symbol, Role::Estimate, line.collect())],
         )];

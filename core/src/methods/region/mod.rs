@@ -27,8 +27,10 @@ use crate::scene::{Chart, Fact, Name, Readout, Role, Scene, Sentence, Step};
 /// The quantity by which a tracker judges its match.
 #[derive(Clone, Copy, Debug)]
 pub struct Similarity {
-    /// Its name: `Bhattacharyya coefficient`.
+    /// Its name in a sentence: `mean back-projection`.
     pub name: &'static str,
+    /// Its name on its own: `Mean back-projection`.
+    pub label: &'static str,
     /// Its symbol.
     pub symbol: &'static str,
     /// Its decimals.

@@ -345,9 +345,9 @@ impl ParticleFilter {
             Readout::Series(Series {
                 title: "Effective sample size",
                 x_label: "frames since the start",
-                y_label: "N_eff",
+                y_label: "particles",
                 x_max: values.len(),
-                lines: vec![("N_eff", Role::Measured, values)],
+                lines: vec![("effective sample size", Role::Measured, values)],
                 thresholds: vec![("resampling".into(), self.resample_below * self.particles as f32)],
                 ..Series::default()
             })

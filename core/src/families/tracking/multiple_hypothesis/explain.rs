@@ -80,31 +80,25 @@ impl MultipleHypothesis {
     fn expanded(&self, gates: &Gates, expansion: &Expansion) -> Sentence {
         let mut ids: Vec<u32> = expansion.tracks.iter().map(|track| track.id).collect();
         ids.dedup();
-        let about = match (&ids[..], &expansion.detections[..]) {
-            ([], detections) => format!("{} in no gate: ", count(detections.len(), "detection")),
-            ([id], detections) => format!("Track {id} and {} in its gates: ", count(detections.len(), "detection")),
+        let about = match (&ids[..], expansion.detections.len()) {
+            ([], detections) => format!("{} in no gate.", count(detections, "detection")),
+            ([id], 0) => format!("Track {id} has no detection in its gates."),
+            ([id], detections) => format!("Track {id} has {} in its gates.", count(detections, "detection")),
             (ids, detections) => {
-                format!("{} compete for {}: ", count(ids.len(), "track"), count(detections.len(), "detection"))
+                format!("{} compete for {}.", count(ids.len(), "track"), count(detections, "detection"))
             }
         };
-        let parents = hypotheses(expansion.parents.len());
-        let branches = branches(expansion.branches.len());
-        let verb = if expansion.parents.len() == 1 { "has" } else { "have" };
-        let least = match self.min_ratio {
-            0.0 => String::new(),
-            least => format!(" of at least {} times the highest probability", ratio(least.into())),
-        };
-        let said = Sentence::default().text(format!("{about}{parents} {verb} {branches}{least}. "));
         let mut all = expansion.branches.iter();
         let said = match all.next() {
-            Some(best) => said
+            Some(best) => Sentence::default()
+                .text(format!("{about} Most probable, "))
                 .ink(Role::Best, format!("P = {}", ratio(best.probability)))
                 .text(format!(": {}.", claims(&best.scan.claims, gates.frame))),
-            None => said,
+            None => Sentence::default().text(about),
         };
         let said = match all.next() {
             Some(next) => said
-                .text(" Next ")
+                .text(" Next, ")
                 .ink(Role::Candidate, format!("P = {}", ratio(next.probability)))
                 .text(format!(": {}.", claims(&next.scan.claims, gates.frame))),
             None => said.text(" No other explanation is probable enough."),
@@ -177,6 +171,7 @@ impl MultipleHypothesis {
             Some(Event::Expanded(gates, expansion)) => {
                 tables = branch_tables(expansion);
                 equation = Some(self.equation(gates, expansion));
+                facts.push(Fact::new("Branching hypotheses", expansion.parents.len().to_string(), None));
                 facts.push(Fact::new("Branches", expansion.branches.len().to_string(), Some(Role::Candidate)));
             }
             Some(Event::Led(leading)) => {
@@ -313,11 +308,6 @@ impl MultipleHypothesis {
 /// A number of hypotheses in words.
 fn hypotheses(all: usize) -> String {
     if all == 1 { "1 hypothesis".into() } else { format!("{all} hypotheses") }
-}
-
-/// A number of branches in words.
-fn branches(all: usize) -> String {
-    if all == 1 { "1 branch".into() } else { format!("{all} branches") }
 }
 
 fn predicted(tracks: &[Arc<Track>]) -> Sentence {
