@@ -133,27 +133,41 @@ fn the_update_that_is_reported_is_the_one_that_is_done() {
         walk.jump(Move::To(Cursor { unit: 6, event: usize::MAX }));
         let focus = [40.0, 30.0];
         let Some(field) = walk.output().get::<DenseField>().cloned() else { panic!("a dense field") };
-        let step = walk.step(Some(Focus::current(focus)));
-        let [before, mean, after] = ["before", "mean", "after"].map(|name| point(&step, name));
-        assert_eq!(after, field.flow.at(40, 30).unwrap());
+        let last = walk.step(Some(Focus::current(focus)));
+        let after = field.flow.at(40, 30).unwrap();
+        the_last_numbers_are(&last, after);
+        let mut name = "after";
+        let mut step = last.clone();
+        if solver == "sor" {
+            let said = last.sentence.plain();
+            assert!(said.starts_with("SOR extrapolates the Gauss–Seidel update by ω = 1.90"), "{said}");
+            assert_eq!(point(&last, "after"), after);
+            walk.jump(Move::Granularity(4, Direction::Back));
+            (name, step) = ("Gauss–Seidel", walk.step(Some(Focus::current(focus))));
+            assert_eq!(point(&step, name), point(&last, name));
+        }
+        let [before, mean, told] = ["before", "mean", name].map(|name| point(&step, name));
+        the_last_numbers_are(&step, told);
         let [a, b, c] = plane(&step).lines[0].factors;
         let off = (a * mean[0] + b * mean[1] + c) / (100.0 + a * a + b * b);
         let update = [mean[0] - a * off, mean[1] - b * off];
+        assert!((0..2).all(|i| (update[i] - told[i]).abs() < 1e-4), "{solver}: {update:?}, told {told:?}");
         let computed = [0, 1].map(|i| before[i] + relaxation * (update[i] - before[i]));
         assert!((0..2).all(|i| (computed[i] - after[i]).abs() < 1e-4), "{solver}: {computed:?}, done {after:?}");
-        // The numbers of the last line are what was done.
-        let last = equation(&step).pop().unwrap();
-        assert!((numbers(&last).pop().unwrap() - f64::from(after[1])).abs() < 2e-3, "{last}");
-        let said = step.sentence.plain();
-        assert_eq!(said.contains("SOR extrapolates this step by ω = 1.90"), solver == "sor", "{said}");
-        if let [.., result] = &numbers(&said)[..] {
-            assert!((result - f64::from(after[1])).abs() < 2e-3, "{said}");
-        }
         walk.jump(Move::Granularity(4, Direction::Back));
         let step = walk.step(Some(Focus::current(focus)));
         assert!(step.sentence.plain().contains("pixel (40, 30)"));
         the_mean_alone_is_told(&step, mean);
     }
+}
+
+/// The last numbers of the formula and of the sentence are `to`.
+fn the_last_numbers_are(step: &Step, to: [f32; 2]) {
+    let last = equation(step).pop().unwrap();
+    assert!((numbers(&last).pop().unwrap() - f64::from(to[1])).abs() < 2e-3, "{last}");
+    let said = step.sentence.plain();
+    let is_told = |i: usize| numbers(&said).iter().any(|number| (number - f64::from(to[i])).abs() < 2e-3);
+    assert!(is_told(0) && is_told(1), "{said}");
 }
 
 /// The step before the update knows nothing of its result: neither the formula nor the plane has it.
@@ -176,10 +190,10 @@ fn the_step_of_the_mean_does_not_tell_the_result_of_the_update() {
             walk.jump(Move::To(Cursor { unit: 6, event }));
             walk.step(Some(Focus::current([40.0, 30.0])))
         };
-        // The mean and the update are the last two events of an iteration.
+        // The mean, the update and its extrapolation are the last events of an iteration.
         let (mean, update) = (at(1), at(2));
         the_mean_alone_is_told(&mean, point(&mean, "mean"));
-        let after = point(&update, "after");
+        let after = point(&update, "Gauss–Seidel");
         assert!(
             equation(&update).iter().flat_map(|line| numbers(line)).any(|n| (n - f64::from(after[0])).abs() < 6e-4)
         );

@@ -312,6 +312,20 @@ fn a_hidden_object_is_said_to_be_lost_and_its_template_is_kept() {
 }
 
 #[test]
+fn a_template_that_shrinks_to_a_line_is_lost_however_well_it_correlates() {
+    let clip = synth::make("traffic", &synth::scene("traffic").expect("it is bundled").difficulty()).expect("a clip");
+    let tracker = set("template-tracker", &[]);
+    let frames = run(&*tracker, &clip).frames;
+    // The bridge hides the car: its edge correlates with a template of no width.
+    assert!(frames.last().expect("frames").is_lost);
+    for pair in frames.windows(2) {
+        let [[w, h], [next_w, next_h]] = [pair[0].region.size, pair[1].region.size];
+        assert!((0.5..=2.0).contains(&(next_w / w)) && (0.5..=2.0).contains(&(next_h / h)), "{pair:?}");
+    }
+    assert!(!steps(&*tracker, &clip, "no object does that in a frame").is_empty(), "it says nothing");
+}
+
+#[test]
 fn regions_without_texture_or_pixels_are_refused_in_words() {
     let flat = clip(vec![Frame::gray(Grid::new(64, 48, 90)); 3]);
     let edge = clip(vec![Frame::gray(Grid::from_fn(64, 48, |x, _| if x < 30 { 60 } else { 170 })); 3]);

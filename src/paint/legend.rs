@@ -168,7 +168,15 @@ pub fn swatch(role: Role, sample: Sample, theme: Theme, min: Point) -> Vec<Primi
         }
         Sample::Area => {
             let points = inner.corners();
-            out.push(Primitive::Polygon { points, color: ink.color.alpha(marks::HEAT_ALPHA) });
+            out.push(Primitive::Polygon { points: points.clone(), color: ink.color.alpha(marks::HEAT_ALPHA) });
+            // White on white is seen by its edge.
+            if ink.halo_width > 0.0 {
+                out.push(Primitive::Polyline {
+                    points,
+                    closed: true,
+                    stroke: Stroke { width: 1.0, color: theme.chrome().dim, dash: &[] },
+                });
+            }
         }
         Sample::Hatch => {
             let stripe = |i: usize, color: Color| {

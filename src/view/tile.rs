@@ -128,10 +128,15 @@ pub fn add_assessment(step: &mut Step, assessment: &Assessment) {
     step.readouts.extend(assessment.errors.clone().map(Readout::Distribution));
 }
 
-/// Adds `facts` to those that `step` tells.
+/// Adds `facts` to those that `step` tells, but for what it tells already.
 pub fn add_facts(step: &mut Step, facts: Vec<Fact>) {
     match step.readouts.iter_mut().find_map(|r| if let Readout::Facts(facts) = r { Some(facts) } else { None }) {
-        Some(known) => known.extend(facts),
+        Some(known) => {
+            let is_told =
+                |fact: &Fact| known.iter().any(|other| (other.label, &other.value) == (fact.label, &fact.value));
+            let new: Vec<Fact> = facts.into_iter().filter(|fact| !is_told(fact)).collect();
+            known.extend(new);
+        }
         None => step.readouts.push(Readout::Facts(facts)),
     }
 }
@@ -182,7 +187,7 @@ fn said(step: &Step, [long, short, shortest]: &[String; 3], in_all: &str) -> Vec
 
 fn said_at_end(assessment: &Assessment, in_all: Option<String>) -> Vec<Sentence> {
     // Vectors of blocks are judged by their prediction, a dense flow by its error where the truth is known.
-    let error = assessment.facts.iter().find(|fact| fact.label == "Mean endpoint error" && in_all.is_none());
+    let error = assessment.facts.iter().find(|fact| fact.label.starts_with("Mean endpoint error") && in_all.is_none());
     let (quality, value) = match error {
         Some(fact) => (format!("{} endpoint error", fact.value), Some(fact.value.clone())),
         None => (assessment.headline.clone(), None),

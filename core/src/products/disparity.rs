@@ -127,8 +127,8 @@ impl DisparityField {
         let mut facts =
             vec![fact("Disparities", format!("{} of {} pixels, {share:.1} %", grouped(known), grouped(all)))];
         facts.push(match self.depth_m() {
-            Ok(depths) => fact("Depth", depth_range(&depths)),
-            Err(reason) => fact("Depth", format!("unknown: {reason}")),
+            Ok(depths) => fact("Range of depth", depth_range(&depths)),
+            Err(reason) => fact("Range of depth", format!("unknown: {reason}")),
         });
         if reference.clip.right().is_some() {
             let [left, right] = [Viewpoint::Left, Viewpoint::Right]

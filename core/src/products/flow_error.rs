@@ -49,11 +49,19 @@ pub(super) type Moved = Vec<([f32; 2], [f32; 2])>;
 /// The errors of all displacements of features in `frames`.
 pub(super) fn of_frames(frames: impl Iterator<Item = (usize, Moved)>, reference: &Reference<'_>) -> Assessment {
     let both = reference.clip.truth().map(|truth| displacements(frames, &**truth)).transpose();
-    or_unknown(both.and_then(|both| match both {
+    let mut all = or_unknown(both.and_then(|both| match both {
         Some((found, truth)) => assess(&found, Some(truth), Of::Features),
         None => assess(&Flow(Grid::new(1, 1, Flow::UNKNOWN)), None, Of::Features),
-    }))
+    }));
+    // The sentences tell the error of a pair.
+    for fact in all.facts.iter_mut().filter(|fact| fact.label == MEAN) {
+        fact.label = "Mean endpoint error, all frames";
+    }
+    all
 }
+
+/// The label of the mean endpoint error.
+const MEAN: &str = "Mean endpoint error";
 
 fn or_unknown(assessment: Result<Assessment, Error>) -> Assessment {
     assessment.unwrap_or_else(|error| Assessment {
@@ -106,7 +114,7 @@ fn assess(flow: &Flow, truth: Option<Arc<Flow>>, of: Of) -> Result<Assessment, E
     let [a, b, c, d, e, f, g] = values;
     let [low, middle, high] = beyond.map(|share| 100.0 * share);
     let facts = vec![
-        fact("Mean endpoint error", format!("{epe_px:.3} px")),
+        fact(MEAN, format!("{epe_px:.3} px")),
         fact("Median, 95th percentile", format!("{epe_median_px:.3} px, {epe_p95_px:.3} px")),
         fact("R0.5, R1, R2", format!("{low:.1} %, {middle:.1} %, {high:.1} %")),
         fact("Mean angular error", format!("{aae_deg:.2}°")),

@@ -301,7 +301,7 @@ impl Product for PathField {
         facts.extend(before_px.map(|jitter| fact("Jitter", px(jitter))));
         facts.extend(after_px.map(|jitter| fact("Jitter after stabilisation", px(jitter))));
         facts.extend(motion_px.map(|error| fact("Largest error of a motion", px(error))));
-        facts.extend(drift_px.map(|error| fact("Drift of the chained path", px(error))));
+        facts.extend(drift_px.map(|error| fact("Drift of the chained path, at the corners", px(error))));
         let headline = match (before_px, after_px) {
             (Some(before), Some(after)) => format!("jitter {} → {}", words::fixed(before, 2), px(after)),
             (Some(before), None) => format!("jitter {}", px(before)),

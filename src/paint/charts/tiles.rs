@@ -85,10 +85,10 @@ pub fn places(data: Tiles<'_>, area: Rect, style: ChartStyle) -> Places {
         }
         Closeness::Readable => {
             let all = data.tiles.len().max(1);
-            // Names that do not stand beside each other are not cut off.
-            let columns = if fitting(&all) > 0.0 { all } else { best() };
             let sizes = data.tiles.iter().map(|tile| tile.values.size());
             let longest = sizes.map(|(width, height)| width.max(height)).max().unwrap_or(1);
+            // Names that do not stand beside each other are not cut off, and whole pictures are as large as they fit.
+            let columns = if fitting(&all) > 0.0 && longest <= MOST_PIXELS { all } else { best() };
             let whole = fitting(&columns).max(2.0);
             let cell = if whole >= NUMBERS || longest > MOST_PIXELS { whole } else { READABLE };
             rows.places(columns, cell, area.min)

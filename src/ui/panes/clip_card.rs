@@ -87,24 +87,28 @@ fn to_frame(ui: &mut Ui, glyph: Icon, command: Command, actions: &mut Actions) {
 fn frame(ui: &mut Ui, document: &Document, actions: &mut Actions) {
     let now = document.frame();
     let last = document.last_frame().unwrap_or(usize::MAX >> 12);
-    let tip = "Frame t, the first of the pair; frame t + 1 is the second.";
+    let is_first = document.estimator().is_by_frame();
+    let (name, tip) = match is_first {
+        true => ("First frame", "The frame at which the run begins; it goes on through the clip."),
+        false => ("Frame", "Frame t, the first of the pair; frame t + 1 is the second."),
+    };
     // A narrow pane has the name on a line of its own.
     let narrow = ui.available_width() < 7.5 * ui.spacing().interact_size.y;
-    let above = narrow.then(|| ui.label("Frame").on_hover_text(tip));
+    let above = narrow.then(|| ui.label(name).on_hover_text(tip));
     ui.horizontal(|ui| {
-        let label = above.unwrap_or_else(|| ui.label("Frame").on_hover_text(tip));
+        let label = above.unwrap_or_else(|| ui.label(name).on_hover_text(tip));
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             ui.spacing_mut().item_spacing.x = 2.0;
             ui.add_enabled_ui(now < last, |ui| {
                 to_frame(ui, Icon::ChevronRight, Command::NextFrame, actions);
             });
             let mut wanted = now;
-            let field =
-                DragValue::new(&mut wanted).range(0..=last).custom_formatter(|v, _| format!("{v} → {}", v + 1.0));
+            let shown = move |v: f64| if is_first { v.to_string() } else { format!("{v} → {}", v + 1.0) };
+            let field = DragValue::new(&mut wanted).range(0..=last).custom_formatter(move |v, _| shown(v));
             let field = field.custom_parser(|text| text.split('→').next().and_then(|t| t.trim().parse().ok()));
             let size = eframe::egui::vec2(ui.spacing().interact_size.y * 3.0, ui.spacing().interact_size.y);
             let typed = ui.add_sized(size, field).labelled_by(label.id);
-            typed.on_hover_text("Frame t of the pair on which the estimator runs; drag or type.");
+            typed.on_hover_text(format!("{tip} Drag or type."));
             ui.add_enabled_ui(now > 0, |ui| {
                 to_frame(ui, Icon::ChevronLeft, Command::PreviousFrame, actions);
             });

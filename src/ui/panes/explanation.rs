@@ -401,7 +401,7 @@ fn strip_rows(
         (false, _) => explanation::equation(formula, (width, density), theme),
         (true, false) => {
             let first = |count: usize| explanation::table(&facts[..count], (width, density), theme);
-            let fewest = facts.len().min(STRIP_FACTS);
+            let fewest = facts.len().min(1);
             let counts = (fewest..=facts.len()).rev();
             counts.map(first).find(|table| below.y + table.size[1] <= most).unwrap_or_else(|| first(fewest))
         }
@@ -473,10 +473,15 @@ fn strip_columns(
         vec![(Vec2::ZERO, sentence(left)), (vec2(left + STRIP_GAP, 0.0), block(width - left - STRIP_GAP))]
     };
     if formula.is_empty() {
-        let facts = &facts[..facts.len().min(STRIP_FACTS)];
-        let table = |share: &f32| one(*share, &|width| explanation::table(facts, (width, density), theme));
+        // Rather fewer numbers than a smaller sentence.
+        let table = |(count, share): (usize, &f32)| {
+            one(*share, &|width| explanation::table(&facts[..count], (width, density), theme))
+        };
+        let most_facts = facts.len().min(STRIP_FACTS);
+        let counts = (1..=most_facts).rev();
+        let mut ways = counts.flat_map(|count| FACTS_SHARES.iter().map(move |share| (count, share))).map(table);
         let fits = |parts: &Vec<Placed<Block>>| height(parts, width) <= most;
-        return FACTS_SHARES.iter().map(table).find(fits).unwrap_or_else(|| table(&FACTS_SHARES[0]));
+        return ways.find(fits).unwrap_or_else(|| table((most_facts, &FACTS_SHARES[0])));
     }
     let two = |share: f32| {
         let left = share * width;

@@ -313,7 +313,7 @@ impl Items {
             fits
         };
         shown.bars.extend(self.bars.iter().filter(|(_, w)| takes(*w)).cloned());
-        shown.entries.extend(self.entries.iter().take_while(|(_, w)| takes(*w)).cloned());
+        shown.entries.extend(self.entries.iter().filter(|(_, w)| takes(*w)).cloned());
         shown.hidden = left;
         shown
     }

@@ -59,20 +59,13 @@ struct Fixed {
     truth: Option<Arc<Flow>>,
 }
 
-/// The next unit of a level.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Turn {
-    SteepestDescent,
-    Hessian,
-    Iteration(usize),
-}
-
 /// The state of a run.
 #[derive(Clone)]
 pub struct State {
     fixed: Arc<Fixed>,
     level: usize,
-    turn: Turn,
+    /// The next iteration on the level.
+    iteration: usize,
     /// The Hessian of the level, row by row.
     hessian: Arc<Vec<f64>>,
     /// The warp in px of level 0, and the one before the last update.
@@ -178,13 +171,23 @@ impl ImageAlignment {
     /// Moves on to the next finer level, or ends the run.
     fn next_level(state: &mut State) {
         match state.level.checked_sub(1) {
-            Some(finer) => (state.level, state.turn) = (finer, Turn::SteepestDescent),
+            Some(finer) => (state.level, state.iteration) = (finer, 0),
             None => state.is_over = true,
         }
     }
 
+    /// Works out what all iterations on a level share; gives whether its texture determines the warp.
+    fn begin_level(&self, state: &mut State, report: &mut impl FnMut(Stage, &State)) -> bool {
+        (state.compared, state.increment, state.before) = (None, None, state.matrix);
+        report(Stage::SteepestDescent, state);
+        state.hessian = Arc::new(self.aligner(state).hessian());
+        let is_regular = solve(&state.hessian, &vec![0.0; self.model.freedom()]).is_some();
+        report(if is_regular { Stage::Hessian } else { Stage::Singular }, state);
+        is_regular
+    }
+
     /// Performs an iteration; `report` is called after each of its stages.
-    fn iterate(&self, state: &mut State, iteration: usize, mut report: impl FnMut(Stage, &State)) {
+    fn iterate(&self, state: &mut State, mut report: impl FnMut(Stage, &State)) {
         let compared = self.aligner(state).compare(&state.hessian, &state.level().pictures[1], &state.warp());
         Arc::make_mut(&mut state.errors).push((state.level, compared.rms));
         let (is_diverged, rms) = (compared.overlap < f64::from(self.min_overlap), compared.rms);
@@ -208,9 +211,9 @@ impl ImageAlignment {
         report(Stage::Solve, state);
         (state.before, state.matrix) = (state.matrix, on_picture(&updated, state.level));
         state.updates += 1;
-        let is_last = increment.moved_px <= f64::from(self.epsilon) || iteration + 1 == self.iterations;
+        let is_last = increment.moved_px <= f64::from(self.epsilon) || state.iteration + 1 == self.iterations;
         report(if is_last { Stage::Converged } else { Stage::Update }, state);
-        if is_last { Self::next_level(state) } else { state.turn = Turn::Iteration(iteration + 1) }
+        if is_last { Self::next_level(state) } else { state.iteration += 1 }
     }
 }
 
@@ -255,7 +258,7 @@ impl Estimator for ImageAlignment {
         Ok(State {
             fixed: Arc::new(Fixed { pair, levels, truth: truth(clip, frame) }),
             level,
-            turn: Turn::SteepestDescent,
+            iteration: 0,
             hessian: Arc::default(),
             matrix: IDENTITY,
             before: IDENTITY,
@@ -270,23 +273,11 @@ impl Estimator for ImageAlignment {
 
     fn advance(&self, _: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
         let mut report = |stage, state: &State| observer.see(|| Event { stage, state: Arc::new(state.clone()) });
-        match state.turn {
-            Turn::SteepestDescent => {
-                (state.compared, state.increment, state.before) = (None, None, state.matrix);
-                report(Stage::SteepestDescent, state);
-                state.turn = Turn::Hessian;
-            }
-            Turn::Hessian => {
-                state.hessian = Arc::new(self.aligner(state).hessian());
-                let is_regular = solve(&state.hessian, &vec![0.0; self.model.freedom()]).is_some();
-                report(if is_regular { Stage::Hessian } else { Stage::Singular }, state);
-                state.turn = Turn::Iteration(0);
-                if !is_regular {
-                    state.failed += 1;
-                    Self::next_level(state);
-                }
-            }
-            Turn::Iteration(iteration) => self.iterate(state, iteration, report),
+        if state.iteration == 0 && !self.begin_level(state, &mut report) {
+            state.failed += 1;
+            Self::next_level(state);
+        } else {
+            self.iterate(state, report);
         }
         Ok(if state.is_over { Progress::Done } else { Progress::More })
     }
@@ -297,15 +288,10 @@ impl Estimator for ImageAlignment {
 
     fn place(&self, state: &State) -> Vec<Granularity> {
         let levels = state.fixed.levels.len();
-        let index = match state.turn {
-            Turn::SteepestDescent => 0,
-            Turn::Hessian => 1,
-            Turn::Iteration(iteration) => 2 + iteration,
-        };
         vec![
             Granularity { index: 0, of: Some(1) },
             Granularity { index: levels - 1 - state.level, of: Some(levels) },
-            Granularity { index, of: None },
+            Granularity { index: state.iteration, of: None },
         ]
     }
 

@@ -257,8 +257,10 @@ impl Background for CompensatedDifference {
         let registered = self.registered(before, frame);
         let value = f32::from(frame.luma()[place]);
         let nearest = registered.nearest(place, value);
-        let update = Sentence::default()
-            .text(format!("the next frame is compared with this one, warped: gray level {} here.", level(value)));
+        let update = Sentence::default().text(format!(
+            "this frame, with gray level {} here, becomes the reference; it is warped to the next.",
+            level(value)
+        ));
         if nearest.is_nan() {
             let verdict = Sentence::default()
                 .text(" has come into the picture: ")

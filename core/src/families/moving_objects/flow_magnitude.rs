@@ -213,7 +213,7 @@ impl Background for FlowMagnitude {
                 )),
         };
         let update = Sentence::default().text(format!(
-            "the next flow leads back to this frame, which has gray level {} here.",
+            "this frame, with gray level {} here, becomes the reference of the next flow.",
             level(f32::from(frame.luma()[place]))
         ));
         Explanation {

@@ -225,8 +225,8 @@ impl Background for FrameDifference {
             explanation.equation.insert(0, Math::text("B = the more similar of I(t−1) and I(t−2)"));
         }
         explanation.update = Sentence::default()
-            .text(format!("the next frame is compared with {} {} of this one", kind(channels)[1], text(frame)))
-            .text(format!("; this one was compared with {}.", text(&before[0])));
+            .text(format!("this frame, with {} {}, becomes the reference of the next", kind(channels)[1], text(frame)))
+            .text(format!(" in place of {}.", text(&before[0])));
         explanation
     }
 

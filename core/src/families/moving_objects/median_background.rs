@@ -183,7 +183,7 @@ impl Background for MedianBackground {
             let [old, new] = [before, after].map(|model| text(&model.at(place)[..channels]));
             explanation.facts.push(Fact::new("Background after update", new.clone(), Some(Role::Estimate)));
             explanation.update = Sentence::default()
-                .text("B moves from ")
+                .text("the background B moves from ")
                 .ink(Role::Predicted, old)
                 .text(" to ")
                 .ink(Role::Estimate, new)

@@ -166,7 +166,7 @@ impl Background for RunningAverage {
             explanation.update = match is_frozen {
                 true => Sentence::default().text(format!("foreground, and the update is selective, so B stays {old}.")),
                 false => Sentence::default()
-                    .text("B moves from ")
+                    .text("the background B moves from ")
                     .ink(Role::Predicted, old)
                     .text(" to ")
                     .ink(Role::Estimate, new)

@@ -33,8 +33,10 @@ params! {
     }
 }
 
-/// The first step of an iteration: the neighbourhood mean.
+/// The step of an iteration that computes the neighbourhood mean.
 const AVERAGED: usize = 0;
+/// The step of SOR that extrapolates the update.
+const EXTRAPOLATED: usize = 2;
 
 /// The coefficients of a warp.
 pub struct System {
@@ -51,7 +53,8 @@ pseudocode! {
     WARP: "    warp frame t+1 toward frame t by (u₀, v₀); I_x, I_y, I_t ← derivatives; T ← their products, smoothed by a Gaussian of ρ px",
     EACH_ITERATION: "    for each iteration",
     AVERAGE: "      for each pixel: (ū, v\u{304}) ← weighted mean of its eight neighbours (newest values unless Jacobi)",
-    SOLVE: "      (u, v) ← (1 − ω) (u, v) + ω w, w solves (T + α² I) w = α² (ū, v\u{304}) + T (u₀, v₀) − (T_xt, T_yt); ω = 1 unless SOR",
+    SOLVE: "        w solves (T + α² I) w = α² (ū, v\u{304}) + T (u₀, v₀) − (T_xt, T_yt)",
+    EXTRAPOLATE: "        (u, v) ← (u, v) + ω (w − (u, v)); ω = 1 unless SOR",
 }
 
 impl Model for Clg {
@@ -68,7 +71,6 @@ impl Model for Clg {
         frames: 2,
     };
     const GUARANTEE: Guarantee = Guarantee::SubPixel { off_centi_px: 5 };
-    const STEPS: &'static [Name] = &[line::AVERAGE, line::SOLVE];
     const ENERGY_UNIT: &'static str = "gray levels²";
     const OPENING: &'static str = "The data term averages the squared gradient constraints over a Gaussian window of standard \
                                    deviation ρ; the smoothness term is the sum of the squared gradients of u and v, weighted by \
@@ -85,6 +87,10 @@ impl Model for Clg {
 
     fn settings(&self) -> Settings {
         self.settings
+    }
+
+    fn steps(&self) -> &'static [Name] {
+        self.solver.steps(&[line::AVERAGE, line::SOLVE, line::EXTRAPOLATE])
     }
 
     fn system(&self, linear: &Linear, threads: &Threads) -> System {
@@ -104,14 +110,21 @@ impl Model for Clg {
     fn explanation(&self, step: usize, probe: &Probe<Self>) -> Explanation {
         let mean = self.solver.mean_of(probe);
         let tensor = self.tensor(&probe.iteration.warp).at(probe.place);
-        let mut points = vec![("mean", Role::Predicted, mean)];
+        let update = solution(tensor, self.alpha * self.alpha, mean);
+        let before = ("mean", Role::Predicted, mean);
         // The result of the update is not known before it.
-        let (sentence, equation) = if step == AVERAGED {
-            (probe.averaged(self.solver, mean), probe.averages(mean))
-        } else {
-            let update = solution(tensor, self.alpha * self.alpha, mean);
-            points.push(("after", Role::Result, probe.to()));
-            (self.updated(probe, tensor[0] + tensor[2], update), self.equation(tensor, (mean, update), probe))
+        let (sentence, equation, points) = match step {
+            AVERAGED => (probe.averaged(self.solver, mean), probe.averages(mean), vec![before]),
+            EXTRAPOLATED => (
+                probe.extrapolated(update, self.relaxation),
+                probe.relaxed(update, self.relaxation),
+                vec![("Gauss–Seidel", Role::Predicted, update), ("after", Role::Result, probe.to())],
+            ),
+            _ => (
+                self.updated(probe, tensor[0] + tensor[2], update),
+                self.equation(tensor, (mean, update), probe),
+                vec![before, (self.solver.update_name(), Role::Result, update)],
+            ),
         };
         let [xx, xy, yy, xt, yt] = about_zero(tensor, probe.start().unwrap_or_default()).map(numbers::gray);
         Explanation {
@@ -142,27 +155,24 @@ impl Clg {
         } else {
             "Least squares combines the gradient constraint of ".into()
         };
-        let beyond = self.solver.beyond(self.relaxation);
         let said = Sentence::default().text(window).ink(Role::Reference, probe.pixel()).text(format!(
             " with the neighbourhood mean. tr T = {} against α² = {}, so the {} dominates: (u, v) = ",
             numbers::gray(trace),
             numbers::gray(weight),
             if trace > weight { "data term" } else { "smoothness term" }
         ));
-        probe.goes(said, update, beyond).text(".")
+        said.ink(Role::Result, probe.px(update)).text(".")
     }
 
     /// Returns the normal equations of the pixel, in symbols and with numbers.
     fn equation(&self, tensor: [f32; 6], (mean, update): ([f32; 2], [f32; 2]), probe: &Probe<Self>) -> Vec<Math> {
         let (weight, [xx, xy, yy, xt, yt, _]) = (self.alpha * self.alpha, tensor);
-        let beyond = self.solver.beyond(self.relaxation);
         let mut lines = probe.start().map(|start| definitions(tensor, start).to_vec()).unwrap_or_default();
         lines.extend(symbols(probe.start().is_some()));
         lines.push(numbers([xx + weight, xy], weight, mean[0], xt));
         lines.push(numbers([xy, yy + weight], weight, mean[1], yt));
-        let named = if beyond.is_some() { "(u, v) by Gauss–Seidel = " } else { "(u, v) = " };
+        let named = if self.solver == Solver::Sor { "(u, v) by Gauss–Seidel = " } else { "(u, v) = " };
         lines.push(Math::Row(vec![Math::text(named), Math::ink(Role::Result, numbers::vector(update))]));
-        lines.extend(beyond.into_iter().flat_map(|relaxation| probe.relaxed(update, relaxation)));
         lines
     }
 
@@ -212,7 +222,10 @@ fn definitions(tensor: [f32; 6], start: [f32; 2]) -> [Math; 2] {
     let [u, v] = start.map(|component| numbers::factor(numbers::px(component)));
     let zero = |name| Math::indexed(Math::Var(name), Math::text("0"));
     let line = |[to, t, first, second]: [&'static str; 4], [total, a, b, rest]: [f32; 4]| {
-        Math::Row(vec![
+        let product = |factor: f32, by: &str| {
+            [Math::text(" − "), Math::text(format!("{} · {by}", numbers::factor(numbers::gray(factor))))]
+        };
+        let mut row = vec![
             Math::indexed(Math::Var("c"), Math::Var(to)),
             Math::text(" = "),
             part(t),
@@ -224,14 +237,12 @@ fn definitions(tensor: [f32; 6], start: [f32; 2]) -> [Math; 2] {
             part(second),
             Math::text(" "),
             zero("v"),
-            Math::text(format!(
-                " = {} − {} · {u} − {} · {v} = ",
-                numbers::gray(total),
-                numbers::factor(numbers::gray(a)),
-                numbers::factor(numbers::gray(b))
-            )),
-            Math::ink(Role::Reference, numbers::gray(rest)),
-        ])
+            Math::text(" = "),
+            Math::text(numbers::gray(total)),
+        ];
+        row.extend(product(a, &u).into_iter().chain(product(b, &v)));
+        row.extend([Math::text(" = "), Math::ink(Role::Reference, numbers::gray(rest))]);
+        Math::Row(row)
     };
     [line(["x", "xt", "xx", "xy"], [xt, xx, xy, tensor[3]]), line(["y", "yt", "xy", "yy"], [yt, xy, yy, tensor[4]])]
 }

@@ -30,8 +30,10 @@ params! {
     }
 }
 
-/// The first step of an iteration: the neighbourhood mean.
+/// The step of an iteration that computes the neighbourhood mean.
 const AVERAGED: usize = 0;
+/// The step of SOR that extrapolates the update.
+const EXTRAPOLATED: usize = 2;
 
 pseudocode! {
     ENERGY: "E(u, v) = ∫∫ (I_x u + I_y v + I_t)² + α² (|∇u|² + |∇v|²)",
@@ -41,7 +43,8 @@ pseudocode! {
     WARP: "    warp frame t+1 toward frame t by (u₀, v₀); I_x, I_y, I_t ← derivatives; c ← I_t − I_x u₀ − I_y v₀",
     EACH_ITERATION: "    for each iteration",
     AVERAGE: "      for each pixel: (ū, v\u{304}) ← weighted mean of its eight neighbours (newest values unless Jacobi)",
-    UPDATE: "      (u, v) ← (1 − ω) (u, v) + ω [(ū, v\u{304}) − ∇I (I_x ū + I_y v\u{304} + c) / (α² + |∇I|²)]; ω = 1 unless SOR",
+    UPDATE: "        (u, v)_GS ← (ū, v\u{304}) − ∇I (I_x ū + I_y v\u{304} + c) / (α² + |∇I|²)",
+    EXTRAPOLATE: "        (u, v) ← (u, v) + ω ((u, v)_GS − (u, v)); ω = 1 unless SOR",
 }
 
 impl Model for HornSchunck {
@@ -59,7 +62,6 @@ impl Model for HornSchunck {
         frames: 2,
     };
     const GUARANTEE: Guarantee = Guarantee::SubPixel { off_centi_px: 5 };
-    const STEPS: &'static [Name] = &[line::AVERAGE, line::UPDATE];
     const ENERGY_UNIT: &'static str = "gray levels²";
     const OPENING: &'static str = "The data term is the squared violation of the gradient constraint; the smoothness term is the \
                                    sum of the squared gradients of u and v, weighted by α². Without image gradient the \
@@ -76,6 +78,10 @@ impl Model for HornSchunck {
 
     fn settings(&self) -> Settings {
         self.settings
+    }
+
+    fn steps(&self) -> &'static [Name] {
+        self.solver.steps(&[line::AVERAGE, line::UPDATE, line::EXTRAPOLATE])
     }
 
     fn system(&self, linear: &Linear, threads: &Threads) -> relax::System {
@@ -97,13 +103,20 @@ impl Model for HornSchunck {
 
     fn explanation(&self, step: usize, probe: &Probe<Self>) -> Explanation {
         let update = Update::of(self, probe);
-        let mut points = vec![("mean", Role::Predicted, update.mean)];
+        let mean = ("mean", Role::Predicted, update.mean);
         // The result of the update is not known before it.
-        let (sentence, equation) = if step == AVERAGED {
-            (probe.averaged(self.solver, update.mean), probe.averages(update.mean))
-        } else {
-            points.push(("after", Role::Result, probe.to()));
-            (update.sentence(self, probe), update.equation(self, probe))
+        let (sentence, equation, points) = match step {
+            AVERAGED => (probe.averaged(self.solver, update.mean), probe.averages(update.mean), vec![mean]),
+            EXTRAPOLATED => (
+                probe.extrapolated(update.to, self.relaxation),
+                probe.relaxed(update.to, self.relaxation),
+                vec![("Gauss–Seidel", Role::Predicted, update.to), ("after", Role::Result, probe.to())],
+            ),
+            _ => (
+                update.sentence(self, probe),
+                update.equation(self, probe),
+                vec![mean, (self.solver.update_name(), Role::Result, update.to)],
+            ),
         };
         Explanation {
             sentence,
@@ -136,7 +149,6 @@ impl Update {
 
     fn sentence(&self, model: &HornSchunck, probe: &Probe<HornSchunck>) -> Sentence {
         let (said, pixel) = (Sentence::default(), probe.pixel());
-        let beyond = model.solver.beyond(model.relaxation);
         let [a, b, _] = probe.factors();
         let squared = a * a + b * b;
         if squared <= FLAT {
@@ -148,7 +160,7 @@ impl Update {
                 .text("Only the smoothness term counts: ")
                 .ink(Role::Reference, pixel)
                 .text(format!(" {why}. The update takes the neighbourhood mean: (u, v) = "));
-            return probe.goes(said, self.to, beyond).text(".");
+            return said.ink(Role::Result, probe.px(self.to)).text(".");
         }
         let off = numbers::gray(self.off.abs());
         if off == "0.00" {
@@ -156,7 +168,7 @@ impl Update {
                 .text("The neighbourhood mean satisfies the gradient constraint of ")
                 .ink(Role::Reference, pixel)
                 .text(" to within 0.01 gray levels, so the update keeps it: (u, v) = ");
-            return probe.goes(said, self.to, beyond).text(".");
+            return said.ink(Role::Result, probe.px(self.to)).text(".");
         }
         let said = said
             .text("The neighbourhood mean violates the gradient constraint of ")
@@ -168,15 +180,14 @@ impl Update {
                 numbers::gray(model.alpha * model.alpha),
                 100.0 * squared / self.weight
             ));
-        probe.goes(said, self.to, beyond).text(".")
+        said.ink(Role::Result, probe.px(self.to)).text(".")
     }
 
     /// Returns the update in symbols, and with the numbers of the pixel.
     fn equation(&self, model: &HornSchunck, probe: &Probe<HornSchunck>) -> Vec<Math> {
-        let beyond = model.solver.beyond(model.relaxation);
-        let name = |name: &'static str| match beyond {
-            Some(_) => Math::indexed(Math::Var(name), Math::text("GS")),
-            None => Math::Var(name),
+        let name = |name: &'static str| match model.solver {
+            Solver::Sor => Math::indexed(Math::Var(name), Math::text("GS")),
+            Solver::Jacobi | Solver::GaussSeidel => Math::Var(name),
         };
         let [a, b, _] = probe.factors();
         let mut lines = probe.definition();
@@ -186,7 +197,6 @@ impl Update {
             symbols(name("v"), ("v", "y"), probe.rest()),
             self.numbers(b, self.mean[1], self.to[1]),
         ]);
-        lines.extend(beyond.into_iter().flat_map(|relaxation| probe.relaxed(self.to, relaxation)));
         lines
     }
 

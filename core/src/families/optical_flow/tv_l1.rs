@@ -57,7 +57,6 @@ impl Model for TvL1 {
         frames: 2,
     };
     const GUARANTEE: Guarantee = Guarantee::SubPixel { off_centi_px: 5 };
-    const STEPS: &'static [Name] = &[line::FIT_DATA, line::SMOOTH, line::UPDATE_DUAL];
     const ENERGY_UNIT: &'static str = "px";
     const OPENING: &'static str = "The energy sums λ times the absolute residual of the gradient constraint (L1 data term) and \
                                    the total variation of u and v. Neither is squared, so outliers such as occlusions lose \
@@ -74,6 +73,10 @@ impl Model for TvL1 {
 
     fn settings(&self) -> Settings {
         self.settings
+    }
+
+    fn steps(&self) -> &'static [Name] {
+        &[line::FIT_DATA, line::SMOOTH, line::UPDATE_DUAL]
     }
 
     fn system(&self, _: &Linear, _: &Threads) {}

@@ -16,7 +16,7 @@ use crate::run::{Info, Need};
 use crate::scene::{Chart, Name};
 use crate::{choices, params, pseudocode};
 
-use template::{Pyramid, Template, farthest, pyramid, region_of};
+use template::{Pyramid, Template, farthest, pyramid, region_of, stretch};
 
 choices! {
     /// Group of the warps of a template.
@@ -82,6 +82,14 @@ params! {
 
 /// The smallest share of a template inside the frame; below it the object has left.
 const LEAST_OVERLAP: f64 = 0.5;
+/// The largest factor by which the lengths of an object change between two frames, and its inverse the smallest; beyond it the alignment
+/// has failed, whatever the correlation is: that of a template shrunk to a line is high on any edge.
+const MOST_STRETCH: f64 = 2.0;
+
+/// Whether the largest and the smallest factor by which lengths change are those of no motion.
+fn is_collapsed([largest, smallest]: [f64; 2]) -> bool {
+    !(largest <= MOST_STRETCH && smallest >= 1.0 / MOST_STRETCH)
+}
 
 /// What is carried from frame to frame.
 #[derive(Clone)]
@@ -149,6 +157,8 @@ pub struct Judged {
     correlation: f64,
     /// Share of the template inside the frame.
     overlap: f64,
+    /// The largest and the smallest factor by which lengths change since the last frame that showed the object.
+    stretch: [f64; 2],
     is_lost: bool,
 }
 
@@ -260,10 +270,12 @@ impl TemplateTracker {
     }
 
     /// Judges the warp at the end of an alignment.
-    fn judge(&self, (frame, template): (&Arc<Pyramid>, &Arc<Template>), warp: Matrix3) -> Judged {
+    fn judge(&self, (frame, template): (&Arc<Pyramid>, &Arc<Template>), [before, warp]: [Matrix3; 2]) -> Judged {
         let (correlation, overlap) = template.levels[0].correlation(&frame[0], &warp);
-        let is_lost = overlap < LEAST_OVERLAP || correlation < f64::from(self.min_correlation);
-        Judged { frame: Arc::clone(frame), template: Arc::clone(template), warp, correlation, overlap, is_lost }
+        let stretch = stretch([&before, &warp]);
+        let is_lost = overlap < LEAST_OVERLAP || is_collapsed(stretch) || correlation < f64::from(self.min_correlation);
+        let (frame, template) = (Arc::clone(frame), Arc::clone(template));
+        Judged { frame, template, warp, correlation, overlap, stretch, is_lost }
     }
 
     /// Aligns the first template from `warp` on, at full resolution, which drift does not leave.
@@ -287,7 +299,7 @@ pseudocode! {
     LEARN: "T₁, T ← pixels of R; D ← steepest-descent images ∇T · ∂W/∂p, H ← Σ D^T D on each pyramid level",
     EACH_FRAME: "for each later frame t, from the last warp W",
     ALIGN: "  on each level, from the coarsest: repeat W ← W ∘ W(Δp)⁻¹, Δp ← H⁻¹ Σ D^T (I(W(x)) − T(x))",
-    JUDGE: "  ρ ← correlation of I(W(x)) with T(x); lost if ρ < min-correlation or W leaves the frame",
+    JUDGE: "  ρ ← correlation of I(W(x)) with T(x); lost if ρ < min-correlation, W leaves the frame or W doubles or halves a length",
     REALIGN: "  if drift-corrected: W* ← alignment of the first template T₁ in the same way, from W on",
     CORRECT: "    if W* moves no corner farther than max-correction: W ← W*, else T stays",
     UPDATE: "  if update: T(x) ← I(W(x)); D, H ← those of the new T",
@@ -353,7 +365,7 @@ impl RegionModel for TemplateTracker {
         let template = &Arc::clone(&model.template);
         let alignment = Alignment { frame, template, is_correction: false };
         let mut warp = self.align(&alignment, (template.levels.len(), model.warp), observer);
-        let judged = Arc::new(self.judge((frame, template), warp));
+        let judged = Arc::new(self.judge((frame, template), [model.warp, warp]));
         observer.see(|| Event::Judged(Arc::clone(&judged)));
         let similarity = judged.correlation as f32;
         model.is_lost = judged.is_lost;

@@ -211,8 +211,8 @@ impl LevelTrace<'_> {
         });
         let path: Vec<_> = [self.guess].into_iter().chain(iterations).collect();
         let mut points = vec![("initial guess", Role::Predicted, self.guess)];
-        points.extend((path.len() > 1).then(|| ("after the last increment", Role::Candidate, self.displacement())));
-        points.extend(truth.map(|truth| ("true displacement", Role::Truth, truth.map(|c| c / self.scale()))));
+        points.extend((path.len() > 1).then(|| ("last increment", Role::Candidate, self.displacement())));
+        points.extend(truth.map(|truth| ("true flow", Role::Truth, truth.map(|c| c / self.scale()))));
         let from_guess = |point: [f32; 2]| [0, 1].map(|i| point[i] - self.guess[i]);
         let known = path.iter().copied().chain(points.iter().map(|(.., point)| *point));
         // So that the valley is in sight before the first step.

@@ -195,7 +195,7 @@ pub(crate) fn done(number: usize, frame: &ObjectFrame, conclusion: &Conclusion) 
             " To keep identities, raise the maximum age or choose a motion model that fits."
         }
         _ if misses > alarms && conclusion.is_of_truth => {
-            " In the run, misses dominate. No detector would reduce them: the detections are true boxes with noise. Occluded objects are missed because coasting tracks, like tentative ones, do not count as matches."
+            " In the run, misses dominate. The detections are the true boxes with noise, so another detector would not help: occluded objects are missed, because coasting tracks, like tentative ones, do not count as matches."
         }
         _ if misses > alarms => {
             " In the run, misses dominate: lower the minimum number of hits or the score thresholds, or use another detector."

@@ -31,12 +31,45 @@ pub fn draw_labels(scene: &mut Scene, labels: Arc<Grid<u32>>, meaning: &'static 
 /// Draws segments with their numbers and the arrows of their mean displacements, which the facts give in numbers.
 pub fn draw_segments(scene: &mut Scene, frame: &SegmentFrame) {
     draw_labels(scene, Arc::clone(&frame.labels), "segments, one colour each");
+    let places = innermost(&frame.labels);
     for Segment { label, center, displacement, .. } in &frame.segments {
-        let to = [0, 1].map(|i| center[i] + displacement[i]);
-        scene.mark_of(*label, Picture::CURRENT, Role::Result, Shape::Arrows(vec![Arrow { from: *center, to }]));
-        scene.mark_of(*label, Picture::CURRENT, Role::Result, Shape::Text { at: *center, text: label.to_string() });
+        let from = places.get(*label as usize).copied().unwrap_or(*center);
+        let to = [0, 1].map(|i| from[i] + displacement[i]);
+        scene.mark_of(*label, Picture::CURRENT, Role::Result, Shape::Arrows(vec![Arrow { from, to }]));
+        scene.mark_of(*label, Picture::CURRENT, Role::Result, Shape::Text { at: from, text: label.to_string() });
     }
     scene.legend(Role::Result, "mean displacement of a segment");
+}
+
+/// The pixel of each label that is farthest from other labels, by the city-block distance: the centre of a segment may lie outside it.
+fn innermost(labels: &Grid<u32>) -> Vec<[f32; 2]> {
+    let (width, height) = labels.size();
+    let mut distances = Grid::new(width, height, 0u32);
+    let nearer = |distances: &Grid<u32>, (x, y): (usize, usize), neighbours: [(usize, usize); 2]| {
+        let of = |place: (usize, usize)| match labels.get(place.0, place.1) {
+            Some(label) if *label == labels[(x, y)] => distances[place],
+            _ => 0,
+        };
+        1 + neighbours.map(of).into_iter().min().unwrap_or(0)
+    };
+    for y in 0..height {
+        for x in 0..width {
+            distances[(x, y)] = nearer(&distances, (x, y), [(x.wrapping_sub(1), y), (x, y.wrapping_sub(1))]);
+        }
+    }
+    let most = labels.cells().iter().copied().max().unwrap_or(0) as usize;
+    let mut best = vec![(0, [0.0; 2]); most + 1];
+    for y in (0..height).rev() {
+        for x in (0..width).rev() {
+            let distance = nearer(&distances, (x, y), [(x + 1, y), (x, y + 1)]).min(distances[(x, y)]);
+            distances[(x, y)] = distance;
+            let of_label = &mut best[labels[(x, y)] as usize];
+            if distance > of_label.0 {
+                *of_label = (distance, [x as f32, y as f32]);
+            }
+        }
+    }
+    best.into_iter().map(|(_, place)| place).collect()
 }
 
 /// The legend of the segments as facts: label, motion and area, the largest first.
@@ -144,4 +177,19 @@ fn window(sample: impl Iterator<Item = [f32; 2]>, named: impl Iterator<Item = [f
     }
     let reach = ends.iter().map(|[low, high]| (high - low) / 2.0).fold(LEAST, f32::max);
     (ends.map(|[low, high]| (low + high) / 2.0), 1.15 * reach)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_stands_inside_its_segment_where_the_centre_is_outside() {
+        // A frame of label 1 around a square of label 2.
+        let labels = Grid::from_fn(21, 21, |x, y| if (6..15).contains(&x) && (6..15).contains(&y) { 2 } else { 1 });
+        let places = innermost(&labels);
+        let label_at = |[x, y]: [f32; 2]| labels[(x as usize, y as usize)];
+        assert_eq!([label_at(places[1]), label_at(places[2])], [1, 2]);
+        assert_eq!(places[2], [10.0, 10.0]);
+    }
 }

@@ -69,10 +69,14 @@ impl Points {
         place
     }
 
-    /// Returns at most `most` of the points at equal distances in their order.
+    /// Returns at most `most` of the points, one from each of as many equal parts of their order. Where in its part one lies changes by
+    /// the golden section: at equal distances in the order of an image only few of its columns would be sampled.
     pub fn sampled(&self, most: usize) -> (Self, Vec<usize>) {
+        const GOLDEN: f64 = 0.618_033_988_749_894_9;
         let count = self.len().min(most);
-        let indices: Vec<usize> = (0..count).map(|i| (2 * i + 1) * self.len() / (2 * count)).collect();
+        let part = self.len() as f64 / count.max(1) as f64;
+        let inside = |i: usize| if count < self.len() { (GOLDEN * (i as f64 + 0.5)).fract() } else { 0.0 };
+        let indices: Vec<usize> = (0..count).map(|i| ((i as f64 + inside(i)) * part) as usize).collect();
         let values = |values: &Vec<f32>| indices.iter().map(|i| values[*i]).collect();
         (Self { coordinates: self.coordinates.iter().map(values).collect() }, indices)
     }
@@ -198,7 +202,7 @@ mod tests {
     #[test]
     fn samples_are_spread_evenly() {
         let points = Points::new(vec![(0..100).map(|i| i as f32).collect()]);
-        assert_eq!(points.sampled(4).1, [12, 37, 62, 87]);
+        assert_eq!(points.sampled(4).1, [7, 48, 63, 79]);
         assert_eq!(points.sampled(1000).0, points);
         assert!(Points::new(vec![Vec::new()]).sampled(5).1.is_empty());
     }

@@ -321,7 +321,11 @@ impl Conclusion {
         let (misses, alarms) = (all.misses(), all.false_positives());
         match () {
             () if masks.is_some() && all.f1() >= GOOD_F1 && boxes.f1() < GOOD_F1 => {
-                " The masks agree with the truth: most wrong boxes are blobs that join or split objects, which closing decides.".into()
+                let why = match boxes.false_positives() {
+                    0 => "an object without a box shows too little of itself or is joined to another",
+                    _ => "wrong boxes are those of blobs that join or split objects, which closing decides",
+                };
+                format!(" The masks agree with the truth; {why}.")
             }
             () if all.f1() >= GOOD_F1 || misses + alarms == 0 => String::new(),
             () if misses > alarms => format!(
@@ -574,7 +578,8 @@ impl<M: Background> Subtraction<M> {
         }
     }
 
-    /// The update of the model at the pixel that is pointed at, else at that of the largest difference, and the conclusion.
+    /// The update of the model at the pixel that is pointed at, else at that of the largest difference, and the conclusion. The end of a
+    /// run is about its result alone, unless a pixel is pointed at.
     fn updated(&self, seen: &Seen<Self>, conclusion: &Conclusion) -> Sentence {
         let said = Sentence::default();
         let compared = seen.events.iter().find_map(|event| match event {
@@ -583,16 +588,21 @@ impl<M: Background> Subtraction<M> {
         });
         let Some((frame, difference)) = compared else { return said };
         let pointed = seen.point().and_then(|point| frame.luma().cell_at(point));
+        let result = conclusion.sentence(seen.before.frame, M::FLOODED);
+        if pointed.is_none() && conclusion.run.is_some() {
+            return said.text(result.trim_start());
+        }
         let place = pointed.unwrap_or_else(|| {
             let (width, cells) = (difference.width().max(1), difference.cells().iter().enumerate());
             let known = cells.filter(|(_, value)| !value.is_nan());
             let largest = known.reduce(|a, b| if b.1 > a.1 { b } else { a }).map_or(0, |(index, _)| index);
             (largest % width, largest / width)
         });
-        let which = if pointed.is_some() { "" } else { ", with the largest difference" };
-        let mut all = said.ink(Role::Reference, format!("Pixel {}", pixel(place))).text(format!("{which}: "));
+        let which = if pointed.is_some() { "" } else { ", where the frame differs most" };
+        let said = said.text("Update at ").ink(Role::Reference, format!("pixel {}", pixel(place)));
+        let mut all = said.text(format!("{which}: "));
         all.0.extend(self.explained_at(seen, frame, place).update.0);
-        all.text(conclusion.sentence(seen.before.frame, M::FLOODED))
+        all.text(result)
     }
 
     fn readouts(&self, seen: &Seen<Self>) -> Vec<Readout> {

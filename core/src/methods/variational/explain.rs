@@ -50,7 +50,7 @@ impl<M: Model> Variational<M> {
                 let facts = self.facts(seen, Some((&probe, facts)));
                 let plane = plane(seen.before, &probe, points, lines);
                 (
-                    M::STEPS[*step],
+                    self.0.steps()[*step],
                     self.concluded(seen, sentence),
                     vec![Readout::Facts(facts), Readout::Equation(equation), plane],
                 )

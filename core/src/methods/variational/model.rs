@@ -42,8 +42,6 @@ pub trait Model: Params + Default + Clone + Send + Sync + 'static {
     const INFO: Info;
     /// The guaranteed accuracy.
     const GUARANTEE: Guarantee;
-    /// The pseudocode lines of the steps of an iteration.
-    const STEPS: &'static [Name];
     /// The unit of the energy.
     const ENERGY_UNIT: &'static str;
     /// The explanation of the energy, at the start of a run.
@@ -61,6 +59,9 @@ pub trait Model: Params + Default + Clone + Send + Sync + 'static {
 
     /// Returns the parameters that all variational methods share.
     fn settings(&self) -> Settings;
+
+    /// Returns the pseudocode lines of the steps of an iteration.
+    fn steps(&self) -> &'static [Name];
 
     /// Computes the coefficients of a warp.
     fn system(&self, linear: &Linear, threads: &Threads) -> Self::System;

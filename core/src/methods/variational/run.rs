@@ -277,7 +277,7 @@ impl<M: Model> Variational<M> {
             0 => 2,
             _ => 0,
         };
-        begins + (count * M::STEPS.len()) as u64
+        begins + (count * self.0.steps().len()) as u64
     }
 }
 
@@ -349,7 +349,7 @@ impl<M: Model> Estimator for Variational<M> {
             observer.see(|| Event::Warped);
         }
         let mut iteration = None;
-        for step in 0..M::STEPS.len() {
+        for step in 0..self.0.steps().len() {
             observer.see(|| {
                 let parts = || {
                     let [from, to] = [&done.from, &done.to].map(Arc::clone);

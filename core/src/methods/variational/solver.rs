@@ -3,7 +3,7 @@
 use super::model::{Model, Probe};
 use crate::choices;
 use crate::methods::differential::{Field, numbers, relax, sor};
-use crate::scene::{Math, Role, Sentence};
+use crate::scene::{Math, Name, Role, Sentence};
 
 choices! {
     /// Iterative solver of the linear system. All of them converge to the same flow.
@@ -28,9 +28,14 @@ impl Solver {
         }
     }
 
-    /// Returns the relaxation factor ω of SOR; `None` for the others.
-    pub fn beyond(self, over: f32) -> Option<f32> {
-        (self == Solver::Sor).then_some(over)
+    /// Returns the lines of the steps of an iteration: the last, the extrapolation, is that of SOR alone.
+    pub fn steps<const N: usize>(self, all: &'static [Name; N]) -> &'static [Name] {
+        if self == Solver::Sor { all } else { &all[..N - 1] }
+    }
+
+    /// Returns the name of an update of a pixel: that of SOR goes on beyond it.
+    pub fn update_name(self) -> &'static str {
+        if self == Solver::Sor { "Gauss–Seidel" } else { "after" }
     }
 
     /// Returns the neighbourhood mean that the update of a pixel used.
@@ -84,15 +89,18 @@ impl<M: Model<Unknowns = Field>> Probe<'_, M> {
         vec![line(0, "u"), line(1, "v")]
     }
 
-    /// Ends the explanation of an update with its result; SOR extrapolates it by `beyond`.
-    pub fn goes(&self, said: Sentence, update: [f32; 2], beyond: Option<f32>) -> Sentence {
-        let to = self.px(self.to());
-        let Some(relaxation) = beyond else { return said.ink(Role::Result, to) };
-        said.ink(Role::Predicted, self.px(update))
-            .text(format!(". SOR extrapolates this step by ω = {} from ", numbers::gray(relaxation)))
+    /// Explains the extrapolation of an update by SOR.
+    pub fn extrapolated(&self, update: [f32; 2], relaxation: f32) -> Sentence {
+        Sentence::default()
+            .text(format!("SOR extrapolates the Gauss–Seidel update by ω = {}: ", numbers::gray(relaxation)))
+            .ink(Role::Reference, self.pixel())
+            .text(" goes from ")
             .ink(Role::Best, self.px(self.from()))
+            .text(" beyond ")
+            .ink(Role::Predicted, self.px(update))
             .text(" to ")
-            .ink(Role::Result, to)
+            .ink(Role::Result, self.px(self.to()))
+            .text(". Smooth errors, which single updates hardly reduce, vanish in fewer iterations.")
     }
 
     /// Returns the extrapolation of SOR, in symbols and in numbers.

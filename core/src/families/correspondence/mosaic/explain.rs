@@ -117,11 +117,13 @@ impl Mosaic {
             Err(error) => format!(" The drift of the path is unknown. {error}."),
             Ok(Some(drift)) if !drift.is_finite() => " The chained path ends beyond a horizon.".to_owned(),
             Ok(Some(drift)) if drift > SEAMS_PX => format!(
-                " The chained path ends {} px from the true one: parallax, moving objects or a model with too much freedom. Blurred \
+                " At the end of the chained path the corners are up to {} px off: parallax, moving objects or a model with too much freedom. Blurred \
                  seams show it.",
                 fixed(drift, 2)
             ),
-            Ok(Some(drift)) => format!(" The chained path ends {} px from the true one.", fixed(drift, 2)),
+            Ok(Some(drift)) => {
+                format!(" At the end of the chained path the corners are up to {} px off.", fixed(drift, 2))
+            }
             Ok(None) => {
                 " Double edges show errors of the chained path; broken straight lines show parallax.".to_owned()
             }

@@ -118,7 +118,10 @@ impl Stabilization {
             said.push_str(&format!(" By the true motion of the background it is {}", px(residual)));
             match drift_px {
                 Some(drift) if drift.is_finite() => {
-                    said.push_str(&format!(", and the chained path ends {} from the true one.", px(drift)));
+                    said.push_str(&format!(
+                        ", and at the end of the chained path the corners are up to {} off.",
+                        px(drift)
+                    ));
                 }
                 _ => said.push('.'),
             }

@@ -389,7 +389,7 @@ impl Fast {
         Series {
             title: "Differences on the circle",
             x_label: "pixel of the circle",
-            y_label: "difference from the centre p, gray levels",
+            y_label: "gray levels",
             x_max: 16,
             x_ticks: COMPASS.map(|k| number(k) as f32).to_vec(),
             lines,

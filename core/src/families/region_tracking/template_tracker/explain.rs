@@ -1,7 +1,10 @@
 //! The explanation and the drawing of the template tracker.
 
 use super::template::{Pyramid, outline};
-use super::{Correction, End, Event, Iteration, Judged, LEAST_OVERLAP, Model, Template, TemplateTracker, Update};
+use super::{
+    Correction, End, Event, Iteration, Judged, LEAST_OVERLAP, MOST_STRETCH, Model, Template, TemplateTracker, Update,
+    is_collapsed,
+};
 use crate::base::words::{counted, fixed};
 use crate::geometry::{Bounds, Grid, Sampling, polygon};
 use crate::methods::alignment::explain::{compared, errors, hessian, parameters, steepest_descent, warp_matrix};
@@ -223,6 +226,18 @@ impl TemplateTracker {
                 percent(judged.overlap),
                 percent(LEAST_OVERLAP)
             ));
+        }
+        if is_collapsed(judged.stretch) {
+            let [largest, smallest] = judged.stretch.map(ratio);
+            return said
+                .text("Since the last frame with the object, the warp changes lengths by factors between ")
+                .ink(Role::Error, format!("{smallest} and {largest}"))
+                .text(format!(
+                    ", beyond {} to {}: no object does that in a frame, so the alignment has failed, although ρ = {}. The warp is discarded.",
+                    ratio(1.0 / MOST_STRETCH),
+                    ratio(MOST_STRETCH),
+                    ratio(judged.correlation)
+                ));
         }
         let said = said
             .text("The warped window has a correlation with its template of ")

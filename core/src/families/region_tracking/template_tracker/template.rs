@@ -150,6 +150,16 @@ pub fn farthest([first, second]: [&Matrix3; 2], size: (usize, usize)) -> f64 {
     corners(size).into_iter().map(apart).fold(0.0, f64::max)
 }
 
+/// The largest and the smallest factor by which the second affine warp changes lengths after the first: the singular values of its
+/// linear part.
+pub fn stretch([first, second]: [&Matrix3; 2]) -> [f64; 2] {
+    let [[[a, b, _], [c, d, _], _], [[e, f, _], [g, h, _], _]] = [*first, *second];
+    let by = a * d - b * c;
+    let [m, n, p, q] = [e * d - f * c, f * a - e * b, g * d - h * c, h * a - g * b].map(|part| part / by);
+    let (turned, mirrored) = ((m + q).hypot(p - n) / 2.0, (m - q).hypot(n + p) / 2.0);
+    [turned + mirrored, (turned - mirrored).abs()]
+}
+
 /// The ellipse to which an affine warp maps the ellipse inside the template: its first axis is within 45° of x.
 pub fn region_of(warp: &Matrix3, extent: [f32; 2]) -> Region {
     let half = extent.map(|side| f64::from(side) / 2.0);
