@@ -259,13 +259,15 @@ fn every_event_says_why() {
             "Block 1: 8×8 px at (0, 0) in frame t. Its search window of ±1 px in frame t+1, cut at the picture border, \
              holds 2×2 = 4 candidates.",
             "Block 1: motion vector (1, 0) px. SAD 0 is the minimum of 4 tested candidates. The cost is the same at (1, 1): \
-             repeating texture or an edge makes the match ambiguous. A larger block may resolve it.",
+             repeating texture, an edge or a flat area makes the match ambiguous. A larger block may resolve it.",
         ]
     );
     assert_eq!(sentences(&clip, &settings, 0, "SAD 0 at"), ["SAD 0 at (1, 0) is below 160 at (0, 0): new minimum."]);
     assert_eq!(
         sentences(&clip, &settings, 0, "Candidate (1, 1)"),
-        ["Candidate (1, 1): SAD 0 equals the minimum so far, 0 at (1, 0). That displacement is shorter: it is kept."]
+        [
+            "Candidate (1, 1): SAD 0 equals the minimum so far, 0 at (1, 0). The earlier displacement is shorter, so it is kept."
+        ]
     );
     let whole = [("block", "8"), ("range", "1"), ("border", "replicate")];
     assert!(sentences(&clip, &whole, 0, "Block")[0].ends_with("holds 3×3 = 9 candidates."));
@@ -282,7 +284,7 @@ fn ties_say_which_rule_decided() {
         "SAD 0 at (0, −1) equals the minimum so far at (−1, −1), and the displacement is shorter: new minimum."
     );
     let kept = sentences(&flat, &settings, 0, "Candidate (1, −1)");
-    assert!(kept[0].ends_with("0 at (0, −1). That displacement is shorter: it is kept."), "{}", kept[0]);
+    assert!(kept[0].ends_with("0 at (0, −1). The earlier displacement is shorter, so it is kept."), "{}", kept[0]);
     // Diagonal stripes one pixel off: (0, −1) and (1, 0) are equally short and match equally well.
     let spiral = [("block", "8"), ("range", "1"), ("border", "replicate"), ("order", "spiral")];
     let stripe = |k: usize| (k * 37 % 251) as u8;

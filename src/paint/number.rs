@@ -1,7 +1,7 @@
 //! How numbers are written, in the window and in pictures alike.
 
-pub use motionscope_core::grouped;
 use motionscope_core::spaced;
+pub use motionscope_core::{grouped, with_power};
 
 /// Numbers from here on are written without a power of ten.
 const SMALL: f32 = 1e-4;
@@ -26,19 +26,6 @@ pub fn number(value: f32) -> String {
         _ => 3,
     };
     with_decimals(value, decimals)
-}
-
-/// A small number with two digits and a power of ten: `−2.4·10⁻⁷`.
-pub fn with_power(value: f64) -> String {
-    let digits = format!("{:.1e}", value.abs());
-    let (mantissa, exponent) = digits.split_once('e').unwrap_or((&digits, "0"));
-    let sign = if value < 0.0 { "−" } else { "" };
-    format!("{sign}{mantissa}·10{}", exponent.chars().map(superscript).collect::<String>())
-}
-
-fn superscript(digit: char) -> char {
-    const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
-    digit.to_digit(10).map_or('⁻', |digit| DIGITS[digit as usize])
 }
 
 /// The labels at the ticks of an axis: at each as many decimals as the one that needs most, 0.8, 1.0, 1.2.

@@ -29,6 +29,20 @@ pub fn gray(v: f32) -> String {
     fixed(v.into(), 2)
 }
 
+/// A small number with two digits and a power of ten: `−2.4·10⁻⁷`.
+pub fn with_power(value: f64) -> String {
+    let digits = format!("{:.1e}", value.abs());
+    let (mantissa, exponent) = digits.split_once('e').unwrap_or((&digits, "0"));
+    let sign = if value < 0.0 { "−" } else { "" };
+    format!("{sign}{mantissa}·10{}", exponent.chars().map(superscript).collect::<String>())
+}
+
+/// A digit of an exponent.
+fn superscript(digit: char) -> char {
+    const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    digit.to_digit(10).map_or('⁻', |digit| DIGITS[digit as usize])
+}
+
 /// A cost that is a sum of whole numbers: no decimals.
 pub fn cost(v: f64) -> String {
     fixed(v, 0)

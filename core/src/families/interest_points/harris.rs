@@ -70,20 +70,20 @@ impl Measure for Harris {
         ]);
         let numbers = Math::Row(vec![
             Math::text(" = "),
-            Math::ink(Role::Reference, numbers::gray(xx * yy - xy * xy)),
+            Math::ink(Role::Reference, numbers::response(xx * yy - xy * xy)),
             Math::text(format!(" − {} · ", self.k)),
-            Math::power(Math::ink(Role::Reference, numbers::gray(xx + yy)), Math::text("2")),
+            Math::power(Math::ink(Role::Reference, numbers::response(xx + yy)), Math::text("2")),
             Math::text(" = "),
-            Math::ink(Role::Result, numbers::gray(self.response([xx, xy, yy]))),
+            Math::ink(Role::Result, numbers::response(self.response([xx, xy, yy]))),
         ]);
         [symbols, numbers]
     }
 
     fn meaning(&self, [large, _]: [f32; 2], response: f32, flat: f32) -> String {
-        let value = format!("R = det T − k (tr T)² = {}", numbers::gray(response));
+        let value = format!("R = det T − k (tr T)² = {}", numbers::response(response));
         match () {
             () if large < flat => {
-                format!("{value}: λ₁ is below {}, as noise alone can cause: a flat area.", numbers::gray(flat))
+                format!("{value}: λ₁ is below {}, as noise alone can cause: a flat area.", numbers::response(flat))
             }
             () if response > 0.0 => format!("{value} is positive: gradients in two directions, possibly a corner."),
             () => format!("{value} is not positive: gradients in one direction only, an edge."),

@@ -66,24 +66,24 @@ impl Measure for ShiTomasi {
         let half = (xx + yy) / 2.0;
         let numbers = Math::Row(vec![
             Math::text(" = "),
-            Math::ink(Role::Reference, numbers::gray(half)),
+            Math::ink(Role::Reference, numbers::response(half)),
             Math::text(" − "),
             Math::root(Math::Row(vec![
-                Math::squared(Math::ink(Role::Reference, numbers::gray(half))),
+                Math::squared(Math::ink(Role::Reference, numbers::response(half))),
                 Math::text(" − "),
-                Math::ink(Role::Reference, numbers::gray(xx * yy - xy * xy)),
+                Math::ink(Role::Reference, numbers::response(xx * yy - xy * xy)),
             ])),
             Math::text(" = "),
-            Math::ink(Role::Result, numbers::gray(self.response([xx, xy, yy]))),
+            Math::ink(Role::Result, numbers::response(self.response([xx, xy, yy]))),
         ]);
         [symbols, numbers]
     }
 
     fn meaning(&self, [large, small]: [f32; 2], response: f32, flat: f32) -> String {
-        let value = format!("R = λ₂ = {}", numbers::gray(response));
+        let value = format!("R = λ₂ = {}", numbers::response(response));
         match () {
             () if large < flat => {
-                format!("{value}: λ₁ is below {}, as noise alone can cause: a flat area.", numbers::gray(flat))
+                format!("{value}: λ₁ is below {}, as noise alone can cause: a flat area.", numbers::response(flat))
             }
             () if small < EDGE_RATIO * large => {
                 format!("{value}, less than a tenth of λ₁: gradients in one direction only, an edge.")

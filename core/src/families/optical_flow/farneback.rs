@@ -40,7 +40,7 @@ params! {
 /// What would help where Farnebäck's method fails.
 const ADVICE: Advice = Advice {
     texture: "A larger window may contain other gradients; the smoothness term of Horn–Schunck fills such areas.",
-    boundary: "The window mixes both motions; a smaller one or TV-L1 mixes less.",
+    boundary: "The window mixes the motions of both sides; a smaller window or TV-L1 mixes them less.",
     motion: "More pyramid levels would reach this motion.",
 };
 

@@ -204,7 +204,7 @@ impl State {
 /// What would help where Lucas–Kanade fails.
 const ADVICE: Advice = Advice {
     texture: "A larger window may contain other gradients; the smoothness term of Horn–Schunck fills such areas.",
-    boundary: "The window mixes both motions; a smaller one or TV-L1 mixes less.",
+    boundary: "The window mixes the motions of both sides; a smaller window or TV-L1 mixes them less.",
     motion: "A pyramid, as in pyramidal Lucas–Kanade, would reach it.",
 };
 

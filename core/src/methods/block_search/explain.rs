@@ -365,7 +365,7 @@ impl Probe<'_> {
         };
         let said = said.text(format!("{cost} {relation} the minimum so far, ")).ink(Role::Best, minimum);
         if candidate.cost == best.cost && shorter(best.quarters(), candidate.quarters()) {
-            return said.text(format!(". That displacement {}: it is kept.", preference(best, candidate)));
+            return said.text(format!(". The earlier displacement {}, so it is kept.", preference(best, candidate)));
         }
         said.text(verdict)
     }
@@ -382,7 +382,7 @@ fn ambiguity(same: &str, at: Vec<String>) -> String {
     };
     let listed = at[..at.len().min(LISTED)].join(", ");
     format!(
-        "{same} {listed}{more}: repeating texture or an edge makes the match ambiguous. A larger block may resolve it."
+        "{same} {listed}{more}: repeating texture, an edge or a flat area makes the match ambiguous. A larger block may resolve it."
     )
 }
 

@@ -60,8 +60,8 @@ pub(crate) fn loss(verdict: &Verdict) -> Option<&'static str> {
 }
 
 /// What a patterned object does to a contour, and what helps.
-const PATTERN: &str = "Where a pattern has stronger edges than the outline, no weight helps: a plain object on a plain background has its \
-                       strongest edges at its outline, and trackers of colours or texture follow a patterned one.";
+const PATTERN: &str = "Where a pattern has stronger edges than the outline, no weight helps; trackers of colours or texture follow patterned \
+                       objects.";
 
 /// The lesson of a run with its last judgement; `reach` says what reaches farther.
 pub(crate) fn advice(ending: Ending, verdict: Option<&Verdict>, reach: &str) -> String {

@@ -85,7 +85,7 @@ impl<M: Measure> Corners<M> {
     /// Explains eigenvalues and response of a pixel.
     fn responds(&self, probe: &Probe) -> Sentence {
         let eigenvalues = probe.tensor.eigenvalues();
-        let [large, small] = eigenvalues.map(numbers::gray);
+        let [large, small] = eigenvalues.map(numbers::response);
         Sentence::default()
             .ink(Role::Reference, format!("Pixel {}", pixel(probe.place)))
             .text(format!(": eigenvalues λ₁ = {large} and λ₂ = {small}. "))
@@ -96,7 +96,7 @@ impl<M: Measure> Corners<M> {
     fn concluded(&self, seen: &Seen<Self>, sentence: Sentence) -> Sentence {
         let Some(after) = seen.after.filter(|_| seen.before.stage == Stage::Choice) else { return sentence };
         let (Some(first), Some(last)) = (after.kept.first(), after.kept.last()) else { return sentence };
-        let response = |index: u32| numbers::gray(after.map[after.place(index)]);
+        let response = |index: u32| numbers::response(after.map[after.place(index)]);
         let kept = words::counted(after.kept.len(), "corner");
         let maxima = match after.peaks.len() {
             1 => "1 local maximum".to_owned(),
@@ -127,9 +127,9 @@ impl<M: Measure> Corners<M> {
                     false => format!(
                         "Row {}: no response reaches the threshold R = {}, {} of the largest response {}.",
                         state.row,
-                        numbers::gray(peaks.limit),
+                        numbers::response(peaks.limit),
                         words::percent(threshold),
-                        numbers::gray(state.largest)
+                        numbers::response(state.largest)
                     ),
                 },
             ),
@@ -140,9 +140,9 @@ impl<M: Measure> Corners<M> {
                     1 => "1 response is".to_owned(),
                     count => format!("{count} responses are"),
                 },
-                numbers::gray(peaks.limit),
+                numbers::response(peaks.limit),
                 words::percent(threshold),
-                numbers::gray(state.largest)
+                numbers::response(state.largest)
             )),
             Event::Over(place, by) => over(&peaks, place, by),
             Event::Ranked if state.peaks.is_empty() => said.text(
@@ -165,7 +165,7 @@ impl<M: Measure> Corners<M> {
     fn chosen(&self, seen: &Seen<Self>, peak: u32, near: Option<u32>) -> Sentence {
         let state = seen.before;
         let response = |peak: u32| state.map[state.place(peak)];
-        let with = format!(", R = {},", numbers::gray(response(peak)));
+        let with = format!(", R = {},", numbers::response(response(peak)));
         let said = Sentence::default().text("Local maximum ");
         let Some(near) = near else {
             let count = seen.events.iter().filter(|event| matches!(event, Event::Peak(_, None))).count();
@@ -174,7 +174,7 @@ impl<M: Measure> Corners<M> {
                 .text(format!("{with} has no stronger corner within the minimum distance: kept as corner {count}."));
         };
         let why = if response(near) > response(peak) {
-            format!("has the larger response {}", numbers::gray(response(near)))
+            format!("has the larger response {}", numbers::response(response(near)))
         } else {
             "has an equal response and comes first".into()
         };
@@ -190,17 +190,17 @@ impl<M: Measure> Corners<M> {
     fn readouts(&self, seen: &Seen<Self>, probe: &Probe) -> Vec<Readout> {
         let (state, Probe { place, tensor, response, .. }) = (seen.before, probe);
         let fact = |label, value: String, role| Fact { label, value, role };
-        let [large, small] = tensor.eigenvalues().map(numbers::gray);
+        let [large, small] = tensor.eigenvalues().map(numbers::response);
         let Tensor { xx, xy, yy, .. } = *tensor;
-        let [a, b, c] = [xx, xy, yy].map(numbers::gray);
+        let [a, b, c] = [xx, xy, yy].map(numbers::response);
         let mut facts = vec![
             fact("Pixel", pixel(*place), Some(Role::Reference)),
             fact("Σ w I_x², Σ w I_x I_y, Σ w I_y²", format!("{a}, {b}, {c} (Σ w = 1)"), None),
             fact("Eigenvalues λ₁, λ₂", format!("{large} and {small}"), None),
-            fact("Response R", numbers::gray(*response), Some(Role::Result)),
+            fact("Response R", numbers::response(*response), Some(Role::Result)),
         ];
         if state.stage != Stage::Response {
-            facts.push(fact("Threshold", numbers::gray(self.peaks(state).limit), None));
+            facts.push(fact("Threshold", numbers::response(self.peaks(state).limit), None));
             facts.push(fact("Status", self.verdict(seen, probe).1, None));
         }
         let tile = |label, values: Grid<f32>, range| Tile { label, role: None, values, range, framed: Vec::new() };
@@ -344,8 +344,8 @@ impl State {
 
 /// Non-maximum suppression of a pixel that reaches the threshold; `by` is the neighbour that suppresses it.
 fn over(peaks: &Peaks<'_>, place: (usize, usize), by: Option<(usize, usize)>) -> Sentence {
-    let (said, response) = (Sentence::default(), |place| numbers::gray(peaks.map[place]));
-    let limit = numbers::gray(peaks.limit);
+    let (said, response) = (Sentence::default(), |place| numbers::response(peaks.map[place]));
+    let limit = numbers::response(peaks.limit);
     let Some(by) = by else {
         return said.ink(Role::Best, format!("Pixel {}", pixel(place))).text(format!(
             ": R = {} reaches the threshold of {limit} and no neighbour has a larger response: a local maximum.",

@@ -40,7 +40,7 @@ pub(crate) fn speed([u, v]: [f64; 2]) -> String {
     format!("{} px/frame, heading {}", px(u.hypot(v)), heading([u, v]))
 }
 
-/// The same as a fact of its own, which says how a heading is counted.
+/// The same with how a heading is counted.
 pub(crate) fn velocity(velocity: [f64; 2]) -> String {
     format!("{} (90° is up)", speed(velocity))
 }

@@ -19,6 +19,14 @@ fn size([width, height]: [f32; 2]) -> String {
     format!("{}×{} px", px(width.into()), px(height.into()))
 }
 
+/// The size of a region, and how far it is turned if it is.
+fn extent(region: &Region) -> String {
+    match fixed(region.angle_rad.to_degrees().into(), 0).as_str() {
+        "0" => size(region.size),
+        angle => format!("{} turned by {angle}°", size(region.size)),
+    }
+}
+
 impl<T: Explained> RegionTracking<T> {
     pub(super) fn line_of(&self, event: &Event<T::Event>) -> Name {
         match event {
@@ -78,7 +86,7 @@ impl<T: Explained> RegionTracking<T> {
         let caveat = Self::at_last(seen).and_then(|at| self.0.caveat(&at));
         let said = if result.is_lost {
             let why = Self::at_last(seen).and_then(|at| self.0.loss(&at));
-            said.text(format!("Frame {}: the object is ", state.frame)).ink(Role::Error, "lost").text(format!(
+            said.text(format!("In frame {} the object is ", state.frame)).ink(Role::Error, "lost").text(format!(
                 "{} ({} {value}). The region stays at {} px.",
                 why.map(|why| format!(": {why}")).unwrap_or_default(),
                 similarity.name,
@@ -90,7 +98,7 @@ impl<T: Explained> RegionTracking<T> {
                 .text(format!(
                     " to {} px and has {}. {} {value}.",
                     place(result.region.center),
-                    size(result.region.size),
+                    extent(&result.region),
                     similarity.label
                 ))
                 .text(caveat.map(|caveat| format!(" {caveat}")).unwrap_or_default())
@@ -138,7 +146,7 @@ impl<T: Explained> RegionTracking<T> {
         };
         let mut facts = vec![
             Fact::new("Frame", state.frame.to_string(), None),
-            Fact::new("Region", format!("{} px, {}", place(region.center), size(region.size)), Some(Role::Reference)),
+            Fact::new("Region", format!("{} px, {}", place(region.center), extent(&region)), Some(Role::Reference)),
         ];
         let at = Self::at(seen);
         facts.extend(at.iter().flat_map(|at| self.0.facts(at)));

@@ -131,9 +131,9 @@ impl FeatureMatching {
         };
         let is_right = state.fixed.truth.as_ref().and_then(|truth| MatchField::is_right(&found, truth));
         let sentence = match (is_right, found.status) {
-            (Some(true), MatchStatus::Match) => sentence.text(": right, within 3 px of the true displacement."),
+            (Some(true), MatchStatus::Match) => sentence.text(": correct, within 3 px of the true displacement."),
             (Some(false), MatchStatus::Match) => sentence.text(": wrong, more than 3 px from the true displacement."),
-            (Some(true), _) => sentence.text(", although the nearest neighbour is right."),
+            (Some(true), _) => sentence.text(", although the nearest neighbour is correct."),
             (Some(false), _) => sentence.text("; the nearest neighbour is wrong."),
             (None, _) => sentence.text("."),
         };
@@ -264,8 +264,8 @@ impl FeatureMatching {
         let truth = state.fixed.truth.as_deref();
         for found in shown.matches().filter(|found| found.status == MatchStatus::Match) {
             let (role, meaning) = match truth.map(|truth| MatchField::is_right(&found, truth)) {
-                Some(Some(true)) if is_end => (Role::Best, "right match"),
-                Some(Some(true)) => (Role::Best, "right match; nearest"),
+                Some(Some(true)) if is_end => (Role::Best, "correct match"),
+                Some(Some(true)) => (Role::Best, "correct match; nearest"),
                 Some(Some(false)) => (Role::Error, "wrong match"),
                 Some(None) => (Role::Result, "match, true displacement unknown"),
                 None => (Role::Result, "match"),
@@ -347,7 +347,7 @@ fn concluded(state: &State, limit: f32, sentence: Sentence) -> Sentence {
         .map(|truth| MatchField::compare(all.iter().filter(|found| found.status == MatchStatus::Match), truth));
     let quality = match errors.and_then(|errors| Some((errors, errors.precision()?))) {
         Some((errors, precision)) => format!(
-            " {} of {} with known true displacement are right, {:.1} %.",
+            " {} of {} with known true displacement are correct, {:.1} %.",
             errors.right,
             errors.known,
             100.0 * precision

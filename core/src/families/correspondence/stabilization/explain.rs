@@ -115,7 +115,7 @@ impl Stabilization {
             }
         }
         if let Some(residual) = residual_px {
-            said.push_str(&format!(" By the true motion of the background it is {}", px(residual)));
+            said.push_str(&format!(" Measured by the true motion of the background, it is {}", px(residual)));
             match drift_px {
                 Some(drift) if drift.is_finite() => {
                     said.push_str(&format!(
@@ -128,8 +128,8 @@ impl Stabilization {
         }
         if let Some(motion) = motion_px.filter(|motion| *motion > FOREIGN_PX) {
             said.push_str(&format!(
-                " A motion is up to {} off at the corners, so it is not that of the background: a large object or parallax dominates the \
-                 matches.",
+                " The motion of a pair is up to {} off at the corners: a large object or parallax dominates its matches, so it is not \
+                 that of the background.",
                 px(motion)
             ));
         }

@@ -204,7 +204,7 @@ impl Orb {
         let [a, b] = self.means(state, probe, k);
         let turned = probe.turned(state.pattern[k]).map(|offset| pixel(probe.pixel(offset)));
         let [first, second] = turned;
-        let comparison = if *bit { "<" } else { "≥" };
+        let comparison = if *bit { "less than" } else { "not less than" };
         let said = Sentence::default()
             .text(format!("Pair {} of {BITS}, turned by {}: the 5×5 window at ", k + 1, degrees(&probe.moments)))
             .ink(Role::Candidate, first)

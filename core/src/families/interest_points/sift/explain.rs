@@ -314,8 +314,8 @@ impl Sift {
             count => format!("{count} entries exceed 0.2 and are limited to it."),
         };
         Sentence::default().text(format!(
-            "{what} Large single gradients, as at a highlight, then count less than their directions. Normalised again, this is the \
-             descriptor."
+            "{what} The limit keeps single large gradients, as at a highlight, from outweighing all others. Normalised again, this is \
+             the descriptor."
         ))
     }
 

@@ -105,19 +105,19 @@ impl Explained for ChanVese {
             }
             Outcome::Grown => {
                 "Something as bright as the object touched it and became a part of it. A smaller margin keeps clutter out of the window; \
-                 where edges separate what means do not, an active contour with edges works."
+                 an active contour works where edges separate regions of equal mean."
             }
             Outcome::Shrunk => {
-                "A part of the object is nearer to the mean outside than to the mean inside. Where edges separate what means do not, an \
-                 active contour with edges works."
+                "A part of the object is nearer to the mean outside than to the mean inside. An active contour works where \
+                 edges separate regions of equal mean."
             }
             Outcome::Unknown => {
                 "Without ground truth it is not known whether the contour is on the object. Anything as bright as the object that touches \
                  it becomes a part of it."
             }
             Outcome::Regained | Outcome::Beside | Outcome::Lost => {
-                "Object and surroundings had no different means, or something as bright as the object touched it. A smaller margin keeps \
-                 clutter out of the window; where edges separate what means do not, an active contour with edges works."
+                "Object and surroundings had equal means, or something as bright as the object touched it. A smaller margin keeps \
+                 clutter out of the window; an active contour works where edges separate regions of equal mean."
             }
         }
         .into()
@@ -134,7 +134,7 @@ impl ChanVese {
             .ink(Role::Window, format!("c₂ = {outside}"))
             .text(" outside. φ rises where the gray level is nearer to c₁, falls where it is nearer to c₂, and ")
             .ink(Role::Candidate, counted(iteration.changed, "pixel"))
-            .text(format!(" changed sides, to a total energy of {}.", ratio(iteration.energy.total())));
+            .text(format!(" changed sides; the total energy is now {}.", ratio(iteration.energy.total())));
         if iteration.is_still {
             said.text(format!(" None has for {STILL} iterations: converged."))
         } else if iteration.number == self.iterations {

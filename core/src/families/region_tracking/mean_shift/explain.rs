@@ -185,11 +185,12 @@ impl MeanShift {
             .text(format!(" at {} px", place(shift.from.center)));
         let before = last(at, shift.trial, shift.iteration - 1);
         let said = match before {
-            Some(before) if shift.similarity >= before.similarity => {
-                said.text(format!(", not less than {} before the last shift. ", ratio(before.similarity.into())))
-            }
+            Some(before) if shift.similarity >= before.similarity => said.text(format!(
+                ", after {} before the last shift: it has not fallen. ",
+                ratio(before.similarity.into())
+            )),
             Some(before) => said.text(format!(
-                ", less than {} before the last shift: the weights were linearised there, so ρ may fall. ",
+                ", after {} before the last shift: it has fallen, because the weights were linearised there. ",
                 ratio(before.similarity.into())
             )),
             None => said.text(". "),

@@ -254,8 +254,8 @@ impl Explained for ParticleFilter {
                  scale noise keeps it nearer."
             }
             Outcome::Beside | Outcome::Unknown => {
-                "The mean of the cloud lies beside the object: particles off it have colours of the model too. A larger λ lets fewer of \
-                 them survive."
+                "The mean of the cloud lies beside the object, because other places have colours of the model too, or none has them while \
+                 the object is hidden. A larger λ lets fewer particles on other places survive."
             }
             Outcome::Lost => {
                 "No particle was near the object any more, or others had larger weights. More particles or more process noise cover more of the picture; a \

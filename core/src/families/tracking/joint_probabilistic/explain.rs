@@ -222,7 +222,7 @@ fn weighed(validation: &Validation, joint: &Joint) -> Sentence {
             let (id, detection) = (validation.tracks[joint.tracks[track]].id, joint.detections[at] + 1);
             let missed = ratio(joint.missed(track));
             said.text("The largest is ").ink(Role::Best, format!("β = {}", ratio(weight))).text(format!(
-                " of track {id} and detection {detection}; track {id} is not detected with β₀ = {missed}."
+                " of track {id} and detection {detection}. The probability that track {id} is not detected is β₀ = {missed}."
             ))
         }
         None => said,

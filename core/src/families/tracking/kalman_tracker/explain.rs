@@ -24,7 +24,7 @@ fn named(track: &Track) -> String {
 }
 
 fn speed(track: &Track) -> String {
-    explain::speed(track.filter.velocity())
+    explain::velocity(track.filter.velocity())
 }
 
 /// The larger variance of the position in px².

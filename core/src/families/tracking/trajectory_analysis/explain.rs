@@ -96,7 +96,7 @@ impl TrajectoryAnalysis {
                 )
                 .text(format!(" in this cell, above {}° (the unusual angle).", fixed(self.unusual_angle.into(), 0))),
             Event::Learned(directions) => said.text(format!(
-                "The directions of this frame are added to the grid. {} at least {} tracks (the minimum number of others).{}",
+                "The directions of this frame are added to the grid. {} the tracks that a comparison needs, at least {}.{}",
                 match directions.all(self.min_others).len() {
                     1 => "1 cell has".to_owned(),
                     cells => format!("{cells} cells have"),
