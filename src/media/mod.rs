@@ -389,6 +389,11 @@ pub fn read_text(path: &Path) -> Result<String, Error> {
     input::text(path)
 }
 
+/// Whether the file at `path` is a table of detections without identities, as `det.txt` is.
+pub fn is_detections(path: &Path) -> bool {
+    detections::is(path)
+}
+
 /// Whether the file at `path` tells what is true of a clip, and holds no pictures: true objects, a flow, or disparities.
 pub fn is_truth(path: &Path) -> bool {
     matches!(names::extension(path).as_str(), "flo" | "pfm") || detections::is_truth(path)

@@ -451,6 +451,29 @@ fn detections_open_with_a_tracker_and_truth_beside_the_clip_that_is_open() {
 }
 
 #[test]
+fn detections_opened_over_pictures_are_those_of_the_clip() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let frames = folder.path().join("frames");
+    fs::create_dir(&frames).expect("a folder");
+    for t in 0..4 {
+        image::GrayImage::from_pixel(160, 120, image::Luma([40]))
+            .save(frames.join(format!("{t:02}.png")))
+            .expect("a frame");
+    }
+    let det = folder.path().join("found.txt");
+    let rows: String = (0..4).map(|t| format!("{},-1,{},40,20,30,1,-1,-1,-1\n", t + 1, 20 + 3 * t)).collect();
+    fs::write(&det, rows).expect("it is written");
+    let mut window = Window::with(vec2(1440.0, 900.0), Start { open: Some(frames.clone().into()) });
+    window.harness.state_mut().open(&det);
+    window.settle();
+    let document = window.app().document();
+    assert_eq!(document.experiment().given.detections.as_ref(), Some(&det));
+    assert!(document.clip().is_some_and(|clip| !clip.is_blank() && clip.detections(2).map(<[_]>::len) == Some(1)));
+    assert!(window.harness.query_by_label_contains("gives the detections of the open clip").is_some());
+    assert!(!window.app().settings().recent.contains(&det), "they are no clip");
+}
+
+#[test]
 fn a_session_keeps_detections_given_by_hand() {
     let folder = tempfile::tempdir().expect("a folder");
     let [first, second] = ["first.motionscope", "second.motionscope"].map(|name| folder.path().join(name));

@@ -53,7 +53,7 @@ impl Quantity {
             Self::Weight => "The weight of the heaviest mode of each pixel: how much of the past it explains.",
             Self::Modes => "The number of modes of each pixel: several where the background changes.",
             Self::OffMedian => {
-                "How far the approximate median is from the true one, that of 25 frames spread evenly up to this one."
+                "How far the approximate median is from the true one, that of frames spread evenly up to this one."
             }
             Self::SmoothnessShare => {
                 "How far the neighbours decide the flow of a pixel: α² / (α² + |∇I|²), 1 where there is no gradient."

@@ -162,7 +162,7 @@ impl App {
             C::Play => self.toggle_play(Direction::Forward),
             C::PlayBack => self.toggle_play(Direction::Back),
             C::Slower | C::Faster => {
-                self.player.shift(command == C::Faster);
+                self.player.shift(command == C::Faster, self.granularities().names().len());
                 self.settings.speed = self.player.speed;
             }
             C::NextFrame => self.go_to_frame(self.document.frame() + 1),

@@ -235,9 +235,17 @@ impl App {
         if matches!(&self.overlay, Overlay::Open(state) if state.is_opening()) {
             self.overlay = Overlay::None;
         }
-        // The truth of a clip is no clip, nor is its right view.
+        // The truth of a clip is no clip, nor are its detections and its right view.
         let is_right = given.right.as_ref().is_some_and(|view| view.path() == path);
-        if path.exists() && given.truth.as_deref() != Some(path) && !is_right {
+        let is_of_clip = match () {
+            () if given.truth.as_deref() == Some(path) => Some("ground truth"),
+            () if given.detections.as_deref() == Some(path) => Some("detections"),
+            () => None,
+        };
+        if let Some(what) = is_of_clip.filter(|_| session.is_none()) {
+            let name = path.file_name().unwrap_or(path.as_os_str()).display();
+            self.toasts.tell(format!("{name} gives the {what} of the open clip."));
+        } else if path.exists() && !is_right {
             self.settings.remember(path);
         }
         let left = self.document.open(clip, source, given);

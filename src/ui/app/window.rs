@@ -276,6 +276,7 @@ impl App {
     fn play(&mut self, ctx: &egui::Context) {
         let now = ctx.input(|i| i.time);
         let seconds = now - std::mem::replace(&mut self.played, now);
+        let granularities = self.granularities().names().len();
         let Some(shown) = self.view.shown.as_deref().filter(|_| self.player.is_playing()) else { return };
         let is_over = match self.player.plays(Direction::Back) {
             true => shown.cursor == Cursor::default(),
@@ -287,7 +288,7 @@ impl App {
         }
         self.player.pass(seconds);
         if !self.view.busy
-            && let Some(to) = self.player.due(shown.cursor, shown.events)
+            && let Some(to) = self.player.due((shown.cursor, shown.events), granularities)
         {
             self.walker.go(to);
         }

@@ -134,7 +134,7 @@ pub fn show(ctx: &egui::Context, state: &mut State, recent: &[PathBuf], actions:
         let text = match state.purpose {
             Purpose::Clip => {
                 "A video, a picture of a numbered sequence, a folder of pictures, detections (det.txt) or a session; \
-                 or ground truth for the open clip: gt.txt, a flow, a disparity."
+                 or what belongs to the open clip: its detections, or its ground truth (gt.txt, a flow, a disparity)."
             }
             Purpose::RightView => {
                 "The right view of the open clip: a picture, a folder of pictures or a video of the same size; or side-by-side, if each \

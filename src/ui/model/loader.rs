@@ -47,7 +47,7 @@ pub struct Loading {
 }
 
 impl Loading {
-    /// Starts opening `name`: a clip, a session, or ground truth for the open clip `beside`, which is reopened with it. `changed` is
+    /// Starts opening `name`: a clip, a session, or ground truth or detections for the open clip `beside`, which is reopened with it. `changed` is
     /// called from another thread on progress.
     pub fn new(name: OsString, beside: Option<Beside>, changed: impl Fn() + Send + Sync + 'static) -> Self {
         let wanted = name.clone();
@@ -71,14 +71,27 @@ impl Loading {
 }
 
 fn open(name: &OsStr, beside: Option<Beside>, progress: Arc<dyn Progress>) -> Result<Opened, Error> {
-    let named = match beside.filter(|_| media::is_truth(Path::new(name))) {
-        Some(Beside { source, given }) => {
+    let path = Path::new(name);
+    let named = match beside {
+        Some(Beside { source, given }) if media::is_truth(path) => {
             Named { source, given: Given { truth: Some(name.into()), ..given }, session: None }
         }
-        None => Named::find(name, Given::default())?,
+        Some(Beside { source, given }) if has_frames(&source) && media::is_detections(path) => {
+            Named { source, given: Given { detections: Some(name.into()), ..given }, session: None }
+        }
+        _ => Named::find(name, Given::default())?,
     };
     let session = named.session.is_some().then(|| Path::new(name));
     opened(named, session, progress)
+}
+
+/// Whether the clip was opened from pictures or a video, to which detections can belong.
+fn has_frames(source: &Source) -> bool {
+    match source {
+        Source::File(path) => !media::is_detections(path),
+        Source::Pair(_) => true,
+        Source::Synth { .. } => false,
+    }
 }
 
 /// Opens a clip that is `named`, in the file `written` if it is a session.

@@ -9,6 +9,8 @@ pub enum Pace {
     Events,
     /// Units: every block is shown when it is finished.
     Units,
+    /// So many granularities further out than the units, such as warps and levels: each is shown when it is finished.
+    Outer(usize),
 }
 
 /// A playback speed.
@@ -25,7 +27,7 @@ const fn speed(pace: Pace, per_second: u32) -> Speed {
 }
 
 /// All speeds, from slow to fast.
-pub const SPEEDS: [Speed; 12] = [
+pub const SPEEDS: [Speed; 16] = [
     speed(Pace::Events, 1),
     speed(Pace::Events, 3),
     speed(Pace::Events, 10),
@@ -38,15 +40,31 @@ pub const SPEEDS: [Speed; 12] = [
     speed(Pace::Units, 10),
     speed(Pace::Units, 30),
     speed(Pace::Units, 100),
+    speed(Pace::Outer(1), 1),
+    speed(Pace::Outer(1), 3),
+    speed(Pace::Outer(2), 1),
+    speed(Pace::Outer(2), 3),
 ];
 
 impl Speed {
-    /// Returns the speed with the estimator's names of event and unit: `10 candidates/s`.
-    pub fn text(self, event: &str, unit: &str) -> String {
-        let name = match self.pace {
-            Pace::Events => event,
-            Pace::Units => unit,
+    /// Whether an estimator with `granularities` has the stops of this speed: its outermost granularity is the whole run.
+    pub fn is_of(self, granularities: usize) -> bool {
+        self.index(granularities) > 0 || !matches!(self.pace, Pace::Outer(_))
+    }
+
+    /// Index of its granularity among so many.
+    fn index(self, granularities: usize) -> usize {
+        let outward = match self.pace {
+            Pace::Events => 0,
+            Pace::Units => 1,
+            Pace::Outer(further) => 1 + further,
         };
+        granularities.saturating_sub(1 + outward)
+    }
+
+    /// Returns the speed with the estimator's name of its granularity: `10 candidates/s`.
+    pub fn text(self, granularities: &[&str]) -> String {
+        let name = granularities.get(self.index(granularities.len())).copied().unwrap_or("step");
         let plural = if self.per_second == 1 { "" } else { "s" };
         format!("{} {name}{plural}/s", self.per_second)
     }
@@ -95,64 +113,73 @@ impl Player {
         self.playing = None;
     }
 
-    /// Returns the speed.
-    pub fn speed(&self) -> Speed {
+    /// Returns the speed for an estimator with `granularities`: by units where it has no stops of the chosen one.
+    pub fn speed(&self, granularities: usize) -> Speed {
+        let Speed { pace, per_second } = self.chosen();
+        if self.chosen().is_of(granularities) { speed(pace, per_second) } else { speed(Pace::Units, per_second) }
+    }
+
+    fn chosen(&self) -> Speed {
         SPEEDS[self.speed.min(SPEEDS.len() - 1)]
     }
 
-    /// Changes the speed by one level.
-    pub fn shift(&mut self, up: bool) {
-        let next = if up { self.speed.saturating_add(1) } else { self.speed.saturating_sub(1) };
-        self.speed = next.min(SPEEDS.len() - 1);
+    /// Changes the speed by one level of those that an estimator with `granularities` has.
+    pub fn shift(&mut self, up: bool, granularities: usize) {
+        let has = |index: &usize| SPEEDS[*index].is_of(granularities);
+        let now = self.speed.min(SPEEDS.len() - 1);
+        let next = if up { (now + 1..SPEEDS.len()).find(has) } else { (0..now).rev().find(has) };
+        self.speed = next.unwrap_or(now);
     }
 
     /// Advances the clock by `seconds`.
     pub fn pass(&mut self, seconds: f64) {
         if self.is_playing() {
-            let rate = f64::from(self.speed().per_second);
+            let rate = f64::from(self.chosen().per_second);
             // What a slow machine cannot do in time is left out, not caught up with.
             self.due = (self.due + seconds * rate).min(rate.max(1.0) / 4.0 + 1.0);
         }
     }
 
-    /// Returns the move that is due at `cursor` in a unit of `events` events.
-    pub fn due(&mut self, cursor: Cursor, events: usize) -> Option<Move> {
+    /// Returns the move that is due at `cursor` in a unit of `events` events of an estimator with `granularities`.
+    pub fn due(&mut self, (cursor, events): (Cursor, usize), granularities: usize) -> Option<Move> {
         let way = self.playing?;
         let steps = self.due as usize;
         self.due -= steps as f64;
-        (steps > 0).then(|| match way {
-            Direction::Forward => Move::To(ahead(self.speed().pace, cursor, events, steps)),
-            Direction::Back => Move::To(behind(self.speed().pace, cursor, steps)),
+        let speed = self.speed(granularities);
+        (steps > 0).then(|| match (speed.pace, way) {
+            (Pace::Outer(_), way) => Move::Granularity(speed.index(granularities), way),
+            (_, Direction::Forward) => Move::To(ahead(speed.pace == Pace::Events, (cursor, events), steps)),
+            (_, Direction::Back) => Move::To(behind(speed.pace == Pace::Events, cursor, steps)),
         })
     }
 
     /// Returns the seconds until the next step is due.
     pub fn wait_secs(&self) -> f64 {
-        ((1.0 - self.due) / f64::from(self.speed().per_second)).max(0.0)
+        ((1.0 - self.due) / f64::from(self.chosen().per_second)).max(0.0)
     }
 }
 
-/// Returns the cursor `steps` further on, stopping at the end of every unit.
-fn ahead(pace: Pace, cursor: Cursor, events: usize, steps: usize) -> Cursor {
+/// Returns the cursor `steps` events or units further on, stopping at the end of every unit.
+fn ahead(by_event: bool, (cursor, events): (Cursor, usize), steps: usize) -> Cursor {
     let Cursor { unit, event } = cursor;
     let left = events.saturating_sub(event);
-    match pace {
-        Pace::Events if steps <= left => Cursor { unit, event: event + steps },
-        Pace::Events if left > 0 => Cursor { unit, event: events },
-        Pace::Events => Cursor { unit: unit + 1, event: steps },
-        Pace::Units if left > 0 => Cursor { unit: unit + steps - 1, event: usize::MAX },
-        Pace::Units => Cursor { unit: unit + steps, event: usize::MAX },
+    match by_event {
+        true if steps <= left => Cursor { unit, event: event + steps },
+        true if left > 0 => Cursor { unit, event: events },
+        true => Cursor { unit: unit + 1, event: steps },
+        false if left > 0 => Cursor { unit: unit + steps - 1, event: usize::MAX },
+        false => Cursor { unit: unit + steps, event: usize::MAX },
     }
 }
 
-/// Returns the cursor `steps` back, stopping at the first event and at the end of every unit.
-fn behind(pace: Pace, cursor: Cursor, steps: usize) -> Cursor {
+/// Returns the cursor `steps` events or units back, stopping at the first event and at the end of every unit.
+fn behind(by_event: bool, cursor: Cursor, steps: usize) -> Cursor {
     let Cursor { unit, event } = cursor;
     let end_of = |unit| Cursor { unit, event: usize::MAX };
-    match pace {
-        Pace::Events if event > 1 => Cursor { unit, event: event.saturating_sub(steps).max(1) },
-        Pace::Events => unit.checked_sub(1).map_or(Cursor::default(), end_of),
-        Pace::Units => unit.checked_sub(steps).map_or(Cursor::default(), end_of),
+    match by_event {
+        true if event > 1 => Cursor { unit, event: event.saturating_sub(steps).max(1) },
+        true => unit.checked_sub(1).map_or(Cursor::default(), end_of),
+        false => unit.checked_sub(steps).map_or(Cursor::default(), end_of),
     }
 }
 
@@ -166,7 +193,7 @@ mod tests {
         let at = |unit, event| Cursor { unit, event };
         let pass = |player: &mut Player, seconds, cursor, events| {
             player.pass(seconds);
-            player.due(cursor, events)
+            player.due((cursor, events), 3)
         };
         assert_eq!(pass(&mut player, 1.0, at(0, 0), 50), None);
         player.play(Direction::Forward);
@@ -183,24 +210,24 @@ mod tests {
     #[test]
     fn units_are_counted_by_their_ends() {
         let at = |unit, event| Cursor { unit, event };
-        assert_eq!(ahead(Pace::Units, at(3, 2), 9, 1), at(3, usize::MAX));
-        assert_eq!(ahead(Pace::Units, at(3, 9), 9, 2), at(5, usize::MAX));
+        assert_eq!(ahead(false, (at(3, 2), 9), 1), at(3, usize::MAX));
+        assert_eq!(ahead(false, (at(3, 9), 9), 2), at(5, usize::MAX));
     }
 
     #[test]
     fn backwards_the_same_steps_are_seen() {
         let at = |unit, event| Cursor { unit, event };
-        let back = |cursor, steps| behind(Pace::Events, cursor, steps);
+        let back = |cursor, steps| behind(true, cursor, steps);
         assert_eq!(back(at(2, 9), 1), at(2, 8));
         assert_eq!(back(at(2, 3), 5), at(2, 1), "the first event is seen");
         assert_eq!(back(at(2, 1), 1), at(1, usize::MAX), "and the end of the unit before");
         assert_eq!(back(at(0, 1), 1), at(0, 0));
-        assert_eq!(behind(Pace::Units, at(5, 2), 2), at(3, usize::MAX));
-        assert_eq!(behind(Pace::Units, at(1, 2), 2), at(0, 0));
+        assert_eq!(behind(false, at(5, 2), 2), at(3, usize::MAX));
+        assert_eq!(behind(false, at(1, 2), 2), at(0, 0));
         let mut player = Player { speed: 2, ..Player::default() };
         player.play(Direction::Back);
         assert!(player.plays(Direction::Back) && !player.plays(Direction::Forward));
-        assert_eq!(player.due(at(1, 7), 9), Some(Move::To(at(1, 6))));
+        assert_eq!(player.due((at(1, 7), 9), 3), Some(Move::To(at(1, 6))));
     }
 
     #[test]
@@ -208,16 +235,30 @@ mod tests {
         let mut player = Player { speed: 6, ..Player::default() };
         player.play(Direction::Forward);
         player.pass(60.0);
-        let Some(Move::To(cursor)) = player.due(Cursor::default(), 100_000) else { panic!("nothing is due") };
+        let Some(Move::To(cursor)) = player.due((Cursor::default(), 100_000), 3) else { panic!("nothing is due") };
         assert!(cursor.event <= 252, "{cursor}");
     }
 
     #[test]
     fn speeds_are_named_after_the_granularities() {
-        assert_eq!(SPEEDS[0].text("probe", "block"), "1 probe/s");
-        assert_eq!(SPEEDS[9].text("probe", "block"), "10 blocks/s");
+        let search = ["pair", "block", "probe"];
+        assert_eq!([SPEEDS[0], SPEEDS[9]].map(|speed| speed.text(&search)), ["1 probe/s", "10 blocks/s"]);
         let mut player = Player::default();
-        (0..99).for_each(|_| player.shift(true));
-        assert_eq!(player.speed(), SPEEDS[11]);
+        (0..99).for_each(|_| player.shift(true, search.len()));
+        assert_eq!(player.speed(search.len()), SPEEDS[11]);
+    }
+
+    #[test]
+    fn a_method_with_levels_and_warps_is_played_by_them() {
+        let method = ["pair", "level", "warp", "iteration", "step"];
+        let mut player = Player::default();
+        (0..99).for_each(|_| player.shift(true, method.len()));
+        let text = |player: &Player| player.speed(method.len()).text(&method);
+        assert_eq!(text(&player), "3 levels/s");
+        player.play(Direction::Back);
+        assert_eq!(player.due((Cursor::default(), 2), method.len()), Some(Move::Granularity(1, Direction::Back)));
+        assert_eq!(player.speed(3).pace, Pace::Units, "a search has neither");
+        (0..2).for_each(|_| player.shift(false, method.len()));
+        assert_eq!(text(&player), "3 warps/s");
     }
 }

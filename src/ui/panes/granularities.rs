@@ -12,6 +12,11 @@ impl Granularities {
         Self { names }
     }
 
+    /// Their names, the outermost first.
+    pub fn names(self) -> &'static [&'static str] {
+        self.names
+    }
+
     /// Index of the granularity that one steps into: an event.
     pub fn event(self) -> usize {
         self.names.len().saturating_sub(1)

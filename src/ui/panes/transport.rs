@@ -158,14 +158,13 @@ fn play_back(ui: &mut Ui, input: &Input, actions: &mut Actions) {
 }
 
 fn speed(ui: &mut Ui, input: &Input, actions: &mut Actions) {
-    let (event, unit) =
-        (input.granularities.name(input.granularities.event()), input.granularities.name(input.granularities.unit()));
+    let names = input.granularities.names();
     let size = TextStyle::Body.resolve(ui.style()).size;
-    let chosen = input.player.speed().text(event, unit);
+    let chosen = input.player.speed(names.len()).text(names);
     let combo = ComboBox::from_id_salt("speed").selected_text(&chosen).width(8.5 * size);
     let shown = combo.show_ui(ui, |ui| {
-        for (index, speed) in SPEEDS.iter().enumerate() {
-            if ui.selectable_label(index == input.player.speed, speed.text(event, unit)).clicked() {
+        for (index, speed) in SPEEDS.iter().enumerate().filter(|(_, speed)| speed.is_of(names.len())) {
+            if ui.selectable_label(index == input.player.speed, speed.text(names)).clicked() {
                 actions.ask(Action::Speed(index));
             }
         }

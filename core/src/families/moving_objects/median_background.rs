@@ -29,20 +29,20 @@ params! {
         shadow: ShadowDetection = ShadowDetection::default();
         /// Initial background: the first frame, or the median of the run, which uses later frames (non-causal).
         initial: Initial = Initial::Median;
+        /// Number of frames, spread evenly up to the current one, of the true median from which a layer shows the difference.
+        median_frames: usize = 25, 3..=200;
         /// The treatment of a camera that is not quite at rest.
         steady: Steadiness = Steadiness::default();
         /// The parameters of all background subtractions.
         settings: Settings = Settings::default();
     }
     renamed { "open" => "opening", "close" => "closing" }
+    advanced { "median-frames" }
     when {
         "detect-shadows": |p| p.channels == Channels::Color, "Shadow detection has no effect in gray: it needs colour.";
         "shadow-threshold": |p| p.channels == Channels::Color, "The shadow threshold has no effect in gray.";
     }
 }
-
-/// The number of frames of the median that the approximate one is compared with.
-const MEDIAN_FRAMES: usize = 25;
 
 impl Channelwise for MedianBackground {
     type Cell = u8;
@@ -148,9 +148,9 @@ impl Background for MedianBackground {
     }
 
     fn layers(&self, model: &Arc<Planes<u8>>, past: &Past) -> Vec<Layer> {
-        let (model, past) = (Arc::clone(model), past.clone());
+        let (model, past, frames) = (Arc::clone(model), past.clone(), self.median_frames);
         vec![Layer::new(Quantity::OffMedian, move || {
-            let ((width, height), median) = (model.size(), past.median(MEDIAN_FRAMES));
+            let ((width, height), median) = (model.size(), past.median(frames));
             let off = |place| match &median {
                 Ok(median) => (model.expected(place, Channel::Gray, f32::from) - median[place]).abs(),
                 Err(_) => f32::NAN,

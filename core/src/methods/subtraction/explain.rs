@@ -17,7 +17,9 @@ use crate::scene::{Fact, Name, Picture, Readout, Role, Scene, Sentence, Series, 
 const TILE_REACH_PX: usize = 4;
 
 /// The share of the picture that differs from the background where the camera or the light has changed, not objects.
-const FLOODED: f64 = 0.4;
+const FLOODED: f64 = 0.3;
+/// That share where the camera is known to have moved.
+const FLOODED_BY_MOTION: f64 = 0.15;
 
 /// From this F₁ score on the errors are too few for advice.
 const GOOD_F1: f64 = 0.9;
@@ -297,10 +299,11 @@ impl Conclusion {
 
     /// A flooded mask with its cause, and what to use instead.
     fn of_camera(&self, [cause, advice]: [&str; 2]) -> String {
-        if self.differing < FLOODED {
+        let by = self.camera.filter(|by| by[0].hypot(by[1]) > 1.0);
+        if self.differing < if by.is_some() { FLOODED_BY_MOTION } else { FLOODED } {
             return String::new();
         }
-        let moved = self.camera.filter(|by| by[0].hypot(by[1]) > 1.0).map_or_else(String::new, |by| {
+        let moved = by.map_or_else(String::new, |by| {
             format!(" The background is displaced by {} px since the first frame.", words::place(by))
         });
         format!(" {} of the frame differs from the background: {cause}.{moved} {advice}", percent(self.differing))

@@ -174,7 +174,7 @@ impl MotionLayers {
             Some(Event::Labelled(frame)) => {
                 let rounds = view.notes.len().saturating_sub(1);
                 let count = words::counted(rounds, "iteration");
-                said.text(format!("The layers of frame {t} hold after {count}. {}", conclusion(view.seen.clip, t, frame)))
+                said.text(format!("The layers of frame {t} no longer change after {count}. {}", conclusion(view.seen.clip, t, frame)))
             }
         }
     }
@@ -278,11 +278,16 @@ fn draw_blocks(scene: &mut Scene, blocks: &[Block], now: Option<&Block>) {
     }
 }
 
-/// The affine motions of the layers.
+/// The affine motion of the layer that is fitted, or else those of the first layers.
 fn motions(view: &View) -> Option<Vec<Math>> {
     if view.layers.is_empty() {
         return None;
     }
+    let fitted = match view.seen.events.last() {
+        Some(Event::Refitted { index, .. }) => Some(*index),
+        _ => None,
+    };
+    let is_listed = |(index, _): &(usize, &Layer)| fitted.is_none_or(|fitted| fitted == *index);
     let row = |(index, layer): (usize, &Layer)| {
         let [u, v] = written(view.frame().in_pixels(&layer.motion));
         let name = |name| Math::indexed(Math::Var(name), Math::text((index + 1).to_string()));
@@ -291,7 +296,7 @@ fn motions(view: &View) -> Option<Vec<Math>> {
             Math::Row(vec![name("v"), Math::text(" = "), Math::ink(Role::Result, v)]),
         ]
     };
-    Some(view.layers.iter().enumerate().take(LISTED).flat_map(row).collect())
+    Some(view.layers.iter().enumerate().filter(is_listed).take(LISTED).flat_map(row).collect())
 }
 
 /// The residuals of all layers at a pixel.

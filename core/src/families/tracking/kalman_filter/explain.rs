@@ -204,8 +204,8 @@ impl KalmanFilter {
                     _ => format!("none of the {} belongs", count(detections, "detection")),
                 };
                 format!(
-                    "No track yet: {none} to the object that moves most consistently. Click an object to track it instead \
-                     (parameter Clicks)."
+                    "No track yet: {none} to the object that moves most consistently. To track another, press Place \
+                     beside the parameter Clicks and click it."
                 )
             }
             Some(detections) => {
@@ -342,19 +342,25 @@ impl KalmanFilter {
     /// The figures of a run: errors beside the truth, rejections, and the mean NIS with its band.
     fn run_facts(&self, state: &State) -> Vec<Fact> {
         let mut facts = Vec::new();
-        let rmse = |of: fn(&FrameRecord) -> Option<[f64; 2]>| {
+        let rmse = |of: &dyn Fn(&FrameRecord) -> Option<[f64; 2]>| {
             root_mean_square(state.records.iter().filter_map(|record| Some(distance(of(record)?, record.truth?))))
         };
         let mut error = |label, value: Option<f64>| {
             facts.extend(value.map(|value| Fact::new(label, format!("{} px", px(value)), None)));
         };
-        error("RMS error, filtered", rmse(|record| Some(record.filtered?.place())));
+        error("RMS error, filtered", rmse(&|record| Some(record.filtered?.place())));
         if self.smooths() {
-            error("RMS error, smoothed", rmse(|record| Some(record.smoothed?.place())));
+            error("RMS error, smoothed", rmse(&|record| Some(record.smoothed?.place())));
         }
-        // Only frames with a measurement, rejected ones included, compare the filter with its sensor.
-        error("RMS error, measurements", rmse(|record| Some(record.of_sensor(0)?.measurement().place)));
-        error("Filtered, same frames", rmse(|record| record.of_sensor(0).and(Some(record.filtered?.place()))));
+        // Only frames with an accepted measurement compare the filter with its sensor: a rejected one may be that of another object.
+        fn accepted_in(record: &FrameRecord) -> Option<&Gated> {
+            record.of_sensor(0).filter(|gated| gated.is_inside())
+        }
+        error("RMS error, accepted measurements", rmse(&|record| Some(accepted_in(record)?.measurement().place)));
+        error(
+            "RMS error, filtered in these frames",
+            rmse(&|record| accepted_in(record).and(Some(record.filtered?.place()))),
+        );
         if let Some(ConsistencyTest { mean, band: [low, high] }) = ConsistencyTest::of(&accepted(state)) {
             let value = format!("{}, 95 % band {}–{}", squared(mean), squared(low), squared(high));
             facts.push(Fact::new("Mean NIS (accepted)", value, None));
@@ -513,7 +519,7 @@ impl KalmanFilter {
                         text(&format!(
                             " = {} {} {}",
                             squared(numbers.squared_distance),
-                            if gated.is_inside() { "≤" } else { ">" },
+                            if gated.is_beyond() { ">" } else { "≤" },
                             squared(gated.limit)
                         )),
                     ]),
