@@ -97,23 +97,35 @@ pub fn relief(surface: &Surface, colors: ColorMap, theme: Theme) -> Relief {
     let mut relief = Relief::default();
     let bench = Bench::new(surface);
     relief.sheet(&grid(surface, colors));
-    for (role, at, top) in pins(surface, &bench) {
-        relief.pin(surface, &bench, Pin { role, at, top }, theme);
-    }
+    pins(surface, &bench).into_iter().for_each(|pin| relief.pin(&bench, pin, theme));
     relief
 }
 
-/// The pins of a surface: role, displacement, and how high they reach. None reaches over the axis of costs, and the best ends
-/// below the others, so that their numbers stand above each other where both are at one displacement.
-pub fn pins(surface: &Surface, bench: &Bench) -> Vec<(Role, [i32; 2], f32)> {
-    let best = surface.best.map(|at| (Role::Best, at, BEST_PIN));
-    let probe = surface.probe.map(|at| (Role::Candidate, at, HEIGHT));
-    let missed = surface.missed().map(|(at, _)| (Role::Error, at, HEIGHT));
-    let over_cost = |(role, at, top): (Role, [i32; 2], f32)| {
-        let cost = any_cost(surface, at).map_or(0.0, |cost| bench.height(cost));
-        (role, at, top.max(cost))
+/// A displacement that is pinned on a surface.
+pub struct Pin {
+    /// What the displacement is.
+    pub role: Role,
+    /// The displacement in px.
+    pub at: [f32; 2],
+    /// Its cost.
+    pub cost: f32,
+    /// The height of the needle.
+    pub top: f32,
+}
+
+/// The pins of a surface, at the displacements of known cost; the best one may lie between pixels. None reaches over the axis of costs,
+/// and the best ends below the others, so that their numbers stand above each other where both are at one displacement.
+pub fn pins(surface: &Surface, bench: &Bench) -> Vec<Pin> {
+    let whole = |at: [i32; 2]| any_cost(surface, at).map(|cost| (at.map(|c| c as f32), cost));
+    let between = surface.optimum_between().map(|found| (found.at, found.value));
+    let best = between.or_else(|| whole(surface.best?));
+    let probe = surface.probe.and_then(whole);
+    let missed = surface.missed().and_then(|(at, _)| whole(at));
+    let all = [(Role::Best, best, BEST_PIN), (Role::Candidate, probe, HEIGHT), (Role::Error, missed, HEIGHT)];
+    let pin = |(role, found, top): (Role, Option<([f32; 2], f32)>, f32)| {
+        found.map(|(at, cost)| Pin { role, at, cost, top: top.max(bench.height(cost)) })
     };
-    best.into_iter().chain(probe).chain(missed).map(over_cost).collect()
+    all.into_iter().filter_map(pin).collect()
 }
 
 /// Radii of the needle and of the ball of a pin.
@@ -213,13 +225,6 @@ impl Vertex {
     }
 }
 
-/// A displacement that is pinned on the surface: its role, and the height of the needle.
-struct Pin {
-    role: Role,
-    at: [i32; 2],
-    top: f32,
-}
-
 impl Relief {
     fn sheet(&mut self, grid: &Corners) {
         let [width, height] = grid.size;
@@ -242,10 +247,9 @@ impl Relief {
     }
 
     /// A needle that can be seen above the surface, and a ball on the surface.
-    fn pin(&mut self, surface: &Surface, bench: &Bench, Pin { role, at, top }: Pin, theme: Theme) {
-        let Some(cost) = any_cost(surface, at) else { return };
+    fn pin(&mut self, bench: &Bench, Pin { role, at, cost, top }: Pin, theme: Theme) {
         let color = theme.ink(role).color.0;
-        let foot = bench.place(at.map(|c| c as f32), cost);
+        let foot = bench.place(at, cost);
         let [needle, ball] = pin_radii(role, theme);
         self.needle(foot, top, needle, color);
         self.ball(foot, ball, color);
@@ -306,6 +310,7 @@ fn normal(surface: &Surface, bench: &Bench, x: usize, y: usize) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use motionscope_core::Grid;
+    use motionscope_core::scene::BetweenPixels;
 
     use super::*;
 
@@ -359,11 +364,15 @@ mod tests {
         let surface = surface(|_, _| true);
         let bench = Bench::new(&surface);
         let probed = Surface { probe: Some([4, 2]), ..surface };
-        let tops: Vec<f32> = pins(&probed, &bench).into_iter().map(|(.., top)| top).collect();
+        let tops: Vec<f32> = pins(&probed, &bench).into_iter().map(|pin| pin.top).collect();
         assert_eq!(tops, [BEST_PIN, bench.height(bench.top)]);
         // The best of a similarity is its largest value, and its pin does not end inside the surface.
         let similar = Surface { best: Some([4, 2]), is_similarity: true, ..probed };
-        assert!(pins(&similar, &bench).iter().all(|(.., top)| *top == HEIGHT));
+        assert!(pins(&similar, &bench).iter().all(|pin| pin.top == HEIGHT));
+        // A better displacement between pixels takes the pin of the best.
+        let finer = Surface { between: vec![BetweenPixels { at: [1.5, 0.5], value: 1e6 }], ..similar.clone() };
+        let best = pins(&finer, &bench).into_iter().find(|pin| pin.role == Role::Best);
+        assert_eq!(best.map(|pin| (pin.at, pin.cost)), Some(([1.5, 0.5], 1e6)));
         let relief = relief(&similar, ColorMap::Viridis, Theme::Dark);
         let highest = relief.vertices.iter().map(|v| v.place[1]).fold(0.0, f32::max);
         let ball =

@@ -14,7 +14,7 @@ use super::super::{Face, Layer, Theme, labels, number};
 use super::axis::Axis;
 use super::canvas::{Canvas, Level, Type, covered, shortened, solid};
 use super::{ChartStyle, Drawing, Orbit, Room, Screen, heat_map, titled};
-use mesh::Bench;
+use mesh::{Bench, Pin};
 
 /// How strong the lines along columns and rows are.
 pub const LINES: f32 = 0.42;
@@ -210,9 +210,8 @@ impl Stand {
     fn has_pin_near(&self, surface: &Surface, at: Point) -> bool {
         let small = self.theme.sizes().small;
         let start = at[0] - 0.6 * small * surface.title.chars().count() as f32;
-        mesh::pins(surface, &self.bench).into_iter().any(|(_, cell, top)| {
-            let Some(cost) = heat_map::any_cost(surface, cell) else { return false };
-            let [x, y] = self.at(Vec3 { y: top, ..self.bench.place(cell.map(|c| c as f32), cost) });
+        mesh::pins(surface, &self.bench).into_iter().any(|Pin { at: displacement, cost, top, .. }| {
+            let [x, y] = self.at(Vec3 { y: top, ..self.bench.place(displacement, cost) });
             // The number may stand on either side of its pin.
             let width = 0.6 * small * number(cost).chars().count() as f32;
             let is_beside = x + width > start && x - width < at[0] - 0.5 * small;
@@ -224,10 +223,9 @@ impl Stand {
     fn pins(&self, canvas: &mut Canvas, surface: &Surface) {
         let all: Vec<_> = mesh::pins(surface, &self.bench)
             .into_iter()
-            .filter_map(|(role, at, top)| {
-                let cost = heat_map::any_cost(surface, at)?;
-                let foot = self.bench.place(at.map(|c| c as f32), cost);
-                Some((role, cost, [foot, Vec3 { y: top, ..foot }].map(|end| self.at(end))))
+            .map(|Pin { role, at, cost, top }| {
+                let foot = self.bench.place(at, cost);
+                (role, cost, [foot, Vec3 { y: top, ..foot }].map(|end| self.at(end)))
             })
             .collect();
         for &(role, _, [low, high]) in &all {

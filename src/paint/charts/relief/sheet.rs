@@ -6,8 +6,8 @@ use motionscope_core::scene::Surface;
 use super::super::super::Color;
 use super::super::super::primitive::{Point, Primitive};
 use super::super::canvas::solid;
-use super::super::{ChartStyle, Orbit, Screen, heat_map};
-use super::mesh::{self, Bench, Vertex};
+use super::super::{ChartStyle, Orbit, Screen};
+use super::mesh::{self, Bench, Pin, Vertex};
 use super::{LINES, light, line_width};
 
 /// Largest side of a polygon in points: smaller, and shades go over into each other.
@@ -169,9 +169,8 @@ const PIECES: usize = 24;
 fn pins(surface: &Surface, sheet: &Sheet<'_>) -> Vec<Item> {
     let bench = Bench::new(surface);
     let theme = sheet.style.theme;
-    let all = mesh::pins(surface, &bench).into_iter().filter_map(|(role, at, top)| {
-        let cost = heat_map::any_cost(surface, at)?;
-        Some((theme.ink(role).color, bench.place(at.map(|c| c as f32), cost), top, mesh::pin_radii(role, theme)))
+    let all = mesh::pins(surface, &bench).into_iter().map(|Pin { role, at, cost, top }| {
+        (theme.ink(role).color, bench.place(at, cost), top, mesh::pin_radii(role, theme))
     });
     let item = |depth: f32, primitive: Primitive| Item {
         depth,
