@@ -219,6 +219,30 @@ fn without_texture_the_camera_counts_as_at_rest() {
 }
 
 #[test]
+fn a_motion_that_bends_the_picture_is_told() {
+    let said_of = |clip: &Clip| {
+        let mut walk = set("mosaic", &[]).walk(clip, 0).expect("a walk");
+        walk.jump(Move::End);
+        walk.step(None).sentence.plain()
+    };
+    // A texture stretched along y, as by an object that comes nearer below, and one that is enlarged.
+    let texture = |x: f64, y: f64| {
+        let wave = |k: f64| (x * (0.13 * k).cos() * 0.4 + y * (0.7 * k).sin() * 0.4 + k * k).sin();
+        (128.0 + 12.0 * (1..9).map(|k| wave(f64::from(k))).sum::<f64>()) as u8
+    };
+    let frame = |scale: [f64; 2]| {
+        Frame::gray(Grid::from_fn(160, 120, |x, y| texture(x as f64 / scale[0], y as f64 / scale[1])))
+    };
+    let made = |scale| Clip::from_frames("scaled", vec![frame([1.0; 2]), frame(scale)]).expect("frames");
+    let said = said_of(&made([1.0, 1.06]));
+    assert!(said.contains("Motions far from every similarity: 1 of 1. From frame 0 to 1 a corner is "), "{said}");
+    for clip in [made([1.06; 2]), clip("hand-held", &[])] {
+        let said = said_of(&clip);
+        assert!(said.contains("End of the run") && !said.contains("similarity"), "{said}");
+    }
+}
+
+#[test]
 fn a_mosaic_of_frames_without_overlap_says_what_was_too_small() {
     // Two textures that have nothing in common.
     let texture = |seed: u64| {

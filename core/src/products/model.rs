@@ -86,11 +86,33 @@ pub fn inverse(matrix: &Matrix3) -> Option<Matrix3> {
     (determinant.abs() > 1e-15).then(|| adjugate.map(|row| row.map(|entry| entry / determinant)))
 }
 
-/// The same map with a last entry of 1; `None` where that is 0 or not finite.
+/// The same map by a positive factor, so that what lies before the horizon stays there: with a last entry of 1, or of −1 if the origin lies
+/// behind the horizon, or with a largest entry of 1 if the origin lies on it. `None` where an entry is not finite.
 pub fn normalised(matrix: &Matrix3) -> Option<Matrix3> {
-    let last = matrix[2][2];
-    let scaled = matrix.map(|row| row.map(|entry| entry / last));
-    (last.abs() > 1e-12 && scaled.iter().flatten().all(|entry| entry.is_finite())).then_some(scaled)
+    let last = matrix[2][2].abs();
+    let most = matrix.iter().flatten().fold(0.0f64, |most, entry| most.max(entry.abs()));
+    let size = if last > 1e-12 { last } else { most };
+    let scaled = matrix.map(|row| row.map(|entry| entry / size));
+    scaled.iter().flatten().all(|entry| entry.is_finite()).then_some(scaled)
+}
+
+/// The third homogeneous coordinate of a mapped position; the horizon is where it is 0.
+fn depth(matrix: &Matrix3, [x, y]: [f64; 2]) -> f64 {
+    matrix[2][0] * x + matrix[2][1] * y + matrix[2][2]
+}
+
+/// The homography, normalised, with the sign by which these positions lie before its horizon. `None` if that lies between them.
+pub fn oriented(matrix: &Matrix3, mut positions: impl Iterator<Item = [f64; 2]> + Clone) -> Option<Matrix3> {
+    let sign = depth(matrix, positions.clone().next()?).signum();
+    let scaled = normalised(&matrix.map(|row| row.map(|entry| sign * entry)))?;
+    positions.all(|at| depth(&scaled, at) > HORIZON).then_some(scaled)
+}
+
+/// The number of positions beyond the horizon from most of them.
+pub fn beyond_horizon(matrix: &Matrix3, positions: impl ExactSizeIterator<Item = [f64; 2]>) -> usize {
+    let count = positions.len();
+    let positive = positions.filter(|at| depth(matrix, *at) > 0.0).count();
+    positive.min(count - positive)
 }
 
 /// One transformation for all pixels of a picture.
@@ -100,7 +122,7 @@ pub struct ModelField {
     pub picture: (usize, usize),
     /// The group of transformations.
     pub model: Model,
-    /// Its matrix, normalised to a last entry of 1, if it could be estimated.
+    /// Its matrix, normalised to a last entry of 1 (of −1 if the origin lies behind its horizon), if it could be estimated.
     pub matrix: Option<Matrix3>,
     /// Number of iterations of the estimation.
     pub iterations: usize,
@@ -223,6 +245,29 @@ mod tests {
         let tilted = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-0.5, 0.0, 1.0]];
         assert_eq!(mapped(&tilted, [1.0, 1.0]), Some([2.0, 2.0]));
         assert_eq!(mapped(&tilted, [2.0, 1.0]), None);
+    }
+
+    #[test]
+    fn positions_decide_what_lies_before_the_horizon() {
+        // The horizon x = 2 lies between the origin and the positions.
+        let matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-0.5, 0.0, 1.0]];
+        let beyond = [[3.0, 1.0], [4.0, 0.0], [8.0, 5.0]];
+        let found = oriented(&matrix, beyond.into_iter()).expect("all are on one side");
+        assert_eq!(found, matrix.map(|row| row.map(|entry| -entry)));
+        assert_eq!((mapped(&found, [4.0, 1.0]), mapped(&found, [0.0, 0.0])), (Some([-4.0, -1.0]), None));
+        // Composed with its inverse and normalised, it still does.
+        let back = inverse(&found).expect("regular");
+        let there = normalised(&product(&back, &found)).expect("finite");
+        assert_eq!(mapped(&there, [4.0, 1.0]), Some([4.0, 1.0]));
+        let both = [[1.0, 1.0], [3.0, 1.0], [4.0, 0.0]];
+        assert_eq!((oriented(&matrix, both.into_iter()), beyond_horizon(&matrix, both.into_iter())), (None, 1));
+    }
+
+    #[test]
+    fn an_origin_on_the_horizon_leaves_a_map() {
+        let matrix = [[4.0, 0.0, 2.0], [0.0, 2.0, 0.0], [1.0, 0.0, 0.0]];
+        assert_eq!(normalised(&matrix), Some(matrix.map(|row| row.map(|entry| entry / 4.0))));
+        assert_eq!(normalised(&[[0.0; 3]; 3]), None);
     }
 
     #[test]

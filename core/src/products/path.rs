@@ -104,6 +104,24 @@ pub fn corner_error([a, b]: [&Matrix3; 2], (width, height): (usize, usize)) -> f
     [[0.0, 0.0], [right, 0.0], [right, bottom], [0.0, bottom]].into_iter().map(apart).fold(0.0, f64::max)
 }
 
+/// The largest distance, at the corners of a picture, of a map from the similarity nearest to it there in px; infinite beyond a horizon.
+pub fn bend(map: &Matrix3, (width, height): (usize, usize)) -> f64 {
+    let [right, bottom] = middle((width, height));
+    // About the middle of the picture and about the mean of their places.
+    let corners = [[-right, -bottom], [right, -bottom], [right, bottom], [-right, bottom]];
+    let [Some(a), Some(b), Some(c), Some(d)] = corners.map(|[x, y]| mapped(map, [x + right, y + bottom])) else {
+        return f64::INFINITY;
+    };
+    let mean = [0, 1].map(|i| (a[i] + b[i] + c[i] + d[i]) / 4.0);
+    let places = [a, b, c, d].map(|[u, v]| [u - mean[0], v - mean[1]]);
+    let pairs = || corners.iter().zip(&places);
+    let spread = (4.0 * (right * right + bottom * bottom)).max(f64::MIN_POSITIVE);
+    let along = pairs().map(|([x, y], [u, v])| x * u + y * v).sum::<f64>() / spread;
+    let across = pairs().map(|([x, y], [u, v])| x * v - y * u).sum::<f64>() / spread;
+    let off = |[x, y]: &[f64; 2], [u, v]: &[f64; 2]| (u - along * x + across * y).hypot(v - across * x - along * y);
+    pairs().map(|(corner, place)| off(corner, place)).fold(0.0, f64::max)
+}
+
 /// The true motions of the background from frame `first` on, for `count` pairs; `None` where they are not known.
 ///
 /// # Errors
@@ -329,6 +347,17 @@ mod tests {
         let all = chained(&[shift(3.0, 0.0), turn]);
         assert_eq!(all.len(), 3);
         assert_eq!(mapped(&all[2], [1.0, 2.0]), Some([-2.0, 4.0]), "first the shift, then the turn");
+    }
+
+    #[test]
+    fn a_similarity_bends_nothing() {
+        let similarity = [[1.1, -0.3, 7.0], [0.3, 1.1, -2.0], [0.0, 0.0, 1.0]];
+        assert!(bend(&similarity, (64, 48)) < 1e-9);
+        // Corners (±4, ±3) go to (±4, ±6): the scale of the nearest similarity is (16 + 18) / 25.
+        let stretched = [[1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 1.0]];
+        let expected = (4.0f64 * 0.36).hypot(3.0 * 0.64);
+        assert!((bend(&stretched, (9, 7)) - expected).abs() < 1e-12, "{}", bend(&stretched, (9, 7)));
+        assert_eq!(bend(&[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-0.5, 0.0, 1.0]], (9, 7)), f64::INFINITY);
     }
 
     #[test]

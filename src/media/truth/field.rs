@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek};
 use std::path::Path;
 
-use motionscope_core::products::model::{Matrix3, mapped};
+use motionscope_core::products::model::{Matrix3, mapped, oriented};
 use motionscope_core::{Disparity, Error, Flow, Grid, PixelClass, TrueMask};
 use png::{BitDepth, ColorType, Transformations};
 
@@ -323,17 +323,18 @@ fn homography(reader: BufReader<File>, path: &Path) -> Result<Matrix3, Error> {
     let numbers: Vec<f64> =
         numbers.map(|number| number.filter(|n| n.is_finite())).collect::<Option<_>>().unwrap_or_default();
     match numbers[..] {
-        // Defined up to a factor: the origin lies before the horizon.
-        [a, b, c, d, e, f, g, h, i] => Ok([[a, b, c], [d, e, f], [g, h, i]].map(|row| row.map(|v| v * i.signum()))),
+        [a, b, c, d, e, f, g, h, i] => Ok([[a, b, c], [d, e, f], [g, h, i]]),
         _ => Err(file_error(path, "this is no homography: its <data> must be the 9 finite numbers of a 3×3 matrix")),
     }
 }
 
-/// The flow of a homography; unknown beyond its horizon.
+/// The flow of a homography that is given up to a factor: the middle of the picture lies before the horizon. Unknown beyond it.
 fn flow_of(matrix: &Matrix3, (width, height): (usize, usize)) -> Flow {
+    let middle = [(width as f64 - 1.0) / 2.0, (height as f64 - 1.0) / 2.0];
+    let matrix = oriented(matrix, std::iter::once(middle)).unwrap_or(*matrix);
     Flow(Grid::from_fn(width, height, |x, y| {
         let at = [x as f64, y as f64];
-        mapped(matrix, at).map_or(Flow::UNKNOWN, |to| known([0, 1].map(|i| (to[i] - at[i]) as f32)))
+        mapped(&matrix, at).map_or(Flow::UNKNOWN, |to| known([0, 1].map(|i| (to[i] - at[i]) as f32)))
     }))
 }
 
@@ -454,6 +455,10 @@ mod tests {
         assert_eq!(flow.at(4, 1), None);
         save("-1. -0.5 -2.0 0. -1. 1. 2.5e-01 0. -1.");
         assert_eq!(super::flow(&path, (7, 3)).unwrap().at(0, 2), Some([3.0, -1.0]));
+        // With its horizon between the origin and the middle of the picture.
+        save("1. 0. 0. 0. 1. 0. -1. 0. 2.");
+        let flow = super::flow(&path, (7, 3)).unwrap();
+        assert_eq!((flow.at(0, 2), flow.at(3, 1)), (None, Some([-6.0, -2.0])));
         for data in ["1 2 3", "1 0 0 0 1 0 0 0 nan", "1 0 0 0 1 0 0 0 one"] {
             save(data);
             let told = check_flow(&path, (7, 3)).unwrap_err().to_string();

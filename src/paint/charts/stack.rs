@@ -86,7 +86,11 @@ pub fn draw(data: Pyramid<'_>, area: Rect, style: ChartStyle, seen: &mut Seen) -
     view.words(&mut canvas, longer, (area, part.max[0]));
     let primitives = canvas.into_primitives();
     let mut head = Canvas::default();
-    let words = super::titled(whose, &format!("pyramid of {} levels", stack.floors.len()), (small, area.size()[0]));
+    let levels = match stack.floors.len() {
+        1 => "pyramid of 1 level".to_owned(),
+        count => format!("pyramid of {count} levels"),
+    };
+    let words = super::titled(whose, &levels, (small, area.size()[0]));
     let at = [area.min[0], area.min[1] + 0.8 * small];
     head.text(at, (Anchor::Start, Level::Middle), &words, Type::text(style.theme));
     let corners = (0..stack.floors.len()).map(|level| view.corners(level)).collect();

@@ -7,7 +7,7 @@ use mosaic::mosaic;
 use crate::base::words;
 use crate::methods::geometric::{
     Correspondence,
-    fit::{fit, is_on_line, squared_errors},
+    fit::{across_horizon, fit, is_on_line, squared_errors},
     refine::least_squares,
     robust::{self, Best, Estimate, RobustModel, robust_pseudocode},
     system::System,
@@ -86,11 +86,14 @@ impl RobustModel for GlobalMotion {
         fit(self.model, sample).into_iter().collect()
     }
 
-    fn why_none(&self, sample: &[Correspondence]) -> &'static str {
-        let is_flipped = self.model == Model::Homography && !is_on_line(sample);
-        match is_flipped {
-            true => "the homography through it maps some of its points behind the horizon, as no view of a plane does",
-            false => "its points lie on a line or at one place",
+    fn why_none(&self, sample: &[Correspondence]) -> String {
+        let is_split = self.model == Model::Homography && !is_on_line(sample);
+        match across_horizon(sample).filter(|_| is_split) {
+            Some(count) => format!(
+                "the horizon of the homography through it separates {count} of its {} points from the others, as in no view of a plane",
+                sample.len()
+            ),
+            None => "its points lie on a line or at one place".to_owned(),
         }
     }
 
@@ -214,13 +217,18 @@ impl GlobalMotion {
     /// The motion in words: translation, and rotation and scale where these are defined.
     fn described(&self, matrix: &Matrix3) -> String {
         let [[a, _, u], [c, _, v], _] = *matrix;
-        let motion = format!("translation ({}, {}) px", words::fixed(u, 2), words::fixed(v, 2));
+        let motion = |[u, v]: [f64; 2]| format!("translation ({}, {}) px", words::fixed(u, 2), words::fixed(v, 2));
         let degrees = words::fixed(c.atan2(a).to_degrees(), 2);
         match self.model {
-            Model::Translation => motion,
-            Model::Rigid => format!("rotation {degrees}°, {motion}"),
-            Model::Similarity => format!("rotation {degrees}°, scale {}, {motion}", words::fixed(a.hypot(c), 3)),
-            Model::Affine | Model::Homography => format!("{} with the {motion} at the origin", self.name()),
+            Model::Translation => motion([u, v]),
+            Model::Rigid => format!("rotation {degrees}°, {}", motion([u, v])),
+            Model::Similarity => {
+                format!("rotation {degrees}°, scale {}, {}", words::fixed(a.hypot(c), 3), motion([u, v]))
+            }
+            Model::Affine | Model::Homography => match mapped(matrix, [0.0; 2]) {
+                Some(origin) => format!("{} with the {} at the origin", self.name(), motion(origin)),
+                None => format!("{} with the origin behind its horizon", self.name()),
+            },
         }
     }
 }

@@ -80,7 +80,8 @@ impl CompensatedDifference {
 
     /// Warps the previous frames to the present one by the estimate of the stage.
     fn register(&self, model: &Model, frame: &Frame, field: Option<&ModelField>) -> Registered {
-        let found = field.map(usable);
+        let latest = model.before.first().map(|earlier| earlier.frame.luma());
+        let found = field.zip(latest).map(|(field, latest)| usable(field, [latest, frame.luma()]));
         let known = found.and_then(Result::ok);
         let motion = known.unwrap_or(IDENTITY);
         let (width, height) = frame.size();

@@ -91,11 +91,12 @@ pub(crate) fn gradients(picture: &Grid<f32>) -> [Grid<f32>; 2] {
     [along, down]
 }
 
-/// The warp after the inverse of `increment`, with a last entry of 1; `None` if that has no inverse.
+/// The warp after the inverse of `increment`, with a last entry of 1; `None` if that has no inverse, or the middle of the picture goes behind
+/// the horizon.
 pub(crate) fn composed(warp: &Matrix3, increment: &Matrix3) -> Option<Matrix3> {
     let composed = product(warp, &inverse(increment)?);
     let last = composed[2][2];
-    let is_sound = last.abs() > 1e-9 && composed.iter().flatten().all(|entry| entry.is_finite());
+    let is_sound = last > 1e-9 && composed.iter().flatten().all(|entry| entry.is_finite());
     is_sound.then(|| composed.map(|row| row.map(|entry| entry / last)))
 }
 

@@ -4,9 +4,11 @@ use std::sync::Arc;
 
 use crate::base::{Error, Threads};
 use crate::data::Clip;
+use crate::geometry::Gray;
 use crate::products::ModelField;
 use crate::products::model::{IDENTITY, Matrix3, Model, Support, inverse, normalised, product};
-use crate::products::path::corner_error;
+use crate::products::path::{bend, corner_error};
+use crate::products::registration::{gray_at, inside};
 use crate::run::{GlobalModel, Granularity, Span, Stage, StageView, need};
 
 /// The lines of the pseudocode that chain the motions.
@@ -46,6 +48,10 @@ pub struct Chain {
     pub unknown: usize,
     /// The first frame of the first of them, and why.
     pub first_refused: Option<(usize, Refused)>,
+    /// Number of pairs with a motion that bends the picture.
+    pub bent: usize,
+    /// The first frame of the first of them, and the bend in px.
+    pub first_bent: Option<(usize, f64)>,
 }
 
 /// Why the motion of a pair is not used.
@@ -61,6 +67,13 @@ pub enum Refused {
         moved_px: f64,
         /// The diagonal in px.
         most_px: f64,
+    },
+    /// Only a few matches agree, and the gray levels contradict them.
+    Worse {
+        /// Mean absolute difference of the frames registered by it, in gray levels.
+        registered: f64,
+        /// That of the frames as they are, at the same pixels.
+        at_rest: f64,
     },
     /// Chained to the motions before, it gives a map without an inverse.
     Path,
@@ -86,8 +99,9 @@ pub struct Link {
 /// The motion of an estimate, or why it is not used.
 ///
 /// # Errors
-/// If there is none, it has no inverse, or moves a corner farther than the diagonal of the picture.
-pub fn usable(field: &ModelField) -> Result<Matrix3, Refused> {
+/// If there is none, it has no inverse, moves a corner farther than the diagonal of the picture, or has few inliers and registers the frames
+/// worse than no motion at all.
+pub fn usable(field: &ModelField, frames: [&Gray; 2]) -> Result<Matrix3, Refused> {
     let most_px = (field.picture.0 as f64).hypot(field.picture.1 as f64);
     let matrix = field.matrix.ok_or(Refused::Unknown(field.model, field.support))?;
     let is_finite = matrix.iter().flatten().all(|entry| entry.is_finite());
@@ -95,8 +109,43 @@ pub fn usable(field: &ModelField) -> Result<Matrix3, Refused> {
         return Err(Refused::Singular);
     }
     let moved_px = corner_error([&matrix, &IDENTITY], field.picture);
-    if moved_px <= most_px { Ok(matrix) } else { Err(Refused::Far { moved_px, most_px }) }
+    if moved_px > most_px {
+        return Err(Refused::Far { moved_px, most_px });
+    }
+    let is_weak = field.support.is_some_and(|support| support.inliers < MANY_INLIERS);
+    match is_weak.then(|| differences(&matrix, frames)).flatten() {
+        Some([registered, at_rest]) if registered > WORSE * at_rest + NOISE => {
+            Err(Refused::Worse { registered, at_rest })
+        }
+        _ => Ok(matrix),
+    }
 }
+
+/// Inliers from which on the matches alone are evidence.
+const MANY_INLIERS: usize = 16;
+/// Frames that differ by more than this many times their difference at rest, and by so many gray levels of noise, contradict a motion.
+const WORSE: f64 = 1.25;
+const NOISE: f64 = 0.05;
+
+/// Mean absolute differences in gray levels of two frames, registered by a motion and as they are, on a lattice of the pixels that both show.
+fn differences(motion: &Matrix3, [current, next]: [&Gray; 2]) -> Option<[f64; 2]> {
+    /// Distance of the pixels of the lattice.
+    const STEP: usize = 3;
+    let (width, height) = current.size();
+    let (mut sums, mut count) = ([0.0; 2], 0);
+    for (x, y) in (0..height).step_by(STEP).flat_map(|y| (0..width).step_by(STEP).map(move |x| (x, y))) {
+        let Some(to) = inside(motion, [x as f64, y as f64], next.size()) else { continue };
+        let level = f64::from(current[(x, y)]);
+        sums[0] += (f64::from(gray_at(next, to)) - level).abs();
+        sums[1] += (f64::from(next[(x, y)]) - level).abs();
+        count += 1;
+    }
+    (count > 0).then(|| sums.map(|sum| sum / f64::from(count)))
+}
+
+/// From this share of the diagonal on, a motion between two frames bends the picture more than a camera does. Of hand-held clips it is at most
+/// 0.4 %; a homography that takes a passing car in bends it by more than 2 %.
+const BENT: f64 = 0.01;
 
 /// The map from the first frame after one more motion; `None` if it has no inverse.
 fn composed(motion: &Matrix3, before: &Matrix3) -> Option<Matrix3> {
@@ -118,6 +167,8 @@ impl Chain {
             to_frames: Arc::new(vec![IDENTITY]),
             unknown: 0,
             first_refused: None,
+            bent: 0,
+            first_bent: None,
         })
     }
 
@@ -170,13 +221,19 @@ impl Chain {
         let field = motion.model(clip, self.frame, threads)?;
         let before = self.to_frames[self.to_frames.len() - 1];
         let composed = |motion: Matrix3| composed(&motion, &before).map(|after| (motion, after)).ok_or(Refused::Path);
-        let known = usable(&field).and_then(composed);
+        let pair = clip.pair(self.frame)?;
+        let known = usable(&field, pair.each_ref().map(|frame| frame.luma())).and_then(composed);
         let (motion, after) = known.unwrap_or((IDENTITY, before));
         let truth = clip.truth().map_or(Ok(None), |truth| truth.background(self.frame));
         Arc::make_mut(&mut self.motions).push(motion);
         Arc::make_mut(&mut self.to_frames).push(after);
         self.unknown += usize::from(known.is_err());
         self.first_refused = self.first_refused.or(known.err().map(|why| (self.frame, why)));
+        let bend_px = bend(&motion, self.picture);
+        if bend_px > BENT * (self.picture.0 as f64).hypot(self.picture.1 as f64) {
+            self.bent += 1;
+            self.first_bent = self.first_bent.or(Some((self.frame, bend_px)));
+        }
         self.frame += 1;
         self.is_complete = self.span.is_over(clip, self.frame + 1);
         Ok(Link { field, motion, refused: known.err(), before, after, truth })
@@ -191,14 +248,39 @@ impl Chain {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Grid;
+    use crate::products::model::mapped;
+
+    #[test]
+    fn few_matches_are_held_against_the_gray_levels() {
+        let level = |x: usize, y: usize| ((x * x * 7 + y * 31 + x * y * 5) % 251) as u8;
+        let frame = |by: usize| Grid::from_fn(60, 40, |x, y| level(x + 10 - by, y));
+        let field = |u: f64, inliers: usize| ModelField {
+            picture: (60, 40),
+            model: Model::Translation,
+            matrix: Some([[1.0, 0.0, u], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]),
+            iterations: 1,
+            residual_px: Some(0.1),
+            support: Some(Support { inliers, matches: inliers }),
+        };
+        let used = |u: f64, inliers: usize, by: usize| usable(&field(u, inliers), [&frame(0), &frame(by)]);
+        // The camera moves as the matches say, or it rests.
+        assert!(used(4.0, 5, 4).is_ok());
+        let Err(Refused::Worse { registered, at_rest }) = used(4.0, 5, 0) else { panic!("the frames are the same") };
+        assert!(registered > 40.0 && at_rest == 0.0, "{registered}, {at_rest}");
+        assert!(used(4.0, MANY_INLIERS, 0).is_ok(), "many matches on a background that an object hides");
+    }
 
     #[test]
     fn a_motion_that_ends_the_path_is_refused() {
         let turn = [[1.0, 0.0, 2.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         assert_eq!(composed(&turn, &turn).map(|after| after[0][2]), Some(4.0));
-        // The origin of the first frame goes to infinity: no last entry of 1.
+        // The origin of the first frame goes to infinity, and comes back.
         let tilted = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-0.5, 0.0, 1.0]];
-        assert_eq!(composed(&tilted, &turn), None);
+        let after = composed(&tilted, &turn).expect("what lies before the horizon stays there");
+        assert_eq!((mapped(&after, [0.0; 2]), mapped(&after, [-2.0, 0.0])), (None, Some([0.0; 2])));
+        let back = inverse(&tilted).expect("regular");
+        assert_eq!(composed(&back, &after).map(|after| mapped(&after, [0.0; 2])), Some(Some([2.0, 0.0])));
         // Each motion has an inverse; all together they leave less than rounding errors of the picture.
         let smaller = [[1e-5, 0.0, 0.0], [0.0, 1e-5, 0.0], [0.0, 0.0, 1.0]];
         assert!(inverse(&smaller).is_some() && composed(&smaller, &smaller).is_none());

@@ -88,9 +88,15 @@ pub fn why(refused: Refused) -> String {
             model.label().to_lowercase()
         ),
         Refused::Singular => "The matrix has no inverse.".to_owned(),
+        Refused::Far { moved_px, .. } if moved_px.is_infinite() => "It maps a corner of the picture behind the horizon.".to_owned(),
         Refused::Far { moved_px, most_px } => {
             format!("It moves a corner by {}, and the diagonal of the picture, {}, is the most.", px(moved_px), px(most_px))
         }
+        Refused::Worse { registered, at_rest } => format!(
+            "Registered by it the frames differ by {} gray levels on average, and by {} as they are: its few inliers lie on an object, or are wrong.",
+            fixed(registered, 2),
+            fixed(at_rest, 2)
+        ),
         Refused::Path => "Chained to the motions before, it gives a map from the first frame without an inverse: the view has moved too far from \
                           that of the first frame. A shorter run helps."
             .to_owned(),
@@ -106,6 +112,19 @@ pub fn unknown_pairs(chain: &Chain) -> String {
         grouped(chain.motions.len()),
         frame + 1,
         why(refused)
+    )
+}
+
+/// How many motions of a run bend the picture, and what that means, as sentences; empty if none does.
+pub fn bent_pairs(chain: &Chain) -> String {
+    let Some((frame, bend_px)) = chain.first_bent else { return String::new() };
+    format!(
+        " Motions far from every similarity: {} of {}. From frame {frame} to {} a corner is {} off the nearest one, more than a camera bends \
+         consecutive frames: matches on a moving object may be taken for the background. A similarity as the model avoids it.",
+        grouped(chain.bent),
+        grouped(chain.motions.len()),
+        frame + 1,
+        px(bend_px)
     )
 }
 

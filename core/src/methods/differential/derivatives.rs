@@ -1,6 +1,6 @@
 //! Spatial and temporal derivatives of a pair of frames.
 
-use crate::base::{LANES, Threads, wide::wide};
+use crate::base::{Threads, wide::wide};
 use crate::choices;
 use crate::geometry::{Beyond, Grid, Numbers, filter::filtered_row};
 
@@ -94,13 +94,6 @@ impl<F: Fn(f32, f32) -> f32 + Copy> Numbers for Both<'_, F> {
     #[inline(always)]
     fn at(self, i: usize) -> f32 {
         (self.f)(self.rows[0][i], self.rows[1][i])
-    }
-
-    #[inline(always)]
-    fn lane(self, start: usize) -> [f32; LANES] {
-        let [mut lane, other] = self.rows.map(|row| row.lane(start));
-        lane.iter_mut().zip(other).for_each(|(value, other)| *value = (self.f)(*value, other));
-        lane
     }
 }
 

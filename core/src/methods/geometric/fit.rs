@@ -5,12 +5,12 @@ use nalgebra::{SMatrix, SVector};
 use super::Correspondence;
 use super::moments::Moments;
 use crate::base::wide::wide;
-use crate::products::model::{HORIZON, Matrix3, Model, mapped};
+use crate::products::model::{HORIZON, Matrix3, Model, beyond_horizon, oriented};
 pub use crate::products::model::{inverse, product};
 
 /// Fits `model` to correspondences. With as many as determine it the fit is exact; with more, translation, rigid, similarity and affine
 /// minimise the squared distance in frame t + 1, a homography the algebraic distance of the normalised DLT. `None` if they do not determine
-/// it: too few, or on a line.
+/// it: too few, on a line, or on both sides of the horizon of the homography.
 pub fn fit(model: Model, matches: &[Correspondence]) -> Option<Matrix3> {
     if matches.len() < model.sample_size() {
         return None;
@@ -123,8 +123,18 @@ impl Normalisation {
     }
 }
 
-/// The homography by the normalised direct linear transformation (Hartley 1997).
+/// The homography, with all matches before its horizon.
 fn homography(matches: &[Correspondence]) -> Option<Matrix3> {
+    oriented(&linear(matches)?, matches.iter().map(|m| m.from))
+}
+
+/// The number of matches that the homography through all of them maps beyond its horizon from the others; `None` if they determine none.
+pub fn across_horizon(matches: &[Correspondence]) -> Option<usize> {
+    Some(beyond_horizon(&linear(matches)?, matches.iter().map(|m| m.from)))
+}
+
+/// The homography by the normalised direct linear transformation (Hartley 1997), up to a factor.
+fn linear(matches: &[Correspondence]) -> Option<Matrix3> {
     let from = Normalisation::of(matches.iter().map(|m| m.from))?;
     let to = Normalisation::of(matches.iter().map(|m| m.to))?;
     let normalised = |m: &Correspondence| Correspondence { from: from.apply(m.from), to: to.apply(m.to) };
@@ -132,14 +142,10 @@ fn homography(matches: &[Correspondence]) -> Option<Matrix3> {
         4 => exact(matches.iter().map(normalised))?,
         count => direct_linear(&Moments::of(matches, [&from, &to], &vec![1.0; count]))?,
     };
-    let matrix = product(&to.inverse(), &product(&matrix, &from.matrix()));
-    let last = matrix[2][2];
-    let scaled = matrix.map(|row| row.map(|entry| entry / last));
-    let is_regular = last.abs() > 1e-12 && matches.iter().all(|m| mapped(&scaled, m.from).is_some());
-    is_regular.then_some(scaled)
+    Some(product(&to.inverse(), &product(&matrix, &from.matrix())))
 }
 
-/// The homography through four correspondences, with its last entry 1.
+/// The homography through four correspondences, with its last entry 1: their mean lies before the horizon where they all do.
 fn exact(matches: impl Iterator<Item = Correspondence>) -> Option<Matrix3> {
     let (mut system, mut right) = (SMatrix::<f64, 8, 8>::zeros(), SVector::<f64, 8>::zeros());
     for (i, Correspondence { from: [x, y], to: [u, v] }) in matches.enumerate() {
@@ -209,7 +215,9 @@ fn squared_errors_body(matrix: &Matrix3, matches: &[Correspondence], errors: &mu
 
 #[cfg(test)]
 mod tests {
+    use super::super::refine::least_squares;
     use super::*;
+    use crate::products::model::mapped;
     use crate::synth::random::{hash, unit};
 
     const ALL: [Model; 5] = [Model::Translation, Model::Rigid, Model::Similarity, Model::Affine, Model::Homography];
@@ -226,8 +234,13 @@ mod tests {
     }
 
     fn matches(matrix: &Matrix3, count: usize) -> Vec<Correspondence> {
+        matches_from([0.0; 2], matrix, count)
+    }
+
+    /// Exact matches of points in 640×480 px.
+    fn matches_from([left, top]: [f64; 2], matrix: &Matrix3, count: usize) -> Vec<Correspondence> {
         let random = |i: usize, k: u64| unit(hash(3, i as u64, k));
-        let point = |i: usize| [640.0 * random(i, 0), 480.0 * random(i, 1)];
+        let point = |i: usize| [left + 640.0 * random(i, 0), top + 480.0 * random(i, 1)];
         let moved = |from| mapped(matrix, from).expect("before the horizon");
         (0..count).map(point).map(|from| Correspondence { from, to: moved(from) }).collect()
     }
@@ -242,6 +255,38 @@ mod tests {
                 assert!(off < 1e-6, "{model:?} from {count}: {off}");
             }
         }
+    }
+
+    #[test]
+    fn the_horizon_may_lie_between_the_origin_and_the_points() {
+        let truth = |last: f64| [[1.1, 0.2, -7.0], [-0.3, 0.9, 22.0], [1e-2, -1e-3, last]];
+        // The third homogeneous coordinate at (0, 0): behind the horizon, on it, and before it. At the points it is at least 0.5.
+        for matrix in [-1.0, 0.0, 1.0].map(truth) {
+            for count in [4, 5, 50] {
+                let exact = matches_from([200.0, 0.0], &matrix, count);
+                for fitted in [fit, least_squares] {
+                    let found = fitted(Model::Homography, &exact).expect("all points lie before the horizon");
+                    let back = inverse(&found).expect("regular");
+                    for m in matches_from([200.0, 0.0], &matrix, 80) {
+                        let there = squared_error(&found, &m).sqrt();
+                        let here = squared_error(&back, &Correspondence { from: m.to, to: m.from }).sqrt();
+                        assert!(there < 1e-6 && here < 1e-6, "{matrix:?} from {count}: {there} px and back {here} px");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_horizon_between_the_points_is_refused() {
+        let matrix = [[1.1, 0.2, -7.0], [-0.3, 0.9, 22.0], [1e-2, -1e-3, -3.0]];
+        let at = |[x, y]: [f64; 2]| {
+            let [a, b, w] = matrix.map(|row: [f64; 3]| row[0] * x + row[1] * y + row[2]);
+            Correspondence { from: [x, y], to: [a / w, b / w] }
+        };
+        let sample = [[200.0, 50.0], [500.0, 40.0], [600.0, 300.0], [420.0, 400.0]].map(at);
+        assert_eq!((fit(Model::Homography, &sample), across_horizon(&sample)), (None, Some(1)));
+        assert_eq!(across_horizon(&matches(&truth(Model::Homography), 9)), Some(0));
     }
 
     #[test]

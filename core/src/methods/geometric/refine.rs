@@ -44,8 +44,8 @@ fn step(matrix: &Matrix3, Equations { moments, right, .. }: &Equations, size: f6
     let normal = moments.transfer().fixed_view::<8, 8>(0, 0).into_owned();
     let right = SVector::<f64, 8>::from_fn(|i, _| right[i]);
     let d = normal.cholesky()?.solve(&right);
-    let [[a, b, c], [e, f, g], [h, i, _]] = *matrix;
-    Some([[a + d[0], b + d[1], c + size * d[2]], [e + d[3], f + d[4], g + size * d[5]], [h + d[6], i + d[7], 1.0]])
+    let [[a, b, c], [e, f, g], [h, i, last]] = *matrix;
+    Some([[a + d[0], b + d[1], c + size * d[2]], [e + d[3], f + d[4], g + size * d[5]], [h + d[6], i + d[7], last]])
 }
 
 /// The normal equations of a Gauss–Newton step.

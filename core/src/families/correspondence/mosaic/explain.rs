@@ -5,7 +5,8 @@ use std::sync::Arc;
 use super::{Event, Mosaic, Placed, State, line};
 use crate::base::words::{self, fixed, grouped};
 use crate::methods::camera_path::{
-    Blending, Canvas as Sheet, chain_facts, chain_step, draw_link, matrix, outline, path_series, unknown_pairs,
+    Blending, Canvas as Sheet, bent_pairs, chain_facts, chain_step, draw_link, matrix, outline, path_series,
+    unknown_pairs,
 };
 use crate::methods::numbers::percent;
 use crate::products::{PathField, Views};
@@ -128,7 +129,11 @@ impl Mosaic {
                 " Double edges show errors of the chained path; broken straight lines show parallax.".to_owned()
             }
         };
-        format!(" End of the run: {frames} in one picture.{quality}{}", unknown_pairs(&after.chain))
+        format!(
+            " End of the run: {frames} in one picture.{quality}{}{}",
+            unknown_pairs(&after.chain),
+            bent_pairs(&after.chain)
+        )
     }
 
     fn readouts(&self, seen: &Seen<Self>, event: &Event) -> Vec<Readout> {

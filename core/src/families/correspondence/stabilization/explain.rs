@@ -2,7 +2,9 @@
 
 use super::{Event, Stabilization, Stable, State, line};
 use crate::base::words::{self, fixed};
-use crate::methods::camera_path::{Chain, chain_facts, chain_step, draw_link, matrix, path_series, unknown_pairs};
+use crate::methods::camera_path::{
+    Chain, bent_pairs, chain_facts, chain_step, draw_link, matrix, path_series, unknown_pairs,
+};
 use crate::methods::numbers::percent;
 use crate::products::model::{IDENTITY, Matrix3, inverse, mapped};
 use crate::products::path::{PathErrors, middle};
@@ -140,6 +142,7 @@ impl Stabilization {
             ));
         }
         said.push_str(&unknown_pairs(&after.chain));
+        said.push_str(&bent_pairs(&after.chain));
         if after.unsmoothed > 0 {
             said.push_str(&format!(" Without a smoothed place: {}.", words::counted(after.unsmoothed, "frame")));
         }

@@ -61,7 +61,7 @@ impl<M: RobustModel> Robust<M> {
                 });
                 let drawn = drawn.unwrap_or_default();
                 let why = match distinct(&drawn) < drawn.len() {
-                    true => "some of its matches share a position",
+                    true => "some of its matches share a position".to_owned(),
                     false => self.0.why_none(&drawn),
                 };
                 let said = said.ink(Role::Rejected, "The sample determines no model");

@@ -56,8 +56,8 @@ pub trait RobustModel: Params + Default + Clone + Send + Sync + 'static {
     fn hypotheses(&self, sample: &[Correspondence]) -> Vec<Matrix3>;
 
     /// Why a sample determines no model, as the end of a sentence.
-    fn why_none(&self, _sample: &[Correspondence]) -> &'static str {
-        "its points lie on a line or at one place"
+    fn why_none(&self, _sample: &[Correspondence]) -> String {
+        "its points lie on a line or at one place".to_owned()
     }
 
     /// Number of inliers of each further sample by which the last hypothesis is optimised; 0 for none.
