@@ -200,7 +200,7 @@ fn template(c: &mut Criterion) {
     }
 }
 
-/// The pose of a box of 87 control points, for each frame but the first.
+/// The pose of a turning box, for each frame but the first.
 fn pose(c: &mut Criterion) {
     const FRAMES: usize = 21;
     let scene = synth::scene("turning-box").expect("a scene");

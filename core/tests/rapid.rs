@@ -428,7 +428,7 @@ fn many_edges_of_something_else_pull_the_pose_away() {
         assert!(angle > 5.0, "{weighting}: {angle}°");
     }
     // The rectangle around the model fits all the same, so the step says what it does not show.
-    assert!(!steps(&*set("rapid", &[]), &clip, "locked on to edges that are not its own").is_empty());
+    assert!(!steps(&*set("rapid", &[]), &clip, "wrong edges were matched").is_empty());
 }
 
 #[test]

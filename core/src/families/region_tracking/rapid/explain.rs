@@ -9,7 +9,7 @@ use crate::methods::numbers::{px, ratio};
 use crate::methods::region::{At, Ending, Explained, Outcome};
 use crate::scene::{Arrow, Fact, Math, Matrix, Picture, Readout, Role, Scene, Sentence, Series, Shape};
 
-/// A rotation that is farther off in degrees is one of a model that fits other edges than its own.
+/// The error of a rotation in degrees from which on wrong edges were matched: noise makes one far below.
 const WRONG_DEG: f64 = 5.0;
 /// The rows of the six parameters.
 const PARAMETERS: [&str; FREEDOM] = ["θ_x", "θ_y", "θ_z", "Δ_x", "Δ_y", "Δ_z"];
@@ -178,8 +178,7 @@ impl Explained for Rapid {
         let angle = length(rotation);
         (angle > WRONG_DEG.to_radians()).then(|| {
             format!(
-                "But the rotation is off by {}: the model has locked on to edges that are not its own, which the rectangle around it does \
-                 not show.",
+                "But the rotation differs from the true one by {}: wrong edges were matched, which the rectangle around the model does not show.",
                 degrees(angle)
             )
         })
@@ -200,7 +199,8 @@ impl Explained for Rapid {
                  from single wrong edges; a wrong pose that many of them support is not corrected."
             }
         };
-        let off = error(at).map(|(angle, distance)| format!(" The last pose is off by {angle} and {distance}."));
+        let off = error(at)
+            .map(|(angle, distance)| format!(" The last pose differs from the true one by {angle} and {distance}."));
         format!("{advice}{}", off.unwrap_or_default())
     }
 }
@@ -276,7 +276,7 @@ impl Rapid {
         let across = x.max(y);
         let why = if z > across { ", since a change of distance moves the edges least" } else { "" };
         let said = said.text(format!(
-            " The covariance is the variance of the residuals times the inverse of the normal matrix, as if the edges erred independently: σ is {} mm \
+            " The covariance is the variance of the residuals times the inverse of the normal matrix, for independent errors of the edges: σ is {} mm \
              along the optical axis and {} mm across it{why}.",
             fixed(1000.0 * z, 1),
             fixed(1000.0 * across, 1)
