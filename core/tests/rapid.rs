@@ -301,16 +301,15 @@ fn cylinder(pose: &Pose) -> Frame {
 }
 
 /// The judged steps of a cylinder in these poses.
-fn judged_cylinder(exact: &[Pose], settings: &[(&str, &str)]) -> Vec<Step> {
+fn judged_cylinder(exact: &[Pose]) -> Vec<Step> {
     let clip = Clip::from_frames("cylinder", exact.iter().map(cylinder).collect()).expect("frames of one size");
     // The rectangle around the first one.
     let luma = clip.frame(0).expect("a frame");
     let places = (0..240).flat_map(|y| (0..320).map(move |x| (x, y))).filter(|place| luma.luma()[*place] > 60);
     let ends = places.fold([320, 240, 0, 0], |[l, t, r, b], (x, y)| [l.min(x), t.min(y), r.max(x), b.max(y)]);
     let region = ends.map(|c| c.to_string()).join(",");
-    let model =
-        [("region", region.as_str()), ("solid", "cylinder"), ("width", "0.4"), ("height", "0.5"), ("depth", "0.4")];
-    let settings = [&model[..], &[("turn", "0"), ("tilt", "20")], settings].concat();
+    let size = [("solid", "cylinder"), ("width", "0.4"), ("height", "0.5"), ("depth", "0.4")];
+    let settings = [&size[..], &[("region", region.as_str()), ("turn", "0"), ("tilt", "20")]].concat();
     steps(&*set("rapid", &settings), &clip, "Pose: turn")
 }
 
@@ -318,7 +317,7 @@ fn judged_cylinder(exact: &[Pose], settings: &[(&str, &str)]) -> Vec<Step> {
 fn a_cylinder_is_followed_but_for_the_rotation_about_its_axis() {
     let tilt = |t: usize| (0.35 + 0.012 * t as f64).sin_cos();
     let exact = |t: usize| Pose::tilted((0.0, 1.0), tilt(t), [0.012 * t as f64, 0.0, 1.8 - 0.02 * t as f64]);
-    let judged = judged_cylinder(&(0..12).map(exact).collect::<Vec<_>>(), &[]);
+    let judged = judged_cylinder(&(0..12).map(exact).collect::<Vec<_>>());
     assert_eq!(judged.len(), 12);
     for (t, step) in judged.iter().enumerate() {
         let (found, exact) = (pose(step), exact(t));
