@@ -411,4 +411,27 @@ mod tests {
         }
         assert_eq!(space.calibration(), None, "the focal length changes");
     }
+
+    #[test]
+    fn nothing_shines_through_where_faces_meet() {
+        let [white, black] = [rgb(0xffffff), rgb(0x000000)];
+        // Two white faces recede from their common edge, before a black wall.
+        let face = |at: Vector, along: Vector| {
+            let form = Form::Plane { at, along: [along, [0.0, 1.0, 0.0]], half: [0.2, 0.3] };
+            Body::new(form, white, move |_| white).face_of(1, |_| REST)
+        };
+        let wall = Form::upright([0.0, 0.0, 3.0], 0.0, [f64::INFINITY; 2]);
+        let bodies = vec![
+            Body::new(wall, black, move |_| black),
+            face([-0.16, 0.0, 1.62], [-0.8, 0.0, 0.6]),
+            face([0.16, 0.0, 1.62], [-0.8, 0.0, -0.6]),
+        ];
+        let space = Space::new(bodies, Difficulty::default());
+        let moment = space.seen_from(Viewpoint::Left, 0.0);
+        for x in [157.0, 158.5, 159.0, 159.5, 160.0, 160.5, 162.0] {
+            let seen = moment.color([x, 119.5]);
+            assert!(seen.iter().all(|c| *c > 245.0), "{x}: {seen:?}");
+        }
+        assert!(moment.color([100.0, 119.5]).iter().all(|c| *c < 1.0), "the wall beside them");
+    }
 }

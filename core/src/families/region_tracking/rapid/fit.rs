@@ -203,7 +203,7 @@ mod tests {
     #[test]
     fn rows_are_the_derivatives_of_the_projection() {
         let (model, camera) = (Wireframe::of(&Rapid::default()), Camera::new((320, 240), 56.14));
-        let pose = Pose::tilted((0.5, 0.75f64.sqrt()), (0.34, 0.94), [0.1, -0.05, 1.6]);
+        let pose = Pose::tilted((0.5, 0.75f64.sqrt()), 0.35f64.sin_cos(), [0.1, -0.05, 1.6]);
         let controls = model.controls(&camera, (&pose, 8.0), (320, 240));
         assert!(controls.len() > 40, "{}", controls.len());
         for control in controls {

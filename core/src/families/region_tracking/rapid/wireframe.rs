@@ -216,7 +216,7 @@ mod tests {
     #[test]
     fn a_box_shows_nine_edges_of_twelve_and_a_cylinder_its_outline() {
         let camera = Camera::new((320, 240), 56.14);
-        let pose = Pose::tilted((0.5, 0.75f64.sqrt()), (0.34, 0.94), [0.0, 0.0, 1.6]);
+        let pose = Pose::tilted((0.5, 0.75f64.sqrt()), 0.35f64.sin_cos(), [0.0, 0.0, 1.6]);
         let solid = |solid| Wireframe::of(&Rapid { solid, ..Rapid::default() });
         assert_eq!(solid(Solid::Box).outline(&camera, &pose).len(), 9);
         // The whole upper ring, the near half of the lower one and two sides of the outline.
@@ -229,7 +229,7 @@ mod tests {
     #[test]
     fn a_region_gives_the_translation() {
         let (model, camera) = (Wireframe::of(&Rapid::default()), Camera::new((320, 240), 56.14));
-        let pose = Pose::tilted((0.5, 0.75f64.sqrt()), (0.34, 0.94), [0.2, -0.1, 1.9]);
+        let pose = Pose::tilted((0.5, 0.75f64.sqrt()), 0.35f64.sin_cos(), [0.2, -0.1, 1.9]);
         let seen = model.bounds(&camera, &pose).expect("in front of the camera");
         let found = model.placed(&camera, pose, seen.into());
         assert!(pose.translation.iter().zip(found.translation).all(|(a, b)| (a - b).abs() < 1e-4), "{found:?}");
