@@ -7,7 +7,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use motionscope_core::kalman::{Estimate, Sensor, Velocity};
 use motionscope_core::objects::score::scores;
 use motionscope_core::{
-    Bounds, Clip, Detection, Error, Flow, Frame, Grid, ObjectBox, ObjectField, Threads, Truth, estimator,
+    Bounds, Clip, Detection, Error, Flow, Frame, Grid, ObjectBox, ObjectField, Threads, Truth, estimator, synth,
 };
 use nalgebra::{SMatrix, Vector2, Vector4};
 
@@ -200,6 +200,22 @@ fn template(c: &mut Criterion) {
     }
 }
 
+/// The pose of a turning box, for each frame but the first.
+fn pose(c: &mut Criterion) {
+    const FRAMES: usize = 21;
+    let scene = synth::scene("turning-box").expect("a scene");
+    let clip = scene.clip(&scene.difficulty()).expect("a clip");
+    let pool = Threads::single();
+    for weighting in ["equal", "robust"] {
+        let mut tracker = estimator("rapid").expect("it is registered");
+        tracker.set("frames", &FRAMES.to_string()).expect("in range");
+        tracker.set("weighting", weighting).expect("a choice");
+        c.bench_function(&format!("rapid, weighting {weighting}, 320×240 px, {} frames", FRAMES - 1), |b| {
+            b.iter(|| tracker.run(&clip, 0, &pool).expect("a run"));
+        });
+    }
+}
+
 /// A contour around a bright disc, of 100 points where it has points. The viscosity is so high that it does not converge in 100 iterations; a frame of these is to
 /// take 2 ms at most. The greedy one converges earlier.
 fn contours(c: &mut Criterion) {
@@ -235,5 +251,5 @@ fn contours(c: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, filter, tracker, ambiguous, many, of_one_region, template, contours);
+criterion_group!(benches, filter, tracker, ambiguous, many, of_one_region, template, pose, contours);
 criterion_main!(benches);

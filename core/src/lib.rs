@@ -93,7 +93,7 @@ pub use base::{Count, Error, Observer, Stop, Tally, Threads};
 pub use course::{compare, detection, estimator, estimators, examples, glossary};
 pub use data::{
     Blob, Calibration, Clip, ClipInfo, Counted, Detection, Disparity, Flow, Frame, FrameSource, Histogram,
-    Interpolation, Mask, MaskErrors, ObjectBox, PackedMask, PixelClass, TrueMask, Truth, Viewpoint,
+    Interpolation, Mask, MaskErrors, ObjectBox, PackedMask, PixelClass, Pose, TrueMask, Truth, Viewpoint,
 };
 pub use families::{
     block_matching, correspondence, interest_points, motion_segmentation, moving_objects, optical_flow,

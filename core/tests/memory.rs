@@ -103,6 +103,7 @@ fn all() -> Vec<(Box<dyn AnyEstimator>, String)> {
         ("flow-magnitude", &[("method", "tv-l1")]),
         ("kalman-tracker", &[("source", "moving")]),
         ("template-tracker", &[("region", "0,0,319,239"), ("levels", "6")]),
+        ("rapid", &[("region", "0,0,319,239"), ("spacing", "1"), ("search-range", "40")]),
         ("chan-vese", &[("region", "20,20,300,220"), ("margin", "200")]),
     ] {
         all.push((set(id, settings), format!("{settings:?}")));

@@ -20,7 +20,8 @@ use crate::families::{
         Clg, Farneback, HornSchunck, Klt, LucasKanade, NormalFlow, PointTrajectories, PyramidalLucasKanade, TvL1,
     },
     region_tracking::{
-        ActiveContour, Camshift, ChanVese, CorrelationFilter, GreedyContour, MeanShift, ParticleFilter, TemplateTracker,
+        ActiveContour, Camshift, ChanVese, CorrelationFilter, GreedyContour, MeanShift, ParticleFilter, Rapid,
+        TemplateTracker,
     },
     stereo::{BlockStereo, SemiGlobalMatching},
     tracking::{BlobTracker, JointProbabilistic, KalmanFilter, KalmanTracker, MultipleHypothesis, TrajectoryAnalysis},
@@ -92,6 +93,7 @@ impl Entries for Course {
         Entry::of::<RegionTracking<ParticleFilter>>(),
         Entry::of::<RegionTracking<CorrelationFilter>>(),
         Entry::of::<RegionTracking<TemplateTracker>>(),
+        Entry::of::<RegionTracking<Rapid>>(),
         Entry::of::<RegionTracking<ActiveContour>>(),
         Entry::of::<RegionTracking<GreedyContour>>(),
         Entry::of::<RegionTracking<ChanVese>>(),

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::sync::Arc;
 
-use super::{Calibration, Detection, Disparity, TrueMask, Viewpoint};
+use super::{Calibration, Detection, Disparity, Pose, TrueMask, Viewpoint};
 use crate::base::{Error, Stop};
 use crate::geometry::{Bounds, Gray, Grid};
 
@@ -149,6 +149,14 @@ pub trait Truth: Send + Sync {
     /// # Errors
     /// If the truth is there but cannot be read.
     fn objects(&self, _t: usize) -> Result<Option<Vec<ObjectBox>>, Error> {
+        Ok(None)
+    }
+
+    /// The pose of rigid object `id` in frame `t`, in the coordinates of the camera.
+    ///
+    /// # Errors
+    /// If the truth is there but cannot be read.
+    fn pose(&self, _id: u32, _t: usize) -> Result<Option<Pose>, Error> {
         Ok(None)
     }
 

@@ -7,6 +7,7 @@ mod histogram;
 mod interpolation;
 mod mask;
 mod morphology;
+mod pose;
 mod stereo;
 mod true_mask;
 
@@ -18,5 +19,6 @@ pub(crate) use interpolation::Between;
 pub use interpolation::Interpolation;
 pub use mask::{Mask, PackedMask};
 pub use morphology::MAX_RADIUS_PX;
+pub use pose::Pose;
 pub use stereo::{Calibration, Disparity, Viewpoint};
 pub use true_mask::{MaskErrors, PixelClass, TrueMask};

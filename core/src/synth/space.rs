@@ -3,12 +3,12 @@
 //! Lengths are metres: X to the right, Y down, Z forwards from the left camera of the first frame.
 
 use super::difficulty::Difficulty;
-use super::layer::{Paint, painted, scale};
+use super::layer::{Paint, TrackPoint, painted, scale};
 use super::maths::sin_cos;
 use super::motion::grown;
 use super::shape::Point;
 use super::texture::{Rgb, Spot};
-use crate::data::{Calibration, Viewpoint};
+use crate::data::{Calibration, Pose, Viewpoint};
 
 /// A position or direction in space in m.
 pub type Vector = [f64; 3];
@@ -17,6 +17,8 @@ pub type Vector = [f64; 3];
 const FOCAL: f64 = 300.0;
 /// Distance of the cameras in m.
 const BASELINE: f64 = 0.12;
+/// The pose of a body at rest: its coordinates are those of the left camera.
+const REST: Pose = Pose { rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], translation: [0.0; 3] };
 /// Units of a texture per m: the px of a picture of 320×240 at a depth of 2 m.
 const TEXTURE: f64 = FOCAL / 2.0;
 
@@ -47,26 +49,60 @@ impl Form {
         let (sin, cos) = sin_cos(turns);
         Form::Plane { at, along: [[cos, 0.0, sin], [0.0, 1.0, 0.0]], half }
     }
+
+    /// The corners of a part of a plane.
+    fn corners(&self) -> Option<[Vector; 4]> {
+        let Form::Plane { at, along: [u, v], half: [a, b] } = *self else { return None };
+        Some([[-a, -b], [a, -b], [a, b], [-a, b]].map(|[a, b]| plus(at, plus(times(u, a), times(v, b)))))
+    }
 }
 
 /// A body with its motion and surface.
 pub struct Body {
     form: Form,
-    /// Its translation at a time in frames.
-    motion: fn(f64) -> Vector,
+    /// Its pose at a time in frames.
+    motion: Motion,
     paint: Paint,
     plain: Rgb,
+    object: Option<u32>,
+    /// Whether a plane is seen from the side alone to which the product of its directions points.
+    is_one_sided: bool,
+}
+
+/// The motion of a body.
+#[derive(Clone, Copy)]
+enum Motion {
+    /// A translation.
+    Shift(fn(f64) -> Vector),
+    /// A rigid motion.
+    Rigid(fn(f64) -> Pose),
+}
+
+impl Motion {
+    fn pose(self, time: f64) -> Pose {
+        match self {
+            Self::Shift(shift) => Pose { translation: shift(time), ..REST },
+            Self::Rigid(pose) => pose(time),
+        }
+    }
 }
 
 impl Body {
     /// A body at rest. `plain` is its colour where all texture is gone.
     pub fn new(form: Form, plain: Rgb, paint: impl Fn(Spot) -> Rgb + Send + Sync + 'static) -> Self {
-        Self { form, motion: |_| [0.0; 3], paint: Box::new(paint), plain }
+        let motion = Motion::Shift(|_| [0.0; 3]);
+        Self { form, motion, paint: Box::new(paint), plain, object: None, is_one_sided: false }
     }
 
     /// The same with a motion: its translation at a time in frames, bounded, and zero at time 0.
     pub fn moving(self, motion: fn(f64) -> Vector) -> Self {
-        Self { motion, ..self }
+        Self { motion: Motion::Shift(motion), ..self }
+    }
+
+    /// The same as a face of a rigid object that hides its inside: the form is in the coordinates of the object, which has a pose at a time
+    /// in frames, and the product of the directions of a plane points outwards.
+    pub fn face_of(self, id: u32, pose: fn(f64) -> Pose) -> Self {
+        Self { motion: Motion::Rigid(pose), object: Some(id), is_one_sided: true, ..self }
     }
 }
 
@@ -80,6 +116,18 @@ impl Space {
     /// Bodies in any order; one of them must fill the picture.
     pub fn new(bodies: Vec<Body>, difficulty: Difficulty) -> Self {
         Self { bodies, difficulty }
+    }
+
+    /// Whether it has objects.
+    pub fn has_objects(&self) -> bool {
+        self.bodies.iter().any(|body| body.object.is_some())
+    }
+
+    /// The pose of an object at frame `t` in the coordinates of the left camera, unless that turns or zooms.
+    pub fn pose(&self, id: u32, t: f64) -> Option<Pose> {
+        let d = &self.difficulty;
+        let body = self.bodies.iter().find(|body| body.object == Some(id))?;
+        (d.rotation == 0.0 && d.scale_change == 0.0).then(|| body.motion.pose(t * f64::from(d.speed)))
     }
 
     /// The calibration of the cameras, unless their focal length changes.
@@ -101,8 +149,8 @@ impl Space {
             // The pair turns as a whole, so that its views stay rectified.
             Viewpoint::Right => [cos * BASELINE, -sin * BASELINE, 0.0],
         };
-        let shifts = self.bodies.iter().map(|body| (body.motion)(time)).collect();
-        Moment { space: self, shifts, camera: Camera { eye, focal, turned: (sin, cos), centre: centre(d) } }
+        let poses = self.bodies.iter().map(|body| body.motion.pose(time)).collect();
+        Moment { space: self, poses, camera: Camera { eye, focal, turned: (sin, cos), centre: centre(d) } }
     }
 }
 
@@ -170,21 +218,24 @@ struct Hit {
 /// A scene at one moment from one viewpoint.
 pub struct Moment<'a> {
     space: &'a Space,
-    shifts: Vec<Vector>,
+    poses: Vec<Pose>,
     camera: Camera,
 }
 
 impl Moment<'_> {
     /// Where the ray through `p` meets body `index`, or passes it closest.
     fn hit(&self, index: usize, p: Point) -> Option<Hit> {
-        let (ray, eye) = (self.camera.ray(p), minus(self.camera.eye, self.shifts[index]));
+        // In the coordinates of the body the camera moves.
+        let (body, pose) = (&self.space.bodies[index], &self.poses[index]);
+        let ray = pose.turned_back(self.camera.ray(p));
+        let eye = pose.turned_back(minus(self.camera.eye, pose.translation));
         let pixel = |depth: f64| TEXTURE * depth / self.camera.focal;
-        match self.space.bodies[index].form {
+        match body.form {
             Form::Plane { at, along: [u, v], half } => {
                 let normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
                 let slope = dot(normal, ray);
                 let depth = dot(normal, minus(at, eye)) / slope;
-                if !(depth > 1e-6 && depth.is_finite()) {
+                if !(depth > 1e-6 && depth.is_finite()) || (body.is_one_sided && slope > 0.0) {
                     return None;
                 }
                 let rest = plus(eye, times(ray, depth));
@@ -232,8 +283,14 @@ impl Moment<'_> {
         let mut hits: Vec<_> = self.hits(p).filter(|hit| hit.inside > -2.0 * hit.spot.pixel).collect();
         hits.sort_by(|a, b| a.depth.total_cmp(&b.depth));
         let (mut color, mut left) = ([0.0; 3], 1.0);
+        // Faces that meet at an edge share the pixel: nothing behind them shines through. What of it was left for the first of them.
+        let (mut object, mut shared) = (None, 1.0);
         for hit in hits {
-            let cover = left * hit.spot.cover(hit.inside);
+            let id = self.space.bodies[hit.body].object;
+            if id.is_none() || id != object {
+                (object, shared) = (id, left);
+            }
+            let cover = (shared * hit.spot.cover(hit.inside)).min(left);
             if cover > 0.0 {
                 let body = &self.space.bodies[hit.body];
                 let own = painted(body.plain, &body.paint, hit.spot, &self.space.difficulty);
@@ -252,12 +309,55 @@ impl Moment<'_> {
         self.first(p).map(|hit| hit.body)
     }
 
+    /// Whether a body is part of an object.
+    pub fn is_object(&self, index: usize) -> bool {
+        self.space.bodies[index].object.is_some()
+    }
+
+    /// As [`super::layer::Moment::sightings`], for objects with plane faces.
+    pub fn sightings(&self) -> Vec<TrackPoint> {
+        let mut ids: Vec<_> = self.space.bodies.iter().filter_map(|body| body.object).collect();
+        ids.sort_unstable();
+        ids.dedup();
+        ids.into_iter().filter_map(|id| self.sighting(id)).collect()
+    }
+
+    /// The object, unless it is behind the camera or beside the picture.
+    fn sighting(&self, id: u32) -> Option<TrackPoint> {
+        let is_part = |index: usize| self.space.bodies[index].object == Some(id);
+        let parts = (0..self.space.bodies.len()).filter(|index| is_part(*index));
+        let corners =
+            parts.filter_map(|i| Some(self.space.bodies[i].form.corners()?.map(|at| self.poses[i].moved(at))));
+        let seen: Option<Vec<Point>> = corners.flatten().map(|at| Some(self.camera.project(at)?.0)).collect();
+        let none = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
+        let bounds = seen?
+            .into_iter()
+            .fold(none, |[left, top, right, bottom], [x, y]| [left.min(x), top.min(y), right.max(x), bottom.max(y)]);
+        let [left, top, right, bottom] = bounds;
+        let (width, height) = (self.space.difficulty.width as f64, self.space.difficulty.height as f64);
+        if !(right >= -0.5 && bottom >= -0.5 && left < width - 0.5 && top < height - 0.5) {
+            return None;
+        }
+        let (mut all, mut visible) = (0u32, 0u32);
+        for y in top.ceil() as i64..=bottom.floor() as i64 {
+            for x in left.ceil() as i64..=right.floor() as i64 {
+                let p = [x as f64, y as f64];
+                let is_inside = p[0] >= -0.5 && p[1] >= -0.5 && p[0] < width - 0.5 && p[1] < height - 0.5;
+                if self.hits(p).any(|hit| hit.inside >= 0.0 && is_part(hit.body)) {
+                    all += 1;
+                    visible += u32::from(is_inside && self.foremost(p).is_some_and(is_part));
+                }
+            }
+        }
+        Some(TrackPoint { id, bounds, visible: f64::from(visible) / f64::from(all.max(1)) })
+    }
+
     /// As [`super::stage::Moment::follow`].
     pub fn follow(&self, index: usize, p: Point, other: &Self) -> Option<(Point, bool)> {
         /// Relative difference of depths that rounding explains.
         const ROUNDING: f64 = 1e-6;
         let rest = self.hit(index, p)?.rest;
-        let (to, depth) = other.camera.project(plus(rest, other.shifts[index]))?;
+        let (to, depth) = other.camera.project(other.poses[index].moved(rest))?;
         let (width, height) = (self.space.difficulty.width as f64, self.space.difficulty.height as f64);
         let is_outside = to[0] < -0.5 || to[1] < -0.5 || to[0] >= width - 0.5 || to[1] >= height - 0.5;
         let is_covered = other.first(to).is_some_and(|first| first.depth < depth * (1.0 - ROUNDING));
@@ -310,5 +410,28 @@ mod tests {
             assert!((y - p[1]).abs() < 1e-9 && x < p[0], "{p:?} is at {x}, {y}");
         }
         assert_eq!(space.calibration(), None, "the focal length changes");
+    }
+
+    #[test]
+    fn nothing_shines_through_where_faces_meet() {
+        let [white, black] = [rgb(0xffffff), rgb(0x000000)];
+        // Two white faces recede from their common edge, before a black wall.
+        let face = |at: Vector, along: Vector| {
+            let form = Form::Plane { at, along: [along, [0.0, 1.0, 0.0]], half: [0.2, 0.3] };
+            Body::new(form, white, move |_| white).face_of(1, |_| REST)
+        };
+        let wall = Form::upright([0.0, 0.0, 3.0], 0.0, [f64::INFINITY; 2]);
+        let bodies = vec![
+            Body::new(wall, black, move |_| black),
+            face([-0.16, 0.0, 1.62], [-0.8, 0.0, 0.6]),
+            face([0.16, 0.0, 1.62], [-0.8, 0.0, -0.6]),
+        ];
+        let space = Space::new(bodies, Difficulty::default());
+        let moment = space.seen_from(Viewpoint::Left, 0.0);
+        for x in [157.0, 158.5, 159.0, 159.5, 160.0, 160.5, 162.0] {
+            let seen = moment.color([x, 119.5]);
+            assert!(seen.iter().all(|c| *c > 245.0), "{x}: {seen:?}");
+        }
+        assert!(moment.color([100.0, 119.5]).iter().all(|c| *c < 1.0), "the wall beside them");
     }
 }

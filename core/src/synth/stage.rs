@@ -5,7 +5,7 @@ use super::motion::Affine;
 use super::shape::Point;
 use super::space::{self, Space};
 use super::texture::Rgb;
-use crate::data::{Calibration, Viewpoint};
+use crate::data::{Calibration, Pose, Viewpoint};
 
 /// What a scene consists of.
 pub enum Stage {
@@ -18,7 +18,18 @@ pub enum Stage {
 impl Stage {
     /// Whether it has objects to be tracked.
     pub fn has_objects(&self) -> bool {
-        matches!(self, Self::Flat(stage) if stage.has_objects())
+        match self {
+            Self::Flat(stage) => stage.has_objects(),
+            Self::Deep(space) => space.has_objects(),
+        }
+    }
+
+    /// The pose of a rigid object at frame `t`, where it is known.
+    pub fn pose(&self, id: u32, t: f64) -> Option<Pose> {
+        match self {
+            Self::Flat(_) => None,
+            Self::Deep(space) => space.pose(id, t),
+        }
     }
 
     /// Whether two cameras see it.
@@ -75,7 +86,10 @@ impl Moment<'_> {
 
     /// Whether surface `index` is an object.
     pub fn is_object(&self, index: usize) -> bool {
-        matches!(self, Self::Flat(moment) if moment.is_object(index))
+        match self {
+            Self::Flat(moment) => moment.is_object(index),
+            Self::Deep(moment) => moment.is_object(index),
+        }
     }
 
     /// Where the point of surface `index` that is at `p` now is in `other`, another moment or viewpoint, and whether it is hidden there or
@@ -103,7 +117,7 @@ impl Moment<'_> {
     pub fn sightings(&self) -> Vec<TrackPoint> {
         match self {
             Self::Flat(moment) => moment.sightings(),
-            Self::Deep(_) => Vec::new(),
+            Self::Deep(moment) => moment.sightings(),
         }
     }
 }

@@ -6,7 +6,7 @@ use super::difficulty::Difficulty;
 use super::recent::Recent;
 use super::stage::Stage;
 use crate::base::Error;
-use crate::data::{Disparity, Flow, ObjectBox, PixelClass, TrueMask, Truth, Viewpoint};
+use crate::data::{Disparity, Flow, ObjectBox, PixelClass, Pose, TrueMask, Truth, Viewpoint};
 use crate::geometry::Grid;
 
 /// The truth of a synthetic clip, computed from the same layers and motions as its pixels.
@@ -126,6 +126,10 @@ impl Truth for ExactTruth {
             }
         };
         Ok(Some(self.stage.at(t as f64).sightings().iter().map(boxed).collect()))
+    }
+
+    fn pose(&self, id: u32, t: usize) -> Result<Option<Pose>, Error> {
+        Ok((t < self.difficulty.frames).then(|| self.stage.pose(id, t as f64)).flatten())
     }
 
     /// The visible pixels of the objects; nothing if the scene has no objects.

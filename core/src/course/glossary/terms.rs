@@ -372,6 +372,12 @@ pub static GLOSSARY: &[Term] = &[
     )
     .symbol("u"),
     term(
+        Trajectories,
+        "control point",
+        &["control points"],
+        "A point on an edge of a model, with the normal of its projected edge along which the edge in the picture is searched.",
+    ),
+    term(
         MotionVectors,
         "convergence",
         &["converge", "converges", "converged"],
@@ -1848,6 +1854,12 @@ pub static GLOSSARY: &[Term] = &[
     ),
     term(Evaluation, "precision", &[], "The share of detections that are correct.").symbol("TP / (TP + FP)"),
     term(
+        Trajectories,
+        "pose",
+        &["poses"],
+        "The rotation and translation of a rigid object relative to the camera: six parameters.",
+    ),
+    term(
         Evaluation,
         "precision plot",
         &["precision curve"],
@@ -2460,6 +2472,12 @@ pub static GLOSSARY: &[Term] = &[
         "visual odometry",
         &[],
         "The estimation of a camera's path from the motion of features in its images.",
+    ),
+    term(
+        Trajectories,
+        "wireframe model",
+        &["wireframe models", "wireframe"],
+        "A model of a rigid object by its edges in space.",
     ),
     term(
         MotionVectors,

@@ -8,6 +8,7 @@ mod correlation_filter;
 mod greedy_contour;
 mod mean_shift;
 mod particle_filter;
+mod rapid;
 mod template_tracker;
 
 pub use active_contour::ActiveContour;
@@ -17,4 +18,5 @@ pub use correlation_filter::CorrelationFilter;
 pub use greedy_contour::GreedyContour;
 pub use mean_shift::MeanShift;
 pub use particle_filter::ParticleFilter;
+pub use rapid::Rapid;
 pub use template_tracker::TemplateTracker;

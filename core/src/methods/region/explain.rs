@@ -49,7 +49,10 @@ impl<T: Explained> RegionTracking<T> {
         };
         let events: Vec<_> = seen.events.iter().filter_map(own).collect();
         let event = *events.last()?;
-        Some(At { model: seen.before.model.as_deref(), region: seen.before.region, events, event })
+        let state = seen.before;
+        let truth = state.chosen.object.zip(seen.clip.truth());
+        let pose = truth.and_then(|(object, truth)| truth.pose(object, state.frame).ok().flatten());
+        Some(At { model: state.model.as_deref(), region: state.region, events, event, pose })
     }
 
     pub(super) fn told(&self, seen: &Seen<Self>) -> Step {

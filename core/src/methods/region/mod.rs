@@ -17,7 +17,7 @@ pub(crate) use start::line;
 use start::{Chosen, choose};
 
 use crate::base::{Error, Mapped, Observer};
-use crate::data::{Clip, Frame, PackedMask};
+use crate::data::{Clip, Frame, PackedMask, Pose};
 use crate::geometry::Bounds;
 use crate::params::{Params, inner_params};
 use crate::products::{MaskField, ObjectFrame, Output, Product, ProductKind, Region, RegionField, RegionFrame};
@@ -149,6 +149,8 @@ pub struct At<'a, T: RegionModel> {
     pub events: Vec<&'a T::Event>,
     /// The event at hand.
     pub event: &'a T::Event,
+    /// The true pose of the object in the frame, where it is known.
+    pub pose: Option<Pose>,
 }
 
 /// The estimator that tracks a region by the model `T`.

@@ -25,6 +25,7 @@ mod sub_pixel;
 mod traffic;
 mod translation;
 mod tunnel;
+mod turning_box;
 mod turntable;
 mod wallpaper;
 
@@ -54,6 +55,7 @@ pub const SCENES: &[Sample] = &[
     turntable::SAMPLE,
     still_life::SAMPLE,
     stereo_traps::SAMPLE,
+    turning_box::SAMPLE,
     spinning_sign::SAMPLE,
     blurred_swing::SAMPLE,
     fast_flight::SAMPLE,

@@ -1,0 +1,347 @@
+//! RAPiD: a rigid wireframe model is refitted to the edges along the normals of its projection.
+
+mod explain;
+mod fit;
+mod wireframe;
+
+use std::sync::Arc;
+
+use crate::base::Observer;
+use crate::data::{Clip, Frame, Pose};
+use crate::methods::region::{RegionModel, Settings, Similarity};
+use crate::products::{Region, RegionFrame};
+use crate::run::{Info, Need};
+use crate::scene::{Chart, Name};
+use crate::{choices, params, pseudocode};
+
+use fit::{Equations, Motion, Sight, Sought, covariance, equations, farthest, motion_of, solution};
+use wireframe::{Camera, Wireframe};
+
+choices! {
+    /// Shape of the model.
+    pub enum Solid {
+        /// Box: its visible edges.
+        Box = "box" "Box",
+        /// Upright cylinder: the ellipses of its ends and the two sides of its outline. With equal width and depth no edge shows a rotation
+        /// about its axis, which is held.
+        Cylinder = "cylinder" "Cylinder",
+    }
+}
+
+choices! {
+    /// Pose at which the search of a frame starts.
+    pub enum Prediction {
+        /// The pose of the last frame: the motion between frames must stay within the search range.
+        None = "none" "None",
+        /// The last pose moved by the last motion: constant velocity.
+        ConstantVelocity = "constant-velocity" "Constant velocity",
+    }
+}
+
+choices! {
+    /// Weights of the edges.
+    pub enum Weighting {
+        /// All edges count alike: an edge of something else pulls with its whole distance.
+        Equal = "equal" "Equal",
+        /// An edge counts less, the farther it lies from the common solution: 1/(c + |r|).
+        Robust = "robust" "Robust",
+    }
+}
+
+params! {
+    /// RAPiD tracker.
+    pub struct Rapid {
+        /// Region and frames.
+        settings: Settings = Settings::default();
+        /// Shape of the model.
+        solid: Solid = Solid::Box;
+        /// Width of the model along its X axis.
+        width: f32 = 0.48, 0.01..=100.0, "m";
+        /// Height of the model along its Y axis, downwards.
+        height: f32 = 0.32, 0.01..=100.0, "m";
+        /// Depth of the model along its Z axis, away from the camera.
+        depth: f32 = 0.36, 0.01..=100.0, "m";
+        /// Initial rotation about the vertical axis of the model: positive angles show its right side.
+        turn: f32 = 30.0, -180.0..=180.0, "°";
+        /// Initial tilt towards the camera: positive angles show its top.
+        tilt: f32 = 20.0, -89.0..=89.0, "°";
+        /// Horizontal field of view of the camera. It gives the focal length in px; the principal point is the middle of the picture.
+        field_of_view: f32 = 56.14, 5.0..=150.0, "°";
+        /// Pose at which the search of a frame starts.
+        prediction: Prediction = Prediction::ConstantVelocity;
+        /// Weights of the edges.
+        weighting: Weighting = Weighting::Robust;
+        /// Distance of the control points on the projected edges.
+        spacing: f32 = 6.0, 1.0..=50.0, "px";
+        /// Largest distance of an edge from its control point, along the normal on both sides. The nearest edge is taken.
+        search_range: usize = 8, 1..=40, "px";
+        /// Gradient along the normal below which there is no edge.
+        min_gradient: f32 = 6.0, 0.5..=100.0, "levels/px";
+        /// Maximum number of iterations in a frame; the original method has one.
+        iterations: usize = 8, 1..=50;
+        /// Stopping criterion: the iterations of a frame end with a motion that moves no control point farther.
+        epsilon: f32 = 0.02, 0.001..=1.0, "px";
+        /// Share of control points with an edge below which the object is lost: the pose stays.
+        min_share: f32 = 0.5, 0.0..=1.0;
+    }
+    advanced { "iterations", "epsilon", "spacing" }
+}
+
+/// A model as a camera sees it.
+#[derive(Clone)]
+pub struct View {
+    wireframe: Arc<Wireframe>,
+    camera: Camera,
+    picture: (usize, usize),
+    pose: Pose,
+}
+
+impl View {
+    fn at(&self, pose: Pose) -> Self {
+        Self { pose, ..self.clone() }
+    }
+
+    /// How the model is seen in its pose.
+    fn sight(&self) -> Sight {
+        Sight { camera: self.camera, axis: self.wireframe.axis().map(|axis| self.pose.turned(axis)) }
+    }
+}
+
+/// What is carried from frame to frame.
+#[derive(Clone)]
+pub struct Model {
+    view: View,
+    /// The motion to the pose of the last frame from that of the one before.
+    motion: Motion,
+    /// The result of the last frame.
+    result: RegionFrame,
+}
+
+/// The end of the iterations of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum End {
+    /// The motion is small.
+    Converged,
+    /// All iterations are done.
+    Exhausted,
+    /// The edges determine no pose in front of the camera.
+    Undetermined,
+}
+
+/// An iteration.
+pub struct Iteration {
+    /// Its number in the frame, from 1.
+    number: usize,
+    /// The model before it.
+    view: View,
+    sought: Vec<Sought>,
+    equations: Equations,
+    /// The six parameters of the motion, the pose after it, and the farthest motion of a control point in px; none where there is no
+    /// solution.
+    moved: Option<(Motion, Pose, f64)>,
+    end: Option<End>,
+}
+
+/// The judgement of the pose.
+pub struct Judged {
+    view: View,
+    sought: Vec<Sought>,
+    /// Share of the control points with an edge.
+    share: f64,
+    /// Covariance of rotation vector and translation, row by row in rad and m.
+    covariance: Option<Vec<f64>>,
+    is_lost: bool,
+}
+
+/// An event of a frame.
+#[derive(Clone)]
+pub enum Event {
+    /// The model at its first pose.
+    Placed(View),
+    /// The prediction from a pose.
+    Predicted([View; 2]),
+    /// An iteration.
+    Iterated(Arc<Iteration>),
+    /// The judgement of the pose.
+    Judged(Arc<Judged>),
+}
+
+impl Rapid {
+    /// The model that fills a region of a picture of this size at the initial rotation.
+    fn placed_in(&self, region: Region, picture: (usize, usize)) -> View {
+        let [turn, tilt] = [self.turn, self.tilt].map(|angle| f64::from(angle).to_radians().sin_cos());
+        let (wireframe, camera) = (Wireframe::of(self), Camera::new(picture, self.field_of_view));
+        let pose = wireframe.placed(&camera, Pose::tilted(turn, tilt, [0.0; 3]), region);
+        View { wireframe: Arc::new(wireframe), camera, picture, pose }
+    }
+
+    /// The control points of a model with their edges.
+    fn edges_of(&self, frame: &Frame, view: &View) -> Vec<Sought> {
+        let controls = view.wireframe.controls(&view.camera, (&view.pose, self.spacing), view.picture);
+        self.sought(frame, (&view.sight(), controls))
+    }
+
+    /// Refines the pose of a model in a frame.
+    fn refine(&self, frame: &Frame, start: View, observer: &mut impl Observer<Event>) -> View {
+        let mut view = start;
+        for number in 1..=self.iterations {
+            let iteration = self.iterate(frame, &view, number);
+            let (moved, end) = (iteration.moved, iteration.end);
+            observer.see(|| Event::Iterated(Arc::new(iteration)));
+            if let Some((_, pose, _)) = moved {
+                view = view.at(pose);
+            }
+            if end.is_some() {
+                break;
+            }
+        }
+        view
+    }
+
+    fn iterate(&self, frame: &Frame, view: &View, number: usize) -> Iteration {
+        let sought = self.edges_of(frame, view);
+        let equations = equations(&sought, &view.sight());
+        let moved = solution(&equations).and_then(|parameters| {
+            let motion = motion_of(&parameters);
+            let pose = view.pose.after(motion);
+            view.wireframe.bounds(&view.camera, &pose)?;
+            Some((motion, pose, farthest(&sought, &view.camera, [&view.pose, &pose])))
+        });
+        let end = match moved {
+            None => Some(End::Undetermined),
+            Some((.., px)) if px <= f64::from(self.epsilon) => Some(End::Converged),
+            Some(_) => (number == self.iterations).then_some(End::Exhausted),
+        };
+        Iteration { number, view: view.clone(), sought, equations, moved, end }
+    }
+
+    /// Judges a pose by the edges at it.
+    fn judge(&self, frame: &Frame, view: &View) -> Judged {
+        let sought = self.edges_of(frame, view);
+        let found = sought.iter().filter(|sought| sought.edge.is_some()).count();
+        let share = found as f64 / sought.len().max(1) as f64;
+        let covariance = covariance(&sought, &view.sight());
+        let is_lost = covariance.is_none() || share < f64::from(self.min_share);
+        Judged { view: view.clone(), sought, share, covariance, is_lost }
+    }
+
+    /// Judges the pose that a frame gives, where the last one had `region`.
+    fn result(
+        &self,
+        (frame, region): (&Frame, Region),
+        view: &View,
+        observer: &mut impl Observer<Event>,
+    ) -> RegionFrame {
+        let judged = Arc::new(self.judge(frame, view));
+        observer.see(|| Event::Judged(Arc::clone(&judged)));
+        let bounds = view.wireframe.bounds(&view.camera, &view.pose).filter(|_| !judged.is_lost);
+        let similarity = judged.share as f32;
+        RegionFrame { region: bounds.map_or(region, Region::from), similarity, is_lost: bounds.is_none() }
+    }
+}
+
+pseudocode! {
+    CHOOSE: "R ← region of the object in the first frame; stop if fewer than 6 control points have an edge",
+    PLACE: "pose (R, T) ← turn, tilt, and the translation at which the model fills the region",
+    EACH_FRAME: "for each frame t",
+    PREDICT: "  if prediction: (R, T) ← (R, T) moved by the last motion",
+    REFINE: "  repeat: lᵢ ← distance of the nearest edge along the normal of control point i; (θ, Δ) ← (Σ wᵢ cᵢ cᵢ^T + λ a a^T)⁻¹ Σ wᵢ cᵢ lᵢ, \
+             with wᵢ = 1 unless the weights are robust, and λ = 0 unless a rotation about an axis a is held",
+    JUDGE: "  P ← σ² (Σ wᵢ cᵢ cᵢ^T + λ a a^T)⁻¹ without the held rotation; lost if the share of control points with an edge < min-share",
+    MOVE: "  the region is the rectangle around the projection, unless the object is lost",
+}
+
+impl RegionModel for Rapid {
+    const INFO: Info = Info {
+        id: "rapid",
+        name: "RAPiD",
+        family: "Region tracking",
+        summary: "Tracks the pose of a rigid wireframe model by the edges along the normals of its projection.",
+        source: "C. Harris and C. Stennett, RAPiD: a video rate object tracker, BMVC 1990; robust weights: T. Drummond and R. Cipolla, \
+                 Real-time visual tracking of complex structures, PAMI 24(7), 2002",
+        pseudocode: line::ALL,
+        granularities: &["clip", "frame", "step"],
+        frames: 2,
+    };
+    const CHARTS: &'static [Chart] = &[Chart::Series, Chart::Matrices];
+    const CONTRASTS: Option<&'static str> = Some("prediction");
+    const SIMILARITY: Similarity =
+        Similarity { name: "share of control points with an edge", symbol: "s", decimals: 3 };
+    type Model = Model;
+    type Event = Event;
+
+    fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    fn refusal(&self, frame: &Frame, region: Region) -> Option<String> {
+        let view = self.placed_in(region, frame.size());
+        let sought = self.edges_of(frame, &view);
+        let found = sought.iter().filter(|sought| sought.edge.is_some()).count();
+        solution(&equations(&sought, &view.sight())).is_none().then(|| {
+            format!(
+                "{found} of {} control points of the model have an edge within {} px, and they do not determine the 6 parameters of a pose.",
+                sought.len(),
+                self.search_range
+            )
+        })
+    }
+
+    fn begin(&self, frame: &Arc<Frame>, region: Region, observer: &mut impl Observer<Event>) -> (Model, f32) {
+        let placed = self.placed_in(region, frame.size());
+        observer.see(|| Event::Placed(placed.clone()));
+        let refined = self.refine(frame, placed.clone(), observer);
+        let result = self.result((frame, region), &refined, observer);
+        let view = if result.is_lost { placed } else { refined };
+        (Model { view, motion: Motion::default(), result }, result.similarity)
+    }
+
+    fn fitted(&self, model: &Model) -> Option<RegionFrame> {
+        Some(model.result)
+    }
+
+    fn follow(
+        &self,
+        model: &mut Model,
+        frame: &Arc<Frame>,
+        region: Region,
+        observer: &mut impl Observer<Event>,
+    ) -> RegionFrame {
+        let before = model.view.pose;
+        let mut start = model.view.clone();
+        if self.prediction == Prediction::ConstantVelocity {
+            start = start.at(before.after(model.motion));
+            observer.see(|| Event::Predicted([model.view.clone(), start.clone()]));
+        }
+        let view = self.refine(frame, start, observer);
+        model.result = self.result((frame, region), &view, observer);
+        if model.result.is_lost {
+            model.motion = Motion::default();
+        } else {
+            model.motion = before.motion_to(&view.pose);
+            model.view = view;
+        }
+        model.result
+    }
+
+    fn need(&self, clip: &Clip) -> Need {
+        // Control points on edges that cross the picture, each with its equation; in a walk those of all iterations.
+        let (width, height) = clip.size();
+        let points = 72.0 * (width + height) as f64 / f64::from(self.spacing);
+        let each = size_of::<Sought>() as f64;
+        Need::per_pixel(clip, [1.0, 1.0]).and([2.0 * each * points, (self.iterations + 1) as f64 * each * points])
+    }
+
+    fn model_bytes(&self, _model: &Model) -> usize {
+        size_of::<Model>() + size_of::<Wireframe>()
+    }
+
+    fn line(&self, event: &Event) -> Name {
+        match event {
+            Event::Placed(_) => line::PLACE,
+            Event::Predicted(_) => line::PREDICT,
+            Event::Iterated(_) => line::REFINE,
+            Event::Judged(_) => line::JUDGE,
+        }
+    }
+}
