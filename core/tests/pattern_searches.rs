@@ -433,7 +433,7 @@ fn every_decision_says_why() {
         let told = explained(id, settings, &clip, 12);
         assert!(told.iter().any(|told| told == sentence), "{id}: {told:#?}");
     };
-    has("three-step", &range, "The step is half the remaining 3 px of the search range, rounded up: 2 px.");
+    has("three-step", &range, "The step is half of the 3 px that remain of the search range, rounded up: 2 px.");
     has(
         "three-step",
         &range,

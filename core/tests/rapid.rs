@@ -258,7 +258,7 @@ fn robust_weights(all: &[Equation]) -> Vec<f64> {
 fn iterations_are_those_of_the_definition() {
     let clip = turning(&[]);
     for weighting in ["equal", "robust"] {
-        let estimator = set("rapid", &[("frames", "6"), ("weighting", weighting), ("prediction", "none")]);
+        let estimator = set("rapid", &[("frames", "6"), ("weighting", weighting), ("pose-prediction", "none")]);
         let judged = steps(&*estimator, &clip, "Pose: turn");
         let first = steps(&*estimator, &clip, "Iteration 1:");
         assert_eq!((judged.len(), first.len()), (6, 6));
@@ -334,7 +334,7 @@ fn judged_cylinder(exact: &[Pose]) -> Vec<Step> {
     let places = (0..240).flat_map(|y| (0..320).map(move |x| (x, y))).filter(|place| luma.luma()[*place] > 60);
     let ends = places.fold([320, 240, 0, 0], |[l, t, r, b], (x, y)| [l.min(x), t.min(y), r.max(x), b.max(y)]);
     let region = ends.map(|c| c.to_string()).join(",");
-    let size = [("solid", "cylinder"), ("width", "0.4"), ("height", "0.5"), ("depth", "0.4")];
+    let size = [("solid", "cylinder"), ("model-width", "0.4"), ("model-height", "0.5"), ("model-depth", "0.4")];
     let settings = [&size[..], &[("region", region.as_str()), ("turn", "0"), ("tilt", "20")]].concat();
     steps(&*set("rapid", &settings), &clip, "Pose: turn")
 }
@@ -374,8 +374,8 @@ fn bad_regions_are_refused_with_their_reason() {
     for extreme in [
         ("field-of-view", "150"),
         ("field-of-view", "5"),
-        ("depth", "100"),
-        ("width", "0.01"),
+        ("model-depth", "100"),
+        ("model-width", "0.01"),
         ("tilt", "89"),
         ("turn", "-180"),
     ] {
@@ -419,7 +419,7 @@ fn the_covariance_is_that_of_the_errors() {
 
 /// The setting of the original method, with a range of 4 px.
 const PLAIN: [(&str, &str); 4] =
-    [("search-range", "4"), ("prediction", "none"), ("weighting", "equal"), ("iterations", "1")];
+    [("search-range", "4"), ("pose-prediction", "none"), ("weighting", "equal"), ("iterations", "1")];
 
 #[test]
 fn a_motion_beyond_the_search_range_loses_the_box() {
@@ -465,6 +465,6 @@ fn many_edges_of_something_else_pull_the_pose_away() {
 #[test]
 fn a_fast_motion_needs_a_prediction() {
     let clip = turning(&[("speed", "2")]);
-    let [still, predicted] = ["none", "constant-velocity"].map(|how| worst(&[("prediction", how)], &clip).0);
+    let [still, predicted] = ["none", "constant-velocity"].map(|how| worst(&[("pose-prediction", how)], &clip).0);
     assert!(still > 5.0 && predicted < 1.0, "{still}°, {predicted}°");
 }

@@ -91,7 +91,8 @@ pub fn inverse(matrix: &Matrix3) -> Option<Matrix3> {
 pub fn normalised(matrix: &Matrix3) -> Option<Matrix3> {
     let last = matrix[2][2].abs();
     let most = matrix.iter().flatten().fold(0.0f64, |most, entry| most.max(entry.abs()));
-    let size = if last > 1e-12 { last } else { most };
+    // A last entry that is nothing but rounding says nothing about the scale.
+    let size = if last > 1e-9 * most { last } else { most };
     let scaled = matrix.map(|row| row.map(|entry| entry / size));
     scaled.iter().flatten().all(|entry| entry.is_finite()).then_some(scaled)
 }

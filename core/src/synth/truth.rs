@@ -17,7 +17,11 @@ pub struct ExactTruth {
     masks: Recent<TrueMask>,
     labels: Recent<Grid<u32>>,
     views: Recent<Views>,
+    boxes: Recent<Vec<ObjectBox>>,
 }
+
+/// Frames of which the boxes are kept: scores compare those of all frames so far.
+const BOXES_KEPT: usize = 256;
 
 /// Flow and occlusion from one frame to the next; they are found together.
 struct Pair {
@@ -41,6 +45,7 @@ impl ExactTruth {
             masks: Recent::new(4),
             labels: Recent::new(4),
             views: Recent::new(4),
+            boxes: Recent::new(BOXES_KEPT),
         }
     }
 
@@ -125,7 +130,8 @@ impl Truth for ExactTruth {
                 visibility: s.visible as f32,
             }
         };
-        Ok(Some(self.stage.at(t as f64).sightings().iter().map(boxed).collect()))
+        let all = || self.stage.at(t as f64).sightings().iter().map(boxed).collect();
+        Ok(Some(self.boxes.get(t, all).to_vec()))
     }
 
     fn pose(&self, id: u32, t: usize) -> Result<Option<Pose>, Error> {

@@ -31,25 +31,41 @@ const LARGE_LETTERS: f32 = 40.0;
 /// in which they fit; returns where each lies. They may need more room than there is: [`Drawing::place`] tells how much.
 pub fn draw(matrices: &[Matrix], area: Rect, style: ChartStyle) -> Drawing<Vec<Rect>> {
     let size = area.size();
-    let fits = |share: &f32| {
-        let needed = extent(&draw_at(matrices, Rect::new([0.0; 2], size), style, *share).place);
+    let given: Vec<usize> = (0..matrices.len()).collect();
+    let orders = || std::iter::once(given.clone()).chain(exchanged(&given));
+    let fits = |share: f32, order: &[usize]| {
+        let needed = extent(&draw_at(matrices, (order, Rect::new([0.0; 2], size)), style, share).place);
         needed[0] <= size[0] && needed[1] <= size[1]
     };
     let smallest = TYPE_SHARES[TYPE_SHARES.len() - 1];
     let is_large = size[0] > LARGE_LETTERS * style.theme.sizes().body;
     let large = LARGE_SHARES.into_iter().filter(|_| is_large);
-    let share = large.chain(TYPE_SHARES).find(fits).unwrap_or(smallest);
-    draw_at(matrices, area, style, share)
+    let mut ways = large.chain(TYPE_SHARES).flat_map(|share| orders().map(move |order| (share, order)));
+    let (share, order) = ways.find(|(share, order)| fits(*share, order)).unwrap_or((smallest, given.clone()));
+    draw_at(matrices, (&order, area), style, share)
 }
 
-fn draw_at(matrices: &[Matrix], area: Rect, style: ChartStyle, share: f32) -> Drawing<Vec<Rect>> {
+/// The orders in which two of `given` have changed places: a wide one between two narrow ones keeps these from standing beside each
+/// other.
+fn exchanged(given: &[usize]) -> impl Iterator<Item = Vec<usize>> {
+    let pairs = (0..given.len()).flat_map(|i| (i + 1..given.len()).map(move |j| (i, j)));
+    pairs.map(|(i, j)| {
+        let mut order = given.to_vec();
+        order.swap(i, j);
+        order
+    })
+}
+
+/// Draws the matrices in an `order`; the places are those of the matrices as given.
+fn draw_at(matrices: &[Matrix], (order, area): (&[usize], Rect), style: ChartStyle, share: f32) -> Drawing<Vec<Rect>> {
     let letters = Letters { theme: style.theme, share };
     let gaps = GAP_LETTERS.map(|gap| gap * letters.text().size);
-    let all: Vec<_> = matrices.iter().map(|matrix| (matrix, Place::of(matrix, letters))).collect();
     let mut canvas = Canvas::default();
     let (mut at, mut below) = (area.min, area.min[1]);
-    let mut places = Vec::new();
-    for (matrix, place) in all {
+    let mut places = vec![Rect::new(area.min, [0.0; 2]); matrices.len()];
+    for index in order {
+        let matrix = &matrices[*index];
+        let place = Place::of(matrix, letters);
         if at[0] > area.min[0] && at[0] + place.size[0] > area.max[0] {
             at = [area.min[0], below + gaps[1]];
         }
@@ -57,14 +73,15 @@ fn draw_at(matrices: &[Matrix], area: Rect, style: ChartStyle, share: f32) -> Dr
         one(&mut canvas, matrix, &place, at, letters);
         at[0] = rect.max[0] + gaps[0];
         below = below.max(rect.max[1]);
-        places.push(rect);
+        places[*index] = rect;
     }
     Drawing { place: places, body: canvas.into_layers(), head: Vec::new() }
 }
 
 /// Width and height that matrices need in the usual type where they may be `width` points wide.
 pub fn size(matrices: &[Matrix], width: f32, style: ChartStyle) -> [f32; 2] {
-    extent(&draw_at(matrices, Rect::new([0.0; 2], [width, 0.0]), style, 1.0).place)
+    let given: Vec<usize> = (0..matrices.len()).collect();
+    extent(&draw_at(matrices, (&given, Rect::new([0.0; 2], [width, 0.0])), style, 1.0).place)
 }
 
 /// The type of matrices.

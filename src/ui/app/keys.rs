@@ -48,10 +48,10 @@ enum Escape {
     Stop,
     /// No longer places anything on the picture.
     Placing,
-    /// Lets the held pixel go.
-    Pixel,
     /// Gives the stage its place back.
     Chart,
+    /// Lets the held pixel go.
+    Pixel,
     /// Leaves the lecture.
     Lecture,
     /// Goes on with one estimator alone.
@@ -60,7 +60,7 @@ enum Escape {
 
 impl Escape {
     const ORDER: [Escape; 6] =
-        [Escape::Stop, Escape::Placing, Escape::Pixel, Escape::Chart, Escape::Lecture, Escape::Lockstep];
+        [Escape::Stop, Escape::Placing, Escape::Chart, Escape::Pixel, Escape::Lecture, Escape::Lockstep];
 
     /// What it does just now, if anything.
     fn now(now: &Situation) -> Option<Self> {
@@ -251,8 +251,8 @@ mod tests {
             let mut now = Situation {
                 playing: is(0),
                 is_placing: is(1),
-                holds_pixel: is(2),
-                has_enlarged: is(3),
+                has_enlarged: is(2),
+                holds_pixel: is(3),
                 lecture: is(4),
                 in_lockstep: is(5),
                 ..Situation::default()

@@ -2,8 +2,10 @@
 
 mod background;
 mod block_matching;
+mod correspondence;
 mod optical_flow;
 mod region_tracking;
+mod tracking;
 
 /// What makes an estimator fail.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -112,9 +114,16 @@ impl Example {
 
 /// Returns the examples of all estimators, in the order of the course.
 pub fn examples() -> impl Iterator<Item = &'static Example> {
-    [block_matching::EXAMPLES, optical_flow::EXAMPLES, background::EXAMPLES, region_tracking::EXAMPLES]
-        .into_iter()
-        .flatten()
+    [
+        block_matching::EXAMPLES,
+        optical_flow::EXAMPLES,
+        correspondence::EXAMPLES,
+        background::EXAMPLES,
+        tracking::EXAMPLES,
+        region_tracking::EXAMPLES,
+    ]
+    .into_iter()
+    .flatten()
 }
 
 /// Returns the examples of the estimator `id`.

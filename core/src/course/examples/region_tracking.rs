@@ -58,7 +58,7 @@ pub(super) const EXAMPLES: &[Example] = &[
         of: &["rapid"],
         cause: Some(Cause::LargeMotion),
         clip: "turning-box,speed=2",
-        settings: &[("search-range", "4"), ("prediction", "none"), ("weighting", "equal"), ("iterations", "1")],
+        settings: &[("search-range", "4"), ("pose-prediction", "none"), ("weighting", "equal"), ("iterations", "1")],
         frame: 0,
         says: "From the last pose, one iteration reaches the edges within 4 px alone, and the box turns by up to 6° a frame. \
                A prediction by constant velocity leaves a small error to the same search range.",

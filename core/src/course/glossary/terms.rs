@@ -1852,13 +1852,13 @@ pub static GLOSSARY: &[Term] = &[
         "The inverse Fourier transform of the phase of the cross-power spectrum, which has its peak at the \
         translation between two pictures.",
     ),
-    term(Evaluation, "precision", &[], "The share of detections that are correct.").symbol("TP / (TP + FP)"),
     term(
         Trajectories,
         "pose",
         &["poses"],
         "The rotation and translation of a rigid object relative to the camera: six parameters.",
     ),
+    term(Evaluation, "precision", &[], "The share of detections that are correct.").symbol("TP / (TP + FP)"),
     term(
         Evaluation,
         "precision plot",

@@ -52,7 +52,7 @@ impl BlockSearch for ThreeStep {
         while left > 0 {
             let (centre, step) = (tester.best(), (left + 1) / 2);
             tester.report(line::HALVE_STEP, || {
-                format!("The step is half the remaining {left} px of the search range, rounded up: {step} px.")
+                format!("The step is half of the {left} px that remain of the search range, rounded up: {step} px.")
             });
             tester.stage(line::TEST_SQUARE, around(centre, &SQUARE, step), || {
                 format!("Square of 9 candidates with a step of {step} px around {}.", vector(centre))

@@ -190,14 +190,13 @@ impl Update {
             Solver::Jacobi | Solver::GaussSeidel => Math::Var(name),
         };
         let [a, b, _] = probe.factors();
-        let mut lines = probe.definition();
-        lines.extend([
-            symbols(name("u"), ("u", "x"), probe.rest()),
+        let is_warped = probe.start().is_some();
+        vec![
+            symbols(name("u"), ("u", "x"), is_warped),
             self.numbers(a, self.mean[0], self.to[0]),
-            symbols(name("v"), ("v", "y"), probe.rest()),
+            symbols(name("v"), ("v", "y"), is_warped),
             self.numbers(b, self.mean[1], self.to[1]),
-        ]);
-        lines
+        ]
     }
 
     fn numbers(&self, gradient: f32, mean: f32, to: f32) -> Math {
@@ -216,20 +215,18 @@ impl Update {
     }
 }
 
-/// The update of one flow component in symbols; `rest` is the constant term, c or I_t.
-fn symbols(to: Math, (part, along): (&'static str, &'static str), rest: Math) -> Math {
+/// The update of one flow component in symbols; after warping, the gradient constraint is linearised at (u₀, v₀).
+fn symbols(to: Math, (part, along): (&'static str, &'static str), is_warped: bool) -> Math {
     let squared = |base: Math| Math::power(base, Math::text("2"));
-    let top = vec![
-        explain::derivative("x"),
-        Math::text(" "),
-        Math::mean(Math::Var("u")),
-        Math::text(" + "),
-        explain::derivative("y"),
-        Math::text(" "),
-        Math::mean(Math::Var("v")),
-        Math::text(" + "),
-        rest,
-    ];
+    let product = |along: &'static str, component: &'static str| {
+        let mean = Math::mean(Math::Var(component));
+        let start = Math::indexed(Math::Var(component), Math::text("0"));
+        let off = vec![Math::text("("), mean.clone(), Math::text(" − "), start, Math::text(")")];
+        let off = if is_warped { Math::Row(off) } else { mean };
+        Math::Row(vec![explain::derivative(along), Math::text(" "), off])
+    };
+    let top =
+        vec![product("x", "u"), Math::text(" + "), product("y", "v"), Math::text(" + "), explain::derivative("t")];
     let bottom = vec![
         squared(Math::Var("α")),
         Math::text(" + "),

@@ -56,11 +56,11 @@ params! {
         /// Shape of the model.
         solid: Solid = Solid::Box;
         /// Width of the model along its X axis.
-        width: f32 = 0.48, 0.01..=100.0, "m";
+        model_width: f32 = 0.48, 0.01..=100.0, "m";
         /// Height of the model along its Y axis, downwards.
-        height: f32 = 0.32, 0.01..=100.0, "m";
+        model_height: f32 = 0.32, 0.01..=100.0, "m";
         /// Depth of the model along its Z axis, away from the camera.
-        depth: f32 = 0.36, 0.01..=100.0, "m";
+        model_depth: f32 = 0.36, 0.01..=100.0, "m";
         /// Initial rotation about the vertical axis of the model: positive angles show its right side.
         turn: f32 = 30.0, -180.0..=180.0, "°";
         /// Initial tilt towards the camera: positive angles show its top.
@@ -68,7 +68,7 @@ params! {
         /// Horizontal field of view of the camera. It gives the focal length in px; the principal point is the middle of the picture.
         field_of_view: f32 = 56.14, 5.0..=150.0, "°";
         /// Pose at which the search of a frame starts.
-        prediction: Prediction = Prediction::ConstantVelocity;
+        pose_prediction: Prediction = Prediction::ConstantVelocity;
         /// Weights of the edges.
         weighting: Weighting = Weighting::Robust;
         /// Distance of the control points on the projected edges.
@@ -264,9 +264,13 @@ impl RegionModel for Rapid {
         frames: 2,
     };
     const CHARTS: &'static [Chart] = &[Chart::Series, Chart::Matrices];
-    const CONTRASTS: Option<&'static str> = Some("prediction");
-    const SIMILARITY: Similarity =
-        Similarity { name: "share of control points with an edge", symbol: "s", decimals: 3 };
+    const CONTRASTS: Option<&'static str> = Some("pose-prediction");
+    const SIMILARITY: Similarity = Similarity {
+        name: "share of control points with an edge",
+        label: "Share of control points with an edge",
+        symbol: "s",
+        decimals: 3,
+    };
     type Model = Model;
     type Event = Event;
 
@@ -309,7 +313,7 @@ impl RegionModel for Rapid {
     ) -> RegionFrame {
         let before = model.view.pose;
         let mut start = model.view.clone();
-        if self.prediction == Prediction::ConstantVelocity {
+        if self.pose_prediction == Prediction::ConstantVelocity {
             start = start.at(before.after(model.motion));
             observer.see(|| Event::Predicted([model.view.clone(), start.clone()]));
         }

@@ -34,7 +34,8 @@ pub fn correction(to_frames: &[Matrix3], t: usize, sigma: f32) -> Option<Matrix3
     let (first, weights) = weights((t, to_frames.len()), sigma);
     let mut sum = [[0.0; 3]; 3];
     for (map, weight) in to_frames[first..].iter().zip(&weights) {
-        let relative = normalised(&product(map, &back))?;
+        // The mean of maps makes sense only where all have the origin before their horizons.
+        let relative = normalised(&product(map, &back)).filter(|relative| relative[2][2] == 1.0)?;
         for (entry, other) in sum.as_flattened_mut().iter_mut().zip(relative.as_flattened()) {
             *entry += weight * other;
         }

@@ -46,6 +46,8 @@ enum Cause {
     Boundary(f32),
     /// The true motion, in px, is large on the coarsest level, or more than twice the estimate.
     Large(f32),
+    /// The gray level changes so much along the true motion.
+    Brightness(f32),
     /// None of these.
     Unknown,
 }
@@ -54,6 +56,8 @@ enum Cause {
 const TEXTURE: f32 = 1.0;
 /// Neighbours that differ by more are a motion boundary, in px.
 const BOUNDARY_PX: f32 = 1.0;
+/// A change of the gray level along the true motion above this is none of noise or interpolation.
+const CHANGE: f32 = 10.0;
 /// A motion larger than this may be out of reach, in px.
 const LARGE_PX: f32 = 2.0;
 /// A motion larger than this on the coarsest level is out of reach of the linearisation, in px of that level.
@@ -142,6 +146,8 @@ fn cause((frames, flow): (&FramePair, &Flow), place: (usize, usize), has_truth: 
     let differs = others.fold(0.0f32, |most, other| most.max((other[0] - u).hypot(other[1] - v)));
     let eigenvalues = tensor(frames, around).eigenvalues();
     let (true_px, found_px) = (u.hypot(v), found[0].hypot(found[1]));
+    let [current, next] = &frames.pictures;
+    let change = (Sampling::Bilinear.sample_inside(next, to[0], to[1]) - current[place]).abs();
     match () {
         () if !is_inside => Cause::Outside,
         () if has_truth && true_px > REACH_PX * coarsest_px => Cause::Large(true_px),
@@ -149,6 +155,7 @@ fn cause((frames, flow): (&FramePair, &Flow), place: (usize, usize), has_truth: 
         () if differs > BOUNDARY_PX => Cause::Boundary(differs),
         () if eigenvalues[1] < TEXTURE => Cause::Edge(eigenvalues),
         () if has_truth && true_px > LARGE_PX && 2.0 * found_px < true_px => Cause::Large(true_px),
+        () if has_truth && change > CHANGE => Cause::Brightness(change),
         () => Cause::Unknown,
     }
 }
@@ -192,6 +199,11 @@ impl Cause {
                 ": its true motion of {} px may be larger than the linearisation reaches. {}",
                 numbers::px(*px),
                 advice.motion
+            ),
+            Cause::Brightness(change) => format!(
+                ", where the gray level changes by {} along the true motion: brightness is not constant. A cost that is invariant \
+                 to gain and offset, as ZNCC in block matching, is not misled.",
+                numbers::gray(*change)
             ),
             Cause::Unknown => ".".into(),
         }

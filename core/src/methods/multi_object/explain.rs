@@ -218,9 +218,12 @@ fn most_errors(worst: &[(usize, Matches)]) -> String {
     let Some((first, all)) = worst.first() else { return String::new() };
     let errors = plural(all.misses() + all.false_positives(), "error", "s");
     match worst {
-        [_] => format!(" Most errors in frame {first}: {}.", kinds(all)),
-        [_, (second, _)] => format!(" Most errors in frames {first} and {second}: {errors} each."),
-        _ => format!(" Most errors in {}, from frame {first} on: {errors} each.", count(worst.len(), "frame")),
+        [_] => format!(" Frame {first} has the most errors: {}.", kinds(all)),
+        [_, (second, _)] => format!(" Frames {first} and {second} have the most errors: {errors} each."),
+        _ => format!(
+            " {} have the most errors, {errors} each, the first of them in frame {first}.",
+            count(worst.len(), "frame")
+        ),
     }
 }
 
@@ -256,10 +259,10 @@ mod tests {
     fn all_frames_with_the_most_errors_are_named() {
         let two = Matches { truths: 5, estimates: 3, pairs: 3 };
         assert_eq!(most_errors(&[]), "");
-        assert_eq!(most_errors(&[(21, two)]), " Most errors in frame 21: 2 misses, 0 false alarms.");
-        assert_eq!(most_errors(&[(21, two), (23, two)]), " Most errors in frames 21 and 23: 2 errors each.");
+        assert_eq!(most_errors(&[(21, two)]), " Frame 21 has the most errors: 2 misses, 0 false alarms.");
+        assert_eq!(most_errors(&[(21, two), (23, two)]), " Frames 21 and 23 have the most errors: 2 errors each.");
         let said = most_errors(&[(21, two), (22, two), (23, two)]);
-        assert_eq!(said, " Most errors in 3 frames, from frame 21 on: 2 errors each.");
+        assert_eq!(said, " 3 frames have the most errors, 2 errors each, the first of them in frame 21.");
     }
 
     #[test]

@@ -325,8 +325,8 @@ impl Conclusion {
         match () {
             () if masks.is_some() && all.f1() >= GOOD_F1 && boxes.f1() < GOOD_F1 => {
                 let why = match boxes.false_positives() {
-                    0 => "an object without a box shows too little of itself or is joined to another",
-                    _ => "wrong boxes are those of blobs that join or split objects, which closing decides",
+                    0 => "objects without a box are hidden for the most part or joined to another",
+                    _ => "wrong boxes come from blobs that join or split objects, which the closing decides",
                 };
                 format!(" The masks agree with the truth; {why}.")
             }

@@ -106,7 +106,9 @@ impl<M: Model> Variational<M> {
             false => said,
         };
         match Probe::at(seen) {
-            Some(probe) => said.text(" Formula: pixel ").ink(Role::Reference, words::pixel(probe.place)).text("."),
+            Some(probe) => {
+                said.text(" The formula is that of pixel ").ink(Role::Reference, words::pixel(probe.place)).text(".")
+            }
             None => said,
         }
     }

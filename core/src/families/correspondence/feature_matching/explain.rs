@@ -371,7 +371,7 @@ fn concluded(state: &State, limit: f32, sentence: Sentence) -> Sentence {
         _ if limit >= 1.0 => {
             " A ratio limit below 1 rejects nearest neighbours that are hardly nearer than the second.".to_owned()
         }
-        _ => " A lower ratio limit rejects more wrong matches, and correct ones on repeating texture.".to_owned(),
+        _ => " A lower ratio limit rejects more wrong matches, but on repeating texture correct ones too.".to_owned(),
     };
     let alone = all.iter().filter(|found| found.status == MatchStatus::Match && found.ratio.is_none()).count();
     let untested = match alone {

@@ -169,7 +169,7 @@ impl Explained for Camshift {
             }
             Outcome::Lost if ending.hidden > 0 => {
                 return format!(
-                    "The object was hidden in {}, and the window is not carried on by a velocity, as the particles of a particle filter are.",
+                    "The object was hidden in {}, and the window has no velocity that carries it on, unlike the particles of a particle filter.",
                     counted(ending.hidden, "frame")
                 );
             }
@@ -189,7 +189,10 @@ impl Camshift {
                 .text("The zeroth moment is 0: no pixel of the window has a hue of the object, so the window stays.");
         };
         let said = said
-            .text(format!("The window has a zeroth moment of {}. Its centroid is a shift of ", fixed(shift.mass, 1)))
+            .text(format!(
+                "The window has a zeroth moment of {}. Its centroid lies off the middle by ",
+                fixed(shift.mass, 1)
+            ))
             .ink(Role::Best, format!("{} px", place(by)))
             .text(format!(", {} px long: ", px(shift.length().into())));
         let epsilon = px(self.epsilon.into());

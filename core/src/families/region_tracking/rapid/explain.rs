@@ -186,7 +186,7 @@ impl Explained for Rapid {
 
     fn advice(&self, ending: Ending, at: &At<'_, Self>) -> String {
         let is_followed = ending.outcome == Outcome::Followed && self.caveat(at).is_none();
-        let advice = match (is_followed, self.prediction) {
+        let advice = match (is_followed, self.pose_prediction) {
             (true, _) => {
                 "The edges of the object stayed within the search range, so each frame determined the pose anew: errors do not add up."
             }
@@ -207,7 +207,8 @@ impl Explained for Rapid {
 
 impl Rapid {
     fn placed_at(&self, view: &View, said: Sentence) -> Sentence {
-        let [width, height, depth] = [self.width, self.height, self.depth].map(|side| metres(side.into()));
+        let [width, height, depth] =
+            [self.model_width, self.model_height, self.model_depth].map(|side| metres(side.into()));
         let solid = match self.solid {
             Solid::Box => "box",
             Solid::Cylinder => "cylinder",

@@ -82,7 +82,7 @@ pub struct Control {
 impl Wireframe {
     /// The model that the parameters describe.
     pub fn of(rapid: &Rapid) -> Self {
-        let half = [rapid.width, rapid.height, rapid.depth].map(|side| f64::from(side) / 2.0);
+        let half = [rapid.model_width, rapid.model_height, rapid.model_depth].map(|side| f64::from(side) / 2.0);
         let around = match rapid.solid {
             Solid::Box => [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].to_vec(),
             Solid::Cylinder => (0..SIDES)

@@ -185,7 +185,7 @@ impl JointProbabilistic {
         }
         for (i, found) in detected.into_iter().flat_map(|all| all.iter()).enumerate() {
             let Bounds { min, max } = found.bounds;
-            explain::label(scene, Role::Measured, [min[0], max[1]], format!("detection {}", i + 1));
+            explain::label(scene, Role::Measured, [min[0], max[1]], format!("d{}", i + 1));
         }
         draw_work(scene, seen);
     }

@@ -133,7 +133,7 @@ impl KalmanFilter {
                 .text("The first measurement starts a track at ")
                 .ink(Role::Estimate, format!("{} px", place(filter.place())))
                 .text(format!(
-                    ". Its velocity is unknown: 0, standard deviation {} px/frame (parameter Initial speed).",
+                    ". Its velocity is unknown, so it starts at 0 with a standard deviation of {} px/frame (parameter Initial speed).",
                     px(f64::from(self.initial_speed))
                 ))
                 .text(if *there > 0 && self.object > *there {

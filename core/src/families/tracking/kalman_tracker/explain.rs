@@ -79,6 +79,41 @@ fn update_matrices(predicted: &Filter, updated: &Filter) -> Vec<Matrix> {
     vec![state, new_state, covariance, new_covariance]
 }
 
+/// The update of the state with the numbers of x; nothing where several modes have a gain of their own.
+fn update_equation([before, after]: &[Track; 2], measurement: &Measurement) -> Option<Vec<Math>> {
+    if before.filter.modes().is_some() {
+        return None;
+    }
+    let numbers = before.filter.update_numbers(measurement)?;
+    let [from, to] = [before, after].map(|track| px(track.filter.place()[0]));
+    let predicted = || Math::power(Math::Bold("x"), Math::text("−"));
+    let symbols = vec![
+        Math::Bold("x"),
+        Math::text(" = "),
+        predicted(),
+        Math::text(" + "),
+        Math::Bold("K"),
+        Math::text(" ("),
+        Math::Bold("z"),
+        Math::text(" − "),
+        Math::Bold("H"),
+        predicted(),
+        Math::text(")"),
+    ];
+    let along_x = vec![
+        Math::Var("x"),
+        Math::text(" = "),
+        Math::ink(Role::Predicted, from.clone()),
+        Math::text(format!(" + {} · (", ratio(numbers.gain[(0, 0)]))),
+        Math::ink(Role::Measured, px(measurement.place[0])),
+        Math::text(" − "),
+        Math::ink(Role::Predicted, from),
+        Math::text(") = "),
+        Math::ink(Role::Estimate, to),
+    ];
+    Some(vec![Math::Row(symbols), Math::Row(along_x)])
+}
+
 /// The matrices of a track in a frame: of its update, of its start, or of the prediction alone.
 fn matrices_of(id: u32, events: &[Event]) -> Vec<Matrix> {
     let of_track = events.iter().rev().find_map(|event| match event {
@@ -303,8 +338,9 @@ impl KalmanTracker {
             tables = self.tables(costs, &names, pair);
             equation = self.equation(costs, pair);
         }
-        if let Some(Event::Updated(both, _)) = seen.events.last() {
-            (tables, equation) = (update_matrices(&both[0].filter, &both[1].filter), None);
+        if let Some(Event::Updated(both, measurement)) = seen.events.last() {
+            (tables, equation) =
+                (update_matrices(&both[0].filter, &both[1].filter), update_equation(both, measurement));
         }
         facts.extend(errors(seen).iter().flat_map(truth::facts));
         if let Some(selected) = selected(seen).filter(|_| track_of(seen).is_none()) {
@@ -389,9 +425,8 @@ impl KalmanTracker {
             PairCost::Overlap => vec![overlap()],
             PairCost::Both => vec![distance(), Math::text(", "), overlap()],
         };
-        let (before, after) = if pair.is_some() { ("with ", "") } else { ("if ", "; otherwise C = ∞") };
-        let parts = std::iter::once(Math::text(before)).chain(all).chain([Math::text(after)]);
-        Math::Row(parts.filter(|part| *part != Math::text("")).collect())
+        let before = if pair.is_some() { "with " } else { "C = ∞ unless " };
+        Math::Row(std::iter::once(Math::text(before)).chain(all).collect())
     }
 
     /// What the IoU of a pair has to meet: boxes that do not overlap are never a pair.
@@ -448,7 +483,7 @@ impl KalmanTracker {
         if after.is_none() {
             for (i, found) in detected.into_iter().flat_map(|all| all.iter()).enumerate() {
                 let Bounds { min, max } = found.bounds;
-                explain::label(scene, Role::Measured, [min[0], max[1]], format!("detection {}", i + 1));
+                explain::label(scene, Role::Measured, [min[0], max[1]], format!("d{}", i + 1));
             }
         }
         scene.is_overview = after.is_some() && seen.point().is_none();

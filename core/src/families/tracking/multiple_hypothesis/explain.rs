@@ -7,6 +7,7 @@ use super::forest::{Claim, Origin, Scan, Track};
 use super::{Event, Leading, MultipleHypothesis, Pruning, Revision, State, line};
 use crate::base::words::percent;
 use crate::geometry::{Bounds, Grid};
+use crate::methods::differential::numbers::factor;
 use crate::methods::{
     kalman::ellipse,
     multi_object::{
@@ -101,7 +102,19 @@ impl MultipleHypothesis {
                 .text(" Next, ")
                 .ink(Role::Candidate, format!("P = {}", ratio(next.probability)))
                 .text(format!(": {}.", claims(&next.scan.claims, gates.frame))),
-            None => said.text(" No other explanation is probable enough."),
+            None if self.min_ratio > 0.0 => said.text(format!(
+                " No other explanation has at least {} times its probability.",
+                ratio(self.min_ratio.into())
+            )),
+            None => said.text(" There is no other explanation."),
+        };
+        let said = match (all.len(), self.min_ratio) {
+            (0, _) => said,
+            (others, 0.0) => said.text(format!(" {others} more are less probable.")),
+            (others, least) => said.text(format!(
+                " {others} more, each with at least {} times the highest probability.",
+                ratio(least.into())
+            )),
         };
         match (expansion.is_exhausted, expansion.has_more) {
             (true, _) => said.text(" The cluster is too large to rank all of its branches: some may be missing."),
@@ -162,8 +175,17 @@ impl MultipleHypothesis {
         let of = |clusters: &[super::Cluster]| clusters.iter().map(|cluster| cluster.hypotheses.len()).sum::<usize>();
         let mut facts = vec![
             Fact::new("Frame", state.run.frame().to_string(), None),
-            Fact::new("Clusters", after.tracks.len().to_string(), None),
-            Fact::new("Hypotheses", of(&after.tracks).to_string(), None),
+            // Those of this frame are known at its end.
+            Fact::new(
+                if seen.after.is_some() { "Clusters" } else { "Clusters before" },
+                after.tracks.len().to_string(),
+                None,
+            ),
+            Fact::new(
+                if seen.after.is_some() { "Hypotheses" } else { "Hypotheses before" },
+                of(&after.tracks).to_string(),
+                None,
+            ),
         ];
         let (mut tables, mut equation) = (Vec::new(), None);
         match seen.events.last() {
@@ -256,21 +278,20 @@ impl MultipleHypothesis {
             + new as f64 * new_density.ln()
             + terms.ln_innovations
             + terms.ln_sizes;
-        let numbers = format!(
-            "ln = {} + {found}·({}) + {missed}·({}) + {wrong}·({}) + {new}·({}) + ({}) + ({}) = ",
-            number(terms.ln_parent),
-            number(ln_detected),
-            number(ln_missed),
-            number(false_density.ln()),
-            number(new_density.ln()),
-            number(terms.ln_innovations),
-            number(terms.ln_sizes)
-        );
-        vec![
-            Math::Row(formula),
-            Math::text(counts),
-            Math::Row(vec![Math::text(numbers), Math::ink(Role::Best, number(total))]),
-        ]
+        // In parts, so that a narrow formula breaks before a sign.
+        let of_count = |count: usize, ln: f64| format!("{count}·{}", factor(number(ln)));
+        let summands = [
+            of_count(found, ln_detected),
+            of_count(missed, ln_missed),
+            of_count(wrong, false_density.ln()),
+            of_count(new, new_density.ln()),
+            factor(number(terms.ln_innovations)),
+            factor(number(terms.ln_sizes)),
+        ];
+        let mut numbers = vec![Math::text(format!("ln P = {}", number(terms.ln_parent)))];
+        numbers.extend(summands.into_iter().flat_map(|summand| [Math::text(" + "), Math::text(summand)]));
+        numbers.extend([Math::text(" = "), Math::ink(Role::Best, number(total))]);
+        vec![Math::Row(formula), Math::text(counts), Math::Row(numbers)]
     }
 
     pub(super) fn drawn(&self, seen: &Seen<MultiTracking<Self>>, scene: &mut Scene) {
@@ -284,7 +305,7 @@ impl MultipleHypothesis {
         }
         for (i, found) in detected.into_iter().flat_map(|all| all.iter()).enumerate() {
             let Bounds { min, max } = found.bounds;
-            explain::label(scene, Role::Measured, [min[0], max[1]], format!("detection {}", i + 1));
+            explain::label(scene, Role::Measured, [min[0], max[1]], format!("d{}", i + 1));
         }
         match seen.events.last() {
             None | Some(Event::Detected(..)) => draw_leading(scene, seen.before, seen),
