@@ -172,9 +172,15 @@ fn the_courses_table_is_measured_cell_by_cell() {
         all.find(|row| row["feature"].as_str().unwrap().starts_with(feature)).unwrap()
     };
     assert_eq!(row("complexity")["sequential"], "3.88");
-    for feature in
-        ["search space", "complexity", "accuracy: blocks", "accuracy: PSNR", "large motion: blocks", "memory"]
-    {
+    for feature in [
+        "search space",
+        "complexity",
+        "accuracy: blocks",
+        "accuracy: PSNR",
+        "large motion: blocks",
+        "large motion: candidates",
+        "memory",
+    ] {
         assert_eq!(row(feature)["holds"], true, "{feature}");
     }
     // It says of which course it is, and which estimators are measured.

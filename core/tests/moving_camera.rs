@@ -235,7 +235,7 @@ fn a_motion_that_bends_the_picture_is_told() {
     };
     let made = |scale| Clip::from_frames("scaled", vec![frame([1.0; 2]), frame(scale)]).expect("frames");
     let said = said_of(&made([1.0, 1.06]));
-    assert!(said.contains("Motions far from every similarity: 1 of 1. From frame 0 to 1 a corner is "), "{said}");
+    assert!(said.contains("Motions that bend the picture: 1 of 1. From frame 0 to 1 a corner is "), "{said}");
     for clip in [made([1.06; 2]), clip("hand-held", &[])] {
         let said = said_of(&clip);
         assert!(said.contains("End of the run") && !said.contains("similarity"), "{said}");

@@ -123,7 +123,7 @@ pub struct ModelField {
     pub picture: (usize, usize),
     /// The group of transformations.
     pub model: Model,
-    /// Its matrix, normalised to a last entry of 1 (of −1 if the origin lies behind its horizon), if it could be estimated.
+    /// Its matrix, normalised to a last entry of 1 (of −1 if the origin lies behind its horizon, with a largest entry of 1 if it lies on it), if it could be estimated.
     pub matrix: Option<Matrix3>,
     /// Number of iterations of the estimation.
     pub iterations: usize,

@@ -24,6 +24,8 @@ const HEAD_LETTERS: f32 = 1.9;
 const TYPE_SHARES: [f32; 11] = [1.2, 1.1, 1.0, 0.95, 0.9, 0.85, 0.8, 0.75, 0.7, 0.65, 0.6];
 /// Those that are tried first in a large area, as that of a chart that takes the place of the stage.
 const LARGE_SHARES: [f32; 3] = [1.8, 1.6, 1.4];
+/// How many times larger the type has to be for the matrices to leave their order.
+const WORTH: f32 = 1.2;
 /// Width of a large area, in letters.
 const LARGE_LETTERS: f32 = 40.0;
 
@@ -32,16 +34,17 @@ const LARGE_LETTERS: f32 = 40.0;
 pub fn draw(matrices: &[Matrix], area: Rect, style: ChartStyle) -> Drawing<Vec<Rect>> {
     let size = area.size();
     let given: Vec<usize> = (0..matrices.len()).collect();
-    let orders = || std::iter::once(given.clone()).chain(exchanged(&given));
     let fits = |share: f32, order: &[usize]| {
         let needed = extent(&draw_at(matrices, (order, Rect::new([0.0; 2], size)), style, share).place);
         needed[0] <= size[0] && needed[1] <= size[1]
     };
     let smallest = TYPE_SHARES[TYPE_SHARES.len() - 1];
     let is_large = size[0] > LARGE_LETTERS * style.theme.sizes().body;
-    let large = LARGE_SHARES.into_iter().filter(|_| is_large);
-    let mut ways = large.chain(TYPE_SHARES).flat_map(|share| orders().map(move |order| (share, order)));
-    let (share, order) = ways.find(|(share, order)| fits(*share, order)).unwrap_or((smallest, given.clone()));
+    let shares = || LARGE_SHARES.into_iter().filter(|_| is_large).chain(TYPE_SHARES);
+    let share = shares().find(|share| fits(*share, &given)).unwrap_or(smallest);
+    let larger = shares().filter(|larger| *larger >= WORTH * share);
+    let mut other = larger.flat_map(|larger| exchanged(&given).map(move |order| (larger, order)));
+    let (share, order) = other.find(|(larger, order)| fits(*larger, order)).unwrap_or((share, given.clone()));
     draw_at(matrices, (&order, area), style, share)
 }
 

@@ -64,7 +64,7 @@ impl Speed {
 
     /// Returns the speed with the estimator's name of its granularity: `10 candidates/s`.
     pub fn text(self, granularities: &[&str]) -> String {
-        let name = granularities.get(self.index(granularities.len())).copied().unwrap_or("step");
+        let name = granularities.get(self.index(granularities.len())).copied().unwrap_or_default();
         let plural = if self.per_second == 1 { "" } else { "s" };
         format!("{} {name}{plural}/s", self.per_second)
     }
@@ -126,7 +126,7 @@ impl Player {
     /// Changes the speed by one level of those that an estimator with `granularities` has.
     pub fn shift(&mut self, up: bool, granularities: usize) {
         let has = |index: &usize| SPEEDS[*index].is_of(granularities);
-        let now = self.speed.min(SPEEDS.len() - 1);
+        let now = SPEEDS.iter().position(|one| *one == self.speed(granularities)).unwrap_or(0);
         let next = if up { (now + 1..SPEEDS.len()).find(has) } else { (0..now).rev().find(has) };
         self.speed = next.unwrap_or(now);
     }
@@ -258,6 +258,9 @@ mod tests {
         player.play(Direction::Back);
         assert_eq!(player.due((Cursor::default(), 2), method.len()), Some(Move::Granularity(1, Direction::Back)));
         assert_eq!(player.speed(3).pace, Pace::Units, "a search has neither");
+        let mut slower = player;
+        slower.shift(false, 3);
+        assert_eq!(slower.speed(3), SPEEDS[7], "one slower than 3 units");
         (0..2).for_each(|_| player.shift(false, method.len()));
         assert_eq!(text(&player), "3 warps/s");
     }

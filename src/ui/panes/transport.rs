@@ -164,7 +164,7 @@ fn speed(ui: &mut Ui, input: &Input, actions: &mut Actions) {
     let combo = ComboBox::from_id_salt("speed").selected_text(&chosen).width(8.5 * size);
     let shown = combo.show_ui(ui, |ui| {
         for (index, speed) in SPEEDS.iter().enumerate().filter(|(_, speed)| speed.is_of(names.len())) {
-            if ui.selectable_label(index == input.player.speed, speed.text(names)).clicked() {
+            if ui.selectable_label(*speed == input.player.speed(names.len()), speed.text(names)).clicked() {
                 actions.ask(Action::Speed(index));
             }
         }

@@ -18,13 +18,13 @@ pub(super) const EXAMPLES: &[Example] = &[
     Example {
         id: "occlusion",
         title: "Cars pass under a bridge",
-        of: &["kalman-tracker", "blob-tracker"],
+        of: &["kalman-filter", "kalman-tracker", "joint-probabilistic", "multiple-hypothesis", "blob-tracker"],
         cause: Some(Cause::Occlusion),
         clip: "traffic",
         settings: &[("max-age", "1")],
         frame: 0,
-        says: "With a maximum age of 1 frame a track ends under the bridge, and the car gets another identity behind it. With the \
-               default the prediction carries the track through.",
+        says: "With a maximum age of 1 frame a track ends under the bridge, and the car gets another identity behind it. With its \
+               default the Kalman tracker predicts the car through the bridge.",
         claim: ("idf1", Limit::AtMost(0.85)),
         instead: Some(Alternative { id: "kalman-tracker", settings: &[], limit: Limit::AtLeast(0.9) }),
     },

@@ -88,7 +88,7 @@ impl RobustModel for GlobalMotion {
 
     fn why_none(&self, sample: &[Correspondence]) -> String {
         let is_split = self.model == Model::Homography && !is_on_line(sample);
-        match across_horizon(sample).filter(|_| is_split) {
+        match across_horizon(sample).filter(|count| is_split && *count > 0) {
             Some(count) => format!(
                 "the horizon of the homography through it separates {count} of its {} points from the others, as in no view of a plane",
                 sample.len()

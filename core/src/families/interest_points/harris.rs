@@ -72,7 +72,7 @@ impl Measure for Harris {
             Math::text(" = "),
             Math::ink(Role::Reference, numbers::response(xx * yy - xy * xy)),
             Math::text(format!(" − {} · ", self.k)),
-            Math::power(Math::ink(Role::Reference, numbers::response(xx + yy)), Math::text("2")),
+            Math::power(Math::ink(Role::Reference, numbers::base(xx + yy)), Math::text("2")),
             Math::text(" = "),
             Math::ink(Role::Result, numbers::response(self.response([xx, xy, yy]))),
         ]);

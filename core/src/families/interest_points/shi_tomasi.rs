@@ -69,9 +69,9 @@ impl Measure for ShiTomasi {
             Math::ink(Role::Reference, numbers::response(half)),
             Math::text(" − "),
             Math::root(Math::Row(vec![
-                Math::squared(Math::ink(Role::Reference, numbers::response(half))),
+                Math::squared(Math::ink(Role::Reference, numbers::base(half))),
                 Math::text(" − "),
-                Math::ink(Role::Reference, numbers::response(xx * yy - xy * xy)),
+                Math::ink(Role::Reference, numbers::base(xx * yy - xy * xy)),
             ])),
             Math::text(" = "),
             Math::ink(Role::Result, numbers::response(self.response([xx, xy, yy]))),

@@ -227,7 +227,7 @@ impl Background for FrameDifference {
         }
         explanation.update = Sentence::default()
             .text(format!("this frame, with {} {}, becomes the reference of the next", kind(channels)[1], text(frame)))
-            .text(format!(" in place of {}.", text(&before[0])));
+            .text(format!(" in place of the frame with {}.", text(&before[0])));
         explanation
     }
 

@@ -93,6 +93,10 @@ impl Model for Clg {
         self.solver.steps(&[line::AVERAGE, line::SOLVE, line::EXTRAPOLATE])
     }
 
+    fn last_formula(&self) -> &'static str {
+        self.solver.last_formula()
+    }
+
     fn system(&self, linear: &Linear, threads: &Threads) -> System {
         let tensor = MotionTensor::new(linear, self.rho, threads);
         let relaxation = self.solver.relaxation(self.relaxation);

@@ -84,6 +84,10 @@ impl Model for HornSchunck {
         self.solver.steps(&[line::AVERAGE, line::UPDATE, line::EXTRAPOLATE])
     }
 
+    fn last_formula(&self) -> &'static str {
+        self.solver.last_formula()
+    }
+
     fn system(&self, linear: &Linear, threads: &Threads) -> relax::System {
         relax::System::new(linear, self.alpha, self.solver.relaxation(self.relaxation), threads)
     }

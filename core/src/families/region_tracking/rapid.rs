@@ -266,8 +266,8 @@ impl RegionModel for Rapid {
     const CHARTS: &'static [Chart] = &[Chart::Series, Chart::Matrices];
     const CONTRASTS: Option<&'static str> = Some("pose-prediction");
     const SIMILARITY: Similarity = Similarity {
-        name: "share of control points with an edge",
-        label: "Share of control points with an edge",
+        name: "share of matched control points",
+        label: "Share of matched control points",
         symbol: "s",
         decimals: 3,
     };

@@ -82,8 +82,8 @@ params! {
 
 /// The smallest share of a template inside the frame; below it the object has left.
 const LEAST_OVERLAP: f64 = 0.5;
-/// The largest factor by which the lengths of an object change between two frames, and its inverse the smallest; beyond it the alignment
-/// has failed, whatever the correlation is: that of a template shrunk to a line is high on any edge.
+/// The largest factor by which lengths may change since the last frame that showed the object, and its inverse the smallest; beyond it
+/// the alignment has failed, whatever the correlation is: that of a template shrunk to a line is high on any edge.
 const MOST_STRETCH: f64 = 2.0;
 
 /// Whether the largest and the smallest factor by which lengths change are those of no motion.

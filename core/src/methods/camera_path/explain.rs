@@ -119,8 +119,8 @@ pub fn unknown_pairs(chain: &Chain) -> String {
 pub fn bent_pairs(chain: &Chain) -> String {
     let Some((frame, bend_px)) = chain.first_bent else { return String::new() };
     format!(
-        " Motions far from every similarity: {} of {}. From frame {frame} to {} a corner is {} off the nearest one, more than a camera bends \
-         consecutive frames: matches on a moving object may be taken for the background. A similarity as the model avoids it.",
+        " Motions that bend the picture: {} of {}. From frame {frame} to {} a corner is {} off the nearest similarity. A camera bends \
+         consecutive frames less, so matches on a moving object may be taken for the background; the model similarity avoids it.",
         grouped(chain.bent),
         grouped(chain.motions.len()),
         frame + 1,

@@ -56,7 +56,7 @@ enum Cause {
 const TEXTURE: f32 = 1.0;
 /// Neighbours that differ by more are a motion boundary, in px.
 const BOUNDARY_PX: f32 = 1.0;
-/// A change of the gray level along the true motion above this is none of noise or interpolation.
+/// Noise and interpolation change the gray level along the true motion by less.
 const CHANGE: f32 = 10.0;
 /// A motion larger than this may be out of reach, in px.
 const LARGE_PX: f32 = 2.0;
@@ -201,8 +201,8 @@ impl Cause {
                 advice.motion
             ),
             Cause::Brightness(change) => format!(
-                ", where the gray level changes by {} along the true motion: brightness is not constant. A cost that is invariant \
-                 to gain and offset, as ZNCC in block matching, is not misled.",
+                ", where the gray level changes by {} along the true motion: the brightness is not constant, or the place is hidden in \
+                 frame t+1. A cost that is invariant to gain and offset, such as ZNCC in block matching, tolerates a change of brightness.",
                 numbers::gray(*change)
             ),
             Cause::Unknown => ".".into(),
@@ -247,6 +247,10 @@ mod tests {
         assert!(flat.contains("mean endpoint error 3.000 px") && flat.contains("no texture"), "{flat}");
         let edge = said(&pair(truth, |x, _| waves(x, 0)), |_, _| [2.0, 1.0]);
         assert!(edge.contains("normal component is constrained. T."), "{edge}");
+        let mut lit = pair(Some([0.0; 2]), waves);
+        lit.pictures[1] = Grid::from_fn(20, 16, |x, y| waves(x, y) + 30.0);
+        let light = said(&lit, |x, y| if (x, y) == (8, 8) { [1.0, 0.0] } else { [0.0; 2] });
+        assert!(light.contains("the gray level changes by 30.00 along the true motion"), "{light}");
     }
 
     #[test]

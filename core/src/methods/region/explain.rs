@@ -23,7 +23,7 @@ fn size([width, height]: [f32; 2]) -> String {
 fn extent(region: &Region) -> String {
     match fixed(region.angle_rad.to_degrees().into(), 0).as_str() {
         "0" => size(region.size),
-        angle => format!("{} turned by {angle}°", size(region.size)),
+        angle => format!("{}, turned by {angle}°", size(region.size)),
     }
 }
 
@@ -99,7 +99,7 @@ impl<T: Explained> RegionTracking<T> {
             said.text(format!("Frame {}: the region moves by ", state.frame))
                 .ink(Role::Estimate, format!("{} px", place(by)))
                 .text(format!(
-                    " to {} px and has {}. {} {value}.",
+                    " to {} px and measures {}. {} {value}.",
                     place(result.region.center),
                     extent(&result.region),
                     similarity.label

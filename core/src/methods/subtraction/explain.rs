@@ -325,7 +325,9 @@ impl Conclusion {
         match () {
             () if masks.is_some() && all.f1() >= GOOD_F1 && boxes.f1() < GOOD_F1 => {
                 let why = match boxes.false_positives() {
-                    0 => "objects without a box are hidden for the most part or joined to another",
+                    0 => {
+                        "objects without a box may be mostly hidden, joined to another or smaller than the minimum area"
+                    }
                     _ => "wrong boxes come from blobs that join or split objects, which the closing decides",
                 };
                 format!(" The masks agree with the truth; {why}.")
@@ -582,7 +584,7 @@ impl<M: Background> Subtraction<M> {
     }
 
     /// The update of the model at the pixel that is pointed at, else at that of the largest difference, and the conclusion. The end of a
-    /// run is about its result alone, unless a pixel is pointed at.
+    /// run with ground truth is about its result alone, unless a pixel is pointed at.
     fn updated(&self, seen: &Seen<Self>, conclusion: &Conclusion) -> Sentence {
         let said = Sentence::default();
         let compared = seen.events.iter().find_map(|event| match event {

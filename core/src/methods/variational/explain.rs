@@ -106,9 +106,10 @@ impl<M: Model> Variational<M> {
             false => said,
         };
         match Probe::at(seen) {
-            Some(probe) => {
-                said.text(" The formula is that of pixel ").ink(Role::Reference, words::pixel(probe.place)).text(".")
-            }
+            Some(probe) => said
+                .text(format!(" The formula is the {} of ", self.0.last_formula()))
+                .ink(Role::Reference, probe.pixel())
+                .text("."),
             None => said,
         }
     }

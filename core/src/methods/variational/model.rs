@@ -63,6 +63,11 @@ pub trait Model: Params + Default + Clone + Send + Sync + 'static {
     /// Returns the pseudocode lines of the steps of an iteration.
     fn steps(&self) -> &'static [Name];
 
+    /// Returns what the formula of the last of these steps is.
+    fn last_formula(&self) -> &'static str {
+        "update"
+    }
+
     /// Computes the coefficients of a warp.
     fn system(&self, linear: &Linear, threads: &Threads) -> Self::System;
 

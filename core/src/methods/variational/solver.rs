@@ -33,7 +33,12 @@ impl Solver {
         if self == Solver::Sor { all } else { &all[..N - 1] }
     }
 
-    /// Returns the name of an update of a pixel: that of SOR goes on beyond it.
+    /// Returns what the last step of an iteration does to a pixel.
+    pub fn last_formula(self) -> &'static str {
+        if self == Solver::Sor { "over-relaxation" } else { "update" }
+    }
+
+    /// Returns the name of the update of a pixel in the plane: SOR extrapolates it.
     pub fn update_name(self) -> &'static str {
         if self == Solver::Sor { "Gauss–Seidel" } else { "after" }
     }
@@ -91,6 +96,14 @@ impl<M: Model<Unknowns = Field>> Probe<'_, M> {
 
     /// Explains the extrapolation of an update by SOR.
     pub fn extrapolated(&self, update: [f32; 2], relaxation: f32) -> Sentence {
+        if relaxation == 1.0 {
+            return Sentence::default()
+                .text("With ω = 1 SOR keeps the Gauss–Seidel update: ")
+                .ink(Role::Reference, self.pixel())
+                .text(" goes to ")
+                .ink(Role::Result, self.px(self.to()))
+                .text(".");
+        }
         Sentence::default()
             .text(format!("SOR extrapolates the Gauss–Seidel update by ω = {}: ", numbers::gray(relaxation)))
             .ink(Role::Reference, self.pixel())

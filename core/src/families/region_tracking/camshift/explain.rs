@@ -189,12 +189,9 @@ impl Camshift {
                 .text("The zeroth moment is 0: no pixel of the window has a hue of the object, so the window stays.");
         };
         let said = said
-            .text(format!(
-                "The window has a zeroth moment of {}. Its centroid lies off the middle by ",
-                fixed(shift.mass, 1)
-            ))
+            .text(format!("The window has a zeroth moment of {}. Its centroid lies ", fixed(shift.mass, 1)))
             .ink(Role::Best, format!("{} px", place(by)))
-            .text(format!(", {} px long: ", px(shift.length().into())));
+            .text(format!(" off the middle, a shift of {} px: ", px(shift.length().into())));
         let epsilon = px(self.epsilon.into());
         if shift.length() < self.epsilon {
             said.text(format!("shorter than ε = {epsilon} px, converged."))

@@ -186,11 +186,11 @@ impl MeanShift {
         let before = last(at, shift.trial, shift.iteration - 1);
         let said = match before {
             Some(before) if shift.similarity >= before.similarity => said.text(format!(
-                ", after {} before the last shift: it has not fallen. ",
+                "; before the last shift it was {}, so it has not fallen. ",
                 ratio(before.similarity.into())
             )),
             Some(before) => said.text(format!(
-                ", after {} before the last shift: it has fallen, because the weights were linearised there. ",
+                "; before the last shift it was {}, so it has fallen: the weights were linearised there. ",
                 ratio(before.similarity.into())
             )),
             None => said.text(". "),

@@ -77,7 +77,7 @@ impl Explained for ParticleFilter {
             Event::Predicted(particles) => said
                 .text("Prediction: each particle moves with its velocity and a random acceleration of standard deviation ")
                 .text(format!("{} px/frame². ", px(self.process_noise.into())))
-                .ink(Role::Predicted, format!("The standard deviations of the cloud grow to {}", spread(particles)))
+                .ink(Role::Predicted, format!("The standard deviations of the cloud are now {}", spread(particles)))
                 .text("."),
             Event::Weighed(weighed) => self.weighed(weighed, said),
             Event::Estimated(particles, estimate) => said

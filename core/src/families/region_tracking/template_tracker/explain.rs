@@ -145,6 +145,18 @@ impl Explained for TemplateTracker {
         }
     }
 
+    fn loss(&self, at: &At<'_, Self>) -> Option<&'static str> {
+        let judged = at.events.iter().rev().find_map(|event| match event {
+            Event::Judged(judged) => Some(judged),
+            _ => None,
+        })?;
+        judged.is_lost.then_some(match () {
+            () if judged.overlap < LEAST_OVERLAP => "too little of the template lies inside the frame",
+            () if is_collapsed(judged.stretch) => "the alignment has failed, for its warp doubles or halves a length",
+            () => "the correlation is too low",
+        })
+    }
+
     fn advice(&self, ending: Ending, _at: &At<'_, Self>) -> String {
         if ending.outcome == Outcome::Unknown {
             return "Without ground truth drift is seen in the warped template alone: it should still show the object of the first frame.".into();
@@ -233,7 +245,7 @@ impl TemplateTracker {
                 .text("Since the last frame with the object, the warp changes lengths by factors between ")
                 .ink(Role::Error, format!("{smallest} and {largest}"))
                 .text(format!(
-                    ", beyond {} to {}: no object does that in a frame, so the alignment has failed, although ρ = {}. The warp is discarded.",
+                    ", beyond {} to {}: the alignment has failed, with ρ = {}. The warp is discarded.",
                     ratio(1.0 / MOST_STRETCH),
                     ratio(MOST_STRETCH),
                     ratio(judged.correlation)

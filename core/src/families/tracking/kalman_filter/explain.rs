@@ -204,8 +204,8 @@ impl KalmanFilter {
                     _ => format!("none of the {} belongs", count(detections, "detection")),
                 };
                 format!(
-                    "No track yet: {none} to the object that moves most consistently. To track another, press Place \
-                     beside the parameter Clicks and click it."
+                    "No track yet: {none} to the object that moves most consistently. To track another object, \
+                     give a click on it (parameter Clicks; Place in the window)."
                 )
             }
             Some(detections) => {

@@ -102,6 +102,7 @@ impl MultipleHypothesis {
                 .text(" Next, ")
                 .ink(Role::Candidate, format!("P = {}", ratio(next.probability)))
                 .text(format!(": {}.", claims(&next.scan.claims, gates.frame))),
+            None if expansion.has_more || expansion.is_exhausted => said,
             None if self.min_ratio > 0.0 => said.text(format!(
                 " No other explanation has at least {} times its probability.",
                 ratio(self.min_ratio.into())
@@ -110,9 +111,11 @@ impl MultipleHypothesis {
         };
         let said = match (all.len(), self.min_ratio) {
             (0, _) => said,
+            (1, 0.0) => said.text(" 1 more is less probable."),
             (others, 0.0) => said.text(format!(" {others} more are less probable.")),
             (others, least) => said.text(format!(
-                " {others} more, each with at least {} times the highest probability.",
+                " {others} more {} at least {} times the highest probability.",
+                if others == 1 { "has" } else { "have" },
                 ratio(least.into())
             )),
         };
