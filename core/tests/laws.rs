@@ -575,7 +575,7 @@ fn a_given_region_stays_on_its_object() {
         }
         ran += 1;
     }
-    assert_eq!(ran, 8);
+    assert_eq!(ran, 9);
 }
 
 #[test]

@@ -115,10 +115,11 @@ fn windows_larger_than_the_picture_and_half_known_truth_show_no_nan() {
 #[test]
 fn a_pixel_without_a_constraint_is_reported_as_such() {
     let flat = Clip::from_frames("flat", vec![Frame::gray(Grid::new(40, 30, 77)); 2]).unwrap();
-    let said = explained_at(&*set("horn-schunck", &[]), &flat, 0, [20.0, 15.0]).sentence.plain();
+    let said =
+        explained_at(&*set("horn-schunck", &[("solver", "gauss-seidel")]), &flat, 0, [20.0, 15.0]).sentence.plain();
     assert!(said.contains("has no gradient") && said.contains("takes the neighbourhood mean"), "{said}");
     let (clip, _) = linear_motion([[0.0; 2]; 2], [1.5, 0.0]);
-    for (id, event) in [("horn-schunck", usize::MAX), ("tv-l1", 1)] {
+    for (id, event) in [("horn-schunck", 2), ("tv-l1", 1)] {
         let estimator = set(id, &[("levels", "1"), ("warps", "2"), ("iterations", "40")]);
         let mut walk = estimator.walk(&clip, 0).unwrap();
         walk.jump(Move::To(Cursor { unit: 50, event }));

@@ -431,7 +431,7 @@ fn bad_input_is_refused_or_reported_with_the_reason() {
         let facts = walk.output().assess(&Reference { clip: &clip, frame: 0 }).expect("an assessment").facts;
         let value = |label: &str| facts.iter().find(|fact| fact.label == label).map(|fact| fact.value.clone());
         assert!(value("Views").is_some_and(|views| views.contains("swapped")), "{id}: {facts:?}");
-        assert!(value("Depth").is_some_and(|depth| depth.contains("focal length")), "{id}: {facts:?}");
+        assert!(value("Range of depth").is_some_and(|depth| depth.contains("focal length")), "{id}: {facts:?}");
         let sound = pair(view(96, 0), view(96, 5));
         let said = estimator.walk(&sound, 0).expect("a walk").step(None).sentence.plain();
         assert!(!said.contains("swapped"), "{id}: {said}");

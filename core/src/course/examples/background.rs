@@ -18,26 +18,13 @@ pub(super) const EXAMPLES: &[Example] = &[
     Example {
         id: "camera-motion",
         title: "A camera held by hand",
-        of: &["running-average", "mixture-of-gaussians"],
+        of: &["running-average", "mixture-of-gaussians", "frame-difference"],
         cause: Some(Cause::CameraMotion),
         clip: "hand-held",
         settings: &[],
         frame: 0,
         says: "A pixel is compared with earlier levels of the same pixel, but under a moving camera these show other places of the scene. The \
                motion of the camera has to be estimated first, as in the motion-compensated difference.",
-        claim: ("mask_f1", Limit::AtMost(0.6)),
-        instead: None,
-    },
-    Example {
-        id: "camera-motion",
-        title: "A camera held by hand",
-        of: &["frame-difference"],
-        cause: Some(Cause::CameraMotion),
-        clip: "hand-held",
-        settings: &[("shake", "0")],
-        frame: 0,
-        says: "Without suppression of shake each edge of the background differs from the same pixel of the frame before. The motion of the \
-               camera has to be estimated first, as in the motion-compensated difference.",
         claim: ("mask_f1", Limit::AtMost(0.6)),
         instead: None,
     },

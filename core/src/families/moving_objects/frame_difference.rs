@@ -26,10 +26,9 @@ params! {
         /// at least 8.
         threshold: usize = 0, 0..=255;
         /// The treatment of a camera that is not quite at rest.
-        steady: Steadiness = Steadiness::default();
-        /// The parameters of all background subtractions. The difference of two frames marks the edges of a moving object, which a
-        /// larger closing joins.
-        settings: Settings = Settings { closing: 5, ..Settings::default() };
+        steady: Steadiness = Steadiness { shake: 0, ..Steadiness::default() };
+        /// The parameters of all background subtractions.
+        settings: Settings = Settings { opening: 0, closing: 4, ..Settings::default() };
     }
     renamed { "compared" => "differencing", "open" => "opening", "close" => "closing" }
 }

@@ -244,10 +244,10 @@ pseudocode! {
     CHOOSE: "R ← region of the object in the first frame; stop if fewer than 6 control points have an edge",
     PLACE: "pose (R, T) ← turn, tilt, and the translation at which the model fills the region",
     EACH_FRAME: "for each frame t",
-    PREDICT: "  if prediction: (R, T) ← (R, T) moved by the last motion",
-    REFINE: "  repeat: lᵢ ← distance of the nearest edge along the normal of control point i; (θ, Δ) ← (Σ wᵢ cᵢ cᵢ^T + λ a a^T)⁻¹ Σ wᵢ cᵢ lᵢ, \
-             with wᵢ = 1 unless the weights are robust, and λ = 0 unless a rotation about an axis a is held",
-    JUDGE: "  P ← σ² (Σ wᵢ cᵢ cᵢ^T + λ a a^T)⁻¹ without the held rotation; lost if the share of control points with an edge < min-share",
+    PREDICT: "  if the pose is predicted: (R, T) ← (R, T) moved by the last motion",
+    REFINE: "  repeat: l_i ← distance of the nearest edge along the normal of control point i; (θ, Δ) ← (Σ w_i c_i c_i^T + λ a a^T)⁻¹ Σ w_i c_i l_i, \
+             with w_i = 1 unless the weights are robust, and λ = 0 unless a rotation about an axis a is held",
+    JUDGE: "  P ← σ² (Σ w_i c_i c_i^T + λ a a^T)⁻¹ without the held rotation; lost if the share of control points with an edge < min-share",
     MOVE: "  the region is the rectangle around the projection, unless the object is lost",
 }
 

@@ -96,11 +96,11 @@ impl<M: Model<Unknowns = Field>> Probe<'_, M> {
 
     /// Explains the extrapolation of an update by SOR.
     pub fn extrapolated(&self, update: [f32; 2], relaxation: f32) -> Sentence {
-        if relaxation == 1.0 {
+        if relaxation == 1.0 || update == self.from() {
             return Sentence::default()
-                .text("With ω = 1 SOR keeps the Gauss–Seidel update: ")
+                .text("There is nothing to extrapolate for SOR: ")
                 .ink(Role::Reference, self.pixel())
-                .text(" goes to ")
+                .text(" has the Gauss–Seidel update ")
                 .ink(Role::Result, self.px(self.to()))
                 .text(".");
         }
