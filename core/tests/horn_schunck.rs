@@ -163,8 +163,8 @@ fn the_update_that_is_reported_is_the_one_that_is_done() {
 
 /// The last numbers of the formula and of the sentence are `to`.
 fn the_last_numbers_are(step: &Step, to: [f32; 2]) {
-    let last = equation(step).pop().unwrap();
-    assert!((numbers(&last).pop().unwrap() - f64::from(to[1])).abs() < 2e-3, "{last}");
+    let last = equation(step).pop().expect("a formula");
+    assert!((numbers(&last).pop().expect("a number") - f64::from(to[1])).abs() < 2e-3, "{last}");
     let said = step.sentence.plain();
     let [.., u, v] = numbers(&said)[..] else { panic!("two numbers: {said}") };
     assert!((u - f64::from(to[0])).abs() < 2e-3 && (v - f64::from(to[1])).abs() < 2e-3, "{said}");
