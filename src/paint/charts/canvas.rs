@@ -71,6 +71,13 @@ impl Type {
     }
 }
 
+/// The first of several wordings, from long to short, that is at most `width` wide, or else the last of them, [`shortened`].
+pub fn fitting(wordings: &[String], style: Type, width: f32) -> String {
+    let fits = |words: &&String| style.width(words) <= width;
+    let found = wordings.iter().find(fits).or(wordings.last());
+    found.map_or_else(String::new, |words| shortened(words, style, width))
+}
+
 /// `words`, cut short with … where they are wider than `width` points.
 pub fn shortened(words: &str, style: Type, width: f32) -> String {
     if style.width(words) <= width {

@@ -6,7 +6,7 @@ use motionscope_core::scene::Distribution;
 use super::super::primitive::{Anchor, Point, Primitive, Rect, Stroke};
 use super::super::{Theme, grouped, labels, number};
 use super::axis::Axis;
-use super::canvas::{Canvas, Level, Type, shortened};
+use super::canvas::{Canvas, Level, Type, fitting, shortened};
 use super::{ChartStyle, Drawing, titled};
 
 /// What is shown.
@@ -159,8 +159,10 @@ fn axes(canvas: &mut Canvas, bars: &Bars, distribution: &Distribution, theme: Th
         description.push(format!("{share} beyond {} {}", number(distribution.top), distribution.unit));
     }
     if !description.is_empty() {
+        // The largest bar is seen: its share is what can be left out.
         let words = description.join(" · ");
-        let words = shortened(&words, dim, name.min[0] - small - left);
+        let brief = words.split(", ").next().unwrap_or_default().to_owned();
+        let words = fitting(&[words, brief], dim, name.min[0] - small - left);
         canvas.text([left, below], (Anchor::Start, Level::Top), &words, dim);
     }
     let most = grouped(distribution.counts.iter().copied().max().unwrap_or(0) as usize);

@@ -4,7 +4,7 @@ use motionscope_core::{Histogram, Role, fixed};
 
 use super::super::primitive::{Anchor, Point, Primitive, Rect};
 use super::super::{Color, ColorMap, Face, Theme, grouped, number};
-use super::canvas::{Canvas, Level, Type, around, middle, shortened};
+use super::canvas::{Canvas, Level, Type, around, fitting, middle, shortened};
 use super::{ChartStyle, Drawing, Map};
 
 /// Letters of room for the list.
@@ -38,7 +38,10 @@ pub fn draw(data: Counts<'_>, area: Rect, style: ChartStyle) -> Drawing<Map> {
     list(&mut canvas, &map, (area, histogram), style);
     if !map.is_tight() {
         let (dim, room) = (Type::dim(theme), map.name_left(theme) - map.small - area.min[0]);
-        let words = shortened(&details(histogram).join(", "), dim, room);
+        let words = details(histogram).join(", ");
+        // What an entropy is counted in stands in the summary.
+        let brief = words.strip_suffix(" per vector").unwrap_or(&words).to_owned();
+        let words = fitting(&[words, brief], dim, room);
         canvas.text([area.min[0], map.below()], (Anchor::Start, Level::Top), &words, dim);
     }
     Drawing { place: map, body: canvas.into_layers(), head: head(data, &map, area, None, style) }

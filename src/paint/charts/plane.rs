@@ -8,7 +8,7 @@ use motionscope_core::{Grid, Role, fixed};
 use super::super::primitive::{Anchor, Point, Primitive, Rect};
 use super::super::{Color, Face, Theme, labels, legend, marks, number, region_color};
 use super::axis::Axis;
-use super::canvas::{Canvas, Level, Type, shortened, solid};
+use super::canvas::{Canvas, Level, Type, fitting, shortened, solid};
 use super::{ChartStyle, Drawing, titled};
 
 /// How near one can come: what a plane shows at first is at most so many times as wide.
@@ -202,9 +202,12 @@ pub fn head(
             titled(whose, &format!("{}, {what}", plane.title), (text.size, width))
         }
     };
+    // Rather where the lines are than what is shown.
+    let brief = beyond(plane, square).filter(|_| pointed.is_none());
+    let wordings: Vec<String> = std::iter::once(words).chain(brief).collect();
     let mut canvas = Canvas::default();
     let at = [left, area.min[1] + 0.8 * text.size];
-    canvas.text(at, (Anchor::Start, Level::Middle), &shortened(&words, text, width), text);
+    canvas.text(at, (Anchor::Start, Level::Middle), &fitting(&wordings, text, width), text);
     canvas.into_primitives()
 }
 
@@ -528,6 +531,12 @@ mod tests {
         let (square, head, primitives) = drawn(&plane);
         assert_eq!(square.window.reach, 2.0, "it is too far to be shown with what the points show");
         assert_eq!(head, "Normal flow · Gradient constraint, constraint line 12 px from the origin, outside");
+        let data = Shown { plane: &plane, whose: "", window: None };
+        let narrow = texts(&draw(data, Rect::new([0.0; 2], [330.0, 300.0]), style()).head).concat();
+        assert_eq!(
+            narrow, "constraint line 12 px from the origin, outside",
+            "where the line is, and not a part of the title"
+        );
         let tip = primitives.iter().find_map(|primitive| match primitive {
             Primitive::Polygon { points, .. } if points.len() == 3 => Some(points[0]),
             _ => None,
