@@ -26,6 +26,8 @@ const TYPE_SHARES: [f32; 11] = [1.2, 1.1, 1.0, 0.95, 0.9, 0.85, 0.8, 0.75, 0.7, 
 const LARGE_SHARES: [f32; 3] = [1.8, 1.6, 1.4];
 /// How many times larger the type has to be for the matrices to leave their order.
 const WORTH: f32 = 1.2;
+/// The most matrices that may leave it.
+const MOST_EXCHANGED: usize = 4;
 /// Width of a large area, in letters.
 const LARGE_LETTERS: f32 = 40.0;
 
@@ -42,7 +44,8 @@ pub fn draw(matrices: &[Matrix], area: Rect, style: ChartStyle) -> Drawing<Vec<R
     let is_large = size[0] > LARGE_LETTERS * style.theme.sizes().body;
     let shares = || LARGE_SHARES.into_iter().filter(|_| is_large).chain(TYPE_SHARES);
     let share = shares().find(|share| fits(*share, &given)).unwrap_or(smallest);
-    let larger = shares().filter(|larger| *larger >= WORTH * share);
+    // Each order is laid out in each size, while the window waits.
+    let larger = shares().filter(|larger| given.len() <= MOST_EXCHANGED && *larger >= WORTH * share);
     let mut other = larger.flat_map(|larger| exchanged(&given).map(move |order| (larger, order)));
     let (share, order) = other.find(|(larger, order)| fits(*larger, order)).unwrap_or((share, given.clone()));
     draw_at(matrices, (&order, area), style, share)
