@@ -27,6 +27,7 @@
 //! ```
 
 pub mod example;
+pub mod lesson;
 mod read;
 mod toml_text;
 mod write;
@@ -76,7 +77,7 @@ impl Named {
     /// # Errors
     /// If it is a session that cannot be read, or a scene that does not exist.
     pub fn find(name: &OsStr, given: Given) -> Result<Self, Error> {
-        if let Some(session) = example::named(name) {
+        if let Some(session) = example::named(name).or_else(|| lesson::named(name)) {
             let session = session?;
             return Ok(Self { source: session.experiment.source.clone(), given, session: Some(session) });
         }

@@ -10,6 +10,8 @@ mod keys;
 mod language;
 #[path = "window/layout.rs"]
 mod layout;
+#[path = "window/lessons.rs"]
+mod lessons;
 #[path = "window/levels.rs"]
 mod levels;
 #[path = "window/lockstep.rs"]

@@ -50,6 +50,15 @@ pub enum Command {
         #[arg(long)]
         json: bool,
     },
+    /// List the lessons, or the pages of one.
+    #[command(after_help = examples::LESSONS)]
+    Lessons {
+        /// Lesson, as lesson:kalman-filter, or the path of a lesson's file; by default all lessons are listed.
+        lesson: Option<OsString>,
+        /// Print JSON.
+        #[arg(long)]
+        json: bool,
+    },
     /// Describe a clip: size, frames, frame rate, codec, ground truth.
     #[command(after_help = examples::INFO)]
     Info {

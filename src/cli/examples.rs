@@ -14,8 +14,9 @@ Examples:
 
 A CLIP is a video, an animation, an image of a numbered sequence, two pictures, a folder of
 images, a printf pattern such as frame%02d.png, a session (*.motionscope), `-` for Y4M on
-standard input, synth:NAME[,SLIDER=VALUE]... for a synthetic clip (see `motionscope synth --list`), or
-example:ESTIMATOR/ID for an example of an estimator (see `motionscope list ESTIMATOR`).";
+standard input, synth:NAME[,SLIDER=VALUE]... for a synthetic clip (see `motionscope synth --list`),
+example:ESTIMATOR/ID for an example of an estimator (see `motionscope list ESTIMATOR`), or
+lesson:NAME/PAGE for a page of a lesson (see `motionscope lessons`).";
 
 /// Of `list`.
 pub const LIST: &str = "\
@@ -29,6 +30,14 @@ Examples:
   motionscope glossary                           all terms, by chapter
   motionscope glossary structure tensor          one definition
   motionscope glossary NIS --json                as JSON: term, aliases, symbol, definition, chapter";
+
+/// Of `lessons`.
+pub const LESSONS: &str = "\
+Examples:
+  motionscope lessons                            all lessons of the course
+  motionscope lessons lesson:kalman-filter       the pages of one with their words
+  motionscope lesson:kalman-filter/3             open the window with its third page
+  motionscope week-4.md                          open the window with your own lesson";
 
 /// Of `info`.
 pub const INFO: &str = "\

@@ -6,6 +6,7 @@ mod examples;
 mod export;
 mod free_memory;
 mod glossary;
+mod lessons;
 mod list;
 mod look;
 mod outputs;
@@ -68,6 +69,7 @@ fn run(args: Args) -> Result<(), Error> {
             say(&if json { list::json(&all) } else { list::text(&all, !estimators.is_empty()) })
         }
         Some(Command::Glossary { term, json }) => say(&glossary(&term.join(" "), json)?),
+        Some(Command::Lessons { lesson, json }) => say(&lessons::listed(lesson.as_deref(), json)?),
         Some(Command::Info { clip, next, json, count, truth, stereo }) => {
             let clip = task::clip_name(clip, next)?;
             let Named { source, given, .. } = Named::find(&clip, stereo.with(Given { truth, ..Given::default() }))?;

@@ -66,6 +66,11 @@ impl Experiment {
         self.side_by_side.walk(&*self.estimator, clip, self.frame)
     }
 
+    /// Whether both run on the same clip, with the same files beside it.
+    pub fn has_clip_of(&self, other: &Self) -> bool {
+        self.source == other.source && self.given == other.given
+    }
+
     /// How good the estimator is in real time, where it looks back as it is set (then `causal` is what it gave) and is scored.
     ///
     /// # Errors

@@ -49,13 +49,18 @@ pub fn session(id: &str, example: &Example) -> Result<Session, Error> {
 ///
 /// The error names the examples of the estimator if there is no such example.
 pub(super) fn named(name: &OsStr) -> Option<Result<Session, Error>> {
-    let name = name.to_str()?.strip_prefix(EXAMPLE)?;
+    name.to_str()?.strip_prefix(EXAMPLE).map(find)
+}
+
+/// Returns the session of the example `name`, as `horn-schunck/filling-in`.
+///
+/// # Errors
+/// If there is no such estimator, or it has no such example.
+pub(super) fn find(name: &str) -> Result<Session, Error> {
     let (id, wanted) = name.split_once('/').unwrap_or((name, ""));
-    let Err(error) = estimator(id) else {
-        let found = examples::of(id).find(|example| example.id == wanted);
-        return Some(found.ok_or_else(|| unknown(id)).and_then(|example| session(id, example)));
-    };
-    Some(Err(error))
+    estimator(id)?;
+    let found = examples::of(id).find(|example| example.id == wanted);
+    found.ok_or_else(|| unknown(id)).and_then(|example| session(id, example))
 }
 
 /// The error where an estimator has no such example.

@@ -27,7 +27,22 @@ pub(super) fn session(text: &str, folder: &Path) -> Result<Session, Error> {
         );
         return Err(Error::new(message));
     }
-    let source = top.need("clip")?.parsed(|clip| Source::parse(clip))?.map_path(|path| folder.join(path));
+    let session = keys(&mut top, None, folder)?;
+    top.end()?;
+    Ok(session)
+}
+
+/// Takes the keys of a session out of `top`. What they do not name is that of `base`, if there is one: without a clip its clip, and
+/// without any key of the run its step.
+///
+/// # Errors
+/// The same as of [`session`].
+pub(super) fn keys(top: &mut Section<'_>, base: Option<Session>, folder: &Path) -> Result<Session, Error> {
+    let source = match (top.take("clip"), &base) {
+        (Some(clip), _) => Some(clip.parsed(|clip| Source::parse(clip))?.map_path(|path| folder.join(path))),
+        (None, Some(_)) => None,
+        (None, None) => return Err(top.lacks("clip")),
+    };
     let mut path = |key| top.take(key).map(|entry| entry.text().map(PathBuf::from)).transpose();
     let given = Given {
         truth: path("truth")?,
@@ -37,27 +52,38 @@ pub(super) fn session(text: &str, folder: &Path) -> Result<Session, Error> {
         disparity_scale: top.take("disparity-scale").map(|entry| disparity_scale(&entry)).transpose()?,
     };
     let given = given.map_path(|path| folder.join(path));
-    let mut leader = top.need("estimator")?.parsed(estimator)?;
-    for (name, value) in section(&mut top, "set")?.all() {
+    let mut leader = match (top.take("estimator"), &base) {
+        (Some(id), _) => id.parsed(estimator)?,
+        (None, Some(base)) => base.experiment.estimator.boxed_clone(),
+        (None, None) => return Err(top.lacks("estimator")),
+    };
+    for (name, value) in section(top, "set")?.all() {
         leader.set(&name, &value.plain()?).map_err(|why| value.wrong(why))?;
     }
     let pace = top.take("pace").map_or(Ok(Pace::Block), |entry| entry.parsed(pace))?;
-    let side_by_side = side_by_side(&mut top, &mut *leader, pace)?;
-    let experiment = Experiment {
-        source,
-        given,
-        estimator: leader,
-        side_by_side,
-        frame: top.take("frame").map_or(Ok(0), |frame| frame.count())?,
+    let side_by_side = side_by_side(top, &mut *leader, pace)?;
+    let frame = top.take("frame").map(|frame| frame.count()).transpose()?;
+    let experiment = match (source, &base) {
+        (None, Some(base)) => Experiment {
+            given: base.experiment.given.clone().then(given),
+            estimator: leader,
+            side_by_side,
+            frame: frame.unwrap_or(base.experiment.frame),
+            source: base.experiment.source.clone(),
+        },
+        (source, _) => {
+            let source = source.ok_or_else(|| top.lacks("clip"))?;
+            Experiment { source, given, estimator: leader, side_by_side, frame: frame.unwrap_or(0) }
+        }
     };
+    let goes_on = base.filter(|base| base.experiment == experiment).map(|base| base.position);
+    let step = top.take("step").map(|step| step.parsed(str::parse)).transpose()?;
     let position = Position {
-        cursor: top.take("step").map(|step| step.parsed(str::parse)).transpose()?,
+        cursor: step.or(goes_on.as_ref().and_then(|position| position.cursor)),
         pixel: top.take("pixel").map(|pixel| pixel.parsed(str::parse)).transpose()?,
     };
-    let look = look(section(&mut top, "picture")?)?;
-    let session = Session { experiment, position, look, sight: sight(&mut top)? };
-    top.end()?;
-    Ok(session)
+    let look = look(section(top, "picture")?)?;
+    Ok(Session { experiment, position, look, sight: sight(top)? })
 }
 
 /// The gray levels per px of a true disparity.

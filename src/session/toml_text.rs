@@ -62,13 +62,17 @@ impl<'a> Section<'a> {
     /// # Errors
     /// If it is not.
     pub fn need(&mut self, key: &'static str) -> Result<Entry<'a>, Error> {
-        let lacks = || match self.path.trim_end_matches('.') {
+        // The error is made first: the key is taken out of what it tells of.
+        let lacks = self.lacks(key);
+        self.take(key).ok_or(lacks)
+    }
+
+    /// What is said where a key is missing.
+    pub fn lacks(&self, key: &'static str) -> Error {
+        match self.path.trim_end_matches('.') {
             "" => Error::new(format!("it has no key {key}; add a line {key} = …")),
             path => Error::new(format!("line {}: {path} has no key {key}; add it", self.line)),
-        };
-        // The error is made first: the key is taken out of what it tells of.
-        let lacks = lacks();
-        self.take(key).ok_or(lacks)
+        }
     }
 
     /// All keys with their values, whatever they are called, in the order of the text.

@@ -172,6 +172,14 @@ impl Changes {
         look
     }
 
+    /// Returns `look` with these options as in `before`.
+    #[must_use]
+    pub fn undone(&self, look: Look, before: Look) -> Look {
+        let before = Changes::from(before);
+        let values = self.values.iter().zip(before.values).map(|(set, before)| set.as_ref().and(before));
+        Changes { values: values.collect() }.over(look)
+    }
+
     /// Returns these options with those of `later` in their place.
     #[must_use]
     pub fn then(self, later: &Self) -> Self {

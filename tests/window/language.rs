@@ -2,6 +2,7 @@
 //!
 //! Texts of estimators are read by `core/tests/language`, by the same rules.
 
+use motionscope::session::lesson::all;
 use motionscope_core::estimators;
 
 use super::*;
@@ -73,14 +74,30 @@ fn help_and_lists_speak_as_the_field_does() {
         &["list", "full-search", "horn-schunck", "camshift", "running-average"],
         &["synth", "--list"],
         &["glossary"],
+        &["lessons"],
     ] {
         lines.extend(printed(arguments).into_iter().map(|line| ("printed", line)));
     }
-    for command in ["list", "glossary", "info", "synth", "run", "export", "compare"] {
+    for command in ["list", "glossary", "lessons", "info", "synth", "run", "export", "compare"] {
         lines.extend(printed(&[command, "--help"]).into_iter().map(|line| ("help", line)));
     }
     let count = check(lines);
     assert!(count > 500, "{count} lines");
+}
+
+#[test]
+fn lessons_speak_as_the_field_does() {
+    let mut said = Vec::new();
+    for lesson in all() {
+        let titles = lesson.pages.iter().map(|page| page.title.clone());
+        said.extend(titles.chain([lesson.title.clone(), lesson.summary.clone()]).map(|text| (&*lesson.slug, text)));
+        for page in &lesson.pages {
+            let words = page.words.as_ref().expect("words").plain();
+            said.extend(words.lines().chain([page.notes.as_str()]).map(|line| (&*lesson.slug, line.to_owned())));
+        }
+    }
+    let count = check(said);
+    assert!(count > 200, "{count} texts");
 }
 
 #[test]
@@ -97,6 +114,7 @@ fn the_window_speaks_as_the_field_does() {
     let dialogs = [
         Command::Open,
         Command::Samples,
+        Command::Lessons,
         Command::ExportPicture,
         Command::ExportResult,
         Command::ExportSteps,

@@ -52,6 +52,8 @@ pub enum Math {
     Sqrt(Box<Math>),
     /// Under a bar, as the mean of u is written.
     Bar(Box<Math>),
+    /// Under a circumflex, as an estimate of x is written.
+    Hat(Box<Math>),
     /// A matrix in brackets, row by row; a column vector has rows of one entry.
     Matrix(Vec<Vec<Math>>),
 }
@@ -122,6 +124,10 @@ impl Math {
             Math::Bar(inner) => match inner.as_ref() {
                 Math::Sub(base, index) => format!("{}_{}", overlined(&base.plain()), index.plain()),
                 inner => overlined(&inner.plain()),
+            },
+            Math::Hat(inner) => match inner.as_ref() {
+                Math::Sub(base, index) => format!("{}\u{302}_{}", base.plain(), index.plain()),
+                inner => format!("{}\u{302}", inner.plain()),
             },
             Math::Matrix(rows) => {
                 let row = |row: &Vec<Math>| row.iter().map(Math::plain).collect::<Vec<_>>().join(", ");

@@ -60,7 +60,7 @@ impl Block {
     }
 
     /// Puts `other` below, `gap` points further down.
-    fn put_below(&mut self, other: Block, gap: f32) {
+    pub(super) fn put_below(&mut self, other: Block, gap: f32) {
         if other.size[1] <= 0.0 {
             return;
         }
@@ -76,7 +76,7 @@ impl Block {
 
 /// A run of words on a line: its bytes in the whole text, and where it stands.
 #[derive(Clone, Debug)]
-struct Set {
+pub(super) struct Set {
     bytes: Range<usize>,
     run: Run,
     size: f32,
@@ -104,7 +104,7 @@ fn set(text: &str, lines: &[(Vec<Run>, Point, f32)], size: f32) -> Vec<Set> {
 }
 
 /// The rectangles of a range of bytes, one for each line that it is on.
-fn rects(all: &[Set], range: &Range<usize>) -> Vec<Rect> {
+pub(super) fn rects(all: &[Set], range: &Range<usize>) -> Vec<Rect> {
     let mut found: Vec<Rect> = Vec::new();
     for Set { bytes, run, size, rect } in all {
         let (from, to) = (range.start.max(bytes.start), range.end.min(bytes.end));
@@ -239,16 +239,23 @@ pub fn rule(width: f32, theme: Theme) -> Block {
 
 /// A sentence, its role words in a legible shade of the role's color and underlined in the very color.
 pub fn sentence(sentence: &Sentence, (width, density): (f32, Density), theme: Theme) -> Block {
-    let size = density.words;
-    let height = (density.leading * size).round();
     let run = |(words, role): &(String, Option<_>)| match *role {
         None => Run::new(words, theme.chrome().text),
         Some(role) => Run::new(words, theme.word(role)).underlined(theme.ink(role).color),
     };
     let runs: Vec<_> = sentence.0.iter().map(run).collect();
+    let mut block = words(&runs, width, density).0;
+    block.lines = vec![(Rect::new([0.0; 2], block.size), sentence.plain())];
+    block
+}
+
+/// Runs of words in lines of at most `width` points, the terms among them, and where each run stands.
+pub(super) fn words(runs: &[Run], width: f32, density: Density) -> (Block, Vec<Set>) {
+    let size = density.words;
+    let height = (density.leading * size).round();
     let mut block = Block::default();
     let mut lines = Vec::new();
-    for (i, runs) in wrap(&runs, size, width).into_iter().enumerate() {
+    for (i, runs) in wrap(runs, size, width).into_iter().enumerate() {
         let top = i as f32 * height + (height - 1.2 * size) / 2.0;
         lines.push((runs.clone(), [0.0, top], 1.2 * size));
         let at = [0.0, i as f32 * height + (height - size) / 2.0 + 0.86 * size];
@@ -256,10 +263,11 @@ pub fn sentence(sentence: &Sentence, (width, density): (f32, Density), theme: Th
         block.size = [block.size[0].max(line.width()), (i + 1) as f32 * height];
         block.primitives.push(Primitive::Text(line));
     }
-    block.lines = vec![(Rect::new([0.0; 2], block.size), sentence.plain())];
-    let text: String = sentence.0.iter().map(|(words, _)| words.as_str()).collect();
-    block.terms = terms(&text, &set(&text, &lines, size));
-    block
+    let text: String = runs.iter().map(|run| run.text.as_str()).collect();
+    let all = set(&text, &lines, size);
+    block.terms = terms(&text, &all);
+    block.lines = vec![(Rect::new([0.0; 2], block.size), text)];
+    (block, all)
 }
 
 /// Formulas below each other.

@@ -217,6 +217,15 @@ fn add_line(whole: &mut Formula, line: Formula, below: Option<f32>, size_pt: f32
     lower
 }
 
+/// A sign over a letter.
+#[derive(Clone, Copy)]
+enum Over {
+    /// That of a mean.
+    Bar,
+    /// That of an estimate.
+    Hat,
+}
+
 struct Setter<'a> {
     measure: &'a mut dyn Measure,
 }
@@ -234,7 +243,8 @@ impl Setter<'_> {
             Math::Sum(index) => self.sum(index, size),
             Math::Abs(inner) => self.bars(inner, size),
             Math::Sqrt(inner) => self.root(inner, size),
-            Math::Bar(inner) => self.mean(inner, size).named(math),
+            Math::Bar(inner) => self.over(inner, Over::Bar, size).named(math),
+            Math::Hat(inner) => self.over(inner, Over::Hat, size).named(math),
             Math::Matrix(rows) => self.matrix(rows, size),
         }
     }
@@ -335,10 +345,10 @@ impl Setter<'_> {
         whole
     }
 
-    fn mean(&mut self, inner: &Math, size: f32) -> Formula {
+    /// `inner` under a sign; an index stands outside the sign over its letter.
+    fn over(&mut self, inner: &Math, sign: Over, size: f32) -> Formula {
         let is_low = matches!(letter(inner), Some(c) if "acemnorsuvwxyzμνρσ".contains(c));
         let is_italic = !matches!(inner, Math::Text(..) | Math::Bold(_));
-        // An index stands outside the bar above its letter.
         let (base, index) = match inner {
             Math::Sub(base, index) => (base.as_ref(), Some(index.as_ref())),
             other => (other, None),
@@ -347,9 +357,19 @@ impl Setter<'_> {
         let thickness = thickness(size);
         let bottom = -(if is_low { LOW } else { whole.ascent.max(CAP * size) / size } + 0.08) * size;
         let lean = if is_italic { 0.06 * size } else { 0.0 };
-        let ends = [[0.03 * size + lean, bottom - thickness], [whole.width - 0.05 * size + lean, bottom]];
-        whole.pieces.push(Piece::Rule(Rect::between(ends[0], ends[1])));
-        whole.ascent = whole.ascent.max(thickness - bottom + 0.04 * size);
+        match sign {
+            Over::Bar => {
+                let ends = [[0.03 * size + lean, bottom - thickness], [whole.width - 0.05 * size + lean, bottom]];
+                whole.pieces.push(Piece::Rule(Rect::between(ends[0], ends[1])));
+                whole.ascent = whole.ascent.max(thickness - bottom + 0.04 * size);
+            }
+            Over::Hat => {
+                let (middle, half, height) = (whole.width / 2.0 + lean, 0.18 * size, 0.14 * size);
+                let points = [[-half, 0.0], [0.0, -height], [half, 0.0]].map(|[x, y]| [middle + x, bottom + y]);
+                whole.pieces.push(Piece::Stroke(points.to_vec(), thickness));
+                whole.ascent = whole.ascent.max(height + thickness - bottom + 0.04 * size);
+            }
+        }
         if let Some(index) = index {
             let index = self.set(index, size * SMALL);
             let at = [whole.width + 0.04 * size, 0.22 * size];

@@ -36,8 +36,8 @@ pub fn draw(data: HeatMap<'_>, area: Rect, style: ChartStyle) -> Drawing<Map> {
     // Between pixels the search goes on within a few of them.
     let closer = data.surface.around_between(MARGIN);
     let (surface, theme) = (closer.as_ref().unwrap_or(data.surface), style.theme);
-    // At the right stand the color bar and its numbers.
-    let map = Map::new((surface.origin, surface.values.size()), area, 7.5, theme);
+    let (room, beside) = Bar::of(area, theme).room(area, theme);
+    let map = Map::new((surface.origin, surface.values.size()), room, beside, theme);
     let mut canvas = Canvas::default();
     hatch(&mut canvas, map.rect, theme);
     let pixels = Arc::new(costs(surface, style));
@@ -326,7 +326,62 @@ fn signs(surface: &Surface) -> impl Iterator<Item = (String, Role)> {
     missed.into_iter().chain(truth)
 }
 
+/// Where the color bar stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Bar {
+    /// Right of the map, with its numbers.
+    Beside,
+    /// Below the map, where the area is narrow and high: beside it the map would be small.
+    Below,
+}
+
+impl Bar {
+    /// Width of the bar with its numbers, and height of it below the map, in letters.
+    const WIDTH: f32 = 7.5;
+    const HEIGHT: f32 = 5.0;
+    /// What is left right of a map over its bar: half of a number.
+    const MARGIN: f32 = 1.5;
+
+    fn of(area: Rect, theme: Theme) -> Self {
+        let [width, height] = area.size().map(|side| side / theme.sizes().small);
+        if width < height && width < 24.0 { Self::Below } else { Self::Beside }
+    }
+
+    /// The area that is left for the map, and the letters beside it.
+    fn room(self, area: Rect, theme: Theme) -> (Rect, f32) {
+        let height = Self::HEIGHT * theme.sizes().small;
+        match self {
+            Self::Beside => (area, Self::WIDTH),
+            Self::Below => (Rect::between(area.min, [area.max[0], area.max[1] - height]), Self::MARGIN),
+        }
+    }
+}
+
+/// The color bar below the map, its quantity left of it, and its ends and its unit below.
+fn color_bar_below(canvas: &mut Canvas, map: &Map, surface: &Surface, style: ChartStyle) {
+    let Some([low, high]) = surface.shades() else { return };
+    let (small, chrome, dim) = (map.small, style.theme.chrome(), Type::dim(style.theme));
+    let min = [map.rect.min[0], (map.below() + 2.0 * small).round()];
+    let bar = Rect::new(min, [map.rect.size()[0], (0.8 * small).round()]);
+    let shade = |x: usize| style.colors.at(x as f32 / (SHADES - 1) as f32).0;
+    let pixels = Arc::new(Grid::from_fn(SHADES, 1, |x, _| shade(x)));
+    canvas.add(Primitive::Image { pixels, rect: bar });
+    canvas.frame(bar.grown(0.5), 1.0, chrome.line);
+    let (beside, below) = ([bar.min[0] - 0.5 * small, middle(&bar)[1]], bar.max[1] + 0.3 * small);
+    canvas.text(beside, (Anchor::End, Level::Middle), surface.title, Type::text(style.theme));
+    let [left, right] = [(bar.min[0], Anchor::Start, low), (bar.max[0], Anchor::End, high)]
+        .map(|(x, anchor, value)| canvas.text([x, below], (anchor, Level::Top), &number(value), dim));
+    let room = right.min[0] - left.max[0] - 2.0 * small;
+    if dim.width(surface.unit) <= room {
+        let x = (left.max[0] + right.min[0]) / 2.0;
+        canvas.text([x, below], (Anchor::Middle, Level::Top), surface.unit, dim);
+    }
+}
+
 fn color_bar(canvas: &mut Canvas, map: &Map, (surface, area): (&Surface, Rect), style: ChartStyle) {
+    if Bar::of(area, style.theme) == Bar::Below {
+        return color_bar_below(canvas, map, surface, style);
+    }
     let Some([low, high]) = surface.shades() else { return };
     let (small, chrome, dim) = (map.small, style.theme.chrome(), Type::dim(style.theme));
     let min = [(map.rect.max[0] + 2.0 * small).round(), map.rect.min[1]];
@@ -371,6 +426,25 @@ mod tests {
 
     fn style() -> ChartStyle {
         ChartStyle { theme: Theme::Dark, colors: ColorMap::Viridis, density: 1.0 }
+    }
+
+    #[test]
+    fn in_a_narrow_area_the_bar_stands_below_and_the_map_is_larger() {
+        let surface = surface();
+        let draw = |area: Rect| draw(HeatMap { surface: &surface, whose: "Full search" }, area, style());
+        let narrow = Rect::new([20.0, 10.0], [220.0, 300.0]);
+        let Drawing { place, body, .. } = draw(narrow);
+        assert!(place.rect.size()[0] > 0.65 * narrow.size()[0], "{:?}", place.rect);
+        let primitives: Vec<_> = body.into_iter().flat_map(|layer| layer.primitives).collect();
+        let words = texts(&primitives);
+        for label in ["0", "352", "SAD", "gray levels"] {
+            assert!(words.iter().any(|word| word == label), "{label} is missing in {words:?}");
+        }
+        for primitive in &primitives {
+            let Primitive::Text(line) = primitive else { continue };
+            let covered = super::super::canvas::covered(line);
+            assert!(covered.max[0] <= narrow.max[0] && covered.max[1] <= narrow.max[1], "{line:?} is cut off");
+        }
     }
 
     #[test]

@@ -4,7 +4,8 @@ use motionscope_core::scene::Matrix;
 use motionscope_core::{Grid, fixed};
 
 use super::super::number::with_power;
-use super::super::primitive::{Anchor, Point, Rect};
+use super::super::primitive::{Anchor, Point, Rect, Run};
+use super::super::wrap::wrap;
 use super::super::{Color, Face, Theme};
 use super::canvas::{Canvas, Level, Type, middle, solid};
 use super::{ChartStyle, Drawing};
@@ -16,8 +17,11 @@ const COLUMN_LETTERS: f32 = 2.4;
 const COLUMN_GAP_LETTERS: f32 = 1.1;
 /// Height of a row, in letters.
 const ROW_LETTERS: f32 = 1.45;
-/// Height of the line with the name, in letters.
-const HEAD_LETTERS: f32 = 1.9;
+/// Height of a line with the name and of what lies below the last one, in letters.
+const NAME_LETTERS: f32 = 1.3;
+const HEAD_LETTERS: f32 = 0.6;
+/// Least width of a name before it is broken into lines, in letters.
+const LEAST_NAME_LETTERS: f32 = 12.0;
 
 /// Sizes of the type that are tried, as shares of the usual one, until all matrices fit. The largest is little larger than the
 /// usual one, so that the size hardly changes from step to step.
@@ -158,7 +162,8 @@ fn extent(places: &[Rect]) -> [f32; 2] {
 
 /// Where the parts of a matrix lie within its own rectangle.
 struct Place {
-    /// Height of the line with its name.
+    /// The lines of its name, and the height of all of them.
+    name: Vec<String>,
     head: f32,
     /// Room for the names of the columns and rows; none where there are no names.
     columns: f32,
@@ -184,13 +189,19 @@ impl Place {
         };
         let widths: Vec<f32> = (0..width).map(of_column).collect();
         let rows = widest(&mut matrix.rows.iter().cloned());
-        let head = HEAD_LETTERS * small;
         let columns = if matrix.columns.is_empty() { 0.0 } else { ROW_LETTERS * small };
         let rows = if matrix.rows.is_empty() { 0.0 } else { (rows + small).max(2.2 * small) };
         let row = ROW_LETTERS * small;
-        let name = letters.symbol().width(matrix.symbol) + 0.5 * small + text.width(matrix.name);
         let body = [rows + widths.iter().sum::<f32>(), columns + row * height as f32];
-        Self { head, columns, rows, widths, row, size: [body[0].max(name + 2.0).ceil(), (head + body[1]).ceil()] }
+        // A long name must not make a narrow matrix wide: what is beside it would have to be smaller.
+        let symbol = letters.symbol().width(matrix.symbol) + 0.5 * small;
+        let room = (body[0] - symbol).max(LEAST_NAME_LETTERS * small);
+        let plain = |line: Vec<Run>| line.into_iter().map(|run| run.text).collect::<String>();
+        let lines = wrap(&[Run::new(matrix.name, text.color)], small, room);
+        let name: Vec<String> = lines.into_iter().map(plain).collect();
+        let head = (NAME_LETTERS * name.len() as f32 + HEAD_LETTERS) * small;
+        let width = body[0].max(symbol + widest(&mut name.iter().cloned()) + 2.0);
+        Self { name, head, columns, rows, widths, row, size: [width.ceil(), (head + body[1]).ceil()] }
     }
 }
 
@@ -202,7 +213,9 @@ fn one(canvas: &mut Canvas, matrix: &Matrix, place: &Place, min: Point, letters:
     let y = min[1] + 0.9 * small;
     let (start, end) = ((Anchor::Start, Level::Middle), (Anchor::End, Level::Middle));
     let name = canvas.text([min[0], y], start, matrix.symbol, letters.symbol().color(color)).max[0];
-    canvas.text([name + 0.5 * small, y], start, matrix.name, dim);
+    for (index, line) in place.name.iter().enumerate() {
+        canvas.text([name + 0.5 * small, y + NAME_LETTERS * small * index as f32], start, line, dim);
+    }
     let (width, height) = matrix.entries.size();
     if width == 0 || height == 0 {
         return;
@@ -329,6 +342,15 @@ mod tests {
         let style = ChartStyle { theme: Theme::Projector, ..style() };
         let extent = extent(&draw(&all, room, style).place);
         assert!(extent[0] <= 530.0 && extent[1] <= 400.0, "{extent:?}");
+    }
+
+    #[test]
+    fn a_long_name_is_broken_into_lines_of_the_width_of_its_matrix() {
+        let name = "squared Mahalanobis distance in the gate: tracks (rows), detections (columns)";
+        let wide = Matrix { name, entries: Grid::new(3, 3, 4096.5), changed: None, ..matrix() };
+        let [width, height] = size(&[wide], 2000.0, style());
+        let [usual, low] = size(&[Matrix { entries: Grid::new(3, 3, 4096.5), changed: None, ..matrix() }], 2000.0, style());
+        assert!(width < 1.2 * usual && height > low, "{width}×{height} and {usual}×{low}");
     }
 
     #[test]

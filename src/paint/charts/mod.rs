@@ -15,6 +15,7 @@ mod map;
 pub mod matrices;
 mod orbit;
 pub mod plane;
+pub mod prose;
 pub mod regions;
 pub mod relief;
 pub mod series;

@@ -9,6 +9,7 @@ use motionscope_core::synth::Sample;
 use motionscope_core::{Cursor, Pace, Value};
 
 use crate::experiment::comparison::Row;
+use crate::session::lesson::Address;
 use crate::ui::app::commands::Command;
 use crate::ui::model::document::Owner;
 use crate::ui::model::writer::Order;
@@ -55,6 +56,8 @@ pub enum Action {
     OpenSample(&'static Sample),
     /// Open an example of the estimator with this id.
     OpenExample(&'static str, &'static Example),
+    /// Open a page of a lesson.
+    OpenPage(Address),
     /// Cancel opening a clip.
     CancelOpening,
     /// Open the system's file dialog.

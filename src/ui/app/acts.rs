@@ -33,6 +33,7 @@ impl App {
             Action::Type(_, text, _) => self.overlay = Overlay::Open(Box::new(open_dialog::State::asking(text))),
             Action::OpenSample(sample) => self.open_sample(sample),
             Action::OpenExample(id, example) => self.open_example(id, example),
+            Action::OpenPage(address) => self.open_page(address),
             Action::CancelOpening => self.loading = None,
             Action::Browse(wanted) => self.browse(wanted),
             Action::Write(order) => self.write(*order),
@@ -94,6 +95,9 @@ impl App {
     /// Executes a command if it is enabled.
     pub fn command(&mut self, command: Command) {
         use Command as C;
+        if self.turns_page(command) {
+            return;
+        }
         let now = self.now();
         if !command.enabled(&now) {
             // A key that is pressed again says it once.
@@ -102,7 +106,7 @@ impl App {
             return;
         }
         if command.info().menu == Menu::Walk {
-            self.toasts.end_description();
+            self.toasts.end_descriptions();
         }
         match command {
             C::Open => self.overlay = Overlay::Open(Box::default()),
@@ -114,6 +118,11 @@ impl App {
             C::Lockstep => self.toggle_lockstep(),
             C::Samples => self.overlay = Overlay::Samples,
             C::NextExample => self.next_example(),
+            C::Lessons => self.overlay = Overlay::Lessons,
+            C::CloseLesson => self.close_lesson(),
+            C::CopyPage => self.copy_page(),
+            C::NextPage => self.turn(Direction::Forward),
+            C::PreviousPage => self.turn(Direction::Back),
             C::Palette => self.overlay = Overlay::Palette(palette::State::default()),
             C::Glossary => self.overlay = Overlay::Glossary(terms::State::default()),
             C::Shortcuts => self.overlay = Overlay::Shortcuts,

@@ -53,6 +53,12 @@ commands! {
     Samples,
     /// Open the next example of the estimator.
     NextExample,
+    /// Show the lessons.
+    Lessons,
+    /// Close the lesson that is open.
+    CloseLesson,
+    /// Copy what is shown as a page of a lesson.
+    CopyPage,
     /// Save the session file.
     SaveSession,
     /// Close the window.
@@ -167,6 +173,10 @@ commands! {
     NextUnit,
     /// End of the previous unit.
     PreviousUnit,
+    /// The next page of the lesson.
+    NextPage,
+    /// The previous page of the lesson.
+    PreviousPage,
     /// The next step that is marked on the timeline.
     NextMark,
     /// The marked step before.
@@ -434,7 +444,11 @@ impl Command {
             C::NextLayer => now.has_run && now.available.has_colors(),
             C::Streaks | C::LockScale => now.has_run && now.available.has_field(),
             C::Layer(_) => now.has_run && self.layer().is_some_and(|layer| now.available.why_never(layer).is_none()),
-            C::Open | C::PastePath | C::Samples | C::NextExample | C::Quit => true,
+            C::Open | C::PastePath | C::Samples | C::NextExample | C::Lessons | C::Quit => true,
+            C::CloseLesson => now.in_lesson,
+            C::CopyPage => now.has_run,
+            C::NextPage => now.in_lesson && !now.at_last_page,
+            C::PreviousPage => now.in_lesson && !now.at_first_page,
             C::NextTheme | C::DarkTheme | C::LightTheme | C::ProjectorTheme => true,
             C::SmallerInterface | C::NormalInterface => true,
             C::ViridisColors | C::TurboColors => true,
@@ -530,6 +544,12 @@ pub struct Situation {
     pub can_redo: bool,
     /// A parameter is not as declared.
     pub is_tuned: bool,
+    /// A lesson is open.
+    pub in_lesson: bool,
+    /// It is open at its first page.
+    pub at_first_page: bool,
+    /// It is open at its last page.
+    pub at_last_page: bool,
     /// No earlier pair of frames.
     pub at_first_frame: bool,
     /// No later pair of frames.

@@ -17,6 +17,7 @@ use crate::experiment::{Experiment, Position};
 use crate::media::{Given, Open};
 use crate::paint::charts::heat_map;
 use crate::paint::number;
+use crate::session::lesson::Address;
 use crate::session::{Session, VisiblePart, example};
 use crate::ui::app::action::Browse;
 use crate::ui::app::window::{App, Overlay, title};
@@ -119,14 +120,23 @@ impl App {
         }
     }
 
-    /// Opens a file, a folder, a session or a `synth:` scene on another thread, or ground truth for the open clip.
+    /// Opens a file, a folder, a session or a `synth:` scene on another thread, ground truth for the open clip, or a lesson.
     pub fn open(&mut self, name: impl Into<OsString>) {
+        let name = name.into();
+        match Address::parse(&name) {
+            Some(address) => self.open_page(address),
+            None => self.load(name),
+        }
+    }
+
+    /// Opens what is no lesson, or the step of a lesson's page.
+    pub(super) fn load(&mut self, name: OsString) {
         self.player.pause();
         self.error = None;
         let ctx = self.ctx.clone();
         let beside = self.document.source().cloned();
         let beside = beside.map(|source| Beside { source, given: self.document.experiment().given.clone() });
-        self.loading = Some(Loading::new(name.into(), beside, move || ctx.request_repaint()));
+        self.loading = Some(Loading::new(name, beside, move || ctx.request_repaint()));
     }
 
     /// Opens the right view of the clip on another thread; the clip is opened again with it.
@@ -260,6 +270,11 @@ impl App {
             }
             return;
         };
+        self.take(session);
+    }
+
+    /// Takes what a session sets, on the clip that is open.
+    pub(super) fn take(&mut self, session: Session) {
         let Session { experiment, position, look, sight } = session;
         let (was_single, frame) = (self.shows_frame_alone(), experiment.frame);
         self.document.restore(experiment);
@@ -419,7 +434,7 @@ impl App {
         }));
     }
 
-    fn session(&self, shown: &Snapshot) -> Session {
+    pub(super) fn session(&self, shown: &Snapshot) -> Session {
         let stage = &self.states.stage;
         let sight = match stage.zoom {
             Zoom::Fit => None,

@@ -5,6 +5,7 @@ mod acts;
 pub mod commands;
 mod files;
 pub mod keys;
+mod lessons;
 mod window;
 
 pub use window::{App, Region};

@@ -12,9 +12,10 @@ use crate::experiment::source::Source;
 use crate::ui::app::action::{Action, Actions, Browse};
 use crate::ui::app::commands::{Granularities, Situation};
 use crate::ui::app::keys;
-use crate::ui::dialogs::{compare, gallery, open as open_dialog, palette, save as save_dialog, sheet, terms};
+use crate::ui::dialogs::{compare, gallery, lessons, open as open_dialog, palette, save as save_dialog, sheet, terms};
 use crate::ui::drawing::style::{self, ZOOM};
 use crate::ui::model::document::{Document, Owner};
+use crate::ui::model::lesson::OpenLesson;
 use crate::ui::model::loader::Loading;
 use crate::ui::model::player::Player;
 use crate::ui::model::settings::Settings;
@@ -47,6 +48,8 @@ pub(super) enum Overlay {
     Save(Box<save_dialog::State>),
     /// The samples.
     Samples,
+    /// The lessons.
+    Lessons,
     /// Estimators beside each other.
     Compare(Box<compare::State>),
     /// What the program is.
@@ -68,6 +71,8 @@ pub enum Region {
     Explanation,
     /// Sentence and formula.
     Strip,
+    /// The page of a lesson.
+    Lesson,
     /// The parameters.
     Parameters,
     /// Steps, play and timeline.
@@ -89,6 +94,8 @@ pub struct App {
     pub(super) toasts: Toasts,
     pub(super) states: States,
     pub(super) gallery: gallery::State,
+    /// The lesson that is open.
+    pub(super) lesson: Option<OpenLesson>,
     /// A path that the system's dialog will deliver.
     pub(super) browsing: Option<(Browse, Receiver<Option<PathBuf>>)>,
     /// What is being written.
@@ -133,6 +140,7 @@ impl App {
             toasts: Toasts::default(),
             states,
             gallery: gallery::State::default(),
+            lesson: None,
             browsing: None,
             writing: None,
             side_by_side: SideBySide::default(),
@@ -267,6 +275,9 @@ impl App {
             can_undo: self.document.can_undo(),
             can_redo: self.document.can_redo(),
             is_tuned: self.document.is_tuned(Owner::Estimator),
+            in_lesson: self.lesson.is_some(),
+            at_first_page: self.lesson.as_ref().is_some_and(|open| open.is_at(Direction::Back)),
+            at_last_page: self.lesson.as_ref().is_some_and(|open| open.is_at(Direction::Forward)),
             at_first_frame: self.document.frame() == 0,
             at_last_frame: last.is_some_and(|last| self.document.frame() >= last),
         }
@@ -412,7 +423,8 @@ impl App {
         actions: &mut Actions,
         regions: &mut Vec<(Region, egui::Rect)>,
     ) {
-        let all = self.room(ui.max_rect(), ui.ctx().content_rect().size()).arrange();
+        let body = self.lesson_beside(ui, actions, regions);
+        let all = self.room(body, ui.ctx().content_rect().size()).arrange();
         let of_step = self.charts();
         let calm = self.settings.reduced_motion || self.player.is_playing();
         let mut panes = Panes {
@@ -460,6 +472,7 @@ impl App {
             Overlay::Open(state) => open_dialog::show(ctx, state, &self.settings.recent, actions),
             Overlay::Save(state) => save_dialog::show(ctx, state, self.granularities(), actions),
             Overlay::Compare(state) => compare::show(ctx, state, &self.document, theme, actions),
+            Overlay::Lessons => lessons::show(ctx, theme, actions),
             Overlay::Samples => gallery::show(ctx, &mut self.gallery, theme, actions),
             Overlay::About => sheet::about(ctx),
         };
@@ -495,6 +508,7 @@ impl eframe::App for App {
         let ctx = ui.ctx().clone();
         let mut actions = Actions::default();
         self.receive();
+        self.follow_lesson();
         self.play(&ctx);
         self.measure(&ctx);
         let overlaid = !matches!(self.overlay, Overlay::None);

@@ -3,6 +3,7 @@
 pub mod compare;
 pub mod fuzzy;
 pub mod gallery;
+pub mod lessons;
 pub mod open;
 pub mod palette;
 pub mod path;

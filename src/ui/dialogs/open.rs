@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use eframe::egui::{self, RichText, TextStyle, Ui, vec2};
 use lucide_icons::Icon;
-use motionscope_core::Error;
+use motionscope_core::{Error, capital};
 
 use super::path::PathField;
 use crate::experiment::source::Source;
@@ -52,10 +52,7 @@ impl State {
 
     /// Tells why a path was not opened, and gives the field the keyboard again, with its text.
     pub fn refuse(&mut self, why: &Error) {
-        let why = why.to_string();
-        let first: String = why.chars().take(1).flat_map(char::to_uppercase).collect();
-        let rest: String = why.chars().skip(1).collect();
-        (self.opening, self.error) = (None, Some(format!("{first}{rest}.")));
+        (self.opening, self.error) = (None, Some(capital(&why.to_string()) + "."));
         self.path.focus();
     }
 

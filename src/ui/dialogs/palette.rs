@@ -1,4 +1,4 @@
-//! The palette: a few letters find any command, estimator, sample or recent clip.
+//! The palette: a few letters find any command, estimator, lesson, sample or recent clip.
 
 use std::path::PathBuf;
 
@@ -12,6 +12,7 @@ use motionscope_core::{AnyEstimator, estimators, synth};
 
 use super::fuzzy;
 use crate::paint::{FlowLayer, Theme};
+use crate::session::lesson::{self, Address};
 use crate::ui::app::action::Action;
 use crate::ui::app::commands::{Command, Granularities, Situation};
 use crate::ui::drawing::style;
@@ -76,7 +77,7 @@ pub fn show(ctx: &egui::Context, state: &mut State, input: &Input) -> (Option<Ac
         widgets::catch_text(ui.ctx(), id, &mut state.query);
         let field = TextEdit::singleline(&mut state.query)
             .id(id)
-            .hint_text("Find a command, an estimator, a sample…")
+            .hint_text("Find a command, an estimator, a lesson, a sample…")
             .desired_width(f32::INFINITY)
             .margin(egui::Margin::symmetric(8, 8));
         let response = ui.add(field).accessible_name("What to find");
@@ -163,6 +164,9 @@ fn tags(command: Command) -> &'static str {
         C::Open | C::PastePath => "load file video clip movie image folder import detections truth ground",
         C::OpenRightView => "load stereo second view camera calibration",
         C::Samples => "example synthetic scene demo",
+        C::Lessons => "course chapter teach learn page",
+        C::NextPage | C::PreviousPage => "lesson turn",
+        C::CopyPage => "lesson markdown write",
         C::SaveSession => "file store keep",
         C::ExportPicture | C::ExportSteps => "export save image screenshot figure png svg pdf slides",
         C::ExportResult => "export save flow vectors csv table flo kitti mot tracks masks npy",
@@ -229,13 +233,21 @@ fn entries(input: &Input) -> Vec<Entry> {
         let action = Action::OpenExample(id, example);
         Some(Entry { icon: Icon::Lightbulb, text, tip, also: id, about, keys, action })
     });
+    let lessons = lesson::all().iter().map(|lesson| {
+        let text = format!("Lesson: {}", lesson.title);
+        let action = Action::OpenPage(Address::from(lesson));
+        let pages = lesson.pages.iter().map(|page| page.title.as_str());
+        let about = pages.chain([lesson.summary.as_str()]).collect::<Vec<_>>().join(" ");
+        let (tip, keys) = (format!("{} pages", lesson.pages.len()), String::new());
+        Entry { icon: Icon::BookOpen, text, tip, also: &lesson.slug, about, keys, action }
+    });
     let recent = input.recent.iter().map(|path| {
         let text = format!("Open {}", widgets::elide(&path.display().to_string(), 56));
         let action = Action::Open(path.into());
         let (tip, about, keys) = (String::new(), "recent file".to_owned(), String::new());
         Entry { icon: Icon::History, text, tip, also: "", about, keys, action }
     });
-    commands.chain(estimators).chain(samples).chain(examples).chain(recent).collect()
+    commands.chain(estimators).chain(samples).chain(examples).chain(lessons).chain(recent).collect()
 }
 
 #[cfg(test)]
@@ -260,6 +272,7 @@ mod tests {
             ("screenshot", Command::ExportPicture.info().text),
             ("aperture", "Estimator: Normal flow"),
             ("stripes", "Sample: "),
+            ("search window", "Lesson: Sequential search"),
         ] {
             assert!(names(query).iter().any(|found| found.starts_with(text)), "{query}: {:?}", names(query));
         }

@@ -4,6 +4,7 @@ pub mod background;
 pub mod comparing;
 pub mod document;
 pub mod history;
+pub mod lesson;
 pub mod loader;
 pub mod nested;
 pub mod player;

@@ -2,8 +2,8 @@
 
 use eframe::egui::{self, Align, Button, Layout, Rect, RichText, TextStyle, Ui, WidgetInfo};
 use lucide_icons::Icon;
-use motionscope_core::Cursor;
 use motionscope_core::scene::Readout;
+use motionscope_core::{Cursor, capital};
 use serde::{Deserialize, Serialize};
 
 use super::Panes;
@@ -222,9 +222,7 @@ impl Panes<'_> {
 
 /// A doc as a sentence.
 fn sentence(doc: &str) -> String {
-    let mut letters = doc.chars();
-    let first = letters.next().map(|first| first.to_uppercase().to_string()).unwrap_or_default();
-    first + letters.as_str() + "."
+    capital(doc) + "."
 }
 
 #[cfg(test)]

@@ -16,7 +16,7 @@ pub fn show(ui: &mut Ui, document: &Document, actions: &mut Actions) {
     ui.horizontal(|ui| {
         widgets::heading(ui, "Clip");
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            for command in [Command::Open, Command::Samples] {
+            for command in [Command::Open, Command::Samples, Command::Lessons] {
                 let face = command.info();
                 if widgets::icon_button(ui, face.icon, face.text, false).on_hover_text(face.tip).clicked() {
                     actions.command(command);

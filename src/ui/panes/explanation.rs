@@ -74,7 +74,7 @@ struct Key {
 
 /// A part as it is shown.
 #[derive(Clone, Debug, Default)]
-struct Part {
+pub(super) struct Part {
     size: Vec2,
     shapes: Vec<Shape>,
     /// Its lines: where each is and what it says.
@@ -84,7 +84,7 @@ struct Part {
 }
 
 impl Part {
-    fn new(painter: &Painter, block: Block, family: &str) -> Self {
+    pub(super) fn new(painter: &Painter, block: Block, family: &str) -> Self {
         // What is scrolled out of sight now may come into it later.
         let painter = unclipped(painter);
         let links = glossary::links(&block, family);
@@ -93,7 +93,7 @@ impl Part {
     }
 
     /// Shows it, each line with its name; gives where these are.
-    fn show(&self, ui: &mut Ui, salt: &str) -> Vec<Rect> {
+    pub(super) fn show(&self, ui: &mut Ui, salt: &str) -> Vec<Rect> {
         if self.size.y <= 0.0 {
             return Vec::new();
         }
@@ -443,7 +443,7 @@ fn has_number(math: &Math) -> bool {
         Math::Row(parts) => parts.iter().any(has_number),
         Math::Sub(base, _) | Math::Sup(base, _) => has_number(base),
         Math::Frac(top, bottom) => has_number(top) || has_number(bottom),
-        Math::Abs(inner) | Math::Sqrt(inner) | Math::Bar(inner) => has_number(inner),
+        Math::Abs(inner) | Math::Sqrt(inner) | Math::Bar(inner) | Math::Hat(inner) => has_number(inner),
         Math::Matrix(rows) => rows.iter().flatten().any(has_number),
     }
 }

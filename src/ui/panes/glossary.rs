@@ -1,6 +1,7 @@
 //! Definitions of terms where the pointer is.
 
 use eframe::egui::{Id, Rect, RichText, Sense, Shape, Ui, Vec2};
+use motionscope_core::capital;
 use motionscope_core::glossary::{Chapter, GLOSSARY, Term, chapters_of, find, in_family, occurrences};
 
 use crate::paint::charts::explanation::Block;
@@ -77,8 +78,8 @@ pub fn sense(ui: &Ui, salt: &str, links: &[Link], by: Vec2) {
 /// A term with its definition.
 pub fn entry(ui: &mut Ui, term: &Term) {
     let name = match term.symbol {
-        Some(symbol) => format!("{}  {symbol}", capitalized(term.name)),
-        None => capitalized(term.name),
+        Some(symbol) => format!("{}  {symbol}", capital(term.name)),
+        None => capital(term.name),
     };
     let bold = |words: RichText| words.family(style::bold()).strong();
     ui.label(ink::scripted(ui, &name, bold));
@@ -100,11 +101,6 @@ pub fn tooltip(ui: &mut Ui, doc: &str) {
         ui.separator();
         define(ui, term);
     }
-}
-
-fn capitalized(name: &str) -> String {
-    let mut letters = name.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 #[cfg(test)]

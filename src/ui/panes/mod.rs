@@ -6,6 +6,7 @@ pub mod explanation;
 pub mod glossary;
 pub mod granularities;
 pub mod layout;
+pub mod lesson;
 pub mod parameters;
 pub mod status;
 pub mod timeline;
@@ -21,7 +22,7 @@ use eframe::egui::{
 use eframe::egui_wgpu::RenderState;
 use lucide_icons::Icon;
 use motionscope_core::scene::Readout;
-use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Info, Step, Value};
+use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Info, Step, Value, capital};
 use serde::{Deserialize, Serialize};
 
 use super::model::document::{Document, Owner};
@@ -102,6 +103,9 @@ pub struct States {
     /// Small pictures with their numbers.
     #[serde(skip)]
     pub tiles: tiles::State,
+    /// The page of a lesson.
+    #[serde(skip)]
+    pub lesson: lesson::State,
 }
 
 impl States {
@@ -466,8 +470,8 @@ impl Panes<'_> {
             ui.label(RichText::new("Drop a video or a folder of pictures here, or choose one.").color(dim));
             ui.add_space(16.0);
             ui.horizontal(|ui| {
-                ui.add_space((ui.available_width() - 17.0 * size).max(0.0) / 2.0);
-                for command in [Command::Open, Command::Samples] {
+                ui.add_space((ui.available_width() - 26.0 * size).max(0.0) / 2.0);
+                for command in [Command::Open, Command::Samples, Command::Lessons] {
                     let face = command.info();
                     let button = Button::new((widgets::icon(ui, face.icon), face.text));
                     if ui.add(button.min_size(vec2(8.0 * size, 2.4 * size))).clicked() {
@@ -518,9 +522,7 @@ fn sentence(error: &Error, clip: Option<&Clip>) -> String {
     let text = error.to_string();
     let named = clip.is_some_and(|clip| text.starts_with(&clip.info().name));
     let is_word = text.split(' ').next().is_some_and(|word| word.chars().all(char::is_alphabetic));
-    let mut letters = text.chars();
-    let first = letters.next().filter(|_| is_word && !named).map(|first| first.to_uppercase().to_string());
-    let text = first.map_or_else(|| text.clone(), |first| first + letters.as_str());
+    let text = if is_word && !named { capital(&text) } else { text };
     let end = if text.ends_with(['.', '!', '?']) { "" } else { "." };
     text + end
 }

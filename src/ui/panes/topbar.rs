@@ -115,7 +115,7 @@ fn title(ui: &mut Ui, input: &Input, actions: &mut Actions) {
     room -= if has_frames { width(ui, &frames) + 2.0 * ui.spacing().item_spacing.x + 8.0 } else { 0.0 };
     let name = widgets::elide(&clip.info().name, (room / (0.6 * size)).max(3.0) as usize);
     let clip = ui.menu_button(RichText::new(name).family(style::bold()), |ui| {
-        for command in [Command::Open, Command::Samples] {
+        for command in [Command::Open, Command::Samples, Command::Lessons] {
             item(ui, command, input, actions);
         }
         if !input.recent.is_empty() {

@@ -66,9 +66,9 @@ impl Toasts {
         self.0.push(Toast { text: text.into(), kind: Kind::Description, is_introduction: false, until: None });
     }
 
-    /// Removes the description, as the person steps on.
-    pub fn end_description(&mut self) {
-        self.0.retain(|toast| toast.kind != Kind::Description);
+    /// Removes what only describes or introduces, as the person steps on: it must not cover what is stepped through.
+    pub fn end_descriptions(&mut self) {
+        self.0.retain(|toast| !toast.is_introduction && toast.kind != Kind::Description);
     }
 
     /// The newest message.

@@ -78,6 +78,23 @@ impl Command {
                 "Open the next clip on which this estimator works, or fails, with the reason.",
                 const { &[key(Key::E)] },
             ),
+            C::Lessons => (
+                Menu::File,
+                Icon::BookOpen,
+                "Lessons…",
+                "Choose a lesson of the course: pages of words and formulas beside the steps that they explain.",
+                const { &[ctrl(Key::L)] },
+            ),
+            C::CloseLesson => {
+                (Menu::File, Icon::BookX, "Close lesson", "Close the lesson; its clip and its run stay open.", &[])
+            }
+            C::CopyPage => (
+                Menu::File,
+                Icon::ClipboardCopy,
+                "Copy as page of a lesson",
+                "Copy clip, estimator, parameters, current step and view as the header of a page, to be pasted into the Markdown file of a lesson.",
+                &[],
+            ),
             C::SaveSession => (
                 Menu::File,
                 Icon::Save,
@@ -361,6 +378,20 @@ impl Command {
                 "Result of the previous {over}",
                 "Skip back to the end of the {over} before this one; a presenter's clicker sends this key.",
                 const { &[key(Key::PageUp)] },
+            ),
+            C::NextPage => (
+                Menu::Walk,
+                Icon::ChevronRight,
+                "Next page",
+                "Turn to the next page of the lesson. In a lesson → steps through the page and then turns it, and a presenter's clicker turns it.",
+                const { &[ctrl(Key::PageDown)] },
+            ),
+            C::PreviousPage => (
+                Menu::Walk,
+                Icon::ChevronLeft,
+                "Previous page",
+                "Turn back to the previous page of the lesson.",
+                const { &[ctrl(Key::PageUp)] },
             ),
             C::NextMark => (
                 Menu::Walk,

@@ -284,7 +284,8 @@ fn event_tables(validation: &Validation, joint: &Joint) -> Vec<Matrix> {
         changed: None,
         decimals: Some(RATIO_DECIMALS),
     };
-    names.table(("θ", name), entry, &[]).into_iter().chain((!all.is_empty()).then_some(probability)).collect()
+    let origins = names.table(("θ", name), entry, &[]).map(|table| table.with_decimals(0));
+    origins.into_iter().chain((!all.is_empty()).then_some(probability)).collect()
 }
 
 /// β of each track and detection, with β₀ in the last column.

@@ -432,7 +432,7 @@ fn branch_tables(expansion: &Expansion) -> Vec<Matrix> {
         changed: None,
         decimals: None,
     };
-    let table = names.table(("Ω", name), entry, &lit);
+    let table = names.table(("Ω", name), entry, &lit).map(|table| table.with_decimals(0));
     let probability = column("P", "probability of the branch", &|y| all[y].probability);
     let parent = column("P₀", "probability of its parent", &|y| expansion.parents[all[y].parent]);
     table.into_iter().chain((!all.is_empty()).then_some([probability, parent]).into_iter().flatten()).collect()

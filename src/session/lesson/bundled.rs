@@ -1,0 +1,80 @@
+//! The bundled lessons, in the order of the course.
+
+use std::path::Path;
+use std::sync::OnceLock;
+
+use motionscope_core::Error;
+
+use super::Lesson;
+
+macro_rules! lessons {
+    ($($file:literal),+ $(,)?) => {
+        /// Names and texts of the files in `assets/lessons`.
+        const FILES: &[(&str, &str)] = &[$(($file, include_str!(concat!("../../../assets/lessons/", $file, ".md")))),+];
+    };
+}
+
+lessons! {
+    "01-dynamic-scene-analysis",
+    "02-sequential-search",
+}
+
+/// The bundled lessons, in the order of the course; each is read once.
+pub fn all() -> &'static [Lesson] {
+    static LESSONS: OnceLock<Vec<Lesson>> = OnceLock::new();
+    LESSONS.get_or_init(|| {
+        let read = |(file, text): &(&str, &str)| Lesson::parse(slug(file), text, Path::new(".")).ok();
+        FILES.iter().filter_map(read).collect()
+    })
+}
+
+/// The name of a file without its number.
+fn slug(file: &str) -> &str {
+    file.trim_start_matches(|c: char| c.is_ascii_digit()).trim_start_matches('-')
+}
+
+/// The bundled lesson `slug`.
+///
+/// # Errors
+/// If there is none of that name.
+pub(super) fn find(slug: &str) -> Result<&'static Lesson, Error> {
+    let unknown = || {
+        let known: Vec<_> = all().iter().map(|lesson| lesson.slug.as_str()).collect();
+        Error::new(format!("there is no lesson {}; there are {}", Error::short_name(slug), known.join(", ")))
+    };
+    all().iter().find(|lesson| lesson.slug == slug).ok_or_else(unknown)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_file_of_the_folder_is_a_lesson_without_faults() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/lessons");
+        let entries = std::fs::read_dir(folder).expect("the folder of the lessons");
+        let mut files: Vec<_> = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok()).collect();
+        files.sort();
+        assert_eq!(files, FILES.iter().map(|(file, _)| format!("{file}.md")).collect::<Vec<_>>());
+        for (file, text) in FILES {
+            let lesson = Lesson::parse(slug(file), text, Path::new(".")).unwrap_or_else(|why| panic!("{file}: {why}"));
+            let faults: Vec<_> = lesson.faults().map(|(page, why)| format!("page {page}: {why}")).collect();
+            assert!(faults.is_empty(), "{file}: {}", faults.join("; "));
+            assert!(!lesson.summary.is_empty() && lesson.pages.iter().all(|page| !page.title.is_empty()), "{file}");
+        }
+    }
+
+    #[test]
+    fn links_lead_somewhere() {
+        let is_known = |to: &str| {
+            let as_session = || crate::session::Named::find(to.as_ref(), Default::default());
+            (to.starts_with("lesson:") || to.starts_with("example:")) && as_session().is_ok()
+        };
+        let links = all().iter().flat_map(|lesson| lesson.pages.iter().map(move |page| (lesson, page)));
+        for (lesson, page) in links {
+            let words = page.words.as_ref().expect("words");
+            let wrong: Vec<_> = words.links().filter(|to| !is_known(to)).collect();
+            assert!(wrong.is_empty(), "{}, {}: {wrong:?}", lesson.slug, page.title);
+        }
+    }
+}

@@ -1,0 +1,207 @@
+//! Lessons: pages of words, each beside a step of a run. A page is a session with words.
+//!
+//! ```markdown
+//! # Full search
+//!
+//! What is learned, in a sentence.
+//!
+//! +++
+//! title = "The search window"
+//! clip = "synth:pillar"            # the keys of a session; what a page does not name is that of the page before
+//! estimator = "full-search"
+//! step = "27.0"
+//! until = "27.12"                  # the arrow key steps up to here before it turns the page
+//! notes = "Ask for a guess."       # for the teacher
+//! +++
+//! Words with *emphasis*, [links](lesson:logarithmic-search) and formulas: $u + v$, or displayed, $$E = \sum_{i} e_i^2$$
+//! ```
+//!
+//! `example = "full-search/aperture"` stands for clip, estimator, frame and parameters of that example.
+
+mod bundled;
+pub mod formula;
+mod read;
+mod words;
+
+use std::ffi::{OsStr, OsString};
+use std::path::Path;
+
+use motionscope_core::{Cursor, Error, estimator};
+
+use super::{Session, folder_of};
+use crate::experiment::{Experiment, Position};
+use crate::media;
+use crate::paint::charts::prose::Prose;
+use crate::view::look::Look;
+
+pub use bundled::all;
+
+/// The prefix of the name of a bundled lesson.
+const LESSON: &str = "lesson:";
+/// The extension of a lesson's file.
+const EXTENSION: &str = "md";
+
+/// A lesson.
+#[derive(Clone)]
+pub struct Lesson {
+    /// Its short name: `full-search`.
+    pub slug: String,
+    /// Its title.
+    pub title: String,
+    /// What is learned, in a sentence.
+    pub summary: String,
+    /// Its pages, at least one.
+    pub pages: Vec<Page>,
+}
+
+/// A page of a lesson.
+#[derive(Clone)]
+pub struct Page {
+    /// Its title.
+    pub title: String,
+    /// What the teacher is reminded of.
+    pub notes: String,
+    /// The step up to which it walks before the page is turned.
+    pub until: Option<Cursor>,
+    /// Its words, or what is wrong with them.
+    pub words: Result<Prose, Error>,
+    /// What is run, and the step that is shown; or what is wrong with its header.
+    pub session: Result<Session, Error>,
+}
+
+impl Lesson {
+    /// Parses a lesson with files relative to `folder`. A page that is wrong keeps its place and says why.
+    ///
+    /// # Errors
+    /// If the text does not begin with a title, or has no page.
+    pub fn parse(slug: &str, text: &str, folder: &Path) -> Result<Self, Error> {
+        read::lesson(slug, text, folder)
+    }
+
+    /// Reads the lesson in the file `path`.
+    ///
+    /// # Errors
+    /// One sentence that names the file and the reason.
+    pub fn load(path: &Path) -> Result<Self, Error> {
+        let name = Error::short_name(&path.display().to_string());
+        let about = |error: Error| Error::new(format!("cannot open the lesson {name}: {error}"));
+        let slug = path.file_stem().unwrap_or_default().to_string_lossy();
+        media::read_text(path).and_then(|text| Self::parse(&slug, &text, folder_of(path))).map_err(about)
+    }
+
+    /// What is wrong with its pages, each with its number from 1.
+    pub fn faults(&self) -> impl Iterator<Item = (usize, &Error)> {
+        self.pages.iter().zip(1..).flat_map(|(page, number)| {
+            let faults = page.words.as_ref().err().into_iter().chain(page.session.as_ref().err());
+            faults.map(move |fault| (number, fault))
+        })
+    }
+}
+
+/// The name of a page: `lesson:full-search/3`, or the path of a lesson's file with `#3` behind it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Address {
+    /// The lesson: `lesson:full-search`, or a path.
+    pub lesson: OsString,
+    /// The page, from 0.
+    pub page: usize,
+}
+
+impl Address {
+    /// Reads the name of a page or of a lesson; `None` where it names something else.
+    pub fn parse(name: &OsStr) -> Option<Self> {
+        let text = name.to_string_lossy();
+        let bundled = text.starts_with(LESSON);
+        let mark = if bundled { '/' } else { '#' };
+        let (lesson, page) = match text.rsplit_once(mark).map(|(lesson, page)| (lesson, page.parse::<usize>())) {
+            Some((lesson, Ok(number))) => (OsString::from(lesson), number.saturating_sub(1)),
+            _ => (name.to_owned(), 0),
+        };
+        let is_file = Path::new(&lesson).extension().is_some_and(|extension| extension.eq_ignore_ascii_case(EXTENSION));
+        (bundled || is_file).then_some(Self { lesson, page })
+    }
+
+    /// The address of another page of the same lesson.
+    #[must_use]
+    pub fn at(&self, page: usize) -> Self {
+        Self { lesson: self.lesson.clone(), page }
+    }
+
+    /// The file that the lesson is read from, unless it is a bundled one.
+    pub fn file(&self) -> Option<&Path> {
+        let is_bundled = self.lesson.to_string_lossy().starts_with(LESSON);
+        (!is_bundled).then(|| Path::new(&self.lesson))
+    }
+
+    /// Reads the lesson.
+    ///
+    /// # Errors
+    /// If there is none of that name, or its file cannot be read.
+    pub fn load(&self) -> Result<Lesson, Error> {
+        match self.file() {
+            Some(path) => Lesson::load(path),
+            None => bundled::find(self.lesson.to_string_lossy().trim_start_matches(LESSON)).cloned(),
+        }
+    }
+
+    /// The name that [`Address::parse`] reads.
+    pub fn name(&self) -> OsString {
+        let mut name = self.lesson.clone();
+        name.push(if self.file().is_some() { "#" } else { "/" });
+        name.push((self.page + 1).to_string());
+        name
+    }
+}
+
+impl From<&Lesson> for Address {
+    /// The first page of a bundled lesson.
+    fn from(lesson: &Lesson) -> Self {
+        Self { lesson: format!("{LESSON}{}", lesson.slug).into(), page: 0 }
+    }
+}
+
+/// Returns a page for the file of a lesson in `folder`: the header that opens `session`, and a place for its words.
+///
+/// # Errors
+/// If the session cannot be written.
+pub fn page_text(session: &Session, folder: &Path) -> Result<String, Error> {
+    let usual = Session {
+        experiment: Experiment::new(
+            session.experiment.source.clone(),
+            estimator(session.experiment.estimator.info().id)?,
+        ),
+        position: Position::default(),
+        look: Look::of_window().into(),
+        sight: None,
+    };
+    let table = |session: &Session| {
+        let text = session.text(folder)?;
+        text.parse::<toml::Table>().map_err(|why| Error::new(format!("the session cannot be written: {why}")))
+    };
+    let (mut keys, usual) = (table(session)?, table(&usual)?);
+    // A page needs no version, and the theme is that of the room.
+    keys.remove("motionscope");
+    for name in ["set", "picture"] {
+        let Some(toml::Value::Table(section)) = keys.get_mut(name) else { continue };
+        section.retain(|key, value| key != "theme" && usual.get(name).and_then(|of| of.get(key)) != Some(value));
+        if section.is_empty() {
+            keys.remove(name);
+        }
+    }
+    let (fence, keys) = (read::FENCE, toml::to_string(&keys).unwrap_or_default());
+    Ok(format!("{fence}\ntitle = \"\"\n{keys}{fence}\n\n"))
+}
+
+/// Returns the session of the page with this `name`; `None` where it names no page.
+pub(super) fn named(name: &OsStr) -> Option<Result<Session, Error>> {
+    let address = Address::parse(name)?;
+    Some(address.load().and_then(|lesson| {
+        let pages = lesson.pages.len();
+        let page = lesson.pages.into_iter().nth(address.page);
+        let page = page.ok_or_else(|| Error::new(format!("the lesson {} has {pages} pages", lesson.title)))?;
+        page.session
+    }))
+}
+
+#[cfg(test)]
+mod tests;

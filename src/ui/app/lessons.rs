@@ -1,0 +1,143 @@
+//! Lessons in the window: opening, turning pages, and where the page stands.
+
+use std::path::Path;
+
+use eframe::egui::{Rect, Ui};
+use motionscope_core::{Cursor, Direction, Move};
+
+use crate::session::lesson::{Address, page_text};
+use crate::ui::app::action::Actions;
+use crate::ui::app::commands::Command;
+use crate::ui::app::window::{App, Overlay, Region};
+use crate::ui::model::lesson::{LOOK, OpenLesson};
+use crate::ui::panes::lesson;
+
+impl App {
+    /// Opens a page of a lesson, with its clip and its step.
+    pub(super) fn open_page(&mut self, address: Address) {
+        match OpenLesson::new(address, self.settings.look) {
+            Ok(open) => {
+                if let Some(path) = open.address().file() {
+                    self.settings.remember(path);
+                }
+                self.close_lesson();
+                self.overlay = Overlay::None;
+                self.lesson = Some(open);
+                self.show_page(None);
+            }
+            Err(error) => match &mut self.overlay {
+                Overlay::Open(state) => state.refuse(&error),
+                _ => self.error = Some(error),
+            },
+        }
+    }
+
+    /// Closes the lesson; pictures look as they did without its page.
+    pub(super) fn close_lesson(&mut self) {
+        if let Some(open) = self.lesson.take() {
+            self.settings.look = open.without_page(self.settings.look);
+        }
+    }
+
+    /// Turns to the next page that way.
+    pub(super) fn turn(&mut self, way: Direction) {
+        let Some(open) = &mut self.lesson else { return };
+        self.settings.look = open.without_page(self.settings.look);
+        open.turn(way);
+        self.show_page(None);
+    }
+
+    /// Turns the page instead of `command`, where that is what a lesson is stepped through with; gives whether it did.
+    pub(super) fn turns_page(&mut self, command: Command) -> bool {
+        let Some(open) = &self.lesson else { return false };
+        let (way, is_step) = match command {
+            Command::Into => (Direction::Forward, true),
+            Command::IntoBack => (Direction::Back, true),
+            Command::NextUnit => (Direction::Forward, false),
+            Command::PreviousUnit => (Direction::Back, false),
+            _ => return false,
+        };
+        // What is shown while a page comes is not of this page.
+        if is_step && self.loading.is_some() {
+            return true;
+        }
+        let shown = self.view.shown.as_deref().filter(|shown| self.document.is_of_clip(shown));
+        let is_through = shown.is_none_or(|shown| open.is_through(shown.cursor, way));
+        if open.is_at(way) || is_step && !is_through {
+            return false;
+        }
+        // Back from its first step, a page is entered at its last one.
+        let enters_at_end = is_step && way == Direction::Back;
+        self.turn(way);
+        let until = self.lesson.as_ref().and_then(|open| open.page().until);
+        if let Some(until) = until.filter(|_| enters_at_end) {
+            self.show_page(Some(until));
+        }
+        true
+    }
+
+    /// Copies what is shown as a page of a lesson; its files are named from the folder of the lesson that is open.
+    pub(super) fn copy_page(&mut self) {
+        let Some(shown) = self.view.shown.as_deref() else { return };
+        let file = self.lesson.as_ref().and_then(|open| open.address().file());
+        let folder = file.and_then(Path::parent).unwrap_or(Path::new("."));
+        match page_text(&self.session(shown), folder) {
+            Ok(text) => {
+                self.ctx.copy_text(text);
+                self.toasts.tell("Copied: paste it into the Markdown file of a lesson and write the words below it.");
+            }
+            Err(error) => self.toasts.fail(format!("Not copied: {error}.")),
+        }
+    }
+
+    /// Shows the step of the page, or its step `at`.
+    fn show_page(&mut self, at: Option<Cursor>) {
+        let Some(open) = &self.lesson else { return };
+        let Ok(mut session) = open.page().session.clone() else { return };
+        let name = open.address().name();
+        self.player.pause();
+        let cursor = at.or(session.position.cursor).unwrap_or_default();
+        session.position.cursor = Some(cursor);
+        let now = self.document.experiment();
+        let is_of_clip = self.document.clip().is_some() && session.experiment.has_clip_of(now);
+        if !is_of_clip {
+            self.load(name);
+        } else if session.experiment == *now && session.position.pixel.is_none() && self.view.refused.is_none() {
+            self.settings.look = session.look.over(self.settings.look);
+            self.loading = None;
+            self.walker.release();
+            self.walker.go(Move::To(cursor));
+        } else {
+            self.loading = None;
+            self.take(session);
+        }
+    }
+
+    /// Reads a lesson anew that is being written.
+    pub(super) fn follow_lesson(&mut self) {
+        let Some(open) = self.lesson.as_mut().filter(|open| open.address().file().is_some()) else { return };
+        let followed = open.follow();
+        self.ctx.request_repaint_after(LOOK);
+        match followed {
+            Ok(false) => {}
+            Ok(true) => self.show_page(None),
+            Err(error) => self.toasts.fail(format!("Not read: {error}.")),
+        }
+    }
+
+    /// Shows the page of the lesson beside what is left for the other panes.
+    pub(super) fn lesson_beside(
+        &mut self,
+        ui: &mut Ui,
+        actions: &mut Actions,
+        regions: &mut Vec<(Region, Rect)>,
+    ) -> Rect {
+        let all = ui.max_rect();
+        let Some(open) = &mut self.lesson else { return all };
+        let theme = self.settings.look.theme;
+        let [page, rest] = lesson::split(all, theme.sizes().body);
+        lesson::show(ui, page, (open, theme), &mut self.states.lesson, actions);
+        regions.push((Region::Lesson, page));
+        rest
+    }
+}

@@ -1,0 +1,173 @@
+//! The lesson that is open, and the page of it.
+
+use std::path::Path;
+use std::time::{Duration, Instant, SystemTime};
+
+use motionscope_core::{Cursor, Direction, Error};
+
+use crate::paint::charts::prose::Prose;
+use crate::session::lesson::{Address, Lesson, Page};
+use crate::view::look::Look;
+
+/// How often the file of a lesson is looked at, for one that is being written.
+pub const LOOK: Duration = Duration::from_secs(1);
+
+/// A lesson that is open.
+pub struct OpenLesson {
+    lesson: Lesson,
+    /// Its name, and the page.
+    address: Address,
+    /// When its file was written, and when that was looked up.
+    written: Option<SystemTime>,
+    looked: Instant,
+    /// How pictures looked before the first page.
+    look: Look,
+    /// Whether the teacher's notes are shown.
+    pub has_notes: bool,
+}
+
+impl OpenLesson {
+    /// Opens the lesson at a page, over pictures that look so.
+    ///
+    /// # Errors
+    /// If there is no such lesson or page, or its file cannot be read.
+    pub fn new(address: Address, look: Look) -> Result<Self, Error> {
+        let lesson = address.load()?;
+        if address.page >= lesson.pages.len() {
+            let pages = lesson.pages.len();
+            return Err(Error::new(format!("the lesson {} has {pages} pages", lesson.title)));
+        }
+        let written = address.file().and_then(written);
+        Ok(Self { lesson, address, written, looked: Instant::now(), look, has_notes: false })
+    }
+
+    /// The lesson.
+    pub fn lesson(&self) -> &Lesson {
+        &self.lesson
+    }
+
+    /// Its name, and the page.
+    pub fn address(&self) -> &Address {
+        &self.address
+    }
+
+    /// The page.
+    pub fn page(&self) -> &Page {
+        // A lesson that was read anew has this page or fewer.
+        &self.lesson.pages[self.address.page.min(self.lesson.pages.len() - 1)]
+    }
+
+    /// The words of the page, or the first thing that is wrong with it.
+    pub fn words(&self) -> Result<&Prose, &Error> {
+        self.page().session.as_ref().err().map_or(self.page().words.as_ref(), Err)
+    }
+
+    /// Whether there is no page further on that way.
+    pub fn is_at(&self, way: Direction) -> bool {
+        match way {
+            Direction::Forward => self.address.page + 1 >= self.lesson.pages.len(),
+            Direction::Back => self.address.page == 0,
+        }
+    }
+
+    /// Goes to the next page that way, if there is one.
+    pub fn turn(&mut self, way: Direction) {
+        let last = self.lesson.pages.len() - 1;
+        self.address.page = match way {
+            Direction::Forward => (self.address.page + 1).min(last),
+            Direction::Back => self.address.page.saturating_sub(1),
+        };
+    }
+
+    /// Whether the steps of the page are behind one who stands at `cursor` and goes on that way.
+    pub fn is_through(&self, cursor: Cursor, way: Direction) -> bool {
+        let page = self.page();
+        let first = page.session.as_ref().ok().and_then(|session| session.position.cursor).unwrap_or_default();
+        let order = |cursor: Cursor| (cursor.unit, cursor.event);
+        match way {
+            Direction::Forward => page.until.is_none_or(|until| order(cursor) >= order(until)),
+            Direction::Back => order(cursor) <= order(first),
+        }
+    }
+
+    /// How pictures look without what the page sets.
+    pub fn without_page(&self, look: Look) -> Look {
+        self.page().session.as_ref().map_or(look, |session| session.look.undone(look, self.look))
+    }
+
+    /// Reads the lesson anew if its file was written since, at most once a second; gives whether its page has changed.
+    ///
+    /// # Errors
+    /// If it cannot be read any more; the old one stays.
+    pub fn follow(&mut self) -> Result<bool, Error> {
+        let Some(path) = self.address.file().filter(|_| self.looked.elapsed() >= LOOK) else { return Ok(false) };
+        self.looked = Instant::now();
+        let now = written(path);
+        if now.is_none() || now == self.written {
+            return Ok(false);
+        }
+        self.written = now;
+        let lesson = Lesson::load(path)?;
+        let before = self.page().session.clone().ok();
+        self.address.page = self.address.page.min(lesson.pages.len() - 1);
+        self.lesson = lesson;
+        Ok(self.page().session.as_ref().ok() != before.as_ref())
+    }
+}
+
+fn written(path: &Path) -> Option<SystemTime> {
+    path.metadata().and_then(|data| data.modified()).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = "# Title\n+++\ntitle = \"One\"\nclip = \"synth:pillar\"\nestimator = \"full-search\"\nstep = \"2.0\"\n\
+        until = \"2.3\"\npicture = { view = \"blend\" }\n+++\nOne.\n+++\ntitle = \"Two\"\n+++\nTwo.\n";
+
+    fn open(path: &Path) -> OpenLesson {
+        let address = Address::parse(path.as_os_str()).expect("a lesson");
+        OpenLesson::new(address, Look::default()).unwrap_or_else(|why| panic!("{why}"))
+    }
+
+    #[test]
+    fn a_page_is_through_at_its_last_step() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("lesson.md");
+        std::fs::write(&path, TEXT).expect("a file");
+        let mut open = open(&path);
+        let at = |event| Cursor { unit: 1, event };
+        let through = |open: &OpenLesson, event, way| open.is_through(at(event), way);
+        assert!(!through(&open, 2, Direction::Forward) && through(&open, 3, Direction::Forward));
+        assert!(through(&open, 0, Direction::Back) && !through(&open, 1, Direction::Back));
+        assert!(open.is_at(Direction::Back) && !open.is_at(Direction::Forward));
+        let set = open.page().session.as_ref().map(|session| session.look.over(Look::default()));
+        let set = set.unwrap_or_else(|why| panic!("{why}"));
+        assert_ne!(set, Look::default());
+        assert_eq!(open.without_page(set), Look::default(), "the view goes with its page");
+        open.turn(Direction::Forward);
+        assert!(open.is_at(Direction::Forward) && through(&open, 0, Direction::Forward));
+    }
+
+    #[test]
+    fn a_lesson_is_read_anew_when_its_file_is_written() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("lesson.md");
+        std::fs::write(&path, TEXT).expect("a file");
+        let mut open = open(&path);
+        open.turn(Direction::Forward);
+        let rewrite = |open: &mut OpenLesson, text: &str, secs: u64| {
+            std::fs::write(&path, text).expect("a file");
+            let later = SystemTime::now() + Duration::from_secs(secs);
+            std::fs::File::options().write(true).open(&path).expect("a file").set_modified(later).expect("a time");
+            open.looked -= LOOK;
+            open.follow()
+        };
+        assert_eq!(rewrite(&mut open, &TEXT.replace("Two.", "Three."), 5).ok(), Some(false), "its words alone");
+        assert_eq!(open.words().map(Prose::plain).ok().as_deref(), Some("Three."));
+        assert_eq!(rewrite(&mut open, &TEXT.replace("\"2.0\"", "\"4.0\""), 10).ok(), Some(true));
+        assert!(rewrite(&mut open, "nothing", 15).is_err());
+        assert_eq!(open.page().title, "Two", "the old one stays");
+    }
+}

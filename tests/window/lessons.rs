@@ -1,0 +1,114 @@
+//! Lessons: opened, stepped through with arrow keys alone, and closed.
+
+use motionscope::session::lesson::{Lesson, all};
+
+use super::*;
+
+/// Most key presses of a page; a page takes fewer than that.
+const MOST_STEPS: usize = 60;
+
+fn opened(name: &str) -> Window {
+    Window::with(vec2(1280.0, 720.0), Start { open: Some(name.into()) })
+}
+
+/// The number of the page, from 1, and of how many, as the window shows them.
+fn page(window: &Window) -> (usize, usize) {
+    let texts = window.harness.query_all_by_label_contains(" of ").filter_map(|node| node.accesskit_node().label());
+    let numbers = |text: String| {
+        let (page, pages) = text.split_once(" of ")?;
+        Some((page.parse().ok()?, pages.parse().ok()?))
+    };
+    texts.filter_map(numbers).next().expect("the page is numbered")
+}
+
+/// The step of a page.
+fn first_step(lesson: &Lesson, page: usize) -> Cursor {
+    let session = lesson.pages[page].session.as_ref().expect("a page without faults");
+    session.position.cursor.unwrap_or_default()
+}
+
+#[test]
+fn every_lesson_is_walked_from_its_first_to_its_last_page_with_one_arrow_key() {
+    for lesson in all() {
+        let mut window = opened(&format!("lesson:{}", lesson.slug));
+        let pages = lesson.pages.len();
+        for (index, expected) in lesson.pages.iter().enumerate() {
+            let place = format!("{}, page {}", lesson.slug, index + 1);
+            assert_eq!(page(&window), (index + 1, pages), "{place}");
+            assert!(window.app().error().is_none(), "{place}: {:?}", window.app().error());
+            let session = expected.session.as_ref().unwrap_or_else(|why| panic!("{place}: {why}"));
+            let shown = &window.shown().subject.experiment;
+            assert_eq!(shown.estimator.info().id, session.experiment.estimator.info().id, "{place}");
+            assert_eq!(window.cursor(), first_step(lesson, index), "{place}: its step is there");
+            if index + 1 == pages {
+                break;
+            }
+            let mut presses = 0;
+            while page(&window).0 == index + 1 {
+                if let Some(until) = expected.until {
+                    assert!(window.cursor().unit <= until.unit, "{place}: stepped over its last step");
+                }
+                window.key(Key::ArrowRight);
+                presses += 1;
+                assert!(presses <= MOST_STEPS, "{place} takes more than {MOST_STEPS} steps");
+            }
+            let steps = usize::from(expected.until.is_some());
+            assert!(presses > steps, "{place}: its steps are walked");
+        }
+    }
+}
+
+#[test]
+fn a_clicker_turns_pages_and_the_arrow_goes_back_to_the_last_step_of_the_page_before() {
+    let lesson = &all()[1];
+    let stepped = (0..).zip(&lesson.pages).find_map(|(index, page)| Some((index, page.until?)));
+    let (index, until) = stepped.expect("a page with steps");
+    let mut window = opened(&format!("lesson:{}/{}", lesson.slug, index + 1));
+    window.key(Key::PageDown);
+    assert_eq!(page(&window).0, index + 2, "without its steps");
+    window.key(Key::ArrowLeft);
+    assert_eq!((page(&window).0, window.cursor()), (index + 1, until));
+    window.key(Key::PageUp);
+    assert_eq!(page(&window).0, index.max(1));
+}
+
+#[test]
+fn a_lesson_is_chosen_from_the_list_and_closed_again() {
+    let mut window = Window::new(vec2(1280.0, 720.0));
+    let before = window.region(Region::Stage);
+    window.press(Modifiers::COMMAND, Key::L);
+    let lesson = &all()[1];
+    window.click_role(Role::Button, &lesson.title);
+    assert_eq!(page(&window), (1, lesson.pages.len()));
+    let (words, stage) = (window.region(Region::Lesson), window.region(Region::Stage));
+    assert!(words.max.x <= stage.min.x + 1.0, "{words} and {stage} lie beside each other");
+    let chart = window.region(Region::Chart);
+    let share = (stage.area() + chart.area()) / (1280.0 * 720.0);
+    assert!(share > 0.35, "stage and chart have {share} of the window");
+    window.click("Close lesson");
+    assert!(!window.has(Region::Lesson));
+    assert!(window.region(Region::Stage).width() >= before.width() - 1.0);
+    assert!(window.shown().info.id == "full-search", "the run of the page stays");
+}
+
+#[test]
+fn the_view_of_a_page_goes_with_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("week.md");
+    let text = "# Week\n+++\ntitle = \"One\"\nclip = \"synth:pillar\"\nestimator = \"full-search\"\nstep = \"2.3\"\n\
+        picture = { view = \"difference\" }\n+++\nOne.\n+++\ntitle = \"Two\"\nestimator = \"no-such\"\n+++\nTwo.\n+++\n\
+        title = \"Three\"\nclip = \"synth:pillar\"\nestimator = \"full-search\"\nstep = \"5.1\"\n+++\n\
+        See [the first](lesson:sequential-search).\n";
+    fs::write(&path, text).expect("a file");
+    let mut window = Window::with(vec2(1280.0, 720.0), Start { open: Some(path.into()) });
+    assert_eq!(window.app().settings().look.view, Some(View::Difference));
+    window.key(Key::ArrowRight);
+    assert_eq!(page(&window), (2, 3));
+    assert_ne!(window.app().settings().look.view, Some(View::Difference));
+    let fault = window.harness.query_by_label_contains("This page cannot be shown: line 12, estimator");
+    assert!(fault.is_some(), "it says what is wrong");
+    window.key(Key::ArrowRight);
+    assert_eq!((page(&window).0, window.cursor()), (3, Cursor { unit: 4, event: 1 }), "the others open");
+    window.click_role(Role::Link, "lesson:sequential-search");
+    assert!(page(&window).1 > 3, "a link leads to another lesson");
+}
