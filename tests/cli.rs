@@ -101,6 +101,27 @@ fn a_full_caption_holds_the_formula_and_an_export_says_how_many_files_it_makes()
 }
 
 #[test]
+fn lessons_are_listed_and_their_pages_saved_as_pictures() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let all = json(folder.path(), "lessons --json");
+    let search = all.as_array().and_then(|all| all.iter().find(|lesson| lesson["id"] == "sequential-search"));
+    let pages = search.expect("the lesson")["pages"].as_array().expect("its pages").clone();
+    let listed = stdout(folder.path(), "lessons lesson:sequential-search");
+    assert!(pages.iter().all(|page| listed.contains(page["title"].as_str().expect("a title"))), "{listed}");
+    let own = "# Own\n+++\ntitle = \"One\"\nclip = \"synth:pillar,width=64,height=48\"\nestimator = \"full-search\"\n\
+        step = \"3.2\"\n+++\nWords with $u$.\n+++\ntitle = \"Two\"\nstep = \"5.0\"\n+++\nMore.\n";
+    fs::write(folder.path().join("own.md"), own).expect("a file");
+    let said = stdout(folder.path(), "export own.md --out pages");
+    assert!(said.contains("2 pages in pages"), "{said}");
+    let page = image::open(folder.path().join("pages/page-01.png")).expect("a picture");
+    assert!(page.width() > 1000 && page.height() >= 400, "{}×{}", page.width(), page.height());
+    assert_ne!(page, image::open(folder.path().join("pages/page-02.png")).expect("a picture"));
+    fs::write(folder.path().join("own.md"), own.replace("full-search", "no-search")).expect("a file");
+    assert!(refusal(folder.path(), "export own.md --out pages").contains("page 1 of Own: line 5, estimator"));
+    assert!(refusal(folder.path(), "export synth:pillar --estimator diamond --out pages").contains("--steps"));
+}
+
+#[test]
 fn whatever_is_typed_is_reported_in_one_sentence() {
     let folder = tempfile::tempdir().unwrap();
     let (long, many) = ("x".repeat(5000), "word ".repeat(900));

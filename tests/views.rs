@@ -238,12 +238,12 @@ fn a_click_on_the_stage_tells_the_pixel_and_pointing_reads_it() {
     right.click();
     harness.run();
     // The middle of 64×48 pixels lies between pixels 31 and 32, 23 and 24.
-    let Focus { on, at: [x, y] } = clicked.get().expect("a click on the picture is told");
+    let Focus { on, at: [x, y], .. } = clicked.get().expect("a click on the picture is told");
     assert_eq!(on, Picture::NEXT);
     assert!((31.0..=32.0).contains(&x) && (23.0..=24.0).contains(&y), "{x} {y}");
     harness.hover_at(center + vec2(1.0, 1.0));
     harness.run();
-    assert_eq!(hovered.get(), Some(Focus { on: Picture::NEXT, at: [32.0, 24.0] }));
+    assert_eq!(hovered.get(), Some(Focus::on(Picture::NEXT, [32.0, 24.0])));
     let [a, b] = [0, 1].map(|i: usize| fixture.pictures.pair[i].luma()[(32, 24)]);
     let told = format!("x 32, y 24, t {a}, t+1 {b}");
     assert!(harness.query_by_label_contains(&told).is_some(), "{told}");

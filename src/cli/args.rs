@@ -298,9 +298,9 @@ pub struct ExportArgs {
     pub picture: PictureArgs,
     #[command(flatten)]
     pub sheet: SheetArgs,
-    /// First and last step, inclusive.
+    /// First and last step, inclusive; without them the pages of a lesson.
     #[arg(long, help_heading = "Output", value_name = "A..B", value_parser = steps)]
-    pub steps: (Cursor, Cursor),
+    pub steps: Option<(Cursor, Cursor)>,
     /// Folder for numbered pictures.
     #[arg(long, help_heading = "Output", value_name = "DIR", required_unless_present = "animation")]
     pub out: Option<PathBuf>,

@@ -77,7 +77,8 @@ pub const EXPORT: &str = "\
 Examples:
   motionscope export synth:pillar --estimator full-search --steps 35..35.20 --out steps
   motionscope export synth:pillar --estimator full-search --steps 1..50 --every block --format svg --out blocks
-  motionscope export synth:pillar --estimator diamond --steps 164..165 --caption --animation diamond.gif --rate 4";
+  motionscope export synth:pillar --estimator diamond --steps 164..165 --caption --animation diamond.gif --rate 4
+  motionscope export lesson:kalman-filter --format pdf --out pages   its pages, words beside pictures";
 
 /// Of `compare`.
 pub const COMPARE: &str = "\

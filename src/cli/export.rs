@@ -6,7 +6,12 @@ use super::args::ExportArgs;
 use super::outputs::{check_folder, refuse_losses};
 use super::say;
 use super::task;
-use crate::media::export::{AnimationFormat, Target, Timing};
+use crate::experiment::Prepared;
+use crate::experiment::pixel::Chosen;
+use crate::media::Open;
+use crate::media::export::{AnimationFormat, Target, Timing, make_folder, save_result};
+use crate::session::lesson::Address;
+use crate::view::page::{Stand, Words};
 use crate::view::panes::Selection;
 use crate::view::steps::{self, Medium, Range, Steps};
 
@@ -15,6 +20,7 @@ use crate::view::steps::{self, Medium, Range, Steps};
 /// # Errors
 /// One sentence if anything named does not exist, cannot run or cannot be written.
 pub fn export(args: &ExportArgs) -> Result<(), Error> {
+    let Some((from, to)) = args.steps else { return pages(args) };
     if let Some(file) = &args.animation {
         // Before anything runs.
         AnimationFormat::of(file)?;
@@ -25,7 +31,6 @@ pub fn export(args: &ExportArgs) -> Result<(), Error> {
     let prepared = task::prepare(&args.task, session.experiment)?;
     let info = prepared.experiment.info();
     let granularity = args.every.as_deref().map(|name| granularity(info, name)).transpose()?;
-    let (from, to) = args.steps;
     let steps = Steps {
         range: Range { from, to, granularity: granularity.unwrap_or(info.granularities.len() - 1) },
         scale: args.picture.scale,
@@ -49,6 +54,32 @@ pub fn export(args: &ExportArgs) -> Result<(), Error> {
     };
     let written = steps.write(&prepared, medium, None, Some(&tell))?;
     say(&format!("{} in {to}{}", written.pictures(), written.without()))
+}
+
+/// Saves each page of the lesson that `args` name, its words beside its step.
+fn pages(args: &ExportArgs) -> Result<(), Error> {
+    let named = args.task.clip.as_deref().and_then(Address::parse);
+    let address = named.ok_or_else(|| Error::new("name the steps with --steps A..B, or a lesson as the clip"))?;
+    let folder = args.out.as_deref().ok_or_else(|| Error::new("the pages of a lesson need a folder: add --out DIR"))?;
+    let lesson = address.load()?;
+    if let Some((page, why)) = lesson.faults().next() {
+        return Err(Error::new(format!("page {page} of {}: {why}", lesson.title)));
+    }
+    let count = lesson.pages.len();
+    for (index, page) in lesson.pages.iter().enumerate() {
+        let (prose, mut session) = (page.words.as_ref().map_err(Clone::clone)?, page.session.clone()?);
+        session.look = session.look.then(&args.picture.look.0);
+        let position = session.position;
+        let (cursor, look) = (position.cursor.unwrap_or_default(), task::look(&session));
+        let prepared = Prepared::open(session.experiment, Open::default())?;
+        refuse_losses(&prepared.inputs, &[("out", Target::Numbered(folder, "page-"))], args.force)?;
+        let stand = Stand { prepared: &prepared, cursor, pixel: position.pixel.map(Chosen::Held), look };
+        let words = Words { lesson: &lesson.title, title: &page.title, number: [index + 1, count], prose };
+        let picture = words.encode(&stand, args.format, args.picture.scale)?;
+        make_folder(folder)?;
+        save_result(&folder.join(format!("page-{:02}.{}", index + 1, args.format.extension())), &picture)?;
+    }
+    say(&format!("{count} pages in {}", folder.display()))
 }
 
 /// Returns the index of the granularity `name`; the run as a whole is none.

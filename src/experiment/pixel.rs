@@ -41,7 +41,7 @@ impl Pixel {
 
     /// Its centre.
     pub fn focus(self) -> Focus {
-        Focus { on: self.on, at: [self.x, self.y].map(|c| c as f32) }
+        Focus::on(self.on, [self.x, self.y].map(|c| c as f32))
     }
 }
 

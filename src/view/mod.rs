@@ -4,6 +4,7 @@ pub mod look;
 pub mod moment;
 pub mod motion;
 pub mod named;
+pub mod page;
 pub mod panes;
 pub mod rendering;
 pub mod sheet;

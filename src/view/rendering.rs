@@ -17,6 +17,15 @@ use crate::paint::{Caption, Figure, FigureOptions, Part, View, export_pdf, expor
 /// The scale of marks in SVG and PDF, as in a PNG of this scale.
 const SVG_SCALE: u32 = 2;
 
+/// Encodes the figure that is made for a scale of marks.
+fn encoded(format: Format, scale: u32, figure: impl FnOnce(u32) -> Figure) -> Result<Vec<u8>, Error> {
+    match format {
+        Format::Png => export_png(&figure(scale), scale),
+        Format::Svg => export_svg(&figure(SVG_SCALE)).map(String::into_bytes),
+        Format::Pdf => export_pdf(&figure(SVG_SCALE)),
+    }
+}
+
 /// A moment with its view options, ready to be rendered.
 #[derive(Clone, Copy)]
 pub struct Rendering<'a> {
@@ -58,11 +67,20 @@ impl Rendering<'_> {
     }
 
     fn encode_with(&self, format: Format, scale: u32, layout: Option<&mut Option<Layout>>) -> Result<Vec<u8>, Error> {
-        match format {
-            Format::Png => export_png(&self.picture(scale, layout), scale),
-            Format::Svg => export_svg(&self.picture(SVG_SCALE, layout)).map(String::into_bytes),
-            Format::Pdf => export_pdf(&self.picture(SVG_SCALE, layout)),
-        }
+        encoded(format, scale, |scale| self.picture(scale, layout))
+    }
+
+    /// Encodes the picture with what `around` puts around it.
+    ///
+    /// # Errors
+    /// As [`Rendering::encode`].
+    pub fn encode_around(
+        &self,
+        format: Format,
+        scale: u32,
+        around: impl FnOnce(Figure) -> Figure,
+    ) -> Result<Vec<u8>, Error> {
+        encoded(format, scale, |scale| around(self.picture(scale, None)))
     }
 
     /// Returns the stage alone, or a sheet of the selected panes.

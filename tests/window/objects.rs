@@ -91,6 +91,39 @@ fn a_click_on_a_box_explains_its_track() {
 }
 
 #[test]
+fn a_selected_track_stays_selected_wherever_it_goes() {
+    let mut window = window("kalman-tracker", "0.0");
+    window.command(Command::FocusNever);
+    window.key(Key::End);
+    let texts = window.shown().scene.marks.iter().filter_map(|mark| match &mark.shape {
+        Shape::Text { at, text } => Some((*at, text.clone())),
+        _ => None,
+    });
+    let (corner, id) = texts.into_iter().next().expect("a track with its number");
+    let stage = window.harness.get_by_label_contains("Stage: ").rect();
+    let (width, height) = window.shown().pictures.pair[0].size();
+    let scale = (stage.width() / width as f32).min(stage.height() / height as f32);
+    let off = vec2(corner[0] + 4.5, corner[1] + 4.5) - vec2(width as f32, height as f32) / 2.0;
+    window.click_at(stage.center() + scale * off);
+    // Away from the picture, where nothing is pointed at.
+    window.harness.hover_at(Pos2::new(2.0, 2.0));
+    window.settle();
+    let selected = |window: &Window| {
+        let told = window.shown().step.sentence.plain();
+        let of = told.strip_prefix("Selected: track ").and_then(|rest| rest.split_whitespace().next());
+        of.map(str::to_owned)
+    };
+    assert_eq!(selected(&window).as_deref(), Some(id.trim()), "as it was clicked");
+    for _ in 0..4 {
+        window.key(Key::PageUp);
+        assert!(selected(&window).is_none_or(|now| now == id.trim()), "{:?}", selected(&window));
+    }
+    assert_eq!(selected(&window).as_deref(), Some(id.trim()), "four frames before");
+    window.key(Key::Escape);
+    assert_eq!(selected(&window), None);
+}
+
+#[test]
 fn the_matrices_of_a_filter_stand_in_numbers() {
     // Predicted, looked, gated, updated.
     let window = window("kalman-filter", "3.4");

@@ -85,4 +85,14 @@ pub trait Pointed<S> {
     fn explained(&self, _state: &S, _focus: Focus) -> Option<Explained> {
         None
     }
+
+    /// The identity of the object at `focus`, where a click selects an object rather than a pixel.
+    fn object_at(&self, _state: &S, _focus: Focus) -> Option<u32> {
+        None
+    }
+
+    /// Where an object is, or was last, so that its selection follows it; `None` before it is there.
+    fn place_of(&self, _state: &S, _object: u32) -> Option<[f32; 2]> {
+        None
+    }
 }

@@ -219,6 +219,11 @@ impl<E: Estimator> Timeline<E> {
         self
     }
 
+    /// The state that is seen at the cursor: that of the finished unit at its end, else that before it.
+    fn state_seen(&self) -> &E::State {
+        if self.unit_is_over() { &self.unit.after } else { &self.unit.before }
+    }
+
     /// Bytes that the checkpoints take now.
     pub fn checkpoint_bytes(&self) -> usize {
         self.checkpoints.bytes
@@ -473,6 +478,15 @@ impl<E: Estimator> Walk for Timeline<E> {
         pointed.explained(&self.unit.before, focus)
     }
 
+    fn object_at(&self, focus: Focus) -> Option<u32> {
+        let pointed = self.estimator.pointed().filter(|pointed| pointed.takes(focus.on))?;
+        pointed.object_at(self.state_seen(), focus)
+    }
+
+    fn place_of(&self, object: u32) -> Option<[f32; 2]> {
+        self.estimator.pointed()?.place_of(self.state_seen(), object)
+    }
+
     fn stages(&self) -> Vec<Name> {
         self.unit.events.iter().filter_map(|event| self.estimator.stage(event)).collect()
     }
@@ -488,11 +502,11 @@ impl<E: Estimator> Walk for Timeline<E> {
     }
 
     fn output(&self) -> Output {
-        self.estimator.output(if self.unit_is_over() { &self.unit.after } else { &self.unit.before })
+        self.estimator.output(self.state_seen())
     }
 
     fn causal(&self) -> Option<Output> {
-        self.estimator.causal(if self.unit_is_over() { &self.unit.after } else { &self.unit.before })
+        self.estimator.causal(self.state_seen())
     }
 
     fn evaluations(&self) -> Vec<usize> {

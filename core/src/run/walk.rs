@@ -75,6 +75,14 @@ pub trait Walk: Send {
     fn explained(&self, _focus: Focus) -> Option<Explained> {
         None
     }
+    /// The identity of the object at `focus`, where a click selects an object rather than a pixel.
+    fn object_at(&self, _focus: Focus) -> Option<u32> {
+        None
+    }
+    /// Where a selected object is at the cursor, or was last; `None` before it is there.
+    fn place_of(&self, _object: u32) -> Option<[f32; 2]> {
+        None
+    }
     /// Whether pixels of `picture` can be pointed at.
     fn takes(&self, picture: Picture) -> bool {
         picture == Picture::CURRENT

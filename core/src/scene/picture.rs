@@ -206,12 +206,19 @@ pub struct Focus {
     pub on: Picture,
     /// Position in px of that picture.
     pub at: [f32; 2],
+    /// The identity of the object that was clicked, whose place follows it from frame to frame; `None` for a pixel.
+    pub object: Option<u32>,
 }
 
 impl Focus {
     /// The point `at` of frame t.
     pub const fn current(at: [f32; 2]) -> Self {
-        Self { on: Picture::CURRENT, at }
+        Self::on(Picture::CURRENT, at)
+    }
+
+    /// The point `at` of a picture.
+    pub const fn on(on: Picture, at: [f32; 2]) -> Self {
+        Self { on, at, object: None }
     }
 }
 

@@ -29,16 +29,23 @@ pub struct Bars {
     count: usize,
     /// The most that one of them counts.
     most: u32,
+    /// Rows for the names of the figures above them.
+    rows: usize,
 }
+
+/// Width from which two rows hold the names of three figures, and height of a row, in letters.
+const WIDE_LETTERS: f32 = 44.0;
+const ROW_LETTERS: f32 = 1.25;
 
 impl Bars {
     fn new(distribution: &Distribution, area: Rect, small: f32) -> Self {
-        let min = [area.min[0] + 4.6 * small, area.min[1] + 5.7 * small];
+        let rows = if distribution.figures.len() > 2 && area.size()[0] < WIDE_LETTERS * small { 3 } else { 2 };
+        let min = [area.min[0] + 4.6 * small, area.min[1] + (3.2 + ROW_LETTERS * rows as f32) * small];
         let max = [area.max[0] - 2.0 * small, area.max[1] - 3.4 * small];
         let rect = Rect { min, max: [0, 1].map(|i| max[i].max(min[i] + 8.0)) };
         let x = Axis::new([0.0, distribution.top], [rect.min[0], rect.max[0]]);
         let most = distribution.counts.iter().copied().max().unwrap_or(1).max(1);
-        Self { rect, x, count: distribution.counts.len(), most }
+        Self { rect, x, count: distribution.counts.len(), most, rows }
     }
 
     /// The bar at a place, if it lies inside the axes.
@@ -129,6 +136,14 @@ fn largest(distribution: &Distribution) -> Option<String> {
     Some(format!("largest bar {from} to {to} {unit}, {}", percent(f64::from(most) / total(distribution))))
 }
 
+/// The middle of the bar with the most, in two words.
+fn mode(distribution: &Distribution) -> Option<String> {
+    let Distribution { counts, top, .. } = distribution;
+    let most = counts.iter().copied().max().filter(|most| *most > 0)?;
+    let i = counts.iter().position(|count| *count == most)?;
+    Some(format!("mode {}", short_bound((i as f32 + 0.5) * top / counts.len() as f32)))
+}
+
 /// An end of a bar: two decimals at most.
 fn short_bound(v: f32) -> String {
     number((v * 100.0).round() / 100.0)
@@ -162,7 +177,8 @@ fn axes(canvas: &mut Canvas, bars: &Bars, distribution: &Distribution, theme: Th
         // The largest bar is seen: its share is what can be left out.
         let words = description.join(" · ");
         let brief = words.split(", ").next().unwrap_or_default().to_owned();
-        let words = fitting(&[words, brief], dim, name.min[0] - small - left);
+        let briefest = mode(distribution).unwrap_or_default();
+        let words = fitting(&[words, brief, briefest], dim, name.min[0] - small - left);
         canvas.text([left, below], (Anchor::Start, Level::Top), &words, dim);
     }
     let most = grouped(distribution.counts.iter().copied().max().unwrap_or(0) as usize);
@@ -175,17 +191,18 @@ fn figures(canvas: &mut Canvas, bars: &Bars, distribution: &Distribution, theme:
     let Rect { min: [_, top], max: [right, bottom] } = bars.rect;
     let mut order: Vec<_> = distribution.figures.iter().enumerate().collect();
     order.sort_by(|(_, (_, a)), (_, (_, b))| a.total_cmp(b));
-    let mut taken = [f32::NEG_INFINITY; 2];
+    let mut taken = vec![f32::NEG_INFINITY; bars.rows];
     for (i, (name, value)) in order {
         let (x, dash): (f32, &'static [f32]) = (bars.x.place(*value), [&[][..], &[4.0, 3.0], &[1.5, 2.5]][i % 3]);
         canvas.line(vec![[x, top], [x, bottom]], false, Stroke { width: 1.5, color: text.color, dash });
         let words = format!("{name} {} {}", short(*value), distribution.unit);
         let width = text.width(&words);
-        // On the lower of two lines, or on the upper where its neighbor is too close.
-        let row = if taken[0] < x { 0 } else { 1 };
-        let left = (x - 2.0).max(taken[row]).min(right - width);
+        // On the lowest row where none before it is too close; where it would be beyond the edge, the lowest with room left of it.
+        let left = (x - 2.0).min(right - width);
+        let is_free = |row: &usize| taken[*row] <= left;
+        let row = (0..bars.rows).find(is_free).unwrap_or(bars.rows - 1);
         taken[row] = left + width + 8.0;
-        let up = 2.0 + row as f32 * 1.25 * text.size;
+        let up = 2.0 + row as f32 * ROW_LETTERS * text.size;
         canvas.text([left, top - up], (Anchor::Start, Level::Bottom), &words, text);
     }
 }
@@ -195,6 +212,29 @@ mod tests {
     use super::super::super::ColorMap;
     use super::super::{flat, texts};
     use super::*;
+
+    #[test]
+    fn figures_close_to_each_other_stand_on_rows_of_their_own() {
+        let named = |mean: f32, median: f32, high: f32| Distribution {
+            figures: vec![("mean", mean), ("median", median), ("95th percentile", high)],
+            ..distribution()
+        };
+        let style = ChartStyle { theme: Theme::Projector, colors: ColorMap::Viridis, density: 1.0 };
+        for figures in [named(0.335, 0.31, 0.36), named(1.9, 1.95, 1.99), named(0.01, 0.02, 1.98)] {
+            for width in [330.0, 420.0, 530.0] {
+                let area = Rect::new([0.0; 2], [width, 340.0]);
+                let primitives = flat(draw(Counted { distribution: &figures, whose: "Horn–Schunck" }, area, style));
+                let lines = primitives.iter().filter_map(|primitive| match primitive {
+                    Primitive::Text(line) => Some(super::super::canvas::covered(line)),
+                    _ => None,
+                });
+                let places: Vec<Rect> = lines.map(|rect| rect.grown(-1.5)).collect();
+                for (i, a) in places.iter().enumerate() {
+                    assert!(places[i + 1..].iter().all(|b| !a.meets(b)), "{width} wide: {a:?} in {places:?}");
+                }
+            }
+        }
+    }
 
     fn distribution() -> Distribution {
         Distribution {

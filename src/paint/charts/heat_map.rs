@@ -8,7 +8,7 @@ use motionscope_core::{Grid, Role, fixed};
 use super::super::primitive::{Anchor, Primitive, Rect};
 use super::super::{Color, ColorMap, Theme, grouped, number};
 use super::axis::Axis;
-use super::canvas::{Canvas, Level, Type, around, middle, shortened, solid};
+use super::canvas::{Canvas, Level, Type, around, fitting, middle, shortened, solid};
 use super::{ChartStyle, Drawing, Map, titled};
 
 /// What is said of a candidate whose cost was not summed to its end.
@@ -76,11 +76,13 @@ pub fn head(data: HeatMap<'_>, map: &Map, area: Rect, pointed: Option<[i32; 2]>,
         }
     }
     let (left, text) = (map.head_left(area, theme), Type::text(theme));
+    let title = data.surface.title.to_string();
     let description = match pointed {
         Some(at) => description(data.surface, at),
-        None => titled(data.whose, &format!("{} by displacement", data.surface.title), (small, right - left)),
+        None => titled(data.whose, &format!("{title} by displacement"), (small, right - left)),
     };
-    canvas.text([left, y], (Anchor::Start, Level::Middle), &shortened(&description, text, right - left), text);
+    let words = fitting(&[description, title], text, right - left);
+    canvas.text([left, y], (Anchor::Start, Level::Middle), &words, text);
     canvas.into_primitives()
 }
 

@@ -31,7 +31,7 @@ const LARGE_SHARES: [f32; 3] = [1.8, 1.6, 1.4];
 /// How many times larger the type has to be for the matrices to leave their order.
 const WORTH: f32 = 1.2;
 /// The most matrices that may leave it.
-const MOST_EXCHANGED: usize = 4;
+const MOST_EXCHANGED: usize = 3;
 /// Width of a large area, in letters.
 const LARGE_LETTERS: f32 = 40.0;
 
@@ -349,7 +349,8 @@ mod tests {
         let name = "squared Mahalanobis distance in the gate: tracks (rows), detections (columns)";
         let wide = Matrix { name, entries: Grid::new(3, 3, 4096.5), changed: None, ..matrix() };
         let [width, height] = size(&[wide], 2000.0, style());
-        let [usual, low] = size(&[Matrix { entries: Grid::new(3, 3, 4096.5), changed: None, ..matrix() }], 2000.0, style());
+        let [usual, low] =
+            size(&[Matrix { entries: Grid::new(3, 3, 4096.5), changed: None, ..matrix() }], 2000.0, style());
         assert!(width < 1.2 * usual && height > low, "{width}×{height} and {usual}×{low}");
     }
 

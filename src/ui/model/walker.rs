@@ -726,7 +726,7 @@ impl<'a> Worker<'a> {
         let here = run.walk.cursor();
         let to = match (run.walk.explained(focus), run.walk.unit_at(focus)) {
             (Some(explained), _) => {
-                self.held = Some(focus);
+                self.held = Some(Focus { object: run.walk.object_at(focus), ..focus });
                 if let Explained::From(turn) = explained { turn.max(here) } else { here }
             }
             (None, Some(unit)) if side == Side::Start => Cursor { unit, event: usize::from(unit > 0) },
@@ -745,9 +745,12 @@ impl<'a> Worker<'a> {
         self.go(Move::To(Cursor { unit, event: event.unwrap_or(usize::MAX) }));
     }
 
-    /// The pixel that was clicked, where it can be explained.
+    /// The pixel or the object that was clicked, where it can be explained.
     fn held(&self) -> Option<Focus> {
-        self.held.filter(|at| self.run.as_ref().is_some_and(|run| is_explained(&*run.walk, *at)))
+        let (held, run) = (self.held?, self.run.as_ref()?);
+        // An object is selected wherever it goes, and not before it is there.
+        let at = held.object.map_or(Some(held.at), |object| run.walk.place_of(object))?;
+        Some(Focus { at, ..held }).filter(|at| is_explained(&*run.walk, *at))
     }
 
     /// Works on a move until it is done or another one is wanted more; gives whether it is done. A long one shows now and

@@ -122,7 +122,7 @@ pub fn nested_place(shown: &Snapshot) -> Option<String> {
 }
 
 /// Which pixel is explained, and how another one is.
-fn explained(Pointed { at: Focus { on, at: [x, y] }, is_held }: Pointed) -> String {
+fn explained(Pointed { at: Focus { on, at: [x, y], .. }, is_held }: Pointed) -> String {
     let hint = if is_held { "Esc unpins it" } else { "click to pin it" };
     let of = if on == Picture::CURRENT { String::new() } else { format!(" of {}", on.title(None).to_lowercase()) };
     format!("explained: pixel ({x}, {y}){of}, {hint}")

@@ -176,7 +176,7 @@ impl Hovered {
     }
 
     fn focus(self) -> Focus {
-        Focus { on: self.on, at: self.point() }
+        Focus::on(self.on, self.point())
     }
 }
 

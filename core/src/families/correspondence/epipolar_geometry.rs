@@ -233,13 +233,15 @@ impl RobustModel for EpipolarGeometry {
         const SHOWN: usize = 8;
         let few = estimate.points.iter().step_by(estimate.points.len().div_ceil(SHOWN).max(1));
         let lines: Vec<(Picture, [f64; 3])> = match focus {
-            Some(Focus { on: Picture::CURRENT, at }) => vec![(Picture::NEXT, line_of(&matrix, at.map(f64::from)))],
-            Some(Focus { on: Picture::NEXT, at }) => vec![(Picture::CURRENT, line_back(&matrix, at.map(f64::from)))],
+            Some(Focus { on: Picture::CURRENT, at, .. }) => vec![(Picture::NEXT, line_of(&matrix, at.map(f64::from)))],
+            Some(Focus { on: Picture::NEXT, at, .. }) => {
+                vec![(Picture::CURRENT, line_back(&matrix, at.map(f64::from)))]
+            }
             _ => few
                 .flat_map(|m| [(Picture::NEXT, line_of(&matrix, m.from)), (Picture::CURRENT, line_back(&matrix, m.to))])
                 .collect(),
         };
-        if let Some(Focus { on, at }) = focus {
+        if let Some(Focus { on, at, .. }) = focus {
             scene.mark(on, Role::Reference, Shape::Ellipse { center: at, radii: [3.0; 2], angle_rad: 0.0 });
             scene.legend(Role::Reference, "point, whose match lies on the epipolar line");
         }

@@ -179,7 +179,7 @@ impl Pointed<State> for FeatureMatching {
     }
 
     /// The unit that compares the keypoint nearest to a position.
-    fn unit_at(&self, state: &State, Focus { on, at }: Focus) -> Option<usize> {
+    fn unit_at(&self, state: &State, Focus { on, at, .. }: Focus) -> Option<usize> {
         if on != Picture::CURRENT {
             return None;
         }

@@ -176,7 +176,7 @@ impl RobustModel for GlobalMotion {
         scene: &mut Scene,
     ) {
         draw_outline(estimate.size(), &matrix, scene);
-        if let Some(Focus { on: Picture::CURRENT, at }) = focus
+        if let Some(Focus { on: Picture::CURRENT, at, .. }) = focus
             && let Some(to) = mapped(&matrix, at.map(f64::from))
         {
             for (on, center) in [(Picture::CURRENT, at), (Picture::NEXT, to.map(|c| c as f32))] {

@@ -178,11 +178,14 @@ impl Update {
             .text("The neighbourhood mean violates the gradient constraint of ")
             .ink(Role::Reference, pixel)
             .text(format!(
-                " by {off} gray levels. With |∇I|² = {} against α² = {}, the update covers {:.0} % of the way to the constraint \
+                " by {off} gray levels. With |∇I|² = {} against α² = {}, the update covers {} of the way to the constraint \
                  line: (u, v) = ",
                 numbers::gray(squared),
                 numbers::gray(model.alpha * model.alpha),
-                100.0 * squared / self.weight
+                match 100.0 * squared / self.weight {
+                    share if share < 1.0 => "less than 1 %".to_owned(),
+                    share => format!("{share:.0} %"),
+                }
             ));
         said.ink(Role::Result, probe.px(self.to)).text(".")
     }

@@ -42,6 +42,8 @@ enum Cause {
     Flat([f32; 2]),
     /// The smaller eigenvalue is small.
     Edge([f32; 2]),
+    /// The smaller eigenvalue is about as large as noise makes it.
+    Weak([f32; 2]),
     /// Neighbours within 2 px move differently, by up to so many px.
     Boundary(f32),
     /// The true motion, in px, is large on the coarsest level, or more than twice the estimate.
@@ -54,6 +56,8 @@ enum Cause {
 
 /// Eigenvalues below this are no texture, in (gray levels per px)².
 const TEXTURE: f32 = 1.0;
+/// Noise with a standard deviation of 3 gray levels gives eigenvalues of about this, in (gray levels per px)².
+const NOISE: f32 = 4.5;
 /// Neighbours that differ by more are a motion boundary, in px.
 const BOUNDARY_PX: f32 = 1.0;
 /// Noise and interpolation change the gray level along the true motion by less.
@@ -156,6 +160,7 @@ fn cause((frames, flow): (&FramePair, &Flow), place: (usize, usize), has_truth: 
         () if eigenvalues[1] < TEXTURE => Cause::Edge(eigenvalues),
         () if has_truth && true_px > LARGE_PX && 2.0 * found_px < true_px => Cause::Large(true_px),
         () if has_truth && change > CHANGE => Cause::Brightness(change),
+        () if eigenvalues[1] < NOISE => Cause::Weak(eigenvalues),
         () => Cause::Unknown,
     }
 }
@@ -187,6 +192,11 @@ impl Cause {
             }
             Cause::Edge(pair) => format!(
                 ": an edge ({}), so only the normal component is constrained. {}",
+                eigenvalues(*pair),
+                advice.texture
+            ),
+            Cause::Weak(pair) => format!(
+                ": weak texture ({}), no stronger than what noise of 3 gray levels makes of a plain. {}",
                 eigenvalues(*pair),
                 advice.texture
             ),
@@ -245,6 +255,9 @@ mod tests {
         assert!(outside.contains("leads out of frame t+1"), "{outside}");
         let flat = said(&pair(truth, |_, _| 90.0), |_, _| [0.0; 2]);
         assert!(flat.contains("mean endpoint error 3.000 px") && flat.contains("no texture"), "{flat}");
+        let at_one = |x, y| if (x, y) == (8, 8) { [2.0, 0.0] } else { [3.0, 0.0] };
+        let weak = said(&pair(truth, |x, y| 0.05 * waves(x, y)), at_one);
+        assert!(weak.contains("weak texture (λ₁ = ") && weak.ends_with("T."), "{weak}");
         let edge = said(&pair(truth, |x, _| waves(x, 0)), |_, _| [2.0, 1.0]);
         assert!(edge.contains("normal component is constrained. T."), "{edge}");
         let mut lit = pair(Some([0.0; 2]), waves);

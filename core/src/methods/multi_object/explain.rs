@@ -110,6 +110,15 @@ pub(crate) fn rect(scene: &mut Scene, role: Role, Bounds { min, max }: Bounds) {
     scene.mark(Picture::CURRENT, role, Shape::Rect { min, max });
 }
 
+/// Room around the object of a step, in sizes of its box: its surroundings are seen too.
+const AROUND: f32 = 2.5;
+
+/// Makes the surroundings of an object the place where the step works: what the sentence is about is what the stage shows.
+pub(crate) fn work_at(scene: &mut Scene, Bounds { min, max }: Bounds) {
+    let room = AROUND * (max[0] - min[0]).max(max[1] - min[1]);
+    scene.work = Some([min.map(|c| c - room), max.map(|c| c + room)]);
+}
+
 /// Draws the boxes of detections.
 pub(crate) fn draw_detections<'a>(scene: &mut Scene, all: impl IntoIterator<Item = &'a Detection>) {
     all.into_iter().for_each(|found| rect(scene, Role::Measured, found.bounds));
@@ -195,16 +204,16 @@ pub(crate) fn done(number: usize, frame: &ObjectFrame, conclusion: &Conclusion) 
             " To keep identities, raise the maximum age or choose a motion model that fits."
         }
         _ if misses > alarms && conclusion.is_of_truth => {
-            " In the run, misses dominate. The detections are the true boxes with noise, so another detector would not help: occluded objects are missed, because coasting tracks, like tentative ones, do not count as matches."
+            " Most errors are misses. The detections are the true boxes with noise, so another detector would not help: occluded objects are missed, because coasting tracks, like tentative ones, do not count as matches."
         }
         _ if misses > alarms => {
-            " In the run, misses dominate: lower the minimum number of hits or the score thresholds, or use another detector."
+            " Most errors are misses: lower the minimum number of hits or the score thresholds, or use another detector."
         }
         _ if misses == alarms => {
-            " In the run, misses and false alarms are balanced: boxes may overlap the true ones by less than IoU 0.5."
+            " There are as many misses as false alarms: boxes may overlap the true ones by less than IoU 0.5."
         }
         _ => {
-            " In the run, false alarms dominate: raise the minimum number of hits or the score thresholds, or lower the maximum age."
+            " Most errors are false alarms: raise the minimum number of hits or the score thresholds, or lower the maximum age."
         }
     };
     counts + &scores + &rates + &worst + advice
@@ -221,7 +230,8 @@ fn most_errors(worst: &[(usize, Matches)]) -> String {
         [_] => format!(" Frame {first} has the most errors: {}.", kinds(all)),
         [_, (second, _)] => format!(" Frames {first} and {second} have the most errors: {errors} each."),
         _ => format!(
-            " {} have the most errors, {errors} each, the first of them in frame {first}.",
+            " The most errors in a frame are {}, in {}, first in frame {first}.",
+            all.misses() + all.false_positives(),
             count(worst.len(), "frame")
         ),
     }
@@ -229,7 +239,10 @@ fn most_errors(worst: &[(usize, Matches)]) -> String {
 
 /// The missed frames in a row.
 pub(crate) fn missed_in_a_row(missed: usize) -> String {
-    format!("{} in a row", count(missed, "missed frame"))
+    match missed {
+        1 => "1 missed frame".to_owned(),
+        _ => format!("{} in a row", count(missed, "missed frame")),
+    }
 }
 
 /// The matches of a frame in words.
@@ -262,7 +275,7 @@ mod tests {
         assert_eq!(most_errors(&[(21, two)]), " Frame 21 has the most errors: 2 misses, 0 false alarms.");
         assert_eq!(most_errors(&[(21, two), (23, two)]), " Frames 21 and 23 have the most errors: 2 errors each.");
         let said = most_errors(&[(21, two), (22, two), (23, two)]);
-        assert_eq!(said, " 3 frames have the most errors, 2 errors each, the first of them in frame 21.");
+        assert_eq!(said, " The most errors in a frame are 2, in 3 frames, first in frame 21.");
     }
 
     #[test]

@@ -41,9 +41,8 @@ pub(crate) fn track_at(run: &TrackerRun, point: [f32; 2]) -> Option<u32> {
 }
 
 impl Selected {
-    /// Returns the track at `point`, if one is or was there.
-    pub fn at(run: &TrackerRun, clip: &Clip, point: [f32; 2]) -> Option<Self> {
-        let id = track_at(run, point)?;
+    /// Returns the track `id`, if there is or was one.
+    pub fn of(run: &TrackerRun, clip: &Clip, id: u32) -> Option<Self> {
         let first = run.span.first;
         let frames = run.frames().iter().enumerate();
         let of_track: Vec<(usize, Object)> =

@@ -159,14 +159,24 @@ impl<T: MultiTracker> Footprint<State<T::Tracks>> for MultiTracking<T> {
 }
 
 impl<T: MultiTracker> Pointed<State<T::Tracks>> for MultiTracking<T> {
-    fn explained(&self, state: &State<T::Tracks>, Focus { at: point, .. }: Focus) -> Option<Explained> {
-        track_at(&state.run, point).map(|_| Explained::Always)
+    fn explained(&self, state: &State<T::Tracks>, focus: Focus) -> Option<Explained> {
+        focus.object.or_else(|| track_at(&state.run, focus.at)).map(|_| Explained::Always)
+    }
+
+    fn object_at(&self, state: &State<T::Tracks>, focus: Focus) -> Option<u32> {
+        track_at(&state.run, focus.at)
+    }
+
+    fn place_of(&self, state: &State<T::Tracks>, object: u32) -> Option<[f32; 2]> {
+        let frames = state.run.frames().iter().rev();
+        frames.filter_map(|frame| frame.object(object)).next().map(|last| last.position.map(|c| c as f32))
     }
 }
 
 /// The track that is pointed at.
 pub(crate) fn selected<T: MultiTracker>(seen: &Seen<MultiTracking<T>>) -> Option<Selected> {
-    Selected::at(&seen.after.unwrap_or(seen.before).run, seen.clip, seen.point()?)
+    let (run, focus) = (&seen.after.unwrap_or(seen.before).run, seen.focus?);
+    Selected::of(run, seen.clip, focus.object.or_else(|| track_at(run, seen.point()?))?)
 }
 
 /// The errors of the frame beside the truth, at its end.

@@ -294,7 +294,7 @@ fn plane<M: Model>(
     if let [line] = &lines[..] {
         let mean = all.iter().find(|(name, ..)| *name == "mean");
         let from = mean.map_or(probe.from(), |(.., mean)| *mean);
-        all.push(("constraint line", line.role, explain::foot(line, from)));
+        all.push(("nearest point of the line", line.role, explain::foot(line, from)));
     }
     Readout::Plane(Plane {
         title: "Constraint line and neighbourhood mean",

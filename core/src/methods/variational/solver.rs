@@ -108,9 +108,9 @@ impl<M: Model<Unknowns = Field>> Probe<'_, M> {
             .text(format!("SOR extrapolates the Gauss–Seidel update by ω = {}: ", numbers::gray(relaxation)))
             .ink(Role::Reference, self.pixel())
             .text(" goes from ")
-            .ink(Role::Best, self.px(self.from()))
+            .ink(Role::Best, numbers::vector(self.from()))
             .text(" beyond ")
-            .ink(Role::Predicted, self.px(update))
+            .ink(Role::Predicted, numbers::vector(update))
             .text(" to ")
             .ink(Role::Result, self.px(self.to()))
             .text(". Smooth errors, which single updates hardly reduce, vanish in fewer iterations.")
@@ -131,7 +131,8 @@ impl<M: Model<Unknowns = Field>> Probe<'_, M> {
                 indexed("GS"),
                 Math::text(" − "),
                 indexed("old"),
-                Math::text(") = "),
+                Math::text(")"),
+                Math::text(" = "),
                 Math::ink(Role::Best, numbers::px(from[i])),
                 Math::text(format!(" + {} · (", numbers::gray(relaxation))),
                 Math::ink(Role::Predicted, numbers::px(update[i])),

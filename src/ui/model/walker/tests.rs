@@ -166,7 +166,7 @@ fn the_pointer_makes_no_picture_anew() {
     let before = shown(None);
     assert!(before.pictures.beside.iter().any(|(picture, _)| *picture == Picture::REFERENCE), "it is shown");
     for x in 0..5 {
-        let next = shown(Some(Focus { on: Picture::NEXT, at: [x as f32, 3.0] }));
+        let next = shown(Some(Focus::on(Picture::NEXT, [x as f32, 3.0])));
         assert!(Arc::ptr_eq(&next, &before), "no pixel of frame t+1 is explained, so nothing is shown anew");
     }
     for x in 0..5 {

@@ -110,7 +110,7 @@ impl EpipolarGeometry {
     ) -> Option<([f32; 2], Vec<[f32; 2]>)> {
         let [here, there] = estimate.pair.sides.each_ref();
         let from = match focus {
-            Some(Focus { on: Picture::CURRENT, at }) => {
+            Some(Focus { on: Picture::CURRENT, at, .. }) => {
                 let far = |point: [f32; 2]| (point[0] - at[0]).hypot(point[1] - at[1]);
                 here.points.iter().map(|point| point.at).min_by(|a, b| far(*a).total_cmp(&far(*b)))?
             }

@@ -100,13 +100,13 @@ impl KalmanFilter {
         let StepEstimates { frame, .. } = now;
         let Some(event) = seen.events.last() else {
             return said
-                .text("The Kalman filter estimates the state x (position, velocity) and its covariance P. Each frame ")
+                .text("The Kalman filter estimates the state x (position, velocity) and its covariance P. In each frame it ")
                 .ink(Role::Predicted, "predicts")
                 .text(" both, gates the ")
                 .ink(Role::Measured, "measurement")
                 .text(" and ")
                 .ink(Role::Estimate, "updates")
-                .text(" them.");
+                .text(" both by a measurement within the gate.");
         };
         let said = match event {
             Event::Mixed(before) => modes::mixed(before),
@@ -123,7 +123,14 @@ impl KalmanFilter {
                     ))
                     .text(modes::bent(&both[0]))
             }
-            Event::Observed(observed) => measurements((*frame, !self.clicks.all().is_empty()), observed, seen.before.detector.measurement()),
+            Event::Observed(observed) => {
+                let unmatched = match (&seen.before.filter, self.clicks.all().is_empty()) {
+                    (Some(_), _) => ", none of them of the tracked object.",
+                    (None, false) => ", none of them at a clicked position. The track starts at the clicked object.",
+                    (None, true) => ". The track starts in a later frame, with the object that moves most consistently.",
+                };
+                measurements((*frame, unmatched), observed, seen.before.detector.measurement())
+            },
             Event::Gated(gated) => self.gating(gated).text(self.misfit(seen, gated)),
             Event::Updated(update) => {
                 modes::updated(&update.0, &update.1).unwrap_or_else(|| updated(&update.0, &update.1))
@@ -204,8 +211,8 @@ impl KalmanFilter {
                     _ => format!("none of the {} belongs", count(detections, "detection")),
                 };
                 format!(
-                    "No track yet: {none} to the object that moves most consistently. To track another object, \
-                     give a click on it (parameter Clicks; Place in the window)."
+                    "No track yet: {none} to the object that moves most consistently. To track another object, choose \
+                     Place beside the parameter Clicks and click on the object."
                 )
             }
             Some(detections) => {
@@ -781,7 +788,7 @@ impl ConsistencyTest {
 }
 
 /// The measurements of a frame in words.
-fn measurements((frame, is_clicked): (usize, bool), observed: &Observations, kind: &str) -> Sentence {
+fn measurements((frame, unmatched): (usize, &str), observed: &Observations, kind: &str) -> Sentence {
     let said = Sentence::default();
     let [first, second] = [0, 1].map(|sensor| observed.measured.iter().find(|reading| reading.sensor == sensor));
     let numbers = |reading: &SensorReading| {
@@ -801,10 +808,7 @@ fn measurements((frame, is_clicked): (usize, bool), observed: &Observations, kin
         }
         None if !observed.detections.is_empty() => said
             .ink(Role::Measured, format!("{} in frame {frame}", count(observed.detections.len(), "detection")))
-            .text(match is_clicked {
-                true => ", none of them at a clicked position. The track starts at the clicked object.",
-                false => ". The track starts in a later frame, with the object that moves most consistently.",
-            }),
+            .text(unmatched),
         None => said.text(format!("No detections in frame {frame}.")),
     };
     match second.map(numbers) {

@@ -495,6 +495,9 @@ impl KalmanTracker {
             (None, None) => seen.before.tracks.iter().for_each(|track| draw_track(scene, track, seen)),
             (None, Some(_)) => self.draw_work(seen, scene),
         }
+        if let Some(track) = track_of(seen) {
+            explain::work_at(scene, track.bounds());
+        }
     }
 
     /// Draws the tracks within a frame: updated, or else predicted.
