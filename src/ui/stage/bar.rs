@@ -136,6 +136,9 @@ const LONGEST: usize = 10;
 /// The name of a view: a step may have other pictures than both frames.
 fn name(view: View, input: &Input<'_>) -> String {
     let pictures = &input.scene.pictures;
+    if view == View::Current && input.pictures.are_filtered() {
+        return pictures.first().map_or_else(String::new, |canvas| canvas.picture.title(None));
+    }
     if view != View::SideBySide || pictures.len() < 2 {
         return view.name().to_owned();
     }

@@ -333,6 +333,10 @@ fn link(role: Role, from: [f32; 2], to: [f32; 2]) -> Link {
     Link { role, ends: [(Picture::CURRENT, from), (Picture::NEXT, to)] }
 }
 
+/// What the truth of a plane leaves open.
+const OFF_PLANE: &str =
+    " The truth is a homography, which holds for one plane: a correct match of a point off the plane counts as wrong.";
+
 fn concluded(state: &State, limit: f32, sentence: Sentence) -> Sentence {
     if state.count() == 0 {
         return sentence.text(" End of the run without matches.");
@@ -347,10 +351,11 @@ fn concluded(state: &State, limit: f32, sentence: Sentence) -> Sentence {
         .map(|truth| MatchField::compare(all.iter().filter(|found| found.status == MatchStatus::Match), truth));
     let quality = match errors.and_then(|errors| Some((errors, errors.precision()?))) {
         Some((errors, precision)) => format!(
-            " {} of {} with known true displacement are correct, {:.1} %.",
+            " {} of {} with known true displacement are correct, {:.1} %.{}",
             errors.right,
             errors.known,
-            100.0 * precision
+            100.0 * precision,
+            if state.fixed.is_of_plane && errors.right < errors.known { OFF_PLANE } else { "" }
         ),
         None => String::new(),
     };
