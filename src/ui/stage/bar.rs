@@ -268,7 +268,7 @@ fn legend_items(input: &Input<'_>, look: &SceneLook, ui: &Ui, state: &State) -> 
     let (signs, bar) = layer.filter(|_| is_tinted).map(|layer| layer.legend()).unwrap_or_default();
     let awaited = input.pictures.awaited.filter(|_| is_tinted).map(FlowLayer::awaited);
     let entries =
-        signs.into_iter().chain(awaited).chain(legend::entries(&input.scene.legend, shown, look, zoom)).map(|entry| {
+        signs.into_iter().chain(awaited).chain(legend::entries(input.scene, shown, look, zoom)).map(|entry| {
             let width = ink::SWATCH.x + GAP + width(&entry.meaning);
             (entry, width)
         });

@@ -562,7 +562,7 @@ fn descriptor_series(descriptor: &Descriptor, y_label: &'static str, filled: usi
         x_ticks: (0..=SIDE).map(|row| (row * SIDE * BINS).max(1) as f32).collect(),
         sections: Series::cells(SIDE, BINS),
         lines: vec![("entries", Role::Result, points)],
-        thresholds: if shows_clamp { vec![("limit 0.2".to_owned(), CLAMP)] } else { Vec::new() },
+        thresholds: if shows_clamp { vec![("limit".to_owned(), CLAMP)] } else { Vec::new() },
         is_sweep: true,
         ..Series::default()
     }
