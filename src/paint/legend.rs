@@ -375,7 +375,21 @@ impl Strip {
 
 #[cfg(test)]
 mod tests {
+    use motionscope_core::scene::{Link, Picture};
+
     use super::*;
+
+    #[test]
+    fn lines_between_pictures_have_a_meaning_too() {
+        let mut scene = Scene::default();
+        scene.legend(Role::Best, "correct match");
+        scene.legend(Role::Error, "wrong match");
+        let ends = [(Picture::CURRENT, [1.0; 2]), (Picture::NEXT, [2.0; 2])];
+        scene.links.push(Link { role: Role::Best, ends });
+        let look = Look::new(&scene, marks::Style::default());
+        let found = entries(&scene, scene.marks.iter(), &look, 1.0);
+        assert_eq!(found, [Entry { role: Role::Best, sample: Sample::Line, meaning: "correct match".to_owned() }]);
+    }
 
     #[test]
     fn the_numbers_of_a_bar_have_room() {

@@ -428,6 +428,17 @@ mod tests {
     }
 
     #[test]
+    fn what_filters_make_of_a_frame_stands_in_its_place() {
+        let mut pictures = Pictures::of([frame(|_| 0), frame(|_| 1)]);
+        assert_eq!(View::Current.panels(&pictures), [Panel::CURRENT]);
+        pictures.beside = [Picture::SMOOTHED, Picture::RESPONSE].map(|picture| (picture, frame(|_| 2))).to_vec();
+        assert_eq!(View::Current.panels(&pictures), [Picture::SMOOTHED, Picture::RESPONSE].map(Panel::Of));
+        assert_eq!(View::Next.panels(&pictures), [Panel::NEXT]);
+        pictures.beside.insert(0, (Picture::CURRENT, frame(|_| 0)));
+        assert_eq!(View::Current.panels(&pictures), [Panel::CURRENT], "the frame is there itself");
+    }
+
+    #[test]
     fn a_difference_is_brightened_until_it_can_be_seen() {
         let shown = |pair| Panel::Difference.pixels(&Pictures::of(pair), Share::default());
         let gain = |change: u8| shown([frame(|_| 0), frame(|x| if x < 100 { change } else { 0 })]).1;

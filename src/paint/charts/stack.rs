@@ -397,6 +397,23 @@ mod tests {
     }
 
     #[test]
+    fn pictures_of_one_size_stand_above_each_other_under_their_names() {
+        let mut stack = stack();
+        let frame = Arc::clone(&stack.levels.all[0].pair[0]);
+        let level = |name: &str| motionscope_core::Level::new([frame.clone(), frame.clone()]).named(name.to_owned());
+        stack.levels.all = ["G₁", "G₂", "G₃"].map(level).into();
+        let bench = Bench::new(&stack);
+        assert_eq!((bench.half(0), bench.half(0)), (bench.half(1), bench.half(2)));
+        let data = Pyramid { stack: &stack, whose: "SIFT", on_stage: 0, orbit: USUAL };
+        let drawing = draw(data, Rect::new([0.0; 2], [500.0, 360.0]), style(), &mut Seen::default());
+        let words = texts(&flat(drawing));
+        assert!(
+            ["SIFT · 3 pictures", "G₁", "G₃"].iter().all(|name| words.iter().any(|word| word == name)),
+            "{words:?}"
+        );
+    }
+
+    #[test]
     fn every_plane_is_in_the_picture_and_what_is_nearer_hides_what_is_farther() {
         let stack = stack();
         let bench = Bench::new(&stack);

@@ -59,8 +59,8 @@ pub(super) const EXAMPLES: &[Example] = &[
         clip: "parallax",
         settings: &[],
         frame: 0,
-        says: "The camera moves past layers at four depths, so no homography explains the matches, and the fundamental matrix is determined. Guided \
-               matching then finds more right matches.",
+        says: "The camera moves past layers at four depths. No single homography explains all matches, and those off the plane of most of them \
+               determine the fundamental matrix.",
         claim: ("sampson_px", Limit::AtMost(0.3)),
         instead: None,
     },

@@ -29,9 +29,8 @@ fn distortion(estimate: &Estimate<'_>, frame: usize, stretch: f64) -> Option<Str
     let beside = outside(x / w, width).hypot(outside(y / w, height));
     let which = if frame == 0 { "e lies only {} px beside frame t" } else { "e′ lies only {} px beside frame t+1" };
     Some(format!(
-        " The epipole {}, and the homography that sends it to infinity magnifies areas next to it {} times as much as those far from it: most \
-         of the picture becomes a sliver. Guided matching along the epipolar lines needs no rectification; a polar rectification would keep \
-         the lengths of the lines.",
+        ", but the epipole {}: areas next to it are magnified {} times as much as those far from it, so most of the picture is a sliver. Guided \
+         matching needs no rectification; a polar rectification keeps the lengths of epipolar lines.",
         which.replace("{}", &words::grouped(beside.round() as usize)),
         words::fixed(stretch, 1)
     ))
@@ -196,10 +195,10 @@ impl EpipolarGeometry {
                 let sentence = said
                     .text("Rectification: both frames are warped so that epipolar lines are horizontal and corresponding ones lie in the same row. The rows of the inliers differ by ")
                     .ink(Role::Result, format!("{off} px"))
-                    .text(" on average; the search for a match is along a row, as in stereo vision.");
-                let distorted = (stretch > DISTORTED).then(|| distortion(estimate, frame, stretch));
-                let sentence = distorted.into_iter().flatten().fold(sentence, Sentence::text);
-                (sentence, facts, matrices)
+                    .text(" on average");
+                let use_of_it = || "; the search for a match is along a row, as in stereo vision.".to_owned();
+                let distorted = (stretch > DISTORTED).then(|| distortion(estimate, frame, stretch)).flatten();
+                (sentence.text(distorted.unwrap_or_else(use_of_it)), facts, matrices)
             }
             Err(Refusal::EpipoleInside { frame, at }) => {
                 let which = if frame == 0 { "e lies inside frame t" } else { "e′ lies inside frame t+1" };
