@@ -641,6 +641,10 @@ impl motionscope_core::Truth for Plane {
     fn is_of_plane(&self, _: usize) -> bool {
         true
     }
+
+    fn kinds(&self) -> Vec<&'static str> {
+        vec!["flow"]
+    }
 }
 
 #[test]
@@ -648,7 +652,7 @@ fn the_truth_of_a_plane_says_nothing_of_points_off_it() {
     let clip = scene("parallax");
     let told = |clip: &Clip| last_sentence("feature-matching", &[], clip);
     assert!(!told(&clip).contains("holds for one plane"));
-    // The motion of the farthest layer for all of them.
+    // As if nothing moved: most matches disagree with it.
     let still = Grid::new(320, 240, [0.0; 2]);
     let off = told(&clip.with_truth(std::sync::Arc::new(Plane(std::sync::Arc::new(motionscope_core::Flow(still))))));
     assert!(off.contains("a homography, which holds for one plane"), "{off}");
