@@ -564,7 +564,7 @@ fn the_images_of_an_octave_grow_blurrier_in_the_same_place() {
     let mut before: Vec<Tile> = Vec::new();
     // The six Gaussian images of the first octave, and the first of the second.
     for unit in 1..=7 {
-        walk.jump(Move::To(Cursor { unit, event: 1 }));
+        walk.jump(Move::To(Cursor { unit: unit - 1, event: 1 }));
         let scene = walk.scene(None);
         let names: Vec<String> = scene.pictures.iter().map(|canvas| canvas.picture.to_string()).collect();
         let is_first = unit == 1 || unit == 7;
