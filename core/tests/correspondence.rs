@@ -610,3 +610,50 @@ fn the_turnover_of_a_pair_is_that_of_its_tracks() {
     });
     assert_eq!(plotted, Some(tracked));
 }
+
+#[test]
+fn a_rectified_pair_near_an_epipole_is_told_to_be_distorted() {
+    // A camera of 300 px that moves forward and aside: its epipole 300 · 0.8 + 159.5 lies 80 px beside the picture.
+    let moved = Vector3::new(0.48, 0.0, 0.6);
+    let view = |k: usize| {
+        let (x, y) = (24 + 23 * (k % 12), 24 + 23 * (k / 12));
+        let depth = 4.0 + 1.5 * (x as f64 / 40.0).sin() * (y as f64 / 30.0).cos();
+        let seen = Vector3::new((x as f64 - 159.5) / 300.0, (y as f64 - 119.5) / 300.0, 1.0) * depth - moved;
+        let to = [300.0 * seen[0] / seen[2] + 159.5, 300.0 * seen[1] / seen[2] + 119.5];
+        let is_inside = to[0] > 12.0 && to[0] < 307.0 && to[1] > 12.0 && to[1] < 227.0;
+        is_inside.then(|| ([x, y], to.map(|c| c.round() as usize)))
+    };
+    let (here, there): (Vec<_>, Vec<_>) = (0..108).filter_map(view).unzip();
+    let told = last_sentence("epipolar-geometry", &FEW, &moved_patches([&here, &there]));
+    assert!(told.contains("px beside frame t") && told.contains("most of the picture is a sliver"), "{told}");
+    let [_, (plain, _)] = sequels(&scene("parallax"));
+    assert!(!plain.contains("sliver"), "{plain}");
+}
+
+/// A flow that is true for one plane of the scene.
+struct Plane(std::sync::Arc<motionscope_core::Flow>);
+
+impl motionscope_core::Truth for Plane {
+    fn flow(&self, _: usize) -> Result<Option<std::sync::Arc<motionscope_core::Flow>>, motionscope_core::Error> {
+        Ok(Some(self.0.clone()))
+    }
+
+    fn is_of_plane(&self, _: usize) -> bool {
+        true
+    }
+
+    fn kinds(&self) -> Vec<&'static str> {
+        vec!["flow"]
+    }
+}
+
+#[test]
+fn the_truth_of_a_plane_says_nothing_of_points_off_it() {
+    let clip = scene("parallax");
+    let told = |clip: &Clip| last_sentence("feature-matching", &[], clip);
+    assert!(!told(&clip).contains("holds for one plane"));
+    // As if nothing moved: most matches disagree with it.
+    let still = Grid::new(320, 240, [0.0; 2]);
+    let off = told(&clip.with_truth(std::sync::Arc::new(Plane(std::sync::Arc::new(motionscope_core::Flow(still))))));
+    assert!(off.contains("a homography, which holds for one plane"), "{off}");
+}

@@ -2,7 +2,7 @@
 
 use motionscope_core::examples::{self, Example, Settings};
 use motionscope_core::products::Reference;
-use motionscope_core::{AnyEstimator, Clip, Params, Threads, estimator, estimators, synth};
+use motionscope_core::{AnyEstimator, Clip, Params, Threads, detection, estimator, estimators, synth};
 
 /// The clip of an example.
 fn clip(example: &Example) -> Clip {
@@ -22,7 +22,8 @@ fn measured(id: &str, settings: Settings, example: &Example, key: &str) -> f64 {
     settings.iter().for_each(|(name, value)| estimator.set(name, value).expect("a parameter in range"));
     let (clip, threads) = (clip(example), Threads::single());
     let output = estimator.run(&clip, example.frame, &threads).expect("a run");
-    let assessment = output.assess(&Reference { clip: &clip, frame: example.frame }).expect("an assessment");
+    let reference = Reference { clip: &clip, frame: example.frame };
+    let assessment = detection::assess(&*estimator, &output, &reference, &threads).expect("an assessment");
     let score = assessment.scores.iter().find(|score| score.measure.key == key);
     let value = score.and_then(|score| score.value.real());
     value.unwrap_or_else(|| panic!("{id} on {} has no {key}", example.clip))

@@ -6,7 +6,7 @@ use common::set;
 use motionscope_core::{
     AnyEstimator, Clip, Cursor, Descriptor, Direction, Frame, Gray, Grid, Keypoint, Move, PointField, Role, Threads,
     products::repeatability,
-    scene::{Focus, Readout},
+    scene::{Focus, Readout, Tile},
 };
 
 /// A texture of small blocks, each of one gray level, smoothed over 2×2 px.
@@ -556,4 +556,44 @@ fn surf_descriptors_are_those_of_the_pixels() {
         assert!(off < 0.05, "{:?}: {off}", point.at);
     }
     assert!(10 * differing < field.points.len(), "{differing} of {}", field.points.len());
+}
+
+#[test]
+fn the_images_of_an_octave_grow_blurrier_in_the_same_place() {
+    let mut walk = set("sift", &[]).walk(&clip_of(blocks(120, 90)), 0).expect("a walk");
+    let mut before: Vec<Tile> = Vec::new();
+    // The six Gaussian images of the first octave, and the first of the second.
+    for unit in 1..=7 {
+        walk.jump(Move::To(Cursor { unit: unit - 1, event: 1 }));
+        let scene = walk.scene(None);
+        let names: Vec<String> = scene.pictures.iter().map(|canvas| canvas.picture.to_string()).collect();
+        let is_first = unit == 1 || unit == 7;
+        assert_eq!(names, if is_first { &["smoothed"][..] } else { &["smoothed", "response"] }, "{unit}");
+        let readouts = walk.step(None).readouts;
+        let tiles =
+            readouts.iter().find_map(|r| if let Readout::Tiles(tiles) = r { Some(tiles.clone()) } else { None });
+        let tiles = tiles.expect("a part of all images");
+        let pictures =
+            readouts.iter().find_map(|r| if let Readout::Stack(s) = r { Some(s.levels.all.len()) } else { None });
+        let in_octave = if unit == 7 { 1 } else { unit };
+        assert_eq!((tiles.len(), pictures), (2 * in_octave - 1, Some(in_octave)), "{unit}");
+        if is_first {
+            before = tiles;
+            continue;
+        }
+        let of = |tiles: &[Tile], label: &str| tiles.iter().find(|tile| tile.label == label).cloned();
+        assert_eq!(of(&tiles, "G₁").map(|tile| tile.values), of(&before, "G₁").map(|tile| tile.values), "{unit}");
+        let roughness = |tile: &Tile| {
+            let cells = tile.values.cells();
+            cells.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum::<f32>()
+        };
+        let gaussians: Vec<f32> = tiles[..in_octave].iter().map(roughness).collect();
+        assert!(gaussians.is_sorted_by(|a, b| a > b), "{unit}: {gaussians:?}");
+        // D is the difference of both images, to the tenth that is shown.
+        let [from, to, difference] =
+            [&tiles[unit - 2], &tiles[unit - 1], &tiles[2 * unit - 2]].map(|t| t.values.cells());
+        let off = difference.iter().zip(to.iter().zip(from)).map(|(d, (to, from))| (d - (to - from)).abs());
+        assert!(off.fold(0.0, f32::max) < 0.16, "{unit}");
+        before = tiles;
+    }
 }

@@ -74,6 +74,7 @@ fn only_detectors_have_a_repeatability_and_only_where_the_flow_is_known() {
         let found =
             detection::repeatability(&*detector, &output, &reference, &Threads::single()).expect("a second run");
         assert_eq!(!found.scores.is_empty(), is_one, "{id}");
+        assert_eq!(found.conclusion.starts_with("Repeatability "), is_one, "{id}: {}", found.conclusion);
         // The last frame is followed by none.
         let reference = Reference { clip: &clip, frame: 1 };
         let last =

@@ -414,7 +414,7 @@ impl Layout<'_> {
     fn legend(&mut self, parts: &[Part<'_>], scene: &Scene) {
         let panels: Vec<_> = parts.iter().flat_map(|part| self.options.view.panels(&part.pictures)).collect();
         let marks = scene.marks.iter().filter(|mark| panels.iter().any(|panel| panel.shows(mark.on)));
-        let mut entries = legend::entries(&scene.legend, marks.clone(), &self.look, self.zoom() * self.times);
+        let mut entries = legend::entries(scene, marks.clone(), &self.look, self.zoom() * self.times);
         let heat = self.look.heat.filter(|_| has_heat(marks));
         let heat = heat.map(|range| Bar::heat(&self.options.heat, range, self.look.colors));
         // Several have one scale.

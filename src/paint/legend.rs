@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use motionscope_core::scene::{Mark, Shape};
-use motionscope_core::{Grid, Role};
+use motionscope_core::{Grid, Role, Scene};
 
 use super::primitive::{Anchor, Arrows, Line, Pen, Point, Primitive, Rect, Run, Stroke};
 use super::wrap::wrap;
@@ -95,15 +95,12 @@ impl Sample {
     }
 }
 
-/// What `meanings` tells about the roles of `marks`, and how displacements are drawn at `zoom` points per pixel.
-pub fn entries<'a>(
-    meanings: &[(Role, &'static str)],
-    marks: impl Iterator<Item = &'a Mark> + Clone,
-    look: &Look,
-    zoom: f32,
-) -> Vec<Entry> {
+/// What the legend of `scene` tells about the roles of `marks` and of its links, and how displacements are drawn at `zoom` points per pixel.
+pub fn entries<'a>(scene: &Scene, marks: impl Iterator<Item = &'a Mark> + Clone, look: &Look, zoom: f32) -> Vec<Entry> {
     let entry = |&(role, meaning): &(Role, &'static str)| {
-        let sample = marks.clone().filter(|mark| mark.role == role).filter_map(|mark| Sample::of(&mark.shape)).min()?;
+        let of_mark = marks.clone().filter(|mark| mark.role == role).filter_map(|mark| Sample::of(&mark.shape)).min();
+        let of_link = || scene.links.iter().any(|link| link.role == role).then_some(Sample::Line);
+        let sample = of_mark.or_else(of_link)?;
         if let Some(frames) = look.streak_frames.filter(|_| role == Role::Result && sample == Sample::Arrow) {
             let meaning = format!("where particles would go in {frames} frames of this motion");
             return Some(Entry { role, sample: Sample::Line, meaning });
@@ -123,7 +120,7 @@ pub fn entries<'a>(
         };
         Some(Entry { role, sample, meaning: format!("{meaning}{long}{thinned}") })
     };
-    meanings.iter().filter_map(entry).collect()
+    scene.legend.iter().filter_map(entry).collect()
 }
 
 /// How many times their length displacements are drawn, where that is another.
@@ -378,7 +375,21 @@ impl Strip {
 
 #[cfg(test)]
 mod tests {
+    use motionscope_core::scene::{Link, Picture};
+
     use super::*;
+
+    #[test]
+    fn lines_between_pictures_have_a_meaning_too() {
+        let mut scene = Scene::default();
+        scene.legend(Role::Best, "correct match");
+        scene.legend(Role::Error, "wrong match");
+        let ends = [(Picture::CURRENT, [1.0; 2]), (Picture::NEXT, [2.0; 2])];
+        scene.links.push(Link { role: Role::Best, ends });
+        let look = Look::new(&scene, marks::Style::default());
+        let found = entries(&scene, scene.marks.iter(), &look, 1.0);
+        assert_eq!(found, [Entry { role: Role::Best, sample: Sample::Line, meaning: "correct match".to_owned() }]);
+    }
 
     #[test]
     fn the_numbers_of_a_bar_have_room() {

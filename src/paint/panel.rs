@@ -54,6 +54,11 @@ impl Pictures {
         }
     }
 
+    /// Whether the step shows what filters made of frame t and not the frame: then these pictures stand in its place.
+    pub fn are_filtered(&self) -> bool {
+        !self.beside.is_empty() && self.beside.iter().all(|(picture, _)| picture.is_filtered())
+    }
+
     /// What `view` shows where the step works on `levels` of a pyramid: the frames of the level that is `shown`, each of its
     /// pixels as large as it is in the picture. A prediction is of the picture itself.
     #[must_use]
@@ -238,6 +243,7 @@ impl View {
     /// The panels of a still picture of `pictures`, left to right.
     pub fn panels(self, pictures: &Pictures) -> Vec<Panel> {
         match self {
+            View::Current if pictures.are_filtered() => View::SideBySide.panels(pictures),
             View::Current => vec![Panel::CURRENT],
             View::Next => vec![Panel::NEXT],
             View::SideBySide | View::Blink if pictures.beside.is_empty() => vec![Panel::CURRENT, Panel::NEXT],
@@ -419,6 +425,17 @@ mod tests {
 
     fn frame(value: impl Fn(usize) -> u8) -> Arc<Frame> {
         Arc::new(Frame::gray(Grid::from_fn(200, 1, |x, _| value(x))))
+    }
+
+    #[test]
+    fn what_filters_make_of_a_frame_stands_in_its_place() {
+        let mut pictures = Pictures::of([frame(|_| 0), frame(|_| 1)]);
+        assert_eq!(View::Current.panels(&pictures), [Panel::CURRENT]);
+        pictures.beside = [Picture::SMOOTHED, Picture::RESPONSE].map(|picture| (picture, frame(|_| 2))).to_vec();
+        assert_eq!(View::Current.panels(&pictures), [Picture::SMOOTHED, Picture::RESPONSE].map(Panel::Of));
+        assert_eq!(View::Next.panels(&pictures), [Panel::NEXT]);
+        pictures.beside.insert(0, (Picture::CURRENT, frame(|_| 0)));
+        assert_eq!(View::Current.panels(&pictures), [Panel::CURRENT], "the frame is there itself");
     }
 
     #[test]

@@ -5,7 +5,9 @@ use std::sync::Arc;
 use motionscope_core::products::objects::score::{FrameErrors, errors_on};
 use motionscope_core::products::{Assessment, Reference};
 use motionscope_core::scene::{Canvas, Fact, Focus, Picture, PictureRole, Readout};
-use motionscope_core::{Clip, Cursor, Error, Frame, Histogram, Levels, ObjectField, Output, Role, Scene, Step, Walk};
+use motionscope_core::{
+    Clip, Cursor, Error, Frame, Histogram, Levels, ObjectField, Output, Role, Scene, Step, Threads, Walk, detection,
+};
 
 use super::look::{Look, RunState};
 use super::motion::{AvailableLayers, Motion, Reverse, Site};
@@ -138,11 +140,19 @@ impl End {
             let causal = is_alone.then(|| experiment.causal(clip, walk.causal()).ok().flatten()).flatten();
             causal.map(|assessment| assessment.headline)
         };
+        let assess = |output: &Output| {
+            let reference = Reference { clip, frame: walk.frame() };
+            let repeated = |threads| detection::assess(&*experiment.estimator, output, &reference, &threads);
+            let is_alone = experiment.side_by_side.is_empty();
+            let all = is_alone.then(|| Threads::all().and_then(repeated).ok()).flatten();
+            // Without the next frame the rest is known.
+            all.or_else(|| output.assess(&reference).ok())
+        };
         walk.at_end().then(|| {
             let output = walk.output();
             Self {
                 prediction: predicted(&output, pair),
-                assessment: output.assess(&Reference { clip, frame: walk.frame() }).ok(),
+                assessment: assess(&output),
                 causal: causal(),
                 histogram: output.histogram(),
                 faults: if walk.beside(None).is_empty() { faults(walk, clip, &output) } else { Arc::default() },
@@ -248,7 +258,7 @@ fn explained_step(RunView { walk, focus, end, .. }: RunView<'_>, motion: &Motion
 /// Whether a step relates its pictures to each other, so that they are shown side by side.
 fn is_joined(scene: &Scene) -> bool {
     let is_derived = |canvas: &Canvas| {
-        matches!(canvas.picture.role, PictureRole::Response | PictureRole::Warped | PictureRole::Mosaic)
+        canvas.picture.is_filtered() || matches!(canvas.picture.role, PictureRole::Warped | PictureRole::Mosaic)
     };
     !scene.links.is_empty() || scene.pictures.iter().any(is_derived)
 }

@@ -125,6 +125,9 @@ pub fn levels<'a>(scene: &'a Scene, tiles: &'a [Tile]) -> Option<&'a Levels> {
 /// Adds to what `step` tells how good the estimate is.
 pub fn add_assessment(step: &mut Step, assessment: &Assessment) {
     add_facts(step, assessment.facts.clone());
+    if !assessment.conclusion.is_empty() {
+        step.sentence = std::mem::take(&mut step.sentence).text(format!(" {}", assessment.conclusion));
+    }
     step.readouts.extend(assessment.errors.clone().map(Readout::Distribution));
 }
 

@@ -136,6 +136,11 @@ pub trait Truth: Send + Sync {
     /// If the truth is there but cannot be read.
     fn flow(&self, t: usize) -> Result<Option<Arc<Flow>>, Error>;
 
+    /// Whether that flow is the one of a homography, which holds for one plane of the scene: what lies off it moves otherwise.
+    fn is_of_plane(&self, _t: usize) -> bool {
+        false
+    }
+
     /// Pixels of frame `t` that are hidden in frame `t + 1`.
     ///
     /// # Errors

@@ -139,6 +139,8 @@ pub struct Assessment {
     pub facts: Vec<Fact>,
     /// A phrase: `31.20 dB PSNR`; empty if there is none.
     pub headline: String,
+    /// A sentence for the conclusion of the run; empty if there is none.
+    pub conclusion: String,
     /// The distribution of errors, if there are any.
     pub errors: Option<Distribution>,
     /// The reason why ground truth cannot be read, if it cannot.
@@ -149,11 +151,14 @@ impl Assessment {
     /// Both assessments joined.
     #[must_use]
     pub fn and(mut self, other: Self) -> Self {
-        let Self { scores, facts, headline, errors, truth_error } = other;
+        let Self { scores, facts, headline, conclusion, errors, truth_error } = other;
         self.scores.extend(scores);
         self.facts.extend(facts);
         if self.headline.is_empty() {
             self.headline = headline;
+        }
+        if self.conclusion.is_empty() {
+            self.conclusion = conclusion;
         }
         self.errors = self.errors.or(errors);
         self.truth_error = self.truth_error.or(truth_error);

@@ -143,8 +143,18 @@ impl PointField {
                 grouped(visible)
             ),
         };
+        let conclusion = match found.share() {
+            None => "The repeatability is unknown: 0 keypoints are visible in both frames.".to_owned(),
+            Some(share) => format!(
+                "Repeatability {share:.3}: {} of {} keypoints visible in both frames are detected in frame t+1 within {TOLERANCE_PX} px of their \
+                 true position.",
+                grouped(repeated),
+                grouped(visible)
+            ),
+        };
         let values = [found.share().into(), repeated.into(), visible.into()];
-        Assessment::default().with(scores(&REPEATABILITY, values), vec![fact("Repeatability", told)])
+        let assessment = Assessment { conclusion, ..Assessment::default() };
+        assessment.with(scores(&REPEATABILITY, values), vec![fact("Repeatability", told)])
     }
 }
 

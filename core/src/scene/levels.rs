@@ -11,6 +11,8 @@ use crate::geometry::Grid;
 pub struct Level {
     /// The two frames.
     pub pair: [Arc<Frame>; 2],
+    /// Its name, if it is called by anything but its number.
+    pub name: Option<String>,
     placing: Placing,
     /// Made when it is first looked at: every step of a run shows the same one.
     enlarged: OnceLock<[Arc<Frame>; 2]>,
@@ -28,12 +30,18 @@ enum Placing {
 impl Level {
     /// A level of these frames, of which pixel `(x, y)` stands for the place `(2ⁿ x, 2ⁿ y)` of the picture if it is level n.
     pub fn new(pair: [Arc<Frame>; 2]) -> Self {
-        Self { pair, placing: Placing::Multiples, enlarged: OnceLock::new() }
+        Self { pair, name: None, placing: Placing::Multiples, enlarged: OnceLock::new() }
     }
 
     /// A level of these frames, which cover the same area as the picture.
     pub fn covering(pair: [Arc<Frame>; 2]) -> Self {
         Self { placing: Placing::Area, ..Self::new(pair) }
+    }
+
+    /// The same with a name: `G₁`.
+    #[must_use]
+    pub fn named(self, name: String) -> Self {
+        Self { name: Some(name), ..self }
     }
 
     /// Its frames enlarged `factor` times, each pixel to a square of them, and cut to the `size` of the picture.
@@ -64,7 +72,8 @@ fn stretch(frame: &Frame, (width, height): (usize, usize)) -> Grid<u8> {
 
 impl PartialEq for Level {
     fn eq(&self, other: &Self) -> bool {
-        (0..2).all(|i| Arc::ptr_eq(&self.pair[i], &other.pair[i]) || self.pair[i] == other.pair[i])
+        self.name == other.name
+            && (0..2).all(|i| Arc::ptr_eq(&self.pair[i], &other.pair[i]) || self.pair[i] == other.pair[i])
     }
 }
 

@@ -22,6 +22,8 @@ pub enum PictureRole {
     Mosaic,
     /// A frame warped by a geometric transformation.
     Warped,
+    /// A frame smoothed by a Gaussian filter, in its coordinates.
+    Smoothed,
     /// The response of a filter, such as a difference of Gaussians, in the coordinates of the frame.
     Response,
     /// A cut through a volume of costs along a row of the frame: x to the right, disparity down.
@@ -52,6 +54,8 @@ impl Picture {
     pub const RIGHT: Self = Self { viewpoint: Viewpoint::Right, ..Self::CURRENT };
     /// The picture that frame t is compared with.
     pub const REFERENCE: Self = Self { role: PictureRole::Reference, ..Self::CURRENT };
+    /// Frame t smoothed by a Gaussian filter.
+    pub const SMOOTHED: Self = Self { role: PictureRole::Smoothed, ..Self::CURRENT };
     /// The response of a filter to frame t.
     pub const RESPONSE: Self = Self { role: PictureRole::Response, ..Self::CURRENT };
 
@@ -65,10 +69,17 @@ impl Picture {
         Self { role: PictureRole::Warped, ..Self::at(time) }
     }
 
+    /// Whether a filter made it of a frame, in whose place it may stand.
+    pub fn is_filtered(self) -> bool {
+        matches!(self.role, PictureRole::Smoothed | PictureRole::Response)
+    }
+
     /// Whether a pixel of one has its counterpart at the same place in the other, so that both are zoomed together.
     pub fn is_aligned_with(self, other: Self) -> bool {
-        let has_the_frame = |role| matches!(role, PictureRole::Frame | PictureRole::Reference | PictureRole::Response);
-        let is_same_role = self.role == other.role || (has_the_frame(self.role) && has_the_frame(other.role));
+        let has_the_frame = |picture: Self| {
+            matches!(picture.role, PictureRole::Frame | PictureRole::Reference) || picture.is_filtered()
+        };
+        let is_same_role = self.role == other.role || (has_the_frame(self) && has_the_frame(other));
         self.viewpoint == other.viewpoint && self.level == other.level && is_same_role
     }
 
@@ -82,6 +93,7 @@ impl Picture {
             PictureRole::Template => "Template".into(),
             PictureRole::Mosaic => "Mosaic".into(),
             PictureRole::Warped => format!("Warped frame {}{number}", self.moment("−")),
+            PictureRole::Smoothed => "Gaussian image".into(),
             PictureRole::Response => "Filter response".into(),
             PictureRole::Slice => "Cost slice".into(),
         };
@@ -112,6 +124,7 @@ impl fmt::Display for Picture {
             PictureRole::Template => "template".into(),
             PictureRole::Mosaic => "mosaic".into(),
             PictureRole::Warped => format!("warped-{}", self.moment("-")),
+            PictureRole::Smoothed => "smoothed".into(),
             PictureRole::Response => "response".into(),
             PictureRole::Slice => "slice".into(),
         })?;
@@ -125,8 +138,8 @@ impl FromStr for Picture {
     fn from_str(text: &str) -> Result<Self, Error> {
         let invalid = || {
             Error::new(format!(
-                "a picture must be t, t+1, t-1, warped-t, reference, template, mosaic, response or slice, with the prefix right- for the \
-                 right view and the suffix -level-2 for a level of a pyramid, not {text}"
+                "a picture must be t, t+1, t-1, warped-t, reference, template, mosaic, smoothed, response or slice, with the prefix right- \
+                 for the right view and the suffix -level-2 for a level of a pyramid, not {text}"
             ))
         };
         let (viewpoint, rest) = match text.strip_prefix("right-") {
@@ -142,6 +155,7 @@ impl FromStr for Picture {
             "reference" => (PictureRole::Reference, Some(0)),
             "template" => (PictureRole::Template, Some(0)),
             "mosaic" => (PictureRole::Mosaic, Some(0)),
+            "smoothed" => (PictureRole::Smoothed, Some(0)),
             "response" => (PictureRole::Response, Some(0)),
             "slice" => (PictureRole::Slice, Some(0)),
             "t" => (PictureRole::Frame, Some(0)),
@@ -241,6 +255,7 @@ mod tests {
             (template, "template"),
             (mosaic, "mosaic"),
             (Picture::REFERENCE, "reference"),
+            (Picture::SMOOTHED, "smoothed"),
             (Picture::RESPONSE, "response"),
             (Picture::RIGHT, "right-t"),
             (Picture { role: PictureRole::Slice, ..Picture::CURRENT }, "slice"),
@@ -269,6 +284,9 @@ mod tests {
     fn what_shows_the_same_place_is_zoomed_together() {
         assert!(
             Picture::CURRENT.is_aligned_with(Picture::NEXT) && Picture::REFERENCE.is_aligned_with(Picture::CURRENT)
+        );
+        assert!(
+            Picture::SMOOTHED.is_aligned_with(Picture::RESPONSE) && Picture::CURRENT.is_aligned_with(Picture::SMOOTHED)
         );
         let right = Picture { viewpoint: Viewpoint::Right, ..Picture::CURRENT };
         let template = Picture { role: PictureRole::Template, ..Picture::CURRENT };

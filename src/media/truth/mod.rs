@@ -91,6 +91,10 @@ impl Truth for Files {
         keep(&self.last_flows, t, &self.flows, |path| field::flow(path, self.size))
     }
 
+    fn is_of_plane(&self, t: usize) -> bool {
+        self.flows.get(&t).is_some_and(|path| field::is_homography(path))
+    }
+
     fn occlusion(&self, t: usize) -> Result<Option<Arc<Grid<bool>>>, Error> {
         keep(&self.last_occlusions, t, &self.occlusions, |path| field::mask(path, self.size))
     }

@@ -10,7 +10,7 @@ use super::super::{Panel, Pictures, Share, Theme, number, reduced};
 use super::canvas::{Canvas, Level, Type, solid};
 use super::{ChartStyle, Drawing, Orbit, Room, Screen};
 
-/// How much narrower each level is than the one below: half would be true, but nothing could be seen at the top.
+/// How much narrower a level with fewer pixels is than the one below: half would be true, but nothing could be seen at the top.
 const TAPER: f32 = 0.84;
 /// Between two levels, where the longer side of the lowest is 2.
 const GAP: f32 = 0.5;
@@ -87,8 +87,8 @@ pub fn draw(data: Pyramid<'_>, area: Rect, style: ChartStyle, seen: &mut Seen) -
     let primitives = canvas.into_primitives();
     let mut head = Canvas::default();
     let levels = match stack.floors.len() {
-        1 => "pyramid of 1 level".to_owned(),
-        count => format!("pyramid of {count} levels"),
+        count if stack.levels.all.iter().any(|level| level.name.is_some()) => counted("picture", count),
+        count => format!("pyramid of {}", counted("level", count)),
     };
     let words = super::titled(whose, &levels, (small, area.size()[0]));
     let at = [area.min[0], area.min[1] + 0.8 * small];
@@ -112,7 +112,14 @@ pub fn summary(stack: &Stack) -> String {
     format!("Pyramid. {}", levels.join("; "))
 }
 
+fn counted(what: &str, count: usize) -> String {
+    if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
+}
+
 fn heading(stack: &Stack, level: usize) -> String {
+    if let Some(name) = &stack.levels.all[level].name {
+        return name.clone();
+    }
     let (width, height) = stack.levels.size(level);
     format!("Level {level}, {width}×{height} px")
 }
@@ -149,6 +156,8 @@ struct Bench {
     gap: f32,
     /// Width and height of each in px.
     sizes: Vec<[f32; 2]>,
+    /// Its extent in those of the lowest.
+    scales: Vec<f32>,
 }
 
 impl Bench {
@@ -157,13 +166,20 @@ impl Bench {
         let sizes: Vec<_> = (0..stack.levels.all.len()).map(size).collect();
         let [width, height] = sizes.first().copied().unwrap_or([1.0; 2]);
         let longer = width.max(height);
+        let is_smaller = |level: usize| level > 0 && sizes[level] != sizes[level - 1];
+        let narrowed = |narrowed: &mut i32, level: usize| {
+            *narrowed += i32::from(is_smaller(level));
+            Some(TAPER.powi(*narrowed))
+        };
+        let scales = (0..sizes.len()).scan(0, narrowed).collect();
         let gap = GAP.min(HIGHEST / sizes.len().saturating_sub(1).max(1) as f32);
-        Self { half: [width / longer, height / longer], gap, sizes }
+        Self { half: [width / longer, height / longer], gap, sizes, scales }
     }
 
     fn room(&self) -> Room {
         let (above, radius) = (self.sizes.len().saturating_sub(1), self.half[0].hypot(self.half[1]));
-        Room { ground: radius, top: [(self.gap * above as f32).max(0.1), radius * TAPER.powi(above as i32)] }
+        let narrowest = self.scales.last().copied().unwrap_or(1.0);
+        Room { ground: radius, top: [(self.gap * above as f32).max(0.1), radius * narrowest] }
     }
 
     /// How high a level lies.
@@ -173,7 +189,7 @@ impl Bench {
 
     /// Half the extent of a level.
     fn half(&self, level: usize) -> [f32; 2] {
-        self.half.map(|half| half * TAPER.powi(level as i32))
+        self.half.map(|half| half * self.scales[level])
     }
 
     /// The place of a share of a level, from 0 to 1 along x and y.
@@ -329,7 +345,8 @@ impl View<'_> {
             let found = text.color(self.theme.word(role));
             let place = (Anchor::Start, Level::Middle);
             if is_crowded {
-                let end = canvas.text([left, corner[1]], place, &format!("{level}"), style).max[0];
+                let short = stack.levels.all[level].name.clone().unwrap_or_else(|| level.to_string());
+                let end = canvas.text([left, corner[1]], place, &short, style).max[0];
                 canvas.text([end + 0.8 * small, corner[1]], place, &shown, found);
             } else {
                 canvas.text([left, corner[1] - 0.5 * line], place, &heading(stack, level), style);
@@ -377,6 +394,23 @@ mod tests {
     fn a_stack_tells_itself_in_words_from_the_top() {
         let description = "Pyramid. Level 2, 20×10 px: found (1.50, 0) px; Level 1, 40×20 px: best so far (2, −1) px; Level 0, 80×40 px";
         assert_eq!(summary(&stack()), description);
+    }
+
+    #[test]
+    fn pictures_of_one_size_stand_above_each_other_under_their_names() {
+        let mut stack = stack();
+        let frame = Arc::clone(&stack.levels.all[0].pair[0]);
+        let level = |name: &str| motionscope_core::Level::new([frame.clone(), frame.clone()]).named(name.to_owned());
+        stack.levels.all = ["G₁", "G₂", "G₃"].map(level).into();
+        let bench = Bench::new(&stack);
+        assert_eq!((bench.half(0), bench.half(0)), (bench.half(1), bench.half(2)));
+        let data = Pyramid { stack: &stack, whose: "SIFT", on_stage: 0, orbit: USUAL };
+        let drawing = draw(data, Rect::new([0.0; 2], [500.0, 360.0]), style(), &mut Seen::default());
+        let words = texts(&flat(drawing));
+        assert!(
+            ["SIFT · 3 pictures", "G₁", "G₃"].iter().all(|name| words.iter().any(|word| word == name)),
+            "{words:?}"
+        );
     }
 
     #[test]

@@ -136,6 +136,9 @@ const LONGEST: usize = 10;
 /// The name of a view: a step may have other pictures than both frames.
 fn name(view: View, input: &Input<'_>) -> String {
     let pictures = &input.scene.pictures;
+    if view == View::Current && input.pictures.are_filtered() {
+        return pictures.first().map_or_else(String::new, |canvas| canvas.picture.title(None));
+    }
     if view != View::SideBySide || pictures.len() < 2 {
         return view.name().to_owned();
     }
@@ -265,7 +268,7 @@ fn legend_items(input: &Input<'_>, look: &SceneLook, ui: &Ui, state: &State) -> 
     let (signs, bar) = layer.filter(|_| is_tinted).map(|layer| layer.legend()).unwrap_or_default();
     let awaited = input.pictures.awaited.filter(|_| is_tinted).map(FlowLayer::awaited);
     let entries =
-        signs.into_iter().chain(awaited).chain(legend::entries(&input.scene.legend, shown, look, zoom)).map(|entry| {
+        signs.into_iter().chain(awaited).chain(legend::entries(input.scene, shown, look, zoom)).map(|entry| {
             let width = ink::SWATCH.x + GAP + width(&entry.meaning);
             (entry, width)
         });

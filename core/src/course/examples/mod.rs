@@ -3,6 +3,7 @@
 mod background;
 mod block_matching;
 mod correspondence;
+mod interest_points;
 mod optical_flow;
 mod region_tracking;
 mod tracking;
@@ -28,6 +29,10 @@ pub enum Cause {
     Clutter,
     /// The camera moves.
     CameraMotion,
+    /// Noise hides the texture.
+    Noise,
+    /// The model that is estimated is not determined by the scene.
+    Degenerate,
 }
 
 impl Cause {
@@ -43,6 +48,8 @@ impl Cause {
             Self::Rotation => "rotation",
             Self::Clutter => "clutter",
             Self::CameraMotion => "camera motion",
+            Self::Noise => "noise",
+            Self::Degenerate => "degenerate scene",
         }
     }
 }
@@ -117,6 +124,7 @@ pub fn examples() -> impl Iterator<Item = &'static Example> {
     [
         block_matching::EXAMPLES,
         optical_flow::EXAMPLES,
+        interest_points::EXAMPLES,
         correspondence::EXAMPLES,
         background::EXAMPLES,
         tracking::EXAMPLES,

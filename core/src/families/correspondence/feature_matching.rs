@@ -33,6 +33,8 @@ pub struct State {
 struct Fixed {
     pair: Pair,
     truth: Option<Arc<Flow>>,
+    /// Whether the truth holds for one plane of the scene alone.
+    is_of_plane: bool,
 }
 
 /// An event of a keypoint.
@@ -64,7 +66,11 @@ impl State {
 
 impl FeatureMatching {
     fn prepare(&self, clip: &Clip, frame: usize, threads: &Threads) -> Result<State, Error> {
-        let fixed = Fixed { pair: self.settings.pair(clip, frame, threads)?, truth: truth(clip, frame) };
+        let fixed = Fixed {
+            pair: self.settings.pair(clip, frame, threads)?,
+            truth: truth(clip, frame),
+            is_of_plane: clip.truth().is_some_and(|truth| truth.is_of_plane(frame)),
+        };
         Ok(State { fixed: Arc::new(fixed), found: Vec::new() })
     }
 

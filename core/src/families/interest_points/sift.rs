@@ -1,6 +1,7 @@
 //! Lowe's scale-invariant feature transform.
 
 mod explain;
+mod space;
 
 use std::sync::Arc;
 
@@ -309,7 +310,7 @@ impl Estimator for Sift {
         frames: 1,
     };
     const GUARANTEE: Guarantee = Guarantee::SubPixelPlaces { off_centi_px: 25 };
-    const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series, Chart::Stack];
+    const CHARTS: &'static [Chart] = &[Chart::Series, Chart::Tiles, Chart::Stack];
     const PRODUCES: &'static [&'static ProductKind] = &[PointField::KIND];
     type State = State;
     type Event = Event;
@@ -447,7 +448,7 @@ impl Footprint<State> for Sift {
 
 impl Pointed<State> for Sift {
     fn takes(&self, picture: Picture) -> bool {
-        [Picture::CURRENT, Picture::RESPONSE].contains(&picture)
+        [Picture::CURRENT, Picture::SMOOTHED, Picture::RESPONSE].contains(&picture)
     }
 
     /// The unit that describes the keypoint nearest to a position, or finds its extremum before keypoints are known.
@@ -479,8 +480,8 @@ impl Pointed<State> for Sift {
         }
     }
 
-    /// A pixel is compared with its neighbours while extrema are sought.
+    /// While the scale space is built its surroundings are shown in all images; while extrema are sought it is compared with its neighbours.
     fn explained(&self, state: &State, _: Focus) -> Option<Explained> {
-        (state.stage == Stage::Extrema).then_some(Explained::Always)
+        matches!(state.stage, Stage::Space | Stage::Extrema).then_some(Explained::Always)
     }
 }

@@ -360,7 +360,7 @@ impl Estimator for Surf {
     };
     // Samples of coarse octaves do not move with the picture.
     const GUARANTEE: Guarantee = Guarantee::SubPixelPlaces { off_centi_px: 50 };
-    const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series];
+    const CHARTS: &'static [Chart] = &[Chart::Series, Chart::Tiles];
     const PRODUCES: &'static [&'static ProductKind] = &[PointField::KIND];
     type State = State;
     type Event = Event;

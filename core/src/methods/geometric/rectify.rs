@@ -157,6 +157,18 @@ impl Rectification {
         Some(Correspondence { from: mapped(first, matched.from)?, to: mapped(second, matched.to)? })
     }
 
+    /// How many times larger an area becomes at one corner of a frame than at another one, the larger of frames t and t + 1 of this size; and
+    /// which of them it is. The map of a pixel at depth w of its horizon magnifies areas by det H / w³.
+    pub fn stretch(&self, size: (usize, usize)) -> (usize, f64) {
+        let ratio = |map: &Matrix3| {
+            let depths = corners(size).map(|[x, y]| (map[2][0] * x + map[2][1] * y + map[2][2]).abs());
+            let [least, most] = [f64::min, f64::max].map(|pick| depths.into_iter().fold(depths[0], pick));
+            (most / least).powi(3)
+        };
+        let [first, second] = self.maps.each_ref().map(ratio);
+        if first > second { (0, first) } else { (1, second) }
+    }
+
     /// The mean difference of the rows of matches in px.
     pub fn row_error_px(&self, matches: &[Correspondence]) -> Option<f64> {
         let off: Vec<f64> = matches.iter().filter_map(|m| self.of(m)).map(|m| (m.to[1] - m.from[1]).abs()).collect();
@@ -203,6 +215,28 @@ mod tests {
                 let to = mapped(&found.maps[1], at).expect("before the horizon");
                 assert!((to[1] - row).abs() < 1e-3, "{t:?}: {to:?}, row {row}");
             }
+        }
+    }
+
+    #[test]
+    fn areas_are_stretched_as_an_epipole_comes_near() {
+        // Sideways, and so far forward that the epipole 500 t_x / t_z + 320 px lies at 733 px, 94 px beside the picture.
+        for (t, least, most) in [([1.0, 0.1, 0.05], 1.0, 2.0), ([0.85, 0.0, 1.0], 8.0, f64::INFINITY)] {
+            let all = views(t);
+            let matrix = least_sampson(&all).expect("points in general position");
+            let found = rectify(&matrix, &all, SIZE).expect("both epipoles are outside");
+            let (frame, stretch) = found.stretch(SIZE);
+            assert!((least..most).contains(&stretch), "{t:?}: {stretch}");
+            // The areas of small squares around two corners.
+            let area = |[x, y]: [f64; 2]| {
+                let at = |dx: f64, dy: f64| mapped(&found.maps[frame], [x + dx, y + dy]).expect("before the horizon");
+                let [a, b, c] = [at(0.0, 0.0), at(0.01, 0.0), at(0.0, 0.01)];
+                ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs()
+            };
+            let areas = corners(SIZE).map(area);
+            let ratio = areas.iter().fold(0.0, |most: f64, a| most.max(*a))
+                / areas.iter().fold(f64::INFINITY, |least: f64, a| least.min(*a));
+            assert!((ratio / stretch - 1.0).abs() < 0.01, "{t:?}: {stretch}, measured {ratio}");
         }
     }
 

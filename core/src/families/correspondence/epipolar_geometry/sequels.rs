@@ -5,7 +5,7 @@ use crate::base::{Threads, words};
 use crate::data::Clip;
 use crate::methods::camera_path::matrix;
 use crate::methods::geometric::Correspondence;
-use crate::methods::geometric::epipolar::sampson_squared;
+use crate::methods::geometric::epipolar::{epipoles, sampson_squared};
 use crate::methods::geometric::rectify::{Rectification, Refusal, rectify};
 use crate::methods::geometric::robust::{Best, Estimate, Sequel};
 use crate::methods::matching::{Admits, Candidates};
@@ -17,6 +17,24 @@ use crate::scene::{Canvas, Fact, Focus, Link, Picture, Role, Scene, Sentence, Sh
 
 /// Largest number of rows drawn on the rectified pair.
 const ROWS: usize = 12;
+
+/// From this ratio of areas on, a rectified picture is mostly the surroundings of its epipole, and the rest of it a sliver.
+const DISTORTED: f64 = 8.0;
+
+/// Why the rectified pair is distorted, and what to use instead.
+fn distortion(estimate: &Estimate<'_>, frame: usize, stretch: f64) -> Option<String> {
+    let [x, y, w] = epipoles(&estimate.best?.matrix)?[frame];
+    let (width, height) = estimate.size();
+    let outside = |c: f64, extent: usize| (-c).max(c - (extent - 1) as f64).max(0.0);
+    let beside = outside(x / w, width).hypot(outside(y / w, height));
+    let which = if frame == 0 { "e lies only {} px beside frame t" } else { "e′ lies only {} px beside frame t+1" };
+    Some(format!(
+        ", but the epipole {}: areas next to it are magnified {} times as much as those far from it, so most of the picture is a sliver. Guided \
+         matching needs no rectification; a polar rectification keeps the lengths of epipolar lines.",
+        which.replace("{}", &words::grouped(beside.round() as usize)),
+        words::fixed(stretch, 1)
+    ))
+}
 
 /// The share of right ones among matches with a known true displacement, if there are any.
 fn precision(all: &[Match], estimate: &Estimate<'_>) -> Option<f64> {
@@ -164,9 +182,11 @@ impl EpipolarGeometry {
             Ok((found, inliers)) => {
                 let (width, height) = found.size;
                 let off = found.row_error_px(&inliers).map_or_else(|| "none".into(), |off| words::fixed(off, 2));
+                let (frame, stretch) = found.stretch(estimate.size());
                 let facts = vec![
                     Fact::new("Rectified pictures", format!("{width}×{height} px"), None),
                     Fact::new("Mean difference of rows", format!("{off} px"), Some(Role::Result)),
+                    Fact::new("Largest ratio of areas", words::fixed(stretch, 1), None),
                 ];
                 let matrices = vec![
                     matrix("H", "rectifies frame t", Role::Reference, &found.maps[0]),
@@ -175,8 +195,10 @@ impl EpipolarGeometry {
                 let sentence = said
                     .text("Rectification: both frames are warped so that epipolar lines are horizontal and corresponding ones lie in the same row. The rows of the inliers differ by ")
                     .ink(Role::Result, format!("{off} px"))
-                    .text(" on average; the search for a match is along a row, as in stereo vision.");
-                (sentence, facts, matrices)
+                    .text(" on average");
+                let use_of_it = || "; the search for a match is along a row, as in stereo vision.".to_owned();
+                let distorted = (stretch > DISTORTED).then(|| distortion(estimate, frame, stretch)).flatten();
+                (sentence.text(distorted.unwrap_or_else(use_of_it)), facts, matrices)
             }
             Err(Refusal::EpipoleInside { frame, at }) => {
                 let which = if frame == 0 { "e lies inside frame t" } else { "e′ lies inside frame t+1" };

@@ -171,8 +171,11 @@ impl FeatureMatching {
         let accepted = state.found.iter().flatten().filter(|outcome| outcome.status == MatchStatus::Match).count();
         facts.push(Fact::new("Matches so far", grouped(accepted), Some(Role::Result)));
         let mut all = vec![Readout::Facts(facts)];
-        all.extend(neighbors.ratio().map(|ratio| Readout::Equation(self.ratio_equation(&neighbors, ratio))));
-        all.push(Readout::Tiles(self.tiles(state, index, &neighbors)));
+        // The end sums up all keypoints.
+        if !is_end {
+            all.extend(neighbors.ratio().map(|ratio| Readout::Equation(self.ratio_equation(&neighbors, ratio))));
+            all.push(Readout::Tiles(self.tiles(state, index, &neighbors)));
+        }
         let after = seen.after.unwrap_or(state);
         all.extend(match is_end {
             true => {
@@ -252,15 +255,16 @@ impl FeatureMatching {
     pub(super) fn draw_step(&self, seen: &Seen<Self>, scene: &mut Scene) {
         let state = seen.before;
         let [here, there] = state.fixed.pair.sides.each_ref();
+        let is_end = seen.after.is_some_and(|after| after.found.len() >= after.count());
+        let alone = if is_end { "keypoint without a match: rejected" } else { "keypoint; second nearest" };
         for (on, side) in [(Picture::CURRENT, here), (Picture::NEXT, there)] {
             let points: Vec<_> = side.points.iter().map(|point| point.at).collect();
             if !points.is_empty() {
                 scene.mark(on, Role::Rejected, Shape::Points(points));
-                scene.legend(Role::Rejected, "keypoint; second nearest");
+                scene.legend(Role::Rejected, alone);
             }
         }
         let shown = seen.after.unwrap_or(state);
-        let is_end = seen.after.is_some_and(|after| after.found.len() >= after.count());
         let truth = state.fixed.truth.as_deref();
         for found in shown.matches().filter(|found| found.status == MatchStatus::Match) {
             let (role, meaning) = match truth.map(|truth| MatchField::is_right(&found, truth)) {
@@ -333,6 +337,10 @@ fn link(role: Role, from: [f32; 2], to: [f32; 2]) -> Link {
     Link { role, ends: [(Picture::CURRENT, from), (Picture::NEXT, to)] }
 }
 
+/// What the truth of a plane leaves open.
+const OFF_PLANE: &str =
+    " The truth is a homography, which holds for one plane: a correct match of a point off the plane counts as wrong.";
+
 fn concluded(state: &State, limit: f32, sentence: Sentence) -> Sentence {
     if state.count() == 0 {
         return sentence.text(" End of the run without matches.");
@@ -347,10 +355,11 @@ fn concluded(state: &State, limit: f32, sentence: Sentence) -> Sentence {
         .map(|truth| MatchField::compare(all.iter().filter(|found| found.status == MatchStatus::Match), truth));
     let quality = match errors.and_then(|errors| Some((errors, errors.precision()?))) {
         Some((errors, precision)) => format!(
-            " {} of {} with known true displacement are correct, {:.1} %.",
+            " {} of {} with known true displacement are correct, {:.1} %.{}",
             errors.right,
             errors.known,
-            100.0 * precision
+            100.0 * precision,
+            if state.fixed.is_of_plane && errors.right < errors.known { OFF_PLANE } else { "" }
         ),
         None => String::new(),
     };

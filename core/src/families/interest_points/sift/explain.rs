@@ -1,11 +1,9 @@
 //! The explanation and the drawing of SIFT.
 
 use std::f32::consts::SQRT_2;
-use std::sync::Arc;
 
 use super::{Event, Oriented, Row, Sift, Stage, State, line};
 use crate::base::words::{self, gray, pixel};
-use crate::data::Frame;
 use crate::geometry::Grid;
 use crate::methods::differential::explain;
 use crate::methods::scale_space::{
@@ -14,8 +12,7 @@ use crate::methods::scale_space::{
 };
 use crate::run::Seen;
 use crate::scene::{
-    Arrow, Canvas, Fact, Floor, Level, Levels, Math, Name, Picture, Readout, Role, Scene, Sentence, Series, Shape,
-    Stack, Step, Tile,
+    Arrow, Canvas, Fact, Math, Name, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step, Tile,
 };
 
 /// Radius of the blob to which a difference of Gaussians responds most, in standard deviations.
@@ -394,9 +391,8 @@ impl Sift {
         let state = seen.before;
         match event {
             Event::Level => {
-                let now = seen.after.unwrap_or(state);
-                let mut all = vec![Readout::Facts(self.level_facts(state)), Readout::Tiles(octave_tiles(now))];
-                all.extend(self.stack(now).map(Readout::Stack));
+                let mut all = vec![Readout::Facts(self.level_facts(state)), Readout::Tiles(self.octave_tiles(seen))];
+                all.extend(self.stack(seen.after.unwrap_or(state)).map(Readout::Stack));
                 all
             }
             Event::Row => match seen.point().and_then(|point| self.pointed_at(state, point)) {
@@ -543,55 +539,6 @@ impl Sift {
         let series = descriptor_series(&shown, label, filled, matches!(event, Event::Normalised));
         vec![Readout::Facts(facts), Readout::Series(series), Readout::Tiles(vec![self.patch(state, &oriented.refined)])]
     }
-
-    /// The last Gaussian image of each octave so far.
-    fn stack(&self, state: &State) -> Option<Stack> {
-        let all: Vec<Level> = state
-            .space
-            .octaves
-            .iter()
-            .filter_map(|octave| octave.gaussians.last())
-            .map(|image| {
-                let frame = Arc::new(Frame::gray(image.map(|value| value.round().clamp(0.0, 255.0) as u8)));
-                Level::new([Arc::clone(&frame), frame])
-            })
-            .collect();
-        let floors = vec![Floor::default(); all.len()];
-        let at_work = all.len().checked_sub(1)?;
-        Some(Stack { levels: Levels { all: all.into(), at_work }, floors })
-    }
-}
-
-/// The names of the Gaussian images of an octave and of their differences.
-const IMAGES: [&str; 9] = ["G₁", "G₂", "G₃", "G₄", "G₅", "G₆", "G₇", "G₈", "G₉"];
-const DIFFERENCES: [&str; 8] = ["D₁", "D₂", "D₃", "D₄", "D₅", "D₆", "D₇", "D₈"];
-
-/// The Gaussian images of the octave at work and their differences so far as small pictures: a difference of 0 is middle gray, on one scale for
-/// all.
-fn octave_tiles(state: &State) -> Vec<Tile> {
-    let Some(octave) = state.space.octaves.last() else { return Vec::new() };
-    let differences: Vec<Grid<f32>> = octave.differences.iter().map(|image| small(image)).collect();
-    let most = differences.iter().flat_map(|image| image.cells()).fold(1.0f32, |most, v| most.max(v.abs()));
-    let tile = |label, values, range| Tile { label, role: None, values, range, framed: Vec::new() };
-    let images =
-        IMAGES.into_iter().zip(&octave.gaussians).map(|(label, image)| tile(label, small(image), [0.0, 255.0]));
-    let differences = DIFFERENCES.into_iter().zip(differences).map(|(label, image)| tile(label, image, [-most, most]));
-    images.chain(differences).collect()
-}
-
-/// The longest side of a small picture in px.
-const SMALL_PX: usize = 40;
-
-/// A picture at most [`SMALL_PX`] wide and high with even sides, by the values of largest magnitude, so that thin structures stay.
-fn small(image: &Grid<f32>) -> Grid<f32> {
-    let (width, height) = image.size();
-    let step = width.max(height).div_ceil(SMALL_PX);
-    let even = |extent: usize| (extent / step / 2 * 2).max(1);
-    let larger = |a: f32, b: f32| if b.abs() > a.abs() { b } else { a };
-    Grid::from_fn(even(width), even(height), |x, y| {
-        let rows = (y * step)..((y + 1) * step).min(height);
-        rows.flat_map(|v| &image.row(v)[x * step..((x + 1) * step).min(width)]).copied().fold(0.0, larger)
-    })
 }
 
 /// The 3 × 3 × 3 neighbourhood of a pixel, as three tiles.
@@ -615,7 +562,7 @@ fn descriptor_series(descriptor: &Descriptor, y_label: &'static str, filled: usi
         x_ticks: (0..=SIDE).map(|row| (row * SIDE * BINS).max(1) as f32).collect(),
         sections: Series::cells(SIDE, BINS),
         lines: vec![("entries", Role::Result, points)],
-        thresholds: if shows_clamp { vec![("limit 0.2".to_owned(), CLAMP)] } else { Vec::new() },
+        thresholds: if shows_clamp { vec![("limit".to_owned(), CLAMP)] } else { Vec::new() },
         is_sweep: true,
         ..Series::default()
     }
@@ -624,37 +571,13 @@ fn descriptor_series(descriptor: &Descriptor, y_label: &'static str, filled: usi
 /// The drawing.
 impl Sift {
     pub(super) fn draw_step(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        let state = seen.after.unwrap_or(seen.before);
-        let has_response = matches!(seen.before.stage, Stage::Space | Stage::Extrema | Stage::Refinement);
-        if let Some(image) = self.response(seen, state).filter(|_| has_response) {
-            let size = state.picture.size();
-            let pixel_px = self.shape().pixel_px(image.0);
-            let response = move || Frame::gray(enlarged(&image.1, pixel_px, size));
-            scene.pictures = vec![Canvas::of_clip(Picture::CURRENT), Canvas::made(Picture::RESPONSE, response)];
-        } else {
-            scene.pictures = vec![Canvas::of_clip(Picture::CURRENT)];
-        }
         match seen.before.stage {
-            Stage::Space => scene.legend(Role::Window, "difference of Gaussians: gray is zero"),
+            Stage::Space => self.draw_space(seen, scene),
             Stage::Extrema => self.draw_extrema(seen, scene),
             Stage::Refinement => self.draw_refinement(seen, scene),
             Stage::Orientation => self.draw_orientation(seen, scene),
             Stage::Selection | Stage::Description => self.draw_description(seen, scene),
         }
-    }
-
-    /// The difference of Gaussians at work, with its octave.
-    fn response(&self, seen: &Seen<Self>, state: &State) -> Option<(usize, Arc<Grid<f32>>)> {
-        let (octave, level) = match seen.before.stage {
-            Stage::Space => {
-                let octave = state.space.octaves.iter().rposition(|octave| !octave.differences.is_empty())?;
-                (octave, state.space.octaves[octave].differences.len() - 1)
-            }
-            Stage::Extrema => self.current_row(seen.before).map(|row| (row.octave, row.level))?,
-            Stage::Refinement => seen.before.extrema.get(seen.before.next).map(|at| (at.octave, at.level))?,
-            _ => return None,
-        };
-        Some((octave, Arc::clone(state.space.octaves.get(octave)?.differences.get(level)?)))
     }
 
     fn circle(&self, refined: &Refined) -> Shape {
@@ -670,6 +593,7 @@ impl Sift {
     fn draw_extrema(&self, seen: &Seen<Self>, scene: &mut Scene) {
         let state = seen.before;
         let Some(Row { octave, level, y }) = self.current_row(state) else { return };
+        self.show_difference(state, (octave, level), scene);
         let in_row = seen.events.iter().filter_map(|event| match event {
             Event::Extremum(x) => Some(Extremum { octave, level, x: *x, y }),
             _ => None,
@@ -678,15 +602,17 @@ impl Sift {
         let size = self.shape().pixel_px(octave);
         let row = (y as f32 * size, state.picture.size().0 as f32);
         let ends = vec![[-0.5, row.0], [row.1 - 0.5, row.0]];
-        for on in [Picture::CURRENT, Picture::RESPONSE] {
-            scene.mark(on, Role::Window, Shape::Path { points: ends.clone(), closed: false });
-            if !points.is_empty() {
-                scene.mark(on, Role::Candidate, Shape::Points(points.clone()));
-            }
-        }
+        scene.mark(Picture::RESPONSE, Role::Window, Shape::Path { points: ends, closed: false });
         scene.legend(Role::Window, "row searched");
         if !points.is_empty() {
+            scene.mark(Picture::RESPONSE, Role::Candidate, Shape::Points(points));
             scene.legend(Role::Candidate, "extremum in position and scale");
+        }
+        if let Some(Event::Extremum(x)) = seen.events.last() {
+            let at = Extremum { octave, level, x: *x, y };
+            let found = Refined { at, offset: [0.0; 3], response: 0.0 };
+            scene.mark(Picture::RESPONSE, Role::Best, self.circle(&found));
+            scene.legend(Role::Best, "extremum of this step, radius √2 σ");
         }
         if let Some(around) = seen.point().and_then(|point| self.pointed_at(state, point)) {
             let [x, y] = self.point_of(&around.at);
@@ -698,12 +624,15 @@ impl Sift {
 
     fn draw_refinement(&self, seen: &Seen<Self>, scene: &mut Scene) {
         let state = seen.before;
+        if let Some(at) = state.extrema.get(state.next) {
+            self.show_difference(state, (at.octave, at.level), scene);
+        }
         let waiting: Vec<_> = state.extrema[state.next..].iter().map(|at| self.point_of(at)).collect();
         if !waiting.is_empty() {
-            scene.mark(Picture::CURRENT, Role::Candidate, Shape::Points(waiting));
+            scene.mark(Picture::RESPONSE, Role::Candidate, Shape::Points(waiting));
             scene.legend(Role::Candidate, "extremum in position and scale");
         }
-        self.draw_circles(state.refined.iter(), scene);
+        self.draw_circles(Picture::RESPONSE, state.refined.iter(), scene);
         if let Some(last) = last_iteration(seen) {
             let verdict = seen.events.iter().find_map(|event| match event {
                 Event::Verdict(verdict) => Some(*verdict),
@@ -715,9 +644,7 @@ impl Sift {
                 Some(Ok(_)) => Role::Best,
                 Some(Err(_)) => Role::Rejected,
             };
-            for on in [Picture::CURRENT, Picture::RESPONSE] {
-                scene.mark(on, role, self.circle(&shown));
-            }
+            scene.mark(Picture::RESPONSE, role, self.circle(&shown));
             scene.legend(
                 role,
                 match verdict {
@@ -729,10 +656,10 @@ impl Sift {
         }
     }
 
-    fn draw_circles<'a>(&self, all: impl Iterator<Item = &'a Refined>, scene: &mut Scene) {
+    fn draw_circles<'a>(&self, on: Picture, all: impl Iterator<Item = &'a Refined>, scene: &mut Scene) {
         let mut is_any = false;
         for refined in all {
-            scene.mark(Picture::CURRENT, Role::Result, self.circle(refined));
+            scene.mark(on, Role::Result, self.circle(refined));
             is_any = true;
         }
         if is_any {
@@ -742,7 +669,8 @@ impl Sift {
 
     fn draw_orientation(&self, seen: &Seen<Self>, scene: &mut Scene) {
         let state = seen.before;
-        self.draw_circles(state.refined.iter(), scene);
+        scene.pictures = vec![Canvas::of_clip(Picture::CURRENT)];
+        self.draw_circles(Picture::CURRENT, state.refined.iter(), scene);
         let Some(refined) = state.refined.get(state.next) else { return };
         let (center, _) = self.in_frame(refined);
         let pixel_px = self.shape().pixel_px(refined.at.octave);
@@ -765,7 +693,8 @@ impl Sift {
         let (state, is_end) = (seen.before, seen.after.is_some_and(|after| is_over(self, after)));
         let shown = if state.stage == Stage::Selection { seen.after.unwrap_or(state) } else { state };
         let refined: Vec<Refined> = shown.oriented.iter().map(|oriented| oriented.refined).collect();
-        self.draw_circles(refined.iter(), scene);
+        scene.pictures = vec![Canvas::of_clip(Picture::CURRENT)];
+        self.draw_circles(Picture::CURRENT, refined.iter(), scene);
         let radii = shown.oriented.iter().map(|oriented| {
             let (center, sigma_px) = self.in_frame(&oriented.refined);
             arrow(center, oriented.angle_rad, BLOB_RADIUS * sigma_px)
@@ -824,13 +753,4 @@ fn around_all(corners: [[f32; 2]; 4]) -> [[f32; 2]; 2] {
 fn arrow(from: [f32; 2], angle_rad: f32, length: f32) -> Arrow {
     let (sin, cos) = angle_rad.sin_cos();
     Arrow { from, to: [from[0] + length * cos, from[1] + length * sin] }
-}
-
-/// A difference of Gaussians at the resolution of the frame, zero gray and its largest absolute value black or white.
-fn enlarged(image: &Grid<f32>, pixel_px: f32, (width, height): (usize, usize)) -> Grid<u8> {
-    let most = image.cells().iter().fold(1.0f32, |most, v| most.max(v.abs()));
-    Grid::from_fn(width, height, |x, y| {
-        let value = image.sample(x as f32 / pixel_px, y as f32 / pixel_px);
-        (127.5 + 127.5 * value / most).round().clamp(0.0, 255.0) as u8
-    })
 }
