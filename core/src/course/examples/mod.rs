@@ -28,6 +28,14 @@ pub enum Cause {
     Clutter,
     /// The camera moves.
     CameraMotion,
+    /// The object moves otherwise than predicted.
+    Maneuver,
+    /// Objects are too near to each other to be told apart.
+    Proximity,
+    /// The object grows or shrinks.
+    ScaleChange,
+    /// The exposure smears what moves.
+    MotionBlur,
 }
 
 impl Cause {
@@ -43,6 +51,10 @@ impl Cause {
             Self::Rotation => "rotation",
             Self::Clutter => "clutter",
             Self::CameraMotion => "camera motion",
+            Self::Maneuver => "manoeuvre",
+            Self::Proximity => "objects close together",
+            Self::ScaleChange => "change of scale",
+            Self::MotionBlur => "motion blur",
         }
     }
 }

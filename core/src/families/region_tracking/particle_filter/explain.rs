@@ -223,8 +223,8 @@ impl Explained for ParticleFilter {
         }
     }
 
-    fn loss(&self, at: &At<'_, Self>) -> Option<&'static str> {
-        are_outside(at).then_some("no particle has a weight above 0")
+    fn loss(&self, at: &At<'_, Self>) -> Option<String> {
+        are_outside(at).then(|| "no particle has a weight above 0".into())
     }
 
     fn advice(&self, ending: Ending, at: &At<'_, Self>) -> String {
