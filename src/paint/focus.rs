@@ -423,6 +423,18 @@ mod tests {
     }
 
     #[test]
+    fn work_that_a_scene_names_may_be_larger() {
+        let bounds = Rect::new([90.0, 70.0], [120.0, 90.0]);
+        let mut scene = Scene::default();
+        scene.mark(Picture::CURRENT, Role::Reference, Shape::Rect { min: bounds.min, max: bounds.max });
+        assert_eq!(one(FocusMode::Auto, &scene), None);
+        scene.work = Some([bounds.min, bounds.max]);
+        assert_eq!(one(FocusMode::Auto, &scene).unwrap().times, 2.0);
+        scene.work = Some([[60.0, 40.0], [210.0, 160.0]]);
+        assert_eq!(one(FocusMode::Auto, &scene), None);
+    }
+
+    #[test]
     fn candidates_move_nothing_and_blocks_keep_the_magnification() {
         let mut scene = search(100, 80);
         let first = one(FocusMode::Auto, &scene);

@@ -32,6 +32,8 @@ pub enum Cause {
     Maneuver,
     /// Objects are too near to each other to be told apart.
     Proximity,
+    /// The object has stronger edges inside than at its outline.
+    InnerEdges,
     /// The object grows or shrinks.
     ScaleChange,
     /// The exposure smears what moves.
@@ -53,6 +55,7 @@ impl Cause {
             Self::CameraMotion => "camera motion",
             Self::Maneuver => "manoeuvre",
             Self::Proximity => "objects close together",
+            Self::InnerEdges => "edges inside the object",
             Self::ScaleChange => "change of scale",
             Self::MotionBlur => "motion blur",
         }

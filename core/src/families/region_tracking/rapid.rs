@@ -84,8 +84,9 @@ params! {
         epsilon: f32 = 0.02, 0.001..=1.0, "px";
         /// Share of control points with an edge below which the object is lost: the pose stays.
         min_share: f32 = 0.5, 0.0..=1.0;
-        /// Median distance of the edges from the projected model above which the object is lost: the pose fits edges of several things.
-        max_residual: f32 = 0.5, 0.05..=40.0, "px";
+        /// Median distance of the edges from the refitted model above which the object is lost, because they fit no common pose. The search goes
+        /// on from that pose all the same, which may be right again in the next frame.
+        max_residual: f32 = 0.6, 0.05..=40.0, "px";
     }
     advanced { "iterations", "epsilon", "spacing" }
 }
@@ -160,6 +161,8 @@ pub struct Judged {
     residual_px: f64,
     /// Covariance of rotation vector and translation, row by row in rad and m.
     covariance: Option<Vec<f64>>,
+    /// Whether the next search starts from the pose.
+    is_kept: bool,
     is_lost: bool,
 }
 
@@ -243,23 +246,24 @@ impl Rapid {
         let share = found as f64 / sought.len().max(1) as f64;
         let covariance = covariance(&sought, &view.sight());
         let residual_px = median_distance(&sought);
-        let is_far = residual_px > f64::from(self.max_residual);
-        let is_lost = covariance.is_none() || share < f64::from(self.min_share) || is_far;
-        Judged { view: view.clone(), sought, share, residual_px, covariance, is_lost }
+        let is_kept = covariance.is_some() && share >= f64::from(self.min_share) && view.bounds().is_some();
+        let is_lost = !is_kept || residual_px > f64::from(self.max_residual);
+        Judged { view: view.clone(), sought, share, residual_px, covariance, is_kept, is_lost }
     }
 
-    /// Judges the pose that a frame gives, where the last one had `region`.
+    /// Judges the pose that a frame gives, where the last one had `region`; returns whether it is kept too.
     fn result(
         &self,
         (frame, region): (&Frame, Region),
         view: &View,
         observer: &mut impl Observer<Event>,
-    ) -> RegionFrame {
+    ) -> (RegionFrame, bool) {
         let judged = Arc::new(self.judge(frame, view));
         observer.see(|| Event::Judged(Arc::clone(&judged)));
         let bounds = view.bounds().filter(|_| !judged.is_lost);
         let similarity = judged.share as f32;
-        RegionFrame { region: bounds.map_or(region, Region::from), similarity, is_lost: bounds.is_none() }
+        let result = RegionFrame { region: bounds.map_or(region, Region::from), similarity, is_lost: judged.is_lost };
+        (result, judged.is_kept)
     }
 }
 
@@ -320,8 +324,8 @@ impl RegionModel for Rapid {
         let placed = self.placed_in(region, frame.size());
         observer.see(|| Event::Placed(placed.clone()));
         let refined = self.refine(frame, placed.clone(), observer);
-        let result = self.result((frame, region), &refined, observer);
-        let view = if result.is_lost { placed } else { refined };
+        let (result, is_kept) = self.result((frame, region), &refined, observer);
+        let view = if is_kept { refined } else { placed };
         (Model { view, motion: Motion::default(), result }, result.similarity)
     }
 
@@ -343,12 +347,13 @@ impl RegionModel for Rapid {
             observer.see(|| Event::Predicted([model.view.clone(), start.clone()]));
         }
         let view = self.refine(frame, start, observer);
-        model.result = self.result((frame, region), &view, observer);
-        if model.result.is_lost {
-            model.motion = Motion::default();
-        } else {
+        let is_kept;
+        (model.result, is_kept) = self.result((frame, region), &view, observer);
+        if is_kept {
             model.motion = before.motion_to(&view.pose);
             model.view = view;
+        } else {
+            model.motion = Motion::default();
         }
         model.result
     }

@@ -185,7 +185,7 @@ impl Explained for Rapid {
         let Event::Judged(judged) = at.event else { return None };
         let why = match judged.covariance {
             None => "the edges do not determine its pose",
-            Some(_) if judged.share < f64::from(self.min_share) => "too few control points have an edge",
+            Some(_) if !judged.is_kept => "too few control points have an edge",
             Some(_) => "the edges do not fit one pose",
         };
         judged.is_lost.then(|| why.into())
@@ -304,9 +304,9 @@ impl Rapid {
         if !judged.is_lost {
             return said;
         }
-        let why = match judged.share < f64::from(self.min_share) {
-            true => format!(" Share {} < {}: ", ratio(judged.share), ratio(self.min_share.into())),
-            false => format!(
+        let why = match judged.is_kept {
+            false => format!(" Share {} < {}: ", ratio(judged.share), ratio(self.min_share.into())),
+            true => format!(
                 " Median distance of the edges {} px > {} px, so they do not fit one pose: ",
                 px(judged.residual_px),
                 px(self.max_residual.into())
