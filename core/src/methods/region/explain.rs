@@ -3,7 +3,7 @@
 use super::ending::{FAIR, GROWN};
 use super::start::Origin;
 use super::{At, Ending, Event, Explained, Outcome, RegionTracking, State, line, plots};
-use crate::base::words::{counted, fixed, place};
+use crate::base::words::{counted, fixed, grouped, place};
 use crate::data::Clip;
 use crate::methods::numbers::{px, ratio};
 use crate::products::region::{RegionError, RegionScores, area_ratio, covered, success};
@@ -84,8 +84,9 @@ impl<T: Explained> RegionTracking<T> {
         let value = fixed(result.similarity.into(), similarity.decimals);
         let said = if result.is_lost {
             said.text(format!("In frame {} the object is ", state.frame)).ink(Role::Error, "lost").text(format!(
-                "{}. The region stays at {} px.",
-                self.why(seen, result),
+                "{} ({} {value}). The region stays at {} px.",
+                self.why(seen),
+                similarity.name,
                 place(result.region.center)
             ))
         } else {
@@ -112,11 +113,10 @@ impl<T: Explained> RegionTracking<T> {
         ))
     }
 
-    /// Why the object is lost in a frame, as the rest of a sentence with the similarity.
-    fn why(&self, seen: &Seen<Self>, result: &RegionFrame) -> String {
-        let value = fixed(result.similarity.into(), T::SIMILARITY.decimals);
+    /// Why the object is lost in a frame, as the rest of a sentence.
+    fn why(&self, seen: &Seen<Self>) -> String {
         let why = Self::at_last(seen).and_then(|at| self.0.loss(&at));
-        format!("{} ({} {value})", why.map(|why| format!(": {why}")).unwrap_or_default(), T::SIMILARITY.name)
+        why.map(|why| format!(": {why}")).unwrap_or_default()
     }
 
     /// What the result of a frame does not show, as a further sentence.
@@ -144,10 +144,9 @@ impl<T: Explained> RegionTracking<T> {
         };
         let last = errors.last().filter(|error| error.frame + 1 == after.frame);
         let said = match last.and_then(verdict) {
-            _ if result.is_lost => said
-                .text(" In the last frame it is ")
-                .ink(Role::Error, "lost")
-                .text(format!("{}.", self.why(seen, result))),
+            _ if result.is_lost => {
+                said.text(" In the last frame it is ").ink(Role::Error, "lost").text(format!("{}.", self.why(seen)))
+            }
             Some(verdict) => said.text(format!(" In the last frame {verdict}.")),
             None => said.text(self.caveat(seen)),
         };
@@ -283,15 +282,15 @@ fn verdict(error: &RegionError) -> Option<String> {
 /// The scores of a run in words.
 fn scored(of: &RegionScores, ending: Ending) -> String {
     let said = format!(
-        "End of the run: mean overlap {}, {} in {} with a true box",
+        "End of the run: mean overlap {}, {} in {}",
         ratio(of.overlap),
         counted(of.failures, "failure"),
         counted(of.frames, "frame")
     );
     said + &match (of.failures, ending.reported) {
         (0, _) => ".".into(),
-        (_, 0) => ", and the tracker itself reported no loss.".into(),
-        (_, lost) => format!(", and {} reported as lost.", counted(lost, "frame")),
+        (_, 0) => ", no loss reported.".into(),
+        (_, lost) => format!(", a loss reported in {}.", grouped(lost)),
     }
 }
 

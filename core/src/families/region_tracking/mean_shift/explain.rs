@@ -132,10 +132,10 @@ impl Explained for MeanShift {
         if is_empty {
             return Some("none of the pixels of the ellipse has a colour of the model".into());
         }
-        let (least, first) = (self.least(at.model?), at.model?.first);
+        let least = self.least(at.model?);
         (found(at)? < least).then(|| {
             let share = fixed(100.0 * f64::from(self.min_similarity), 0);
-            format!("ρ is below {}, {share} % of {} in the first frame", ratio(least.into()), ratio(first.into()))
+            format!("ρ is below {}, {share} % of that in the first frame", ratio(least.into()))
         })
     }
 
@@ -168,7 +168,7 @@ impl Explained for MeanShift {
                 format!("The ellipse holds a part of the object only: colours of the background in the model attract it too.{remedy}")
             }
             (Outcome::Lost, _) if ending.hidden > 0 => format!(
-                "The object was hidden in {}. Mean shift has no velocity that would carry the ellipse on; a particle filter has one.",
+                "The object was hidden in {}, and mean shift predicts no velocity; a particle filter does.",
                 counted(ending.hidden, "frame")
             ),
             (Outcome::Lost, _) => {

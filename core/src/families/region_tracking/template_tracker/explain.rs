@@ -208,8 +208,8 @@ fn cause(loss: Loss) -> String {
         )
     } else if loss.visibility < VISIBLE {
         format!(
-            "The loss begins in frame {frame}, where {seen} of the object was visible: it was covered. The template predicts no velocity, as a \
-             particle filter does, so it searches where the object was last seen."
+            "The loss begins in frame {frame}, where {seen} of the object was visible: it was covered. No velocity is predicted, \
+             so the template searches where the object was last seen."
         )
     } else if loss.moved_px > FAR * loss.side_px {
         format!(

@@ -37,19 +37,20 @@ impl Neighbors {
 
     /// What became of them, and why.
     pub(super) fn sentence(&self) -> String {
-        let found = format!(
-            " In {} with neighbouring objects, these were {} px apart on average and their tracks {} px",
-            counted(self.frames, "frame"),
-            px(self.truth_px),
-            px(self.tracks_px)
-        );
-        if self.tracks_px < COALESCED * self.truth_px {
-            found
-                + ": coalescence. Each track is updated with the same detections, weighted nearly alike; multiple hypotheses assign each detection \
-                   to one track."
+        let (name, why) = if self.tracks_px < COALESCED * self.truth_px {
+            (
+                "Coalescence",
+                "Both tracks were updated with the same detections; multiple hypotheses assign each detection to one track.",
+            )
         } else {
-            found + ", so soft association did not draw them together."
-        }
+            ("No coalescence", "Soft association did not draw them together.")
+        };
+        format!(
+            "{name}: neighbouring objects were {} px apart on average over {}, and their tracks {} px. {why} ",
+            px(self.truth_px),
+            counted(self.frames, "frame"),
+            px(self.tracks_px)
+        )
     }
 }
 

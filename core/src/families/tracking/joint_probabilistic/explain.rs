@@ -113,7 +113,9 @@ impl JointProbabilistic {
                     self.rules.min_hits
                 )),
             Event::Done(done, conclusion) => {
-                tracking::done(seen, (done, conclusion)).text(concluded(seen, conclusion).unwrap_or_default())
+                let mut said = said.text(concluded(seen, conclusion).unwrap_or_default());
+                said.0.extend(tracking::done(seen, (done, conclusion)).0);
+                said
             }
         }
     }
