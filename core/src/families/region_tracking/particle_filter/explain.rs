@@ -320,8 +320,8 @@ impl ParticleFilter {
             Resampling::Multinomial => ("Multinomial", "random"),
         };
         let said = said.text(format!(
-            "{name} resampling: on the wheel, an arc is as long as the weight of its particle (light neighbours share one), and each of the {pointers} \
-             pointers copies the particle on its arc. "
+            "{name} resampling: an arc of the wheel is as long as the weight of its particle (light neighbours share one), and each {pointers} pointer \
+             copies the particle on its arc. "
         ));
         let said = said
             .ink(Role::Best, format!("{} distinct particles of {} survive", grouped(survivors), grouped(count)))
