@@ -1,6 +1,6 @@
 //! What the examples claim, measured: where an estimator works, where it fails, and what works instead.
 
-use motionscope_core::examples::{self, Example, Settings};
+use motionscope_core::examples::{self, Cause, Example, Settings};
 use motionscope_core::products::Reference;
 use motionscope_core::{AnyEstimator, Clip, Params, Threads, detection, estimator, estimators, synth};
 
@@ -61,6 +61,26 @@ fn what_optical_flow_shows() {
 fn what_all_others_show() {
     let checked = [estimator_family("full-search"), estimator_family("horn-schunck")];
     check(|estimator| !checked.contains(&estimator.info().family));
+}
+
+#[test]
+fn each_difficulty_of_a_region_breaks_one_tracker_and_not_another() {
+    for cause in [
+        Cause::Occlusion,
+        Cause::Clutter,
+        Cause::LightChange,
+        Cause::ScaleChange,
+        Cause::Rotation,
+        Cause::MotionBlur,
+        Cause::LargeMotion,
+    ] {
+        let shows = |example: &Example| {
+            let is_of_region = estimator_family(example.of[0]) == estimator_family("mean-shift");
+            let other = example.instead.is_some_and(|instead| !example.of.contains(&instead.id));
+            example.cause == Some(cause) && is_of_region && other
+        };
+        assert!(examples::examples().any(shows), "{}", cause.name());
+    }
 }
 
 fn estimator_family(id: &str) -> &'static str {

@@ -12,6 +12,7 @@ use crossing::{Dice, HEIGHT, OF_CROSSING, PICTURE, SEEDS, crossing, crossings, f
 use motionscope_core::objects::assignment::WorkBudget;
 use motionscope_core::objects::k_best::{Choice, Problem, Row, k_best};
 use motionscope_core::scene::Readout;
+use motionscope_core::synth::Difficulty;
 use motionscope_core::{AnyEstimator, Bounds, Clip, Cursor, Direction, Error, Move, ObjectBox, ObjectField, synth};
 
 /// A tracker with the noise of the detections here, and with further parameters.
@@ -769,6 +770,32 @@ fn soft_association_draws_tracks_side_by_side_together() {
     let (soft, hard) = (apart("joint-probabilistic"), apart("multiple-hypothesis"));
     println!("apart: soft {soft:.2}, hard {hard:.2} px of 8");
     assert!(soft < hard - 1.0, "{soft:.2} px of 8 by JPDA, {hard:.2} px by hypotheses");
+}
+
+#[test]
+fn the_end_of_a_run_says_whether_tracks_were_drawn_together() {
+    let end = |scene: &str, settings: &[(&str, &str)]| {
+        let sample = synth::scene(scene).expect("it is bundled");
+        let clip = sample.clip(&sample.difficulty()).expect("a clip");
+        let mut walk = common::set("joint-probabilistic", settings).walk(&clip, 0).expect("a walk");
+        walk.jump(Move::End);
+        walk.step(None).sentence.plain()
+    };
+    let together = end("formation", &[("added-noise", "3"), ("measurement-noise", "0.6")]);
+    assert!(together.starts_with("Coalescence: neighbouring objects were 10.00 px apart"), "{together}");
+    let apart = end("crossing-stars", &[]);
+    assert!(apart.starts_with("No coalescence:"), "{apart}");
+}
+
+#[test]
+fn more_hypotheses_do_not_replace_the_model_of_the_motion() {
+    let sample = synth::scene("crossing-stars").expect("it is bundled");
+    let turning = Difficulty { rotation: 4.0, ..sample.difficulty() };
+    let clip = sample.clip(&turning).expect("a clip");
+    let idf1 =
+        |settings: &[(&str, &str)]| scored(&run(&*common::set("multiple-hypothesis", settings), &clip), &clip).idf1;
+    let [few, many] = [idf1(&[]), idf1(&[("max-hypotheses", "300"), ("n-scan", "12"), ("min-ratio", "0")])];
+    assert!(few < 0.7 && many < 0.7 && idf1(&[("motion", "turn")]) > 0.95, "{few}, {many}");
 }
 
 #[test]

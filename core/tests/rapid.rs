@@ -277,6 +277,13 @@ fn iterations_are_those_of_the_definition() {
 }
 
 #[test]
+fn the_first_sentence_says_what_is_given() {
+    let walk = set("rapid", &[]).walk(&turning(&[]), 0).expect("a walk");
+    let said = walk.step(None).sentence.plain();
+    assert!(said.contains("is given the shape") && !said.contains("learns"), "{said}");
+}
+
+#[test]
 fn a_weighted_step_shows_its_weights_and_the_error_of_its_pose() {
     let clip = turning(&[]);
     for (weighting, what) in
@@ -460,6 +467,24 @@ fn many_edges_of_something_else_pull_the_pose_away() {
     }
     // The rectangle around the model fits all the same, so the step says what it does not show.
     assert!(!steps(&*set("rapid", &[]), &clip, "wrong edges were matched").is_empty());
+}
+
+#[test]
+fn a_pose_that_jumps_off_is_reported_as_lost() {
+    // Noise makes edges everywhere, so that every control point finds one.
+    for slider in [("noise", "20"), ("salt-and-pepper", "10")] {
+        let clip = turning(&[slider]);
+        let (errors, field) = (errors(&[], &clip), run(&[], &clip));
+        let wrong = field.frames.iter().zip(&errors).filter(|(_, error)| error.angle > 10.0);
+        let reported: Vec<bool> = wrong.map(|(frame, _)| frame.is_lost).collect();
+        let count = reported.iter().filter(|is_lost| **is_lost).count();
+        assert!(reported.len() > 20 && 10 * count >= 9 * reported.len(), "{slider:?}: {count} of {}", reported.len());
+    }
+    assert!(!steps(&*set("rapid", &[]), &turning(&[("noise", "20")]), "do not fit one pose").is_empty());
+    // Blur and light change the edges, not the pose.
+    for slider in [("motion-blur", "100"), ("flicker", "40"), ("noise", "10")] {
+        assert!(run(&[], &turning(&[slider])).frames.iter().all(|frame| !frame.is_lost), "{slider:?}");
+    }
 }
 
 #[test]

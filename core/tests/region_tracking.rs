@@ -425,6 +425,25 @@ fn colours_that_are_gone_are_said() {
 }
 
 #[test]
+fn colours_unlike_those_of_the_first_frame_are_a_loss() {
+    // The disc leaves at 4 px/frame. Little of its region is background, which then fills the ellipse.
+    let frame = |t: usize| disc([30.0 + 4.0 * t as f64, 24.0], 1);
+    let clip = Clip::from_frames("leaves", (0..16).map(frame).collect()).expect("frames of one size");
+    let region = ("region", "20,14,40,34");
+    let run_with = |least: &str| run(&*set("mean-shift", &[region, ("min-similarity", least)]), &clip);
+    let field = run_with("0.4");
+    for (t, frame) in field.frames.iter().enumerate() {
+        assert_eq!(frame.is_lost, frame.similarity < 0.4, "frame {t}: {frame:?}");
+    }
+    let lost = field.frames.iter().position(|frame| frame.is_lost).expect("a loss");
+    assert!((8..14).contains(&lost) && field.frames[lost..].iter().all(|frame| frame.is_lost), "from frame {lost} on");
+    assert!(field.frames[lost..].iter().all(|frame| frame.region == field.frames[lost - 1].region), "the region stays");
+    assert!(!run_with("0").frames[lost].is_lost, "without a threshold");
+    let end = conclusion(&*set("mean-shift", &[region]), &clip);
+    assert!(end.contains("ρ is below 0.400, 40 % of that in the first frame"), "{end}");
+}
+
+#[test]
 fn particles_outside_the_picture_are_said_to_have_no_weight() {
     // The object leaves at 8 px/frame, and the particles with it.
     let frame = |t: usize| disc([50.0 + 8.0 * t as f64, 24.0], 1);
@@ -469,7 +488,12 @@ fn the_end_of_a_run_says_what_became_of_the_region() {
         (
             "mean-shift",
             &tunnel,
-            &["1 failure", "itself reported no loss", "The object was hidden in"],
+            &[
+                "1 failure",
+                "a loss reported in",
+                "ρ is below 0.400, 40 % of that in the first",
+                "The object was hidden in",
+            ],
             "led the ellipse",
         ),
         ("correlation-filter", &tunnel, &["1 failure", "The object was hidden in"], "does not attract"),
@@ -486,6 +510,12 @@ fn without_true_boxes_no_success_is_claimed() {
         let end = conclusion(&*set(id, &[("region", "21,15,39,33")]), &still);
         assert!(end.contains("lost in 0 of 4 frames") && end.contains("only the pictures show"), "{id}: {end}");
     }
+    // What a contour judges by is no similarity to a model.
+    let balloon = scene("balloon");
+    let frames = (0..4).map(|t| (*balloon.frame(t).expect("a frame")).clone()).collect();
+    let untold = Clip::from_frames("balloon", frames).expect("frames of one size");
+    let end = conclusion(&*set("active-contour", &[("region", "36,95,92,161")]), &untold);
+    assert!(end.contains("of something else has a high mean edge strength too") && !end.contains("similar"), "{end}");
     // Gray pixels have no hue: the model is empty, whatever lies beside it.
     let gray = Frame::rgb(Grid::from_fn(64, 48, |x, y| [noise(x, y, 1) / 4 + 90; 3]));
     let clip = Clip::from_frames("gray", vec![gray; 4]).expect("frames of one size");

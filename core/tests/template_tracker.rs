@@ -4,7 +4,7 @@ mod common;
 
 use common::{central, set, waves};
 use motionscope_core::scene::{Readout, Step};
-use motionscope_core::{AnyEstimator, Bounds, Clip, Direction, Frame, Grid, Move, RegionField, Threads, synth};
+use motionscope_core::{AnyEstimator, Bounds, Clip, Direction, Frame, Grid, Move, Params, RegionField, Threads, synth};
 
 /// The linear part and the shift of an affine warp, row by row.
 type Affine = [[f64; 3]; 2];
@@ -323,6 +323,47 @@ fn a_template_that_shrinks_to_a_line_is_lost_however_well_it_correlates() {
         assert!((0.5..=2.0).contains(&(next_w / w)) && (0.5..=2.0).contains(&(next_h / h)), "{pair:?}");
     }
     assert!(!steps(&*tracker, &clip, "the warp changes lengths by factors between").is_empty(), "it says nothing");
+}
+
+/// A scene at a speed, with so many frames.
+fn scene(id: &str, speed: &str, frames: &str) -> Clip {
+    let mut difficulty = synth::scene(id).expect("it is bundled").difficulty();
+    for (name, value) in [("speed", speed), ("frames", frames)] {
+        difficulty.set(name, value).expect("a slider");
+    }
+    synth::make(id, &difficulty).expect("a clip")
+}
+
+/// The first lost frame of a run, the visible share of the object in it, and the last sentence.
+fn ended(clip: &Clip) -> (usize, f32, String) {
+    let tracker = set("template-tracker", &[]);
+    let frame = run(&*tracker, clip).frames.iter().position(|frame| frame.is_lost).expect("a loss");
+    let objects = clip.truth().expect("exact").objects(frame).expect("readable").expect("known");
+    let mut walk = tracker.walk(clip, 0).expect("a walk");
+    walk.jump(Move::End);
+    (frame, objects[0].visibility, walk.step(None).sentence.plain())
+}
+
+#[test]
+fn a_slow_ball_is_lost_by_the_cover_of_the_tunnel() {
+    let clip = scene("tunnel", "0.5", "80");
+    // It reaches the entrance in frame 25.
+    let errors = run(&*set("template-tracker", &[]), &clip).errors(&clip).expect("readable");
+    let before: Vec<f64> = errors.iter().filter(|error| error.frame < 25).map(|error| error.overlap).collect();
+    assert!(before.len() == 24 && before.iter().all(|overlap| *overlap > 0.9), "{before:?}");
+    let (frame, visibility, end) = ended(&clip);
+    assert!(frame > 25 && visibility < 0.6, "frame {frame}: {visibility} visible");
+    assert!(end.contains(&format!("begins in frame {frame}")) && end.contains("it was covered"), "{end}");
+}
+
+#[test]
+fn a_ball_is_lost_by_its_rotation_before_anything_covers_it() {
+    // By 14.4° a frame; at half the speed by 7.2°, which the template follows to the tunnel.
+    let (frame, visibility, end) = ended(&scene("tunnel", "1", "13"));
+    assert!(frame < 13 && visibility == 1.0, "frame {frame}: {visibility} visible");
+    assert!(end.contains("nothing covered the object") && end.contains("a rotation or another change"), "{end}");
+    let (_, _, end) = ended(&scene("fast-flight", "1", "12"));
+    assert!(end.contains("farther than the iterations converge"), "{end}");
 }
 
 #[test]

@@ -47,7 +47,8 @@ impl FocusMode {
     pub fn tip(self) -> &'static str {
         match self {
             FocusMode::Auto => {
-                "Magnify the block, window or ellipse of the step where it takes less than 1/6 of the picture."
+                "Magnify the block, window or ellipse of the step where it takes less than 1/6 of the picture, the outline of a model \
+                 where it takes less than 1/4."
             }
             FocusMode::On => "Magnify the block, window, ellipse or pixel of every step that has one.",
             FocusMode::Off => "Show the whole picture at every step.",
@@ -59,13 +60,17 @@ impl FocusMode {
         match self {
             FocusMode::Off => false,
             FocusMode::On => true,
-            FocusMode::Auto => !at_end && !work.is_picture_wide && work.side().powi(2) < size[0] * size[1] / LARGE,
+            FocusMode::Auto => {
+                !at_end && !work.is_picture_wide && work.side().powi(2) < size[0] * size[1] / work.large()
+            }
         }
     }
 }
 
 /// Work on less than one part in so many of the picture is small: a square around it is compared with the picture.
 const LARGE: f32 = 6.0;
+/// The same for work that a scene names. Its marks are small, as the ways to edges around a model, so that more of the picture is magnified.
+const LARGE_NAMED: f32 = 4.0;
 /// Side in px of what is shown around a single pixel, so that its neighbourhood is seen.
 const LEAST_SIDE: f32 = 22.0;
 /// Room around the work, as a share of it and in px.
@@ -99,6 +104,8 @@ pub struct Work {
     /// Whether the step is about an object that is tracked, predicted or estimated with its covariance: then its surroundings are
     /// seen too.
     is_object: bool,
+    /// Whether the scene names it.
+    is_named: bool,
 }
 
 impl Work {
@@ -111,7 +118,7 @@ impl Work {
         };
         if let Some([min, max]) = scene.work {
             let bounds = inside(Rect { min, max });
-            return Some(Self { bounds, needed: bounds, is_picture_wide: false, is_of_many: false, is_object: false });
+            return Some(Self { is_named: true, ..Self::around(bounds) });
         }
         let marks = || scene.marks.iter().filter(|mark| mark.on.is_aligned_with(Picture::CURRENT));
         let whole = Rect { min: [-0.5; 2], max: picture.map(|extent| extent - 0.5) };
@@ -146,7 +153,19 @@ impl Work {
             is_picture_wide: scene.is_overview || marks().any(is_map) || is_example,
             is_of_many: own.is_empty() && !scene.is_overview,
             is_object,
+            is_named: false,
         })
+    }
+
+    /// Work within `bounds` and all of it needed, on nothing that is particular.
+    fn around(bounds: Rect) -> Self {
+        let (is_picture_wide, is_of_many, is_object, is_named) = (false, false, false, false);
+        Self { bounds, needed: bounds, is_picture_wide, is_of_many, is_object, is_named }
+    }
+
+    /// The part of a picture, one in so many, from which on it is large.
+    fn large(&self) -> f32 {
+        if self.is_named { LARGE_NAMED } else { LARGE }
     }
 
     /// Its longer side in px.
@@ -277,7 +296,7 @@ impl CloseUp {
         let least = known.iter().map(|work| work.times(room)).fold(f32::INFINITY, f32::min);
         // Pictures of one and the same block are looked at in one and the same place.
         let needed = known.iter().map(|work| work.needed).reduce(union).unwrap_or(all);
-        let together = Work { bounds: all, needed, is_picture_wide: false, is_of_many: false, is_object: false };
+        let together = Work { needed, ..Work::around(all) };
         let is_shared = times(all, room) >= least;
         let kept = before.iter().flatten().next().map(|one| one.times);
         let most = known.iter().map(|work| times(work.needed, room)).fold(f32::INFINITY, f32::min);
@@ -401,6 +420,18 @@ mod tests {
         assert_eq!(one(FocusMode::Off, &scene), None);
         let corner = one(FocusMode::Auto, &search(0, 0)).unwrap().seen(ROOM);
         assert_eq!(corner.min, [-0.5; 2], "nothing beyond the picture is shown");
+    }
+
+    #[test]
+    fn work_that_a_scene_names_may_be_larger() {
+        let bounds = Rect::new([90.0, 70.0], [120.0, 90.0]);
+        let mut scene = Scene::default();
+        scene.mark(Picture::CURRENT, Role::Reference, Shape::Rect { min: bounds.min, max: bounds.max });
+        assert_eq!(one(FocusMode::Auto, &scene), None);
+        scene.work = Some([bounds.min, bounds.max]);
+        assert_eq!(one(FocusMode::Auto, &scene).unwrap().times, 2.0);
+        scene.work = Some([[60.0, 40.0], [210.0, 160.0]]);
+        assert_eq!(one(FocusMode::Auto, &scene), None);
     }
 
     #[test]

@@ -17,6 +17,12 @@ macro_rules! lessons {
 lessons! {
     "01-dynamic-scene-analysis",
     "02-sequential-search",
+    "03-logarithmic-search",
+    "04-hierarchical-search",
+    "05-gradient-constraint",
+    "06-lucas-kanade",
+    "07-horn-schunck",
+    "08-interest-points",
 }
 
 /// The bundled lessons, in the order of the course; each is read once.

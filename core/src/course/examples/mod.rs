@@ -33,6 +33,16 @@ pub enum Cause {
     Noise,
     /// The model that is estimated is not determined by the scene.
     Degenerate,
+    /// The object moves otherwise than predicted.
+    Maneuver,
+    /// Objects are too near to each other to be told apart.
+    Proximity,
+    /// The object has stronger edges inside than at its outline.
+    InnerEdges,
+    /// The object grows or shrinks.
+    ScaleChange,
+    /// The exposure smears what moves.
+    MotionBlur,
 }
 
 impl Cause {
@@ -50,6 +60,11 @@ impl Cause {
             Self::CameraMotion => "camera motion",
             Self::Noise => "noise",
             Self::Degenerate => "degenerate scene",
+            Self::Maneuver => "manoeuvre",
+            Self::Proximity => "objects close together",
+            Self::InnerEdges => "edges inside the object",
+            Self::ScaleChange => "change of scale",
+            Self::MotionBlur => "motion blur",
         }
     }
 }

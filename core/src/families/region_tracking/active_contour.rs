@@ -303,8 +303,8 @@ impl Explained for ActiveContour {
         contour::explain::result(scene, model);
     }
 
-    fn loss(&self, at: &At<'_, Self>) -> Option<&'static str> {
-        contour::explain::loss(verdict(at)?)
+    fn loss(&self, at: &At<'_, Self>) -> Option<String> {
+        contour::explain::loss(verdict(at)?).map(String::from)
     }
 
     fn advice(&self, ending: Ending, at: &At<'_, Self>) -> String {

@@ -227,8 +227,13 @@ impl RegionModel for Camshift {
         granularities: &["clip", "frame", "step"],
         frames: 2,
     };
-    const SIMILARITY: Similarity =
-        Similarity { name: "mean back-projection", label: "Mean back-projection", symbol: "mean P", decimals: 3 };
+    const SIMILARITY: Similarity = Similarity {
+        name: "mean back-projection",
+        label: "Mean back-projection",
+        symbol: "mean P",
+        decimals: 3,
+        shared_by: "a background of like hue",
+    };
     type Model = Model;
     type Event = Event;
 

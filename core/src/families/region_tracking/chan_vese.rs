@@ -282,8 +282,13 @@ impl RegionModel for ChanVese {
         frames: 2,
     };
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series];
-    const SIMILARITY: Similarity =
-        Similarity { name: "contrast", label: "Contrast", symbol: "|c₁ − c₂|", decimals: 2 };
+    const SIMILARITY: Similarity = Similarity {
+        name: "contrast",
+        label: "Contrast",
+        symbol: "|c₁ − c₂|",
+        decimals: 2,
+        shared_by: "any region much brighter or darker than its surroundings",
+    };
     const PRODUCES: &'static [&'static ProductKind] = &[RegionField::KIND, MaskField::KIND];
     type Model = Model;
     type Event = Event;

@@ -349,8 +349,13 @@ impl RegionModel for CorrelationFilter {
         frames: 2,
     };
     const CHARTS: &'static [Chart] = &[Chart::Surface, Chart::Tiles, Chart::Series];
-    const SIMILARITY: Similarity =
-        Similarity { name: "peak-to-sidelobe ratio", label: "Peak-to-sidelobe ratio", symbol: "PSR", decimals: 2 };
+    const SIMILARITY: Similarity = Similarity {
+        name: "peak-to-sidelobe ratio",
+        label: "Peak-to-sidelobe ratio",
+        symbol: "PSR",
+        decimals: 2,
+        shared_by: "another object of like texture",
+    };
     type Model = Model;
     type Event = Event;
 

@@ -40,6 +40,8 @@ params! {
         iterations: usize = 20, 1..=100;
         /// Length of a shift below which the iteration has converged.
         epsilon: f32 = 0.1, 0.01..=2.0, "px";
+        /// Bhattacharyya coefficient, as a share of that in the first frame, below which the object is lost: the region stays. 0 for never.
+        min_similarity: f32 = 0.4, 0.0..=1.0;
     }
     advanced { "iterations", "epsilon" }
 }
@@ -98,6 +100,8 @@ pub struct Trial {
 pub struct Model {
     /// The histogram of the object.
     histogram: Arc<Histogram>,
+    /// Its Bhattacharyya coefficient in the first frame.
+    first: f32,
 }
 
 /// An event of a frame.
@@ -165,6 +169,37 @@ impl<'a> Search<'a> {
 }
 
 impl MeanShift {
+    /// The Bhattacharyya coefficient below which the object is lost.
+    fn least(&self, model: &Model) -> f32 {
+        self.min_similarity * model.first
+    }
+
+    /// Climbs with the present size and, if the scale is adapted, with a smaller and a larger one.
+    fn search(
+        &self,
+        model: &Model,
+        (frame, region): (&Arc<Frame>, Region),
+        observer: &mut impl Observer<Event>,
+    ) -> Trial {
+        let mut search = Search::new(&model.histogram, frame);
+        let now = self.climb(&mut search, (frame, 0), region, observer);
+        if !self.adapt_scale {
+            return now;
+        }
+        let mut climb = |trial, factor| self.climb(&mut search, (frame, trial), region.scaled(factor), observer);
+        let trials = [now, climb(1, 1.0 - SCALE_STEP), climb(2, 1.0 + SCALE_STEP)];
+        // The present size where none is better.
+        let best = (1..3).fold(0, |best, i| if trials[i].similarity > trials[best].similarity { i } else { best });
+        let size = [0, 1].map(|i| {
+            let most = [frame.size().0, frame.size().1][i] as f32;
+            let mixed = region.size[i] + SCALE_RATE * (trials[best].region.size[i] - region.size[i]);
+            mixed.clamp(LEAST_PX.min(most), most)
+        });
+        let region = Region { size, ..trials[best].region };
+        observer.see(|| Event::Scaled(Box::new((trials, best, region))));
+        Trial { region, ..trials[best] }
+    }
+
     /// Shifts an ellipse until it converges.
     fn climb(
         &self,
@@ -229,7 +264,7 @@ pseudocode! {
     WEIGH: "    p ← histogram of the ellipse at y; w_i ← √(q_u / p_u) for each pixel i of bin u",
     SHIFT: "    y ← Σ w_i x_i / Σ w_i, until the shift < ε",
     CHOOSE_SIZE: "  h ← 0.9 h + 0.1 · the size with the highest ρ = Σ √(p_u q_u)",
-    MOVE: "  the region moves to y",
+    MOVE: "  the region moves to y, unless ρ < min-similarity · ρ of the first frame: lost",
 }
 
 impl RegionModel for MeanShift {
@@ -245,8 +280,13 @@ impl RegionModel for MeanShift {
         frames: 2,
     };
     const CONTRASTS: Option<&'static str> = Some("background");
-    const SIMILARITY: Similarity =
-        Similarity { name: "Bhattacharyya coefficient", label: "Bhattacharyya coefficient", symbol: "ρ", decimals: 3 };
+    const SIMILARITY: Similarity = Similarity {
+        name: "Bhattacharyya coefficient",
+        label: "Bhattacharyya coefficient",
+        symbol: "ρ",
+        decimals: 3,
+        shared_by: "a background of like colours",
+    };
     type Model = Model;
     type Event = Event;
 
@@ -259,13 +299,13 @@ impl RegionModel for MeanShift {
         let own = Histogram::of_ellipse(frame, binning, region);
         observer.see(|| Event::Modelled(Arc::new(own.clone())));
         if self.background == Background::Ignored {
-            return (Model { histogram: Arc::new(own) }, 1.0);
+            return (Model { histogram: Arc::new(own), first: 1.0 }, 1.0);
         }
         let around = surroundings(frame, binning, region);
         let weighted = weighted(&own, &around);
         let similarity = weighted.coefficient(&own.shares);
         observer.see(|| Event::Weighted(Arc::new([own, around, weighted.clone()])));
-        (Model { histogram: Arc::new(weighted) }, similarity)
+        (Model { histogram: Arc::new(weighted), first: similarity }, similarity)
     }
 
     fn follow(
@@ -275,24 +315,9 @@ impl RegionModel for MeanShift {
         region: Region,
         observer: &mut impl Observer<Event>,
     ) -> RegionFrame {
-        let mut search = Search::new(&model.histogram, frame);
-        let now = self.climb(&mut search, (frame, 0), region, observer);
-        if !self.adapt_scale {
-            return RegionFrame { region: now.region, similarity: now.similarity, is_lost: now.is_lost };
-        }
-        let mut climb = |trial, factor| self.climb(&mut search, (frame, trial), region.scaled(factor), observer);
-        let trials = [now, climb(1, 1.0 - SCALE_STEP), climb(2, 1.0 + SCALE_STEP)];
-        // The present size where none is better.
-        let best = (1..3).fold(0, |best, i| if trials[i].similarity > trials[best].similarity { i } else { best });
-        let size = [0, 1].map(|i| {
-            let most = [frame.size().0, frame.size().1][i] as f32;
-            let mixed = region.size[i] + SCALE_RATE * (trials[best].region.size[i] - region.size[i]);
-            mixed.clamp(LEAST_PX.min(most), most)
-        });
-        let Trial { region: found, similarity, is_lost } = trials[best];
-        let region = Region { size, ..found };
-        observer.see(|| Event::Scaled(Box::new((trials, best, region))));
-        RegionFrame { region, similarity, is_lost }
+        let Trial { region: found, similarity, is_lost } = self.search(model, (frame, region), observer);
+        let is_lost = is_lost || similarity < self.least(model);
+        RegionFrame { region: if is_lost { region } else { found }, similarity, is_lost }
     }
 
     fn need(&self, clip: &Clip) -> Need {

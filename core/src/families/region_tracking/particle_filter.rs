@@ -194,6 +194,7 @@ impl RegionModel for ParticleFilter {
         label: "Weighted mean Bhattacharyya coefficient",
         symbol: "ρ",
         decimals: 3,
+        shared_by: "a background of like colours",
     };
     type Model = Model;
     type Event = Event;

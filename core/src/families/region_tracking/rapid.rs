@@ -8,13 +8,14 @@ use std::sync::Arc;
 
 use crate::base::Observer;
 use crate::data::{Clip, Frame, Pose};
+use crate::geometry::Bounds;
 use crate::methods::region::{RegionModel, Settings, Similarity};
 use crate::products::{Region, RegionFrame};
 use crate::run::{Info, Need};
 use crate::scene::{Chart, Name};
 use crate::{choices, params, pseudocode};
 
-use fit::{Equations, Motion, Sight, Sought, covariance, equations, farthest, motion_of, solution};
+use fit::{Equations, Motion, Sight, Sought, covariance, equations, farthest, median_distance, motion_of, solution};
 use wireframe::{Camera, Wireframe};
 
 choices! {
@@ -83,6 +84,9 @@ params! {
         epsilon: f32 = 0.02, 0.001..=1.0, "px";
         /// Share of control points with an edge below which the object is lost: the pose stays.
         min_share: f32 = 0.5, 0.0..=1.0;
+        /// Median distance of the edges from the refitted model above which the object is lost, because they fit no common pose. The search goes
+        /// on from that pose all the same, which may be right again in the next frame.
+        max_residual: f32 = 0.6, 0.05..=40.0, "px";
     }
     advanced { "iterations", "epsilon", "spacing" }
 }
@@ -99,6 +103,11 @@ pub struct View {
 impl View {
     fn at(&self, pose: Pose) -> Self {
         Self { pose, ..self.clone() }
+    }
+
+    /// The rectangle around the projection; none if a corner lies at the camera or behind it.
+    fn bounds(&self) -> Option<Bounds> {
+        self.wireframe.bounds(&self.camera, &self.pose)
     }
 
     /// How the model is seen in its pose.
@@ -148,8 +157,12 @@ pub struct Judged {
     sought: Vec<Sought>,
     /// Share of the control points with an edge.
     share: f64,
+    /// Median distance of the edges from them in px.
+    residual_px: f64,
     /// Covariance of rotation vector and translation, row by row in rad and m.
     covariance: Option<Vec<f64>>,
+    /// Whether the next search starts from the pose.
+    is_kept: bool,
     is_lost: bool,
 }
 
@@ -164,6 +177,17 @@ pub enum Event {
     Iterated(Arc<Iteration>),
     /// The judgement of the pose.
     Judged(Arc<Judged>),
+}
+
+impl Event {
+    /// The model before an iteration, or at the end of the step.
+    fn view(&self) -> &View {
+        match self {
+            Self::Placed(view) | Self::Predicted([_, view]) => view,
+            Self::Iterated(iteration) => &iteration.view,
+            Self::Judged(judged) => &judged.view,
+        }
+    }
 }
 
 impl Rapid {
@@ -221,22 +245,25 @@ impl Rapid {
         let found = sought.iter().filter(|sought| sought.edge.is_some()).count();
         let share = found as f64 / sought.len().max(1) as f64;
         let covariance = covariance(&sought, &view.sight());
-        let is_lost = covariance.is_none() || share < f64::from(self.min_share);
-        Judged { view: view.clone(), sought, share, covariance, is_lost }
+        let residual_px = median_distance(&sought);
+        let is_kept = covariance.is_some() && share >= f64::from(self.min_share) && view.bounds().is_some();
+        let is_lost = !is_kept || residual_px > f64::from(self.max_residual);
+        Judged { view: view.clone(), sought, share, residual_px, covariance, is_kept, is_lost }
     }
 
-    /// Judges the pose that a frame gives, where the last one had `region`.
+    /// Judges the pose that a frame gives, where the last one had `region`; returns whether it is kept too.
     fn result(
         &self,
         (frame, region): (&Frame, Region),
         view: &View,
         observer: &mut impl Observer<Event>,
-    ) -> RegionFrame {
+    ) -> (RegionFrame, bool) {
         let judged = Arc::new(self.judge(frame, view));
         observer.see(|| Event::Judged(Arc::clone(&judged)));
-        let bounds = view.wireframe.bounds(&view.camera, &view.pose).filter(|_| !judged.is_lost);
+        let bounds = view.bounds().filter(|_| !judged.is_lost);
         let similarity = judged.share as f32;
-        RegionFrame { region: bounds.map_or(region, Region::from), similarity, is_lost: bounds.is_none() }
+        let result = RegionFrame { region: bounds.map_or(region, Region::from), similarity, is_lost: judged.is_lost };
+        (result, judged.is_kept)
     }
 }
 
@@ -247,7 +274,8 @@ pseudocode! {
     PREDICT: "  if the pose is predicted: (R, T) ← (R, T) moved by the last motion",
     REFINE: "  repeat: l_i ← distance of the nearest edge along the normal of control point i; (θ, Δ) ← (Σ w_i c_i c_i^T + λ a a^T)⁻¹ Σ w_i c_i l_i, \
              with w_i = 1 unless the weights are robust, and λ = 0 unless a rotation about an axis a is held",
-    JUDGE: "  P ← σ² (Σ w_i c_i c_i^T + λ a a^T)⁻¹ without the held rotation; lost if the share of control points with an edge < min-share",
+    JUDGE: "  P ← σ² (Σ w_i c_i c_i^T + λ a a^T)⁻¹ without the held rotation; lost if the share of control points with an edge < min-share, \
+            or the median of |l_i| > max-residual",
     MOVE: "  the region is the rectangle around the projection, unless the object is lost",
 }
 
@@ -270,6 +298,7 @@ impl RegionModel for Rapid {
         label: "Share of matched control points",
         symbol: "s",
         decimals: 3,
+        shared_by: "a wrong pose near edges of something else",
     };
     type Model = Model;
     type Event = Event;
@@ -295,8 +324,8 @@ impl RegionModel for Rapid {
         let placed = self.placed_in(region, frame.size());
         observer.see(|| Event::Placed(placed.clone()));
         let refined = self.refine(frame, placed.clone(), observer);
-        let result = self.result((frame, region), &refined, observer);
-        let view = if result.is_lost { placed } else { refined };
+        let (result, is_kept) = self.result((frame, region), &refined, observer);
+        let view = if is_kept { refined } else { placed };
         (Model { view, motion: Motion::default(), result }, result.similarity)
     }
 
@@ -318,12 +347,13 @@ impl RegionModel for Rapid {
             observer.see(|| Event::Predicted([model.view.clone(), start.clone()]));
         }
         let view = self.refine(frame, start, observer);
-        model.result = self.result((frame, region), &view, observer);
-        if model.result.is_lost {
-            model.motion = Motion::default();
-        } else {
+        let is_kept;
+        (model.result, is_kept) = self.result((frame, region), &view, observer);
+        if is_kept {
             model.motion = before.motion_to(&view.pose);
             model.view = view;
+        } else {
+            model.motion = Motion::default();
         }
         model.result
     }

@@ -82,13 +82,34 @@ params! {
 
 /// The smallest share of a template inside the frame; below it the object has left.
 const LEAST_OVERLAP: f64 = 0.5;
-/// The largest factor by which lengths may change since the last frame that showed the object, and its inverse the smallest; beyond it
-/// the alignment has failed, whatever the correlation is: that of a template shrunk to a line is high on any edge.
+/// The largest factor by which lengths may change from frame to frame, and its inverse the smallest; also that between two directions.
+/// Beyond it the alignment has failed, whatever the correlation is: that of a template shrunk to a line is high on any edge.
 const MOST_STRETCH: f64 = 2.0;
 
-/// Whether the largest and the smallest factor by which lengths change are those of no motion.
-fn is_collapsed([largest, smallest]: [f64; 2]) -> bool {
-    !(largest <= MOST_STRETCH && smallest >= 1.0 / MOST_STRETCH)
+/// The factors by which a warp changes lengths since the last frame that showed the object.
+#[derive(Clone, Copy, Debug)]
+struct Stretch {
+    largest: f64,
+    smallest: f64,
+    /// The largest that may be, and the inverse of the smallest: it grows with the frames since then.
+    most: f64,
+}
+
+impl Stretch {
+    fn new([before, after]: [&Matrix3; 2], lost_frames: usize) -> Self {
+        let [largest, smallest] = stretch([before, after]);
+        Self { largest, smallest, most: MOST_STRETCH.powf(lost_frames as f64 + 1.0) }
+    }
+
+    /// Whether lengths change more than an object does in the frames since then.
+    fn is_beyond(&self) -> bool {
+        !(self.largest <= self.most && self.smallest >= 1.0 / self.most)
+    }
+
+    /// Whether the factors are those of no motion: an object may grow while it is lost, but does not become a line.
+    fn is_collapsed(&self) -> bool {
+        self.is_beyond() || self.largest > MOST_STRETCH * self.smallest
+    }
 }
 
 /// What is carried from frame to frame.
@@ -102,8 +123,8 @@ pub struct Model {
     extent: [f32; 2],
     /// The warp from the template, about its middle, to the last frame that showed the object.
     warp: Matrix3,
-    /// Whether the last frame did not.
-    is_lost: bool,
+    /// Frames since then, in which the object was lost.
+    lost_frames: usize,
 }
 
 /// The end of the iterations of a level.
@@ -157,8 +178,7 @@ pub struct Judged {
     correlation: f64,
     /// Share of the template inside the frame.
     overlap: f64,
-    /// The largest and the smallest factor by which lengths change since the last frame that showed the object.
-    stretch: [f64; 2],
+    stretch: Stretch,
     is_lost: bool,
 }
 
@@ -270,10 +290,12 @@ impl TemplateTracker {
     }
 
     /// Judges the warp at the end of an alignment.
-    fn judge(&self, (frame, template): (&Arc<Pyramid>, &Arc<Template>), [before, warp]: [Matrix3; 2]) -> Judged {
+    fn judge(&self, (frame, model): (&Arc<Pyramid>, &Model), warp: Matrix3) -> Judged {
+        let template = &model.template;
         let (correlation, overlap) = template.levels[0].correlation(&frame[0], &warp);
-        let stretch = stretch([&before, &warp]);
-        let is_lost = overlap < LEAST_OVERLAP || is_collapsed(stretch) || correlation < f64::from(self.min_correlation);
+        let stretch = Stretch::new([&model.warp, &warp], model.lost_frames);
+        let is_lost =
+            overlap < LEAST_OVERLAP || stretch.is_collapsed() || correlation < f64::from(self.min_correlation);
         let (frame, template) = (Arc::clone(frame), Arc::clone(template));
         Judged { frame, template, warp, correlation, overlap, stretch, is_lost }
     }
@@ -299,7 +321,7 @@ pseudocode! {
     LEARN: "T₁, T ← pixels of R; D ← steepest-descent images ∇T · ∂W/∂p, H ← Σ D^T D on each pyramid level",
     EACH_FRAME: "for each later frame t, from the last warp W",
     ALIGN: "  on each level, from the coarsest: repeat W ← W ∘ W(Δp)⁻¹, Δp ← H⁻¹ Σ D^T (I(W(x)) − T(x))",
-    JUDGE: "  ρ ← correlation of I(W(x)) with T(x); lost if ρ < min-correlation, W leaves the frame or W doubles or halves a length",
+    JUDGE: "  ρ ← correlation of I(W(x)) with T(x); lost if ρ < min-correlation, W leaves the frame or lengths change more than 2-fold a frame",
     REALIGN: "  if drift-corrected: W* ← alignment of the first template T₁ in the same way, from W on",
     CORRECT: "    if W* moves no corner farther than max-correction: W ← W*, else T stays",
     UPDATE: "  if update: T(x) ← I(W(x)); D, H ← those of the new T",
@@ -325,6 +347,7 @@ impl RegionModel for TemplateTracker {
         label: "Correlation with the template",
         symbol: "ρ",
         decimals: 3,
+        shared_by: "a template that has drifted",
     };
     type Model = Model;
     type Event = Event;
@@ -351,7 +374,7 @@ impl RegionModel for TemplateTracker {
         observer.see(|| Event::Learned(Arc::clone(&first)));
         let [x, y] = region.center.map(f64::from);
         let warp = [[1.0, 0.0, x], [0.0, 1.0, y], [0.0, 0.0, 1.0]];
-        (Model { template: Arc::clone(&first), first, extent: region.size, warp, is_lost: false }, 1.0)
+        (Model { template: Arc::clone(&first), first, extent: region.size, warp, lost_frames: 0 }, 1.0)
     }
 
     fn follow(
@@ -365,11 +388,11 @@ impl RegionModel for TemplateTracker {
         let template = &Arc::clone(&model.template);
         let alignment = Alignment { frame, template, is_correction: false };
         let mut warp = self.align(&alignment, (template.levels.len(), model.warp), observer);
-        let judged = Arc::new(self.judge((frame, template), [model.warp, warp]));
+        let judged = Arc::new(self.judge((frame, model), warp));
         observer.see(|| Event::Judged(Arc::clone(&judged)));
         let similarity = judged.correlation as f32;
-        model.is_lost = judged.is_lost;
         if judged.is_lost {
+            model.lost_frames += 1;
             return RegionFrame { region, similarity, is_lost: true };
         }
         let mut is_updated = self.update != Update::None;
@@ -384,7 +407,7 @@ impl RegionModel for TemplateTracker {
             observer.see(|| Event::Updated([Arc::clone(template), Arc::clone(&updated)]));
             model.template = updated;
         }
-        model.warp = warp;
+        (model.warp, model.lost_frames) = (warp, 0);
         RegionFrame { region: region_of(&warp, model.extent), similarity, is_lost: false }
     }
 

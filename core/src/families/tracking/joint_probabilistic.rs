@@ -3,6 +3,7 @@
 //!
 //! T. E. Fortmann, Y. Bar-Shalom and M. Scheffe, Sonar tracking of multiple targets using joint probabilistic data association, 1983.
 
+mod coalescence;
 mod events;
 mod explain;
 

@@ -40,8 +40,13 @@ impl<T: Fit> RegionModel for T {
     const INFO: Info = T::INFO;
     const CHARTS: &'static [Chart] = T::CHARTS;
     const CONTRASTS: Option<&'static str> = T::CONTRASTS;
-    const SIMILARITY: Similarity =
-        Similarity { name: "mean edge strength", label: "Mean edge strength", symbol: "f", decimals: 3 };
+    const SIMILARITY: Similarity = Similarity {
+        name: "mean edge strength",
+        label: "Mean edge strength",
+        symbol: "f",
+        decimals: 3,
+        shared_by: "a contour on edges of something else",
+    };
     const PRODUCES: &'static [&'static ProductKind] = &[RegionField::KIND, MaskField::KIND];
     type Model = Model;
     type Event = T::Event;

@@ -1,7 +1,9 @@
 //! The end of a run in words: what became of the region, by its lost frames and, where it is known, the true box.
 
-use crate::products::RegionFrame;
+use crate::data::{Clip, ObjectBox};
+use crate::geometry::Bounds;
 use crate::products::region::{RegionError, RegionScores, area_ratio};
+use crate::products::{RegionField, RegionFrame};
 
 /// A region with less of an overlap does not follow the object.
 pub(crate) const FAIR: f64 = 0.5;
@@ -38,16 +40,60 @@ pub struct Ending {
     pub reported: usize,
     /// Frames of occlusions before which the region was on the object, where the truth is known.
     pub hidden: usize,
+    /// The object at the start of the longest loss that is reported, where there is one and the truth is known.
+    pub loss: Option<Loss>,
+}
+
+/// The true object in the first of the frames in which a tracker reports it as lost.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Loss {
+    /// The frame.
+    pub frame: usize,
+    /// The share of the object that can be seen, 0 to 1.
+    pub visibility: f64,
+    /// Whether a part of its box lies outside the picture.
+    pub is_leaving: bool,
+    /// Its motion from the frame before in px.
+    pub moved_px: f64,
+    /// The shorter side of its box in px.
+    pub side_px: f64,
+}
+
+impl Loss {
+    /// The start of the longest loss of a run; none without one, or without the object in the truth of it and the frame before.
+    fn longest(field: &RegionField, clip: &Clip) -> Option<Self> {
+        let index = longest(&field.frames)?;
+        let (truth, id, frame) = (clip.truth()?, field.object?, field.first + index);
+        let at = |t: usize| truth.objects(t).ok()??.into_iter().find(|object| object.id == id);
+        Some(Self::of(frame, [&at(frame.checked_sub(1)?)?, &at(frame)?], field.picture))
+    }
+
+    fn of(frame: usize, [before, now]: [&ObjectBox; 2], (width, height): (usize, usize)) -> Self {
+        let [old, bounds] = [before, now].map(Bounds::from);
+        let [u, v] = [0, 1].map(|i| f64::from(bounds.center()[i] - old.center()[i]));
+        let end = [width, height].map(|extent| extent as f32 - 0.5);
+        Self {
+            frame,
+            visibility: now.visibility.into(),
+            is_leaving: (0..2).any(|i| bounds.min[i] < -0.5 || bounds.max[i] > end[i]),
+            moved_px: u.hypot(v),
+            side_px: bounds.size().map(f64::from).into_iter().fold(f64::INFINITY, f64::min),
+        }
+    }
 }
 
 impl Ending {
-    /// That of a run, with the comparisons of its frames.
-    pub(super) fn of(past: &[RegionFrame], errors: &[RegionError]) -> Self {
+    /// That of a run through a clip, with the comparisons of its frames.
+    pub(super) fn in_clip(field: &RegionField, clip: &Clip, errors: &[RegionError]) -> Self {
+        Self { loss: Loss::longest(field, clip), ..Self::of(&field.frames, errors) }
+    }
+
+    fn of(past: &[RegionFrame], errors: &[RegionError]) -> Self {
         let reported = past.iter().filter(|frame| frame.is_lost).count();
         let Some((scores, last)) = RegionScores::of(errors).zip(errors.last()) else {
             let is_lost = 2 * reported >= past.len() || past.last().is_some_and(|frame| frame.is_lost);
             let outcome = if is_lost { Outcome::Lost } else { Outcome::Unknown };
-            return Self { outcome, reported, hidden: 0 };
+            return Self { outcome, reported, hidden: 0, loss: None };
         };
         let ratio = area_ratio(last);
         let outcome = match last.overlap {
@@ -58,8 +104,21 @@ impl Ending {
             _ if scores.failures > 0 || scores.overlap < FAIR => Outcome::Regained,
             _ => Outcome::Followed,
         };
-        Self { outcome, reported, hidden: hidden(errors) }
+        Self { outcome, reported, hidden: hidden(errors), loss: None }
     }
+}
+
+/// The first of the most frames in a row that are reported as lost.
+fn longest(past: &[RegionFrame]) -> Option<usize> {
+    let mut best: Option<(usize, usize)> = None;
+    let mut first = 0;
+    for streak in past.chunk_by(|a, b| a.is_lost == b.is_lost) {
+        if streak[0].is_lost && best.is_none_or(|(_, count)| streak.len() > count) {
+            best = Some((first, streak.len()));
+        }
+        first += streak.len();
+    }
+    best.map(|(first, _)| first)
 }
 
 /// Frames without a visible object between others, if the region met the object shortly before.
@@ -122,6 +181,24 @@ mod tests {
         assert_eq!(of(&[(1, 0.8), (2, 0.1), (3, 0.0), (9, 0.0), (10, 0.0)]), 5);
         assert_eq!(of(&[(1, 0.8), (2, 0.0), (3, 0.0), (4, 0.0), (5, 0.0), (6, 0.0), (9, 0.0)]), 0);
         assert_eq!(of(&[(1, 0.8), (2, 0.7)]), 0);
+    }
+
+    #[test]
+    fn a_loss_tells_cover_motion_and_leaving() {
+        let at = |x: f32, visibility| ObjectBox { id: 1, x, y: 20.0, width: 12.0, height: 10.0, visibility };
+        let of = |x, visibility| Loss::of(7, [&at(30.0, 1.0), &at(x, visibility)], (64, 48));
+        let covered = of(33.0, 0.25);
+        assert_eq!((covered.frame, covered.visibility, covered.is_leaving), (7, 0.25, false));
+        assert_eq!((covered.moved_px, covered.side_px), (3.0, 10.0));
+        assert!(of(52.0, 0.9).is_leaving && !of(51.0, 1.0).is_leaving);
+    }
+
+    #[test]
+    fn the_longest_loss_is_that_of_most_frames_in_a_row() {
+        let of = |lost: &[bool]| longest(&lost.iter().map(|lost| frame(*lost)).collect::<Vec<_>>());
+        assert_eq!(of(&[false, true, false, true, true, false, true, true]), Some(3));
+        assert_eq!(of(&[false, true]), Some(1));
+        assert_eq!(of(&[false; 3]), None);
     }
 
     #[test]

@@ -3,10 +3,10 @@
 use super::ending::{FAIR, GROWN};
 use super::start::Origin;
 use super::{At, Ending, Event, Explained, Outcome, RegionTracking, State, line, plots};
-use crate::base::words::{counted, fixed, place};
+use crate::base::words::{counted, fixed, grouped, place};
 use crate::data::Clip;
 use crate::methods::numbers::{px, ratio};
-use crate::products::region::{NEAR_PX, RegionError, RegionScores, area_ratio, covered, success};
+use crate::products::region::{RegionError, RegionScores, area_ratio, covered, success};
 use crate::products::{Region, RegionFrame};
 use crate::run::Seen;
 use crate::scene::{Fact, Name, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step};
@@ -64,20 +64,16 @@ impl<T: Explained> RegionTracking<T> {
         let said = Sentence::default();
         let state = seen.before;
         match seen.events.last() {
-            None => said.text(format!(
-                "{} learns an object from its region in the first frame, and finds it in at most {} frames.",
-                T::INFO.name,
-                self.0.settings().frames
-            )),
+            None => said.text(self.0.opening()),
             Some(Event::Chosen) => chosen(state, said),
             Some(Event::Refused) => said
                 .ink(Role::Error, "The region cannot be tracked")
                 .text(format!(": {} The run ends.", state.refusal.as_deref().unwrap_or_default())),
             Some(Event::Own(_)) => Self::at(seen).map_or(said, |at| self.0.sentence(&at)),
-            Some(Event::Moved(result)) => {
-                let said = self.moved(seen, result, said);
-                self.concluded(seen, said)
-            }
+            Some(Event::Moved(result)) => match seen.after.filter(|after| is_over(seen.clip, after)) {
+                Some(after) => self.concluded((seen, after), result, said),
+                None => self.moved(seen, result, said),
+            },
         }
     }
 
@@ -86,12 +82,10 @@ impl<T: Explained> RegionTracking<T> {
         let (state, similarity) = (seen.before, T::SIMILARITY);
         let by = [0, 1].map(|i| result.region.center[i] - state.region.center[i]);
         let value = fixed(result.similarity.into(), similarity.decimals);
-        let caveat = Self::at_last(seen).and_then(|at| self.0.caveat(&at));
         let said = if result.is_lost {
-            let why = Self::at_last(seen).and_then(|at| self.0.loss(&at));
             said.text(format!("In frame {} the object is ", state.frame)).ink(Role::Error, "lost").text(format!(
                 "{} ({} {value}). The region stays at {} px.",
-                why.map(|why| format!(": {why}")).unwrap_or_default(),
+                self.why(seen),
                 similarity.name,
                 place(result.region.center)
             ))
@@ -104,37 +98,63 @@ impl<T: Explained> RegionTracking<T> {
                     extent(&result.region),
                     similarity.label
                 ))
-                .text(caveat.map(|caveat| format!(" {caveat}")).unwrap_or_default())
+                .text(self.caveat(seen))
         };
         let Some(error) = error_of_last(seen) else { return said };
+        let verdict = match (verdict(&error), error.overlap) {
+            (None, _) => String::new(),
+            (Some(verdict), 0.0) => format!(": {verdict}"),
+            (Some(verdict), _) => format!(", below {}: {verdict}", fixed(FAIR, 1)),
+        };
         said.text(format!(
-            " Overlap with the true box (IoU) {}{}. Centre error {} px.",
+            " Overlap with the true box (IoU) {}{verdict}. Centre error {} px.",
             ratio(error.overlap),
-            verdict(&error),
             px(error.center_px)
         ))
     }
 
-    /// Adds the conclusion at the end of the run.
-    fn concluded(&self, seen: &Seen<Self>, said: Sentence) -> Sentence {
-        let Some(after) = seen.after.filter(|after| is_over(seen.clip, after)) else { return said };
+    /// Why the object is lost in a frame, as the rest of a sentence.
+    fn why(&self, seen: &Seen<Self>) -> String {
+        let why = Self::at_last(seen).and_then(|at| self.0.loss(&at));
+        why.map(|why| format!(": {why}")).unwrap_or_default()
+    }
+
+    /// What the result of a frame does not show, as a further sentence.
+    fn caveat(&self, seen: &Seen<Self>) -> String {
+        let caveat = Self::at_last(seen).and_then(|at| self.0.caveat(&at));
+        caveat.map(|caveat| format!(" {caveat}")).unwrap_or_default()
+    }
+
+    /// The conclusion at the end of the run: the scores, what became of the region, and why.
+    fn concluded(
+        &self,
+        (seen, after): (&Seen<Self>, &State<T::Model>),
+        result: &RegionFrame,
+        said: Sentence,
+    ) -> Sentence {
         let errors = errors(seen.clip, after);
-        let ending = Ending::of(&after.past, &errors);
-        let told = match RegionScores::of(&errors) {
-            Some(of) => scored(&of, ending),
-            None => format!(
-                " End of the run: the tracker reports the object as lost in {} of {} frames. No true boxes are known, so there are no scores.",
+        let ending = Ending::in_clip(&after.field(), seen.clip, &errors);
+        let said = match RegionScores::of(&errors) {
+            Some(of) => said.text(scored(&of, ending)),
+            None => said.text(format!(
+                "End of the run: the object is reported as lost in {} of {} frames.",
                 ending.reported,
                 after.past.len()
-            ),
+            )),
         };
-        let said = said.text(told);
+        let last = errors.last().filter(|error| error.frame + 1 == after.frame);
+        let said = match last.and_then(verdict) {
+            _ if result.is_lost => {
+                said.text(" In the last frame it is ").ink(Role::Error, "lost").text(format!("{}.", self.why(seen)))
+            }
+            Some(verdict) => said.text(format!(" In the last frame {verdict}.")),
+            None => said.text(self.caveat(seen)),
+        };
         if ending.outcome == Outcome::Unknown {
             return said.text(format!(
-                " Whether the region is still on the object, only the pictures show: a {} of {} in the last frame is a similarity of the model, \
-                 which a background of like appearance has too.",
-                T::SIMILARITY.name,
-                fixed(after.past.last().map_or(0.0, |frame| frame.similarity.into()), T::SIMILARITY.decimals)
+                " Without true boxes, only the pictures show whether the region is on the object: {} has a high {} too.",
+                T::SIMILARITY.shared_by,
+                T::SIMILARITY.name
             ));
         }
         let advice = Self::at_last(seen).map(|at| self.0.advice(ending, &at));
@@ -206,6 +226,8 @@ impl<T: Explained> RegionTracking<T> {
             scene.legend(Role::Result, "path of the region");
         }
         let is_first = state.model.is_none();
+        let model = state.model.as_deref().or(seen.after.and_then(|after| after.model.as_deref()));
+        scene.work = model.and_then(|model| self.0.work(model)).map(|bounds| [bounds.min, bounds.max]);
         outline(scene, Role::Reference, state.region);
         scene.legend(Role::Reference, if is_first { "region of the object" } else { "region of frame t−1" });
         if let Some(at) = Self::at(seen) {
@@ -241,37 +263,34 @@ fn error_of_last<T: Explained>(seen: &Seen<RegionTracking<T>>) -> Option<RegionE
     after.field().error_of(seen.clip, after.past.len().checked_sub(1)?).ok().flatten()
 }
 
-/// An overlap below 0.5 in words: what is wrong with the region.
-fn verdict(error: &RegionError) -> String {
+/// What is wrong with a region that has an overlap below 0.5.
+fn verdict(error: &RegionError) -> Option<String> {
     let larger = area_ratio(error);
     match error.overlap {
-        0.0 => ": the region is not on the object".into(),
+        0.0 => Some("the region is not on the object".into()),
         0.0..FAIR if larger >= GROWN => {
-            format!(", below {}: the region is {} times as large as the true box", fixed(FAIR, 1), fixed(larger, 1))
+            Some(format!("the region is {} times as large as the true box", fixed(larger, 1)))
         }
         0.0..FAIR => {
             let covered = fixed(100.0 * covered(error), 0);
-            format!(", below {}: the region covers {covered} % of the true box", fixed(FAIR, 1))
+            Some(format!("the region covers {covered} % of the true box"))
         }
-        _ => String::new(),
+        _ => None,
     }
 }
 
 /// The scores of a run in words.
 fn scored(of: &RegionScores, ending: Ending) -> String {
     let said = format!(
-        " End of the run: mean overlap {}, success {}, precision {} at {} px, and {} in {} with a true box.",
+        "End of the run: mean overlap {}, {} in {}",
         ratio(of.overlap),
-        ratio(of.success),
-        ratio(of.precision),
-        fixed(NEAR_PX, 0),
         counted(of.failures, "failure"),
         counted(of.frames, "frame")
     );
     said + &match (of.failures, ending.reported) {
-        (0, _) => String::new(),
-        (_, 0) => " The tracker itself reported no loss.".into(),
-        (_, lost) => format!(" The tracker itself reported a loss in {}.", counted(lost, "frame")),
+        (0, _) => ".".into(),
+        (_, 0) => ", no loss reported.".into(),
+        (_, lost) => format!(", a loss reported in {}.", grouped(lost)),
     }
 }
 

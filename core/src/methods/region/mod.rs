@@ -11,11 +11,12 @@ mod start;
 
 use std::sync::Arc;
 
-pub use ending::{Ending, Outcome};
+pub use ending::{Ending, Loss, Outcome};
 pub use start::Settings;
 pub(crate) use start::line;
 use start::{Chosen, choose};
 
+use crate::base::words::counted;
 use crate::base::{Error, Mapped, Observer};
 use crate::data::{Clip, Frame, PackedMask, Pose};
 use crate::geometry::Bounds;
@@ -35,6 +36,8 @@ pub struct Similarity {
     pub symbol: &'static str,
     /// Its decimals.
     pub decimals: usize,
+    /// What has a high one too, without being the object, as the subject of a sentence.
+    pub shared_by: &'static str,
 }
 
 /// A tracker of one region: a model of its appearance, and the search for it.
@@ -124,8 +127,22 @@ pub trait Explained: RegionModel {
     /// Draws the result of a frame over frame t, beside its region.
     fn draw_result(&self, _model: &Self::Model, _scene: &mut Scene) {}
 
+    /// The part of the picture that the steps of a frame are about, by the model before it, where marks do not tell.
+    fn work(&self, _model: &Self::Model) -> Option<Bounds> {
+        None
+    }
+
+    /// The first sentence of a run.
+    fn opening(&self) -> String {
+        let frames = counted(self.settings().frames, "frame");
+        format!(
+            "{} learns an object from its region in the first frame, and finds it in at most {frames}.",
+            Self::INFO.name
+        )
+    }
+
     /// Why the object is lost in a frame, at the tracker's last event, as a clause.
-    fn loss(&self, _at: &At<'_, Self>) -> Option<&'static str> {
+    fn loss(&self, _at: &At<'_, Self>) -> Option<String> {
         None
     }
 

@@ -11,6 +11,7 @@ mod fast_flight;
 mod flag;
 mod flat_wall;
 mod flicker;
+mod formation;
 mod hand_held;
 mod leaves;
 mod parallax;
@@ -44,6 +45,7 @@ pub const SCENES: &[Sample] = &[
     flat_wall::SAMPLE,
     flicker::SAMPLE,
     crossing_stars::SAMPLE,
+    formation::SAMPLE,
     traffic::SAMPLE,
     hand_held::SAMPLE,
     passing_bus::SAMPLE,

@@ -41,6 +41,7 @@ fn every_scene_looks_as_it_did() {
         ("flat-wall", 0x4f7c_a619_6576_bb20),
         ("flicker", 0x1f38_14f0_1ba5_9e54),
         ("crossing-stars", 0x17b6_3b83_c4cb_91c8),
+        ("formation", 0xe47d_7838_6a03_13e5),
         ("traffic", 0xf5cc_b313_f212_9f00),
         ("hand-held", 0x0664_a860_a20d_89ff),
         ("passing-bus", 0x249f_1029_2c3f_e244),

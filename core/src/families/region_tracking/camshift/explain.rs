@@ -137,10 +137,10 @@ impl Explained for Camshift {
         }
     }
 
-    fn loss(&self, at: &At<'_, Self>) -> Option<&'static str> {
+    fn loss(&self, at: &At<'_, Self>) -> Option<String> {
         match at.event {
-            _ if at.model.is_some_and(is_empty) => Some("the model has no hue"),
-            Event::Shifted(_, Shift { by: None, .. }) => Some("no pixel of the window has a hue of the object"),
+            _ if at.model.is_some_and(is_empty) => Some("the model has no hue".into()),
+            Event::Shifted(_, Shift { by: None, .. }) => Some("no pixel of the window has a hue of the object".into()),
             _ => None,
         }
     }

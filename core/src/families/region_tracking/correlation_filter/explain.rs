@@ -153,9 +153,9 @@ impl Explained for CorrelationFilter {
         scene.legend(Role::Best, "peak");
     }
 
-    fn loss(&self, at: &At<'_, Self>) -> Option<&'static str> {
+    fn loss(&self, at: &At<'_, Self>) -> Option<String> {
         let is_low = matches!(at.event, Event::Judged(response) if response.psr < self.min_psr);
-        is_low.then_some("the peak does not stand out")
+        is_low.then(|| "the peak does not stand out".into())
     }
 
     fn advice(&self, ending: Ending, _at: &At<'_, Self>) -> String {

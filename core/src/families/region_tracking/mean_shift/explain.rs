@@ -117,11 +117,7 @@ impl Explained for MeanShift {
     }
 
     fn caveat(&self, at: &At<'_, Self>) -> Option<String> {
-        let similarity = match at.event {
-            Event::Scaled(scaled) => scaled.0[scaled.1].similarity,
-            Event::Shifted(_, shift) => shift.similarity,
-            _ => return None,
-        };
+        let similarity = found(at)?;
         // Of one bin, with all pixels of the ellipse in it: equal weights.
         let is_flat = at.model?.histogram.support.len() == 1 && similarity > 0.9999;
         is_flat.then(|| {
@@ -131,9 +127,16 @@ impl Explained for MeanShift {
         })
     }
 
-    fn loss(&self, at: &At<'_, Self>) -> Option<&'static str> {
+    fn loss(&self, at: &At<'_, Self>) -> Option<String> {
         let is_empty = at.events.iter().any(|event| matches!(event, Event::Shifted(_, shift) if shift.to.is_none()));
-        is_empty.then_some("none of the pixels of the ellipse has a colour of the model")
+        if is_empty {
+            return Some("none of the pixels of the ellipse has a colour of the model".into());
+        }
+        let least = self.least(at.model?);
+        (found(at)? < least).then(|| {
+            let share = fixed(100.0 * f64::from(self.min_similarity), 0);
+            format!("ρ is below {}, {share} % of that in the first frame", ratio(least.into()))
+        })
     }
 
     fn advice(&self, ending: Ending, _at: &At<'_, Self>) -> String {
@@ -165,7 +168,7 @@ impl Explained for MeanShift {
                 format!("The ellipse holds a part of the object only: colours of the background in the model attract it too.{remedy}")
             }
             (Outcome::Lost, _) if ending.hidden > 0 => format!(
-                "The object was hidden in {}. Mean shift has no velocity that would carry the ellipse on; a particle filter has one.",
+                "The object was hidden in {}, and mean shift predicts no velocity; a particle filter does.",
                 counted(ending.hidden, "frame")
             ),
             (Outcome::Lost, _) => {
@@ -263,6 +266,15 @@ fn chosen(trials: &[Trial; 3], best: usize, region: Region, said: Sentence) -> S
         said.text(", the smallest that is allowed.")
     } else {
         said.text(".")
+    }
+}
+
+/// The Bhattacharyya coefficient at the end of a frame.
+fn found(at: &At<'_, MeanShift>) -> Option<f32> {
+    match at.event {
+        Event::Scaled(scaled) => Some(scaled.0[scaled.1].similarity),
+        Event::Shifted(_, shift) => Some(shift.similarity),
+        _ => None,
     }
 }
 

@@ -223,8 +223,8 @@ impl Explained for ParticleFilter {
         }
     }
 
-    fn loss(&self, at: &At<'_, Self>) -> Option<&'static str> {
-        are_outside(at).then_some("no particle has a weight above 0")
+    fn loss(&self, at: &At<'_, Self>) -> Option<String> {
+        are_outside(at).then(|| "no particle has a weight above 0".into())
     }
 
     fn advice(&self, ending: Ending, at: &At<'_, Self>) -> String {
@@ -315,14 +315,14 @@ impl ParticleFilter {
         let survivors = resampled.copies.iter().filter(|copies| **copies > 0).count();
         let most = resampled.copies.iter().max().copied().unwrap_or(0);
         let count = resampled.copies.len();
-        let said = match self.resampling {
-            Resampling::Systematic => {
-                said.text("Systematic resampling sets equally spaced pointers on the cumulative weights: ")
-            }
-            Resampling::Multinomial => {
-                said.text("Multinomial resampling draws a random number on the cumulative weights for each particle: ")
-            }
+        let (name, pointers) = match self.resampling {
+            Resampling::Systematic => ("Systematic", "equally spaced"),
+            Resampling::Multinomial => ("Multinomial", "random"),
         };
+        let said = said.text(format!(
+            "{name} resampling: an arc of the wheel is as long as the weight of its particle (light neighbours share one), and each {pointers} pointer \
+             copies the particle on its arc. "
+        ));
         let said = said
             .ink(Role::Best, format!("{} distinct particles of {} survive", grouped(survivors), grouped(count)))
             .text(format!(", the heaviest with {most} copies. "));

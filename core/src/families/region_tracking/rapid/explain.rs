@@ -4,7 +4,7 @@ use super::fit::{FREEDOM, Sought};
 use super::{End, Event, Iteration, Judged, Model, Motion, Prediction, Rapid, Solid, View, Weighting};
 use crate::base::words::{counted, fixed};
 use crate::data::Pose;
-use crate::geometry::Grid;
+use crate::geometry::{Bounds, Grid};
 use crate::methods::numbers::{px, ratio};
 use crate::methods::region::{At, Ending, Explained, Outcome};
 use crate::scene::{Arrow, Fact, Math, Matrix, Picture, Readout, Role, Scene, Sentence, Series, Shape};
@@ -97,6 +97,8 @@ impl Explained for Rapid {
             }
             Event::Judged(judged) => {
                 let mut facts = of_pose(Role::Estimate, &judged.view.pose);
+                let residual = format!("{} px", px(judged.residual_px));
+                facts.push(Fact::new("Distance of the edges (median)", residual, Some(Role::Error)));
                 if let Some(covariance) = &judged.covariance {
                     let [a, b, c, x, y, z] = deviations(covariance);
                     let [a, b, c] = [a, b, c].map(degrees);
@@ -138,6 +140,9 @@ impl Explained for Rapid {
     }
 
     fn draw(&self, at: &At<'_, Self>, scene: &mut Scene) {
+        if at.model.is_none() {
+            scene.work = at.event.view().bounds().map(|bounds| [bounds.min, bounds.max]);
+        }
         match at.event {
             Event::Placed(view) => wireframe(scene, (Role::Best, "projected model"), view),
             Event::Predicted([before, after]) => {
@@ -164,12 +169,26 @@ impl Explained for Rapid {
         }
     }
 
-    fn loss(&self, at: &At<'_, Self>) -> Option<&'static str> {
+    fn work(&self, model: &Model) -> Option<Bounds> {
+        model.view.bounds()
+    }
+
+    fn opening(&self) -> String {
+        format!(
+            "RAPiD is given the shape of an object: its wireframe model fits the region in the first frame at the initial rotation, and follows the \
+             edges in at most {}.",
+            counted(self.settings.frames, "frame")
+        )
+    }
+
+    fn loss(&self, at: &At<'_, Self>) -> Option<String> {
         let Event::Judged(judged) = at.event else { return None };
-        judged.is_lost.then_some(match judged.covariance {
+        let why = match judged.covariance {
             None => "the edges do not determine its pose",
-            Some(_) => "too few control points have an edge",
-        })
+            Some(_) if !judged.is_kept => "too few control points have an edge",
+            Some(_) => "the edges do not fit one pose",
+        };
+        judged.is_lost.then(|| why.into())
     }
 
     fn caveat(&self, at: &At<'_, Self>) -> Option<String> {
@@ -282,13 +301,18 @@ impl Rapid {
             fixed(1000.0 * z, 1),
             fixed(1000.0 * across, 1)
         ));
-        match judged.is_lost {
-            true => said
-                .text(format!(" Share {} < {}: ", ratio(judged.share), ratio(self.min_share.into())))
-                .ink(Role::Error, "the object is lost")
-                .text("."),
-            false => said,
+        if !judged.is_lost {
+            return said;
         }
+        let why = match judged.is_kept {
+            false => format!(" Share {} < {}: ", ratio(judged.share), ratio(self.min_share.into())),
+            true => format!(
+                " Median distance of the edges {} px > {} px, so they do not fit one pose: ",
+                px(judged.residual_px),
+                px(self.max_residual.into())
+            ),
+        };
+        said.text(why).ink(Role::Error, "the object is lost").text(".")
     }
 
     /// The parameters of an iteration in words.

@@ -184,6 +184,13 @@ fn hold(covariance: &mut [f64], axis: Vector) {
     }
 }
 
+/// The median distance of the edges from their control points in px; 0 without an edge. A few edges of something else do not raise it.
+pub fn median_distance(all: &[Sought]) -> f64 {
+    let mut distances: Vec<f64> = all.iter().filter_map(|sought| sought.edge).map(f64::abs).collect();
+    distances.sort_by(f64::total_cmp);
+    distances.get(distances.len() / 2).copied().unwrap_or(0.0)
+}
+
 /// The farthest motion of a control point in px between two poses.
 pub fn farthest(controls: &[Sought], camera: &Camera, [before, after]: [&Pose; 2]) -> f64 {
     let moved = |sought: &Sought| {

@@ -2,16 +2,21 @@
 
 use super::template::{Pyramid, outline};
 use super::{
-    Correction, End, Event, Iteration, Judged, LEAST_OVERLAP, MOST_STRETCH, Model, Template, TemplateTracker, Update,
-    is_collapsed,
+    Correction, End, Event, Iteration, Judged, LEAST_OVERLAP, MOST_STRETCH, Model, Stretch, Template, TemplateTracker,
+    Update,
 };
 use crate::base::words::{counted, fixed};
 use crate::geometry::{Bounds, Grid, Sampling, polygon};
 use crate::methods::alignment::explain::{compared, errors, hessian, parameters, steepest_descent, warp_matrix};
 use crate::methods::numbers::{percent, px, ratio};
-use crate::methods::region::{At, Ending, Explained, Outcome};
+use crate::methods::region::{At, Ending, Explained, Loss, Outcome};
 use crate::products::model::{Matrix3, inverse, mapped};
 use crate::scene::{Fact, Math, Picture, Readout, Role, Scene, Sentence, Series, Shape, Tile};
+
+/// The visible share of an object from which on nothing covers it: the rest are pixels at its outline.
+const VISIBLE: f64 = 0.97;
+/// The motion between two frames, as a share of the shorter side of the object, from which on it is far for the iterations.
+const FAR: f64 = 0.3;
 
 /// A difference in gray levels as text.
 fn gray(value: f64) -> String {
@@ -140,48 +145,82 @@ impl Explained for TemplateTracker {
     }
 
     fn draw_result(&self, model: &Model, scene: &mut Scene) {
-        if !model.is_lost {
+        if model.lost_frames == 0 {
             path(scene, (Role::Best, "warped template"), (&model.warp, model.first.size()));
         }
     }
 
-    fn loss(&self, at: &At<'_, Self>) -> Option<&'static str> {
+    fn loss(&self, at: &At<'_, Self>) -> Option<String> {
         let judged = at.events.iter().rev().find_map(|event| match event {
             Event::Judged(judged) => Some(judged),
             _ => None,
         })?;
-        judged.is_lost.then_some(match () {
+        let why = match () {
             () if judged.overlap < LEAST_OVERLAP => "too little of the template lies inside the frame",
-            () if is_collapsed(judged.stretch) => "the alignment has failed, for its warp doubles or halves a length",
+            () if judged.stretch.is_collapsed() => "the alignment has failed, for its warp changes a length too much",
             () => "the correlation is too low",
-        })
+        };
+        judged.is_lost.then(|| why.into())
     }
 
     fn advice(&self, ending: Ending, _at: &At<'_, Self>) -> String {
-        if ending.outcome == Outcome::Unknown {
-            return "Without ground truth drift is seen in the warped template alone: it should still show the object of the first frame.".into();
-        }
-        match (ending.outcome == Outcome::Followed, self.update) {
-            (true, Update::None) => {
+        match (ending.outcome, self.update) {
+            (Outcome::Unknown, _) => {
+                "Without ground truth drift is seen in the warped template alone: it should still show the object of the first frame."
+            }
+            (Outcome::Followed, Update::None) => {
                 "The first template fits the object in all frames, so nothing drifts. A change of its appearance would not be followed."
             }
-            (true, Update::EveryFrame) => {
+            (Outcome::Followed, Update::EveryFrame) => {
                 "Each frame gave the next template, so changes of appearance were followed. The errors of all frames add up to drift, \
                  which the correlation with the present template does not show."
             }
-            (true, Update::Corrected) => {
+            (Outcome::Followed, Update::Corrected) => {
                 "The template followed changes of appearance, and the first one took out the drift wherever both agreed."
             }
-            (false, Update::None) => {
-                "The object changed its appearance, was hidden, or moved farther between two frames than the coarsest level reaches. \
-                 Updates follow changes, and more levels reach farther; a velocity is not predicted."
-            }
-            (false, _) => {
-                "The object was hidden, left the frame, or moved farther between two frames than the coarsest level reaches. More levels or \
-                 a larger region reach farther; a velocity is not predicted."
-            }
+            (_, update) => return ending.loss.map_or_else(|| unreported(update).into(), cause),
         }
         .into()
+    }
+}
+
+/// What took the template off an object that was not reported as lost.
+fn unreported(update: Update) -> &'static str {
+    match update {
+        Update::EveryFrame => {
+            "No frame had a low correlation, because the template of each was the window of the last: the errors added up to drift. \
+             The drift correction removes it."
+        }
+        Update::None | Update::Corrected => {
+            "No frame had a low correlation: the warp fitted a part of the object or its surroundings. A smaller group of warps, or a higher \
+             minimum correlation, keeps the template from that."
+        }
+    }
+}
+
+/// The cause of a loss, by what the truth says of its first frame.
+fn cause(loss: Loss) -> String {
+    let (frame, moved) = (loss.frame, px(loss.moved_px));
+    let seen = percent(loss.visibility);
+    if loss.is_leaving {
+        format!(
+            "The loss begins in frame {frame}, where {seen} of the object was still in the picture: it was leaving."
+        )
+    } else if loss.visibility < VISIBLE {
+        format!(
+            "The loss begins in frame {frame}, where {seen} of the object was visible: it was covered. No velocity is predicted, \
+             so the template searches where the object was last seen."
+        )
+    } else if loss.moved_px > FAR * loss.side_px {
+        format!(
+            "The loss begins in frame {frame}, where the object was in full view but had moved by {moved} px: farther than the iterations \
+             converge. More levels or a larger region reach farther."
+        )
+    } else {
+        format!(
+            "The loss begins in frame {frame}, where nothing covered the object and it had moved by only {moved} px: a rotation or another change \
+             of its appearance lowered the correlation. A colour histogram, as in mean shift, changes less."
+        )
     }
 }
 
@@ -239,15 +278,17 @@ impl TemplateTracker {
                 percent(LEAST_OVERLAP)
             ));
         }
-        if is_collapsed(judged.stretch) {
-            let [largest, smallest] = judged.stretch.map(ratio);
+        if judged.stretch.is_collapsed() {
+            let Stretch { largest, smallest, most } = judged.stretch;
+            let limit = match judged.stretch.is_beyond() {
+                true => format!("beyond {} to {}", ratio(1.0 / most), ratio(most)),
+                false => format!("which differ by more than a factor of {}", ratio(MOST_STRETCH)),
+            };
             return said
                 .text("Since the last frame with the object, the warp changes lengths by factors between ")
-                .ink(Role::Error, format!("{smallest} and {largest}"))
+                .ink(Role::Error, format!("{} and {}", ratio(smallest), ratio(largest)))
                 .text(format!(
-                    ", beyond {} to {}: the alignment has failed, with ρ = {}. The warp is discarded.",
-                    ratio(1.0 / MOST_STRETCH),
-                    ratio(MOST_STRETCH),
+                    ", {limit}: the alignment has failed, with ρ = {}. The warp is discarded.",
                     ratio(judged.correlation)
                 ));
         }

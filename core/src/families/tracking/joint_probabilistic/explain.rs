@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::coalescence::Neighbors;
 use super::events::{Joint, JointEvent, Validation};
 use super::{Event, JointProbabilistic, State, Track, Weights, line};
 use crate::base::words::{capital, percent, place};
@@ -11,6 +12,7 @@ use crate::methods::{
     multi_object::{
         explain::{self, Names, count},
         selected::Selected,
+        tracker_run::Conclusion,
         tracking::{self, MultiTracking, errors, selected},
         truth,
     },
@@ -110,7 +112,11 @@ impl JointProbabilistic {
                     ratio(*share),
                     self.rules.min_hits
                 )),
-            Event::Done(done, conclusion) => tracking::done(seen, (done, conclusion)),
+            Event::Done(done, conclusion) => {
+                let mut said = said.text(concluded(seen, conclusion).unwrap_or_default());
+                said.0.extend(tracking::done(seen, (done, conclusion)).0);
+                said
+            }
         }
     }
 
@@ -211,6 +217,12 @@ fn told(validation: &Validation, joint: &Joint, event: &JointEvent) -> String {
     all.join(", ")
 }
 
+/// What became of neighbours, at the end of a run.
+fn concluded(seen: &Seen<MultiTracking<JointProbabilistic>>, conclusion: &Conclusion) -> Option<String> {
+    let run = &seen.after.filter(|_| conclusion.run.is_some() && selected(seen).is_none())?.run;
+    Neighbors::of(run, seen.clip).map(|neighbors| neighbors.sentence())
+}
+
 fn weighed(validation: &Validation, joint: &Joint) -> Sentence {
     let all = (0..joint.tracks.len()).flat_map(|track| (0..joint.detections.len()).map(move |at| (track, at)));
     let largest =
@@ -275,7 +287,7 @@ fn event_tables(validation: &Validation, joint: &Joint) -> Vec<Matrix> {
     };
     let name = "track of each detection (columns) in each joint event (rows); 0: false alarm";
     let probability = Matrix {
-        symbol: "P",
+        symbol: "P(θ)",
         name: "probability of the joint event",
         role: Some(Role::Best),
         entries: Grid::from_fn(1, all.len(), |_, y| all[y].probability),
@@ -340,7 +352,7 @@ fn update_tables(before: &Track, weights: &Weights) -> Vec<Matrix> {
         matrix("ν", "combined innovation", Role::Measured, innovation, &axes).with_decimals(LENGTH_DECIMALS),
         matrix("S", "innovation covariance", Role::Predicted, numbers.covariance, &axes),
         matrix("K", "Kalman gain", Role::Estimate, numbers.gain, &states),
-        matrix("P̃", "spread of the innovations", Role::Candidate, numbers.spread, &axes),
+        matrix("V", "spread of the innovations", Role::Candidate, numbers.spread, &axes),
     ]
 }
 
@@ -365,6 +377,7 @@ fn update_equation(before: &Track, weights: &Weights) -> Vec<Math> {
             Math::text(format!(" = {}", terms.join(" + "))),
         ]),
         covariance_formula(),
+        spread_formula(),
         Math::Row(vec![missed(), Math::text(format!(" = {}", ratio(weights.missed())))]),
     ]
 }
@@ -374,10 +387,12 @@ fn missed() -> Math {
     Math::indexed(Math::Var("β"), Math::text("0"))
 }
 
-/// The covariance after the update, with the spread of the innovations.
+fn transposed(name: &'static str) -> Math {
+    Math::power(Math::Bold(name), Math::text("T"))
+}
+
+/// The covariance after the update, with the spread V of the innovations.
 fn covariance_formula() -> Math {
-    let transposed = |name| Math::power(Math::Bold(name), Math::text("T"));
-    let nu = || Math::indexed(Math::Bold("ν"), Math::Var("j"));
     Math::Row(vec![
         Math::Bold("P"),
         Math::text(" ← "),
@@ -394,7 +409,17 @@ fn covariance_formula() -> Math {
         transposed("K"),
         Math::text(") + "),
         Math::Bold("K"),
-        Math::text(" ("),
+        Math::Bold("V"),
+        transposed("K"),
+    ])
+}
+
+/// V = Σ β ν νᵀ − ν νᵀ.
+fn spread_formula() -> Math {
+    let nu = || Math::indexed(Math::Bold("ν"), Math::Var("j"));
+    Math::Row(vec![
+        Math::Bold("V"),
+        Math::text(" = "),
         Math::Sum(Box::new(Math::Var("j"))),
         Math::indexed(Math::Var("β"), Math::Var("j")),
         Math::text(" "),
@@ -403,8 +428,6 @@ fn covariance_formula() -> Math {
         Math::text(" − "),
         Math::Bold("ν"),
         transposed("ν"),
-        Math::text(") "),
-        transposed("K"),
     ])
 }
 
