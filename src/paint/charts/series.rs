@@ -146,11 +146,15 @@ struct Entry {
     swatch: Option<Swatch>,
 }
 
-/// What stands before the name of a band or of a threshold.
+/// What stands before a name that is not that of a line.
 #[derive(Clone, Copy)]
 enum Swatch {
     Band(Color),
     Threshold(Color),
+    /// The circle around rejected values.
+    Ring(Color),
+    /// The arrow of a value beyond the axis.
+    Beyond(Color),
 }
 
 impl Entry {
@@ -175,6 +179,12 @@ pub fn head(data: Plotted<'_>, plot: &Plot, area: Rect, pointed: Option<f32>, st
     let title = Entry::new(title(data, area, small), text);
     let here = pointed.map(|x| Entry::new(format!("{} {}", series.x_label, number(x)), text));
     let names = here.iter().cloned().chain(names(series, pointed.or(series.now()), theme));
+    let is_beyond = |point: &[f32; 2]| plot.shows(point[0]) && plot.beyond(*point).is_some();
+    let beyond = series.lines.iter().find(|(.., points)| points.iter().any(is_beyond));
+    let names = names.chain(beyond.map(|(_, role, _)| Entry {
+        swatch: Some(Swatch::Beyond(theme.word(*role))),
+        ..Entry::new("beyond the axis", text.color(theme.chrome().dim))
+    }));
     let mut rows: Vec<Vec<Entry>> = Vec::new();
     if plot.is_named_below {
         rows.push(vec![title]);
@@ -202,7 +212,8 @@ fn names(series: &Series, x: Option<f32>, theme: Theme) -> Vec<Entry> {
     let lines = series.lines.iter().map(|(name, role, points)| {
         let value = x.and_then(|x| value(*role, points, x));
         let value = value.map_or_else(String::new, |value| format!(" {}", figure(series, value)));
-        Entry::new(format!("{name}{value}"), text.color(theme.word(*role)))
+        let swatch = are_marks(series, *role, points).then(|| Swatch::Ring(theme.word(*role)));
+        Entry { swatch, ..Entry::new(format!("{name}{value}"), text.color(theme.word(*role))) }
     });
     let bands = series.bands.iter().map(|band| Entry {
         swatch: Some(Swatch::Band(band_color(theme))),
@@ -249,6 +260,12 @@ fn row(canvas: &mut Canvas, entries: &[Entry], (area, y): (Rect, f32), theme: Th
             Some(Swatch::Band(color)) => {
                 canvas.fill(sample, *color);
                 canvas.frame(sample, 1.0, theme.chrome().dim);
+            }
+            Some(Swatch::Ring(color)) => ring(canvas, [sample.min[0] + 5.0, y], *color),
+            Some(Swatch::Beyond(color)) => {
+                let [x, y] = [sample.min[0] + ARROW, y - ARROW];
+                let points = vec![[x, y], [x + ARROW, y + 2.0 * ARROW], [x - ARROW, y + 2.0 * ARROW]];
+                canvas.add(Primitive::Polygon { points, color: *color });
             }
             Some(Swatch::Threshold(color)) => {
                 let ends = vec![[sample.min[0], y], [sample.max[0], y]];

@@ -403,6 +403,7 @@ fn above(exponent: &Math) -> Option<String> {
         "2" => Some("²".to_owned()),
         "3" => Some("³".to_owned()),
         "−1" => Some("⁻¹".to_owned()),
+        "n" => Some("ⁿ".to_owned()),
         _ => None,
     }
 }
