@@ -565,6 +565,11 @@ fn a_given_region_stays_on_its_object() {
         let (clip, bounds) = textured_square(24);
         let Bounds { min: [x, y], max: [u, v] } = bounds[0];
         estimator.set("region", &format!("{x},{y},{u},{v}")).expect("a region");
+        // A model in space is given the shape of the square: flat, and seen from the front.
+        let sides = [("model-width", "0.31"), ("model-height", "0.27"), ("model-depth", "0.01")];
+        for (name, value) in [("turn", "0"), ("tilt", "0")].into_iter().chain(sides) {
+            estimator.set(name, value).ok();
+        }
         let output = estimator.run(&clip, 0, &Threads::single()).unwrap();
         let field = output.get::<RegionField>().expect("a region");
         let id = estimator.info().id;
