@@ -248,7 +248,8 @@ fn what_is_reported_is_true_of_the_step() {
     let all = told.join("\n");
     assert!(all.contains("99.99 % gate"), "{all}");
     assert!(all.contains("The measurement is rejected, so the track coasts"), "{all}");
-    assert!(all.contains("1 missed frame"), "{all}");
+    assert!(all.contains("(1 missed frame)") || all.contains(" 1 missed frame "), "{all}");
+    assert!(!all.contains("1 missed frame in a row"), "{all}");
     assert!(all.contains("No track after the deletion, and no measurement in frame 5"), "{all}");
     assert!(!all.contains("No measurement up to frame"), "{all}");
     assert!(legends.iter().any(|(arrow, _)| arrow.is_some_and(|text| text.contains("innovation"))));

@@ -60,13 +60,18 @@ pub fn export(args: &ExportArgs) -> Result<(), Error> {
 fn pages(args: &ExportArgs) -> Result<(), Error> {
     let named = args.task.clip.as_deref().and_then(Address::parse);
     let address = named.ok_or_else(|| Error::new("name the steps with --steps A..B, or a lesson as the clip"))?;
+    refuse_unused(args)?;
     let folder = args.out.as_deref().ok_or_else(|| Error::new("the pages of a lesson need a folder: add --out DIR"))?;
     let lesson = address.load()?;
     if let Some((page, why)) = lesson.faults().next() {
         return Err(Error::new(format!("page {page} of {}: {why}", lesson.title)));
     }
     let count = lesson.pages.len();
-    for (index, page) in lesson.pages.iter().enumerate() {
+    // A page may be named by its number.
+    let is_one = args.task.clip.as_ref() == Some(&address.name());
+    let wanted = |index: &usize| !is_one || *index == address.page;
+    let mut saved = 0;
+    for (index, page) in lesson.pages.iter().enumerate().filter(|(index, _)| wanted(index)) {
         let (prose, mut session) = (page.words.as_ref().map_err(Clone::clone)?, page.session.clone()?);
         session.look = session.look.then(&args.picture.look.0);
         let position = session.position;
@@ -78,8 +83,34 @@ fn pages(args: &ExportArgs) -> Result<(), Error> {
         let picture = words.encode(&stand, args.format, args.picture.scale)?;
         make_folder(folder)?;
         save_result(&folder.join(format!("page-{:02}.{}", index + 1, args.format.extension())), &picture)?;
+        saved += 1;
     }
-    say(&format!("{count} pages in {}", folder.display()))
+    match saved {
+        0 => Err(Error::new(format!("the lesson {} has {count} pages", lesson.title))),
+        1 => say(&format!("1 page in {}", folder.display())),
+        _ => say(&format!("{saved} pages in {}", folder.display())),
+    }
+}
+
+/// Refuses options that the pages of a lesson do not take: their headers say what is run.
+fn refuse_unused(args: &ExportArgs) -> Result<(), Error> {
+    let task = &args.task;
+    let given = [
+        ("--estimator", task.estimator.is_some()),
+        ("--frame", task.frame.is_some()),
+        ("--beside", !task.beside.is_empty()),
+        ("--set", !task.set.is_empty()),
+        ("--panes", !args.sheet.panes.is_empty()),
+        ("--pixel", args.picture.pixel.is_some()),
+        ("--every", args.every.is_some()),
+        ("--animation", args.animation.is_some()),
+    ];
+    match given.into_iter().find(|(_, is_given)| *is_given) {
+        Some((option, _)) => Err(Error::new(format!(
+            "the pages of a lesson say what is run; leave out {option}, or name the steps with --steps"
+        ))),
+        None => Ok(()),
+    }
 }
 
 /// Returns the index of the granularity `name`; the run as a whole is none.

@@ -48,7 +48,7 @@ impl FocusMode {
         match self {
             FocusMode::Auto => {
                 "Magnify the block, window or ellipse of the step where it takes less than 1/6 of the picture, the outline of a model \
-                 where it takes less than 1/4."
+                 or the surroundings of a tracked object where they take less than 1/4."
             }
             FocusMode::On => "Magnify the block, window, ellipse or pixel of every step that has one.",
             FocusMode::Off => "Show the whole picture at every step.",

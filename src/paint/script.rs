@@ -66,7 +66,7 @@ pub fn parts(text: &str) -> Vec<(&str, Script)> {
 
 /// Whether `before` ends with a letter that stands alone.
 fn is_symbol(before: &str) -> bool {
-    let mut letters = before.chars().rev();
+    let mut letters = before.chars().rev().filter(|c| *c != MEAN);
     letters.next().is_some_and(char::is_alphabetic)
         && letters.next().is_none_or(|c| !c.is_alphanumeric() && !"_-./\\".contains(c))
 }

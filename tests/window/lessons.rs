@@ -112,3 +112,41 @@ fn the_view_of_a_page_goes_with_it() {
     window.click_role(Role::Link, "lesson:sequential-search");
     assert!(page(&window).1 > 3, "a link leads to another lesson");
 }
+
+/// A window on a lesson of two pages with different clips, at page `number`.
+fn two_clips(folder: &Path, number: usize) -> Window {
+    let text = "# Two clips\n+++\ntitle = \"One\"\nclip = \"synth:pillar,width=96,height=64\"\nestimator = \"full-search\"\n\
+        step = \"2.3\"\nuntil = \"2.5\"\n+++\nOne.\n+++\ntitle = \"Two\"\nclip = \"synth:translation,width=96,height=64\"\n\
+        estimator = \"full-search\"\nstep = \"4.1\"\nuntil = \"4.2\"\n+++\nTwo.\n";
+    let path = folder.join("two.md");
+    fs::write(&path, text).expect("a file");
+    opened(&format!("{}#{number}", path.display()))
+}
+
+#[test]
+fn back_by_steps_a_page_of_another_clip_is_entered_at_its_last_step() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut window = two_clips(folder.path(), 2);
+    window.key(Key::ArrowLeft);
+    assert_eq!((page(&window).0, window.cursor()), (1, Cursor { unit: 1, event: 5 }));
+    window.key(Key::ArrowLeft);
+    assert_eq!((page(&window).0, window.cursor()), (1, Cursor { unit: 1, event: 4 }), "its steps, backwards");
+    window.key(Key::ArrowRight);
+    window.key(Key::ArrowRight);
+    assert_eq!((page(&window).0, window.cursor()), (2, Cursor { unit: 3, event: 1 }), "a page begins at its step");
+}
+
+#[test]
+fn whoever_leaves_the_page_for_another_run_steps_through_that() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut window = two_clips(folder.path(), 1);
+    window.harness.state_mut().open("synth:parallax,width=96,height=64");
+    window.settle();
+    let before = window.cursor();
+    window.key(Key::ArrowRight);
+    window.key(Key::ArrowRight);
+    assert_eq!(page(&window).0, 1, "the page stays");
+    assert_ne!(window.cursor(), before, "the run goes on");
+    window.key(Key::PageDown);
+    assert_eq!((page(&window).0, window.cursor()), (2, Cursor { unit: 3, event: 1 }), "the clicker turns to the lesson's own");
+}

@@ -118,6 +118,7 @@ impl Math {
             Math::Sub(base, index) => format!("{}_{}", base.plain(), index.plain()),
             Math::Sup(base, exponent) => format!("{}^{}", base.plain(), exponent.plain()),
             Math::Frac(top, bottom) => format!("({})/({})", top.plain(), bottom.plain()),
+            Math::Sum(index) if index.plain().is_empty() => "Σ ".into(),
             Math::Sum(index) => format!("Σ_{} ", index.plain()),
             Math::Abs(inner) => format!("|{}|", inner.plain()),
             Math::Sqrt(inner) => format!("√({})", inner.plain()),

@@ -23,6 +23,13 @@ lessons! {
     "06-lucas-kanade",
     "07-horn-schunck",
     "08-interest-points",
+    "09-correspondence",
+    "10-point-tracking",
+    "11-background-subtraction",
+    "12-kalman-filter",
+    "13-tracking-many-objects",
+    "14-model-based-tracking",
+    "15-motion-segmentation",
 }
 
 /// The bundled lessons, in the order of the course; each is read once.

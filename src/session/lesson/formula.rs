@@ -160,13 +160,23 @@ impl<'a> Reader<'a> {
                 break;
             }
             match next {
+                '^' if matches!(parts.last(), Some(Math::Sum(_))) => {
+                    return Err(self.wrong("a sum has its range below it: \\sum_{i = 1, \\ldots, n}"));
+                }
                 '_' | '^' => {
                     self.take();
                     self.scripts += 1;
                     let script = self.argument()?;
                     self.scripts -= 1;
                     let base = parts.pop().ok_or_else(|| self.wrong(format!("{next} has nothing before it")))?;
-                    parts.push(scripted(base, next, script));
+                    // The space behind a function stands behind its index.
+                    match base {
+                        Math::Text(name, _) if name.ends_with(' ') && name.len() > 1 => {
+                            let name = Math::text(name.trim_end());
+                            parts.extend([scripted(name, next, script), Math::text(" ")]);
+                        }
+                        base => parts.push(scripted(base, next, script)),
+                    }
                 }
                 '\'' => {
                     self.take();
@@ -343,11 +353,20 @@ pub fn inline(text: &str) -> Result<Vec<Span>, Error> {
     if !is_set {
         return Err(Error::new(format!("the formula {text} does not fit into a line; set it apart as $$…$$")));
     }
-    for span in &mut spans {
+    for index in 0..spans.len() {
+        let follows = spans.get(index + 1).is_some_and(|next| next.text.starts_with(char::is_alphanumeric));
+        let span = &mut spans[index];
         span.text = span.text.replace(' ', "\u{a0}");
+        // Without a space the letter behind an index would be part of it.
+        if follows && (span.text.contains('_') || span.text.contains('^')) {
+            span.text.push(THIN);
+        }
     }
     Ok(spans)
 }
+
+/// A narrow space at which no line is broken.
+const THIN: char = '\u{202f}';
 
 /// Adds `math` to `spans`; nothing where a line cannot show it.
 fn flatten(math: &Math, spans: &mut Vec<Span>) -> Option<()> {
@@ -377,11 +396,13 @@ fn flatten(math: &Math, spans: &mut Vec<Span>) -> Option<()> {
             flatten(inner, spans)?;
             push(spans, "|".into(), Style::Plain);
         }
-        Math::Sqrt(inner) if matches!(inner.as_ref(), Math::Var(_)) => {
-            push(spans, "√".into(), Style::Plain);
+        Math::Sqrt(inner) => {
+            let is_letter = matches!(inner.as_ref(), Math::Var(_));
+            push(spans, if is_letter { "√".into() } else { "√(".into() }, Style::Plain);
             flatten(inner, spans)?;
+            push(spans, if is_letter { String::new() } else { ")".into() }, Style::Plain);
         }
-        Math::Frac(..) | Math::Sum(_) | Math::Sqrt(_) | Math::Hat(_) | Math::Matrix(_) => return None,
+        Math::Frac(..) | Math::Sum(_) | Math::Hat(_) | Math::Matrix(_) => return None,
     }
     Some(())
 }
@@ -421,7 +442,7 @@ mod tests {
         assert_eq!(plain("I_x u + I_y v + I_t = 0"), "I_xu + I_yv + I_t = 0");
         assert_eq!(plain(r"\frac{\partial I}{\partial x} = -\lambda"), "(∂I)/(∂x) = −λ");
         assert_eq!(plain(r"E = \sum_{(x,y) \in B} |I - J|^2"), "E = Σ_(x, y) ∈ B |I − J|^2");
-        assert_eq!(plain(r"\begin{pmatrix} \sum I_x^2 & 0 \\ 0 & 1 \end{pmatrix} \mathbf{d}"), "[Σ_ I_x^2, 0; 0, 1]d");
+        assert_eq!(plain(r"\begin{pmatrix} \sum I_x^2 & 0 \\ 0 & 1 \end{pmatrix} \mathbf{d}"), "[Σ I_x^2, 0; 0, 1]d");
         assert_eq!(plain(r"\hat{\mathbf{x}} = \bar{u} - \sqrt{\alpha^2}"), "x\u{302} = u\u{304} − √(α^2)");
         assert_eq!(plain("I_{t+1}(x + u)"), "I_t+1(x + u)");
         assert_eq!(plain(r"\mathbf{P}^- = \mathbf{F} \mathbf{P} \mathbf{F}^\top"), "P^− = FPF^T");
@@ -433,6 +454,7 @@ mod tests {
         assert!(plain(r"\frac{1}{2").contains("a } is missing"));
         assert!(plain("|I - J").contains("a | is missing"));
         assert!(plain("_x").contains("nothing before it"));
+        assert!(plain(r"\sum_{i=1}^{n} x_i").contains("below it"));
         assert!(plain("u}").contains("too many"));
         assert!(plain(&"{".repeat(100)).contains("within each other"));
         assert!(plain(&"\\sqrt".repeat(100)).contains("within each other"));
@@ -443,8 +465,10 @@ mod tests {
     fn a_short_formula_stands_in_a_line() {
         let spans = inline(r"I_x u = -\lambda_1 \bar{u}^2").unwrap_or_default();
         let text: String = spans.iter().map(|span| span.text.as_str()).collect();
-        assert_eq!(text, "I_xu\u{a0}=\u{a0}−λ₁u\u{304}²");
+        assert_eq!(text, "I_x\u{202f}u\u{a0}=\u{a0}−λ₁u\u{304}²");
         assert!(spans.iter().any(|span| span.text == "I_x" && span.style == Style::Emphasis));
+        let log: String = inline(r"\log_2 n").unwrap_or_default().iter().map(|span| span.text.as_str()).collect();
+        assert_eq!(log, "log₂\u{a0}n");
         for long in [r"\frac{1}{2}", "x_{t+1}", r"\hat{x}"] {
             assert!(inline(long).is_err_and(|why| why.to_string().contains("$$")), "{long}");
         }

@@ -7,7 +7,7 @@
 //!
 //! +++
 //! title = "The search window"
-//! clip = "synth:pillar"            # the keys of a session; what a page does not name is that of the page before
+//! clip = "synth:pillar"            # the keys of a session; clip, estimator, parameters and frame may be those of the page before
 //! estimator = "full-search"
 //! step = "27.0"
 //! until = "27.12"                  # the arrow key steps up to here before it turns the page
@@ -40,6 +40,9 @@ pub use bundled::all;
 const LESSON: &str = "lesson:";
 /// The extension of a lesson's file.
 const EXTENSION: &str = "md";
+
+/// The most bytes of a lesson's file: it is read between two frames of the window.
+const MOST_BYTES: u64 = 300_000;
 
 /// A lesson.
 #[derive(Clone)]
@@ -86,6 +89,9 @@ impl Lesson {
         let name = Error::short_name(&path.display().to_string());
         let about = |error: Error| Error::new(format!("cannot open the lesson {name}: {error}"));
         let slug = path.file_stem().unwrap_or_default().to_string_lossy();
+        if path.metadata().is_ok_and(|data| data.len() > MOST_BYTES) {
+            return Err(about(Error::new(format!("it has more than {} kB", MOST_BYTES / 1000))));
+        }
         media::read_text(path).and_then(|text| Self::parse(&slug, &text, folder_of(path))).map_err(about)
     }
 
@@ -144,7 +150,7 @@ impl Address {
         }
     }
 
-    /// The name that [`Address::parse`] reads.
+    /// The whole name, with the number of the page.
     pub fn name(&self) -> OsString {
         let mut name = self.lesson.clone();
         name.push(if self.file().is_some() { "#" } else { "/" });

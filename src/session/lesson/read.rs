@@ -38,7 +38,8 @@ struct Source<'a> {
     /// The header after as many empty lines as stand before it, so that errors name lines of the file.
     header: String,
     words: &'a str,
-    /// The line that the words begin with.
+    /// The lines that header and words begin with.
+    begins: usize,
     line: usize,
 }
 
@@ -61,12 +62,12 @@ fn split(text: &str) -> Result<(&str, Vec<Source<'_>>), Error> {
         let [(first, _, from), (last, to, after)] = *pair else { return None };
         let end = fences.get(2 * i + 2).map_or(text.len(), |(_, from, _)| *from);
         let header = "\n".repeat(first + 1) + &text[from..to];
-        Some(Source { header, words: &text[after..end], line: last + 2 })
+        Some(Source { header, words: &text[after..end], begins: first + 1, line: last + 2 })
     };
     Ok((head, fences.chunks(2).enumerate().filter_map(of).collect()))
 }
 
-/// Reads a page; what its header does not name is that of the page `before`.
+/// Reads a page; clip, estimator, parameters and frame that its header does not name are those of the page `before`.
 fn page(source: &Source<'_>, before: Option<&Session>, folder: &Path) -> Page {
     let mut page = Page {
         title: String::new(),
@@ -86,8 +87,17 @@ fn page(source: &Source<'_>, before: Option<&Session>, folder: &Path) -> Page {
         };
         let session = read::keys(&mut top, base, folder)?;
         top.end()?;
-        Ok(session)
+        let order = |cursor: Cursor| (cursor.unit, cursor.event);
+        let first = session.position.cursor.unwrap_or_default();
+        match page.until.filter(|until| order(*until) < order(first)) {
+            Some(until) => Err(Error::new(format!("until = \"{until}\" lies before step = \"{first}\""))),
+            None => Ok(session),
+        }
     });
-    page.session = read;
+    // What lacks a key has no line of its own.
+    page.session = read.map_err(|why| match why.to_string() {
+        text if text.starts_with("line ") => why,
+        text => Error::new(format!("line {}: {text}", source.begins)),
+    });
     page
 }

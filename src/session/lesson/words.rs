@@ -12,8 +12,11 @@ use crate::paint::charts::prose::{Part, Prose, Span, Style};
 /// A sentence with the line of what a page cannot show or a formula that cannot be read.
 pub fn parse(text: &str, line: usize) -> Result<Prose, Error> {
     let mut reader = Reader::default();
+    let (mut line, mut from) = (line, 0);
     for (event, at) in Parser::new_ext(text, Options::ENABLE_MATH).into_offset_iter() {
-        let line = line + text[..at.start].matches('\n').count();
+        // The end of a part begins where the part does.
+        let lines = text.get(from..at.start).map_or(0, |passed| passed.matches('\n').count());
+        (line, from) = (line + lines, from.max(at.start));
         reader.take(event).map_err(|why| Error::new(format!("line {line}: {why}")))?;
     }
     reader.end_words();
@@ -30,6 +33,8 @@ struct Reader {
     link: Option<String>,
     /// The next number of each list that is open; none of a list with dots.
     lists: Vec<Option<u64>>,
+    /// The mark of the item that begins, with its number if it has one.
+    item: Option<Option<u64>>,
 }
 
 impl Reader {
@@ -55,7 +60,13 @@ impl Reader {
     fn start(&mut self, tag: Tag<'_>) -> Result<(), Error> {
         match tag {
             Tag::Paragraph => {}
-            Tag::Item => self.end_words(),
+            Tag::Item => {
+                self.end_words();
+                self.item = self.lists.last().copied();
+                if let Some(Some(next)) = self.lists.last_mut() {
+                    *next += 1;
+                }
+            }
             Tag::Strong => self.strong += 1,
             Tag::Emphasis => self.emphasis += 1,
             Tag::Link { dest_url, .. } => self.link = Some(dest_url.into_string()),
@@ -99,13 +110,9 @@ impl Reader {
         if words.iter().all(|span| span.text.trim().is_empty()) {
             return;
         }
-        self.parts.push(match self.lists.last_mut() {
+        self.parts.push(match self.item.take() {
+            Some(number) => Part::Item(number, words),
             None => Part::Paragraph(words),
-            Some(next) => {
-                let number = *next;
-                *next = number.map(|number| number + 1);
-                Part::Item(number, words)
-            }
         });
     }
 }
@@ -126,6 +133,8 @@ mod tests {
     fn paragraphs_lists_and_formulas_are_parts() {
         let prose = read("The **cost** of $u$:\n\n$$\nE = |I - J|\n$$\n\n1. test,\n2. *keep* the minimum.\n");
         assert_eq!(prose.plain(), "The cost of u:\nE = |I − J|\n1. test,\n2. keep the minimum.");
+        let two = read("1. a\n\n   b\n2. c\n");
+        assert_eq!(two.plain(), "1. a\nb\n2. c", "a second paragraph of an item has no number");
         let Part::Paragraph(spans) = &prose.0[0] else { panic!("{:?}", prose.0[0]) };
         let styles: Vec<_> = spans.iter().map(|span| (span.text.as_str(), span.style)).collect();
         let expected = [

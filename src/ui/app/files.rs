@@ -261,7 +261,7 @@ impl App {
         let left = self.document.open(clip, source, given);
         self.document.read_from(inputs);
         self.begin(left.filter(|_| session.is_none()));
-        let Some(session) = session else {
+        let Some(mut session) = session else {
             self.choose_tracker();
             // Where there are no pictures, what was detected is the first thing to be seen.
             let is_blank = self.document.clip().is_some_and(Clip::is_blank);
@@ -270,6 +270,10 @@ impl App {
             }
             return;
         };
+        // A page is entered where it is turned to, not where its run was left.
+        if let Some(open) = self.lesson.as_ref().filter(|open| open.address().name() == path.as_os_str()) {
+            session.position.cursor = Some(open.landing());
+        }
         self.take(session);
     }
 

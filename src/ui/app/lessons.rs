@@ -41,13 +41,10 @@ impl App {
 
     /// Turns to the next page that way.
     pub(super) fn turn(&mut self, way: Direction) {
-        let Some(open) = &mut self.lesson else { return };
-        self.settings.look = open.without_page(self.settings.look);
-        open.turn(way);
-        self.show_page(None);
+        self.turn_to(way, false);
     }
 
-    /// Turns the page instead of `command`, where that is what a lesson is stepped through with; gives whether it did.
+    /// Turns the page instead of `command`, where that is what a lesson is stepped through with; gives whether the command is done with.
     pub(super) fn turns_page(&mut self, command: Command) -> bool {
         let Some(open) = &self.lesson else { return false };
         let (way, is_step) = match command {
@@ -57,23 +54,37 @@ impl App {
             Command::PreviousUnit => (Direction::Back, false),
             _ => return false,
         };
-        // What is shown while a page comes is not of this page.
-        if is_step && self.loading.is_some() {
-            return true;
+        // A page that is wrong has no steps of its own.
+        let session = open.page().session.as_ref().ok().filter(|_| is_step);
+        if let Some(session) = session {
+            // Until the step of the page is there, what is shown is not of it, and its steps must not be passed over.
+            if !open.has_arrived() {
+                return true;
+            }
+            // Whoever has left the page for another run steps through that.
+            let shown = self.view.shown.as_deref();
+            let Some(shown) = shown.filter(|shown| shown.subject.experiment == session.experiment) else {
+                return false;
+            };
+            let is_through = open.is_through(shown.cursor, way) || way == Direction::Forward && shown.at_end;
+            if !is_through {
+                return false;
+            }
         }
-        let shown = self.view.shown.as_deref().filter(|shown| self.document.is_of_clip(shown));
-        let is_through = shown.is_none_or(|shown| open.is_through(shown.cursor, way));
-        if open.is_at(way) || is_step && !is_through {
+        if open.is_at(way) {
             return false;
         }
-        // Back from its first step, a page is entered at its last one.
-        let enters_at_end = is_step && way == Direction::Back;
-        self.turn(way);
-        let until = self.lesson.as_ref().and_then(|open| open.page().until);
-        if let Some(until) = until.filter(|_| enters_at_end) {
-            self.show_page(Some(until));
-        }
+        self.turn_to(way, is_step);
         true
+    }
+
+    /// Turns the page; by a step back it is entered at its last step.
+    fn turn_to(&mut self, way: Direction, is_step: bool) {
+        let Some(open) = &mut self.lesson else { return };
+        self.settings.look = open.without_page(self.settings.look);
+        open.turn(way);
+        let at = open.page().until.filter(|_| is_step && way == Direction::Back);
+        self.show_page(at);
     }
 
     /// Copies what is shown as a page of a lesson; its files are named from the folder of the lesson that is open.
@@ -92,12 +103,13 @@ impl App {
 
     /// Shows the step of the page, or its step `at`.
     fn show_page(&mut self, at: Option<Cursor>) {
-        let Some(open) = &self.lesson else { return };
+        let Some(open) = &mut self.lesson else { return };
         let Ok(mut session) = open.page().session.clone() else { return };
         let name = open.address().name();
         self.player.pause();
         let cursor = at.or(session.position.cursor).unwrap_or_default();
         session.position.cursor = Some(cursor);
+        open.lands_at(cursor);
         let now = self.document.experiment();
         let is_of_clip = self.document.clip().is_some() && session.experiment.has_clip_of(now);
         if !is_of_clip {
@@ -113,9 +125,16 @@ impl App {
         }
     }
 
-    /// Reads a lesson anew that is being written.
+    /// Notes that the step of the page is there, and reads a lesson anew that is being written.
     pub(super) fn follow_lesson(&mut self) {
-        let Some(open) = self.lesson.as_mut().filter(|open| open.address().file().is_some()) else { return };
+        let is_there = self.loading.is_none() && !self.view.busy;
+        let Some(open) = &mut self.lesson else { return };
+        if is_there {
+            open.arrive();
+        }
+        if open.address().file().is_none() {
+            return;
+        }
         let followed = open.follow();
         self.ctx.request_repaint_after(LOOK);
         match followed {

@@ -22,6 +22,9 @@ pub struct OpenLesson {
     looked: Instant,
     /// How pictures looked before the first page.
     look: Look,
+    /// Where the run is to stand on the page, and whether it does.
+    landing: Cursor,
+    has_arrived: bool,
     /// Whether the teacher's notes are shown.
     pub has_notes: bool,
 }
@@ -38,7 +41,16 @@ impl OpenLesson {
             return Err(Error::new(format!("the lesson {} has {pages} pages", lesson.title)));
         }
         let written = address.file().and_then(written);
-        Ok(Self { lesson, address, written, looked: Instant::now(), look, has_notes: false })
+        Ok(Self {
+            lesson,
+            address,
+            written,
+            looked: Instant::now(),
+            look,
+            landing: Cursor::default(),
+            has_arrived: false,
+            has_notes: false,
+        })
     }
 
     /// The lesson.
@@ -79,7 +91,27 @@ impl OpenLesson {
         };
     }
 
-    /// Whether the steps of the page are behind one who stands at `cursor` and goes on that way.
+    /// Says where the run is to stand on the page that was turned to.
+    pub fn lands_at(&mut self, cursor: Cursor) {
+        (self.landing, self.has_arrived) = (cursor, false);
+    }
+
+    /// Where the run is to stand on the page.
+    pub fn landing(&self) -> Cursor {
+        self.landing
+    }
+
+    /// Notes that the run stands there.
+    pub fn arrive(&mut self) {
+        self.has_arrived = true;
+    }
+
+    /// Whether the run has been where the page begins.
+    pub fn has_arrived(&self) -> bool {
+        self.has_arrived
+    }
+
+    /// Whether no steps of the page are left from `cursor` on in that direction.
     pub fn is_through(&self, cursor: Cursor, way: Direction) -> bool {
         let page = self.page();
         let first = page.session.as_ref().ok().and_then(|session| session.position.cursor).unwrap_or_default();

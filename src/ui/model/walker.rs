@@ -627,7 +627,8 @@ impl<'a> Worker<'a> {
         // A pixel stays held when parameters change, but not in another clip.
         let other = self.run.take().is_some_and(|run| run.clip.info().name != subject.clip.info().name);
         self.held = match place.hold {
-            Hold::Kept => self.held.filter(|_| !other),
+            // In another run an object has another identity.
+            Hold::Kept => self.held.filter(|_| !other).map(|focus| Focus { object: None, ..focus }),
             Hold::Set(pixel) => pixel.map(Pixel::focus),
         };
         let clip = subject.clip.clone().until(self.shared.stop.clone());

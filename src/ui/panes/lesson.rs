@@ -8,7 +8,7 @@ use motionscope_core::Direction;
 
 use super::explanation::Part;
 use crate::paint::Theme;
-use crate::paint::charts::prose;
+use crate::paint::charts::prose::{self, Prose};
 use crate::session::lesson::Address;
 use crate::ui::app::action::{Action, Actions};
 use crate::ui::app::commands::Command;
@@ -37,7 +37,7 @@ pub struct State {
 /// What the layout of a page follows from.
 #[derive(Clone, PartialEq)]
 struct Key {
-    text: String,
+    prose: Prose,
     width: u32,
     theme: Theme,
     pixels_per_point: f32,
@@ -126,7 +126,7 @@ fn words(ui: &mut Ui, (open, theme): (&OpenLesson, Theme), state: &mut State, ac
     };
     let width = (ui.available_width() - 8.0).max(80.0);
     let key = Key {
-        text: prose.plain(),
+        prose: prose.clone(),
         width: width.round() as u32,
         theme,
         pixels_per_point: ui.pixels_per_point(),

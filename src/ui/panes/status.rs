@@ -122,7 +122,10 @@ pub fn nested_place(shown: &Snapshot) -> Option<String> {
 }
 
 /// Which pixel is explained, and how another one is.
-fn explained(Pointed { at: Focus { on, at: [x, y], .. }, is_held }: Pointed) -> String {
+fn explained(Pointed { at: Focus { on, at: [x, y], object }, is_held }: Pointed) -> String {
+    if let Some(object) = object {
+        return format!("explained: track {object}, Esc unpins it");
+    }
     let hint = if is_held { "Esc unpins it" } else { "click to pin it" };
     let of = if on == Picture::CURRENT { String::new() } else { format!(" of {}", on.title(None).to_lowercase()) };
     format!("explained: pixel ({x}, {y}){of}, {hint}")

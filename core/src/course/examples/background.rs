@@ -21,7 +21,7 @@ pub(super) const EXAMPLES: &[Example] = &[
         of: &["running-average", "mixture-of-gaussians", "frame-difference"],
         cause: Some(Cause::CameraMotion),
         clip: "hand-held",
-        settings: &[],
+        settings: &[("camera", "still")],
         frame: 0,
         says: "A pixel is compared with earlier levels of the same pixel, but under a moving camera these show other places of the scene. The \
                motion of the camera has to be estimated first, as in the motion-compensated difference.",

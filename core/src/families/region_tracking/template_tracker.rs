@@ -86,6 +86,9 @@ const LEAST_OVERLAP: f64 = 0.5;
 /// Beyond it the alignment has failed, whatever the correlation is: that of a template shrunk to a line is high on any edge.
 const MOST_STRETCH: f64 = 2.0;
 
+/// The frames of a loss in which that factor widens.
+const MOST_WIDENED: usize = 2;
+
 /// The factors by which a warp changes lengths since the last frame that showed the object.
 #[derive(Clone, Copy, Debug)]
 struct Stretch {
@@ -98,7 +101,7 @@ struct Stretch {
 impl Stretch {
     fn new([before, after]: [&Matrix3; 2], lost_frames: usize) -> Self {
         let [largest, smallest] = stretch([before, after]);
-        Self { largest, smallest, most: MOST_STRETCH.powf(lost_frames as f64 + 1.0) }
+        Self { largest, smallest, most: MOST_STRETCH.powf(lost_frames.min(MOST_WIDENED) as f64 + 1.0) }
     }
 
     /// Whether lengths change more than an object does in the frames since then.
@@ -321,7 +324,7 @@ pseudocode! {
     LEARN: "T₁, T ← pixels of R; D ← steepest-descent images ∇T · ∂W/∂p, H ← Σ D^T D on each pyramid level",
     EACH_FRAME: "for each later frame t, from the last warp W",
     ALIGN: "  on each level, from the coarsest: repeat W ← W ∘ W(Δp)⁻¹, Δp ← H⁻¹ Σ D^T (I(W(x)) − T(x))",
-    JUDGE: "  ρ ← correlation of I(W(x)) with T(x); lost if ρ < min-correlation, W leaves the frame or lengths change more than 2-fold a frame",
+    JUDGE: "  ρ ← correlation of I(W(x)) with T(x); lost if ρ < min-correlation, W leaves the frame or lengths change more than 2-fold (a frame, or between directions)",
     REALIGN: "  if drift-corrected: W* ← alignment of the first template T₁ in the same way, from W on",
     CORRECT: "    if W* moves no corner farther than max-correction: W ← W*, else T stays",
     UPDATE: "  if update: T(x) ← I(W(x)); D, H ← those of the new T",

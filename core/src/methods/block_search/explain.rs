@@ -232,6 +232,9 @@ impl Probe<'_> {
             let other = |other: &Match| format!("{} at {}", self.settings.number(other.cost), vector(other.vector()));
             let same = match self.counted.level.is_none() && surface.least.cost >= whole {
                 true => "It is the global minimum, but nearly the same cost is reached at other minima:",
+                false if competing_minima.iter().any(|other| other.cost < whole) => {
+                    "The search window has other minima, which cost less or nearly the same:"
+                }
                 false => "Nearly the same cost:",
             };
             return ambiguity(same, competing_minima.iter().map(other).collect());

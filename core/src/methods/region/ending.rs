@@ -51,7 +51,7 @@ pub struct Loss {
     pub frame: usize,
     /// The share of the object that can be seen, 0 to 1.
     pub visibility: f64,
-    /// Whether a part of its box lies outside the picture.
+    /// Whether most of what cannot be seen of it lies outside the picture.
     pub is_leaving: bool,
     /// Its motion from the frame before in px.
     pub moved_px: f64,
@@ -72,10 +72,12 @@ impl Loss {
         let [old, bounds] = [before, now].map(Bounds::from);
         let [u, v] = [0, 1].map(|i| f64::from(bounds.center()[i] - old.center()[i]));
         let end = [width, height].map(|extent| extent as f32 - 0.5);
+        let inside = [0, 1].map(|i| f64::from(bounds.max[i].min(end[i]) - bounds.min[i].max(-0.5)).max(0.0));
+        let outside = 1.0 - inside[0] * inside[1] / f64::from(bounds.area()).max(f64::MIN_POSITIVE);
         Self {
             frame,
             visibility: now.visibility.into(),
-            is_leaving: (0..2).any(|i| bounds.min[i] < -0.5 || bounds.max[i] > end[i]),
+            is_leaving: outside > 0.0 && 2.0 * outside > 1.0 - f64::from(now.visibility),
             moved_px: u.hypot(v),
             side_px: bounds.size().map(f64::from).into_iter().fold(f64::INFINITY, f64::min),
         }
@@ -190,7 +192,8 @@ mod tests {
         let covered = of(33.0, 0.25);
         assert_eq!((covered.frame, covered.visibility, covered.is_leaving), (7, 0.25, false));
         assert_eq!((covered.moved_px, covered.side_px), (3.0, 10.0));
-        assert!(of(52.0, 0.9).is_leaving && !of(51.0, 1.0).is_leaving);
+        assert!(of(58.0, 0.45).is_leaving && !of(51.0, 1.0).is_leaving);
+        assert!(!of(52.0, 0.1).is_leaving, "at the border, and covered");
     }
 
     #[test]

@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use super::{BORDER, Sift, State};
-use crate::base::Threads;
 use crate::base::words::gray;
 use crate::data::Frame;
 use crate::geometry::Grid;
@@ -56,7 +55,7 @@ impl Sift {
         let blurred = Arc::clone(image);
         let make = move || Frame::gray(at_frame(&blurred, pixel_px, size, |value| value));
         scene.pictures = vec![Canvas::made(Picture::SMOOTHED, make)];
-        let name = format!("{}, σ = {} px", IMAGES[level], gray(self.shape().sigma_of(level as f32)));
+        let name = self.name_of(index, level);
         label(scene, Picture::SMOOTHED, size, name);
         if level > 0 {
             self.show_difference(state, (index, level - 1), scene);
@@ -71,6 +70,12 @@ impl Sift {
             scene.legend(Role::Window, "detail under Pixels");
         }
         scene.is_overview = true;
+    }
+
+    /// The name of a Gaussian image with its σ in px of the frame.
+    fn name_of(&self, octave: usize, level: usize) -> String {
+        let shape = self.shape();
+        format!("{}, σ = {} px", IMAGES[level], gray(shape.sigma_of(level as f32) * shape.pixel_px(octave)))
     }
 
     /// Shows a difference of Gaussians with its name and its scale of grays; of an octave and with a number in it.
@@ -92,12 +97,8 @@ impl Sift {
         let center = match (seen.point(), octave.differences.first()) {
             (Some(point), _) => point.map(|c| (c / pixel_px).round().max(0.0) as usize),
             (None, Some(difference)) => strongest(difference),
-            (None, None) => {
-                // The difference that comes next, so that the part stays where it is.
-                let mut space = state.space.clone();
-                self.shape().add_level(&mut space, state.picture.luma(), &Threads::single());
-                strongest(space.octaves.last()?.differences.first()?)
-            }
+            // Before there is a difference.
+            (None, None) => strongest(image),
         };
         Some(Detail::around(center, image))
     }
@@ -122,11 +123,10 @@ impl Sift {
 
     /// The Gaussian images of the octave at work so far.
     pub(super) fn stack(&self, state: &State) -> Option<Stack> {
-        let (octave, _) = last_of(state)?;
+        let ((octave, _), index) = (last_of(state)?, state.space.octaves.len() - 1);
         let level = |(level, image): (usize, &Arc<Grid<f32>>)| {
             let frame = Arc::new(Frame::gray(image.map(|value| value.round().clamp(0.0, 255.0) as u8)));
-            let name = format!("{}, σ = {} px", IMAGES[level], gray(self.shape().sigma_of(level as f32)));
-            Level::new([Arc::clone(&frame), frame]).named(name)
+            Level::new([Arc::clone(&frame), frame]).named(self.name_of(index, level))
         };
         let all: Vec<Level> = octave.gaussians.iter().enumerate().map(level).collect();
         let floors = vec![Floor::default(); all.len()];
@@ -155,7 +155,7 @@ fn strongest(difference: &Grid<f32>) -> [usize; 2] {
 
 /// The absolute value that nearly all pixels stay below, so that the few largest do not leave the rest gray.
 fn scale_of(difference: &Grid<f32>) -> f32 {
-    /// One of so many pixels lies beyond it.
+    /// 1 of 200 pixels lies beyond it.
     const BEYOND: usize = 200;
     /// As many pixels, spread evenly, are enough for a share.
     const SAMPLES: usize = 40_000;

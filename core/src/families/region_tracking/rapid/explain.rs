@@ -185,6 +185,9 @@ impl Explained for Rapid {
         let Event::Judged(judged) = at.event else { return None };
         let why = match judged.covariance {
             None => "the edges do not determine its pose",
+            Some(_) if !judged.is_kept && judged.share >= f64::from(self.min_share) => {
+                "a corner of its model lies behind the camera"
+            }
             Some(_) if !judged.is_kept => "too few control points have an edge",
             Some(_) => "the edges do not fit one pose",
         };
@@ -305,6 +308,9 @@ impl Rapid {
             return said;
         }
         let why = match judged.is_kept {
+            false if judged.share >= f64::from(self.min_share) => {
+                " A corner of the model lies behind the camera: ".to_owned()
+            }
             false => format!(" Share {} < {}: ", ratio(judged.share), ratio(self.min_share.into())),
             true => format!(
                 " Median distance of the edges {} px > {} px, so they do not fit one pose: ",

@@ -178,11 +178,16 @@ impl Explained for TemplateTracker {
             (Outcome::Followed, Update::Corrected) => {
                 "The template followed changes of appearance, and the first one took out the drift wherever both agreed."
             }
-            (_, update) => return ending.loss.map_or_else(|| unreported(update).into(), cause),
+            (_, update) if ending.reported == 0 => unreported(update),
+            (..) => return ending.loss.map_or_else(|| UNKNOWN_CAUSE.into(), cause),
         }
         .into()
     }
 }
+
+/// What is said of a loss in frames of which the truth is not known.
+const UNKNOWN_CAUSE: &str = "Without the true box at the start of the loss its cause is not known: cover, a motion farther than the iterations \
+                             converge and a change of appearance all lower the correlation.";
 
 /// What took the template off an object that was not reported as lost.
 fn unreported(update: Update) -> &'static str {
