@@ -7,15 +7,18 @@ use std::path::{Path, PathBuf};
 use motionscope_core::estimators;
 
 /// Files that hold nothing but data about chosen estimators, and what they are for.
-const DATA: [(&str, &str); 3] = [
+const DATA: [(&str, &str); 4] = [
     ("src/cli/examples.rs", "examples in the help"),
     ("src/experiment/course_table.rs", "the course's own table of three searches"),
+    ("src/session/lesson/formula.rs", "letters and signs by their names in LaTeX"),
     ("src/experiment/first.rs", "what is opened, or stands beside another, where nothing is named"),
 ];
 
 /// Words that are names of something else in the file that has them.
-const OTHERWISE: [(&str, &str, &str); 30] = [
+const OTHERWISE: [(&str, &str, &str); 33] = [
     ("src/cli/args.rs", "frame", "a flag"),
+    ("src/cli/lessons.rs", "clip", "a key of the JSON"),
+    ("src/cli/lessons.rs", "step", "a key of the JSON"),
     ("src/cli/list.rs", "clip", "a key of the JSON"),
     ("src/cli/list.rs", "frame", "a key of the JSON"),
     ("src/cli/list.rs", "frames", "a key of the JSON"),
@@ -28,6 +31,7 @@ const OTHERWISE: [(&str, &str, &str); 30] = [
     ("src/media/truth/mot.rs", "frame", "a column of the file"),
     ("src/media/truth/mot.rs", "identity", "a column of the file"),
     ("src/media/video/y4m.rs", "alpha", "a plane of the picture"),
+    ("src/paint/charts/stack.rs", "level", "a level of a pyramid"),
     ("src/paint/layer.rs", "confidence", "a layer of colors"),
     ("src/paint/svg.rs", "fill", "an attribute of the format"),
     ("src/results/flow.rs", "flow", "a flag"),

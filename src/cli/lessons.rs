@@ -28,7 +28,9 @@ pub fn listed(name: Option<&OsStr>, as_json: bool) -> Result<String, Error> {
 }
 
 fn title(lesson: &Lesson) -> String {
-    format!("lesson:{}  {} ({} pages)", lesson.slug, lesson.title, lesson.pages.len())
+    let pages = lesson.pages.len();
+    let count = if pages == 1 { "1 page".to_owned() } else { format!("{pages} pages") };
+    format!("lesson:{}  {} ({count})", lesson.slug, lesson.title)
 }
 
 /// A page for a person.

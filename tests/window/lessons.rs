@@ -13,7 +13,8 @@ fn opened(name: &str) -> Window {
 
 /// The number of the page, from 1, and of how many, as the window shows them.
 fn page(window: &Window) -> (usize, usize) {
-    let texts = window.harness.query_all_by_label_contains(" of ").filter_map(|node| node.accesskit_node().label());
+    let all = window.harness.root().children_recursive();
+    let texts = all.filter_map(|node| node.accesskit_node().label().or_else(|| node.accesskit_node().value()));
     let numbers = |text: String| {
         let (page, pages) = text.split_once(" of ")?;
         Some((page.parse().ok()?, pages.parse().ok()?))
@@ -148,5 +149,9 @@ fn whoever_leaves_the_page_for_another_run_steps_through_that() {
     assert_eq!(page(&window).0, 1, "the page stays");
     assert_ne!(window.cursor(), before, "the run goes on");
     window.key(Key::PageDown);
-    assert_eq!((page(&window).0, window.cursor()), (2, Cursor { unit: 3, event: 1 }), "the clicker turns to the lesson's own");
+    assert_eq!(
+        (page(&window).0, window.cursor()),
+        (2, Cursor { unit: 3, event: 1 }),
+        "the clicker turns to the lesson's own"
+    );
 }

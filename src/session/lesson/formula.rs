@@ -58,6 +58,7 @@ const UPRIGHT: &[(&str, &str)] = &[
     (";", " "),
     (" ", " "),
     ("quad", "  "),
+    ("qquad", "    "),
     ("min", "min "),
     ("max", "max "),
     ("exp", "exp "),
@@ -466,7 +467,7 @@ mod tests {
         let spans = inline(r"I_x u = -\lambda_1 \bar{u}^2").unwrap_or_default();
         let text: String = spans.iter().map(|span| span.text.as_str()).collect();
         assert_eq!(text, "I_x\u{202f}u\u{a0}=\u{a0}−λ₁u\u{304}²");
-        assert!(spans.iter().any(|span| span.text == "I_x" && span.style == Style::Emphasis));
+        assert!(spans.iter().any(|span| span.text == "I_x\u{202f}" && span.style == Style::Emphasis));
         let log: String = inline(r"\log_2 n").unwrap_or_default().iter().map(|span| span.text.as_str()).collect();
         assert_eq!(log, "log₂\u{a0}n");
         for long in [r"\frac{1}{2}", "x_{t+1}", r"\hat{x}"] {

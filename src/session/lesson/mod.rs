@@ -9,7 +9,7 @@
 //! title = "The search window"
 //! clip = "synth:pillar"            # the keys of a session; clip, estimator, parameters and frame may be those of the page before
 //! estimator = "full-search"
-//! step = "27.0"
+//! step = "27.1"
 //! until = "27.12"                  # the arrow key steps up to here before it turns the page
 //! notes = "Ask for a guess."       # for the teacher
 //! +++

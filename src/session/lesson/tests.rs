@@ -66,11 +66,11 @@ fn a_page_takes_from_the_page_before_what_it_does_not_name() {
 #[test]
 fn a_page_that_is_wrong_says_its_line_and_the_others_open() {
     for (right, wrong, line) in [
-        ("estimator = \"three-step\"", "estimator = \"no-step\"", "line 27, estimator"),
-        ("step = \"7.0\"", "stop = \"7.0\"", "line 20: there is no key stop"),
+        ("estimator = \"three-step\"", "estimator = \"no-step\"", "line 25, estimator"),
+        ("step = \"7.0\"", "stop = \"7.0\"", "line 19: there is no key stop"),
         ("synth:pillar", "synth:pile", "line 7, clip"),
         ("block-size", "block-sise", "line 12, set.block-sise"),
-        ("$u$", "$\\wrong$", "line 22: the formula"),
+        ("$u$", "$\\wrong$", "line 21: the formula"),
     ] {
         let lesson = lesson(&TEXT.replace(right, wrong));
         let faults: Vec<_> = lesson.faults().map(|(page, why)| format!("{page}: {why}")).collect();

@@ -423,6 +423,9 @@ impl Command {
             C::Undo => now.can_undo,
             C::Redo => now.can_redo,
             C::ResetParameters => now.has_clip && now.is_tuned,
+            // In a lesson they turn its pages as well.
+            C::IntoBack | C::PreviousUnit if now.in_lesson && !now.at_first_page => true,
+            C::Into | C::NextUnit if now.in_lesson && !now.at_last_page => true,
             C::IntoBack | C::OverBack | C::OutBack | C::PreviousUnit | C::PreviousMark | C::Start => {
                 now.has_run && !now.at_start
             }

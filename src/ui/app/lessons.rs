@@ -22,6 +22,7 @@ impl App {
                 }
                 self.close_lesson();
                 self.overlay = Overlay::None;
+                self.settings.close_drawer();
                 self.lesson = Some(open);
                 self.show_page(None);
             }
@@ -71,11 +72,14 @@ impl App {
                 return false;
             }
         }
-        if open.is_at(way) {
-            return false;
+        match open.is_at(way) {
+            // The last page stays with its step; the run goes on by larger steps.
+            true => is_step && way == Direction::Forward && session.is_some(),
+            false => {
+                self.turn_to(way, is_step);
+                true
+            }
         }
-        self.turn_to(way, is_step);
-        true
     }
 
     /// Turns the page; by a step back it is entered at its last step.

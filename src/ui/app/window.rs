@@ -541,7 +541,13 @@ impl eframe::App for App {
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
         self.note_place();
+        // What a page sets is not how the person looks at pictures.
+        let look = self.settings.look;
+        if let Some(open) = &self.lesson {
+            self.settings.look = open.without_page(look);
+        }
         self.settings.save(storage);
+        self.settings.look = look;
         eframe::set_value(storage, STATES, &self.states);
     }
 

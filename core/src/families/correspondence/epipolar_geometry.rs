@@ -54,6 +54,9 @@ robust_pseudocode!(
     RECTIFY: "rectify both frames: H′ sends e′ to infinity along x, H makes the rows equal"
 );
 
+/// Above this share of inliers on a plane the fundamental matrix rests on few of them.
+const NEARLY_PLANE: f64 = 0.5;
+
 impl RobustModel for EpipolarGeometry {
     const INFO: Info = Info {
         id: "epipolar-geometry",
@@ -182,7 +185,14 @@ impl RobustModel for EpipolarGeometry {
                  of its own, for which F is wrong.",
                 words::grouped(agreeing)
             ),
-            None => String::new(),
+            None => match planarity {
+                Some(planar) if planar.share > NEARLY_PLANE => format!(
+                    " A homography explains {} of the inliers: the scene is nearly a plane, so F and its epipoles are poorly determined, and \
+                     other random seeds give others.",
+                    percent(planar.share)
+                ),
+                _ => String::new(),
+            },
         };
         format!(
             "{found}{pose}{dominant} Points of moving objects violate F unless they move along their epipolar lines."

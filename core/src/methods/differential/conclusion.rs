@@ -58,6 +58,8 @@ enum Cause {
 const TEXTURE: f32 = 1.0;
 /// Noise with a standard deviation of 3 gray levels gives eigenvalues of about this, in (gray levels per px)².
 const NOISE: f32 = 4.5;
+/// So many times that much in one direction is an edge.
+const EDGE: f32 = 4.0;
 /// Neighbours that differ by more are a motion boundary, in px.
 const BOUNDARY_PX: f32 = 1.0;
 /// Noise and interpolation change the gray level along the true motion by less.
@@ -157,7 +159,9 @@ fn cause((frames, flow): (&FramePair, &Flow), place: (usize, usize), has_truth: 
         () if has_truth && true_px > REACH_PX * coarsest_px => Cause::Large(true_px),
         () if eigenvalues[0] < TEXTURE => Cause::Flat(eigenvalues),
         () if differs > BOUNDARY_PX => Cause::Boundary(differs),
-        () if eigenvalues[1] < TEXTURE => Cause::Edge(eigenvalues),
+        () if eigenvalues[1] < TEXTURE || eigenvalues[1] < NOISE && eigenvalues[0] > EDGE * NOISE => {
+            Cause::Edge(eigenvalues)
+        }
         () if has_truth && true_px > LARGE_PX && 2.0 * found_px < true_px => Cause::Large(true_px),
         () if has_truth && change > CHANGE => Cause::Brightness(change),
         () if eigenvalues[1] < NOISE => Cause::Weak(eigenvalues),

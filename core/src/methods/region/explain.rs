@@ -3,7 +3,7 @@
 use super::ending::{FAIR, GROWN};
 use super::start::Origin;
 use super::{At, Ending, Event, Explained, Outcome, RegionTracking, State, line, plots};
-use crate::base::words::{counted, fixed, grouped, place};
+use crate::base::words::{counted, fixed, place};
 use crate::data::Clip;
 use crate::methods::numbers::{px, ratio};
 use crate::products::region::{RegionError, RegionScores, area_ratio, covered, success};
@@ -290,7 +290,7 @@ fn scored(of: &RegionScores, ending: Ending) -> String {
     said + &match (of.failures, ending.reported) {
         (0, _) => ".".into(),
         (_, 0) => ", no loss reported.".into(),
-        (_, lost) => format!(", a loss reported in {}.", grouped(lost)),
+        (_, lost) => format!(", a loss reported in {}.", counted(lost, "frame")),
     }
 }
 

@@ -130,7 +130,7 @@ impl Stabilization {
         }
         if let Some(motion) = motion_px.filter(|motion| *motion > FOREIGN_PX) {
             said.push_str(&format!(
-                " The motion of a pair is up to {} off at the corners: a large object or parallax dominates its matches, so it is not \
+                " The motion of a pair is up to {} off at the corners: a large object, parallax or a motion that the model does not have, as a rotation for a translation, dominates it, so it is not \
                  that of the background.",
                 px(motion)
             ));

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::{BORDER, Sift, State};
+use crate::base::Threads;
 use crate::base::words::gray;
 use crate::data::Frame;
 use crate::geometry::Grid;
@@ -97,8 +98,12 @@ impl Sift {
         let center = match (seen.point(), octave.differences.first()) {
             (Some(point), _) => point.map(|c| (c / pixel_px).round().max(0.0) as usize),
             (None, Some(difference)) => strongest(difference),
-            // Before there is a difference.
-            (None, None) => strongest(image),
+            (None, None) => {
+                // The difference that comes next, so that the part stays where it is.
+                let mut space = state.space.clone();
+                self.shape().add_level(&mut space, state.picture.luma(), &Threads::single());
+                strongest(space.octaves.last()?.differences.first()?)
+            }
         };
         Some(Detail::around(center, image))
     }

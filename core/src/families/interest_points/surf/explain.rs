@@ -610,7 +610,7 @@ fn descriptor_series(of: &Described<'_>) -> Series {
     let entries = of.subregions.iter().flatten().map(|sum| sum * scale);
     Series {
         title: "Descriptor",
-        x_label: "entry: Σ dx, Σ dy, Σ |dx|, Σ |dy| of each of 16 subregions",
+        x_label: "entry, 4 for each subregion",
         y_label,
         x_max: 4 * SIDE * SIDE,
         x_ticks: (0..=SIDE).map(|row| (row * 4 * SIDE).max(1) as f32).collect(),

@@ -164,7 +164,7 @@ impl Explained for CorrelationFilter {
                 "The filter knows shape and texture, so colours of the background do not attract it; it has no scale, and a velocity is \
                  not predicted."
             }
-            Outcome::Regained => "The object left the window of the filter and came back into it. A velocity is not predicted.",
+            Outcome::Regained => "The peak left the object for a while, by a fast motion or a change of size or appearance, and came back to it. A velocity is not predicted, and the filter has no scale.",
             Outcome::Grown | Outcome::Shrunk => {
                 "The region keeps the size of the first frame, and the object changed its own: this filter has no scale."
             }

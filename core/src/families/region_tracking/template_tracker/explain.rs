@@ -157,7 +157,7 @@ impl Explained for TemplateTracker {
         })?;
         let why = match () {
             () if judged.overlap < LEAST_OVERLAP => "too little of the template lies inside the frame",
-            () if judged.stretch.is_collapsed() => "the alignment has failed, for its warp changes a length too much",
+            () if judged.stretch.is_collapsed() => "the alignment has failed: its warp changes a length too much",
             () => "the correlation is too low",
         };
         judged.is_lost.then(|| why.into())
@@ -223,8 +223,8 @@ fn cause(loss: Loss) -> String {
         )
     } else {
         format!(
-            "The loss begins in frame {frame}, where nothing covered the object and it had moved by only {moved} px: a rotation or another change \
-             of its appearance lowered the correlation. A colour histogram, as in mean shift, changes less."
+            "The loss begins in frame {frame}, where nothing covered the object and it had moved by only {moved} px: a rotation, a change of light, blur or another \
+             change of its appearance lowered the correlation. A colour histogram, as in mean shift, changes less."
         )
     }
 }
