@@ -30,33 +30,51 @@ fn first_step(lesson: &Lesson, page: usize) -> Cursor {
 
 #[test]
 fn every_lesson_is_walked_from_its_first_to_its_last_page_with_one_arrow_key() {
-    for lesson in all() {
-        let mut window = opened(&format!("lesson:{}", lesson.slug));
-        let pages = lesson.pages.len();
-        for (index, expected) in lesson.pages.iter().enumerate() {
-            let place = format!("{}, page {}", lesson.slug, index + 1);
-            assert_eq!(page(&window), (index + 1, pages), "{place}");
-            assert!(window.app().error().is_none(), "{place}: {:?}", window.app().error());
-            let session = expected.session.as_ref().unwrap_or_else(|why| panic!("{place}: {why}"));
-            let shown = &window.shown().subject.experiment;
-            assert_eq!(shown.estimator.info().id, session.experiment.estimator.info().id, "{place}");
-            assert_eq!(window.cursor(), first_step(lesson, index), "{place}: its step is there");
-            if index + 1 == pages {
-                break;
-            }
-            let mut presses = 0;
-            while page(&window).0 == index + 1 {
-                if let Some(until) = expected.until {
-                    assert!(window.cursor().unit <= until.unit, "{place}: stepped over its last step");
+    let faults: Vec<String> = all().iter().flat_map(walked).collect();
+    assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
+}
+
+/// Walks through a lesson; gives what is wrong on its pages.
+fn walked(lesson: &Lesson) -> Vec<String> {
+    let mut window = opened(&format!("lesson:{}", lesson.slug));
+    let pages = lesson.pages.len();
+    let mut faults = Vec::new();
+    for (index, expected) in lesson.pages.iter().enumerate() {
+        let place = format!("{}, page {}", lesson.slug, index + 1);
+        let mut fault = |what: String| faults.push(format!("{place}: {what}"));
+        assert_eq!(page(&window), (index + 1, pages), "{place}");
+        if let Some(error) = window.app().error() {
+            fault(error.to_string());
+        }
+        let session = expected.session.as_ref().unwrap_or_else(|why| panic!("{place}: {why}"));
+        let shown = &window.shown().subject.experiment;
+        assert_eq!(shown.estimator.info().id, session.experiment.estimator.info().id, "{place}");
+        let (now, first) = (window.cursor(), first_step(lesson, index));
+        // A step without an event is the end of its unit.
+        let is_end = first.event == usize::MAX && now.event == window.shown().events;
+        if now.unit != first.unit || now.event != first.event && !is_end {
+            fault(format!("its step {first} is not there, but {now}"));
+        }
+        if index + 1 == pages {
+            break;
+        }
+        let mut presses = 0;
+        while page(&window).0 == index + 1 {
+            window.key(Key::ArrowRight);
+            presses += 1;
+            assert!(presses <= MOST_STEPS, "{place} takes more than {MOST_STEPS} steps");
+            if let Some(until) = expected.until.filter(|_| page(&window).0 == index + 1) {
+                let now = window.cursor();
+                if (now.unit, now.event) > (until.unit, until.event) {
+                    fault(format!("stepped over {until} to {now}"));
                 }
-                window.key(Key::ArrowRight);
-                presses += 1;
-                assert!(presses <= MOST_STEPS, "{place} takes more than {MOST_STEPS} steps");
             }
-            let steps = usize::from(expected.until.is_some());
-            assert!(presses > steps, "{place}: its steps are walked");
+        }
+        if expected.until.is_some_and(|until| until != first) && presses < 2 {
+            fault("its steps are not walked".to_owned());
         }
     }
+    faults
 }
 
 #[test]

@@ -915,8 +915,9 @@ mod tests {
         // One that is near enough shows it.
         let near = Plotted { window: Some(Window { x: [5.0, 9.0], y: [60.0, 90.0] }), ..plotted(&series, false) };
         let drawing = draw(near, Rect::new([0.0; 2], [700.0, 300.0]), style());
-        let bottom = drawing.place.rect.max[1];
-        assert!(tips(&flat(drawing)).iter().all(|tip| tip[1] == bottom), "now the others lie below");
+        let [top, bottom] = [drawing.place.rect.min[1], drawing.place.rect.max[1]];
+        let arrows = tips(&flat(drawing)).into_iter().filter(|tip| tip[1] >= top);
+        assert!(arrows.into_iter().all(|tip| tip[1] == bottom), "now the others lie below");
         let head =
             texts(&head(plotted(&series, false), &plot, Rect::new([0.0; 2], [700.0, 300.0]), Some(7.1), style()));
         assert!(head.contains(&"frame 7".into()) && head.contains(&"outside the gate 80".into()), "{head:?}");

@@ -29,9 +29,17 @@ const MARGIN: f32 = 16.0;
 /// What the pane keeps between frames: the page as it was laid out.
 #[derive(Default)]
 pub struct State {
-    laid_out: Option<(Key, Part, Vec<(Rect, String)>)>,
+    laid_out: Option<LaidOut>,
     /// The page that is scrolled.
     page: Option<Address>,
+}
+
+/// A page as it is shown.
+struct LaidOut {
+    key: Key,
+    words: Part,
+    /// Where each link stands, and where it leads.
+    links: Vec<(Rect, String)>,
 }
 
 /// What the layout of a page follows from.
@@ -132,16 +140,16 @@ fn words(ui: &mut Ui, (open, theme): (&OpenLesson, Theme), state: &mut State, ac
         pixels_per_point: ui.pixels_per_point(),
         atlas: ink::atlas(ui.ctx()),
     };
-    if state.laid_out.as_ref().is_none_or(|(before, ..)| *before != key) {
+    if state.laid_out.as_ref().is_none_or(|before| before.key != key) {
         let page = prose::lay_out(prose, width, theme.sizes().body, theme);
         let session = open.page().session.as_ref().ok();
         let family = session.map_or("", |session| session.experiment.estimator.info().family);
         let links = page.links.into_iter().map(|(rect, to)| (rect_from(rect), to)).collect();
-        state.laid_out = Some((key, Part::new(ui.painter(), page.block, family), links));
+        state.laid_out = Some(LaidOut { key, words: Part::new(ui.painter(), page.block, family), links });
     }
-    let Some((_, part, links)) = &state.laid_out else { return };
+    let Some(LaidOut { words, links, .. }) = &state.laid_out else { return };
     let by = ui.cursor().min.to_vec2();
-    part.show(ui, "words of the lesson");
+    words.show(ui, "words of the lesson");
     for (index, (rect, to)) in links.iter().enumerate() {
         let id = ui.scope_id().with(("link", index));
         let link = ui.interact(rect.translate(by), id, Sense::click()).on_hover_cursor(CursorIcon::PointingHand);
