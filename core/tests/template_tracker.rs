@@ -361,7 +361,7 @@ fn a_ball_is_lost_by_its_rotation_before_anything_covers_it() {
     // By 14.4° a frame; at half the speed by 7.2°, which the template follows to the tunnel.
     let (frame, visibility, end) = ended(&scene("tunnel", "1", "13"));
     assert!(frame < 13 && visibility == 1.0, "frame {frame}: {visibility} visible");
-    assert!(end.contains("nothing covered the object") && end.contains("a rotation or another change"), "{end}");
+    assert!(end.contains("nothing covered the object") && end.contains("a rotation, a change of light"), "{end}");
     let (_, _, end) = ended(&scene("fast-flight", "1", "12"));
     assert!(end.contains("farther than the iterations converge"), "{end}");
 }

@@ -1,5 +1,7 @@
 //! Typesetting of [`Math`]: a layout that can be measured, and its primitives.
 
+use std::collections::VecDeque;
+
 use motionscope_core::Role;
 use motionscope_core::scene::Math;
 
@@ -106,7 +108,7 @@ pub fn lay_out(math: &Math, size_pt: f32, max_width: f32, measure: &mut dyn Meas
     let mut best = None;
     for breaks in [Breaks::BeforeSigns, Breaks::Anywhere] {
         let first = units(&parts, size_pt, breaks, measure);
-        let widest = first.iter().map(|unit| unit.width).fold(0.0, f32::max);
+        let widest = first.iter().map(|(unit, _)| unit.width).fold(0.0, f32::max);
         if widest <= max_width {
             return break_lines(first, size_pt, max_width);
         }
@@ -137,10 +139,10 @@ enum Breaks {
     Anywhere,
 }
 
-/// What stays together on a line.
-fn units(parts: &[&Math], size: f32, breaks: Breaks, measure: &mut dyn Measure) -> Vec<Formula> {
+/// What stays together on a line, and whether it begins with an equals sign.
+fn units(parts: &[&Math], size: f32, breaks: Breaks, measure: &mut dyn Measure) -> Vec<(Formula, bool)> {
     let mut units = Vec::new();
-    let mut unit = Formula::default();
+    let (mut unit, mut is_equation) = (Formula::default(), false);
     let (mut depth, mut after_sign) = (0, true);
     for part in parts {
         let may_break = match breaks {
@@ -148,7 +150,10 @@ fn units(parts: &[&Math], size: f32, breaks: Breaks, measure: &mut dyn Measure) 
             Breaks::Anywhere => true,
         };
         if may_break && !after_sign && !unit.pieces.is_empty() {
-            units.push(std::mem::take(&mut unit));
+            units.push((std::mem::take(&mut unit), is_equation));
+        }
+        if unit.pieces.is_empty() {
+            is_equation = matches!(part, Math::Text(text, _) if text.trim_start().starts_with('='));
         }
         let at = [unit.width, 0.0];
         unit.put(Setter { measure: &mut *measure }.set(part, size), at);
@@ -157,7 +162,7 @@ fn units(parts: &[&Math], size: f32, breaks: Breaks, measure: &mut dyn Measure) 
         let is_space = matches!(part, Math::Text(text, _) if text.trim().is_empty());
         after_sign = if is_space { after_sign } else { ends_with_sign(part) };
     }
-    units.push(unit);
+    units.push((unit, is_equation));
     units
 }
 
@@ -191,22 +196,40 @@ fn opened(math: &Math) -> i32 {
 }
 
 /// Sets units in lines.
-fn break_lines(units: Vec<Formula>, size_pt: f32, max_width: f32) -> Formula {
+fn break_lines(units: Vec<(Formula, bool)>, size_pt: f32, max_width: f32) -> Formula {
     let mut whole = Formula::default();
-    let mut line = Formula::default();
-    let mut below = None;
-    for unit in units {
-        if line.width > 0.0 && line.width + unit.width > max_width {
-            let full = std::mem::take(&mut line);
-            below = Some(add_line(&mut whole, full, below, size_pt));
-            // What goes on is set in.
-            line.width = size_pt.min((max_width - unit.width).max(0.0));
+    let (mut below, mut indent) = (None, 0.0);
+    let mut rest = units.into_iter().collect::<VecDeque<_>>();
+    while !rest.is_empty() {
+        let count = on_line(rest.make_contiguous(), (indent, size_pt), max_width);
+        let mut line = Formula { width: indent, ..Formula::default() };
+        for (unit, _) in rest.drain(..count) {
+            let at = [line.width, 0.0];
+            line.put(unit, at);
         }
-        let at = [line.width, 0.0];
-        line.put(unit, at);
+        below = Some(add_line(&mut whole, line, below, size_pt));
+        // What goes on is set in.
+        indent = rest.front().map_or(0.0, |(unit, _)| size_pt.min((max_width - unit.width).max(0.0)));
     }
-    add_line(&mut whole, line, below, size_pt);
     whole
+}
+
+/// How many of `units` stand on a line that begins with an indent. A line rather ends before its second equals sign than within the sum
+/// behind it, if all of that fits on the next one: `u = … = 0.4` must not be read where `= 0.4 + …` goes on.
+fn on_line(units: &[(Formula, bool)], (indent, size_pt): (f32, f32), max_width: f32) -> usize {
+    let mut width = indent;
+    let fits = |(unit, _): &&(Formula, bool)| {
+        width += unit.width;
+        width <= max_width
+    };
+    let most = units.iter().take_while(fits).count().max(1);
+    if most == units.len() || units[most].1 {
+        return most;
+    }
+    let Some(sign) = (1..most).filter(|i| units[*i].1).skip(1).last() else { return most };
+    let end = (sign + 1..units.len()).find(|i| units[*i].1).unwrap_or(units.len());
+    let side: f32 = units[sign..end].iter().map(|(unit, _)| unit.width).sum();
+    if size_pt + side <= max_width { sign } else { most }
 }
 
 /// Sets `line` under the others; gives the y of its lower edge.
@@ -633,6 +656,30 @@ mod tests {
         // Factors that stand side by side are not parted either.
         let product = Math::Row(vec![Math::Var("a"), text(" "), Math::Var("b"), text(" "), Math::Var("c")]);
         assert!(baselines(&set(&product, 40.0)).iter().all(|y| *y == 0.0));
+    }
+
+    #[test]
+    fn numbers_of_a_chain_of_equations_stay_with_their_equals_sign() {
+        let text = |words: &str| Math::text(words);
+        let row = Math::Row(vec![
+            Math::Var("u"),
+            text(" = "),
+            text("old"),
+            text(" + "),
+            text("step"),
+            text(" = "),
+            text("0.4"),
+            text(" + "),
+            text("1.9"),
+            text(" = "),
+            text("2.3"),
+        ]);
+        let ys = baselines(&set(&row, 230.0));
+        assert_eq!(ys[..5], [0.0; 5], "{ys:?}");
+        assert!(ys[5] > 0.0 && ys[5..].iter().all(|y| *y == ys[5]), "{ys:?}");
+        // One equation alone does not leave its left side by itself.
+        let sum = Math::Row(vec![Math::Var("u"), text(" = "), text("0123456"), text(" + "), text("0123456")]);
+        assert_eq!(baselines(&set(&sum, 120.0))[..3], [0.0; 3]);
     }
 
     #[test]
