@@ -156,7 +156,7 @@ fn back_by_steps_a_page_of_another_clip_is_entered_at_its_last_step() {
 }
 
 #[test]
-fn whoever_leaves_the_page_for_another_run_steps_through_that() {
+fn another_run_opened_beside_the_page_is_stepped_through() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut window = two_clips(folder.path(), 1);
     window.harness.state_mut().open("synth:parallax,width=96,height=64");
@@ -172,4 +172,20 @@ fn whoever_leaves_the_page_for_another_run_steps_through_that() {
         (2, Cursor { unit: 3, event: 1 }),
         "the clicker turns to the lesson's own"
     );
+}
+
+#[test]
+fn the_view_of_a_page_stays_behind_in_another_lesson() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("week.md");
+    let text = "# Week\n+++\ntitle = \"One\"\nclip = \"synth:pillar\"\nestimator = \"full-search\"\n\
+        picture = { view = \"difference\" }\n+++\nOne.\n";
+    fs::write(&path, text).expect("a file");
+    let mut window = Window::with(vec2(1280.0, 720.0), Start { open: Some(path.into()) });
+    assert_eq!(window.app().settings().look.view, Some(View::Difference));
+    window.harness.state_mut().open("lesson:sequential-search");
+    window.settle();
+    assert_ne!(window.app().settings().look.view, Some(View::Difference), "it went with its page");
+    window.command(Command::CloseLesson);
+    assert_ne!(window.app().settings().look.view, Some(View::Difference));
 }

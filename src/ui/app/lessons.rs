@@ -15,7 +15,9 @@ use crate::ui::panes::lesson;
 impl App {
     /// Opens a page of a lesson, with its clip and its step.
     pub(super) fn open_page(&mut self, address: Address) {
-        match OpenLesson::new(address, self.settings.look) {
+        // What a page of the lesson before has set is not how the person looks at pictures.
+        let look = self.lesson.as_ref().map_or(self.settings.look, |open| open.without_page(self.settings.look));
+        match OpenLesson::new(address, look) {
             Ok(open) => {
                 if let Some(path) = open.address().file() {
                     self.settings.remember(path);
@@ -62,7 +64,7 @@ impl App {
             if !open.has_arrived() {
                 return true;
             }
-            // Whoever has left the page for another run steps through that.
+            // Another run that was opened beside the page is stepped through itself.
             let shown = self.view.shown.as_deref();
             let Some(shown) = shown.filter(|shown| shown.subject.experiment == session.experiment) else {
                 return false;
@@ -139,11 +141,15 @@ impl App {
         if open.address().file().is_none() {
             return;
         }
+        let look = open.without_page(self.settings.look);
         let followed = open.follow();
         self.ctx.request_repaint_after(LOOK);
         match followed {
             Ok(false) => {}
-            Ok(true) => self.show_page(None),
+            Ok(true) => {
+                self.settings.look = look;
+                self.show_page(None);
+            }
             Err(error) => self.toasts.fail(format!("Not read: {error}.")),
         }
     }

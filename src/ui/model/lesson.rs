@@ -36,10 +36,7 @@ impl OpenLesson {
     /// If there is no such lesson or page, or its file cannot be read.
     pub fn new(address: Address, look: Look) -> Result<Self, Error> {
         let lesson = address.load()?;
-        if address.page >= lesson.pages.len() {
-            let pages = lesson.pages.len();
-            return Err(Error::new(format!("the lesson {} has {pages} pages", lesson.title)));
-        }
+        lesson.page(address.page)?;
         let written = address.file().and_then(written);
         Ok(Self {
             lesson,
@@ -65,8 +62,7 @@ impl OpenLesson {
 
     /// The page.
     pub fn page(&self) -> &Page {
-        // A lesson that was read anew has this page or fewer.
-        &self.lesson.pages[self.address.page.min(self.lesson.pages.len() - 1)]
+        &self.lesson.pages[self.address.page]
     }
 
     /// The words of the page, or the first thing that is wrong with it.

@@ -36,16 +36,16 @@ pub struct State {
 
 /// A page as it is shown.
 struct LaidOut {
+    prose: Prose,
     key: Key,
     words: Part,
     /// Where each link stands, and where it leads.
     links: Vec<(Rect, String)>,
 }
 
-/// What the layout of a page follows from.
+/// What the layout of a page follows from beside its words.
 #[derive(Clone, PartialEq)]
 struct Key {
-    prose: Prose,
     width: u32,
     theme: Theme,
     pixels_per_point: f32,
@@ -134,18 +134,18 @@ fn words(ui: &mut Ui, (open, theme): (&OpenLesson, Theme), state: &mut State, ac
     };
     let width = (ui.available_width() - 8.0).max(80.0);
     let key = Key {
-        prose: prose.clone(),
         width: width.round() as u32,
         theme,
         pixels_per_point: ui.pixels_per_point(),
         atlas: ink::atlas(ui.ctx()),
     };
-    if state.laid_out.as_ref().is_none_or(|before| before.key != key) {
+    if state.laid_out.as_ref().is_none_or(|before| before.key != key || before.prose != *prose) {
         let page = prose::lay_out(prose, width, theme.sizes().body, theme);
         let session = open.page().session.as_ref().ok();
         let family = session.map_or("", |session| session.experiment.estimator.info().family);
         let links = page.links.into_iter().map(|(rect, to)| (rect_from(rect), to)).collect();
-        state.laid_out = Some(LaidOut { key, words: Part::new(ui.painter(), page.block, family), links });
+        let words = Part::new(ui.painter(), page.block, family);
+        state.laid_out = Some(LaidOut { prose: prose.clone(), key, words, links });
     }
     let Some(LaidOut { words, links, .. }) = &state.laid_out else { return };
     let by = ui.cursor().min.to_vec2();
