@@ -325,7 +325,7 @@ fn a_template_that_shrinks_to_a_line_is_lost_however_well_it_correlates() {
     assert!(!steps(&*tracker, &clip, "the warp changes lengths by factors between").is_empty(), "it says nothing");
 }
 
-/// A scene at a speed, with so many frames.
+/// A scene at a speed, with this number of frames.
 fn scene(id: &str, speed: &str, frames: &str) -> Clip {
     let mut difficulty = synth::scene(id).expect("it is bundled").difficulty();
     for (name, value) in [("speed", speed), ("frames", frames)] {

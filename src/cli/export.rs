@@ -86,7 +86,7 @@ fn pages(args: &ExportArgs) -> Result<(), Error> {
         saved += 1;
     }
     match saved {
-        0 => Err(Error::new(format!("the lesson {} has {count} pages", lesson.title))),
+        0 => lesson.page(address.page).map(drop),
         1 => say(&format!("1 page in {}", folder.display())),
         _ => say(&format!("{saved} pages in {}", folder.display())),
     }

@@ -127,11 +127,16 @@ fn percent(share: f64) -> String {
     format!("{:.1} %", 100.0 * share)
 }
 
+/// The first bar with the most, and how many that are; none where nothing is counted.
+fn highest(counts: &[u32]) -> Option<(usize, u32)> {
+    let most = counts.iter().copied().max().filter(|most| *most > 0)?;
+    counts.iter().position(|count| *count == most).map(|i| (i, most))
+}
+
 /// The bar with the most, in words.
 fn largest(distribution: &Distribution) -> Option<String> {
     let Distribution { counts, top, unit, .. } = distribution;
-    let most = counts.iter().copied().max().filter(|most| *most > 0)?;
-    let i = counts.iter().position(|count| *count == most)?;
+    let (i, most) = highest(counts)?;
     let [from, to] = [i, i + 1].map(|i| short_bound(i as f32 * top / counts.len() as f32));
     Some(format!("largest bar {from} to {to} {unit}, {}", percent(f64::from(most) / total(distribution))))
 }
@@ -139,8 +144,7 @@ fn largest(distribution: &Distribution) -> Option<String> {
 /// The middle of the bar with the most, in two words.
 fn mode(distribution: &Distribution) -> Option<String> {
     let Distribution { counts, top, .. } = distribution;
-    let most = counts.iter().copied().max().filter(|most| *most > 0)?;
-    let i = counts.iter().position(|count| *count == most)?;
+    let (i, _) = highest(counts)?;
     Some(format!("mode {}", short_bound((i as f32 + 0.5) * top / counts.len() as f32)))
 }
 

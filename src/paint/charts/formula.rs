@@ -1,7 +1,5 @@
 //! Typesetting of [`Math`]: a layout that can be measured, and its primitives.
 
-use std::collections::VecDeque;
-
 use motionscope_core::Role;
 use motionscope_core::scene::Math;
 
@@ -196,12 +194,11 @@ fn opened(math: &Math) -> i32 {
 }
 
 /// Sets units in lines.
-fn break_lines(units: Vec<(Formula, bool)>, size_pt: f32, max_width: f32) -> Formula {
+fn break_lines(mut rest: Vec<(Formula, bool)>, size_pt: f32, max_width: f32) -> Formula {
     let mut whole = Formula::default();
     let (mut below, mut indent) = (None, 0.0);
-    let mut rest = units.into_iter().collect::<VecDeque<_>>();
     while !rest.is_empty() {
-        let count = on_line(rest.make_contiguous(), (indent, size_pt), max_width);
+        let count = on_line(&rest, (indent, size_pt), max_width);
         let mut line = Formula { width: indent, ..Formula::default() };
         for (unit, _) in rest.drain(..count) {
             let at = [line.width, 0.0];
@@ -209,7 +206,7 @@ fn break_lines(units: Vec<(Formula, bool)>, size_pt: f32, max_width: f32) -> For
         }
         below = Some(add_line(&mut whole, line, below, size_pt));
         // What goes on is set in.
-        indent = rest.front().map_or(0.0, |(unit, _)| size_pt.min((max_width - unit.width).max(0.0)));
+        indent = rest.first().map_or(0.0, |(unit, _)| size_pt.min((max_width - unit.width).max(0.0)));
     }
     whole
 }

@@ -95,6 +95,15 @@ impl Lesson {
         media::read_text(path).and_then(|text| Self::parse(&slug, &text, folder_of(path))).map_err(about)
     }
 
+    /// The page with this index.
+    ///
+    /// # Errors
+    /// If it has fewer pages.
+    pub fn page(&self, index: usize) -> Result<&Page, Error> {
+        let lacks = || Error::new(format!("the lesson {} has {} pages", self.title, self.pages.len()));
+        self.pages.get(index).ok_or_else(lacks)
+    }
+
     /// What is wrong with its pages, each with its number from 1.
     pub fn faults(&self) -> impl Iterator<Item = (usize, &Error)> {
         self.pages.iter().zip(1..).flat_map(|(page, number)| {
@@ -125,12 +134,6 @@ impl Address {
         };
         let is_file = Path::new(&lesson).extension().is_some_and(|extension| extension.eq_ignore_ascii_case(EXTENSION));
         (bundled || is_file).then_some(Self { lesson, page })
-    }
-
-    /// The address of another page of the same lesson.
-    #[must_use]
-    pub fn at(&self, page: usize) -> Self {
-        Self { lesson: self.lesson.clone(), page }
     }
 
     /// The file that the lesson is read from, unless it is a bundled one.
@@ -180,10 +183,9 @@ pub fn page_text(session: &Session, folder: &Path) -> Result<String, Error> {
         look: Look::of_window().into(),
         sight: None,
     };
-    let table = |session: &Session| {
-        let text = session.text(folder)?;
-        text.parse::<toml::Table>().map_err(|why| Error::new(format!("the session cannot be written: {why}")))
-    };
+    let unwritten = |why: String| Error::new(format!("the page cannot be written: {why}"));
+    let table =
+        |session: &Session| session.text(folder)?.parse::<toml::Table>().map_err(|why| unwritten(why.to_string()));
     let (mut keys, usual) = (table(session)?, table(&usual)?);
     // A page needs no version, and the theme is that of the room.
     keys.remove("motionscope");
@@ -194,19 +196,14 @@ pub fn page_text(session: &Session, folder: &Path) -> Result<String, Error> {
             keys.remove(name);
         }
     }
-    let (fence, keys) = (read::FENCE, toml::to_string(&keys).unwrap_or_default());
+    let (fence, keys) = (read::FENCE, toml::to_string(&keys).map_err(|why| unwritten(why.to_string()))?);
     Ok(format!("{fence}\ntitle = \"\"\n{keys}{fence}\n\n"))
 }
 
 /// Returns the session of the page with this `name`; `None` where it names no page.
 pub(super) fn named(name: &OsStr) -> Option<Result<Session, Error>> {
     let address = Address::parse(name)?;
-    Some(address.load().and_then(|lesson| {
-        let pages = lesson.pages.len();
-        let page = lesson.pages.into_iter().nth(address.page);
-        let page = page.ok_or_else(|| Error::new(format!("the lesson {} has {pages} pages", lesson.title)))?;
-        page.session
-    }))
+    Some(address.load().and_then(|lesson| lesson.page(address.page)?.session.clone()))
 }
 
 #[cfg(test)]

@@ -17,12 +17,12 @@ pub(super) const FENCE: &str = "+++";
 /// If the text does not begin with a title, or has no page.
 pub(super) fn lesson(slug: &str, text: &str, folder: &Path) -> Result<Lesson, Error> {
     let text = text.replace("\r\n", "\n");
-    let (head, mut sources) = split(&text)?;
+    let (head, sources) = split(&text)?;
     let title = head.lines().find_map(|line| line.strip_prefix("# "));
-    let title = title.ok_or_else(|| Error::new("it is no lesson: its first line is not # and a title"))?.trim();
+    let title = title.ok_or_else(|| Error::new("it is not a lesson: its first line is not # and a title"))?.trim();
     let summary: Vec<_> = head.lines().filter(|line| !line.starts_with('#')).map(str::trim).collect();
     let mut pages: Vec<Page> = Vec::new();
-    for source in &mut sources {
+    for source in &sources {
         let before = pages.last().and_then(|page: &Page| page.session.as_ref().ok());
         let page = page(source, before, folder);
         pages.push(page);
