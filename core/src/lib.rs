@@ -106,8 +106,8 @@ pub use products::{
     Agreement, Block, BlockField, BlockGrid, BlockVector, Coding, Confidence, Consistency, DenseField, Descriptor,
     DisparityField, EpipolarField, Feature, Followed, Keypoint, MaskField, Match, MatchField, MatchStatus, Model,
     ModelField, Object, ObjectField, ObjectFrame, Output, PathField, PointField, Product, ProductKind, Region,
-    RegionField, RegionFrame, Segment, SegmentField, SegmentFrame, Status, Streak, Streaks, Track, TrackField,
-    TrackStatus, metrics, predict, table,
+    RegionField, RegionFrame, SceneFlowField, Segment, SegmentField, SegmentFrame, Status, Streak, Streaks, Track,
+    TrackField, TrackStatus, metrics, predict, table,
 };
 pub use run::{
     AnyEstimator, AnyRun, Beside, CandidateCount, Cursor, Direction, Estimator, Explained, Extent, FRAME, FRAMES,

@@ -421,6 +421,7 @@ fn known_translations_are_recovered_as_far_as_promised() {
             | Guarantee::Region
             | Guarantee::Segments
             | Guarantee::Disparity
+            | Guarantee::SceneFlow
             | Guarantee::AlongGradient => return,
         };
         for motion in [(0, 0), (2, -1), (-2, 2)] {

@@ -2,6 +2,7 @@
 //!
 //! The flags of `motionscope run`, the window's dialogs and the files follow from it.
 
+mod cloud;
 mod disparity;
 mod flow;
 mod labels;
@@ -26,6 +27,7 @@ pub const EXPORTS: &[&Export] = &[
     &masks::EXPORT,
     &labels::EXPORT,
     &pictures::EXPORT,
+    &cloud::EXPORT,
 ];
 
 /// An export of a product to files.

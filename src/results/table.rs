@@ -3,7 +3,7 @@
 use motionscope_core::table::Table;
 use motionscope_core::{
     BlockField, DenseField, DisparityField, EpipolarField, Error, MaskField, MatchField, ModelField, ObjectField,
-    Output, PathField, PointField, Product, RegionField, SegmentField, TrackField,
+    Output, PathField, PointField, Product, RegionField, SceneFlowField, SegmentField, TrackField,
 };
 
 use super::{EncodedFiles, Export, Format};
@@ -18,6 +18,7 @@ pub const EXPORT: Export = Export {
         BlockField::KIND,
         DenseField::KIND,
         DisparityField::KIND,
+        SceneFlowField::KIND,
         PointField::KIND,
         TrackField::KIND,
         MatchField::KIND,

@@ -3,12 +3,12 @@
 use std::fmt;
 use std::str::FromStr;
 
-use motionscope_core::scene::{Chart, Diagram, Distribution, Plane, Readout, Regions, Series, Surface};
+use motionscope_core::scene::{Chart, Cloud, Diagram, Distribution, Plane, Readout, Regions, Series, Surface};
 use motionscope_core::{AnyEstimator, DenseField, Error, Info, Product, Step};
 
 use crate::paint::charts::{
-    ChartStyle, Orbit, diagram, distribution, explanation, heat_map, histogram, matrices, plane, regions, relief,
-    series, stack, tiles,
+    ChartStyle, Orbit, cloud, diagram, distribution, explanation, heat_map, histogram, matrices, plane, regions,
+    relief, series, stack, tiles,
 };
 use crate::paint::primitive::Rect;
 use crate::paint::{Layer, LevelShown};
@@ -20,13 +20,15 @@ pub struct Angles {
     pub surface: Orbit,
     /// The pyramid.
     pub pyramid: Orbit,
+    /// The point cloud.
+    pub cloud: Orbit,
     /// The section of the displacement plane; all of it unless zoomed.
     pub plane: Option<plane::Window>,
 }
 
 impl Default for Angles {
     fn default() -> Self {
-        Self { surface: Orbit::default(), pyramid: stack::USUAL, plane: None }
+        Self { surface: Orbit::default(), pyramid: stack::USUAL, cloud: cloud::USUAL, plane: None }
     }
 }
 
@@ -270,6 +272,21 @@ pub const ERRORS: Pane = Pane {
     },
 };
 
+/// Points in space.
+pub const CLOUD: Pane = Pane {
+    id: "cloud",
+    title: "Point cloud",
+    doc: "the pixels as points in space, with their motion and the cameras",
+    when: "once the depths of the pixels are known",
+    chart: Some(Chart::Cloud),
+    is_available: |step| find(step, a_cloud).is_some(),
+    room: |_, size, style| letters(size, [30.0, 19.0], style),
+    draw: |content, area, style| {
+        let data = |cloud| cloud::Shown { cloud, whose: content.info.name, orbit: content.angles.cloud };
+        find(content.step, a_cloud).map(|found| cloud::draw(data(found), area, style).into_layers()).unwrap_or_default()
+    },
+};
+
 /// The levels of a pyramid.
 pub const PYRAMID: Pane = Pane {
     id: "pyramid",
@@ -288,7 +305,7 @@ pub const PYRAMID: Pane = Pane {
 };
 
 /// All panes, in the order in which they are offered.
-pub static PANES: [&Pane; 13] = [
+pub static PANES: [&Pane; 14] = [
     &STAGE,
     &EXPLANATION,
     &SURFACE,
@@ -302,6 +319,7 @@ pub static PANES: [&Pane; 13] = [
     &HISTOGRAM,
     &ERRORS,
     &PYRAMID,
+    &CLOUD,
 ];
 
 /// The charts that a step has something for: first those of `order`, what an estimator declares, then all others.
@@ -451,6 +469,10 @@ fn a_histogram(readout: &Readout) -> Option<&motionscope_core::Histogram> {
 
 fn errors(readout: &Readout) -> Option<&Distribution> {
     if let Readout::Distribution(distribution) = readout { Some(distribution) } else { None }
+}
+
+fn a_cloud(readout: &Readout) -> Option<&Cloud> {
+    if let Readout::Cloud(cloud) = readout { Some(cloud) } else { None }
 }
 
 fn a_stack(readout: &Readout) -> Option<&motionscope_core::Stack> {

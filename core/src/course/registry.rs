@@ -23,7 +23,7 @@ use crate::families::{
         ActiveContour, Camshift, ChanVese, CorrelationFilter, GreedyContour, MeanShift, ParticleFilter, Rapid,
         TemplateTracker,
     },
-    stereo::{BlockStereo, SemiGlobalMatching},
+    stereo::{BlockStereo, SceneFlow, SemiGlobalMatching},
     tracking::{BlobTracker, JointProbabilistic, KalmanFilter, KalmanTracker, MultipleHypothesis, TrajectoryAnalysis},
 };
 use crate::methods::{
@@ -99,6 +99,7 @@ impl Entries for Course {
         Entry::of::<RegionTracking<ChanVese>>(),
         Entry::of::<BlockStereo>(),
         Entry::of::<SemiGlobalMatching>(),
+        Entry::of::<SceneFlow>(),
     ];
 }
 

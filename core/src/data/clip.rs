@@ -199,6 +199,22 @@ pub trait Truth: Send + Sync {
         Ok(None)
     }
 
+    /// The disparity that the point at each pixel of frame `t` of the left view has in frame `t` + 1.
+    ///
+    /// # Errors
+    /// If the truth is there but cannot be read.
+    fn next_disparity(&self, _t: usize) -> Result<Option<Arc<Disparity>>, Error> {
+        Ok(None)
+    }
+
+    /// The rigid motion of all that is at rest from frame `t` to frame `t` + 1, in the coordinates of the left camera at each of them.
+    ///
+    /// # Errors
+    /// If the truth is there but cannot be read.
+    fn ego_motion(&self, _t: usize) -> Result<Option<Pose>, Error> {
+        Ok(None)
+    }
+
     /// Pixels of frame `t` of the left view that the right view does not show: half-occluded, or beside its picture.
     ///
     /// # Errors

@@ -8,6 +8,7 @@ mod interpolation;
 mod mask;
 mod morphology;
 mod pose;
+mod scene_flow;
 mod stereo;
 mod true_mask;
 
@@ -20,5 +21,6 @@ pub use interpolation::Interpolation;
 pub use mask::{Mask, PackedMask};
 pub use morphology::MAX_RADIUS_PX;
 pub use pose::Pose;
+pub use scene_flow::{Measured, Sigma, SpaceMotion, mahalanobis_squared};
 pub use stereo::{Calibration, Disparity, Viewpoint};
 pub use true_mask::{MaskErrors, PixelClass, TrueMask};

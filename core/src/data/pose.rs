@@ -15,6 +15,10 @@ fn product(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
 }
 
 impl Pose {
+    /// The pose of an object whose coordinates are those of the camera.
+    pub const IDENTITY: Self =
+        Self { rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], translation: [0.0; 3] };
+
     /// A pose by the sine and cosine of its angles: the object turns about its vertical axis Y, then its top is tilted towards the camera about X.
     pub fn tilted(turn: (f64, f64), tilt: (f64, f64), translation: [f64; 3]) -> Self {
         let (sin, cos) = turn;
@@ -38,6 +42,24 @@ impl Pose {
     /// A direction of the camera as one of the object.
     pub fn turned_back(&self, direction: [f64; 3]) -> [f64; 3] {
         [0, 1, 2].map(|j| (0..3).map(|i| self.rotation[i][j] * direction[i]).sum())
+    }
+
+    /// The pose that applies `inner` first: of an object in the coordinates of another one, in those of the camera.
+    #[must_use]
+    pub fn of(&self, inner: &Self) -> Self {
+        Self { rotation: product(&self.rotation, &inner.rotation), translation: self.moved(inner.translation) }
+    }
+
+    /// The pose that takes coordinates of the camera back to those of the object.
+    #[must_use]
+    pub fn inverse(&self) -> Self {
+        let rotation = [0, 1, 2].map(|i| [0, 1, 2].map(|j| self.rotation[j][i]));
+        Self { rotation, translation: self.turned_back(self.translation).map(|c| -c) }
+    }
+
+    /// The angle of its rotation in rad, from 0 to π.
+    pub fn angle_rad(&self) -> f64 {
+        vector_of(&self.rotation).iter().map(|c| c * c).sum::<f64>().sqrt()
     }
 
     /// The pose after a rotation vector in rad about the object's origin, along the axes of the camera, and a translation in m.
@@ -90,6 +112,11 @@ mod tests {
         let off = found.as_flattened().iter().zip(motion.as_flattened()).map(|(a, b)| (a - b).abs());
         assert!(off.fold(0.0, f64::max) < 1e-12, "{found:?}");
         let at = [0.3, -0.1, 0.2];
+        let other = Pose::tilted((0.8, 0.6), (-0.28, 0.96), [1.0, 0.5, -2.0]);
+        let (both, one) = (other.of(&pose).moved(at), other.moved(pose.moved(at)));
+        let home = pose.inverse().moved(pose.moved(at));
+        assert!((0..3).all(|i| (both[i] - one[i]).abs() < 1e-12 && (home[i] - at[i]).abs() < 1e-12));
+        assert!((Pose::IDENTITY.after([[0.0, 0.3, 0.4], [0.0; 3]]).angle_rad() - 0.5).abs() < 1e-12);
         let back = pose.turned_back(pose.turned(at));
         assert!(at.iter().zip(back).all(|(a, b)| (a - b).abs() < 1e-12), "{back:?}");
         // A quarter turn about Y takes the object's right side to the front.

@@ -103,6 +103,13 @@ impl Calibration {
         Some([(x - cx) * depth / self.focal_px, (y - cy) * depth / self.focal_px, depth])
     }
 
+    /// The pixel of the left view that a point in m is seen at, with its disparity in px; `None` unless it lies before the cameras.
+    pub fn project(&self, [x, y, z]: [f64; 3]) -> Option<([f64; 2], f64)> {
+        let [cx, cy] = self.principal_px;
+        let at = |c: f64| self.focal_px * c / z;
+        (z > 0.0).then(|| ([cx + at(x), cy + at(y)], at(self.baseline_m) - self.offset_px))
+    }
+
     /// The standard deviation of a depth in m for one of the disparity in px, to first order: σ_Z = Z² σ_d / (f B).
     pub fn depth_sigma_m(&self, depth_m: f64, sigma_px: f64) -> f64 {
         depth_m * depth_m * sigma_px / (self.focal_px * self.baseline_m)
@@ -121,6 +128,8 @@ mod tests {
             let (left, right) = (place(0.0), place(0.12));
             let found = rig.point_m(left, left[0] - right[0]).unwrap();
             assert!([x, y, z].iter().zip(found).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?}");
+            let (at, disparity) = rig.project([x, y, z]).unwrap();
+            assert!((at[0] - left[0]).abs() + (at[1] - left[1]).abs() + (disparity - left[0] + right[0]).abs() < 1e-9);
         }
         assert_eq!((rig.depth_m(0.0), rig.depth_m(-3.0)), (None, None), "at infinity, and behind the cameras");
         // To first order, an error of the disparity changes the depth by σ_Z.

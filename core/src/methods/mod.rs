@@ -16,6 +16,7 @@ pub(crate) mod numbers;
 pub mod polynomial;
 pub mod region;
 pub mod scale_space;
+pub mod scene_flow;
 pub mod segmentation;
 pub mod stereo;
 pub mod subtraction;

@@ -25,6 +25,7 @@ mod record;
 pub mod region;
 pub mod registration;
 mod repeatability;
+pub mod scene_flow;
 pub mod segments;
 mod streaks;
 pub mod table;
@@ -50,6 +51,7 @@ pub use product::{AnyProduct, Confidence, Motion, Product, ProductKind, Tested};
 pub use record::Record;
 pub use region::{Region, RegionField, RegionFrame};
 pub use repeatability::{Repeatability, TOLERANCE_PX, repeatability, repeatability_in_flow};
+pub use scene_flow::{EgoMotion, SceneFlowField};
 pub use segments::{AffineMotion, Segment, SegmentField, SegmentFrame};
 pub use streaks::{Streak, Streaks};
 pub use table::{Cell, Table};
@@ -60,6 +62,7 @@ pub const KINDS: &[&ProductKind] = &[
     BlockField::KIND,
     DenseField::KIND,
     DisparityField::KIND,
+    SceneFlowField::KIND,
     PointField::KIND,
     TrackField::KIND,
     MatchField::KIND,

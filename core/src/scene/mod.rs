@@ -2,6 +2,7 @@
 //!
 //! A scene is data. Painters (window, PNG, SVG) choose colours, dashes and halos by [`Role`].
 
+mod cloud;
 mod diagram;
 mod levels;
 mod marks;
@@ -13,6 +14,7 @@ mod role;
 mod sentence;
 mod step;
 
+pub use cloud::{Cloud, CloudCamera, CloudData, CloudLine, CloudPoint};
 pub use diagram::{Diagram, DiagramLine, Node, Words};
 pub use levels::{Floor, Level, Levels, Stack};
 pub use marks::{Arrow, Link, Mark, Scene, Shape, arrow_spacing};

@@ -1,6 +1,6 @@
 //! The contents beside the stage: equations, tables and charts, as data.
 
-use super::{Diagram, Math, Role, Stack};
+use super::{Cloud, Diagram, Math, Role, Stack};
 use crate::data::Histogram;
 use crate::geometry::Grid;
 
@@ -31,6 +31,8 @@ pub enum Readout {
     Stack(Stack),
     /// Matrices with the numbers of this step.
     Matrices(Vec<Matrix>),
+    /// Points in space.
+    Cloud(Cloud),
 }
 
 /// The kinds of [`Readout`] that a chart shows.
@@ -54,6 +56,8 @@ pub enum Chart {
     Stack,
     /// [`Readout::Matrices`].
     Matrices,
+    /// [`Readout::Cloud`].
+    Cloud,
 }
 
 impl Chart {
@@ -68,6 +72,7 @@ impl Chart {
         Chart::Histogram,
         Chart::Stack,
         Chart::Matrices,
+        Chart::Cloud,
     ];
 }
 
@@ -85,6 +90,7 @@ impl Readout {
             Readout::Histogram(_) => Some(Chart::Histogram),
             Readout::Stack(_) => Some(Chart::Stack),
             Readout::Matrices(_) => Some(Chart::Matrices),
+            Readout::Cloud(_) => Some(Chart::Cloud),
         }
     }
 }

@@ -42,7 +42,7 @@ use crate::data::{Clip, ClipInfo, Frame, FrameSource, Viewpoint};
 use layer::{Layer, reach, scale};
 use path::Path;
 use recent::Recent;
-use space::{Body, Space};
+use space::{Body, Rig, Space};
 use stage::Stage;
 use truth::ExactTruth;
 
@@ -72,7 +72,7 @@ enum Scenery {
     /// Layers, front to back.
     Flat(fn(&Setting) -> Vec<Layer>),
     /// Bodies in space, seen by two cameras.
-    Deep(fn(&Setting) -> Vec<Body>),
+    Deep(fn(&Setting) -> Vec<Body>, Rig),
 }
 
 /// Parameters of a scene's layers.
@@ -110,7 +110,7 @@ impl Sample {
             Scenery::Flat(layers) => {
                 Stage::Flat(layer::Stage::new(layers(&setting), difficulty.clone()).seen_along(self.path))
             }
-            Scenery::Deep(bodies) => Stage::Deep(Space::new(bodies(&setting), difficulty.clone())),
+            Scenery::Deep(bodies, rig) => Stage::Deep(Space::new(bodies(&setting), rig, difficulty.clone())),
         }
     }
 

@@ -15,12 +15,22 @@ pub type Vector = [f64; 3];
 
 /// Focal length in px of a picture of 320×240.
 const FOCAL: f64 = 300.0;
-/// Distance of the cameras in m.
-const BASELINE: f64 = 0.12;
-/// The pose of a body at rest: its coordinates are those of the left camera.
-const REST: Pose = Pose { rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], translation: [0.0; 3] };
 /// Units of a texture per m: the px of a picture of 320×240 at a depth of 2 m.
 const TEXTURE: f64 = FOCAL / 2.0;
+
+/// The cameras of a scene.
+#[derive(Clone, Copy, Debug)]
+pub struct Rig {
+    /// Their distance in m.
+    pub baseline_m: f64,
+    /// Takes coordinates of the scene to those of the left camera at a time in frames; at time 0 both are the same.
+    pub view: fn(f64) -> Pose,
+}
+
+impl Rig {
+    /// Two cameras at rest, 12 cm apart.
+    pub const REST: Self = Self { baseline_m: 0.12, view: |_| Pose::IDENTITY };
+}
 
 /// The geometry of a body at rest.
 #[derive(Clone, Copy, Debug)]
@@ -81,7 +91,7 @@ enum Motion {
 impl Motion {
     fn pose(self, time: f64) -> Pose {
         match self {
-            Self::Shift(shift) => Pose { translation: shift(time), ..REST },
+            Self::Shift(shift) => Pose { translation: shift(time), ..Pose::IDENTITY },
             Self::Rigid(pose) => pose(time),
         }
     }
@@ -109,13 +119,14 @@ impl Body {
 /// Bodies, seen by a pair of cameras.
 pub struct Space {
     bodies: Vec<Body>,
+    rig: Rig,
     difficulty: Difficulty,
 }
 
 impl Space {
     /// Bodies in any order; one of them must fill the picture.
-    pub fn new(bodies: Vec<Body>, difficulty: Difficulty) -> Self {
-        Self { bodies, difficulty }
+    pub fn new(bodies: Vec<Body>, rig: Rig, difficulty: Difficulty) -> Self {
+        Self { bodies, rig, difficulty }
     }
 
     /// Whether it has objects.
@@ -125,16 +136,31 @@ impl Space {
 
     /// The pose of an object at frame `t` in the coordinates of the left camera, unless that turns or zooms.
     pub fn pose(&self, id: u32, t: f64) -> Option<Pose> {
-        let d = &self.difficulty;
         let body = self.bodies.iter().find(|body| body.object == Some(id))?;
-        (d.rotation == 0.0 && d.scale_change == 0.0).then(|| body.motion.pose(t * f64::from(d.speed)))
+        self.is_upright().then(|| self.placed(body, t * f64::from(self.difficulty.speed)))
+    }
+
+    /// Whether camera coordinates are those of its picture: it neither turns nor zooms.
+    fn is_upright(&self) -> bool {
+        self.difficulty.rotation == 0.0 && self.difficulty.scale_change == 0.0
+    }
+
+    /// The pose of a body in the coordinates of the left camera.
+    fn placed(&self, body: &Body, time: f64) -> Pose {
+        (self.rig.view)(time).of(&body.motion.pose(time))
+    }
+
+    /// The motion of all that is at rest from frame `t` to the next one in the coordinates of the left camera, unless that turns or zooms.
+    pub fn ego_motion(&self, t: f64) -> Option<Pose> {
+        let [now, next] = [t, t + 1.0].map(|t| (self.rig.view)(t * f64::from(self.difficulty.speed)));
+        self.is_upright().then(|| next.of(&now.inverse()))
     }
 
     /// The calibration of the cameras, unless their focal length changes.
     pub fn calibration(&self) -> Option<Calibration> {
         let d = &self.difficulty;
         let [x, y] = centre(d);
-        let known = Calibration::new(FOCAL * scale(d), BASELINE, [x, y]).ok();
+        let known = Calibration::new(FOCAL * scale(d), self.rig.baseline_m, [x, y]).ok();
         known.filter(|_| d.scale_change == 0.0)
     }
 
@@ -147,9 +173,9 @@ impl Space {
         let eye = match viewpoint {
             Viewpoint::Left => [0.0; 3],
             // The pair turns as a whole, so that its views stay rectified.
-            Viewpoint::Right => [cos * BASELINE, -sin * BASELINE, 0.0],
+            Viewpoint::Right => [cos * self.rig.baseline_m, -sin * self.rig.baseline_m, 0.0],
         };
-        let poses = self.bodies.iter().map(|body| body.motion.pose(time)).collect();
+        let poses = self.bodies.iter().map(|body| self.placed(body, time)).collect();
         Moment { space: self, poses, camera: Camera { eye, focal, turned: (sin, cos), centre: centre(d) } }
     }
 }
@@ -352,6 +378,13 @@ impl Moment<'_> {
         Some(TrackPoint { id, bounds, visible: f64::from(visible) / f64::from(all.max(1)) })
     }
 
+    /// The disparity that the point of body `index` at `p` has in `other`, another moment seen by the cameras of a rig.
+    pub fn disparity_in(&self, index: usize, p: Point, other: [&Self; 2]) -> Option<f64> {
+        let rest = self.hit(index, p)?.rest;
+        let at = |view: &Self| Some(view.camera.project(view.poses[index].moved(rest))?.0[0]);
+        Some(at(other[0])? - at(other[1])?)
+    }
+
     /// As [`super::stage::Moment::follow`].
     pub fn follow(&self, index: usize, p: Point, other: &Self) -> Option<(Point, bool)> {
         /// Relative difference of depths that rounding explains.
@@ -376,7 +409,7 @@ mod tests {
         let wall = Form::upright([0.0, 0.0, 3.0], 0.0, [f64::INFINITY; 2]);
         let ball = Form::Sphere { at: [0.0, 0.0, 1.5], radius: 0.25 };
         let bodies = vec![Body::new(wall, gray, move |_| gray), Body::new(ball, gray, move |_| gray)];
-        Space::new(bodies, Difficulty::default())
+        Space::new(bodies, Rig::REST, Difficulty::default())
     }
 
     #[test]
@@ -418,7 +451,7 @@ mod tests {
         // Two white faces recede from their common edge, before a black wall.
         let face = |at: Vector, along: Vector| {
             let form = Form::Plane { at, along: [along, [0.0, 1.0, 0.0]], half: [0.2, 0.3] };
-            Body::new(form, white, move |_| white).face_of(1, |_| REST)
+            Body::new(form, white, move |_| white).face_of(1, |_| Pose::IDENTITY)
         };
         let wall = Form::upright([0.0, 0.0, 3.0], 0.0, [f64::INFINITY; 2]);
         let bodies = vec![
@@ -426,7 +459,7 @@ mod tests {
             face([-0.16, 0.0, 1.62], [-0.8, 0.0, 0.6]),
             face([0.16, 0.0, 1.62], [-0.8, 0.0, -0.6]),
         ];
-        let space = Space::new(bodies, Difficulty::default());
+        let space = Space::new(bodies, Rig::REST, Difficulty::default());
         let moment = space.seen_from(Viewpoint::Left, 0.0);
         for x in [157.0, 158.5, 159.0, 159.5, 160.0, 160.5, 162.0] {
             let seen = moment.color([x, 119.5]);

@@ -32,6 +32,14 @@ impl Stage {
         }
     }
 
+    /// The motion of all that is at rest from frame `t` to the next one, where it is known.
+    pub fn ego_motion(&self, t: f64) -> Option<Pose> {
+        match self {
+            Self::Flat(_) => None,
+            Self::Deep(space) => space.ego_motion(t),
+        }
+    }
+
     /// Whether two cameras see it.
     pub fn is_stereo(&self) -> bool {
         matches!(self, Self::Deep(_))
@@ -101,6 +109,14 @@ impl Moment<'_> {
                 Some((to, !then.in_picture(to) || then.hides(index, to)))
             }
             (Self::Deep(now), Self::Deep(then)) => now.follow(index, p, then),
+            _ => None,
+        }
+    }
+
+    /// The disparity that the point of surface `index` that is at `p` now has at another moment, seen from both viewpoints.
+    pub fn disparity_in(&self, index: usize, p: Point, other: &[Self; 2]) -> Option<f64> {
+        match (self, other) {
+            (Self::Deep(now), [Self::Deep(left), Self::Deep(right)]) => now.disparity_in(index, p, [left, right]),
             _ => None,
         }
     }

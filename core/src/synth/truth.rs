@@ -17,6 +17,7 @@ pub struct ExactTruth {
     masks: Recent<TrueMask>,
     labels: Recent<Grid<u32>>,
     views: Recent<Views>,
+    next: Recent<Disparity>,
     boxes: Recent<Vec<ObjectBox>>,
 }
 
@@ -45,6 +46,7 @@ impl ExactTruth {
             masks: Recent::new(4),
             labels: Recent::new(4),
             views: Recent::new(4),
+            next: Recent::new(4),
             boxes: Recent::new(BOXES_KEPT),
         }
     }
@@ -89,6 +91,16 @@ impl ExactTruth {
             (p[0] - to[0]) as f32
         });
         Views { disparity: Arc::new(Disparity(disparity)), hidden: Arc::new(hidden) }
+    }
+
+    fn relate_next(&self, t: usize) -> Disparity {
+        let now = self.stage.at(t as f64);
+        let next = [Viewpoint::Left, Viewpoint::Right].map(|viewpoint| self.stage.seen_from(viewpoint, t as f64 + 1.0));
+        Disparity(Grid::from_fn(self.difficulty.width, self.difficulty.height, |x, y| {
+            let p = [x as f64, y as f64];
+            let found = now.foremost(p).and_then(|surface| now.disparity_in(surface, p, &next));
+            found.map_or(Disparity::UNKNOWN, |d| d as f32)
+        }))
     }
 }
 
@@ -163,6 +175,15 @@ impl Truth for ExactTruth {
 
     fn disparity(&self, t: usize) -> Result<Option<Arc<Disparity>>, Error> {
         Ok(self.views(t).map(|views| Arc::clone(&views.disparity)))
+    }
+
+    fn next_disparity(&self, t: usize) -> Result<Option<Arc<Disparity>>, Error> {
+        let is_known = t + 1 < self.difficulty.frames && self.stage.is_stereo();
+        Ok(is_known.then(|| self.next.get(t, || self.relate_next(t))))
+    }
+
+    fn ego_motion(&self, t: usize) -> Result<Option<Pose>, Error> {
+        Ok((t + 1 < self.difficulty.frames).then(|| self.stage.ego_motion(t as f64)).flatten())
     }
 
     fn half_occlusion(&self, t: usize) -> Result<Option<Arc<Grid<bool>>>, Error> {

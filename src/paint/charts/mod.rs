@@ -5,6 +5,7 @@
 
 mod axis;
 mod canvas;
+pub mod cloud;
 pub mod diagram;
 pub mod distribution;
 pub mod explanation;

@@ -1,5 +1,6 @@
 //! Charts of what a step tells, as they are pointed at in the window; [`crate::paint::charts`] draws them.
 
+pub mod cloud3d;
 pub mod diagram;
 pub mod distribution;
 pub mod heat_map;

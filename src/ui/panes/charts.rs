@@ -11,7 +11,7 @@ use crate::ui::app::action::Action;
 use crate::ui::app::commands::Command;
 use crate::ui::charts::heat_map::Clicked;
 use crate::ui::charts::{
-    diagram, distribution, heat_map, histogram, matrices, plane, plots, regions, stack3d, surface3d, tiles,
+    cloud3d, diagram, distribution, heat_map, histogram, matrices, plane, plots, regions, stack3d, surface3d, tiles,
 };
 use crate::ui::drawing::chart::Subject;
 use crate::ui::parts::widgets;
@@ -203,6 +203,13 @@ impl Panes<'_> {
                 }
                 Readout::Distribution(distribution) if *pane == panes::ERRORS => {
                     distribution::show(ui, distribution::Input { distribution, subject }, &mut self.states.errors);
+                }
+                Readout::Cloud(cloud) if *pane == panes::CLOUD => {
+                    let picked = cloud3d::show(ui, cloud3d::Input { cloud, subject }, &mut self.states.cloud3d).picked;
+                    if let Some(pixel) = picked {
+                        let at = motionscope_core::scene::Focus::current(pixel.map(f32::from));
+                        self.actions.ask(Action::Focus(Some(at)));
+                    }
                 }
                 Readout::Stack(stack) if *pane == panes::PYRAMID => {
                     let input = stack3d::Input { stack, on_stage: self.look.level.of(&stack.levels), subject };

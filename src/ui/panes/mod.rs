@@ -33,7 +33,7 @@ use super::parts::widgets;
 use crate::ui::app::action::{Action, Actions, Side};
 use crate::ui::app::commands::Command;
 use crate::ui::charts::{
-    diagram, distribution, heat_map, histogram, matrices, plane, plots, regions, stack3d, surface3d, tiles,
+    cloud3d, diagram, distribution, heat_map, histogram, matrices, plane, plots, regions, stack3d, surface3d, tiles,
 };
 use crate::ui::drawing::style;
 use crate::ui::stage;
@@ -79,6 +79,8 @@ pub struct States {
     pub surface3d: surface3d::State,
     /// The levels of a pyramid in three dimensions.
     pub stack3d: stack3d::State,
+    /// Points in space.
+    pub cloud3d: cloud3d::State,
     /// The plane of displacements.
     #[serde(skip)]
     pub plane: plane::State,
@@ -118,7 +120,7 @@ impl States {
     pub fn angles(&self, step: &Step) -> Angles {
         let plane = step.readouts.iter().find_map(|r| if let Readout::Plane(plane) = r { Some(plane) } else { None });
         let plane = plane.and_then(|plane| self.plane.window(plane));
-        Angles { surface: self.surface3d.orbit, pyramid: self.stack3d.orbit, plane }
+        Angles { surface: self.surface3d.orbit, pyramid: self.stack3d.orbit, cloud: self.cloud3d.orbit, plane }
     }
 }
 

@@ -1,7 +1,9 @@
-//! Stereo: the disparity of two rectified views. One file per estimator; the shared parts are in `methods/stereo`.
+//! Stereo: the disparity of two rectified views, and the scene flow that follows from it. One file per estimator; the shared parts are in `methods/stereo`.
 
 mod block_stereo;
+mod scene_flow;
 mod semi_global_matching;
 
 pub use block_stereo::{BlockStereo, Cost};
+pub use scene_flow::SceneFlow;
 pub use semi_global_matching::{Paths, SemiGlobalMatching};

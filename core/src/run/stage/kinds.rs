@@ -5,7 +5,9 @@ use super::chosen::FRAMES;
 use super::{Frames, Makes, Stage};
 use crate::base::{Error, Threads};
 use crate::data::{Clip, Flow, Frame};
-use crate::products::{BlockField, DenseField, MaskField, ModelField, ObjectField, PointField, Product, ProductKind};
+use crate::products::{
+    BlockField, DenseField, DisparityField, MaskField, ModelField, ObjectField, PointField, Product, ProductKind,
+};
 
 /// Makes a dense flow.
 #[derive(Clone, Copy, Debug)]
@@ -39,6 +41,34 @@ impl Stage<DenseFlow> {
         let grays = frames.map(|frame| Frame::gray(frame.luma().clone()));
         let pair = Clip::from_frames("a pair of frames", grays.into())?;
         self.flow(&pair.part_of(clip), 0, threads)
+    }
+}
+
+/// Makes disparities of the two views of a frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Disparities;
+
+impl Makes for Disparities {
+    const ASKS: &'static str = "disparity";
+    const PRODUCT: &'static ProductKind = DisparityField::KIND;
+    const WORDS: &'static str = "disparities";
+    // A point that one view does not show has no position.
+    const DEFAULTS: &'static [(&'static str, &'static str)] = &[("fill", "off")];
+}
+
+impl Stage<Disparities> {
+    /// The disparities of frame `t` of a clip.
+    ///
+    /// # Errors
+    /// If it cannot be read, or is not wanted any more.
+    pub fn disparities(&self, clip: &Clip, t: usize, threads: &Threads) -> Result<DisparityField, Error> {
+        let output = self.estimator.run(clip, t, threads)?;
+        output.get().cloned().ok_or_else(|| {
+            let id = self.estimator.info().id;
+            Error::new(format!(
+                "{id} makes no disparities with these parameters; change them, or choose another method"
+            ))
+        })
     }
 }
 

@@ -6,6 +6,7 @@ mod balloon;
 mod barber_pole;
 mod blurred_swing;
 mod crossing_stars;
+mod drive;
 mod fast_ball;
 mod fast_flight;
 mod flag;
@@ -57,6 +58,7 @@ pub const SCENES: &[Sample] = &[
     turntable::SAMPLE,
     still_life::SAMPLE,
     stereo_traps::SAMPLE,
+    drive::SAMPLE,
     turning_box::SAMPLE,
     spinning_sign::SAMPLE,
     blurred_swing::SAMPLE,

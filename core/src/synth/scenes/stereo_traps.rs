@@ -4,7 +4,7 @@ use crate::synth::{
     Sample, Scenery, Setting,
     maths::{cos, sin},
     path::Path,
-    space::{Body, Form},
+    space::{Body, Form, Rig},
     texture::{Rgb, Spot, mix, rgb},
 };
 
@@ -14,7 +14,7 @@ pub const SAMPLE: Sample = Sample {
     teaches: "The left panel repeats every 6 cm, so several disparities fit equally well. The right panel has no texture, so all do. Beside \
               the near post the right camera sees other parts of the wall: half-occlusion.",
     tune: |_| {},
-    scenery: Scenery::Deep(bodies),
+    scenery: Scenery::Deep(bodies, Rig::REST),
     path: Path::REST,
 };
 

@@ -4,7 +4,7 @@ use crate::synth::{
     Sample, Scenery, Setting,
     maths::sin,
     path::Path,
-    space::{Body, Form},
+    space::{Body, Form, Rig},
     texture::{Rgb, Spot, ramp, rgb},
 };
 
@@ -14,7 +14,7 @@ pub const SAMPLE: Sample = Sample {
     teaches: "Two cameras 12 cm apart see a table, a wall and three balls, all with texture: the disparity is f B / Z, so near things have \
               a large one. Two of the balls move in depth.",
     tune: |_| {},
-    scenery: Scenery::Deep(bodies),
+    scenery: Scenery::Deep(bodies, Rig::REST),
     path: Path::REST,
 };
 

@@ -6,7 +6,7 @@ use crate::synth::{
     Sample, Scenery, Setting,
     maths::{sin, sin_cos},
     path::Path,
-    space::{Body, Form, Vector},
+    space::{Body, Form, Rig, Vector},
     texture::{Rgb, rgb},
 };
 
@@ -16,7 +16,7 @@ pub const SAMPLE: Sample = Sample {
     teaches: "A box of 0.48×0.32×0.36 m turns and moves in depth before a wall. Its edges alone determine its pose, 3 angles and 3 coordinates, \
               when its model and the focal length are known.",
     tune: |d| d.frames = 48,
-    scenery: Scenery::Deep(bodies),
+    scenery: Scenery::Deep(bodies, Rig::REST),
     path: Path::REST,
 };
 
@@ -48,15 +48,15 @@ fn bodies(setting: &Setting) -> Vec<Body> {
         let [dark, light] = ink.map(rgb);
         let offset = seed + 200 + 100 * number as u32;
         let paint = move |spot| mottled(offset, 24.0, [dark, dark, light, light] as [Rgb; 4], spot);
-        all.push(Body::new(face(axis, sign), dark, paint).face_of(1, pose));
+        all.push(Body::new(face(HALF, axis, sign), dark, paint).face_of(1, pose));
     }
     all
 }
 
-/// The face of the box across an axis, with directions whose product points outwards.
-fn face(axis: usize, sign: f64) -> Form {
+/// The face of a box across an axis, with directions whose product points outwards; `half` are half its sides in m.
+pub fn face(half: Vector, axis: usize, sign: f64) -> Form {
     let unit = |i: usize, length: f64| -> Vector { std::array::from_fn(|k| if k == i { length } else { 0.0 }) };
     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
     // Unit vectors u, v and the axis are right-handed.
-    Form::Plane { at: unit(axis, sign * HALF[axis]), along: [unit(u, sign), unit(v, 1.0)], half: [HALF[u], HALF[v]] }
+    Form::Plane { at: unit(axis, sign * half[axis]), along: [unit(u, sign), unit(v, 1.0)], half: [half[u], half[v]] }
 }

@@ -1,0 +1,450 @@
+//! Scene flow: the position of each pixel in space, and its displacement to the next frame.
+//!
+//! ```text
+//!   left t ── flow (u, v) ──▸ left t+1
+//!     │                         │
+//!     d                         d'            P  from (x, y, d)
+//!     ▾                         ▾             P' from (x + u, y + v, d')
+//!   right t                   right t+1       V = P' − P
+//! ```
+
+mod explain;
+mod space;
+
+use std::sync::Arc;
+
+use crate::base::{Error, Observer, Tally, Threads};
+use crate::data::{
+    Calibration, Clip, Disparity, Flow, Frame, Mask, Measured, Sigma, Truth, Viewpoint, mahalanobis_squared,
+};
+use crate::geometry::Grid;
+use crate::methods::scene_flow::{Consensus, Draw, Ego, EgoSettings};
+use crate::products::{EgoMotion, Output, Product, ProductKind, SceneFlowField};
+use crate::run::{
+    DenseFlow, Disparities, Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress,
+    Seen, Stage,
+};
+use crate::scene::{Chart, Focus, Name, Picture, Role, Scene, Step};
+use crate::synth::random::{gaussian, hash};
+use crate::{choices, params, pseudocode};
+
+choices! {
+    /// The disparities and the flow that are used.
+    pub enum Source {
+        /// Those that methods estimate.
+        Estimated = "estimated" "Estimated",
+        /// The true ones, where they are known, with noise.
+        Truth = "truth" "Ground truth",
+    }
+}
+
+params! {
+    /// Scene flow of two views of a pair of frames.
+    pub struct SceneFlow {
+        /// Disparities and flow that are used. The true ones with noise show the error that remains.
+        source: Source = Source::Estimated;
+        /// Method of the disparities, in frame t and in frame t + 1.
+        disparity: Stage<Disparities> = Stage::named("semi-global-matching");
+        /// Method of the flow.
+        flow: Stage<DenseFlow> = Stage::named("tv-l1");
+        /// Standard deviation of the noise that is added to the true disparities and flow.
+        noise: f32 = 0.25, 0.0..=5.0, "px";
+        /// Assumed standard deviation of disparities and flow: it determines the uncertainty of positions and displacements.
+        sigma: f32 = 0.25, 0.01..=5.0, "px";
+        /// Gate of the squared Mahalanobis distance of the motion that remains without that of the cameras; beyond it a pixel has a motion of its
+        /// own. 11.34 is the 99 % quantile of χ² with 3 degrees of freedom.
+        gate: f32 = 11.34, 0.5..=500.0;
+        /// Width of the square of the opening that removes small groups of such pixels. 1 removes none.
+        opening: usize = 5, 1..=31, "px";
+        /// Estimation of the motion of the cameras.
+        ego: EgoSettings = EgoSettings::default();
+    }
+    when {
+        "disparity": |p| p.source == Source::Estimated, "The method has no effect on the true disparities.";
+        "flow": |p| p.source == Source::Estimated, "The method has no effect on the true flow.";
+        "noise": |p| p.source == Source::Truth, "Noise is added to true disparities and flow only.";
+    }
+}
+
+/// A part of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// The disparities of frame t.
+    Disparity,
+    /// The disparities of frame t + 1.
+    NextDisparity,
+    /// The flow.
+    Flow,
+    /// Positions and displacements, row by row.
+    Positions,
+    /// The motion of the cameras, sample by sample.
+    Ego,
+    /// The motion that remains, row by row.
+    Own,
+}
+
+/// What happened.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Event {
+    /// A whole map was estimated.
+    Whole(Part),
+    /// A row was done.
+    Row(Part, u32),
+    /// A sample, or a round of the final fit, of the motion of the cameras.
+    Draw(Draw),
+    /// There were too few points for it.
+    NoEgo,
+}
+
+/// The state of a run.
+#[derive(Clone)]
+pub struct State {
+    fixed: Arc<Fixed>,
+    /// Number of completed parts.
+    done: usize,
+    disparity: Option<Arc<Disparity>>,
+    /// Of frame t + 1, at the pixels of frame t + 1; of the truth, at those of frame t.
+    next: Option<Arc<Disparity>>,
+    flow: Option<Arc<Flow>>,
+    /// The disparity in frame t + 1 of the point at each pixel of frame t.
+    followed: Option<Arc<Disparity>>,
+    /// The points on which the motion of the cameras is estimated.
+    points: Arc<Vec<Measured>>,
+    consensus: Option<Arc<Consensus>>,
+    moving: Option<Arc<Mask>>,
+}
+
+/// The constant part of a run.
+struct Fixed {
+    frame: usize,
+    left: Arc<Frame>,
+    is_stereo: bool,
+    calibration: Option<Calibration>,
+}
+
+impl SceneFlow {
+    /// The parts of a run: as far as views and calibration allow.
+    fn parts(&self, fixed: &Fixed) -> &'static [Part] {
+        use Part::{Disparity, Ego, Flow, NextDisparity, Own, Positions};
+        match (fixed.is_stereo, fixed.calibration) {
+            (false, _) => &[Flow],
+            (true, None) => &[Disparity, NextDisparity, Flow, Positions],
+            (true, Some(_)) => &[Disparity, NextDisparity, Flow, Positions, Ego, Own],
+        }
+    }
+
+    fn sigma(&self) -> Sigma {
+        Sigma { disparity_px: self.sigma.into(), flow_px: self.sigma.into() }
+    }
+
+    /// Performs the next part.
+    fn work(
+        &self,
+        (clip, threads): (&Clip, &Threads),
+        state: &mut State,
+        observer: &mut impl Observer<Event>,
+    ) -> Result<Progress, Error> {
+        let parts = self.parts(&state.fixed);
+        let (part, t) = (parts[state.done], state.fixed.frame);
+        match part {
+            Part::Disparity => state.disparity = Some(self.disparities(clip, (t, 0), threads)?),
+            Part::NextDisparity => state.next = Some(self.disparities(clip, (t, 1), threads)?),
+            Part::Flow => state.flow = Some(self.flow_of(clip, t, threads)?),
+            Part::Positions => self.triangulate(state, observer),
+            Part::Ego => self.estimate_ego(state, observer),
+            Part::Own => self.find_own(state, observer),
+        }
+        if matches!(part, Part::Disparity | Part::NextDisparity | Part::Flow) {
+            observer.see(|| Event::Whole(part));
+        }
+        state.done += 1;
+        Ok(if state.done == parts.len() { Progress::Done } else { Progress::More })
+    }
+
+    /// The disparities of frame `t + after`.
+    fn disparities(&self, clip: &Clip, (t, after): (usize, usize), threads: &Threads) -> Result<Arc<Disparity>, Error> {
+        if self.source == Source::Estimated {
+            return Ok(Arc::new(self.disparity.disparities(clip, t + after, threads)?.map));
+        }
+        let truth = known(clip)?;
+        let found = if after == 0 { truth.disparity(t)? } else { truth.next_disparity(t)? };
+        let found = found.filter(|map| map.0.size() == clip.size()).ok_or_else(unknown)?;
+        Ok(Arc::new(Disparity(self.noisy(&found.0, after as u64, |d, noise| d + noise(0)))))
+    }
+
+    fn flow_of(&self, clip: &Clip, t: usize, threads: &Threads) -> Result<Arc<Flow>, Error> {
+        if self.source == Source::Estimated {
+            return self.flow.flow(clip, t, threads).map(Arc::new);
+        }
+        let found = known(clip)?.flow(t)?.filter(|flow| flow.0.size() == clip.size()).ok_or_else(unknown)?;
+        Ok(Arc::new(Flow(self.noisy(&found.0, 2, |[u, v], noise| [u + noise(0), v + noise(1)]))))
+    }
+
+    /// A true map with noise of its own.
+    fn noisy<T: Copy>(&self, map: &Grid<T>, number: u64, add: impl Fn(T, &dyn Fn(u64) -> f32) -> T) -> Grid<T> {
+        let (width, height) = map.size();
+        Grid::from_fn(width, height, |x, y| {
+            let pixel = (y * width + x) as u64;
+            let noise =
+                |part: u64| self.noise * gaussian(hash(self.ego.seed as u64, 4 * pixel + part, 0x5ce0 + number)) as f32;
+            add(map[(x, y)], &noise)
+        })
+    }
+
+    /// Follows each pixel to frame t + 1 and looks up its disparity there.
+    fn triangulate(&self, state: &mut State, observer: &mut impl Observer<Event>) {
+        let (Some(disparity), Some(next), Some(flow)) = (&state.disparity, &state.next, &state.flow) else { return };
+        let (width, height) = flow.0.size();
+        let mut followed = Grid::new(width, height, Disparity::UNKNOWN);
+        for y in 0..height {
+            for x in 0..width {
+                let found = match (self.source, flow.at(x, y)) {
+                    (_, None) => None,
+                    (Source::Truth, _) => next.at(x, y),
+                    (Source::Estimated, Some([u, v])) => look_up(next, [x as f32 + u, y as f32 + v]),
+                };
+                followed[(x, y)] = found.filter(|_| disparity.at(x, y).is_some()).unwrap_or(Disparity::UNKNOWN);
+            }
+            observer.see(|| Event::Row(Part::Positions, y as u32));
+        }
+        state.followed = Some(Arc::new(Disparity(followed)));
+    }
+
+    /// The pixels of a grid with known positions in both frames.
+    fn ego_points(&self, field: &SceneFlowField) -> Vec<Measured> {
+        let is_on_grid = |c: usize| c % self.ego.spacing == self.ego.spacing / 2;
+        let on_grid = field.pixels().filter(|(x, y)| is_on_grid(*x) && is_on_grid(*y));
+        let is_placed = |m: &Measured| field.calibration.is_some_and(|rig| m.in_space(&rig).is_some());
+        on_grid.filter_map(|pixel| field.measured(pixel)).filter(is_placed).collect()
+    }
+
+    fn estimate_ego(&self, state: &mut State, observer: &mut impl Observer<Event>) {
+        let field = self.field(state);
+        let Some(rig) = field.calibration else { return };
+        let points = self.ego_points(&field);
+        let consensus =
+            Ego { rig: &rig, points: &points, settings: &self.ego }.estimate(|draw| observer.see(|| Event::Draw(draw)));
+        if consensus.drawn == 0 {
+            observer.see(|| Event::NoEgo);
+        }
+        (state.points, state.consensus) = (Arc::new(points), Some(Arc::new(consensus)));
+    }
+
+    /// The squared Mahalanobis distance of the motion of its own of a pixel.
+    fn own_squared(&self, field: &SceneFlowField, pixel: (usize, usize)) -> Option<f64> {
+        let (motion, ego) = (field.motion(pixel)?, field.ego?.pose);
+        Some(mahalanobis_squared(motion.own(&ego), &motion.covariance(&ego, &field.sigma)))
+    }
+
+    fn find_own(&self, state: &mut State, observer: &mut impl Observer<Event>) {
+        let field = self.field(state);
+        let (width, height) = field.size();
+        let mut beyond = Mask::new(width, height);
+        for y in 0..height {
+            let row = Mask::from_fn(width, 1, |x, _| {
+                self.own_squared(&field, (x, y)).is_some_and(|squared| squared > f64::from(self.gate))
+            });
+            beyond.write_row(y, |words| words.copy_from_slice(row.row(0)));
+            observer.see(|| Event::Row(Part::Own, y as u32));
+        }
+        state.moving = Some(Arc::new(beyond.opened(self.opening / 2)));
+    }
+
+    /// The field so far.
+    fn field(&self, state: &State) -> SceneFlowField {
+        let Fixed { left, calibration, .. } = &*state.fixed;
+        let (width, height) = left.size();
+        let unknown = || Arc::new(Disparity(Grid::new(width, height, Disparity::UNKNOWN)));
+        let ego = state.consensus.as_ref().and_then(|consensus| {
+            let fit = consensus.fit?;
+            let (pose, residual_px) = (fit.pose, fit.rms_px());
+            Some(EgoMotion { pose, inliers: fit.score.inliers, points: consensus.points, residual_px })
+        });
+        SceneFlowField {
+            picture: Arc::clone(left),
+            disparity: state.disparity.clone().unwrap_or_else(unknown),
+            flow: state.flow.clone().unwrap_or_else(|| Arc::new(Flow(Grid::new(width, height, Flow::UNKNOWN)))),
+            next_disparity: state.followed.clone().unwrap_or_else(unknown),
+            calibration: *calibration,
+            sigma: self.sigma(),
+            ego,
+            moving: state.moving.clone(),
+        }
+    }
+}
+
+fn known(clip: &Clip) -> Result<&Arc<dyn Truth>, Error> {
+    clip.truth().ok_or_else(unknown)
+}
+
+fn unknown() -> Error {
+    Error::new("the true disparities and flow of this pair of frames are not known; set source to estimated")
+}
+
+/// Largest difference in px of the disparities around a place between which one is interpolated: beyond it lies a depth edge.
+const SMOOTH_PX: f32 = 1.0;
+
+/// The disparity at a place between pixels: bilinear, or at a depth edge that of the nearest pixel.
+fn look_up(map: &Disparity, [x, y]: [f32; 2]) -> Option<f32> {
+    let (width, height) = map.0.size();
+    let inside = |c: f32, extent: usize| (0.0..=(extent - 1) as f32).contains(&c);
+    if !(inside(x, width) && inside(y, height)) {
+        return None;
+    }
+    let (left, top) = (x.floor() as usize, y.floor() as usize);
+    let (right, bottom) = ((left + 1).min(width - 1), (top + 1).min(height - 1));
+    let corners = [(left, top), (right, top), (left, bottom), (right, bottom)].map(|(x, y)| map.at(x, y));
+    let nearest = || map.at(x.round() as usize, y.round() as usize);
+    let [Some(a), Some(b), Some(c), Some(d)] = corners else { return nearest() };
+    let (least, most) = [b, c, d].iter().fold((a, a), |(least, most), v| (least.min(*v), most.max(*v)));
+    if most - least > SMOOTH_PX {
+        return nearest();
+    }
+    let (fx, fy) = (x - left as f32, y - top as f32);
+    Some((a * (1.0 - fx) + b * fx) * (1.0 - fy) + (c * (1.0 - fx) + d * fx) * fy)
+}
+
+pseudocode! {
+    TAKE_VIEWS: "take both views of frame t and of frame t + 1, rectified, with the calibration of the cameras",
+    DISPARITY: "d(x, y) ← disparity in frame t",
+    NEXT_DISPARITY: "d′(x, y) ← disparity in frame t + 1",
+    FLOW: "(u, v) ← optical flow of the left view from frame t to frame t + 1",
+    TRIANGULATE: "for each pixel: P from (x, y, d(x, y)), P′ from (x + u, y + v, d′(x + u, y + v)); scene flow V ← P′ − P",
+    SKIP: "  where a disparity or the flow is not known: no scene flow",
+    SAMPLE: "draw 3 pixels: R, t ← arg min Σ reprojection error of R P + t in frame t + 1, by Gauss–Newton steps",
+    REFIT: "R, t ← the same over all inliers of the best sample; again while the cost falls",
+    OWN: "for each pixel: r ← P′ − (R P + t), with covariance Σ; it has a motion of its own if rᵀ Σ⁻¹ r > gate",
+    OPEN: "remove groups of such pixels smaller than the square of the opening",
+}
+
+impl Estimator for SceneFlow {
+    const INFO: Info = Info {
+        id: "scene-flow",
+        name: "Scene flow",
+        family: "Stereo",
+        summary: "Positions and displacements of pixels in space from disparities and optical flow, without the motion of the cameras.",
+        source: "S. Vedula, S. Baker, P. Rander, R. Collins and T. Kanade, Three-dimensional scene flow, ICCV 1999; A. Wedel, T. Brox, T. Vaudrey, \
+                 C. Rabe, U. Franke and D. Cremers, Stereoscopic scene flow computation for 3D motion understanding, International Journal \
+                 of Computer Vision 95, 2011; motion of the cameras: A. Geiger, J. Ziegler and C. Stiller, StereoScan, IEEE Intelligent \
+                 Vehicles Symposium 2011",
+        pseudocode: line::ALL,
+        granularities: &["frame", "stage", "step"],
+        frames: 2,
+    };
+    const GUARANTEE: Guarantee = Guarantee::SceneFlow;
+    const CHARTS: &'static [Chart] = &[Chart::Cloud, Chart::Matrices, Chart::Series];
+    const PRODUCES: &'static [&'static ProductKind] = &[SceneFlowField::KIND];
+    type State = State;
+    type Event = Event;
+
+    fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
+        let [left, _] = clip.pair(frame)?;
+        let is_stereo = clip.right().is_some();
+        if is_stereo {
+            clip.frame_from(Viewpoint::Right, frame + 1)?;
+        }
+        if self.source == Source::Truth && is_stereo {
+            known(clip)?;
+        }
+        let calibration = clip.calibration().filter(|_| is_stereo).copied();
+        let fixed = Fixed { frame, left, is_stereo, calibration };
+        Ok(State {
+            fixed: Arc::new(fixed),
+            done: 0,
+            disparity: None,
+            next: None,
+            flow: None,
+            followed: None,
+            points: Arc::default(),
+            consensus: None,
+            moving: None,
+        })
+    }
+
+    fn advance(&self, clip: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<Progress, Error> {
+        self.work((clip, &Threads::single()), state, observer)
+    }
+
+    fn units(&self, state: &State) -> Option<usize> {
+        Some(self.parts(&state.fixed).len())
+    }
+
+    fn place(&self, state: &State) -> Vec<Granularity> {
+        vec![Granularity { index: 0, of: Some(1) }, Granularity { index: state.done, of: self.units(state) }]
+    }
+
+    fn landmark(&self, event: &Event) -> Option<Role> {
+        let is_better = |draw: &Draw| draw.fit.is_some() && draw.fit == draw.best;
+        matches!(event, Event::Draw(draw) if is_better(draw)).then_some(Role::Best)
+    }
+
+    fn stage(&self, event: &Event) -> Option<Name> {
+        Some(match event {
+            Event::Whole(Part::Disparity) => line::DISPARITY,
+            Event::Whole(Part::NextDisparity) => line::NEXT_DISPARITY,
+            Event::Whole(_) => line::FLOW,
+            Event::Row(Part::Positions, _) => line::TRIANGULATE,
+            Event::Row(..) => line::OWN,
+            Event::Draw(Draw { sample: Some(_), .. }) | Event::NoEgo => line::SAMPLE,
+            Event::Draw(_) => line::REFIT,
+        })
+    }
+
+    fn pointed(&self) -> Option<&dyn Pointed<State>> {
+        Some(self)
+    }
+
+    fn step(&self, seen: &Seen<Self>) -> Step {
+        self.told(seen)
+    }
+
+    fn draw(&self, seen: &Seen<Self>, scene: &mut Scene) {
+        self.drawn(seen, scene);
+    }
+
+    fn output(&self, state: &State) -> Output {
+        Output::of(self.field(state))
+    }
+
+    fn run(&self, clip: &Clip, frame: usize, threads: &Threads, tally: &impl Tally<Event>) -> Result<State, Error> {
+        let mut state = self.start(clip, frame)?;
+        let mut counter = tally.counter();
+        loop {
+            clip.wanted()?;
+            tally.add_units(1);
+            if self.work((clip, threads), &mut state, &mut counter)? == Progress::Done {
+                return Ok(state);
+            }
+        }
+    }
+}
+
+impl Footprint<State> for SceneFlow {
+    fn need(&self, clip: &Clip) -> Need {
+        let stages = [self.disparity.need(clip).run, self.flow.need(clip).run];
+        let most = stages.into_iter().max().unwrap_or_default() as f64;
+        Need::per_pixel(clip, [60.0, 120.0]).and([most, most])
+    }
+
+    fn state_bytes(&self, state: &State) -> usize {
+        let maps = [&state.disparity, &state.next, &state.followed].into_iter().flatten();
+        let maps: usize = maps.map(|map| size_of_val(map.0.cells())).sum();
+        let flow = state.flow.as_ref().map_or(0, |flow| size_of_val(flow.0.cells()));
+        let mask = state.moving.as_ref().map_or(0, |mask| mask.bytes());
+        size_of::<State>() + maps + flow + mask + size_of_val(&state.points[..])
+    }
+
+    fn memory_bytes(&self, state: &State) -> usize {
+        self.state_bytes(state) + size_of::<Fixed>()
+    }
+}
+
+impl Pointed<State> for SceneFlow {
+    fn takes(&self, picture: Picture) -> bool {
+        picture == Picture::CURRENT
+    }
+
+    fn explained(&self, state: &State, Focus { at, .. }: Focus) -> Option<Explained> {
+        state.fixed.left.luma().cell_at(at).map(|_| Explained::Always)
+    }
+}

@@ -1,0 +1,699 @@
+//! What scene flow tells and draws.
+
+use std::sync::Arc;
+
+use super::{Event, Part, SceneFlow, Source, State, line, space};
+use crate::base::words::{self, fixed, grouped};
+use crate::data::{Calibration, Measured, Pose, SpaceMotion, mahalanobis_squared};
+use crate::geometry::Grid;
+use crate::methods::numbers::{percent, squared};
+use crate::methods::scene_flow::{Draw, Ego, FEWEST, Fit};
+use crate::products::scene_flow::{depth_error, scene_flow_error};
+use crate::products::{Reference, SceneFlowField};
+use crate::run::Seen;
+use crate::scene::{
+    Arrow, Canvas, Fact, Link, Math, Matrix, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step, Viewpoint,
+};
+
+/// The right view of frame t + 1.
+const RIGHT_NEXT: Picture = Picture { viewpoint: Viewpoint::Right, ..Picture::NEXT };
+/// Ranges of depth in the plot of errors.
+const RANGES: usize = 12;
+
+/// A vector in m as text, to a millimetre.
+fn metres(vector: [f64; 3]) -> String {
+    let [x, y, z] = vector.map(|c| fixed(c, 3));
+    format!("({x}, {y}, {z}) m")
+}
+
+fn length(vector: [f64; 3]) -> f64 {
+    vector.iter().map(|c| c * c).sum::<f64>().sqrt()
+}
+
+fn px2([x, y]: [f64; 2]) -> String {
+    format!("({}, {})", fixed(x, 2), fixed(y, 2))
+}
+
+fn degrees(pose: &Pose) -> String {
+    format!("{}°", fixed(pose.angle_rad().to_degrees(), 3))
+}
+
+/// The pixel that a step explains, with the field of the run so far.
+struct Shown {
+    field: SceneFlowField,
+    pixel: (usize, usize),
+}
+
+impl Shown {
+    fn named(&self) -> Sentence {
+        Sentence::default().ink(Role::Reference, format!("Pixel {}", words::pixel(self.pixel)))
+    }
+
+    fn measured(&self) -> Option<Measured> {
+        self.field.measured(self.pixel)
+    }
+
+    fn motion(&self) -> Option<SpaceMotion> {
+        self.field.motion(self.pixel)
+    }
+}
+
+impl SceneFlow {
+    /// The pixel pointed at, else the middle of the row at work or of the picture.
+    fn shown(&self, seen: &Seen<Self>) -> Shown {
+        let field = self.field(seen.after.unwrap_or(seen.before));
+        let (width, height) = field.size();
+        let row = match seen.events.last() {
+            Some(Event::Row(_, y)) if seen.after.is_none() => *y as usize,
+            _ => height / 2,
+        };
+        let pointed_at = seen.point().and_then(|point| field.picture.luma().cell_at(point));
+        Shown { pixel: pointed_at.unwrap_or((width / 2, row)), field }
+    }
+
+    pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
+        let Some(event) = seen.events.last() else { return Self::starting(seen.before) };
+        let shown = self.shown(seen);
+        let mut step = match event {
+            Event::Whole(Part::Disparity) => self.told_disparity(&shown),
+            Event::Whole(Part::NextDisparity) => self.told_next(seen),
+            Event::Whole(_) => self.told_flow(&shown, seen),
+            Event::Row(Part::Positions, _) => self.told_position(&shown),
+            Event::Row(..) => self.told_own(&shown, seen.after.is_some()),
+            Event::Draw(draw) => self.told_draw(seen, draw),
+            Event::NoEgo => Step {
+                line: line::SAMPLE,
+                sentence: Sentence::default().text(format!(
+                    "A rigid motion needs {FEWEST} points with known positions in both frames, and the grid has {}. Without the motion of the cameras, \
+                     motions of its own cannot be told from it.",
+                    seen.after.map_or(0, |after| after.points.len())
+                )),
+                readouts: Vec::new(),
+            },
+        };
+        let is_over = seen.after.is_some_and(|after| after.done == self.parts(&after.fixed).len());
+        if is_over && seen.point().is_none() {
+            step.sentence = step.sentence.text(self.concluded(seen, &shown.field));
+            step.readouts.extend(self.error_plot(seen, &shown.field));
+        }
+        let has_positions = shown.field.calibration.is_some() && shown.field.disparity.known() > 0;
+        if has_positions {
+            step.readouts.push(Readout::Cloud(space::cloud(shown.field, shown.pixel)));
+        }
+        step
+    }
+
+    fn starting(state: &State) -> Step {
+        let said = Sentence::default();
+        let sentence = match (state.fixed.is_stereo, state.fixed.calibration) {
+            (false, _) => said.ink(
+                Role::Error,
+                "The clip has no right view, so depths are not known and only the optical flow is estimated. Open a right view for scene flow.",
+            ),
+            (true, None) => said.ink(
+                Role::Error,
+                "The cameras are not calibrated: disparities and flow are known, positions in metres are not. Open their calibration, or type focal \
+                 length and baseline.",
+            ),
+            (true, Some(rig)) => said.text(format!(
+                "Two views give a point its position: with focal length {} px and baseline {} m the depth is Z = f B / d. The optical flow \
+                 leads to the same point in frame t + 1, where its disparity gives the next position. The difference is the scene flow.",
+                fixed(rig.focal_px, 0),
+                fixed(rig.baseline_m, 3)
+            )),
+        };
+        Step { line: line::TAKE_VIEWS, sentence, readouts: Vec::new() }
+    }
+
+    fn method(&self, name: &'static str) -> &'static str {
+        if self.source == Source::Truth { "The ground truth" } else { name }
+    }
+
+    fn told_disparity(&self, shown: &Shown) -> Step {
+        let field = &shown.field;
+        let known = field.disparity.known() as f64 / field.picture.luma().cells().len() as f64;
+        let name = self.method(self.disparity.estimator().info().name);
+        let said = Sentence::default()
+            .text(format!("{name} has a disparity for {} of the pixels of frame t. ", percent(known)));
+        let (x, y) = shown.pixel;
+        let said = joined(said, shown.named());
+        let sentence = match field.disparity.at(x, y) {
+            None => said.text(" has none: it is ambiguous, or the right camera does not see it."),
+            Some(d) => {
+                let said = said.text(": ").ink(Role::Best, format!("d = {} px", fixed(d.into(), 2)));
+                match field.calibration.and_then(|rig| rig.depth_m(d.into())) {
+                    Some(depth) => said.text(format!(", so its depth is Z = f B / d = {} m.", fixed(depth, 2))),
+                    None => said.text("."),
+                }
+            }
+        };
+        Step { line: line::DISPARITY, sentence, readouts: vec![self.depth_equation(shown)] }
+    }
+
+    fn depth_equation(&self, shown: &Shown) -> Readout {
+        let formula = Math::Row(vec![
+            Math::Var("Z"),
+            Math::text(" = "),
+            Math::over(Math::Row(vec![Math::Var("f"), Math::text(" "), Math::Var("B")]), Math::Var("d")),
+        ]);
+        let numbers = || {
+            let (x, y) = shown.pixel;
+            let (d, rig) = (f64::from(shown.field.disparity.at(x, y)?), shown.field.calibration?);
+            let depth = rig.depth_m(d)?;
+            Some(Math::Row(vec![
+                Math::Var("Z"),
+                Math::text(" = "),
+                Math::over(
+                    Math::text(format!("{} px · {} m", fixed(rig.focal_px, 0), fixed(rig.baseline_m, 3))),
+                    Math::text(format!("{} px", fixed(d + rig.offset_px, 2))),
+                ),
+                Math::text(" = "),
+                Math::ink(Role::Result, format!("{} m", fixed(depth, 2))),
+            ]))
+        };
+        Readout::Equation([formula].into_iter().chain(numbers()).collect())
+    }
+
+    fn told_next(&self, seen: &Seen<Self>) -> Step {
+        let map = seen.after.and_then(|after| after.next.as_ref());
+        let known = map.map_or(0.0, |map| map.known() as f64 / map.0.cells().len().max(1) as f64);
+        let name = self.method(self.disparity.estimator().info().name);
+        let sentence = Sentence::default().text(format!(
+            "{name} has a disparity for {} of the pixels of frame t + 1. Which of them belongs to a point of frame t is told by the flow.",
+            percent(known)
+        ));
+        Step { line: line::NEXT_DISPARITY, sentence, readouts: Vec::new() }
+    }
+
+    fn told_flow(&self, shown: &Shown, seen: &Seen<Self>) -> Step {
+        let name = self.method(self.flow.estimator().info().name);
+        let (x, y) = shown.pixel;
+        let said = shown.named();
+        let sentence = match shown.field.flow.at(x, y) {
+            Some([u, v]) => said
+                .text(" moves by ")
+                .ink(Role::Result, format!("(u, v) = {} px", px2([u.into(), v.into()])))
+                .text(format!(
+                    " to {} in frame t + 1, as {} says. A motion along the depth shows in the flow only beside the centre; the \
+                     disparity will tell it everywhere.",
+                    px2([x as f64 + f64::from(u), y as f64 + f64::from(v)]),
+                    if self.source == Source::Truth { "the ground truth" } else { name }
+                )),
+            None => said.text(" has no flow."),
+        };
+        let sentence = match seen.before.fixed.is_stereo {
+            true => sentence,
+            false => sentence.ink(Role::Error, " Without a right view there is no depth, and the run ends here."),
+        };
+        Step { line: line::FLOW, sentence, readouts: Vec::new() }
+    }
+
+    fn told_position(&self, shown: &Shown) -> Step {
+        let (x, y) = shown.pixel;
+        let Some(measured) = shown.measured() else {
+            let why = match (shown.field.disparity.at(x, y), shown.field.flow.at(x, y)) {
+                (None, _) => "has no disparity in frame t",
+                (_, None) => "has no flow",
+                _ => "has no disparity in frame t + 1, or leaves the picture",
+            };
+            let sentence = shown.named().text(format!(" {why}, so it has no scene flow."));
+            return Step { line: line::SKIP, sentence, readouts: Vec::new() };
+        };
+        let facts = measured_facts(shown.pixel, &measured);
+        let Some(motion) = shown.motion() else {
+            let why = match shown.field.calibration {
+                None => {
+                    "Without the calibration of the cameras the change of the disparity is all that is known of the motion along the depth."
+                }
+                Some(_) => "The point is at infinity, so it has no position.",
+            };
+            let sentence = shown.named().text(format!(
+                ": disparity {} px in frame t, {} px in frame t + 1. {why}",
+                fixed(measured.disparity, 2),
+                fixed(measured.next_disparity, 2)
+            ));
+            return Step { line: line::TRIANGULATE, sentence, readouts: vec![Readout::Facts(facts)] };
+        };
+        let covariance = motion.covariance(&Pose::IDENTITY, &shown.field.sigma);
+        let sigmas = [0, 1, 2].map(|i| covariance[i][i].sqrt());
+        let sentence = shown
+            .named()
+            .text(format!(" is at P = {} in frame t and at P′ = {} in frame t + 1. Scene flow ", metres(motion.from), metres(motion.to)))
+            .ink(Role::Result, format!("V = P′ − P = {}", metres(motion.displacement())))
+            .text(format!(
+                ". Its depth is the least certain, σ = {} m, as the error of a depth grows with its square: σ_Z = Z² σ_d / (f B).",
+                fixed(sigmas[2], 3)
+            ));
+        let matrices = vec![
+            vector("P", "position in frame t, in m", motion.from, Some(Role::Reference)),
+            vector("P′", "position in frame t + 1, in m", motion.to, Some(Role::Measured)),
+            vector("V", "scene flow, in m", motion.displacement(), Some(Role::Result)),
+            square("Σ", "covariance of the scene flow, in m²", covariance),
+        ];
+        let readouts = vec![
+            Readout::Facts(facts),
+            Readout::Equation(triangulation(&measured, shown.field.calibration.as_ref(), &motion)),
+            Readout::Matrices(matrices),
+        ];
+        Step { line: line::TRIANGULATE, sentence, readouts }
+    }
+
+    fn told_draw(&self, seen: &Seen<Self>, draw: &Draw) -> Step {
+        let sentence = match (draw.sample, draw.fit) {
+            (Some(_), fit) => sample_told(draw, fit, self.ego.threshold),
+            (None, Some(fit)) if draw.fit == draw.best => Sentence::default()
+                .text("Gauss–Newton steps over all inliers of the best sample: RMS reprojection error ")
+                .ink(Role::Result, format!("{} px", fixed(fit.rms_px(), 3)))
+                .text(format!(", {} inliers. More points than three average their noise.", grouped(fit.score.inliers))),
+            (None, _) => Sentence::default()
+                .text("Another round over the inliers does not lower the cost, so the fit has converged."),
+        };
+        let told = draw.best.map(|best| self.ego_told(seen, &best)).filter(|_| seen.after.is_some());
+        let sentence = match told {
+            Some(told) => sentence.text(told),
+            None => sentence,
+        };
+        let mut readouts = vec![Readout::Facts(draw_facts(draw))];
+        readouts.push(Readout::Equation(reprojection()));
+        let pose = if draw.sample.is_some() { draw.fit } else { draw.best }.map(|fit| fit.pose);
+        readouts.extend(pose.map(|pose| {
+            let mut matrices = vec![
+                square("R", "rotation of the scene", pose.rotation).with_decimals(4),
+                vector("t", "translation of the scene, in m", pose.translation, Some(Role::Result)),
+            ];
+            let covariance = seen.after.and_then(|after| after.consensus.as_ref()?.covariance);
+            matrices.extend(covariance.map(|all| Matrix {
+                entries: Grid::from_fn(3, 3, |x, y| all[3 + y][3 + x]),
+                ..square("Σₜ", "covariance of t, in m²", [[0.0; 3]; 3])
+            }));
+            Readout::Matrices(matrices)
+        }));
+        readouts.push(history(seen.events));
+        let line = if draw.sample.is_some() { line::SAMPLE } else { line::REFIT };
+        Step { line, sentence, readouts }
+    }
+
+    /// What the motion of the cameras is, at the end of its estimation.
+    fn ego_told(&self, seen: &Seen<Self>, best: &Fit) -> String {
+        let camera = best.pose.inverse().translation;
+        let points = seen.after.map_or(0, |after| after.points.len());
+        let share = best.score.inliers as f64 / points.max(1) as f64;
+        let doubt = if share < 0.5 {
+            " Less than half of the points agree, so it may be the motion of a large object instead."
+        } else {
+            ""
+        };
+        format!(
+            " The cameras moved by {} and turned by {}; {} of the points agree.{doubt}",
+            metres(camera),
+            degrees(&best.pose),
+            percent(share)
+        )
+    }
+
+    fn told_own(&self, shown: &Shown, is_over: bool) -> Step {
+        let Some(motion) = shown.motion() else {
+            let sentence = shown.named().text(" has no scene flow, so it is not judged.");
+            return Step { line: line::SKIP, sentence, readouts: Vec::new() };
+        };
+        let Some(ego) = shown.field.ego else {
+            let sentence = shown
+                .named()
+                .text(": without the motion of the cameras, a motion of its own cannot be told from theirs.");
+            return Step { line: line::OWN, sentence, readouts: Vec::new() };
+        };
+        let (own, covariance) = (motion.own(&ego.pose), motion.covariance(&ego.pose, &shown.field.sigma));
+        let distance = mahalanobis_squared(own, &covariance);
+        let is_beyond = distance > f64::from(self.gate);
+        let (x, y) = shown.pixel;
+        let is_kept = shown.field.moving.as_ref().is_some_and(|moving| moving.get(x, y));
+        let said = shown
+            .named()
+            .text(format!(": the motion of the cameras predicts R P + t = {}. ", metres(ego.pose.moved(motion.from))))
+            .ink(Role::Error, format!("r = P′ − (R P + t) = {}", metres(own)))
+            .text(" remains. ");
+        let gate = fixed(self.gate.into(), 2);
+        let said = said.text(format!("Squared Mahalanobis distance {} against a gate of {gate}: ", squared(distance)));
+        let (line, sentence) = match (is_beyond, is_over && !is_kept) {
+            (true, true) => (
+                line::OPEN,
+                said.text("a motion of its own, but in a group smaller than the square of the opening, so it is removed as an error."),
+            ),
+            (true, false) => (line::OWN, said.ink(Role::Result, "the pixel has a motion of its own").text(".")),
+            (false, _) => (line::OWN, said.text("its errors explain what remains, so it is at rest.")),
+        };
+        let matrices = vec![
+            vector("P′", "position in frame t + 1, in m", motion.to, Some(Role::Measured)),
+            vector("RP+t", "prediction for a point at rest, in m", ego.pose.moved(motion.from), Some(Role::Predicted)),
+            vector("r", "remaining motion, in m", own, Some(Role::Error)),
+            square("Σ", "covariance of r, in m²", covariance),
+        ];
+        let facts = vec![
+            Fact::new("Pixel", words::pixel(shown.pixel), Some(Role::Reference)),
+            Fact::new("Remaining motion", format!("{} m", fixed(length(own), 3)), Some(Role::Error)),
+            Fact::new("Squared Mahalanobis distance", squared(distance), None),
+            Fact::new("Gate", gate, None),
+        ];
+        Step { line, sentence, readouts: vec![Readout::Facts(facts), Readout::Matrices(matrices)] }
+    }
+
+    /// What the run comes to.
+    fn concluded(&self, seen: &Seen<Self>, field: &SceneFlowField) -> String {
+        let all = field.picture.luma().cells().len().max(1) as f64;
+        let mut told = format!(" {} of the pixels have a scene flow", percent(field.known() as f64 / all));
+        told += &match &field.moving {
+            Some(moving) if moving.count() > 0 => {
+                format!("; {} have a motion of their own.", percent(moving.count() as f64 / all))
+            }
+            Some(_) => "; none has a motion of its own, so the scene is at rest.".to_owned(),
+            None => ".".to_owned(),
+        };
+        let reference = Reference { clip: seen.clip, frame: seen.before.fixed.frame };
+        // Truth that cannot be read is reported where the product is assessed.
+        let error = scene_flow_error(field, &reference).unwrap_or_default();
+        if let (Some(epe), Some(median)) = (error.epe_m, error.median_percent) {
+            told += &format!(
+                " Against the truth: mean error {} m, median {} % of the depth.",
+                fixed(epe, 3),
+                fixed(median, 2)
+            );
+        }
+        if let Some([_, off]) = error.ego {
+            told += &format!(" The displacement of the camera is wrong by {} m.", fixed(off, 4));
+        }
+        told
+    }
+
+    /// The error along the depth, by theory and against the truth.
+    fn error_plot(&self, seen: &Seen<Self>, field: &SceneFlowField) -> Option<Readout> {
+        let reference = Reference { clip: seen.clip, frame: seen.before.fixed.frame };
+        let rows = depth_error(field, &reference, RANGES);
+        let line = |i: usize| rows.iter().map(|row| [row[0] as f32, row[i] as f32]).collect::<Vec<_>>();
+        let deepest = rows.last()?[0];
+        Some(Readout::Series(Series {
+            title: "Error of the scene flow along the depth",
+            x_label: "depth Z (m)",
+            y_label: "m",
+            x_max: deepest.ceil() as usize,
+            lines: vec![
+                ("σ by theory", Role::Predicted, line(2)),
+                ("RMS error against the truth", Role::Error, line(1)),
+            ],
+            is_sweep: true,
+            decimals: Some(3),
+            ..Series::default()
+        }))
+    }
+
+    pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
+        let state = seen.after.unwrap_or(seen.before);
+        let Some(event) = seen.events.last() else {
+            scene.pictures = pictures(seen.before.fixed.is_stereo);
+            return;
+        };
+        let shown = self.shown(seen);
+        let map = |scene: &mut Scene, values: Grid<f32>, on: Picture, meaning: &'static str, unit: &'static str| {
+            scene.mark(on, Role::Result, Shape::Heat { origin: [0.0; 2], values });
+            scene.legend(Role::Result, meaning);
+            scene.heat = Some(unit);
+        };
+        match event {
+            Event::Whole(Part::Disparity) => {
+                scene.pictures = vec![Canvas::of_clip(Picture::CURRENT), Canvas::of_clip(Picture::RIGHT)];
+                map(scene, shown.field.disparity.0.clone(), Picture::CURRENT, "disparity in px", "disparity (px)");
+            }
+            Event::Whole(Part::NextDisparity) => {
+                scene.pictures = vec![Canvas::of_clip(Picture::NEXT), Canvas::of_clip(RIGHT_NEXT)];
+                let values = state.next.as_ref().map(|next| next.0.clone());
+                let on = if self.source == Source::Truth { Picture::CURRENT } else { Picture::NEXT };
+                if on == Picture::CURRENT {
+                    scene.pictures = vec![Canvas::of_clip(Picture::CURRENT), Canvas::of_clip(RIGHT_NEXT)];
+                }
+                if let Some(values) = values {
+                    map(scene, values, on, "disparity in frame t+1, in px", "disparity (px)");
+                }
+                return;
+            }
+            Event::Whole(_) => {
+                scene.pictures = vec![Canvas::of_clip(Picture::CURRENT), Canvas::of_clip(Picture::NEXT)];
+                scene.mark(
+                    Picture::CURRENT,
+                    Role::Result,
+                    Shape::Flow { origin: [0.0; 2], values: shown.field.flow.0.clone() },
+                );
+                scene.legend(Role::Result, "flow to frame t+1");
+            }
+            Event::Row(Part::Positions, y) => {
+                scene.pictures = pictures(true);
+                let is_done = |pixel: (usize, usize)| seen.after.is_some() || pixel.1 <= *y as usize;
+                let field = &shown.field;
+                let depth = |pixel| field.position(pixel).map(|at| at[2]).filter(|_| is_done(pixel));
+                if field.calibration.is_some() {
+                    map(scene, field.grid(depth), Picture::CURRENT, "depth in m", "depth (m)");
+                    scene.heat_scale = Some([0.0, farthest_shown(field)]);
+                }
+            }
+            Event::Row(..) => {
+                scene.pictures = vec![Canvas::of_clip(Picture::CURRENT), Canvas::of_clip(Picture::NEXT)];
+                draw_own(scene, &shown.field);
+            }
+            Event::Draw(draw) => {
+                scene.pictures = vec![Canvas::of_clip(Picture::CURRENT), Canvas::of_clip(Picture::NEXT)];
+                self.draw_sample(scene, seen, draw);
+                return;
+            }
+            Event::NoEgo => {
+                scene.pictures = vec![Canvas::of_clip(Picture::CURRENT), Canvas::of_clip(Picture::NEXT)];
+                return;
+            }
+        }
+        draw_pixel(scene, &shown);
+    }
+
+    /// The points of the sample, and which of all agree with its motion.
+    fn draw_sample(&self, scene: &mut Scene, seen: &Seen<Self>, draw: &Draw) {
+        let field = self.field(seen.before);
+        let (Some(rig), points) = (field.calibration, self.ego_points(&field)) else { return };
+        let pose = if draw.sample.is_some() { draw.fit } else { draw.best }.map(|fit| fit.pose);
+        let ego = Ego { rig: &rig, points: &points, settings: &self.ego };
+        let inliers = pose.map(|pose| ego.inliers(&pose)).unwrap_or_default();
+        let (mut agreeing, mut others) = (Vec::new(), Vec::new());
+        for (index, point) in points.iter().enumerate() {
+            let (from, to) = (point.pixel.map(|c| c as f32), point.next_pixel().map(|c| c as f32));
+            let part = if inliers.binary_search(&index).is_ok() { &mut agreeing } else { &mut others };
+            part.push(Arrow { from, to });
+        }
+        scene.mark(Picture::CURRENT, Role::Rejected, Shape::Arrows(others));
+        scene.legend(Role::Rejected, "outlier");
+        scene.mark(Picture::CURRENT, Role::Best, Shape::Arrows(agreeing));
+        scene.legend(Role::Best, "inlier, with its flow");
+        let sample: Vec<_> = draw.sample.into_iter().flatten().filter_map(|index| points.get(index as usize)).collect();
+        for point in sample {
+            let [from, to] = [point.pixel, point.next_pixel()].map(|at| at.map(|c| c as f32));
+            let ring = |center| Shape::Ellipse { center, radii: [5.0; 2], angle_rad: 0.0 };
+            scene.mark(Picture::CURRENT, Role::Reference, ring(from));
+            scene.mark(Picture::NEXT, Role::Reference, ring(to));
+            scene.links.push(Link { role: Role::Reference, ends: [(Picture::CURRENT, from), (Picture::NEXT, to)] });
+            scene.legend(Role::Reference, "point of the sample");
+        }
+        scene.is_overview = true;
+    }
+}
+
+fn joined(mut first: Sentence, second: Sentence) -> Sentence {
+    first.0.extend(second.0);
+    first
+}
+
+fn pictures(is_stereo: bool) -> Vec<Canvas> {
+    let all: &[Picture] = match is_stereo {
+        true => &[Picture::CURRENT, Picture::RIGHT, Picture::NEXT, RIGHT_NEXT],
+        false => &[Picture::CURRENT, Picture::NEXT],
+    };
+    all.iter().copied().map(Canvas::of_clip).collect()
+}
+
+/// Where the pixel is in each of the pictures that are shown.
+fn draw_pixel(scene: &mut Scene, shown: &Shown) {
+    let (x, y) = (shown.pixel.0 as f32, shown.pixel.1 as f32);
+    let ring = |center| Shape::Ellipse { center, radii: [4.0; 2], angle_rad: 0.0 };
+    let mut places = vec![(Picture::CURRENT, Role::Reference, [x, y])];
+    let disparity = shown.field.disparity.at(shown.pixel.0, shown.pixel.1);
+    places.extend(disparity.map(|d| (Picture::RIGHT, Role::Best, [x - d, y])));
+    if let Some([u, v]) = shown.field.flow.at(shown.pixel.0, shown.pixel.1) {
+        let to = [x + u, y + v];
+        places.push((Picture::NEXT, Role::Measured, to));
+        let next = shown.field.next_disparity.at(shown.pixel.0, shown.pixel.1);
+        places.extend(next.map(|d| (RIGHT_NEXT, Role::Measured, [to[0] - d, to[1]])));
+    }
+    let is_there = |scene: &Scene, picture: Picture| scene.pictures.iter().any(|canvas| canvas.picture == picture);
+    for (picture, role, at) in places {
+        if is_there(scene, picture) {
+            scene.mark(picture, role, ring(at));
+            let meaning = match role {
+                Role::Reference => "pixel",
+                Role::Best => "its match in the right view",
+                _ => "its place in frame t+1",
+            };
+            scene.legend(role, meaning);
+        }
+    }
+}
+
+/// The depth in m at the end of the colours: twice the median, so that a far background leaves differences to what is near.
+fn farthest_shown(field: &SceneFlowField) -> f32 {
+    let mut depths: Vec<f64> = field.pixels().filter_map(|pixel| field.position(pixel)).map(|at| at[2]).collect();
+    let middle = depths.len() / 2;
+    if depths.is_empty() { 1.0 } else { 2.0 * *depths.select_nth_unstable_by(middle, f64::total_cmp).1 as f32 }
+}
+
+/// The length of the remaining motion, and the pixels with a motion of their own.
+fn draw_own(scene: &mut Scene, field: &SceneFlowField) {
+    let Some(ego) = field.ego else { return };
+    if let Some(moving) = &field.moving {
+        scene.mark(Picture::CURRENT, Role::Result, Shape::Mask(Arc::clone(moving)));
+        scene.legend(Role::Result, "motion of its own");
+        return;
+    }
+    let remaining = |pixel| field.motion(pixel).map(|motion| length(motion.own(&ego.pose)));
+    scene.mark(Picture::CURRENT, Role::Error, Shape::Heat { origin: [0.0; 2], values: field.grid(remaining) });
+    scene.legend(Role::Error, "length of the remaining motion in m");
+    scene.heat = Some("remaining motion (m)");
+    scene.heat_scale = Some([0.0, 0.5]);
+}
+
+fn measured_facts(pixel: (usize, usize), measured: &Measured) -> Vec<Fact> {
+    vec![
+        Fact::new("Pixel", words::pixel(pixel), Some(Role::Reference)),
+        Fact::new("Disparity d", format!("{} px", fixed(measured.disparity, 2)), Some(Role::Best)),
+        Fact::new("Flow (u, v)", format!("{} px", px2(measured.flow)), Some(Role::Measured)),
+        Fact::new("Disparity d′ there", format!("{} px", fixed(measured.next_disparity, 2)), Some(Role::Measured)),
+    ]
+}
+
+/// Both triangulations, in formulas and numbers.
+fn triangulation(measured: &Measured, rig: Option<&Calibration>, motion: &SpaceMotion) -> Vec<Math> {
+    let Some(rig) = rig else { return Vec::new() };
+    let formula = Math::Row(vec![
+        Math::Bold("P"),
+        Math::text(" = "),
+        Math::over(Math::Var("B"), Math::Var("d")),
+        Math::text(" (x − cₓ, y − c_y, f)"),
+    ]);
+    let line = |name: &'static str, role, [x, y]: [f64; 2], d: f64, at: [f64; 3]| {
+        let [cx, cy] = rig.principal_px;
+        Math::Row(vec![
+            Math::Bold(name),
+            Math::text(" = "),
+            Math::over(
+                Math::text(format!("{} m", fixed(rig.baseline_m, 3))),
+                Math::text(format!("{} px", fixed(d + rig.offset_px, 2))),
+            ),
+            Math::text(format!(" ({}, {}, {}) px = ", fixed(x - cx, 2), fixed(y - cy, 2), fixed(rig.focal_px, 0))),
+            Math::ink(role, metres(at)),
+        ])
+    };
+    vec![
+        formula,
+        line("P", Role::Reference, measured.pixel, measured.disparity, motion.from),
+        line("P′", Role::Measured, measured.next_pixel(), measured.next_disparity, motion.to),
+    ]
+}
+
+fn reprojection() -> Vec<Math> {
+    let sum = Math::Row(vec![
+        Math::text("E(R, t) = "),
+        Math::Sum(Box::new(Math::Var("i"))),
+        Math::text("(x′ − x̂)² + (y′ − ŷ)² + (d′ − d̂)²,   (x̂, ŷ, d̂) = projection of R P + t"),
+    ]);
+    vec![sum]
+}
+
+fn sample_told(draw: &Draw, fit: Option<Fit>, threshold: f32) -> Sentence {
+    let said = Sentence::default();
+    let Some(fit) = fit else {
+        return said.text(format!(
+            "Sample {}: its three points determine no rigid motion, as they lie on a line or one of them is wrong.",
+            grouped(draw.drawn)
+        ));
+    };
+    let said = said
+        .text(format!("Sample {}: the rigid motion through ", grouped(draw.drawn)))
+        .ink(Role::Reference, "three points")
+        .text(format!(" turns the scene by {} and shifts it by {}. ", degrees(&fit.pose), metres(fit.pose.translation)))
+        .ink(Role::Best, format!("{} points", grouped(fit.score.inliers)))
+        .text(format!(" agree with it to {} px", fixed(threshold.into(), 2)));
+    match draw.best {
+        Some(best) if best == fit => said.text(format!(
+            ": the best so far, so {} samples are enough to draw one without outliers with a probability of 99.9 %.",
+            grouped(draw.needed)
+        )),
+        Some(best) => {
+            said.text(format!(", fewer or with larger errors than the {} of the best.", grouped(best.score.inliers)))
+        }
+        None => said.text("."),
+    }
+}
+
+fn draw_facts(draw: &Draw) -> Vec<Fact> {
+    let mut facts = vec![Fact::new("Samples", format!("{} of {}", grouped(draw.drawn), grouped(draw.needed)), None)];
+    if let Some(fit) = draw.fit {
+        facts.push(Fact::new("Inliers", grouped(fit.score.inliers), Some(Role::Best)));
+        facts.push(Fact::new("Reprojection error (RMS)", format!("{} px", fixed(fit.rms_px(), 3)), None));
+    }
+    facts.extend(
+        draw.best.map(|best| Fact::new("Best so far", format!("{} inliers", grouped(best.score.inliers)), None)),
+    );
+    facts
+}
+
+/// Inliers of each sample and of the best one.
+fn history(events: &[Event]) -> Readout {
+    let draws: Vec<&Draw> = events
+        .iter()
+        .filter_map(|event| match event {
+            Event::Draw(draw) if draw.sample.is_some() => Some(draw),
+            _ => None,
+        })
+        .collect();
+    let inliers = |fit: Option<Fit>| fit.map_or(0.0, |fit| fit.score.inliers as f32);
+    let line = |of: &dyn Fn(&Draw) -> Option<Fit>| {
+        draws.iter().enumerate().map(|(i, draw)| [(i + 1) as f32, inliers(of(draw))]).collect::<Vec<_>>()
+    };
+    Readout::Series(Series {
+        title: "Inliers of the samples",
+        x_label: "sample",
+        y_label: "points",
+        x_max: draws.last().map_or(1, |draw| draw.needed.max(draw.drawn)),
+        lines: vec![
+            ("sample", Role::Candidate, line(&|draw| draw.fit)),
+            ("best so far", Role::Best, line(&|draw| draw.best)),
+        ],
+        events: (1..=draws.len()).collect(),
+        decimals: Some(0),
+        ..Series::default()
+    })
+}
+
+fn square(symbol: &'static str, name: &'static str, entries: [[f64; 3]; 3]) -> Matrix {
+    Matrix {
+        symbol,
+        name,
+        role: None,
+        entries: Grid::from_fn(3, 3, |x, y| entries[y][x]),
+        rows: Vec::new(),
+        columns: Vec::new(),
+        changed: None,
+        decimals: None,
+    }
+}
+
+fn vector(symbol: &'static str, name: &'static str, entries: [f64; 3], role: Option<Role>) -> Matrix {
+    Matrix {
+        role,
+        entries: Grid::from_fn(1, 3, |_, y| entries[y]),
+        rows: ["X", "Y", "Z"].map(str::to_owned).to_vec(),
+        decimals: Some(3),
+        ..square(symbol, name, [[0.0; 3]; 3])
+    }
+}
