@@ -422,6 +422,7 @@ fn known_translations_are_recovered_as_far_as_promised() {
             | Guarantee::Segments
             | Guarantee::Disparity
             | Guarantee::SceneFlow
+            | Guarantee::Trajectories
             | Guarantee::AlongGradient => return,
         };
         for motion in [(0, 0), (2, -1), (-2, 2)] {

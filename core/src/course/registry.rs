@@ -11,7 +11,7 @@ use crate::families::{
         Stabilization, TemplateMatching,
     },
     interest_points::{Fast, Harris, Orb, ShiTomasi, Sift, Surf},
-    motion_segmentation::{FlowSegmentation, MotionClustering, MotionLayers},
+    motion_segmentation::{FlowSegmentation, MotionClustering, MotionLayers, TrajectoryClustering},
     moving_objects::{
         CompensatedDifference, ConnectedComponents, FlowMagnitude, FrameDifference, KnnBackground, MedianBackground,
         MixtureOfGaussians, RunningAverage, SingleGaussian,
@@ -58,6 +58,7 @@ impl Entries for Course {
         Entry::of::<SegmentationRun<MotionClustering>>(),
         Entry::of::<SegmentationRun<MotionLayers>>(),
         Entry::of::<SegmentationRun<FlowSegmentation>>(),
+        Entry::of::<TrajectoryClustering>(),
         Entry::of::<Corners<Harris>>(),
         Entry::of::<Corners<ShiTomasi>>(),
         Entry::of::<Fast>(),

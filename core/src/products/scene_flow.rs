@@ -87,6 +87,13 @@ impl SceneFlowField {
         (0..height).flat_map(move |y| (0..width).map(move |x| (x, y)))
     }
 
+    /// The median depth in m of the pixels of frame t of known depth.
+    pub fn typical_depth_m(&self) -> Option<f64> {
+        let mut depths: Vec<f64> = self.pixels().filter_map(|pixel| Some(self.position(pixel)?[2])).collect();
+        let middle = depths.len() / 2;
+        (!depths.is_empty()).then(|| *depths.select_nth_unstable_by(middle, f64::total_cmp).1)
+    }
+
     /// Number of pixels of known motion, in space if the cameras are calibrated.
     pub fn known(&self) -> usize {
         let is_known = |pixel: &(usize, usize)| match self.calibration {

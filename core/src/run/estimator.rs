@@ -68,6 +68,8 @@ pub enum Guarantee {
     Segments,
     /// The disparity of two views shifted by a whole number of px, on texture that does not repeat; no displacement.
     Disparity,
+    /// The segments of trajectories over several frames; no displacement.
+    Trajectories,
     /// The motion in space of points seen by two calibrated cameras.
     SceneFlow,
     /// The normal flow of a sub-pixel translation, on smooth texture.

@@ -19,8 +19,8 @@ pub use lockstep::Pace;
 pub use need::Need;
 pub use span::{FRAMES, Span};
 pub use stage::{
-    BlockVectors, Course, DenseFlow, Disparities, Entries, Entry, Foreground, Frames, GlobalModel, Keypoints, Masks,
-    Stage, Tracks,
+    BlockVectors, Course, DenseFlow, Disparities, Entries, Entry, FeatureTracks, Foreground, Frames, GlobalModel,
+    Keypoints, Masks, Stage, Tracks,
 };
 pub use timeline::Timeline;
 pub use walk::{Beside, CandidateCount, Direction, Move, Walk};

@@ -39,13 +39,13 @@ pub struct CloudCamera {
 /// The content of a cloud.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CloudData {
-    /// The points.
+    /// The points up to the depth that is shown.
     pub points: Vec<CloudPoint>,
     /// Displacements of some of them.
     pub lines: Vec<CloudLine>,
     /// The cameras.
     pub cameras: Vec<CloudCamera>,
-    /// Depth in m up to which most points lie.
+    /// The depth in m up to which points are shown.
     pub depth_m: f32,
 }
 

@@ -116,6 +116,10 @@ impl Texts {
                 distribution.figures.iter().for_each(|(name, _)| self.add("plot", name));
             }
             Readout::Stack(_) => {}
+            Readout::Cloud(cloud) => {
+                self.add("plot", cloud.title);
+                cloud.legend.iter().for_each(|(_, meaning)| self.add("legend", meaning));
+            }
             Readout::Matrices(all) => {
                 all.iter().for_each(|matrix| self.add("matrix", &format!("{}: {}", matrix.symbol, matrix.name)))
             }

@@ -7,8 +7,8 @@ use motionscope_core::params::{Kind, Placed, Spec, Spot, Value};
 use motionscope_core::pseudocode::{Line, Name, is_heading};
 use motionscope_core::scene::Focus;
 use motionscope_core::{
-    AnyEstimator, Bounds, Clip, Cursor, Detection, Direction, Frame, Grid, Guarantee, Info, Move, ObjectBox, Step,
-    Walk, estimators,
+    AnyEstimator, Bounds, Clip, Cursor, Detection, Direction, Frame, Grid, Guarantee, Info, Move, ObjectBox, Params,
+    Step, Walk, estimators, synth,
 };
 use rayon::prelude::*;
 
@@ -244,11 +244,28 @@ fn panned(frames: usize) -> Clip {
     Clip::from_frames("panned", (0..frames).map(frame).collect()).expect("frames of one size")
 }
 
+/// A street past which two calibrated cameras drive, with moving objects.
+fn street() -> Clip {
+    let scene = synth::scene("drive").expect("a scene");
+    let mut small = scene.difficulty();
+    for (name, value) in [("width", "96"), ("height", "72"), ("frames", "3")] {
+        small.set(name, value).expect("in range");
+    }
+    scene.clip(&small).expect("a clip")
+}
+
 /// Walks through all runs of an estimator.
-fn seen(estimator: &dyn AnyEstimator, [parts, objects]: [&Clip; 2]) -> Seen {
+fn seen(estimator: &dyn AnyEstimator, [parts, objects, street]: [&Clip; 3]) -> Seen {
     let mut seen = Seen::default();
-    let has_objects = matches!(estimator.guarantee(), Guarantee::Objects | Guarantee::Region);
-    let clip = if has_objects { objects } else { parts };
+    let clip = match estimator.guarantee() {
+        Guarantee::Objects | Guarantee::Region => objects,
+        Guarantee::SceneFlow => {
+            // What is said without a right view.
+            seen.walk(&mut *estimator.walk(parts, 0).expect("a run"));
+            street
+        }
+        _ => parts,
+    };
     for setting in settings(estimator) {
         match setting.walk(clip, 0) {
             Ok(mut walk) => seen.walk(&mut *walk),
@@ -280,7 +297,7 @@ fn seen(estimator: &dyn AnyEstimator, [parts, objects]: [&Clip; 2]) -> Seen {
 
 /// The texts and lines of every estimator, collected once for all tests, on all cores, in the order of the course.
 pub static ALL: LazyLock<Vec<(Box<dyn AnyEstimator>, Seen)>> = LazyLock::new(|| {
-    let clips = [parts(3), objects(26)];
+    let clips = [parts(3), objects(26), street()];
     let one = |estimator: Box<dyn AnyEstimator>| {
         let mut seen = seen(&*estimator, clips.each_ref());
         seen.texts.add_estimator(&*estimator);

@@ -6,6 +6,7 @@ mod correspondence;
 mod interest_points;
 mod optical_flow;
 mod region_tracking;
+mod stereo;
 mod tracking;
 
 /// What makes an estimator fail.
@@ -144,6 +145,7 @@ pub fn examples() -> impl Iterator<Item = &'static Example> {
         background::EXAMPLES,
         tracking::EXAMPLES,
         region_tracking::EXAMPLES,
+        stereo::EXAMPLES,
     ]
     .into_iter()
     .flatten()

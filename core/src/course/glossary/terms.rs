@@ -1853,6 +1853,12 @@ pub static GLOSSARY: &[Term] = &[
         translation between two pictures.",
     ),
     term(
+        DynamicScenes,
+        "point cloud",
+        &[],
+        "A set of points in space, here one for each pixel of known depth, with the colour of the picture.",
+    ),
+    term(
         Trajectories,
         "pose",
         &["poses"],
@@ -2002,6 +2008,12 @@ pub static GLOSSARY: &[Term] = &[
         "repeatability",
         &["repeatable"],
         "The share of keypoints of one frame that are detected again at the corresponding positions of another.",
+    ),
+    term(
+        DynamicScenes,
+        "reprojection error",
+        &["reprojection errors"],
+        "The distance in px between the place where a point is measured and the place where a model projects it; in stereo, with the difference of the disparities.",
     ),
     term(
         Trajectories,
@@ -2388,6 +2400,12 @@ pub static GLOSSARY: &[Term] = &[
         "translation",
         &["translations", "translational motion"],
         "Motion in which every point has the same displacement.",
+    ),
+    term(
+        DynamicScenes,
+        "triangulation",
+        &["triangulated"],
+        "The computation of the position of a point in space from its places in two views: with disparity d, focal length f and baseline B its depth is f B / d.",
     ),
     term(
         Evaluation,

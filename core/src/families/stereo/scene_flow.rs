@@ -94,6 +94,8 @@ pub enum Event {
     Draw(Draw),
     /// There were too few points for it.
     NoEgo,
+    /// Small groups were removed: the number of pixels before and after.
+    Opened([u32; 2]),
 }
 
 /// The state of a run.
@@ -191,20 +193,25 @@ impl SceneFlow {
         })
     }
 
+    /// The disparity in frame t + 1 of the point at a pixel; NaN unless all is known.
+    fn followed(&self, state: &State, (x, y): (usize, usize)) -> f32 {
+        let found = || {
+            state.disparity.as_ref()?.at(x, y)?;
+            let ([u, v], next) = (state.flow.as_ref()?.at(x, y)?, state.next.as_ref()?);
+            match self.source {
+                Source::Truth => next.at(x, y),
+                Source::Estimated => look_up(next, [x as f32 + u, y as f32 + v]),
+            }
+        };
+        found().unwrap_or(Disparity::UNKNOWN)
+    }
+
     /// Follows each pixel to frame t + 1 and looks up its disparity there.
     fn triangulate(&self, state: &mut State, observer: &mut impl Observer<Event>) {
-        let (Some(disparity), Some(next), Some(flow)) = (&state.disparity, &state.next, &state.flow) else { return };
-        let (width, height) = flow.0.size();
+        let (width, height) = state.fixed.left.size();
         let mut followed = Grid::new(width, height, Disparity::UNKNOWN);
         for y in 0..height {
-            for x in 0..width {
-                let found = match (self.source, flow.at(x, y)) {
-                    (_, None) => None,
-                    (Source::Truth, _) => next.at(x, y),
-                    (Source::Estimated, Some([u, v])) => look_up(next, [x as f32 + u, y as f32 + v]),
-                };
-                followed[(x, y)] = found.filter(|_| disparity.at(x, y).is_some()).unwrap_or(Disparity::UNKNOWN);
-            }
+            (0..width).for_each(|x| followed[(x, y)] = self.followed(state, (x, y)));
             observer.see(|| Event::Row(Part::Positions, y as u32));
         }
         state.followed = Some(Arc::new(Disparity(followed)));
@@ -247,7 +254,9 @@ impl SceneFlow {
             beyond.write_row(y, |words| words.copy_from_slice(row.row(0)));
             observer.see(|| Event::Row(Part::Own, y as u32));
         }
-        state.moving = Some(Arc::new(beyond.opened(self.opening / 2)));
+        let opened = beyond.opened(self.opening / 2);
+        observer.see(|| Event::Opened([&beyond, &opened].map(|mask| mask.count() as u32)));
+        state.moving = Some(Arc::new(opened));
     }
 
     /// The field so far.
@@ -313,7 +322,7 @@ pseudocode! {
     SKIP: "  where a disparity or the flow is not known: no scene flow",
     SAMPLE: "draw 3 pixels: R, t ← arg min Σ reprojection error of R P + t in frame t + 1, by Gauss–Newton steps",
     REFIT: "R, t ← the same over all inliers of the best sample; again while the cost falls",
-    OWN: "for each pixel: r ← P′ − (R P + t), with covariance Σ; it has a motion of its own if rᵀ Σ⁻¹ r > gate",
+    OWN: "for each pixel: r ← P′ − (R P + t), with covariance Σ; it has a motion of its own if its squared Mahalanobis distance > gate",
     OPEN: "remove groups of such pixels smaller than the square of the opening",
 }
 
@@ -385,6 +394,7 @@ impl Estimator for SceneFlow {
             Event::Whole(_) => line::FLOW,
             Event::Row(Part::Positions, _) => line::TRIANGULATE,
             Event::Row(..) => line::OWN,
+            Event::Opened(_) => line::OPEN,
             Event::Draw(Draw { sample: Some(_), .. }) | Event::NoEgo => line::SAMPLE,
             Event::Draw(_) => line::REFIT,
         })

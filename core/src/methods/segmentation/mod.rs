@@ -11,6 +11,7 @@ pub mod record;
 pub mod run;
 pub mod seeds;
 pub mod shift;
+pub mod spectral;
 
 pub use input::{FlowInput, FlowSource};
 pub use points::{Place, Points, squared_distance};

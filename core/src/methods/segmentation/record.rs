@@ -76,6 +76,14 @@ impl Record {
         frame
     }
 
+    /// Adds the segments of the current frame with labels that stay as they are.
+    pub fn add_as_labelled(&mut self, labels: Grid<u32>, flow: Flow) -> Arc<SegmentFrame> {
+        let frame = Arc::new(SegmentFrame::measure(labels, &flow, |_| None));
+        self.flow = Some(Arc::new(flow));
+        self.frames.push(Arc::clone(&frame));
+        frame
+    }
+
     /// Whether the run goes on after the last frame added.
     pub fn progress(&self, clip: &Clip) -> Progress {
         if self.span.is_over(clip, self.frame() + 1) { Progress::Done } else { Progress::More }

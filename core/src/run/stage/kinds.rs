@@ -7,6 +7,7 @@ use crate::base::{Error, Threads};
 use crate::data::{Clip, Flow, Frame};
 use crate::products::{
     BlockField, DenseField, DisparityField, MaskField, ModelField, ObjectField, PointField, Product, ProductKind,
+    TrackField,
 };
 
 /// Makes a dense flow.
@@ -156,6 +157,35 @@ impl<M: ByFrame> Stage<M> {
     /// If it cannot run there.
     pub fn frames(&self, clip: &Clip, first: usize, count: usize) -> Result<Frames, Error> {
         Frames::begin(&*self.estimator, clip, (first, count))
+    }
+}
+
+/// Makes trajectories of points through a clip.
+#[derive(Clone, Copy, Debug)]
+pub struct FeatureTracks;
+
+impl Makes for FeatureTracks {
+    const ASKS: &'static str = "feature-tracks";
+    const DECIDED: &'static [&'static str] = &[FRAMES];
+    const PRODUCT: &'static ProductKind = TrackField::KIND;
+    const WORDS: &'static str = "feature tracks";
+}
+
+impl Stage<FeatureTracks> {
+    /// The tracks through `count` frames at most from frame `first` of a clip on.
+    ///
+    /// # Errors
+    /// If a frame cannot be read, or the work is cancelled.
+    pub fn tracks(&self, clip: &Clip, (first, count): (usize, usize), threads: &Threads) -> Result<TrackField, Error> {
+        let mut estimator = self.estimator.boxed_clone();
+        if estimator.specs().iter().any(|spec| spec.name == FRAMES) {
+            estimator.set(FRAMES, &count.to_string())?;
+        }
+        let output = estimator.run(clip, first, threads)?;
+        output.get().cloned().ok_or_else(|| {
+            let id = estimator.info().id;
+            Error::new(format!("{id} makes no tracks with these parameters; change them, or choose another method"))
+        })
     }
 }
 

@@ -12,7 +12,9 @@ use std::marker::PhantomData;
 pub use chosen::{estimator_of, value_of};
 pub use entries::{Course, Entries, Entry};
 pub use frames::Frames;
-pub use kinds::{BlockVectors, DenseFlow, Disparities, Foreground, GlobalModel, Keypoints, Masks, Tracks};
+pub use kinds::{
+    BlockVectors, DenseFlow, Disparities, FeatureTracks, Foreground, GlobalModel, Keypoints, Masks, Tracks,
+};
 pub use open::{Opened, open, stages};
 
 use super::{AnyEstimator, Need};

@@ -97,7 +97,7 @@ pub fn summary(cloud: &Cloud) -> String {
 }
 
 fn points(data: &CloudData) -> String {
-    format!("{} points", grouped(data.points.len()))
+    format!("{} points, up to {} m", grouped(data.points.len()), number(data.depth_m.round()))
 }
 
 /// The legend below the cloud, in rows; gives where it begins.

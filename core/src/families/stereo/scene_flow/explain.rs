@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::{Event, Part, SceneFlow, Source, State, line, space};
 use crate::base::words::{self, fixed, grouped};
-use crate::data::{Calibration, Measured, Pose, SpaceMotion, mahalanobis_squared};
+use crate::data::{Calibration, Disparity, Measured, Pose, SpaceMotion, mahalanobis_squared};
 use crate::geometry::Grid;
 use crate::methods::numbers::{percent, squared};
 use crate::methods::scene_flow::{Draw, Ego, FEWEST, Fit};
@@ -61,14 +61,22 @@ impl Shown {
 impl SceneFlow {
     /// The pixel pointed at, else the middle of the row at work or of the picture.
     fn shown(&self, seen: &Seen<Self>) -> Shown {
-        let field = self.field(seen.after.unwrap_or(seen.before));
+        let state = seen.after.unwrap_or(seen.before);
+        let mut field = self.field(state);
         let (width, height) = field.size();
         let row = match seen.events.last() {
             Some(Event::Row(_, y)) if seen.after.is_none() => *y as usize,
             _ => height / 2,
         };
         let pointed_at = seen.point().and_then(|point| field.picture.luma().cell_at(point));
-        Shown { pixel: pointed_at.unwrap_or((width / 2, row)), field }
+        let pixel = pointed_at.unwrap_or((width / 2, row));
+        if state.followed.is_none() {
+            // The pixel is explained before all others are done.
+            let mut followed = Grid::new(width, height, Disparity::UNKNOWN);
+            followed[pixel] = self.followed(state, pixel);
+            field.next_disparity = Arc::new(Disparity(followed));
+        }
+        Shown { field, pixel }
     }
 
     pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
@@ -79,7 +87,8 @@ impl SceneFlow {
             Event::Whole(Part::NextDisparity) => self.told_next(seen),
             Event::Whole(_) => self.told_flow(&shown, seen),
             Event::Row(Part::Positions, _) => self.told_position(&shown),
-            Event::Row(..) => self.told_own(&shown, seen.after.is_some()),
+            Event::Row(..) => self.told_own(&shown),
+            Event::Opened(counts) => self.told_opening(&shown, *counts, seen.point().is_some()),
             Event::Draw(draw) => self.told_draw(seen, draw),
             Event::NoEgo => Step {
                 line: line::SAMPLE,
@@ -311,7 +320,7 @@ impl SceneFlow {
         )
     }
 
-    fn told_own(&self, shown: &Shown, is_over: bool) -> Step {
+    fn told_own(&self, shown: &Shown) -> Step {
         let Some(motion) = shown.motion() else {
             let sentence = shown.named().text(" has no scene flow, so it is not judged.");
             return Step { line: line::SKIP, sentence, readouts: Vec::new() };
@@ -325,22 +334,16 @@ impl SceneFlow {
         let (own, covariance) = (motion.own(&ego.pose), motion.covariance(&ego.pose, &shown.field.sigma));
         let distance = mahalanobis_squared(own, &covariance);
         let is_beyond = distance > f64::from(self.gate);
-        let (x, y) = shown.pixel;
-        let is_kept = shown.field.moving.as_ref().is_some_and(|moving| moving.get(x, y));
         let said = shown
             .named()
-            .text(format!(": the motion of the cameras predicts R P + t = {}. ", metres(ego.pose.moved(motion.from))))
+            .text(format!(": the motion of the cameras predicts R P + t = {}. ", metres(ego.pose.moved(motion.from))))
             .ink(Role::Error, format!("r = P′ − (R P + t) = {}", metres(own)))
             .text(" remains. ");
         let gate = fixed(self.gate.into(), 2);
         let said = said.text(format!("Squared Mahalanobis distance {} against a gate of {gate}: ", squared(distance)));
-        let (line, sentence) = match (is_beyond, is_over && !is_kept) {
-            (true, true) => (
-                line::OPEN,
-                said.text("a motion of its own, but in a group smaller than the square of the opening, so it is removed as an error."),
-            ),
-            (true, false) => (line::OWN, said.ink(Role::Result, "the pixel has a motion of its own").text(".")),
-            (false, _) => (line::OWN, said.text("its errors explain what remains, so it is at rest.")),
+        let sentence = match is_beyond {
+            true => said.ink(Role::Result, "the pixel has a motion of its own").text("."),
+            false => said.text("its errors explain what remains, so it is at rest."),
         };
         let matrices = vec![
             vector("P′", "position in frame t + 1, in m", motion.to, Some(Role::Measured)),
@@ -354,7 +357,18 @@ impl SceneFlow {
             Fact::new("Squared Mahalanobis distance", squared(distance), None),
             Fact::new("Gate", gate, None),
         ];
-        Step { line, sentence, readouts: vec![Readout::Facts(facts), Readout::Matrices(matrices)] }
+        Step { line: line::OWN, sentence, readouts: vec![Readout::Facts(facts), Readout::Matrices(matrices)] }
+    }
+
+    fn told_opening(&self, shown: &Shown, [before, after]: [u32; 2], is_pointed: bool) -> Step {
+        let sentence =
+            Sentence::default().text(format!("Opening with a {0}×{0} square keeps ", 2 * (self.opening / 2) + 1));
+        let sentence = sentence
+            .ink(Role::Result, format!("{} of {} pixels", grouped(after as usize), grouped(before as usize)))
+            .text(" with a motion of their own: smaller groups are errors at edges rather than objects.");
+        // A pixel pointed at keeps its numbers.
+        let readouts = if is_pointed { self.told_own(shown).readouts } else { Vec::new() };
+        Step { line: line::OPEN, sentence, readouts }
     }
 
     /// What the run comes to.
@@ -444,18 +458,24 @@ impl SceneFlow {
                 scene.legend(Role::Result, "flow to frame t+1");
             }
             Event::Row(Part::Positions, y) => {
-                scene.pictures = pictures(true);
+                // A pixel pointed at is shown in all four pictures.
+                scene.pictures = pictures(seen.point().is_some());
                 let is_done = |pixel: (usize, usize)| seen.after.is_some() || pixel.1 <= *y as usize;
                 let field = &shown.field;
                 let depth = |pixel| field.position(pixel).map(|at| at[2]).filter(|_| is_done(pixel));
                 if field.calibration.is_some() {
                     map(scene, field.grid(depth), Picture::CURRENT, "depth in m", "depth (m)");
-                    scene.heat_scale = Some([0.0, farthest_shown(field)]);
+                    // A far background leaves differences to what is near.
+                    scene.heat_scale = field.typical_depth_m().map(|depth| [0.0, 2.0 * depth as f32]);
                 }
             }
-            Event::Row(..) => {
+            Event::Row(..) | Event::Opened(_) => {
                 scene.pictures = vec![Canvas::of_clip(Picture::CURRENT), Canvas::of_clip(Picture::NEXT)];
                 draw_own(scene, &shown.field);
+                if seen.after.is_some() && seen.point().is_none() {
+                    scene.is_overview = true;
+                    return;
+                }
             }
             Event::Draw(draw) => {
                 scene.pictures = vec![Canvas::of_clip(Picture::CURRENT), Canvas::of_clip(Picture::NEXT)];
@@ -538,13 +558,6 @@ fn draw_pixel(scene: &mut Scene, shown: &Shown) {
             scene.legend(role, meaning);
         }
     }
-}
-
-/// The depth in m at the end of the colours: twice the median, so that a far background leaves differences to what is near.
-fn farthest_shown(field: &SceneFlowField) -> f32 {
-    let mut depths: Vec<f64> = field.pixels().filter_map(|pixel| field.position(pixel)).map(|at| at[2]).collect();
-    let middle = depths.len() / 2;
-    if depths.is_empty() { 1.0 } else { 2.0 * *depths.select_nth_unstable_by(middle, f64::total_cmp).1 as f32 }
 }
 
 /// The length of the remaining motion, and the pixels with a motion of their own.

@@ -6,8 +6,6 @@ use crate::scene::{Cloud, CloudCamera, CloudData, CloudLine, CloudPoint, Role};
 
 /// Distance in px of the pixels whose displacements are drawn.
 const SPACING: usize = 9;
-/// Share of the points that lie nearer than the depth up to which the cloud is shown.
-const NEAR_SHARE: f64 = 0.95;
 /// Depth in m of the picture in a camera's pyramid.
 const PYRAMID_M: f64 = 0.6;
 
@@ -50,16 +48,10 @@ fn data(field: &SceneFlowField) -> CloudData {
             pixel: [pixel.0 as u16, pixel.1 as u16],
         })
     };
-    let points: Vec<_> = field.pixels().filter_map(point).collect();
-    CloudData { depth_m: near(&points), lines: lines(field, is_moving), cameras: cameras(field), points }
-}
-
-/// The depth below which most points lie.
-fn near(points: &[CloudPoint]) -> f32 {
-    let mut depths: Vec<f32> = points.iter().map(|point| point.at[2]).collect();
-    depths.sort_by(f32::total_cmp);
-    let index = (NEAR_SHARE * depths.len().saturating_sub(1) as f64) as usize;
-    depths.get(index).copied().unwrap_or(1.0)
+    let depth_m = field.typical_depth_m().map_or(1.0, |depth| 2.0 * depth as f32);
+    let points = field.pixels().filter_map(point).filter(|point| point.at[2] <= depth_m).collect();
+    let lines = lines(field, is_moving).into_iter().filter(|line| line.ends[0][2] <= depth_m).collect();
+    CloudData { depth_m, lines, cameras: cameras(field), points }
 }
 
 /// Scene flow, or once the motion of the cameras is known what remains without it of the pixels with a motion of their own.

@@ -1,0 +1,83 @@
+//! Examples of stereo and scene flow.
+
+use super::{Alternative, Cause, Example, Limit};
+
+pub(super) const EXAMPLES: &[Example] = &[
+    Example {
+        id: "works",
+        title: "Textured surfaces near the cameras",
+        of: &["block-stereo", "semi-global-matching"],
+        cause: None,
+        clip: "still-life",
+        settings: &[],
+        frame: 0,
+        says: "All surfaces have a texture that does not repeat, so each window has one best match. Wrong pixels lie beside the balls, where the right \
+               camera sees other parts of the wall.",
+        claim: ("bad3_percent", Limit::AtMost(10.0)),
+        instead: None,
+    },
+    Example {
+        id: "noise",
+        title: "Noise in both views",
+        of: &["block-stereo"],
+        cause: Some(Cause::Noise),
+        clip: "still-life,noise=15",
+        settings: &[],
+        frame: 0,
+        says: "Noise makes several disparities cost nearly the same, so many matches fail the uniqueness test. Semi-global matching sums costs along \
+               paths through the whole picture, where noise averages out.",
+        claim: ("bad3_percent", Limit::AtLeast(14.0)),
+        instead: Some(Alternative { id: "semi-global-matching", settings: &[], limit: Limit::AtMost(8.0) }),
+    },
+    Example {
+        id: "repetition",
+        title: "A texture that repeats along the epipolar line",
+        of: &["block-stereo", "semi-global-matching"],
+        cause: Some(Cause::Repetition),
+        clip: "still-life,repeating-texture=100",
+        settings: &[],
+        frame: 0,
+        says: "The texture repeats within the disparities searched, so several matches have the same cost, and smoothness cannot tell which of them is \
+               right: a whole surface may take a wrong one.",
+        claim: ("bad3_percent", Limit::AtLeast(30.0)),
+        instead: None,
+    },
+    Example {
+        id: "works",
+        title: "A car and a pedestrian, seen from a moving car",
+        of: &["scene-flow"],
+        cause: None,
+        clip: "drive",
+        settings: &[],
+        frame: 0,
+        says: "The motion of the cameras is found from the street and the houses, to less than 15 mm. The pedestrian stands out by a motion across the \
+               view; the car ahead hardly moves in the picture, and only its disparity tells that it drives.",
+        claim: ("ego_translation_error_m", Limit::AtMost(0.015)),
+        instead: None,
+    },
+    Example {
+        id: "noise",
+        title: "Noise in all pictures",
+        of: &["scene-flow"],
+        cause: Some(Cause::Noise),
+        clip: "drive,noise=20",
+        settings: &[],
+        frame: 0,
+        says: "Noise in the disparities becomes an error of the depth that grows with its square, and the difference of two depths is what scene flow is. \
+               The motion of the cameras survives, as it averages hundreds of points.",
+        claim: ("scene_flow_median_percent", Limit::AtLeast(3.5)),
+        instead: None,
+    },
+    Example {
+        id: "large-motion",
+        title: "Three times as fast",
+        of: &["scene-flow"],
+        cause: Some(Cause::LargeMotion),
+        clip: "drive,speed=3",
+        settings: &[],
+        frame: 0,
+        says: "Near the cameras the flow is larger than its method can follow. There the scene flow is wrong, and the street seems to move by itself.",
+        claim: ("own_motion_f1", Limit::AtMost(0.45)),
+        instead: None,
+    },
+];
