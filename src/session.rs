@@ -8,6 +8,8 @@
 //! right = "right.mp4"              # right view, or side-by-side
 //! calibration = "calib.txt"        # or typed: "721.5,0.54"
 //! disparity-scale = 4              # gray levels per px of an 8-bit true disparity
+//! depths = "depth"                 # folder of measured depths, 16-bit PNG
+//! depth-scale = 5000               # their units per m
 //! estimator = "full-search"
 //! pace = "block"                   # of the lockstep: block, budget, frame, iteration, level, stage or result
 //! frame = 12

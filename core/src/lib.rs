@@ -92,7 +92,7 @@ pub use base::words::{capital, fixed, grouped, spaced, with_power};
 pub use base::{Count, Error, Observer, Stop, Tally, Threads};
 pub use course::{compare, detection, estimator, estimators, examples, glossary};
 pub use data::{
-    Blob, Calibration, Clip, ClipInfo, Counted, Detection, Disparity, Flow, Frame, FrameSource, Histogram,
+    Blob, Calibration, Clip, ClipInfo, Counted, DepthSource, Detection, Disparity, Flow, Frame, FrameSource, Histogram,
     Interpolation, Mask, MaskErrors, ObjectBox, PackedMask, PixelClass, Pose, TrueMask, Truth, Viewpoint,
 };
 pub use families::{

@@ -2,12 +2,14 @@
 
 mod common;
 
+use std::sync::Arc;
+
 use common::set;
 use motionscope_core::products::Reference;
 use motionscope_core::products::scene_flow::{depth_error, scene_flow_error};
 use motionscope_core::{
-    AnyEstimator, Calibration, Clip, Direction, Grid, Guarantee, Move, Params, PixelClass, Pose, SceneFlowField,
-    Threads, estimator, estimators, synth,
+    AnyEstimator, Calibration, Clip, DepthSource, Direction, Error, Grid, Guarantee, Move, Params, PixelClass, Pose,
+    SceneFlowField, Threads, estimator, estimators, synth,
 };
 
 fn street(settings: &[(&str, &str)]) -> Clip {
@@ -135,6 +137,39 @@ fn without_calibration_disparities_remain_and_without_a_right_view_the_flow() {
     let refused = of_truth("0").run(&stereo, 0, &Threads::single()).expect_err("no truth").to_string();
     assert!(refused.contains("source"), "{refused}");
     assert!(estimator.run(&stereo, 2, &Threads::single()).is_err(), "there is no frame after the last");
+}
+
+/// The depths of a clip from its true disparities.
+struct Sensor(Clip);
+
+impl DepthSource for Sensor {
+    fn depth_m(&self, t: usize) -> Result<Option<Arc<Grid<f32>>>, Error> {
+        let rig = *self.0.calibration().expect("a calibration");
+        let map = self.0.truth().expect("truth").disparity(t)?;
+        Ok(map.map(|map| Arc::new(map.0.map(|d| rig.depth_m(f64::from(*d)).map_or(f32::NAN, |z| z as f32)))))
+    }
+}
+
+#[test]
+fn depths_of_a_sensor_take_the_place_of_two_views() {
+    let clip = street(&[("frames", "3")]);
+    let frames = (0..3).map(|t| (*clip.frame(t).unwrap()).clone()).collect();
+    let left = Clip::from_frames("left", frames).unwrap().with_depths(Arc::new(Sensor(clip.clone())));
+    let estimator = estimator("scene-flow").unwrap();
+    let start = |clip: &Clip| estimator.walk(clip, 0).unwrap().step(None).sentence.plain();
+    assert!(start(&left).contains("focal length"), "{}", start(&left));
+    let left = left.with_calibration(*clip.calibration().unwrap()).with_truth(Arc::clone(clip.truth().unwrap()));
+    assert!(start(&left).starts_with("A depth and the focal length"));
+    let field = made(&*estimator, &left, 0);
+    let error = scene_flow_error(&field, &Reference { clip: &left, frame: 0 }).unwrap();
+    assert!(error.ego.expect("a motion")[1] < 0.01, "{error:?}");
+    let truth = clip.truth().unwrap().disparity(0).unwrap().unwrap();
+    assert!(field.pixels().all(|(x, y)| (field.disparity.0[(x, y)] - truth.0[(x, y)]).abs() < 1e-3));
+    // Depths of another size are refused.
+    let small = street(&[("width", "96"), ("height", "72"), ("frames", "3")]);
+    let wrong = left.with_depths(Arc::new(Sensor(small)));
+    let refused = estimator.run(&wrong, 0, &Threads::single()).expect_err("of another size").to_string();
+    assert!(refused.contains("96×72 px"), "{refused}");
 }
 
 #[test]

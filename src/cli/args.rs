@@ -10,7 +10,7 @@ use super::examples;
 use super::look::LookFlags;
 use crate::experiment::pixel::Pixel;
 use crate::media::export::Timing;
-use crate::media::{Given, GivenCalibration, RightView, disparity_scale};
+use crate::media::{Given, GivenCalibration, RightView, depth_scale, disparity_scale};
 use crate::results::Asked;
 use crate::session;
 use crate::view::panes::Named;
@@ -180,6 +180,12 @@ pub struct StereoArgs {
     /// Gray levels per px of a true disparity in an 8-bit PNG; by default that of Middlebury 2003 to 2006, by name and size.
     #[arg(long, help_heading = "Clip", value_name = "S", value_parser = scale)]
     pub disparity_scale: Option<f32>,
+    /// Folder of depths that a sensor measured, 16-bit PNG; by default the folder depth in that of the frames or beside it.
+    #[arg(long, help_heading = "Clip", value_name = "DIR")]
+    pub depths: Option<PathBuf>,
+    /// Units of these depths per m; by default 5000.
+    #[arg(long, help_heading = "Clip", value_name = "N", value_parser = units)]
+    pub depth_scale: Option<f32>,
 }
 
 impl StereoArgs {
@@ -189,6 +195,8 @@ impl StereoArgs {
             right: self.right.as_deref().map(RightView::of),
             calibration: self.calibration.as_deref().map(GivenCalibration::of),
             disparity_scale: self.disparity_scale,
+            depths: self.depths.clone(),
+            depth_scale: self.depth_scale,
             ..given
         }
     }
@@ -246,6 +254,110 @@ pub struct PictureArgs {
     /// reference:X,Y.
     #[arg(long, help_heading = "Picture", value_name = "X,Y", value_parser = pixel)]
     pub pixel: Option<Pixel>,
+}
+
+/// The panes of a picture.
+#[derive(Group)]
+pub struct SheetArgs {
+    /// Panes to arrange on one sheet, separated by commas: stage, explanation, surface, surface-3d, plane, regions, diagram,
+    /// series, tiles, matrices, histogram, errors, pyramid or cloud; --scale then counts pixels per point of the sheet.
+    #[arg(long, help_heading = "Picture", value_name = "A,B,..", value_delimiter = ',', num_args = 1, value_parser = pane)]
+    pub panes: Vec<Named>,
+}
+
+#[derive(Group)]
+pub struct RunArgs {
+    #[command(flatten)]
+    pub task: TaskArgs,
+    #[command(flatten)]
+    pub picture: PictureArgs,
+    #[command(flatten)]
+    pub sheet: SheetArgs,
+    /// Step of the overlay and of --pixel: UNIT.EVENT as in 35.412, both counted from 1, UNIT for its end, 0 for the start, or end for the end of the run; end by default.
+    #[arg(long, help_heading = "Picture", value_name = "CURSOR", value_parser = cursor)]
+    pub step: Option<Cursor>,
+    /// Number of runs, for the timing.
+    #[arg(long, help_heading = "Execution", value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub repeat: u32,
+    /// Number of threads; all cores by default.
+    #[arg(long, help_heading = "Execution", value_name = "N", value_parser = clap::value_parser!(u32).range(1..=Threads::MAX as i64))]
+    pub threads: Option<u32>,
+    /// Save the picture of the step as .png, .svg or .pdf; `-` is standard output, a PNG unless --format is given.
+    #[arg(long, help_heading = "Picture", value_name = "FILE")]
+    pub overlay: Option<PathBuf>,
+    /// Format of the overlay: png, svg or pdf; by its file extension by default.
+    #[arg(long, help_heading = "Picture", value_parser = format, requires = "overlay")]
+    pub format: Option<Format>,
+    #[command(flatten, next_help_heading = "Output")]
+    pub results: Asked,
+    /// Overwrite input files, or save among the frames of the clip.
+    #[arg(long, help_heading = "Output")]
+    pub force: bool,
+    /// Print one JSON object.
+    #[arg(long, help_heading = "Output")]
+    pub json: bool,
+}
+
+#[derive(Group)]
+pub struct ExportArgs {
+    #[command(flatten)]
+    pub task: TaskArgs,
+    #[command(flatten)]
+    pub picture: PictureArgs,
+    #[command(flatten)]
+    pub sheet: SheetArgs,
+    /// First and last step, inclusive; without them the pages of a lesson.
+    #[arg(long, help_heading = "Output", value_name = "A..B", value_parser = steps)]
+    pub steps: Option<(Cursor, Cursor)>,
+    /// Folder for numbered pictures.
+    #[arg(long, help_heading = "Output", value_name = "DIR", required_unless_present = "animation")]
+    pub out: Option<PathBuf>,
+    /// Save the steps as one animation instead: .gif, .apng, .webp or, by ffmpeg, .mp4.
+    #[arg(long, help_heading = "Output", value_name = "FILE", conflicts_with_all = ["out", "format"])]
+    pub animation: Option<PathBuf>,
+    /// Steps per second of the animation, 0.1 to 50.
+    #[arg(long, help_heading = "Output", value_name = "HZ", default_value_t = Timing::default().rate_hz, value_parser = rate, requires = "animation")]
+    pub rate: f32,
+    /// Blended pictures that lead from each step of the animation to the next.
+    #[arg(long, help_heading = "Output", value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(..=i64::from(Timing::MOST_BETWEEN)), requires = "animation")]
+    pub between: u32,
+    /// Overwrite input files, or save among the frames of the clip.
+    #[arg(long, help_heading = "Output")]
+    pub force: bool,
+    /// Save one picture per granularity of the estimator, e.g. block; one per event by default.
+    #[arg(long, help_heading = "Output", value_name = "GRANULARITY")]
+    pub every: Option<String>,
+    /// Format of the pictures: png, svg or pdf.
+    #[arg(long, help_heading = "Output", default_value = "png", value_parser = format)]
+    pub format: Format,
+}
+
+// clap shows the error of a value parser as text.
+
+fn pixel(text: &str) -> Result<Pixel, String> {
+    text.parse().map_err(|error: motionscope_core::Error| error.to_string())
+}
+
+fn pane(id: &str) -> Result<Named, String> {
+    id.parse().map_err(|error: motionscope_core::Error| error.to_string())
+}
+
+fn format(ending: &str) -> Result<Format, String> {
+    ending.parse().map_err(|error: motionscope_core::Error| error.to_string())
+}
+
+fn pace(id: &str) -> Result<Pace, String> {
+    session::pace(id).map_err(|error| error.to_string())
+}
+
+fn rate(text: &str) -> Result<f32, String> {
+    let range = Timing::RATE_HZ;
+    let message = || format!("the rate is from {} to {} steps per second, not {text}", range.start(), range.end());
+    text.parse().ok().filter(|rate| range.contains(rate)).ok_or_else(message)
+}
+
+fn scale(text: &str) -> Result<f32, String> {
+    disparity_scale(text.parse().ok(), text).map_err(|error| error.to_string())
 }
 
 /// The panes of a picture.
@@ -348,8 +460,8 @@ fn rate(text: &str) -> Result<f32, String> {
     text.parse().ok().filter(|rate| range.contains(rate)).ok_or_else(message)
 }
 
-fn scale(text: &str) -> Result<f32, String> {
-    disparity_scale(text.parse().ok(), text).map_err(|error| error.to_string())
+fn units(text: &str) -> Result<f32, String> {
+    depth_scale(text.parse().ok(), text).map_err(|error| error.to_string())
 }
 
 fn cursor(text: &str) -> Result<Cursor, String> {

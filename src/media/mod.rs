@@ -6,6 +6,7 @@
 mod animation;
 mod cache;
 mod catch_panic;
+mod depths;
 mod detect_format;
 mod detections;
 pub mod export;
@@ -59,6 +60,10 @@ pub struct Given {
     pub calibration: Option<GivenCalibration>,
     /// Gray levels per px of disparity of a true disparity in 8 bits.
     pub disparity_scale: Option<f32>,
+    /// The folder of measured depths.
+    pub depths: Option<PathBuf>,
+    /// Units of a measured depth per m.
+    pub depth_scale: Option<f32>,
 }
 
 impl Given {
@@ -71,21 +76,34 @@ impl Given {
             right: later.right.or(self.right),
             calibration: later.calibration.or(self.calibration),
             disparity_scale: later.disparity_scale.or(self.disparity_scale),
+            depths: later.depths.or(self.depths),
+            depth_scale: later.depth_scale.or(self.depth_scale),
         }
     }
 
     /// The same with `f` applied to the path of each file.
     #[must_use]
     pub fn map_path(self, f: impl Fn(&Path) -> PathBuf) -> Self {
-        let Self { truth, detections, right, calibration, disparity_scale } = self;
+        let Self { truth, detections, right, calibration, disparity_scale, depths, depth_scale } = self;
         Self {
             truth: truth.map(|path| f(&path)),
             detections: detections.map(|path| f(&path)),
             right: right.map(|view| view.map_path(&f)),
             calibration: calibration.map(|given| given.map_path(&f)),
             disparity_scale,
+            depths: depths.map(|path| f(&path)),
+            depth_scale,
         }
     }
+}
+
+/// The units of a depth per m that were `written`, and read as `scale`.
+///
+/// # Errors
+/// One sentence if it is no positive number.
+pub fn depth_scale(scale: Option<f32>, written: impl Display) -> Result<f32, Error> {
+    let why = || Error::new(format!("the scale of depths is a positive number of units per m, not {written}"));
+    scale.filter(|scale| scale.is_finite() && *scale > 0.0).ok_or_else(why)
 }
 
 /// The gray levels per px of a disparity that were `written`, and read as `scale`.
@@ -278,6 +296,7 @@ fn with_given(path: &Path, options: &Open, source: Source) -> Result<Clip, Error
     let views = if stereo::has_right_view(&left, options) { 2 } else { 1 };
     let options = &Open { cache_bytes: options.cache_bytes / views, ..options.clone() };
     let clip = with_given_truth(path, options, source)?;
+    let clip = depths::with_depths(clip, &left, options)?;
     stereo::with_right_view(clip, &left, options)
 }
 
@@ -363,6 +382,7 @@ pub fn inputs_of_pair(files: &[PathBuf; 2], clip: &Clip, options: &Open) -> Inpu
 /// Adds the files of the right view and of the calibration.
 fn add_right_view(inputs: &mut Inputs, left: &LeftView<'_>, options: &Open) {
     let (right, calibration) = stereo::files(left, options);
+    depths::files(left, options).into_iter().for_each(|file| inputs.add(InputKind::Truth, file));
     right.into_iter().for_each(|file| inputs.add(InputKind::RightView, file));
     calibration.into_iter().for_each(|file| inputs.add(InputKind::Calibration, file));
 }

@@ -49,7 +49,9 @@ pub(super) fn keys(top: &mut Section<'_>, base: Option<Session>, folder: &Path) 
         detections: path("detections")?,
         right: path("right")?.map(|path| RightView::of(&path)),
         calibration: path("calibration")?.map(|path| GivenCalibration::of(&path)),
-        disparity_scale: top.take("disparity-scale").map(|entry| disparity_scale(&entry)).transpose()?,
+        depths: path("depths")?,
+        disparity_scale: scale(top, "disparity-scale", |scale| media::disparity_scale(Some(scale), scale))?,
+        depth_scale: scale(top, "depth-scale", |scale| media::depth_scale(Some(scale), scale))?,
     };
     let given = given.map_path(|path| folder.join(path));
     let mut leader = match (top.take("estimator"), &base) {
@@ -86,10 +88,14 @@ pub(super) fn keys(top: &mut Section<'_>, base: Option<Session>, folder: &Path) 
     Ok(Session { experiment, position, look, sight: sight(top)? })
 }
 
-/// The gray levels per px of a true disparity.
-fn disparity_scale(entry: &Entry<'_>) -> Result<f32, Error> {
-    let scale = entry.number()?;
-    media::disparity_scale(Some(scale), scale).map_err(|why| entry.wrong(why))
+/// A scale, if its key is there and it is a possible one.
+fn scale(
+    top: &mut Section<'_>,
+    key: &'static str,
+    checked: impl Fn(f32) -> Result<f32, Error>,
+) -> Result<Option<f32>, Error> {
+    let read = |entry: Entry<'_>| checked(entry.number()?).map_err(|why| entry.wrong(why));
+    top.take(key).map(read).transpose()
 }
 
 /// Whether this line states the version of the format.

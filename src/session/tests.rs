@@ -199,7 +199,7 @@ fn line_and_key_are_reported_in_words() {
         ("step = \"x\"", "line 4, step: a step is written UNIT.EVENT"),
         (
             "frmae = 3",
-            "line 4: there is no key frmae here; there are motionscope, clip, truth, detections, right, calibration, disparity-scale, estimator",
+            "line 4: there is no key frmae here; there are motionscope, clip, truth, detections, right, calibration, depths, disparity-scale, depth-scale, estimator",
         ),
         ("clip.a = 3", "line 4 is not written as key = value"),
         ("\n[set]\n\nblock = 400", "line 7, set.block: "),
@@ -249,18 +249,23 @@ fn what_is_given_by_hand_is_named_from_where_the_session_is() {
     let given = Given { truth: beside("gt.txt"), detections: beside("lessons/det.txt"), ..Given::default() };
     let right = Some(RightView::File(folder.path().join("right.mp4")));
     let calibration = Some(GivenCalibration::File(folder.path().join("calib.txt")));
-    saved.experiment.given = Given { right, calibration, disparity_scale: Some(4.0), ..given };
+    let depths = beside("depth");
+    saved.experiment.given =
+        Given { right, calibration, disparity_scale: Some(4.0), depths, depth_scale: Some(1000.0), ..given };
     saved.save(&path).unwrap();
     let text = fs::read_to_string(&path).unwrap();
     assert!(text.contains("truth = \"../gt.txt\"\ndetections = \"det.txt\"\n"), "{text}");
     let of_views = "right = \"../right.mp4\"\ncalibration = \"../calib.txt\"\ndisparity-scale = 4.0\n";
     assert!(text.contains(of_views), "{text}");
+    assert!(text.contains("depths = \"../depth\"\ndepth-scale = 1000.0\n"), "{text}");
     let read = Session::load(&path).unwrap().experiment.given;
     let at = |name: &str| folder.path().join("lessons").join(name);
     let right = Some(RightView::File(at("../right.mp4")));
     let calibration = Some(GivenCalibration::File(at("../calib.txt")));
     let (truth, detections) = (Some(at("../gt.txt")), Some(at("det.txt")));
-    assert_eq!(read, Given { truth, detections, right, calibration, disparity_scale: Some(4.0) });
+    let (depths, depth_scale) = (Some(at("../depth")), Some(1000.0));
+    let disparity_scale = Some(4.0);
+    assert_eq!(read, Given { truth, detections, right, calibration, disparity_scale, depths, depth_scale });
     // What the command line gives counts more, each by itself.
     let named =
         Named::find(path.as_os_str(), Given { detections: Some("mine.txt".into()), ..Given::default() }).unwrap();

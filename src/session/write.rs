@@ -29,6 +29,10 @@ struct Text<'a> {
     calibration: Option<String>,
     #[serde(rename = "disparity-scale", skip_serializing_if = "Option::is_none")]
     disparity_scale: Option<f32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    depths: Option<String>,
+    #[serde(rename = "depth-scale", skip_serializing_if = "Option::is_none")]
+    depth_scale: Option<f32>,
     estimator: String,
     frame: usize,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -74,7 +78,7 @@ impl Serialize for Picture<'_> {
 pub(super) fn text(session: &Session, folder: &Path) -> Result<String, Error> {
     let Session { experiment, position: Position { cursor, pixel }, look, sight } = session;
     let Experiment { source, given, estimator, side_by_side, frame } = experiment;
-    let Given { truth, detections, right, calibration, disparity_scale } =
+    let Given { truth, detections, right, calibration, disparity_scale, depths, depth_scale } =
         given.clone().map_path(|path| relative(path, folder));
     let path = |path: &PathBuf| slashed(path);
     let text = Text {
@@ -95,6 +99,8 @@ pub(super) fn text(session: &Session, folder: &Path) -> Result<String, Error> {
             typed => typed.as_ref().map(ToString::to_string),
         },
         disparity_scale,
+        depths: depths.as_ref().map(path).transpose()?,
+        depth_scale,
         estimator: estimator.info().id.into(),
         frame: *frame,
         step: cursor.map(|cursor| cursor.to_string()),

@@ -262,6 +262,15 @@ pub trait FrameSource: Send + Sync {
     }
 }
 
+/// Depths that a sensor measured, a picture for each frame of a clip.
+pub trait DepthSource: Send + Sync {
+    /// The depth Z of each pixel of frame `t` in m; NaN where it is not known. `None` if there is no such picture.
+    ///
+    /// # Errors
+    /// If it cannot be read.
+    fn depth_m(&self, t: usize) -> Result<Option<Arc<Grid<f32>>>, Error>;
+}
+
 /// Facts about a clip that are known when it is opened.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClipInfo {
@@ -291,6 +300,7 @@ pub struct Clip {
     truth: Option<Arc<dyn Truth>>,
     detections: Option<Arc<Vec<Vec<Detection>>>>,
     right: Option<Arc<Clip>>,
+    depths: Option<Arc<dyn DepthSource>>,
     calibration: Option<Calibration>,
     stop: Stop,
     budget: Option<u64>,
@@ -311,6 +321,7 @@ impl Clip {
             truth: None,
             detections: None,
             right: None,
+            depths: None,
             calibration: None,
             stop: Stop::default(),
             budget: None,
@@ -399,6 +410,35 @@ impl Clip {
         }
         self.right = Some(Arc::new(right));
         Ok(self)
+    }
+
+    /// The same clip with depths that were measured beside its frames.
+    #[must_use]
+    pub fn with_depths(mut self, depths: Arc<dyn DepthSource>) -> Self {
+        self.depths = Some(depths);
+        self
+    }
+
+    /// Whether depths were measured beside its frames.
+    pub fn has_depths(&self) -> bool {
+        self.depths.is_some()
+    }
+
+    /// The measured depth of each pixel of frame `t` in m, if it is known; NaN where it is not.
+    ///
+    /// # Errors
+    /// If it cannot be read, or has another size than the frames.
+    pub fn depth_m(&self, t: usize) -> Result<Option<Arc<Grid<f32>>>, Error> {
+        let found = self.depths.as_ref().map(|depths| depths.depth_m(t)).transpose()?.flatten();
+        match found {
+            Some(depth) if depth.size() != self.size() => {
+                let ((w, h), (dw, dh)) = (self.size(), depth.size());
+                Err(Error::new(format!(
+                    "the depths of frame {t} are {dw}×{dh} px and the frames {w}×{h} px; both must have one size"
+                )))
+            }
+            found => Ok(found),
+        }
     }
 
     /// The same clip with the calibration of its two cameras.

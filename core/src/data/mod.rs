@@ -12,7 +12,7 @@ mod scene_flow;
 mod stereo;
 mod true_mask;
 
-pub use clip::{Clip, ClipInfo, Flow, Frame, FrameSource, ObjectBox, Truth};
+pub use clip::{Clip, ClipInfo, DepthSource, Flow, Frame, FrameSource, ObjectBox, Truth};
 pub use components::{Connectivity, Event as LabelEvent, Finals, Labelling, Run};
 pub use detection::{Blob, Detection};
 pub use histogram::{Counted, Histogram};

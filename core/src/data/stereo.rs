@@ -96,6 +96,11 @@ impl Calibration {
         (shift > 0.0).then(|| self.focal_px * self.baseline_m / shift)
     }
 
+    /// The disparity in px of a depth in m.
+    pub fn disparity_px(&self, depth_m: f64) -> f64 {
+        self.focal_px * self.baseline_m / depth_m - self.offset_px
+    }
+
     /// The position [X, Y, Z] in m of a pixel of the left view with a disparity in px: X to the right, Y down, Z forwards from the left camera.
     pub fn point_m(&self, [x, y]: [f64; 2], disparity: f64) -> Option<[f64; 3]> {
         let depth = self.depth_m(disparity)?;

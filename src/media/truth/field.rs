@@ -71,6 +71,50 @@ pub fn mask(path: &Path, size: (usize, usize)) -> Result<Grid<bool>, Error> {
     Grid::from_vec(size.0, size.1, set)
 }
 
+/// The depths in m in the 16-bit gray PNG at `path`, if it is `size` pixels; 0 is unknown.
+///
+/// # Errors
+/// If it cannot be read, is damaged, or has another size or depth of samples.
+pub fn depth(path: &Path, size: (usize, usize), units_per_m: f32) -> Result<Grid<f32>, Error> {
+    let mut picture = Picture::open(start(path)?, path, Transformations::IDENTITY)?;
+    must_fit(path, picture.size, size)?;
+    let info = picture.reader.info();
+    if (info.color_type, info.bit_depth) != (ColorType::Grayscale, BitDepth::Sixteen) {
+        return Err(file_error(path, "depths are a PNG with one gray channel of 16 bits; this one has others"));
+    }
+    let samples = picture.samples(path)?;
+    let level = |bytes: &[u8]| match u16::from_be_bytes([bytes[0], bytes[1]]) {
+        0 => f32::NAN,
+        units => f32::from(units) / units_per_m,
+    };
+    Grid::from_vec(size.0, size.1, samples.chunks_exact(2).map(level).collect())
+}
+
+/// Whether `path` is a PNG with a palette, as pictures of labels are.
+pub fn is_labels(path: &Path) -> bool {
+    let open = || Picture::open(start(path).ok()?, path, Transformations::IDENTITY).ok();
+    open().is_some_and(|picture| picture.reader.info().color_type == ColorType::Indexed)
+}
+
+/// The label of each pixel of the PNG at `path`, its index in the palette or its gray level, if it is `size` pixels; 0 is no label.
+///
+/// # Errors
+/// If it cannot be read, is damaged, or has another size, several channels or another depth than 8 bits.
+pub fn labels(path: &Path, size: (usize, usize)) -> Result<Grid<u32>, Error> {
+    let mut picture = Picture::open(start(path)?, path, Transformations::IDENTITY)?;
+    must_fit(path, picture.size, size)?;
+    let info = picture.reader.info();
+    let has_labels = matches!(info.color_type, ColorType::Indexed | ColorType::Grayscale);
+    if !has_labels || info.bit_depth != BitDepth::Eight {
+        return Err(file_error(
+            path,
+            "labels are a PNG with a palette or one gray channel, of 8 bits; this one has others",
+        ));
+    }
+    let samples = picture.samples(path)?;
+    Grid::from_vec(size.0, size.1, samples.into_iter().map(u32::from).collect())
+}
+
 /// Whether `path` is a PNG of 8 bits or less, as masks are and flows are not.
 pub fn is_mask(path: &Path) -> bool {
     let open = || Picture::open(start(path).ok()?, path, Transformations::IDENTITY).ok();

@@ -28,7 +28,8 @@ pub(crate) fn beside(subject: &Subject) -> Found {
     if subject.path == Path::new("-") {
         return found;
     }
-    let TruthFiles { flows, occlusions, disparities, foregrounds, objects, results } = TruthFiles::beside(subject);
+    let TruthFiles { flows, occlusions, disparities, next_disparities, foregrounds, labels, objects, results } =
+        TruthFiles::beside(subject);
     let mut files = Files { scale: subject.scale, ..Files::new(subject.size) };
     let mut accept = |sound: Result<(), Error>| {
         let is_sound = sound.is_ok();
@@ -44,8 +45,14 @@ pub(crate) fn beside(subject: &Subject) -> Found {
     if accept(check_disparity(&disparities, subject)) {
         files.disparities = disparities;
     }
+    if accept(check_disparity(&next_disparities, subject)) {
+        files.next_disparities = next_disparities;
+    }
     if accept(check(&foregrounds, field::check_mask, subject)) {
         files.foregrounds = foregrounds;
+    }
+    if accept(check_labels(&labels, subject)) {
+        files.labels = labels;
     }
     if let Some(path) = objects {
         match tracks(&path) {
@@ -86,7 +93,8 @@ fn not_truth(results: &[PathBuf]) -> Option<String> {
 /// One sentence that names the file if it is no truth, or not that of this clip.
 pub(crate) fn open(path: &Path, subject: &Subject) -> Result<Arc<dyn Truth>, Error> {
     let node = Node::of(path).map_err(|why| file_error(path, why))?;
-    let TruthFiles { flows, occlusions, disparities, foregrounds, objects, .. } = TruthFiles::given(path, subject);
+    let TruthFiles { flows, occlusions, disparities, next_disparities, foregrounds, labels, objects, .. } =
+        TruthFiles::given(path, subject);
     if node == Node::Stream && objects.is_none() {
         let why = "it is a pipe, and a flow is read more than once; save it to a file and give that";
         return Err(file_error(path, why));
@@ -98,7 +106,17 @@ pub(crate) fn open(path: &Path, subject: &Subject) -> Result<Arc<dyn Truth>, Err
     let read = |path: PathBuf| tracks(&path).map(|frames| Objects { path, frames }).map_err(about);
     let objects = objects.map(read).transpose()?;
     let scale = subject.scale;
-    let mut files = Files { flows, occlusions, disparities, scale, foregrounds, objects, ..Files::new(subject.size) };
+    let mut files = Files {
+        flows,
+        occlusions,
+        disparities,
+        next_disparities,
+        scale,
+        foregrounds,
+        labels,
+        objects,
+        ..Files::new(subject.size)
+    };
     if files.is_empty() {
         return Err(file_error(
             path,
@@ -111,6 +129,8 @@ pub(crate) fn open(path: &Path, subject: &Subject) -> Result<Arc<dyn Truth>, Err
     if let Some(first) = files.foregrounds.values().next() {
         field::foreground(first, subject.size)?;
     }
+    check_disparity(&files.next_disparities, subject)?;
+    check_labels(&files.labels, subject)?;
     files.tell_from(if node == Node::Folder { path } else { parent(path) });
     Ok(Arc::new(files))
 }
@@ -129,13 +149,20 @@ fn check_disparity(files: &BTreeMap<usize, PathBuf>, subject: &Subject) -> Resul
     files.values().next().map_or(Ok(()), |first| field::check_disparity(first, subject.size, subject.scale))
 }
 
+/// Whether the first of `files` has labels for this clip.
+fn check_labels(files: &BTreeMap<usize, PathBuf>, subject: &Subject) -> Result<(), Error> {
+    files.values().next().map_or(Ok(()), |first| field::labels(first, subject.size).map(drop))
+}
+
 /// The files of truth of a clip, by the frame that they belong to; none of them was read.
 #[derive(Default)]
 pub(crate) struct TruthFiles {
     flows: BTreeMap<usize, PathBuf>,
     occlusions: BTreeMap<usize, PathBuf>,
     disparities: BTreeMap<usize, PathBuf>,
+    next_disparities: BTreeMap<usize, PathBuf>,
     foregrounds: BTreeMap<usize, PathBuf>,
+    labels: BTreeMap<usize, PathBuf>,
     objects: Option<PathBuf>,
     /// Files among them that are saved results.
     results: Vec<PathBuf>,
@@ -148,8 +175,11 @@ impl TruthFiles {
         let folder = subject.folder();
         let (flows, occlusions, objects) = (search.flows(folder), search.occlusions(folder), search.tracks(folder));
         let disparities = search.disparities(folder);
+        let next_disparities = search.places(&NEXT_DISPARITIES, folder, is_disparity);
         let foregrounds = search.places(&FOREGROUNDS, folder, is_png);
-        Self { flows, occlusions, disparities, foregrounds, objects, results: search.results }
+        let labels = search.places(&LABELS, folder, is_png);
+        let results = search.results;
+        Self { flows, occlusions, disparities, next_disparities, foregrounds, labels, objects, results }
     }
 
     /// Finds the files at the given `path`.
@@ -160,15 +190,21 @@ impl TruthFiles {
             let (occlusions, objects) = (search.occlusions(path), search.tracks(path));
             let mut disparities = search.disparities(path);
             let mut foregrounds = search.places(&FOREGROUNDS, path, is_png);
-            if flows.is_empty() && foregrounds.is_empty() && disparities.is_empty() {
+            let next_disparities = search.places(&NEXT_DISPARITIES, path, is_disparity);
+            let mut labels = search.places(&LABELS, path, is_png);
+            if flows.is_empty() && foregrounds.is_empty() && disparities.is_empty() && labels.is_empty() {
                 let scale = subject.scale;
                 let all = search.frames(path, |file| is_flow(file) || is_disparity(file));
                 let (of_views, others): (BTreeMap<_, _>, BTreeMap<_, _>) =
                     all.into_iter().partition(|(_, file)| field::is_disparity(file, scale));
                 disparities = of_views;
+                let (with_palette, others): (BTreeMap<_, _>, BTreeMap<_, _>) =
+                    others.into_iter().partition(|(_, file)| field::is_labels(file));
+                labels = with_palette;
                 (foregrounds, flows) = others.into_iter().partition(|(_, file)| field::is_mask(file));
             }
-            return Self { flows, occlusions, disparities, foregrounds, objects, results: search.results };
+            let results = search.results;
+            return Self { flows, occlusions, disparities, next_disparities, foregrounds, labels, objects, results };
         }
         // Rows of objects may come through a pipe, whose name says nothing.
         let is_pipe = || Node::of(path) == Ok(Node::Stream) && !is_flow(path);
@@ -182,6 +218,9 @@ impl TruthFiles {
         if Node::of(path) == Ok(Node::File) && field::is_disparity(path, subject.scale) {
             return Self { disparities: only, ..Self::default() };
         }
+        if Node::of(path) == Ok(Node::File) && field::is_labels(path) {
+            return Self { labels: only, ..Self::default() };
+        }
         match Node::of(path) == Ok(Node::File) && field::is_mask(path) {
             true => Self { foregrounds: only, ..Self::default() },
             false => Self { flows: only, ..Self::default() },
@@ -190,8 +229,9 @@ impl TruthFiles {
 
     /// All of them, in order.
     pub(crate) fn into_files(self) -> impl Iterator<Item = PathBuf> {
-        let Self { flows, occlusions, disparities, foregrounds, objects, .. } = self;
-        [flows, occlusions, disparities, foregrounds].into_iter().flat_map(BTreeMap::into_values).chain(objects)
+        let Self { flows, occlusions, disparities, next_disparities, foregrounds, labels, objects, .. } = self;
+        let fields = [flows, occlusions, disparities, next_disparities, foregrounds, labels];
+        fields.into_iter().flat_map(BTreeMap::into_values).chain(objects)
     }
 }
 
@@ -218,6 +258,11 @@ const DISPARITIES: Places = Places {
     across: &[],
     word: "disp",
 };
+/// Disparities in frame t + 1 of the pixels of frame t, as KITTI has them.
+const NEXT_DISPARITIES: Places =
+    Places { inside: &["next-disparity"], beside: &["disp_occ_1", "disp_noc_1"], across: &[], word: "next-disp" };
+/// Labels of segments.
+const LABELS: Places = Places { inside: &["labels", "segments"], beside: &["labels"], across: &[], word: "labels" };
 /// The disparity of a left view in Middlebury's folders, by the name of the view.
 const MIDDLEBURY: [[&str; 2]; 4] = [["im2", "disp2"], ["view1", "disp1"], ["im0", "disp0"], ["im0", "disp0GT"]];
 /// As changedetection.net has them, and `motionscope synth`.
@@ -237,11 +282,13 @@ pub(crate) fn is_place(path: &Path) -> bool {
     let [folder, beyond] = [above.next(), above.next()].map(Option::unwrap_or_default);
     let is_table = |name: &&str| file_name(path).eq_ignore_ascii_case(name);
     [TRACKS].iter().chain(&REGIONS).any(is_table)
-        || [FLOWS, OCCLUSIONS, DISPARITIES, FOREGROUNDS].iter().any(|Places { inside, beside, across, word }| {
-            inside.iter().chain(*beside).any(|name| **name == folder)
-                || across.iter().any(|name| **name == beyond)
-                || is_numbered(path, word)
-        })
+        || [FLOWS, OCCLUSIONS, DISPARITIES, NEXT_DISPARITIES, FOREGROUNDS, LABELS].iter().any(
+            |Places { inside, beside, across, word }| {
+                inside.iter().chain(*beside).any(|name| **name == folder)
+                    || across.iter().any(|name| **name == beyond)
+                    || is_numbered(path, word)
+            },
+        )
 }
 
 /// Whether a file is called `word` and a number: `flow10`, `flow_10` or `flow-10`.
@@ -404,6 +451,37 @@ mod tests {
         assert_eq!(all.truth().unwrap().kinds(), ["flow"]);
         let from = open(&folder.path().join("frame08.png"));
         assert_eq!((u(&from, 0), u(&from, 1)), (Some(8.0), Some(9.0)));
+    }
+
+    #[test]
+    fn labels_and_disparities_in_the_next_frame_are_found_and_given() {
+        let folder = tempfile::tempdir().unwrap();
+        let frames = folder.path().join("image_2");
+        pictures(&frames);
+        let palette: Vec<u8> = (0..=255u8).flat_map(|c| [c, 0, 255 - c]).collect();
+        let indices = [1, 1, 2, 2, 1, 1, 2, 2, 0, 0, 3, 3];
+        let labels = export::png(4, 3, Pixels::Indexed(&indices, &palette)).unwrap();
+        put(&frames, "labels/frame08.png", &labels);
+        let map = Disparity(Grid::new(4, 3, 2.5));
+        put(folder.path(), "disp_occ_1/frame08.png", export::kitti_disparity(&map).unwrap().bytes);
+        let clip = open(&frames);
+        let truth = clip.truth().expect("both are found");
+        let found = truth.segments(1).unwrap().expect("labels of frame 8");
+        assert_eq!(found.cells(), indices.map(u32::from));
+        assert_eq!(truth.next_disparity(1).unwrap().unwrap().at(2, 1), Some(2.5));
+        assert!(truth.segments(0).unwrap().is_none() && truth.disparity(1).unwrap().is_none());
+        // Given by hand, a picture with a palette has labels.
+        put(folder.path(), "by-hand.png", &labels);
+        let given = Given { truth: Some(folder.path().join("by-hand.png")), ..Given::default() };
+        let clip = media::open(&frames, &Open { given, ..Open::default() }).unwrap();
+        assert_eq!(clip.truth().unwrap().segments(0).unwrap().expect("of the first frame").cells().len(), 12);
+        let colour = export::png(4, 3, Pixels::Gray(&[7; 12])).unwrap();
+        put(&frames, "labels/frame08.png", colour);
+        assert_eq!(
+            open(&frames).truth().unwrap().segments(1).unwrap().unwrap()[(0, 0)],
+            7,
+            "gray levels are labels too"
+        );
     }
 
     #[test]

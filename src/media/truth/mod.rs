@@ -16,6 +16,7 @@ use motionscope_core::{Disparity, Error, Flow, Grid, ObjectBox, TrueMask, Truth}
 use super::names::file_name;
 use super::sequence::parent;
 
+pub(super) use field::depth;
 pub(crate) use find::{Found, TruthFiles, beside, is_place, open};
 pub(crate) use subject::Subject;
 
@@ -27,14 +28,19 @@ struct Files {
     disparities: BTreeMap<usize, PathBuf>,
     /// Gray levels per px of disparity in 8-bit pictures, if given.
     scale: Option<f32>,
+    /// Disparities in frame t + 1 of the pixels of frame t.
+    next_disparities: BTreeMap<usize, PathBuf>,
     foregrounds: BTreeMap<usize, PathBuf>,
+    labels: BTreeMap<usize, PathBuf>,
     objects: Option<Objects>,
     /// The file names of each kind.
     names: Vec<String>,
     last_flows: Mutex<Last<Flow>>,
     last_occlusions: Mutex<Last<Grid<bool>>>,
     last_disparities: Mutex<Last<Disparity>>,
+    last_next: Mutex<Last<Disparity>>,
     last_foregrounds: Mutex<Last<TrueMask>>,
+    last_labels: Mutex<Last<Grid<u32>>>,
 }
 
 /// The true objects of each frame, and the file that they were read from.
@@ -51,13 +57,17 @@ impl Files {
             occlusions: BTreeMap::new(),
             disparities: BTreeMap::new(),
             scale: None,
+            next_disparities: BTreeMap::new(),
             foregrounds: BTreeMap::new(),
+            labels: BTreeMap::new(),
             objects: None,
             names: Vec::new(),
             last_flows: Mutex::default(),
             last_occlusions: Mutex::default(),
             last_disparities: Mutex::default(),
+            last_next: Mutex::default(),
             last_foregrounds: Mutex::default(),
+            last_labels: Mutex::default(),
         }
     }
 
@@ -82,7 +92,8 @@ impl Files {
         let disparity = named(&self.disparities).map(|name| name + &scale);
         let objects = self.objects.iter().map(|objects| name_from(folder, &objects.path));
         let fields = [&self.flows, &self.occlusions].into_iter().filter_map(named).chain(disparity).chain(objects);
-        self.names = fields.chain(named(&self.foregrounds)).collect();
+        let rest = [&self.foregrounds, &self.next_disparities, &self.labels].into_iter().filter_map(named);
+        self.names = fields.chain(rest).collect();
     }
 }
 
@@ -107,6 +118,15 @@ impl Truth for Files {
         keep(&self.last_foregrounds, t, &self.foregrounds, |path| field::foreground(path, self.size))
     }
 
+    fn segments(&self, t: usize) -> Result<Option<Arc<Grid<u32>>>, Error> {
+        keep(&self.last_labels, t, &self.labels, |path| field::labels(path, self.size))
+    }
+
+    fn next_disparity(&self, t: usize) -> Result<Option<Arc<Disparity>>, Error> {
+        let read = |path: &Path| field::disparity(path, self.size, self.scale);
+        keep(&self.last_next, t, &self.next_disparities, read)
+    }
+
     fn disparity(&self, t: usize) -> Result<Option<Arc<Disparity>>, Error> {
         let read = |path: &Path| field::disparity(path, self.size, self.scale);
         keep(&self.last_disparities, t, &self.disparities, read)
@@ -119,6 +139,7 @@ impl Truth for Files {
             ("disparity", !self.disparities.is_empty()),
             ("objects", self.objects.is_some()),
             ("foreground", !self.foregrounds.is_empty()),
+            ("segments", !self.labels.is_empty()),
         ];
         kinds.into_iter().filter_map(|(name, known)| known.then_some(name)).collect()
     }

@@ -116,11 +116,22 @@ pub struct State {
     moving: Option<Arc<Mask>>,
 }
 
+/// The origin of depths.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Depths {
+    /// There are none.
+    Unknown,
+    /// Disparities of two views.
+    Stereo,
+    /// A sensor beside the camera.
+    Sensor,
+}
+
 /// The constant part of a run.
 struct Fixed {
     frame: usize,
     left: Arc<Frame>,
-    is_stereo: bool,
+    depths: Depths,
     calibration: Option<Calibration>,
 }
 
@@ -128,10 +139,10 @@ impl SceneFlow {
     /// The parts of a run: as far as views and calibration allow.
     fn parts(&self, fixed: &Fixed) -> &'static [Part] {
         use Part::{Disparity, Ego, Flow, NextDisparity, Own, Positions};
-        match (fixed.is_stereo, fixed.calibration) {
-            (false, _) => &[Flow],
-            (true, None) => &[Disparity, NextDisparity, Flow, Positions],
-            (true, Some(_)) => &[Disparity, NextDisparity, Flow, Positions, Ego, Own],
+        match (fixed.depths, fixed.calibration) {
+            (Depths::Unknown, _) | (Depths::Sensor, None) => &[Flow],
+            (Depths::Stereo, None) => &[Disparity, NextDisparity, Flow, Positions],
+            (_, Some(_)) => &[Disparity, NextDisparity, Flow, Positions, Ego, Own],
         }
     }
 
@@ -165,6 +176,9 @@ impl SceneFlow {
 
     /// The disparities of frame `t + after`.
     fn disparities(&self, clip: &Clip, (t, after): (usize, usize), threads: &Threads) -> Result<Arc<Disparity>, Error> {
+        if self.source == Source::Estimated && clip.has_depths() {
+            return of_sensor(clip, t + after).map(Arc::new);
+        }
         if self.source == Source::Estimated {
             return Ok(Arc::new(self.disparity.disparities(clip, t + after, threads)?.map));
         }
@@ -286,6 +300,14 @@ fn known(clip: &Clip) -> Result<&Arc<dyn Truth>, Error> {
     clip.truth().ok_or_else(unknown)
 }
 
+/// The disparities that a second camera would see of the measured depths of frame `t`.
+fn of_sensor(clip: &Clip, t: usize) -> Result<Disparity, Error> {
+    let missing = || Error::new(format!("there are no depths of frame {t}; scene flow needs those of two frames"));
+    let (depth, rig) = clip.depth_m(t)?.zip(clip.calibration()).ok_or_else(missing)?;
+    let disparity = |z: &f32| if *z > 0.0 { rig.disparity_px(f64::from(*z)) as f32 } else { Disparity::UNKNOWN };
+    Ok(Disparity(depth.map(disparity)))
+}
+
 fn unknown() -> Error {
     Error::new("the true disparities and flow of this pair of frames are not known; set source to estimated")
 }
@@ -348,15 +370,19 @@ impl Estimator for SceneFlow {
 
     fn start(&self, clip: &Clip, frame: usize) -> Result<State, Error> {
         let [left, _] = clip.pair(frame)?;
-        let is_stereo = clip.right().is_some();
-        if is_stereo {
+        let depths = match (clip.has_depths(), clip.right()) {
+            (true, _) => Depths::Sensor,
+            (_, Some(_)) => Depths::Stereo,
+            (_, None) => Depths::Unknown,
+        };
+        if depths == Depths::Stereo {
             clip.frame_from(Viewpoint::Right, frame + 1)?;
         }
-        if self.source == Source::Truth && is_stereo {
+        if self.source == Source::Truth && depths != Depths::Unknown {
             known(clip)?;
         }
-        let calibration = clip.calibration().filter(|_| is_stereo).copied();
-        let fixed = Fixed { frame, left, is_stereo, calibration };
+        let calibration = clip.calibration().filter(|_| depths != Depths::Unknown).copied();
+        let fixed = Fixed { frame, left, depths, calibration };
         Ok(State {
             fixed: Arc::new(fixed),
             done: 0,

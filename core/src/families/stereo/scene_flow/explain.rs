@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Event, Part, SceneFlow, Source, State, line, space};
+use super::{Depths, Event, Part, SceneFlow, Source, State, line, space};
 use crate::base::words::{self, fixed, grouped};
 use crate::data::{Calibration, Disparity, Measured, Pose, SpaceMotion, mahalanobis_squared};
 use crate::geometry::Grid;
@@ -83,7 +83,7 @@ impl SceneFlow {
         let Some(event) = seen.events.last() else { return Self::starting(seen.before) };
         let shown = self.shown(seen);
         let mut step = match event {
-            Event::Whole(Part::Disparity) => self.told_disparity(&shown),
+            Event::Whole(Part::Disparity) => self.told_disparity(&shown, seen),
             Event::Whole(Part::NextDisparity) => self.told_next(seen),
             Event::Whole(_) => self.told_flow(&shown, seen),
             Event::Row(Part::Positions, _) => self.told_position(&shown),
@@ -114,19 +114,31 @@ impl SceneFlow {
 
     fn starting(state: &State) -> Step {
         let said = Sentence::default();
-        let sentence = match (state.fixed.is_stereo, state.fixed.calibration) {
-            (false, _) => said.ink(
+        let sentence = match (state.fixed.depths, state.fixed.calibration) {
+            (Depths::Unknown, _) => said.ink(
                 Role::Error,
-                "The clip has no right view, so depths are not known and only the optical flow is estimated. Open a right view for scene flow.",
+                "The clip has no right view, so depths are not known and only the optical flow is estimated. Open a right view or depths for scene \
+                 flow.",
             ),
-            (true, None) => said.ink(
+            (Depths::Stereo, None) => said.ink(
                 Role::Error,
                 "The cameras are not calibrated: disparities and flow are known, positions in metres are not. Open their calibration, or type focal \
                  length and baseline.",
             ),
-            (true, Some(rig)) => said.text(format!(
+            (Depths::Sensor, None) => said.ink(
+                Role::Error,
+                "Depths are known, but not the focal length that positions need, so only the optical flow is estimated. Type the calibration of the \
+                 camera.",
+            ),
+            (Depths::Stereo, Some(rig)) => said.text(format!(
                 "Two views give a point its position: with focal length {} px and baseline {} m the depth is Z = f B / d. The optical flow \
                  leads to the same point in frame t + 1, where its disparity gives the next position. The difference is the scene flow.",
+                fixed(rig.focal_px, 0),
+                fixed(rig.baseline_m, 3)
+            )),
+            (Depths::Sensor, Some(rig)) => said.text(format!(
+                "A depth and the focal length, {} px, give a point its position. The optical flow leads to the same point in frame t + 1, where the \
+                 depth gives the next position. The difference is the scene flow. Depths are told as disparities at a baseline of {} m.",
                 fixed(rig.focal_px, 0),
                 fixed(rig.baseline_m, 3)
             )),
@@ -138,10 +150,18 @@ impl SceneFlow {
         if self.source == Source::Truth { "The ground truth" } else { name }
     }
 
-    fn told_disparity(&self, shown: &Shown) -> Step {
+    /// The origin of the disparities, for a sentence.
+    fn depths_of(&self, seen: &Seen<Self>) -> &'static str {
+        match (self.source, seen.before.fixed.depths) {
+            (Source::Estimated, Depths::Sensor) => "The depth sensor",
+            _ => self.method(self.disparity.estimator().info().name),
+        }
+    }
+
+    fn told_disparity(&self, shown: &Shown, seen: &Seen<Self>) -> Step {
         let field = &shown.field;
         let known = field.disparity.known() as f64 / field.picture.luma().cells().len() as f64;
-        let name = self.method(self.disparity.estimator().info().name);
+        let name = self.depths_of(seen);
         let said = Sentence::default()
             .text(format!("{name} has a disparity for {} of the pixels of frame t. ", percent(known)));
         let (x, y) = shown.pixel;
@@ -186,7 +206,7 @@ impl SceneFlow {
     fn told_next(&self, seen: &Seen<Self>) -> Step {
         let map = seen.after.and_then(|after| after.next.as_ref());
         let known = map.map_or(0.0, |map| map.known() as f64 / map.0.cells().len().max(1) as f64);
-        let name = self.method(self.disparity.estimator().info().name);
+        let name = self.depths_of(seen);
         let sentence = Sentence::default().text(format!(
             "{name} has a disparity for {} of the pixels of frame t + 1. Which of them belongs to a point of frame t is told by the flow.",
             percent(known)
@@ -210,9 +230,10 @@ impl SceneFlow {
                 )),
             None => said.text(" has no flow."),
         };
-        let sentence = match seen.before.fixed.is_stereo {
-            true => sentence,
-            false => sentence.ink(Role::Error, " Without a right view there is no depth, and the run ends here."),
+        let ends_here = seen.after.is_some_and(|after| after.done == self.parts(&after.fixed).len());
+        let sentence = match ends_here {
+            false => sentence,
+            true => sentence.ink(Role::Error, " Without positions there is no scene flow, and the run ends here."),
         };
         Step { line: line::FLOW, sentence, readouts: Vec::new() }
     }
@@ -421,8 +442,9 @@ impl SceneFlow {
 
     pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
         let state = seen.after.unwrap_or(seen.before);
+        let is_stereo = seen.before.fixed.depths == Depths::Stereo;
         let Some(event) = seen.events.last() else {
-            scene.pictures = pictures(seen.before.fixed.is_stereo);
+            scene.pictures = pictures(is_stereo);
             return;
         };
         let shown = self.shown(seen);
@@ -433,16 +455,13 @@ impl SceneFlow {
         };
         match event {
             Event::Whole(Part::Disparity) => {
-                scene.pictures = vec![Canvas::of_clip(Picture::CURRENT), Canvas::of_clip(Picture::RIGHT)];
+                scene.pictures = views(is_stereo, Picture::CURRENT, Picture::RIGHT);
                 map(scene, shown.field.disparity.0.clone(), Picture::CURRENT, "disparity in px", "disparity (px)");
             }
             Event::Whole(Part::NextDisparity) => {
-                scene.pictures = vec![Canvas::of_clip(Picture::NEXT), Canvas::of_clip(RIGHT_NEXT)];
                 let values = state.next.as_ref().map(|next| next.0.clone());
                 let on = if self.source == Source::Truth { Picture::CURRENT } else { Picture::NEXT };
-                if on == Picture::CURRENT {
-                    scene.pictures = vec![Canvas::of_clip(Picture::CURRENT), Canvas::of_clip(RIGHT_NEXT)];
-                }
+                scene.pictures = views(is_stereo, on, RIGHT_NEXT);
                 if let Some(values) = values {
                     map(scene, values, on, "disparity in frame t+1, in px", "disparity (px)");
                 }
@@ -459,7 +478,7 @@ impl SceneFlow {
             }
             Event::Row(Part::Positions, y) => {
                 // A pixel pointed at is shown in all four pictures.
-                scene.pictures = pictures(seen.point().is_some());
+                scene.pictures = pictures(is_stereo && seen.point().is_some());
                 let is_done = |pixel: (usize, usize)| seen.after.is_some() || pixel.1 <= *y as usize;
                 let field = &shown.field;
                 let depth = |pixel| field.position(pixel).map(|at| at[2]).filter(|_| is_done(pixel));
@@ -531,6 +550,11 @@ fn pictures(is_stereo: bool) -> Vec<Canvas> {
         false => &[Picture::CURRENT, Picture::NEXT],
     };
     all.iter().copied().map(Canvas::of_clip).collect()
+}
+
+/// A view, and if there are two the other one.
+fn views(is_stereo: bool, left: Picture, right: Picture) -> Vec<Canvas> {
+    [left].into_iter().chain(is_stereo.then_some(right)).map(Canvas::of_clip).collect()
 }
 
 /// Where the pixel is in each of the pictures that are shown.

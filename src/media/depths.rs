@@ -1,0 +1,156 @@
+//! Depths that a sensor measured beside the frames: 16-bit pictures, given or found.
+
+use std::collections::VecDeque;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use motionscope_core::{Clip, DepthSource, Error, Grid};
+
+use super::names::{file_name, stem};
+use super::sequence::{Sequence, parent};
+use super::stereo::LeftView;
+use super::{Open, about, truth};
+
+/// Units of a 16-bit depth per m, as in the recordings of TUM and ICL-NUIM.
+const UNITS_PER_M: f32 = 5000.0;
+/// The folder of the depths in that of the frames or beside it.
+const FOLDER: &str = "depth";
+/// Largest difference in s of the times in the names of a frame and of its depths, as TUM associates them.
+const APART_S: f64 = 0.03;
+/// Depths that are kept: those of a pair of frames in both directions.
+const KEPT: usize = 4;
+
+/// The depths of a clip, read when they are asked for.
+struct Files {
+    files: Vec<Option<PathBuf>>,
+    size: (usize, usize),
+    units_per_m: f32,
+    last: Mutex<VecDeque<(usize, Arc<Grid<f32>>)>>,
+}
+
+impl DepthSource for Files {
+    fn depth_m(&self, t: usize) -> Result<Option<Arc<Grid<f32>>>, Error> {
+        let Some(path) = self.files.get(t).and_then(Option::as_ref) else { return Ok(None) };
+        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = last.iter().position(|(kept, _)| *kept == t).and_then(|i| last.remove(i));
+        let depth = match known {
+            Some((_, depth)) => depth,
+            None => Arc::new(truth::depth(path, self.size, self.units_per_m)?),
+        };
+        last.push_back((t, Arc::clone(&depth)));
+        if last.len() > KEPT {
+            last.pop_front();
+        }
+        Ok(Some(depth))
+    }
+}
+
+/// The same clip with its depths, given or found in a folder `depth`.
+///
+/// # Errors
+/// One sentence if depths are given that cannot be read or do not fit the clip. What is found and does not fit only causes a warning.
+pub(super) fn with_depths(clip: Clip, left: &LeftView<'_>, options: &Open) -> Result<Clip, Error> {
+    let units_per_m = options.given.depth_scale.unwrap_or(UNITS_PER_M);
+    if let Some(folder) = &options.given.depths {
+        return opened(&clip, folder, left, units_per_m).map(|depths| clip.with_depths(depths));
+    }
+    let Some(folder) = beside(left) else { return Ok(clip) };
+    Ok(match opened(&clip, &folder, left, units_per_m) {
+        Ok(depths) => clip.with_depths(depths),
+        Err(why) => {
+            let mut info = clip.info().clone();
+            info.warnings.push(format!("the depths beside the clip are ignored: {why}"));
+            clip.with_info(info)
+        }
+    })
+}
+
+/// The files that depths are read from.
+pub(super) fn files(left: &LeftView<'_>, options: &Open) -> Vec<PathBuf> {
+    let folder = options.given.depths.clone().or_else(|| beside(left));
+    folder.and_then(|folder| Sequence::find(&folder).ok()).map(|found| found.files).unwrap_or_default()
+}
+
+/// The folder of depths in that of the frames or beside it.
+fn beside(left: &LeftView<'_>) -> Option<PathBuf> {
+    let frames = parent(left.files.first()?).canonicalize().ok()?;
+    let places = [Some(frames.join(FOLDER)), frames.parent().map(|above| above.join(FOLDER))];
+    places.into_iter().flatten().find(|folder| folder.is_dir() && *folder != frames)
+}
+
+fn opened(clip: &Clip, folder: &Path, left: &LeftView<'_>, units_per_m: f32) -> Result<Arc<dyn DepthSource>, Error> {
+    let found = Sequence::find(folder).map_err(|why| about(folder, &why))?.files;
+    let files = paired(left.files, &found);
+    let first = files.iter().flatten().next();
+    let first = first.ok_or_else(|| Error::new(format!("{}: no depth belongs to a frame", file_name(folder))))?;
+    truth::depth(first, clip.size(), units_per_m)?;
+    Ok(Arc::new(Files { files, size: clip.size(), units_per_m, last: Mutex::default() }))
+}
+
+/// The depth of each frame: the file of its name, else the one nearest in time if both names are times in s, else the one in its place.
+fn paired(frames: &[PathBuf], depths: &[PathBuf]) -> Vec<Option<PathBuf>> {
+    if frames.is_empty() {
+        return depths.iter().cloned().map(Some).collect();
+    }
+    let namesake = |frame: &PathBuf| depths.iter().find(|depth| stem(depth) == stem(frame)).cloned();
+    let all: Vec<_> = frames.iter().map(namesake).collect();
+    if all.iter().any(Option::is_some) {
+        return all;
+    }
+    let time = |file: &PathBuf| stem(file).parse::<f64>().ok().filter(|_| stem(file).contains('.'));
+    let times: Option<Vec<f64>> = depths.iter().map(time).collect();
+    match (times, frames.iter().map(time).collect::<Option<Vec<f64>>>()) {
+        (Some(times), Some(of_frames)) => {
+            let nearest = |at: &f64| {
+                let apart = |index: &usize| (times[*index] - at).abs();
+                (0..times.len()).min_by(|a, b| apart(a).total_cmp(&apart(b))).filter(|index| apart(index) < APART_S)
+            };
+            of_frames.iter().map(|at| nearest(at).map(|index| depths[index].clone())).collect()
+        }
+        _ => (0..frames.len()).map(|t| depths.get(t).cloned()).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::media::export::{Pixels, png};
+    use crate::media::{self, Given};
+
+    fn put(folder: &Path, name: &str, bytes: &[u8]) {
+        let path = folder.join(name);
+        std::fs::create_dir_all(parent(&path)).unwrap();
+        std::fs::write(path, bytes).unwrap();
+    }
+
+    /// A 16-bit gray picture of 4×3 px of one level.
+    fn level(level: u16) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, 4, 3);
+        encoder.set_color(::png::ColorType::Grayscale);
+        encoder.set_depth(::png::BitDepth::Sixteen);
+        let samples: Vec<u8> = [level; 12].iter().flat_map(|level| level.to_be_bytes()).collect();
+        encoder.write_header().unwrap().write_image_data(&samples).unwrap();
+        bytes
+    }
+
+    #[test]
+    fn depths_are_found_beside_the_frames_and_belong_to_those_of_their_time() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["100.000.png", "100.033.png", "100.066.png"] {
+            put(&folder.path().join("rgb"), name, &png(4, 3, Pixels::Gray(&[9; 12])).unwrap());
+        }
+        for (name, units) in [("100.010.png", 5000), ("100.041.png", 10_000), ("100.200.png", 7)] {
+            put(&folder.path().join("depth"), name, &level(units));
+        }
+        let clip = media::open(&folder.path().join("rgb"), &Open::default()).unwrap();
+        let depth = |clip: &Clip, t: usize| clip.depth_m(t).unwrap().map(|depth| depth[(1, 1)]);
+        assert_eq!([0, 1, 2].map(|t| depth(&clip, t)), [Some(1.0), Some(2.0), Some(2.0)]);
+        let given = Given { depth_scale: Some(1000.0), ..Given::default() };
+        let clip = media::open(&folder.path().join("rgb"), &Open { given, ..Open::default() }).unwrap();
+        assert_eq!(depth(&clip, 0), Some(5.0));
+        let given = Given { depths: Some(folder.path().join("rgb")), ..Given::default() };
+        let refused = media::open(&folder.path().join("rgb"), &Open { given, ..Open::default() }).unwrap_err();
+        assert!(refused.to_string().contains("16 bits"), "{refused}");
+    }
+}
