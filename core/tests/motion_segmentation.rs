@@ -8,8 +8,8 @@ use common::{fact, set};
 use motionscope_core::products::segments::{Overlap, adjusted_rand_index, mean_overlap};
 use motionscope_core::scene::Readout;
 use motionscope_core::{
-    Clip, Direction, Error, Flow, Frame, Grid, Guarantee, Move, Params, SegmentField, Step, Threads, Truth, estimators,
-    synth,
+    Clip, Cursor, Direction, Error, Flow, Frame, Grid, Guarantee, Move, Params, SegmentField, Step, Threads, Truth,
+    estimator, estimators, synth,
 };
 
 fn clip(scene: &str, settings: &[(&str, &str)]) -> Clip {
@@ -125,6 +125,29 @@ fn layers_cut_a_waving_flag_into_pieces() {
         found.frames[0].segments.iter().map(|segment| labels.iter().filter(|label| **label == segment.label).count());
     let share = most.max().expect("segments") as f64 / labels.len() as f64;
     assert!(labels.len() > 20_000 && share < 0.7, "{share} of {} px", labels.len());
+}
+
+#[test]
+fn trajectories_are_clustered_by_their_motion_over_many_frames() {
+    let clip = clip("rigid-layers", &[("seed", "9")]);
+    for settings in [&[("selection", "given")][..], &[("selection", "gap")], &[("tracks", "klt"), ("frames", "6")]] {
+        let field = segments("trajectory-clustering", settings, &clip);
+        let frames = if settings[0].0 == "tracks" { 6 } else { 8 };
+        assert_eq!((field.first, field.frames.len()), (0, frames - 1));
+        // The last eigenvalue near 1 is the third.
+        assert_eq!(field.frames[0].segments.len(), 3, "{settings:?}");
+        let [index, _] = scores(&field, &clip, 0);
+        assert!(index >= if settings[0].0 == "tracks" { 0.7 } else { 0.85 }, "{settings:?}: {index}");
+    }
+}
+
+#[test]
+fn without_trajectories_there_are_no_segments_but_a_sentence() {
+    let blank = Clip::from_frames("gray", vec![Frame::gray(Grid::new(64, 48, 120)); 4]).expect("frames");
+    let mut walk = estimator("trajectory-clustering").expect("an estimator").walk(&blank, 0).expect("a walk");
+    walk.jump(Move::To(Cursor::END));
+    assert!(walk.failure().is_none(), "{:?}", walk.failure());
+    assert_eq!(walk.step(None).sentence.plain(), "Without trajectories there are no segments.");
 }
 
 #[test]

@@ -30,6 +30,7 @@ lessons! {
     "13-tracking-many-objects",
     "14-model-based-tracking",
     "15-motion-segmentation",
+    "16-stereo-and-scene-flow",
 }
 
 /// The bundled lessons, in the order of the course; each is read once.

@@ -4,6 +4,7 @@ mod background;
 mod block_matching;
 mod correspondence;
 mod interest_points;
+mod motion_segmentation;
 mod optical_flow;
 mod region_tracking;
 mod stereo;
@@ -140,6 +141,7 @@ pub fn examples() -> impl Iterator<Item = &'static Example> {
     [
         block_matching::EXAMPLES,
         optical_flow::EXAMPLES,
+        motion_segmentation::EXAMPLES,
         interest_points::EXAMPLES,
         correspondence::EXAMPLES,
         background::EXAMPLES,

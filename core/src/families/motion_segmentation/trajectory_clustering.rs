@@ -61,8 +61,8 @@ params! {
 
 /// Frames over which the motion of a trajectory is compared.
 const INTERVAL: usize = 5;
-/// Eigenvalues that are found: one more than there can be segments.
-const EIGENVALUES: usize = 7;
+/// Eigenvalues that are found: two more than there can be segments, for the gap after the last and because the last converges most slowly.
+const EIGENVALUES: usize = 8;
 
 /// The trajectories that are compared.
 pub struct Compared {

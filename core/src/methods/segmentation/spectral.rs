@@ -57,9 +57,11 @@ impl Spectrum {
         (self.values, self.vectors) = (values, vectors);
     }
 
-    /// The number of groups before the largest gap between successive eigenvalues, from 1 up to one less than there are eigenvalues.
+    /// The number of groups before the largest gap between successive eigenvalues. The last eigenvalue converges most slowly, so the gap
+    /// before it is left out.
     pub fn groups_by_gap(&self) -> usize {
-        let gaps = self.values.windows(2).map(|pair| pair[0] - pair[1]).enumerate();
+        let known = &self.values[..self.values.len().saturating_sub(1).max(1).min(self.values.len())];
+        let gaps = known.windows(2).map(|pair| pair[0] - pair[1]).enumerate();
         gaps.reduce(|best, next| if next.1 > best.1 { next } else { best }).map_or(1, |(index, _)| index + 1)
     }
 

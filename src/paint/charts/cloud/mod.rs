@@ -14,7 +14,7 @@ use super::canvas::{Canvas, Level, Type, solid};
 use super::{ChartStyle, Drawing, Layer, Orbit, Room, Screen};
 
 /// The view from behind and above the cameras.
-pub const USUAL: Orbit = Orbit { yaw_rad: -0.35, pitch_rad: 0.42, zoom: 1.25 };
+pub const USUAL: Orbit = Orbit { yaw_rad: -0.35, pitch_rad: 0.42, zoom: 1.8 };
 /// Half the length of the depth that is shown, in units of the world.
 const HALF: f32 = 1.0;
 /// Distance in points within which a click picks a point.
@@ -159,7 +159,9 @@ impl View {
             let Some([x, y]) = seen(step * multiple as f32) else { continue };
             canvas.line(vec![[x, y - 3.0], [x, y + 3.0]], false, stroke);
             let words = format!("{} m", number(step * multiple as f32));
-            canvas.text([x + 4.0, y - 0.5 * dim.size], (Anchor::Start, Level::Middle), &words, dim);
+            let mut line = dim.line([x + 4.0, y - 0.5 * dim.size], (Anchor::Start, Level::Middle), &words);
+            line.halo = Some(self.style.theme.chrome().panel);
+            canvas.add(Primitive::Text(line));
         }
     }
 

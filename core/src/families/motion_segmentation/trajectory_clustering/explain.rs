@@ -173,7 +173,7 @@ fn eigenvalues(spectrum: &Spectrum) -> Readout {
         x_max: EIGENVALUES,
         lines: vec![("eigenvalue", Role::Estimate, Series::bars(spectrum.values.iter().map(|value| *value as f32)))],
         is_sweep: true,
-        chosen: Some(spectrum.groups_by_gap() as f32),
+        chosen: spectrum.is_over().then(|| spectrum.groups_by_gap() as f32),
         decimals: Some(3),
         ..Series::default()
     })
