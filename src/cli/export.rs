@@ -26,6 +26,10 @@ pub fn export(args: &ExportArgs) -> Result<(), Error> {
         AnimationFormat::of(file)?;
         check_folder(file)?;
     }
+    let panes = Selection::of(&args.sheet.panes);
+    if args.turntable > 1 && !panes.is_in_space() {
+        return Err(Error::new("--turntable turns charts in space; add --panes with surface-3d, pyramid or cloud"));
+    }
     let session = task::session(&args.task, &args.picture)?;
     let (look, pixel) = (task::look(&session), task::pixel(session.position, &args.picture));
     let prepared = task::prepare(&args.task, session.experiment)?;
@@ -35,9 +39,10 @@ pub fn export(args: &ExportArgs) -> Result<(), Error> {
         range: Range { from, to, granularity: granularity.unwrap_or(info.granularities.len() - 1) },
         scale: args.picture.scale,
         look,
-        panes: Selection::of(&args.sheet.panes),
+        panes,
         pixel,
         must_have_layer: args.picture.look.0.has("layer"),
+        turntable: args.turntable,
     };
     let timing = Timing { rate_hz: args.rate, between: args.between };
     let (medium, place) = match (&args.animation, &args.out) {

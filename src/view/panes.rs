@@ -352,6 +352,23 @@ impl Selection {
         Self { panes, angles: Angles::default() }
     }
 
+    /// The same panes, with the charts in space turned by a share of a full turn.
+    #[must_use]
+    pub fn turned(&self, share: f32) -> Self {
+        let turned = |orbit: Orbit| Orbit {
+            yaw_rad: (orbit.yaw_rad + share * std::f32::consts::TAU).rem_euclid(std::f32::consts::TAU),
+            ..orbit
+        };
+        let Angles { surface, pyramid, cloud, plane } = self.angles;
+        let angles = Angles { surface: turned(surface), pyramid: turned(pyramid), cloud: turned(cloud), plane };
+        Self { angles: if share == 0.0 { self.angles } else { angles }, ..self.clone() }
+    }
+
+    /// Whether one of the panes is a chart in space.
+    pub fn is_in_space(&self) -> bool {
+        self.panes.iter().any(|pane| [&SURFACE_3D, &PYRAMID, &CLOUD].contains(pane))
+    }
+
     /// Refuses panes for which `estimator` never has content.
     ///
     /// # Errors
@@ -540,6 +557,17 @@ mod tests {
         }
         let error = "serie".parse::<Named>().expect_err("there is none").to_string();
         assert!(error.starts_with("there is no pane serie; there are stage, explanation, surface"), "{error}");
+    }
+
+    #[test]
+    fn charts_in_space_turn_once_around() {
+        let panes = Selection::of(&[Named(&STAGE), Named(&CLOUD)]);
+        assert!(panes.is_in_space() && !Selection::of(&[Named(&STAGE), Named(&SERIES)]).is_in_space());
+        let yaw = |share: f32| panes.turned(share).angles.cloud.yaw_rad;
+        let quarter = (yaw(0.25) - yaw(0.0)).rem_euclid(std::f32::consts::TAU);
+        assert!((quarter - std::f32::consts::FRAC_PI_2).abs() < 1e-5, "{quarter}");
+        assert!(panes.turned(0.0) == panes && (yaw(1.0) - yaw(0.0)).sin().abs() < 1e-5);
+        assert_eq!(panes.turned(0.3).angles.cloud.pitch_rad, panes.angles.cloud.pitch_rad);
     }
 
     #[test]

@@ -42,6 +42,8 @@ pub struct Steps {
     pub pixel: Option<Chosen>,
     /// Whether a layer that no step has is an error.
     pub must_have_layer: bool,
+    /// Number of pictures of each step, in which its charts in space turn once; 1 for none that turns.
+    pub turntable: u32,
 }
 
 /// What a range of steps is saved as.
@@ -164,15 +166,21 @@ impl Steps {
             self.begin(&mut *viewer.walk, progress)?;
         }
         if let Some(tell) = tell {
-            tell(self.count(prepared, progress)?);
+            tell(self.count(prepared, progress)? * self.turntable.max(1) as usize);
         }
         let (mut written, mut layout) = (Written::default(), None);
         while viewer.walk.cursor() <= self.range.to {
             let focus = self.pixel.and_then(|pixel| pixel.on_the_way(&*viewer.walk));
             let moment = viewer.moment(focus)?;
-            let rendering = Rendering { moment: &moment, estimator, look: &self.look, panes: &self.panes };
-            take(rendering, &mut layout, written.count)?;
-            written.add(layer.and_then(|layer| Some((layer, moment.why_without(layer)?))));
+            for number in 0..self.turntable.max(1) {
+                let panes = self.panes.turned(number as f32 / self.turntable.max(1) as f32);
+                let rendering = Rendering { moment: &moment, estimator, look: &self.look, panes: &panes };
+                take(rendering, &mut layout, written.count)?;
+                written.add(layer.and_then(|layer| Some((layer, moment.why_without(layer)?))));
+                if progress.is_some_and(|progress| progress.cancelled()) {
+                    return Err(cancelled(written.count));
+                }
+            }
             if let Some(progress) = progress {
                 progress.report(self.share(&*viewer.walk));
             }
@@ -276,5 +284,9 @@ fn travel(walk: &mut dyn Walk, to: Move, written: usize, progress: Option<&dyn P
             return Ok(());
         }
     }
-    Err(Error::new(format!("saving was cancelled after {written} pictures")))
+    Err(self::cancelled(written))
+}
+
+fn cancelled(written: usize) -> Error {
+    Error::new(format!("saving was cancelled after {written} pictures"))
 }

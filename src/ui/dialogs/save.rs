@@ -268,7 +268,7 @@ impl State {
             }
         };
         if self.counting.as_ref().is_none_or(|(counted, _)| *counted != range) {
-            let steps = Steps { range, scale, look, panes, pixel: None, must_have_layer: false };
+            let steps = Steps { range, scale, look, panes, pixel: None, must_have_layer: false, turntable: 1 };
             let (subject, ctx) = (Arc::clone(&self.subject), ctx.clone());
             let work = Background::new(
                 "count the steps",

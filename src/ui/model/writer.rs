@@ -122,7 +122,8 @@ pub fn steps(order: &Order, shown: &Snapshot, progress: &dyn Progress) -> Result
     };
     let pixel = shown.held().map(Chosen::Held);
     let panes = order.panes.clone();
-    let steps = Steps { range, scale: order.scale, look: order.look, panes, pixel, must_have_layer: false };
+    let steps =
+        Steps { range, scale: order.scale, look: order.look, panes, pixel, must_have_layer: false, turntable: 1 };
     let written = steps.write(&shown.subject, medium, Some(progress), None)?;
     Ok(match medium {
         Medium::Pictures(..) => format!("Saved {} into {}{}.", written.pictures(), path.display(), written.without()),
