@@ -16,7 +16,7 @@ mod step;
 pub use diagram::{Diagram, DiagramLine, Node, Words};
 pub use levels::{Floor, Level, Levels, Stack};
 pub use marks::{Arrow, Link, Mark, Scene, Shape, arrow_spacing};
-pub use picture::{Canvas, Focus, Picture, PictureRole, Pixels, Viewpoint};
+pub use picture::{Canvas, Focus, Measured, Picture, PictureRole, Pixels, Viewpoint};
 pub use pseudocode::{Line, Name};
 pub use quantity::{Layer, Quantity};
 pub use readouts::{
