@@ -62,6 +62,8 @@ impl Cell {
         }
         if rect.size()[1] > NAMED * dim.size {
             let at = [rect.min[0] + 4.0, rect.min[1] + 2.0];
+            let room = Rect::new([at[0] - 2.0, at[1]], [dim.width(&section.label) + 4.0, 1.1 * dim.size]);
+            canvas.fill(room, chrome.panel.alpha(190));
             canvas.text(at, (Anchor::Start, Level::Top), &section.label, dim);
         }
     }

@@ -175,7 +175,7 @@ impl RobustModel for GlobalMotion {
                 .text("Registered by H, both frames differ by ")
                 .ink(Role::Result, format!("{} gray levels", words::fixed(registered.mean, 2)))
                 .text(format!(
-                    " on average where they overlap, and by {} as they are: what remains moves otherwise, or is noise.",
+                    " on average where they overlap, and by {} as they are. The remaining difference is noise and motion that the model does not have.",
                     words::fixed(at_rest.mean, 2)
                 )),
             None => Sentence::default().text("Registered by H, the frames do not overlap."),
