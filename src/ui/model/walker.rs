@@ -817,7 +817,7 @@ impl<'a> Worker<'a> {
         let held = self.held();
         let pointed =
             held.or(focus.filter(|at| is_explained(&*run.walk, *at))).map(|at| Pointed { at, is_held: held.is_some() });
-        if run.walk.at_end() && !run.is_brief.get() {
+        if run.walk.at_end() {
             self.shared.mailbox().view.phase = Phase::Measuring;
         }
         let mut shown = Snapshot { pointed, bound_for, ..run.snapshot(held.or(focus), &look) };

@@ -355,11 +355,11 @@ fn what_was_left_behind_is_taken_up_where_it_was() {
     while walker.view().phase != Phase::Measuring {
         std::thread::yield_now();
     }
-    assert!(walker.view().shown.is_some_and(|shown| shown.at_end), "the end is seen before its figures");
+    assert!(walker.view().shown.is_none() && walker.view().coming.is_some(), "its frames are known");
     walker.stop();
     tended(&mut walker);
     let shown = walker.view().shown.unwrap();
-    assert!(shown.at_end, "what was known is shown");
+    assert_eq!((shown.cursor, shown.events), (Cursor::default(), 0), "what was known is shown");
     held.store(false, Ordering::Relaxed);
     let output = walker.output(&shown);
     walker.go(Move::End);
