@@ -188,7 +188,7 @@ impl RobustModel for GlobalMotion {
         let frames = estimate.pair.frames.clone();
         let made = move || mosaic([frames[0].luma(), frames[1].luma()], &matrix);
         scene.pictures = vec![Canvas::of_clip(Picture::CURRENT), Canvas::made(MOSAIC, made)];
-        let roles = [(Role::Reference, "outline of frame t"), (Role::Window, "outline of frame t + 1")];
+        let roles = [(Role::Reference, "outline of frame t"), (Role::Window, "outline of frame t+1")];
         for ((role, meaning), corners) in roles.into_iter().zip(outlines(estimate.size(), &matrix)) {
             let points = corners.into_iter().map(|at| at.map(|c| c as f32)).collect();
             scene.mark(MOSAIC, role, Shape::Path { points, closed: true });
