@@ -273,6 +273,33 @@ fn last_sentence(id: &str, settings: &[(&str, &str)], clip: &Clip) -> String {
 }
 
 #[test]
+fn a_consensus_on_an_object_is_told() {
+    let said = last_sentence("global-motion", &[], &scene("passing-bus"));
+    let (_, share) = said.split_once("By the ground truth, ").expect(&said);
+    assert!(common::numbers(share)[0] > 50.0, "{said}");
+    assert!(said.contains("the motion of an object and not that of the background"), "{said}");
+    let said = last_sentence("global-motion", &[], &scene("hand-held"));
+    assert!(said.contains("End of the run") && !said.contains("foreground"), "{said}");
+    // Without truth, a texture in a small part of the picture.
+    let places: Vec<[usize; 2]> = (0..16).map(|i| [30 + 14 * (i % 4), 30 + 14 * (i / 4)]).collect();
+    let said = last_sentence("global-motion", &[("model", "translation")], &patches(&places));
+    assert!(said.contains("The convex hull of the inliers covers "), "{said}");
+}
+
+#[test]
+fn the_last_step_registers_the_frames() {
+    let mut walk = set("global-motion", &[]).walk(&scene("hand-held"), 0).expect("a walk");
+    walk.jump(Move::End);
+    let said = walk.step(None).sentence.plain();
+    let (registered, at_rest) = said.split_once(" gray levels on average where they overlap, and by ").expect(&said);
+    let (registered, at_rest) = (common::numbers(registered), common::numbers(at_rest));
+    assert!(2.0 * registered[registered.len() - 1] < at_rest[0], "{said}");
+    let scene = walk.scene(None);
+    let names: Vec<String> = scene.pictures.iter().map(|canvas| canvas.picture.to_string()).collect();
+    assert!(names == ["t", "mosaic"] && scene.links.is_empty(), "{names:?}");
+}
+
+#[test]
 fn the_number_of_iterations_follows_from_the_share_of_inliers_beside_it() {
     let mut seen = 0;
     for id in ["epipolar-geometry", "global-motion"] {

@@ -6,7 +6,7 @@ use common::set;
 use motionscope_core::{
     AnyEstimator, Clip, Cursor, Descriptor, Direction, Frame, Gray, Grid, Keypoint, Move, PointField, Role, Threads,
     products::repeatability,
-    scene::{Focus, Readout, Tile},
+    scene::{Focus, Readout, Shape, Tile},
 };
 
 /// A texture of small blocks, each of one gray level, smoothed over 2×2 px.
@@ -559,9 +559,38 @@ fn surf_descriptors_are_those_of_the_pixels() {
 }
 
 #[test]
+fn the_end_of_a_run_shows_all_keypoints() {
+    for id in ["sift", "surf", "orb"] {
+        let mut walk = set(id, &[]).walk(&clip_of(blocks(160, 120)), 0).expect("a walk");
+        walk.jump(Move::End);
+        let marks = walk.scene(None).marks;
+        let circles = marks.iter().filter(|mark| matches!(mark.shape, Shape::Ellipse { .. })).count();
+        let found = walk.output().get::<PointField>().expect("keypoints").points.len();
+        assert!(found > 3 && circles == found, "{id}: {circles} circles of {found}");
+    }
+}
+
+#[test]
+fn fast_numbers_of_the_circle_stay_inside_the_picture() {
+    let picture = blocks(40, 40);
+    let mut walk = set("fast", &[]).walk(&clip_of(picture), 0).expect("a walk");
+    // The first row with circles: that of 3 px from the border.
+    walk.jump(Move::To(Cursor { unit: 3, event: usize::MAX }));
+    let focus = Focus::current([3.0, 3.0]);
+    let marks = walk.scene(Some(focus)).marks;
+    let texts: Vec<[f32; 2]> = marks
+        .iter()
+        .filter_map(|mark| if let Shape::Text { at, .. } = &mark.shape { Some(*at) } else { None })
+        .collect();
+    assert_eq!(texts.len(), 4);
+    assert!(texts.iter().flatten().all(|c| *c >= 0.0), "{texts:?}");
+}
+
+#[test]
 fn the_images_of_an_octave_grow_blurrier_in_the_same_place() {
     let mut walk = set("sift", &[]).walk(&clip_of(blocks(120, 90)), 0).expect("a walk");
     let mut before: Vec<Tile> = Vec::new();
+    let mut last = f32::NAN;
     // The six Gaussian images of the first octave, and the first of the second.
     for unit in 1..=7 {
         walk.jump(Move::To(Cursor { unit: unit - 1, event: 1 }));
@@ -569,6 +598,14 @@ fn the_images_of_an_octave_grow_blurrier_in_the_same_place() {
         let names: Vec<String> = scene.pictures.iter().map(|canvas| canvas.picture.to_string()).collect();
         let is_first = unit == 1 || unit == 7;
         assert_eq!(names, if is_first { &["smoothed"][..] } else { &["smoothed", "response"] }, "{unit}");
+        // The values of the pictures are those of the images, not their grays.
+        let measured: Vec<_> = scene.pictures.iter().filter_map(|canvas| canvas.measured.as_ref()).collect();
+        let value = measured[0].at([61, 47]);
+        if let Some(difference) = measured.get(1) {
+            assert!((difference.at([61, 47]) - (value - last)).abs() < 1e-3, "{unit}: {}", difference.title);
+            assert!(difference.title.starts_with(&format!("{} = ", difference.symbol)), "{}", difference.title);
+        }
+        last = value;
         let readouts = walk.step(None).readouts;
         let tiles =
             readouts.iter().find_map(|r| if let Readout::Tiles(tiles) = r { Some(tiles.clone()) } else { None });

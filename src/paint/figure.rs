@@ -195,7 +195,7 @@ impl Figure {
 fn description(options: &FigureOptions, parts: &[Part<'_>]) -> String {
     let Some(Part { pictures, .. }) = parts.first() else { return String::new() };
     let shown = options.view.panels(pictures).into_iter().map(|panel| Shown { panel, share: options.share, gain: 1 });
-    let titles: Vec<_> = shown.map(|shown| shown.title(options.frame, &pictures.names)).collect();
+    let titles: Vec<_> = shown.map(|shown| pictures.title(shown, options.frame, true)).collect();
     let tiles = parts.iter().filter_map(|part| part.heading).map(|([name, _], _, words)| {
         let words = words.first().map_or_else(String::new, Sentence::plain);
         format!("{name}: {words}")
@@ -270,7 +270,7 @@ impl Layout<'_> {
                         let name = names.iter().find(fits).unwrap_or(&names[1]);
                         self.heading((name, waits), words.get(way).or(words.last()), x);
                     }
-                    None => self.title(shown, &part.pictures.names, (x, size[0])),
+                    None => self.title(shown, &part.pictures, (x, size[0])),
                 }
                 self.y += 4.0;
             }
@@ -329,10 +329,10 @@ impl Layout<'_> {
     }
 
     /// What stands above a picture that begins at `x`; without the name of its file where that is too long.
-    fn title(&mut self, shown: Shown, names: &[Option<String>; 2], (x, width): (f32, f32)) {
+    fn title(&mut self, shown: Shown, pictures: &Pictures, (x, width): (f32, f32)) {
         let has_next_to_it = matches!(shown.panel, Panel::Of(picture) if picture != Picture::NEXT);
         let room = if has_next_to_it { width } else { self.margin + self.width - x };
-        let titles = [names, &[const { None }; 2]].map(|names| shown.title(self.options.frame, names));
+        let titles = [true, false].map(|is_whole| pictures.title(shown, self.options.frame, is_whole));
         let [whole, short] = &titles;
         let title = if fonts::width(whole, Face::Sans, self.sizes.small) <= room { whole } else { short };
         self.line(vec![Run::new(title, self.options.style.theme.chrome().dim)], self.sizes.small, x);

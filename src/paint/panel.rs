@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, LazyLock};
 
-use motionscope_core::scene::Picture;
+use motionscope_core::scene::{Measured, Picture};
 use motionscope_core::{Error, Frame, Grid, Levels, Streaks};
 
 use super::{FlowLayer, Tint};
@@ -27,6 +27,8 @@ pub struct Pictures {
     pub streaks: Option<Arc<Streaks>>,
     /// The pictures that stand side by side, up to four, where those are not frames t and t + 1.
     pub beside: Vec<(Picture, Arc<Frame>)>,
+    /// The quantities that the grays of some of them stand for.
+    pub measured: Vec<(Picture, Measured)>,
 }
 
 impl Pictures {
@@ -40,6 +42,22 @@ impl Pictures {
             awaited: None,
             streaks: None,
             beside: Vec::new(),
+            measured: Vec::new(),
+        }
+    }
+
+    /// The quantity that the grays of `picture` stand for, if they are not gray levels of a frame.
+    pub fn measured(&self, picture: Picture) -> Option<&Measured> {
+        self.measured.iter().find(|(other, _)| *other == picture).map(|(_, measured)| measured)
+    }
+
+    /// What stands above `shown` if frame t has the number `frame`; without names of files and definitions unless it `is_whole`.
+    pub fn title(&self, shown: Shown, frame: Option<usize>, is_whole: bool) -> String {
+        let measured = if let Panel::Of(picture) = shown.panel { self.measured(picture) } else { None };
+        match (measured, is_whole) {
+            (Some(measured), true) => measured.title.clone(),
+            (Some(measured), false) => measured.symbol.clone(),
+            (None, _) => shown.title(frame, if is_whole { &self.names } else { &[const { None }; 2] }),
         }
     }
 

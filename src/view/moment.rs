@@ -177,6 +177,8 @@ impl Moment {
         let Named { frames, missing } =
             if beside || is_joined(&scene) { named(&scene, standing) } else { Named::default() };
         pictures.beside = frames;
+        let measured = scene.pictures.iter().filter_map(|canvas| Some((canvas.picture, canvas.measured.clone()?)));
+        pictures.measured = measured.collect();
         let missing = missing.map(|(picture, error)| {
             Error::new(format!("{} is not shown: {error}", picture.title(Some(walk.at_frame()))))
         });

@@ -28,6 +28,8 @@ pub struct AvailableLayers {
     /// Whether the result has a confidence.
     has_confidence: bool,
     has_truth: bool,
+    /// Whether lines between the pictures would lie over the colours.
+    has_links: bool,
     /// Whether the step has each of [`Quantity::ALL`].
     quantities: [bool; Quantity::ALL.len()],
 }
@@ -104,7 +106,7 @@ impl AvailableLayers {
 
     /// Returns the layer that is shown for the request `wanted`, or the estimator's default.
     pub fn layer(&self, wanted: Option<FlowLayer>) -> FlowLayer {
-        let usual = if self.known == Known::Pixels { FlowLayer::Wheel } else { FlowLayer::None };
+        let usual = if self.known == Known::Pixels && !self.has_links { FlowLayer::Wheel } else { FlowLayer::None };
         wanted.filter(|layer| self.why_not(*layer).is_none()).unwrap_or(usual)
     }
 }
@@ -318,6 +320,7 @@ impl<'a> Found<'a> {
             has_confidence: walk.tells_confidence(),
             quantities: Quantity::ALL.map(|one| scene.layers.iter().any(|layer| layer.quantity == one)),
             has_truth: clip.truth().is_some_and(|truth| truth.kinds().contains(&"flow")),
+            has_links: !scene.links.is_empty(),
         }
     }
 
@@ -453,6 +456,8 @@ mod tests {
         assert!(
             why(AvailableLayers { is_pair: false, ..ended }, FlowLayer::Consistency).contains("more than two frames")
         );
+        let linked = AvailableLayers { has_links: true, ..ended };
+        assert_eq!((linked.layer(None), linked.layer(wheel)), (FlowLayer::None, FlowLayer::Wheel));
         let blocks = AvailableLayers { known: Known::Blocks, ..ended };
         assert_eq!((blocks.layer(None), blocks.layer(Some(FlowLayer::Wheel))), (FlowLayer::None, FlowLayer::Wheel));
         let points = AvailableLayers { known: Known::Points, ..ended };

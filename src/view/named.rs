@@ -33,7 +33,7 @@ impl LastNamed {
             return named.clone();
         }
         let mut named = Named::default();
-        for Canvas { picture, pixels } in canvases {
+        for Canvas { picture, pixels, .. } in canvases {
             let frame = match pixels {
                 Pixels::Made(make) => Ok(Arc::new(make())),
                 Pixels::OfClip => read(*picture),

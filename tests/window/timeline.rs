@@ -71,6 +71,37 @@ fn marked_steps_are_jumped_to_and_empty_rows_pass_in_one_step() {
 }
 
 #[test]
+fn marks_of_one_kind_are_jumped_to() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("one.motionscope");
+    let clip = "synth:spin-zoom,width=96,height=72,frames=2";
+    let lines = format!("motionscope = 1\nclip = \"{clip}\"\nestimator = \"sift\"\nstep = \"0.0\"\n");
+    fs::write(&path, lines).expect("it is written");
+    let mut window = Window::with(vec2(1440.0, 900.0), Start { open: Some(path.into()) });
+    let said = |window: &Window| window.shown().step.sentence.plain();
+    // From octave to octave.
+    for octave in 1..=3 {
+        window.press(Modifiers::COMMAND, Key::J);
+        assert!(said(&window).starts_with(&format!("Octave {octave}")), "{}", said(&window));
+    }
+    // From one rejected extremum to the next and back: those are tested in the third stage.
+    window.key(Key::U);
+    window.key(Key::U);
+    let is_rejected = |window: &Window| said(window).to_lowercase().contains("rejected");
+    for _ in 0..100 {
+        window.key(Key::J);
+        if is_rejected(&window) {
+            break;
+        }
+    }
+    let first = window.cursor();
+    window.press(Modifiers::COMMAND, Key::J);
+    assert!(window.cursor() > first && is_rejected(&window), "{}", said(&window));
+    window.press(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::J);
+    assert_eq!(window.cursor(), first);
+}
+
+#[test]
 fn the_timeline_is_scrubbed() {
     let mut window = Window::usual();
     let unit = window.cursor().unit;

@@ -18,7 +18,7 @@ pub use cloud::{Cloud, CloudCamera, CloudData, CloudLine, CloudPoint};
 pub use diagram::{Diagram, DiagramLine, Node, Words};
 pub use levels::{Floor, Level, Levels, Stack};
 pub use marks::{Arrow, Link, Mark, Scene, Shape, arrow_spacing};
-pub use picture::{Canvas, Focus, Picture, PictureRole, Pixels, Viewpoint};
+pub use picture::{Canvas, Focus, Measured, Picture, PictureRole, Pixels, Viewpoint};
 pub use pseudocode::{Line, Name};
 pub use quantity::{Layer, Quantity};
 pub use readouts::{

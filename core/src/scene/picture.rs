@@ -184,6 +184,38 @@ impl fmt::Debug for Pixels {
     }
 }
 
+/// The quantity that the grays of a picture stand for.
+#[derive(Clone)]
+pub struct Measured {
+    /// Its symbol, as `D₁`.
+    pub symbol: String,
+    /// The title of the picture: the symbol, its definition, and the scale of grays.
+    pub title: String,
+    value: Arc<dyn Fn([usize; 2]) -> f32 + Send + Sync>,
+}
+
+impl Measured {
+    /// A quantity with its value at each pixel.
+    pub fn new(
+        symbol: impl Into<String>,
+        title: impl Into<String>,
+        value: impl Fn([usize; 2]) -> f32 + Send + Sync + 'static,
+    ) -> Self {
+        Self { symbol: symbol.into(), title: title.into(), value: Arc::new(value) }
+    }
+
+    /// The value at pixel `(x, y)` of the picture.
+    pub fn at(&self, pixel: [usize; 2]) -> f32 {
+        (self.value)(pixel)
+    }
+}
+
+impl fmt::Debug for Measured {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Measured({})", self.title)
+    }
+}
+
 /// A picture that a step shows.
 #[derive(Clone, Debug)]
 pub struct Canvas {
@@ -191,17 +223,25 @@ pub struct Canvas {
     pub picture: Picture,
     /// The source of its pixels.
     pub pixels: Pixels,
+    /// The quantity that its grays stand for, if they are not gray levels of a frame.
+    pub measured: Option<Measured>,
 }
 
 impl Canvas {
     /// The frame of the clip called `picture`.
     pub const fn of_clip(picture: Picture) -> Self {
-        Self { picture, pixels: Pixels::OfClip }
+        Self { picture, pixels: Pixels::OfClip, measured: None }
     }
 
     /// A picture whose pixels are computed by `make` when it is shown.
     pub fn made(picture: Picture, make: impl Fn() -> Frame + Send + Sync + 'static) -> Self {
-        Self { picture, pixels: Pixels::Made(Arc::new(make)) }
+        Self { picture, pixels: Pixels::Made(Arc::new(make)), measured: None }
+    }
+
+    /// The same picture, whose grays stand for this quantity.
+    #[must_use]
+    pub fn of(self, measured: Measured) -> Self {
+        Self { measured: Some(measured), ..self }
     }
 }
 
@@ -209,7 +249,8 @@ impl PartialEq for Canvas {
     /// Whether name and kind of source are equal: pictures computed from the same state have the same pixels.
     fn eq(&self, other: &Self) -> bool {
         let is_made = |canvas: &Self| matches!(canvas.pixels, Pixels::Made(_));
-        self.picture == other.picture && is_made(self) == is_made(other)
+        let title = |canvas: &Self| canvas.measured.as_ref().map(|measured| measured.title.clone());
+        self.picture == other.picture && is_made(self) == is_made(other) && title(self) == title(other)
     }
 }
 

@@ -185,6 +185,8 @@ pub struct Series {
     pub events: Vec<usize>,
     /// Sections in the order of x; values of different sections are not comparable.
     pub sections: Vec<Section>,
+    /// Number of columns in which the sections stand as plots of their own, row by row; `None` where they follow each other along x.
+    pub columns: Option<usize>,
     /// The lines: name, role, and `(x, y)` points. A line is broken where y is NaN (unknown).
     pub lines: Vec<(&'static str, Role, Vec<[f32; 2]>)>,
     /// Ranges in which values are expected.

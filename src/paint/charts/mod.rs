@@ -5,6 +5,7 @@
 
 mod axis;
 mod canvas;
+mod cells;
 pub mod cloud;
 pub mod diagram;
 pub mod distribution;

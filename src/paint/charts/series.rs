@@ -7,7 +7,7 @@ use super::super::primitive::{Anchor, Point, Primitive, Rect, Stroke};
 use super::super::{Color, Face, Theme, labels, number};
 use super::axis::Axis;
 use super::canvas::{Canvas, Level, Type, shortened, solid};
-use super::{ChartStyle, Drawing};
+use super::{ChartStyle, Drawing, cells};
 
 /// So few values are marked one by one.
 const FEW: usize = 16;
@@ -98,6 +98,8 @@ pub struct Plot {
     is_named_below: bool,
     /// Whether what runs along x shares the row of its numbers.
     is_tight: bool,
+    /// Whether the sections are plots of their own, without a common axis of steps.
+    pub is_divided: bool,
 }
 
 /// Lays the plot out in `area`.
@@ -105,6 +107,11 @@ pub fn draw(data: Plotted<'_>, area: Rect, style: ChartStyle) -> Drawing<Plot> {
     let (series, theme) = (data.series, style.theme);
     let plot = Plot::new(data, area, theme);
     let mut canvas = Canvas::default();
+    if let Some(columns) = series.columns.filter(|_| plot.is_divided) {
+        plot.divided(&mut canvas, (series, columns), area, theme);
+        let head = head(data, &plot, area, None, style);
+        return Drawing { place: plot, body: canvas.into_layers(), head };
+    }
     canvas.inside(plot.rect, |canvas| bands(canvas, &plot, series, theme));
     axes(&mut canvas, &plot, (series, area), theme);
     sections(&mut canvas, &plot, series, theme);
@@ -284,7 +291,7 @@ const SWATCH_LETTERS: f32 = 1.7;
 /// From one row of names to the next.
 const ROW: f32 = 1.35;
 /// Dashes and gaps of a threshold.
-const THRESHOLD: &[f32] = &[5.0, 3.0];
+pub(super) const THRESHOLD: &[f32] = &[5.0, 3.0];
 
 /// What is plotted and in which unit; the unit is not told where it would repeat the title.
 fn title(data: Plotted<'_>, area: Rect, small: f32) -> String {
@@ -351,6 +358,7 @@ impl Plot {
             rows,
             is_named_below,
             is_tight,
+            is_divided: series.columns.is_some() && has_values(series),
         };
         plot.with_room_for_labels(area, text)
     }
@@ -366,6 +374,16 @@ impl Plot {
         let left = left.max(self.rect.min[0]);
         let rect = Rect { min: [left, self.rect.min[1]], ..self.rect };
         Self { rect, x: Axis { places: [left, self.x.places[1]], ..self.x }, ..self }
+    }
+
+    /// Draws the sections as plots of their own, and below them what they run along.
+    fn divided(&self, canvas: &mut Canvas, (series, columns): (&Series, usize), area: Rect, theme: Theme) {
+        let (text, small) = (Type::text(theme), self.small);
+        let top = self.rect.min[1] - if self.is_tight { 0.0 } else { 1.25 * small };
+        let inside = Rect { min: [self.rect.min[0], top], max: [self.rect.max[0], area.max[1] - 1.6 * small] };
+        cells::draw(canvas, (series, columns), (inside, &self.y), theme);
+        let at = [inside.max[0], inside.max[1] + 0.2 * small];
+        canvas.text(at, (Anchor::End, Level::Top), series.x_label, text);
     }
 
     /// Whether a step lies between the ends of its axis.

@@ -15,6 +15,7 @@ use crate::ui::dialogs::{compare, open as open_dialog, palette, terms};
 use crate::ui::drawing::style::ZOOM;
 use crate::ui::model::document::Owner;
 use crate::ui::model::snapshot::Place;
+use crate::ui::model::walker::Marks;
 use crate::ui::panes::layout;
 
 /// Zoom factor of a key press.
@@ -182,11 +183,10 @@ impl App {
             }
             C::Into | C::IntoBack | C::Over | C::OverBack | C::Out | C::OutBack => self.step(command),
             C::NextUnit | C::PreviousUnit | C::Start | C::End => self.step(command),
-            C::NextMark | C::PreviousMark => {
-                self.player.pause();
-                let is_back = command == C::PreviousMark;
-                self.walker.go_to_mark(if is_back { Direction::Back } else { Direction::Forward });
-            }
+            C::NextMark => self.go_to_mark(Direction::Forward, Marks::All),
+            C::PreviousMark => self.go_to_mark(Direction::Back, Marks::All),
+            C::NextAlike => self.go_to_mark(Direction::Forward, Marks::Alike),
+            C::PreviousAlike => self.go_to_mark(Direction::Back, Marks::Alike),
         }
     }
 
@@ -210,6 +210,11 @@ impl App {
             _ => {}
         }
         self.player.play(way);
+    }
+
+    fn go_to_mark(&mut self, way: Direction, marks: Marks) {
+        self.player.pause();
+        self.walker.go_to_mark(way, marks);
     }
 
     fn step(&mut self, command: Command) {

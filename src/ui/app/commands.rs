@@ -181,6 +181,10 @@ commands! {
     NextMark,
     /// The marked step before.
     PreviousMark,
+    /// The next marked step of the same kind.
+    NextAlike,
+    /// The one before.
+    PreviousAlike,
     /// Start of the run.
     Start,
     /// End of the run.
@@ -426,10 +430,10 @@ impl Command {
             // In a lesson they turn its pages as well.
             C::IntoBack | C::PreviousUnit if now.in_lesson && !now.at_first_page => true,
             C::Into | C::NextUnit if now.in_lesson && !now.at_last_page => true,
-            C::IntoBack | C::OverBack | C::OutBack | C::PreviousUnit | C::PreviousMark | C::Start => {
-                now.has_run && !now.at_start
-            }
-            C::Into | C::Over | C::Out | C::NextUnit | C::NextMark | C::End => now.has_run && !now.at_end,
+            C::IntoBack | C::OverBack | C::OutBack | C::PreviousUnit | C::Start => now.has_run && !now.at_start,
+            C::PreviousMark | C::PreviousAlike => now.has_run && !now.at_start,
+            C::Into | C::Over | C::Out | C::NextUnit | C::End => now.has_run && !now.at_end,
+            C::NextMark | C::NextAlike => now.has_run && !now.at_end,
             C::Play | C::PlayBack => now.has_run,
             C::Compare => now.has_clip,
             C::OpenRightView => now.has_pictures,

@@ -77,6 +77,11 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
     let rect = rect_from(before.rect);
     let sensed = ui.interact(rect, ui.scope_id().with("series"), Sense::click_and_drag());
     sensed.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, summary(series)));
+    if before.is_divided {
+        state.chart.body(&painter);
+        state.chart.head(&painter);
+        return Response::default();
+    }
     travel(ui, &sensed, (input, &before), state);
     let (data, plot) = lay_out(state);
     state.chart.body(&painter);

@@ -4,18 +4,19 @@
 //! interrupted is left behind: another thread takes over, with what was shown last, and the old one ends when it can.
 
 mod long_move;
+mod marks;
 
 use std::cell::{Cell, OnceCell, RefCell};
 use std::collections::VecDeque;
 use std::convert::Infallible;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use long_move::LongMove;
+pub use marks::Marks;
 use motionscope_core::scene::{Focus, Picture};
 use motionscope_core::{Clip, Cursor, Direction, Error, Explained, Flow, Move, Output, Stop, Walk};
 
@@ -87,7 +88,7 @@ enum Request {
     /// To the event of the unit at hand that tests a displacement, or to the end of the unit.
     GoToCandidate([i32; 2]),
     /// To the next step in this direction that is marked on the timeline, or to the end of the run on that side.
-    GoToMark(Direction),
+    GoToMark(Direction, Marks),
     /// No pixel is held any longer.
     Release,
     /// To where the run stands, whatever it was on its way to.
@@ -128,7 +129,7 @@ struct Shared {
     wake: Condvar,
     idle: Condvar,
     /// The move at work is to be given up.
-    superseded: AtomicBool,
+    superseded: Stop,
     /// Frames need not be decoded any further: the run that wants them is not wanted itself.
     stop: Stop,
     changed: Changed,
@@ -142,7 +143,7 @@ impl Shared {
             mailbox: Mutex::default(),
             wake: Condvar::new(),
             idle: Condvar::new(),
-            superseded: AtomicBool::new(false),
+            superseded: Stop::default(),
             stop: Stop::default(),
             changed,
         }
@@ -213,7 +214,7 @@ impl Walker {
         self.left.extend(self.thread.replace(thread));
         let mut old_mailbox = old.mailbox();
         old.stop.set(true);
-        old.superseded.store(true, Ordering::Relaxed);
+        old.superseded.set(true);
         old_mailbox.stop_check.set(true);
         old_mailbox.quit = true;
         let mut mailbox = shared.mailbox();
@@ -272,11 +273,11 @@ impl Walker {
         });
     }
 
-    /// Goes to the next step in the direction `way` that is marked on the timeline; where none is, to that end of the run.
-    pub fn go_to_mark(&self, way: Direction) {
+    /// Goes to the next step in the direction `way` that is marked on the timeline, of these marks; where none is, to that end of the run.
+    pub fn go_to_mark(&self, way: Direction, marks: Marks) {
         self.ask(true, |mailbox| {
             mailbox.take_up();
-            mailbox.requests.push_back(Request::GoToMark(way));
+            mailbox.requests.push_back(Request::GoToMark(way, marks));
         });
     }
 
@@ -373,7 +374,7 @@ impl Walker {
     fn wake(&self, mut mailbox: MutexGuard<'_, Mailbox>, replaces: bool) {
         mailbox.view.busy = true;
         if replaces {
-            self.shared.superseded.store(true, Ordering::Relaxed);
+            self.shared.superseded.set(true);
         }
         self.shared.wake.notify_one();
     }
@@ -448,6 +449,8 @@ struct Run {
     pair: Pictures,
     /// What the whole run amounts to, once its end was reached.
     end: OnceCell<Option<End>>,
+    /// Set while another request waits.
+    superseded: Stop,
     /// The flow of the reverse pair, once it was asked for.
     backward: Option<Result<Flow, Error>>,
     /// What was seen of motion last.
@@ -501,7 +504,7 @@ impl<'a> Worker<'a> {
             let job = mailbox.job.take().map(Task::Start);
             self.shared.stop.set(false);
             if job.is_some() || !mailbox.requests.is_empty() {
-                self.shared.superseded.store(false, Ordering::Relaxed);
+                self.shared.superseded.set(false);
             }
             let task = job.or_else(|| mailbox.requests.pop_front().map(Task::Request));
             if task.is_some() {
@@ -553,16 +556,19 @@ impl<'a> Worker<'a> {
             }
             Task::Request(Request::GoAt(focus, side)) => self.go_at(focus, side),
             Task::Request(Request::GoToCandidate(candidate)) => self.go_to_candidate(candidate),
-            Task::Request(Request::GoToMark(way)) => self.go_to_mark(way),
+            Task::Request(Request::GoToMark(way, marks)) => self.go_to_mark(way, marks),
             Task::Request(Request::Release) => {
                 if self.held.take().is_some() {
                     self.publish();
                 }
             }
             Task::Request(Request::Stay) => {
+                // Figures of the end that were given up are not measured again.
+                self.run.iter().for_each(|run| run.is_brief.set(true));
                 if let Some(cursor) = self.run.as_ref().map(|run| run.walk.cursor()) {
                     self.go(Move::To(cursor));
                 }
+                self.run.iter().for_each(|run| run.is_brief.set(false));
             }
             Task::Request(Request::Visit(visit)) => {
                 if let Some(run) = &self.run {
@@ -651,6 +657,7 @@ impl<'a> Worker<'a> {
             pairs,
             pair,
             end: OnceCell::new(),
+            superseded: self.shared.superseded.clone(),
             backward: None,
             motion: RefCell::default(),
             is_brief: Cell::new(false),
@@ -687,38 +694,6 @@ impl<'a> Worker<'a> {
             }
         }
         true
-    }
-
-    fn go_to_mark(&mut self, way: Direction) {
-        loop {
-            let Some(run) = &self.run else { return };
-            let (walk, here) = (&*run.walk, run.walk.cursor());
-            let marks = walk.landmarks();
-            let of_unit = |event: usize| Cursor { unit: here.unit, event };
-            let next = match way {
-                Direction::Forward => marks.iter().find(|(event, _)| *event > here.event),
-                Direction::Back => marks.iter().rev().find(|(event, _)| *event < here.event),
-            };
-            if let Some((event, _)) = next {
-                return self.go(Move::To(of_unit(*event)));
-            }
-            // A unit is entered at the side that it is searched from.
-            let to = match way {
-                Direction::Forward if walk.at_end() => return self.publish(),
-                Direction::Forward => Cursor { unit: here.unit + 1, event: 1 },
-                Direction::Back if here.unit == 0 => return self.go(Move::To(Cursor::default())),
-                Direction::Back => Cursor { unit: here.unit - 1, event: usize::MAX },
-            };
-            if !self.travel(Move::To(to)) {
-                return;
-            }
-            let Some(run) = &self.run else { return };
-            let (now, marks) = (run.walk.cursor(), run.walk.landmarks());
-            let is_marked = marks.iter().any(|(event, _)| *event == now.event);
-            if is_marked || now.unit == here.unit {
-                return self.go(if is_marked { Move::To(now) } else { Move::End });
-            }
-        }
     }
 
     fn go_at(&mut self, focus: Focus, side: Side) {
@@ -776,10 +751,11 @@ impl<'a> Worker<'a> {
         if !self.turn() {
             return false;
         }
-        if long_move.is_long && self.run.as_ref().is_some_and(|run| run.walk.at_end()) {
-            self.run.iter().for_each(|run| run.is_brief.set(true));
+        // The end is seen before its figures, which may take as long as the run.
+        if self.run.as_ref().is_some_and(|run| run.walk.at_end() && run.end.get().is_none()) {
+            let is_brief = self.run.as_ref().is_some_and(|run| run.is_brief.replace(true));
             self.show(None);
-            self.run.iter().for_each(|run| run.is_brief.set(false));
+            self.run.iter().for_each(|run| run.is_brief.set(is_brief));
         }
         true
     }
@@ -789,7 +765,7 @@ impl<'a> Worker<'a> {
         let Some(run) = &mut self.run else { return Leg::NotWanted };
         let shared = self.shared;
         let asked = long_move.begun;
-        let wanted = || asked.elapsed() < SLOW_AFTER || !shared.superseded.load(Ordering::Relaxed);
+        let wanted = || asked.elapsed() < SLOW_AFTER || !shared.superseded.is_set();
         let begun = Instant::now();
         run.walk.go(long_move.next);
         loop {
@@ -841,7 +817,7 @@ impl<'a> Worker<'a> {
         let held = self.held();
         let pointed =
             held.or(focus.filter(|at| is_explained(&*run.walk, *at))).map(|at| Pointed { at, is_held: held.is_some() });
-        if run.walk.at_end() && !run.is_brief.get() {
+        if run.walk.at_end() {
             self.shared.mailbox().view.phase = Phase::Measuring;
         }
         let mut shown = Snapshot { pointed, bound_for, ..run.snapshot(held.or(focus), &look) };
@@ -935,7 +911,16 @@ impl Run {
         if !self.walk.at_end() || self.is_brief.get() && self.end.get().is_none() {
             return None;
         }
-        self.end.get_or_init(|| End::of(&*self.walk, &self.subject.experiment, &self.clip, &self.pair)).as_ref()
+        if self.end.get().is_none() {
+            let clip = self.clip.clone().until(self.superseded.clone());
+            let end = End::of(&*self.walk, &self.subject.experiment, &clip, &self.pair);
+            // Figures that gave way to another request are not complete.
+            if self.superseded.is_set() {
+                return None;
+            }
+            self.end.get_or_init(|| end);
+        }
+        self.end.get().and_then(Option::as_ref)
     }
 }
 

@@ -1,11 +1,9 @@
 //! Around the pictures: what to look at, what the marks mean, and the numbers of the pixel pointed at.
 
-use std::sync::Arc;
-
 use eframe::egui::{self, Align, Align2, Button, Layout, Pos2, Rect, Sense, Slider, Ui, WidgetInfo, pos2, vec2};
 use lucide_icons::Icon;
-use motionscope_core::scene::{Picture, Shape};
-use motionscope_core::{Frame, Role};
+use motionscope_core::scene::{Measured, Picture, Shape};
+use motionscope_core::{Frame, Role, fixed};
 
 use super::{Hovered, Input, Response, State, levels, lockstep, motion, pixels};
 use crate::paint::legend::{self, Entry, Sample};
@@ -427,23 +425,35 @@ struct Column {
     color: Option<[u8; 3]>,
 }
 
+/// A picture with the pixel pointed at.
+struct Probed<'a> {
+    picture: Picture,
+    frame: &'a Frame,
+    measured: Option<&'a Measured>,
+}
+
 /// The pictures whose pixels lie where those of `on` do: those that are seen, or frames t and t + 1.
-fn compared(input: &Input<'_>, on: Picture) -> Vec<(Picture, Arc<Frame>)> {
+fn compared<'a>(input: &Input<'a>, on: Picture) -> Vec<Probed<'a>> {
     let pictures = input.pictures;
     let panels = super::view(input).panels(pictures);
     let seen: Vec<_> = panels.iter().map(|panel| panel.picture()).filter(|other| other.is_aligned_with(on)).collect();
     let pair = [Picture::CURRENT, Picture::NEXT];
     let all = if seen.len() < 2 && pair.contains(&on) { pair.to_vec() } else { seen };
-    all.into_iter().map(|picture| (picture, Arc::clone(pictures.frame_of(picture)))).collect()
+    let probed = |picture| Probed { picture, frame: pictures.frame_of(picture), measured: pictures.measured(picture) };
+    all.into_iter().map(probed).collect()
 }
 
-fn columns(pictures: &[(Picture, Arc<Frame>)], pixel: [usize; 2]) -> Vec<Column> {
+fn columns(pictures: &[Probed<'_>], pixel: [usize; 2]) -> Vec<Column> {
     let [x, y] = pixel;
     let column =
         |label: &str, value: String, digits| Column { label: label.replace('-', "−"), value, digits, color: None };
     let mut columns = vec![column("x", x.to_string(), 4.0), column("y", y.to_string(), 4.0)];
     let mut grays = Vec::new();
-    for (picture, frame) in pictures {
+    for Probed { picture, frame, measured } in pictures {
+        if let Some(measured) = measured {
+            columns.push(column(&measured.symbol, fixed(measured.at(pixel).into(), 2), 7.0));
+            continue;
+        }
         let gray = pixels::gray_at(frame.luma(), pixel);
         grays.extend(gray.parse::<i32>());
         columns.push(Column { color: pixels::rgb_at(frame, pixel), ..column(&picture.to_string(), gray, 3.0) });
@@ -451,7 +461,7 @@ fn columns(pictures: &[(Picture, Arc<Frame>)], pixel: [usize; 2]) -> Vec<Column>
     if let [a, b] = grays[..] {
         columns.push(column("change", number((b - a) as f32), 4.0));
     }
-    for (picture, frame) in pictures {
+    for Probed { picture, frame, .. } in pictures {
         if let Some([r, g, b]) = pixels::rgb_at(frame, pixel) {
             columns.push(column(&format!("RGB {picture}"), format!("{r} {g} {b}"), 10.0));
         }
@@ -463,16 +473,31 @@ fn columns(pictures: &[(Picture, Arc<Frame>)], pixel: [usize; 2]) -> Vec<Column>
 mod tests {
     use super::*;
     use motionscope_core::Grid;
-    use std::sync::Arc;
 
     #[test]
     fn a_pixel_is_reported_in_both_frames() {
-        let gray = Arc::new(Frame::gray(Grid::from_fn(4, 4, |x, y| (10 * y + x) as u8)));
-        let rgb = Arc::new(Frame::rgb(Grid::new(4, 4, [30, 30, 30])));
-        let message: Vec<_> = columns(&[(Picture::CURRENT, gray), (Picture::NEXT, rgb)], [3, 2])
-            .into_iter()
-            .map(|c| format!("{} {}", c.label, c.value))
-            .collect();
-        assert_eq!(message, ["x 3", "y 2", "t 23", "t+1 30", "change 7", "RGB t+1 30 30 30"]);
+        let gray = Frame::gray(Grid::from_fn(4, 4, |x, y| (10 * y + x) as u8));
+        let rgb = Frame::rgb(Grid::new(4, 4, [30, 30, 30]));
+        let probed = [
+            Probed { picture: Picture::CURRENT, frame: &gray, measured: None },
+            Probed { picture: Picture::NEXT, frame: &rgb, measured: None },
+        ];
+        assert_eq!(told(&probed), ["x 3", "y 2", "t 23", "t+1 30", "change 7", "RGB t+1 30 30 30"]);
+    }
+
+    #[test]
+    fn a_filtered_picture_is_reported_with_its_values() {
+        let frame = Frame::gray(Grid::new(4, 4, 90));
+        let [smoothed, response] =
+            [("G₂", 90.26), ("D₁", -3.25)].map(|(symbol, value)| Measured::new(symbol, "a title", move |_| value));
+        let probed = [
+            Probed { picture: Picture::SMOOTHED, frame: &frame, measured: Some(&smoothed) },
+            Probed { picture: Picture::RESPONSE, frame: &frame, measured: Some(&response) },
+        ];
+        assert_eq!(told(&probed), ["x 3", "y 2", "G₂ 90.26", "D₁ −3.25"]);
+    }
+
+    fn told(probed: &[Probed<'_>]) -> Vec<String> {
+        columns(probed, [3, 2]).into_iter().map(|c| format!("{} {}", c.label, c.value)).collect()
     }
 }

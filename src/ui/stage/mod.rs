@@ -321,7 +321,7 @@ fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State, response
         let sensed = sensed.on_hover_and_drag_cursor(cursor);
         sensed.widget_info(|| {
             let shown = Shown { panel: *panel, share: input.look.blend, gain: 1 };
-            let title = shown.title(Some(input.frame), &pictures.names);
+            let title = pictures.title(shown, Some(input.frame), true);
             let of = input.lockstep.and_then(|all| all.tiles.get(*member));
             let of = of.map_or_else(String::new, |tile| format!(", {}", tile.names[0]));
             egui::WidgetInfo::labeled(egui::Role::Image, true, format!("Stage: {title}{of}"))
@@ -471,10 +471,13 @@ fn caption(painter: &egui::Painter, shown: Shown, lens: &Lens, input: &Input<'_>
     let corner = lens.picture_rect().min.max(lens.pane.min).min(lens.pane.center());
     let at = pos2(corner.x, corner.y - bar::line_height(theme) / 2.0);
     let dim = ink::color(theme.chrome().dim);
-    let lay_out = |names| painter.layout_no_wrap(shown.title(Some(input.frame), names), font.clone(), dim);
-    let whole = lay_out(&input.pictures.names);
+    let lay_out = |is_whole| {
+        let title = input.pictures.title(shown, Some(input.frame), is_whole);
+        painter.layout_no_wrap(title, font.clone(), dim)
+    };
+    let whole = lay_out(true);
     let fits = at.x + whole.size().x <= lens.pane.max.x;
-    let title = if fits { whole } else { lay_out(&[const { None }; 2]) };
+    let title = if fits { whole } else { lay_out(false) };
     painter.galley(at - vec2(0.0, title.size().y / 2.0), title, dim);
 }
 

@@ -2,7 +2,7 @@
 
 use eframe::egui::{Align2, Color32, Painter, Rect, Stroke, StrokeKind};
 use motionscope_core::scene::{Mark, Shape};
-use motionscope_core::{Frame, Gray, Grid};
+use motionscope_core::{Frame, Gray, Grid, fixed};
 
 use super::Lens;
 use crate::paint::charts::on_gray;
@@ -19,6 +19,8 @@ const LEAST_TYPE: f32 = 9.0;
 const DIGIT: f32 = 0.6;
 /// Share of a pixel that its number takes.
 const FILLED: f32 = 0.92;
+/// Characters of a quantity with its sign and a decimal: −123.4.
+const FRACTION_DIGITS: f32 = 6.0;
 /// More numbers than anyone can read are not written.
 const MOST_NUMBERS: usize = 3000;
 
@@ -104,7 +106,7 @@ pub fn costs<'a>(painter: &Painter, marks: impl Iterator<Item = &'a Mark>, lens:
     }
 }
 
-/// The gray value in each pixel, or its label where `marks` have one, where there is room and none of `marks` tells its cost.
+/// The gray value or the quantity in each pixel, or its label where `marks` have one, where there is room and none of `marks` tells its cost.
 pub fn numbers<'a>(
     painter: &Painter,
     shown: Shown,
@@ -113,7 +115,11 @@ pub fn numbers<'a>(
     marks: impl Iterator<Item = &'a Mark>,
 ) {
     let Some([[left, right], [top, bottom]]) = lens.visible().filter(|_| has_numbers(lens)) else { return };
-    let font = ink::font(Face::Sans, (0.36 * lens.scale).clamp(LEAST_TYPE, 18.0).floor());
+    let plain = (0.36 * lens.scale).clamp(LEAST_TYPE, 18.0);
+    let fraction = (FILLED * lens.scale / (DIGIT * FRACTION_DIGITS)).min(plain);
+    let measured = if let Panel::Of(picture) = shown.panel { pictures.measured(picture) } else { None };
+    let has_fractions = measured.is_some() && fraction >= LEAST_TYPE;
+    let font = ink::font(Face::Sans, if has_fractions { fraction } else { plain }.floor());
     let marks: Vec<_> = marks.collect();
     let costs = marks.iter().filter(|mark| tells_costs(mark, lens)).filter_map(|mark| Costs::of(mark, lens));
     let costs: Vec<_> = costs.collect();
@@ -128,7 +134,11 @@ pub fn numbers<'a>(
             let at = lens.to_screen([x as f32, y as f32]);
             // A labelled pixel tells its label.
             let label = labels.and_then(|labels| labels.get(x, y)).filter(|label| **label > 0);
-            let text = label.map_or_else(|| value.to_string(), u32::to_string);
+            let text = match (label, measured) {
+                (Some(label), _) => label.to_string(),
+                (None, Some(measured)) => fixed(measured.at([x, y]).into(), usize::from(has_fractions)),
+                (None, None) => value.to_string(),
+            };
             painter.text(at, Align2::CENTER_CENTER, text, font.clone(), ink::color(on_gray(shade)));
         }
     }

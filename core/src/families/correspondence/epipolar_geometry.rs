@@ -166,10 +166,10 @@ impl RobustModel for EpipolarGeometry {
                 words::fixed(planar.of_homography, 0),
                 words::fixed(planar.of_fundamental, 0),
                 match planar.off {
-                    [_, 0] => "no match lies off its plane".to_owned(),
+                    [_, 0] => "no match is an outlier of the homography".to_owned(),
                     [agreeing, all] => format!(
-                        "of {} off its plane, {} agree with F, as by chance",
-                        words::counted(all, "match"),
+                        "outliers of the homography: {}, of which {} satisfy F, no more than by chance",
+                        words::grouped(all),
                         words::grouped(agreeing)
                     ),
                 }
@@ -228,7 +228,7 @@ impl RobustModel for EpipolarGeometry {
         if index == 0 { self.draw_guided(estimate, focus, scene) } else { self.draw_rectified(estimate, scene) }
     }
 
-    fn draw(&self, estimate: &Estimate<'_>, (matrix, _): (Matrix3, bool), focus: Option<Focus>, scene: &mut Scene) {
+    fn draw(&self, estimate: &Estimate<'_>, matrix: Matrix3, focus: Option<Focus>, scene: &mut Scene) {
         let size = estimate.size();
         if let Some(found) = epipoles(&matrix) {
             for (on, epipole) in [Picture::CURRENT, Picture::NEXT].into_iter().zip(found) {

@@ -2,22 +2,25 @@
 
 mod mosaic;
 
-use mosaic::mosaic;
+use mosaic::{mosaic, outlines};
 
 use crate::base::words;
+use crate::geometry::Gray;
+use crate::methods::camera_path::differences;
 use crate::methods::geometric::{
     Correspondence,
     fit::{across_horizon, fit, is_on_line, squared_errors},
     refine::least_squares,
-    robust::{self, Best, Estimate, RobustModel, robust_pseudocode},
+    robust::{self, Best, Estimate, Place, RobustModel, Sequel, robust_pseudocode},
     system::System,
 };
 use crate::methods::matching;
+use crate::methods::numbers::percent;
 use crate::params;
 use crate::products::model::{Matrix3, Model, mapped};
 use crate::products::{ModelField, Output, Product, ProductKind, Support, metrics};
 use crate::run::Info;
-use crate::scene::{Canvas, Focus, Math, Picture, PictureRole, Role, Scene, Shape};
+use crate::scene::{Canvas, Focus, Math, Picture, PictureRole, Role, Scene, Sentence, Shape};
 
 params! {
     /// One transformation that maps frame t to frame t + 1: RANSAC over matched keypoints.
@@ -31,13 +34,17 @@ params! {
     }
 }
 
+/// Inliers within a smaller share of the picture may lie on a single object.
+const SMALL_HULL: f64 = 0.25;
+
 /// Frames registered in the coordinates of frame t.
 const MOSAIC: Picture = Picture { role: PictureRole::Mosaic, ..Picture::CURRENT };
 
 robust_pseudocode!(
     "  H ← the model through the sample",
     "  count the inliers: matches with |x′ − H x| at most the threshold",
-    "fit H to all inliers by least squares of |x′ − H x|; again while the cost falls"
+    "fit H to all inliers by least squares of |x′ − H x|; again while the cost falls",
+    REGISTER: "register frame t+1 in the coordinates of frame t by H⁻¹, and blend both: the mosaic"
 );
 
 impl RobustModel for GlobalMotion {
@@ -90,7 +97,7 @@ impl RobustModel for GlobalMotion {
         let is_split = self.model == Model::Homography && !is_on_line(sample);
         match across_horizon(sample).filter(|count| is_split && *count > 0) {
             Some(count) => format!(
-                "the horizon of the homography through it separates {count} of its {} points from the others, as in no view of a plane",
+                "the homography through it maps {count} of its {} points beyond the horizon line of the plane, which a camera cannot see",
                 sample.len()
             ),
             None => "its points lie on a line or at one place".to_owned(),
@@ -140,20 +147,11 @@ impl RobustModel for GlobalMotion {
         let quality = self
             .error(estimate)
             .map_or_else(String::new, |error| format!(" Mean endpoint error {} px.", words::fixed(error, 3)));
-        let is_few = score.inliers * 2 < estimate.points.len();
-        let advice = match (is_few, self.robust.outliers > 0.0, self.model) {
-            (true, true, _) => {
-                "Fewer than half of the matches agree, because a share of them was replaced by random ones."
-            }
-            (true, false, Model::Homography) => {
-                "Fewer than half of the matches agree: many are wrong, or parallax and moving objects need local motion."
-            }
-            (true, false, _) => {
-                "Fewer than half of the matches agree: many are wrong, or parallax and moving objects need a model with more freedom."
-            }
-            (false, ..) => "Outliers are wrong matches, moving objects, or parallax the model cannot explain.",
-        };
-        format!("{}.{quality} {advice}", self.described(&matrix))
+        format!(
+            "{}.{quality} {}",
+            self.described(&matrix),
+            self.advice(score.inliers * 2 < estimate.points.len(), estimate.place)
+        )
     }
 
     fn equations(&self, estimate: &Estimate<'_>) -> Vec<Math> {
@@ -168,13 +166,37 @@ impl RobustModel for GlobalMotion {
         ]
     }
 
-    fn draw(
-        &self,
-        estimate: &Estimate<'_>,
-        (matrix, is_final): (Matrix3, bool),
-        focus: Option<Focus>,
-        scene: &mut Scene,
-    ) {
+    const SEQUELS: usize = 1;
+
+    fn sequel(&self, _: usize, estimate: &Estimate<'_>, _: Option<Focus>) -> Sequel {
+        let registered = estimate.best.and_then(|best| differences(&best.matrix, lumas(estimate)));
+        let sentence = match registered {
+            Some([registered, at_rest]) => Sentence::default()
+                .text("Registered by H, both frames differ by ")
+                .ink(Role::Result, format!("{} gray levels", words::fixed(registered.mean, 2)))
+                .text(format!(
+                    " on average where they overlap, and by {} as they are. The remaining difference is noise and motion that the model does not have.",
+                    words::fixed(at_rest.mean, 2)
+                )),
+            None => Sentence::default().text("Registered by H, the frames do not overlap."),
+        };
+        Sequel { line: Some(line::REGISTER), sentence, ..Sequel::default() }
+    }
+
+    fn draw_sequel(&self, _: usize, estimate: &Estimate<'_>, _: Option<Focus>, scene: &mut Scene) {
+        let Some(Best { matrix, .. }) = estimate.best else { return };
+        let frames = estimate.pair.frames.clone();
+        let made = move || mosaic([frames[0].luma(), frames[1].luma()], &matrix);
+        scene.pictures = vec![Canvas::of_clip(Picture::CURRENT), Canvas::made(MOSAIC, made)];
+        let roles = [(Role::Reference, "outline of frame t"), (Role::Window, "outline of frame t+1")];
+        for ((role, meaning), corners) in roles.into_iter().zip(outlines(estimate.size(), &matrix)) {
+            let points = corners.into_iter().map(|at| at.map(|c| c as f32)).collect();
+            scene.mark(MOSAIC, role, Shape::Path { points, closed: true });
+            scene.legend(role, meaning);
+        }
+    }
+
+    fn draw(&self, estimate: &Estimate<'_>, matrix: Matrix3, focus: Option<Focus>, scene: &mut Scene) {
         draw_outline(estimate.size(), &matrix, scene);
         if let Some(Focus { on: Picture::CURRENT, at, .. }) = focus
             && let Some(to) = mapped(&matrix, at.map(f64::from))
@@ -183,12 +205,6 @@ impl RobustModel for GlobalMotion {
                 scene.mark(on, Role::Best, Shape::Ellipse { center, radii: [3.0; 2], angle_rad: 0.0 });
             }
             scene.legend(Role::Best, "pixel pointed at, and H x");
-        }
-        if is_final {
-            let frames = estimate.pair.frames.clone();
-            let made = move || mosaic([frames[0].luma(), frames[1].luma()], &matrix);
-            scene.pictures =
-                vec![Canvas::of_clip(Picture::CURRENT), Canvas::of_clip(Picture::NEXT), Canvas::made(MOSAIC, made)];
         }
     }
 }
@@ -214,6 +230,37 @@ impl GlobalMotion {
         metrics::flow_error(&flow, estimate.truth?).ok().flatten().map(|error| error.epe_px)
     }
 
+    /// What the inliers say about the model; `is_few` if most matches are outliers.
+    fn advice(&self, is_few: bool, place: Option<Place>) -> String {
+        if let Some(share) = place.and_then(|place| place.foreground).filter(|share| *share > 0.5) {
+            return format!(
+                "By the ground truth, {} of the inliers lie on foreground objects: the consensus is the motion of an object and not that of \
+                 the background, as RANSAC follows the majority of the matches.",
+                percent(share)
+            );
+        }
+        let advice = match (is_few, self.robust.outliers > 0.0, self.model) {
+            (true, true, _) => {
+                "Fewer than half of the matches agree, because a share of them was replaced by random ones."
+            }
+            (true, false, Model::Homography) => {
+                "Fewer than half of the matches agree: many are wrong, or parallax and moving objects need local motion."
+            }
+            (true, false, _) => {
+                "Fewer than half of the matches agree: many are wrong, or parallax and moving objects need a model with more freedom."
+            }
+            (false, ..) => "Outliers are wrong matches, moving objects, or parallax the model cannot explain.",
+        };
+        match place.filter(|place| place.foreground.is_none() && place.hull < SMALL_HULL) {
+            Some(place) => format!(
+                "{advice} The convex hull of the inliers covers {} of the picture: they may lie on a single object, and the model is \
+                 extrapolated elsewhere.",
+                percent(place.hull)
+            ),
+            None => advice.to_owned(),
+        }
+    }
+
     /// The motion in words: translation, and rotation and scale where these are defined.
     fn described(&self, matrix: &Matrix3) -> String {
         let [[a, _, u], [c, _, v], _] = *matrix;
@@ -227,10 +274,15 @@ impl GlobalMotion {
             }
             Model::Affine | Model::Homography => match mapped(matrix, [0.0; 2]) {
                 Some(origin) => format!("{} with the {} at the origin", self.name(), motion(origin)),
-                None => format!("{} with the origin behind its horizon", self.name()),
+                None => format!("{} that maps the origin beyond its horizon line", self.name()),
             },
         }
     }
+}
+
+/// The gray levels of both frames.
+fn lumas<'a>(estimate: &'a Estimate<'_>) -> [&'a Gray; 2] {
+    estimate.pair.frames.each_ref().map(|frame| frame.luma())
 }
 
 /// The outline of frame t where the model maps it to in frame t + 1.

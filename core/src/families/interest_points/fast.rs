@@ -16,7 +16,7 @@ use crate::params;
 use crate::products::{Feature, Keypoint, Output, PointField, Product, ProductKind};
 use crate::pseudocode;
 use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
-use crate::scene::{Chart, Focus, Scene, Step};
+use crate::scene::{Chart, Focus, Role, Scene, Step};
 
 params! {
     /// FAST corners: pixels with n contiguous pixels of the circle around them that are all brighter or all darker.
@@ -212,6 +212,15 @@ impl Estimator for Fast {
         let granularity = |index, of| Granularity { index, of: Some(of) };
         let rows = if state.stage == Stage::Choice { 1 } else { state.scores.height() };
         vec![granularity(0, 1), granularity(state.stage as usize, 3), granularity(state.row, rows)]
+    }
+
+    fn landmark(&self, event: &Event) -> Option<Role> {
+        match event {
+            Event::Tested(Candidate { score: 1.., .. }) | Event::Compared(_, None) => Some(Role::Best),
+            Event::Peak(_, None) => Some(Role::Result),
+            Event::Compared(_, Some(_)) | Event::Peak(_, Some(_)) => Some(Role::Rejected),
+            _ => None,
+        }
     }
 
     fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {

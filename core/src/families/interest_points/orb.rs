@@ -20,7 +20,7 @@ use crate::products::keypoints::WINDOW_SIGMAS;
 use crate::products::{Descriptor, Feature, Keypoint, Output, PointField, Product, ProductKind, Status};
 use crate::pseudocode;
 use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
-use crate::scene::{Chart, Focus, Scene, Step};
+use crate::scene::{Chart, Focus, Role, Scene, Step};
 
 params! {
     /// ORB keypoints: FAST corners on a pyramid, ranked by their Harris response, with an orientation and a binary descriptor.
@@ -297,7 +297,7 @@ impl Estimator for Orb {
     };
     // Coarse levels are sampled at other places when the picture moves.
     const GUARANTEE: Guarantee = Guarantee::SubPixelPlaces { off_centi_px: 150 };
-    const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series];
+    const CHARTS: &'static [Chart] = &[Chart::Series, Chart::Tiles];
     const PRODUCES: &'static [&'static ProductKind] = &[PointField::KIND];
     type State = State;
     type Event = Event;
@@ -335,6 +335,15 @@ impl Estimator for Orb {
         };
         let granularity = |index, of| Granularity { index, of: Some(of) };
         vec![granularity(0, 1), granularity(stage, 2), granularity(index, of)]
+    }
+
+    fn landmark(&self, event: &Event) -> Option<Role> {
+        match event {
+            Event::Resampled(_) | Event::Centroid(_) => Some(Role::Window),
+            Event::Peak(_, None) => Some(Role::Result),
+            Event::Peak(_, Some(_)) => Some(Role::Rejected),
+            _ => None,
+        }
     }
 
     fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {

@@ -13,7 +13,7 @@ use crate::methods::scale_space::{
 };
 use crate::products::{Feature, Keypoint, Output, PointField, Product, ProductKind, keypoints};
 use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
-use crate::scene::{Chart, Focus, Picture, Scene, Step};
+use crate::scene::{Chart, Focus, Picture, Role, Scene, Step};
 use crate::{params, pseudocode};
 
 params! {
@@ -89,10 +89,10 @@ pub struct State {
 /// An event of a unit.
 #[derive(Clone, Copy, Debug)]
 pub enum Event {
-    /// A Gaussian image was computed, and its difference from the one before.
-    Level,
-    /// A row of a difference of Gaussians is searched.
-    Row,
+    /// The Gaussian image with this number in its octave was computed, and its difference from the one before.
+    Level(usize),
+    /// This row of a difference of Gaussians is searched.
+    Row(usize),
     /// An extremum in this column of the row.
     Extremum(usize),
     /// An iteration of the refinement.
@@ -183,8 +183,8 @@ impl Sift {
     }
 
     fn search(&self, space: &ScaleSpace, row: Row, observer: &mut impl Observer<Event>) -> Vec<Extremum> {
-        observer.see(|| Event::Row);
         let Row { octave, level, y } = row;
+        observer.see(|| Event::Row(y));
         let mut found = Vec::new();
         extrema_of_row(&space.octaves[octave], (level, y), self.least(), |x| {
             observer.see(|| Event::Extremum(x));
@@ -332,7 +332,7 @@ impl Estimator for Sift {
         match state.stage {
             Stage::Space => {
                 self.shape().add_level(&mut state.space, state.picture.luma(), &Threads::single());
-                observer.see(|| Event::Level);
+                observer.see(|| Event::Level(state.next % self.shape().levels()));
             }
             Stage::Extrema => {
                 let row = self.row(state.picture.size(), state.next);
@@ -367,6 +367,17 @@ impl Estimator for Sift {
         let granularity = |index, of| Granularity { index, of: Some(of) };
         let units = self.units_of_stage(state, state.stage);
         vec![granularity(0, 1), granularity(state.stage as usize, Stage::ALL.len()), granularity(state.next, units)]
+    }
+
+    /// The first image of an octave, the first row of a difference, extrema, and the outcomes of their tests.
+    fn landmark(&self, event: &Event) -> Option<Role> {
+        match event {
+            Event::Level(0) | Event::Row(BORDER) => Some(Role::Window),
+            Event::Extremum(_) => Some(Role::Candidate),
+            Event::Verdict(Ok(_)) => Some(Role::Best),
+            Event::Verdict(Err(_)) => Some(Role::Rejected),
+            _ => None,
+        }
     }
 
     fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {

@@ -13,7 +13,7 @@ use crate::params;
 use crate::products::{Descriptor, Feature, Keypoint, Output, PointField, Product, ProductKind, Status};
 use crate::pseudocode;
 use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
-use crate::scene::{Chart, Focus, Scene, Step};
+use crate::scene::{Chart, Focus, Role, Scene, Step};
 use hessian::{Filter, LAYERS, Layer, Neighbor, Refined, Three, is_suppressed, scale_of, suppressed_by};
 
 params! {
@@ -176,6 +176,11 @@ impl State {
             [below, here, above] => Some([&**below, &**here, &**above]),
             _ => None,
         }
+    }
+
+    /// Whether all keypoints are described, if there are any.
+    fn is_described(&self) -> bool {
+        !self.described.is_empty() && self.described.len() == self.kept().len()
     }
 
     /// Returns the described keypoints, the strongest first.
@@ -389,6 +394,16 @@ impl Estimator for Surf {
         };
         let granularity = |index, of| Granularity { index, of: Some(of) };
         vec![granularity(0, 1), granularity(stage, 5), granularity(index, of)]
+    }
+
+    fn landmark(&self, event: &Event) -> Option<Role> {
+        match event {
+            Event::Filtered(_) | Event::Wavelets => Some(Role::Window),
+            Event::Compared(_, None) => Some(Role::Best),
+            Event::Peak(_, None) => Some(Role::Result),
+            Event::Compared(_, Some(_)) | Event::Refined(_, None) | Event::Peak(_, Some(_)) => Some(Role::Rejected),
+            _ => None,
+        }
     }
 
     fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {

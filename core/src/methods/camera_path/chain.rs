@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
+use super::differences::differences;
 use crate::base::{Error, Threads};
 use crate::data::Clip;
 use crate::geometry::Gray;
 use crate::products::ModelField;
 use crate::products::model::{IDENTITY, Matrix3, Model, Support, inverse, normalised, product};
 use crate::products::path::{bend, corner_error};
-use crate::products::registration::{gray_at, inside};
 use crate::run::{GlobalModel, Granularity, Span, Stage, StageView, need};
 
 /// The lines of the pseudocode that chain the motions.
@@ -75,6 +75,15 @@ pub enum Refused {
         /// That of the frames as they are, at the same pixels.
         at_rest: f64,
     },
+    /// It bends the picture, and the gray levels of most pixels contradict it.
+    Bent {
+        /// Largest distance of a corner from the nearest similarity in px.
+        bend_px: f64,
+        /// Median absolute difference of the frames registered by it, in gray levels.
+        registered: f64,
+        /// That of the frames as they are, at the same pixels.
+        at_rest: f64,
+    },
     /// Chained to the motions before, it gives a map without an inverse.
     Path,
 }
@@ -99,10 +108,10 @@ pub struct Link {
 /// The motion of an estimate, or why it is not used.
 ///
 /// # Errors
-/// If there is none, it has no inverse, moves a corner farther than the diagonal of the picture, or has few inliers and registers the frames
-/// worse than no motion at all.
+/// If there is none, it has no inverse, moves a corner farther than the diagonal of the picture, or registers the frames worse than no motion at
+/// all although it has few inliers or bends the picture.
 pub fn usable(field: &ModelField, frames: [&Gray; 2]) -> Result<Matrix3, Refused> {
-    let most_px = (field.picture.0 as f64).hypot(field.picture.1 as f64);
+    let most_px = diagonal(field.picture);
     let matrix = field.matrix.ok_or(Refused::Unknown(field.model, field.support))?;
     let is_finite = matrix.iter().flatten().all(|entry| entry.is_finite());
     if !is_finite || inverse(&matrix).is_none() {
@@ -113,12 +122,19 @@ pub fn usable(field: &ModelField, frames: [&Gray; 2]) -> Result<Matrix3, Refused
         return Err(Refused::Far { moved_px, most_px });
     }
     let is_weak = field.support.is_some_and(|support| support.inliers < MANY_INLIERS);
-    match is_weak.then(|| differences(&matrix, frames)).flatten() {
-        Some([registered, at_rest]) if registered > WORSE * at_rest + NOISE => {
-            Err(Refused::Worse { registered, at_rest })
-        }
-        _ => Ok(matrix),
+    let bend_px = bend(&matrix, field.picture);
+    let is_bent = is_bend(bend_px, field.picture);
+    let Some([registered, at_rest]) = (is_weak || is_bent).then(|| differences(&matrix, frames)).flatten() else {
+        return Ok(matrix);
+    };
+    if is_weak && registered.mean > WORSE * at_rest.mean + NOISE {
+        return Err(Refused::Worse { registered: registered.mean, at_rest: at_rest.mean });
     }
+    // An object that moves with the motion lowers the mean, and leaves the median to the rest of the picture.
+    if is_bent && registered.median > WORSE * at_rest.median + HALF_LEVEL {
+        return Err(Refused::Bent { bend_px, registered: registered.median, at_rest: at_rest.median });
+    }
+    Ok(matrix)
 }
 
 /// Inliers from which on the matches alone are evidence.
@@ -126,26 +142,21 @@ const MANY_INLIERS: usize = 16;
 /// Frames that differ by more than this many times their difference at rest, and by so many gray levels of noise, contradict a motion.
 const WORSE: f64 = 1.25;
 const NOISE: f64 = 0.05;
+/// The median of whole gray levels is known to half a level.
+const HALF_LEVEL: f64 = 0.5;
 
-/// Mean absolute differences in gray levels of two frames, registered by a motion and as they are, on a lattice of the pixels that both show.
-fn differences(motion: &Matrix3, [current, next]: [&Gray; 2]) -> Option<[f64; 2]> {
-    /// Distance of the pixels of the lattice.
-    const STEP: usize = 3;
-    let (width, height) = current.size();
-    let (mut sums, mut count) = ([0.0; 2], 0);
-    for (x, y) in (0..height).step_by(STEP).flat_map(|y| (0..width).step_by(STEP).map(move |x| (x, y))) {
-        let Some(to) = inside(motion, [x as f64, y as f64], next.size()) else { continue };
-        let level = f64::from(current[(x, y)]);
-        sums[0] += (f64::from(gray_at(next, to)) - level).abs();
-        sums[1] += (f64::from(next[(x, y)]) - level).abs();
-        count += 1;
-    }
-    (count > 0).then(|| sums.map(|sum| sum / f64::from(count)))
+fn diagonal((width, height): (usize, usize)) -> f64 {
+    (width as f64).hypot(height as f64)
 }
 
 /// From this share of the diagonal on, a motion between two frames bends the picture more than a camera does. Of hand-held clips it is at most
 /// 0.4 %; a homography that takes a passing car in bends it by more than 2 %.
 const BENT: f64 = 0.01;
+
+/// Whether a motion bends a picture more than a camera does.
+fn is_bend(bend_px: f64, picture: (usize, usize)) -> bool {
+    bend_px > BENT * diagonal(picture)
+}
 
 /// The map from the first frame after one more motion; `None` if it has no inverse.
 fn composed(motion: &Matrix3, before: &Matrix3) -> Option<Matrix3> {
@@ -230,7 +241,7 @@ impl Chain {
         self.unknown += usize::from(known.is_err());
         self.first_refused = self.first_refused.or(known.err().map(|why| (self.frame, why)));
         let bend_px = bend(&motion, self.picture);
-        if bend_px > BENT * (self.picture.0 as f64).hypot(self.picture.1 as f64) {
+        if is_bend(bend_px, self.picture) {
             self.bent += 1;
             self.first_bent = self.first_bent.or(Some((self.frame, bend_px)));
         }
@@ -269,6 +280,28 @@ mod tests {
         let Err(Refused::Worse { registered, at_rest }) = used(4.0, 5, 0) else { panic!("the frames are the same") };
         assert!(registered > 40.0 && at_rest == 0.0, "{registered}, {at_rest}");
         assert!(used(4.0, MANY_INLIERS, 0).is_ok(), "many matches on a background that an object hides");
+    }
+
+    #[test]
+    fn a_bend_is_held_against_most_gray_levels() {
+        let level = |x: f64, y: f64| ((x * 7.0 + y * 31.0 + x * y).sin() * 100.0 + 128.0) as u8;
+        // Stretched along y, as by an object that comes nearer; it fills the lower part of the picture, or all of it.
+        let stretched = [[1.0, 0.0, 0.0], [0.0, 1.1, 0.0], [0.0, 0.0, 1.0]];
+        let frame = |scale: f64, from: usize| {
+            Grid::from_fn(60, 40, |x, y| level(x as f64, if y < from { y as f64 } else { y as f64 / scale }))
+        };
+        let field = ModelField {
+            picture: (60, 40),
+            model: Model::Homography,
+            matrix: Some(stretched),
+            iterations: 1,
+            residual_px: Some(0.1),
+            support: Some(Support { inliers: 90, matches: 120 }),
+        };
+        let used = |from: usize| usable(&field, [&frame(1.0, from), &frame(1.1, from)]);
+        let Err(Refused::Bent { bend_px, registered, at_rest }) = used(28) else { panic!("most pixels are at rest") };
+        assert!(bend_px > 0.72 && registered > 10.0 && at_rest == 0.0, "{bend_px}, {registered}, {at_rest}");
+        assert!(used(0).is_ok(), "all pixels move so");
     }
 
     #[test]

@@ -13,7 +13,7 @@ use crate::products::{Feature, Keypoint, Output, PointField, Product, ProductKin
 use crate::run::{
     Cursor, Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen,
 };
-use crate::scene::{Chart, Focus, Math, Scene, Step};
+use crate::scene::{Chart, Focus, Math, Role, Scene, Step};
 
 /// A corner measure: the response as a function of the structure tensor.
 pub trait Measure: Params + Default + Clone + Send + Sync + 'static {
@@ -254,6 +254,15 @@ impl<M: Measure> Estimator for Corners<M> {
         let granularity = |index, of| Granularity { index, of: Some(of) };
         let rows = if state.stage == Stage::Choice { 1 } else { state.map.height() };
         vec![granularity(0, 1), granularity(state.stage as usize, 3), granularity(state.row, rows)]
+    }
+
+    fn landmark(&self, event: &Event) -> Option<Role> {
+        match event {
+            Event::Over(_, None) => Some(Role::Best),
+            Event::Peak(_, None) => Some(Role::Result),
+            Event::Over(_, Some(_)) | Event::Peak(_, Some(_)) => Some(Role::Rejected),
+            _ => None,
+        }
     }
 
     fn pointed(&self) -> Option<&dyn Pointed<Self::State>> {

@@ -24,7 +24,7 @@ impl Selection {
             true if kept >= self.max_points => {
                 "The maximum number of points is reached; a larger value keeps weaker ones."
             }
-            true => "A smaller minimum distance keeps more, a lower threshold finds more.",
+            true => "A smaller minimum distance keeps more corners; a lower threshold also finds weaker ones.",
         }
     }
 }

@@ -407,6 +407,20 @@ impl Command {
                 "Go back to the last step before this one that the timeline marks.",
                 const { &[shift(Key::J)] },
             ),
+            C::NextAlike => (
+                Menu::Walk,
+                Icon::SkipForward,
+                "Next marked step of this kind",
+                "Go to the next step with the same mark as this one, such as the next rejected extremum or the next octave.",
+                const { &[ctrl(Key::J)] },
+            ),
+            C::PreviousAlike => (
+                Menu::Walk,
+                Icon::SkipBack,
+                "Previous marked step of this kind",
+                "Go back to the last step before this one with the same mark.",
+                const { &[ctrl_shift(Key::J)] },
+            ),
             C::Start => (
                 Menu::Walk,
                 Icon::SkipBack,

@@ -28,7 +28,7 @@ pub(super) struct LongMove {
     at: Cursor,
     pace: Option<(usize, Duration)>,
     /// Whether it is gone in parts.
-    pub is_long: bool,
+    is_long: bool,
 }
 
 impl LongMove {

@@ -1,6 +1,6 @@
 //! The walker with real runs.
 
-use std::sync::atomic::AtomicUsize;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use motionscope_core::scene::Readout;
 use motionscope_core::{Direction, Frame, FrameSource, Grid, estimator};

@@ -28,6 +28,19 @@ pub fn mosaic([current, next]: [&Gray; 2], matrix: &Matrix3) -> Frame {
     }))
 }
 
+/// The corners of frames t and t + 1 on the mosaic.
+pub fn outlines(size: (usize, usize), matrix: &Matrix3) -> Vec<Vec<[f64; 2]>> {
+    let [left, top, ..] = bounds(size, matrix);
+    let [right, bottom] = [(size.0 - 1) as f64, (size.1 - 1) as f64];
+    let corners = [[0.0, 0.0], [right, 0.0], [right, bottom], [0.0, bottom]];
+    let on_mosaic = |map: &dyn Fn([f64; 2]) -> Option<[f64; 2]>| -> Option<Vec<[f64; 2]>> {
+        corners.iter().map(|at| map(*at).map(|[x, y]| [x - left, y - top])).collect()
+    };
+    let back = inverse(matrix);
+    let next = |at| mapped(back.as_ref()?, at);
+    [on_mosaic(&Some), on_mosaic(&next)].into_iter().flatten().collect()
+}
+
 /// The whole pixels that both frames cover in the coordinates of frame t: left, top, right and bottom.
 fn bounds((width, height): (usize, usize), matrix: &Matrix3) -> [f64; 4] {
     let [right, bottom] = [(width - 1) as f64, (height - 1) as f64];

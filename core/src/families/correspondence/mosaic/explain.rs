@@ -66,7 +66,8 @@ impl Mosaic {
         match canvas.complete == frames {
             true => said.text("."),
             false => said.text(format!(
-                "; {} would make it too large, or cross its horizon, and {} cut. A shorter shot or a simpler motion model helps.",
+                "; {} {} cut, because the outline would make the mosaic too large or reach infinity. A shorter shot or a simpler motion model \
+                 helps.",
                 words::counted(frames - canvas.complete, "frame"),
                 if frames - canvas.complete == 1 { "is" } else { "are" }
             )),
@@ -116,7 +117,9 @@ impl Mosaic {
         let frames = words::counted(after.chain.to_frames.len(), "frame");
         let quality = match drift {
             Err(error) => format!(" The drift of the path is unknown. {error}."),
-            Ok(Some(drift)) if !drift.is_finite() => " The chained path ends beyond a horizon.".to_owned(),
+            Ok(Some(drift)) if !drift.is_finite() => {
+                " The chained map of the last frame sends a corner of the picture to infinity.".to_owned()
+            }
             Ok(Some(drift)) if drift > SEAMS_PX => format!(
                 " At the end of the chained path the corners are up to {} px off: parallax, moving objects or a model with too much freedom. Blurred \
                  seams show it.",

@@ -466,7 +466,7 @@ impl Fast {
             scene.mark(Picture::CURRENT, Role::Window, shape);
             scene.legend(Role::Window, "minimum distance");
         } else if let Some(circle) = circle {
-            draw_circle(&circle, seen.before.stage, scene);
+            draw_circle(&circle, (seen.before.stage, seen.before.scores.size()), scene);
             // A step is about the pixel that it tests or compares, and not about the pointer.
             if !is_pointed_at && matches!(seen.events.last(), Some(Event::Tested(_) | Event::Compared(..))) {
                 let reach = RADIUS as f32 + 0.5;
@@ -515,7 +515,7 @@ fn framed(circle: &Circle, stage: Stage) -> Vec<Framed> {
 }
 
 /// Draws the pixels of the circle by their shades, and the longest run, in roles that no corner of `stage` has.
-fn draw_circle(circle: &Circle, stage: Stage, scene: &mut Scene) {
+fn draw_circle(circle: &Circle, (stage, (width, height)): (Stage, (usize, usize)), scene: &mut Scene) {
     let on_circle = |k: usize, radius: f32| {
         let [x, y] = point(circle.center);
         let [i, j] = CIRCLE[k % 16].map(|offset| radius * offset as f32);
@@ -536,7 +536,10 @@ fn draw_circle(circle: &Circle, stage: Stage, scene: &mut Scene) {
     }
     for k in COMPASS {
         let text = number(k).to_string();
-        scene.mark(Picture::CURRENT, Role::Reference, Shape::Text { at: on_circle(k, 4.0 / 3.0), text });
+        let is_inside = |at: &[f32; 2]| at[0] >= 0.0 && at[1] >= 0.0 && at[0] < width as f32 && at[1] < height as f32;
+        // At the border of the picture there is room on the inner side only.
+        let at = Some(on_circle(k, 4.0 / 3.0)).filter(is_inside).unwrap_or_else(|| on_circle(k, 2.0 / 3.0));
+        scene.mark(Picture::CURRENT, Role::Reference, Shape::Text { at, text });
     }
 }
 

@@ -7,9 +7,10 @@ use crate::base::words::{counted, grouped, pixel};
 use crate::geometry::Grid;
 use crate::methods::differential::{explain, numbers};
 use crate::methods::features::brief::{BITS, Moments, Pair, WINDOW_REACH, turned, window_sum};
+use crate::methods::features::draw_keypoints;
 use crate::methods::features::segment::SegmentTest;
 use crate::methods::numbers::percent;
-use crate::run::Seen;
+use crate::run::{Progress, Seen};
 use crate::scene::{Fact, Math, Name, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step, Tile};
 
 /// The number of responses that a plot shows.
@@ -254,7 +255,7 @@ impl Orb {
         let ones: u32 = after.described.iter().flat_map(|described| described.bits).map(u64::count_ones).sum();
         let share = f64::from(ones) / (BITS * after.described.len()) as f64;
         let help = match after.corners.len() < shares {
-            true => "Some levels have fewer corners than their share; a lower threshold finds more.",
+            true => "Some levels have fewer corners than their share; a lower threshold also finds weaker ones.",
             false => {
                 "Every level has more corners than its share; a larger maximum number of points keeps weaker ones."
             }
@@ -350,10 +351,12 @@ impl Orb {
     }
 
     pub(super) fn draw_step(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        match (self.level(seen), self.probe(seen)) {
-            (Some(level), _) => self.draw_level(seen, level, scene),
-            (None, Some(probe)) => self.draw_keypoint(seen, &probe, scene),
-            (None, None) => {}
+        let done = seen.after.filter(|after| after.progress() == Progress::Done && !after.described.is_empty());
+        match (done, self.level(seen), self.probe(seen)) {
+            (Some(done), ..) => draw_keypoints(&done.features(self.side()), scene),
+            (None, Some(level), _) => self.draw_level(seen, level, scene),
+            (None, None, Some(probe)) => self.draw_keypoint(seen, &probe, scene),
+            (None, None, None) => {}
         }
     }
 

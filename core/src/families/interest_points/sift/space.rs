@@ -9,7 +9,7 @@ use crate::data::Frame;
 use crate::geometry::Grid;
 use crate::methods::scale_space::Octave;
 use crate::run::Seen;
-use crate::scene::{Canvas, Floor, Level, Levels, Picture, Role, Scene, Shape, Stack, Tile};
+use crate::scene::{Canvas, Floor, Level, Levels, Measured, Picture, Role, Scene, Shape, Stack, Tile};
 
 /// The names of the Gaussian images of an octave and of their differences.
 const IMAGES: [&str; 9] = ["G₁", "G₂", "G₃", "G₄", "G₅", "G₆", "G₇", "G₈", "G₉"];
@@ -53,11 +53,10 @@ impl Sift {
             return;
         };
         let (level, size, pixel_px) = (octave.gaussians.len() - 1, state.picture.size(), self.shape().pixel_px(index));
+        let measured = measured(image, pixel_px, (IMAGES[level], self.name_of(index, level)));
         let blurred = Arc::clone(image);
         let make = move || Frame::gray(at_frame(&blurred, pixel_px, size, |value| value));
-        scene.pictures = vec![Canvas::made(Picture::SMOOTHED, make)];
-        let name = self.name_of(index, level);
-        label(scene, Picture::SMOOTHED, size, name);
+        scene.pictures = vec![Canvas::made(Picture::SMOOTHED, make).of(measured)];
         if level > 0 {
             self.show_difference(state, (index, level - 1), scene);
         }
@@ -86,9 +85,10 @@ impl Sift {
         let (pixel_px, size) = (self.shape().pixel_px(octave), state.picture.size());
         let most = scale_of(&image);
         let [name, to, from] = [DIFFERENCES[level], IMAGES[level + 1], IMAGES[level]];
-        label(scene, Picture::RESPONSE, size, format!("{name} = {to} − {from}, white ≥ {}", gray(most)));
+        let title = format!("{name} = {to} − {from}, white ≥ {}", gray(most));
+        let measured = measured(&image, pixel_px, (name, title));
         let make = move || Frame::gray(at_frame(&image, pixel_px, size, |value| 127.5 + 127.5 * value / most));
-        scene.pictures.push(Canvas::made(Picture::RESPONSE, make));
+        scene.pictures.push(Canvas::made(Picture::RESPONSE, make).of(measured));
     }
 
     /// The part of the octave at work around the pixel pointed at, else around the largest absolute value of its first difference.
@@ -176,18 +176,18 @@ fn range_of(image: &Grid<f32>) -> [f32; 2] {
     [low, high.max(low + 1.0)]
 }
 
-/// Names a picture in its lower left corner.
-fn label(scene: &mut Scene, on: Picture, (width, height): (usize, usize), text: String) {
-    /// Distance from the border, as a share of the picture.
-    const INSET: f32 = 0.02;
-    let at = [INSET * width as f32, (1.0 - INSET) * height as f32];
-    scene.mark(on, Role::Reference, Shape::Text { at, text });
+/// The values of an image of an octave at the pixels of the frame, with symbol and title.
+fn measured(image: &Arc<Grid<f32>>, pixel_px: f32, (symbol, title): (&str, String)) -> Measured {
+    let image = Arc::clone(image);
+    Measured::new(symbol, title, move |at| sample(&image, pixel_px, at))
 }
 
 /// An image of an octave at the resolution of the frame, in the grays that `shade` gives its values.
 fn at_frame(image: &Grid<f32>, pixel_px: f32, (width, height): (usize, usize), shade: impl Fn(f32) -> f32) -> Grid<u8> {
-    Grid::from_fn(width, height, |x, y| {
-        let value = image.sample(x as f32 / pixel_px, y as f32 / pixel_px);
-        shade(value).round().clamp(0.0, 255.0) as u8
-    })
+    Grid::from_fn(width, height, |x, y| shade(sample(image, pixel_px, [x, y])).round().clamp(0.0, 255.0) as u8)
+}
+
+/// The value of an image of an octave at a pixel of the frame.
+fn sample(image: &Grid<f32>, pixel_px: f32, [x, y]: [usize; 2]) -> f32 {
+    image.sample(x as f32 / pixel_px, y as f32 / pixel_px)
 }

@@ -7,6 +7,7 @@ use super::{Event, MIDDLE, Maximum, Part, State, Surf, line};
 use crate::base::words::{counted, grouped, pixel, place};
 use crate::geometry::Grid;
 use crate::methods::differential::{explain, numbers};
+use crate::methods::features::draw_keypoints;
 use crate::methods::features::haar::{Blob, SECTOR_RAD, SIDE, WHEEL_REACH, dominant, sector_start, subregion_corners};
 use crate::methods::features::integral::{Integral, PixelBox};
 use crate::run::Seen;
@@ -317,6 +318,9 @@ impl Surf {
 
     pub(super) fn draw_step(&self, seen: &Seen<Self>, scene: &mut Scene) {
         let state = seen.before;
+        if let Some(done) = seen.after.filter(|after| after.is_described()) {
+            return draw_keypoints(&done.features(), scene);
+        }
         match self.probe(seen) {
             None => {}
             Some(Probe::Integral) => {
@@ -615,6 +619,7 @@ fn descriptor_series(of: &Described<'_>) -> Series {
         x_max: 4 * SIDE * SIDE,
         x_ticks: (0..=SIDE).map(|row| (row * 4 * SIDE).max(1) as f32).collect(),
         sections: Series::cells(SIDE, 4),
+        columns: Some(SIDE),
         lines: vec![("entries", Role::Result, Series::bars(entries))],
         is_sweep: true,
         ..Series::default()
@@ -784,16 +789,28 @@ fn draw_choice(seen: &Seen<Surf>, maxima: &[Maximum], scene: &mut Scene) {
             is_kept[*index] = Some(near.is_none());
         }
     }
-    let groups = [
+    let of_status = |status: Option<bool>| {
+        let all = maxima.iter().zip(&is_kept).filter(move |(_, other)| **other == status);
+        all.map(|(maximum, _)| maximum.blob)
+    };
+    // Circles of all maxima would hide those that are kept.
+    for (status, role, meaning) in [
         (None, Role::Candidate, "maximum, not yet tested"),
         (Some(false), Role::Rejected, "rejected by the minimum distance"),
-        (Some(true), Role::Result, "keypoint, radius √2 s"),
-    ];
-    for (status, role, meaning) in groups {
-        for (maximum, _) in maxima.iter().zip(&is_kept).filter(|(_, other)| **other == status) {
-            scene.mark(Picture::CURRENT, role, circle(maximum.blob));
+    ] {
+        let points: Vec<_> = of_status(status).map(|blob| blob.at).collect();
+        if !points.is_empty() {
+            scene.mark(Picture::CURRENT, role, Shape::Points(points));
             scene.legend(role, meaning);
         }
+    }
+    for blob in of_status(Some(true)) {
+        scene.mark(Picture::CURRENT, Role::Result, circle(blob));
+        scene.legend(Role::Result, "keypoint, radius √2 s");
+    }
+    if let Some(Event::Peak(index, _)) = seen.events.last() {
+        scene.mark(Picture::CURRENT, Role::Reference, circle(maxima[*index].blob));
+        scene.legend(Role::Reference, "maximum of this step");
     }
     if maxima.is_empty() {
         let (width, height) = seen.before.picture.size();

@@ -2,8 +2,9 @@
 
 use super::declare::line;
 use super::doubt::{Doubt, LEAST_SPREAD_PX, distinct};
-use super::{Best, Estimate, Event, Fixed, Robust, RobustModel, Sequel, Settings, State};
+use super::{Best, Estimate, Event, Fixed, Place, Robust, RobustModel, Sequel, Settings, State};
 use crate::base::words::{self, grouped};
+use crate::data::Clip;
 use crate::geometry::Grid;
 use crate::methods::geometric::Correspondence;
 use crate::methods::geometric::ransac::{Score, Scoring, chosen};
@@ -34,8 +35,8 @@ impl<M: RobustModel> Robust<M> {
         };
         let (line, sentence) = self.said(seen, last);
         let sentence = match seen.after {
-            Some(after) if after.consensus.fitted.is_some() => self.concluded(after, sentence),
-            _ => sentence,
+            Some(after) => self.concluded(seen.clip, after, sentence),
+            None => sentence,
         };
         Step { line, sentence, readouts: self.readouts(seen, last) }
     }
@@ -246,8 +247,13 @@ impl<M: RobustModel> Robust<M> {
         )
     }
 
-    fn concluded(&self, after: &State, sentence: Sentence) -> Sentence {
-        let conclusion = self.0.conclusion(&after.estimate());
+    fn concluded(&self, clip: &Clip, after: &State, sentence: Sentence) -> Sentence {
+        let Some(Best { matrix, .. }) = after.consensus.fitted else { return sentence };
+        let inliers = self.inliers(&after.fixed.points, &matrix);
+        // A truth that cannot be read is reported with the figures.
+        let foreground = clip.truth().and_then(|truth| truth.foreground(after.fixed.frame).ok().flatten());
+        let place = Place::of(&inliers, foreground.as_deref(), clip.size());
+        let conclusion = self.0.conclusion(&Estimate { place: Some(place), ..after.estimate() });
         sentence.text(format!(
             " End of the run after {}: {conclusion}",
             words::counted(after.consensus.iterations, "iteration")
@@ -413,9 +419,8 @@ impl<M: RobustModel> Robust<M> {
             }
             scene.legend(Role::Candidate, "sample");
         }
-        let is_final = matches!(last, Event::Refit(..) | Event::Kept(..)) && seen.after.is_some();
         if let Some(matrix) = shown {
-            self.0.draw(&state.estimate(), (matrix, is_final), seen.focus, scene);
+            self.0.draw(&state.estimate(), matrix, seen.focus, scene);
         }
     }
 

@@ -3,6 +3,7 @@
 mod declare;
 mod doubt;
 mod explain;
+mod place;
 mod settings;
 
 use std::sync::Arc;
@@ -24,6 +25,7 @@ use crate::synth::random::{hash, unit};
 pub(crate) use declare::robust_pseudocode;
 pub use doubt::Doubt;
 use doubt::{distinct, sides_px};
+pub use place::Place;
 pub use settings::Settings;
 
 /// A geometric model that is estimated from matches.
@@ -107,8 +109,8 @@ pub trait RobustModel: Params + Default + Clone + Send + Sync + 'static {
     /// Draws one of them.
     fn draw_sequel(&self, _index: usize, _estimate: &Estimate<'_>, _focus: Option<Focus>, _scene: &mut Scene) {}
 
-    /// Draws a model; `focus` is the point pointed at, `is_final` whether it is the final one.
-    fn draw(&self, estimate: &Estimate<'_>, shown: (Matrix3, bool), focus: Option<Focus>, scene: &mut Scene);
+    /// Draws a model; `focus` is the point pointed at.
+    fn draw(&self, estimate: &Estimate<'_>, matrix: Matrix3, focus: Option<Focus>, scene: &mut Scene);
 }
 
 /// The explanation of a step that follows from the final model.
@@ -136,6 +138,8 @@ pub struct Estimate<'a> {
     pub best: Option<Best>,
     /// Number of iterations done.
     pub iterations: usize,
+    /// Where the inliers lie, at the end of a run.
+    pub place: Option<Place>,
 }
 
 /// A model with its score.
@@ -191,6 +195,8 @@ pub struct Consensus {
 
 /// The constant part of a run.
 struct Fixed {
+    /// Frame t.
+    frame: usize,
     pair: Pair,
     /// The accepted matches, some replaced by random ones.
     matches: Vec<Match>,
@@ -248,6 +254,7 @@ impl State {
             truth: self.fixed.truth.as_deref(),
             best: self.consensus.fitted.or(self.consensus.best),
             iterations: self.consensus.iterations,
+            place: None,
         }
     }
 }
@@ -262,7 +269,7 @@ impl<M: RobustModel> Robust<M> {
         let position = |at: [f32; 2]| at.map(f64::from);
         let points: Vec<_> =
             matches.iter().map(|m| Correspondence { from: position(m.from), to: position(m.to) }).collect();
-        let fixed = Fixed { pair, matches, distinct: distinct(&points), points, truth: truth(clip, frame) };
+        let fixed = Fixed { frame, pair, matches, distinct: distinct(&points), points, truth: truth(clip, frame) };
         Ok(State { fixed: Arc::new(fixed), consensus: self.begin() })
     }
 
