@@ -324,6 +324,7 @@ impl App {
         let transport = Panel::bottom("transport").frame(bar(12, 2)).exact_size(height + 4.0);
         let transport = transport.show(ui, |ui| self.transport(ui, actions));
         regions.push((Region::Transport, transport.response.rect));
+        self.toasts.show_description(ui, bar(12, 6), self.settings.look.theme);
         CentralPanel::no_frame().show(ui, |ui| self.body(ui, gpu, actions, &mut regions));
         self.regions = regions;
     }
