@@ -427,7 +427,9 @@ impl App {
         let body = self.lesson_beside(ui, actions, regions);
         let all = self.room(body, ui.ctx().content_rect().size()).arrange();
         let of_step = self.charts();
-        let calm = self.settings.reduced_motion || self.player.is_playing();
+        // In a long run the marks of the frames in between must not lag behind their pictures.
+        let is_on_its_way = self.view.progress.is_some();
+        let calm = self.settings.reduced_motion || self.player.is_playing() || is_on_its_way;
         let mut panes = Panes {
             document: &self.document,
             view: &self.view,
