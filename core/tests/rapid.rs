@@ -520,7 +520,7 @@ fn the_end_counts_wrong_poses() {
     let end = conclusion(&[], &turning(&[("repeating-texture", "100")]));
     assert!(end.contains("pose failures") && end.contains("not reported as lost"), "{end}");
     let end = conclusion(&[], &turning(&[]));
-    assert!(end.contains("the pose is never off by more than 5.00°"), "{end}");
+    assert!(end.contains("the pose never differs from the true one by more than 5.00°"), "{end}");
 }
 
 #[test]

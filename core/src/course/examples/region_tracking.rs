@@ -69,7 +69,7 @@ pub(super) const EXAMPLES: &[Example] = &[
         clip: "leaves",
         settings: &[],
         frame: 0,
-        says: "Bands of the ball are as bright as the grass, and blades of grass beside it as dark as the ball: the inside gives up bands and takes in \
+        says: "Bands of the ball are as bright as the grass, and blades of grass beside it as dark as the ball: the inside loses bands and takes in \
                grass, until it leaves the ball before the leaves are near. A correlation filter knows the pattern of the ball.",
         claim: ("mean_overlap", Limit::AtMost(0.4)),
         instead: Some(Alternative { id: "correlation-filter", settings: &[], limit: Limit::AtLeast(0.65) }),

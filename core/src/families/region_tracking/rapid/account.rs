@@ -90,9 +90,12 @@ impl Count {
             _ => format!("{unreported} of them not reported as lost"),
         };
         match wrong {
-            0 => format!("In {} the pose is never off by more than {bound}.", counted(frames, "frame")),
+            0 => format!(
+                "In {} the pose never differs from the true one by more than {bound}.",
+                counted(frames, "frame")
+            ),
             _ => format!(
-                "The pose is off by more than {bound} in {wrong} of {frames} frames: pose failures, {reported}."
+                "The pose differs from the true one by more than {bound} in {wrong} of {frames} frames: pose failures, {reported}."
             ),
         }
     }
@@ -130,7 +133,7 @@ mod tests {
         let at = |z| Pose::tilted((0.0, 1.0), (0.0, 1.0), [0.0, 0.0, z]);
         let truth = |_| Some(at(2.0));
         let said = |all: &[Past]| summary(all, truth).expect("a sentence");
-        assert!(said(&[past(Some(at(2.09)), false)]).starts_with("In 1 frame the pose is never off"));
+        assert!(said(&[past(Some(at(2.09)), false)]).starts_with("In 1 frame the pose never differs"));
         let two = [past(Some(at(2.11)), true), past(Some(at(2.0)), false), past(None, true)];
         assert!(said(&two).contains("in 2 of 3 frames: pose failures, all of them reported"), "{}", said(&two));
         let one = [past(Some(at(2.11)), false), past(None, true)];
