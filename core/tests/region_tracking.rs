@@ -595,7 +595,9 @@ fn the_end_of_a_run_has_its_scores() {
 
 #[test]
 fn an_ellipse_is_filled_as_far_as_its_back_projection_is_that_of_the_first_frame() {
-    let filled = |scene_id: &str| steps(&*set("camshift", &[]), &scene(scene_id), "the hues of the object fill").len();
+    let filled = |scene_id: &str| {
+        steps(&*set("camshift", &[]), &scene(scene_id), "the hues of the object fill the ellipse").len()
+    };
     let frames = |scene_id: &str| run(&*set("camshift", &[]), &scene(scene_id)).frames.len();
     let [balloon, leaves] = ["balloon", "leaves"].map(|id| (filled(id), frames(id)));
     assert!(2 * balloon.0 > balloon.1 && 2 * leaves.0 < leaves.1, "{balloon:?}, {leaves:?}");
