@@ -15,6 +15,7 @@
 //! frame = 12
 //! step = "35.412"                  # without it: where the run was left, or its start
 //! pixel = "303,202"                # the held pixel to explain
+//! object = 3                       # the object that was there and is held wherever it goes
 //!
 //! [set]
 //! block = 8

@@ -11,7 +11,7 @@ use common::{Objects, numbers};
 use crossing::{Dice, HEIGHT, OF_CROSSING, PICTURE, SEEDS, crossing, crossings, found, rows, run, scored};
 use motionscope_core::objects::assignment::WorkBudget;
 use motionscope_core::objects::k_best::{Choice, Problem, Row, k_best};
-use motionscope_core::scene::Readout;
+use motionscope_core::scene::{Math, Readout};
 use motionscope_core::synth::Difficulty;
 use motionscope_core::{AnyEstimator, Bounds, Clip, Cursor, Direction, Error, Move, ObjectBox, ObjectField, synth};
 
@@ -807,4 +807,28 @@ fn many_joint_events_are_bounded_and_said() {
         assert!(told.iter().any(|(_, said)| said.contains(expected)), "{count}");
     }
     assert!(begun.elapsed() < Duration::from_secs(60), "{:?}", begun.elapsed());
+}
+
+#[test]
+fn the_formula_of_a_branch_ends_in_the_probability_of_the_sentence() {
+    let clip = crossing(3);
+    let (mut walk, mut count) = (set("multiple-hypothesis", &[]).walk(&clip, 0).expect("a run"), 0);
+    while !walk.at_end() {
+        walk.jump(Move::Granularity(2, Direction::Forward));
+        let step = walk.step(None);
+        let said = step.sentence.plain();
+        let Some(told) = said.split_once("Most probable, P = ").map(|(_, rest)| rest[..5].to_owned()) else { continue };
+        let lines = step.readouts.iter().find_map(|readout| match readout {
+            Readout::Equation(lines) => Some(lines.iter().map(Math::plain).collect::<Vec<_>>()),
+            _ => None,
+        });
+        let last = lines.and_then(|lines| lines.last().cloned()).expect("an equation");
+        assert!(last.ends_with(&format!("P = {told}")), "{said}\n{last}");
+        // ln (c P) − ln c = ln P, but for rounding.
+        let [product, constant, logarithm, probability] = numbers(&last)[..] else { panic!("four numbers in {last}") };
+        assert!((product - constant - logarithm).abs() < 2e-3, "{last}");
+        assert!((logarithm.exp() - probability).abs() < 2e-3, "{last}");
+        count += 1;
+    }
+    assert!(count > 20, "{count}");
 }

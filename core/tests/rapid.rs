@@ -493,3 +493,42 @@ fn a_fast_motion_needs_a_prediction() {
     let [still, predicted] = ["none", "constant-velocity"].map(|how| worst(&[("pose-prediction", how)], &clip).0);
     assert!(still > 5.0 && predicted < 1.0, "{still}°, {predicted}°");
 }
+
+/// The sentence at the end of a run.
+fn conclusion(settings: &[(&str, &str)], clip: &Clip) -> String {
+    let mut walk = set("rapid", settings).walk(clip, 0).expect("a walk");
+    walk.jump(Move::End);
+    walk.step(None).sentence.plain()
+}
+
+#[test]
+fn the_end_counts_wrong_poses() {
+    // Boxes overlap all the time, so that a tracker of regions would report no failure.
+    let settings = [("search-range", "4"), ("pose-prediction", "none")];
+    let clip = turning(&[("speed", "2.5")]);
+    let (errors, field) = (errors(&settings, &clip), run(&settings, &clip));
+    let is_wrong = |error: &PoseError| error.angle > 5.0 || error.share > 0.05;
+    let wrong = errors.iter().filter(|error| is_wrong(error)).count();
+    let unreported =
+        errors.iter().zip(&field.frames).filter(|(error, frame)| is_wrong(error) && !frame.is_lost).count();
+    let end = conclusion(&settings, &clip);
+    let counted =
+        format!("in {wrong} of {} frames: pose failures, {unreported} of them not reported as lost", errors.len());
+    assert!(wrong > 10 && end.contains(&counted), "{counted}: {end}");
+    assert!(!end.contains("errors do not add up"), "{end}");
+    // A texture of lines holds the model on wrong edges.
+    let end = conclusion(&[], &turning(&[("repeating-texture", "100")]));
+    assert!(end.contains("pose failures") && end.contains("not reported as lost"), "{end}");
+    let end = conclusion(&[], &turning(&[]));
+    assert!(end.contains("the pose never differs from the true one by more than 5.00°"), "{end}");
+}
+
+#[test]
+fn without_true_poses_the_end_tells_how_the_edges_fit() {
+    let clip = turning(&[]);
+    let frames = (0..8).map(|t| (*clip.frame(t).expect("a frame")).clone()).collect();
+    let placed = run(&[], &clip).frames[0].region.bounds();
+    let region = format!("{},{},{},{}", placed.min[0], placed.min[1], placed.max[0], placed.max[1]);
+    let end = conclusion(&[("region", &region)], &Clip::from_frames("box", frames).expect("frames of one size"));
+    assert!(end.contains("of the control points have an edge, at a median distance of"), "{end}");
+}

@@ -3,12 +3,14 @@
 mod common;
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
-use common::{set, tile};
+use common::{Objects, set, tile};
 use motionscope_core::products::region::{RegionError, RegionScores, success};
 use motionscope_core::scene::Step;
 use motionscope_core::{
-    AnyEstimator, Bounds, Clip, Direction, Frame, Grid, Move, Params as _, Region, RegionField, Threads, synth,
+    AnyEstimator, Bounds, Clip, Direction, Frame, Grid, Move, ObjectBox, Params as _, Region, RegionField, Threads,
+    synth,
 };
 
 const ALL: [&str; 4] = ["mean-shift", "camshift", "particle-filter", "correlation-filter"];
@@ -41,10 +43,15 @@ fn noise(x: usize, y: usize, seed: u64) -> u8 {
 
 /// A coloured disc of many shades in front of a background with some of its colours.
 fn disc(center: [f64; 2], seed: u64) -> Frame {
+    discs(&[center], seed)
+}
+
+/// Several of them.
+fn discs(centers: &[[f64; 2]], seed: u64) -> Frame {
     Frame::rgb(Grid::from_fn(64, 48, |x, y| {
-        let radius = (x as f64 - center[0]).hypot(y as f64 - center[1]);
+        let is_disc = centers.iter().any(|center| (x as f64 - center[0]).hypot(y as f64 - center[1]) < 9.0);
         let shade = noise(x, y, seed) / 4;
-        if radius < 9.0 { [190 + shade, 60 + shade, 40 + shade / 2] } else { [60 + shade, 120 + shade, 40 + shade] }
+        if is_disc { [190 + shade, 60 + shade, 40 + shade / 2] } else { [60 + shade, 120 + shade, 40 + shade] }
     }))
 }
 
@@ -521,6 +528,82 @@ fn without_true_boxes_no_success_is_claimed() {
     let clip = Clip::from_frames("gray", vec![gray; 4]).expect("frames of one size");
     let end = conclusion(&*set("camshift", &[("region", "20,15,40,35")]), &clip);
     assert!(end.contains("the model has no hue") && end.contains("The model is empty"), "{end}");
+}
+
+#[test]
+fn a_region_found_again_may_be_another_object() {
+    // The disc goes for two frames and comes back far away, while another one comes near to where it was last.
+    let places: [&[[f64; 2]]; 8] = [
+        &[[24.0, 24.0]],
+        &[[24.0, 24.0]],
+        &[],
+        &[],
+        &[[52.0, 38.0], [30.0, 22.0]],
+        &[[52.0, 38.0], [30.0, 22.0]],
+        &[[52.0, 38.0], [30.0, 22.0]],
+        &[[52.0, 38.0], [30.0, 22.0]],
+    ];
+    let frames = places.iter().map(|centers| discs(centers, 1)).collect();
+    let clip = Clip::from_frames("discs", frames).expect("frames of one size");
+    let box_of = |[x, y]: [f64; 2]| ObjectBox {
+        id: 1,
+        x: (x - 9.0) as f32,
+        y: (y - 9.0) as f32,
+        width: 18.0,
+        height: 18.0,
+        visibility: 1.0,
+    };
+    let truth = places.iter().map(|centers| centers.first().map(|center| box_of(*center)).into_iter().collect());
+    let known = clip.clone().with_truth(Arc::new(Objects(truth.collect())));
+    for id in ["mean-shift", "camshift"] {
+        let placed = set(id, &[("region", "15,15,33,33")]);
+        // CamShift has no threshold of a loss.
+        let unreported = if id == "camshift" { " that is not reported" } else { "" };
+        let again = steps(&*placed, &clip, &format!("After a loss of 2 frames{unreported} the region is found again"));
+        let said = again.first().map(|step| step.sentence.plain()).unwrap_or_default();
+        assert!(
+            said.contains("px from its position before the loss") && said.contains("may be another object"),
+            "{said}"
+        );
+        let end = conclusion(&*placed, &clip);
+        let said = format!("In frame 4, after a loss of 2 frames{unreported}, the region was found again");
+        assert!(end.contains(&said), "{id}: {end}");
+        assert!(end.contains("may be another object"), "{id}: {end}");
+        // The truth says that it is one.
+        let end = conclusion(&*set(id, &[]), &known);
+        assert!(id == "camshift" || end.contains("another object or the background was found"), "{id}: {end}");
+        assert!(!end.contains("may be another"), "{id}: {end}");
+    }
+    // A ball that comes out of a tunnel is the one that went in.
+    assert!(!conclusion(&*set("particle-filter", &[]), &scene("tunnel")).contains("found again"));
+}
+
+#[test]
+fn the_end_of_a_run_has_its_scores() {
+    let (clip, estimator) = (scene("tunnel"), set("mean-shift", &[]));
+    let of = RegionScores::of(&errors(&*estimator, &clip)).expect("true boxes");
+    let end = conclusion(&*estimator, &clip);
+    for score in [
+        format!("mean overlap {:.3}", of.overlap),
+        format!("success (AUC) {:.3}", of.success),
+        format!("precision at 20 px {:.3}", of.precision),
+        format!("{} failure", of.failures),
+    ] {
+        assert!(end.contains(&score), "{score}: {end}");
+    }
+}
+
+#[test]
+fn an_ellipse_is_filled_as_far_as_its_back_projection_is_that_of_the_first_frame() {
+    let filled = |scene_id: &str| {
+        steps(&*set("camshift", &[]), &scene(scene_id), "the hues of the object fill the ellipse").len()
+    };
+    let frames = |scene_id: &str| run(&*set("camshift", &[]), &scene(scene_id)).frames.len();
+    let [balloon, leaves] = ["balloon", "leaves"].map(|id| (filled(id), frames(id)));
+    assert!(2 * balloon.0 > balloon.1 && 2 * leaves.0 < leaves.1, "{balloon:?}, {leaves:?}");
+    let all = steps(&*set("camshift", &[]), &scene("leaves"), "The second moments in the window");
+    let last = all.last().map(|step| step.sentence.plain()).unwrap_or_default();
+    assert!(last.contains("times the area of that in the first frame"), "{last}");
 }
 
 #[test]

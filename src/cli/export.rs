@@ -83,7 +83,7 @@ fn pages(args: &ExportArgs) -> Result<(), Error> {
         let (cursor, look) = (position.cursor.unwrap_or_default(), task::look(&session));
         let prepared = Prepared::open(session.experiment, Open::default())?;
         refuse_losses(&prepared.inputs, &[("out", Target::Numbered(folder, "page-"))], args.force)?;
-        let stand = Stand { prepared: &prepared, cursor, pixel: position.pixel.map(Chosen::Held), look };
+        let stand = Stand { prepared: &prepared, cursor, pixel: position.held.map(Chosen::Held), look };
         let words = Words { lesson: &lesson.title, title: &page.title, number: [index + 1, count], prose };
         let picture = words.encode(&stand, args.format, args.picture.scale)?;
         make_folder(folder)?;

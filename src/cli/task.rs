@@ -95,7 +95,7 @@ pub fn look(session: &Session) -> Look {
 
 /// Returns the pixel of --pixel, or the one held in the session.
 pub fn pixel(position: Position, picture: &PictureArgs) -> Option<Chosen> {
-    picture.pixel.map(Chosen::Asked).or(position.pixel.map(Chosen::Held))
+    picture.pixel.map(Chosen::Asked).or(position.held.map(Chosen::Held))
 }
 
 /// Returns `experiment` with the settings of `args` and its clip open.

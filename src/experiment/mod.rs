@@ -15,7 +15,7 @@ use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Info, Output, Walk, es
 
 use crate::media::export::Inputs;
 use crate::media::{Given, Open};
-use pixel::Pixel;
+use pixel::Held;
 use side_by_side::SideBySide;
 use source::Source;
 
@@ -38,8 +38,8 @@ pub struct Experiment {
 pub struct Position {
     /// The step; `None` for the end of the run.
     pub cursor: Option<Cursor>,
-    /// The held pixel to explain.
-    pub pixel: Option<Pixel>,
+    /// The held pixel or object to explain.
+    pub held: Option<Held>,
 }
 
 impl Experiment {

@@ -70,11 +70,38 @@ impl FromStr for Pixel {
     }
 }
 
+/// A held pixel, or the object that was clicked there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Held {
+    /// The pixel; of an object the one where it was.
+    pub pixel: Pixel,
+    /// The identity of the object, which is held wherever it goes.
+    pub object: Option<u32>,
+}
+
+impl Held {
+    /// What is held at `focus`.
+    pub fn of(focus: Focus) -> Self {
+        Self { pixel: Pixel::of(focus), object: focus.object }
+    }
+
+    /// Its place when it was chosen.
+    pub fn focus(self) -> Focus {
+        Focus { object: self.object, ..self.pixel.focus() }
+    }
+}
+
+/// Where `held` is at the cursor of `walk`: an object wherever it has gone, and nowhere before it is there.
+pub fn place_of(walk: &dyn Walk, held: Focus) -> Option<Focus> {
+    let at = held.object.map_or(Some(held.at), |object| walk.place_of(object))?;
+    Some(Focus { at, ..held })
+}
+
 /// The pixel to explain, and whether failure is an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Chosen {
     /// Held: ignored at steps that cannot explain it.
-    Held(Pixel),
+    Held(Held),
     /// Requested: an error at steps that cannot explain it.
     Asked(Pixel),
 }
@@ -86,7 +113,7 @@ impl Chosen {
     /// A sentence that says why a requested pixel cannot be explained.
     pub fn here(self, walk: &dyn Walk, clip: &Clip) -> Result<Option<Focus>, Error> {
         match self {
-            Self::Held(pixel) => Ok(Some(pixel.focus()).filter(|at| is_explained(walk, *at))),
+            Self::Held(held) => Ok(place_of(walk, held.focus()).filter(|at| is_explained(walk, *at))),
             Self::Asked(pixel) => explain(pixel, walk, clip).map(Some),
         }
     }
@@ -94,7 +121,7 @@ impl Chosen {
     /// Returns the place while `walk` steps: a held pixel is ignored where each step explains another one.
     pub fn on_the_way(self, walk: &dyn Walk) -> Option<Focus> {
         let at = match self {
-            Self::Held(pixel) => Some(pixel.focus()).filter(|at| !walks_pixels(walk, *at)),
+            Self::Held(held) => place_of(walk, held.focus()).filter(|at| !walks_pixels(walk, *at)),
             Self::Asked(pixel) => Some(pixel.focus()),
         };
         at.filter(|at| is_explained(walk, *at))

@@ -6,6 +6,7 @@ use motionscope_core::{AnyEstimator, Error, Pace, estimator};
 
 use super::toml_text::{Entry, Section};
 use super::{Session, VERSION, VisiblePart, key, pace};
+use crate::experiment::pixel::Held;
 use crate::experiment::side_by_side::SideBySide;
 use crate::experiment::source::Source;
 use crate::experiment::{Experiment, Position};
@@ -80,10 +81,8 @@ pub(super) fn keys(top: &mut Section<'_>, base: Option<Session>, folder: &Path) 
     };
     let goes_on = base.filter(|base| base.experiment == experiment).map(|base| base.position);
     let step = top.take("step").map(|step| step.parsed(str::parse)).transpose()?;
-    let position = Position {
-        cursor: step.or(goes_on.as_ref().and_then(|position| position.cursor)),
-        pixel: top.take("pixel").map(|pixel| pixel.parsed(str::parse)).transpose()?,
-    };
+    let position =
+        Position { cursor: step.or(goes_on.as_ref().and_then(|position| position.cursor)), held: held(top)? };
     let look = look(section(top, "picture")?)?;
     Ok(Session { experiment, position, look, sight: sight(top)? })
 }
@@ -96,6 +95,17 @@ fn scale(
 ) -> Result<Option<f32>, Error> {
     let read = |entry: Entry<'_>| checked(entry.number()?).map_err(|why| entry.wrong(why));
     top.take(key).map(read).transpose()
+}
+
+/// The held pixel, or the object that was there.
+fn held(top: &mut Section<'_>) -> Result<Option<Held>, Error> {
+    let (pixel, object) = (top.take("pixel"), top.take("object"));
+    let Some(pixel) = pixel else {
+        let why = |object: Entry<'_>| object.wrong("an object is held at the key pixel, which is missing");
+        return object.map_or(Ok(None), |object| Err(why(object)));
+    };
+    let id = |object: Entry<'_>| u32::try_from(object.count()?).map_err(|_| object.wrong("there is no such identity"));
+    Ok(Some(Held { pixel: pixel.parsed(str::parse)?, object: object.map(id).transpose()? }))
 }
 
 /// Whether this line states the version of the format.

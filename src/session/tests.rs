@@ -7,6 +7,7 @@ use motionscope_core::{Cursor, Pace, Params, Value, estimator, estimators};
 
 use super::write::{relative, slashed};
 use super::*;
+use crate::experiment::pixel::Held;
 use crate::experiment::side_by_side::SideBySide;
 use crate::media::{GivenCalibration, RightView};
 use crate::paint::{
@@ -29,8 +30,8 @@ fn session(source: Source) -> Session {
         ..Look::default()
     };
     let sight = Some(VisiblePart { center: [10.5, 3.0], zoom: 4.0 });
-    let position =
-        Position { cursor: Some(Cursor { unit: 35, event: 412 }), pixel: Some("303,202".parse().expect("a pixel")) };
+    let held = Some(Held { pixel: "303,202".parse().expect("a pixel"), object: None });
+    let position = Position { cursor: Some(Cursor { unit: 35, event: 412 }), held };
     let experiment = Experiment { side_by_side, frame: 12, ..Experiment::new(source, estimator) };
     Session { experiment, position, look: look.into(), sight }
 }
@@ -87,10 +88,27 @@ fn a_pixel_is_named_only_where_one_is_held() {
     let saved = session(Source::parse("synth:pillar").unwrap());
     let names = |session: &Session| session.text(Path::new(".")).unwrap().contains("\npixel = \"303,202\"\n");
     assert!(names(&saved));
-    let free = Session { position: Position { pixel: None, ..saved.position }, ..saved };
+    let free = Session { position: Position { held: None, ..saved.position }, ..saved };
     let text = free.text(Path::new(".")).unwrap();
     assert!(!text.contains("\npixel"), "{text}");
-    assert_eq!(Session::parse(&text, Path::new(".")).unwrap().position.pixel, None);
+    assert_eq!(Session::parse(&text, Path::new(".")).unwrap().position.held, None);
+}
+
+#[test]
+fn an_object_is_held_beside_its_pixel() {
+    let saved = session(Source::parse("synth:pillar").unwrap());
+    let held = saved.position.held.map(|held| Held { object: Some(7), ..held });
+    let selected = Session { position: Position { held, ..saved.position }, ..saved };
+    let text = selected.text(Path::new(".")).unwrap();
+    assert!(text.contains("\npixel = \"303,202\"\nobject = 7\n"), "{text}");
+    assert_eq!(Session::parse(&text, Path::new(".")).unwrap().position.held, held);
+    for (wrong, said) in [("object = -1", "object"), ("object = 9999999999", "no such identity")] {
+        let message = Session::parse(&text.replace("object = 7", wrong), Path::new(".")).err().map(|e| e.to_string());
+        assert!(message.as_ref().is_some_and(|message| message.contains(said)), "{wrong}: {message:?}");
+    }
+    let alone = text.replace("pixel = \"303,202\"\n", "");
+    let message = Session::parse(&alone, Path::new(".")).err().map(|error| error.to_string());
+    assert!(message.as_ref().is_some_and(|message| message.contains("pixel, which is missing")), "{message:?}");
 }
 
 #[cfg(target_os = "linux")]
@@ -362,7 +380,7 @@ fn an_old_session_opens_unchanged() {
     let Session { experiment, position, look, sight } = Session::parse(text, Path::new("there")).unwrap();
     assert_eq!(experiment.given, Given { truth: Some("there/t.flo".into()), ..Given::default() });
     assert_eq!((experiment.frame, experiment.estimator.get("block")), (3, Ok(Value::Int(8))));
-    assert_eq!(position, Position { cursor: Some(Cursor { unit: 29, event: 2 }), pixel: None });
+    assert_eq!(position, Position { cursor: Some(Cursor { unit: 29, event: 2 }), held: None });
     let expected = Look {
         view: Some(View::Blend),
         level: LevelShown::AtWork,

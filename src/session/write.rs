@@ -40,6 +40,8 @@ struct Text<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     pixel: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    object: Option<u32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     pace: Option<String>,
     set: BTreeMap<String, toml::Value>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -76,7 +78,7 @@ impl Serialize for Picture<'_> {
 
 /// Returns the text of `session` for a file in `folder`.
 pub(super) fn text(session: &Session, folder: &Path) -> Result<String, Error> {
-    let Session { experiment, position: Position { cursor, pixel }, look, sight } = session;
+    let Session { experiment, position: Position { cursor, held }, look, sight } = session;
     let Experiment { source, given, estimator, side_by_side, frame } = experiment;
     let Given { truth, detections, right, calibration, disparity_scale, depths, depth_scale } =
         given.clone().map_path(|path| relative(path, folder));
@@ -104,7 +106,8 @@ pub(super) fn text(session: &Session, folder: &Path) -> Result<String, Error> {
         estimator: estimator.info().id.into(),
         frame: *frame,
         step: cursor.map(|cursor| cursor.to_string()),
-        pixel: pixel.map(|pixel| pixel.to_string()),
+        pixel: held.map(|held| held.pixel.to_string()),
+        object: held.and_then(|held| held.object),
         pace: (!side_by_side.is_empty()).then(|| side_by_side.pace.name().to_owned()),
         set: estimator.all_values().into_iter().map(|(name, value)| (name, toml_value(&value))).collect(),
         beside: side_by_side.beside.iter().map(|one| Companion::of(one, &**estimator)).collect(),

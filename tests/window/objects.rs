@@ -1,6 +1,6 @@
 //! Estimators of single frames: what moves, and objects that are followed.
 
-use motionscope::experiment::pixel::Pixel;
+use motionscope::experiment::pixel::Held;
 use motionscope::ui::model::snapshot::Hold;
 use motionscope_core::scene::Shape;
 
@@ -82,7 +82,7 @@ fn a_click_on_a_box_explains_its_track() {
     };
     let (corner, id) = objects(&window).into_iter().next().expect("a track with its number");
     let focus = Focus::current([corner[0] + 3.0, corner[1] + 3.0]);
-    let place = Place { hold: Hold::Set(Some(Pixel::of(focus))), ..Place::at(window.cursor()) };
+    let place = Place { hold: Hold::Set(Some(Held::of(focus))), ..Place::at(window.cursor()) };
     window.harness.state_mut().walk_from(place);
     window.settle();
     let told = window.shown().step.sentence.plain();
@@ -119,6 +119,15 @@ fn a_selected_track_stays_selected_wherever_it_goes() {
         assert!(selected(&window).is_none_or(|now| now == id.trim()), "{:?}", selected(&window));
     }
     assert_eq!(selected(&window).as_deref(), Some(id.trim()), "four frames before");
+    // Reopened, it is the track that is selected and not the pixel where it was.
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("selected.motionscope");
+    window.press(Modifiers::COMMAND, Key::S);
+    super::files::write_to(&mut window, &file);
+    let mut again = Window::with(vec2(1440.0, 900.0), Start { open: Some(file.into()) });
+    assert_eq!(selected(&again), selected(&window), "as it was saved");
+    again.key(Key::End);
+    assert_eq!(selected(&again).as_deref(), Some(id.trim()), "elsewhere");
     window.key(Key::Escape);
     assert_eq!(selected(&window), None);
 }

@@ -194,7 +194,7 @@ fn a_pixel_that_is_held_stays_held_in_a_session() {
         // The same session with none.
         let free = folder.path().join("free.motionscope");
         let mut session = Session::load(&file).expect("a session");
-        session.position.pixel = None;
+        session.position.held = None;
         session.save(&free).expect("it is written");
         paint(&free, 1, &other);
         assert!(fs::read(&mine).expect("a picture") != fs::read(&other).expect("a picture"), "the pixel is not seen");

@@ -389,9 +389,8 @@ impl App {
             self.toasts
                 .hint(format!("{name} depends on few frames: its run begins at frame {frame}, near the one shown."));
         }
-        if let Some(job) = self.document.job_at(place) {
-            self.walker.start(job);
-        }
+        let job = self.document.job_at(place);
+        self.start(job);
     }
 
     /// Opens a stage of the estimator at the current position.
@@ -417,9 +416,8 @@ impl App {
         self.states.stage.placing = None;
         self.states.explained = 0;
         self.suit_view(was_single);
-        if let Some(job) = self.document.job_at(place) {
-            self.walker.start(job);
-        }
+        let job = self.document.job_at(place);
+        self.start(job);
     }
 
     /// Whether frame t alone shows the estimator.
@@ -520,9 +518,8 @@ impl App {
         self.states.explained = 0;
         let unit = row.figures.first_missed_unit().unwrap_or(0);
         let place = Place { cursor: Cursor { unit, event: usize::MAX }, ..Place::default() };
-        if let Some(job) = self.document.job_at(place) {
-            self.walker.start(job);
-        }
+        let job = self.document.job_at(place);
+        self.start(job);
     }
 
     fn go_to_frame(&mut self, frame: usize) {
@@ -533,8 +530,7 @@ impl App {
 
     /// Restarts the run with the current settings at the shown position.
     fn restart(&mut self) {
-        if let Some(job) = self.document.job(self.view.shown.as_deref()) {
-            self.walker.start(job);
-        }
+        let job = self.document.job(self.view.shown.as_deref());
+        self.start(job);
     }
 }

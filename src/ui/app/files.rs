@@ -25,7 +25,7 @@ use crate::ui::dialogs::open::State;
 use crate::ui::dialogs::save::{self, Kind};
 use crate::ui::model::loader::{Beside, Loading, Opened};
 use crate::ui::model::settings::LeftAt;
-use crate::ui::model::snapshot::{Hold, Place, Snapshot, surface};
+use crate::ui::model::snapshot::{Hold, Job, Place, Snapshot, surface};
 use crate::ui::model::writer::{self, Order, OutputKind, Work, Writing};
 use crate::ui::panes::status;
 use crate::ui::stage::Zoom;
@@ -37,9 +37,7 @@ impl App {
             match outcome {
                 Ok(opened) => {
                     self.opened(opened, Path::new(&loading.name));
-                    if let Some(text) = loading.description {
-                        self.toasts.describe(text);
-                    }
+                    self.toasts.describe(loading.description);
                 }
                 Err(error) => self.not_opened(Path::new(&loading.name), error),
             }
@@ -290,9 +288,9 @@ impl App {
         if let Some(VisiblePart { center, zoom }) = sight {
             self.states.stage.zoom = Zoom::At { center, scale: zoom };
         }
-        let Position { cursor, pixel } = position;
+        let Position { cursor, held } = position;
         let cursor = cursor.or_else(|| self.left_in_run()).unwrap_or_default();
-        self.walk_from(Place { hold: Hold::Set(pixel), ..Place::at(cursor) });
+        self.walk_from(Place { hold: Hold::Set(held), ..Place::at(cursor) });
     }
 
     /// Begins with the first pair whose true flow is known, and says so.
@@ -335,9 +333,14 @@ impl App {
 
     /// Runs what is set, from `place` on.
     pub fn walk_from(&mut self, place: Place) {
-        if let Some(job) = self.document.job_at(place) {
-            self.walker.start(job);
-        }
+        let job = self.document.job_at(place);
+        self.start(job);
+    }
+
+    /// Starts a run, if there is one to start: what an example says is not about another one.
+    pub(super) fn start(&mut self, job: Option<Job>) {
+        self.toasts.describe(None);
+        job.into_iter().for_each(|job| self.walker.start(job));
     }
 
     fn not_opened(&mut self, path: &Path, error: Error) {
@@ -448,7 +451,7 @@ impl App {
         let mut experiment = shown.subject.experiment.clone();
         experiment.source = experiment.source.map_path(whole);
         experiment.given = experiment.given.map_path(whole);
-        let position = Position { cursor: Some(shown.cursor), pixel: shown.held() };
+        let position = Position { cursor: Some(shown.cursor), held: shown.held() };
         Session { experiment, position, look: self.settings.look.into(), sight }
     }
 }

@@ -120,7 +120,7 @@ impl App {
         let is_of_clip = self.document.clip().is_some() && session.experiment.has_clip_of(now);
         if !is_of_clip {
             self.load(name);
-        } else if session.experiment == *now && session.position.pixel.is_none() && self.view.refused.is_none() {
+        } else if session.experiment == *now && session.position.held.is_none() && self.view.refused.is_none() {
             self.settings.look = session.look.over(self.settings.look);
             self.loading = None;
             self.walker.release();

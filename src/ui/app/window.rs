@@ -324,6 +324,7 @@ impl App {
         let transport = Panel::bottom("transport").frame(bar(12, 2)).exact_size(height + 4.0);
         let transport = transport.show(ui, |ui| self.transport(ui, actions));
         regions.push((Region::Transport, transport.response.rect));
+        self.toasts.show_description(ui, bar(12, 6), self.settings.look.theme);
         CentralPanel::no_frame().show(ui, |ui| self.body(ui, gpu, actions, &mut regions));
         self.regions = regions;
     }
@@ -426,7 +427,9 @@ impl App {
         let body = self.lesson_beside(ui, actions, regions);
         let all = self.room(body, ui.ctx().content_rect().size()).arrange();
         let of_step = self.charts();
-        let calm = self.settings.reduced_motion || self.player.is_playing();
+        // In a long run the marks of the frames in between must not lag behind their pictures.
+        let is_on_its_way = self.view.progress.is_some();
+        let calm = self.settings.reduced_motion || self.player.is_playing() || is_on_its_way;
         let mut panes = Panes {
             document: &self.document,
             view: &self.view,

@@ -7,7 +7,7 @@ use motionscope_core::scene::{Focus, Picture, Readout, Shape, Surface};
 use motionscope_core::{Cursor, Error, Granularity, Info, Move, Pace, Role, Step, Walk};
 
 use crate::experiment::Prepared;
-use crate::experiment::pixel::Pixel;
+use crate::experiment::pixel::Held;
 use crate::view::moment::{Fault, Moment};
 
 /// The held pixel at the start of a run.
@@ -16,8 +16,8 @@ pub enum Hold {
     /// The pixel held before, in the same clip.
     #[default]
     Kept,
-    /// The pixel of a session, if any.
-    Set(Option<Pixel>),
+    /// The pixel or the object of a session, if any.
+    Set(Option<Held>),
 }
 
 /// A position that is valid in runs with other parameters as well.
@@ -169,9 +169,9 @@ impl Snapshot {
         if self.clickable.contains(&picture) { None } else { self.clickable.first().copied() }
     }
 
-    /// Returns the held pixel that is explained.
-    pub fn held(&self) -> Option<Pixel> {
-        self.pointed.filter(|pointed| pointed.is_held).map(|pointed| Pixel::of(pointed.at))
+    /// Returns the held pixel or object that is explained.
+    pub fn held(&self) -> Option<Held> {
+        self.pointed.filter(|pointed| pointed.is_held).map(|pointed| Held::of(pointed.at))
     }
 
     /// Returns the cursor of the estimator's own run, which differs only in lockstep.

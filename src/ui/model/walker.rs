@@ -22,7 +22,7 @@ use motionscope_core::{Clip, Cursor, Direction, Error, Explained, Flow, Move, Ou
 
 use super::preview::{preview, stopped};
 use super::snapshot::{Hold, Job, Place, Pointed, Snapshot, event_of};
-use crate::experiment::pixel::{Pixel, is_explained, walks_pixels};
+use crate::experiment::pixel::{Held, is_explained, place_of, walks_pixels};
 use crate::experiment::{Experiment, Prepared};
 use crate::paint::{FlowLayer, Pictures};
 use crate::ui::app::action::Side;
@@ -635,7 +635,7 @@ impl<'a> Worker<'a> {
         self.held = match place.hold {
             // In another run an object has another identity.
             Hold::Kept => self.held.filter(|_| !other).map(|focus| Focus { object: None, ..focus }),
-            Hold::Set(pixel) => pixel.map(Pixel::focus),
+            Hold::Set(held) => held.map(Held::focus),
         };
         let clip = subject.clip.clone().until(self.shared.stop.clone());
         self.announce(&subject, &clip)?;
@@ -725,8 +725,7 @@ impl<'a> Worker<'a> {
     fn held(&self) -> Option<Focus> {
         let (held, run) = (self.held?, self.run.as_ref()?);
         // An object is selected wherever it goes, and not before it is there.
-        let at = held.object.map_or(Some(held.at), |object| run.walk.place_of(object))?;
-        Some(Focus { at, ..held }).filter(|at| is_explained(&*run.walk, *at))
+        place_of(&*run.walk, held).filter(|at| is_explained(&*run.walk, *at))
     }
 
     /// Works on a move until it is done or another one is wanted more; gives whether it is done. A long one shows now and

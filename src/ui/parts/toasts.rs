@@ -1,6 +1,7 @@
-//! Short messages that come and go: what was written and where, what could not be done.
+//! Short messages that come and go: what was written and where, what could not be done. They lie over the window; only the description of
+//! an example has a line of its own, because it stays as long as the first step, whose picture it is about.
 
-use eframe::egui::{self, Align2, Area, Frame, Id, Order, RichText, TextStyle};
+use eframe::egui::{self, Align2, Area, Frame, Id, Order, Panel, RichText, TextStyle, Ui};
 use lucide_icons::Icon;
 
 use super::widgets;
@@ -18,8 +19,26 @@ struct Toast {
     kind: Kind,
     /// Whether it only introduces a part of the window.
     is_introduction: bool,
-    /// When it goes; unknown until it was shown first.
+    /// When it goes; unknown until it was shown first, and never of a description.
     until: Option<f64>,
+}
+
+impl Toast {
+    /// Shows the message; gives whether it was closed.
+    fn show(&self, ui: &mut Ui, theme: Theme) -> bool {
+        let chrome = theme.chrome();
+        let (glyph, ink) = match self.kind {
+            Kind::Error => (Icon::TriangleAlert, chrome.error),
+            Kind::Hint | Kind::Description => (Icon::Lightbulb, chrome.accent),
+            Kind::Done => (Icon::CircleCheck, chrome.accent),
+        };
+        let row = ui.horizontal(|ui| {
+            ui.label(widgets::icon(ui, glyph).color(style::color(ink)));
+            ui.add(egui::Label::new(RichText::new(&self.text)).wrap());
+            widgets::cross(ui, "Close message").clicked()
+        });
+        row.inner
+    }
 }
 
 /// What a message tells of.
@@ -60,13 +79,14 @@ impl Toasts {
         self.0.push(Toast { text: text.into(), kind: Kind::Hint, is_introduction: false, until: None });
     }
 
-    /// Shows the description of an example that was opened; it replaces an earlier one.
-    pub fn describe(&mut self, text: impl Into<String>) {
+    /// Shows the description of an example that was opened, if one was, instead of an earlier one.
+    pub fn describe(&mut self, text: Option<String>) {
         self.0.retain(|toast| toast.kind != Kind::Description);
-        self.0.push(Toast { text: text.into(), kind: Kind::Description, is_introduction: false, until: None });
+        let described = |text| Toast { text, kind: Kind::Description, is_introduction: false, until: None };
+        self.0.extend(text.map(described));
     }
 
-    /// Removes what only describes or introduces, as the person steps on: it must not cover what is stepped through.
+    /// Removes what only describes or introduces, as the person steps on: it is about the first step, and takes room.
     pub fn end_descriptions(&mut self) {
         self.0.retain(|toast| !toast.is_introduction && toast.kind != Kind::Description);
     }
@@ -76,10 +96,19 @@ impl Toasts {
         self.0.iter().rfind(|toast| !toast.is_introduction).map(|toast| toast.text.as_str())
     }
 
-    /// Shows the messages with their lower left `corner` there, the newest at the bottom.
+    /// Shows the description of an example, if there is one, in a line of its own above what `ui` has at its lower end.
+    pub fn show_description(&mut self, ui: &mut Ui, frame: Frame, theme: Theme) {
+        let Some(at) = self.0.iter().position(|toast| toast.kind == Kind::Description) else { return };
+        let line = Panel::bottom("description").frame(frame.fill(style::color(theme.chrome().raised)));
+        if line.show(ui, |ui| self.0[at].show(ui, theme)).inner {
+            self.0.remove(at);
+        }
+    }
+
+    /// Shows all other messages with their lower left `corner` there, the newest at the bottom.
     pub fn show(&mut self, ctx: &egui::Context, corner: egui::Pos2, theme: Theme) {
         let now = ctx.input(|i| i.time);
-        for toast in &mut self.0 {
+        for toast in self.0.iter_mut().filter(|toast| toast.kind != Kind::Description) {
             let read = STAY_SECS.max(LETTER_SECS * toast.text.chars().count() as f64);
             let stay = if toast.kind == Kind::Error { 2.0 * read } else { read };
             toast.until.get_or_insert(now + stay);
@@ -93,23 +122,14 @@ impl Toasts {
         let mut read = None;
         area.show(ctx, |ui| {
             let size = TextStyle::Body.resolve(ui.style()).size;
-            for (index, toast) in self.0.iter().enumerate() {
-                let (glyph, ink) = match toast.kind {
-                    Kind::Error => (Icon::TriangleAlert, chrome.error),
-                    Kind::Hint | Kind::Description => (Icon::Lightbulb, chrome.accent),
-                    Kind::Done => (Icon::CircleCheck, chrome.accent),
-                };
+            for (index, toast) in self.0.iter().enumerate().filter(|(_, toast)| toast.kind != Kind::Description) {
                 let fill = style::color(chrome.raised);
                 let frame = Frame::popup(ui.style()).fill(fill).inner_margin(12);
                 frame.show(ui, |ui| {
                     ui.set_max_width(32.0 * size);
-                    ui.horizontal(|ui| {
-                        ui.label(widgets::icon(ui, glyph).color(style::color(ink)));
-                        ui.add(egui::Label::new(RichText::new(&toast.text)).wrap());
-                        if widgets::cross(ui, "Close message").clicked() {
-                            read = Some(index);
-                        }
-                    });
+                    if toast.show(ui, theme) {
+                        read = Some(index);
+                    }
                 });
                 ui.add_space(4.0);
             }

@@ -63,14 +63,14 @@ pub(super) const EXAMPLES: &[Example] = &[
     },
     Example {
         id: "clutter",
-        title: "Leaves as bright as the ball",
+        title: "Grass as dark as the ball",
         of: &["chan-vese"],
         cause: Some(Cause::Clutter),
         clip: "leaves",
         settings: &[],
         frame: 0,
-        says: "Leaves and bands divide the window into bright and dark parts otherwise than the outline of the ball does, and the means follow them. \
-               A correlation filter knows the pattern of the ball.",
+        says: "Bands of the ball are as bright as the grass, and blades of grass beside it as dark as the ball: the inside loses bands and takes in \
+               grass, until it leaves the ball before the leaves are near. A correlation filter knows the pattern of the ball.",
         claim: ("mean_overlap", Limit::AtMost(0.4)),
         instead: Some(Alternative { id: "correlation-filter", settings: &[], limit: Limit::AtLeast(0.65) }),
     },

@@ -47,6 +47,8 @@ pub struct Model {
     projection: Vec<f32>,
     /// The search window: the box of the last region.
     window: Bounds,
+    /// The ellipse of the first frame, and the mean back-projection in it.
+    first: (Region, f32),
 }
 
 /// The moments of the back-projection in a window, about its centre.
@@ -255,9 +257,10 @@ impl RegionModel for Camshift {
         });
         let histogram = Histogram::new(binning, counts);
         let most = histogram.shares.iter().copied().fold(0.0, f32::max);
-        let projection = histogram.shares.iter().map(|share| if most > 0.0 { share / most } else { 0.0 }).collect();
-        let model = Model { histogram, projection, window: region.bounds() };
-        let similarity = mean_inside(&mut bins, &model.projection, region);
+        let projection: Vec<f32> =
+            histogram.shares.iter().map(|share| if most > 0.0 { share / most } else { 0.0 }).collect();
+        let similarity = mean_inside(&mut bins, &projection, region);
+        let model = Model { histogram, projection, window: region.bounds(), first: (region, similarity) };
         observer.see(|| Event::Modelled(Arc::new(model.clone())));
         (model, similarity)
     }

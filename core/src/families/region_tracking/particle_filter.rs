@@ -137,19 +137,19 @@ impl ParticleFilter {
             let inside = |c: f32, extent: usize| (-0.5..extent as f32 - 0.5).contains(&c);
             inside(at[0], width) && inside(at[1], height)
         };
-        let inside = particles.iter().filter(|particle| is_inside(particle.at));
-        let bounds = cloud::bounds(inside.map(|particle| Self::region(model.size, particle).bounds()));
+        let inside: Vec<usize> = (0..particles.len()).filter(|i| is_inside(particles[*i].at)).collect();
+        let region = |i: usize| Self::region(model.size, &particles[i]);
+        let bounds = cloud::bounds(inside.iter().map(|i| region(*i).bounds()));
         bounds.into_iter().for_each(|bounds| bins.cover(bounds));
         let mut meter = model.likelihood.meter(&bins);
-        let mut outside = 0;
-        let of = |particle: &Particle| match is_inside(particle.at) {
-            true => meter.coefficient(Self::region(model.size, particle)),
-            false => {
-                outside += 1;
-                f32::NEG_INFINITY
-            }
-        };
-        let coefficients: Vec<f32> = particles.iter().map(of).collect();
+        let mut coefficients = vec![f32::NEG_INFINITY; particles.len()];
+        for pair in inside.chunks(2) {
+            // The last one of an odd number is beside itself.
+            let both = [pair[0], pair[pair.len() - 1]];
+            let found = meter.coefficients(both.map(region));
+            both.into_iter().zip(found).for_each(|(i, coefficient)| coefficients[i] = coefficient);
+        }
+        let outside = particles.len() - inside.len();
         // Relative to the best: the common factor goes with the normalisation, and no large λ makes all of them underflow to 0.
         let best = coefficients.iter().copied().fold(f32::NEG_INFINITY, f32::max);
         for (particle, coefficient) in particles.iter_mut().zip(&coefficients) {

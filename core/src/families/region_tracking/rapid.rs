@@ -1,5 +1,6 @@
 //! RAPiD: a rigid wireframe model is refitted to the edges along the normals of its projection.
 
+mod account;
 mod explain;
 mod fit;
 mod wireframe;
@@ -15,6 +16,7 @@ use crate::run::{Info, Need};
 use crate::scene::{Chart, Name};
 use crate::{choices, params, pseudocode};
 
+use account::Past;
 use fit::{Equations, Motion, Sight, Sought, covariance, equations, farthest, median_distance, motion_of, solution};
 use wireframe::{Camera, Wireframe};
 
@@ -124,6 +126,8 @@ pub struct Model {
     motion: Motion,
     /// The result of the last frame.
     result: RegionFrame,
+    /// The judgements of all frames.
+    past: Arc<Vec<Past>>,
 }
 
 /// The end of the iterations of a frame.
@@ -251,19 +255,19 @@ impl Rapid {
         Judged { view: view.clone(), sought, share, residual_px, covariance, is_kept, is_lost }
     }
 
-    /// Judges the pose that a frame gives, where the last one had `region`; returns whether it is kept too.
+    /// Judges the pose that a frame gives, where the last one had `region`.
     fn result(
         &self,
         (frame, region): (&Frame, Region),
         view: &View,
         observer: &mut impl Observer<Event>,
-    ) -> (RegionFrame, bool) {
+    ) -> (RegionFrame, Arc<Judged>) {
         let judged = Arc::new(self.judge(frame, view));
         observer.see(|| Event::Judged(Arc::clone(&judged)));
         let bounds = view.bounds().filter(|_| !judged.is_lost);
         let similarity = judged.share as f32;
         let result = RegionFrame { region: bounds.map_or(region, Region::from), similarity, is_lost: judged.is_lost };
-        (result, judged.is_kept)
+        (result, judged)
     }
 }
 
@@ -324,9 +328,10 @@ impl RegionModel for Rapid {
         let placed = self.placed_in(region, frame.size());
         observer.see(|| Event::Placed(placed.clone()));
         let refined = self.refine(frame, placed.clone(), observer);
-        let (result, is_kept) = self.result((frame, region), &refined, observer);
-        let view = if is_kept { refined } else { placed };
-        (Model { view, motion: Motion::default(), result }, result.similarity)
+        let (result, judged) = self.result((frame, region), &refined, observer);
+        let view = if judged.is_kept { refined } else { placed };
+        let past = Arc::new(vec![Past::from(&*judged)]);
+        (Model { view, motion: Motion::default(), result, past }, result.similarity)
     }
 
     fn fitted(&self, model: &Model) -> Option<RegionFrame> {
@@ -347,9 +352,10 @@ impl RegionModel for Rapid {
             observer.see(|| Event::Predicted([model.view.clone(), start.clone()]));
         }
         let view = self.refine(frame, start, observer);
-        let is_kept;
-        (model.result, is_kept) = self.result((frame, region), &view, observer);
-        if is_kept {
+        let judged;
+        (model.result, judged) = self.result((frame, region), &view, observer);
+        Arc::make_mut(&mut model.past).push(Past::from(&*judged));
+        if judged.is_kept {
             model.motion = before.motion_to(&view.pose);
             model.view = view;
         } else {
@@ -366,8 +372,8 @@ impl RegionModel for Rapid {
         Need::per_pixel(clip, [1.0, 1.0]).and([2.0 * each * points, (self.iterations + 1) as f64 * each * points])
     }
 
-    fn model_bytes(&self, _model: &Model) -> usize {
-        size_of::<Model>() + size_of::<Wireframe>()
+    fn model_bytes(&self, model: &Model) -> usize {
+        size_of::<Model>() + size_of::<Wireframe>() + size_of_val(&model.past[..])
     }
 
     fn line(&self, event: &Event) -> Name {

@@ -110,13 +110,28 @@ pub(crate) fn rect(scene: &mut Scene, role: Role, Bounds { min, max }: Bounds) {
     scene.mark(Picture::CURRENT, role, Shape::Rect { min, max });
 }
 
-/// Room around the object of a step, in sizes of its box: its surroundings are seen too.
+/// Room around the objects of a step, in sizes of the largest box: their surroundings are seen too.
 const AROUND: f32 = 2.5;
 
 /// Makes the surroundings of an object the place where the step works: what the sentence is about is what the stage shows.
-pub(crate) fn work_at(scene: &mut Scene, Bounds { min, max }: Bounds) {
-    let room = AROUND * (max[0] - min[0]).max(max[1] - min[1]);
-    scene.work = Some([min.map(|c| c - room), max.map(|c| c + room)]);
+pub(crate) fn work_at(scene: &mut Scene, bounds: Bounds) {
+    work_on(scene, [bounds]);
+}
+
+/// The same of several objects, such as the tracks and the detections of a cluster.
+pub(crate) fn work_on(scene: &mut Scene, all: impl IntoIterator<Item = Bounds>) {
+    let side = |bounds: &Bounds| bounds.size().into_iter().fold(0.0, f32::max);
+    let around = |(one, largest): (Bounds, f32), (other, side): (Bounds, f32)| {
+        let min = [0, 1].map(|i| one.min[i].min(other.min[i]));
+        let max = [0, 1].map(|i| one.max[i].max(other.max[i]));
+        (Bounds { min, max }, largest.max(side))
+    };
+    let hull = all.into_iter().map(|bounds| (bounds, side(&bounds))).reduce(around);
+    let room = |(Bounds { min, max }, largest): (Bounds, f32)| {
+        let room = AROUND * largest;
+        [min.map(|c| c - room), max.map(|c| c + room)]
+    };
+    scene.work = hull.map(room);
 }
 
 /// Draws the boxes of detections.

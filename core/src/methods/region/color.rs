@@ -196,9 +196,9 @@ impl<'a> Bins<'a> {
         self.bins.cells()
     }
 
-    /// Sets `positions` to those in [`cells`](Self::cells) of the pixels around the places of a `pattern`, given in radii of an
-    /// upright ellipse from its centre; of places that are not known, to [`u32::MAX`].
-    pub(crate) fn find(&self, region: Region, pattern: &[[f32; 2]], positions: &mut [u32]) {
+    /// Sets `positions` to those in [`cells`](Self::cells) of the pixels around the places of a `pattern`, given along x and along y in
+    /// radii of an upright ellipse from its centre; of places that are not known, to [`u32::MAX`].
+    pub(crate) fn find(&self, region: Region, pattern: [&[f32]; 2], positions: &mut [u32]) {
         find(self, region, pattern, positions);
     }
 
@@ -213,17 +213,17 @@ impl<'a> Bins<'a> {
     }
 }
 
-wide!(fn find(bins: &Bins<'_>, region: Region, pattern: &[[f32; 2]], positions: &mut [u32]) = find_all);
+wide!(fn find(bins: &Bins<'_>, region: Region, pattern: [&[f32]; 2], positions: &mut [u32]) = find_all);
 
 #[inline(always)]
-fn find_all(bins: &Bins<'_>, region: Region, pattern: &[[f32; 2]], positions: &mut [u32]) {
+fn find_all(bins: &Bins<'_>, region: Region, [xs, ys]: [&[f32]; 2], positions: &mut [u32]) {
     /// More than any coordinate left of or above the picture, so that truncation is rounding down.
     const BEYOND: f32 = 4096.0;
     let half = region.size.map(|side| side / 2.0);
     let first = bins.area.from.map(|from| from as i32 + BEYOND as i32);
     let (width, height) = (bins.bins.width() as u32, bins.bins.height() as u32);
-    for (position, place) in positions.iter_mut().zip(pattern) {
-        let at = [0, 1].map(|i| region.center[i] + place[i] * half[i]);
+    for (position, place) in positions.iter_mut().zip(xs.iter().zip(ys)) {
+        let at = [region.center[0] + place.0 * half[0], region.center[1] + place.1 * half[1]];
         // Negative ones become larger than any side.
         let [x, y] = [0, 1].map(|i| ((at[i] + (BEYOND + 0.5)) as i32).wrapping_sub(first[i]) as u32);
         let index = y.wrapping_mul(width).wrapping_add(x);

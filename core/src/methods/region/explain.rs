@@ -1,12 +1,14 @@
 //! What all trackers of a region explain alike: the start, the result of a frame, the conclusion of the run.
 
+use super::content;
 use super::ending::{FAIR, GROWN};
+use super::regained::Regained;
 use super::start::Origin;
 use super::{At, Ending, Event, Explained, Outcome, RegionTracking, State, line, plots};
 use crate::base::words::{counted, fixed, place};
 use crate::data::Clip;
 use crate::methods::numbers::{px, ratio};
-use crate::products::region::{RegionError, RegionScores, area_ratio, covered, success};
+use crate::products::region::{NEAR_PX, RegionError, RegionScores, area_ratio, covered, success};
 use crate::products::{Region, RegionFrame};
 use crate::run::Seen;
 use crate::scene::{Fact, Name, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step};
@@ -50,9 +52,10 @@ impl<T: Explained> RegionTracking<T> {
         let events: Vec<_> = seen.events.iter().filter_map(own).collect();
         let event = *events.last()?;
         let state = seen.before;
-        let truth = state.chosen.object.zip(seen.clip.truth());
-        let pose = truth.and_then(|(object, truth)| truth.pose(object, state.frame).ok().flatten());
-        Some(At { model: state.model.as_deref(), region: state.region, events, event, pose })
+        let (truth, first) = (state.chosen.object.zip(seen.clip.truth()), state.span.first);
+        let poses = move |index| truth.and_then(|(object, truth)| truth.pose(object, first + index).ok().flatten());
+        let (pose, poses) = (poses(state.past.len()), Box::new(poses));
+        Some(At { model: state.model.as_deref(), region: state.region, events, event, pose, poses })
     }
 
     pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
@@ -98,6 +101,10 @@ impl<T: Explained> RegionTracking<T> {
                     extent(&result.region),
                     similarity.label
                 ))
+                .text(
+                    Regained::of(&state.past, result)
+                        .map_or_else(String::new, |regained| regained.told(similarity, error_of_last(seen).is_some())),
+                )
                 .text(self.caveat(seen))
         };
         let Some(error) = error_of_last(seen) else { return said };
@@ -150,6 +157,12 @@ impl<T: Explained> RegionTracking<T> {
             Some(verdict) => said.text(format!(" In the last frame {verdict}.")),
             None => said.text(self.caveat(seen)),
         };
+        let said = said.text(regained::<T>(after, &errors).unwrap_or_default());
+        let said = said.text(content::told(seen.clip, &after.mask_field(), &errors).unwrap_or_default());
+        let at = Self::at_last(seen);
+        let said = said.text(
+            at.as_ref().and_then(|at| self.0.summary(at)).map(|summary| format!(" {summary}")).unwrap_or_default(),
+        );
         if ending.outcome == Outcome::Unknown {
             return said.text(format!(
                 " Without true boxes, only the pictures show whether the region is on the object: {} has a high {} too.",
@@ -157,7 +170,7 @@ impl<T: Explained> RegionTracking<T> {
                 T::SIMILARITY.name
             ));
         }
-        let advice = Self::at_last(seen).map(|at| self.0.advice(ending, &at));
+        let advice = at.map(|at| self.0.advice(ending, &at));
         said.text(advice.map(|advice| format!(" {advice}")).unwrap_or_default())
     }
 
@@ -279,16 +292,28 @@ fn verdict(error: &RegionError) -> Option<String> {
     }
 }
 
+/// What the end of a run says of the region that was found again after its longest loss.
+fn regained<T: Explained>(after: &State<T::Model>, errors: &[RegionError]) -> Option<String> {
+    let regained = Regained::longest(&after.past)?;
+    let frame = after.span.first + regained.index;
+    // An object without a true box in the frame is hidden there.
+    let overlap = || errors.iter().find(|error| error.frame == frame).map_or(0.0, |error| error.overlap);
+    regained.concluded(T::SIMILARITY, (frame, (!errors.is_empty()).then(overlap)))
+}
+
 /// The scores of a run in words.
 fn scored(of: &RegionScores, ending: Ending) -> String {
     let said = format!(
-        "End of the run: mean overlap {}, {} in {}",
+        "End of the run over {}: mean overlap {}, success (AUC) {}, precision at {} px {}, {}",
+        counted(of.frames, "frame"),
         ratio(of.overlap),
+        ratio(of.success),
+        fixed(NEAR_PX, 0),
+        ratio(of.precision),
         counted(of.failures, "failure"),
-        counted(of.frames, "frame")
     );
     said + &match (of.failures, ending.reported) {
-        (0, _) => ".".into(),
+        (0, 0) => ".".into(),
         (_, 0) => ", no loss reported.".into(),
         (_, lost) => format!(", a loss reported in {}.", counted(lost, "frame")),
     }

@@ -4,9 +4,11 @@
 //! estimator.
 
 pub(crate) mod color;
+mod content;
 mod ending;
 mod explain;
 pub(crate) mod plots;
+mod regained;
 mod start;
 
 use std::sync::Arc;
@@ -146,6 +148,11 @@ pub trait Explained: RegionModel {
         None
     }
 
+    /// What all frames of a run show beyond their regions, at the tracker's last event, as a further sentence of its end.
+    fn summary(&self, _at: &At<'_, Self>) -> Option<String> {
+        None
+    }
+
     /// What the result of a frame that did not lose the object does not show, at the tracker's last event, as a sentence.
     fn caveat(&self, _at: &At<'_, Self>) -> Option<String> {
         None
@@ -168,6 +175,8 @@ pub struct At<'a, T: RegionModel> {
     pub event: &'a T::Event,
     /// The true pose of the object in the frame, where it is known.
     pub pose: Option<Pose>,
+    /// The true poses of the object in the frames of the run, by their index, where they are known.
+    pub poses: Box<dyn Fn(usize) -> Option<Pose> + 'a>,
 }
 
 /// The estimator that tracks a region by the model `T`.

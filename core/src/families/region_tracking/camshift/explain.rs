@@ -7,10 +7,18 @@ use crate::geometry::{Bounds, Grid};
 use crate::methods::numbers::{px, ratio};
 use crate::methods::region::color::Area;
 use crate::methods::region::{At, Ending, Explained, Outcome, plots};
+use crate::products::Region;
 use crate::scene::{Arrow, Fact, Math, Picture, Readout, Role, Scene, Sentence, Shape};
 
 /// The back-projection is drawn this far around the window, in px.
 const AROUND_PX: f32 = 24.0;
+
+/// An ellipse is filled by the object from this share of the mean back-projection of the first frame on.
+const FILLED: f32 = 0.8;
+/// Below this share of it the window is spread.
+const SPREAD: f32 = 0.4;
+/// An ellipse of so many times the area of the first one has grown.
+const GROWN: f32 = 2.0;
 
 fn degrees(angle_rad: f32) -> String {
     format!("{}°", fixed(angle_rad.to_degrees().into(), 1))
@@ -33,7 +41,7 @@ impl Explained for Camshift {
                     size(window.size())
                 )),
             Event::Shifted(_, shift) => self.shifted(shift, said),
-            Event::Resized(_, resized) => self.resized(resized, said),
+            Event::Resized(_, resized) => self.resized(at, resized, said),
         }
     }
 
@@ -80,17 +88,25 @@ impl Explained for Camshift {
             }
             Event::Resized(_, resized) => {
                 let [xx, xy, yy] = resized.moments.covariance().unwrap_or_default();
-                let angle = Math::Row(vec![
-                    Math::text("θ = ½ atan2(2 "),
-                    Math::indexed(Math::Var("σ"), Math::Var("xy")),
+                let moment = |index| Math::indexed(Math::Var("σ"), Math::Var(index));
+                let formula = Math::Row(vec![
+                    Math::text("θ"),
+                    Math::text(" = "),
+                    Math::text("½ atan2(2 "),
+                    moment("xy"),
                     Math::text(", "),
-                    Math::indexed(Math::Var("σ"), Math::Var("xx")),
+                    moment("xx"),
                     Math::text(" − "),
-                    Math::indexed(Math::Var("σ"), Math::Var("yy")),
-                    Math::text(format!(") = ½ atan2({}, {}) = ", fixed(2.0 * xy, 1), fixed(xx - yy, 1))),
+                    moment("yy"),
+                    Math::text(")"),
+                ]);
+                let numbers = Math::Row(vec![
+                    Math::text("= "),
+                    Math::text(format!("½ atan2({}, {})", fixed(2.0 * xy, 1), fixed(xx - yy, 1))),
+                    Math::text(" = "),
                     Math::ink(Role::Best, degrees(resized.region.angle_rad)),
                 ]);
-                vec![Readout::Equation(vec![angle])]
+                vec![Readout::Equation(vec![formula, numbers])]
             }
         }
     }
@@ -204,23 +220,36 @@ impl Camshift {
         }
     }
 
-    fn resized(&self, resized: &Resized, said: Sentence) -> Sentence {
+    fn resized(&self, at: &At<'_, Self>, resized: &Resized, said: Sentence) -> Sentence {
         let Resized { window, region, similarity, .. } = resized;
+        let (started, first) = at.model.map_or((at.region, 0.0), |model| model.first);
         let said = said
             .text(format!("The second moments in the window with its margin of {} px give an ellipse of ", self.margin))
             .ink(Role::Best, size(region.size))
             .text(format!(
-                " turned by {}. Its mean back-projection is {}: ",
+                " turned by {}. Its mean back-projection is {}, {} in the first frame: ",
                 degrees(region.angle_rad),
-                ratio((*similarity).into())
+                ratio((*similarity).into()),
+                ratio(first.into())
             ));
         let grown = region.bounds().area() / window.area();
-        said.text(if *similarity < 0.25 {
+        let area = |region: &Region| region.size[0] * region.size[1];
+        let times = area(region) / area(&started);
+        if *similarity >= SPREAD * first && grown <= 0.9 && times > GROWN {
+            return said.text(format!(
+                "the hues of the object fill an ellipse of {} times the area of that in the first frame. Unless the object has come nearer, \
+                 it holds more than the object.",
+                fixed(times.into(), 1)
+            ));
+        }
+        said.text(if *similarity < SPREAD * first {
             "most pixels inside have another hue, so the window is spread over scattered pixels."
         } else if grown > 0.9 {
             "the hue reaches to the border of the window, which will grow further."
+        } else if *similarity < FILLED * first {
+            "a part of the ellipse has another hue. The window of the next frame is the box around it."
         } else {
-            "the object fills it, and the window of the next frame is the box around it."
+            "the hues of the object fill the ellipse. The window of the next frame is the box around it."
         })
     }
 }

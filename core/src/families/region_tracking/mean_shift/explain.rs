@@ -172,8 +172,7 @@ impl Explained for MeanShift {
                 counted(ending.hidden, "frame")
             ),
             (Outcome::Lost, _) => {
-                "The object left the picture or, between two frames, the ellipse, or passed a background of like colour; what is found later may be \
-                 another object of these colours. A particle filter keeps several \
+                "The object left the picture or, between two frames, the ellipse, or passed a background of like colour. A particle filter keeps several \
                  hypotheses and a velocity, which mean shift has not."
                     .into()
             }

@@ -4,9 +4,9 @@ use crate::base::effort;
 use crate::methods::region::color::{Bins, Histogram};
 use crate::products::Region;
 
-/// Places in the unit circle, as dense everywhere as the Epanechnikov kernel is high: a histogram of them counts each alike.
+/// Places in the unit circle, along x and along y, as dense everywhere as the Epanechnikov kernel is high: a histogram of them counts each alike.
 #[derive(Clone, Debug)]
-pub struct Pattern(Vec<[f32; 2]>);
+pub struct Pattern([Vec<f32>; 2]);
 
 impl Pattern {
     /// A pattern of `count` places on a spiral by the golden angle (Vogel 1979).
@@ -19,7 +19,11 @@ impl Pattern {
             let (sin, cos) = (i as f64 * golden).sin_cos();
             [(radius * cos) as f32, (radius * sin) as f32]
         };
-        Self((0..count).map(place).collect())
+        Self([0, 1].map(|axis| (0..count).map(|i| place(i)[axis]).collect()))
+    }
+
+    fn len(&self) -> usize {
+        self.0[0].len()
     }
 }
 
@@ -36,7 +40,7 @@ pub struct Likelihood {
 impl Likelihood {
     /// Compares with `model` at the places of `pattern`.
     pub fn new(model: &Histogram, pattern: Pattern) -> Self {
-        let count = pattern.0.len();
+        let count = pattern.len();
         let step = |c: usize| (((c + 1) as f64).sqrt() - (c as f64).sqrt()) / (count as f64).sqrt();
         let roots = model.shares.iter().map(|share| share.sqrt()).collect();
         Self { pattern, roots, steps: (0..count).map(|c| step(c) as f32).collect() }
@@ -44,41 +48,73 @@ impl Likelihood {
 
     /// Begins the comparison of ellipses in a frame, whose pixels are covered by `bins`.
     pub fn meter<'a>(&'a self, bins: &'a Bins<'a>) -> Meter<'a> {
-        let count = self.pattern.0.len();
-        Meter { of: self, bins, counts: vec![0; self.roots.len()], positions: vec![0; count], seen: vec![0; count] }
+        let count = self.pattern.len();
+        let lane = || Lane {
+            counts: vec![0; self.roots.len()],
+            positions: vec![0; count],
+            seen: vec![0; count],
+            found: 0,
+            sum: 0.0,
+        };
+        Meter { of: self, bins, lanes: [lane(), lane()] }
     }
 }
 
-/// The comparison in a frame.
+/// The comparison in a frame, of two ellipses at once: each waits for its last count and sum, while the other goes on.
 pub struct Meter<'a> {
     of: &'a Likelihood,
     bins: &'a Bins<'a>,
+    lanes: [Lane; 2],
+}
+
+/// The count of one ellipse.
+struct Lane {
     /// Number of pixels in each bin; 0 between ellipses.
     counts: Vec<u8>,
     /// The pixels of the ellipse at hand.
     positions: Vec<u32>,
-    /// Their bins.
+    /// Their bins, as many as are found.
     seen: Vec<u16>,
+    found: usize,
+    /// The coefficient of those found.
+    sum: f32,
+}
+
+impl Lane {
+    /// Counts the next pixel; outside the picture it has no bin.
+    #[inline(always)]
+    fn count(&mut self, place: usize, cells: &[u16], Likelihood { roots, steps, .. }: &Likelihood) {
+        let Some(&bin) = cells.get(self.positions[place] as usize) else { return };
+        let pixels = &mut self.counts[usize::from(bin)];
+        // Adding to √c what leads to √(c + 1) spares a pass over the bins.
+        self.sum += roots[usize::from(bin)] * steps[usize::from(*pixels)];
+        *pixels += 1;
+        self.seen[self.found] = bin;
+        self.found += 1;
+    }
+
+    /// The coefficient of the ellipse, which ends.
+    fn end(&mut self) -> f32 {
+        let found = std::mem::take(&mut self.found);
+        self.seen[..found].iter().for_each(|bin| self.counts[usize::from(*bin)] = 0);
+        std::mem::take(&mut self.sum)
+    }
 }
 
 impl Meter<'_> {
-    /// The coefficient Σ √(p q) of an ellipse; pixels outside the picture have no bin.
-    pub fn coefficient(&mut self, region: Region) -> f32 {
-        let Likelihood { pattern, roots, steps } = self.of;
-        effort::add(pattern.0.len());
-        self.bins.find(region, &pattern.0, &mut self.positions);
-        let (cells, mut sum, mut count) = (self.bins.cells(), 0.0, 0);
-        for position in &self.positions {
-            let Some(&bin) = cells.get(*position as usize) else { continue };
-            let pixels = &mut self.counts[usize::from(bin)];
-            // Adding to √c what leads to √(c + 1) spares a pass over the bins.
-            sum += roots[usize::from(bin)] * steps[usize::from(*pixels)];
-            *pixels += 1;
-            self.seen[count] = bin;
-            count += 1;
+    /// The coefficients Σ √(p q) of two ellipses.
+    pub fn coefficients(&mut self, regions: [Region; 2]) -> [f32; 2] {
+        let (pattern, cells, places) = (&self.of.pattern, self.bins.cells(), self.of.pattern.len());
+        effort::add(2 * places);
+        let [first, second] = &mut self.lanes;
+        for (lane, region) in [&mut *first, &mut *second].into_iter().zip(regions) {
+            self.bins.find(region, pattern.0.each_ref().map(Vec::as_slice), &mut lane.positions);
         }
-        self.seen[..count].iter().for_each(|bin| self.counts[usize::from(*bin)] = 0);
-        sum
+        for place in 0..places {
+            first.count(place, cells, self.of);
+            second.count(place, cells, self.of);
+        }
+        [first.end(), second.end()]
     }
 }
 
@@ -92,10 +128,11 @@ mod tests {
     #[test]
     fn a_pattern_is_as_dense_as_the_kernel() {
         let pattern = Pattern::new(250);
-        let mean = pattern.0.iter().map(|[x, y]| f64::from(x * x + y * y)).sum::<f64>() / 250.0;
+        let [xs, ys] = &pattern.0;
+        let mean = xs.iter().zip(ys).map(|(x, y)| f64::from(x * x + y * y)).sum::<f64>() / 250.0;
         // ∫ r² (1 − r²) r dr / ∫ (1 − r²) r dr = (1/12) / (1/4).
         assert!((mean - 1.0 / 3.0).abs() < 1e-3, "{mean}");
-        let middle = [0, 1].map(|i| pattern.0.iter().map(|place| f64::from(place[i])).sum::<f64>() / 250.0);
+        let middle = [xs, ys].map(|along| along.iter().map(|c| f64::from(*c)).sum::<f64>() / 250.0);
         assert!(middle.iter().all(|c| c.abs() < 0.01), "{middle:?}");
     }
 
@@ -110,15 +147,20 @@ mod tests {
         bins.cover(region.bounds());
         let mut meter = likelihood.meter(&bins);
         let mut counts = [0.0f64; 16];
-        for [u, v] in &likelihood.pattern.0 {
+        let [us, vs] = &likelihood.pattern.0;
+        for (u, v) in us.iter().zip(vs) {
             let (x, y) = (24.3 + u * 9.0, 18.6 + v * 7.0);
             counts[usize::from(frame.luma()[(x.round() as usize, y.round() as usize)]) / 16] += 1.0 / 64.0;
         }
         let expected: f64 = counts.iter().zip(&model.shares).map(|(p, q)| (p * f64::from(*q)).sqrt()).sum();
-        for _ in 0..2 {
+        let other = region.at([20.0, 20.0]);
+        let [_, alone] = meter.coefficients([other, other]);
+        for (regions, lane) in [([region, other], 0), ([other, region], 1), ([region, region], 1)] {
+            let found = meter.coefficients(regions);
+            assert!((f64::from(found[lane]) - expected).abs() < 1e-5, "the counts are those of one ellipse: {found:?}");
             assert!(
-                (f64::from(meter.coefficient(region)) - expected).abs() < 1e-5,
-                "the counts are those of one ellipse"
+                regions[1 - lane] == region || found[1 - lane] == alone,
+                "bit for bit, whatever is beside it: {found:?}"
             );
         }
     }

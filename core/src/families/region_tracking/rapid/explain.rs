@@ -1,5 +1,6 @@
 //! The explanation and the drawing of RAPiD.
 
+use super::account::{Count, Past, PoseError, summary};
 use super::fit::{FREEDOM, Sought};
 use super::{End, Event, Iteration, Judged, Model, Motion, Prediction, Rapid, Solid, View, Weighting};
 use crate::base::words::{counted, fixed};
@@ -9,13 +10,11 @@ use crate::methods::numbers::{px, ratio};
 use crate::methods::region::{At, Ending, Explained, Outcome};
 use crate::scene::{Arrow, Fact, Math, Matrix, Picture, Readout, Role, Scene, Sentence, Series, Shape};
 
-/// The error of a rotation in degrees from which on wrong edges were matched: noise makes one far below.
-const WRONG_DEG: f64 = 5.0;
 /// The rows of the six parameters.
 const PARAMETERS: [&str; FREEDOM] = ["θ_x", "θ_y", "θ_z", "Δ_x", "Δ_y", "Δ_z"];
 
 /// An angle in degrees as text.
-fn degrees(rad: f64) -> String {
+pub fn degrees(rad: f64) -> String {
     format!("{}°", fixed(rad.to_degrees(), 2))
 }
 
@@ -35,7 +34,7 @@ fn angles(pose: &Pose) -> [f64; 3] {
     [(-r[2][0]).atan2(r[2][2]), r[2][1].clamp(-1.0, 1.0).asin(), (-r[0][1]).atan2(r[1][1])]
 }
 
-fn length(vector: [f64; 3]) -> f64 {
+pub fn length(vector: [f64; 3]) -> f64 {
     vector.iter().map(|c| c * c).sum::<f64>().sqrt()
 }
 
@@ -109,7 +108,7 @@ impl Explained for Rapid {
                 if judged.view.sight().axis.is_some() {
                     facts.push(Fact::new("Rotation about the axis of the cylinder", "held", None));
                 }
-                if let Some((angle, distance)) = error(at) {
+                if let Some([angle, distance, _]) = error(at).map(|error| error.words()) {
                     facts.push(Fact::new("Error of the rotation", angle, Some(Role::Error)));
                     facts.push(Fact::new("Error of the translation", distance, Some(Role::Error)));
                 }
@@ -194,20 +193,22 @@ impl Explained for Rapid {
         judged.is_lost.then(|| why.into())
     }
 
+    fn summary(&self, at: &At<'_, Self>) -> Option<String> {
+        summary(&past(at), &at.poses)
+    }
+
     fn caveat(&self, at: &At<'_, Self>) -> Option<String> {
-        let Event::Judged(judged) = at.event else { return None };
-        let [rotation, _] = judged.view.pose.motion_to(&at.pose?);
-        let angle = length(rotation);
-        (angle > WRONG_DEG.to_radians()).then(|| {
-            format!(
-                "But the rotation differs from the true one by {}: wrong edges were matched, which the rectangle around the model does not show.",
-                degrees(angle)
-            )
-        })
+        let error = error(at).filter(PoseError::is_wrong)?;
+        let [angle, distance, share] = error.words();
+        Some(format!(
+            "But the pose differs from the true one by {angle} and {distance}, {share} of the distance: wrong edges were matched, which the \
+             rectangle around the model does not show."
+        ))
     }
 
     fn advice(&self, ending: Ending, at: &At<'_, Self>) -> String {
-        let is_followed = ending.outcome == Outcome::Followed && self.caveat(at).is_none();
+        let has_failures = Count::of(&past(at), &at.poses).is_some_and(|count| count.has_failures());
+        let is_followed = ending.outcome == Outcome::Followed && ending.reported == 0 && !has_failures;
         let advice = match (is_followed, self.pose_prediction) {
             (true, _) => {
                 "The edges of the object stayed within the search range, so each frame determined the pose anew: errors do not add up."
@@ -221,8 +222,11 @@ impl Explained for Rapid {
                  from single wrong edges; a wrong pose that many of them support is not corrected."
             }
         };
-        let off = error(at)
-            .map(|(angle, distance)| format!(" The last pose differs from the true one by {angle} and {distance}."));
+        // A wrong one is told before.
+        let off = error(at).filter(|error| !error.is_wrong()).map(|error| {
+            let [angle, distance, _] = error.words();
+            format!(" The last pose differs from the true one by {angle} and {distance}.")
+        });
         format!("{advice}{}", off.unwrap_or_default())
     }
 }
@@ -373,11 +377,17 @@ impl Rapid {
     }
 }
 
-/// The errors of a judged pose where the true one is known: the angle of the rotation and the length of the translation between them.
-fn error(at: &At<'_, Rapid>) -> Option<(String, String)> {
+/// The error of a judged pose where the true one is known.
+fn error(at: &At<'_, Rapid>) -> Option<PoseError> {
     let Event::Judged(judged) = at.event else { return None };
-    let [rotation, shift] = judged.view.pose.motion_to(&at.pose?);
-    Some((degrees(length(rotation)), format!("{} mm", fixed(1000.0 * length(shift), 1))))
+    Some(PoseError::of(&judged.view.pose, &at.pose?))
+}
+
+/// The judgements of all frames up to the one at hand.
+fn past(at: &At<'_, Rapid>) -> Vec<Past> {
+    let before = at.model.into_iter().flat_map(|model| model.past.iter().copied());
+    let now = if let Event::Judged(judged) = at.event { Some(Past::from(&**judged)) } else { None };
+    before.chain(now).collect()
 }
 
 /// u = f X/Z, v = f Y/Z with (X, Y, Z) = R m + T.

@@ -157,7 +157,7 @@ impl Explained for TemplateTracker {
         })?;
         let why = match () {
             () if judged.overlap < LEAST_OVERLAP => "too little of the template lies inside the frame",
-            () if judged.stretch.is_collapsed() => "the alignment has failed: its warp changes a length too much",
+            () if judged.stretch.is_collapsed() => "the alignment has failed, since its warp changes a length too much",
             () => "the correlation is too low",
         };
         judged.is_lost.then(|| why.into())

@@ -194,6 +194,14 @@ impl JointProbabilistic {
             explain::label(scene, Role::Measured, [min[0], max[1]], format!("d{}", i + 1));
         }
         draw_work(scene, seen);
+        match seen.events.last() {
+            Some(Event::Enumerated(validation, joint) | Event::Weighed(validation, joint)) => {
+                let tracks = joint.tracks.iter().map(|track| validation.tracks[*track].bounds());
+                let detections = joint.detections.iter().map(|found| validation.detections[*found].bounds);
+                explain::work_on(scene, tracks.chain(detections));
+            }
+            _ => track_of(seen).into_iter().for_each(|track| explain::work_at(scene, track.bounds())),
+        }
     }
 }
 

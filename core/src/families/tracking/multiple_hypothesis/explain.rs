@@ -16,7 +16,7 @@ use crate::methods::{
         tracking::{self, MultiTracking, errors, selected},
         truth,
     },
-    numbers::{SQUARED_DECIMALS, fixed, ratio, squared},
+    numbers::{RATIO_DECIMALS, SQUARED_DECIMALS, fixed, ratio, squared},
 };
 use crate::run::Seen;
 use crate::scene::{Arrow, Diagram, Fact, Math, Matrix, Picture, Readout, Role, Scene, Sentence, Shape, Step};
@@ -242,7 +242,7 @@ impl MultipleHypothesis {
         Some(tree.drawn(&notes))
     }
 
-    /// The probability of the leading branch, and its logarithm with the numbers of the step.
+    /// The probability of the leading branch: its formula, the logarithm of the product with the numbers of the step, and of the normalised one.
     fn equation(&self, gates: &Gates, expansion: &Expansion) -> Vec<Math> {
         let terms = expansion.terms;
         let [found, missed, wrong, new] = terms.counts;
@@ -251,36 +251,41 @@ impl MultipleHypothesis {
         let symbol = |base: &'static str, index: &str, power: &str| {
             Math::power(Math::indexed(Math::Var(base), Math::text(index)), Math::text(power))
         };
+        // Between factors a narrow formula breaks.
+        let by = || Math::text(" · ");
         let formula = vec![
             Math::Var("P"),
             Math::text(" = "),
             Math::power(Math::Var("c"), Math::text("−1")),
-            Math::text(" "),
+            by(),
             symbol("P", "parent", ""),
-            Math::text(" "),
+            by(),
             symbol("P", "D", "DT"),
-            Math::text(" (1 − "),
+            by(),
+            Math::text("(1 − "),
             Math::indexed(Math::Var("P"), Math::text("D")),
             Math::indexed(Math::Var("P"), Math::text("G")),
             Math::power(Math::text(")"), Math::text("missed")),
-            Math::text(" "),
+            by(),
             symbol("β", "FT", "FT"),
-            Math::text(" "),
+            by(),
             symbol("β", "NT", "NT"),
-            Math::text(" ∏ "),
+            by(),
+            Math::text("∏ "),
             Math::Var("N"),
             Math::text("(ν; 0, S) "),
             Math::indexed(Math::Var("L"), Math::text("size")),
         ];
-        let number = |value: f64| fixed(value, 2);
-        let counts = format!("with DT = {found}, missed = {missed}, FT = {wrong}, NT = {new}; c normalises");
-        let total = terms.ln_parent
+        let number = |value: f64| fixed(value, RATIO_DECIMALS);
+        let counts = format!("with DT = {found}, missed = {missed}, FT = {wrong}, NT = {new}");
+        let product = terms.ln_parent
             + found as f64 * ln_detected
             + missed as f64 * ln_missed
             + wrong as f64 * false_density.ln()
             + new as f64 * new_density.ln()
             + terms.ln_innovations
             + terms.ln_sizes;
+        let probability = expansion.branches.first().map_or(0.0, |best| best.probability);
         // In parts, so that a narrow formula breaks before a sign.
         let of_count = |count: usize, ln: f64| format!("{count}·{}", factor(number(ln)));
         let summands = [
@@ -291,10 +296,22 @@ impl MultipleHypothesis {
             factor(number(terms.ln_innovations)),
             factor(number(terms.ln_sizes)),
         ];
-        let mut numbers = vec![Math::text(format!("ln P = {}", number(terms.ln_parent)))];
+        let mut numbers = vec![Math::text(format!("ln (c P) = {}", number(terms.ln_parent)))];
         numbers.extend(summands.into_iter().flat_map(|summand| [Math::text(" + "), Math::text(summand)]));
-        numbers.extend([Math::text(" = "), Math::ink(Role::Best, number(total))]);
-        vec![Math::Row(formula), Math::text(counts), Math::Row(numbers)]
+        numbers.extend([Math::text(" = "), Math::text(number(product))]);
+        let normalised = vec![
+            Math::text("ln P = ln (c P)"),
+            Math::text(" − ln c = "),
+            Math::text(number(product)),
+            Math::text(" − "),
+            Math::text(factor(number(product - probability.ln()))),
+            Math::text(format!(" = {}, ", number(probability.ln()))),
+            Math::Var("P"),
+            Math::text(" = "),
+            Math::ink(Role::Best, ratio(probability)),
+        ];
+        let constant = Math::Row(vec![Math::Var("c"), Math::text(": sum over the branches")]);
+        vec![Math::Row(formula), Math::text(counts), constant, Math::Row(numbers), Math::Row(normalised)]
     }
 
     pub(super) fn drawn(&self, seen: &Seen<MultiTracking<Self>>, scene: &mut Scene) {
@@ -496,6 +513,8 @@ fn draw_branches(scene: &mut Scene, gates: &Gates, expansion: &Expansion) {
         explain::rect(scene, Role::Window, gates.detections[*detection].bounds);
         scene.legend(Role::Window, "detection of the cluster");
     }
+    let detections = expansion.detections.iter().map(|detection| gates.detections[*detection].bounds);
+    explain::work_on(scene, expansion.tracks.iter().map(|track| track.bounds()).chain(detections));
 }
 
 /// Draws the leading hypothesis, and the boxes of the second where it explains this frame otherwise.
