@@ -67,7 +67,7 @@ fn positions_and_displacements_are_those_of_the_definition() {
 fn with_exact_measurements_the_camera_is_exact_and_only_objects_move() {
     let clip = street(&[]);
     // Single precision is all the noise that there is.
-    let settings = [("source", "truth"), ("noise", "0"), ("sigma", "0.01"), ("opening", "1")];
+    let settings = [("source", "truth"), ("noise", "0"), ("sigma", "0.01"), ("opening", "0")];
     let estimator = set("scene-flow", &settings);
     for frame in [0, 9, 20] {
         let field = made(&*estimator, &clip, frame);
@@ -87,7 +87,7 @@ fn errors_grow_with_the_square_of_the_depth_as_theory_says() {
     for (id, frame) in [("drive", 2), ("still-life", 5)] {
         let clip = scene(id, &[]);
         let field = made(&*of_truth("0.25"), &clip, frame);
-        let rows = depth_error(&field, &Reference { clip: &clip, frame }, 8);
+        let rows = depth_error(&field, &Reference { clip: &clip, frame }, (0.25, 8));
         assert_eq!(rows.len(), 8);
         let rig = clip.calibration().expect("a calibration");
         for [depth, found, expected] in rows {

@@ -1,6 +1,6 @@
 //! Depths that a sensor measured beside the frames: 16-bit pictures, given or found.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -54,7 +54,8 @@ pub(super) fn with_depths(clip: Clip, left: &LeftView<'_>, options: &Open) -> Re
     if let Some(folder) = &options.given.depths {
         return opened(&clip, folder, left, units_per_m).map(|depths| clip.with_depths(depths));
     }
-    let Some(folder) = beside(left) else { return Ok(clip) };
+    // What is given counts more than what is found.
+    let Some(folder) = beside(left).filter(|_| options.given.right.is_none()) else { return Ok(clip) };
     Ok(match opened(&clip, &folder, left, units_per_m) {
         Ok(depths) => clip.with_depths(depths),
         Err(why) => {
@@ -67,7 +68,8 @@ pub(super) fn with_depths(clip: Clip, left: &LeftView<'_>, options: &Open) -> Re
 
 /// The files that depths are read from.
 pub(super) fn files(left: &LeftView<'_>, options: &Open) -> Vec<PathBuf> {
-    let folder = options.given.depths.clone().or_else(|| beside(left));
+    let found = || beside(left).filter(|_| options.given.right.is_none());
+    let folder = options.given.depths.clone().or_else(found);
     folder.and_then(|folder| Sequence::find(&folder).ok()).map(|found| found.files).unwrap_or_default()
 }
 
@@ -80,35 +82,53 @@ fn beside(left: &LeftView<'_>) -> Option<PathBuf> {
 
 fn opened(clip: &Clip, folder: &Path, left: &LeftView<'_>, units_per_m: f32) -> Result<Arc<dyn DepthSource>, Error> {
     let found = Sequence::find(folder).map_err(|why| about(folder, &why))?.files;
-    let files = paired(left.files, &found);
+    let files = paired(left.files, &found).ok_or_else(|| {
+        let (depths, frames) = (found.len(), left.files.len());
+        Error::new(format!(
+            "{}: {depths} depths for {frames} frames, and no names that belong together; name each like its frame",
+            file_name(folder)
+        ))
+    })?;
     let first = files.iter().flatten().next();
     let first = first.ok_or_else(|| Error::new(format!("{}: no depth belongs to a frame", file_name(folder))))?;
     truth::depth(first, clip.size(), units_per_m)?;
     Ok(Arc::new(Files { files, size: clip.size(), units_per_m, last: Mutex::default() }))
 }
 
-/// The depth of each frame: the file of its name, else the one nearest in time if both names are times in s, else the one in its place.
-fn paired(frames: &[PathBuf], depths: &[PathBuf]) -> Vec<Option<PathBuf>> {
+/// The depth of each frame: the file of its name, else if both names are times in s the nearest, each for one frame, else the one in its
+/// place; `None` if there are not as many.
+fn paired(frames: &[PathBuf], depths: &[PathBuf]) -> Option<Vec<Option<PathBuf>>> {
     if frames.is_empty() {
-        return depths.iter().cloned().map(Some).collect();
+        return Some(depths.iter().cloned().map(Some).collect());
     }
-    let namesake = |frame: &PathBuf| depths.iter().find(|depth| stem(depth) == stem(frame)).cloned();
-    let all: Vec<_> = frames.iter().map(namesake).collect();
+    let by_name: BTreeMap<String, &PathBuf> = depths.iter().map(|depth| (stem(depth), depth)).collect();
+    let all: Vec<_> = frames.iter().map(|frame| by_name.get(&stem(frame)).map(|depth| (*depth).clone())).collect();
     if all.iter().any(Option::is_some) {
-        return all;
+        return Some(all);
     }
     let time = |file: &PathBuf| stem(file).parse::<f64>().ok().filter(|_| stem(file).contains('.'));
-    let times: Option<Vec<f64>> = depths.iter().map(time).collect();
-    match (times, frames.iter().map(time).collect::<Option<Vec<f64>>>()) {
-        (Some(times), Some(of_frames)) => {
-            let nearest = |at: &f64| {
-                let apart = |index: &usize| (times[*index] - at).abs();
-                (0..times.len()).min_by(|a, b| apart(a).total_cmp(&apart(b))).filter(|index| apart(index) < APART_S)
-            };
-            of_frames.iter().map(|at| nearest(at).map(|index| depths[index].clone())).collect()
-        }
-        _ => (0..frames.len()).map(|t| depths.get(t).cloned()).collect(),
+    let times = |files: &[PathBuf]| files.iter().map(time).collect::<Option<Vec<f64>>>();
+    match (times(frames), times(depths)) {
+        (Some(of_frames), Some(of_depths)) => Some(associated(&of_frames, &of_depths, depths)),
+        _ => (frames.len() == depths.len()).then(|| depths.iter().cloned().map(Some).collect()),
     }
+}
+
+/// Associates frames and depths in the order of the difference of their times, each with one of the other kind.
+fn associated(of_frames: &[f64], of_depths: &[f64], depths: &[PathBuf]) -> Vec<Option<PathBuf>> {
+    let mut pairs = Vec::new();
+    for (frame, at) in of_frames.iter().enumerate() {
+        let near = of_depths.iter().enumerate().map(|(depth, time)| ((time - at).abs(), frame, depth));
+        pairs.extend(near.filter(|(apart, ..)| *apart < APART_S));
+    }
+    pairs.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
+    let (mut all, mut is_taken) = (vec![None; of_frames.len()], vec![false; depths.len()]);
+    for (_, frame, depth) in pairs {
+        if all[frame].is_none() && !is_taken[depth] {
+            (all[frame], is_taken[depth]) = (Some(depths[depth].clone()), true);
+        }
+    }
+    all
 }
 
 #[cfg(test)]
@@ -145,12 +165,18 @@ mod tests {
         }
         let clip = media::open(&folder.path().join("rgb"), &Open::default()).unwrap();
         let depth = |clip: &Clip, t: usize| clip.depth_m(t).unwrap().map(|depth| depth[(1, 1)]);
-        assert_eq!([0, 1, 2].map(|t| depth(&clip, t)), [Some(1.0), Some(2.0), Some(2.0)]);
+        assert_eq!([0, 1, 2].map(|t| depth(&clip, t)), [Some(1.0), Some(2.0), None], "each depth belongs to one frame");
         let given = Given { depth_scale: Some(1000.0), ..Given::default() };
         let clip = media::open(&folder.path().join("rgb"), &Open { given, ..Open::default() }).unwrap();
         assert_eq!(depth(&clip, 0), Some(5.0));
         let given = Given { depths: Some(folder.path().join("rgb")), ..Given::default() };
         let refused = media::open(&folder.path().join("rgb"), &Open { given, ..Open::default() }).unwrap_err();
         assert!(refused.to_string().contains("16 bits"), "{refused}");
+        // By their order only where there are as many.
+        put(&folder.path().join("two"), "a.png", &level(1));
+        put(&folder.path().join("two"), "b.png", &level(1));
+        let given = Given { depths: Some(folder.path().join("two")), ..Given::default() };
+        let refused = media::open(&folder.path().join("rgb"), &Open { given, ..Open::default() }).unwrap_err();
+        assert!(refused.to_string().contains("2 depths for 3 frames"), "{refused}");
     }
 }

@@ -29,6 +29,8 @@ pub struct Info {
     /// The name of the right view as found from the left one, if there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub right: Option<String>,
+    /// Whether depths were measured beside the frames.
+    pub depths: bool,
     /// The calibration of both views, if it is known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub calibration: Option<Cameras>,
@@ -71,6 +73,7 @@ impl Info {
             truth: clip.truth().map(|truth| truth.kinds()).unwrap_or_default(),
             truth_files: clip.truth().map(|truth| truth.names()).unwrap_or_default(),
             right: clip.right().map(|right| right.info().name.clone()),
+            depths: clip.has_depths(),
             calibration: clip.calibration().map(Cameras::from),
             warnings: info.warnings,
         }
@@ -98,6 +101,9 @@ impl fmt::Display for Info {
         writeln!(f, "truth     {}", if truth.is_empty() { "none".into() } else { kinds.join(", ") })?;
         if let Some(right) = &self.right {
             writeln!(f, "right     {right}")?;
+        }
+        if self.depths {
+            writeln!(f, "depths    measured")?;
         }
         if let Some(Cameras { focal_px, baseline_m, .. }) = &self.calibration {
             let (focal, baseline) = (fixed(*focal_px, 1), fixed(*baseline_m, 3));

@@ -382,7 +382,7 @@ pub fn inputs_of_pair(files: &[PathBuf; 2], clip: &Clip, options: &Open) -> Inpu
 /// Adds the files of the right view and of the calibration.
 fn add_right_view(inputs: &mut Inputs, left: &LeftView<'_>, options: &Open) {
     let (right, calibration) = stereo::files(left, options);
-    depths::files(left, options).into_iter().for_each(|file| inputs.add(InputKind::Truth, file));
+    depths::files(left, options).into_iter().for_each(|file| inputs.add(InputKind::Depths, file));
     right.into_iter().for_each(|file| inputs.add(InputKind::RightView, file));
     calibration.into_iter().for_each(|file| inputs.add(InputKind::Calibration, file));
 }

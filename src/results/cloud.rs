@@ -7,7 +7,7 @@ use super::{EncodedFiles, Export, Format};
 pub const EXPORT: Export = Export {
     flag: "cloud",
     value: "FILE.ply",
-    help: "Save the pixels of known depth as points in m with their colour and scene flow, as a binary .ply; `-` is standard output",
+    help: "Save the pixels of known depth as points in m as a binary .ply, those of a scene flow with colour, displacement and own motion; `-` is standard output",
     name: "Point cloud",
     explained: "The pixels of known depth as points in space, in m.",
     takes: &[SceneFlowField::KIND, DisparityField::KIND],
@@ -16,12 +16,15 @@ pub const EXPORT: Export = Export {
     formats: &[Format { ending: "ply", doc: "PLY, binary", encode }],
 };
 
+/// The mark of a vertex of which it is not known whether it has a motion of its own.
+const UNKNOWN: u8 = 255;
+
 /// A vertex: position, colour, displacement in m a frame, and whether it has a motion of its own.
 struct Vertex {
     at: [f64; 3],
     color: [u8; 3],
     motion: [f64; 3],
-    own: bool,
+    own: Option<bool>,
 }
 
 fn encode(output: &Output) -> Result<EncodedFiles, Error> {
@@ -46,7 +49,7 @@ fn of_scene_flow(field: &SceneFlowField) -> Vec<u8> {
             at: field.position((x, y))?,
             color,
             motion: field.motion((x, y)).map_or([f64::NAN; 3], |motion| motion.displacement()),
-            own: field.moving.as_ref().is_some_and(|moving| moving.get(x, y)),
+            own: field.moving.as_ref().filter(|_| field.motion((x, y)).is_some()).map(|moving| moving.get(x, y)),
         })
     };
     let all: Vec<_> = field.pixels().filter_map(vertex).collect();
@@ -57,7 +60,7 @@ fn of_scene_flow(field: &SceneFlowField) -> Vec<u8> {
         write_vector(&mut bytes, at);
         bytes.extend(color);
         write_vector(&mut bytes, motion);
-        bytes.push(u8::from(own));
+        bytes.push(own.map_or(UNKNOWN, u8::from));
     }
     bytes
 }
@@ -75,7 +78,7 @@ fn of_disparity(field: &DisparityField) -> Result<Vec<u8>, Error> {
 
 fn header(vertices: usize, properties: &str) -> Vec<u8> {
     format!(
-        "ply\nformat binary_little_endian 1.0\ncomment metres; x to the right, y down, z forwards from the left camera\n\
+        "ply\nformat binary_little_endian 1.0\ncomment metres; x to the right, y down, z forwards from the left camera; own_motion 255 is unknown\n\
          element vertex {vertices}\nproperty float x\nproperty float y\nproperty float z\n{properties}end_header\n"
     )
     .into_bytes()

@@ -53,10 +53,17 @@ pub fn fine(v: f32) -> String {
     fixed(v.into(), 2)
 }
 
-/// A count with its noun: `1 frame`, `3 frames`, `3 matches`.
+/// A count with its noun: `1 frame`, `3 frames`, `3 matches`, `3 trajectories`.
 pub fn counted(count: usize, one: &str) -> String {
-    let plural = if one.ends_with("ch") { "es" } else { "s" };
-    if count == 1 { format!("1 {one}") } else { format!("{count} {one}{plural}") }
+    if count == 1 {
+        return format!("1 {one}");
+    }
+    let (stem, ending) = match one.strip_suffix('y') {
+        Some(stem) if !stem.ends_with(['a', 'e', 'o', 'u']) => (stem, "ies"),
+        _ if one.ends_with("ch") => (one, "es"),
+        _ => (one, "s"),
+    };
+    format!("{count} {stem}{ending}")
 }
 
 /// The message for an unknown name: the nearest of `names` if `given` looks like a misspelling of it, else all of them.

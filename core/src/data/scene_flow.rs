@@ -1,4 +1,4 @@
-//! What two views at two times tell about a point, and its motion in space with its covariance.
+//! Measurements of a point in two views at two times, and its motion in space with its covariance.
 //!
 //! ```text
 //!   m = (x, y, d, u, v, d')         P  = B/d  (x − cx, y − cy, f)ᵀ
@@ -13,7 +13,7 @@ use super::{Calibration, Pose};
 /// A 3×3 covariance in m², row by row.
 type Covariance = [[f64; 3]; 3];
 
-/// Standard deviations of what is measured.
+/// Standard deviations of the measurements.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sigma {
     /// Of a disparity in px.
@@ -22,7 +22,7 @@ pub struct Sigma {
     pub flow_px: f64,
 }
 
-/// What both views measure of a point at two times.
+/// Measurements of a point in both views at two times.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measured {
     /// Pixel of the left view of frame t.
@@ -82,7 +82,8 @@ impl SpaceMotion {
         [0, 1, 2].map(|i| self.to[i] - predicted[i])
     }
 
-    /// The covariance of [`SpaceMotion::own`] to first order; with the identity that of the displacement.
+    /// The covariance of [`SpaceMotion::own`] to first order; with the identity that of the displacement. The uncertainty of the motion of the
+    /// cameras is neglected, as hundreds of points determine it.
     pub fn covariance(&self, ego: &Pose, sigma: &Sigma) -> Covariance {
         let share = |i: usize| (sigma.disparity_px / self.shifts[i]).powi(2);
         let (before, after) = (outer(ego.turned(self.from), share(0)), outer(self.to, share(1)));

@@ -163,7 +163,8 @@ const MEASURES: [Measure; 8] = [
         .against_truth(),
     Measure::new(
         "own_motion_f1",
-        "F-measure of the pixels with a motion of their own against the true foreground: the harmonic mean of precision and recall.",
+        "F-measure of the pixels with a motion of their own against the true foreground: the harmonic mean of precision and recall. A pixel \
+         without scene flow counts as one at rest.",
     )
     .in_column("own motion F", 3)
     .against_truth(),

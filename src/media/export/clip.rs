@@ -63,8 +63,9 @@ const TRACKS: &str = "gt.txt";
 /// The file of the cameras.
 const CALIBRATION: &str = "calib.txt";
 
-/// The files of frame `t`: its picture, its right view, its flow, its mask of occlusion, its foreground and its disparity.
-fn names(t: usize) -> [String; 6] {
+/// The files of frame `t`: its picture, its right view, its flow, its mask of occlusion, its foreground, its disparity and that of its points in
+/// the next frame.
+fn names(t: usize) -> [String; 7] {
     let starts = [
         ("frame_", "png"),
         ("right/frame_", "png"),
@@ -72,6 +73,7 @@ fn names(t: usize) -> [String; 6] {
         ("occ/frame_", "png"),
         ("foreground/frame_", "png"),
         ("disparity/frame_", "pfm"),
+        ("next-disparity/frame_", "pfm"),
     ];
     starts.map(|(start, ending)| format!("{start}{t:04}.{ending}"))
 }
@@ -168,13 +170,14 @@ fn refuse_other_pictures(folder: &Path, frames: usize) -> Result<(), Error> {
     }
 }
 
-/// The files of flow, occlusion, foreground and disparity at frame `t`, where they are known.
-fn fields(truth: &dyn Truth, t: usize) -> Result<[Option<Vec<u8>>; 4], Error> {
+/// The files of flow, occlusion, foreground and both disparities at frame `t`, where they are known.
+fn fields(truth: &dyn Truth, t: usize) -> Result<[Option<Vec<u8>>; 5], Error> {
     let flow = truth.flow(t)?.map(|flow| flo(&flow));
     let hidden = truth.occlusion(t)?.map(|hidden| mask(&hidden)).transpose()?;
     let foreground = truth.foreground(t)?.map(|classes| foreground(&classes)).transpose()?;
     let disparity = truth.disparity(t)?.map(|map| pfm(&map));
-    Ok([flow, hidden, foreground, disparity])
+    let next = truth.next_disparity(t)?.map(|map| pfm(&map));
+    Ok([flow, hidden, foreground, disparity, next])
 }
 
 fn mask(hidden: &Grid<bool>) -> Result<Vec<u8>, Error> {

@@ -24,6 +24,8 @@ pub enum InputKind {
     RightView,
     /// The calibration.
     Calibration,
+    /// Measured depths.
+    Depths,
     /// The session.
     Session,
 }
@@ -37,6 +39,7 @@ impl InputKind {
             Self::Detections => "the detections",
             Self::RightView => "the right view",
             Self::Calibration => "the calibration",
+            Self::Depths => "the measured depths",
             Self::Session => "the session",
         }
     }

@@ -90,10 +90,13 @@ pub fn depth(path: &Path, size: (usize, usize), units_per_m: f32) -> Result<Grid
     Grid::from_vec(size.0, size.1, samples.chunks_exact(2).map(level).collect())
 }
 
-/// Whether `path` is a PNG with a palette, as pictures of labels are.
+/// Whether `path` is a PNG of 8 bits with a palette, as pictures of labels are, and its colours are not the levels of a mask.
 pub fn is_labels(path: &Path) -> bool {
     let open = || Picture::open(start(path).ok()?, path, Transformations::IDENTITY).ok();
-    open().is_some_and(|picture| picture.reader.info().color_type == ColorType::Indexed)
+    let picture = open().filter(|picture| {
+        (picture.reader.info().color_type, picture.reader.info().bit_depth) == (ColorType::Indexed, BitDepth::Eight)
+    });
+    picture.is_some_and(|picture| foreground(path, picture.size).is_err())
 }
 
 /// The label of each pixel of the PNG at `path`, its index in the palette or its gray level, if it is `size` pixels; 0 is no label.

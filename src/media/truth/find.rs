@@ -84,7 +84,7 @@ fn not_truth(results: &[PathBuf]) -> Option<String> {
     })
 }
 
-/// Opens ground truth at a given path: a flow, a disparity, a mask of the foreground, a `gt.txt`, a folder of one of these, or a folder
+/// Opens ground truth at a given path: a flow, a disparity, a mask of the foreground, labels of segments, a `gt.txt`, a folder of one of these, or a folder
 /// written by `motionscope synth`.
 ///
 /// A single field whose name fits no frame belongs to the first, and so does a homography.
@@ -470,6 +470,13 @@ mod tests {
         assert_eq!(found.cells(), indices.map(u32::from));
         assert_eq!(truth.next_disparity(1).unwrap().unwrap().at(2, 1), Some(2.5));
         assert!(truth.segments(0).unwrap().is_none() && truth.disparity(1).unwrap().is_none());
+        assert_eq!(truth.kinds(), ["next disparity", "segments"]);
+        // A mask may have a palette, too.
+        let mask: Vec<u8> = (0..=255u8).flat_map(|c| [if c == 0 { 0 } else { 255 }; 3]).collect();
+        put(folder.path(), "mask.png", export::png(4, 3, Pixels::Indexed(&indices, &mask)).unwrap());
+        let given = Given { truth: Some(folder.path().join("mask.png")), ..Given::default() };
+        let masked = media::open(&frames, &Open { given, ..Open::default() }).unwrap();
+        assert_eq!(masked.truth().unwrap().kinds(), ["foreground"]);
         // Given by hand, a picture with a palette has labels.
         put(folder.path(), "by-hand.png", &labels);
         let given = Given { truth: Some(folder.path().join("by-hand.png")), ..Given::default() };

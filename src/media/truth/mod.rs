@@ -139,6 +139,7 @@ impl Truth for Files {
             ("disparity", !self.disparities.is_empty()),
             ("objects", self.objects.is_some()),
             ("foreground", !self.foregrounds.is_empty()),
+            ("next disparity", !self.next_disparities.is_empty()),
             ("segments", !self.labels.is_empty()),
         ];
         kinds.into_iter().filter_map(|(name, known)| known.then_some(name)).collect()

@@ -37,7 +37,7 @@ pub(super) const EXAMPLES: &[Example] = &[
         clip: "still-life,repeating-texture=100",
         settings: &[],
         frame: 0,
-        says: "The texture repeats within the disparities searched, so several matches have the same cost, and smoothness cannot tell which of them is \
+        says: "The texture repeats within the disparities searched, so several matches have the same cost, and smoothness does not decide which of them is \
                right: a whole surface may take a wrong one.",
         claim: ("bad3_percent", Limit::AtLeast(30.0)),
         instead: None,
@@ -51,7 +51,7 @@ pub(super) const EXAMPLES: &[Example] = &[
         settings: &[],
         frame: 0,
         says: "The motion of the cameras is found from the street and the houses, to less than 15 mm. The pedestrian stands out by a motion across the \
-               view; the car ahead hardly moves in the picture, and only its disparity tells that it drives.",
+               view; the car ahead hardly moves in the picture, and only the change of its disparity shows that it drives.",
         claim: ("ego_translation_error_m", Limit::AtMost(0.015)),
         instead: None,
     },

@@ -8,7 +8,7 @@
 
 mod explain;
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use crate::base::{Error, Observer, Tally, Threads};
 use crate::data::{Clip, Flow};
@@ -69,6 +69,32 @@ pub struct Compared {
     tracks: Vec<Arc<Track>>,
     /// Number of all trajectories of at least three frames.
     all: usize,
+    /// The index of the nearest trajectory of each pixel in the first frame, once a step shows it; `u32::MAX` without any.
+    nearest: OnceLock<Grid<u32>>,
+}
+
+impl Compared {
+    /// The index of the nearest trajectory of each pixel of the first frame.
+    fn nearest_at_start(&self, picture: (usize, usize), first: usize) -> &Grid<u32> {
+        self.nearest.get_or_init(|| {
+            let there: Vec<_> = self.tracks.iter().map(|track| track.at(first).map(|point| point.at)).collect();
+            nearest(&there, picture, &Threads::single())
+        })
+    }
+}
+
+/// The index of the nearest of these points to each pixel; `u32::MAX` if there is none.
+fn nearest(points: &[Option<[f32; 2]>], (width, height): (usize, usize), threads: &Threads) -> Grid<u32> {
+    let there: Vec<_> = (0u32..).zip(points).filter_map(|(index, at)| Some((index, (*at)?))).collect();
+    let mut found = Grid::new(width, height, u32::MAX);
+    threads.rows(&mut found, |y, row| {
+        for (x, cell) in row.iter_mut().enumerate() {
+            let squared = |at: [f32; 2]| (at[0] - x as f32).powi(2) + (at[1] - y as f32).powi(2);
+            let all = there.iter().map(|(index, at)| (squared(*at), *index));
+            *cell = all.reduce(|a, b| if b.0 < a.0 { b } else { a }).map_or(u32::MAX, |(_, index)| index);
+        }
+    });
+    found
 }
 
 /// A part of a run.
@@ -115,7 +141,7 @@ impl TrajectoryClustering {
         let long: Vec<_> = field.tracks.iter().filter(|track| track.points.len() >= 3).cloned().collect();
         let (all, kept) = (long.len(), long.len().min(self.max_tracks));
         let tracks = (0..kept).map(|i| Arc::clone(&long[i * all / kept.max(1)])).collect();
-        Ok(Compared { tracks, all })
+        Ok(Compared { tracks, all, nearest: OnceLock::new() })
     }
 
     /// The affinity of two trajectories (T. Brox and J. Malik 2010, equations 1 to 3, with one σ for all).
@@ -146,16 +172,22 @@ impl TrajectoryClustering {
         (-f64::from(self.lambda) * squared).exp() as f32
     }
 
-    fn compare(&self, compared: &Compared, observer: &mut impl Observer<Event>) -> Grid<f32> {
+    fn compare(
+        &self,
+        clip: &Clip,
+        compared: &Compared,
+        observer: &mut impl Observer<Event>,
+    ) -> Result<Grid<f32>, Error> {
         let count = compared.tracks.len();
         let mut all = Grid::new(count, count, 0.0);
         for y in 0..count {
+            clip.wanted()?;
             for x in 0..count {
                 all[(x, y)] = if x < y { all[(y, x)] } else { self.affinity(&compared.tracks[y], &compared.tracks[x]) };
             }
             observer.see(|| Event::Compared(y as u32, Arc::new(all.row(y).to_vec())));
         }
-        all
+        Ok(all)
     }
 
     fn cluster(&self, spectrum: &Spectrum) -> (Vec<u32>, usize) {
@@ -169,28 +201,18 @@ impl TrajectoryClustering {
     }
 
     /// The labels of the pixels of frame `t`, and the motion of their nearest trajectories.
-    fn label(compared: &Compared, labels: &[u32], (width, height): (usize, usize), t: usize) -> (Grid<u32>, Flow) {
-        let there: Vec<_> = compared
-            .tracks
-            .iter()
-            .zip(labels)
-            .filter_map(|(track, label)| {
-                let point = track.at(t)?;
-                Some((point.at, *label, point.displacement.unwrap_or(Flow::UNKNOWN)))
-            })
-            .collect();
-        let (mut found, mut flow) = (Grid::new(width, height, 0), Grid::new(width, height, Flow::UNKNOWN));
-        for y in 0..height {
-            for x in 0..width {
-                let squared = |at: [f32; 2]| (at[0] - x as f32).powi(2) + (at[1] - y as f32).powi(2);
-                let nearer = |a: (f32, usize), b: (f32, usize)| if b.0 < a.0 { b } else { a };
-                let all = there.iter().enumerate().map(|(i, (at, ..))| (squared(*at), i));
-                if let Some((_, nearest)) = all.reduce(nearer) {
-                    (found[(x, y)], flow[(x, y)]) = (there[nearest].1, there[nearest].2);
-                }
-            }
-        }
-        (found, Flow(flow))
+    fn label(
+        compared: &Compared,
+        labels: &[u32],
+        (picture, t): ((usize, usize), usize),
+        threads: &Threads,
+    ) -> (Grid<u32>, Flow) {
+        let there: Vec<_> = compared.tracks.iter().map(|track| track.at(t)).collect();
+        let places: Vec<_> = there.iter().map(|point| point.map(|point| point.at)).collect();
+        let nearest = nearest(&places, picture, threads);
+        let label = nearest.map(|index| labels.get(*index as usize).copied().unwrap_or(0));
+        let displacement = |index: &u32| there.get(*index as usize).copied().flatten()?.displacement;
+        (label, Flow(nearest.map(|index| displacement(index).unwrap_or(Flow::UNKNOWN))))
     }
 
     fn work(
@@ -211,7 +233,7 @@ impl TrajectoryClustering {
                     observer.see(|| Event::Clustered(Arc::default(), 0));
                     return Ok(Progress::Done);
                 }
-                let all = self.compare(compared, observer);
+                let all = self.compare(clip, compared, observer)?;
                 state.spectrum = Some(Arc::new(Spectrum::begin(compared.tracks.len(), EIGENVALUES, self.seed as u64)));
                 state.affinities = Some(Arc::new(all));
                 state.part = Part::Spectrum;
@@ -219,6 +241,7 @@ impl TrajectoryClustering {
             (Part::Spectrum, _, Some(affinities), Some(spectrum)) => {
                 let (matrix, mut spectrum) = (normalized(affinities), Spectrum::clone(spectrum));
                 while !spectrum.is_over() {
+                    clip.wanted()?;
                     spectrum.iterate(&matrix);
                     observer.see(|| Event::Iterated(Arc::new(spectrum.clone())));
                 }
@@ -237,7 +260,8 @@ impl TrajectoryClustering {
                     return Ok(Progress::Done);
                 };
                 state.record.check(clip)?;
-                let (found, flow) = Self::label(compared, labels, state.record.picture(), state.record.frame());
+                let at = (state.record.picture(), state.record.frame());
+                let (found, flow) = Self::label(compared, labels, at, threads);
                 let frame = state.record.add_as_labelled(found, flow);
                 observer.see(|| Event::Labelled(frame));
                 state.done += 1;
@@ -254,7 +278,7 @@ pseudocode! {
     COMPARE: "w(A, B) ← exp(−λ d²), d² = max over t of d_sp(A, B) · |ΔA − ΔB|² / (5 σ²), ΔA = motion of A in px/frame",
     ITERATE: "N ← D^(−1/2) W D^(−1/2); its first eigenvectors by subspace iteration",
     CLUSTER: "each trajectory ← its entries in the first k eigenvectors, scaled to length 1; cluster them by k-means",
-    LABEL: "each pixel of each frame ← segment of its nearest trajectory",
+    LABEL: "each pixel of each frame but the last ← segment of its nearest trajectory",
 }
 
 impl Estimator for TrajectoryClustering {

@@ -49,13 +49,14 @@ params! {
         flow: Stage<DenseFlow> = Stage::named("tv-l1");
         /// Standard deviation of the noise that is added to the true disparities and flow.
         noise: f32 = 0.25, 0.0..=5.0, "px";
-        /// Assumed standard deviation of disparities and flow: it determines the uncertainty of positions and displacements.
+        /// Assumed standard deviation of disparities and flow: it determines the uncertainty of positions and displacements. Of measured depths
+        /// the disparities are those at the typed baseline, which so sets their error σ_Z = Z² σ / (f B).
         sigma: f32 = 0.25, 0.01..=5.0, "px";
         /// Gate of the squared Mahalanobis distance of the motion that remains without that of the cameras; beyond it a pixel has a motion of its
         /// own. 11.34 is the 99 % quantile of χ² with 3 degrees of freedom.
         gate: f32 = 11.34, 0.5..=500.0;
-        /// Width of the square of the opening that removes small groups of such pixels. 1 removes none.
-        opening: usize = 5, 1..=31, "px";
+        /// Radius of the opening that removes small groups of such pixels, with a square of 2·radius + 1 px. 0 removes none.
+        opening: usize = 2, 0..=15, "px";
         /// Estimation of the motion of the cameras.
         ego: EgoSettings = EgoSettings::default();
     }
@@ -133,6 +134,8 @@ struct Fixed {
     left: Arc<Frame>,
     depths: Depths,
     calibration: Option<Calibration>,
+    /// Maps before they are estimated.
+    unknown: (Arc<Disparity>, Arc<Flow>),
 }
 
 impl SceneFlow {
@@ -150,6 +153,14 @@ impl SceneFlow {
         Sigma { disparity_px: self.sigma.into(), flow_px: self.sigma.into() }
     }
 
+    /// The standard deviation that errors should have: that of the noise where it is known.
+    fn expected_sigma(&self) -> Sigma {
+        match self.source {
+            Source::Truth => Sigma { disparity_px: self.noise.into(), flow_px: self.noise.into() },
+            Source::Estimated => self.sigma(),
+        }
+    }
+
     /// Performs the next part.
     fn work(
         &self,
@@ -163,9 +174,9 @@ impl SceneFlow {
             Part::Disparity => state.disparity = Some(self.disparities(clip, (t, 0), threads)?),
             Part::NextDisparity => state.next = Some(self.disparities(clip, (t, 1), threads)?),
             Part::Flow => state.flow = Some(self.flow_of(clip, t, threads)?),
-            Part::Positions => self.triangulate(state, observer),
-            Part::Ego => self.estimate_ego(state, observer),
-            Part::Own => self.find_own(state, observer),
+            Part::Positions => self.triangulate(clip, state, observer)?,
+            Part::Ego => self.estimate_ego(clip, state, observer)?,
+            Part::Own => self.find_own(clip, state, observer)?,
         }
         if matches!(part, Part::Disparity | Part::NextDisparity | Part::Flow) {
             observer.see(|| Event::Whole(part));
@@ -221,14 +232,16 @@ impl SceneFlow {
     }
 
     /// Follows each pixel to frame t + 1 and looks up its disparity there.
-    fn triangulate(&self, state: &mut State, observer: &mut impl Observer<Event>) {
+    fn triangulate(&self, clip: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<(), Error> {
         let (width, height) = state.fixed.left.size();
         let mut followed = Grid::new(width, height, Disparity::UNKNOWN);
         for y in 0..height {
+            clip.wanted()?;
             (0..width).for_each(|x| followed[(x, y)] = self.followed(state, (x, y)));
             observer.see(|| Event::Row(Part::Positions, y as u32));
         }
         state.followed = Some(Arc::new(Disparity(followed)));
+        Ok(())
     }
 
     /// The pixels of a grid with known positions in both frames.
@@ -239,16 +252,17 @@ impl SceneFlow {
         on_grid.filter_map(|pixel| field.measured(pixel)).filter(is_placed).collect()
     }
 
-    fn estimate_ego(&self, state: &mut State, observer: &mut impl Observer<Event>) {
+    fn estimate_ego(&self, clip: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<(), Error> {
         let field = self.field(state);
-        let Some(rig) = field.calibration else { return };
+        let Some(rig) = field.calibration else { return Ok(()) };
         let points = self.ego_points(&field);
-        let consensus =
-            Ego { rig: &rig, points: &points, settings: &self.ego }.estimate(|draw| observer.see(|| Event::Draw(draw)));
+        let ego = Ego::new(&rig, &points, &self.ego);
+        let consensus = ego.estimate(|| clip.wanted(), |draw| observer.see(|| Event::Draw(draw)))?;
         if consensus.drawn == 0 {
             observer.see(|| Event::NoEgo);
         }
         (state.points, state.consensus) = (Arc::new(points), Some(Arc::new(consensus)));
+        Ok(())
     }
 
     /// The squared Mahalanobis distance of the motion of its own of a pixel.
@@ -257,27 +271,32 @@ impl SceneFlow {
         Some(mahalanobis_squared(motion.own(&ego), &motion.covariance(&ego, &field.sigma)))
     }
 
-    fn find_own(&self, state: &mut State, observer: &mut impl Observer<Event>) {
+    fn find_own(&self, clip: &Clip, state: &mut State, observer: &mut impl Observer<Event>) -> Result<(), Error> {
         let field = self.field(state);
+        if field.ego.is_none() {
+            // Without the motion of the cameras no pixel can be judged.
+            observer.see(|| Event::NoEgo);
+            return Ok(());
+        }
         let (width, height) = field.size();
         let mut beyond = Mask::new(width, height);
         for y in 0..height {
+            clip.wanted()?;
             let row = Mask::from_fn(width, 1, |x, _| {
                 self.own_squared(&field, (x, y)).is_some_and(|squared| squared > f64::from(self.gate))
             });
             beyond.write_row(y, |words| words.copy_from_slice(row.row(0)));
             observer.see(|| Event::Row(Part::Own, y as u32));
         }
-        let opened = beyond.opened(self.opening / 2);
+        let opened = beyond.opened(self.opening);
         observer.see(|| Event::Opened([&beyond, &opened].map(|mask| mask.count() as u32)));
         state.moving = Some(Arc::new(opened));
+        Ok(())
     }
 
     /// The field so far.
     fn field(&self, state: &State) -> SceneFlowField {
-        let Fixed { left, calibration, .. } = &*state.fixed;
-        let (width, height) = left.size();
-        let unknown = || Arc::new(Disparity(Grid::new(width, height, Disparity::UNKNOWN)));
+        let Fixed { left, calibration, unknown: (unknown, still), .. } = &*state.fixed;
         let ego = state.consensus.as_ref().and_then(|consensus| {
             let fit = consensus.fit?;
             let (pose, residual_px) = (fit.pose, fit.rms_px());
@@ -285,9 +304,9 @@ impl SceneFlow {
         });
         SceneFlowField {
             picture: Arc::clone(left),
-            disparity: state.disparity.clone().unwrap_or_else(unknown),
-            flow: state.flow.clone().unwrap_or_else(|| Arc::new(Flow(Grid::new(width, height, Flow::UNKNOWN)))),
-            next_disparity: state.followed.clone().unwrap_or_else(unknown),
+            disparity: state.disparity.as_ref().unwrap_or(unknown).clone(),
+            flow: state.flow.as_ref().unwrap_or(still).clone(),
+            next_disparity: state.followed.as_ref().unwrap_or(unknown).clone(),
             calibration: *calibration,
             sigma: self.sigma(),
             ego,
@@ -382,7 +401,12 @@ impl Estimator for SceneFlow {
             known(clip)?;
         }
         let calibration = clip.calibration().filter(|_| depths != Depths::Unknown).copied();
-        let fixed = Fixed { frame, left, depths, calibration };
+        let (width, height) = left.size();
+        let unknown = (
+            Arc::new(Disparity(Grid::new(width, height, Disparity::UNKNOWN))),
+            Arc::new(Flow(Grid::new(width, height, Flow::UNKNOWN))),
+        );
+        let fixed = Fixed { frame, left, depths, calibration, unknown };
         Ok(State {
             fixed: Arc::new(fixed),
             done: 0,
@@ -471,7 +495,9 @@ impl Footprint<State> for SceneFlow {
     }
 
     fn memory_bytes(&self, state: &State) -> usize {
-        self.state_bytes(state) + size_of::<Fixed>()
+        let (unknown, still) = &state.fixed.unknown;
+        let maps = size_of_val(unknown.0.cells()) + size_of_val(still.0.cells());
+        self.state_bytes(state) + size_of::<Fixed>() + maps
     }
 }
 

@@ -5,6 +5,7 @@
 
 use nalgebra::{Matrix6, Vector6};
 
+use crate::base::Error;
 use crate::data::{Calibration, Measured, Pose};
 use crate::methods::geometric::ransac::{Score, Scoring, sample, samples_needed};
 use crate::params;
@@ -18,7 +19,7 @@ params! {
         threshold: f32 = 1.0, 0.05..=20.0, "px";
         /// Largest number of random samples of three points.
         iterations: usize = 200, 1..=5000;
-        /// Random seed of the samples.
+        /// Random seed of the samples, and of noise that is added to true measurements.
         seed: usize = 1, 0..=9999;
     }
 }
@@ -64,14 +65,13 @@ pub struct Draw {
 }
 
 /// The points on which the motion of the cameras is estimated.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Ego<'a> {
-    /// The calibration of the cameras.
-    pub rig: &'a Calibration,
-    /// What is measured of each point.
-    pub points: &'a [Measured],
-    /// The parameters.
-    pub settings: &'a EgoSettings,
+    rig: &'a Calibration,
+    points: &'a [Measured],
+    settings: &'a EgoSettings,
+    /// The position of each point in frame t in m, if it is finite.
+    positions: Vec<Option<[f64; 3]>>,
 }
 
 /// The result of the estimation.
@@ -93,16 +93,30 @@ struct System {
     right: Vector6<f64>,
 }
 
-impl Ego<'_> {
-    /// Estimates the motion, and tells each sample and each round of the final fit.
-    pub fn estimate(&self, mut tell: impl FnMut(Draw)) -> Consensus {
+impl<'a> Ego<'a> {
+    /// Prepares the estimation from measured `points`.
+    pub fn new(rig: &'a Calibration, points: &'a [Measured], settings: &'a EgoSettings) -> Self {
+        let positions = points.iter().map(|point| rig.point_m(point.pixel, point.disparity)).collect();
+        Self { rig, points, settings, positions }
+    }
+
+    /// Estimates the motion, and reports each sample and each round of the final fit to `tell`.
+    ///
+    /// # Errors
+    /// That of `wanted`, which is asked before each of them.
+    pub fn estimate(
+        &self,
+        wanted: impl Fn() -> Result<(), Error>,
+        mut tell: impl FnMut(Draw),
+    ) -> Result<Consensus, Error> {
         let count = self.points.len();
         let mut found = Consensus { points: count, ..Consensus::default() };
         if count < FEWEST {
-            return found;
+            return Ok(found);
         }
         let (mut best, mut needed) = (None::<Fit>, self.settings.iterations);
         while found.drawn < needed.min(self.settings.iterations) {
+            wanted()?;
             let drawn = sample(FEWEST, count, self.settings.seed as u64, found.drawn);
             found.drawn += 1;
             let fit = self.fitted(&drawn, Pose::IDENTITY);
@@ -115,6 +129,7 @@ impl Ego<'_> {
             tell(Draw { sample, fit, best, drawn: found.drawn, needed });
         }
         for _ in 0..ROUNDS {
+            wanted()?;
             let Some(before) = best else { break };
             let inliers = self.inliers(&before.pose);
             let fit = self.fitted(&inliers, before.pose);
@@ -129,7 +144,7 @@ impl Ego<'_> {
         }
         found.fit = best.filter(|best| best.score.inliers >= FEWEST);
         found.covariance = found.fit.and_then(|fit| self.covariance(&fit));
-        found
+        Ok(found)
     }
 
     /// The indices of the points whose reprojection error is at most the threshold.
@@ -161,7 +176,7 @@ impl Ego<'_> {
     /// The difference of what is measured in frame t + 1 from the point moved by `pose`, in px: pixel and disparity.
     fn residual(&self, pose: &Pose, index: usize) -> Option<([f64; 3], [f64; 3])> {
         let measured = &self.points[index];
-        let moved = pose.moved(self.rig.point_m(measured.pixel, measured.disparity)?);
+        let moved = pose.moved(self.positions[index]?);
         let ([x, y], disparity) = self.rig.project(moved)?;
         let [to_x, to_y] = measured.next_pixel();
         Some(([to_x - x, to_y - y, measured.next_disparity - disparity], moved))
@@ -243,7 +258,8 @@ mod tests {
     fn the_motion_is_exact_without_noise_and_within_its_covariance_with_it() {
         let ego = Pose::IDENTITY.after([[0.004, -0.02, 0.003], [0.06, -0.01, -0.35]]);
         let settings = EgoSettings::default();
-        let estimate = |points: &[Measured]| Ego { rig: &rig(), points, settings: &settings }.estimate(|_| {});
+        let rig = rig();
+        let estimate = |points: &[Measured]| Ego::new(&rig, points, &settings).estimate(|| Ok(()), |_| {}).unwrap();
         let exact = estimate(&points(&ego, 4, 0.0));
         let fit = exact.fit.unwrap();
         assert!(off(&fit.pose, &ego).iter().all(|off| *off < 1e-9), "{:?}", off(&fit.pose, &ego));
@@ -258,15 +274,17 @@ mod tests {
 
     #[test]
     fn too_few_points_give_no_motion() {
-        let all = points(&Pose::IDENTITY, 7, 0.0);
+        let (all, rig) = (points(&Pose::IDENTITY, 7, 0.0), rig());
         let settings = EgoSettings::default();
         for count in 0..FEWEST {
             let mut told = 0;
-            let found = Ego { rig: &rig(), points: &all[..count], settings: &settings }.estimate(|_| told += 1);
+            let found = Ego::new(&rig, &all[..count], &settings).estimate(|| Ok(()), |_| told += 1).unwrap();
             assert_eq!((found.fit, told, found.points), (None, 0, count));
         }
         // Three copies of a point determine none.
         let same = [all[1]; 3];
-        assert_eq!(Ego { rig: &rig(), points: &same, settings: &settings }.estimate(|_| {}).fit, None);
+        assert_eq!(Ego::new(&rig, &same, &settings).estimate(|| Ok(()), |_| {}).unwrap().fit, None);
+        let cancelled = || Err(Error::new("not wanted"));
+        assert!(Ego::new(&rig, &all, &settings).estimate(cancelled, |_| {}).is_err());
     }
 }

@@ -16,7 +16,7 @@ const CONVERGED: f64 = 1e-7;
 pub struct Spectrum {
     /// The eigenvalues so far, from the largest down.
     pub values: Vec<f64>,
-    /// The eigenvectors so far, each of unit length.
+    /// The eigenvectors so far, of unit length; those beyond the rank of the matrix may vanish.
     pub vectors: Vec<Vec<f64>>,
     /// Largest change of an eigenvalue in the last iteration.
     pub change: f64,

@@ -105,6 +105,9 @@ fn f_measure(field: &SceneFlowField, truth: &TrueMask, is_found: impl Fn(usize, 
     }
     let [mut hits, mut either] = [0u64; 2];
     for (x, y) in field.pixels() {
+        if truth.0[(x, y)] == PixelClass::Ignored {
+            continue;
+        }
         let (found, expected) = (is_found(x, y), truth.0[(x, y)] == PixelClass::Foreground);
         hits += u64::from(found && expected);
         either += u64::from(found) + u64::from(expected);
@@ -113,14 +116,18 @@ fn f_measure(field: &SceneFlowField, truth: &TrueMask, is_found: impl Fn(usize, 
 }
 
 /// For ranges of depth of equal numbers of pixels: the mean depth in m, the root mean square error of the scene flow along the depth, and
-/// its standard deviation by theory, σ_ΔZ² = σ_Z² + σ_Z′², both in m; nothing without truth.
-pub fn depth_error(field: &SceneFlowField, reference: &Reference<'_>, ranges: usize) -> Vec<[f64; 3]> {
+/// its standard deviation by theory for disparities with one of `sigma_px`, σ_ΔZ² = σ_Z² + σ_Z′², both in m; nothing without truth.
+pub fn depth_error(
+    field: &SceneFlowField,
+    reference: &Reference<'_>,
+    (sigma_px, ranges): (f64, usize),
+) -> Vec<[f64; 3]> {
     let known = Known::of(field, reference).ok().flatten();
     let (Some(known), Some(rig)) = (known, &field.calibration) else { return Vec::new() };
     let one = |pixel: (usize, usize)| {
         let truth = known.measured(pixel)?.in_space(rig)?;
         let off = field.motion(pixel)?.displacement()[2] - truth.displacement()[2];
-        let [now, next] = [truth.from[2], truth.to[2]].map(|z| rig.depth_sigma_m(z, field.sigma.disparity_px));
+        let [now, next] = [truth.from[2], truth.to[2]].map(|z| rig.depth_sigma_m(z, sigma_px));
         Some([truth.from[2], off * off, now * now + next * next])
     };
     let mut all: Vec<[f64; 3]> = field.pixels().filter_map(one).collect();

@@ -20,12 +20,12 @@ impl TrajectoryClustering {
             None => Step {
                 line: line::TRACK,
                 sentence: Sentence::default().text(
-                    "Two frames tell little about slow or resting objects. Trajectories over many frames are alike only if they move alike in all \
+                    "Two frames hold little information about slow or resting objects. Trajectories over many frames are alike only if they move alike in all \
                      of them, so a single frame of different motion separates two objects.",
                 ),
                 readouts: Vec::new(),
             },
-            Some(Event::Tracked(compared)) => self.told_tracks(compared),
+            Some(Event::Tracked(compared)) => self.told_tracks(seen, compared),
             Some(Event::Compared(index, weights)) => self.told_affinity(seen, *index as usize, weights),
             Some(Event::Iterated(spectrum)) => told_spectrum(spectrum),
             Some(Event::Clustered(labels, count)) => self.told_clusters(seen, labels, *count),
@@ -33,12 +33,15 @@ impl TrajectoryClustering {
         }
     }
 
-    fn told_tracks(&self, compared: &Compared) -> Step {
+    fn told_tracks(&self, seen: &Seen<Self>, compared: &Compared) -> Step {
         let name = self.tracks.estimator().info().name;
         let sentence = Sentence::default()
             .text(format!("{name} makes "))
-            .ink(Role::Reference, counted(compared.all, "trajectory").replace("trajectorys", "trajectories"))
+            .ink(Role::Reference, counted(compared.all, "trajectory"))
             .text(match compared.tracks.len() {
+                0 if seen.clip.info().frames.is_some_and(|frames| frames < 3) => {
+                    " of at least 3 frames, as the clip has fewer. Choose a longer clip.".to_owned()
+                }
                 0 => " of at least 3 frames, so there is nothing to compare. Choose another method, or a clip with more texture.".to_owned(),
                 kept if kept < compared.all => format!(
                     " of at least 3 frames, of which {} are compared: the affinities of all pairs are a matrix with as many rows and columns.",
@@ -54,8 +57,8 @@ impl TrajectoryClustering {
         let sentence = Sentence::default()
             .ink(Role::Reference, format!("Trajectory {}", grouped(index + 1)))
             .text(" is compared with all others by the largest difference of their motions in any frame, weighted by their distance. ")
-            .ink(Role::Best, format!("{} have an affinity of at least {}", grouped(alike), fixed(ALIKE.into(), 1)))
-            .text(": they may belong to the same object.");
+            .ink(Role::Best, format!("{} of them with an affinity of at least {}", grouped(alike), fixed(ALIKE.into(), 1)))
+            .text(" may belong to the same object.");
         let mut facts = vec![Fact::new("Trajectory", grouped(index + 1), Some(Role::Reference))];
         let compared = seen.before.compared.as_ref();
         let other = compared.zip(seen.point()).and_then(|(compared, point)| nearest(compared, point));
@@ -85,7 +88,7 @@ impl TrajectoryClustering {
                 };
                 Sentence::default()
                     .text(format!("Each trajectory has its entries in the first {count} eigenvectors as coordinates. In them k-means finds "))
-                    .ink(Role::Result, counted(count, "segment"))
+                    .ink(Role::Result, found_of(labels, count))
                     .text(format!(", {why}: groups with weak affinities between them lie apart."))
             }
         };
@@ -116,9 +119,21 @@ impl TrajectoryClustering {
     }
 }
 
+/// The number of segments that were found, and of those asked for where there are not as many distinct trajectories.
+fn found_of(labels: &[u32], count: usize) -> String {
+    let mut distinct = labels.to_vec();
+    distinct.sort_unstable();
+    distinct.dedup();
+    match distinct.len() {
+        found if found < count => format!("{found} of {count} segments, as there are no more distinct motions"),
+        found => counted(found, "segment"),
+    }
+}
+
 fn formula() -> Math {
     Math::Row(vec![
-        Math::text("w(A, B) = exp(−λ d²),   d² = max over t of d"),
+        Math::text("w(A, B) = exp(−λ d²),   d² = max over t of "),
+        Math::indexed(Math::Var("d"), Math::text("sp")),
         Math::text("(A, B) · |ΔA − ΔB|² / (5 σ²)"),
     ])
 }
@@ -212,9 +227,8 @@ fn draw_affinities(scene: &mut Scene, compared: &Compared, index: usize, weights
 /// The second eigenvector, the first one that separates anything, at the pixels nearest to each trajectory.
 fn draw_vector(scene: &mut Scene, seen: &Seen<TrajectoryClustering>, compared: &Compared, spectrum: &Spectrum) {
     let Some(vector) = spectrum.vectors.get(1).or(spectrum.vectors.first()) else { return };
-    let numbers: Vec<u32> = (0..vector.len() as u32).collect();
     let record = &seen.before.record;
-    let (nearest, _) = TrajectoryClustering::label(compared, &numbers, record.picture(), record.frame());
+    let nearest = compared.nearest_at_start(record.picture(), record.frame());
     let values = nearest.map(|index| vector.get(*index as usize).map_or(f32::NAN, |entry| *entry as f32));
     scene.mark(Picture::CURRENT, Role::Estimate, Shape::Heat { origin: [0.0; 2], values });
     scene.legend(Role::Estimate, "second eigenvector at the nearest trajectory");

@@ -2,12 +2,13 @@
 
 use std::sync::Arc;
 
-use super::{Depths, Event, Part, SceneFlow, Source, State, line, space};
+use super::{Depths, Event, Part, SceneFlow, Source, line, space};
 use crate::base::words::{self, fixed, grouped};
 use crate::data::{Calibration, Disparity, Measured, Pose, SpaceMotion, mahalanobis_squared};
 use crate::geometry::Grid;
 use crate::methods::numbers::{percent, squared};
 use crate::methods::scene_flow::{Draw, Ego, FEWEST, Fit};
+use crate::methods::stereo::{Settings, Views};
 use crate::products::scene_flow::{depth_error, scene_flow_error};
 use crate::products::{Reference, SceneFlowField};
 use crate::run::Seen;
@@ -80,7 +81,7 @@ impl SceneFlow {
     }
 
     pub(super) fn told(&self, seen: &Seen<Self>) -> Step {
-        let Some(event) = seen.events.last() else { return Self::starting(seen.before) };
+        let Some(event) = seen.events.last() else { return Self::starting(seen) };
         let shown = self.shown(seen);
         let mut step = match event {
             Event::Whole(Part::Disparity) => self.told_disparity(&shown, seen),
@@ -90,35 +91,46 @@ impl SceneFlow {
             Event::Row(..) => self.told_own(&shown),
             Event::Opened(counts) => self.told_opening(&shown, *counts, seen.point().is_some()),
             Event::Draw(draw) => self.told_draw(seen, draw),
-            Event::NoEgo => Step {
-                line: line::SAMPLE,
-                sentence: Sentence::default().text(format!(
-                    "A rigid motion needs {FEWEST} points with known positions in both frames, and the grid has {}. Without the motion of the cameras, \
-                     motions of its own cannot be told from it.",
-                    seen.after.map_or(0, |after| after.points.len())
-                )),
-                readouts: Vec::new(),
-            },
+            Event::NoEgo => Self::told_no_ego(seen),
         };
         let is_over = seen.after.is_some_and(|after| after.done == self.parts(&after.fixed).len());
         if is_over && seen.point().is_none() {
             step.sentence = step.sentence.text(self.concluded(seen, &shown.field));
             step.readouts.extend(self.error_plot(seen, &shown.field));
         }
-        let has_positions = shown.field.calibration.is_some() && shown.field.disparity.known() > 0;
+        let has_depths = shown.field.disparity.0.cells().iter().any(|d| d.is_finite());
+        let has_positions = shown.field.calibration.is_some() && has_depths;
         if has_positions {
             step.readouts.push(Readout::Cloud(space::cloud(shown.field, shown.pixel)));
         }
         step
     }
 
-    fn starting(state: &State) -> Step {
+    fn told_no_ego(seen: &Seen<Self>) -> Step {
+        let state = seen.after.unwrap_or(seen.before);
+        let (line, why) = match (seen.before.consensus.is_some(), state.points.len()) {
+            (true, _) => (
+                line::OWN,
+                "The motion of the cameras is not determined, so motions of its own are unknown.".to_owned(),
+            ),
+            (false, count) => (
+                line::SAMPLE,
+                format!(
+                    "A rigid motion needs {FEWEST} points with known positions in both frames, and the grid has {count}. A smaller spacing gives more."
+                ),
+            ),
+        };
+        Step { line, sentence: Sentence::default().ink(Role::Error, why), readouts: Vec::new() }
+    }
+
+    fn starting(seen: &Seen<Self>) -> Step {
+        let state = seen.before;
         let said = Sentence::default();
         let sentence = match (state.fixed.depths, state.fixed.calibration) {
             (Depths::Unknown, _) => said.ink(
                 Role::Error,
-                "The clip has no right view, so depths are not known and only the optical flow is estimated. Open a right view or depths for scene \
-                 flow.",
+                "The clip has no right view, so depths are not known and only the optical flow is estimated. Open a right view, or put \
+                 measured depths into a folder depth beside the frames.",
             ),
             (Depths::Stereo, None) => said.ink(
                 Role::Error,
@@ -127,8 +139,8 @@ impl SceneFlow {
             ),
             (Depths::Sensor, None) => said.ink(
                 Role::Error,
-                "Depths are known, but not the focal length that positions need, so only the optical flow is estimated. Type the calibration of the \
-                 camera.",
+                "Depths are known, but not the focal length that positions need, so only the optical flow is estimated. Type the calibration, focal \
+                 length and a baseline: the baseline sets the assumed error of a depth.",
             ),
             (Depths::Stereo, Some(rig)) => said.text(format!(
                 "Two views give a point its position: with focal length {} px and baseline {} m the depth is Z = f B / d. The optical flow \
@@ -138,10 +150,14 @@ impl SceneFlow {
             )),
             (Depths::Sensor, Some(rig)) => said.text(format!(
                 "A depth and the focal length, {} px, give a point its position. The optical flow leads to the same point in frame t + 1, where the \
-                 depth gives the next position. The difference is the scene flow. Depths are told as disparities at a baseline of {} m.",
+                 depth gives the next position. The difference is the scene flow. Depths are given as disparities at a baseline of {} m, which sets their assumed error.",
                 fixed(rig.focal_px, 0),
                 fixed(rig.baseline_m, 3)
             )),
+        };
+        let sentence = match swapped(seen) {
+            Some(warning) => sentence.ink(Role::Error, format!(" The views are {warning}.")),
+            None => sentence,
         };
         Step { line: line::TAKE_VIEWS, sentence, readouts: Vec::new() }
     }
@@ -167,7 +183,11 @@ impl SceneFlow {
         let (x, y) = shown.pixel;
         let said = joined(said, shown.named());
         let sentence = match field.disparity.at(x, y) {
-            None => said.text(" has none: it is ambiguous, or the right camera does not see it."),
+            None => said.text(match (self.source, seen.before.fixed.depths) {
+                (Source::Truth, _) => " has none: its true disparity is not known.",
+                (_, Depths::Sensor) => " has none: the sensor measured no depth there.",
+                _ => " has none: it is ambiguous, or the right camera does not see it.",
+            }),
             Some(d) => {
                 let said = said.text(": ").ink(Role::Best, format!("d = {} px", fixed(d.into(), 2)));
                 match field.calibration.and_then(|rig| rig.depth_m(d.into())) {
@@ -207,10 +227,15 @@ impl SceneFlow {
         let map = seen.after.and_then(|after| after.next.as_ref());
         let known = map.map_or(0.0, |map| map.known() as f64 / map.0.cells().len().max(1) as f64);
         let name = self.depths_of(seen);
-        let sentence = Sentence::default().text(format!(
-            "{name} has a disparity for {} of the pixels of frame t + 1. Which of them belongs to a point of frame t is told by the flow.",
-            percent(known)
-        ));
+        let sentence = Sentence::default().text(match self.source {
+            Source::Truth => {
+                format!("{name} has the disparity in frame t + 1 of the points at {} of the pixels of frame t.", percent(known))
+            }
+            Source::Estimated => format!(
+                "{name} has a disparity for {} of the pixels of frame t + 1. The flow leads from each point of frame t to its disparity there.",
+                percent(known)
+            ),
+        });
         Step { line: line::NEXT_DISPARITY, sentence, readouts: Vec::new() }
     }
 
@@ -223,10 +248,9 @@ impl SceneFlow {
                 .text(" moves by ")
                 .ink(Role::Result, format!("(u, v) = {} px", px2([u.into(), v.into()])))
                 .text(format!(
-                    " to {} in frame t + 1, as {} says. A motion along the depth shows in the flow only beside the centre; the \
-                     disparity will tell it everywhere.",
-                    px2([x as f64 + f64::from(u), y as f64 + f64::from(v)]),
-                    if self.source == Source::Truth { "the ground truth" } else { name }
+                    " to {} in frame t + 1 ({name}). Near the principal point a motion along the depth leaves hardly any flow; the change of \
+                     the disparity measures it.",
+                    px2([x as f64 + f64::from(u), y as f64 + f64::from(v)])
                 )),
             None => said.text(" has no flow."),
         };
@@ -271,7 +295,8 @@ impl SceneFlow {
             .text(format!(" is at P = {} in frame t and at P′ = {} in frame t + 1. Scene flow ", metres(motion.from), metres(motion.to)))
             .ink(Role::Result, format!("V = P′ − P = {}", metres(motion.displacement())))
             .text(format!(
-                ". Its depth is the least certain, σ = {} m, as the error of a depth grows with its square: σ_Z = Z² σ_d / (f B).",
+                ". Along the depth its standard deviation is {} m, √(σ_Z² + σ_Z′²) with σ_Z = Z² σ_d / (f B): the error of a depth grows with its \
+                 square.",
                 fixed(sigmas[2], 3)
             ));
         let matrices = vec![
@@ -295,8 +320,11 @@ impl SceneFlow {
                 .text("Gauss–Newton steps over all inliers of the best sample: RMS reprojection error ")
                 .ink(Role::Result, format!("{} px", fixed(fit.rms_px(), 3)))
                 .text(format!(", {} inliers. More points than three average their noise.", grouped(fit.score.inliers))),
-            (None, _) => Sentence::default()
+            (None, Some(_)) => Sentence::default()
                 .text("Another round over the inliers does not lower the cost, so the fit has converged."),
+            (None, None) => {
+                Sentence::default().text("The inliers determine no better fit, so that of the sample is kept.")
+            }
         };
         let told = draw.best.map(|best| self.ego_told(seen, &best)).filter(|_| seen.after.is_some());
         let sentence = match told {
@@ -349,7 +377,7 @@ impl SceneFlow {
         let Some(ego) = shown.field.ego else {
             let sentence = shown
                 .named()
-                .text(": without the motion of the cameras, a motion of its own cannot be told from theirs.");
+                .text(": without the motion of the cameras, a motion of its own cannot be distinguished from theirs.");
             return Step { line: line::OWN, sentence, readouts: Vec::new() };
         };
         let (own, covariance) = (motion.own(&ego.pose), motion.covariance(&ego.pose, &shown.field.sigma));
@@ -364,7 +392,8 @@ impl SceneFlow {
         let said = said.text(format!("Squared Mahalanobis distance {} against a gate of {gate}: ", squared(distance)));
         let sentence = match is_beyond {
             true => said.ink(Role::Result, "the pixel has a motion of its own").text("."),
-            false => said.text("its errors explain what remains, so it is at rest."),
+            false => said
+                .text("consistent with a point at rest. A motion smaller than its uncertainty would not be detected."),
         };
         let matrices = vec![
             vector("P′", "position in frame t + 1, in m", motion.to, Some(Role::Measured)),
@@ -382,11 +411,16 @@ impl SceneFlow {
     }
 
     fn told_opening(&self, shown: &Shown, [before, after]: [u32; 2], is_pointed: bool) -> Step {
-        let sentence =
-            Sentence::default().text(format!("Opening with a {0}×{0} square keeps ", 2 * (self.opening / 2) + 1));
-        let sentence = sentence
-            .ink(Role::Result, format!("{} of {} pixels", grouped(after as usize), grouped(before as usize)))
-            .text(" with a motion of their own: smaller groups are errors at edges rather than objects.");
+        let kept = format!("{} of {} pixels", grouped(after as usize), grouped(before as usize));
+        let sentence = match self.opening {
+            0 => Sentence::default()
+                .ink(Role::Result, kept)
+                .text(" keep a motion of their own, as the opening has a radius of 0 px."),
+            radius => Sentence::default()
+                .text(format!("Opening with a {0}×{0} square keeps ", 2 * radius + 1))
+                .ink(Role::Result, kept)
+                .text(" with a motion of their own. Groups narrower than the square are mostly errors at depth edges."),
+        };
         // A pixel pointed at keeps its numbers.
         let readouts = if is_pointed { self.told_own(shown).readouts } else { Vec::new() };
         Step { line: line::OPEN, sentence, readouts }
@@ -395,12 +429,16 @@ impl SceneFlow {
     /// What the run comes to.
     fn concluded(&self, seen: &Seen<Self>, field: &SceneFlowField) -> String {
         let all = field.picture.luma().cells().len().max(1) as f64;
-        let mut told = format!(" {} of the pixels have a scene flow", percent(field.known() as f64 / all));
+        let mut told = swapped(seen).map_or_else(String::new, |warning| format!(" The views are {warning}."));
+        told += &format!(" {} of the pixels have a scene flow", percent(field.known() as f64 / all));
         told += &match &field.moving {
             Some(moving) if moving.count() > 0 => {
                 format!("; {} have a motion of their own.", percent(moving.count() as f64 / all))
             }
-            Some(_) => "; none has a motion of its own, so the scene is at rest.".to_owned(),
+            Some(_) => "; none has a significant motion of its own.".to_owned(),
+            None if field.calibration.is_some() => {
+                ". The motion of the cameras is not determined, so motions of its own are unknown.".to_owned()
+            }
             None => ".".to_owned(),
         };
         let reference = Reference { clip: seen.clip, frame: seen.before.fixed.frame };
@@ -422,7 +460,7 @@ impl SceneFlow {
     /// The error along the depth, by theory and against the truth.
     fn error_plot(&self, seen: &Seen<Self>, field: &SceneFlowField) -> Option<Readout> {
         let reference = Reference { clip: seen.clip, frame: seen.before.fixed.frame };
-        let rows = depth_error(field, &reference, RANGES);
+        let rows = depth_error(field, &reference, (self.expected_sigma().disparity_px, RANGES));
         let line = |i: usize| rows.iter().map(|row| [row[0] as f32, row[i] as f32]).collect::<Vec<_>>();
         let deepest = rows.last()?[0];
         Some(Readout::Series(Series {
@@ -490,7 +528,7 @@ impl SceneFlow {
             }
             Event::Row(..) | Event::Opened(_) => {
                 scene.pictures = vec![Canvas::of_clip(Picture::CURRENT), Canvas::of_clip(Picture::NEXT)];
-                draw_own(scene, &shown.field);
+                draw_own(scene, &shown.field, if let Event::Row(_, y) = event { *y as usize } else { usize::MAX });
                 if seen.after.is_some() && seen.point().is_none() {
                     scene.is_overview = true;
                     return;
@@ -514,7 +552,7 @@ impl SceneFlow {
         let field = self.field(seen.before);
         let (Some(rig), points) = (field.calibration, self.ego_points(&field)) else { return };
         let pose = if draw.sample.is_some() { draw.fit } else { draw.best }.map(|fit| fit.pose);
-        let ego = Ego { rig: &rig, points: &points, settings: &self.ego };
+        let ego = Ego::new(&rig, &points, &self.ego);
         let inliers = pose.map(|pose| ego.inliers(&pose)).unwrap_or_default();
         let (mut agreeing, mut others) = (Vec::new(), Vec::new());
         for (index, point) in points.iter().enumerate() {
@@ -537,6 +575,13 @@ impl SceneFlow {
         }
         scene.is_overview = true;
     }
+}
+
+/// The warning about views that seem to be swapped or not rectified, if there is one.
+fn swapped(seen: &Seen<SceneFlow>) -> Option<String> {
+    let fixed = &seen.before.fixed;
+    let views = (fixed.depths == Depths::Stereo).then(|| Views::new(seen.clip, fixed.frame).ok()).flatten()?;
+    views.signs(Settings::default().disparities).warning()
 }
 
 fn joined(mut first: Sentence, second: Sentence) -> Sentence {
@@ -585,14 +630,18 @@ fn draw_pixel(scene: &mut Scene, shown: &Shown) {
 }
 
 /// The length of the remaining motion, and the pixels with a motion of their own.
-fn draw_own(scene: &mut Scene, field: &SceneFlowField) {
+fn draw_own(scene: &mut Scene, field: &SceneFlowField, last_row: usize) {
     let Some(ego) = field.ego else { return };
     if let Some(moving) = &field.moving {
         scene.mark(Picture::CURRENT, Role::Result, Shape::Mask(Arc::clone(moving)));
         scene.legend(Role::Result, "motion of its own");
         return;
     }
-    let remaining = |pixel| field.motion(pixel).map(|motion| length(motion.own(&ego.pose)));
+    let is_done = |pixel: &(usize, usize)| pixel.1 <= last_row;
+    let remaining = |pixel| {
+        let motion = Some(pixel).filter(is_done).and_then(|pixel| field.motion(pixel))?;
+        Some(length(motion.own(&ego.pose)))
+    };
     scene.mark(Picture::CURRENT, Role::Error, Shape::Heat { origin: [0.0; 2], values: field.grid(remaining) });
     scene.legend(Role::Error, "length of the remaining motion in m");
     scene.heat = Some("remaining motion (m)");

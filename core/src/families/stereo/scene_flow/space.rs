@@ -24,11 +24,12 @@ pub(super) fn cloud(field: SceneFlowField, pixel: (usize, usize)) -> Cloud {
 }
 
 fn legend(field: &SceneFlowField) -> Vec<(Role, &'static str)> {
-    let mut legend = vec![(Role::Reference, "pixel at t")];
-    if field.next_disparity.known() > 0 {
-        legend.push((Role::Measured, "pixel and camera at t+1"));
-        let own = if field.ego.is_some() { "motion without that of the cameras" } else { "scene flow" };
-        legend.push((Role::Result, own));
+    let is_known = field.next_disparity.0.cells().iter().any(|d| d.is_finite());
+    let mut legend = vec![(Role::Reference, "pixel and cameras at t")];
+    if is_known {
+        let has_ego = field.ego.is_some();
+        legend.push((Role::Measured, if has_ego { "pixel and cameras at t+1" } else { "pixel at t+1" }));
+        legend.push((Role::Result, if has_ego { "motion without that of the cameras" } else { "scene flow" }));
     }
     legend
 }
