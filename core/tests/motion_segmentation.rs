@@ -142,6 +142,21 @@ fn trajectories_are_clustered_by_their_motion_over_many_frames() {
 }
 
 #[test]
+fn more_segments_than_distinct_motions_are_refused_in_words() {
+    let still = Clip::from_frames("still", vec![(*clip("rigid-layers", &[]).frame(0).expect("a frame")).clone(); 5]);
+    let still = still.expect("frames of one size");
+    let mut walk = set("trajectory-clustering", &[("clusters", "5")]).walk(&still, 0).expect("a walk");
+    walk.jump(Move::To(Cursor { unit: 3, event: 1 }));
+    let said = walk.step(None).sentence.plain();
+    assert!(said.contains("k-means finds"), "{said}");
+    let one = segments("trajectory-clustering", &[("clusters", "1")], &still);
+    assert_eq!(one.frames[0].segments.len(), 1);
+    let pair = clip("rigid-layers", &[("frames", "2")]);
+    let output = set("trajectory-clustering", &[]).run(&pair, 0, &Threads::single()).expect("a run");
+    assert!(output.get::<SegmentField>().expect("segments").frames.is_empty(), "two frames have no trajectories");
+}
+
+#[test]
 fn without_trajectories_there_are_no_segments_but_a_sentence() {
     let blank = Clip::from_frames("gray", vec![Frame::gray(Grid::new(64, 48, 120)); 4]).expect("frames");
     let mut walk = estimator("trajectory-clustering").expect("an estimator").walk(&blank, 0).expect("a walk");

@@ -8,8 +8,8 @@ use common::set;
 use motionscope_core::products::Reference;
 use motionscope_core::products::scene_flow::{depth_error, scene_flow_error};
 use motionscope_core::{
-    AnyEstimator, Calibration, Clip, DepthSource, Direction, Error, Grid, Guarantee, Move, Params, PixelClass, Pose,
-    SceneFlowField, Threads, estimator, estimators, synth,
+    AnyEstimator, Calibration, Clip, Cursor, DepthSource, Direction, Error, Frame, Grid, Guarantee, Move, Params,
+    PixelClass, Pose, SceneFlowField, Threads, estimator, estimators, synth,
 };
 
 fn street(settings: &[(&str, &str)]) -> Clip {
@@ -193,6 +193,50 @@ fn stepping_is_running_and_any_cursor_is_reached_from_both_sides() {
         ran += 1;
     }
     assert_eq!(ran, 1);
+}
+
+#[test]
+fn without_ego_motion_no_pixel_is_judged() {
+    let clip = street(&[("width", "96"), ("height", "72"), ("frames", "3")]);
+    // Two points at most, which determine no rigid motion.
+    let estimator = set("scene-flow", &[("spacing", "64")]);
+    let mut walk = estimator.walk(&clip, 0).unwrap();
+    walk.jump(Move::To(Cursor::END));
+    assert!(walk.failure().is_none(), "{:?}", walk.failure());
+    let told = walk.step(None).sentence.plain();
+    assert!(told.contains("not determined") && !told.contains("at rest"), "{told}");
+    let output = walk.output();
+    let field = output.get::<SceneFlowField>().unwrap();
+    assert!(field.ego.is_none() && field.moving.is_none() && field.known() > 1000);
+    let error = scene_flow_error(field, &Reference { clip: &clip, frame: 0 }).unwrap();
+    assert_eq!((error.ego, error.own_motion_f1), (None, None));
+}
+
+#[test]
+fn pictures_of_a_few_pixels_have_a_scene_flow_or_none() {
+    let estimator = estimator("scene-flow").unwrap();
+    let rig = Calibration::new(30.0, 0.5, [0.0; 2]).unwrap();
+    for (width, height) in [(1, 1), (1, 9), (9, 1), (3, 2)] {
+        let frames = || vec![Frame::gray(Grid::from_fn(width, height, |x, y| (90 * x + 37 * y) as u8)); 2];
+        let clip = |name: &str| Clip::from_frames(name, frames()).unwrap();
+        let stereo = clip("left").with_right(clip("right")).unwrap().with_calibration(rig);
+        let field = made(&*estimator, &stereo, 0);
+        assert_eq!((field.size(), field.ego), ((width, height), None));
+    }
+}
+
+#[test]
+fn swapped_views_are_recognized() {
+    let clip = street(&[("frames", "3")]);
+    let frames = |clip: &Clip| (0..3).map(|t| (*clip.frame(t).unwrap()).clone()).collect::<Vec<_>>();
+    let [left, right] = [frames(&clip), frames(clip.right().unwrap())];
+    let start = |views: [&Vec<Frame>; 2]| {
+        let [left, right] = views.map(|frames| Clip::from_frames("view", frames.clone()).unwrap());
+        let stereo = left.with_right(right).unwrap().with_calibration(*clip.calibration().unwrap());
+        estimator("scene-flow").unwrap().walk(&stereo, 0).unwrap().step(None).sentence.plain()
+    };
+    assert!(!start([&left, &right]).contains("The views are"), "{}", start([&left, &right]));
+    assert!(start([&right, &left]).contains("The views are"), "{}", start([&right, &left]));
 }
 
 #[test]

@@ -21,14 +21,14 @@ pub struct Angles {
     /// The pyramid.
     pub pyramid: Orbit,
     /// The point cloud.
-    pub cloud: Orbit,
+    pub cloud: cloud::Viewpoint,
     /// The section of the displacement plane; all of it unless zoomed.
     pub plane: Option<plane::Window>,
 }
 
 impl Default for Angles {
     fn default() -> Self {
-        Self { surface: Orbit::default(), pyramid: stack::USUAL, cloud: cloud::USUAL, plane: None }
+        Self { surface: Orbit::default(), pyramid: stack::USUAL, cloud: cloud::Viewpoint::default(), plane: None }
     }
 }
 
@@ -282,7 +282,7 @@ pub const CLOUD: Pane = Pane {
     is_available: |step| find(step, a_cloud).is_some(),
     room: |_, size, style| letters(size, [30.0, 19.0], style),
     draw: |content, area, style| {
-        let data = |cloud| cloud::Shown { cloud, whose: content.info.name, orbit: content.angles.cloud };
+        let data = |cloud| cloud::Shown { cloud, whose: content.info.name, viewpoint: content.angles.cloud };
         find(content.step, a_cloud).map(|found| cloud::draw(data(found), area, style).into_layers()).unwrap_or_default()
     },
 };
@@ -355,12 +355,11 @@ impl Selection {
     /// The same panes, with the charts in space turned by a share of a full turn.
     #[must_use]
     pub fn turned(&self, share: f32) -> Self {
-        let turned = |orbit: Orbit| Orbit {
-            yaw_rad: (orbit.yaw_rad + share * std::f32::consts::TAU).rem_euclid(std::f32::consts::TAU),
-            ..orbit
-        };
+        let turned = |yaw_rad: f32| (yaw_rad + share * std::f32::consts::TAU).rem_euclid(std::f32::consts::TAU);
+        let orbit = |orbit: Orbit| Orbit { yaw_rad: turned(orbit.yaw_rad), ..orbit };
         let Angles { surface, pyramid, cloud, plane } = self.angles;
-        let angles = Angles { surface: turned(surface), pyramid: turned(pyramid), cloud: turned(cloud), plane };
+        let cloud = cloud::Viewpoint { yaw_rad: turned(cloud.yaw_rad), ..cloud };
+        let angles = Angles { surface: orbit(surface), pyramid: orbit(pyramid), cloud, plane };
         Self { angles: if share == 0.0 { self.angles } else { angles }, ..self.clone() }
     }
 

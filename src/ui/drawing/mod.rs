@@ -3,5 +3,6 @@
 pub mod arrows;
 pub mod chart;
 pub mod ink;
+pub mod offscreen;
 pub mod primitives;
 pub mod style;

@@ -205,7 +205,9 @@ impl Panes<'_> {
                     distribution::show(ui, distribution::Input { distribution, subject }, &mut self.states.errors);
                 }
                 Readout::Cloud(cloud) if *pane == panes::CLOUD => {
-                    let picked = cloud3d::show(ui, cloud3d::Input { cloud, subject }, &mut self.states.cloud3d).picked;
+                    let picked =
+                        cloud3d::show(ui, cloud3d::Input { cloud, subject, gpu: self.gpu }, &mut self.states.cloud3d)
+                            .picked;
                     if let Some(pixel) = picked {
                         let at = motionscope_core::scene::Focus::current(pixel.map(f32::from));
                         self.actions.ask(Action::Focus(Some(at)));

@@ -120,7 +120,7 @@ impl States {
     pub fn angles(&self, step: &Step) -> Angles {
         let plane = step.readouts.iter().find_map(|r| if let Readout::Plane(plane) = r { Some(plane) } else { None });
         let plane = plane.and_then(|plane| self.plane.window(plane));
-        Angles { surface: self.surface3d.orbit, pyramid: self.stack3d.orbit, cloud: self.cloud3d.orbit, plane }
+        Angles { surface: self.surface3d.orbit, pyramid: self.stack3d.orbit, cloud: self.cloud3d.viewpoint, plane }
     }
 }
 
