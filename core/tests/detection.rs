@@ -759,7 +759,7 @@ fn masks_end_where_the_picture_does_at_any_width() {
             let all =
                 objects(&*raw("mixture-of-gaussians", &[("background-ratio", "0"), ("detect-shadows", "off")]), &clip);
             assert_eq!(all.frames[3].mask.as_ref().map(|mask| mask.count()), Some(9 * width), "{width}");
-            for mut estimator in estimators().into_iter().filter(|e| e.get("opening").is_ok()) {
+            for mut estimator in estimators().into_iter().filter(|e| e.get("closing").is_ok()) {
                 for (name, text) in [("opening", "0"), ("closing", "0"), ("min-area", "1")] {
                     estimator.set(name, text).expect("in range");
                 }

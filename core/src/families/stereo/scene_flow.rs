@@ -63,7 +63,7 @@ params! {
     when {
         "disparity": |p| p.source == Source::Estimated, "The method has no effect on the true disparities.";
         "flow": |p| p.source == Source::Estimated, "The method has no effect on the true flow.";
-        "noise": |p| p.source == Source::Truth, "Noise is added to true disparities and flow only.";
+        "noise": |p| p.source == Source::Truth, "The noise has no effect on estimated disparities and flow.";
     }
 }
 

@@ -23,8 +23,8 @@ pub const SAMPLE: Sample = Sample {
 
 /// Height of the cameras above the street in m.
 const HEIGHT: f64 = 1.2;
-/// Frames in which a drive would return to its start: its distance is a sine, so that it stays in bounds.
-const PERIOD: f64 = 320.0;
+/// Frames in which a drive would return to its start: its distance is a sine, so that nothing is ever reached.
+const PERIOD: f64 = 160.0;
 
 /// The distance in m after `t` frames at a first speed of `speed` m a frame.
 fn driven(speed: f64, t: f64) -> f64 {
@@ -48,7 +48,7 @@ fn car(t: f64) -> Pose {
 }
 
 fn pedestrian(t: f64) -> Pose {
-    Pose { translation: [-2.6 + driven(0.07, t), HEIGHT - PEDESTRIAN[1], 9.5], ..Pose::IDENTITY }
+    Pose { translation: [-2.6 + driven(0.07, t), HEIGHT - PEDESTRIAN[1], 11.5], ..Pose::IDENTITY }
 }
 
 fn bodies(setting: &Setting) -> Vec<Body> {
