@@ -93,6 +93,33 @@ fn shifted(model: &[f64], frame: &Frame, center: [f64; 2], size: [f64; 2]) -> (f
 }
 
 #[test]
+fn a_restart_after_each_failure_measures_robustness() {
+    let clip = |id: &str, settings: &[(&str, &str)]| {
+        let scene = synth::scene(id).expect("a scene");
+        let mut difficulty = scene.difficulty();
+        settings.iter().for_each(|(name, value)| difficulty.set(name, value).expect("in range"));
+        scene.clip(&difficulty).expect("a clip")
+    };
+    // Behind the tunnel the object is lost; the tracker goes on from where it comes out.
+    let clip = clip("tunnel", &[("frames", "60")]);
+    let run = |restart: &str| {
+        let output = set("template-tracker", &[("restart", restart)]).run(&clip, 0, &Threads::single()).expect("a run");
+        output.get::<RegionField>().expect("a region").clone()
+    };
+    let (plain, restarted) = (run("off"), run("on"));
+    let overlap = |field: &RegionField| {
+        let errors = field.errors(&clip).expect("truth");
+        errors.iter().map(|error| error.overlap).collect::<Vec<_>>()
+    };
+    let (plain, restarted) = (overlap(&plain), overlap(&restarted));
+    let failed = plain.iter().position(|overlap| *overlap == 0.0).expect("it fails");
+    assert_eq!(plain[..=failed], restarted[..=failed], "until the failure both are alike");
+    assert!(restarted[failed..failed + 5].iter().all(|overlap| *overlap < 0.5), "it waits");
+    let again = restarted[failed + 5..].iter().position(|overlap| *overlap > 0.9).expect("it restarts");
+    assert!(plain[failed + 5 + again] < 0.5, "without a restart it stays lost");
+}
+
+#[test]
 fn shifts_are_those_of_the_definition() {
     let frames = [disc([24.0, 22.0], 1), disc([27.0, 20.5], 2)];
     let clip = Clip::from_frames("disc", frames.to_vec()).expect("frames of one size");

@@ -33,6 +33,7 @@ impl<T: Explained> RegionTracking<T> {
     pub(super) fn line_of(&self, event: &Event<T::Event>) -> Name {
         match event {
             Event::Chosen | Event::Refused => line::CHOOSE,
+            Event::Waiting => line::EACH_FRAME,
             Event::Own(event) => self.0.line(event),
             Event::Moved(_) => line::MOVE,
         }
@@ -72,6 +73,10 @@ impl<T: Explained> RegionTracking<T> {
             Some(Event::Refused) => said
                 .ink(Role::Error, "The region cannot be tracked")
                 .text(format!(": {} The run ends.", state.refusal.as_deref().unwrap_or_default())),
+            Some(Event::Waiting) => said.ink(Role::Error, format!("Frame {}: failure", state.frame)).text(
+                ", as the region and the true box had nothing in common. The tracker restarts from the true box 5 frames later, once the object is wholly \
+                 visible.",
+            ),
             Some(Event::Own(_)) => Self::at(seen).map_or(said, |at| self.0.sentence(&at)),
             Some(Event::Moved(result)) => match seen.after.filter(|after| is_over(seen.clip, after)) {
                 Some(after) => self.concluded((seen, after), result, said),
@@ -157,7 +162,10 @@ impl<T: Explained> RegionTracking<T> {
             Some(verdict) => said.text(format!(" In the last frame {verdict}.")),
             None => said.text(self.caveat(seen)),
         };
-        let said = said.text(regained::<T>(after, &errors).unwrap_or_default());
+        let said = match self.0.settings().restart {
+            true => said.text(restarted(after)),
+            false => said.text(regained::<T>(after, &errors).unwrap_or_default()),
+        };
         let said = said.text(content::told(seen.clip, &after.mask_field(), &errors).unwrap_or_default());
         let at = Self::at_last(seen);
         let said = said.text(
@@ -320,6 +328,11 @@ fn scored(of: &RegionScores, ending: Ending) -> String {
 }
 
 fn chosen<M>(state: &State<M>, said: Sentence) -> Sentence {
+    if !state.past.is_empty() {
+        return said
+            .ink(Role::Reference, format!("Restart {}", state.restarts.count + 1))
+            .text(format!(": in frame {} the region is the true box, and the object is learnt again.", state.frame));
+    }
     let Region { center, size: extent, .. } = state.region;
     let said = said.ink(Role::Reference, format!("Region of {}", size(extent))).text(format!(
         " around {} px in frame {}, ",
@@ -332,6 +345,16 @@ fn chosen<M>(state: &State<M>, said: Sentence) -> Sentence {
         Origin::Middle => said.text(
             "in the middle of the frame, because no region is placed and no true object is known. Place the region on an object.",
         ),
+    }
+}
+
+/// The number of restarts, as a further sentence of the end.
+fn restarted<M>(state: &State<M>) -> String {
+    match state.restarts.count {
+        0 => String::new(),
+        count => {
+            format!(" The tracker was restarted {}.", if count == 1 { "once".into() } else { counted(count, "time") })
+        }
     }
 }
 

@@ -16,7 +16,7 @@ use std::sync::Arc;
 pub use ending::{Ending, Loss, Outcome};
 pub use start::Settings;
 pub(crate) use start::line;
-use start::{Chosen, choose};
+use start::{Chosen, Restarts, choose};
 
 use crate::base::words::counted;
 use crate::base::{Error, Mapped, Observer};
@@ -202,6 +202,7 @@ pub struct State<M> {
     past: Arc<Vec<RegionFrame>>,
     /// The masks of the frames, where the model has any.
     masks: Arc<Vec<Arc<ObjectFrame>>>,
+    restarts: Restarts,
 }
 
 impl<M> State<M> {
@@ -222,6 +223,8 @@ pub enum Event<E> {
     Chosen,
     /// It cannot be tracked.
     Refused,
+    /// The tracker waits for its restart.
+    Waiting,
     /// An event of the tracker.
     Own(E),
     /// The result of the frame.
@@ -287,6 +290,7 @@ impl<T: Explained> Estimator for RegionTracking<T> {
             model: None,
             past: Arc::default(),
             masks: Arc::default(),
+            restarts: Restarts::default(),
         })
     }
 
@@ -299,7 +303,19 @@ impl<T: Explained> Estimator for RegionTracking<T> {
         clip.wanted()?;
         need::check_kept(clip, self.state_bytes(state))?;
         let frame = clip.frame(state.frame)?;
+        if let Some(region) = state.restarts.region(state.chosen.object, (clip, state.frame))?
+            && self.0.refusal(&frame, region).is_none()
+        {
+            state.region = region;
+            state.restarts = Restarts { waits_until: None, count: state.restarts.count + 1 };
+        }
         let result = match &mut state.model {
+            _ if state.restarts.waits_until.is_some() => {
+                let result = RegionFrame { region: state.region, similarity: 0.0, is_lost: true };
+                observer.see(|| Event::Waiting);
+                observer.see(|| Event::Moved(result));
+                result
+            }
             None => self.learn(state, &frame, observer),
             Some(model) => {
                 let mut own = Mapped { observer: &mut *observer, map: Event::Own };
@@ -309,6 +325,10 @@ impl<T: Explained> Estimator for RegionTracking<T> {
             }
         };
         state.region = result.region;
+        let can_fail = self.0.settings().restart && state.restarts.waits_until.is_none();
+        if can_fail && state.restarts.fail(&result.region, state.chosen.object, (clip, state.frame))? {
+            state.model = None;
+        }
         self.keep_mask(state, &result);
         Arc::make_mut(&mut state.past).push(result);
         state.frame += 1;

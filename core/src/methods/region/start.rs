@@ -14,6 +14,9 @@ params! {
         region: Option<Bounds> = None::<Bounds>;
         /// Maximum number of frames, the first included.
         frames: usize = 300, 2..=10_000;
+        /// Restart from the true box 5 frames after the overlap with it fell to 0, as the VOT benchmark does: the number of failures is the
+        /// robustness of the tracker. Without true boxes it has no effect.
+        restart: bool = false;
     }
 }
 
@@ -75,6 +78,52 @@ pub(super) fn choose(zone: Option<Bounds>, clip: &Clip, t: usize) -> Result<Chos
         return Ok(Chosen { region: bounds.into(), origin: Origin::Truth, object: Some(id) });
     }
     Ok(Chosen { region: middle(clip.size())?.into(), origin: Origin::Middle, object: None })
+}
+
+/// Frames from a failure to the restart (M. Kristan et al., A novel performance evaluation methodology for single-target trackers, IEEE
+/// PAMI 38(11), 2016).
+const PAUSE: usize = 5;
+
+/// The state of a run with restarts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Restarts {
+    /// The frame from which on the tracker may restart, while it waits.
+    pub waits_until: Option<usize>,
+    /// Number of restarts so far.
+    pub count: usize,
+}
+
+impl Restarts {
+    /// Whether the tracker fails with `region` in frame `t`: its box and that of the true object have nothing in common.
+    ///
+    /// # Errors
+    /// If the truth cannot be read.
+    pub fn fail(&mut self, region: &Region, object: Option<u32>, (clip, t): (&Clip, usize)) -> Result<bool, Error> {
+        let is_apart =
+            true_box(object, clip, t)?.is_some_and(|object| region.bounds().iou(&Bounds::from(&object)) == 0.0);
+        if is_apart {
+            self.waits_until = Some(t + PAUSE);
+        }
+        Ok(is_apart)
+    }
+
+    /// The region of a restart in frame `t`, if it is time for one and the object is wholly visible.
+    ///
+    /// # Errors
+    /// If the truth cannot be read.
+    pub fn region(&self, object: Option<u32>, (clip, t): (&Clip, usize)) -> Result<Option<Region>, Error> {
+        if self.waits_until.is_none_or(|until| t < until) {
+            return Ok(None);
+        }
+        let found = true_box(object, clip, t)?.filter(|object| object.visibility >= WHOLE);
+        Ok(found.and_then(|object| within(Bounds::from(&object), clip.size())).map(Region::from))
+    }
+}
+
+/// The true object in frame `t`.
+fn true_box(id: Option<u32>, clip: &Clip, t: usize) -> Result<Option<ObjectBox>, Error> {
+    let (Some(id), Some(truth)) = (id, clip.truth()) else { return Ok(None) };
+    Ok(truth.objects(t)?.and_then(|objects| objects.into_iter().find(|object| object.id == id)))
 }
 
 /// The part of a rectangle inside a picture, if it is large enough.
