@@ -185,6 +185,20 @@ impl SceneFlow {
         Ok(if state.done == parts.len() { Progress::Done } else { Progress::More })
     }
 
+    /// Checks that the truth of a pair of frames is known, as far as it is used.
+    fn check_truth(&self, clip: &Clip, t: usize, depths: Depths) -> Result<(), Error> {
+        let truth = known(clip)?;
+        let flow = truth.flow(t)?.is_some_and(|flow| flow.0.size() == clip.size());
+        let fits = |map: &Arc<Disparity>| map.0.size() == clip.size();
+        let both = || {
+            Ok::<_, Error>(
+                [truth.disparity(t)?, truth.next_disparity(t)?].iter().flatten().filter(|map| fits(map)).count(),
+            )
+        };
+        let is_known = flow && (depths == Depths::Unknown || both()? == 2);
+        is_known.then_some(()).ok_or_else(unknown)
+    }
+
     /// The disparities of frame `t + after`.
     fn disparities(&self, clip: &Clip, (t, after): (usize, usize), threads: &Threads) -> Result<Arc<Disparity>, Error> {
         if self.source == Source::Estimated && clip.has_depths() {
@@ -397,8 +411,8 @@ impl Estimator for SceneFlow {
         if depths == Depths::Stereo {
             clip.frame_from(Viewpoint::Right, frame + 1)?;
         }
-        if self.source == Source::Truth && depths != Depths::Unknown {
-            known(clip)?;
+        if self.source == Source::Truth {
+            self.check_truth(clip, frame, depths)?;
         }
         let calibration = clip.calibration().filter(|_| depths != Depths::Unknown).copied();
         let (width, height) = left.size();

@@ -5,6 +5,7 @@ use super::chosen::FRAMES;
 use super::{Frames, Makes, Stage};
 use crate::base::{Error, Threads};
 use crate::data::{Clip, Flow, Frame};
+use crate::params::Kind;
 use crate::products::{
     BlockField, DenseField, DisparityField, MaskField, ModelField, ObjectField, PointField, Product, ProductKind,
     TrackField,
@@ -169,6 +170,12 @@ impl Makes for FeatureTracks {
     const DECIDED: &'static [&'static str] = &[FRAMES];
     const PRODUCT: &'static ProductKind = TrackField::KIND;
     const WORDS: &'static str = "feature tracks";
+
+    fn lacks(estimator: &dyn AnyEstimator) -> Option<&'static str> {
+        // What is placed by hand is a single one.
+        let is_placed = estimator.specs().iter().any(|spec| matches!(spec.kind, Kind::Placed(_)));
+        is_placed.then_some("follows what is placed on the picture")
+    }
 }
 
 impl Stage<FeatureTracks> {

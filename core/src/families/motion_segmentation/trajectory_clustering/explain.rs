@@ -49,7 +49,8 @@ impl TrajectoryClustering {
                 ),
                 _ => " of at least 3 frames. The affinities of all pairs are a matrix with as many rows and columns.".to_owned(),
             });
-        Step { line: line::TRACK, sentence, readouts: Vec::new() }
+        let facts = vec![Fact::new("Trajectories", grouped(compared.all), Some(Role::Reference))];
+        Step { line: line::TRACK, sentence, readouts: vec![Readout::Facts(facts)] }
     }
 
     fn told_affinity(&self, seen: &Seen<Self>, index: usize, weights: &[f32]) -> Step {
@@ -92,7 +93,9 @@ impl TrajectoryClustering {
                     .text(format!(", {why}: groups with weak affinities between them lie apart."))
             }
         };
-        let readouts = spectrum.map(|spectrum| eigenvalues(spectrum)).into_iter().collect();
+        let facts = vec![Fact::new("Trajectories", grouped(labels.len()), None)];
+        let plot = spectrum.map(|spectrum| eigenvalues(spectrum));
+        let readouts = [Readout::Facts(facts)].into_iter().chain(plot).collect();
         Step { line: line::CLUSTER, sentence, readouts }
     }
 

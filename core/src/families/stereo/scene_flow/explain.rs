@@ -93,6 +93,9 @@ impl SceneFlow {
             Event::Draw(draw) => self.told_draw(seen, draw),
             Event::NoEgo => Self::told_no_ego(seen),
         };
+        if !step.readouts.iter().any(|readout| matches!(readout, Readout::Facts(_))) {
+            step.readouts.insert(0, Readout::Facts(known_facts(&shown)));
+        }
         let is_over = seen.after.is_some_and(|after| after.done == self.parts(&after.fixed).len());
         if is_over && seen.point().is_none() {
             step.sentence = step.sentence.text(self.concluded(seen, &shown.field));
@@ -646,6 +649,20 @@ fn draw_own(scene: &mut Scene, field: &SceneFlowField, last_row: usize) {
     scene.legend(Role::Error, "length of the remaining motion in m");
     scene.heat = Some("remaining motion (m)");
     scene.heat_scale = Some([0.0, 0.5]);
+}
+
+/// What is known of a pixel so far.
+fn known_facts(shown: &Shown) -> Vec<Fact> {
+    let (x, y) = shown.pixel;
+    let length = |value: f32| format!("{} px", fixed(value.into(), 2));
+    let mut facts = vec![Fact::new("Pixel", words::pixel(shown.pixel), Some(Role::Reference))];
+    let disparity = shown.field.disparity.at(x, y);
+    facts.extend(disparity.map(|d| Fact::new("Disparity d", length(d), Some(Role::Best))));
+    let flow = shown.field.flow.at(x, y);
+    facts.extend(
+        flow.map(|uv| Fact::new("Flow (u, v)", format!("{} px", px2(uv.map(f64::from))), Some(Role::Measured))),
+    );
+    facts
 }
 
 fn measured_facts(pixel: (usize, usize), measured: &Measured) -> Vec<Fact> {
