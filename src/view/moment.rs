@@ -247,7 +247,7 @@ fn explained_step(RunView { walk, focus, end, .. }: RunView<'_>, motion: &Motion
         add_assessment(&mut step, assessment);
     }
     if let Some(causal) = &end.causal {
-        add_facts(&mut step, vec![Fact::new("In real time", causal.clone(), None)]);
+        add_facts(&mut step, vec![Fact::new("Without hindsight", causal.clone(), None)]);
     }
     let facts = motion.facts();
     if !facts.is_empty() {

@@ -7,7 +7,7 @@ use motionscope_core::{Cursor, capital};
 use serde::{Deserialize, Serialize};
 
 use super::Panes;
-use crate::ui::app::action::Action;
+use crate::ui::app::action::{Action, Side};
 use crate::ui::app::commands::Command;
 use crate::ui::charts::heat_map::Clicked;
 use crate::ui::charts::{
@@ -210,7 +210,7 @@ impl Panes<'_> {
                             .picked;
                     if let Some(pixel) = picked {
                         let at = motionscope_core::scene::Focus::current(pixel.map(f32::from));
-                        self.actions.ask(Action::Focus(Some(at)));
+                        self.actions.ask(Action::SeekAt(at, Side::End));
                     }
                 }
                 Readout::Stack(stack) if *pane == panes::PYRAMID => {

@@ -11,8 +11,8 @@ pub(super) const EXAMPLES: &[Example] = &[
         clip: "rigid-layers",
         settings: &[],
         frame: 0,
-        says: "Each object is shifted as a whole, so its pixels lie together in the plane of displacements. Wrong labels lie along the outlines, where \
-               the flow is blurred or occluded.",
+        says: "Each object is shifted as a whole, so one displacement describes all of its pixels. Wrong labels lie along the outlines, where the flow is \
+               blurred or occluded.",
         claim: ("adjusted_rand_index", Limit::AtLeast(0.85)),
         instead: None,
     },
@@ -37,8 +37,8 @@ pub(super) const EXAMPLES: &[Example] = &[
         clip: "rigid-layers,noise=30",
         settings: &[],
         frame: 0,
-        says: "The flow of a single pair of frames is as noisy as the differences of the motions. Over eight frames the trajectories of two objects \
-               separate by several pixels, while the noise of their positions stays the same.",
+        says: "The flow of a single pair of frames is as noisy as the differences of the motions. Trajectory clustering compares points over eight \
+               frames, in which two objects separate by several pixels while the noise of a position stays the same.",
         claim: ("adjusted_rand_index", Limit::AtMost(0.3)),
         instead: Some(Alternative { id: "trajectory-clustering", settings: &[], limit: Limit::AtLeast(0.75) }),
     },

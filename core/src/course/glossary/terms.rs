@@ -477,6 +477,12 @@ pub static GLOSSARY: &[Term] = &[
         is the difference of their phases.",
     ),
     term(
+        Evaluation,
+        "D1",
+        &[],
+        "The share of pixels whose disparity is wrong by more than 3 px and by more than 5 % of the truth, or unknown: the measure of stereo of the KITTI benchmark.",
+    ),
+    term(
         MultipleObjects,
         "data association",
         &["association", "associate", "associates", "associated"],
@@ -2121,6 +2127,12 @@ pub static GLOSSARY: &[Term] = &[
         "sensor fusion",
         &["data fusion"],
         "The combination of measurements of several sensors, each weighted by its covariance.",
+    ),
+    term(
+        Evaluation,
+        "SF",
+        &["scene flow outliers"],
+        "The share of pixels at which one of both disparities or the flow is wrong by more than 3 px and by more than 5 % of the truth, or unknown: the measure of scene flow of the KITTI benchmark.",
     ),
     term(
         MovingObjects,

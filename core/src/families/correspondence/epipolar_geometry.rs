@@ -168,7 +168,7 @@ impl RobustModel for EpipolarGeometry {
                 match planar.off {
                     [_, 0] => "no match is an outlier of the homography".to_owned(),
                     [agreeing, all] => format!(
-                        "outliers of the homography: {}, of which {} satisfy F, no more than by chance",
+                        "clear outliers of the homography: {}; agreeing with F: {}, no more than by chance",
                         words::grouped(all),
                         words::grouped(agreeing)
                     ),

@@ -61,6 +61,8 @@ params! {
 
 /// Frames over which the motion of a trajectory is compared.
 const INTERVAL: usize = 5;
+/// Eigenvalue above which its vector may separate a group from the others.
+const LEAST_EIGENVALUE: f64 = 0.3;
 /// Eigenvalues that are found: two more than there can be segments, for the gap after the last and because the last converges most slowly.
 const EIGENVALUES: usize = 8;
 
@@ -192,7 +194,10 @@ impl TrajectoryClustering {
 
     fn cluster(&self, spectrum: &Spectrum) -> (Vec<u32>, usize) {
         let count = match self.selection {
-            Choice::Given => self.clusters,
+            // An eigenvalue far below 1 stands for no group of its own.
+            Choice::Given => {
+                self.clusters.min(spectrum.values.iter().filter(|value| **value > LEAST_EIGENVALUE).count()).max(1)
+            }
             Choice::Gap => spectrum.groups_by_gap(),
         };
         let points = Points::new(spectrum.embedding(count));

@@ -381,7 +381,7 @@ impl Explained for GreedyContour {
     }
 
     fn advice(&self, ending: Ending, at: &At<'_, Self>) -> String {
-        let reach = "A larger σ blurs the edges so that they reach farther; a velocity is not predicted.";
+        let reach = "A larger σ blurs the edges so that they reach farther; mean shift needs no edges.";
         contour::explain::advice(ending, verdict(at), reach)
     }
 }

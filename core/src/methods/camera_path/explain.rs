@@ -90,7 +90,7 @@ pub fn why(refused: Refused) -> String {
         Refused::Singular => "The matrix has no inverse.".to_owned(),
         Refused::Far { moved_px, .. } if moved_px.is_infinite() => "It maps a corner of the picture beyond the horizon line, as no camera does.".to_owned(),
         Refused::Far { moved_px, most_px } => {
-            format!("It moves a corner by {}, and the diagonal of the picture, {}, is the most.", px(moved_px), px(most_px))
+            format!("The motion moves a corner by {}, and the diagonal of the picture, {}, is the most.", px(moved_px), px(most_px))
         }
         Refused::Worse { registered, at_rest } => format!(
             "Registered by it the frames differ by {} gray levels on average, and by {} as they are: its few inliers lie on an object, or are wrong.",
@@ -98,7 +98,7 @@ pub fn why(refused: Refused) -> String {
             fixed(at_rest, 2)
         ),
         Refused::Bent { bend_px, registered, at_rest } => format!(
-            "It bends the picture: a corner is {} off the nearest similarity. The median difference of the frames registered by it is {} gray levels, \
+            "The motion bends the picture: a corner is {} off the nearest similarity. The median difference of the frames registered by it is {} gray levels, \
              and {} as they are: many of its inliers lie on a moving object. The model similarity avoids it.",
             px(bend_px),
             fixed(registered, 2),

@@ -216,7 +216,7 @@ pub(crate) fn done(number: usize, frame: &ObjectFrame, conclusion: &Conclusion) 
     let advice = match run.switches {
         0 if misses + alarms == 0 => "",
         switches if switches > misses.max(alarms) => {
-            " To keep identities, raise the maximum age or choose a motion model that fits."
+            " Identities are kept by a motion model that fits (turns need one), and through misses by a larger maximum age."
         }
         _ if misses > alarms && conclusion.is_of_truth => {
             " Most errors are misses. The detections are the true boxes with noise, so another detector would not help: occluded objects are missed, because coasting tracks, like tentative ones, do not count as matches."

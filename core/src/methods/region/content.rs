@@ -47,17 +47,17 @@ impl Content {
             return None;
         }
         let [object, taken] = self.means.map(gray);
-        let inside = match self.inside - self.own {
-            0 => "all of its inside is the object".to_owned(),
+        let left_out = share(self.object - self.own, self.object);
+        Some(match self.inside - self.own {
+            0 => {
+                format!(" The contour shrank into the object in frame {frame}: {left_out} of the object lies outside.")
+            }
             foreign => format!(
-                "{} of its inside is not the object, with a mean gray level of {taken} against {object} on the object",
+                " The contour left the object in frame {frame}: {} of its inside is not the object, with a mean gray level of {taken} against \
+                 {object} on the object, and {left_out} of the object lies outside.",
                 share(foreign, self.inside)
             ),
-        };
-        let left_out = share(self.object - self.own, self.object);
-        Some(format!(
-            " The contour left the object in frame {frame}: {inside}, and {left_out} of the object lies outside."
-        ))
+        })
     }
 }
 
@@ -110,7 +110,7 @@ mod tests {
             "{said}"
         );
         let within = Content::of(&mask, |x, _| x < 8, &luma).words(3).expect("a sentence");
-        assert!(within.contains("all of its inside is the object, and 37.5 %"), "{within}");
+        assert!(within.contains("shrank into the object in frame 3: 37.5 %"), "{within}");
         assert_eq!(Content::of(&Mask::new(10, 4), |x, _| x < 4, &luma).words(3), None);
     }
 }

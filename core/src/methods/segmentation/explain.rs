@@ -93,7 +93,7 @@ pub fn conclusion(clip: &Clip, t: usize, frame: &SegmentFrame) -> String {
     let share = dominant.area as f64 / (width * height) as f64;
     let found = match frame.segments.len() {
         1 => format!(
-            "One segment holds all pixels of known flow and moves by {} px/frame: nothing moves against it.",
+            "One segment holds all pixels of known flow and moves by {} px/frame: no other motion stands out in this flow.",
             words::place(dominant.displacement)
         ),
         count => format!(

@@ -146,7 +146,7 @@ impl Curve<'_> {
         lines.extend(at(self.best).map(|minimum| ("minimum", Role::Best, vec![minimum])));
         let truth = true_at(self.pair.views, self.pair.pixel).filter(|truth| *truth >= 0.0);
         let on_curve = truth.and_then(|truth| at(truth.round() as usize).map(|[_, cost]| [truth, cost]));
-        lines.extend(on_curve.map(|truth| ("true disparity", Role::Truth, vec![truth])));
+        lines.extend(on_curve.map(|truth| ("cost at the true disparity", Role::Truth, vec![truth])));
         Readout::Series(Series {
             title: self.title,
             x_label: "disparity d (px)",

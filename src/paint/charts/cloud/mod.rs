@@ -9,8 +9,8 @@ use std::sync::Arc;
 
 use glam::camera::rh::{proj::directx::perspective, view::look_at_mat4};
 use glam::{Mat4, Vec3};
-use motionscope_core::Role;
 use motionscope_core::scene::{Cloud, CloudData};
+use motionscope_core::{Role, fixed};
 use serde::{Deserialize, Serialize};
 
 use super::super::primitive::{Anchor, Point, Primitive, Rect};
@@ -209,7 +209,7 @@ pub fn summary(cloud: &Cloud) -> String {
 }
 
 fn points(data: &CloudData) -> String {
-    format!("{} points, up to {} m", grouped(data.points.len()), number(data.depth_m.round()))
+    format!("{} points, up to {} m", grouped(data.points.len()), fixed(data.depth_m.into(), 1))
 }
 
 /// The legend below the cloud, in rows; gives where it begins.
@@ -300,9 +300,7 @@ impl View {
         }
         for (role, at) in &cloud.marked {
             let Some((center, _)) = self.world.seen(*at) else { continue };
-            let ink = self.style.theme.ink(*role);
-            canvas.disc(center, 6.0, ink.halo);
-            canvas.disc(center, 4.5, ink.color);
+            canvas.extend(legend::point(*role, self.style.theme, center));
         }
     }
 }

@@ -204,8 +204,8 @@ impl EpipolarGeometry {
                 let which = if frame == 0 { "e lies inside frame t" } else { "e′ lies inside frame t+1" };
                 let at = words::place(at.map(|c| c as f32));
                 let sentence = said.ink(Role::Rejected, "Rectification is impossible").text(format!(
-                    ": the epipole {which} at {at}. A homography that sends it to infinity tears the picture; the camera moved toward the \
-                     scene. A polar rectification would be needed."
+                    ": the epipole {which} at {at}. A homography that sends it to infinity tears the picture. So it is where a camera moves toward the \
+                     scene, or where few points determine F. A polar rectification would be needed."
                 ));
                 (sentence, vec![Fact::new("Epipole inside", format!("{at} px"), Some(Role::Rejected))], Vec::new())
             }

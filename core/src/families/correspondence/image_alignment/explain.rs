@@ -20,6 +20,9 @@ fn gray(value: f64) -> String {
     format!("{} gray levels", fixed(value, 2))
 }
 
+/// Mean endpoint error in px from which on an alignment is called wrong.
+const WRONG_PX: f64 = 0.5;
+
 impl ImageAlignment {
     pub(super) fn explanation(&self, seen: &Seen<Self>) -> Step {
         let Some(Event { stage, state }) = seen.events.last() else {
@@ -173,6 +176,10 @@ impl ImageAlignment {
                  large for the coarsest level, for which more levels would help."
             }
             (.., true) => " The residual stays large: a model with more degrees of freedom, or more levels for larger motion, would help.",
+            _ if error.is_some_and(|error| error.epe_px > WRONG_PX) => {
+                " The squared differences of objects with another motion pulled the warp away from the true one. Global motion leaves such matches out as \
+                 outliers."
+            }
             _ => " One warp explains the motion; the places that still differ move on their own or are new.",
         })
     }

@@ -84,6 +84,7 @@ impl TrajectoryClustering {
             (true, _) => Sentence::default().text("Without trajectories there are no segments."),
             (false, choice) => {
                 let why = match choice {
+                    Choice::Given if count < self.clusters => "as there are no more eigenvalues near 1",
                     Choice::Given => "as set",
                     Choice::Gap => "as the eigenvalues fall most after it",
                 };

@@ -104,8 +104,8 @@ impl Explained for ChanVese {
                  object that touches it would become a part of it."
             }
             Outcome::Grown => {
-                "Something as bright as the object touched it and became a part of it. A smaller margin keeps clutter out of the window; \
-                 an active contour works where edges separate regions of equal mean."
+                "Something as bright as the object touched it and became a part of it. A correlation \
+                 filter or mean shift is not attracted by gray levels alone."
             }
             Outcome::Shrunk => {
                 "A part of the object is nearer to the mean outside than to the mean inside. An active contour works where \
@@ -116,8 +116,8 @@ impl Explained for ChanVese {
                  it becomes a part of it."
             }
             Outcome::Regained | Outcome::Beside | Outcome::Lost => {
-                "Object and surroundings had equal means, or something as bright as the object touched it. A smaller margin keeps \
-                 clutter out of the window; an active contour works where edges separate regions of equal mean."
+                "Something as bright as the object touched it, or its surroundings came near its mean. A correlation filter or mean shift is not \
+                 attracted by gray levels alone."
             }
         }
         .into()

@@ -164,13 +164,14 @@ impl Explained for CorrelationFilter {
                 "The filter knows shape and texture, so colours of the background do not attract it; it has no scale, and a velocity is \
                  not predicted."
             }
-            Outcome::Regained => "The peak left the object for a while, by a fast motion or a change of size or appearance, and came back to it. A velocity is not predicted, and the filter has no scale.",
+            Outcome::Regained => "The overlap was low for a while: by a fast motion, a change of appearance, or a change of size, as the region keeps its own. A template \
+                 tracker follows a change of size.",
             Outcome::Grown | Outcome::Shrunk => {
                 "The region keeps the size of the first frame, and the object changed its own: this filter has no scale."
             }
             Outcome::Beside | Outcome::Unknown => {
-                "The peak lies beside the object: windows that were off by some pixels, or of another pose, were averaged into the filter. A \
-                 smaller learning rate slows such drift."
+                "The peak lies beside the object: windows that were off by some pixels, or of another pose, were averaged into the filter. Where \
+                 blur or light changed the appearance, mean shift keeps to the colours."
             }
             Outcome::Lost if ending.hidden > 0 => {
                 return format!(

@@ -258,8 +258,8 @@ impl Explained for ParticleFilter {
                  the object is hidden. A larger λ lets fewer particles on other places survive."
             }
             Outcome::Lost => {
-                "No particle was near the object any more, or others had larger weights. More particles or more process noise cover more of the picture; a \
-                 smaller λ lets more hypotheses survive."
+                "No particle was near the object any more, or others had larger weights. More process noise spreads the particles farther between frames, which \
+                 fast motion needs; with it more particles are needed, too."
             }
         }
         .into()

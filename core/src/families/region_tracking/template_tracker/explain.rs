@@ -219,7 +219,7 @@ fn cause(loss: Loss) -> String {
     } else if loss.moved_px > FAR * loss.side_px {
         format!(
             "The loss begins in frame {frame}, where the object was in full view but had moved by {moved} px: farther than the iterations \
-             converge. More levels or a larger region reach farther."
+             converge. Mean shift or a particle filter with more process noise reaches farther."
         )
     } else {
         format!(

@@ -449,9 +449,9 @@ impl SceneFlow {
         let error = scene_flow_error(field, &reference).unwrap_or_default();
         if let (Some(epe), Some(median)) = (error.epe_m, error.median_percent) {
             told += &format!(
-                " Against the truth: mean error {} m, median {} % of the depth.",
-                fixed(epe, 3),
-                fixed(median, 2)
+                " Against the truth: median error {} % of the depth. The mean, {} m, is dominated by far points and depth edges.",
+                fixed(median, 2),
+                fixed(epe, 3)
             );
         }
         if let Some([_, off]) = error.ego {

@@ -324,8 +324,8 @@ impl SemiGlobalMatching {
             let value = around.map_or(f32::NAN, |(_, around)| fill::value(gap, around));
             let why = match (gap, was.verdict) {
                 (Gap::Occluded, _) => {
-                    "no pixel of the other view is matched with it: half-occluded. The background continues there, so it takes the second lowest of the \
-                     nearest disparities in 8 directions, "
+                    "no pixel of the other view is matched with it, as where it is half-occluded. Then the background continues there, so it takes the second lowest \
+                     of the nearest disparities in 8 directions,  "
                 }
                 (Gap::Mismatched, Verdict::Ambiguous) => {
                     "its match is ambiguous. It takes the median of the nearest disparities in 8 directions, "

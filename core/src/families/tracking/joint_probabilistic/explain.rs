@@ -61,7 +61,7 @@ impl JointProbabilistic {
             return said
                 .text("No assignment is made: each track is updated with all ")
                 .ink(Role::Measured, "detections")
-                .text(" in its gate, weighted by the probability that each is its own. Joint events make sure that no detection counts for two tracks.");
+                .text(" in its gate, weighted by the probability that each is its own. Within a joint event no detection is used twice; β sums over the events, so a detection between two tracks still updates both.");
         };
         match event {
             Event::Detected(all, discarded) => {
