@@ -201,7 +201,11 @@ fn every_estimator(folder: &Path) {
     for estimator in estimators() {
         let id = estimator.info().id;
         let has_objects = matches!(estimator.guarantee(), Guarantee::Objects | Guarantee::Region);
-        let clip = if has_objects { "synth:traffic" } else { "synth:pillar" };
+        let clip = match estimator.guarantee() {
+            Guarantee::SceneFlow => "synth:drive",
+            _ if has_objects => "synth:traffic",
+            _ => "synth:pillar",
+        };
         for (place, step) in [("middle", "3.9"), ("end", "end")] {
             let path = sessions.path().join(format!("{id}-{place}.motionscope"));
             let step = if step == "end" { "0.0" } else { step };

@@ -2,15 +2,20 @@
 
 use motionscope::experiment::pixel::Held;
 use motionscope::ui::model::snapshot::Hold;
+use motionscope_core::Guarantee;
 use motionscope_core::scene::Shape;
 
 use super::*;
 
-/// A window on an estimator at a step of a small clip with cars.
+/// A window on an estimator at a step of a small clip with cars, seen by two cameras where it needs them.
 pub fn window(estimator: &str, step: &str) -> Window {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("one.motionscope");
-    let clip = "synth:traffic,width=160,height=120,frames=8";
+    let scene = match motionscope_core::estimator(estimator).expect("an estimator").guarantee() {
+        Guarantee::SceneFlow => "drive",
+        _ => "traffic",
+    };
+    let clip = format!("synth:{scene},width=160,height=120,frames=8");
     let lines = format!("motionscope = 1\nclip = \"{clip}\"\nestimator = \"{estimator}\"\nstep = \"{step}\"\n");
     fs::write(&path, lines).expect("it is written");
     Window::with(vec2(1440.0, 900.0), Start { open: Some(path.into()) })

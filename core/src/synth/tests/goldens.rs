@@ -53,6 +53,7 @@ fn every_scene_looks_as_it_did() {
         ("turntable", 0xf259_fe60_029a_1b82),
         ("still-life", 0x5935_d7b7_6cb0_174f),
         ("stereo-traps", 0x44b3_1ab7_128c_c20b),
+        ("drive", 0xafbc_0124_497d_bd96),
         ("turning-box", 0x119b_f38b_2c97_ba6a),
         ("spinning-sign", 0x5081_800f_c518_d4b2),
         ("blurred-swing", 0xfbb6_19ed_4fac_457d),

@@ -46,7 +46,7 @@ pub struct Viewpoint {
 impl Default for Viewpoint {
     /// Behind and above the cameras.
     fn default() -> Self {
-        Self { yaw_rad: -0.35, pitch_rad: 0.36, distance: 2.1, target: [0.0, 0.1, 0.1] }
+        Self { yaw_rad: -0.35, pitch_rad: 0.36, distance: 1.8, target: [0.0, 0.1, 0.1] }
     }
 }
 
