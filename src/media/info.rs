@@ -30,6 +30,7 @@ pub struct Info {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub right: Option<String>,
     /// Whether depths were measured beside the frames.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub depths: bool,
     /// The calibration of both views, if it is known.
     #[serde(skip_serializing_if = "Option::is_none")]
