@@ -219,7 +219,7 @@ fn layers_have_the_affine_motions_of_a_plain_reference() {
 fn layers_answer_bad_input_in_words() {
     let still = with_flow(Grid::new(64, 48, [0.0; 2]));
     let all = steps("motion-layers", &[TRUE_FLOW], &still);
-    assert!(said(&all, "label")[0].contains("nothing moves against it"));
+    assert!(said(&all, "label")[0].contains("no other motion stands out"));
     let clip = clip("rigid-layers", &[("frames", "2")]);
     for clusters in ["1", "32"] {
         let field = segments("motion-layers", &[TRUE_FLOW, ("clusters", clusters)], &clip);
@@ -337,7 +337,7 @@ fn bad_input_is_answered_in_words() {
         let settings = [("method", method), TRUE_FLOW];
         assert_eq!(segments("motion-clustering", &settings, &still).frames[0].segments.len(), 1, "{method}");
         let all = steps("motion-clustering", &settings, &still);
-        assert!(said(&all, "label")[0].contains("nothing moves against it"), "{method}");
+        assert!(said(&all, "label")[0].contains("no other motion stands out"), "{method}");
     }
     // One cluster.
     let all = steps("motion-clustering", &k("1"), &clip);
@@ -543,7 +543,7 @@ fn flow_segmentation_answers_bad_input_in_words() {
         let settings = [TRUE_FLOW, ("method", method)];
         assert_eq!(segments("flow-segmentation", &settings, &still).frames[0].segments.len(), 1);
         let all = steps("flow-segmentation", &settings, &still);
-        assert!(said(&all, "label")[0].contains("nothing moves against it"), "{method}");
+        assert!(said(&all, "label")[0].contains("no other motion stands out"), "{method}");
         assert!(segments("flow-segmentation", &settings, &unknown).frames[0].segments.is_empty());
     }
 }

@@ -231,9 +231,13 @@ fn the_end_of_a_run_shows_the_scores_of_the_command_line() {
             assert!(facts.contains(&(fact.label.to_string(), fact.value.clone())), "{estimator}: {}", fact.label);
         }
         let causal = experiment.causal(&shown.subject.clip, ran.causal).expect("scores");
-        assert_eq!(causal.is_some(), facts.iter().any(|(label, _)| label == "In real time"), "{estimator}: {facts:?}");
+        assert_eq!(
+            causal.is_some(),
+            facts.iter().any(|(label, _)| label == "Without hindsight"),
+            "{estimator}: {facts:?}"
+        );
         if let Some(causal) = causal {
-            assert!(facts.contains(&("In real time".into(), causal.headline)), "{facts:?}");
+            assert!(facts.contains(&("Without hindsight".into(), causal.headline)), "{facts:?}");
         }
     }
 }

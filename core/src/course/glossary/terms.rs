@@ -480,7 +480,7 @@ pub static GLOSSARY: &[Term] = &[
         Evaluation,
         "D1",
         &[],
-        "The share of pixels whose disparity is wrong by more than 3 px and by more than 5 % of the truth, or unknown: the measure of stereo of the KITTI benchmark.",
+        "The share of pixels with a disparity that is unknown, or wrong by more than 3 px and by more than 5 % of the truth: the measure of stereo of the KITTI benchmark.",
     ),
     term(
         MultipleObjects,
@@ -2132,7 +2132,7 @@ pub static GLOSSARY: &[Term] = &[
         Evaluation,
         "SF",
         &["scene flow outliers"],
-        "The share of pixels at which one of both disparities or the flow is wrong by more than 3 px and by more than 5 % of the truth, or unknown: the measure of scene flow of the KITTI benchmark.",
+        "The share of pixels at which one of both disparities or the flow is wrong by more than 3 px and by more than 5 % of the truth, or is unknown: the measure of scene flow of the KITTI benchmark.",
     ),
     term(
         MovingObjects,

@@ -48,7 +48,7 @@ params! {
         sigma: f32 = 0.3, 0.01..=20.0, "px/frame";
         /// Factor λ of the affinity: larger values separate more.
         lambda: f32 = 0.1, 0.001..=10.0;
-        /// Largest number of trajectories that are compared; of more, some are left out evenly.
+        /// Largest number of trajectories that are compared with each other; of more, the others join the segment of the most alike.
         max_tracks: usize = 400, 20..=1000;
         /// Random seed of the start vectors and of k-means++.
         seed: usize = 1, 0..=9999;
@@ -69,13 +69,18 @@ const EIGENVALUES: usize = 8;
 /// The trajectories that are compared.
 pub struct Compared {
     tracks: Vec<Arc<Track>>,
-    /// Number of all trajectories of at least three frames.
-    all: usize,
+    /// The others of at least three frames, which join the most alike.
+    others: Vec<Arc<Track>>,
     /// The index of the nearest trajectory of each pixel in the first frame, once a step shows it; `u32::MAX` without any.
     nearest: OnceLock<Grid<u32>>,
 }
 
 impl Compared {
+    /// All trajectories, first those that are compared.
+    fn all(&self) -> impl Iterator<Item = &Arc<Track>> {
+        self.tracks.iter().chain(&self.others)
+    }
+
     /// The index of the nearest trajectory of each pixel of the first frame.
     fn nearest_at_start(&self, picture: (usize, usize), first: usize) -> &Grid<u32> {
         self.nearest.get_or_init(|| {
@@ -142,8 +147,12 @@ impl TrajectoryClustering {
         let field: TrackField = self.tracks.tracks(clip, (first, self.frames), threads)?;
         let long: Vec<_> = field.tracks.iter().filter(|track| track.points.len() >= 3).cloned().collect();
         let (all, kept) = (long.len(), long.len().min(self.max_tracks));
-        let tracks = (0..kept).map(|i| Arc::clone(&long[i * all / kept.max(1)])).collect();
-        Ok(Compared { tracks, all, nearest: OnceLock::new() })
+        // The first of each of as many equal parts of their order.
+        let part = |i: usize| i * kept / all.max(1);
+        let is_compared = |(i, _): &(usize, Arc<Track>)| *i == 0 || part(*i) != part(*i - 1);
+        let (tracks, others): (Vec<_>, Vec<_>) = long.into_iter().enumerate().partition(is_compared);
+        let bare = |tracks: Vec<(usize, Arc<Track>)>| tracks.into_iter().map(|(_, track)| track).collect();
+        Ok(Compared { tracks: bare(tracks), others: bare(others), nearest: OnceLock::new() })
     }
 
     /// The affinity of two trajectories (T. Brox and J. Malik 2010, equations 1 to 3, with one σ for all).
@@ -192,7 +201,8 @@ impl TrajectoryClustering {
         Ok(all)
     }
 
-    fn cluster(&self, spectrum: &Spectrum) -> (Vec<u32>, usize) {
+    /// The segment of each trajectory, first of those that are compared, and the number that was looked for.
+    fn cluster(&self, compared: &Compared, spectrum: &Spectrum) -> (Vec<u32>, usize) {
         let count = match self.selection {
             // An eigenvalue far below 1 stands for no group of its own.
             Choice::Given => {
@@ -202,7 +212,14 @@ impl TrajectoryClustering {
         };
         let points = Points::new(spectrum.embedding(count));
         let found = Clustering::of(&points, count, self.seed);
-        (found.nearest.iter().map(|index| u32::from(*index) + 1).collect(), count)
+        let mut labels: Vec<u32> = found.nearest.iter().map(|index| u32::from(*index) + 1).collect();
+        let most_alike = |other: &Arc<Track>| {
+            let all = compared.tracks.iter().zip(&labels).map(|(track, label)| (self.affinity(other, track), *label));
+            all.reduce(|best, next| if next.0 > best.0 { next } else { best }).map_or(0, |(_, label)| label)
+        };
+        let others: Vec<u32> = compared.others.iter().map(most_alike).collect();
+        labels.extend(others);
+        (labels, count)
     }
 
     /// The labels of the pixels of frame `t`, and the motion of their nearest trajectories.
@@ -212,7 +229,7 @@ impl TrajectoryClustering {
         (picture, t): ((usize, usize), usize),
         threads: &Threads,
     ) -> (Grid<u32>, Flow) {
-        let there: Vec<_> = compared.tracks.iter().map(|track| track.at(t)).collect();
+        let there: Vec<_> = compared.all().map(|track| track.at(t)).collect();
         let places: Vec<_> = there.iter().map(|point| point.map(|point| point.at)).collect();
         let nearest = nearest(&places, picture, threads);
         let label = nearest.map(|index| labels.get(*index as usize).copied().unwrap_or(0));
@@ -253,8 +270,8 @@ impl TrajectoryClustering {
                 state.spectrum = Some(Arc::new(spectrum));
                 state.part = Part::Clusters;
             }
-            (Part::Clusters, _, _, Some(spectrum)) => {
-                let (labels, count) = self.cluster(spectrum);
+            (Part::Clusters, Some(compared), _, Some(spectrum)) => {
+                let (labels, count) = self.cluster(compared, spectrum);
                 let labels = Arc::new(labels);
                 observer.see(|| Event::Clustered(Arc::clone(&labels), count));
                 state.labels = Some(labels);
@@ -388,7 +405,7 @@ impl Footprint<State> for TrajectoryClustering {
     }
 
     fn memory_bytes(&self, state: &State) -> usize {
-        let tracks = state.compared.iter().flat_map(|compared| &compared.tracks).map(|track| track.bytes());
+        let tracks = state.compared.iter().flat_map(|compared| compared.all()).map(|track| track.bytes());
         let affinities = state.affinities.as_ref().map_or(0, |all| size_of_val(all.cells()));
         self.state_bytes(state) + state.record.bytes() + affinities + tracks.sum::<usize>()
     }

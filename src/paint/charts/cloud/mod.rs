@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 
 use super::super::primitive::{Anchor, Point, Primitive, Rect};
 use super::super::{grouped, legend, number};
-use super::canvas::{Canvas, Level, Type, solid};
+use super::canvas::{Canvas, Level, Type, covered, solid};
 use super::{ChartStyle, Drawing, Layer, Screen};
 
 /// Half the length of the depth that is shown, in units of the world.
@@ -263,17 +263,23 @@ impl View {
         let step = round_step(data.depth_m / 3.0);
         let seen = |z: f32| self.world.seen([0.0, 0.0, z]).map(|(at, _)| at);
         let count = (data.depth_m / step).floor() as usize;
-        let stroke = solid(1.0, dim.color);
+        let (stroke, part) = (solid(1.0, dim.color), self.world.screen.rect);
         if let (Some(from), Some(to)) = (seen(0.0), seen(step * count as f32)) {
             canvas.line(vec![from, to], false, stroke);
         }
+        let mut last: Option<Rect> = None;
         for multiple in 1..=count {
             let Some([x, y]) = seen(step * multiple as f32) else { continue };
             canvas.line(vec![[x, y - 3.0], [x, y + 3.0]], false, stroke);
             let words = format!("{} m", number(step * multiple as f32));
-            let mut line = dim.line([x + 4.0, y - 0.5 * dim.size], (Anchor::Start, Level::Middle), &words);
-            line.halo = Some(self.style.theme.chrome().panel);
-            canvas.add(Primitive::Text(line));
+            let line = dim.line([x + 4.0, y - 0.5 * dim.size], (Anchor::Start, Level::Middle), &words);
+            let rect = covered(&line);
+            // Far depths lie close to each other.
+            if last.is_none_or(|last| !last.meets(&rect)) && part.contains(rect.min) && part.contains(rect.max) {
+                canvas.fill(rect, self.style.theme.chrome().panel.alpha(170));
+                canvas.add(Primitive::Text(line));
+                last = Some(rect);
+            }
         }
     }
 

@@ -67,7 +67,7 @@ impl Gpu {
     /// Has other points on the card.
     pub fn set_points(&mut self, points: &[Point]) {
         let contents: &[u8] = bytemuck::cast_slice(points);
-        let label = Some("points");
+        let label = Some("point cloud");
         let usage = wgpu::BufferUsages::VERTEX;
         let buffer =
             || self.offscreen.device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label, contents, usage });
@@ -99,7 +99,7 @@ fn pipeline(device: &wgpu::Device) -> wgpu::RenderPipeline {
     let module = device.create_shader_module(wgpu::include_wgsl!("points.wgsl"));
     let attributes = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32, 2 => Unorm8x4];
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("points"),
+        label: Some("point cloud"),
         layout: None,
         vertex: wgpu::VertexState {
             module: &module,

@@ -37,19 +37,19 @@ impl TrajectoryClustering {
         let name = self.tracks.estimator().info().name;
         let sentence = Sentence::default()
             .text(format!("{name} makes "))
-            .ink(Role::Reference, counted(compared.all, "trajectory"))
+            .ink(Role::Reference, counted(compared.all().count(), "trajectory"))
             .text(match compared.tracks.len() {
                 0 if seen.clip.info().frames.is_some_and(|frames| frames < 3) => {
                     " of at least 3 frames, as the clip has fewer. Choose a longer clip.".to_owned()
                 }
                 0 => " of at least 3 frames, so there is nothing to compare. Choose another method, or a clip with more texture.".to_owned(),
-                kept if kept < compared.all => format!(
+                kept if !compared.others.is_empty() => format!(
                     " of at least 3 frames, of which {} are compared: the affinities of all pairs are a matrix with as many rows and columns.",
                     grouped(kept)
                 ),
                 _ => " of at least 3 frames. The affinities of all pairs are a matrix with as many rows and columns.".to_owned(),
             });
-        let facts = vec![Fact::new("Trajectories", grouped(compared.all), Some(Role::Reference))];
+        let facts = vec![Fact::new("Trajectories", grouped(compared.all().count()), Some(Role::Reference))];
         Step { line: line::TRACK, sentence, readouts: vec![Readout::Facts(facts)] }
     }
 
@@ -112,7 +112,7 @@ impl TrajectoryClustering {
             Event::Compared(index, weights) => draw_affinities(scene, compared, *index as usize, weights),
             Event::Iterated(spectrum) => draw_vector(scene, seen, compared, spectrum),
             Event::Clustered(labels, _) => {
-                for (track, label) in compared.tracks.iter().zip(labels.iter()) {
+                for (track, label) in compared.all().zip(labels.iter()) {
                     draw_track(scene, track, Role::Result, Some(*label));
                 }
                 scene.legend(Role::Result, "trajectories, one colour for each segment");

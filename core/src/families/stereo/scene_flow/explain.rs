@@ -681,7 +681,11 @@ fn triangulation(measured: &Measured, rig: Option<&Calibration>, motion: &SpaceM
         Math::Bold("P"),
         Math::text(" = "),
         Math::over(Math::Var("B"), Math::Var("d")),
-        Math::text(" (x − cₓ, y − c_y, f)"),
+        Math::text(" (x − "),
+        Math::indexed(Math::Var("c"), Math::Var("x")),
+        Math::text(", y − "),
+        Math::indexed(Math::Var("c"), Math::Var("y")),
+        Math::text(", f)"),
     ]);
     let line = |name: &'static str, role, [x, y]: [f64; 2], d: f64, at: [f64; 3]| {
         let [cx, cy] = rig.principal_px;
