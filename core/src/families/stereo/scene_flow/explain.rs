@@ -345,7 +345,7 @@ impl SceneFlow {
             let covariance = seen.after.and_then(|after| after.consensus.as_ref()?.covariance);
             matrices.extend(covariance.map(|all| Matrix {
                 entries: Grid::from_fn(3, 3, |x, y| all[3 + y][3 + x]),
-                ..square("Σₜ", "covariance of t, in m²", [[0.0; 3]; 3])
+                ..square("C", "covariance of t, in m²", [[0.0; 3]; 3])
             }));
             Readout::Matrices(matrices)
         }));
