@@ -85,14 +85,14 @@ pub enum Part {
 }
 
 /// What happened.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Event {
     /// A whole map was estimated.
     Whole(Part),
     /// A row was done.
     Row(Part, u32),
     /// A sample, or a round of the final fit, of the motion of the cameras.
-    Draw(Draw),
+    Draw(Box<Draw>),
     /// There were too few points for it.
     NoEgo,
     /// Small groups were removed: the number of pixels before and after.
@@ -271,7 +271,7 @@ impl SceneFlow {
         let Some(rig) = field.calibration else { return Ok(()) };
         let points = self.ego_points(&field);
         let ego = Ego::new(&rig, &points, &self.ego);
-        let consensus = ego.estimate(|| clip.wanted(), |draw| observer.see(|| Event::Draw(draw)))?;
+        let consensus = ego.estimate(|| clip.wanted(), |draw| observer.see(|| Event::Draw(Box::new(draw))))?;
         if consensus.drawn == 0 {
             observer.see(|| Event::NoEgo);
         }
@@ -459,8 +459,8 @@ impl Estimator for SceneFlow {
             Event::Row(Part::Positions, _) => line::TRIANGULATE,
             Event::Row(..) => line::OWN,
             Event::Opened(_) => line::OPEN,
-            Event::Draw(Draw { sample: Some(_), .. }) | Event::NoEgo => line::SAMPLE,
-            Event::Draw(_) => line::REFIT,
+            Event::Draw(draw) if draw.sample.is_none() => line::REFIT,
+            Event::Draw(_) | Event::NoEgo => line::SAMPLE,
         })
     }
 

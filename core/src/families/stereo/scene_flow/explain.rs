@@ -759,7 +759,7 @@ fn history(events: &[Event]) -> Readout {
     let draws: Vec<&Draw> = events
         .iter()
         .filter_map(|event| match event {
-            Event::Draw(draw) if draw.sample.is_some() => Some(draw),
+            Event::Draw(draw) if draw.sample.is_some() => Some(&**draw),
             _ => None,
         })
         .collect();
