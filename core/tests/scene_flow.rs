@@ -196,6 +196,27 @@ fn stepping_is_running_and_any_cursor_is_reached_from_both_sides() {
 }
 
 #[test]
+fn as_many_samples_are_said_to_be_enough_only_where_they_are() {
+    let clip = street(&[("width", "96"), ("height", "72"), ("frames", "3")]);
+    for (noise, iterations, phrase) in
+        [("0", "200", "samples are enough"), ("3", "4", "All 4 samples that are allowed are drawn")]
+    {
+        let estimator = set("scene-flow", &[("source", "truth"), ("noise", noise), ("iterations", iterations)]);
+        let mut walk = estimator.walk(&clip, 0).unwrap();
+        let event = walk.info().granularities.len() - 1;
+        let (mut told, mut others) = (0, 0);
+        while !walk.at_end() {
+            walk.jump(Move::Granularity(event, Direction::Forward));
+            let said = walk.step(None).sentence.plain();
+            if said.contains("the best so far") {
+                *(if said.contains(phrase) { &mut told } else { &mut others }) += 1;
+            }
+        }
+        assert!(told > 0 && others == 0, "{noise} px: {told}, {others}");
+    }
+}
+
+#[test]
 fn without_ego_motion_no_pixel_is_judged() {
     let clip = street(&[("width", "96"), ("height", "72"), ("frames", "3")]);
     // Two points at most, which determine no rigid motion.

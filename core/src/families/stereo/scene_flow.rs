@@ -139,7 +139,7 @@ struct Fixed {
 }
 
 impl SceneFlow {
-    /// The parts of a run: as far as views and calibration allow.
+    /// The parts of a run; without a second view or a calibration there are fewer.
     fn parts(&self, fixed: &Fixed) -> &'static [Part] {
         use Part::{Disparity, Ego, Flow, NextDisparity, Own, Positions};
         match (fixed.depths, fixed.calibration) {
@@ -185,7 +185,7 @@ impl SceneFlow {
         Ok(if state.done == parts.len() { Progress::Done } else { Progress::More })
     }
 
-    /// Checks that the truth of a pair of frames is known, as far as it is used.
+    /// Checks that the truth that is used is known for a pair of frames.
     fn check_truth(&self, clip: &Clip, t: usize, depths: Depths) -> Result<(), Error> {
         let truth = known(clip)?;
         let flow = truth.flow(t)?.is_some_and(|flow| flow.0.size() == clip.size());

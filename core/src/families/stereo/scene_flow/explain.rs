@@ -1,4 +1,6 @@
-//! What scene flow tells and draws.
+//! What scene flow tells.
+
+mod drawing;
 
 use std::sync::Arc;
 
@@ -7,17 +9,13 @@ use crate::base::words::{self, fixed, grouped};
 use crate::data::{Calibration, Disparity, Measured, Pose, SpaceMotion, mahalanobis_squared};
 use crate::geometry::Grid;
 use crate::methods::numbers::{percent, squared};
-use crate::methods::scene_flow::{Draw, Ego, FEWEST, Fit};
+use crate::methods::scene_flow::{Draw, EgoSettings, FEWEST, Fit};
 use crate::methods::stereo::{Settings, Views};
 use crate::products::scene_flow::{depth_error, scene_flow_error};
 use crate::products::{Reference, SceneFlowField};
 use crate::run::Seen;
-use crate::scene::{
-    Arrow, Canvas, Fact, Link, Math, Matrix, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step, Viewpoint,
-};
+use crate::scene::{Fact, Math, Matrix, Readout, Role, Sentence, Series, Step};
 
-/// The right view of frame t + 1.
-const RIGHT_NEXT: Picture = Picture { viewpoint: Viewpoint::Right, ..Picture::NEXT };
 /// Ranges of depth in the plot of errors.
 const RANGES: usize = 12;
 
@@ -318,7 +316,7 @@ impl SceneFlow {
 
     fn told_draw(&self, seen: &Seen<Self>, draw: &Draw) -> Step {
         let sentence = match (draw.sample, draw.fit) {
-            (Some(_), fit) => sample_told(draw, fit, self.ego.threshold),
+            (Some(_), fit) => sample_told(draw, fit, &self.ego),
             (None, Some(fit)) if draw.fit == draw.best => Sentence::default()
                 .text("Gauss–Newton steps over all inliers of the best sample: RMS reprojection error ")
                 .ink(Role::Result, format!("{} px", fixed(fit.rms_px(), 3)))
@@ -480,104 +478,6 @@ impl SceneFlow {
             ..Series::default()
         }))
     }
-
-    pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        let state = seen.after.unwrap_or(seen.before);
-        let is_stereo = seen.before.fixed.depths == Depths::Stereo;
-        let Some(event) = seen.events.last() else {
-            scene.pictures = pictures(is_stereo);
-            return;
-        };
-        let shown = self.shown(seen);
-        let map = |scene: &mut Scene, values: Grid<f32>, on: Picture, meaning: &'static str, unit: &'static str| {
-            scene.mark(on, Role::Result, Shape::Heat { origin: [0.0; 2], values });
-            scene.legend(Role::Result, meaning);
-            scene.heat = Some(unit);
-        };
-        match event {
-            Event::Whole(Part::Disparity) => {
-                scene.pictures = views(is_stereo, Picture::CURRENT, Picture::RIGHT);
-                map(scene, shown.field.disparity.0.clone(), Picture::CURRENT, "disparity in px", "disparity (px)");
-            }
-            Event::Whole(Part::NextDisparity) => {
-                let values = state.next.as_ref().map(|next| next.0.clone());
-                let on = if self.source == Source::Truth { Picture::CURRENT } else { Picture::NEXT };
-                scene.pictures = views(is_stereo, on, RIGHT_NEXT);
-                if let Some(values) = values {
-                    map(scene, values, on, "disparity in frame t+1, in px", "disparity (px)");
-                }
-                return;
-            }
-            Event::Whole(_) => {
-                scene.pictures = vec![Canvas::of_clip(Picture::CURRENT), Canvas::of_clip(Picture::NEXT)];
-                scene.mark(
-                    Picture::CURRENT,
-                    Role::Result,
-                    Shape::Flow { origin: [0.0; 2], values: shown.field.flow.0.clone() },
-                );
-                scene.legend(Role::Result, "flow to frame t+1");
-            }
-            Event::Row(Part::Positions, y) => {
-                // A pixel pointed at is shown in all four pictures.
-                scene.pictures = pictures(is_stereo && seen.point().is_some());
-                let is_done = |pixel: (usize, usize)| seen.after.is_some() || pixel.1 <= *y as usize;
-                let field = &shown.field;
-                let depth = |pixel| field.position(pixel).map(|at| at[2]).filter(|_| is_done(pixel));
-                if field.calibration.is_some() {
-                    map(scene, field.grid(depth), Picture::CURRENT, "depth in m", "depth (m)");
-                    // A far background leaves differences to what is near.
-                    scene.heat_scale = field.typical_depth_m().map(|depth| [0.0, 2.0 * depth as f32]);
-                }
-            }
-            Event::Row(..) | Event::Opened(_) => {
-                scene.pictures = vec![Canvas::of_clip(Picture::CURRENT), Canvas::of_clip(Picture::NEXT)];
-                draw_own(scene, &shown.field, if let Event::Row(_, y) = event { *y as usize } else { usize::MAX });
-                if seen.after.is_some() && seen.point().is_none() {
-                    scene.is_overview = true;
-                    return;
-                }
-            }
-            Event::Draw(draw) => {
-                scene.pictures = vec![Canvas::of_clip(Picture::CURRENT), Canvas::of_clip(Picture::NEXT)];
-                self.draw_sample(scene, seen, draw);
-                return;
-            }
-            Event::NoEgo => {
-                scene.pictures = vec![Canvas::of_clip(Picture::CURRENT), Canvas::of_clip(Picture::NEXT)];
-                return;
-            }
-        }
-        draw_pixel(scene, &shown);
-    }
-
-    /// The points of the sample, and which of all agree with its motion.
-    fn draw_sample(&self, scene: &mut Scene, seen: &Seen<Self>, draw: &Draw) {
-        let field = self.field(seen.before);
-        let (Some(rig), points) = (field.calibration, self.ego_points(&field)) else { return };
-        let pose = if draw.sample.is_some() { draw.fit } else { draw.best }.map(|fit| fit.pose);
-        let ego = Ego::new(&rig, &points, &self.ego);
-        let inliers = pose.map(|pose| ego.inliers(&pose)).unwrap_or_default();
-        let (mut agreeing, mut others) = (Vec::new(), Vec::new());
-        for (index, point) in points.iter().enumerate() {
-            let (from, to) = (point.pixel.map(|c| c as f32), point.next_pixel().map(|c| c as f32));
-            let part = if inliers.binary_search(&index).is_ok() { &mut agreeing } else { &mut others };
-            part.push(Arrow { from, to });
-        }
-        scene.mark(Picture::CURRENT, Role::Rejected, Shape::Arrows(others));
-        scene.legend(Role::Rejected, "outlier");
-        scene.mark(Picture::CURRENT, Role::Best, Shape::Arrows(agreeing));
-        scene.legend(Role::Best, "inlier, with its flow");
-        let sample: Vec<_> = draw.sample.into_iter().flatten().filter_map(|index| points.get(index as usize)).collect();
-        for point in sample {
-            let [from, to] = [point.pixel, point.next_pixel()].map(|at| at.map(|c| c as f32));
-            let ring = |center| Shape::Ellipse { center, radii: [5.0; 2], angle_rad: 0.0 };
-            scene.mark(Picture::CURRENT, Role::Reference, ring(from));
-            scene.mark(Picture::NEXT, Role::Reference, ring(to));
-            scene.links.push(Link { role: Role::Reference, ends: [(Picture::CURRENT, from), (Picture::NEXT, to)] });
-            scene.legend(Role::Reference, "point of the sample");
-        }
-        scene.is_overview = true;
-    }
 }
 
 /// The warning about views that seem to be swapped or not rectified, if there is one.
@@ -590,65 +490,6 @@ fn swapped(seen: &Seen<SceneFlow>) -> Option<String> {
 fn joined(mut first: Sentence, second: Sentence) -> Sentence {
     first.0.extend(second.0);
     first
-}
-
-fn pictures(is_stereo: bool) -> Vec<Canvas> {
-    let all: &[Picture] = match is_stereo {
-        true => &[Picture::CURRENT, Picture::RIGHT, Picture::NEXT, RIGHT_NEXT],
-        false => &[Picture::CURRENT, Picture::NEXT],
-    };
-    all.iter().copied().map(Canvas::of_clip).collect()
-}
-
-/// A view, and if there are two the other one.
-fn views(is_stereo: bool, left: Picture, right: Picture) -> Vec<Canvas> {
-    [left].into_iter().chain(is_stereo.then_some(right)).map(Canvas::of_clip).collect()
-}
-
-/// Where the pixel is in each of the pictures that are shown.
-fn draw_pixel(scene: &mut Scene, shown: &Shown) {
-    let (x, y) = (shown.pixel.0 as f32, shown.pixel.1 as f32);
-    let ring = |center| Shape::Ellipse { center, radii: [4.0; 2], angle_rad: 0.0 };
-    let mut places = vec![(Picture::CURRENT, Role::Reference, [x, y])];
-    let disparity = shown.field.disparity.at(shown.pixel.0, shown.pixel.1);
-    places.extend(disparity.map(|d| (Picture::RIGHT, Role::Best, [x - d, y])));
-    if let Some([u, v]) = shown.field.flow.at(shown.pixel.0, shown.pixel.1) {
-        let to = [x + u, y + v];
-        places.push((Picture::NEXT, Role::Measured, to));
-        let next = shown.field.next_disparity.at(shown.pixel.0, shown.pixel.1);
-        places.extend(next.map(|d| (RIGHT_NEXT, Role::Measured, [to[0] - d, to[1]])));
-    }
-    let is_there = |scene: &Scene, picture: Picture| scene.pictures.iter().any(|canvas| canvas.picture == picture);
-    for (picture, role, at) in places {
-        if is_there(scene, picture) {
-            scene.mark(picture, role, ring(at));
-            let meaning = match role {
-                Role::Reference => "pixel",
-                Role::Best => "its match in the right view",
-                _ => "its place in frame t+1",
-            };
-            scene.legend(role, meaning);
-        }
-    }
-}
-
-/// The length of the remaining motion, and the pixels with a motion of their own.
-fn draw_own(scene: &mut Scene, field: &SceneFlowField, last_row: usize) {
-    let Some(ego) = field.ego else { return };
-    if let Some(moving) = &field.moving {
-        scene.mark(Picture::CURRENT, Role::Result, Shape::Mask(Arc::clone(moving)));
-        scene.legend(Role::Result, "motion of its own");
-        return;
-    }
-    let is_done = |pixel: &(usize, usize)| pixel.1 <= last_row;
-    let remaining = |pixel| {
-        let motion = Some(pixel).filter(is_done).and_then(|pixel| field.motion(pixel))?;
-        Some(length(motion.own(&ego.pose)))
-    };
-    scene.mark(Picture::CURRENT, Role::Error, Shape::Heat { origin: [0.0; 2], values: field.grid(remaining) });
-    scene.legend(Role::Error, "length of the remaining motion in m");
-    scene.heat = Some("remaining motion (m)");
-    scene.heat_scale = Some([0.0, 0.5]);
 }
 
 /// What is known of a pixel so far.
@@ -716,7 +557,7 @@ fn reprojection() -> Vec<Math> {
     vec![sum]
 }
 
-fn sample_told(draw: &Draw, fit: Option<Fit>, threshold: f32) -> Sentence {
+fn sample_told(draw: &Draw, fit: Option<Fit>, settings: &EgoSettings) -> Sentence {
     let said = Sentence::default();
     let Some(fit) = fit else {
         return said.text(format!(
@@ -729,8 +570,12 @@ fn sample_told(draw: &Draw, fit: Option<Fit>, threshold: f32) -> Sentence {
         .ink(Role::Reference, "three points")
         .text(format!(" turns the scene by {} and shifts it by {}. ", degrees(&fit.pose), metres(fit.pose.translation)))
         .ink(Role::Best, format!("{} points", grouped(fit.score.inliers)))
-        .text(format!(" agree with it to {} px", fixed(threshold.into(), 2)));
+        .text(format!(" agree with it to {} px", fixed(settings.threshold.into(), 2)));
     match draw.best {
+        Some(best) if best == fit && draw.needed == settings.iterations => said.text(format!(
+            ": the best so far. All {} samples that are allowed are drawn.",
+            grouped(settings.iterations)
+        )),
         Some(best) if best == fit => said.text(format!(
             ": the best so far, so {} samples are enough to draw one without outliers with a probability of 99.9 %.",
             grouped(draw.needed)
