@@ -48,13 +48,13 @@ impl DepthSource for Files {
 /// The same clip with its depths, given or found in a folder `depth`.
 ///
 /// # Errors
-/// One sentence if depths are given that cannot be read or do not fit the clip. What is found and does not fit only causes a warning.
+/// One sentence if given depths cannot be read or do not fit the clip. Depths found beside it that do not fit cause a warning.
 pub(super) fn with_depths(clip: Clip, left: &LeftView<'_>, options: &Open) -> Result<Clip, Error> {
     let units_per_m = options.given.depth_scale.unwrap_or(UNITS_PER_M);
     if let Some(folder) = &options.given.depths {
         return opened(&clip, folder, left, units_per_m).map(|depths| clip.with_depths(depths));
     }
-    // What is given counts more than what is found.
+    // Given depths take precedence over depths found beside the clip.
     let Some(folder) = beside(left).filter(|_| options.given.right.is_none()) else { return Ok(clip) };
     Ok(match opened(&clip, &folder, left, units_per_m) {
         Ok(depths) => clip.with_depths(depths),

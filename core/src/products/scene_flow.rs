@@ -61,7 +61,7 @@ impl SceneFlowField {
         self.picture.size()
     }
 
-    /// What is measured at a pixel, if all of it is known.
+    /// The measurements at a pixel; `None` unless all are known.
     pub fn measured(&self, (x, y): (usize, usize)) -> Option<Measured> {
         Some(Measured {
             pixel: [x as f64, y as f64],
@@ -184,7 +184,7 @@ impl Product for SceneFlowField {
         measures: &[&MEASURES],
     };
 
-    /// What is measured at the pixels of known motion in raster order, and with calibrated cameras position, displacement, the standard
+    /// The measurements at the pixels of known motion in raster order, and with calibrated cameras position, displacement, the standard
     /// deviation of the depth, and whether the pixel has a motion of its own.
     fn table(&self) -> Option<Table> {
         let own = |pixel: (usize, usize)| self.moving.as_ref().map(|moving| usize::from(moving.get(pixel.0, pixel.1)));

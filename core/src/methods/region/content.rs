@@ -1,4 +1,4 @@
-//! The content of a mask against the true pixels of its object: what was taken in, and what was left out.
+//! Compares a mask with the true pixels of its object: its pixels outside the object, and those of the object that it misses.
 
 use super::ending::FAIR;
 use crate::base::Error;

@@ -62,7 +62,7 @@ fn endpoint(field: &SceneFlowField, known: &Known, pixel: (usize, usize)) -> Opt
     Some([squared.sqrt(), truth.from[2]])
 }
 
-/// Compares a scene flow with the truth of its pair of frames, as far as it is known.
+/// Compares a scene flow with the known truth of its pair of frames.
 ///
 /// # Errors
 /// If the truth is there but cannot be read.

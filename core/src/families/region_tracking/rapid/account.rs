@@ -37,7 +37,7 @@ impl PoseError {
     }
 }
 
-/// The judgement of a frame, as far as the end of the run counts it.
+/// The judgement of a frame that the end of the run counts.
 #[derive(Clone, Copy, Debug)]
 pub struct Past {
     /// The pose that was kept, if one was.

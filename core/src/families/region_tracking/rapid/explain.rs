@@ -222,7 +222,7 @@ impl Explained for Rapid {
                  from single wrong edges; a wrong pose that many of them support is not corrected."
             }
         };
-        // A wrong one is told before.
+        // A wrong pose has its own sentence above.
         let off = error(at).filter(|error| !error.is_wrong()).map(|error| {
             let [angle, distance, _] = error.words();
             format!(" The last pose differs from the true one by {angle} and {distance}.")
