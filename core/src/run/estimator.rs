@@ -271,9 +271,27 @@ pub trait Estimator: Params + Footprint<<Self as Estimator>::State> + Default + 
         _threads: &Threads,
         tally: &impl Tally<Self::Event>,
     ) -> Result<Self::State, Error> {
-        let (state, units) = run_observed(self, clip, frame, &mut tally.counter())?;
-        tally.add_units(units);
-        Ok(state)
+        run_counted(self, (clip, frame), tally, |state, counter| self.advance(clip, state, counter))
+    }
+}
+
+/// Runs to the end, each unit by `advance`, with units and events counted by `tally`: what [`Estimator::run`] is for units that use cores inside.
+///
+/// # Errors
+/// As [`Estimator::start`] and `advance`.
+pub fn run_counted<'a, E: Estimator, T: Tally<E::Event>>(
+    estimator: &E,
+    (clip, frame): (&Clip, usize),
+    tally: &'a T,
+    mut advance: impl FnMut(&mut E::State, &mut T::Counter<'a>) -> Result<Progress, Error>,
+) -> Result<E::State, Error> {
+    let (mut state, mut counter) = (estimator.start(clip, frame)?, tally.counter());
+    loop {
+        clip.wanted()?;
+        tally.add_units(1);
+        if advance(&mut state, &mut counter)? == Progress::Done {
+            return Ok(state);
+        }
     }
 }
 

@@ -13,7 +13,9 @@ mod walk;
 
 pub use any::{AnyEstimator, AnyRun, Extent, RunSummary};
 pub use cursor::Cursor;
-pub use estimator::{Estimator, FRAME, Granularity, Guarantee, Info, LEVEL, Progress, ROW, Seen, run_observed};
+pub use estimator::{
+    Estimator, FRAME, Granularity, Guarantee, Info, LEVEL, Progress, ROW, Seen, run_counted, run_observed,
+};
 pub use facets::{Explained, Footprint, Pointed, StageView, TestsCandidates};
 pub use lockstep::Pace;
 pub use need::Need;

@@ -9,7 +9,7 @@ use crate::data::{Clip, Flow};
 use crate::methods::differential::truth;
 use crate::methods::matching::{Described, Outcome, Settings};
 use crate::products::{Feature, MatchStatus, Output, Product, ProductKind, Status, Track, TrackField};
-use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Progress, Seen, Span, need};
+use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Progress, Seen, Span, need, run_counted};
 use crate::scene::{Chart, Role, Scene, Step};
 use crate::{params, pseudocode};
 
@@ -236,14 +236,7 @@ impl Estimator for FeatureTracker {
     }
 
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads, tally: &impl Tally<Event>) -> Result<State, Error> {
-        let mut state = self.start(clip, frame)?;
-        let mut counter = tally.counter();
-        loop {
-            tally.add_units(1);
-            if self.work(clip, &mut state, threads, &mut counter)? == Progress::Done {
-                return Ok(state);
-            }
-        }
+        run_counted(self, (clip, frame), tally, |state, counter| self.work(clip, state, threads, counter))
     }
 }
 

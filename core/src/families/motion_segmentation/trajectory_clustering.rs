@@ -19,6 +19,7 @@ use crate::methods::segmentation::{Points, Record};
 use crate::products::{Output, Product, ProductKind, SegmentField, SegmentFrame, Track, TrackField};
 use crate::run::{
     Estimator, Explained, FeatureTracks, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen, Stage,
+    run_counted,
 };
 use crate::scene::{Chart, Focus, Name, Role, Scene, Step};
 use crate::{choices, params, pseudocode};
@@ -381,15 +382,7 @@ impl Estimator for TrajectoryClustering {
     }
 
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads, tally: &impl Tally<Event>) -> Result<State, Error> {
-        let mut state = self.start(clip, frame)?;
-        let mut counter = tally.counter();
-        loop {
-            clip.wanted()?;
-            tally.add_units(1);
-            if self.work((clip, threads), &mut state, &mut counter)? == Progress::Done {
-                return Ok(state);
-            }
-        }
+        run_counted(self, (clip, frame), tally, |state, counter| self.work((clip, threads), state, counter))
     }
 }
 

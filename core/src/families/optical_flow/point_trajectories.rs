@@ -17,7 +17,7 @@ use crate::methods::{
 use crate::products::{Feature, Output, Product, ProductKind, Status, Track, TrackField, consistency::returned};
 use crate::run::{
     DenseFlow, Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen, Span,
-    Stage, need,
+    Stage, need, run_counted,
 };
 use crate::scene::{Chart, Focus, Role, Scene, Step};
 use crate::{params, pseudocode};
@@ -410,14 +410,7 @@ impl Estimator for PointTrajectories {
     }
 
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads, tally: &impl Tally<Event>) -> Result<State, Error> {
-        let mut state = self.start(clip, frame)?;
-        let mut counter = tally.counter();
-        loop {
-            tally.add_units(1);
-            if self.work((clip, threads), &mut state, &mut counter)? == Progress::Done {
-                return Ok(state);
-            }
-        }
+        run_counted(self, (clip, frame), tally, |state, counter| self.work((clip, threads), state, counter))
     }
 }
 

@@ -22,7 +22,7 @@ use crate::methods::scene_flow::{Consensus, Draw, Ego, EgoSettings};
 use crate::products::{EgoMotion, Output, Product, ProductKind, SceneFlowField};
 use crate::run::{
     DenseFlow, Disparities, Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress,
-    Seen, Stage,
+    Seen, Stage, run_counted,
 };
 use crate::scene::{Chart, Focus, Name, Picture, Role, Scene, Step};
 use crate::synth::random::{gaussian, hash};
@@ -481,15 +481,7 @@ impl Estimator for SceneFlow {
     }
 
     fn run(&self, clip: &Clip, frame: usize, threads: &Threads, tally: &impl Tally<Event>) -> Result<State, Error> {
-        let mut state = self.start(clip, frame)?;
-        let mut counter = tally.counter();
-        loop {
-            clip.wanted()?;
-            tally.add_units(1);
-            if self.work((clip, threads), &mut state, &mut counter)? == Progress::Done {
-                return Ok(state);
-            }
-        }
+        run_counted(self, (clip, frame), tally, |state, counter| self.work((clip, threads), state, counter))
     }
 }
 

@@ -6,7 +6,9 @@ use crate::base::{Error, Observer, Tally, Threads};
 use crate::data::Clip;
 use crate::params::{Params, inner_params};
 use crate::products::{Output, Product, ProductKind, SegmentField};
-use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
+use crate::run::{
+    Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen, run_counted,
+};
 use crate::scene::{Chart, Focus, Role, Scene, Step};
 
 /// The state of a [`Segmenter`] between two rounds.
@@ -133,14 +135,7 @@ impl<T: Segmenter> Estimator for SegmentationRun<T> {
         threads: &Threads,
         tally: &impl Tally<T::Event>,
     ) -> Result<T::State, Error> {
-        let mut state = self.start(clip, frame)?;
-        let mut counter = tally.counter();
-        loop {
-            tally.add_units(1);
-            if self.0.work((clip, threads), &mut state, &mut counter)? == Progress::Done {
-                return Ok(state);
-            }
-        }
+        run_counted(self, (clip, frame), tally, |state, counter| self.0.work((clip, threads), state, counter))
     }
 }
 

@@ -43,7 +43,8 @@ use crate::products::{
     objects::score::{Boxes, Matches},
 };
 use crate::run::{
-    Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen, Span, StageView, need,
+    Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen, Span, StageView,
+    need, run_counted,
 };
 use crate::scene::{Canvas, Chart, Focus, Layer, Name, Picture, Scene, Step};
 
@@ -608,14 +609,7 @@ impl<M: Background> Estimator for Subtraction<M> {
         threads: &Threads,
         tally: &impl Tally<Event>,
     ) -> Result<Self::State, Error> {
-        let mut state = self.start(clip, frame)?;
-        let mut counter = tally.counter();
-        loop {
-            tally.add_units(1);
-            if self.work(clip, &mut state, threads, &mut counter)? == Progress::Done {
-                return Ok(state);
-            }
-        }
+        run_counted(self, (clip, frame), tally, |state, counter| self.work(clip, state, threads, counter))
     }
 }
 
