@@ -59,6 +59,11 @@ fn list_names_every_estimator_with_its_parameters() {
     );
     let best = serde_json::json!({ "name": "keep-best", "text": "      minimum ← c; best ← (u, v)" });
     assert!(full["pseudocode"].as_array().unwrap().contains(&best), "{}", full["pseudocode"]);
+    let count = |estimator: &Value| estimator["questions"].as_array().map_or(0, Vec::len);
+    assert!(all.as_array().unwrap().iter().all(|estimator| count(estimator) > 0), "each has a question");
+    let lower = &full["questions"][0];
+    assert_eq!((&lower["id"], &lower["asked"]), (&"lower".into(), &"choice".into()));
+    assert_eq!(lower["answers"].as_array().map(Vec::len), Some(3), "{lower}");
     let text = stdout(folder.path(), "list");
     assert!(text.contains("full-search") && text.contains("4 to 64 px; default 16"));
 }

@@ -28,6 +28,8 @@ mod parameters;
 mod pixels;
 #[path = "window/placing.rs"]
 mod placing;
+#[path = "window/predict.rs"]
+mod predict;
 #[path = "window/stages.rs"]
 mod stages;
 #[path = "window/timeline.rs"]

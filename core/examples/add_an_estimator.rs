@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use motionscope_core::memory::Need;
-use motionscope_core::scene::{Picture, Sentence, Shape};
+use motionscope_core::scene::{Picture, Question, Reading, Sentence, Shape};
 use motionscope_core::{
     AnyEstimator, BlockField, BlockGrid, BlockVector, Border, Clip, Error, Estimator, Footprint, Frame, Granularity,
     Info, Interpolation, Move, Observer, Output, Product, ProductKind, Progress, Role, Scene, Seen, Step, params,
@@ -43,6 +43,11 @@ impl Estimator for Still {
         frames: 2,
     };
     const PRODUCES: &'static [&'static ProductKind] = &[BlockField::KIND];
+    const QUESTIONS: &'static [Question] = &[Question::number(
+        "cost",
+        "What does it cost to leave the next block where it is?",
+        Reading { line: line::KEEP_ZERO, after: "at a cost of ", before: ".", unit: "gray levels" },
+    )];
     type State = State;
     type Event = u64;
 

@@ -3,6 +3,7 @@
 use motionscope_core::examples::{self, Cause, Example};
 use motionscope_core::params::Kind;
 use motionscope_core::pseudocode::Line;
+use motionscope_core::scene::{Asked, Question, Reading};
 use motionscope_core::synth::{Difficulty, SCENES};
 use motionscope_core::{AnyEstimator, Error, Params, Spec, Value, estimator, estimators};
 use serde_json::{Map, json};
@@ -27,10 +28,23 @@ pub fn text(all: &[Box<dyn AnyEstimator>], has_pseudocode: bool) -> String {
             text += "\n";
             info.pseudocode.iter().for_each(|line| text += &format!("    {}\n", line.text));
             text += "\n";
+            estimator.questions().iter().for_each(|question| text += &question_text(question));
+            text += "\n";
             examples::of(info.id).for_each(|example| text += &example_text(info.id, example));
         }
     }
     text
+}
+
+/// Returns a question with its answers.
+fn question_text(question: &Question) -> String {
+    let asked = match question.asked {
+        Asked::Place { .. } => "a place".to_owned(),
+        Asked::Choice(_) => question.choices().join(" | "),
+        Asked::Number(Reading { unit: "", .. }) => "a number".to_owned(),
+        Asked::Number(Reading { unit, .. }) => format!("a number of {unit}"),
+    };
+    format!("  {}\n    {asked}\n", question.text)
 }
 
 /// Returns an example with the name under which it is opened.
@@ -77,6 +91,7 @@ pub fn json(all: &[Box<dyn AnyEstimator>]) -> String {
                 "granularities": info.granularities,
                 "frames": info.frames,
                 "produces": estimator.produces().iter().map(|kind| kind.id).collect::<Vec<_>>(),
+                "questions": estimator.questions().iter().map(question_json).collect::<Vec<_>>(),
                 "examples": examples::of(info.id).map(example_json).collect::<Vec<_>>(),
                 "params": estimator.specs().iter().map(spec).collect::<Vec<_>>(),
             })
@@ -98,6 +113,15 @@ fn example_json(example: &Example) -> serde_json::Value {
         "says": example.says,
         "instead": instead,
     })
+}
+
+fn question_json(question: &Question) -> serde_json::Value {
+    let (asked, unit) = match question.asked {
+        Asked::Place { .. } => ("place", "px"),
+        Asked::Choice(_) => ("choice", ""),
+        Asked::Number(reading) => ("number", reading.unit),
+    };
+    json!({ "id": question.id, "text": question.text, "asked": asked, "answers": question.choices(), "unit": unit })
 }
 
 fn line(line: &Line) -> serde_json::Value {

@@ -25,7 +25,7 @@ fn on_stage(window: &Window, share: [f32; 2]) -> Pos2 {
 }
 
 /// The place of the stage's picture whose title begins so, at these shares of its size.
-fn on_picture(window: &Window, title: &str, [x, y]: [f32; 2]) -> Pos2 {
+pub fn on_picture(window: &Window, title: &str, [x, y]: [f32; 2]) -> Pos2 {
     let begins = |label: String| label.starts_with(&format!("Stage: {title}"));
     let mut pictures = window.harness.get_all_by_role(Role::Image);
     let stage = pictures.find(|node| node.accesskit_node().label().is_some_and(begins));

@@ -7,7 +7,7 @@ use crate::base::{Count, Error, Threads, heap};
 use crate::data::Clip;
 use crate::params::Params;
 use crate::products::{Output, ProductKind};
-use crate::scene::Chart;
+use crate::scene::{Chart, Question};
 
 /// Rejects a clip of detections alone for estimators that read frames.
 fn check_pictures<E: Estimator>(clip: &Clip) -> Result<(), Error> {
@@ -108,6 +108,9 @@ pub trait AnyEstimator: Params + Send + Sync {
 
     /// The charts that its steps may have something for.
     fn charts(&self) -> &'static [Chart];
+
+    /// As [`Estimator::QUESTIONS`].
+    fn questions(&self) -> &'static [Question];
 
     /// The same estimator with the same parameters.
     fn boxed_clone(&self) -> Box<dyn AnyEstimator>;
@@ -234,6 +237,10 @@ impl<E: Estimator> AnyEstimator for E {
 
     fn charts(&self) -> &'static [Chart] {
         E::CHARTS
+    }
+
+    fn questions(&self) -> &'static [Question] {
+        E::QUESTIONS
     }
 
     fn boxed_clone(&self) -> Box<dyn AnyEstimator> {

@@ -8,7 +8,7 @@ use crate::data::Clip;
 use crate::params::Params;
 use crate::products::{Output, ProductKind};
 use crate::pseudocode;
-use crate::scene::{Chart, Focus, Line, Name, Picture, Role, Scene, Step};
+use crate::scene::{Chart, Focus, Line, Name, Picture, Question, Role, Scene, Step};
 
 /// The declaration of an estimator.
 #[derive(Debug, PartialEq, Eq)]
@@ -150,6 +150,8 @@ pub trait Estimator: Params + Footprint<<Self as Estimator>::State> + Default + 
     const CONTRASTS: Option<&'static str> = None;
     /// The charts that its steps fill, the main one first; the window offers no others.
     const CHARTS: &'static [Chart] = Chart::ALL;
+    /// The questions about its next step, the most telling first: of those that a step answers, the first is asked.
+    const QUESTIONS: &'static [Question] = &[];
     /// Everything that a unit reads and writes, its random generator included.
     type State: Clone + Send + Sync + 'static;
     /// An event inside a unit.

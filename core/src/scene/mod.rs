@@ -9,6 +9,7 @@ mod marks;
 mod picture;
 pub mod pseudocode;
 mod quantity;
+mod question;
 mod readouts;
 mod role;
 mod sentence;
@@ -21,6 +22,7 @@ pub use marks::{Arrow, Link, Mark, Scene, Shape, arrow_spacing};
 pub use picture::{Canvas, Focus, Measured, Picture, PictureRole, Pixels, Viewpoint};
 pub use pseudocode::{Line, Name};
 pub use quantity::{Layer, Quantity};
+pub use question::{Answer, Asked, Case, Question, Reading, Shown, asked};
 pub use readouts::{
     Band, BetweenPixels, Chart, Constraint, Distribution, Fact, Framed, Matrix, Plane, PlaneCost, Readout, Regions,
     Section, Series, Spread, Surface, Tile,

@@ -4,6 +4,7 @@
 mod common;
 mod phrases;
 mod pseudocode;
+mod questions;
 mod rules;
 mod texts;
 mod walks;

@@ -5,7 +5,7 @@ use std::sync::{Arc, LazyLock};
 
 use motionscope_core::params::{Kind, Placed, Spec, Spot, Value};
 use motionscope_core::pseudocode::{Line, Name, is_heading};
-use motionscope_core::scene::Focus;
+use motionscope_core::scene::{Focus, Question, Role, Shown, asked};
 use motionscope_core::{
     AnyEstimator, Bounds, Clip, Cursor, Detection, Direction, Frame, Grid, Guarantee, Info, Move, ObjectBox, Params,
     Step, Walk, estimators, synth,
@@ -192,6 +192,10 @@ pub struct Seen {
     pub refused: usize,
     /// Everything that its steps say.
     pub texts: Texts,
+    /// The roles of the marks at the steps of each line.
+    pub marked: BTreeSet<(Name, Role)>,
+    /// The questions that are asked when it is walked event by event.
+    pub asked: BTreeSet<&'static str>,
 }
 
 impl Seen {
@@ -206,16 +210,22 @@ impl Seen {
     }
 
     /// Walks through a run, and looks at each step, and at some pixels that can be explained by then.
-    fn walk(&mut self, walk: &mut dyn Walk) {
+    fn walk(&mut self, walk: &mut dyn Walk, questions: &'static [Question]) {
         let (info, event) = (walk.info(), walk.info().granularities.len() - 1);
         self.runs += 1;
-        self.see(info, &walk.step(None));
-        self.texts.add_scene(&walk.scene(None));
+        let mut before = (walk.step(None), walk.scene(None));
+        self.see(info, &before.0);
+        self.texts.add_scene(&before.1);
         while !walk.at_end() {
             walk.jump(Move::Granularity(event, Direction::Forward));
             assert!(walk.failure().is_none(), "{}: {:?}", info.id, walk.failure());
-            self.see(info, &walk.step(None));
-            self.texts.add_scene(&walk.scene(None));
+            let now = (walk.step(None), walk.scene(None));
+            self.see(info, &now.0);
+            self.texts.add_scene(&now.1);
+            self.marked.extend(now.1.marks.iter().map(|mark| (now.0.line, mark.role)));
+            let [shown, next] = [&before, &now].map(|(step, scene)| Shown { step, scene });
+            self.asked.extend(asked(questions, shown, next).map(|(question, _)| question.id));
+            before = now;
             let Cursor { unit, event } = walk.cursor();
             let pixel = [(7 * unit + event) % SIZE.0, (11 * unit + 5 * event) % SIZE.1].map(|c| c as f32);
             let pixel = Focus::current(pixel);
@@ -244,6 +254,17 @@ fn panned(frames: usize) -> Clip {
     Clip::from_frames("panned", (0..frames).map(frame).collect()).expect("frames of one size")
 }
 
+/// Two frames that show different things.
+fn unrelated() -> Clip {
+    let frame = |t: usize| {
+        let t = t as f64;
+        Frame::gray(Grid::from_fn(PARTS.0, PARTS.1, |x, y| {
+            waves(x as f64 + 311.0 * t, y as f64 * (1.0 + 0.7 * t)) as u8
+        }))
+    };
+    Clip::from_frames("unrelated", (0..2).map(frame).collect()).expect("frames of one size")
+}
+
 /// A street past which two calibrated cameras drive, with moving objects.
 fn street() -> Clip {
     let scene = synth::scene("drive").expect("a scene");
@@ -261,14 +282,14 @@ fn seen(estimator: &dyn AnyEstimator, [parts, objects, street]: [&Clip; 3]) -> S
         Guarantee::Objects | Guarantee::Region => objects,
         Guarantee::SceneFlow => {
             // What is said without a right view.
-            seen.walk(&mut *estimator.walk(parts, 0).expect("a run"));
+            seen.walk(&mut *estimator.walk(parts, 0).expect("a run"), estimator.questions());
             street
         }
         _ => parts,
     };
     for setting in settings(estimator) {
         match setting.walk(clip, 0) {
-            Ok(mut walk) => seen.walk(&mut *walk),
+            Ok(mut walk) => seen.walk(&mut *walk, estimator.questions()),
             Err(error) => {
                 seen.refused += 1;
                 seen.texts.add("refusal", &error.to_string());
@@ -277,11 +298,19 @@ fn seen(estimator: &dyn AnyEstimator, [parts, objects, street]: [&Clip; 3]) -> S
     }
     // A camera that is followed has to move, and an exposure that is compensated to change.
     if estimator.get("camera").is_ok() {
-        seen.walk(&mut *estimator.walk(&panned(5), 0).expect("a run"));
+        seen.walk(&mut *estimator.walk(&panned(5), 0).expect("a run"), estimator.questions());
     }
     // A model is kept where enough matches support it.
     if estimator.get("outliers").is_ok() {
-        seen.walk(&mut *estimator.walk(&panned(2), 0).expect("a run"));
+        seen.walk(&mut *estimator.walk(&panned(2), 0).expect("a run"), estimator.questions());
+        // And hypotheses are compared where not all are right.
+        let mut spoiled = estimator.boxed_clone();
+        spoiled.set("outliers", "0.4").expect("in range");
+        seen.walk(&mut *spoiled.walk(&panned(2), 0).expect("a run"), estimator.questions());
+    }
+    // A peak is ambiguous between frames that have nothing in common.
+    if estimator.get("min-snr").is_ok() {
+        seen.walk(&mut *estimator.walk(&unrelated(), 0).expect("a run"), estimator.questions());
     }
     // Keypoints that reject each other need a picture with many of them.
     let is_detector = matches!(estimator.guarantee(), Guarantee::Places | Guarantee::SubPixelPlaces { .. });
@@ -290,7 +319,7 @@ fn seen(estimator: &dyn AnyEstimator, [parts, objects, street]: [&Clip; 3]) -> S
         for (name, value) in [("min-distance", "30"), ("max-points", "12")] {
             sparse.set(name, value).expect("in range");
         }
-        seen.walk(&mut *sparse.walk(&panned(1), 0).expect("a run"));
+        seen.walk(&mut *sparse.walk(&panned(1), 0).expect("a run"), estimator.questions());
     }
     seen
 }

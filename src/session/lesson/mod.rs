@@ -11,6 +11,7 @@
 //! estimator = "full-search"
 //! step = "27.1"
 //! until = "27.12"                  # the arrow key steps up to here before it turns the page
+//! predict = true                   # each step asks before it shows its result
 //! notes = "Ask for a guess."       # for the teacher
 //! +++
 //! Words with *emphasis*, [links](lesson:logarithmic-search) and formulas: $u + v$, or displayed, $$E = \sum_{i} e_i^2$$
@@ -66,6 +67,8 @@ pub struct Page {
     pub notes: String,
     /// The step up to which it walks before the page is turned.
     pub until: Option<Cursor>,
+    /// Whether its steps ask before they show their results.
+    pub predicts: bool,
     /// Its words, or what is wrong with them.
     pub words: Result<Prose, Error>,
     /// What is run, and the step that is shown; or what is wrong with its header.

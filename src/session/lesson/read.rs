@@ -73,6 +73,7 @@ fn page(source: &Source<'_>, before: Option<&Session>, folder: &Path) -> Page {
         title: String::new(),
         notes: String::new(),
         until: None,
+        predicts: false,
         words: words::parse(source.words, source.line),
         session: Err(Error::new("it has no header")),
     };
@@ -81,6 +82,7 @@ fn page(source: &Source<'_>, before: Option<&Session>, folder: &Path) -> Page {
         page.title = top.need("title")?.text()?.to_owned();
         page.notes = top.take("notes").map_or(Ok(String::new()), |notes| notes.text().map(str::to_owned))?;
         page.until = top.take("until").map(|until| until.parsed(str::parse::<Cursor>)).transpose()?;
+        page.predicts = top.take("predict").map_or(Ok(false), |asks| asks.switch())?;
         let base = match top.take("example") {
             Some(example) => Some(example.parsed(example::find)?),
             None => before.cloned(),

@@ -102,6 +102,12 @@ pub enum Action {
     Frame(usize),
     /// Play at this speed.
     Speed(usize),
+    /// Count a hand for the answer of this index to the open question, or take one away.
+    Vote(usize, bool),
+    /// Guess a number.
+    Guess(f64),
+    /// Show the result that is asked for.
+    Reveal,
     /// Show a hint for a moment.
     Hint(&'static str),
     /// The error was read.

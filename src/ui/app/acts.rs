@@ -71,6 +71,7 @@ impl App {
                 self.states.sought = shown.map(|shown| (shown.cursor.unit, candidate));
                 self.walker.go_to_candidate(candidate);
             }
+            Action::SeekAt(focus, _) if self.guesses_at(focus) => {}
             Action::SeekAt(focus, side) => {
                 self.player.pause();
                 let shown = self.view.shown.as_ref();
@@ -81,7 +82,12 @@ impl App {
                 }
                 self.walker.go_at(focus, side);
             }
+            // What is pointed at would be explained by the step that is held back.
+            Action::Focus(_) if self.predict.open().is_some() => {}
             Action::Focus(focus) => self.walker.focus(focus),
+            Action::Vote(index, adds) => _ = self.predict.vote(index, adds),
+            Action::Guess(number) => _ = self.predict.number(number),
+            Action::Reveal => self.predict.reveal(),
             Action::Release => self.walker.release(),
             Action::Hint(text) => self.toasts.introduce(text),
             Action::Frame(frame) => self.go_to_frame(frame),
@@ -96,7 +102,7 @@ impl App {
     /// Executes a command if it is enabled.
     pub fn command(&mut self, command: Command) {
         use Command as C;
-        if self.turns_page(command) {
+        if self.answers(command) || self.turns_page(command) {
             return;
         }
         let now = self.now();
@@ -133,6 +139,7 @@ impl App {
             C::ExportPicture => self.save_as(Kind::Picture),
             C::ExportSteps => self.save_as(Kind::Steps),
             C::ExportResult => self.save_as(Kind::Result),
+            C::ExportScores => self.save_as(Kind::Scores),
             C::IntoStage => {
                 if let Some(index) = stage::stages(self.document.estimator()).first() {
                     self.enter(*index);
@@ -168,6 +175,7 @@ impl App {
                 let now = self.ctx.input(|i| i.viewport().fullscreen.unwrap_or(false));
                 self.ctx.send_viewport_cmd(ViewportCommand::Fullscreen(!now));
             }
+            C::Predict => self.toggle_predict(),
             C::ReducedMotion => self.settings.reduced_motion = !self.settings.reduced_motion,
             C::Play => self.toggle_play(Direction::Forward),
             C::PlayBack => self.toggle_play(Direction::Back),

@@ -151,6 +151,8 @@ commands! {
     Lecture,
     /// Full screen.
     FullScreen,
+    /// Ask before a result is shown.
+    Predict,
     /// Switch animations off.
     ReducedMotion,
     /// Play or pause.
@@ -213,6 +215,8 @@ commands! {
     ExportSteps,
     /// Save the result so far.
     ExportResult,
+    /// Save the scores of the class.
+    ExportScores,
     /// Find a command by name.
     Palette,
     /// Define the terms of the course.
@@ -432,6 +436,8 @@ impl Command {
             C::Into | C::NextUnit if now.in_lesson && !now.at_last_page => true,
             C::IntoBack | C::OverBack | C::OutBack | C::PreviousUnit | C::Start => now.has_run && !now.at_start,
             C::PreviousMark | C::PreviousAlike => now.has_run && !now.at_start,
+            // They reveal the answer.
+            C::Into | C::Over | C::Out | C::NextUnit | C::End if now.is_asked => true,
             C::Into | C::Over | C::Out | C::NextUnit | C::End => now.has_run && !now.at_end,
             C::NextMark | C::NextAlike => now.has_run && !now.at_end,
             C::Play | C::PlayBack => now.has_run,
@@ -464,6 +470,8 @@ impl Command {
             C::LargerInterface => now.can_be_larger,
             C::ShowParameters | C::ShowExplanation | C::ShowCharts => true,
             C::Lecture | C::FullScreen => true,
+            C::Predict => true,
+            C::ExportScores => now.has_run && now.has_scores,
             C::ReducedMotion | C::ResetLayout | C::Slower | C::Faster => true,
             C::Palette | C::Glossary | C::Shortcuts | C::About => true,
         }
@@ -551,6 +559,10 @@ pub struct Situation {
     pub can_redo: bool,
     /// A parameter is not as declared.
     pub is_tuned: bool,
+    /// A question waits for its answer.
+    pub is_asked: bool,
+    /// Questions were answered.
+    pub has_scores: bool,
     /// A lesson is open.
     pub in_lesson: bool,
     /// It is open at its first page.

@@ -14,6 +14,7 @@ use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Info, estimator};
 use crate::experiment::first;
 use crate::experiment::source::Source;
 use crate::experiment::{Experiment, Position};
+use crate::media::export;
 use crate::media::{Given, Open};
 use crate::paint::charts::heat_map;
 use crate::paint::number;
@@ -24,6 +25,7 @@ use crate::ui::app::window::{App, Overlay, title};
 use crate::ui::dialogs::open::State;
 use crate::ui::dialogs::save::{self, Kind};
 use crate::ui::model::loader::{Beside, Loading, Opened};
+use crate::ui::model::predict::Score;
 use crate::ui::model::settings::LeftAt;
 use crate::ui::model::snapshot::{Hold, Job, Place, Snapshot, surface};
 use crate::ui::model::writer::{self, Order, OutputKind, Work, Writing};
@@ -51,6 +53,7 @@ impl App {
         {
             self.view.shown = Some(coming);
         }
+        self.hold_back();
         self.tell_of_untested();
         // A clip that no run can be made of is not shown under another's name.
         if self.view.refused.is_some() {
@@ -429,6 +432,13 @@ impl App {
             OutputKind::Session => {
                 let session = self.session(&shown);
                 Box::new(move |order, _| save_session(&session, &order.path))
+            }
+            OutputKind::Scores => {
+                let scores = Score::csv(self.predict.scores());
+                Box::new(move |order, _| {
+                    export::save_result(&order.path, scores.as_bytes())?;
+                    Ok(format!("Saved {}.", order.path.display()))
+                })
             }
             OutputKind::Result(export) => {
                 let output = self.walker.output(&shown);

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-use eframe::egui::{self, Event, FocusDirection, Id, Key, Popup};
+use eframe::egui::{self, Event, FocusDirection, Id, Key, Modifiers, Popup};
 
 use crate::experiment::source::Source;
 use crate::media::{self, names};
@@ -147,6 +147,19 @@ impl Opening {
     }
 }
 
+/// What a key does while a question is open: numbers count hands, with Shift they take them away, Enter reveals the result.
+fn answer(key: Key, modifiers: Modifiers) -> Option<Action> {
+    const DIGITS: [Key; 9] =
+        [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6, Key::Num7, Key::Num8, Key::Num9];
+    if modifiers.command || modifiers.alt {
+        return None;
+    }
+    if key == Key::Enter {
+        return Some(Action::Reveal);
+    }
+    DIGITS.iter().position(|digit| *digit == key).map(|index| Action::Vote(index, !modifiers.shift))
+}
+
 /// Takes what the window understands out of the input, before any widget sees it.
 ///
 /// Keys win over the widget in focus unless text is being typed or something lies over the panes.
@@ -179,6 +192,10 @@ pub fn take(ctx: &egui::Context, overlaid: bool, now: &Situation, actions: &mut 
                 if let Some(meaning) = Escape::now(now).filter(|_| !std::mem::replace(&mut escaped, true)) {
                     actions.ask(meaning.action());
                 }
+                false
+            }
+            Event::Key { key, pressed: true, modifiers, .. } if now.is_asked && answer(*key, *modifiers).is_some() => {
+                answer(*key, *modifiers).into_iter().for_each(|action| actions.ask(action));
                 false
             }
             Event::Key { key, physical_key, pressed: true, repeat, modifiers } => {

@@ -38,6 +38,7 @@ impl App {
     /// Closes the lesson; pictures look as they did without its page.
     pub(super) fn close_lesson(&mut self) {
         if let Some(open) = self.lesson.take() {
+            self.predict.turn_for_page(false);
             self.settings.look = open.without_page(self.settings.look);
         }
     }
@@ -113,6 +114,7 @@ impl App {
         let Ok(mut session) = open.page().session.clone() else { return };
         let name = open.address().name();
         self.player.pause();
+        self.predict.turn_for_page(open.page().predicts);
         let cursor = at.or(session.position.cursor).unwrap_or_default();
         session.position.cursor = Some(cursor);
         open.lands_at(cursor);

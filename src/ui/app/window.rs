@@ -18,12 +18,13 @@ use crate::ui::model::document::{Document, Owner};
 use crate::ui::model::lesson::OpenLesson;
 use crate::ui::model::loader::Loading;
 use crate::ui::model::player::Player;
+use crate::ui::model::predict::Predict;
 use crate::ui::model::settings::Settings;
 use crate::ui::model::walker::{View, Walker};
 use crate::ui::model::writer::Writing;
 use crate::ui::panes::layout::{Arrangement, Folded, Mode, Room};
 use crate::ui::panes::{Panes, States};
-use crate::ui::panes::{status, topbar, transport};
+use crate::ui::panes::{question, status, topbar, transport};
 use crate::ui::parts::toasts::Toasts;
 use crate::view::panes::{Pane, charts};
 
@@ -77,6 +78,8 @@ pub enum Region {
     Parameters,
     /// Steps, play and timeline.
     Transport,
+    /// The question about the next result.
+    Question,
     /// The line at the bottom.
     Status,
 }
@@ -88,6 +91,9 @@ pub struct App {
     pub(super) walker: Walker,
     pub(super) view: View,
     pub(super) player: Player,
+    /// The questions about the next result.
+    pub(super) predict: Predict,
+    question: question::State,
     pub(super) loading: Option<Loading>,
     pub(super) error: Option<Error>,
     pub(super) overlay: Overlay,
@@ -134,6 +140,8 @@ impl App {
             walker: Walker::new(move || repaint.request_repaint())?,
             view: View::default(),
             player,
+            predict: Predict::default(),
+            question: question::State::default(),
             loading: None,
             error: None,
             overlay: Overlay::None,
@@ -174,6 +182,11 @@ impl App {
     /// Share of what is being written that is done, from 0 to 1.
     pub fn written(&self) -> Option<f32> {
         self.writing.as_ref().map(|writing| writing.work.fraction())
+    }
+
+    /// The questions about the next result.
+    pub fn predict(&self) -> &Predict {
+        &self.predict
     }
 
     /// The newest message, if one is shown.
@@ -275,6 +288,8 @@ impl App {
             can_undo: self.document.can_undo(),
             can_redo: self.document.can_redo(),
             is_tuned: self.document.is_tuned(Owner::Estimator),
+            is_asked: self.predict.open().is_some(),
+            has_scores: !self.predict.scores().is_empty(),
             in_lesson: self.lesson.is_some(),
             at_first_page: self.lesson.as_ref().is_some_and(|open| open.is_at(Direction::Back)),
             at_last_page: self.lesson.as_ref().is_some_and(|open| open.is_at(Direction::Forward)),
@@ -324,6 +339,13 @@ impl App {
         let transport = Panel::bottom("transport").frame(bar(12, 2)).exact_size(height + 4.0);
         let transport = transport.show(ui, |ui| self.transport(ui, actions));
         regions.push((Region::Transport, transport.response.rect));
+        if self.predict.is_on() {
+            let theme = self.settings.look.theme;
+            let frame = bar(12, 6).fill(style::color(theme.chrome().raised));
+            let asked = Panel::bottom("question").frame(frame);
+            let asked = asked.show(ui, |ui| question::show(ui, &self.predict, theme, &mut self.question, actions));
+            regions.push((Region::Question, asked.response.rect));
+        }
         self.toasts.show_description(ui, bar(12, 6), self.settings.look.theme);
         CentralPanel::no_frame().show(ui, |ui| self.body(ui, gpu, actions, &mut regions));
         self.regions = regions;

@@ -41,6 +41,8 @@ pub enum Kind {
     Result,
     /// The session.
     Session,
+    /// The scores of the class.
+    Scores,
 }
 
 impl Kind {
@@ -50,6 +52,7 @@ impl Kind {
             Kind::Steps => "Export several steps",
             Kind::Result => "Export the result so far",
             Kind::Session => "Save the session",
+            Kind::Scores => "Save the scores of the class",
         }
     }
 
@@ -69,6 +72,7 @@ impl Kind {
                 pictures.into_iter().chain(animations).collect()
             }
             Kind::Session => vec![choice("motionscope", "Session")],
+            Kind::Scores => vec![choice("csv", "CSV, a row for each question")],
             Kind::Result => {
                 let files = results::formats(kinds).into_iter().map(|(export, format)| Choice {
                     label: label(format.ending),
@@ -188,6 +192,7 @@ impl State {
             Kind::Result if state.is_folder() => format!("{stem}_{}", state.choices[0].label.to_lowercase()),
             Kind::Result => format!("{stem}_result.{ending}"),
             Kind::Session => format!("{stem}.{ending}"),
+            Kind::Scores => format!("{stem}_scores.{ending}"),
         };
         state.path = PathField::new(folder.join(name).display().to_string());
         state
@@ -199,6 +204,7 @@ impl State {
             (Kind::Steps, _) if self.choice().animation.is_some() => "One file that plays the steps again and again.",
             (Kind::Steps, _) => "One numbered file for each step, into a folder.",
             (Kind::Session, _) => "A small text file: clip, estimator, parameters, step and view.",
+            (Kind::Scores, _) => "The questions that were answered, with hands, guesses and distances.",
             _ if self.selection().panes.is_empty() => {
                 "The whole picture of the stage, with the same colours and lines."
             }
@@ -311,6 +317,7 @@ impl State {
             Kind::Picture => OutputKind::Picture,
             Kind::Result => OutputKind::Result(self.export(&path).ok_or("Choose a result to save.")?),
             Kind::Session => OutputKind::Session,
+            Kind::Scores => OutputKind::Scores,
             Kind::Steps => {
                 let cursor = |text: &str| text.trim().parse::<Cursor>().map_err(|error| format!("{error}."));
                 let (from, to) = (cursor(&self.from)?, cursor(&self.to)?);

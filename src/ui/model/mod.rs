@@ -8,6 +8,7 @@ pub mod lesson;
 pub mod loader;
 pub mod nested;
 pub mod player;
+pub mod predict;
 pub mod preview;
 pub mod settings;
 pub mod snapshot;

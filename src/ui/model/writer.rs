@@ -33,6 +33,8 @@ pub enum OutputKind {
     Result(&'static Export),
     /// Everything that reopens the window as it is.
     Session,
+    /// The questions that the class has answered.
+    Scores,
 }
 
 /// What to write, where, and how it looks.
@@ -56,7 +58,7 @@ impl OutputKind {
         match self {
             Self::Steps(..) => Target::Numbered(path, STEP),
             Self::Result(export) => export.target(path),
-            Self::Picture | Self::Animation(..) | Self::Session => Target::File(path),
+            Self::Picture | Self::Animation(..) | Self::Session | Self::Scores => Target::File(path),
         }
     }
 }
@@ -118,7 +120,9 @@ pub fn steps(order: &Order, shown: &Snapshot, progress: &dyn Progress) -> Result
     let (range, medium) = match order.what {
         OutputKind::Steps(range, format) => (range, Medium::Pictures(path, format)),
         OutputKind::Animation(range, timing) => (range, Medium::Animation(path, timing)),
-        OutputKind::Picture | OutputKind::Result(_) | OutputKind::Session => return picture(order, shown),
+        OutputKind::Picture | OutputKind::Result(_) | OutputKind::Session | OutputKind::Scores => {
+            return picture(order, shown);
+        }
     };
     let pixel = shown.held().map(Chosen::Held);
     let panes = order.panes.clone();

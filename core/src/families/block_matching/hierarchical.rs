@@ -19,8 +19,8 @@ use crate::base::{Earlier, Error, Observer, Tally, Threads};
 use crate::data::{Clip, Counted, Frame, Truth};
 use crate::geometry::pyramid;
 use crate::methods::block_search::{
-    Displacement, Event, HasSettings, Match, Matching, Neighbours, Pair, Pattern, Probe, Refinement, Relay, Settings,
-    Subpixel, Tester, Workspace, block_search_params, need, vector,
+    Displacement, Event, HasSettings, Match, Matching, Neighbours, Pair, Pattern, Probe, QUESTIONS, Refinement, Relay,
+    Settings, Subpixel, Tester, Workspace, block_search_params, need, vector,
 };
 use crate::params::{Parameter as _, Value};
 use crate::products::{Block, BlockField, BlockGrid, Output, Product, ProductKind};
@@ -29,7 +29,7 @@ use crate::run::{
     BlockVectors, Estimator, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen, Stage, StageView,
     TestsCandidates,
 };
-use crate::scene::{Chart, Fact, Floor, Focus, Level, Levels, Readout, Role, Scene, Sentence, Stack, Step};
+use crate::scene::{Chart, Fact, Floor, Focus, Level, Levels, Question, Readout, Role, Scene, Sentence, Stack, Step};
 
 block_search_params! {
     /// Hierarchical search: block matching on the coarsest level of a Gaussian pyramid, refined level by level.
@@ -331,6 +331,7 @@ impl Estimator for Hierarchical {
         granularities: &["frame", "level", "block", "step"],
         frames: 2,
     };
+    const QUESTIONS: &'static [Question] = QUESTIONS;
     const GUARANTEE: Guarantee = Guarantee::SmoothTranslation { off_px: 0 };
     const CHARTS: &'static [Chart] = &[Chart::Surface, Chart::Stack, Chart::Series, Chart::Tiles, Chart::Histogram];
     const PRODUCES: &'static [&'static ProductKind] = &[BlockField::KIND];

@@ -10,7 +10,7 @@ use crate::methods::differential::truth;
 use crate::methods::matching::{self, Outcome, Pair, Settings};
 use crate::products::{Match, MatchField, MatchStatus, Output, Product, ProductKind};
 use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
-use crate::scene::{Chart, Focus, Picture, Role, Scene, Step};
+use crate::scene::{Case, Chart, Focus, Picture, Question, Role, Scene, Step};
 use crate::{params, pseudocode};
 
 params! {
@@ -101,6 +101,30 @@ impl Estimator for FeatureMatching {
         granularities: &["frame", "keypoint", "step"],
         frames: 2,
     };
+    const QUESTIONS: &'static [Question] = &[
+        Question::choice(
+            "distinctive",
+            "Does the match pass the ratio test?",
+            &[
+                Case::says(line::RATIO_TEST, "is not below the limit", "No: two candidates look alike"),
+                Case::says(line::RATIO_TEST, "is below the limit", "Yes: the nearest is much nearer than the second"),
+            ],
+        ),
+        Question::choice(
+            "mutual",
+            "Does the match pass the cross-check?",
+            &[
+                Case::says(line::CROSS_CHECK, "both choose each other", "Yes"),
+                Case::says(line::CROSS_CHECK, "another keypoint", "No"),
+            ],
+        ),
+        Question::place(
+            "nearest",
+            "Where is the keypoint with the nearest descriptor?",
+            line::KEEP_NEAREST,
+            Role::Best,
+        ),
+    ];
     const GUARANTEE: Guarantee = Guarantee::Better;
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series];
     const PRODUCES: &'static [&'static ProductKind] = &[MatchField::KIND];

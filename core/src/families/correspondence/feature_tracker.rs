@@ -10,7 +10,7 @@ use crate::methods::differential::truth;
 use crate::methods::matching::{Described, Outcome, Settings};
 use crate::products::{Feature, MatchStatus, Output, Product, ProductKind, Status, Track, TrackField};
 use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Progress, Seen, Span, need, run_counted};
-use crate::scene::{Chart, Role, Scene, Step};
+use crate::scene::{Case, Chart, Question, Role, Scene, Step};
 use crate::{params, pseudocode};
 
 params! {
@@ -180,6 +180,16 @@ impl Estimator for FeatureTracker {
         granularities: &["clip", "pair", "keypoint"],
         frames: 2,
     };
+    const QUESTIONS: &'static [Question] = &[Question::choice(
+        "continued",
+        "What becomes of the next keypoint?",
+        &[
+            Case::at(line::CONTINUE, "Its track continues"),
+            Case::at(line::BEGIN, "A new track begins"),
+            Case::at(line::LOSE, "Its track is lost"),
+            Case::at(line::REMAIN, "It is in no track and begins none"),
+        ],
+    )];
     const GUARANTEE: Guarantee = Guarantee::Better;
     const CHARTS: &'static [Chart] = &[Chart::Series];
     const PRODUCES: &'static [&'static ProductKind] = &[TrackField::KIND];

@@ -14,7 +14,7 @@ use crate::products::model::{IDENTITY, Matrix3};
 use crate::products::{Model, ModelField, Output, Product, ProductKind};
 use crate::pseudocode;
 use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Progress, Seen};
-use crate::scene::{Chart, Scene, Step};
+use crate::scene::{Case, Chart, Question, Reading, Scene, Step};
 
 params! {
     /// Image alignment.
@@ -242,6 +242,28 @@ impl Estimator for ImageAlignment {
         granularities: &["pair", "level", "iteration", "step"],
         frames: 2,
     };
+    const QUESTIONS: &'static [Question] = &[
+        Question::choice(
+            "converged",
+            "How does the iteration end?",
+            &[
+                Case::at(line::UPDATE, "Another iteration follows"),
+                Case::says(line::UNTIL_CONVERGED, "has converged", "Converged"),
+                Case::says(line::UNTIL_CONVERGED, "iterations are done", "The iterations are done"),
+                Case::at(line::STEP_BACK, "The step is undone"),
+            ],
+        ),
+        Question::number(
+            "rms",
+            "How large is the RMS difference after the warp?",
+            Reading {
+                line: line::WARP,
+                after: "leaves an RMS difference of ",
+                before: " gray levels",
+                unit: "gray levels",
+            },
+        ),
+    ];
     const GUARANTEE: Guarantee = Guarantee::SubPixel { off_centi_px: 3 };
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Matrices, Chart::Series];
     const PRODUCES: &'static [&'static ProductKind] = &[ModelField::KIND];

@@ -6,14 +6,14 @@ use std::sync::Arc;
 
 use crate::base::{Error, Observer, Threads};
 use crate::data::{Clip, Frame};
-use crate::methods::camera_path::{Blending, Canvas, Chain, Link, MOST_FRAMES, path_pseudocode};
+use crate::methods::camera_path::{Blending, Canvas, Chain, Link, MOST_FRAMES, USABLE, path_pseudocode};
 use crate::params;
 use crate::products::model::{Matrix3, inverse, normalised, product};
 use crate::products::{Output, PathField, Product, ProductKind, Views};
 use crate::run::{
     Estimator, Footprint, GlobalModel, Granularity, Guarantee, Info, Need, Progress, Seen, Stage, StageView,
 };
-use crate::scene::{Chart, Scene, Step};
+use crate::scene::{Chart, Question, Scene, Step};
 
 params! {
     /// A mosaic of the frames of a panning shot.
@@ -120,6 +120,7 @@ impl Estimator for Mosaic {
         granularities: &["clip", "pass", "frame", "step"],
         frames: 2,
     };
+    const QUESTIONS: &'static [Question] = &[USABLE];
     const GUARANTEE: Guarantee = Guarantee::Better;
     const CHARTS: &'static [Chart] = &[Chart::Series, Chart::Matrices];
     const PRODUCES: &'static [&'static ProductKind] = &[PathField::KIND];

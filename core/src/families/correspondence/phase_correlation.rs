@@ -14,7 +14,7 @@ use crate::methods::differential::truth;
 use crate::products::model::IDENTITY;
 use crate::products::{Model, ModelField, Output, Product, ProductKind};
 use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Progress, Seen};
-use crate::scene::{Chart, Scene, Step};
+use crate::scene::{Case, Chart, Question, Reading, Scene, Step};
 use crate::{choices, params, pseudocode};
 use spectrum::{Direction, hann, mean};
 
@@ -337,6 +337,21 @@ impl Estimator for PhaseCorrelation {
         granularities: &["pair", "stage", "step"],
         frames: 2,
     };
+    const QUESTIONS: &'static [Question] = &[
+        Question::choice(
+            "distinct",
+            "Is the peak distinct?",
+            &[
+                Case::says(line::COMPARE_SECOND, "the peak is distinct", "Yes"),
+                Case::says(line::COMPARE_SECOND, "the peak is ambiguous", "No: another is nearly as high"),
+            ],
+        ),
+        Question::number(
+            "peak",
+            "How high is the highest peak?",
+            Reading { line: line::TAKE_PEAK, after: "The highest peak is r = ", before: " at", unit: "" },
+        ),
+    ];
     const GUARANTEE: Guarantee = Guarantee::Better;
     const CHARTS: &'static [Chart] = &[Chart::Surface, Chart::Tiles, Chart::Matrices];
     const PRODUCES: &'static [&'static ProductKind] = &[ModelField::KIND];

@@ -14,7 +14,7 @@ use crate::methods::{
 };
 use crate::products::{Feature, Output, Product, ProductKind, Status, Track, TrackField};
 use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen, Span, need};
-use crate::scene::{Chart, Focus, Picture, Role, Scene, Step};
+use crate::scene::{Case, Chart, Focus, Picture, Question, Role, Scene, Step};
 use crate::{choices, params, pseudocode};
 
 choices! {
@@ -451,6 +451,22 @@ impl Estimator for TemplateMatching {
         granularities: &["clip", "pair", "row", "candidate"],
         frames: 2,
     };
+    const QUESTIONS: &'static [Question] = &[
+        Question::place("found", "Where is the template in frame t+1?", line::CHECK, Role::Best),
+        Question::choice(
+            "best",
+            "Is the score of the next place the best so far?",
+            &[Case::says(line::SCORE, "not above the best", "No"), Case::says(line::SCORE, "the new best", "Yes")],
+        ),
+        Question::choice(
+            "lost",
+            "Is the match accepted?",
+            &[
+                Case::says(line::CHECK, "lost", "No: the template is lost"),
+                Case::at(line::CHECK, "Yes: the template moves there"),
+            ],
+        ),
+    ];
     const GUARANTEE: Guarantee = Guarantee::Better;
     const CHARTS: &'static [Chart] = &[Chart::Surface, Chart::Tiles, Chart::Series];
     const PRODUCES: &'static [&'static ProductKind] = &[TrackField::KIND];

@@ -16,7 +16,7 @@ use crate::params;
 use crate::products::{Feature, Keypoint, Output, PointField, Product, ProductKind};
 use crate::pseudocode;
 use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
-use crate::scene::{Chart, Focus, Role, Scene, Step};
+use crate::scene::{Case, Chart, Focus, Question, Role, Scene, Step};
 
 params! {
     /// FAST corners: pixels with n contiguous pixels of the circle around them that are all brighter or all darker.
@@ -175,6 +175,29 @@ impl Estimator for Fast {
         granularities: &["frame", "stage", "row", "step"],
         frames: 1,
     };
+    const QUESTIONS: &'static [Question] = &[
+        Question::choice(
+            "corner",
+            "Does the next pixel pass the segment test?",
+            &[Case::at(line::SCORE, "Yes: a corner"), Case::at(line::SEGMENT_TEST, "No")],
+        ),
+        Question::choice(
+            "maximum",
+            "Is the next corner a local maximum of the score?",
+            &[
+                Case::says(line::SUPPRESS, "a local maximum", "Yes"),
+                Case::says(line::SUPPRESS, "suppressed", "No: suppressed"),
+            ],
+        ),
+        Question::choice(
+            "kept",
+            "Is the next local maximum kept?",
+            &[
+                Case::at(line::KEEP, "Yes"),
+                Case::at(line::DROP_NEAR, "No: a stronger one is closer than the minimum distance"),
+            ],
+        ),
+    ];
     const GUARANTEE: Guarantee = Guarantee::Places;
     const CHARTS: &'static [Chart] = &[Chart::Series, Chart::Tiles];
     const PRODUCES: &'static [&'static ProductKind] = &[PointField::KIND];

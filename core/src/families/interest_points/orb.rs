@@ -20,7 +20,7 @@ use crate::products::keypoints::WINDOW_SIGMAS;
 use crate::products::{Descriptor, Feature, Keypoint, Output, PointField, Product, ProductKind, Status};
 use crate::pseudocode;
 use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
-use crate::scene::{Chart, Focus, Role, Scene, Step};
+use crate::scene::{Case, Chart, Focus, Question, Role, Scene, Step};
 
 params! {
     /// ORB keypoints: FAST corners on a pyramid, ranked by their Harris response, with an orientation and a binary descriptor.
@@ -295,6 +295,24 @@ impl Estimator for Orb {
         granularities: &["frame", "stage", "part", "step"],
         frames: 1,
     };
+    const QUESTIONS: &'static [Question] = &[
+        Question::choice(
+            "bit",
+            "Which value does the bit of the next pair have?",
+            &[
+                Case::says(line::COMPARE, "so the bit is 1", "1: the first mean is smaller"),
+                Case::says(line::COMPARE, "so the bit is 0", "0"),
+            ],
+        ),
+        Question::choice(
+            "kept",
+            "Is the next local maximum kept?",
+            &[
+                Case::at(line::KEEP, "Yes"),
+                Case::at(line::DROP_NEAR, "No: a stronger one is closer than the minimum distance"),
+            ],
+        ),
+    ];
     // Coarse levels are sampled at other places when the picture moves.
     const GUARANTEE: Guarantee = Guarantee::SubPixelPlaces { off_centi_px: 150 };
     const CHARTS: &'static [Chart] = &[Chart::Series, Chart::Tiles];

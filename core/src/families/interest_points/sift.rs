@@ -13,7 +13,7 @@ use crate::methods::scale_space::{
 };
 use crate::products::{Feature, Keypoint, Output, PointField, Product, ProductKind, keypoints};
 use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
-use crate::scene::{Chart, Focus, Picture, Role, Scene, Step};
+use crate::scene::{Case, Chart, Focus, Picture, Question, Role, Scene, Step};
 use crate::{params, pseudocode};
 
 params! {
@@ -309,6 +309,26 @@ impl Estimator for Sift {
         granularities: &["frame", "stage", "part", "step"],
         frames: 1,
     };
+    const QUESTIONS: &'static [Question] = &[
+        Question::choice(
+            "accepted",
+            "What becomes of the next extremum?",
+            &[
+                Case::at(line::KEEP, "It is kept"),
+                Case::at(line::LOW_CONTRAST, "Rejected: low contrast"),
+                Case::at(line::ON_EDGE, "Rejected: it lies on an edge"),
+                Case::at(line::UNSTABLE, "Rejected: unstable"),
+            ],
+        ),
+        Question::choice(
+            "final",
+            "Is the fitted position final?",
+            &[
+                Case::says(line::FIT, "the position is final", "Yes: less than ½ away"),
+                Case::says(line::FIT, "the fit is repeated", "No: the fit is repeated at a neighbour"),
+            ],
+        ),
+    ];
     const GUARANTEE: Guarantee = Guarantee::SubPixelPlaces { off_centi_px: 25 };
     const CHARTS: &'static [Chart] = &[Chart::Series, Chart::Tiles, Chart::Stack];
     const PRODUCES: &'static [&'static ProductKind] = &[PointField::KIND];

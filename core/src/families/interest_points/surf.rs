@@ -13,7 +13,7 @@ use crate::params;
 use crate::products::{Descriptor, Feature, Keypoint, Output, PointField, Product, ProductKind, Status};
 use crate::pseudocode;
 use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
-use crate::scene::{Chart, Focus, Role, Scene, Step};
+use crate::scene::{Case, Chart, Focus, Question, Role, Scene, Step};
 use hessian::{Filter, LAYERS, Layer, Neighbor, Refined, Three, is_suppressed, scale_of, suppressed_by};
 
 params! {
@@ -363,6 +363,29 @@ impl Estimator for Surf {
         granularities: &["frame", "stage", "part", "step"],
         frames: 1,
     };
+    const QUESTIONS: &'static [Question] = &[
+        Question::choice(
+            "maximum",
+            "Is the next sample a maximum over position and scale?",
+            &[
+                Case::says(line::SUPPRESS, "a maximum over position and scale", "Yes"),
+                Case::says(line::SUPPRESS, "suppressed", "No: suppressed"),
+            ],
+        ),
+        Question::choice(
+            "longest",
+            "Does the next sector have the longest sum so far?",
+            &[Case::says(line::SECTOR, "the longest so far", "Yes"), Case::says(line::SECTOR, "shorter than", "No")],
+        ),
+        Question::choice(
+            "kept",
+            "Is the next local maximum kept?",
+            &[
+                Case::at(line::KEEP, "Yes"),
+                Case::at(line::DROP_NEAR, "No: a stronger one is closer than the minimum distance"),
+            ],
+        ),
+    ];
     // Samples of coarse octaves do not move with the picture.
     const GUARANTEE: Guarantee = Guarantee::SubPixelPlaces { off_centi_px: 50 };
     const CHARTS: &'static [Chart] = &[Chart::Series, Chart::Tiles];

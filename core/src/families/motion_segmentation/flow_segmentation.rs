@@ -10,7 +10,7 @@ use crate::geometry::Grid;
 use crate::methods::segmentation::{FlowInput, Record, SegmentationRun, Segmenter, SegmenterState, forest::Forest};
 use crate::products::SegmentFrame;
 use crate::run::{Info, Progress, Seen};
-use crate::scene::{Role, Scene, Step};
+use crate::scene::{Case, Question, Reading, Role, Scene, Step};
 use crate::{choices, params, pseudocode};
 
 choices! {
@@ -369,6 +369,21 @@ impl Segmenter for FlowSegmentation {
         granularities: &["clip", "frame", "round", "step"],
         frames: 2,
     };
+    const QUESTIONS: &'static [Question] = &[
+        Question::choice(
+            "refused",
+            "Is a merge of the next group of edges refused?",
+            &[
+                Case::says(line::MERGE, "The largest refusal", "Yes: there is a jump of the flow"),
+                Case::says(line::MERGE, "The largest merge", "No: all edges are merged"),
+            ],
+        ),
+        Question::number(
+            "segments",
+            "How many segments will the frame have?",
+            Reading { line: line::LABEL, after: "", before: " segments.", unit: "segments" },
+        ),
+    ];
     // Flow, edges while they are sorted, forest and labels; a checkpoint has a forest of its own.
     const BYTES_PER_PIXEL: [f64; 2] = [80.0, 110.0];
     type State = State;

@@ -16,7 +16,7 @@ use crate::methods::segmentation::{
 };
 use crate::products::SegmentFrame;
 use crate::run::{Info, Progress, Seen};
-use crate::scene::{Role, Scene, Step};
+use crate::scene::{Question, Reading, Role, Scene, Step};
 use crate::{choices, params, pseudocode};
 
 choices! {
@@ -390,6 +390,18 @@ impl Segmenter for MotionClustering {
         granularities: &["clip", "frame", "round", "step"],
         frames: 2,
     };
+    const QUESTIONS: &'static [Question] = &[
+        Question::number(
+            "changes",
+            "How many pixels change their cluster in the next iteration?",
+            Reading { line: line::ASSIGN, after: "", before: " pixels change their cluster", unit: "pixels" },
+        ),
+        Question::number(
+            "segments",
+            "How many segments will the frame have?",
+            Reading { line: line::LABEL, after: "", before: " segments.", unit: "segments" },
+        ),
+    ];
     // Flow, coordinates, indices, distances of the seeds and labels; each event of a unit may hold labels of its own.
     const BYTES_PER_PIXEL: [f64; 2] = [52.0, 64.0];
     type State = State;

@@ -21,7 +21,7 @@ use crate::run::{
     Estimator, Explained, FeatureTracks, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen, Stage,
     run_counted,
 };
-use crate::scene::{Chart, Focus, Name, Role, Scene, Step};
+use crate::scene::{Chart, Focus, Name, Question, Reading, Role, Scene, Step};
 use crate::{choices, params, pseudocode};
 
 choices! {
@@ -316,6 +316,18 @@ impl Estimator for TrajectoryClustering {
         granularities: &["frame", "stage", "step"],
         frames: 2,
     };
+    const QUESTIONS: &'static [Question] = &[
+        Question::number(
+            "alike",
+            "How many trajectories have an affinity of at least 0.5 with the next one?",
+            Reading { line: line::COMPARE, after: "", before: " of them with an affinity", unit: "trajectories" },
+        ),
+        Question::number(
+            "segments",
+            "How many segments will there be?",
+            Reading { line: line::CLUSTER, after: "finds ", before: " segments", unit: "segments" },
+        ),
+    ];
     const GUARANTEE: Guarantee = Guarantee::Trajectories;
     const CHARTS: &'static [Chart] = &[Chart::Series];
     const PRODUCES: &'static [&'static ProductKind] = &[SegmentField::KIND];

@@ -9,7 +9,7 @@ use crate::methods::{
     variational::{Explanation, Local, Model, MotionTensor, Probe, Settings, Solver, Warp},
 };
 use crate::run::{Guarantee, Info};
-use crate::scene::{Constraint, Fact, Math, Name, Role, Sentence};
+use crate::scene::{Case, Constraint, Fact, Math, Name, Question, Role, Sentence};
 use crate::{params, pseudocode};
 
 params! {
@@ -70,6 +70,14 @@ impl Model for Clg {
         granularities: &["frame", "level", "warp", "iteration", "step"],
         frames: 2,
     };
+    const QUESTIONS: &'static [Question] = &[Question::choice(
+        "term",
+        "Which term dominates the update of the pixel?",
+        &[
+            Case::says(line::SOLVE, "the data term dominates", "The data term"),
+            Case::says(line::SOLVE, "the smoothness term dominates", "The smoothness term"),
+        ],
+    )];
     const GUARANTEE: Guarantee = Guarantee::SubPixel { off_centi_px: 5 };
     const ENERGY_UNIT: &'static str = "gray levels²";
     const OPENING: &'static str = "The data term averages the squared gradient constraints over a Gaussian window of standard \

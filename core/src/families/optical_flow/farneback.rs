@@ -11,7 +11,7 @@ use crate::methods::{
 };
 use crate::products::{Confidence, DenseField, Output, Product, ProductKind};
 use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
-use crate::scene::{Chart, Fact, Focus, Readout, Role, Scene, Sentence, Series, Step};
+use crate::scene::{Case, Chart, Fact, Focus, Question, Reading, Readout, Role, Scene, Sentence, Series, Step};
 use crate::{params, pseudocode};
 
 params! {
@@ -173,6 +173,21 @@ impl Estimator for Farneback {
         granularities: &["frame", "level", "iteration", "step"],
         frames: 2,
     };
+    const QUESTIONS: &'static [Question] = &[
+        Question::choice(
+            "second",
+            "Is there a second polynomial to compare with?",
+            &[
+                Case::says(line::PAIR, "there is no second polynomial", "No: the displacement leads out of frame t+1"),
+                Case::at(line::PAIR, "Yes"),
+            ],
+        ),
+        Question::number(
+            "change",
+            "How large is the mean change of the iteration?",
+            Reading { line: line::SOLVE, after: "Mean change of the iteration: ", before: " px", unit: "px" },
+        ),
+    ];
     const GUARANTEE: Guarantee = Guarantee::SubPixel { off_centi_px: 5 };
     const PRODUCES: &'static [&'static ProductKind] = &[DenseField::KIND];
     type State = State;

@@ -6,7 +6,7 @@ use crate::methods::{
     variational::{Explanation, Model, Probe, Settings, Solver, Warp},
 };
 use crate::run::{Guarantee, Info};
-use crate::scene::{Math, Name, Role, Sentence};
+use crate::scene::{Case, Math, Name, Question, Reading, Role, Sentence};
 use crate::{params, pseudocode};
 
 params! {
@@ -61,6 +61,21 @@ impl Model for HornSchunck {
         granularities: &["frame", "level", "warp", "iteration", "step"],
         frames: 2,
     };
+    const QUESTIONS: &'static [Question] = &[
+        Question::number(
+            "share",
+            "How much of the way from the neighbourhood mean to the constraint line does the update cover?",
+            Reading { line: line::UPDATE, after: "the update covers ", before: " % of the way", unit: "%" },
+        ),
+        Question::choice(
+            "term",
+            "Does the pixel have a gradient constraint?",
+            &[
+                Case::says(line::UPDATE, "Only the smoothness term counts", "No: only the smoothness term counts"),
+                Case::at(line::UPDATE, "Yes: data term and smoothness term balance"),
+            ],
+        ),
+    ];
     const GUARANTEE: Guarantee = Guarantee::SubPixel { off_centi_px: 5 };
     const ENERGY_UNIT: &'static str = "gray levels²";
     const OPENING: &'static str = "The data term is the squared violation of the gradient constraint; the smoothness term is the \

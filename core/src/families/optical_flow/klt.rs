@@ -19,7 +19,7 @@ use crate::products::{Feature, Output, PointField, Product, ProductKind, Status,
 use crate::run::{
     Estimator, Footprint, Granularity, Guarantee, Info, Keypoints, Need, Pointed, Progress, Seen, Span, Stage, need,
 };
-use crate::scene::{Chart, Focus, Role, Scene, Step};
+use crate::scene::{Case, Chart, Focus, Question, Role, Scene, Step};
 use crate::{params, pseudocode};
 
 params! {
@@ -302,6 +302,16 @@ impl Estimator for Klt {
         granularities: &["clip", "pair", "feature", "step"],
         frames: 2,
     };
+    const QUESTIONS: &'static [Question] = &[Question::choice(
+        "kept",
+        "What becomes of the next feature?",
+        &[
+            Case::at(line::MOVE, "It passes all checks"),
+            Case::says(line::TRACK, "is lost", "It leaves the frame"),
+            Case::says(line::TRACK_BACK, "is lost", "Tracking back ends elsewhere"),
+            Case::at(line::IS_CHANGED, "It no longer looks like its first view"),
+        ],
+    )];
     const GUARANTEE: Guarantee = Guarantee::Features { off_centi_px: 2 };
     const CHARTS: &'static [Chart] = &[Chart::Plane, Chart::Tiles, Chart::Series];
     const PRODUCES: &'static [&'static ProductKind] = &[TrackField::KIND];

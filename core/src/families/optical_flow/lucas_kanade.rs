@@ -14,7 +14,7 @@ use crate::products::{Confidence, DenseField, Output, Product, ProductKind};
 use crate::run::{
     Cursor, Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen,
 };
-use crate::scene::{Chart, Focus, Scene, Step};
+use crate::scene::{Case, Chart, Focus, Question, Scene, Step};
 use crate::{params, pseudocode};
 
 params! {
@@ -230,6 +230,15 @@ impl Estimator for LucasKanade {
         granularities: &["frame", "iteration", "row", "pixel"],
         frames: 2,
     };
+    const QUESTIONS: &'static [Question] = &[Question::choice(
+        "determined",
+        "Does the window of the next pixel determine its flow?",
+        &[
+            Case::at(line::SOLVE, "Yes: the constraint lines intersect well"),
+            Case::says(line::IS_SINGULAR, "an edge", "No: an edge, its lines are nearly parallel"),
+            Case::says(line::IS_SINGULAR, "flat window", "No: a flat window"),
+        ],
+    )];
     const GUARANTEE: Guarantee = Guarantee::SubPixel { off_centi_px: 3 };
     const TELLS_CONFIDENCE: bool = true;
     const CHARTS: &'static [Chart] = &[Chart::Plane, Chart::Tiles];

@@ -18,7 +18,9 @@ use crate::products::{Confidence, DenseField, Output, Product, ProductKind};
 use crate::run::{
     Cursor, Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen,
 };
-use crate::scene::{Chart, Fact, Focus, Math, Picture, Plane, Readout, Role, Scene, Sentence, Shape, Step};
+use crate::scene::{
+    Case, Chart, Fact, Focus, Math, Picture, Plane, Question, Readout, Role, Scene, Sentence, Shape, Step,
+};
 use crate::{params, pseudocode};
 
 params! {
@@ -127,6 +129,14 @@ impl Estimator for NormalFlow {
         granularities: &["frame", "row", "pixel"],
         frames: 2,
     };
+    const QUESTIONS: &'static [Question] = &[Question::choice(
+        "known",
+        "Will the next pixel have a normal flow?",
+        &[
+            Case::at(line::TAKE_NEAREST, "Yes: its gradient is large enough"),
+            Case::at(line::IS_FLAT, "No: its gradient is too small"),
+        ],
+    )];
     const GUARANTEE: Guarantee = Guarantee::AlongGradient;
     const TELLS_CONFIDENCE: bool = true;
     const CHARTS: &'static [Chart] = &[Chart::Plane, Chart::Tiles];

@@ -16,7 +16,9 @@ use crate::methods::{
 use crate::params::Spots;
 use crate::products::{Confidence, DenseField, Feature, Output, PointField, Product, ProductKind, Status};
 use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Keypoints, Need, Pointed, Progress, Seen, Stage};
-use crate::scene::{Arrow, Chart, Fact, Focus, Levels, Picture, Readout, Role, Scene, Sentence, Shape, Stack, Step};
+use crate::scene::{
+    Arrow, Case, Chart, Fact, Focus, Levels, Picture, Question, Readout, Role, Scene, Sentence, Shape, Stack, Step,
+};
 use crate::{choices, params, pseudocode};
 
 choices! {
@@ -240,6 +242,22 @@ impl Estimator for PyramidalLucasKanade {
         granularities: &["frame", "feature", "level", "iteration"],
         frames: 2,
     };
+    const QUESTIONS: &'static [Question] = &[
+        Question::place("displaced", "Where is the point in frame t+1?", line::CHECK, Role::Best),
+        Question::choice(
+            "converged",
+            "Does the next iteration converge?",
+            &[
+                Case::says(line::UNTIL_CONVERGED, "converged", "Yes: its increment is shorter than ε"),
+                Case::at(line::UPDATE, "No: another iteration follows"),
+            ],
+        ),
+        Question::choice(
+            "lost",
+            "Is the point tracked or lost?",
+            &[Case::says(line::CHECK, "is lost", "Lost"), Case::at(line::CHECK, "Tracked")],
+        ),
+    ];
     const GUARANTEE: Guarantee = Guarantee::Features { off_centi_px: 2 };
     const TELLS_CONFIDENCE: bool = true;
     const CHARTS: &'static [Chart] = &[Chart::Plane, Chart::Tiles, Chart::Stack];

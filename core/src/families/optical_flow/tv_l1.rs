@@ -6,7 +6,7 @@ use crate::methods::{
     variational::{Dual, Explanation, Model, Probe, Settings, Warp, primal_dual},
 };
 use crate::run::{Guarantee, Info};
-use crate::scene::{Fact, Math, Name, Role, Sentence};
+use crate::scene::{Case, Fact, Math, Name, Question, Role, Sentence};
 use crate::{params, pseudocode};
 
 params! {
@@ -56,6 +56,15 @@ impl Model for TvL1 {
         granularities: &["frame", "level", "warp", "iteration", "step"],
         frames: 2,
     };
+    const QUESTIONS: &'static [Question] = &[Question::choice(
+        "thresholding",
+        "How far toward the constraint line does thresholding move the auxiliary flow?",
+        &[
+            Case::says(line::FIT_DATA, "all the way", "All the way"),
+            Case::says(line::FIT_DATA, "is clipped", "Part of the way: the step is clipped"),
+            Case::says(line::FIT_DATA, "there is no constraint", "Not at all: there is no constraint"),
+        ],
+    )];
     const GUARANTEE: Guarantee = Guarantee::SubPixel { off_centi_px: 5 };
     const ENERGY_UNIT: &'static str = "px";
     const OPENING: &'static str = "The energy sums λ times the absolute residual of the gradient constraint (L1 data term) and \

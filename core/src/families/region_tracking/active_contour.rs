@@ -8,10 +8,10 @@ use crate::base::Observer;
 use crate::data::{Clip, Frame};
 use crate::geometry::polygon;
 use crate::methods::contour::{self, Edges, Fit, Force, Model, Pentadiagonal, Point, Snake, Verdict};
-use crate::methods::region::{At, Ending, Explained};
+use crate::methods::region::{At, Ending, Explained, LOST, WHERE};
 use crate::products::Region;
 use crate::run::{Info, Need};
-use crate::scene::{Chart, Fact, Name, Readout, Scene, Sentence};
+use crate::scene::{Case, Chart, Fact, Name, Question, Readout, Scene, Sentence};
 use crate::{choices, params, pseudocode};
 
 choices! {
@@ -227,6 +227,22 @@ impl Fit for ActiveContour {
         granularities: &["clip", "frame", "step"],
         frames: 2,
     };
+    const QUESTIONS: &'static [Question] = &[
+        WHERE,
+        Question::choice(
+            "forces",
+            "Which force is larger in the next iteration?",
+            &[
+                Case::says(
+                    line::SOLVE,
+                    "elasticity and rigidity pull harder",
+                    "The internal one: elasticity and rigidity",
+                ),
+                Case::says(line::SOLVE, "the edges pull harder", "The external one: the edges"),
+            ],
+        ),
+        LOST,
+    ];
     const CHARTS: &'static [Chart] = &[Chart::Series];
     const CONTRASTS: Option<&'static str> = Some("force");
     type Event = Event;

@@ -8,10 +8,10 @@ use crate::base::{Observer, effort};
 use crate::data::{Clip, Frame};
 use crate::geometry::Bounds;
 use crate::methods::region::color::{Binning, Bins, Histogram, ellipse_rows};
-use crate::methods::region::{RegionModel, Settings, Similarity};
+use crate::methods::region::{LOST, RegionModel, Settings, Similarity, WHERE};
 use crate::products::{Region, RegionFrame};
 use crate::run::{Info, Need};
-use crate::scene::Name;
+use crate::scene::{Case, Name, Question};
 use crate::{params, pseudocode};
 
 params! {
@@ -229,6 +229,18 @@ impl RegionModel for Camshift {
         granularities: &["clip", "frame", "step"],
         frames: 2,
     };
+    const QUESTIONS: &'static [Question] = &[
+        WHERE,
+        Question::choice(
+            "converged",
+            "Does the next shift end the iterations?",
+            &[
+                Case::says(line::SHIFT, "converged", "Yes: it is shorter than ε"),
+                Case::says(line::SHIFT, "the moments are computed anew", "No: another shift follows"),
+            ],
+        ),
+        LOST,
+    ];
     const SIMILARITY: Similarity = Similarity {
         name: "mean back-projection",
         label: "Mean back-projection",

@@ -10,10 +10,10 @@ use crate::base::{Error, Observer, effort};
 use crate::data::{Clip, Connectivity, Frame, Labelling, Mask, PackedMask};
 use crate::geometry::{Bounds, Gray, Grid};
 use crate::methods::contour::{LEAST_AREA_PX, Placement, filled};
-use crate::methods::region::{RegionModel, Settings, Similarity};
+use crate::methods::region::{LOST, RegionModel, Settings, Similarity, WHERE};
 use crate::products::{MaskField, Product, ProductKind, Region, RegionField, RegionFrame};
 use crate::run::{Info, Need};
-use crate::scene::{Chart, Name};
+use crate::scene::{Chart, Name, Question, Reading};
 use crate::{params, pseudocode};
 
 use level_set::{Energy, Weights, energy, evolved, means, signed_distance};
@@ -281,6 +281,15 @@ impl RegionModel for ChanVese {
         granularities: &["clip", "frame", "step"],
         frames: 2,
     };
+    const QUESTIONS: &'static [Question] = &[
+        WHERE,
+        Question::number(
+            "changed",
+            "How many pixels change sides in the next iteration?",
+            Reading { line: line::EVOLVE, after: "", before: " pixels changed sides", unit: "pixels" },
+        ),
+        LOST,
+    ];
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series];
     const SIMILARITY: Similarity = Similarity {
         name: "contrast",

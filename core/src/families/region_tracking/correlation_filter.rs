@@ -12,10 +12,10 @@ use rustfft::num_complex::Complex;
 use crate::base::{LANES, Observer, effort};
 use crate::data::{Clip, Frame};
 use crate::geometry::{Border, Gray, Grid};
-use crate::methods::region::{RegionModel, Settings, Similarity};
+use crate::methods::region::{LOST, RegionModel, Settings, Similarity, WHERE};
 use crate::products::{Region, RegionFrame};
 use crate::run::{Info, Need};
-use crate::scene::{Chart, Name};
+use crate::scene::{Case, Chart, Name, Question};
 use crate::{params, pseudocode};
 
 use lanes::Lanes;
@@ -348,6 +348,18 @@ impl RegionModel for CorrelationFilter {
         granularities: &["clip", "frame", "step"],
         frames: 2,
     };
+    const QUESTIONS: &'static [Question] = &[
+        WHERE,
+        Question::choice(
+            "accepted",
+            "Does the peak stand out from the sidelobes?",
+            &[
+                Case::says(line::JUDGE, "the match is accepted", "Yes: accepted"),
+                Case::says(line::JUDGE, "The peak does not stand out", "No: lost"),
+            ],
+        ),
+        LOST,
+    ];
     const CHARTS: &'static [Chart] = &[Chart::Surface, Chart::Tiles, Chart::Series];
     const SIMILARITY: Similarity = Similarity {
         name: "peak-to-sidelobe ratio",

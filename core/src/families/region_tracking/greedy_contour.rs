@@ -8,10 +8,10 @@ use crate::base::Observer;
 use crate::data::{Clip, Frame};
 use crate::geometry::polygon;
 use crate::methods::contour::{self, Edges, Fit, Model, Point, Snake, Verdict};
-use crate::methods::region::{At, Ending, Explained};
+use crate::methods::region::{At, Ending, Explained, LOST, WHERE};
 use crate::products::Region;
 use crate::run::{Info, Need};
-use crate::scene::{Chart, Fact, Name, Readout, Scene, Sentence};
+use crate::scene::{Case, Chart, Fact, Name, Question, Readout, Scene, Sentence};
 use crate::{params, pseudocode};
 
 params! {
@@ -307,6 +307,18 @@ impl Fit for GreedyContour {
         granularities: &["clip", "frame", "step"],
         frames: 2,
     };
+    const QUESTIONS: &'static [Question] = &[
+        WHERE,
+        Question::choice(
+            "moves",
+            "Does the next point move?",
+            &[
+                Case::says(line::MOVE_POINT, "The point moves there", "Yes"),
+                Case::says(line::MOVE_POINT, "It is the present one", "No: its pixel has the lowest energy"),
+            ],
+        ),
+        LOST,
+    ];
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series];
     type Event = Event;
 

@@ -8,10 +8,10 @@ use crate::base::{Observer, effort};
 use crate::data::{Clip, Frame};
 use crate::geometry::Bounds;
 use crate::methods::region::color::{Binning, Bins, ColorBins, Histogram, add_kernel, ellipse_rows};
-use crate::methods::region::{RegionModel, Settings, Similarity};
+use crate::methods::region::{LOST, RegionModel, Settings, Similarity, WHERE};
 use crate::products::{Region, RegionFrame};
 use crate::run::{Info, Need};
-use crate::scene::Name;
+use crate::scene::{Case, Name, Question};
 use crate::{choices, params, pseudocode};
 
 choices! {
@@ -279,6 +279,18 @@ impl RegionModel for MeanShift {
         granularities: &["clip", "frame", "step"],
         frames: 2,
     };
+    const QUESTIONS: &'static [Question] = &[
+        WHERE,
+        Question::choice(
+            "converged",
+            "Does the next shift end the iterations?",
+            &[
+                Case::says(line::SHIFT, "Converged", "Yes: it is shorter than ε"),
+                Case::says(line::SHIFT, "the weights are computed anew", "No: another shift follows"),
+            ],
+        ),
+        LOST,
+    ];
     const CONTRASTS: Option<&'static str> = Some("background");
     const SIMILARITY: Similarity = Similarity {
         name: "Bhattacharyya coefficient",

@@ -10,10 +10,10 @@ use std::sync::Arc;
 use crate::base::Observer;
 use crate::data::{Clip, Frame};
 use crate::methods::region::color::{Bins, ColorBins, Histogram};
-use crate::methods::region::{RegionModel, Settings, Similarity};
+use crate::methods::region::{RegionModel, Settings, Similarity, WHERE};
 use crate::products::{Region, RegionFrame};
 use crate::run::{Info, Need};
-use crate::scene::{Chart, Name};
+use crate::scene::{Case, Chart, Name, Question};
 use crate::{choices, params, pseudocode};
 
 use cloud::{Draw, Estimate, Particle};
@@ -187,6 +187,17 @@ impl RegionModel for ParticleFilter {
         granularities: &["clip", "frame", "step"],
         frames: 2,
     };
+    const QUESTIONS: &'static [Question] = &[
+        WHERE,
+        Question::choice(
+            "resampled",
+            "Are the particles drawn anew?",
+            &[
+                Case::says(line::COUNT, "are drawn anew", "Yes: too few of them carry the weight"),
+                Case::says(line::COUNT, "are kept", "No: the weights are even enough"),
+            ],
+        ),
+    ];
     const CHARTS: &'static [Chart] = &[Chart::Series, Chart::Diagram];
     const CONTRASTS: Option<&'static str> = Some("resampling");
     const SIMILARITY: Similarity = Similarity {

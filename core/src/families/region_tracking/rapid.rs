@@ -10,10 +10,10 @@ use std::sync::Arc;
 use crate::base::Observer;
 use crate::data::{Clip, Frame, Pose};
 use crate::geometry::Bounds;
-use crate::methods::region::{RegionModel, Settings, Similarity};
+use crate::methods::region::{LOST, RegionModel, Settings, Similarity, WHERE};
 use crate::products::{Region, RegionFrame};
 use crate::run::{Info, Need};
-use crate::scene::{Chart, Name};
+use crate::scene::{Chart, Name, Question};
 use crate::{choices, params, pseudocode};
 
 use account::Past;
@@ -295,6 +295,7 @@ impl RegionModel for Rapid {
         granularities: &["clip", "frame", "step"],
         frames: 2,
     };
+    const QUESTIONS: &'static [Question] = &[WHERE, LOST];
     const CHARTS: &'static [Chart] = &[Chart::Series, Chart::Matrices];
     const CONTRASTS: Option<&'static str> = Some("pose-prediction");
     const SIMILARITY: Similarity = Similarity {

@@ -9,11 +9,11 @@ use crate::base::words::counted;
 use crate::base::{Observer, effort};
 use crate::data::{Clip, Frame};
 use crate::methods::alignment::{Compared, composed, solve};
-use crate::methods::region::{RegionModel, Settings, Similarity};
+use crate::methods::region::{LOST, RegionModel, Settings, Similarity, WHERE};
 use crate::products::model::Matrix3;
 use crate::products::{Model as Group, Region, RegionFrame};
 use crate::run::{Info, Need};
-use crate::scene::{Chart, Name};
+use crate::scene::{Case, Chart, Name, Question};
 use crate::{choices, params, pseudocode};
 
 use template::{Pyramid, Template, farthest, pyramid, region_of, stretch};
@@ -343,6 +343,19 @@ impl RegionModel for TemplateTracker {
         granularities: &["clip", "frame", "step"],
         frames: 2,
     };
+    const QUESTIONS: &'static [Question] = &[
+        WHERE,
+        Question::choice(
+            "diverged",
+            "How does the next iteration end?",
+            &[
+                Case::says(line::ALIGN, "another iteration", "Another iteration follows"),
+                Case::says(line::ALIGN, "has diverged", "The alignment has diverged"),
+                Case::says(line::ALIGN, "the last update is undone", "The error no longer falls"),
+            ],
+        ),
+        LOST,
+    ];
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series, Chart::Matrices];
     const CONTRASTS: Option<&'static str> = Some("update");
     const SIMILARITY: Similarity = Similarity {

@@ -22,7 +22,7 @@ use crate::products::{DisparityField, Output, Product, ProductKind};
 use crate::run::{
     Cursor, Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen,
 };
-use crate::scene::{Chart, Focus, Scene, Step};
+use crate::scene::{Case, Chart, Focus, Question, Role, Scene, Step};
 use crate::{choices, params, pseudocode};
 
 choices! {
@@ -277,6 +277,18 @@ impl Estimator for BlockStereo {
         granularities: &["frame", "row", "pixel"],
         frames: 2,
     };
+    const QUESTIONS: &'static [Question] = &[
+        Question::choice(
+            "valid",
+            "Does the next pixel get a disparity?",
+            &[
+                Case::at(line::REFINE, "Yes: its minimum is unique and confirmed"),
+                Case::at(line::REJECT_AMBIGUOUS, "No: another minimum is nearly as low"),
+                Case::at(line::REJECT_INCONSISTENT, "No: it fails the left–right check"),
+            ],
+        ),
+        Question::place("match", "Where is the match of the pixel in the right view?", line::REFINE, Role::Best),
+    ];
     const GUARANTEE: Guarantee = Guarantee::Disparity;
     const CHARTS: &'static [Chart] = &[Chart::Series, Chart::Tiles];
     const CONTRASTS: Option<&'static str> = Some("cost");

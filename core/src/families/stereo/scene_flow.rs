@@ -24,7 +24,7 @@ use crate::run::{
     DenseFlow, Disparities, Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress,
     Seen, Stage, run_counted,
 };
-use crate::scene::{Chart, Focus, Name, Picture, Role, Scene, Step};
+use crate::scene::{Case, Chart, Focus, Name, Picture, Question, Reading, Role, Scene, Step};
 use crate::synth::random::{gaussian, hash};
 use crate::{choices, params, pseudocode};
 
@@ -395,6 +395,21 @@ impl Estimator for SceneFlow {
         granularities: &["frame", "stage", "step"],
         frames: 2,
     };
+    const QUESTIONS: &'static [Question] = &[
+        Question::choice(
+            "own",
+            "Does the next pixel have a motion of its own?",
+            &[
+                Case::says(line::OWN, "has a motion of its own", "Yes: what remains exceeds the gate"),
+                Case::says(line::OWN, "consistent", "No: the motion of the cameras explains it"),
+            ],
+        ),
+        Question::number(
+            "inliers",
+            "How many points agree with the next sample?",
+            Reading { line: line::SAMPLE, after: "", before: " points agree with it", unit: "points" },
+        ),
+    ];
     const GUARANTEE: Guarantee = Guarantee::SceneFlow;
     const CHARTS: &'static [Chart] = &[Chart::Cloud, Chart::Matrices, Chart::Series];
     const PRODUCES: &'static [&'static ProductKind] = &[SceneFlowField::KIND];

@@ -20,7 +20,7 @@ use crate::geometry::Grid;
 use crate::methods::stereo::{Kept, Settings, Verdict, Views, Winners, accept, census, vertex};
 use crate::products::{DisparityField, Output, Product, ProductKind};
 use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
-use crate::scene::{Chart, Focus, Scene, Step};
+use crate::scene::{Case, Chart, Focus, Question, Scene, Step};
 use crate::{choices, params, pseudocode};
 use fill::Gap;
 use paths::{Job, LANES, Line, MOST_PENALTY, NONE};
@@ -327,6 +327,18 @@ impl Estimator for SemiGlobalMatching {
         granularities: &["frame", "stage", "row"],
         frames: 2,
     };
+    const QUESTIONS: &'static [Question] = &[
+        Question::choice(
+            "unique",
+            "Is the lowest sum of path costs unique?",
+            &[Case::at(line::REJECT_AMBIGUOUS, "No: a rival is nearly as low"), Case::at(line::CHOOSE, "Yes")],
+        ),
+        Question::choice(
+            "confirmed",
+            "Does the left–right check confirm the disparity?",
+            &[Case::says(line::CHECK, "confirms", "Yes"), Case::at(line::CHECK, "No")],
+        ),
+    ];
     const GUARANTEE: Guarantee = Guarantee::Disparity;
     const CHARTS: &'static [Chart] = &[Chart::Series];
     const CONTRASTS: Option<&'static str> = Some("paths");

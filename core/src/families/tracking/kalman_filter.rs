@@ -22,7 +22,7 @@ use crate::methods::{
 use crate::params::Spots;
 use crate::products::{Followed, Object, ObjectField, ObjectFrame, Output, Product, ProductKind, TrackStatus};
 use crate::run::{Estimator, Footprint, Foreground, Granularity, Guarantee, Info, Need, Progress, Seen, Span, Stage};
-use crate::scene::{Chart, Role, Scene, Step};
+use crate::scene::{Case, Chart, Question, Role, Scene, Step};
 use crate::{choices, params, pseudocode};
 
 use sensors::{Observations, SensorReading, Sensors};
@@ -443,6 +443,15 @@ impl Estimator for KalmanFilter {
         granularities: &["clip", "pass", "frame", "step"],
         frames: 2,
     };
+    const QUESTIONS: &'static [Question] = &[
+        Question::place("predicted", "Where does the filter predict the object?", line::PREDICT, Role::Predicted),
+        Question::choice(
+            "gate",
+            "Is the measurement inside the gate?",
+            &[Case::says(line::GATE, "rejected", "No: rejected"), Case::says(line::GATE, "accepted", "Yes: accepted")],
+        ),
+        Question::place("updated", "Where is the estimate after the update?", line::UPDATE, Role::Estimate),
+    ];
     const GUARANTEE: Guarantee = Guarantee::Objects;
     const NEEDS_PICTURES: bool = false;
     const CONTRASTS: Option<&'static str> = Some("motion");

@@ -24,7 +24,7 @@ use crate::methods::multi_object::{
 };
 use crate::products::{Object, ObjectFrame};
 use crate::run::{Info, Need, Progress, Seen};
-use crate::scene::{Chart, Role, Scene, Step};
+use crate::scene::{Case, Chart, Question, Reading, Role, Scene, Step};
 use crate::{params, pseudocode};
 use expand::{Expansion, Gates};
 use forest::{Cluster, Hypothesis, Scan, Track};
@@ -157,6 +157,21 @@ impl MultiTracker for MultipleHypothesis {
         granularities: &["clip", "frame", "step"],
         frames: 2,
     };
+    const QUESTIONS: &'static [Question] = &[
+        Question::choice(
+            "pruned",
+            "Does N-scan pruning delete hypotheses?",
+            &[
+                Case::says(line::PRUNE, "all hypotheses explain it alike", "No: all explain that frame alike"),
+                Case::says(line::PRUNE, "N-scan pruning deletes", "Yes"),
+            ],
+        ),
+        Question::number(
+            "gated",
+            "How many pairs of a track and a detection does gating leave?",
+            Reading { line: line::GATE, after: "Gating leaves ", before: " of", unit: "pairs" },
+        ),
+    ];
     const CHARTS: &'static [Chart] = &[Chart::Diagram, Chart::Matrices, Chart::Series];
     type Tracks = Vec<Cluster>;
     type Event = Event;

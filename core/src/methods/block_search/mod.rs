@@ -28,7 +28,7 @@ pub use pattern::{Pattern, Relay};
 pub(crate) use probe::Probe;
 pub(crate) use rate::Rate;
 pub use search::BlockSearch;
-pub(crate) use search::{need, search_pseudocode};
+pub(crate) use search::{QUESTIONS, need, search_pseudocode};
 pub(crate) use settings::block_search_params;
 pub use settings::{BorderRule, Cost, HasSettings, Matching, Refinement, Settings};
 pub use subpixel::{Fit, Subpixel};

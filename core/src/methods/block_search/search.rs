@@ -14,7 +14,7 @@ use crate::methods::cost::bounds::PartSums;
 use crate::params::Params;
 use crate::products::{BlockField, Output, Product, ProductKind};
 use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen, TestsCandidates};
-use crate::scene::{Chart, Focus, Name, Role, Scene, Step};
+use crate::scene::{Case, Chart, Focus, Name, Question, Role, Scene, Step};
 
 /// A search for the displacement of one block. All else that makes it an [`Estimator`] is the same for every one.
 pub trait BlockSearch: Params + HasSettings + Default + Clone + Send + Sync + 'static {
@@ -42,10 +42,35 @@ pub trait BlockSearch: Params + HasSettings + Default + Clone + Send + Sync + 's
     fn search(&self, tester: &mut Tester<impl Observer<Event>>);
 }
 
-/// The pseudocode lines that all searches have, and the one of those that reject candidates early.
+/// The pseudocode lines that all searches have, and those of searches that reject or skip candidates early.
 pub(crate) mod line {
-    super::line_names!(EACH_BLOCK, LAY_WINDOW, REFINE_BEST, SET_DISPLACEMENT, COMPUTE_COST, KEEP_BEST, EXIT_EARLY);
+    super::line_names!(
+        EACH_BLOCK,
+        LAY_WINDOW,
+        REFINE_BEST,
+        SET_DISPLACEMENT,
+        COMPUTE_COST,
+        KEEP_BEST,
+        EXIT_EARLY,
+        SKIP_CANDIDATE
+    );
 }
+
+/// The questions of all searches: about the next candidate, and about the result of the block.
+pub(crate) const QUESTIONS: &[Question] = &[
+    Question::choice(
+        "lower",
+        "Does the next candidate lower the minimum of the block?",
+        &[
+            Case::says(line::COMPUTE_COST, "is below the minimum", "Yes: a new minimum"),
+            Case::says(line::COMPUTE_COST, "exceeds the minimum", "No"),
+            Case::says(line::COMPUTE_COST, "equals the minimum", "It equals the minimum"),
+            Case::at(line::EXIT_EARLY, "No"),
+            Case::at(line::SKIP_CANDIDATE, "No"),
+        ],
+    ),
+    Question::place("match", "Where is the best match of the block in frame t+1?", line::SET_DISPLACEMENT, Role::Best),
+];
 
 /// The pseudocode line of `event` in the search of a block of `height` rows.
 fn line_of(event: &Event, height: usize) -> Name {
@@ -191,6 +216,7 @@ fn finish<S: BlockSearch>(
 
 impl<S: BlockSearch> Estimator for S {
     const INFO: Info = <S as BlockSearch>::INFO;
+    const QUESTIONS: &'static [Question] = QUESTIONS;
     const GUARANTEE: Guarantee = <S as BlockSearch>::GUARANTEE;
     const CHARTS: &'static [Chart] = &[Chart::Surface, Chart::Series, Chart::Tiles, Chart::Histogram];
     const PRODUCES: &'static [&'static ProductKind] = &[BlockField::KIND];

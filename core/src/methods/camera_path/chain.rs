@@ -10,6 +10,7 @@ use crate::products::ModelField;
 use crate::products::model::{IDENTITY, Matrix3, Model, Support, inverse, normalised, product};
 use crate::products::path::{bend, corner_error};
 use crate::run::{GlobalModel, Granularity, Span, Stage, StageView, need};
+use crate::scene::{Case, Question};
 
 /// The lines of the pseudocode that chain the motions.
 pub(crate) mod pairs_line {
@@ -28,6 +29,16 @@ macro_rules! path_pseudocode {
     };
 }
 pub(crate) use path_pseudocode;
+
+/// Whether a pair of frames has a usable motion.
+pub(crate) const USABLE: Question = Question::choice(
+    "usable",
+    "Is a motion of the background found in the next pair?",
+    &[
+        Case::says(pairs_line::ESTIMATE, "none that is usable", "No: too few matches agree"),
+        Case::at(pairs_line::ESTIMATE, "Yes"),
+    ],
+);
 
 /// The motions so far, of the pairs from the first frame on.
 #[derive(Clone)]

@@ -10,12 +10,14 @@ use crate::methods::region::{RegionModel, Settings, Similarity};
 use crate::params::Params;
 use crate::products::{MaskField, Product, ProductKind, Region, RegionField, RegionFrame};
 use crate::run::{Info, Need};
-use crate::scene::{Chart, Name};
+use crate::scene::{Chart, Name, Question};
 
 /// A closed curve of points that is fitted to the edges of each frame, from where it was in the frame before.
 pub trait Fit: Params + Default + Clone + Send + Sync + 'static {
     /// As [`RegionModel::INFO`].
     const INFO: Info;
+    /// As [`RegionModel::QUESTIONS`].
+    const QUESTIONS: &'static [Question];
     /// As [`RegionModel::CHARTS`].
     const CHARTS: &'static [Chart];
     /// As [`RegionModel::CONTRASTS`].
@@ -38,6 +40,7 @@ pub trait Fit: Params + Default + Clone + Send + Sync + 'static {
 
 impl<T: Fit> RegionModel for T {
     const INFO: Info = T::INFO;
+    const QUESTIONS: &'static [Question] = T::QUESTIONS;
     const CHARTS: &'static [Chart] = T::CHARTS;
     const CONTRASTS: Option<&'static str> = T::CONTRASTS;
     const SIMILARITY: Similarity = Similarity {

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::declare::QUESTIONS;
 use super::response::Tensors;
 use super::select::{Peaks, Settings, choose, largest, rank};
 use crate::base::{Error, Observer, Tally, Threads};
@@ -13,7 +14,7 @@ use crate::products::{Feature, Keypoint, Output, PointField, Product, ProductKin
 use crate::run::{
     Cursor, Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen,
 };
-use crate::scene::{Chart, Focus, Math, Role, Scene, Step};
+use crate::scene::{Chart, Focus, Math, Question, Role, Scene, Step};
 
 /// A corner measure: the response as a function of the structure tensor.
 pub trait Measure: Params + Default + Clone + Send + Sync + 'static {
@@ -213,6 +214,7 @@ fn need_of_corners(clip: &Clip, min_distance: usize) -> [f64; 2] {
 
 impl<M: Measure> Estimator for Corners<M> {
     const INFO: Info = M::INFO;
+    const QUESTIONS: &'static [Question] = QUESTIONS;
     const GUARANTEE: Guarantee = Guarantee::Places;
     const CHARTS: &'static [Chart] = &[Chart::Regions, Chart::Tiles];
     const PRODUCES: &'static [&'static ProductKind] = &[PointField::KIND];

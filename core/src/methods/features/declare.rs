@@ -1,9 +1,40 @@
 //! The pseudocode that all corner detectors share.
 
+use crate::scene::{Case, Question};
+
 /// The lines that all corner detectors share.
 pub(super) mod line {
     crate::line_names!(TAKE_DERIVATIVES, RESPOND, EACH_STRONG, SUPPRESS, EACH_PEAK, DROP_NEAR, KEEP);
 }
+
+/// The questions of all of them.
+pub(super) const QUESTIONS: &[Question] = &[
+    Question::choice(
+        "nature",
+        "What does the structure tensor of the next pixel show?",
+        &[
+            Case::says(line::RESPOND, "possibly a corner", "A corner: gradients in two directions"),
+            Case::says(line::RESPOND, "an edge", "An edge: gradients in one direction"),
+            Case::says(line::RESPOND, "a flat area", "A flat area"),
+        ],
+    ),
+    Question::choice(
+        "maximum",
+        "Is the next response a local maximum?",
+        &[
+            Case::says(line::SUPPRESS, "suppressed", "No: suppressed"),
+            Case::says(line::SUPPRESS, "a local maximum", "Yes"),
+        ],
+    ),
+    Question::choice(
+        "kept",
+        "Is the next local maximum kept as a corner?",
+        &[
+            Case::at(line::KEEP, "Yes"),
+            Case::at(line::DROP_NEAR, "No: a stronger one is closer than the minimum distance"),
+        ],
+    ),
+];
 
 /// The pseudocode of a corner detector; `response` is the line that defines the response R.
 macro_rules! corner_pseudocode {

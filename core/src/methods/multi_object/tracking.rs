@@ -9,12 +9,14 @@ use crate::data::{Clip, Detection};
 use crate::params::{Params, inner_params};
 use crate::products::{ObjectField, ObjectFrame, Output, Product, ProductKind, objects::score::FrameErrors};
 use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
-use crate::scene::{Chart, Focus, Role, Scene, Sentence, Step};
+use crate::scene::{Chart, Focus, Question, Role, Scene, Sentence, Step};
 
 /// A tracker of many objects.
 pub trait MultiTracker: Params + Default + Clone + Send + Sync + 'static {
     /// The description of the tracker.
     const INFO: Info;
+    /// As [`Estimator::QUESTIONS`].
+    const QUESTIONS: &'static [Question];
     /// The charts of its steps.
     const CHARTS: &'static [Chart] = &[Chart::Matrices, Chart::Series];
     /// Everything that is carried from frame to frame, besides the run.
@@ -76,6 +78,7 @@ pub struct State<T> {
 
 impl<T: MultiTracker> Estimator for MultiTracking<T> {
     const INFO: Info = T::INFO;
+    const QUESTIONS: &'static [Question] = T::QUESTIONS;
     const GUARANTEE: Guarantee = Guarantee::Objects;
     const NEEDS_PICTURES: bool = false;
     const CHARTS: &'static [Chart] = T::CHARTS;

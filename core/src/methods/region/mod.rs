@@ -15,8 +15,8 @@ use std::sync::Arc;
 
 pub use ending::{Ending, Loss, Outcome};
 pub use start::Settings;
-pub(crate) use start::line;
 use start::{Chosen, Restarts, choose};
+pub(crate) use start::{LOST, WHERE, line};
 
 use crate::base::words::counted;
 use crate::base::{Error, Mapped, Observer};
@@ -25,7 +25,7 @@ use crate::geometry::Bounds;
 use crate::params::{Params, inner_params};
 use crate::products::{MaskField, ObjectFrame, Output, Product, ProductKind, Region, RegionField, RegionFrame};
 use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Progress, Seen, Span, need};
-use crate::scene::{Chart, Fact, Name, Readout, Role, Scene, Sentence, Step};
+use crate::scene::{Chart, Fact, Name, Question, Readout, Role, Scene, Sentence, Step};
 
 /// The quantity by which a tracker judges its match.
 #[derive(Clone, Copy, Debug)]
@@ -46,6 +46,8 @@ pub struct Similarity {
 pub trait RegionModel: Params + Default + Clone + Send + Sync + 'static {
     /// The description of the tracker.
     const INFO: Info;
+    /// As [`Estimator::QUESTIONS`]; [`WHERE`] belongs to all, [`LOST`] to those with a criterion of loss.
+    const QUESTIONS: &'static [Question];
     /// The charts of its steps.
     const CHARTS: &'static [Chart] = &[Chart::Series];
     /// As [`Estimator::CONTRASTS`].
@@ -266,6 +268,7 @@ impl<T: RegionModel> RegionTracking<T> {
 
 impl<T: Explained> Estimator for RegionTracking<T> {
     const INFO: Info = T::INFO;
+    const QUESTIONS: &'static [Question] = T::QUESTIONS;
     const GUARANTEE: Guarantee = Guarantee::Region;
     const CHARTS: &'static [Chart] = T::CHARTS;
     const CONTRASTS: Option<&'static str> = T::CONTRASTS;

@@ -5,6 +5,7 @@ use crate::data::{Clip, ObjectBox};
 use crate::geometry::Bounds;
 use crate::params;
 use crate::products::Region;
+use crate::scene::{Case, Question, Role};
 
 params! {
     /// The parameters of all trackers of a region.
@@ -24,6 +25,20 @@ params! {
 pub(crate) mod line {
     crate::line_names!(CHOOSE, EACH_FRAME, MOVE);
 }
+
+/// The question of all trackers of a region: its place in the next frame.
+pub(crate) const WHERE: Question =
+    Question::place("where", "Where is the object in the next frame?", line::MOVE, Role::Estimate);
+
+/// The question of trackers with a criterion of loss.
+pub(crate) const LOST: Question = Question::choice(
+    "lost",
+    "Does the tracker report that the object is lost?",
+    &[
+        Case::says(line::MOVE, "the object is lost", "Yes: its match is too poor"),
+        Case::at(line::MOVE, "No: the region moves"),
+    ],
+);
 
 /// The smallest side of a region in px.
 const LEAST_PX: f32 = 4.0;

@@ -9,7 +9,7 @@ use crate::products::{Output, Product, ProductKind, SegmentField};
 use crate::run::{
     Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen, run_counted,
 };
-use crate::scene::{Chart, Focus, Role, Scene, Step};
+use crate::scene::{Chart, Focus, Question, Role, Scene, Step};
 
 /// The state of a [`Segmenter`] between two rounds.
 pub trait SegmenterState: Clone + Send + Sync + 'static {
@@ -33,6 +33,8 @@ pub trait SegmenterState: Clone + Send + Sync + 'static {
 pub trait Segmenter: Params + Default + Clone + Send + Sync + 'static {
     /// The description of the method.
     const INFO: Info;
+    /// As [`Estimator::QUESTIONS`].
+    const QUESTIONS: &'static [Question];
     /// Memory of a run and of a walk, in bytes per pixel.
     const BYTES_PER_PIXEL: [f64; 2];
     /// What is carried from round to round.
@@ -75,6 +77,7 @@ inner_params!(SegmentationRun<T: Segmenter>);
 
 impl<T: Segmenter> Estimator for SegmentationRun<T> {
     const INFO: Info = T::INFO;
+    const QUESTIONS: &'static [Question] = T::QUESTIONS;
     const GUARANTEE: Guarantee = Guarantee::Segments;
     const CHARTS: &'static [Chart] = &[Chart::Plane, Chart::Series];
     const PRODUCES: &'static [&'static ProductKind] = &[SegmentField::KIND];

@@ -2,6 +2,7 @@
 
 use crate::data::Connectivity;
 use crate::params;
+use crate::scene::{Question, Reading, Role};
 
 params! {
     /// The parameters of all background subtractions.
@@ -52,6 +53,21 @@ pub(super) mod line {
         UPDATE_MODEL
     );
 }
+
+/// The questions of all of them.
+pub(super) const QUESTIONS: &[Question] = &[
+    Question::place("object", "Where is a moving object?", line::KEEP_BLOBS, Role::Result),
+    Question::number(
+        "share",
+        "Which share of the frame is foreground?",
+        Reading { line: line::DECIDE, after: "of foreground (", before: " %", unit: "%" },
+    ),
+    Question::number(
+        "blobs",
+        "How many blobs remain after the minimum area?",
+        Reading { line: line::KEEP_BLOBS, after: "", before: " blob", unit: "blobs" },
+    ),
+];
 
 /// The pseudocode of a background subtraction: initialisation, comparison, classification, shadow removal if there is one,
 /// and update of the model.

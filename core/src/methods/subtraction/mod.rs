@@ -18,6 +18,7 @@ pub use camera::{CameraMotion, Steadiness};
 pub(crate) use camera::{displaced, resampled, shifted};
 pub use channels::Channels;
 pub(crate) use channels::{Channel, Channelwise, Planes, Row, SHADOW_SHARE, classify, largest, levels, luma};
+use declare::QUESTIONS;
 pub use declare::Settings;
 pub(crate) use declare::subtraction_pseudocode;
 pub(crate) use explain::{MaskHistory, plots};
@@ -46,7 +47,7 @@ use crate::run::{
     Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen, Span, StageView,
     need, run_counted,
 };
-use crate::scene::{Canvas, Chart, Focus, Layer, Name, Picture, Scene, Step};
+use crate::scene::{Canvas, Chart, Focus, Layer, Name, Picture, Question, Scene, Step};
 
 /// A model of the background.
 pub trait Background: Params + Default + Clone + Send + Sync + 'static {
@@ -538,6 +539,7 @@ fn ghosts_of(found: &ObjectFrame, [then, now]: [&Boxes; 2]) -> usize {
 
 impl<M: Background> Estimator for Subtraction<M> {
     const INFO: Info = M::INFO;
+    const QUESTIONS: &'static [Question] = QUESTIONS;
     const GUARANTEE: Guarantee = Guarantee::Objects;
     const CHARTS: &'static [Chart] = M::CHARTS;
     const PRODUCES: &'static [&'static ProductKind] = &[MaskField::KIND, ObjectField::KIND];

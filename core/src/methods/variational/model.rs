@@ -8,7 +8,7 @@ use crate::base::{Threads, words};
 use crate::methods::differential::{Advice, Field, Linear, explain, numbers, relax};
 use crate::params::Params;
 use crate::run::{Guarantee, Info};
-use crate::scene::{Constraint, Fact, Math, Name, Role, Sentence};
+use crate::scene::{Constraint, Fact, Math, Name, Question, Role, Sentence};
 
 /// The unknowns of the minimisation: the flow field and any auxiliary variables.
 pub trait Unknowns: Clone + Send + Sync + 'static {
@@ -40,6 +40,8 @@ impl Unknowns for Field {
 pub trait Model: Params + Default + Clone + Send + Sync + 'static {
     /// The method's name, source and pseudocode.
     const INFO: Info;
+    /// As [`Estimator::QUESTIONS`](crate::run::Estimator::QUESTIONS).
+    const QUESTIONS: &'static [Question];
     /// The guaranteed accuracy.
     const GUARANTEE: Guarantee;
     /// The unit of the energy.

@@ -11,7 +11,7 @@ use crate::methods::differential::{Field, Linear, Multiscale, field, relax};
 use crate::params::inner_params;
 use crate::products::{DenseField, Output, Product, ProductKind};
 use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
-use crate::scene::{Chart, Focus, Level, Scene, Step};
+use crate::scene::{Chart, Focus, Level, Question, Scene, Step};
 
 /// Numbers per pixel in [`Linear`].
 const LINEAR_PARTS: usize = 5;
@@ -324,6 +324,7 @@ impl<M: Model> State<M> {
 
 impl<M: Model> Estimator for Variational<M> {
     const INFO: Info = M::INFO;
+    const QUESTIONS: &'static [Question] = M::QUESTIONS;
     const GUARANTEE: Guarantee = M::GUARANTEE;
     const CHARTS: &'static [Chart] = &[Chart::Plane, Chart::Series, Chart::Stack];
     const PRODUCES: &'static [&'static ProductKind] = &[DenseField::KIND];

@@ -301,6 +301,13 @@ impl Command {
                 "Switch full screen on or off.",
                 const { &[key(Key::F), key(Key::F11)] },
             ),
+            C::Predict => (
+                Menu::Walk,
+                Icon::CircleQuestionMark,
+                "Predict, then reveal",
+                "Ask about each result before it is shown: click the place, count hands with the number keys, then reveal it with →.",
+                const { &[key(Key::Q)] },
+            ),
             C::ReducedMotion => (Menu::View, Icon::Snail, "Reduced motion", "Show each step without animation.", &[]),
             C::ResetLayout => (
                 Menu::View,
@@ -499,6 +506,13 @@ impl Command {
                 Icon::FileDown,
                 "Result…",
                 "Save the result so far: motion vectors, flow, features, tracks, objects or masks.",
+                &[],
+            ),
+            C::ExportScores => (
+                Menu::Export,
+                Icon::ListChecks,
+                "Scores of the class…",
+                "Save the questions that the class has answered, with hands, guesses and distances, as CSV.",
                 &[],
             ),
             C::Palette => (

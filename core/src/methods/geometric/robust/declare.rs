@@ -1,9 +1,29 @@
 //! The pseudocode that all robust estimators share.
 
+use crate::scene::{Case, Question, Reading};
+
 /// The lines that all robust estimators share.
 pub(super) mod line {
     crate::line_names!(MATCH, REPEAT, DRAW, HYPOTHESISE, COUNT, OPTIMISE, KEEP_BEST, REFIT);
 }
+
+/// The questions of all of them.
+pub(super) const QUESTIONS: &[Question] = &[
+    Question::choice(
+        "better",
+        "Is the next hypothesis the best so far?",
+        &[
+            Case::says(line::COUNT, "the first hypothesis", "Yes"),
+            Case::says(line::COUNT, "Discarded", "No: discarded"),
+            Case::at(line::COUNT, "Yes"),
+        ],
+    ),
+    Question::number(
+        "inliers",
+        "How many matches are inliers of the model fitted to all inliers?",
+        Reading { line: line::REFIT, after: ": ", before: " of", unit: "matches" },
+    ),
+];
 
 /// The pseudocode of a robust estimator; `model` is the line of the hypothesis, `count` that of the inliers.
 macro_rules! robust_pseudocode {

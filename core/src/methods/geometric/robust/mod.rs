@@ -19,9 +19,10 @@ use crate::params::{Params, inner_params};
 use crate::products::model::Matrix3;
 use crate::products::{Match, MatchField, MatchStatus, Output, Product, ProductKind};
 use crate::run::{Estimator, Explained, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
-use crate::scene::{Chart, Fact, Focus, Math, Matrix, Name, Picture, Role, Scene, Sentence, Step};
+use crate::scene::{Chart, Fact, Focus, Math, Matrix, Name, Picture, Question, Role, Scene, Sentence, Step};
 use crate::synth::random::{hash, unit};
 
+use declare::QUESTIONS;
 pub(crate) use declare::robust_pseudocode;
 pub use doubt::Doubt;
 use doubt::{distinct, sides_px};
@@ -455,6 +456,7 @@ impl<M: RobustModel> Robust<M> {
 
 impl<M: RobustModel> Estimator for Robust<M> {
     const INFO: Info = M::INFO;
+    const QUESTIONS: &'static [Question] = QUESTIONS;
     const GUARANTEE: Guarantee = Guarantee::Better;
     const CHARTS: &'static [Chart] = &[Chart::Matrices, Chart::Series];
     const PRODUCES: &'static [&'static ProductKind] = &[M::PRODUCT, MatchField::KIND];

@@ -1,0 +1,289 @@
+//! Questions about the next step, answered before it is shown.
+//!
+//! A question is declared by what a step shows: the line of pseudocode that it is at, the words of its sentence, a number in
+//! it, or the marks of a role. So the truth is that of the run itself, and nothing is computed twice.
+
+use super::{Name, Picture, Role, Scene, Shape, Step};
+
+/// A question about the next result of an estimator.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Question {
+    /// Stable id in kebab case, unique in its estimator: `new-minimum`.
+    pub id: &'static str,
+    /// The question, as it is asked.
+    pub text: &'static str,
+    /// What is asked for.
+    pub asked: Asked,
+}
+
+/// What a question asks for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Asked {
+    /// A place on a picture: the centre of a mark of `role` at a step of `line`.
+    Place {
+        /// The line of the step.
+        line: Name,
+        /// The role of the mark.
+        role: Role,
+    },
+    /// One of several answers: that of the first case that a step is.
+    Choice(&'static [Case]),
+    /// A number in the sentence of a step.
+    Number(Reading),
+}
+
+/// A case of a question with several answers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Case {
+    /// The answer.
+    pub answer: &'static str,
+    /// The line of the step.
+    pub line: Name,
+    /// Words that the sentence of the step contains; empty if its line decides.
+    pub says: &'static str,
+}
+
+/// Where a number stands in the sentence of a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reading {
+    /// The line of the step.
+    pub line: Name,
+    /// The words before the number, or empty.
+    pub after: &'static str,
+    /// The words behind it.
+    pub before: &'static str,
+    /// The unit, or empty.
+    pub unit: &'static str,
+}
+
+/// The true answer to a question.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Answer {
+    /// The places of the marks, of which the nearest to a guess counts.
+    Place {
+        /// The picture that they lie on.
+        on: Picture,
+        /// The places in px.
+        at: Vec<[f32; 2]>,
+        /// The middle of what is looked for, where the step marks it: the reference.
+        from: Option<[f32; 2]>,
+    },
+    /// The index of the answer in [`Question::choices`].
+    Choice(usize),
+    /// The number, and as the sentence shows it.
+    Number {
+        /// Its value.
+        value: f64,
+        /// Its text without the unit.
+        shown: String,
+    },
+}
+
+/// A step with its scene.
+#[derive(Clone, Copy)]
+pub struct Shown<'a> {
+    /// The explanation.
+    pub step: &'a Step,
+    /// The marks.
+    pub scene: &'a Scene,
+}
+
+/// Distance in px below which a mark that is shown already gives a place away.
+const GIVEN_AWAY_PX: f32 = 0.75;
+
+impl Case {
+    /// The case of a step at `line`.
+    pub const fn at(line: Name, answer: &'static str) -> Self {
+        Self { answer, line, says: "" }
+    }
+
+    /// The case of a step at `line` with a sentence that contains `says`.
+    pub const fn says(line: Name, says: &'static str, answer: &'static str) -> Self {
+        Self { answer, line, says }
+    }
+
+    /// Whether `step` is this case.
+    pub fn holds(&self, step: &Step) -> bool {
+        self.line == step.line && (self.says.is_empty() || step.sentence.plain().contains(self.says))
+    }
+}
+
+impl Reading {
+    /// The number in `sentence`, with its text; `None` if the words around it are missing.
+    pub fn number(&self, sentence: &str) -> Option<(f64, String)> {
+        let rest = &sentence[sentence.find(self.after)? + self.after.len()..];
+        let shown = rest[..rest.find(self.before)?].split(' ').next_back()?;
+        let digits: String = shown.chars().filter(|c| *c != '\u{202f}').collect();
+        let value = digits.replace('\u{2212}', "-").parse().ok()?;
+        Some((value, shown.to_owned()))
+    }
+}
+
+impl Question {
+    /// A question for the place of a mark of `role` at a step of `line`.
+    pub const fn place(id: &'static str, text: &'static str, line: Name, role: Role) -> Self {
+        Self { id, text, asked: Asked::Place { line, role } }
+    }
+
+    /// A question with several answers.
+    pub const fn choice(id: &'static str, text: &'static str, cases: &'static [Case]) -> Self {
+        Self { id, text, asked: Asked::Choice(cases) }
+    }
+
+    /// A question for a number.
+    pub const fn number(id: &'static str, text: &'static str, reading: Reading) -> Self {
+        Self { id, text, asked: Asked::Number(reading) }
+    }
+
+    /// The answers to choose from, in the order of their declaration; empty if a place or a number is asked for.
+    pub fn choices(&self) -> Vec<&'static str> {
+        let Asked::Choice(cases) = self.asked else { return Vec::new() };
+        let mut choices = Vec::new();
+        for case in cases {
+            if !choices.contains(&case.answer) {
+                choices.push(case.answer);
+            }
+        }
+        choices
+    }
+
+    /// The answer that `after` gives; `None` if it does not answer the question, or if `before` gives the answer away.
+    pub fn answer(&self, before: Shown<'_>, after: Shown<'_>) -> Option<Answer> {
+        match &self.asked {
+            Asked::Place { line, role } if *line == after.step.line => place(*role, before.scene, after.scene),
+            Asked::Place { .. } => None,
+            Asked::Choice(cases) => {
+                let case = cases.iter().find(|case| case.holds(after.step))?;
+                self.choices().iter().position(|answer| *answer == case.answer).map(Answer::Choice)
+            }
+            Asked::Number(reading) if reading.line == after.step.line => {
+                let (value, shown) = reading.number(&after.step.sentence.plain())?;
+                Some(Answer::Number { value, shown })
+            }
+            Asked::Number(_) => None,
+        }
+    }
+}
+
+/// The first of `questions` that `after` answers, with the answer.
+pub fn asked<'q>(questions: &'q [Question], before: Shown<'_>, after: Shown<'_>) -> Option<(&'q Question, Answer)> {
+    questions.iter().find_map(|question| Some((question, question.answer(before, after)?)))
+}
+
+/// The places of the last picture with marks of `role` in `after`, unless `before` shows one of them already.
+fn place(role: Role, before: &Scene, after: &Scene) -> Option<Answer> {
+    let on = after.marks.iter().rev().find(|mark| mark.role == role && !middles(&mark.shape).is_empty())?.on;
+    let at: Vec<_> = marked(after, |of| of == role, on).collect();
+    let gives_away = |of| {
+        matches!(of, Role::Best | Role::Candidate | Role::Predicted | Role::Estimate | Role::Measured) || of == role
+    };
+    let is_shown = |place: &[f32; 2]| {
+        marked(before, gives_away, on).any(|shown| (shown[0] - place[0]).hypot(shown[1] - place[1]) < GIVEN_AWAY_PX)
+    };
+    if at.iter().any(is_shown) {
+        return None;
+    }
+    let mut references = after.marks.iter().filter(|mark| mark.role == Role::Reference);
+    let from = references.find_map(|mark| middles(&mark.shape).first().copied());
+    Some(Answer::Place { on, at, from })
+}
+
+/// The middles of the marks on a picture with a role of which `is_meant` holds.
+fn marked(scene: &Scene, is_meant: impl Fn(Role) -> bool, on: Picture) -> impl Iterator<Item = [f32; 2]> {
+    let marks = scene.marks.iter().filter(move |mark| is_meant(mark.role) && mark.on.is_aligned_with(on));
+    marks.flat_map(|mark| middles(&mark.shape))
+}
+
+/// The middles of what a shape shows; empty for words and for shapes of whole pictures.
+fn middles(shape: &Shape) -> Vec<[f32; 2]> {
+    let mean = |points: &[[f32; 2]]| {
+        let sum = points.iter().fold([0.0; 2], |sum, point| [sum[0] + point[0], sum[1] + point[1]]);
+        sum.map(|sum| sum / points.len() as f32)
+    };
+    match shape {
+        Shape::Rect { min, max } => vec![mean(&[*min, *max])],
+        Shape::Ellipse { center, .. } => vec![*center],
+        Shape::Points(points) => points.clone(),
+        Shape::Path { points, closed: true } if !points.is_empty() => vec![mean(points)],
+        Shape::Arrows(_)
+        | Shape::Path { .. }
+        | Shape::Text { .. }
+        | Shape::Heat { .. }
+        | Shape::Flow { .. }
+        | Shape::Mask(_)
+        | Shape::Labels(_) => Vec::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Sentence;
+    use super::*;
+
+    crate::pseudocode! {
+        TEST: "test a candidate",
+        KEEP: "keep the best",
+    }
+
+    const QUESTION: Question = Question::choice(
+        "lower",
+        "Is it lower?",
+        &[
+            Case::says(line::TEST, "is below", "Yes"),
+            Case::says(line::TEST, "exceeds", "No"),
+            Case::at(line::KEEP, "Yes"),
+        ],
+    );
+
+    fn step(line: Name, said: &str) -> Step {
+        Step { line, sentence: Sentence::default().text(said), readouts: Vec::new() }
+    }
+
+    fn answer(question: &Question, line: Name, said: &str) -> Option<Answer> {
+        let (before, after, scene) = (step(line::TEST, ""), step(line, said), Scene::default());
+        question.answer(Shown { step: &before, scene: &scene }, Shown { step: &after, scene: &scene })
+    }
+
+    #[test]
+    fn the_first_case_that_holds_is_the_answer() {
+        assert_eq!(line::ALL.len(), 2);
+        assert_eq!(QUESTION.choices(), ["Yes", "No"]);
+        assert_eq!(answer(&QUESTION, line::TEST, "12 is below 13"), Some(Answer::Choice(0)));
+        assert_eq!(answer(&QUESTION, line::TEST, "14 exceeds 13"), Some(Answer::Choice(1)));
+        assert_eq!(answer(&QUESTION, line::KEEP, "whatever"), Some(Answer::Choice(0)));
+        assert_eq!(answer(&QUESTION, line::TEST, "the first"), None, "no case");
+    }
+
+    #[test]
+    fn a_number_is_read_between_its_words() {
+        let reading = Reading { line: line::TEST, after: "covers ", before: " %", unit: "%" };
+        let number = |said: &str| reading.number(said).map(|(value, _)| value);
+        assert_eq!(number("The update covers 93 % of the way."), Some(93.0));
+        assert_eq!(number("The update covers \u{2212}1\u{202f}234.5 % of it."), Some(-1234.5));
+        assert_eq!(number("The update covers nothing."), None);
+        let question = Question::number("share", "Which share?", Reading { after: "", ..reading });
+        let shown = Some(Answer::Number { value: 7.0, shown: "7".into() });
+        assert_eq!(answer(&question, line::TEST, "All in all 7 % remain."), shown);
+        assert_eq!(answer(&question, line::KEEP, "All in all 7 % remain."), None);
+    }
+
+    #[test]
+    fn a_place_is_asked_for_unless_it_is_shown_already() {
+        let question = Question::place("match", "Where?", line::KEEP, Role::Best);
+        let at = |role, x| {
+            let mut scene = Scene::default();
+            scene.mark(Picture::NEXT, role, Shape::pixels(x, 4, 3, 3));
+            scene
+        };
+        let steps = [step(line::TEST, ""), step(line::KEEP, "")];
+        let answer = |before: &Scene, after: &Scene| {
+            question.answer(Shown { step: &steps[0], scene: before }, Shown { step: &steps[1], scene: after })
+        };
+        let expected = Answer::Place { on: Picture::NEXT, at: vec![[8.0, 5.0]], from: None };
+        assert_eq!(answer(&at(Role::Best, 2), &at(Role::Best, 7)), Some(expected.clone()));
+        assert_eq!(answer(&at(Role::Window, 7), &at(Role::Best, 7)), Some(expected), "a window is no answer");
+        assert_eq!(answer(&at(Role::Best, 7), &at(Role::Best, 7)), None);
+        assert_eq!(answer(&at(Role::Candidate, 7), &at(Role::Best, 7)), None);
+        assert_eq!(answer(&at(Role::Best, 2), &Scene::default()), None);
+    }
+}

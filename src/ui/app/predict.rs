@@ -1,0 +1,61 @@
+//! Predict, then reveal: what commands, keys and clicks do while a question is open.
+
+use motionscope_core::Move;
+use motionscope_core::scene::Focus;
+
+use crate::ui::app::commands::{Command, Menu};
+use crate::ui::app::window::App;
+
+impl App {
+    /// Puts an open question between the run and the window.
+    pub(super) fn hold_back(&mut self) {
+        if self.predict.pass(&mut self.view) {
+            self.player.pause();
+            self.walker.focus(None);
+        }
+    }
+
+    /// Turns the questions on or off.
+    pub(super) fn toggle_predict(&mut self) {
+        self.predict.turn(!self.predict.is_on());
+        if self.predict.is_on() {
+            self.toasts.hint("→ asks before it shows the next result. Number keys count hands, clicks are guesses.");
+        }
+    }
+
+    /// Reveals or takes back the open question instead of `command`, where that moves through the run; returns whether the command is
+    /// done with.
+    pub(super) fn answers(&mut self, command: Command) -> bool {
+        use Command as C;
+        if self.predict.open().is_none() {
+            let is_forward = matches!(command, C::Into | C::Over | C::Out | C::NextUnit | C::Play | C::NextMark);
+            if is_forward || command == C::NextAlike {
+                self.predict.expect();
+            }
+            return false;
+        }
+        match command {
+            C::Into | C::Over | C::Out | C::NextUnit | C::Play | C::NextMark | C::NextAlike | C::End => {
+                self.predict.reveal();
+                true
+            }
+            C::NextPage | C::PreviousPage | C::Stop | C::Slower | C::Faster | C::Compare => false,
+            _ if command.info().menu == Menu::Walk => {
+                if let Some(cursor) = self.predict.withdraw() {
+                    self.walker.go(Move::To(cursor));
+                }
+                true
+            }
+            _ => false,
+        }
+    }
+
+    /// Takes a click on the picture as a guess, while a place is asked for; returns whether a question is open.
+    pub(super) fn guesses_at(&mut self, focus: Focus) -> bool {
+        let is_open = self.predict.open().is_some();
+        if is_open && !self.predict.point(focus) {
+            self.toasts.hint("A click is a guess where a place is asked for. → reveals the result.");
+        }
+        is_open
+    }
+}

@@ -1,0 +1,215 @@
+//! Predict, then reveal: the next result is held back from the window until the class has answered a question about it.
+//!
+//! The walker has made the step already. [`Predict::pass`] stands between its view and the window: what the window shows while
+//! a question is open is the step before it, with what the question takes for granted of the step after it.
+
+mod answers;
+mod score;
+
+use std::sync::Arc;
+
+use motionscope_core::scene::{Answer, Asked, Question, Shown, asked};
+
+pub use answers::{Guesses, QUADRANTS, Verdict};
+pub use score::Score;
+
+use super::snapshot::Snapshot;
+use super::walker::View;
+
+/// A question that is open, or that was just answered.
+#[derive(Clone)]
+pub struct Open {
+    /// The question.
+    pub question: &'static Question,
+    /// What was guessed.
+    pub guesses: Guesses,
+    answer: Answer,
+    before: Arc<Snapshot>,
+    after: Arc<Snapshot>,
+    /// What the window shows.
+    seen: Arc<Snapshot>,
+    is_revealed: bool,
+}
+
+/// Whether results are held back, the question that is open, and what the class has scored.
+#[derive(Default)]
+pub struct Predict {
+    is_on: bool,
+    /// Whether a page of a lesson has turned it on.
+    is_of_page: bool,
+    /// A step forward was asked for, and is asked about if it answers a question.
+    is_due: bool,
+    last: Option<Arc<Snapshot>>,
+    open: Option<Open>,
+    scores: Vec<Score>,
+}
+
+impl Open {
+    fn new(question: &'static Question, answer: Answer, before: Arc<Snapshot>, after: Arc<Snapshot>) -> Self {
+        let guesses = Guesses::of(question, &answer);
+        let seen = Arc::clone(&before);
+        let mut open = Self { question, guesses, answer, before, after, seen, is_revealed: false };
+        open.look_again();
+        open
+    }
+
+    /// Makes anew what the window shows.
+    fn look_again(&mut self) {
+        let Self { question, answer, guesses, before, after, is_revealed, .. } = self;
+        self.seen = Arc::new(match is_revealed {
+            true => answers::revealed(after, answer, guesses),
+            false => answers::hidden((before, after), question, guesses),
+        });
+    }
+
+    /// Returns how the guesses compare with the answer; `None` until it is revealed.
+    pub fn verdict(&self) -> Option<Verdict> {
+        self.is_revealed.then(|| self.guesses.verdict(self.question, &self.answer))
+    }
+}
+
+impl Predict {
+    /// Whether steps are asked about.
+    pub fn is_on(&self) -> bool {
+        self.is_on
+    }
+
+    /// The question that waits for its answer.
+    pub fn open(&self) -> Option<&Open> {
+        self.open.as_ref().filter(|open| !open.is_revealed)
+    }
+
+    /// The question that is open, or that was answered by the step shown.
+    pub fn last(&self) -> Option<&Open> {
+        self.open.as_ref()
+    }
+
+    /// The questions that were answered, in their order.
+    pub fn scores(&self) -> &[Score] {
+        &self.scores
+    }
+
+    /// Turns the questions on or off; an open one is revealed without a score.
+    pub fn turn(&mut self, on: bool) {
+        *self = Self { is_on: on, scores: std::mem::take(&mut self.scores), ..Self::default() };
+    }
+
+    /// Turns the questions on or off as a page of a lesson has it; what a person has turned on stays on.
+    pub fn turn_for_page(&mut self, asks: bool) {
+        // Where a page begins is no step to ask about.
+        (self.is_due, self.last, self.open) = (false, None, None);
+        if asks != self.is_on && (asks || self.is_of_page) {
+            self.turn(asks);
+            self.is_of_page = asks;
+        }
+    }
+
+    /// Notes that a step forward was asked for.
+    pub fn expect(&mut self) {
+        self.is_due = self.is_on;
+    }
+
+    /// Puts a question between what the walker shows and the window, if there is one; returns whether it was opened now.
+    pub fn pass(&mut self, view: &mut View) -> bool {
+        let Some(now) = view.shown.clone().filter(|_| self.is_on) else {
+            (self.open, self.last) = (None, None);
+            return false;
+        };
+        if let Some(open) = &mut self.open {
+            if is_same_step(&open.after, &now) {
+                if !Arc::ptr_eq(&open.after, &now) {
+                    open.after = now;
+                    open.look_again();
+                }
+                view.shown = Some(Arc::clone(&open.seen));
+                return false;
+            }
+            self.last = Some(Arc::clone(if open.is_revealed { &open.after } else { &open.before }));
+            self.open = None;
+        }
+        let before = self.last.clone().filter(|last| Arc::ptr_eq(&last.subject, &now.subject) && now.tiles.is_empty());
+        let Some(before) = before.filter(|_| self.is_due) else {
+            self.last = Some(now);
+            return false;
+        };
+        if view.busy {
+            // Nothing is seen of a move on its way, or it would show what is asked.
+            view.shown = Some(before);
+            return false;
+        }
+        self.is_due = false;
+        let is_forward = (before.cursor.unit, before.cursor.event) < (now.cursor.unit, now.cursor.event);
+        let opened = is_forward.then(|| question_between(&before, &now)).flatten();
+        self.last = Some(Arc::clone(&now));
+        let Some((question, answer)) = opened else { return false };
+        let open = Open::new(question, answer, before, now);
+        view.shown = Some(Arc::clone(&open.seen));
+        self.open = Some(open);
+        true
+    }
+
+    /// Adds one to the hands for the answer of this index, or takes one away; returns whether there is such an answer.
+    pub fn vote(&mut self, index: usize, adds: bool) -> bool {
+        self.guess(|guesses| guesses.vote(index, adds))
+    }
+
+    /// Adds a place that was clicked.
+    pub fn point(&mut self, focus: motionscope_core::scene::Focus) -> bool {
+        self.guess(|guesses| guesses.point(focus))
+    }
+
+    /// Adds a number that was typed.
+    pub fn number(&mut self, number: f64) -> bool {
+        self.guess(|guesses| guesses.number(number))
+    }
+
+    fn guess(&mut self, guess: impl FnOnce(&mut Guesses) -> bool) -> bool {
+        let Some(open) = self.open.as_mut().filter(|open| !open.is_revealed) else { return false };
+        let is_taken = guess(&mut open.guesses);
+        if is_taken {
+            open.look_again();
+        }
+        is_taken
+    }
+
+    /// Shows the result, and scores the guesses if there are any.
+    pub fn reveal(&mut self) {
+        let Some(open) = self.open.as_mut().filter(|open| !open.is_revealed) else { return };
+        open.is_revealed = true;
+        open.look_again();
+        if !open.guesses.is_empty() {
+            let verdict = open.guesses.verdict(open.question, &open.answer);
+            self.scores.push(Score::new(&open.after, open.question, verdict));
+        }
+    }
+
+    /// Closes the question without its answer; returns the step that the run is to go back to.
+    pub fn withdraw(&mut self) -> Option<motionscope_core::Cursor> {
+        let open = self.open.take_if(|open| !open.is_revealed)?;
+        let cursor = open.before.cursor;
+        self.last = Some(open.before);
+        Some(cursor)
+    }
+}
+
+/// Whether both show the same step of the same run.
+fn is_same_step(a: &Snapshot, b: &Snapshot) -> bool {
+    Arc::ptr_eq(&a.subject, &b.subject) && a.cursor == b.cursor
+}
+
+/// Returns the question that the step of `after` answers.
+fn question_between(before: &Snapshot, after: &Snapshot) -> Option<(&'static Question, Answer)> {
+    let questions = after.subject.experiment.estimator.questions();
+    let [before, after] = [before, after].map(|of| Shown { step: &of.step, scene: &of.scene });
+    asked(questions, before, after)
+}
+
+/// Whether a question is answered by a click on the picture.
+pub fn asks_for_place(question: &Question) -> bool {
+    matches!(question.asked, Asked::Place { .. })
+}
+
+/// Whether a question is answered by a number.
+pub fn asks_for_number(question: &Question) -> bool {
+    matches!(question.asked, Asked::Number(_))
+}

@@ -1,0 +1,132 @@
+//! The bar of a question: its text, the answers with the hands for each, and the way to the result.
+
+use eframe::egui::{self, Align, Button, Layout, RichText, TextEdit, TextStyle, Ui, WidgetInfo, vec2};
+use lucide_icons::Icon;
+
+use crate::paint::Theme;
+use crate::ui::app::action::{Action, Actions};
+use crate::ui::app::commands::Command;
+use crate::ui::drawing::style;
+use crate::ui::model::predict::{Open, Predict, QUADRANTS, asks_for_number, asks_for_place};
+use crate::ui::parts::widgets;
+
+/// What was typed for a number.
+#[derive(Clone, Debug, Default)]
+pub struct State {
+    typed: String,
+}
+
+/// Draws the bar into the whole width of `ui`. It is as high without a question as with one, so that the stage stays where it is.
+pub fn show(ui: &mut Ui, predict: &Predict, theme: Theme, state: &mut State, actions: &mut Actions) {
+    let size = TextStyle::Body.resolve(ui.style()).size;
+    ui.spacing_mut().item_spacing = vec2(8.0, 4.0);
+    ui.set_min_height(2.0 * ui.spacing().interact_size.y + 4.0);
+    ui.horizontal(|ui| {
+        let accent = style::color(theme.chrome().accent);
+        ui.label(widgets::icon(ui, Icon::CircleQuestionMark).color(accent));
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            tally(ui, predict, theme);
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                let text = RichText::new(title(predict)).size(size).family(style::bold());
+                ui.add(egui::Label::new(text).truncate());
+            });
+        });
+    });
+    ui.horizontal(|ui| match (predict.open(), predict.last()) {
+        (Some(open), _) => {
+            ways(ui, open, state, actions);
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| reveal(ui, theme, actions));
+        }
+        (None, Some(answered)) => outcome(ui, answered, theme),
+        (None, None) => {
+            let dim = style::color(theme.chrome().dim);
+            ui.label(RichText::new("→ asks before it shows a result that can be predicted.").color(dim));
+        }
+    });
+}
+
+/// The question, or what is asked for when there is none.
+fn title(predict: &Predict) -> String {
+    predict.last().map_or_else(|| "Predict, then reveal".to_owned(), |open| open.question.text.to_owned())
+}
+
+/// How many questions the class has answered well, where hands were raised.
+fn tally(ui: &mut Ui, predict: &Predict, theme: Theme) {
+    let rated: Vec<bool> = predict.scores().iter().filter_map(|score| score.is_right()).collect();
+    if !rated.is_empty() {
+        let right = rated.iter().filter(|right| **right).count();
+        let text = format!("Class right in {right} of {}", rated.len());
+        ui.label(RichText::new(text).color(style::color(theme.chrome().dim)));
+    }
+}
+
+/// The ways to answer.
+fn ways(ui: &mut Ui, open: &Open, state: &mut State, actions: &mut Actions) {
+    if asks_for_place(open.question) {
+        let clicked = match open.guesses.places.len() {
+            0 => "Click the place on the picture.".to_owned(),
+            1 => "1 guess.".to_owned(),
+            guesses => format!("{guesses} guesses."),
+        };
+        ui.label(clicked);
+        hands(ui, &QUADRANTS, &open.guesses.hands, actions);
+    } else if asks_for_number(open.question) {
+        number(ui, open, state, actions);
+    } else {
+        hands(ui, &open.question.choices(), &open.guesses.hands, actions);
+    }
+}
+
+/// A button for each answer, with its key and the hands for it.
+fn hands(ui: &mut Ui, answers: &[&str], hands: &[usize], actions: &mut Actions) {
+    for (index, (answer, hands)) in answers.iter().zip(hands).enumerate() {
+        let key = index + 1;
+        let counted = if *hands > 0 { format!("{key}  {answer} · {hands}") } else { format!("{key}  {answer}") };
+        let response = ui.add(Button::new(counted));
+        response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, format!("{answer}: {hands}")));
+        let tip = format!("Count a hand for this answer. Key {key}; with Shift, or by a right click, take one away.");
+        let response = response.on_hover_text(tip);
+        if response.clicked() {
+            actions.ask(Action::Vote(index, true));
+        } else if response.secondary_clicked() {
+            actions.ask(Action::Vote(index, false));
+        }
+    }
+}
+
+/// A field for a number, and those that were typed.
+fn number(ui: &mut Ui, open: &Open, state: &mut State, actions: &mut Actions) {
+    let size = TextStyle::Body.resolve(ui.style()).size;
+    let field = ui.add(TextEdit::singleline(&mut state.typed).desired_width(6.0 * size).hint_text("number"));
+    field.widget_info(|| WidgetInfo::labeled(egui::Role::TextInput, true, "A guess"));
+    let is_entered = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
+    let parsed = state.typed.trim().replace(',', ".").replace('\u{2212}', "-").parse::<f64>();
+    let is_clicked = ui.add_enabled(parsed.is_ok(), Button::new("Add guess")).clicked();
+    if let Ok(number) = parsed
+        && (is_clicked || is_entered)
+    {
+        actions.ask(Action::Guess(number));
+        state.typed.clear();
+    }
+    let typed: Vec<String> = open.guesses.numbers.iter().map(f64::to_string).collect();
+    ui.label(typed.join("   "));
+}
+
+fn reveal(ui: &mut Ui, theme: Theme, actions: &mut Actions) {
+    let chrome = theme.chrome();
+    let text = RichText::new("Reveal").color(style::color(chrome.on_accent)).family(style::bold());
+    let button = ui.add(Button::new(text).fill(style::color(chrome.accent)));
+    if button
+        .on_hover_text("Show the result. Enter, → and the clicker do the same; ← takes the question back.")
+        .clicked()
+    {
+        actions.command(Command::Into);
+    }
+}
+
+/// The answer, and how the guesses compare with it.
+fn outcome(ui: &mut Ui, open: &Open, theme: Theme) {
+    let Some(verdict) = open.verdict() else { return };
+    let accent = style::color(theme.chrome().accent);
+    ui.label(RichText::new(verdict.text()).color(accent).family(style::bold()));
+}
