@@ -39,7 +39,7 @@ impl App {
                 self.predict.reveal();
                 true
             }
-            C::NextPage | C::PreviousPage | C::Stop | C::Slower | C::Faster | C::Compare => false,
+            C::Predict | C::NextPage | C::PreviousPage | C::Stop | C::Slower | C::Faster | C::Compare => false,
             _ if command.info().menu == Menu::Walk => {
                 if let Some(cursor) = self.predict.withdraw() {
                     self.walker.go(Move::To(cursor));

@@ -316,6 +316,9 @@ impl App {
         if !self.view.busy
             && let Some(to) = self.player.due((shown.cursor, shown.events), granularities)
         {
+            if self.player.plays(Direction::Forward) {
+                self.predict.expect();
+            }
             self.walker.go(to);
         }
         // The walker wakes the window when it is done.

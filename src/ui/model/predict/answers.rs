@@ -175,7 +175,7 @@ pub(super) fn hidden(
             !matches!((question.asked, role), (Asked::Place { .. }, Role::Best | Role::Candidate | Role::Rejected))
         }
     };
-    let old = before.scene.marks.iter().filter(|mark| stays(mark.role));
+    let old = before.scene.marks.iter().filter(|mark| stays(mark.role) || is_same_frame && mark.shape.is_layer());
     let new = after.scene.marks.iter().filter(|mark| is_given(question, mark.role) && !mark.shape.is_layer());
     let mut scene = Scene { marks: old.chain(new).cloned().collect(), ..after.scene.as_ref().clone() };
     scene.links.clear();
