@@ -18,9 +18,6 @@ impl App {
     /// Turns the questions on or off.
     pub(super) fn toggle_predict(&mut self) {
         self.predict.turn(!self.predict.is_on());
-        if self.predict.is_on() {
-            self.toasts.hint("→ asks before it shows the next result. Number keys count hands, clicks are guesses.");
-        }
     }
 
     /// Reveals or takes back the open question instead of `command`, where that moves through the run; returns whether the command is

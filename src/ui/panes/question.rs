@@ -34,13 +34,13 @@ pub fn show(ui: &mut Ui, predict: &Predict, theme: Theme, state: &mut State, act
     });
     ui.horizontal(|ui| match (predict.open(), predict.last()) {
         (Some(open), _) => {
-            ways(ui, open, state, actions);
+            ways(ui, open, (theme, state), actions);
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| reveal(ui, theme, actions));
         }
         (None, Some(answered)) => outcome(ui, answered, theme),
         (None, None) => {
             let dim = style::color(theme.chrome().dim);
-            ui.label(RichText::new("→ asks before it shows a result that can be predicted.").color(dim));
+            ui.label(RichText::new("→ asks before it shows the next result. Number keys count hands, a click on the picture is a guess.").color(dim));
         }
     });
 }
@@ -61,7 +61,7 @@ fn tally(ui: &mut Ui, predict: &Predict, theme: Theme) {
 }
 
 /// The ways to answer.
-fn ways(ui: &mut Ui, open: &Open, state: &mut State, actions: &mut Actions) {
+fn ways(ui: &mut Ui, open: &Open, (theme, state): (Theme, &mut State), actions: &mut Actions) {
     if asks_for_place(open.question) {
         let clicked = match open.guesses.places.len() {
             0 => "Click the place on the picture.".to_owned(),
@@ -69,20 +69,22 @@ fn ways(ui: &mut Ui, open: &Open, state: &mut State, actions: &mut Actions) {
             guesses => format!("{guesses} guesses."),
         };
         ui.label(clicked);
-        hands(ui, &QUADRANTS, &open.guesses.hands, actions);
+        hands(ui, &QUADRANTS, open, (theme, actions));
     } else if asks_for_number(open.question) {
         number(ui, open, state, actions);
     } else {
-        hands(ui, &open.question.choices(), &open.guesses.hands, actions);
+        hands(ui, &open.question.choices(), open, (theme, actions));
     }
 }
 
 /// A button for each answer, with its key and the hands for it.
-fn hands(ui: &mut Ui, answers: &[&str], hands: &[usize], actions: &mut Actions) {
-    for (index, (answer, hands)) in answers.iter().zip(hands).enumerate() {
+fn hands(ui: &mut Ui, answers: &[&str], open: &Open, (theme, actions): (Theme, &mut Actions)) {
+    let chrome = theme.chrome();
+    let line = egui::Stroke::new(1.0, style::color(chrome.line));
+    for (index, (answer, hands)) in answers.iter().zip(&open.guesses.hands).enumerate() {
         let key = index + 1;
         let counted = if *hands > 0 { format!("{key}  {answer} · {hands}") } else { format!("{key}  {answer}") };
-        let response = ui.add(Button::new(counted));
+        let response = ui.add(Button::new(counted).fill(style::color(chrome.background)).stroke(line));
         response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, format!("{answer}: {hands}")));
         let tip = format!("Count a hand for this answer. Key {key}; with Shift, or by a right click, take one away.");
         let response = response.on_hover_text(tip);

@@ -170,25 +170,26 @@ pub(super) fn hidden(
 ) -> Snapshot {
     let is_same_frame = before.frame == after.frame;
     // Of another frame the old results tell nothing; a place must not be given away by an old one either.
-    let stays = |role: Role| {
-        is_same_frame && !is_given(question, role) && {
-            !matches!((question.asked, role), (Asked::Place { .. }, Role::Best | Role::Candidate | Role::Rejected))
-        }
-    };
-    let old = before.scene.marks.iter().filter(|mark| stays(mark.role) || is_same_frame && mark.shape.is_layer());
+    let is_place = matches!(question.asked, Asked::Place { .. });
+    let gives_away = |role: Role| is_place && matches!(role, Role::Best | Role::Candidate | Role::Rejected);
+    let stays = |role: Role| !is_given(question, role) && !gives_away(role);
+    let old = before.scene.marks.iter().filter(|_| is_same_frame);
+    let old = old.filter(|mark| if mark.shape.is_layer() { !is_place } else { stays(mark.role) });
     let new = after.scene.marks.iter().filter(|mark| is_given(question, mark.role) && !mark.shape.is_layer());
     let mut scene = Scene { marks: old.chain(new).cloned().collect(), ..after.scene.as_ref().clone() };
     scene.links.clear();
     scene.layers.clear();
     scene.legend.retain(|(role, _)| scene.marks.iter().any(|mark| mark.role == *role));
-    if !is_same_frame || before.scene.pictures.len() != after.scene.pictures.len() {
-        scene.pictures.clone_from(&before.scene.pictures);
-    }
+    // Pictures that the step computes, such as a response, are those of the step before.
+    scene.pictures.clone_from(&before.scene.pictures);
     mark(&mut scene, guesses);
     let mut pictures = before.pictures.clone();
     pictures.pair.clone_from(&after.pictures.pair);
     pictures.names.clone_from(&after.pictures.names);
     let frame = after.frame;
+    // The marks of the timeline would tell where the run finds something.
+    let is_past = |(event, _): &&(usize, Role)| *event <= before.cursor.event;
+    let landmarks = before.landmarks.iter().filter(is_past).copied().collect();
     Snapshot {
         moment: Moment { scene: Arc::new(scene), pictures, frame, ..before.moment.clone() },
         ..before.as_ref().clone()
