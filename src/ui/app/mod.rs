@@ -4,8 +4,10 @@ pub mod action;
 mod acts;
 pub mod commands;
 mod files;
+mod find;
 pub mod keys;
 mod lessons;
+mod start;
 mod window;
 
 pub use window::{App, Region};

@@ -8,6 +8,7 @@ pub mod granularities;
 pub mod layout;
 pub mod lesson;
 pub mod parameters;
+pub mod start;
 pub mod status;
 pub mod timeline;
 pub mod topbar;
