@@ -531,6 +531,11 @@ impl App {
         }
     }
 
+    /// Whether something lies over the panes.
+    pub(super) fn is_covered(&self) -> bool {
+        !matches!(self.overlay, Overlay::None)
+    }
+
     /// Where a region lies, if it is there.
     fn region(&self, of: Region) -> Option<egui::Rect> {
         self.regions.iter().find(|(region, _)| *region == of).map(|(_, rect)| *rect)
@@ -561,7 +566,7 @@ impl eframe::App for App {
         self.follow_lesson();
         self.play(&ctx);
         self.measure(&ctx);
-        let overlaid = !matches!(self.overlay, Overlay::None);
+        let overlaid = self.is_covered();
         keys::take(&ctx, overlaid, &self.now(), &mut actions);
         ui.painter().rect_filled(ui.max_rect(), 0.0, ui.visuals().panel_fill);
         match self.start {
