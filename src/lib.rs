@@ -5,6 +5,7 @@ pub mod experiment;
 pub mod media;
 pub mod paint;
 pub mod results;
+pub mod search;
 pub mod session;
 pub mod ui;
 pub mod view;

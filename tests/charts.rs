@@ -34,6 +34,9 @@ impl Window {
         let mut window = Self(builder.build_eframe(move |cc| {
             let mut app = App::new(&cc.egui_ctx, None).expect("a thread");
             ui::begin(&mut app, start);
+            if app.is_at_start() {
+                app.leave_start();
+            }
             app
         }));
         window.settle();

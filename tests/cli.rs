@@ -996,7 +996,7 @@ fn glossary_answers_scripts_and_slips() {
 #[test]
 fn help_has_examples() {
     let folder = tempfile::tempdir().unwrap();
-    for command in ["", "list", "glossary", "info", "synth", "run", "compare", "export"] {
+    for command in ["", "list", "glossary", "search", "info", "synth", "run", "compare", "export"] {
         assert!(stdout(folder.path(), &format!("{command} --help")).contains("Examples:"));
     }
 }
@@ -1262,4 +1262,24 @@ fn a_pane_that_is_not_there_is_reported_in_one_sentence() {
         assert!(told.contains(words), "{line}: {told}");
     }
     assert!(fs::read_dir(folder.path()).unwrap().next().is_none(), "nothing was written");
+}
+
+#[test]
+fn words_are_searched_in_all_texts() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let text = stdout(here, "search kalman gain");
+    assert!(text.contains("Glossary") && text.contains("motionscope glossary Kalman gain"), "{text}");
+    let all = json(here, "search misprint --json");
+    let hits = all.as_array().expect("an array");
+    for hit in hits {
+        for key in ["kind", "title", "place", "excerpt", "arguments"] {
+            assert!(hit[key].as_str().is_some_and(|text| !text.is_empty()), "{key} of {hit}");
+        }
+    }
+    let page = hits.iter().find(|hit| hit["kind"] == "page").expect("a page of a lesson");
+    let lesson = stdout(here, &format!("lessons {}", page["arguments"].as_str().unwrap()));
+    assert!(lesson.contains(page["title"].as_str().unwrap()));
+    assert!(refusal(here, "search xyzzy").contains("nothing has all words of xyzzy"));
+    assert_eq!(stdout(here, "search xyzzy --json").trim(), "[]");
 }

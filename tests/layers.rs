@@ -9,7 +9,7 @@ use imports::{Imports, Layers};
 
 /// The folders and files of `src` from the ground up.
 const LAYERS: &Layers =
-    &[&["media"], &["paint"], &["experiment"], &["view"], &["results"], &["session"], &["ui"], &["cli"]];
+    &[&["media"], &["paint"], &["experiment"], &["view"], &["results"], &["session"], &["search"], &["ui"], &["cli"]];
 
 /// Those whose files take nothing from each other in a circle.
 const WITHOUT_CIRCLES: &Layers = &[&["cli", "results", "session"]];

@@ -101,6 +101,9 @@ fn picture(scene: &Scene, renderer: WgpuTestRenderer) -> RgbImage {
     let mut harness = builder.renderer(renderer).build_eframe(|cc| {
         let mut app = App::new(&cc.egui_ctx, None).expect("a thread");
         ui::begin(&mut app, start);
+        if app.is_at_start() {
+            app.leave_start();
+        }
         app
     });
     settle(&mut harness);

@@ -20,7 +20,7 @@ use crate::view::rendering::Format;
 #[derive(Parser)]
 #[command(name = "motionscope", version, after_help = examples::ALL, args_conflicts_with_subcommands = true)]
 pub struct Args {
-    /// Clip or session to open in the window; a bundled clip by default.
+    /// Clip or session to open in the window; the start page by default.
     pub clip: Option<OsString>,
     /// Second picture: CLIP and it are the two frames of the clip.
     #[arg(value_name = "PICTURE")]
@@ -46,6 +46,16 @@ pub enum Command {
         /// Term to define; by default all terms are listed by chapter.
         #[arg(value_name = "TERM")]
         term: Vec<String>,
+        /// Print JSON.
+        #[arg(long)]
+        json: bool,
+    },
+    /// Search lessons, glossary, estimators, parameters, charts and examples for words.
+    #[command(after_help = examples::SEARCH)]
+    Search {
+        /// Words to find, or their beginnings; all of them must occur.
+        #[arg(value_name = "WORD", required = true)]
+        words: Vec<String>,
         /// Print JSON.
         #[arg(long)]
         json: bool,

@@ -3,7 +3,7 @@
 /// Of the command itself.
 pub const ALL: &str = "\
 Examples:
-  motionscope                                    open the window with a bundled clip
+  motionscope                                    open the window at its start page
   motionscope ball.mp4                           open the window with your clip
   motionscope frame10.png frame11.png            open the window with two pictures as a clip
   motionscope list                               list estimators and their parameters
@@ -30,6 +30,12 @@ Examples:
   motionscope glossary                           all terms, by chapter
   motionscope glossary structure tensor          one definition
   motionscope glossary NIS --json                as JSON: term, aliases, symbol, definition, chapter";
+
+/// Of `search`.
+pub const SEARCH: &str = "\
+Examples:
+  motionscope search aperture problem            pages, terms, estimators, examples with both words
+  motionscope search regularisation --json       as JSON: kind, title, place, excerpt, arguments that open it";
 
 /// Of `lessons`.
 pub const LESSONS: &str = "\

@@ -12,6 +12,7 @@ mod look;
 mod outputs;
 mod report;
 mod run;
+mod search;
 mod task;
 
 use std::ffi::OsString;
@@ -69,6 +70,7 @@ fn run(args: Args) -> Result<(), Error> {
             say(&if json { list::json(&all) } else { list::text(&all, !estimators.is_empty()) })
         }
         Some(Command::Glossary { term, json }) => say(&glossary(&term.join(" "), json)?),
+        Some(Command::Search { words, json }) => say(&search::found(&words.join(" "), json)?),
         Some(Command::Lessons { lesson, json }) => say(&lessons::listed(lesson.as_deref(), json)?),
         Some(Command::Info { clip, next, json, count, truth, stereo }) => {
             let clip = task::clip_name(clip, next)?;

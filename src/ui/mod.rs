@@ -11,14 +11,14 @@ pub mod stage;
 
 use std::ffi::OsString;
 
-use motionscope_core::{Error, synth};
+use motionscope_core::Error;
 
 use crate::experiment::first;
 
 /// What the window opens with.
 #[derive(Clone, Debug, Default)]
 pub struct Start {
-    /// A clip, a session or `synth:` and a scene; a bundled sample if there is none.
+    /// A clip, a session or `synth:` and a scene; the start page if there is none.
     pub open: Option<OsString>,
 }
 
@@ -45,10 +45,9 @@ pub fn run(start: Start) -> Result<(), Error> {
 
 /// Opens what the window is to show first.
 pub fn begin(app: &mut app::App, start: Start) {
-    match (start.open, synth::scene(first::SAMPLE)) {
-        (Some(name), _) => app.open(&name),
-        (None, Ok(sample)) => app.open_sample(sample),
-        (None, Err(_)) => {}
+    match start.open {
+        Some(name) => app.open(&name),
+        None => app.begin_fresh(),
     }
 }
 

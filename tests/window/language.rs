@@ -75,10 +75,11 @@ fn help_and_lists_speak_as_the_field_does() {
         &["synth", "--list"],
         &["glossary"],
         &["lessons"],
+        &["search", "gradient"],
     ] {
         lines.extend(printed(arguments).into_iter().map(|line| ("printed", line)));
     }
-    for command in ["list", "glossary", "lessons", "info", "synth", "run", "export", "compare"] {
+    for command in ["list", "glossary", "search", "lessons", "info", "synth", "run", "export", "compare"] {
         lines.extend(printed(&[command, "--help"]).into_iter().map(|line| ("help", line)));
     }
     let count = check(lines);
@@ -113,6 +114,8 @@ fn the_window_speaks_as_the_field_does() {
     }
     let dialogs = [
         Command::Open,
+        Command::StartPage,
+        Command::SearchText,
         Command::Samples,
         Command::Lessons,
         Command::ExportPicture,

@@ -189,3 +189,109 @@ fn the_view_of_a_page_stays_behind_in_another_lesson() {
     window.command(Command::CloseLesson);
     assert_ne!(window.app().settings().look.view, Some(View::Difference));
 }
+
+#[test]
+fn a_link_has_a_way_back_to_the_page_and_its_step() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("week.md");
+    let text = "# Week\n+++\ntitle = \"One\"\nclip = \"synth:pillar,width=96,height=64\"\nestimator = \"full-search\"\n\
+        step = \"2.3\"\nuntil = \"2.9\"\n+++\nSee [the lesson](lesson:sequential-search/2) and \
+        [an example](example:horn-schunck/filling-in).\n";
+    fs::write(&path, text).expect("a file");
+    let mut window = Window::with(vec2(1280.0, 720.0), Start { open: Some(path.into()) });
+    window.key(Key::ArrowRight);
+    let left = window.cursor();
+    window.click_role(Role::Link, "lesson:sequential-search/2");
+    assert_eq!(page(&window).0, 2);
+    window.press(Modifiers::ALT, Key::ArrowLeft);
+    assert_eq!((page(&window), window.cursor()), ((1, 1), left));
+    window.click_role(Role::Link, "example:horn-schunck/filling-in");
+    assert_eq!(window.shown().info.id, "horn-schunck");
+    window.click("Back to Week, page 1");
+    assert_eq!((window.shown().info.id, window.cursor()), ("full-search", left));
+    window.press(Modifiers::ALT, Key::ArrowLeft);
+    assert_eq!(page(&window), (1, 1), "there is nothing before the first page");
+}
+
+#[test]
+fn play_stops_at_the_last_step_of_a_page_and_plays_it_again() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut window = two_clips(folder.path(), 1);
+    let end = Cursor { unit: 1, event: 5 };
+    let played = |window: &mut Window| {
+        window.key(Key::Space);
+        for _ in 0..200 {
+            window.harness.state_mut().wait();
+            window.harness.run_steps(2);
+        }
+        window.settle();
+    };
+    played(&mut window);
+    assert_eq!((page(&window).0, window.cursor()), (1, end));
+    window.key(Key::ArrowLeft);
+    played(&mut window);
+    assert_eq!(window.cursor(), end);
+    played(&mut window);
+    assert_eq!(window.cursor(), end, "again from its first step to its last");
+    window.press(Modifiers::SHIFT, Key::ArrowRight);
+    let beyond = window.cursor();
+    assert_ne!(beyond, end, "larger steps go on");
+    played(&mut window);
+    let after = window.cursor();
+    assert!((after.unit, after.event) > (beyond.unit, beyond.event), "from there the run is played: {after}");
+}
+
+#[test]
+fn the_list_of_lessons_is_gone_through_with_arrows() {
+    let mut window = Window::new(vec2(1280.0, 720.0));
+    window.press(Modifiers::COMMAND, Key::L);
+    for key in [Key::ArrowDown, Key::ArrowDown, Key::ArrowUp, Key::Enter] {
+        window.key(key);
+    }
+    assert_eq!(page(&window), (1, all()[1].pages.len()));
+    window.press(Modifiers::COMMAND, Key::L);
+    window.key(Key::ArrowDown);
+    window.key(Key::Enter);
+    assert_eq!(page(&window), (1, all()[2].pages.len()), "it begins at the lesson that is open");
+}
+
+#[test]
+fn a_chart_beside_a_page_has_half_of_what_the_page_leaves() {
+    let mut window = opened("lesson:horn-schunck/3");
+    window.command(Command::ProjectorTheme);
+    let [chart, stage] = [Region::Chart, Region::Stage].map(|region| window.region(region));
+    assert!(chart.width() > 420.0 && stage.width() > 420.0, "{chart} {stage}");
+}
+
+/// Most milliseconds until a page is shown.
+const OPENS_MS: f64 = 300.0;
+
+/// Prints how long pages take from their names to their words, and to the steps that they show: `cargo test --test window -- pages_open --nocapture`.
+#[test]
+fn pages_open_before_one_waits() {
+    let mut window = opened("lesson:sequential-search");
+    let (mut times, mut words): (Vec<(f64, String)>, Vec<f64>) = (Vec::new(), Vec::new());
+    for lesson in all() {
+        for number in 1..=lesson.pages.len() {
+            let name = format!("lesson:{}/{number}", lesson.slug);
+            let begun = Instant::now();
+            let passed = || begun.elapsed().as_secs_f64() * 1000.0;
+            window.harness.state_mut().open(&name);
+            window.harness.run_steps(1);
+            words.push(passed());
+            window.harness.state_mut().wait();
+            window.harness.run_steps(1);
+            times.push((passed(), name));
+        }
+    }
+    times.sort_by(|a, b| a.0.total_cmp(&b.0));
+    words.sort_by(f64::total_cmp);
+    let (median, at_first) = (times[times.len() / 2].0, words[words.len() / 2]);
+    let slow: Vec<_> = times.iter().rev().take_while(|(ms, _)| *ms > OPENS_MS).collect();
+    let most = words.last().copied().unwrap_or_default();
+    println!("{} pages; words after {at_first:.0} ms, at most {most:.0} ms", times.len());
+    println!("step of the page after {median:.0} ms, on {} pages over {OPENS_MS} ms:", slow.len());
+    slow.iter().for_each(|(ms, name)| println!("{ms:6.0} ms  {name}"));
+    // A machine that is busy with other tests takes longer, but not for most pages.
+    assert!(median < OPENS_MS, "half of the pages take {median:.0} ms");
+}

@@ -25,6 +25,11 @@ const FEW: usize = 2;
 const NAMES: f32 = 13.0;
 /// The same where a name and its place share a line.
 const SHORT_NAMES: f32 = 18.0;
+/// Height of such a line, and of the scale of costs, in sizes of the type.
+const LINE: f32 = 1.7;
+const SCALE: f32 = 4.0;
+/// How much larger the plane is at least where its names stand below it.
+const BELOW: f32 = 1.15;
 
 /// What is shown.
 #[derive(Clone, Copy, Debug)]
@@ -83,10 +88,33 @@ pub struct Square {
     window: Window,
     /// Whether the names of the axes share the rows of what stands above and of the numbers below.
     is_tight: bool,
+    /// Whether the names of the points stand below the plane.
+    has_names_below: bool,
+}
+
+/// What is named around a plane.
+#[derive(Clone, Copy)]
+struct Named {
+    /// How many points.
+    points: usize,
+    /// Whether there is an ellipse, and a scale of costs.
+    has_ellipse: bool,
+    has_scale: bool,
+}
+
+impl Named {
+    fn of(plane: &Plane) -> Self {
+        Self { points: plane.points.len(), has_ellipse: plane.ellipse.is_some(), has_scale: plane.cost.is_some() }
+    }
+
+    /// Height of the names below the plane, a point a line, in sizes of their type.
+    fn letters_below(self) -> f32 {
+        LINE * (self.points + usize::from(self.has_ellipse)) as f32 + if self.has_scale { SCALE } else { 0.0 }
+    }
 }
 
 impl Square {
-    fn new(area: Rect, window: Window, (small, points): (f32, usize)) -> Self {
+    fn new(area: Rect, window: Window, (small, named): (f32, Named)) -> Self {
         // Room for the title, the numbers at the axes and the names of the points.
         let is_tight = super::is_tight(area, small);
         let beside = if is_tight { 1.7 } else { 3.2 } * small;
@@ -95,17 +123,21 @@ impl Square {
         let beside = |names: f32, least: f32| (room[0] - names * small).max(least * room[0]).min(room[1]).max(8.0);
         let side = beside(NAMES, 0.6);
         // Rather a smaller plane than displacements without their decimals.
-        let (names, side) = match is_short(points, side, small) {
+        let (names, side) = match is_short(named.points, side, small) {
             true => (SHORT_NAMES, beside(SHORT_NAMES, 0.45)),
             false => (NAMES, side),
         };
+        // Where the area is narrow, the plane is larger over its names.
+        let below = room[0].min(room[1] - named.letters_below() * small);
+        let has_names_below = !is_tight && below > BELOW * side;
+        let (names, side) = if has_names_below { (0.0, below) } else { (names, side) };
         let left = min[0] + ((room[0] - names * small - side) / 2.0).max(0.0);
         let rect = Rect::new([left.round(), min[1].round()], [side; 2]);
         let axis = |i: usize| {
             let values = [window.center[i] - window.reach, window.center[i] + window.reach];
             Axis::new(values, [rect.min[i], rect.max[i]])
         };
-        Self { rect, axes: [axis(0), axis(1)], window, is_tight }
+        Self { rect, axes: [axis(0), axis(1)], window, is_tight, has_names_below }
     }
 
     /// Where a displacement stands.
@@ -154,7 +186,7 @@ fn seen_from(line: &Constraint, [u, v]: [f32; 2]) -> Constraint {
 pub fn draw(data: Shown<'_>, area: Rect, style: ChartStyle) -> Drawing<Square> {
     let Shown { plane, window, .. } = data;
     let (theme, small) = (style.theme, style.small());
-    let square = Square::new(area, window.unwrap_or(Window::whole(plane)), (small, plane.points.len()));
+    let square = Square::new(area, window.unwrap_or(Window::whole(plane)), (small, Named::of(plane)));
     let mut canvas = Canvas::default();
     canvas.inside(square.rect, |canvas| costs(canvas, &square, plane, style));
     axes(&mut canvas, &square, (plane, window.is_some() || plane.center != [0.0; 2]), theme);
@@ -353,8 +385,10 @@ fn names(canvas: &mut Canvas, square: &Square, area: Rect, (plane, style): (&Pla
     let theme = style.theme;
     let (text, dim) = (Type::text(theme), Type::dim(theme));
     let small = text.size;
-    let mut at = [square.rect.max[0] + small, square.rect.min[1]];
-    let is_short = is_short(plane.points.len(), square.rect.size()[1], small);
+    let Rect { min: [left, top], max: [right, bottom] } = square.rect;
+    let is_below = square.has_names_below;
+    let mut at = if is_below { [left, bottom + 3.2 * small] } else { [right + small, top] };
+    let is_short = is_below || is_short(plane.points.len(), square.rect.size()[1], small);
     for (name, role, uv) in &plane.points {
         if square.displacement(square.at(*uv)).is_some() {
             canvas.extend(legend::point(*role, theme, square.at(*uv)));
@@ -367,7 +401,7 @@ fn names(canvas: &mut Canvas, square: &Square, area: Rect, (plane, style): (&Pla
         let end = canvas.text([left, y], place_at, &shortened(name, text, room), text).max[0];
         let (x, y) = if is_short { (end + 0.6 * small, y) } else { (left, y + 1.4 * small) };
         canvas.text([x, y], place_at, &place_within(*uv, (dim, area.max[0] - x), square.window.reach), dim);
-        at[1] += if is_short { 1.7 } else { 3.2 } * small;
+        at[1] += if is_short { LINE } else { 3.2 } * small;
     }
     if plane.ellipse.is_some() {
         let ([x, y], radii) = (at.map(|c| c + small / 2.0), [0.6 * small, 0.35 * small]);
@@ -375,9 +409,10 @@ fn names(canvas: &mut Canvas, square: &Square, area: Rect, (plane, style): (&Pla
         let left = at[0] + 1.8 * small;
         let words = shortened("one standard deviation", text, area.max[0] - left);
         canvas.text([left, y], (Anchor::Start, Level::Middle), &words, text);
-        at[1] += 1.7 * small;
+        at[1] += LINE * small;
     }
-    let below = Rect::new(at, [area.max[0] - at[0], square.rect.max[1] - at[1]]);
+    let end = if is_below { area.max[1] } else { bottom };
+    let below = Rect::new(at, [area.max[0] - at[0], end - at[1]]);
     scale(canvas, below, (plane, style));
 }
 
@@ -583,7 +618,7 @@ mod tests {
         let area = Rect::new([0.0; 2], [400.0, 300.0]);
         let at = [1.0, -0.25];
         let near = Window::whole(&plane).nearer(at, 8.0, &plane);
-        let squares = [Window::whole(&plane), near].map(|window| Square::new(area, window, (12.0, 2)));
+        let squares = [Window::whole(&plane), near].map(|window| Square::new(area, window, (12.0, Named::of(&plane))));
         let places = squares.map(|square| square.at(at));
         assert!((0..2).all(|i| (places[0][i] - places[1][i]).abs() < 1e-2), "{places:?}");
         assert_eq!(near.reach, 0.25);

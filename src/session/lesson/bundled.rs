@@ -4,33 +4,36 @@ use std::path::Path;
 use std::sync::OnceLock;
 
 use motionscope_core::Error;
+use motionscope_core::glossary::Chapter;
 
 use super::Lesson;
 
 macro_rules! lessons {
-    ($($file:literal),+ $(,)?) => {
+    ($($file:literal: $chapter:ident),+ $(,)?) => {
         /// Names and texts of the files in `assets/lessons`.
         const FILES: &[(&str, &str)] = &[$(($file, include_str!(concat!("../../../assets/lessons/", $file, ".md")))),+];
+        /// The chapter that each of them belongs to.
+        const CHAPTERS: &[(&str, Chapter)] = &[$(($file, Chapter::$chapter)),+];
     };
 }
 
 lessons! {
-    "01-dynamic-scene-analysis",
-    "02-sequential-search",
-    "03-logarithmic-search",
-    "04-hierarchical-search",
-    "05-gradient-constraint",
-    "06-lucas-kanade",
-    "07-horn-schunck",
-    "08-interest-points",
-    "09-correspondence",
-    "10-point-tracking",
-    "11-background-subtraction",
-    "12-kalman-filter",
-    "13-tracking-many-objects",
-    "14-model-based-tracking",
-    "15-motion-segmentation",
-    "16-stereo-and-scene-flow",
+    "01-dynamic-scene-analysis": DynamicScenes,
+    "02-sequential-search": MotionVectors,
+    "03-logarithmic-search": MotionVectors,
+    "04-hierarchical-search": MotionVectors,
+    "05-gradient-constraint": DifferentialMethods,
+    "06-lucas-kanade": DifferentialMethods,
+    "07-horn-schunck": DifferentialMethods,
+    "08-interest-points": InterestPoints,
+    "09-correspondence": InterestPoints,
+    "10-point-tracking": Trajectories,
+    "11-background-subtraction": MovingObjects,
+    "12-kalman-filter": KalmanFilters,
+    "13-tracking-many-objects": MultipleObjects,
+    "14-model-based-tracking": Trajectories,
+    "15-motion-segmentation": MovingObjects,
+    "16-stereo-and-scene-flow": DynamicScenes,
 }
 
 /// The bundled lessons, in the order of the course; each is read once.
@@ -40,6 +43,19 @@ pub fn all() -> &'static [Lesson] {
         let read = |(file, text): &(&str, &str)| Lesson::parse(slug(file), text, Path::new(".")).ok();
         FILES.iter().filter_map(read).collect()
     })
+}
+
+/// The bundled lessons by chapter, in the order in which the course comes to them.
+pub fn chapters() -> Vec<(Chapter, Vec<&'static Lesson>)> {
+    let mut chapters: Vec<(Chapter, Vec<&'static Lesson>)> = Vec::new();
+    for (file, chapter) in CHAPTERS {
+        let Some(lesson) = all().iter().find(|lesson| lesson.slug == slug(file)) else { continue };
+        match chapters.iter_mut().find(|(other, _)| other == chapter) {
+            Some((_, lessons)) => lessons.push(lesson),
+            None => chapters.push((*chapter, vec![lesson])),
+        }
+    }
+    chapters
 }
 
 /// The name of a file without its number.
@@ -76,6 +92,14 @@ mod tests {
             assert!(faults.is_empty(), "{file}: {}", faults.join("; "));
             assert!(!lesson.summary.is_empty() && lesson.pages.iter().all(|page| !page.title.is_empty()), "{file}");
         }
+    }
+
+    #[test]
+    fn every_lesson_belongs_to_one_chapter() {
+        let chapters = chapters();
+        let listed: usize = chapters.iter().map(|(_, lessons)| lessons.len()).sum();
+        assert_eq!(listed, all().len());
+        assert!(chapters.len() > 5 && chapters.iter().all(|(_, lessons)| lessons.len() <= 4));
     }
 
     #[test]

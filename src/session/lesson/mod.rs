@@ -35,7 +35,7 @@ use crate::media;
 use crate::paint::charts::prose::Prose;
 use crate::view::look::Look;
 
-pub use bundled::all;
+pub use bundled::{all, chapters};
 
 /// The prefix of the name of a bundled lesson.
 const LESSON: &str = "lesson:";

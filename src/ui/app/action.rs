@@ -9,6 +9,7 @@ use motionscope_core::synth::Sample;
 use motionscope_core::{Cursor, Pace, Value};
 
 use crate::experiment::comparison::Row;
+use crate::search::Target;
 use crate::session::lesson::Address;
 use crate::ui::app::commands::Command;
 use crate::ui::model::document::Owner;
@@ -58,6 +59,10 @@ pub enum Action {
     OpenExample(&'static str, &'static Example),
     /// Open a page of a lesson.
     OpenPage(Address),
+    /// Open what the search has found.
+    Show(Target),
+    /// Show the start page at each start, or no more.
+    ShowAtStart(bool),
     /// Cancel opening a clip.
     CancelOpening,
     /// Open the system's file dialog.

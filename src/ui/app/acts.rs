@@ -11,7 +11,7 @@ use crate::ui::app::action::Action;
 use crate::ui::app::commands::{Command, Menu};
 use crate::ui::app::window::{App, Overlay};
 use crate::ui::dialogs::save::Kind;
-use crate::ui::dialogs::{compare, open as open_dialog, palette, terms};
+use crate::ui::dialogs::{compare, find, lessons, open as open_dialog, palette, terms};
 use crate::ui::drawing::style::ZOOM;
 use crate::ui::model::document::Owner;
 use crate::ui::model::snapshot::Place;
@@ -26,20 +26,39 @@ impl App {
     pub(super) fn act(&mut self, action: Action) {
         match action {
             Action::Command(command) => self.command(command),
-            Action::Open(name) => self.open(name),
+            Action::Open(name) => {
+                self.note_page();
+                self.open(name);
+            }
             Action::OpenRightView(name) => self.open_right_view(name),
             Action::Type(Command::Palette, text, is_entered) => {
                 self.overlay = Overlay::Palette(palette::State::asking(text, is_entered));
             }
+            Action::Type(Command::SearchText, text, is_entered) => {
+                self.overlay = Overlay::Find(find::State::asking(text, is_entered));
+            }
             Action::Type(_, text, _) => self.overlay = Overlay::Open(Box::new(open_dialog::State::asking(text))),
-            Action::OpenSample(sample) => self.open_sample(sample),
-            Action::OpenExample(id, example) => self.open_example(id, example),
-            Action::OpenPage(address) => self.open_page(address),
+            Action::OpenSample(sample) => {
+                self.note_page();
+                self.open_sample(sample);
+            }
+            Action::OpenExample(id, example) => {
+                self.note_page();
+                self.open_example(id, example);
+            }
+            Action::OpenPage(address) => self.follow_link(address),
+            Action::Show(target) => self.show_found(target),
+            Action::ShowAtStart(is_shown) => self.settings.has_start_page = is_shown,
             Action::CancelOpening => self.loading = None,
             Action::Browse(wanted) => self.browse(wanted),
             Action::Write(order) => self.write(*order),
             Action::CancelWriting => self.writing.iter().for_each(|writing| writing.work.cancel()),
-            Action::Choose(id) => self.choose(id),
+            Action::Choose(id) => {
+                if self.is_at_start() {
+                    self.leave_start();
+                }
+                self.choose(id);
+            }
             Action::Visit(row) => self.visit(&row),
             Action::Lockstep(ids) => self.lockstep(&ids),
             Action::AddBeside(id) => self.add_beside(id),
@@ -102,6 +121,7 @@ impl App {
     /// Executes a command if it is enabled.
     pub fn command(&mut self, command: Command) {
         use Command as C;
+        self.settings.practice.note(command);
         if self.answers(command) || self.turns_page(command) {
             return;
         }
@@ -123,9 +143,12 @@ impl App {
                 self.overlay = Overlay::Compare(Box::new(compare::State::new(self.document.estimator().info().id)))
             }
             C::Lockstep => self.toggle_lockstep(),
+            C::StartPage => self.toggle_start(),
+            C::SearchText => self.overlay = Overlay::Find(find::State::default()),
+            C::BackToPage => self.back_to_page(),
             C::Samples => self.overlay = Overlay::Samples,
             C::NextExample => self.next_example(),
-            C::Lessons => self.overlay = Overlay::Lessons,
+            C::Lessons => self.overlay = Overlay::Lessons(lessons::State::at(self.lesson.as_ref())),
             C::CloseLesson => self.close_lesson(),
             C::CopyPage => self.copy_page(),
             C::NextPage => self.turn(Direction::Forward),
@@ -213,6 +236,7 @@ impl App {
         }
         let now = self.now();
         match way {
+            Direction::Forward if self.replays_page() => {}
             Direction::Forward if now.at_end => self.walker.go(Move::To(Cursor::default())),
             Direction::Back if now.at_start => self.walker.go(Move::End),
             _ => {}

@@ -49,6 +49,8 @@ commands! {
     PastePath,
     /// Open the right view of the clip.
     OpenRightView,
+    /// Show the start page, or leave it.
+    StartPage,
     /// Show the bundled samples.
     Samples,
     /// Open the next example of the estimator.
@@ -179,6 +181,8 @@ commands! {
     NextPage,
     /// The previous page of the lesson.
     PreviousPage,
+    /// Return to the page of a lesson from which a link led away.
+    BackToPage,
     /// The next step that is marked on the timeline.
     NextMark,
     /// The marked step before.
@@ -219,6 +223,8 @@ commands! {
     ExportScores,
     /// Find a command by name.
     Palette,
+    /// Find words in all texts.
+    SearchText,
     /// Define the terms of the course.
     Glossary,
     /// List all shortcuts.
@@ -458,6 +464,8 @@ impl Command {
             C::Streaks | C::LockScale => now.has_run && now.available.has_field(),
             C::Layer(_) => now.has_run && self.layer().is_some_and(|layer| now.available.why_never(layer).is_none()),
             C::Open | C::PastePath | C::Samples | C::NextExample | C::Lessons | C::Quit => true,
+            C::StartPage | C::SearchText => true,
+            C::BackToPage => now.has_trail,
             C::CloseLesson => now.in_lesson,
             C::CopyPage => now.has_run,
             C::NextPage => now.in_lesson && !now.at_last_page,
@@ -569,6 +577,10 @@ pub struct Situation {
     pub at_first_page: bool,
     /// It is open at its last page.
     pub at_last_page: bool,
+    /// A link has led away from a page of a lesson.
+    pub has_trail: bool,
+    /// The start page is shown.
+    pub at_start_page: bool,
     /// No earlier pair of frames.
     pub at_first_frame: bool,
     /// No later pair of frames.

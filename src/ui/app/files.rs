@@ -163,6 +163,7 @@ impl App {
             }
         };
         self.note_place();
+        self.start = None;
         let left = self.document.open(clip, source, Given::default());
         self.begin(left);
         self.go_on(Cursor::default());
@@ -242,6 +243,7 @@ impl App {
     fn opened(&mut self, opened: Opened, path: &Path) {
         let Opened { clip, source, given, session, inputs, first_known } = opened;
         self.note_place();
+        self.start = None;
         // Whoever asked for it in the dialog is done there.
         if matches!(&self.overlay, Overlay::Open(state) if state.is_opening()) {
             self.overlay = Overlay::None;

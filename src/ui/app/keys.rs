@@ -44,6 +44,8 @@ impl Held {
 /// neither of which gets here, then these in order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Escape {
+    /// Leaves the start page.
+    StartPage,
     /// Gives up a move or a check that takes long.
     Stop,
     /// No longer places anything on the picture.
@@ -59,8 +61,15 @@ enum Escape {
 }
 
 impl Escape {
-    const ORDER: [Escape; 6] =
-        [Escape::Stop, Escape::Placing, Escape::Chart, Escape::Pixel, Escape::Lecture, Escape::Lockstep];
+    const ORDER: [Escape; 7] = [
+        Escape::StartPage,
+        Escape::Stop,
+        Escape::Placing,
+        Escape::Chart,
+        Escape::Pixel,
+        Escape::Lecture,
+        Escape::Lockstep,
+    ];
 
     /// What it does just now, if anything.
     fn now(now: &Situation) -> Option<Self> {
@@ -69,6 +78,7 @@ impl Escape {
 
     fn applies(self, now: &Situation) -> bool {
         match self {
+            Self::StartPage => now.at_start_page,
             Self::Stop => Command::Stop.enabled(now),
             Self::Placing => now.is_placing,
             Self::Pixel => now.holds_pixel,
@@ -80,6 +90,7 @@ impl Escape {
 
     fn action(self) -> Action {
         match self {
+            Self::StartPage => Action::Command(Command::StartPage),
             Self::Stop => Action::Command(Command::Stop),
             Self::Placing => Action::Place(None),
             Self::Pixel => Action::Release,
@@ -101,7 +112,7 @@ struct Opening {
 impl Opening {
     /// The field that `command` opens, if it opens one that waits for text.
     fn of(command: Command) -> Option<Self> {
-        matches!(command, Command::Palette | Command::Open).then(|| Self {
+        matches!(command, Command::Palette | Command::SearchText | Command::Open).then(|| Self {
             command,
             typed: String::new(),
             is_entered: false,
@@ -204,6 +215,10 @@ pub fn take(ctx: &egui::Context, overlaid: bool, now: &Situation, actions: &mut 
                     // A key that would have called a command if it were not held is not the widget's either.
                     return !(repeat && Command::of_key(*key, *modifiers, false).is_some());
                 };
+                if now.at_start_page && !command.enabled(now) {
+                    // Arrows and Space are the page's own.
+                    return true;
+                }
                 moved |= matches!(key, Key::ArrowLeft | Key::ArrowRight);
                 if command.enabled(now) {
                     opening = Opening::of(command);
@@ -266,12 +281,13 @@ mod tests {
         for bits in 0..1u32 << Escape::ORDER.len() {
             let is = |index: usize| bits >> index & 1 == 1;
             let mut now = Situation {
-                playing: is(0),
-                is_placing: is(1),
-                has_enlarged: is(2),
-                holds_pixel: is(3),
-                lecture: is(4),
-                in_lockstep: is(5),
+                at_start_page: is(0),
+                playing: is(1),
+                is_placing: is(2),
+                has_enlarged: is(3),
+                holds_pixel: is(4),
+                lecture: is(5),
+                in_lockstep: is(6),
                 ..Situation::default()
             };
             let expected: Vec<Escape> = Escape::ORDER
@@ -284,6 +300,7 @@ mod tests {
             while let Some(meaning) = Escape::now(&now) {
                 done.push(meaning);
                 match meaning {
+                    Escape::StartPage => now.at_start_page = false,
                     Escape::Stop => now.playing = false,
                     Escape::Placing => now.is_placing = false,
                     Escape::Pixel => now.holds_pixel = false,

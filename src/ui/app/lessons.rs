@@ -10,29 +10,60 @@ use crate::ui::app::action::Actions;
 use crate::ui::app::commands::Command;
 use crate::ui::app::window::{App, Overlay, Region};
 use crate::ui::model::lesson::{LOOK, OpenLesson};
+use crate::ui::model::snapshot::Snapshot;
+use crate::ui::model::trail::Left;
 use crate::ui::panes::lesson;
 
 impl App {
     /// Opens a page of a lesson, with its clip and its step.
     pub(super) fn open_page(&mut self, address: Address) {
+        self.open_page_at(address, None);
+    }
+
+    /// Opens a page at one of its steps, or where it begins.
+    fn open_page_at(&mut self, address: Address, at: Option<Cursor>) {
         // What a page of the lesson before has set is not how the person looks at pictures.
         let look = self.lesson.as_ref().map_or(self.settings.look, |open| open.without_page(self.settings.look));
         match OpenLesson::new(address, look) {
             Ok(open) => {
-                if let Some(path) = open.address().file() {
-                    self.settings.remember(path);
+                match open.address().file() {
+                    Some(path) => self.settings.remember(path),
+                    None => self.settings.remember_page(open.address()),
                 }
+                self.start = None;
                 self.close_lesson();
                 self.overlay = Overlay::None;
                 self.settings.close_drawer();
                 self.lesson = Some(open);
-                self.show_page(None);
+                self.show_page(at);
             }
             Err(error) => match &mut self.overlay {
                 Overlay::Open(state) => state.refuse(&error),
                 _ => self.error = Some(error),
             },
         }
+    }
+
+    /// Opens a page to which a link or a list leads, so that there is a way back to the one that is open.
+    pub(super) fn follow_link(&mut self, address: Address) {
+        self.note_page();
+        self.open_page(address);
+    }
+
+    /// Notes the page that is open, which something else is opened beside or in the place of.
+    pub(super) fn note_page(&mut self) {
+        let Some(open) = &self.lesson else { return };
+        let session = open.page().session.as_ref().ok();
+        let is_of_page = |shown: &&Snapshot| session.is_some_and(|of| shown.subject.experiment == of.experiment);
+        let cursor = self.view.shown.as_deref().filter(is_of_page).map(|shown| shown.cursor);
+        let title = format!("{}, page {}", open.lesson().title, open.address().page + 1);
+        self.trail.leave(Left { address: open.address().clone(), cursor, title });
+    }
+
+    /// Returns to the page that was left last, at its step.
+    pub(super) fn back_to_page(&mut self) {
+        let Some(Left { address, cursor, .. }) = self.trail.back() else { return };
+        self.open_page_at(address, cursor);
     }
 
     /// Closes the lesson; pictures look as they did without its page.
@@ -90,6 +121,9 @@ impl App {
         let Some(open) = &mut self.lesson else { return };
         self.settings.look = open.without_page(self.settings.look);
         open.turn(way);
+        if open.address().file().is_none() {
+            self.settings.remember_page(open.address());
+        }
         let at = open.page().until.filter(|_| is_step && way == Direction::Back);
         self.show_page(at);
     }
@@ -106,6 +140,29 @@ impl App {
             }
             Err(error) => self.toasts.fail(format!("Not copied: {error}.")),
         }
+    }
+
+    /// The last step of the page, where its run is shown.
+    pub(super) fn end_of_page(&self) -> Option<Cursor> {
+        let open = self.lesson.as_ref()?;
+        let session = open.page().session.as_ref().ok()?;
+        self.view.shown.as_deref().filter(|shown| shown.subject.experiment == session.experiment)?;
+        open.page().until
+    }
+
+    /// Goes back to the first step of a page that stands at its last one, to play it again; gives whether it does.
+    pub(super) fn replays_page(&mut self) -> bool {
+        let at = self.view.shown.as_deref().map(|shown| shown.cursor);
+        let Some(first) = self.end_of_page().filter(|end| at == Some(*end)).and_then(|_| self.first_of_page()) else {
+            return false;
+        };
+        self.walker.go(Move::To(first));
+        true
+    }
+
+    fn first_of_page(&self) -> Option<Cursor> {
+        let session = self.lesson.as_ref()?.page().session.as_ref().ok()?;
+        Some(session.position.cursor.unwrap_or_default())
     }
 
     /// Shows the step of the page, or its step `at`.
@@ -167,7 +224,9 @@ impl App {
         let Some(open) = &mut self.lesson else { return all };
         let theme = self.settings.look.theme;
         let [page, rest] = lesson::split(all, theme.sizes().body);
-        lesson::show(ui, page, (open, theme), &mut self.states.lesson, actions);
+        let back = self.trail.last().map(|left| left.title.as_str());
+        let input = lesson::Input { open, theme, back };
+        lesson::show(ui, page, input, &mut self.states.lesson, actions);
         regions.push((Region::Lesson, page));
         rest
     }

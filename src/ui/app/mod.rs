@@ -4,9 +4,11 @@ pub mod action;
 mod acts;
 pub mod commands;
 mod files;
+mod find;
 pub mod keys;
 mod lessons;
 mod predict;
+mod start;
 mod window;
 
 pub use window::{App, Region};

@@ -5,26 +5,30 @@ use std::sync::mpsc::Receiver;
 
 use eframe::egui::{self, Align, CentralPanel, Frame, Label, Layout, Margin, Panel, RichText, TextStyle, Ui};
 use eframe::egui_wgpu::RenderState;
-use motionscope_core::{Cursor, Direction, Error, Role};
+use motionscope_core::{Cursor, Direction, Error, Move, Role};
 
 use crate::experiment::side_by_side::SideBySide;
 use crate::experiment::source::Source;
 use crate::ui::app::action::{Action, Actions, Browse};
 use crate::ui::app::commands::{Granularities, Situation};
 use crate::ui::app::keys;
-use crate::ui::dialogs::{compare, gallery, lessons, open as open_dialog, palette, save as save_dialog, sheet, terms};
+use crate::ui::dialogs::{
+    compare, find, gallery, lessons, open as open_dialog, palette, save as save_dialog, sheet, terms,
+};
 use crate::ui::drawing::style::{self, ZOOM};
 use crate::ui::model::document::{Document, Owner};
 use crate::ui::model::lesson::OpenLesson;
 use crate::ui::model::loader::Loading;
 use crate::ui::model::player::Player;
 use crate::ui::model::predict::Predict;
+use crate::ui::model::previews::Previews;
 use crate::ui::model::settings::Settings;
+use crate::ui::model::trail::Trail;
 use crate::ui::model::walker::{View, Walker};
 use crate::ui::model::writer::Writing;
-use crate::ui::panes::layout::{Arrangement, Folded, Mode, Room};
+use crate::ui::panes::layout::{self, Arrangement, Folded, Mode, Room};
 use crate::ui::panes::{Panes, States};
-use crate::ui::panes::{question, status, topbar, transport};
+use crate::ui::panes::{question, start, status, topbar, transport};
 use crate::ui::parts::toasts::Toasts;
 use crate::view::panes::{Pane, charts};
 
@@ -39,6 +43,8 @@ pub(super) enum Overlay {
     None,
     /// The command palette.
     Palette(palette::State),
+    /// The search over all texts.
+    Find(find::State),
     /// The terms of the course.
     Glossary(terms::State),
     /// Every key.
@@ -50,7 +56,7 @@ pub(super) enum Overlay {
     /// The samples.
     Samples,
     /// The lessons.
-    Lessons,
+    Lessons(lessons::State),
     /// Estimators beside each other.
     Compare(Box<compare::State>),
     /// What the program is.
@@ -60,6 +66,8 @@ pub(super) enum Overlay {
 /// A part of the window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Region {
+    /// The start page, in the place of all others.
+    Start,
     /// The line at the top.
     Header,
     /// The pictures with what stands around them.
@@ -99,7 +107,14 @@ pub struct App {
     pub(super) overlay: Overlay,
     pub(super) toasts: Toasts,
     pub(super) states: States,
-    pub(super) gallery: gallery::State,
+    /// The start page while it is shown.
+    pub(super) start: Option<start::State>,
+    /// The pictures of the samples.
+    pub(super) previews: Previews,
+    /// The pages that links led away from.
+    pub(super) trail: Trail,
+    /// Whether what a new user has tried can be remembered: else a hint would come again at each start.
+    can_remember: bool,
     /// The lesson that is open.
     pub(super) lesson: Option<OpenLesson>,
     /// A path that the system's dialog will deliver.
@@ -147,7 +162,10 @@ impl App {
             overlay: Overlay::None,
             toasts: Toasts::default(),
             states,
-            gallery: gallery::State::default(),
+            start: None,
+            previews: Previews::default(),
+            trail: Trail::default(),
+            can_remember: storage.is_some(),
             lesson: None,
             browsing: None,
             writing: None,
@@ -214,10 +232,10 @@ impl App {
     /// Whether everything that was asked for is there and shown.
     pub fn is_settled(&self) -> bool {
         let pictured = match &self.overlay {
-            Overlay::Samples => self.gallery.is_complete(),
+            Overlay::Samples => self.previews.is_complete(),
             Overlay::Compare(state) => state.is_settled(),
             Overlay::Save(state) => state.is_settled(),
-            _ => true,
+            _ => self.start.is_none() || self.previews.is_complete(),
         };
         pictured && self.loading.is_none() && self.writing.is_none() && !self.view.busy && !self.view.checking
     }
@@ -256,8 +274,20 @@ impl App {
         self.view.refused.as_ref().or(self.document.refused())
     }
 
+    /// Whether a larger interface fits into the window.
+    fn can_be_larger(&self) -> bool {
+        let larger = self.settings.zoom().min(self.ctx.zoom_factor()) + ZOOM.2;
+        let fits = || layout::zoom_that_fits(larger, self.size(), self.settings.look.theme.sizes().body) >= larger;
+        self.settings.interface(self.size()).zoom < ZOOM.1 && fits()
+    }
+
     /// What is the case just now.
     pub(super) fn now(&self) -> Situation {
+        if self.start.is_some() {
+            // What is below the page is not seen, so nothing is done to it.
+            let (can_be_larger, has_trail) = (self.can_be_larger(), self.trail.last().is_some());
+            return Situation { can_be_larger, has_trail, at_start_page: true, ..Situation::default() };
+        }
         let shown = self.view.shown.as_deref();
         let last = self.document.last_frame();
         Situation {
@@ -274,11 +304,7 @@ impl App {
             has_charts: !self.folded().charts && !self.charts().is_empty(),
             has_enlarged: self.settings.charts.is_enlarged
                 && self.regions.iter().all(|(region, _)| *region != Region::Stage),
-            can_be_larger: self.settings.interface(self.size()).zoom < ZOOM.1 && {
-                let larger = self.settings.zoom().min(self.ctx.zoom_factor()) + ZOOM.2;
-                crate::ui::panes::layout::zoom_that_fits(larger, self.size(), self.settings.look.theme.sizes().body)
-                    >= larger
-            },
+            can_be_larger: self.can_be_larger(),
             in_lockstep: !self.document.side_by_side().is_empty(),
             has_stage: !motionscope_core::stage::stages(self.document.estimator()).is_empty(),
             in_stage: self.document.parents().len() > 0,
@@ -293,6 +319,8 @@ impl App {
             in_lesson: self.lesson.is_some(),
             at_first_page: self.lesson.as_ref().is_some_and(|open| open.is_at(Direction::Back)),
             at_last_page: self.lesson.as_ref().is_some_and(|open| open.is_at(Direction::Forward)),
+            has_trail: self.trail.last().is_some(),
+            at_start_page: false,
             at_first_frame: self.document.frame() == 0,
             at_last_frame: last.is_some_and(|last| self.document.frame() >= last),
         }
@@ -312,6 +340,12 @@ impl App {
             self.player.pause();
             return;
         }
+        let end = self.end_of_page();
+        let is_at_end = end.is_some_and(|end| order(shown.cursor) == order(end));
+        if self.player.plays(Direction::Forward) && is_at_end && !self.view.busy {
+            self.player.pause();
+            return;
+        }
         self.player.pass(seconds);
         if !self.view.busy
             && let Some(to) = self.player.due((shown.cursor, shown.events), granularities)
@@ -319,6 +353,13 @@ impl App {
             if self.player.plays(Direction::Forward) {
                 self.predict.expect();
             }
+            // A page of a lesson is played up to its last step.
+            let is_beyond = |end: &Cursor| self.player.plays(Direction::Forward) && order(shown.cursor) < order(*end);
+            let to = match (end.filter(is_beyond), to) {
+                (Some(end), Move::To(cursor)) if order(cursor) > order(end) => Move::To(end),
+                (Some(end), Move::Granularity(..)) => Move::To(end),
+                (_, to) => to,
+            };
             self.walker.go(to);
         }
         // The walker wakes the window when it is done.
@@ -373,6 +414,7 @@ impl App {
             folded: self.settings.folded(),
             charts: self.charts().len(),
             tiles: self.view.shown.as_ref().map_or(0, |shown| shown.tiles.len()),
+            is_beside_page: self.lesson.is_some(),
             is_enlarged: self.settings.charts.is_enlarged,
             strip: self.states.strip.height(),
             explanation: self.states.explanation.formula_end(),
@@ -404,6 +446,7 @@ impl App {
             now: self.now(),
             granularities: self.granularities(),
             player: self.player,
+            has_hint: self.can_remember && !self.settings.practice.is_over(),
             theme: self.settings.look.theme,
         };
         transport::show(ui, &input, actions);
@@ -495,18 +538,27 @@ impl App {
                 actions.0.extend(chosen);
                 open
             }
+            Overlay::Find(state) => find::show(ctx, state, theme, actions),
             Overlay::Glossary(state) => terms::show(ctx, state),
             Overlay::Shortcuts => sheet::shortcuts(ctx, &self.granularities(), theme),
             Overlay::Open(state) => open_dialog::show(ctx, state, &self.settings.recent, actions),
             Overlay::Save(state) => save_dialog::show(ctx, state, self.granularities(), actions),
             Overlay::Compare(state) => compare::show(ctx, state, &self.document, theme, actions),
-            Overlay::Lessons => lessons::show(ctx, theme, actions),
-            Overlay::Samples => gallery::show(ctx, &mut self.gallery, theme, actions),
+            Overlay::Lessons(state) => lessons::show(ctx, state, theme, actions),
+            Overlay::Samples => {
+                let plays = !self.settings.reduced_motion;
+                gallery::show(ctx, &mut self.previews, gallery::Input { theme, plays }, actions)
+            }
             Overlay::About => sheet::about(ctx),
         };
         if open {
             self.overlay = overlay;
         }
+    }
+
+    /// Whether something lies over the panes.
+    pub(super) fn is_covered(&self) -> bool {
+        !matches!(self.overlay, Overlay::None)
     }
 
     /// Where a region lies, if it is there.
@@ -539,10 +591,16 @@ impl eframe::App for App {
         self.follow_lesson();
         self.play(&ctx);
         self.measure(&ctx);
-        let overlaid = !matches!(self.overlay, Overlay::None);
+        let overlaid = self.is_covered();
         keys::take(&ctx, overlaid, &self.now(), &mut actions);
         ui.painter().rect_filled(ui.max_rect(), 0.0, ui.visuals().panel_fill);
-        self.panels(ui, frame.wgpu_render_state(), &mut actions);
+        match self.start {
+            Some(_) => {
+                self.regions = vec![(Region::Start, ui.max_rect())];
+                self.start_page(ui, &mut actions);
+            }
+            None => self.panels(ui, frame.wgpu_render_state(), &mut actions),
+        }
         self.overlays(&ctx, &mut actions);
         // Messages lie over no words and no chart: on the stage, above its legend, or else above the transport.
         let content = ctx.content_rect();
@@ -586,6 +644,11 @@ impl eframe::App for App {
     fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
         visuals.panel_fill.to_normalized_gamma_f32()
     }
+}
+
+/// Which of two cursors of a run comes first.
+fn order(cursor: Cursor) -> (usize, usize) {
+    (cursor.unit, cursor.event)
 }
 
 /// The title of the window.

@@ -1,6 +1,7 @@
 //! What opens over the panes.
 
 pub mod compare;
+pub mod find;
 pub mod fuzzy;
 pub mod gallery;
 pub mod lessons;

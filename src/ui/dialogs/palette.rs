@@ -12,11 +12,13 @@ use motionscope_core::{AnyEstimator, estimators, synth};
 
 use super::fuzzy;
 use crate::paint::{FlowLayer, Theme};
+use crate::search::Target;
 use crate::session::lesson::{self, Address};
 use crate::ui::app::action::Action;
 use crate::ui::app::commands::{Command, Granularities, Situation};
 use crate::ui::drawing::style;
 use crate::ui::parts::widgets;
+use crate::view::panes::{EXPLANATION, PANES, STAGE};
 
 /// The palette while it is open.
 #[derive(Default)]
@@ -93,10 +95,6 @@ pub fn show(ctx: &egui::Context, state: &mut State, input: &Input) -> (Option<Ac
         if enter || std::mem::take(&mut state.is_entered) {
             chosen = entries.get(state.chosen).map(|entry| entry.action.clone());
         }
-        if entries.is_empty() {
-            ui.add_space(8.0);
-            ui.label(RichText::new("No command matches. Try fewer letters.").weak());
-        }
         ScrollArea::vertical().max_height(24.0 * size).min_scrolled_height(24.0 * size).show(ui, |ui| {
             ui.spacing_mut().item_spacing.y = 0.0;
             for (index, entry) in entries.iter().enumerate() {
@@ -151,7 +149,17 @@ fn found(query: &str, input: &Input) -> Vec<Entry> {
         .collect();
     // Equal scores stay in the order of the menus.
     scored.sort_by_key(|(score, _)| -score);
-    scored.into_iter().map(|(_, entry)| entry).collect()
+    scored.into_iter().map(|(_, entry)| entry).chain(in_texts(query)).collect()
+}
+
+/// The search of all texts for `query`, behind everything that is called so.
+fn in_texts(query: &str) -> Option<Entry> {
+    let command = Command::SearchText;
+    let action = Action::Type(command, query.to_owned(), false);
+    let text = format!("Search all texts for “{}”", query.trim());
+    let (tip, about, keys) = (String::new(), String::new(), command.key());
+    let is_asked = !query.trim().is_empty();
+    is_asked.then(|| Entry { icon: command.info().icon, text, tip, also: "", about, keys, action })
 }
 
 /// What a word is worth that something is about: more than letters strewn over a name, less than a word of it.
@@ -247,7 +255,12 @@ fn entries(input: &Input) -> Vec<Entry> {
         let (tip, about, keys) = (String::new(), "recent file".to_owned(), String::new());
         Entry { icon: Icon::History, text, tip, also: "", about, keys, action }
     });
-    commands.chain(estimators).chain(samples).chain(examples).chain(lessons).chain(recent).collect()
+    let charts = PANES.into_iter().filter(|pane| **pane != STAGE && **pane != EXPLANATION).map(|pane| {
+        let (text, tip, about) = (format!("Chart: {}", pane.title), String::new(), pane.doc.to_owned());
+        let action = Action::Show(Target::Chart(pane));
+        Entry { icon: Icon::ChartColumn, text, tip, also: pane.id, about, keys: String::new(), action }
+    });
+    commands.chain(estimators).chain(charts).chain(samples).chain(examples).chain(lessons).chain(recent).collect()
 }
 
 #[cfg(test)]
@@ -272,6 +285,7 @@ mod tests {
             ("screenshot", Command::ExportPicture.info().text),
             ("aperture", "Estimator: Normal flow"),
             ("stripes", "Sample: "),
+            ("point cloud", "Chart: Point cloud"),
             ("search window", "Lesson: Sequential search"),
         ] {
             assert!(names(query).iter().any(|found| found.starts_with(text)), "{query}: {:?}", names(query));

@@ -13,6 +13,13 @@ pub struct State {
     is_focused: bool,
 }
 
+impl State {
+    /// The glossary at what `query` finds.
+    pub fn asking(query: impl Into<String>) -> Self {
+        Self { query: query.into(), is_focused: false }
+    }
+}
+
 /// Shows the glossary; gives whether it is still open.
 pub fn show(ctx: &egui::Context, state: &mut State) -> bool {
     let size = TextStyle::Body.resolve(&ctx.global_style()).size;

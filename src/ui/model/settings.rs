@@ -6,7 +6,9 @@ use eframe::egui::Vec2;
 use serde::{Deserialize, Serialize};
 
 use super::player::Player;
+use super::practice::Practice;
 use crate::paint::View;
+use crate::session::lesson::Address;
 use crate::ui::drawing::style::{Interface, ZOOM};
 use crate::ui::panes::charts::Chosen;
 use crate::ui::panes::layout::{self, Folded, Mode, Pane, SHARES, Shares};
@@ -62,6 +64,10 @@ pub struct Settings {
     pub recent: Vec<PathBuf>,
     /// Where clips were left, the last one first.
     left: Vec<LeftAt>,
+    /// Whether a start without a clip shows the start page.
+    pub has_start_page: bool,
+    /// What was tried of stepping.
+    pub practice: Practice,
     /// How fast to play.
     pub speed: usize,
     /// How the person has shared out the room.
@@ -88,6 +94,8 @@ impl Default for Settings {
             lecture: false,
             recent: Vec::new(),
             left: Vec::new(),
+            has_start_page: true,
+            practice: Practice::default(),
             speed: Player::default().speed,
             shares: Shares::default(),
             charts: Chosen::default(),
@@ -192,6 +200,16 @@ impl Settings {
         let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
         self.recent.retain(|other| *other != path);
         self.recent.insert(0, path);
+        self.recent.truncate(RECENT);
+    }
+
+    /// Puts the page of a bundled lesson at the front of what was open lately, in the place of its other pages.
+    pub fn remember_page(&mut self, page: &Address) {
+        let is_of_lesson = |path: &PathBuf| {
+            Address::parse(path.as_os_str()).is_some_and(|other| other.file().is_none() && other.lesson == page.lesson)
+        };
+        self.recent.retain(|other| !is_of_lesson(other));
+        self.recent.insert(0, page.name().into());
         self.recent.truncate(RECENT);
     }
 

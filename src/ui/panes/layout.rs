@@ -101,6 +101,8 @@ pub struct Room {
     pub charts: usize,
     /// How many estimators share the stage.
     pub tiles: usize,
+    /// Whether the page of a lesson stands beside the panes.
+    pub is_beside_page: bool,
     /// Whether a chart takes the place of the stage.
     pub is_enlarged: bool,
     /// The most height that the strip has needed so far, in points.
@@ -168,6 +170,8 @@ const STRIP_COLUMN: f32 = 0.32;
 /// Share of the chart beside the stage, and where this many estimators share the stage.
 const CHART_SHARE: f32 = 0.42;
 const CHART_BESIDE_TILES: f32 = 0.3;
+/// The same where the page of a lesson leaves both less room: a chart that is half as large cannot be read.
+const CHART_BESIDE_PAGE: f32 = 0.5;
 const MANY_TILES: usize = 3;
 /// Between two panes.
 const GAP: f32 = 1.0;
@@ -283,7 +287,12 @@ impl Room {
         if self.columns() > 0 {
             let is_tall = rest.height() > 0.9 * rest.width();
             let extent = if is_tall { rest.height() } else { rest.width() };
-            let usual = if self.tiles >= MANY_TILES { CHART_BESIDE_TILES } else { CHART_SHARE } * extent;
+            let share = match () {
+                () if self.tiles >= MANY_TILES => CHART_BESIDE_TILES,
+                () if self.is_beside_page => CHART_BESIDE_PAGE,
+                () => CHART_SHARE,
+            };
+            let usual = share * extent;
             let length = within(usual * self.shares.charts, 0.25 * extent, 0.6 * extent);
             let (first, second) = if is_tall {
                 split_y(rest, rest.height() - length - GAP)
@@ -438,6 +447,7 @@ mod tests {
             folded: Folded { parameters: true, ..Folded::default() },
             charts: 3,
             tiles: 0,
+            is_beside_page: false,
             is_enlarged: false,
             strip: 6.0 * type_pt,
             explanation: 0.0,

@@ -19,7 +19,7 @@ use crate::ui::parts::widgets;
 
 /// Width of the page, in sizes of its type, and as shares of the window.
 const LETTERS: f32 = 25.0;
-const SHARES: [f32; 2] = [0.22, 0.34];
+const SHARES: [f32; 2] = [0.22, 0.31];
 /// Letters across below which the page stands above the other panes, and its share of their height.
 const NARROW_LETTERS: f32 = 44.0;
 const HEIGHT_SHARE: f32 = 0.36;
@@ -63,14 +63,19 @@ pub fn split(all: Rect, type_pt: f32) -> [Rect; 2] {
     [all.with_max_x(x), all.with_min_x(x + 1.0)]
 }
 
-/// Shows the page of `open` in `rect`.
-pub fn show(
-    ui: &mut Ui,
-    rect: Rect,
-    (open, theme): (&mut OpenLesson, Theme),
-    state: &mut State,
-    actions: &mut Actions,
-) {
+/// What the pane shows.
+pub struct Input<'a> {
+    /// The lesson.
+    pub open: &'a mut OpenLesson,
+    /// The look.
+    pub theme: Theme,
+    /// The page that a link led away from, if one did.
+    pub back: Option<&'a str>,
+}
+
+/// Shows the page that is open in `rect`.
+pub fn show(ui: &mut Ui, rect: Rect, input: Input<'_>, state: &mut State, actions: &mut Actions) {
+    let Input { open, theme, back } = input;
     let chrome = theme.chrome();
     ui.painter().rect_filled(rect, 0.0, style::color(chrome.panel));
     let line = Stroke::new(1.0, style::color(chrome.line));
@@ -81,7 +86,7 @@ pub fn show(
     let inside = rect.shrink2(vec2(MARGIN, 8.0));
     let mut ui = ui.new_child(UiBuilder::new().id_salt("lesson").max_rect(inside));
     ui.set_clip_rect(ui.clip_rect().intersect(rect));
-    head(&mut ui, open, actions);
+    head(&mut ui, open, back, actions);
     let footer = ui.spacing().interact_size.y + 8.0;
     let height = (ui.available_height() - footer).max(40.0);
     let scroll = ScrollArea::vertical().id_salt("page").auto_shrink(false).max_height(height);
@@ -100,8 +105,8 @@ pub fn show(
     footer_row(&mut widgets::inside(&mut ui, foot, Layout::left_to_right(Align::Center)), open, actions);
 }
 
-/// The title of the lesson, and the way out of it.
-fn head(ui: &mut Ui, open: &OpenLesson, actions: &mut Actions) {
+/// The title of the lesson, the way back to the page before it and the way out of it.
+fn head(ui: &mut Ui, open: &OpenLesson, back: Option<&str>, actions: &mut Actions) {
     ui.horizontal(|ui| {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if widgets::cross(ui, "Close lesson").clicked() {
@@ -110,6 +115,13 @@ fn head(ui: &mut Ui, open: &OpenLesson, actions: &mut Actions) {
             let list = widgets::icon_button(ui, Command::Lessons.info().icon, "Lessons", false);
             if list.on_hover_text(Command::Lessons.with_key("All lessons")).clicked() {
                 actions.command(Command::Lessons);
+            }
+            if let Some(page) = back {
+                let name = format!("Back to {page}");
+                let way_back = widgets::icon_button(ui, Command::BackToPage.info().icon, &name, false);
+                if way_back.on_hover_text(Command::BackToPage.with_key(&name)).clicked() {
+                    actions.command(Command::BackToPage);
+                }
             }
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 let title = RichText::new(&open.lesson().title).small().weak();

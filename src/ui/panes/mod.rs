@@ -9,6 +9,7 @@ pub mod layout;
 pub mod lesson;
 pub mod parameters;
 pub mod question;
+pub mod start;
 pub mod status;
 pub mod timeline;
 pub mod topbar;

@@ -42,6 +42,13 @@ pub struct State {
     unfolded: BTreeSet<String>,
 }
 
+impl State {
+    /// Unfolds the advanced parameters of the estimator with this id.
+    pub fn unfold(&mut self, id: &str) {
+        self.unfolded.insert(id.to_owned());
+    }
+}
+
 /// Draws the whole pane.
 pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State, actions: &mut Actions) {
     let document = input.document;

@@ -25,6 +25,8 @@ pub struct Input<'a> {
     pub granularities: Granularities,
     /// Play and its speed.
     pub player: Player,
+    /// Whether it is told how to step.
+    pub has_hint: bool,
     /// The look.
     pub theme: Theme,
 }
@@ -54,6 +56,7 @@ pub fn show(ui: &mut Ui, input: &Input, actions: &mut Actions) {
         speed(ui, input, actions);
         ui.add_space(12.0);
         let rect = ui.available_rect_before_wrap();
+        let rect = if input.has_hint && input.shown.is_some() { hint(ui, rect, input.theme) } else { rect };
         if let (Some(shown), true) = (input.shown, rect.width() > 120.0) {
             let rect = Rect::from_center_size(rect.center(), vec2(rect.width(), rect.height().min(3.6 * size)));
             if let Some(cursor) = timeline::show(ui, rect, shown, input.theme) {
@@ -62,6 +65,31 @@ pub fn show(ui: &mut Ui, input: &Input, actions: &mut Actions) {
             ui.allocate_rect(rect, Sense::hover());
         }
     });
+}
+
+/// Letters across that the timeline keeps beside the hint.
+const TIMELINE_LETTERS: f32 = 16.0;
+
+/// Tells at the right end of `rect` how to step; returns what is left of it for the timeline, nothing where it is narrow.
+fn hint(ui: &mut Ui, rect: Rect, theme: Theme) -> Rect {
+    let size = TextStyle::Small.resolve(ui.style()).size;
+    let mut inside = widgets::inside(ui, rect, egui::Layout::right_to_left(egui::Align::Center));
+    inside.spacing_mut().item_spacing.x = 0.35 * size;
+    let said = [(Command::Play, "plays"), (Command::IntoBack, "back"), (Command::Into, "step")];
+    for (index, (command, word)) in said.into_iter().enumerate() {
+        if index > 0 {
+            inside.add_space(0.7 * size);
+        }
+        inside.add(egui::Label::new(egui::RichText::new(word).small().weak()).selectable(false));
+        widgets::key_cap(&mut inside, &command.key(), theme);
+    }
+    let accent = style::color(theme.chrome().accent);
+    inside
+        .label(widgets::icon(&inside, Icon::Lightbulb).color(accent))
+        .on_hover_text("Goes away once you have stepped.");
+    let end = inside.min_rect().min.x - size;
+    let left = rect.with_max_x(end.max(rect.min.x));
+    if left.width() < TIMELINE_LETTERS * size { rect.with_max_x(rect.min.x) } else { left }
 }
 
 /// A tooltip for a command: what it does, and its key.

@@ -1,6 +1,7 @@
 //! Small parts that the panes share.
 
 pub mod icon;
+pub mod sample_card;
 pub mod slider;
 pub mod toasts;
 pub mod widgets;

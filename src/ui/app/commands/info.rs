@@ -22,6 +22,10 @@ const fn ctrl_shift(key: Key) -> KeyboardShortcut {
     KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), key)
 }
 
+const fn alt(key: Key) -> KeyboardShortcut {
+    KeyboardShortcut::new(Modifiers::ALT, key)
+}
+
 /// The picture of a layer in menus.
 fn layer_icon(layer: FlowLayer) -> Icon {
     match layer {
@@ -63,6 +67,13 @@ impl Command {
                 "Open right view…",
                 "Open the right view of the clip, from a second camera: a picture, a folder or a video. Synthetic scenes have their own views.",
                 &[],
+            ),
+            C::StartPage => (
+                Menu::File,
+                Icon::House,
+                "Start page",
+                "Show samples, lessons by chapter and what was open lately, or return to the window.",
+                const { &[ctrl(Key::H)] },
             ),
             C::Samples => (
                 Menu::File,
@@ -400,6 +411,13 @@ impl Command {
                 "Turn back to the previous page of the lesson.",
                 const { &[ctrl(Key::PageUp)] },
             ),
+            C::BackToPage => (
+                Menu::Walk,
+                Icon::CornerUpLeft,
+                "Back to the page before the link",
+                "Return to the page of a lesson, and to its step, from which a link or a search led away.",
+                const { &[alt(Key::ArrowLeft)] },
+            ),
             C::NextMark => (
                 Menu::Walk,
                 Icon::SkipForward,
@@ -521,6 +539,13 @@ impl Command {
                 "Find a command…",
                 "Find a command or setting by a few letters.",
                 const { &[ctrl(Key::K)] },
+            ),
+            C::SearchText => (
+                Menu::Help,
+                Icon::TextSearch,
+                "Search all texts…",
+                "Find words in lessons, glossary, estimators, parameters, charts and examples.",
+                const { &[ctrl_shift(Key::F)] },
             ),
             C::Glossary => (
                 Menu::Help,

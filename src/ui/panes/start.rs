@@ -1,0 +1,440 @@
+//! The start page: samples that play under the pointer, the lessons by chapter, what was open lately, and the ways to open
+//! anything else.
+
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, channel};
+
+use eframe::egui::{
+    self, Align, Button, FontId, Id, Key, Label, Layout, Rect, Response, RichText, ScrollArea, TextStyle, Ui, Vec2,
+    WidgetInfo, vec2,
+};
+use lucide_icons::Icon;
+use motionscope_core::synth::SCENES;
+use motionscope_core::{Error, capital};
+
+use crate::paint::Theme;
+use crate::session::lesson::{self, Address, Lesson};
+use crate::ui::app::action::{Action, Actions};
+use crate::ui::app::commands::Command;
+use crate::ui::drawing::style;
+use crate::ui::model::loader::Loading;
+use crate::ui::model::previews::Previews;
+use crate::ui::parts::sample_card::{self, Face};
+use crate::ui::parts::widgets;
+
+/// The buttons beside the title.
+const BUTTONS: [Command; 4] = [Command::Open, Command::Samples, Command::Lessons, Command::SearchText];
+/// Entries of what was open lately.
+const RECENT: usize = 8;
+/// Least width of a card, in sizes of its type, also in a roomy window, and share of its width that its picture has in height.
+const CARD_LETTERS: [f32; 2] = [11.0, 15.0];
+const PICTURE_SHARE: f32 = 0.52;
+/// Width of the names of chapters, and of what was open lately, in sizes of the type.
+const CHAPTER_LETTERS: f32 = 15.5;
+const RECENT_LETTERS: f32 = 17.0;
+/// Lines down from which the samples have two rows, and from which everything has more room.
+const TWO_ROWS: f32 = 46.0;
+const ROOMY: f32 = 62.0;
+/// Letters across below which the buttons have no names.
+const NAMED_LETTERS: f32 = 56.0;
+/// The widest page, in sizes of its type.
+const WIDEST: f32 = 104.0;
+
+/// The page while it is open.
+pub struct State {
+    recent: Vec<Recent>,
+    /// Which of them are missing, once that is known.
+    missing: Receiver<Vec<bool>>,
+    is_begun: bool,
+    /// Whether keys are used: what has the keyboard plays as under the pointer then.
+    is_keyed: bool,
+    /// What could have the keyboard in the last frame, and where it lay.
+    items: Vec<(Id, Rect)>,
+}
+
+/// Something that was open lately.
+struct Recent {
+    path: PathBuf,
+    title: String,
+    place: String,
+    is_missing: bool,
+}
+
+impl Recent {
+    fn new(path: &Path) -> Self {
+        let bundled = Address::parse(path.as_os_str()).filter(|address| address.file().is_none());
+        let (title, place) = match bundled.and_then(|address| Some((address.load().ok()?.title, address.page + 1))) {
+            Some((title, page)) => (title, format!("lesson, page {page}")),
+            None => {
+                let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+                (name, path.parent().unwrap_or(Path::new("")).display().to_string())
+            }
+        };
+        Self { path: path.to_owned(), title, place, is_missing: false }
+    }
+}
+
+/// Whether `path` names a file or a folder, and no bundled lesson.
+fn is_file(path: &Path) -> bool {
+    Address::parse(path.as_os_str()).is_none_or(|address| address.file().is_some())
+}
+
+impl State {
+    /// The page with what was open lately.
+    pub fn new(ctx: &egui::Context, recent: &[PathBuf]) -> Self {
+        let recent: Vec<Recent> = recent.iter().take(RECENT).map(|path| Recent::new(path)).collect();
+        let paths: Vec<_> = recent.iter().map(|one| one.path.clone()).collect();
+        let (sender, missing) = channel();
+        let ctx = ctx.clone();
+        // A disk of the network may take long to say that something is not there.
+        let look = move || {
+            let missing = paths.iter().map(|path| is_file(path) && !path.exists()).collect();
+            sender.send(missing).ok();
+            ctx.request_repaint();
+        };
+        drop(std::thread::Builder::new().name("recent files".into()).spawn(look));
+        Self { recent, missing, is_begun: false, is_keyed: false, items: Vec::new() }
+    }
+}
+
+/// What the page shows.
+pub struct Input<'a> {
+    /// What is being opened.
+    pub loading: Option<&'a Loading>,
+    /// Why the last one was not opened.
+    pub error: Option<&'a Error>,
+    /// Whether something lies over the page and has the keys.
+    pub is_covered: bool,
+    /// Whether the page is shown at each start.
+    pub is_shown_at_start: bool,
+    /// Whether pictures may move.
+    pub plays: bool,
+    /// The look.
+    pub theme: Theme,
+}
+
+/// Shows the page in the whole of `ui`.
+pub fn show(ui: &mut Ui, state: &mut State, previews: &mut Previews, input: &Input, actions: &mut Actions) {
+    previews.receive(ui.ctx());
+    for missing in state.missing.try_iter() {
+        state.recent.iter_mut().zip(missing).for_each(|(recent, is_missing)| recent.is_missing = is_missing);
+    }
+    if !input.is_covered {
+        state.is_keyed |= walk(ui, &state.items);
+    }
+    let size = TextStyle::Body.resolve(ui.style()).size;
+    let width = (WIDEST * size).min(ui.available_width() - 64.0);
+    let side = ((ui.available_width() - width) / 2.0).round();
+    let footer = ui.spacing().interact_size.y + 20.0;
+    let rect = ui.max_rect();
+    let column = rect.with_min_x(rect.min.x + side).with_max_x(rect.min.x + side + width);
+    let top = column.with_min_y(rect.min.y + 16.0).with_max_y(rect.max.y - footer);
+    let mut page = widgets::inside(ui, top, Layout::top_down(Align::LEFT));
+    let mut drawn = Drawn { input, previews, is_keyed: state.is_keyed, items: Vec::new(), actions };
+    ScrollArea::vertical().id_salt("start page").auto_shrink(false).show(&mut page, |ui| {
+        // Beside the bar that scrolls.
+        ui.set_width(width - 12.0);
+        ui.spacing_mut().item_spacing = vec2(8.0, 4.0);
+        drawn.head(ui);
+        drawn.news(ui);
+        ui.add_space(12.0);
+        drawn.samples(ui, &mut state.is_begun);
+        ui.add_space(12.0);
+        drawn.lessons_and_recent(ui, &state.recent);
+    });
+    let foot = column.with_min_y(top.max.y);
+    drawn.foot(&mut widgets::inside(ui, foot, Layout::left_to_right(Align::Center)));
+    state.items = drawn.items;
+}
+
+/// Moves the keyboard with the arrow keys to the nearest of `items` that way; gives whether one was pressed.
+fn walk(ui: &Ui, items: &[(Id, Rect)]) -> bool {
+    let ways = [
+        (Key::ArrowLeft, vec2(-1.0, 0.0)),
+        (Key::ArrowRight, vec2(1.0, 0.0)),
+        (Key::ArrowUp, vec2(0.0, -1.0)),
+        (Key::ArrowDown, vec2(0.0, 1.0)),
+    ];
+    let Some((_, way)) = ui.input(|input| ways.into_iter().find(|(key, _)| input.key_pressed(*key))) else {
+        return ui.input(|input| input.key_pressed(Key::Tab));
+    };
+    let now = ui.memory(|memory| memory.focused());
+    let from = items.iter().find(|(id, _)| Some(*id) == now);
+    let to = match from {
+        Some((_, from)) => nearest(items, *from, way),
+        None => items.first().map(|(id, _)| *id),
+    };
+    // The toolkit has looked for one in its own way.
+    ui.memory_mut(|memory| memory.move_focus(egui::FocusDirection::None));
+    to.into_iter().for_each(|to| ui.memory_mut(|memory| memory.request_focus(to)));
+    true
+}
+
+/// What lies nearest to `from` that way: what is off to the side counts as twice as far.
+fn nearest(items: &[(Id, Rect)], from: Rect, way: Vec2) -> Option<Id> {
+    let gap = |a: egui::Rangef, b: egui::Rangef| (b.min - a.max).max(a.min - b.max).max(0.0);
+    let cost = |rect: &Rect| {
+        let across = [gap(from.x_range(), rect.x_range()), gap(from.y_range(), rect.y_range())];
+        let (along, off) = if way.x == 0.0 { (across[1], across[0]) } else { (across[0], across[1]) };
+        along + 2.0 * off
+    };
+    let lies_there = |rect: &Rect| {
+        (rect.center() - from.center()).dot(way) > 0.0 && {
+            // Beyond the edge, not only a little further on.
+            let (edge, near) = (from.center() + way * from.size() / 2.0, rect.center() - way * rect.size() / 2.0);
+            (near - edge).dot(way) > -2.0
+        }
+    };
+    let there = items.iter().filter(|(_, rect)| lies_there(rect));
+    there.min_by(|(_, a), (_, b)| cost(a).total_cmp(&cost(b))).map(|(id, _)| *id)
+}
+
+/// The page as it is drawn.
+struct Drawn<'a, 'b> {
+    input: &'a Input<'b>,
+    previews: &'a mut Previews,
+    is_keyed: bool,
+    /// What can have the keyboard.
+    items: Vec<(Id, Rect)>,
+    actions: &'a mut Actions,
+}
+
+impl Drawn<'_, '_> {
+    /// Notes something that can have the keyboard, and scrolls to it once it has.
+    fn item(&mut self, response: &Response) {
+        self.items.push((response.id, response.rect));
+        if response.gained_focus() {
+            response.scroll_to_me(None);
+        }
+    }
+
+    /// What the program is, and the ways to open anything.
+    fn head(&mut self, ui: &mut Ui) {
+        let size = TextStyle::Body.resolve(ui.style()).size;
+        ui.horizontal(|ui| {
+            let accent = ui.visuals().hyperlink_color;
+            ui.label(widgets::icon(ui, Icon::ScanEye).size(1.9 * size).color(accent));
+            ui.add(Label::new(RichText::new("Motionscope").font(FontId::new(1.5 * size, style::bold()))));
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                if widgets::icon_button(ui, Icon::X, "Close start page", false).on_hover_text("Close\nEsc").clicked() {
+                    self.actions.command(Command::StartPage);
+                }
+                for command in BUTTONS.into_iter().rev() {
+                    self.button(ui, command);
+                }
+            });
+        });
+        ui.label(RichText::new("Walk through any motion estimator, step by step, forwards and backwards.").weak());
+    }
+
+    fn button(&mut self, ui: &mut Ui, command: Command) {
+        let size = TextStyle::Body.resolve(ui.style()).size;
+        let info = command.info();
+        // In a narrow window the icons alone.
+        let is_narrow = ui.ctx().content_rect().width() < NAMED_LETTERS * size;
+        let glyph = widgets::icon(ui, info.icon);
+        let button = if is_narrow { Button::new(glyph) } else { Button::new((glyph, info.text)) };
+        let response = ui.add(button.min_size(vec2(1.9 * size, 1.9 * size)));
+        response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, info.text));
+        self.item(&response);
+        if response.on_hover_text(command.with_key(info.tip)).clicked() {
+            self.actions.command(command);
+        }
+    }
+
+    /// What is being opened, or why the last one was not.
+    fn news(&mut self, ui: &mut Ui) {
+        if let Some(loading) = self.input.loading {
+            ui.horizontal(|ui| {
+                ui.spinner();
+                ui.label(format!("Opening {}…", widgets::elide(&loading.name.display().to_string(), 60)));
+                if ui.button("Cancel").clicked() {
+                    self.actions.ask(Action::CancelOpening);
+                }
+            });
+        } else if let Some(error) = self.input.error {
+            ui.horizontal(|ui| {
+                let ink = style::color(self.input.theme.chrome().error);
+                ui.label(widgets::icon(ui, Icon::TriangleAlert).color(ink));
+                let text = format!("{}.", capital(&error.to_string()));
+                let label = ui.add(Label::new(&text).wrap().selectable(true));
+                label.widget_info(|| WidgetInfo::labeled(egui::Role::Alert, true, &text));
+            });
+        }
+    }
+
+    /// The first samples, in as many columns as fit. The first card gets the keyboard when the page is opened.
+    fn samples(&mut self, ui: &mut Ui, is_begun: &mut bool) {
+        let size = TextStyle::Body.resolve(ui.style()).size;
+        let rows = if ui.ctx().content_rect().height() > TWO_ROWS * size { 2 } else { 1 };
+        let gap = 12.0;
+        let least = CARD_LETTERS[usize::from(is_roomy(ui))] * size;
+        let columns = ((ui.available_width() + gap) / (least + gap)).floor().max(2.0);
+        let width = ((ui.available_width() + gap) / columns - gap).floor();
+        let picture = (PICTURE_SHARE * width).round();
+        let face = Face {
+            size: vec2(width, picture + 2.6 * TextStyle::Small.resolve(ui.style()).size + 20.0),
+            picture,
+            has_words: false,
+            plays: self.input.plays,
+            follows_focus: self.is_keyed,
+            theme: self.input.theme,
+        };
+        widgets::heading(ui, "Begin with a clip");
+        let numbers: Vec<usize> = (0..SCENES.len()).take(columns as usize * rows).collect();
+        for row in numbers.chunks(columns as usize) {
+            ui.horizontal(|ui| {
+                ui.spacing_mut().item_spacing.x = gap;
+                for of in row {
+                    let card = sample_card::show(ui, *of, self.previews, face);
+                    self.item(&card);
+                    if card.clicked() {
+                        self.actions.ask(Action::OpenSample(&SCENES[*of]));
+                    }
+                    if !std::mem::replace(is_begun, true) {
+                        card.request_focus();
+                    }
+                }
+            });
+            ui.add_space(gap - 4.0);
+        }
+    }
+
+    /// The lessons, and beside them what was open lately.
+    fn lessons_and_recent(&mut self, ui: &mut Ui, recent: &[Recent]) {
+        let size = TextStyle::Body.resolve(ui.style()).size;
+        let all = ui.available_width();
+        let beside = if recent.is_empty() { 0.0 } else { (RECENT_LETTERS * size).min(0.34 * all) };
+        ui.horizontal_top(|ui| {
+            ui.vertical(|ui| {
+                ui.set_width(all - beside - 24.0);
+                widgets::heading(ui, "Lessons by chapter");
+                self.lessons(ui);
+            });
+            if beside > 0.0 {
+                ui.vertical(|ui| {
+                    ui.set_width(beside);
+                    widgets::heading(ui, "Open again");
+                    tighten(ui);
+                    recent.iter().for_each(|one| self.again(ui, one));
+                });
+            }
+        });
+    }
+
+    fn lessons(&mut self, ui: &mut Ui) {
+        let size = TextStyle::Body.resolve(ui.style()).size;
+        tighten(ui);
+        for (chapter, lessons) in lesson::chapters() {
+            ui.horizontal_top(|ui| {
+                let row = ui.spacing().interact_size.y;
+                let width = (CHAPTER_LETTERS * size).min(0.36 * ui.available_width());
+                let (rect, _) = ui.allocate_exact_size(vec2(width, row), egui::Sense::hover());
+                let mut name = widgets::inside(ui, rect, Layout::left_to_right(Align::Center));
+                name.add(Label::new(RichText::new(chapter.title()).small().weak()).truncate());
+                ui.horizontal_wrapped(|ui| lessons.into_iter().for_each(|one| self.lesson(ui, one)));
+            });
+        }
+    }
+
+    fn lesson(&mut self, ui: &mut Ui, one: &Lesson) {
+        let button = ui.add(Button::new(&one.title).frame_when_inactive(false));
+        self.item(&button);
+        if button.on_hover_text(format!("{}\n{} pages", one.summary, one.pages.len())).clicked() {
+            self.actions.ask(Action::OpenPage(Address::from(one)));
+        }
+    }
+
+    /// Something that was open lately.
+    fn again(&mut self, ui: &mut Ui, one: &Recent) {
+        let place = if one.is_missing { "missing" } else { one.place.as_str() };
+        let glyph = match (one.is_missing, is_file(&one.path)) {
+            (true, _) => Icon::FileX,
+            (false, true) => Icon::File,
+            (false, false) => Icon::BookOpen,
+        };
+        let glyph = widgets::icon(ui, glyph);
+        let button = Button::new((glyph, RichText::new(&one.title))).frame_when_inactive(false).truncate();
+        let button = ui.add_enabled(!one.is_missing, button);
+        let (enabled, name) = (!one.is_missing, format!("{}, {place}", one.title));
+        button.widget_info(|| WidgetInfo::labeled(egui::Role::Button, enabled, &name));
+        let path = one.path.display();
+        if one.is_missing {
+            button.on_disabled_hover_text(format!("{path} is missing."));
+            return;
+        }
+        self.item(&button);
+        if button.on_hover_text(if is_file(&one.path) { path.to_string() } else { name.clone() }).clicked() {
+            self.actions.ask(Action::Open(one.path.clone().into()));
+        }
+    }
+
+    /// Whether the page comes again, and the keys.
+    fn foot(&mut self, ui: &mut Ui) {
+        let mut is_shown = self.input.is_shown_at_start;
+        let shown = ui.checkbox(&mut is_shown, "Show at start");
+        self.item(&shown);
+        if shown.changed() {
+            self.actions.ask(Action::ShowAtStart(is_shown));
+        }
+        let theme = self.input.theme;
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            for (index, (word, keys)) in
+                [("to the window", &["Esc"][..]), ("opens", &["Enter"]), ("choose", &["↓", "↑", "→", "←"])]
+                    .iter()
+                    .enumerate()
+            {
+                if index > 0 {
+                    ui.add_space(12.0);
+                }
+                ui.label(RichText::new(*word).weak());
+                keys.iter().for_each(|key| drop(widgets::key_cap(ui, key, theme)));
+            }
+        });
+    }
+}
+
+/// Whether the window is much larger than its type.
+fn is_roomy(ui: &Ui) -> bool {
+    ui.ctx().content_rect().height() > ROOMY * TextStyle::Body.resolve(ui.style()).size
+}
+
+/// Lines that follow each other closely, so that all chapters are seen in a lecture hall without scrolling.
+fn tighten(ui: &mut Ui) {
+    let size = TextStyle::Body.resolve(ui.style()).size;
+    let lines = if is_roomy(ui) { 2.2 } else { 1.6 };
+    let spacing = ui.spacing_mut();
+    spacing.interact_size.y = (lines * size).round();
+    (spacing.button_padding.y, spacing.item_spacing.y) = (0.0, 0.0);
+}
+
+#[cfg(test)]
+mod tests {
+    use eframe::egui::pos2;
+
+    use super::*;
+
+    #[test]
+    fn arrows_go_to_what_lies_next_to_where_they_start() {
+        let at = |x: f32, y: f32, width: f32| Rect::from_min_size(pos2(x, y), vec2(width, 20.0));
+        // Two cards above two rows of lessons, which begin further right.
+        let rects = [
+            at(0.0, 0.0, 90.0),
+            at(100.0, 0.0, 90.0),
+            at(150.0, 50.0, 60.0),
+            at(220.0, 50.0, 60.0),
+            at(150.0, 72.0, 40.0),
+        ];
+        let items: Vec<(Id, Rect)> =
+            rects.iter().enumerate().map(|(i, rect)| (Id::unique(("item", i)), *rect)).collect();
+        let next = |from: usize, x: f32, y: f32| {
+            let found = nearest(&items, rects[from], vec2(x, y));
+            found.and_then(|id| items.iter().position(|(other, _)| *other == id))
+        };
+        assert_eq!((next(0, 1.0, 0.0), next(1, -1.0, 0.0)), (Some(1), Some(0)));
+        assert_eq!((next(0, 0.0, 1.0), next(1, 0.0, 1.0)), (Some(2), Some(2)), "the first row of lessons");
+        assert_eq!((next(2, 0.0, 1.0), next(3, 0.0, 1.0), next(4, 0.0, -1.0)), (Some(4), Some(4), Some(2)));
+        assert_eq!((next(2, 1.0, 0.0), next(2, 0.0, -1.0)), (Some(3), Some(1)));
+        assert_eq!((next(0, -1.0, 0.0), next(4, 0.0, 1.0)), (None, None));
+    }
+}

@@ -1,0 +1,84 @@
+//! The search over all texts, from the keyboard to what is opened.
+
+use super::*;
+
+/// A window in which `words` were typed into the search.
+fn searched(words: &str) -> Window {
+    let mut window = Window::new(vec2(1280.0, 720.0));
+    window.press(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::F);
+    window.harness.get_by_label("Words to find").type_text(words);
+    window.settle();
+    window
+}
+
+fn hits(window: &Window) -> Vec<String> {
+    let all = window.harness.query_all_by_role(Role::ListBoxOption);
+    all.filter_map(|node| node.accesskit_node().label()).collect()
+}
+
+#[test]
+fn a_word_of_a_lesson_leads_to_its_page_and_back() {
+    let mut window = searched("misprint");
+    let all = hits(&window);
+    assert!(all.iter().all(|hit| hit.to_lowercase().contains("misprint")) && all.len() > 1, "{all:?}");
+    window.key(Key::ArrowDown);
+    window.key(Key::Enter);
+    assert!(window.has(Region::Lesson));
+    let place = all[1].split(", ").nth(1).expect("the lesson").to_owned();
+    assert!(window.harness.query_all_by_label_contains(&place).next().is_some(), "{place}");
+    window.command(Command::SearchText);
+    window.harness.get_by_label("Words to find").type_text("kalman gain");
+    window.settle();
+    window.key(Key::Enter);
+    assert!(window.harness.query_by_label("Find a term").is_some(), "a term opens the glossary");
+}
+
+#[test]
+fn estimators_parameters_and_examples_are_opened() {
+    let mut window = searched("farneback");
+    window.key(Key::Enter);
+    assert_eq!(window.shown().info.id, "farneback");
+    let mut window = searched("search range");
+    // The term of that name stands before it.
+    let is_parameter = |hit: &String| hit.starts_with("Search range, ") && hit.contains(" more. ");
+    let at = hits(&window).iter().position(is_parameter).expect("the parameter");
+    (0..at).for_each(|_| window.key(Key::ArrowDown));
+    window.key(Key::Enter);
+    assert!(!window.app().folded().parameters, "the parameters are shown");
+    assert_eq!(window.shown().info.id, "full-search", "an estimator that has it stays");
+}
+
+#[test]
+fn a_chart_is_shown_or_it_says_when_there_is_one() {
+    let mut window = searched("point cloud");
+    let at = hits(&window).iter().position(|hit| hit.contains(", Chart. ")).expect("the chart");
+    (0..at).for_each(|_| window.key(Key::ArrowDown));
+    window.key(Key::Enter);
+    assert!(
+        window.app().message().is_some_and(|text| text.starts_with("Point cloud shows")),
+        "{:?}",
+        window.app().message()
+    );
+    // By the palette as well.
+    let mut window = Window::new(vec2(1280.0, 720.0));
+    let surface = |window: &Window| window.harness.query_all_by_label_contains("in three dimensions").next().is_some();
+    assert!(!surface(&window));
+    window.press(Modifiers::COMMAND, Key::K);
+    window.harness.get_by_label("What to find").type_text("chart 3-d");
+    window.settle();
+    window.key(Key::Enter);
+    assert!(surface(&window), "{:?}", window.app().message());
+}
+
+#[test]
+fn what_no_command_is_called_is_searched_in_the_texts() {
+    let mut window = Window::new(vec2(1280.0, 720.0));
+    window.press(Modifiers::COMMAND, Key::K);
+    window.harness.get_by_label("What to find").type_text("misprint zzz");
+    window.settle();
+    window.key(Key::Enter);
+    assert!(window.harness.query_by_label("Words to find").is_some());
+    assert!(window.harness.query_by_label_contains("Nothing has all of these words").is_some());
+    window.key(Key::Escape);
+    assert!(window.harness.query_by_label("Words to find").is_none());
+}
