@@ -31,6 +31,13 @@ Examples:
   motionscope glossary structure tensor          one definition
   motionscope glossary NIS --json                as JSON: term, aliases, symbol, definition, chapter";
 
+/// Of `camera`.
+pub const CAMERA: &str = "\
+Examples:
+  motionscope camera --list                      all cameras and the test picture
+  motionscope camera --out hand.y4m              3 seconds from the first camera
+  motionscope camera --device test --seconds 5 --size 320x240 --out test.y4m";
+
 /// Of `lessons`.
 pub const LESSONS: &str = "\
 Examples:

@@ -35,6 +35,7 @@ impl App {
             Action::OpenSample(sample) => self.open_sample(sample),
             Action::OpenExample(id, example) => self.open_example(id, example),
             Action::OpenPage(address) => self.open_page(address),
+            Action::OpenRecording(kept, estimator, ended) => self.open_recording(kept, estimator, ended),
             Action::CancelOpening => self.loading = None,
             Action::Browse(wanted) => self.browse(wanted),
             Action::Write(order) => self.write(*order),
@@ -118,6 +119,7 @@ impl App {
             }
             C::Lockstep => self.toggle_lockstep(),
             C::Samples => self.overlay = Overlay::Samples,
+            C::Camera => self.open_camera(),
             C::NextExample => self.next_example(),
             C::Lessons => self.overlay = Overlay::Lessons,
             C::CloseLesson => self.close_lesson(),
@@ -130,6 +132,7 @@ impl App {
             C::About => self.overlay = Overlay::About,
             C::Quit => self.ctx.send_viewport_cmd(ViewportCommand::Close),
             C::SaveSession => self.save_as(Kind::Session),
+            C::SaveClip => self.save_as(Kind::Clip),
             C::ExportPicture => self.save_as(Kind::Picture),
             C::ExportSteps => self.save_as(Kind::Steps),
             C::ExportResult => self.save_as(Kind::Result),
@@ -348,7 +351,7 @@ impl App {
         self.settings.charts.turn(&all, count.max(1), is_back);
     }
 
-    fn choose(&mut self, id: &str) {
+    pub(super) fn choose(&mut self, id: &str) {
         match estimator(id) {
             Ok(chosen) => {
                 let was_single = self.shows_frame_alone();

@@ -10,9 +10,12 @@ use motionscope_core::{Cursor, Direction, Error, Role};
 use crate::experiment::side_by_side::SideBySide;
 use crate::experiment::source::Source;
 use crate::ui::app::action::{Action, Actions, Browse};
+use crate::ui::app::camera::Recorder;
 use crate::ui::app::commands::{Granularities, Situation};
 use crate::ui::app::keys;
-use crate::ui::dialogs::{compare, gallery, lessons, open as open_dialog, palette, save as save_dialog, sheet, terms};
+use crate::ui::dialogs::{
+    camera, compare, gallery, lessons, open as open_dialog, palette, save as save_dialog, sheet, terms,
+};
 use crate::ui::drawing::style::{self, ZOOM};
 use crate::ui::model::document::{Document, Owner};
 use crate::ui::model::lesson::OpenLesson;
@@ -50,6 +53,8 @@ pub(super) enum Overlay {
     Samples,
     /// The lessons.
     Lessons,
+    /// A camera.
+    Camera(Box<camera::State>),
     /// Estimators beside each other.
     Compare(Box<compare::State>),
     /// What the program is.
@@ -100,6 +105,8 @@ pub struct App {
     pub(super) browsing: Option<(Browse, Receiver<Option<PathBuf>>)>,
     /// What is being written.
     pub(super) writing: Option<Writing>,
+    /// The cameras, and what was recorded last.
+    pub(super) recorder: Recorder,
     /// The estimators that were last in lockstep.
     pub(super) side_by_side: SideBySide,
     /// Where was written last.
@@ -143,6 +150,7 @@ impl App {
             lesson: None,
             browsing: None,
             writing: None,
+            recorder: Recorder::default(),
             side_by_side: SideBySide::default(),
             folder: None,
             played: 0.0,
@@ -474,6 +482,7 @@ impl App {
             Overlay::Shortcuts => sheet::shortcuts(ctx, &self.granularities(), theme),
             Overlay::Open(state) => open_dialog::show(ctx, state, &self.settings.recent, actions),
             Overlay::Save(state) => save_dialog::show(ctx, state, self.granularities(), actions),
+            Overlay::Camera(state) => camera::show(ctx, state, (&self.document, &self.settings.look), actions),
             Overlay::Compare(state) => compare::show(ctx, state, &self.document, theme, actions),
             Overlay::Lessons => lessons::show(ctx, theme, actions),
             Overlay::Samples => gallery::show(ctx, &mut self.gallery, theme, actions),
