@@ -9,6 +9,7 @@ use motionscope_core::{Cursor, Pace, Threads};
 use super::examples;
 use super::look::LookFlags;
 use crate::experiment::pixel::Pixel;
+use crate::media::camera::Size;
 use crate::media::export::Timing;
 use crate::media::{Given, GivenCalibration, RightView, depth_scale, disparity_scale};
 use crate::results::Asked;
@@ -105,6 +106,9 @@ pub enum Command {
         #[arg(long)]
         list: bool,
     },
+    /// List the cameras, or record a clip from one.
+    #[command(after_help = examples::CAMERA)]
+    Camera(CameraArgs),
     /// Run an estimator on a pair of frames, or through a clip, and report time and errors.
     #[command(after_help = examples::RUN)]
     Run(RunArgs),
@@ -114,6 +118,25 @@ pub enum Command {
     /// Compare estimators on the same pair of frames in one table.
     #[command(after_help = examples::COMPARE)]
     Compare(CompareArgs),
+}
+
+#[derive(Group)]
+pub struct CameraArgs {
+    /// List the cameras.
+    #[arg(long)]
+    pub list: bool,
+    /// Camera to record from, by its name or a part of it; the first one by default.
+    #[arg(long, value_name = "NAME", requires = "out")]
+    pub device: Option<String>,
+    /// Width and height of the frames in px.
+    #[arg(long, value_name = "WxH", default_value = "640x480", value_parser = size)]
+    pub size: Size,
+    /// Duration of the recording in seconds.
+    #[arg(long, value_name = "S", default_value = "3", value_parser = seconds)]
+    pub seconds: f32,
+    /// Output file, .y4m; without it the cameras are listed.
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
 }
 
 #[derive(Group)]
@@ -346,6 +369,15 @@ pub struct ExportArgs {
 }
 
 // clap shows the error of a value parser as text.
+
+fn size(text: &str) -> Result<Size, String> {
+    text.parse().map_err(|error: motionscope_core::Error| error.to_string())
+}
+
+fn seconds(text: &str) -> Result<f32, String> {
+    let message = || format!("a recording takes 0.1 to 600 seconds, not {text}");
+    text.parse().ok().filter(|seconds| (0.1..=600.0).contains(seconds)).ok_or_else(message)
+}
 
 fn pixel(text: &str) -> Result<Pixel, String> {
     text.parse().map_err(|error: motionscope_core::Error| error.to_string())

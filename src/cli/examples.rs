@@ -36,6 +36,12 @@ pub const SEARCH: &str = "\
 Examples:
   motionscope search aperture problem            pages, terms, estimators, examples with both words
   motionscope search regularisation --json       as JSON: kind, title, place, excerpt, arguments that open it";
+/// Of `camera`.
+pub const CAMERA: &str = "\
+Examples:
+  motionscope camera --list                      all cameras and the test picture
+  motionscope camera --out hand.y4m              3 seconds from the first camera
+  motionscope camera --device test --seconds 5 --size 320x240 --out test.y4m";
 
 /// Of `lessons`.
 pub const LESSONS: &str = "\

@@ -1,6 +1,7 @@
 //! The command line: all functions without a window.
 
 mod args;
+mod camera;
 mod compare;
 mod examples;
 mod export;
@@ -82,6 +83,7 @@ fn run(args: Args) -> Result<(), Error> {
             (Some(name), Some(out)) if !list => synth(&name, &out, &set),
             _ => say(&list::scenes()),
         },
+        Some(Command::Camera(args)) => say(&camera::camera(&args)?),
         Some(Command::Run(args)) => run::run(&args),
         Some(Command::Export(args)) => export::export(&args),
         Some(Command::Compare(args)) => compare::compare(&args),

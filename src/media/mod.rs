@@ -5,6 +5,7 @@
 
 mod animation;
 mod cache;
+pub mod camera;
 mod catch_panic;
 mod depths;
 mod detect_format;

@@ -28,6 +28,11 @@ static RUN: OnceLock<Run> = OnceLock::new();
 /// Read by whoever is writing, and written by a signal that ends this run: from then on nothing is written.
 static AT_WORK: RwLock<()> = RwLock::new(());
 
+/// Whether `path` lies in a temporary folder or is a temporary file.
+pub fn is_temporary(path: &Path) -> bool {
+    path.components().any(|part| part.as_os_str().to_str().is_some_and(|part| part.starts_with(PREFIX)))
+}
+
 /// How the names of unfinished things in `folder` are to begin.
 pub fn prefix(folder: &Path) -> String {
     let Some(run) = RUN.get() else { return PREFIX.into() };

@@ -79,7 +79,7 @@ fn help_and_lists_speak_as_the_field_does() {
     ] {
         lines.extend(printed(arguments).into_iter().map(|line| ("printed", line)));
     }
-    for command in ["list", "glossary", "search", "lessons", "info", "synth", "run", "export", "compare"] {
+    for command in ["list", "glossary", "search", "lessons", "info", "synth", "camera", "run", "export", "compare"] {
         lines.extend(printed(&[command, "--help"]).into_iter().map(|line| ("help", line)));
     }
     let count = check(lines);

@@ -24,4 +24,4 @@ pub use mark::save_result;
 pub use mot::{mot, rect as mot_rect};
 pub use npy::{npy, npy_of};
 pub use picture::{Pixels, png, png_result};
-pub use save::{make_folder, save};
+pub use save::{copy, make_folder, save};

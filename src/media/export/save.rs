@@ -8,6 +8,15 @@ use motionscope_core::Error;
 
 use crate::media::temporary;
 
+/// Copies the file `from` to `to` atomically.
+///
+/// # Errors
+/// If it cannot be read, and as [`save`].
+pub fn copy(from: &Path, to: &Path) -> Result<(), Error> {
+    let unread = |error: io::Error| Error::new(format!("{} cannot be read ({error})", from.display()));
+    save(to, &fs::read(from).map_err(unread)?)
+}
+
 /// Saves `bytes` to `path` atomically; `-` is standard output.
 ///
 /// # Errors

@@ -2,7 +2,7 @@
 //!
 //! ffprobe tells what the file is, ffmpeg pipes its frames as portable pixmaps. Neither sees a shell or the network.
 
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 use std::process::{Child, ChildStdout, Command, Stdio};
@@ -195,14 +195,19 @@ impl Probe {
         matches!(rates, [Some(mean), Some(finest)] if finest > 1.1 * mean)
     }
 
-    /// Whether this ffmpeg knows only the old name of `-fps_mode`, which came with 5.1.
+    /// As [`is_old`].
     fn old(&self) -> bool {
-        let mut numbers = self.version.split(|c: char| !c.is_ascii_digit()).map(str::parse::<u32>);
-        match (numbers.next(), numbers.next()) {
-            (Some(Ok(major)), Some(Ok(minor))) => (major, minor) < (5, 1),
-            // Versions built from its repository begin with a letter.
-            _ => false,
-        }
+        is_old(&self.version)
+    }
+}
+
+/// Whether an ffmpeg of this version knows only the old name of `-fps_mode`, which came with 5.1.
+pub(in crate::media) fn is_old(version: &str) -> bool {
+    let mut numbers = version.split(|c: char| !c.is_ascii_digit()).map(str::parse::<u32>);
+    match (numbers.next(), numbers.next()) {
+        (Some(Ok(major)), Some(Ok(minor))) => (major, minor) < (5, 1),
+        // Versions built from its repository begin with a letter.
+        _ => false,
     }
 }
 
@@ -235,7 +240,7 @@ impl Failed {
 }
 
 /// A program of the user's, without a console window of its own.
-fn program(name: &str) -> Command {
+pub(in crate::media) fn program(name: impl AsRef<OsStr>) -> Command {
     let mut command = Command::new(name);
     #[cfg(windows)]
     {
@@ -273,7 +278,7 @@ fn url(path: &Path) -> OsString {
 }
 
 /// A child process that does not outlive its owner.
-struct Running(Child);
+pub(in crate::media) struct Running(pub Child);
 
 impl Drop for Running {
     fn drop(&mut self) {

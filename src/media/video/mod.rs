@@ -4,7 +4,7 @@ mod avi;
 mod bytes;
 mod coded;
 mod color;
-mod ffmpeg;
+pub(super) mod ffmpeg;
 mod h264;
 mod matroska;
 mod mjpeg;
@@ -13,7 +13,7 @@ mod mp4_samples;
 mod raw;
 mod turn;
 mod vp9;
-mod y4m;
+pub(super) mod y4m;
 
 use std::path::Path;
 

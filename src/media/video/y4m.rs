@@ -10,7 +10,7 @@ use crate::media::input::Input;
 use crate::media::{Decoder, Open, Source, check_size};
 
 /// Longest header line that is believed, in bytes.
-const MAX_LINE_BYTES: u64 = 4096;
+pub(crate) const MAX_LINE_BYTES: u64 = 4096;
 
 /// Opens Y4M video.
 ///
@@ -45,24 +45,21 @@ struct Y4m {
 impl Decoder for Y4m {
     fn decode(&mut self, index: usize, _stop: &Stop, keep: &mut dyn FnMut(usize, Frame)) -> Result<(), Error> {
         let Some(&offset) = self.offsets.get(index) else { return Ok(()) };
-        let Header { width, height, chroma, depth, colors, .. } = self.header;
-        let mut bytes = self.input.read(offset, self.header.frame_bytes())?;
-        let sizes = Yuv::plane_sizes(width, height, chroma);
-        let [luma, small, _] = sizes.map(|(w, h)| w * h * depth.div_ceil(8) as usize);
-        // Alpha, if any, comes last and is left out.
-        bytes.truncate(luma + 2 * small);
-        let v = bytes.split_off(luma + small);
-        let u = bytes.split_off(luma);
-        keep(index, Yuv { width, height, chroma, depth, planes: [bytes, u, v], colors }.into_frame()?);
+        let bytes = self.input.read(offset, self.header.frame_bytes())?;
+        keep(index, self.header.frame(bytes)?);
         Ok(())
     }
 }
 
+/// What the first line tells of every frame.
 #[derive(Clone, Debug)]
-struct Header {
-    width: usize,
-    height: usize,
-    fps: Option<f64>,
+pub(crate) struct Header {
+    /// Width in pixels.
+    pub width: usize,
+    /// Height in pixels.
+    pub height: usize,
+    /// Frames per second, if it tells.
+    pub fps: Option<f64>,
     chroma: Chroma,
     depth: u32,
     alpha: bool,
@@ -71,7 +68,11 @@ struct Header {
 }
 
 impl Header {
-    fn parse(line: &[u8]) -> Result<Self, Error> {
+    /// The header in the first line of a stream.
+    ///
+    /// # Errors
+    /// If it does not tell the size, or its colour space is not known.
+    pub(crate) fn parse(line: &[u8]) -> Result<Self, Error> {
         let text = String::from_utf8_lossy(line);
         let mut width = None;
         let mut height = None;
@@ -105,7 +106,26 @@ impl Header {
         Ok(Self { width, height, fps, chroma, depth, alpha, interlaced, colors })
     }
 
-    fn frame_bytes(&self) -> u64 {
+    /// The frame whose samples are `bytes`.
+    ///
+    /// # Errors
+    /// If there are not as many as the size needs.
+    pub(crate) fn frame(&self, mut bytes: Vec<u8>) -> Result<Frame, Error> {
+        let Header { width, height, chroma, depth, colors, .. } = *self;
+        let sizes = Yuv::plane_sizes(width, height, chroma);
+        let [luma, small, _] = sizes.map(|(w, h)| w * h * depth.div_ceil(8) as usize);
+        if bytes.len() < luma + 2 * small {
+            return Err(Error::new("a frame of it is cut off"));
+        }
+        // Alpha, if any, comes last and is left out.
+        bytes.truncate(luma + 2 * small);
+        let v = bytes.split_off(luma + small);
+        let u = bytes.split_off(luma);
+        Yuv { width, height, chroma, depth, planes: [bytes, u, v], colors }.into_frame()
+    }
+
+    /// Bytes of the samples of a frame.
+    pub(crate) fn frame_bytes(&self) -> u64 {
         let [luma, u, v] = Yuv::plane_sizes(self.width, self.height, self.chroma).map(|(w, h)| (w * h) as u64);
         let samples = luma + u + v + if self.alpha { luma } else { 0 };
         samples * u64::from(self.depth.div_ceil(8))

@@ -6,9 +6,10 @@ use std::sync::Arc;
 use motionscope_core::examples::Example;
 use motionscope_core::scene::Focus;
 use motionscope_core::synth::Sample;
-use motionscope_core::{Cursor, Pace, Value};
+use motionscope_core::{Cursor, Error, Pace, Value};
 
 use crate::experiment::comparison::Row;
+use crate::media::camera::Kept;
 use crate::search::Target;
 use crate::session::lesson::Address;
 use crate::ui::app::commands::Command;
@@ -63,6 +64,8 @@ pub enum Action {
     Show(Target),
     /// Show the start page at each start, or no more.
     ShowAtStart(bool),
+    /// Open a recording of a camera with the estimator of this id, and tell why the camera ended, if it did.
+    OpenRecording(Arc<Kept>, Option<&'static str>, Option<Error>),
     /// Cancel opening a clip.
     CancelOpening,
     /// Open the system's file dialog.

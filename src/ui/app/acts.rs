@@ -49,6 +49,7 @@ impl App {
             Action::OpenPage(address) => self.follow_link(address),
             Action::Show(target) => self.show_found(target),
             Action::ShowAtStart(is_shown) => self.settings.has_start_page = is_shown,
+            Action::OpenRecording(kept, estimator, ended) => self.open_recording(kept, estimator, ended),
             Action::CancelOpening => self.loading = None,
             Action::Browse(wanted) => self.browse(wanted),
             Action::Write(order) => self.write(*order),
@@ -147,6 +148,7 @@ impl App {
             C::SearchText => self.overlay = Overlay::Find(find::State::default()),
             C::BackToPage => self.back_to_page(),
             C::Samples => self.overlay = Overlay::Samples,
+            C::Camera => self.open_camera(),
             C::NextExample => self.next_example(),
             C::Lessons => self.overlay = Overlay::Lessons(lessons::State::at(self.lesson.as_ref())),
             C::CloseLesson => self.close_lesson(),
@@ -159,6 +161,7 @@ impl App {
             C::About => self.overlay = Overlay::About,
             C::Quit => self.ctx.send_viewport_cmd(ViewportCommand::Close),
             C::SaveSession => self.save_as(Kind::Session),
+            C::SaveClip => self.save_as(Kind::Clip),
             C::ExportPicture => self.save_as(Kind::Picture),
             C::ExportSteps => self.save_as(Kind::Steps),
             C::ExportResult => self.save_as(Kind::Result),
@@ -380,7 +383,7 @@ impl App {
         self.settings.charts.turn(&all, count.max(1), is_back);
     }
 
-    fn choose(&mut self, id: &str) {
+    pub(super) fn choose(&mut self, id: &str) {
         match estimator(id) {
             Ok(chosen) => {
                 let was_single = self.shows_frame_alone();

@@ -53,6 +53,8 @@ commands! {
     StartPage,
     /// Show the bundled samples.
     Samples,
+    /// Record a clip from a camera.
+    Camera,
     /// Open the next example of the estimator.
     NextExample,
     /// Show the lessons.
@@ -63,6 +65,8 @@ commands! {
     CopyPage,
     /// Save the session file.
     SaveSession,
+    /// Save the frames of the clip.
+    SaveClip,
     /// Close the window.
     Quit,
     /// Undo the last change of a parameter.
@@ -455,7 +459,7 @@ impl Command {
             C::Stop => now.busy || now.checking || now.playing,
             C::NextFrame => now.has_clip && !now.at_last_frame,
             C::PreviousFrame => now.has_clip && !now.at_first_frame,
-            C::SaveSession | C::ExportPicture | C::ExportSteps | C::ExportResult => now.has_run,
+            C::SaveSession | C::SaveClip | C::ExportPicture | C::ExportSteps | C::ExportResult => now.has_run,
             C::SideBySide | C::FrameT | C::FrameNext | C::Difference | C::Blend | C::Blink => now.has_run,
             C::Prediction | C::Residual => now.has_run && now.at_end,
             C::ZoomIn | C::ZoomOut | C::Fit | C::ActualSize => now.has_run,
@@ -463,9 +467,9 @@ impl Command {
             C::NextLayer => now.has_run && now.available.has_colors(),
             C::Streaks | C::LockScale => now.has_run && now.available.has_field(),
             C::Layer(_) => now.has_run && self.layer().is_some_and(|layer| now.available.why_never(layer).is_none()),
-            C::Open | C::PastePath | C::Samples | C::NextExample | C::Lessons | C::Quit => true,
             C::StartPage | C::SearchText => true,
             C::BackToPage => now.has_trail,
+            C::Open | C::PastePath | C::Samples | C::Camera | C::NextExample | C::Lessons | C::Quit => true,
             C::CloseLesson => now.in_lesson,
             C::CopyPage => now.has_run,
             C::NextPage => now.in_lesson && !now.at_last_page,

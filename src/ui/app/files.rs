@@ -14,6 +14,7 @@ use motionscope_core::{AnyEstimator, Clip, Cursor, Error, Info, estimator};
 use crate::experiment::first;
 use crate::experiment::source::Source;
 use crate::experiment::{Experiment, Position};
+use crate::media::camera::is_unsaved;
 use crate::media::export;
 use crate::media::{Given, Open};
 use crate::paint::charts::heat_map;
@@ -63,6 +64,7 @@ impl App {
             let folder = self.writing.take().and_then(|writing| writing.folder);
             match outcome {
                 Ok(text) => {
+                    self.clip_saved();
                     // Only where writing went well is the next file offered beside it.
                     self.folder = folder;
                     self.toasts.tell(text);
@@ -199,8 +201,9 @@ impl App {
     pub(super) fn note_place(&mut self) {
         let Some(shown) = self.view.shown.as_deref().filter(|shown| self.document.is_of_clip(shown)) else { return };
         let experiment = &shown.subject.experiment;
-        // A stage has its own place, and several have one that none of them has.
-        if self.document.parents().len() > 0 || !experiment.side_by_side.is_empty() {
+        // A stage has its own place, and several have one that none of them has; what is not saved is not found again.
+        let has_place = self.document.parents().len() == 0 && experiment.side_by_side.is_empty();
+        if !has_place || self.is_unsaved() {
             return;
         }
         let whole = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.into());
@@ -258,7 +261,7 @@ impl App {
         if let Some(what) = is_of_clip.filter(|_| session.is_none()) {
             let name = path.file_name().unwrap_or(path.as_os_str()).display();
             self.toasts.tell(format!("{name} gives the {what} of the open clip."));
-        } else if path.exists() && !is_right {
+        } else if path.exists() && !is_right && !is_unsaved(path) {
             self.settings.remember(path);
         }
         let left = self.document.open(clip, source, given);
@@ -402,9 +405,14 @@ impl App {
             self.toasts.fail(format!("{why} Close the stage (Shift+I), then save."));
             return;
         }
+        if kind == Kind::Session && self.is_unsaved() {
+            return self.refuse_unsaved();
+        }
         let name = self.document.clip().map_or_else(String::new, |clip| clip.info().name.clone());
         let beside = match self.document.source() {
-            Some(Source::File(path) | Source::Pair([path, _])) => path.parent().map(Path::to_owned),
+            Some(Source::File(path) | Source::Pair([path, _])) if !is_unsaved(path) => {
+                path.parent().map(Path::to_owned)
+            }
             _ => None,
         };
         let folder = self.folder.clone().or(beside).unwrap_or_else(|| std::env::current_dir().unwrap_or_default());
@@ -426,10 +434,15 @@ impl App {
         let ctx = self.ctx.clone();
         let changed = move || ctx.request_repaint();
         let inputs = Arc::clone(&shown.subject.inputs);
+        self.recorder.saved = None;
         let work: Work = match order.what {
             OutputKind::Picture => Box::new(move |order, _| writer::picture(order, &shown)),
             OutputKind::Steps(..) | OutputKind::Animation(..) => {
                 Box::new(move |order, progress| writer::steps(order, &shown, progress))
+            }
+            OutputKind::Clip(_) => {
+                self.recorder.saved = self.is_unsaved().then(|| order.path.clone());
+                Box::new(move |order, progress| writer::clip(order, &shown, progress))
             }
             OutputKind::Session => {
                 let session = self.session(&shown);
@@ -469,7 +482,7 @@ impl App {
 }
 
 /// An estimator with its parameters, as text that says whether another is the same.
-fn run_of(estimator: &dyn AnyEstimator) -> String {
+pub(super) fn run_of(estimator: &dyn AnyEstimator) -> String {
     let values = estimator.all_values().into_iter().map(|(name, value)| format!(" {name}={value}"));
     format!("{}{}", estimator.info().id, values.collect::<String>())
 }

@@ -130,6 +130,9 @@ impl App {
 
     /// Copies what is shown as a page of a lesson; its files are named from the folder of the lesson that is open.
     pub(super) fn copy_page(&mut self) {
+        if self.is_unsaved() {
+            return self.refuse_unsaved();
+        }
         let Some(shown) = self.view.shown.as_deref() else { return };
         let file = self.lesson.as_ref().and_then(|open| open.address().file());
         let folder = file.and_then(Path::parent).unwrap_or(Path::new("."));

@@ -2,6 +2,7 @@
 
 pub mod action;
 mod acts;
+mod camera;
 pub mod commands;
 mod files;
 mod find;

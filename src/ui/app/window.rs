@@ -10,10 +10,11 @@ use motionscope_core::{Cursor, Direction, Error, Move, Role};
 use crate::experiment::side_by_side::SideBySide;
 use crate::experiment::source::Source;
 use crate::ui::app::action::{Action, Actions, Browse};
+use crate::ui::app::camera::Recorder;
 use crate::ui::app::commands::{Granularities, Situation};
 use crate::ui::app::keys;
 use crate::ui::dialogs::{
-    compare, find, gallery, lessons, open as open_dialog, palette, save as save_dialog, sheet, terms,
+    camera, compare, find, gallery, lessons, open as open_dialog, palette, save as save_dialog, sheet, terms,
 };
 use crate::ui::drawing::style::{self, ZOOM};
 use crate::ui::model::document::{Document, Owner};
@@ -57,6 +58,8 @@ pub(super) enum Overlay {
     Samples,
     /// The lessons.
     Lessons(lessons::State),
+    /// A camera.
+    Camera(Box<camera::State>),
     /// Estimators beside each other.
     Compare(Box<compare::State>),
     /// What the program is.
@@ -121,6 +124,8 @@ pub struct App {
     pub(super) browsing: Option<(Browse, Receiver<Option<PathBuf>>)>,
     /// What is being written.
     pub(super) writing: Option<Writing>,
+    /// The cameras, and what was recorded last.
+    pub(super) recorder: Recorder,
     /// The estimators that were last in lockstep.
     pub(super) side_by_side: SideBySide,
     /// Where was written last.
@@ -169,6 +174,7 @@ impl App {
             lesson: None,
             browsing: None,
             writing: None,
+            recorder: Recorder::default(),
             side_by_side: SideBySide::default(),
             folder: None,
             played: 0.0,
@@ -543,6 +549,7 @@ impl App {
             Overlay::Shortcuts => sheet::shortcuts(ctx, &self.granularities(), theme),
             Overlay::Open(state) => open_dialog::show(ctx, state, &self.settings.recent, actions),
             Overlay::Save(state) => save_dialog::show(ctx, state, self.granularities(), actions),
+            Overlay::Camera(state) => camera::show(ctx, state, (&self.document, &self.settings.look), actions),
             Overlay::Compare(state) => compare::show(ctx, state, &self.document, theme, actions),
             Overlay::Lessons(state) => lessons::show(ctx, state, theme, actions),
             Overlay::Samples => {

@@ -1,5 +1,6 @@
 //! What opens over the panes.
 
+pub mod camera;
 pub mod compare;
 pub mod find;
 pub mod fuzzy;

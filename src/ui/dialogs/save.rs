@@ -8,6 +8,7 @@ use motionscope_core::{Cursor, Params, ProductKind, Value};
 
 use super::path::PathField;
 use crate::experiment::Prepared;
+use crate::experiment::source::Source;
 use crate::media::export::{AnimationFormat, Inputs, Timing};
 use crate::paint::grouped;
 use crate::results::{self, Export};
@@ -15,7 +16,7 @@ use crate::ui::app::action::{Action, Actions, Browse};
 use crate::ui::app::commands::Granularities;
 use crate::ui::model::background::Background;
 use crate::ui::model::snapshot::Snapshot;
-use crate::ui::model::writer::{self, Order, OutputKind};
+use crate::ui::model::writer::{self, ClipFormat, Order, OutputKind};
 use crate::ui::parts::widgets;
 use crate::view::look::{CaptionWords, Look};
 use crate::view::panes::{Angles, PANES, Pane, STAGE, Selection};
@@ -27,6 +28,8 @@ const SCALES: [u32; 4] = [1, 2, 4, 8];
 
 /// Rates of an animation that can be chosen, in steps per second.
 const RATES_HZ: [f32; 6] = [1.0, 2.0, 4.0, 8.0, 15.0, 25.0];
+/// The container of recordings, whose file is copied as it is.
+const Y4M: &str = "y4m";
 /// Pictures between two steps of an animation that are blended of both.
 const BLENDED: u32 = 4;
 
@@ -43,6 +46,8 @@ pub enum Kind {
     Session,
     /// The scores of the class.
     Scores,
+    /// The frames of the clip.
+    Clip,
 }
 
 impl Kind {
@@ -53,11 +58,13 @@ impl Kind {
             Kind::Result => "Export the result so far",
             Kind::Session => "Save the session",
             Kind::Scores => "Save the scores of the class",
+            Kind::Clip => "Save the clip",
         }
     }
 
-    /// What can be chosen, of an estimator that makes products of `kinds`; at least one.
-    fn choices(self, kinds: &[&ProductKind]) -> Vec<Choice> {
+    /// What can be chosen, of a run on `subject`; at least one.
+    fn choices(self, subject: &Prepared) -> Vec<Choice> {
+        let kinds: &[&ProductKind] = subject.experiment.estimator.produces();
         let choice = |ending, doc| Choice { label: label(ending), ending, doc, export: None, animation: None };
         let pictures = [
             choice("png", "PNG, pixels"),
@@ -73,6 +80,13 @@ impl Kind {
             }
             Kind::Session => vec![choice("motionscope", "Session")],
             Kind::Scores => vec![choice("csv", "CSV, a row for each question")],
+            Kind::Clip => {
+                let numbered = Choice { label: "Numbered PNG".into(), ..choice("png", "A picture for each frame") };
+                let is_copied =
+                    subject.clip.info().container == Y4M && matches!(subject.experiment.source, Source::File(_));
+                let copied = is_copied.then(|| choice(Y4M, "Uncompressed video in one file, the frames as they came"));
+                copied.into_iter().chain([numbered]).collect()
+            }
             Kind::Result => {
                 let files = results::formats(kinds).into_iter().map(|(export, format)| Choice {
                     label: label(format.ending),
@@ -162,7 +176,7 @@ impl State {
         let offered = PANES.into_iter().filter(|pane| pane.check(&**estimator).is_ok());
         let step = shown.tiles.first().map_or(&shown.step, |tile| &tile.step);
         let absent = PANES.into_iter().filter(|pane| !(pane.is_available)(step)).map(|pane| pane.id).collect();
-        let choices = kind.choices(estimator.produces());
+        let choices = kind.choices(&shown.subject);
         let from = Cursor { unit: shown.cursor.unit, event: 1 };
         // Before the first step the steps of the first unit are meant.
         let to = if shown.cursor < from { Cursor { event: usize::MAX, ..from } } else { shown.cursor };
@@ -191,8 +205,9 @@ impl State {
             Kind::Steps => format!("{stem}_steps"),
             Kind::Result if state.is_folder() => format!("{stem}_{}", state.choices[0].label.to_lowercase()),
             Kind::Result => format!("{stem}_result.{ending}"),
-            Kind::Session => format!("{stem}.{ending}"),
             Kind::Scores => format!("{stem}_scores.{ending}"),
+            Kind::Clip if state.is_folder() => stem.to_owned(),
+            Kind::Session | Kind::Clip => format!("{stem}.{ending}"),
         };
         state.path = PathField::new(folder.join(name).display().to_string());
         state
@@ -205,6 +220,10 @@ impl State {
             (Kind::Steps, _) => "One numbered file for each step, into a folder.",
             (Kind::Session, _) => "A small text file: clip, estimator, parameters, step and view.",
             (Kind::Scores, _) => "The questions that were answered, with hands, guesses and distances.",
+            (Kind::Clip, _) if self.is_folder() => {
+                "A folder with a picture for each frame, and with the ground truth if it is known."
+            }
+            (Kind::Clip, _) => "One file with the frames as they came.",
             _ if self.selection().panes.is_empty() => {
                 "The whole picture of the stage, with the same colours and lines."
             }
@@ -223,6 +242,7 @@ impl State {
     /// Whether several files are written into a folder.
     fn is_folder(&self) -> bool {
         let is_numbered = self.kind == Kind::Steps && self.choice().animation.is_none();
+        let is_numbered = is_numbered || self.kind == Kind::Clip && self.ending() == "png";
         is_numbered || self.choice().export.is_some_and(|export| export.folder.is_some())
     }
 
@@ -246,6 +266,7 @@ impl State {
         let target = &order.path;
         let file = match self.kind {
             Kind::Steps if self.is_folder() => target.join(Steps::file_name(0, self.format())),
+            Kind::Clip if self.is_folder() => target.join(format!("{}0000.png", writer::CLIP_FRAME)),
             _ => target.to_owned(),
         };
         // Looking may take a while on a drive far away: once for each name.
@@ -318,6 +339,8 @@ impl State {
             Kind::Result => OutputKind::Result(self.export(&path).ok_or("Choose a result to save.")?),
             Kind::Session => OutputKind::Session,
             Kind::Scores => OutputKind::Scores,
+            Kind::Clip if self.is_folder() => OutputKind::Clip(ClipFormat::Pictures),
+            Kind::Clip => OutputKind::Clip(ClipFormat::Copy),
             Kind::Steps => {
                 let cursor = |text: &str| text.trim().parse::<Cursor>().map_err(|error| format!("{error}."));
                 let (from, to) = (cursor(&self.from)?, cursor(&self.to)?);

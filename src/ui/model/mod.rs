@@ -5,6 +5,7 @@ pub mod comparing;
 pub mod document;
 pub mod history;
 pub mod lesson;
+pub mod live;
 pub mod loader;
 pub mod nested;
 pub mod player;

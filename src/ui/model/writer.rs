@@ -8,7 +8,9 @@ use motionscope_core::{Error, Output};
 
 use super::background::Background;
 use super::snapshot::Snapshot;
+use crate::experiment::Prepared;
 use crate::experiment::pixel::Chosen;
+use crate::experiment::source::Source;
 use crate::media::Progress;
 use crate::media::export::{self, Inputs, Target, Timing};
 use crate::results::Export;
@@ -19,6 +21,9 @@ use crate::view::steps::{Medium, Range, STEP, Steps};
 
 /// How often writing that waits for the run asks whether it was cancelled.
 const POLL: Duration = Duration::from_millis(50);
+
+/// The beginning of the names of a clip's frames.
+pub const CLIP_FRAME: &str = "frame_";
 
 /// What to write.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,6 +40,17 @@ pub enum OutputKind {
     Session,
     /// The questions that the class has answered.
     Scores,
+    /// The frames of the clip.
+    Clip(ClipFormat),
+}
+
+/// How the frames of a clip are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ClipFormat {
+    /// The file of the clip as it is.
+    Copy,
+    /// Numbered pictures in a folder, with what is known about the clip.
+    Pictures,
 }
 
 /// What to write, where, and how it looks.
@@ -58,7 +74,10 @@ impl OutputKind {
         match self {
             Self::Steps(..) => Target::Numbered(path, STEP),
             Self::Result(export) => export.target(path),
-            Self::Picture | Self::Animation(..) | Self::Session | Self::Scores => Target::File(path),
+            Self::Clip(ClipFormat::Pictures) => Target::Numbered(path, CLIP_FRAME),
+            Self::Picture | Self::Animation(..) | Self::Session | Self::Scores | Self::Clip(ClipFormat::Copy) => {
+                Target::File(path)
+            }
         }
     }
 }
@@ -120,7 +139,11 @@ pub fn steps(order: &Order, shown: &Snapshot, progress: &dyn Progress) -> Result
     let (range, medium) = match order.what {
         OutputKind::Steps(range, format) => (range, Medium::Pictures(path, format)),
         OutputKind::Animation(range, timing) => (range, Medium::Animation(path, timing)),
-        OutputKind::Picture | OutputKind::Result(_) | OutputKind::Session | OutputKind::Scores => {
+        OutputKind::Picture
+        | OutputKind::Result(_)
+        | OutputKind::Session
+        | OutputKind::Scores
+        | OutputKind::Clip(_) => {
             return picture(order, shown);
         }
     };
@@ -133,6 +156,23 @@ pub fn steps(order: &Order, shown: &Snapshot, progress: &dyn Progress) -> Result
         Medium::Pictures(..) => format!("Saved {} into {}{}.", written.pictures(), path.display(), written.without()),
         Medium::Animation(..) => format!("Saved {} as {}{}.", written.pictures(), path.display(), written.without()),
     })
+}
+
+/// Writes the frames of the clip; says what was written.
+///
+/// # Errors
+/// If a frame cannot be read, a file cannot be written, or the work was cancelled.
+pub fn clip(order: &Order, shown: &Snapshot, progress: &dyn Progress) -> Result<String, Error> {
+    let Prepared { clip, experiment, .. } = &*shown.subject;
+    let path = &*order.path;
+    if clip.is_blank() {
+        return Err(Error::new(format!("{} has detections but no frames", clip.info().name)));
+    }
+    match (order.what, &experiment.source) {
+        (OutputKind::Clip(ClipFormat::Copy), Source::File(from)) => export::copy(from, path)?,
+        _ => export::clip(clip, path, Some(progress))?,
+    }
+    Ok(format!("Saved {}.", path.display()))
 }
 
 /// Writes a result as soon as it comes, in the format that the ending of `path` asks for; says what was written.

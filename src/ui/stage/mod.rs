@@ -210,16 +210,28 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
     // Each of several estimators has its own level.
     let on_level = input.pictures.on_level(input.scene.levels.as_ref(), input.look.level, view(&input));
     let input = Input { pictures: &on_level, ..input };
-    let below = bar::line_height(input.theme()) + ui.spacing().item_spacing.y;
-    let room = vec2(ui.available_width(), (ui.available_height() - below).max(40.0));
-    let (area, _) = ui.allocate_exact_size(room, Sense::hover());
-    state.area = Some(area);
-    panes(ui, area, &input, state, &mut response);
+    pictures_above_line(ui, &input, state, &mut response);
     match input.placing {
         Some(_) => placing::tools(ui, &input, &mut response),
         None => bar::line(ui, &input, state),
     }
     response
+}
+
+/// Shows the pictures and their legend alone, without tools, in the whole of `ui`.
+pub fn show_plain(ui: &mut Ui, input: &Input<'_>, state: &mut State) {
+    ui.spacing_mut().item_spacing = vec2(8.0, 4.0);
+    pictures_above_line(ui, input, state, &mut Response::default());
+    bar::line(ui, input, state);
+}
+
+/// Shows the pictures, with room for a line below them.
+fn pictures_above_line(ui: &mut Ui, input: &Input<'_>, state: &mut State, response: &mut Response) {
+    let below = bar::line_height(input.theme()) + ui.spacing().item_spacing.y;
+    let room = vec2(ui.available_width(), (ui.available_height() - below).max(40.0));
+    let (area, _) = ui.allocate_exact_size(room, Sense::hover());
+    state.area = Some(area);
+    panes(ui, area, input, state, response);
 }
 
 /// The pictures on the stage just now.

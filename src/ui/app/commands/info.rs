@@ -82,6 +82,13 @@ impl Command {
                 "Choose a bundled clip; each shows one effect, such as occlusion or the aperture problem.",
                 const { &[ctrl(Key::N)] },
             ),
+            C::Camera => (
+                Menu::File,
+                Icon::Camera,
+                "Camera…",
+                "Record a clip from a camera, or watch an estimator run on its live picture.",
+                const { &[ctrl(Key::R)] },
+            ),
             C::NextExample => (
                 Menu::File,
                 Icon::Lightbulb,
@@ -112,6 +119,13 @@ impl Command {
                 "Save session…",
                 "Save clip, estimator, parameters, current step and view as a small text file (*.motionscope).",
                 const { &[ctrl(Key::S)] },
+            ),
+            C::SaveClip => (
+                Menu::File,
+                Icon::Film,
+                "Save clip as…",
+                "Save the frames of the clip: as they came in one file, or as numbered pictures.",
+                const { &[ctrl_shift(Key::S)] },
             ),
             C::Quit => (Menu::File, Icon::LogOut, "Quit", "Close Motionscope.", const { &[ctrl(Key::Q)] }),
             C::Undo => {

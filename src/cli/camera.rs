@@ -1,0 +1,60 @@
+//! `motionscope camera`: lists the cameras and records a clip.
+
+use std::ffi::OsStr;
+use std::path::Path;
+use std::time::Duration;
+
+use motionscope_core::Error;
+
+use super::args::CameraArgs;
+use crate::media::camera::{Cameras, Device, Ffmpeg, Recorded, record};
+use crate::media::name_of;
+
+/// Lists the cameras, or records from one; returns what is said about it.
+///
+/// # Errors
+/// If there is no such camera, it sends no frames, or the file cannot be written.
+pub fn camera(args: &CameraArgs) -> Result<String, Error> {
+    let cameras = Ffmpeg::default();
+    match &args.out {
+        Some(out) if !args.list => recorded(&cameras, args, out),
+        _ => Ok(listed(&cameras)),
+    }
+}
+
+fn listed(cameras: &impl Cameras) -> String {
+    let (all, error) = cameras.list();
+    let line = |device: &Device| match device {
+        Device::Camera { name, address } => format!("{name} ({address})\n"),
+        Device::TestPicture => format!("{} (a moving pattern, without a camera)\n", device.name()),
+    };
+    let lines: String = all.iter().map(line).collect();
+    match error {
+        Some(error) => format!("{lines}No camera is listed: {error}.\n"),
+        None if all.len() == 1 => format!("{lines}No camera is connected.\n"),
+        None => lines,
+    }
+}
+
+fn recorded(cameras: &impl Cameras, args: &CameraArgs, out: &Path) -> Result<String, Error> {
+    if out.extension().and_then(OsStr::to_str) != Some("y4m") {
+        return Err(Error::new(format!("{}: the name of a recorded clip must end in .y4m", out.display())));
+    }
+    let (all, error) = cameras.list();
+    let device = match &args.device {
+        None => all.first().ok_or_else(|| Error::new("no camera is connected"))?.clone(),
+        // The list may leave a device out that ffmpeg can open.
+        Some(path) if path.starts_with("/dev/") => Device::Camera { name: path.clone(), address: path.clone() },
+        Some(wanted) => Device::find(&all, wanted).map_err(|unknown| error.unwrap_or(unknown))?.clone(),
+    };
+    let feed = cameras.open(&device, args.size)?;
+    let Recorded { frames, size: (width, height), time, ended } =
+        record(feed, Duration::from_secs_f32(args.seconds), out, None)?;
+    let seconds = time.as_secs_f32();
+    let early = ended.map_or_else(String::new, |why| format!("\nThe recording ended early: {why}."));
+    Ok(format!(
+        "{}: {frames} frames of {width}×{height} px in {seconds:.1} s, from {}{early}",
+        name_of(out),
+        device.name()
+    ))
+}

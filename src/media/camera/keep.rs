@@ -1,0 +1,191 @@
+//! Frames of a camera as a clip: Y4M video, the samples as they came.
+
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use motionscope_core::{Error, Stop};
+
+use super::reading::rate;
+use super::{CameraFeed, Format, Shot};
+use crate::media::{Progress, name_of, temporary};
+
+/// A clip that was recorded and is not saved yet; dropping it removes its file.
+#[derive(Debug)]
+pub struct Kept {
+    // Removed when it is dropped.
+    _folder: tempfile::TempDir,
+    path: PathBuf,
+    frames: usize,
+    rate: Option<f64>,
+}
+
+impl Kept {
+    /// The file, which has the name of the clip.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Number of frames.
+    pub fn frames(&self) -> usize {
+        self.frames
+    }
+
+    /// Frames per second that were measured.
+    pub fn rate(&self) -> Option<f64> {
+        self.rate
+    }
+}
+
+/// Whether the file at `path` is a recording that was not saved yet.
+pub fn is_unsaved(path: &Path) -> bool {
+    temporary::is_temporary(path)
+}
+
+/// Makes a clip called `name` of `shots`, in a temporary file.
+///
+/// # Errors
+/// If there are fewer than two frames, or the file cannot be written. Nothing is left of it then.
+pub fn keep(format: &Format, shots: &[Shot], name: &str) -> Result<Kept, Error> {
+    if shots.len() < 2 {
+        return Err(Error::new("the camera sent fewer than two frames, and motion needs two; record again"));
+    }
+    let place = std::env::temp_dir();
+    let cannot = |error: io::Error| {
+        Error::new(format!("the recording cannot be kept in {} ({error}); make room there", place.display()))
+    };
+    let _at_work = temporary::at_work();
+    let folder = tempfile::Builder::new().prefix(&temporary::prefix(&place)).tempdir_in(&place).map_err(cannot)?;
+    let (path, rate) = (folder.path().join(format!("{name}.y4m")), rate(shots));
+    let write = || {
+        let mut file = BufWriter::new(File::create(&path)?);
+        file.write_all(format.head(rate).as_bytes())?;
+        shots.iter().try_for_each(|shot| put(&mut file, shot.samples()))?;
+        file.flush()
+    };
+    write().map_err(cannot)?;
+    Ok(Kept { _folder: folder, path, frames: shots.len(), rate })
+}
+
+fn put(file: &mut impl Write, samples: &[u8]) -> io::Result<()> {
+    file.write_all(b"FRAME\n")?;
+    file.write_all(samples)
+}
+
+/// What [`record`] has written.
+#[derive(Debug)]
+pub struct Recorded {
+    /// Number of frames.
+    pub frames: usize,
+    /// Width and height in px.
+    pub size: (usize, usize),
+    /// The time from the first frame to the last.
+    pub time: Duration,
+    /// Why the camera ended before its time, if it did.
+    pub ended: Option<Error>,
+}
+
+/// Records `feed` for `time` into the file `out`, which is there only once it is whole. If the camera ends before, what came until
+/// then is kept.
+///
+/// # Errors
+/// If the camera sends fewer than two frames, the file cannot be written, or the work was cancelled.
+pub fn record(
+    mut feed: Box<dyn CameraFeed>,
+    time: Duration,
+    out: &Path,
+    progress: Option<&dyn Progress>,
+) -> Result<Recorded, Error> {
+    let stop = Stop::default();
+    let cannot =
+        |error: io::Error| Error::new(format!("{} cannot be written ({error}); choose another place", out.display()));
+    let folder = out.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
+    // Before the camera is switched on.
+    let draft = tempfile::Builder::new().prefix(&temporary::prefix(folder)).tempfile_in(folder).map_err(cannot)?;
+    let format = feed.begin(&stop)?;
+    let (mut file, mut times) = (BufWriter::new(draft), Vec::<Duration>::new());
+    file.write_all(format.head(None).as_bytes()).map_err(cannot)?;
+    let begun = Instant::now();
+    let ended = loop {
+        if progress.is_some_and(Progress::cancelled) {
+            return Err(Error::new("recording was cancelled"));
+        }
+        let samples = match feed.next(&stop) {
+            Ok(Some(samples)) => samples,
+            Ok(None) => break Some(Error::new("the camera sends no more frames")),
+            Err(error) => break Some(error),
+        };
+        times.push(begun.elapsed());
+        put(&mut file, &samples).map_err(cannot)?;
+        let gone = times[times.len() - 1].saturating_sub(times[0]);
+        progress.into_iter().for_each(|progress| progress.report(gone.as_secs_f32() / time.as_secs_f32()));
+        if gone >= time {
+            break None;
+        }
+    };
+    if times.len() < 2 {
+        let why = ended.unwrap_or_else(|| Error::new("the camera sent fewer than two frames; record longer"));
+        return Err(Error::new(format!("{} was not recorded: {why}", name_of(out))));
+    }
+    let draft = file.into_inner().map_err(|error| cannot(error.into_error()))?;
+    let _at_work = temporary::at_work();
+    draft.persist(out).map_err(|error| cannot(error.error))?;
+    let time = times[times.len() - 1].saturating_sub(times[0]);
+    Ok(Recorded { frames: times.len(), size: format.size(), time, ended })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Camera, Size, TestPicture};
+    use super::*;
+    use crate::media::{Open, open};
+
+    #[test]
+    fn what_is_kept_is_a_clip_until_it_is_dropped() {
+        let feed = Box::new(TestPicture::new(Size::new(64, 48)));
+        let camera = Camera::start(feed, || {}).unwrap();
+        camera.wait_for(4, Duration::from_secs(10)).expect("frames");
+        let (format, shots) = (camera.format().unwrap(), camera.last(Duration::from_secs(5)));
+        assert!(keep(&format, &shots[..1], "camera").is_err());
+        let kept = keep(&format, &shots, "camera-1").unwrap();
+        assert!(is_unsaved(kept.path()) && !is_unsaved(Path::new("/home/ada/camera-1.y4m")));
+        let clip = open(kept.path(), &Open::default()).unwrap();
+        assert_eq!(
+            (clip.info().name.as_str(), clip.info().frames, clip.size()),
+            ("camera-1.y4m", Some(shots.len()), (64, 48))
+        );
+        assert_eq!(*clip.frame(2).unwrap(), shots[2].frame(&format).unwrap(), "the frame as it was seen");
+        let path = kept.path().to_owned();
+        drop(kept);
+        assert!(!path.exists() && path.parent().is_some_and(|folder| !folder.exists()));
+    }
+
+    /// Frames as fast as they are asked for, and then an error.
+    struct Some3(usize);
+
+    impl CameraFeed for Some3 {
+        fn begin(&mut self, _: &Stop) -> Result<Format, Error> {
+            Format::parse(b"YUV4MPEG2 W2 H1 F30:1 Cmono")
+        }
+
+        fn next(&mut self, _: &Stop) -> Result<Option<Vec<u8>>, Error> {
+            self.0 = self.0.checked_sub(1).ok_or_else(|| Error::new("it was unplugged"))?;
+            Ok(Some(vec![7; 2]))
+        }
+    }
+
+    #[test]
+    fn a_camera_that_ends_leaves_what_came() {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().join("a.y4m");
+        let done = record(Box::new(Some3(3)), Duration::from_secs(9), &out, None).unwrap();
+        assert_eq!((done.frames, done.ended), (3, Some(Error::new("it was unplugged"))));
+        assert_eq!(open(&out, &Open::default()).unwrap().info().frames, Some(3));
+        let none = record(Box::new(Some3(1)), Duration::from_secs(9), &folder.path().join("b.y4m"), None);
+        assert!(none.unwrap_err().to_string().contains("b.y4m was not recorded: it was unplugged"));
+        let nowhere = folder.path().join("no/c.y4m");
+        assert!(record(Box::new(Some3(3)), Duration::from_secs(9), &nowhere, None).is_err());
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "nothing else is left");
+    }
+}

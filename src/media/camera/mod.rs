@@ -1,0 +1,171 @@
+//! Cameras: their list, their frames, and what is kept of them as a clip.
+//!
+//! A [`CameraFeed`] delivers frames one after the other: the pipe of the user's own ffmpeg, or a moving test picture. A
+//! [`Camera`] reads it on a thread of its own and remembers the last seconds, of which [`keep`] makes a clip.
+
+mod devices;
+mod ffmpeg;
+mod format;
+mod keep;
+mod reading;
+mod stream;
+mod test_picture;
+
+use motionscope_core::{Error, Stop};
+
+pub use devices::Platform;
+pub use ffmpeg::Ffmpeg;
+pub use format::Format;
+pub use keep::{Kept, Recorded, is_unsaved, keep, record};
+pub use reading::{Camera, Shot};
+pub use stream::Stream;
+pub use test_picture::TestPicture;
+
+/// A source of live frames.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Device {
+    /// A camera.
+    Camera {
+        /// Its name, as the system calls it.
+        name: String,
+        /// What ffmpeg opens it by.
+        address: String,
+    },
+    /// A moving pattern that needs no camera.
+    TestPicture,
+}
+
+impl Device {
+    /// The name of the test picture.
+    pub const TEST_PICTURE: &'static str = "Test picture";
+
+    /// Its name.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Camera { name, .. } => name,
+            Self::TestPicture => Self::TEST_PICTURE,
+        }
+    }
+
+    /// The one of `all` that is called `wanted`: its name, its address, or a part of its name that no other has.
+    ///
+    /// # Errors
+    /// A sentence that lists them, if there is none or more than one.
+    pub fn find<'a>(all: &'a [Device], wanted: &str) -> Result<&'a Device, Error> {
+        let lower = wanted.to_lowercase();
+        let is_exact = |device: &&Device| {
+            device.name().to_lowercase() == lower
+                || matches!(device, Device::Camera { address, .. } if address == wanted)
+        };
+        if let Some(device) = all.iter().find(is_exact) {
+            return Ok(device);
+        }
+        let mut alike = all.iter().filter(|device| device.name().to_lowercase().contains(&lower));
+        match (alike.next(), alike.next()) {
+            (Some(device), None) => Ok(device),
+            _ => {
+                let names: Vec<_> = all.iter().map(Device::name).collect();
+                Err(Error::new(format!("there is no camera {wanted}; choose one of {}", names.join(", "))))
+            }
+        }
+    }
+}
+
+/// Width and height of frames in px.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Size {
+    /// Width in px.
+    pub width: usize,
+    /// Height in px.
+    pub height: usize,
+}
+
+impl Size {
+    /// The sizes that most cameras have.
+    pub const USUAL: [Size; 3] = [Size::new(320, 240), Size::new(640, 480), Size::new(1280, 720)];
+
+    /// A size.
+    pub const fn new(width: usize, height: usize) -> Self {
+        Self { width, height }
+    }
+}
+
+impl Default for Size {
+    fn default() -> Self {
+        Self::new(640, 480)
+    }
+}
+
+impl std::str::FromStr for Size {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self, Error> {
+        let sides = text.split_once(['x', '×']).and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
+        match sides {
+            Some((width, height)) if (16..=7680).contains(&width) && (16..=4320).contains(&height) => {
+                Ok(Self { width, height })
+            }
+            _ => Err(Error::new(format!("a size has the form WxH from 16x16 to 7680x4320, as in 640x480, not {text}"))),
+        }
+    }
+}
+
+/// Frames that come one after the other, in real time.
+pub trait CameraFeed: Send {
+    /// Waits for the first frame, and returns what every frame is like. Called once, before [`CameraFeed::next`].
+    ///
+    /// # Errors
+    /// One sentence that says why there are no frames and what to do.
+    fn begin(&mut self, stop: &Stop) -> Result<Format, Error>;
+
+    /// Waits for the next frame, and returns its samples; `None` where the feed ends.
+    ///
+    /// # Errors
+    /// One sentence that says why there are no more frames, or that `stop` was set.
+    fn next(&mut self, stop: &Stop) -> Result<Option<Vec<u8>>, Error>;
+}
+
+/// The cameras of a computer.
+pub trait Cameras: Send + Sync {
+    /// Returns the sources of frames; the test picture, which is always there, comes last. With it comes why cameras cannot be
+    /// listed, if they cannot. May take a second.
+    fn list(&self) -> (Vec<Device>, Option<Error>);
+
+    /// Opens a source of frames of about this size; its first frames may take a while.
+    ///
+    /// # Errors
+    /// One sentence that says why it cannot be opened and what to do.
+    fn open(&self, device: &Device, size: Size) -> Result<Box<dyn CameraFeed>, Error>;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn camera(name: &str, address: &str) -> Device {
+        Device::Camera { name: name.into(), address: address.into() }
+    }
+
+    #[test]
+    fn a_device_is_found_by_what_it_is_called() {
+        let all = [camera("HD Webcam", "/dev/video0"), camera("USB Webcam", "/dev/video2"), Device::TestPicture];
+        let found = |wanted| Device::find(&all, wanted).map(Device::name).ok();
+        assert_eq!(
+            ["hd webcam", "/dev/video2", "USB", "test"].map(found),
+            [Some("HD Webcam"), Some("USB Webcam"), Some("USB Webcam"), Some("Test picture")]
+        );
+        for wanted in ["webcam", "none"] {
+            let said = Device::find(&all, wanted).unwrap_err().to_string();
+            assert!(said.contains("HD Webcam, USB Webcam, Test picture"), "{said}");
+        }
+    }
+
+    #[test]
+    fn sizes_are_read() {
+        assert_eq!("640x480".parse(), Ok(Size::default()));
+        assert_eq!("1280×720".parse(), Ok(Size::new(1280, 720)));
+        for odd in ["640", "0x0", "640x", "99999x5", "axb"] {
+            assert!(odd.parse::<Size>().is_err_and(|error| error.to_string().contains("640x480")), "{odd}");
+        }
+    }
+}

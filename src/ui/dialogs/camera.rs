@@ -1,0 +1,444 @@
+//! The camera: a live picture, an estimator that runs on it, and what is kept of it as a clip.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use eframe::egui::{
+    self, Align, Button, ComboBox, Key, Label, Layout, Modifiers, Rect, RichText, TextStyle, Ui, UiBuilder, vec2,
+};
+use lucide_icons::Icon;
+use motionscope_core::{Cursor, Error, Info, capital, estimator};
+
+use crate::media::camera::{Camera, Cameras, Device, Kept, Shot, Size, keep};
+use crate::ui::app::action::{Action, Actions};
+use crate::ui::model::background::Background;
+use crate::ui::model::document::Document;
+use crate::ui::model::live::{Live, LiveView, live_look};
+use crate::ui::parts::widgets;
+use crate::ui::stage;
+use crate::view::look::Look;
+
+/// Durations that can be chosen, in seconds.
+const SECONDS: [u32; 5] = [1, 2, 3, 5, 10];
+/// The time that is remembered beyond the chosen one, so that no frame of it is lost.
+const MARGIN: Duration = Duration::from_secs(1);
+
+/// The dialog while it is open.
+pub struct State {
+    cameras: Arc<dyn Cameras>,
+    listing: Option<Background<(Vec<Device>, Option<Error>)>>,
+    devices: Vec<Device>,
+    /// Why there are no cameras among them.
+    trouble: Option<Error>,
+    device: usize,
+    size: Size,
+    seconds: u32,
+    live: Option<Result<Live, Error>>,
+    /// The estimator that runs on the camera.
+    estimator: Option<&'static str>,
+    /// Number of the first frame of the recording that is being made.
+    recording: Option<u64>,
+    keeping: Option<Background<Kept>>,
+    /// Why the last recording was not kept.
+    refused: Option<Error>,
+    /// The name of the next recording.
+    name: String,
+    stage: stage::State,
+}
+
+impl State {
+    /// The dialog for `cameras`; a recording will be called `name`.
+    pub fn new(cameras: Arc<dyn Cameras>, name: String, ctx: &egui::Context) -> Self {
+        let mut state = Self {
+            cameras,
+            listing: None,
+            devices: Vec::new(),
+            trouble: None,
+            device: 0,
+            size: Size::default(),
+            seconds: 3,
+            live: None,
+            estimator: None,
+            recording: None,
+            keeping: None,
+            refused: None,
+            name,
+            stage: stage::State::default(),
+        };
+        state.list(ctx);
+        state
+    }
+
+    /// What is known about the live picture, for tests.
+    pub fn view(&self) -> Option<LiveView> {
+        self.live().map(Live::view)
+    }
+
+    fn live(&self) -> Option<&Live> {
+        self.live.as_ref().and_then(|live| live.as_ref().ok())
+    }
+
+    /// Lists the cameras anew.
+    fn list(&mut self, ctx: &egui::Context) {
+        self.live = None;
+        let (cameras, ctx) = (Arc::clone(&self.cameras), ctx.clone());
+        let work = move |_: &Arc<_>| Ok(cameras.list());
+        self.listing = Some(Background::new("list the cameras", move || ctx.request_repaint(), work));
+    }
+
+    /// Opens the chosen camera.
+    fn open(&mut self, ctx: &egui::Context) {
+        // One camera is not opened twice.
+        (self.live, self.recording, self.refused) = (None, None, None);
+        let Some(device) = self.devices.get(self.device).cloned() else { return };
+        let (cameras, size) = (Arc::clone(&self.cameras), self.size);
+        let camera = Camera::open(move || cameras.open(&device, size), || {});
+        let repaint = ctx.clone();
+        self.live = Some(camera.and_then(|camera| {
+            camera.remember(Duration::from_secs(self.seconds.into()) + MARGIN);
+            Live::new(camera, move || repaint.request_repaint())
+        }));
+        self.estimator = None;
+    }
+
+    /// The time that is recorded.
+    fn time(&self) -> Duration {
+        Duration::from_secs(self.seconds.into())
+    }
+
+    /// Takes in what other threads have done.
+    fn tend(&mut self, ctx: &egui::Context, actions: &mut Actions) -> bool {
+        if let Some(Ok((devices, trouble))) = self.listing.as_ref().and_then(Background::take) {
+            (self.devices, self.trouble, self.device, self.listing) = (devices, trouble, 0, None);
+            self.open(ctx);
+        }
+        let shots =
+            self.recording.and_then(|first| Some((self.live()?.camera().from(first, self.time()), self.live()?)));
+        if let Some((shots, live)) = shots {
+            let newest = live.camera().newest().map_or(Duration::ZERO, |shot| shot.at);
+            let is_whole = shots.first().is_some_and(|first| newest >= first.at + self.time());
+            if is_whole || live.camera().ended().is_some() {
+                self.keep(shots, ctx);
+            }
+        }
+        match self.keeping.as_ref().and_then(Background::take) {
+            Some(Ok(kept)) => {
+                let ended = self.live().and_then(|live| live.camera().ended());
+                actions.ask(Action::OpenRecording(Arc::new(kept), self.estimator, ended));
+                return true;
+            }
+            Some(Err(error)) => (self.keeping, self.refused) = (None, Some(error)),
+            None => {}
+        }
+        false
+    }
+
+    /// Makes a clip of `shots`.
+    fn keep(&mut self, shots: Vec<Shot>, ctx: &egui::Context) {
+        (self.recording, self.refused) = (None, None);
+        let Some(format) = self.live().and_then(|live| live.camera().format()) else { return };
+        let (name, ctx) = (self.name.clone(), ctx.clone());
+        let work = move |_: &Arc<_>| keep(&format, &shots, &name);
+        self.keeping = Some(Background::new("keep the recording", move || ctx.request_repaint(), work));
+    }
+
+    /// Begins a recording, or ends it before its time.
+    fn record(&mut self, ctx: &egui::Context) {
+        let Some(live) = self.live().filter(|_| self.keeping.is_none()) else { return };
+        match self.recording {
+            Some(first) => {
+                let shots = live.camera().from(first, self.time());
+                self.keep(shots, ctx);
+            }
+            None => self.recording = live.camera().newest().map(|shot| shot.index + 1),
+        }
+    }
+
+    /// Makes a clip of the last seconds.
+    fn freeze(&mut self, ctx: &egui::Context) {
+        let Some(live) = self.live().filter(|_| self.keeping.is_none()) else { return };
+        let shots = live.camera().last(self.time());
+        if !shots.is_empty() {
+            self.keep(shots, ctx);
+        }
+    }
+
+    /// Has the estimator `id` run on the camera, with the parameters that it has in `document`.
+    fn choose(&mut self, id: Option<&'static str>, document: &Document) {
+        self.estimator = id;
+        let now = document.estimator();
+        let chosen = |id| {
+            if now.info().id == id { Some(now.boxed_clone()) } else { estimator(id).ok() }
+        };
+        if let Some(live) = self.live() {
+            live.choose(id.and_then(chosen));
+        }
+    }
+}
+
+/// Shows the dialog; gives whether it is still open.
+pub fn show(
+    ctx: &egui::Context,
+    state: &mut State,
+    (document, look): (&Document, &Look),
+    actions: &mut Actions,
+) -> bool {
+    let size = TextStyle::Body.resolve(&ctx.global_style()).size;
+    let screen = ctx.content_rect();
+    let is_kept = state.tend(ctx, actions);
+    let (mut keys, mut is_closed) = (Keys::default(), false);
+    let modal = widgets::modal(ctx, "camera", vec2(72.0 * size, 56.0 * size)).show(ctx, |ui| {
+        // Before a button in focus takes them.
+        keys = Keys::take(ui);
+        ui.set_width((72.0 * size).min(screen.width() - 104.0));
+        let tall = (screen.height() - 104.0).min(56.0 * size);
+        let bottom = ui.cursor().min.y + tall;
+        is_closed = widgets::title(ui, "Camera");
+        choices(ui, state, document);
+        notes(ui, state);
+        ui.add_space(4.0);
+        let row = ui.spacing().interact_size.y + 12.0;
+        let height = (bottom - row - ui.cursor().min.y).max(120.0);
+        let (_, rect) = ui.allocate_space(vec2(ui.available_width(), height));
+        ui.scope_builder(UiBuilder::new().max_rect(rect), |ui| picture(ui, state, look));
+        ui.add_space(4.0);
+        buttons(ui, state, &mut keys);
+    });
+    if keys.records {
+        state.record(ctx);
+    }
+    if keys.freezes {
+        state.freeze(ctx);
+    }
+    !(modal.should_close() || is_closed || is_kept)
+}
+
+/// What the keys and buttons ask for.
+#[derive(Default)]
+struct Keys {
+    records: bool,
+    freezes: bool,
+}
+
+impl Keys {
+    fn take(ui: &Ui) -> Self {
+        ui.input_mut(|input| Self {
+            records: input.consume_key(Modifiers::NONE, Key::R),
+            freezes: input.consume_key(Modifiers::NONE, Key::Space),
+        })
+    }
+}
+
+/// A list under its name.
+fn list<R>(ui: &mut Ui, name: &str, shown: &str, add: impl FnOnce(&mut Ui) -> R) {
+    let label = ui.label(RichText::new(name).weak());
+    let combo = ComboBox::from_id_salt(name).selected_text(widgets::elide(shown, 28)).width(0.0);
+    let combo = combo.show_ui(ui, |ui| {
+        // A click on the dialog has put it above the list, and it would stay there.
+        ui.ctx().move_to_top(ui.layer_id());
+        add(ui);
+    });
+    combo.response.labelled_by(label.id);
+    ui.add_space(8.0);
+}
+
+/// The camera, the size and duration of its recordings, and the estimator.
+fn choices(ui: &mut Ui, state: &mut State, document: &Document) {
+    let (device, size, seconds, id) = (state.device, state.size, state.seconds, state.estimator);
+    let ctx = ui.ctx().clone();
+    let mut lists_anew = false;
+    ui.horizontal_wrapped(|ui| {
+        let name = state.devices.get(state.device).map_or("…", Device::name).to_owned();
+        list(ui, "Camera", &name, |ui| {
+            for (index, device) in state.devices.iter().enumerate() {
+                ui.selectable_value(&mut state.device, index, device.name());
+            }
+            lists_anew = ui.button("List again").clicked();
+        });
+        list(ui, "Size", &size_text(size), |ui| {
+            for size in Size::USUAL {
+                ui.selectable_value(&mut state.size, size, size_text(size));
+            }
+        });
+        list(ui, "Duration", &format!("{seconds} s"), |ui| {
+            for seconds in SECONDS {
+                ui.selectable_value(&mut state.seconds, seconds, format!("{seconds} s"));
+            }
+        });
+        let view = state.view().unwrap_or_default();
+        let name = id.and_then(|id| estimator(id).ok()).map_or("none", |one| one.info().name);
+        let mut chosen = id;
+        list(ui, "Estimator", name, |ui| estimators(ui, &view, &mut chosen));
+        if chosen != id {
+            state.choose(chosen, document);
+        }
+    });
+    if lists_anew {
+        return state.list(&ctx);
+    }
+    if (device, size) != (state.device, state.size) {
+        state.open(&ctx);
+    }
+    if seconds != state.seconds
+        && let Some(live) = state.live()
+    {
+        live.camera().remember(state.time() + MARGIN);
+    }
+}
+
+/// The estimators that keep up with the camera, by family.
+fn estimators(ui: &mut Ui, view: &LiveView, chosen: &mut Option<&'static str>) {
+    ui.selectable_value(chosen, None, "none");
+    let mut family = "";
+    for (Info { id, name, family: of, .. }, time) in view.offered.iter().map(|(info, time)| (*info, time)) {
+        if family != *of {
+            family = of;
+            ui.label(RichText::new(*of).small().weak());
+        }
+        let tip = format!("Takes {} per frame.", milliseconds(*time));
+        ui.selectable_value(chosen, Some(*id), *name).on_hover_text(tip);
+    }
+    if !view.is_measured {
+        ui.horizontal(|ui| {
+            ui.spinner();
+            ui.label(RichText::new("Measuring which others keep up…").weak());
+        });
+    }
+}
+
+fn milliseconds(time: Duration) -> String {
+    format!("{:.1} ms", time.as_secs_f64() * 1000.0)
+}
+
+fn size_text(Size { width, height }: Size) -> String {
+    format!("{width}×{height} px")
+}
+
+/// Why there is no camera, and why a recording was not kept.
+fn notes(ui: &mut Ui, state: &State) {
+    let none = || "No camera is connected. The test picture stands in for one.".to_owned();
+    let told = match (&state.refused, &state.trouble) {
+        (Some(error), _) | (None, Some(error)) => Some(format!("{}.", capital(&error.to_string()))),
+        (None, None) => (state.listing.is_none() && state.devices.len() == 1).then(none),
+    };
+    if let Some(told) = told {
+        let color = if state.refused.is_some() { ui.visuals().error_fg_color } else { ui.visuals().weak_text_color() };
+        ui.label(RichText::new(told).color(color));
+    }
+}
+
+/// The live picture, or why there is none.
+fn picture(ui: &mut Ui, state: &mut State, look: &Look) {
+    let view = state.view().unwrap_or_default();
+    let ended = match &state.live {
+        Some(Ok(live)) => live.camera().ended(),
+        Some(Err(error)) => Some(error.clone()),
+        None => None,
+    };
+    let Some(seen) = &view.seen else {
+        return empty(ui, state, ended.as_ref());
+    };
+    let look = live_look(look);
+    if let Some(live) = state.live() {
+        live.look(&look);
+    }
+    let input = stage::Input {
+        pictures: &seen.pictures,
+        frame: seen.frame,
+        scene: &seen.scene,
+        lockstep: None,
+        cursor: Cursor { unit: seen.frame, event: 1 },
+        stands: seen.stands,
+        look,
+        heat: seen.scene.heat.unwrap_or_default(),
+        available: &seen.available,
+        checking: false,
+        gpu: None,
+        placing: None,
+        animate: false,
+        flows: false,
+    };
+    stage::show_plain(ui, &input, &mut state.stage);
+}
+
+/// What is waited for, or why nothing comes.
+fn empty(ui: &mut Ui, state: &mut State, error: Option<&Error>) {
+    let room = ui.available_rect_before_wrap();
+    let words = match error {
+        Some(error) => format!("{}.", capital(&error.to_string())),
+        None if state.listing.is_some() => "Looking for cameras…".to_owned(),
+        None => format!("Opening {}…", state.devices.get(state.device).map_or("the camera", Device::name)),
+    };
+    let middle = Rect::from_center_size(room.center(), vec2(room.width().min(640.0), 120.0));
+    let mut ui = ui.new_child(UiBuilder::new().max_rect(middle).layout(Layout::top_down(Align::Center)));
+    if error.is_none() {
+        ui.spinner();
+    }
+    ui.add(Label::new(words).wrap());
+    if error.is_some() {
+        ui.add_space(8.0);
+        if ui.button((widgets::icon(&ui, Icon::RotateCcw), "Try again")).clicked() {
+            let ctx = ui.ctx().clone();
+            state.open(&ctx);
+        }
+    }
+}
+
+/// What the camera does, and the ways to keep it.
+fn buttons(ui: &mut Ui, state: &State, keys: &mut Keys) {
+    ui.horizontal(|ui| {
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            let has_frames = state.view().is_some_and(|view| view.seen.is_some()) && state.keeping.is_none();
+            let is_live = state.live().is_some_and(|live| live.camera().ended().is_none());
+            let (text, tip) = match state.recording {
+                Some(_) => ("Stop recording".to_owned(), "End the recording now, and open what there is.\nR"),
+                None => (format!("Record {} s", state.seconds), "Record the next seconds, and open them as a clip.\nR"),
+            };
+            let fill =
+                if state.recording.is_some() { ui.visuals().error_fg_color } else { ui.visuals().hyperlink_color };
+            let button = Button::new(RichText::new(text).color(ui.visuals().panel_fill)).fill(fill);
+            keys.records |= ui.add_enabled(has_frames && is_live, button).on_hover_text(tip).clicked();
+            let text = format!("Freeze the last {} s", state.seconds);
+            let tip = "Open the seconds that were just seen as a clip, with this estimator.\nSpace";
+            let freeze = ui.add_enabled(has_frames && state.recording.is_none(), Button::new(text));
+            keys.freezes |= freeze.on_hover_text(tip).clicked();
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                if state.keeping.is_some() {
+                    ui.spinner();
+                }
+                ui.add(Label::new(RichText::new(told(state)).weak()).truncate());
+            });
+        });
+    });
+}
+
+/// What the camera and the estimator do, in numbers.
+fn told(state: &State) -> String {
+    let (Some(live), Some(view)) = (state.live(), state.view()) else { return String::new() };
+    if state.keeping.is_some() {
+        return "Opening the recording…".into();
+    }
+    if let (Some(first), Some(newest)) = (state.recording, live.camera().newest()) {
+        let shots = live.camera().from(first, state.time());
+        let seconds = shots.first().map_or(0.0, |first| newest.at.saturating_sub(first.at).as_secs_f64());
+        return format!("Recording: {seconds:.1} s of {} s", state.seconds);
+    }
+    if let Some(error) = live.camera().ended().filter(|_| view.seen.is_some()) {
+        return format!("{}. The last seconds can still be frozen.", capital(&error.to_string()));
+    }
+    if let Some(error) = view.error {
+        return format!("{}.", capital(&error.to_string()));
+    }
+    let rate = |rate: Option<f64>| rate.map_or_else(String::new, |rate| format!("{rate:.0} frames/s"));
+    match state.estimator.and_then(|id| estimator(id).ok()) {
+        Some(one) if view.rate.is_some() => format!(
+            "{}: {}, {} dropped; camera: {}",
+            one.info().name,
+            rate(view.rate),
+            view.dropped,
+            rate(live.camera().rate())
+        ),
+        Some(one) => format!("{} begins…", one.info().name),
+        None => rate(live.camera().rate()),
+    }
+}
