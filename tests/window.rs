@@ -28,6 +28,8 @@ mod parameters;
 mod pixels;
 #[path = "window/placing.rs"]
 mod placing;
+#[path = "window/present.rs"]
+mod present;
 #[path = "window/stages.rs"]
 mod stages;
 #[path = "window/timeline.rs"]

@@ -81,6 +81,8 @@ impl App {
                 }
                 self.walker.go_at(focus, side);
             }
+            Action::Draw(line) => self.draw(*line),
+            Action::Pen(wish) => self.pen(wish),
             Action::Focus(focus) => self.walker.focus(focus),
             Action::Release => self.walker.release(),
             Action::Hint(text) => self.toasts.introduce(text),
@@ -139,6 +141,7 @@ impl App {
                 }
             }
             C::OutOfStage => self.leave(),
+            C::Undo | C::Redo if self.presentation.pen.is_on => self.undo_ink(command),
             C::Undo | C::Redo | C::ResetParameters => self.edit(command),
             C::SideBySide | C::FrameT | C::FrameNext | C::Difference | C::Blend | C::Blink => self.choose_look(command),
             C::Prediction | C::Residual => self.choose_look(command),
@@ -168,6 +171,8 @@ impl App {
                 let now = self.ctx.input(|i| i.viewport().fullscreen.unwrap_or(false));
                 self.ctx.send_viewport_cmd(ViewportCommand::Fullscreen(!now));
             }
+            C::Pen | C::NextPenColor | C::ClearInk | C::Pointer | C::Loupe => self.present(command),
+            C::Present | C::PresenterWindow => self.present(command),
             C::ReducedMotion => self.settings.reduced_motion = !self.settings.reduced_motion,
             C::Play => self.toggle_play(Direction::Forward),
             C::PlayBack => self.toggle_play(Direction::Back),
@@ -195,6 +200,7 @@ impl App {
     fn place(&mut self, index: Option<usize>) {
         self.states.stage.placing = index;
         if index.is_some() {
+            self.presentation.pen.is_on = false;
             self.settings.close_drawer();
         }
     }

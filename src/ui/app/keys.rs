@@ -48,10 +48,18 @@ enum Escape {
     Stop,
     /// No longer places anything on the picture.
     Placing,
+    /// Lays the pen down.
+    Pen,
+    /// Takes the large pointer away.
+    Pointer,
+    /// Takes the magnifying glass away.
+    Loupe,
     /// Gives the stage its place back.
     Chart,
     /// Lets the held pixel go.
     Pixel,
+    /// Leaves the full screen for the class.
+    Present,
     /// Leaves the lecture.
     Lecture,
     /// Goes on with one estimator alone.
@@ -59,8 +67,18 @@ enum Escape {
 }
 
 impl Escape {
-    const ORDER: [Escape; 6] =
-        [Escape::Stop, Escape::Placing, Escape::Chart, Escape::Pixel, Escape::Lecture, Escape::Lockstep];
+    const ORDER: [Escape; 10] = [
+        Escape::Stop,
+        Escape::Placing,
+        Escape::Pen,
+        Escape::Pointer,
+        Escape::Loupe,
+        Escape::Chart,
+        Escape::Pixel,
+        Escape::Present,
+        Escape::Lecture,
+        Escape::Lockstep,
+    ];
 
     /// What it does just now, if anything.
     fn now(now: &Situation) -> Option<Self> {
@@ -71,6 +89,10 @@ impl Escape {
         match self {
             Self::Stop => Command::Stop.enabled(now),
             Self::Placing => now.is_placing,
+            Self::Pen => now.is_drawing,
+            Self::Loupe => now.has_loupe,
+            Self::Pointer => now.is_pointing,
+            Self::Present => now.is_presenting,
             Self::Pixel => now.holds_pixel,
             Self::Chart => now.has_enlarged,
             Self::Lecture => now.lecture,
@@ -82,6 +104,10 @@ impl Escape {
         match self {
             Self::Stop => Action::Command(Command::Stop),
             Self::Placing => Action::Place(None),
+            Self::Pen => Action::Command(Command::Pen),
+            Self::Loupe => Action::Command(Command::Loupe),
+            Self::Pointer => Action::Command(Command::Pointer),
+            Self::Present => Action::Command(Command::Present),
             Self::Pixel => Action::Release,
             Self::Chart => Action::Command(Command::EnlargeChart),
             Self::Lecture => Action::Command(Command::Lecture),
@@ -251,10 +277,14 @@ mod tests {
             let mut now = Situation {
                 playing: is(0),
                 is_placing: is(1),
-                has_enlarged: is(2),
-                holds_pixel: is(3),
-                lecture: is(4),
-                in_lockstep: is(5),
+                is_drawing: is(2),
+                is_pointing: is(3),
+                has_loupe: is(4),
+                has_enlarged: is(5),
+                holds_pixel: is(6),
+                is_presenting: is(7),
+                lecture: is(8),
+                in_lockstep: is(9),
                 ..Situation::default()
             };
             let expected: Vec<Escape> = Escape::ORDER
@@ -269,6 +299,10 @@ mod tests {
                 match meaning {
                     Escape::Stop => now.playing = false,
                     Escape::Placing => now.is_placing = false,
+                    Escape::Pen => now.is_drawing = false,
+                    Escape::Loupe => now.has_loupe = false,
+                    Escape::Pointer => now.is_pointing = false,
+                    Escape::Present => now.is_presenting = false,
                     Escape::Pixel => now.holds_pixel = false,
                     Escape::Chart => now.has_enlarged = false,
                     Escape::Lecture => now.lecture = false,

@@ -165,6 +165,7 @@ impl App {
         let Some(open) = &mut self.lesson else { return all };
         let theme = self.settings.look.theme;
         let [page, rest] = lesson::split(all, theme.sizes().body);
+        self.states.lesson.has_notes_elsewhere = self.presentation.presenter.is_some();
         lesson::show(ui, page, (open, theme), &mut self.states.lesson, actions);
         regions.push((Region::Lesson, page));
         rest

@@ -6,6 +6,7 @@ pub mod commands;
 mod files;
 pub mod keys;
 mod lessons;
+mod present;
 mod window;
 
 pub use window::{App, Region};

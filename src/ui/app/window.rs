@@ -12,6 +12,7 @@ use crate::experiment::source::Source;
 use crate::ui::app::action::{Action, Actions, Browse};
 use crate::ui::app::commands::{Granularities, Situation};
 use crate::ui::app::keys;
+use crate::ui::app::present::Presentation;
 use crate::ui::dialogs::{compare, gallery, lessons, open as open_dialog, palette, save as save_dialog, sheet, terms};
 use crate::ui::drawing::style::{self, ZOOM};
 use crate::ui::model::document::{Document, Owner};
@@ -94,6 +95,8 @@ pub struct App {
     pub(super) toasts: Toasts,
     pub(super) states: States,
     pub(super) gallery: gallery::State,
+    /// What it is presented with.
+    pub(super) presentation: Presentation,
     /// The lesson that is open.
     pub(super) lesson: Option<OpenLesson>,
     /// A path that the system's dialog will deliver.
@@ -140,6 +143,7 @@ impl App {
             toasts: Toasts::default(),
             states,
             gallery: gallery::State::default(),
+            presentation: Presentation::default(),
             lesson: None,
             browsing: None,
             writing: None,
@@ -228,7 +232,9 @@ impl App {
     fn measure(&mut self, ctx: &egui::Context) {
         let type_pt = self.settings.look.theme.sizes().body;
         let window = ctx.content_rect().size();
-        let is_lecture = self.settings.lecture || self.settings.look.theme == crate::paint::Theme::Projector;
+        let is_lecture = self.settings.lecture
+            || self.presentation.is_on
+            || self.settings.look.theme == crate::paint::Theme::Projector;
         self.settings.mode = Some(Mode::of(window, type_pt, is_lecture));
         self.settings.is_narrow = !self.room(egui::Rect::NOTHING, window).has_docked_parameters();
     }
@@ -247,6 +253,7 @@ impl App {
     pub(super) fn now(&self) -> Situation {
         let shown = self.view.shown.as_deref();
         let last = self.document.last_frame();
+        let [can_undo, can_redo] = self.ink_history().unwrap_or([self.document.can_undo(), self.document.can_redo()]);
         Situation {
             has_clip: self.document.clip().is_some(),
             has_pictures: self.document.clip().is_some_and(|clip| !clip.is_blank())
@@ -272,8 +279,13 @@ impl App {
             is_placing: self.states.stage.placing.is_some(),
             holds_pixel: shown.and_then(|shown| shown.pointed).is_some_and(|pointed| pointed.is_held),
             available: shown.map(|shown| shown.available).unwrap_or_default(),
-            can_undo: self.document.can_undo(),
-            can_redo: self.document.can_redo(),
+            can_undo,
+            can_redo,
+            is_drawing: self.presentation.pen.is_on,
+            has_ink: !self.ink().is_empty(),
+            has_loupe: self.presentation.has_loupe,
+            is_pointing: self.presentation.is_pointing,
+            is_presenting: self.presentation.is_on,
             is_tuned: self.document.is_tuned(Owner::Estimator),
             in_lesson: self.lesson.is_some(),
             at_first_page: self.lesson.as_ref().is_some_and(|open| open.is_at(Direction::Back)),
@@ -314,8 +326,16 @@ impl App {
         let fill = ui.visuals().panel_fill;
         let bar = |x, y| Frame::new().fill(fill).inner_margin(Margin::symmetric(x, y));
         let top = if is_lecture { 4 } else { 6 };
+        let mut regions = Vec::new();
+        if self.presentation.is_on {
+            // For the class there is nothing but stage, chart and caption.
+            self.progress_line(ui);
+            CentralPanel::no_frame().show(ui, |ui| self.body(ui, gpu, actions, &mut regions));
+            self.regions = regions;
+            return;
+        }
         let header = Panel::top("menus").frame(bar(12, top)).show(ui, |ui| self.top_bar(ui, actions));
-        let mut regions = vec![(Region::Header, header.response.rect)];
+        regions.push((Region::Header, header.response.rect));
         if !is_lecture {
             let status = Panel::bottom("status").frame(bar(16, 2)).show(ui, |ui| self.status(ui, actions));
             regions.push((Region::Status, status.response.rect));
@@ -443,6 +463,7 @@ impl App {
             has_no_status: self.settings.mode == Some(Mode::Lecture),
             flows: !self.settings.reduced_motion,
             gpu,
+            presented: self.presentation.presented(),
             look: &mut self.settings.look,
             actions,
         };
@@ -518,6 +539,7 @@ impl eframe::App for App {
         keys::take(&ctx, overlaid, &self.now(), &mut actions);
         ui.painter().rect_filled(ui.max_rect(), 0.0, ui.visuals().panel_fill);
         self.panels(ui, frame.wgpu_render_state(), &mut actions);
+        self.presenter_window(&ctx, &mut actions);
         self.overlays(&ctx, &mut actions);
         // Messages lie over no words and no chart: on the stage, above its legend, or else above the transport.
         let content = ctx.content_rect();
@@ -527,6 +549,7 @@ impl eframe::App for App {
         let corner = stage.or_else(transport).unwrap_or(content.left_bottom()) + egui::vec2(12.0, -8.0);
         self.toasts.show(&ctx, corner, self.settings.look.theme);
         self.drop_hint(ui);
+        self.show_pointer(&ctx);
         for action in actions.0 {
             self.act(action);
         }

@@ -9,7 +9,7 @@ use motionscope_core::{Cursor, Params, ProductKind, Value};
 use super::path::PathField;
 use crate::experiment::Prepared;
 use crate::media::export::{AnimationFormat, Inputs, Timing};
-use crate::paint::grouped;
+use crate::paint::{Freehand, grouped};
 use crate::results::{self, Export};
 use crate::ui::app::action::{Action, Actions, Browse};
 use crate::ui::app::commands::Granularities;
@@ -198,7 +198,7 @@ impl State {
             (_, Some(export)) => export.explained,
             (Kind::Steps, _) if self.choice().animation.is_some() => "One file that plays the steps again and again.",
             (Kind::Steps, _) => "One numbered file for each step, into a folder.",
-            (Kind::Session, _) => "A small text file: clip, estimator, parameters, step and view.",
+            (Kind::Session, _) => "A small text file: clip, estimator, parameters, step, view and ink.",
             _ if self.selection().panes.is_empty() => {
                 "The whole picture of the stage, with the same colours and lines."
             }
@@ -268,7 +268,8 @@ impl State {
             }
         };
         if self.counting.as_ref().is_none_or(|(counted, _)| *counted != range) {
-            let steps = Steps { range, scale, look, panes, pixel: None, must_have_layer: false, turntable: 1 };
+            let (pixel, freehand) = (None, Freehand::default());
+            let steps = Steps { range, scale, look, panes, pixel, must_have_layer: false, freehand, turntable: 1 };
             let (subject, ctx) = (Arc::clone(&self.subject), ctx.clone());
             let work = Background::new(
                 "count the steps",
