@@ -27,9 +27,17 @@
 //! [picture]                        # the view options
 //! view = "side-by-side"
 //! layer = "error"                  # the flow layer
+//!
+//! [[ink]]                          # a line drawn by hand, seen on its step
+//! step = "35.412"
+//! picture = "t+1"                  # without it: frame t
+//! estimator = 2                    # of those in lockstep; without it: the first
+//! color = "vermilion"              # vermilion, yellow, blue or green
+//! points = "120.5,33 121,35.25"    # px of the picture
 //! ```
 
 pub mod example;
+mod ink;
 pub mod lesson;
 mod read;
 mod toml_text;
@@ -44,6 +52,7 @@ use serde::Serialize;
 use crate::experiment::source::Source;
 use crate::experiment::{Experiment, Position};
 use crate::media::{self, Given, export};
+use crate::paint::Freehand;
 use crate::view::look::Changes;
 
 /// The version of the format.
@@ -62,6 +71,8 @@ pub struct Session {
     pub look: Changes,
     /// The visible part of the picture, if not all of it.
     pub sight: Option<VisiblePart>,
+    /// What was drawn by hand on its steps.
+    pub freehand: Freehand,
 }
 
 /// A clip as named by the user: the clip itself, or a session with a clip.

@@ -15,7 +15,7 @@ const DATA: [(&str, &str); 4] = [
 ];
 
 /// Words that are names of something else in the file that has them.
-const OTHERWISE: [(&str, &str, &str); 38] = [
+const OTHERWISE: [(&str, &str, &str); 40] = [
     ("src/cli/args.rs", "frame", "a flag"),
     ("src/cli/lessons.rs", "clip", "a key of the JSON"),
     ("src/cli/lessons.rs", "step", "a key of the JSON"),
@@ -39,6 +39,8 @@ const OTHERWISE: [(&str, &str, &str); 38] = [
     ("src/results/disparity.rs", "disparity", "a flag"),
     ("src/results/flow.rs", "flow", "a flag"),
     ("src/results/tracks.rs", "tracks", "a flag"),
+    ("src/session/ink.rs", "points", "a key of the session"),
+    ("src/session/ink.rs", "step", "a key of the session"),
     ("src/session/read.rs", "clip", "a key of the session"),
     ("src/session/read.rs", "frame", "a key of the session"),
     ("src/session/read.rs", "object", "a key of the session"),

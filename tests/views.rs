@@ -79,6 +79,7 @@ impl Fixture {
             checking: false,
             animate: false,
             flows: false,
+            presenting: stage::Presenting::default(),
         }
     }
 

@@ -32,6 +32,8 @@ mod pixels;
 mod placing;
 #[path = "window/predict.rs"]
 mod predict;
+#[path = "window/present.rs"]
+mod present;
 #[path = "window/stages.rs"]
 mod stages;
 #[path = "window/start.rs"]

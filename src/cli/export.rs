@@ -42,6 +42,7 @@ pub fn export(args: &ExportArgs) -> Result<(), Error> {
         panes,
         pixel,
         must_have_layer: args.picture.look.0.has("layer"),
+        freehand: session.freehand,
         turntable: args.turntable,
     };
     let timing = Timing { rate_hz: args.rate, between: args.between };
@@ -83,7 +84,8 @@ fn pages(args: &ExportArgs) -> Result<(), Error> {
         let (cursor, look) = (position.cursor.unwrap_or_default(), task::look(&session));
         let prepared = Prepared::open(session.experiment, Open::default())?;
         refuse_losses(&prepared.inputs, &[("out", Target::Numbered(folder, "page-"))], args.force)?;
-        let stand = Stand { prepared: &prepared, cursor, pixel: position.held.map(Chosen::Held), look };
+        let (pixel, freehand) = (position.held.map(Chosen::Held), session.freehand);
+        let stand = Stand { prepared: &prepared, cursor, pixel, look, freehand };
         let words = Words { lesson: &lesson.title, title: &page.title, number: [index + 1, count], prose };
         let picture = words.encode(&stand, args.format, args.picture.scale)?;
         make_folder(folder)?;

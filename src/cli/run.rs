@@ -19,7 +19,7 @@ use super::task;
 use crate::experiment::pixel::{Chosen, Pixel};
 use crate::experiment::{Position, Prepared};
 use crate::media::export::{self, Target};
-use crate::paint::{FlowLayer, LevelShown};
+use crate::paint::{FlowLayer, Freehand, LevelShown};
 use crate::results::{self, Export};
 use crate::view::look::Look;
 use crate::view::moment::{Moment, Viewer};
@@ -34,7 +34,7 @@ use crate::view::rendering::{Format, Rendering};
 pub fn run(args: &RunArgs) -> Result<(), Error> {
     let outputs = Outputs::new(args)?;
     let session = task::session(&args.task, &args.picture)?;
-    let place = Place { args, look: task::look(&session), position: session.position };
+    let place = Place { args, look: task::look(&session), position: session.position, freehand: session.freehand };
     let prepared = task::prepare(&args.task, session.experiment)?;
     refuse_losses(&prepared.inputs, &places(args), args.force)?;
     let Prepared { experiment, clip, .. } = &prepared;
@@ -204,6 +204,8 @@ struct Place<'a> {
     look: Look,
     /// The position in the session.
     position: Position,
+    /// What was drawn by hand in the session.
+    freehand: Freehand,
 }
 
 /// What is seen at a step.
@@ -219,9 +221,10 @@ struct Seen {
 impl Place<'_> {
     /// Goes there.
     fn seen(&self, prepared: &Prepared, reverse: &Reverse<'_>) -> Result<Seen, Error> {
-        let Self { args, look, position } = self;
+        let Self { args, look, position, freehand } = self;
         let Prepared { experiment, clip, .. } = prepared;
         let mut viewer = Viewer::new(experiment, clip, look, reverse)?;
+        viewer.freehand.clone_from(freehand);
         let walk = &mut *viewer.walk;
         let step = args.step.or(position.cursor).filter(|step| *step != Cursor::END);
         walk.jump(step.map_or(Move::End, Move::To));

@@ -14,7 +14,7 @@ use crate::experiment::source::Source;
 use crate::experiment::{Experiment, Position, Prepared};
 use crate::media::export::{InputKind, Inputs};
 use crate::media::{self, Given, Open};
-use crate::paint::View;
+use crate::paint::{Freehand, View};
 use crate::session::{Named, Session};
 use crate::view::look::{Changes, Look};
 
@@ -31,7 +31,13 @@ pub fn session(args: &TaskArgs, picture: &PictureArgs) -> Result<Session, Error>
         (None, None) => return Err(missing()),
         (None, Some(chosen)) => {
             let experiment = Experiment { given, ..Experiment::new(source, chosen.boxed_clone()) };
-            Session { experiment, position: Position::default(), look: Changes::default(), sight: None }
+            Session {
+                experiment,
+                position: Position::default(),
+                look: Changes::default(),
+                sight: None,
+                freehand: Freehand::default(),
+            }
         }
     };
     let Experiment { estimator, side_by_side, frame, .. } = &mut session.experiment;

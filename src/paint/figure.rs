@@ -7,6 +7,7 @@ use motionscope_core::{Grid, Scene};
 
 use super::charts::explanation::{Density, equation};
 use super::focus::{self, CloseUp, FocusMode, Site, Work};
+use super::freehand::{FreehandLine, freehand};
 use super::legend::{self, Bar, line_height};
 use super::links::{LinkSite, links};
 use super::primitive::{Anchor, Line, Point, Primitive, Rect, Run, Stroke};
@@ -57,6 +58,8 @@ pub struct FigureOptions {
     pub heat: String,
     /// Words above and below the pictures.
     pub caption: Option<Caption>,
+    /// What was drawn by hand on the step.
+    pub freehand: Arc<[FreehandLine]>,
 }
 
 /// Words around the pictures.
@@ -284,6 +287,7 @@ impl Layout<'_> {
             };
             let pixels = Arc::new(pixels);
             self.panel((panel, placement), rect, &pixels, part);
+            self.freehand((panel, placement), index / in_a_row.max(1), rect);
             sites.push(LinkSite { panel, place: placement, pane: rect });
             if close.is_some() && is_first {
                 self.map((rect, placement), &pixels, Work::of(part.scene, part.pictures.pair[0].size()));
@@ -387,6 +391,13 @@ impl Layout<'_> {
             self.pictures.push(Layer { clip: Some(clip), primitives: chunk.to_vec() });
         }
         self.panels.push(at);
+    }
+
+    /// What was drawn by hand on a panel of estimator `member`; it ends with the picture.
+    fn freehand(&mut self, (panel, placement): (Panel, Placement), member: usize, rect: Rect) {
+        let lines = self.options.freehand.iter().filter(|line| line.is_on(panel, member));
+        let primitives = freehand(lines, self.look.theme, placement);
+        self.pictures.extend((!primitives.is_empty()).then_some(Layer { clip: Some(rect), primitives }));
     }
 
     /// The whole picture as a small map in a corner of what is magnified, with a frame around what is seen.

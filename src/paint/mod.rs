@@ -12,6 +12,7 @@ mod figure;
 mod flow_color;
 pub mod focus;
 pub mod fonts;
+mod freehand;
 mod layer;
 pub mod legend;
 mod links;
@@ -34,6 +35,7 @@ pub use figure::{Caption, Extent, Figure, FigureOptions, Layer, Part, focus_fram
 pub use flow_color::flow_color;
 pub use focus::{CloseUp, FocusMode, Work};
 pub use fonts::Face;
+pub use freehand::{Freehand, FreehandLine, PenColor, freehand, pen_width};
 pub use layer::{Backdrop, FlowLayer, LayerStyle, Opacity, Scalars, Tint, TintKey, dimmed};
 pub use links::{LinkSite, links};
 pub use marks::{ArrowStyle, Lengthen, Look, Placement, Style, ellipse, is_lengthened, region_color, resolve, streaks};

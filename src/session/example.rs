@@ -8,6 +8,7 @@ use motionscope_core::{Error, estimator};
 use super::Session;
 use crate::experiment::source::Source;
 use crate::experiment::{Experiment, Position};
+use crate::paint::Freehand;
 use crate::view::look::Changes;
 
 /// The prefix of an example's name.
@@ -42,7 +43,13 @@ pub fn session(id: &str, example: &Example) -> Result<Session, Error> {
     example.settings.iter().try_for_each(|(name, value)| estimator.set(name, value))?;
     let source = Source::parse(format!("synth:{}", example.clip))?;
     let experiment = Experiment { frame: example.frame, ..Experiment::new(source, estimator) };
-    Ok(Session { experiment, position: Position::default(), look: Changes::default(), sight: None })
+    Ok(Session {
+        experiment,
+        position: Position::default(),
+        look: Changes::default(),
+        sight: None,
+        freehand: Freehand::default(),
+    })
 }
 
 /// Returns the session of the example with this `name`; `None` where it does not begin as the name of one.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use motionscope_core::{AnyEstimator, Error, Pace, estimator};
 
 use super::toml_text::{Entry, Section};
-use super::{Session, VERSION, VisiblePart, key, pace};
+use super::{Session, VERSION, VisiblePart, ink, key, pace};
 use crate::experiment::pixel::Held;
 use crate::experiment::side_by_side::SideBySide;
 use crate::experiment::source::Source;
@@ -84,7 +84,8 @@ pub(super) fn keys(top: &mut Section<'_>, base: Option<Session>, folder: &Path) 
     let position =
         Position { cursor: step.or(goes_on.as_ref().and_then(|position| position.cursor)), held: held(top)? };
     let look = look(section(top, "picture")?)?;
-    Ok(Session { experiment, position, look, sight: sight(top)? })
+    let freehand = ink::read(top, experiment.side_by_side.beside.len() + 1)?;
+    Ok(Session { experiment, position, look, sight: sight(top)?, freehand })
 }
 
 /// A scale, if its key is there and it is a possible one.

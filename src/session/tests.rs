@@ -3,6 +3,7 @@
 use std::fs;
 
 use motionscope_core::params::{Kind, Spot};
+use motionscope_core::scene::Picture;
 use motionscope_core::{Cursor, Pace, Params, Value, estimator, estimators};
 
 use super::write::{relative, slashed};
@@ -11,9 +12,21 @@ use crate::experiment::pixel::Held;
 use crate::experiment::side_by_side::SideBySide;
 use crate::media::{GivenCalibration, RightView};
 use crate::paint::{
-    Backdrop, ColorMap, FlowLayer, FocusMode, Lengthen, LevelShown, Opacity, Phase, Share, Theme, View,
+    Backdrop, ColorMap, FlowLayer, FocusMode, Freehand, FreehandLine, Lengthen, LevelShown, Opacity, PenColor, Phase,
+    Share, Theme, View,
 };
 use crate::view::look::{CaptionWords, Look};
+
+/// Two lines, one of them on another picture of the second estimator in lockstep.
+fn ink() -> Freehand {
+    let step = Cursor { unit: 35, event: 412 };
+    let dot =
+        FreehandLine { step, member: 0, on: Picture::CURRENT, color: PenColor::default(), points: vec![[120.5, 33.0]] };
+    let points = vec![[-0.25, 3.0], [4.75, 6.01]];
+    Freehand {
+        lines: vec![dot.clone(), FreehandLine { member: 1, on: Picture::NEXT, color: PenColor::Blue, points, ..dot }],
+    }
+}
 
 fn session(source: Source) -> Session {
     let mut estimator = estimator("full-search").unwrap();
@@ -33,7 +46,7 @@ fn session(source: Source) -> Session {
     let held = Some(Held { pixel: "303,202".parse().expect("a pixel"), object: None });
     let position = Position { cursor: Some(Cursor { unit: 35, event: 412 }), held };
     let experiment = Experiment { side_by_side, frame: 12, ..Experiment::new(source, estimator) };
-    Session { experiment, position, look: look.into(), sight }
+    Session { experiment, position, look: look.into(), sight, freehand: ink() }
 }
 
 #[test]
@@ -52,6 +65,28 @@ fn what_was_saved_opens_exactly() {
         }
         let experiment = Experiment { source, ..read.experiment };
         assert!(Session { experiment, ..read } == saved);
+    }
+}
+
+#[test]
+fn wrong_ink_is_reported_with_its_line_and_its_key() {
+    let text = session(Source::parse("synth:pillar").unwrap()).text(Path::new(".")).unwrap();
+    assert!(text.contains("points = \"-0.25,3 4.75,6.01\""), "{text}");
+    for (right, wrong, said) in [
+        ("points = \"120.5,33\"", "points = \"120.5;33\"", "X,Y in px"),
+        ("points = \"120.5,33\"", "points = \"120.5,NaN\"", "X,Y in px"),
+        ("points = \"120.5,33\"", "points = \" \"", "at least one point"),
+        ("points = \"120.5,33\"\n", "", "has no key points"),
+        ("color = \"blue\"", "color = \"pink\"", "vermilion, yellow, blue, green"),
+        ("estimator = 2\ncolor", "estimator = 4\ncolor", "from 1 to 3"),
+        ("estimator = 2\ncolor", "estimator = 0\ncolor", "from 1 to 3"),
+        ("picture = \"t+1\"", "picture = \"frame\"", "t+1, t-1"),
+        ("color = \"blue\"", "colour = \"blue\"", "there is no key colour here"),
+    ] {
+        assert!(text.contains(right), "{right}: {text}");
+        let message = Session::parse(&text.replace(right, wrong), Path::new(".")).err().map(|error| error.to_string());
+        let is_told = |message: &String| message.contains(said) && message.contains("line ");
+        assert!(message.as_ref().is_some_and(is_told), "{wrong}: {message:?}");
     }
 }
 
@@ -343,7 +378,13 @@ fn every_estimator_with_any_parameters_comes_back() {
             vary(&mut look, dice);
             let mut experiment = Experiment::new(Source::parse("synth:pillar").unwrap(), estimator);
             experiment.frame = dice as usize;
-            let saved = Session { experiment, position: Position::default(), look: look.into(), sight: None };
+            let saved = Session {
+                experiment,
+                position: Position::default(),
+                look: look.into(),
+                sight: None,
+                freehand: Freehand::default(),
+            };
             let text = saved.text(Path::new(".")).unwrap();
             let read = Session::parse(&text, Path::new(".")).unwrap_or_else(|error| panic!("{id}: {error}\n{text}"));
             assert_eq!(read.experiment.estimator.all_values(), values, "{id}");
@@ -377,7 +418,7 @@ fn an_old_session_opens_unchanged() {
                 [set]\nblock = 8\n[picture]\nview = \"blend\"\nlevel = \"at-work\"\nblend = 0.8\ntheme = \"light\"\n\
                 colors = \"turbo\"\nlayer = \"error\"\nlayer-opacity = 0.5\narrows = 2.5\narrow-spacing = 16\nstreaks = 0.25\n\
                 legend = false\ncaption = true\n";
-    let Session { experiment, position, look, sight } = Session::parse(text, Path::new("there")).unwrap();
+    let Session { experiment, position, look, sight, freehand } = Session::parse(text, Path::new("there")).unwrap();
     assert_eq!(experiment.given, Given { truth: Some("there/t.flo".into()), ..Given::default() });
     assert_eq!((experiment.frame, experiment.estimator.get("block")), (3, Ok(Value::Int(8))));
     assert_eq!(position, Position { cursor: Some(Cursor { unit: 29, event: 2 }), held: None });
@@ -399,5 +440,5 @@ fn an_old_session_opens_unchanged() {
         caption: CaptionWords::On,
     };
     assert_eq!(look.over(Look::default()), expected);
-    assert_eq!(sight, None);
+    assert_eq!((sight, freehand), (None, Freehand::default()));
 }

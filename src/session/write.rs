@@ -7,7 +7,7 @@ use motionscope_core::{AnyEstimator, Error, Value};
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
-use super::{Session, VERSION, VisiblePart, key};
+use super::{Session, VERSION, VisiblePart, ink, key};
 use crate::experiment::side_by_side;
 use crate::experiment::source::Source;
 use crate::experiment::{Experiment, Position};
@@ -49,6 +49,8 @@ struct Text<'a> {
     picture: Picture<'a>,
     #[serde(skip_serializing_if = "Option::is_none")]
     sight: Option<VisiblePart>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    ink: Vec<ink::Line>,
 }
 
 /// An estimator in lockstep with the first, and the parameters in which it does not follow that.
@@ -78,7 +80,7 @@ impl Serialize for Picture<'_> {
 
 /// Returns the text of `session` for a file in `folder`.
 pub(super) fn text(session: &Session, folder: &Path) -> Result<String, Error> {
-    let Session { experiment, position: Position { cursor, held }, look, sight } = session;
+    let Session { experiment, position: Position { cursor, held }, look, sight, freehand } = session;
     let Experiment { source, given, estimator, side_by_side, frame } = experiment;
     let Given { truth, detections, right, calibration, disparity_scale, depths, depth_scale } =
         given.clone().map_path(|path| relative(path, folder));
@@ -113,6 +115,7 @@ pub(super) fn text(session: &Session, folder: &Path) -> Result<String, Error> {
         beside: side_by_side.beside.iter().map(|one| Companion::of(one, &**estimator)).collect(),
         picture: Picture(look),
         sight: *sight,
+        ink: freehand.lines.iter().map(ink::Line::from).collect(),
     };
     toml::to_string(&text).map_err(|error| Error::new(format!("the session cannot be written: {error}")))
 }

@@ -14,7 +14,7 @@ use super::motion::{AvailableLayers, Motion, Reverse, Site};
 use super::named::{LastNamed, Named};
 use super::tile::{self, Ending, Tile, add_assessment, add_facts, endings, predicted, tiles};
 use crate::experiment::Experiment;
-use crate::paint::{FlowLayer, Pictures};
+use crate::paint::{FlowLayer, Freehand, FreehandLine, Pictures};
 
 /// Everything that a run shows at its cursor.
 #[derive(Clone)]
@@ -39,6 +39,8 @@ pub struct Moment {
     pub available: AvailableLayers,
     /// The error of a picture that the step asks for and that cannot be shown.
     pub missing: Option<Error>,
+    /// What was drawn by hand on the step.
+    pub freehand: Arc<[FreehandLine]>,
 }
 
 /// A run at its cursor, and what is to be shown of it.
@@ -193,6 +195,7 @@ impl Moment {
             tiles,
             available: motion.available,
             missing,
+            freehand: Arc::default(),
         })
     }
 
@@ -296,6 +299,8 @@ impl LastPair {
 pub struct Viewer<'a> {
     /// The run: it goes wherever it is sent.
     pub walk: Box<dyn Walk>,
+    /// What was drawn by hand in the run.
+    pub freehand: Freehand,
     experiment: &'a Experiment,
     clip: &'a Clip,
     look: &'a Look,
@@ -319,6 +324,7 @@ impl<'a> Viewer<'a> {
         let beside = look.shows_beside(experiment.estimator.shows_frame_alone());
         Ok(Self {
             walk: experiment.walk(clip)?,
+            freehand: Freehand::default(),
             experiment,
             clip,
             look,
@@ -334,12 +340,13 @@ impl<'a> Viewer<'a> {
     /// # Errors
     /// If a frame, a picture that the step names, the truth or the reverse pair that it takes cannot be had.
     pub fn moment(&mut self, focus: Option<Focus>) -> Result<Moment, Error> {
-        let Self { walk, experiment, clip, look, reverse, pairs, named, beside } = self;
+        let Self { walk, freehand, experiment, clip, look, reverse, pairs, named, beside } = self;
         let (walk, clip) = (&**walk, *clip);
         let pair = pairs.of(walk, clip)?;
         let end = End::of(walk, experiment, clip, pair);
         let standing = RunView { walk, clip, pair, focus, beside: *beside, end: end.as_ref(), named };
         let moment = Moment::of(standing, |site| Motion::of(site, look, || reverse.flow().map(Some)))?;
+        let moment = Moment { freehand: freehand.at(moment.cursor).into(), ..moment };
         moment.missing.clone().map_or(Ok(moment), Err)
     }
 }

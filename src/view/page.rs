@@ -12,7 +12,7 @@ use crate::experiment::pixel::Chosen;
 use crate::paint::charts::prose::{Prose, lay_out};
 use crate::paint::charts::{Canvas, Level, Type};
 use crate::paint::primitive::{Anchor, Point};
-use crate::paint::{Face, Figure, Layer, Theme};
+use crate::paint::{Face, Figure, Freehand, Layer, Theme};
 
 /// Width of the words in points, and what is left around them.
 const WIDTH: f32 = 380.0;
@@ -43,6 +43,8 @@ pub struct Stand<'a> {
     pub pixel: Option<Chosen>,
     /// How pictures look.
     pub look: Look,
+    /// What was drawn by hand on the steps of the page.
+    pub freehand: Freehand,
 }
 
 impl Words<'_> {
@@ -51,10 +53,11 @@ impl Words<'_> {
     /// # Errors
     /// If the run cannot start or breaks off, or the picture would be larger than can be written.
     pub fn encode(&self, stand: &Stand<'_>, format: Format, scale: u32) -> Result<Vec<u8>, Error> {
-        let Stand { prepared: Prepared { experiment, clip, .. }, cursor, pixel, look } = stand;
+        let Stand { prepared: Prepared { experiment, clip, .. }, cursor, pixel, look, freehand } = stand;
         let estimator: &dyn AnyEstimator = &*experiment.estimator;
         let reverse = Reverse::new(estimator, clip, experiment.frame);
         let mut viewer = Viewer::new(experiment, clip, look, &reverse)?;
+        viewer.freehand.clone_from(freehand);
         viewer.walk.go(Move::To(*cursor));
         while !viewer.walk.work(&mut || true) {}
         if let Some(failure) = viewer.walk.failure() {

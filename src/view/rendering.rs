@@ -2,6 +2,7 @@
 
 use std::path::Path;
 use std::str::FromStr;
+use std::sync::Arc;
 
 use motionscope_core::params::Kind;
 use motionscope_core::scene::{Readout, Sentence};
@@ -122,6 +123,7 @@ impl Rendering<'_> {
             legend: look.legend,
             heat: heat.or(scene.heat.map(str::to_owned)).unwrap_or_default(),
             caption: around.caption,
+            freehand: Arc::clone(&moment.freehand),
         };
         Figure::of(&self.parts(view), scene, &options)
     }

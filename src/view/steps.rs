@@ -15,7 +15,7 @@ use crate::experiment::Prepared;
 use crate::experiment::pixel::Chosen;
 use crate::media::export::{AnimationFormat, Reel, Timing};
 use crate::media::{Progress, export};
-use crate::paint::FlowLayer;
+use crate::paint::{FlowLayer, Freehand};
 
 /// Steps of a run at which a granularity stops.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,6 +42,8 @@ pub struct Steps {
     pub pixel: Option<Chosen>,
     /// Whether a layer that no step has is an error.
     pub must_have_layer: bool,
+    /// What was drawn by hand in the run.
+    pub freehand: Freehand,
     /// Number of pictures of each step, in which its charts in space turn once; 1 for none that turns.
     pub turntable: u32,
 }
@@ -158,6 +160,7 @@ impl Steps {
         self.panes.check(estimator)?;
         let reverse = Reverse::new(estimator, clip, experiment.frame);
         let mut viewer = Viewer::new(experiment, clip, &self.look, &reverse)?;
+        viewer.freehand.clone_from(&self.freehand);
         self.begin(&mut *viewer.walk, progress)?;
         self.pixel.map(|pixel| pixel.here(&*viewer.walk, clip)).transpose()?;
         let layer = self.look.layer.filter(|layer| *layer != FlowLayer::None);

@@ -62,7 +62,13 @@ fn every_entry_is_the_same_by_flag_by_session_and_in_the_window() {
     for (index, spec) in Look::entries().iter().enumerate() {
         let (experiment, usual, cursor) = seen_on(spec);
         let position = Position { cursor, held: None };
-        let session = |look: Look| Session { experiment: experiment.clone(), position, look: look.into(), sight: None };
+        let session = |look: Look| Session {
+            experiment: experiment.clone(),
+            position,
+            look: look.into(),
+            sight: None,
+            freehand: Default::default(),
+        };
         session(usual).save(&base).expect("it is written");
         let mut window = Window::with(vec2(1200.0, 800.0), Start { open: Some(base.clone().into()) });
         if cursor.is_none() {

@@ -32,6 +32,7 @@ use motionscope_core::{Cursor, Error, estimator};
 use super::{Session, folder_of};
 use crate::experiment::{Experiment, Position};
 use crate::media;
+use crate::paint::Freehand;
 use crate::paint::charts::prose::Prose;
 use crate::view::look::Look;
 
@@ -185,6 +186,7 @@ pub fn page_text(session: &Session, folder: &Path) -> Result<String, Error> {
         position: Position::default(),
         look: Look::of_window().into(),
         sight: None,
+        freehand: Freehand::default(),
     };
     let unwritten = |why: String| Error::new(format!("the page cannot be written: {why}"));
     let table =

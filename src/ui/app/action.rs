@@ -10,11 +10,13 @@ use motionscope_core::{Cursor, Error, Pace, Value};
 
 use crate::experiment::comparison::Row;
 use crate::media::camera::Kept;
+use crate::paint::FreehandLine;
 use crate::search::Target;
 use crate::session::lesson::Address;
 use crate::ui::app::commands::Command;
 use crate::ui::model::document::Owner;
 use crate::ui::model::writer::Order;
+use crate::ui::stage::PenWish;
 
 /// The purpose of a system file dialog.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -102,6 +104,10 @@ pub enum Action {
     SeekCandidate([i32; 2]),
     /// Go to the unit at a pixel, or hold that pixel to explain it.
     SeekAt(Focus, Side),
+    /// Add a line drawn by hand to its step.
+    Draw(Box<FreehandLine>),
+    /// Change the pen or the ink.
+    Pen(PenWish),
     /// Explain a pixel.
     Focus(Option<Focus>),
     /// Release the held pixel.

@@ -104,6 +104,8 @@ impl App {
             }
             // What is pointed at would be explained by the step that is held back.
             Action::Focus(_) if self.predict.open().is_some() => {}
+            Action::Draw(line) => self.draw(*line),
+            Action::Pen(wish) => self.pen(wish),
             Action::Focus(focus) => self.walker.focus(focus),
             Action::Vote(index, adds) => _ = self.predict.vote(index, adds),
             Action::Guess(number) => _ = self.predict.number(number),
@@ -172,6 +174,7 @@ impl App {
                 }
             }
             C::OutOfStage => self.leave(),
+            C::Undo | C::Redo if self.presentation.pen.is_on => self.undo_ink(command),
             C::Undo | C::Redo | C::ResetParameters => self.edit(command),
             C::SideBySide | C::FrameT | C::FrameNext | C::Difference | C::Blend | C::Blink => self.choose_look(command),
             C::Prediction | C::Residual => self.choose_look(command),
@@ -202,6 +205,8 @@ impl App {
                 self.ctx.send_viewport_cmd(ViewportCommand::Fullscreen(!now));
             }
             C::Predict => self.toggle_predict(),
+            C::Pen | C::NextPenColor | C::ClearInk | C::Pointer | C::Loupe => self.present(command),
+            C::Present | C::PresenterWindow => self.present(command),
             C::ReducedMotion => self.settings.reduced_motion = !self.settings.reduced_motion,
             C::Play => self.toggle_play(Direction::Forward),
             C::PlayBack => self.toggle_play(Direction::Back),
@@ -229,6 +234,7 @@ impl App {
     fn place(&mut self, index: Option<usize>) {
         self.states.stage.placing = index;
         if index.is_some() {
+            self.presentation.pen.is_on = false;
             self.settings.close_drawer();
         }
     }

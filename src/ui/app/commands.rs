@@ -159,6 +159,20 @@ commands! {
     FullScreen,
     /// Ask before a result is shown.
     Predict,
+    /// Full screen with stage, chart and caption alone.
+    Present,
+    /// The second window, for the presenter.
+    PresenterWindow,
+    /// The large pointer.
+    Pointer,
+    /// The magnifying glass.
+    Loupe,
+    /// The pen.
+    Pen,
+    /// The next colour of the pen.
+    NextPenColor,
+    /// Remove the ink of the step.
+    ClearInk,
     /// Switch animations off.
     ReducedMotion,
     /// Play or pause.
@@ -290,6 +304,8 @@ pub enum Submenu {
     InterfaceSize,
     /// The panes around the stage.
     Panes,
+    /// What is shown to a class.
+    Present,
 }
 
 impl Submenu {
@@ -304,6 +320,7 @@ impl Submenu {
             Submenu::ArrowLength => ("Arrow length", Icon::MoveUpRight),
             Submenu::InterfaceSize => ("Interface size", Icon::CaseSensitive),
             Submenu::Panes => ("Panes", Icon::LayoutDashboard),
+            Submenu::Present => ("Present", Icon::Presentation),
         }
     }
 }
@@ -378,6 +395,8 @@ impl Command {
             C::LargerInterface | C::SmallerInterface | C::NormalInterface => Some(Submenu::InterfaceSize),
             C::ShowParameters | C::ShowExplanation | C::ShowCharts | C::ResetLayout => Some(Submenu::Panes),
             C::EnlargeChart | C::NextChart | C::PreviousChart => Some(Submenu::Panes),
+            C::Present | C::PresenterWindow | C::Pointer | C::Loupe => Some(Submenu::Present),
+            C::Pen | C::NextPenColor | C::ClearInk => Some(Submenu::Present),
             _ => None,
         }
     }
@@ -481,9 +500,12 @@ impl Command {
             C::EnlargeChart | C::NextChart | C::PreviousChart => now.has_charts,
             C::LargerInterface => now.can_be_larger,
             C::ShowParameters | C::ShowExplanation | C::ShowCharts => true,
-            C::Lecture | C::FullScreen => true,
             C::Predict => true,
             C::ExportScores => now.has_run && now.has_scores,
+            C::Lecture | C::FullScreen | C::Present | C::PresenterWindow | C::Pointer => true,
+            C::Pen | C::Loupe => now.has_run,
+            C::NextPenColor => now.is_drawing,
+            C::ClearInk => now.has_ink,
             C::ReducedMotion | C::ResetLayout | C::Slower | C::Faster => true,
             C::Palette | C::Glossary | C::Shortcuts | C::About => true,
         }
@@ -563,6 +585,16 @@ pub struct Situation {
     pub holds_pixel: bool,
     /// A parameter is being placed on the picture.
     pub is_placing: bool,
+    /// The mouse draws.
+    pub is_drawing: bool,
+    /// Something was drawn by hand on the step.
+    pub has_ink: bool,
+    /// A magnifying glass follows the mouse.
+    pub has_loupe: bool,
+    /// The mouse is a large pointer.
+    pub is_pointing: bool,
+    /// Stage, chart and caption are shown alone.
+    pub is_presenting: bool,
     /// Which layers tell of motion.
     pub available: AvailableLayers,
     /// There is a change to take back.

@@ -285,7 +285,7 @@ impl App {
 
     /// Takes what a session sets, on the clip that is open.
     pub(super) fn take(&mut self, session: Session) {
-        let Session { experiment, position, look, sight } = session;
+        let Session { experiment, position, look, sight, freehand } = session;
         let (was_single, frame) = (self.shows_frame_alone(), experiment.frame);
         self.document.restore(experiment);
         self.tell_of_frame(frame);
@@ -298,7 +298,9 @@ impl App {
         }
         let Position { cursor, held } = position;
         let cursor = cursor.or_else(|| self.left_in_run()).unwrap_or_default();
-        self.walk_from(Place { hold: Hold::Set(held), ..Place::at(cursor) });
+        let job = self.document.job_at(Place { hold: Hold::Set(held), ..Place::at(cursor) });
+        job.iter().for_each(|job| self.restore_ink(&job.subject, freehand.clone()));
+        self.start(job);
     }
 
     /// Begins with the first pair whose true flow is known, and says so.
@@ -425,7 +427,7 @@ impl App {
 
     /// Saves on another thread and reports the outcome.
     pub fn write(&mut self, order: Order) {
-        let Some(shown) = self.view.shown.clone() else { return };
+        let Some(shown) = self.inked() else { return };
         if self.writing.is_some() {
             self.toasts.fail("Another file is still being saved. Wait or cancel it, then save again.");
             return;
@@ -438,7 +440,8 @@ impl App {
         let work: Work = match order.what {
             OutputKind::Picture => Box::new(move |order, _| writer::picture(order, &shown)),
             OutputKind::Steps(..) | OutputKind::Animation(..) => {
-                Box::new(move |order, progress| writer::steps(order, &shown, progress))
+                let freehand = self.presentation.pen.freehand(&shown.subject);
+                Box::new(move |order, progress| writer::steps(order, (&shown, freehand), progress))
             }
             OutputKind::Clip(_) => {
                 self.recorder.saved = self.is_unsaved().then(|| order.path.clone());
@@ -477,7 +480,8 @@ impl App {
         experiment.source = experiment.source.map_path(whole);
         experiment.given = experiment.given.map_path(whole);
         let position = Position { cursor: Some(shown.cursor), held: shown.held() };
-        Session { experiment, position, look: self.settings.look.into(), sight }
+        let freehand = self.presentation.pen.freehand(&shown.subject);
+        Session { experiment, position, look: self.settings.look.into(), sight, freehand }
     }
 }
 

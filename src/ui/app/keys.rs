@@ -50,10 +50,18 @@ enum Escape {
     Stop,
     /// No longer places anything on the picture.
     Placing,
+    /// Lays the pen down.
+    Pen,
+    /// Takes the large pointer away.
+    Pointer,
+    /// Takes the magnifying glass away.
+    Loupe,
     /// Gives the stage its place back.
     Chart,
     /// Lets the held pixel go.
     Pixel,
+    /// Leaves the full screen for the class.
+    Present,
     /// Leaves the lecture.
     Lecture,
     /// Goes on with one estimator alone.
@@ -61,12 +69,16 @@ enum Escape {
 }
 
 impl Escape {
-    const ORDER: [Escape; 7] = [
+    const ORDER: [Escape; 11] = [
         Escape::StartPage,
         Escape::Stop,
         Escape::Placing,
+        Escape::Pen,
+        Escape::Pointer,
+        Escape::Loupe,
         Escape::Chart,
         Escape::Pixel,
+        Escape::Present,
         Escape::Lecture,
         Escape::Lockstep,
     ];
@@ -81,6 +93,10 @@ impl Escape {
             Self::StartPage => now.at_start_page,
             Self::Stop => Command::Stop.enabled(now),
             Self::Placing => now.is_placing,
+            Self::Pen => now.is_drawing,
+            Self::Loupe => now.has_loupe,
+            Self::Pointer => now.is_pointing,
+            Self::Present => now.is_presenting,
             Self::Pixel => now.holds_pixel,
             Self::Chart => now.has_enlarged,
             Self::Lecture => now.lecture,
@@ -93,6 +109,10 @@ impl Escape {
             Self::StartPage => Action::Command(Command::StartPage),
             Self::Stop => Action::Command(Command::Stop),
             Self::Placing => Action::Place(None),
+            Self::Pen => Action::Command(Command::Pen),
+            Self::Loupe => Action::Command(Command::Loupe),
+            Self::Pointer => Action::Command(Command::Pointer),
+            Self::Present => Action::Command(Command::Present),
             Self::Pixel => Action::Release,
             Self::Chart => Action::Command(Command::EnlargeChart),
             Self::Lecture => Action::Command(Command::Lecture),
@@ -284,10 +304,14 @@ mod tests {
                 at_start_page: is(0),
                 playing: is(1),
                 is_placing: is(2),
-                has_enlarged: is(3),
-                holds_pixel: is(4),
-                lecture: is(5),
-                in_lockstep: is(6),
+                is_drawing: is(3),
+                is_pointing: is(4),
+                has_loupe: is(5),
+                has_enlarged: is(6),
+                holds_pixel: is(7),
+                is_presenting: is(8),
+                lecture: is(9),
+                in_lockstep: is(10),
                 ..Situation::default()
             };
             let expected: Vec<Escape> = Escape::ORDER
@@ -303,6 +327,10 @@ mod tests {
                     Escape::StartPage => now.at_start_page = false,
                     Escape::Stop => now.playing = false,
                     Escape::Placing => now.is_placing = false,
+                    Escape::Pen => now.is_drawing = false,
+                    Escape::Loupe => now.has_loupe = false,
+                    Escape::Pointer => now.is_pointing = false,
+                    Escape::Present => now.is_presenting = false,
                     Escape::Pixel => now.holds_pixel = false,
                     Escape::Chart => now.has_enlarged = false,
                     Escape::Lecture => now.lecture = false,

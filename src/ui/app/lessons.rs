@@ -229,6 +229,7 @@ impl App {
         let [page, rest] = lesson::split(all, theme.sizes().body);
         let back = self.trail.last().map(|left| left.title.as_str());
         let input = lesson::Input { open, theme, back };
+        self.states.lesson.has_notes_elsewhere = self.presentation.presenter.is_some();
         lesson::show(ui, page, input, &mut self.states.lesson, actions);
         regions.push((Region::Lesson, page));
         rest

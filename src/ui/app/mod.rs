@@ -9,6 +9,7 @@ mod find;
 pub mod keys;
 mod lessons;
 mod predict;
+mod present;
 mod start;
 mod window;
 

@@ -1,10 +1,14 @@
 //! Predict, then reveal: what commands, keys and clicks do while a question is open.
 
+use eframe::egui::{Frame, Margin, Panel, Rect, Ui};
 use motionscope_core::Move;
 use motionscope_core::scene::Focus;
 
+use crate::ui::app::action::Actions;
 use crate::ui::app::commands::{Command, Menu};
-use crate::ui::app::window::App;
+use crate::ui::app::window::{App, Region};
+use crate::ui::drawing::style;
+use crate::ui::panes::question;
 
 impl App {
     /// Puts an open question between the run and the window.
@@ -13,6 +17,18 @@ impl App {
             self.player.pause();
             self.walker.focus(None);
         }
+    }
+
+    /// Shows the bar of questions, while they are on.
+    pub(super) fn question_bar(&mut self, ui: &mut Ui, actions: &mut Actions, regions: &mut Vec<(Region, Rect)>) {
+        if !self.predict.is_on() {
+            return;
+        }
+        let theme = self.settings.look.theme;
+        let frame = Frame::new().fill(style::color(theme.chrome().raised)).inner_margin(Margin::symmetric(12, 6));
+        let asked = Panel::bottom("question").frame(frame);
+        let asked = asked.show(ui, |ui| question::show(ui, &self.predict, theme, &mut self.question, actions));
+        regions.push((Region::Question, asked.response.rect));
     }
 
     /// Turns the questions on or off.

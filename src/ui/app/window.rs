@@ -13,6 +13,7 @@ use crate::ui::app::action::{Action, Actions, Browse};
 use crate::ui::app::camera::Recorder;
 use crate::ui::app::commands::{Granularities, Situation};
 use crate::ui::app::keys;
+use crate::ui::app::present::Presentation;
 use crate::ui::dialogs::{
     camera, compare, find, gallery, lessons, open as open_dialog, palette, save as save_dialog, sheet, terms,
 };
@@ -104,7 +105,7 @@ pub struct App {
     pub(super) player: Player,
     /// The questions about the next result.
     pub(super) predict: Predict,
-    question: question::State,
+    pub(super) question: question::State,
     pub(super) loading: Option<Loading>,
     pub(super) error: Option<Error>,
     pub(super) overlay: Overlay,
@@ -118,6 +119,8 @@ pub struct App {
     pub(super) trail: Trail,
     /// Whether what a new user has tried can be remembered: else a hint would come again at each start.
     can_remember: bool,
+    /// What it is presented with.
+    pub(super) presentation: Presentation,
     /// The lesson that is open.
     pub(super) lesson: Option<OpenLesson>,
     /// A path that the system's dialog will deliver.
@@ -171,6 +174,7 @@ impl App {
             previews: Previews::default(),
             trail: Trail::default(),
             can_remember: storage.is_some(),
+            presentation: Presentation::default(),
             lesson: None,
             browsing: None,
             writing: None,
@@ -265,7 +269,9 @@ impl App {
     fn measure(&mut self, ctx: &egui::Context) {
         let type_pt = self.settings.look.theme.sizes().body;
         let window = ctx.content_rect().size();
-        let is_lecture = self.settings.lecture || self.settings.look.theme == crate::paint::Theme::Projector;
+        let is_lecture = self.settings.lecture
+            || self.presentation.is_on
+            || self.settings.look.theme == crate::paint::Theme::Projector;
         self.settings.mode = Some(Mode::of(window, type_pt, is_lecture));
         self.settings.is_narrow = !self.room(egui::Rect::NOTHING, window).has_docked_parameters();
     }
@@ -296,6 +302,7 @@ impl App {
         }
         let shown = self.view.shown.as_deref();
         let last = self.document.last_frame();
+        let [can_undo, can_redo] = self.ink_history().unwrap_or([self.document.can_undo(), self.document.can_redo()]);
         Situation {
             has_clip: self.document.clip().is_some(),
             has_pictures: self.document.clip().is_some_and(|clip| !clip.is_blank())
@@ -317,8 +324,13 @@ impl App {
             is_placing: self.states.stage.placing.is_some(),
             holds_pixel: shown.and_then(|shown| shown.pointed).is_some_and(|pointed| pointed.is_held),
             available: shown.map(|shown| shown.available).unwrap_or_default(),
-            can_undo: self.document.can_undo(),
-            can_redo: self.document.can_redo(),
+            can_undo,
+            can_redo,
+            is_drawing: self.presentation.pen.is_on,
+            has_ink: !self.ink().is_empty(),
+            has_loupe: self.presentation.has_loupe,
+            is_pointing: self.presentation.is_pointing,
+            is_presenting: self.presentation.is_on,
             is_tuned: self.document.is_tuned(Owner::Estimator),
             is_asked: self.predict.open().is_some(),
             has_scores: !self.predict.scores().is_empty(),
@@ -379,8 +391,17 @@ impl App {
         let fill = ui.visuals().panel_fill;
         let bar = |x, y| Frame::new().fill(fill).inner_margin(Margin::symmetric(x, y));
         let top = if is_lecture { 4 } else { 6 };
+        let mut regions = Vec::new();
+        if self.presentation.is_on {
+            // For the class there is nothing but stage, chart and caption.
+            self.progress_line(ui);
+            self.question_bar(ui, actions, &mut regions);
+            CentralPanel::no_frame().show(ui, |ui| self.body(ui, gpu, actions, &mut regions));
+            self.regions = regions;
+            return;
+        }
         let header = Panel::top("menus").frame(bar(12, top)).show(ui, |ui| self.top_bar(ui, actions));
-        let mut regions = vec![(Region::Header, header.response.rect)];
+        regions.push((Region::Header, header.response.rect));
         if !is_lecture {
             let status = Panel::bottom("status").frame(bar(16, 2)).show(ui, |ui| self.status(ui, actions));
             regions.push((Region::Status, status.response.rect));
@@ -389,13 +410,7 @@ impl App {
         let transport = Panel::bottom("transport").frame(bar(12, 2)).exact_size(height + 4.0);
         let transport = transport.show(ui, |ui| self.transport(ui, actions));
         regions.push((Region::Transport, transport.response.rect));
-        if self.predict.is_on() {
-            let theme = self.settings.look.theme;
-            let frame = bar(12, 6).fill(style::color(theme.chrome().raised));
-            let asked = Panel::bottom("question").frame(frame);
-            let asked = asked.show(ui, |ui| question::show(ui, &self.predict, theme, &mut self.question, actions));
-            regions.push((Region::Question, asked.response.rect));
-        }
+        self.question_bar(ui, actions, &mut regions);
         self.toasts.show_description(ui, bar(12, 6), self.settings.look.theme);
         CentralPanel::no_frame().show(ui, |ui| self.body(ui, gpu, actions, &mut regions));
         self.regions = regions;
@@ -517,6 +532,7 @@ impl App {
             has_no_status: self.settings.mode == Some(Mode::Lecture),
             flows: !self.settings.reduced_motion,
             gpu,
+            presented: self.presentation.presented(),
             look: &mut self.settings.look,
             actions,
         };
@@ -608,6 +624,7 @@ impl eframe::App for App {
             }
             None => self.panels(ui, frame.wgpu_render_state(), &mut actions),
         }
+        self.presenter_window(&ctx, &mut actions);
         self.overlays(&ctx, &mut actions);
         // Messages lie over no words and no chart: on the stage, above its legend, or else above the transport.
         let content = ctx.content_rect();
@@ -617,6 +634,7 @@ impl eframe::App for App {
         let corner = stage.or_else(transport).unwrap_or(content.left_bottom()) + egui::vec2(12.0, -8.0);
         self.toasts.show(&ctx, corner, self.settings.look.theme);
         self.drop_hint(ui);
+        self.show_pointer(&ctx);
         for action in actions.0 {
             self.act(action);
         }

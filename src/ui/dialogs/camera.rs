@@ -357,6 +357,7 @@ fn picture(ui: &mut Ui, state: &mut State, look: &Look) {
         placing: None,
         animate: false,
         flows: false,
+        presenting: stage::Presenting::default(),
     };
     stage::show_plain(ui, &input, &mut state.stage);
 }

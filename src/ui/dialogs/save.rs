@@ -10,7 +10,7 @@ use super::path::PathField;
 use crate::experiment::Prepared;
 use crate::experiment::source::Source;
 use crate::media::export::{AnimationFormat, Inputs, Timing};
-use crate::paint::grouped;
+use crate::paint::{Freehand, grouped};
 use crate::results::{self, Export};
 use crate::ui::app::action::{Action, Actions, Browse};
 use crate::ui::app::commands::Granularities;
@@ -218,12 +218,12 @@ impl State {
             (_, Some(export)) => export.explained,
             (Kind::Steps, _) if self.choice().animation.is_some() => "One file that plays the steps again and again.",
             (Kind::Steps, _) => "One numbered file for each step, into a folder.",
-            (Kind::Session, _) => "A small text file: clip, estimator, parameters, step and view.",
             (Kind::Scores, _) => "The questions that were answered, with hands, guesses and distances.",
             (Kind::Clip, _) if self.is_folder() => {
                 "A folder with a picture for each frame, and with the ground truth if it is known."
             }
             (Kind::Clip, _) => "One file with the frames as they came.",
+            (Kind::Session, _) => "A small text file: clip, estimator, parameters, step, view and ink.",
             _ if self.selection().panes.is_empty() => {
                 "The whole picture of the stage, with the same colours and lines."
             }
@@ -295,7 +295,8 @@ impl State {
             }
         };
         if self.counting.as_ref().is_none_or(|(counted, _)| *counted != range) {
-            let steps = Steps { range, scale, look, panes, pixel: None, must_have_layer: false, turntable: 1 };
+            let (pixel, freehand) = (None, Freehand::default());
+            let steps = Steps { range, scale, look, panes, pixel, must_have_layer: false, freehand, turntable: 1 };
             let (subject, ctx) = (Arc::clone(&self.subject), ctx.clone());
             let work = Background::new(
                 "count the steps",

@@ -27,6 +27,7 @@ pub fn preview(subject: &Arc<Prepared>, clip: &Clip) -> Result<Snapshot, Error> 
         tiles: Vec::new(),
         available: AvailableLayers::default(),
         missing: None,
+        freehand: Arc::default(),
     };
     Ok(Snapshot {
         info: experiment.info(),

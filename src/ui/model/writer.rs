@@ -13,6 +13,7 @@ use crate::experiment::pixel::Chosen;
 use crate::experiment::source::Source;
 use crate::media::Progress;
 use crate::media::export::{self, Inputs, Target, Timing};
+use crate::paint::Freehand;
 use crate::results::Export;
 use crate::view::look::Look;
 use crate::view::panes::Selection;
@@ -130,11 +131,15 @@ pub fn picture(order: &Order, shown: &Snapshot) -> Result<String, Error> {
     Ok(format!("Saved {}.", order.path.display()))
 }
 
-/// Writes several steps, as pictures or as an animation; says what was written.
+/// Writes several steps, as pictures or as an animation, with what was drawn by hand in the run; says what was written.
 ///
 /// # Errors
 /// As [`Steps::write`].
-pub fn steps(order: &Order, shown: &Snapshot, progress: &dyn Progress) -> Result<String, Error> {
+pub fn steps(
+    order: &Order,
+    (shown, freehand): (&Snapshot, Freehand),
+    progress: &dyn Progress,
+) -> Result<String, Error> {
     let path = &*order.path;
     let (range, medium) = match order.what {
         OutputKind::Steps(range, format) => (range, Medium::Pictures(path, format)),
@@ -149,8 +154,8 @@ pub fn steps(order: &Order, shown: &Snapshot, progress: &dyn Progress) -> Result
     };
     let pixel = shown.held().map(Chosen::Held);
     let panes = order.panes.clone();
-    let steps =
-        Steps { range, scale: order.scale, look: order.look, panes, pixel, must_have_layer: false, turntable: 1 };
+    let (scale, look) = (order.scale, order.look);
+    let steps = Steps { range, scale, look, panes, pixel, must_have_layer: false, freehand, turntable: 1 };
     let written = steps.write(&shown.subject, medium, Some(progress), None)?;
     Ok(match medium {
         Medium::Pictures(..) => format!("Saved {} into {}{}.", written.pictures(), path.display(), written.without()),

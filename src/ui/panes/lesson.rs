@@ -32,6 +32,8 @@ pub struct State {
     laid_out: Option<LaidOut>,
     /// The page that is scrolled.
     page: Option<Address>,
+    /// Whether the notes are in the presenter's window, so that the class does not see them.
+    pub has_notes_elsewhere: bool,
 }
 
 /// A page as it is shown.
@@ -95,14 +97,18 @@ pub fn show(ui: &mut Ui, rect: Rect, input: Input<'_>, state: &mut State, action
     let scroll = if turned { scroll.vertical_scroll_offset(0.0) } else { scroll };
     scroll.show(&mut ui, |ui| {
         words(ui, (open, theme), state, actions);
-        if open.has_notes && !open.page().notes.is_empty() {
+        if open.has_notes && !state.has_notes_elsewhere && !open.page().notes.is_empty() {
             ui.add_space(12.0);
             widgets::heading(ui, "Notes");
             ui.label(RichText::new(&open.page().notes).weak());
         }
     });
     let foot = Rect::from_min_max(pos2(inside.min.x, inside.max.y - footer + 8.0), inside.max);
-    footer_row(&mut widgets::inside(&mut ui, foot, Layout::left_to_right(Align::Center)), open, actions);
+    footer_row(
+        &mut widgets::inside(&mut ui, foot, Layout::left_to_right(Align::Center)),
+        (open, !state.has_notes_elsewhere),
+        actions,
+    );
 }
 
 /// The title of the lesson, the way back to the page before it and the way out of it.
@@ -172,8 +178,8 @@ fn words(ui: &mut Ui, (open, theme): (&OpenLesson, Theme), state: &mut State, ac
     }
 }
 
-/// Back, which page it is, and on.
-fn footer_row(ui: &mut Ui, open: &mut OpenLesson, actions: &mut Actions) {
+/// Back, which page it is, on, and the notes where they may be seen.
+fn footer_row(ui: &mut Ui, (open, has_notes): (&mut OpenLesson, bool), actions: &mut Actions) {
     let way = |ui: &mut Ui, command: Command, is_there: bool| {
         let (icon, name) = (command.info().icon, command.info().text);
         ui.add_enabled_ui(is_there, |ui| widgets::icon_button(ui, icon, name, false)).inner.clicked()
@@ -185,7 +191,7 @@ fn footer_row(ui: &mut Ui, open: &mut OpenLesson, actions: &mut Actions) {
     if way(ui, Command::NextPage, !open.is_at(Direction::Forward)) {
         actions.command(Command::NextPage);
     }
-    if !open.page().notes.is_empty() {
+    if has_notes && !open.page().notes.is_empty() {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let notes = Button::new(RichText::new("Notes").small()).selected(open.has_notes);
             if ui.add(notes).on_hover_text("Notes for the teacher").clicked() {

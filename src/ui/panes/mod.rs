@@ -8,6 +8,7 @@ pub mod granularities;
 pub mod layout;
 pub mod lesson;
 pub mod parameters;
+pub mod presenter;
 pub mod question;
 pub mod start;
 pub mod status;
@@ -29,6 +30,7 @@ use serde::{Deserialize, Serialize};
 
 use super::model::document::{Document, Owner};
 use super::model::loader::Loading;
+use super::model::pen::Pen;
 use super::model::snapshot::Snapshot;
 use super::model::walker::View;
 use super::parts::widgets;
@@ -152,10 +154,25 @@ pub struct Panes<'a> {
     pub has_no_status: bool,
     /// The window's graphics card, if it has one.
     pub gpu: Option<&'a RenderState>,
+    /// How it is presented.
+    pub presented: Presented<'a>,
     /// How pictures look.
     pub look: &'a mut Look,
     /// What is asked for.
     pub actions: &'a mut Actions,
+}
+
+/// How the stage is presented.
+#[derive(Clone, Copy)]
+pub struct Presented<'a> {
+    /// The pen, and what was drawn with it.
+    pub pen: &'a Pen,
+    /// What the mouse does on the pictures.
+    pub hand: stage::Hand,
+    /// Whether a magnifying glass follows the pointer.
+    pub has_loupe: bool,
+    /// Whether the pictures stand alone, without tools.
+    pub is_bare: bool,
 }
 
 /// Whether the pointer is meant to point: one that rests while steps are taken leaves the steps their own explanation.
@@ -313,6 +330,13 @@ impl Panes<'_> {
             checking: self.view.checking,
             animate: self.animate,
             flows: self.flows,
+            presenting: stage::Presenting {
+                hand: self.presented.hand,
+                freehand: self.presented.pen.lines(&shown.subject, shown.cursor),
+                can_undo_ink: self.presented.pen.history(&shown.subject, shown.cursor)[0],
+                has_loupe: self.presented.has_loupe,
+                is_bare: self.presented.is_bare,
+            },
         };
         let response = stage::show(ui, input, &mut self.states.stage);
         let is_meant = self.states.pointing.is_meant(ui, shown.cursor);
@@ -331,6 +355,12 @@ impl Panes<'_> {
         self.place(placing.as_ref(), (&response, shown));
         if response.left {
             self.actions.command(Command::Lockstep);
+        }
+        if let Some(line) = response.drawn {
+            self.actions.ask(Action::Draw(Box::new(line)));
+        }
+        if let Some(wish) = response.pen {
+            self.actions.ask(Action::Pen(wish));
         }
         if let Some(point) = response.clicked {
             let side = if ui.input(|i| i.modifiers.shift) { Side::Start } else { Side::End };

@@ -114,6 +114,11 @@ impl Lens {
         lens.within().zoom()
     }
 
+    /// The scale of the picture `times` as large, as far as there is one.
+    pub fn magnified(&self, times: f32) -> f32 {
+        (times * self.scale).min(LARGEST)
+    }
+
     /// The zoom after the picture was dragged by `delta` points.
     pub fn panned(&self, delta: Vec2) -> Zoom {
         Self { center: self.center - delta / self.scale, ..*self }.within().zoom()

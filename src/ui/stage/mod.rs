@@ -9,15 +9,17 @@ mod glide;
 mod lens;
 mod levels;
 mod lockstep;
+mod loupe;
 mod marks;
 mod motion;
+mod pen;
 mod pictures;
 mod pixels;
 mod placing;
 
 use std::sync::Arc;
 
-use eframe::egui::{self, CursorIcon, Rect, Sense, Ui, Vec2, pos2, vec2};
+use eframe::egui::{self, Rect, Sense, Ui, Vec2, pos2, vec2};
 use eframe::egui_wgpu::RenderState;
 use motionscope_core::params::Placed;
 use motionscope_core::scene::{Focus, Picture};
@@ -25,9 +27,10 @@ use motionscope_core::{Cursor, Pace, Role, Scene};
 
 pub use lens::{Lens, Zoom};
 pub use lockstep::Lockstep;
+pub use pen::{Hand, PenWish, Presenting};
 pub use placing::{Gesture, Placing};
 
-use crate::paint::{self, Backdrop, Face, Panel, Placement, Shown, Theme, View};
+use crate::paint::{self, Backdrop, Face, FreehandLine, Panel, Placement, Shown, Theme, View};
 use crate::ui::drawing::{ink, primitives};
 use crate::view::look::{Look, RunState};
 use crate::view::motion::AvailableLayers;
@@ -79,6 +82,8 @@ pub struct Input<'a> {
     pub animate: bool,
     /// Whether particles move.
     pub flows: bool,
+    /// How it is presented.
+    pub presenting: Presenting<'a>,
 }
 
 impl Input<'_> {
@@ -109,6 +114,10 @@ pub struct State {
     follow: Follow,
     /// The corner of a picture in which the wheel of colours lies.
     wheel_corner: usize,
+    /// The marks under the magnifying glass.
+    loupe: Marks,
+    /// The line that is being drawn by hand.
+    line: Option<FreehandLine>,
 }
 
 impl State {
@@ -199,21 +208,28 @@ pub struct Response {
     pub placed: Option<Placed>,
     /// What became of placing it.
     pub placing: Gesture,
+    /// The line that was drawn by hand.
+    pub drawn: Option<FreehandLine>,
+    /// What is asked of the pen.
+    pub pen: Option<PenWish>,
 }
 
 /// Shows the stage in the whole of `ui`.
 pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
     ui.spacing_mut().item_spacing = vec2(8.0, 4.0);
     let mut response = Response { look: input.look, ..Response::default() };
-    bar::tools(ui, &input, state, &mut response);
+    if !input.presenting.is_bare {
+        bar::tools(ui, &input, state, &mut response);
+    }
     let input = Input { look: response.look, ..input };
     // Each of several estimators has its own level.
     let on_level = input.pictures.on_level(input.scene.levels.as_ref(), input.look.level, view(&input));
     let input = Input { pictures: &on_level, ..input };
     pictures_above_line(ui, &input, state, &mut response);
-    match input.placing {
-        Some(_) => placing::tools(ui, &input, &mut response),
-        None => bar::line(ui, &input, state),
+    match (input.placing, input.presenting.hand) {
+        (Some(_), _) => placing::tools(ui, &input, &mut response),
+        (None, Hand::Draw(color)) => pen::tools(ui, &input, color, &mut response),
+        (None, _) => bar::line(ui, &input, state),
     }
     response
 }
@@ -304,7 +320,7 @@ fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State, response
     }
     let panels = panels(view(input), input.pictures, time);
     ui.painter().rect_filled(area, 0.0, ink::color(input.theme().chrome().background));
-    let mut hovered = None;
+    let (mut hovered, mut tips) = (None, Vec::new());
     let spots = spots(ui, area, &panels, input, state);
     state.glides.resize_with(spots.last().map_or(1, |spot| spot.member + 1), Glide::default);
     for spot in &spots {
@@ -329,8 +345,6 @@ fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State, response
         let pane = lens.pane;
         let id = ui.scope_id().with(("pane", *member, *panel));
         let sensed = ui.interact(pane, id, Sense::click_and_drag());
-        let cursor = if sensed.dragged() { CursorIcon::Grabbing } else { CursorIcon::Crosshair };
-        let sensed = sensed.on_hover_and_drag_cursor(cursor);
         sensed.widget_info(|| {
             let shown = Shown { panel: *panel, share: input.look.blend, gain: 1 };
             let title = pictures.title(shown, Some(input.frame), true);
@@ -339,8 +353,10 @@ fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State, response
             egui::WidgetInfo::labeled(egui::Role::Image, true, format!("Stage: {title}{of}"))
         });
         let placing = input.placing.and_then(|placing| placing.on(panel.picture()));
-        let is_gripped =
-            placing.as_ref().is_some_and(|placing| placing::act(ui, &sensed, (lens, placing), state, response));
+        let is_gripped = match &placing {
+            Some(placing) => placing::act(ui, &sensed, (lens, placing), state, response),
+            None => pen::act(ui, &sensed, spot, (input, state), response),
+        };
         if let Some(zoom) = looked(ui, &sensed, lens).filter(|_| !is_gripped) {
             state.set_zoom(panel.picture(), zoom);
             ui.ctx().request_repaint();
@@ -350,10 +366,11 @@ fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State, response
             state.set_zoom(panel.picture(), zoom);
             ui.ctx().request_repaint();
         }
-        if let Some(at) = sensed.hover_pos() {
+        if let Some(at) = sensed.hover_pos().filter(|_| input.presenting.hand == Hand::Explore) {
             hovered = lens.pixel_at(at).map(|pixel| Hovered { on: panel.picture(), pixel });
         }
         match input.lockstep {
+            _ if matches!(input.presenting.hand, Hand::Draw(_)) => {}
             // The first click on another estimator is for its explanation; nothing moves under it.
             Some(all) if sensed.clicked() && all.explained != *member => response.explained = Some(*member),
             _ if placing.is_none() && sensed.clicked() => {
@@ -363,6 +380,7 @@ fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State, response
             }
             _ => {}
         }
+        tips.push(sensed);
     }
     state.hovered = hovered;
     for spot in &spots {
@@ -370,6 +388,10 @@ fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State, response
     }
     for spots in spots.chunk_by(|a, b| a.member == b.member) {
         join(ui, spots, input, state);
+    }
+    loupe::show(ui, &spots, area, (input, state));
+    for (sensed, spot) in tips.into_iter().zip(&spots) {
+        pen::cursor(sensed, (&ui.painter_at(spot.lens.pane), input.theme()), input.presenting.hand);
     }
     response.hovered = hovered.map(Hovered::focus);
 }
@@ -416,7 +438,22 @@ fn looked(ui: &Ui, sensed: &egui::Response, lens: &Lens) -> Option<Zoom> {
     (factor != 1.0).then(|| lens.zoomed(cursor, factor))
 }
 
+/// Draws a picture with everything over it and around it.
 fn paint(ui: &Ui, spot: &Spot<'_>, input: &Input<'_>, state: &mut State) {
+    let shown = paint_picture(ui, spot, input, state);
+    let Spot { panel, ref lens, ref pictures, .. } = *spot;
+    let painter = ui.painter_at(lens.pane);
+    follow::paint(&painter, spot, shown.share, state);
+    if let Some(layer) = pictures.layer.as_ref().filter(|_| panel.is_tinted() && !pixels::has_numbers(lens)) {
+        motion::corner_wheel(&painter, spot, layer, (input.theme(), &mut state.wheel_corner));
+    }
+    if input.lockstep.is_none() {
+        caption(ui.painter(), shown, lens, input);
+    }
+}
+
+/// Draws a picture with its marks and its ink; gives how it is shown.
+fn paint_picture(ui: &Ui, spot: &Spot<'_>, input: &Input<'_>, state: &mut State) -> Shown {
     let Spot { member, panel, ref lens, scene, ref pictures, .. } = *spot;
     let painter = ui.painter_at(lens.pane);
     let share = input.look.blend;
@@ -452,13 +489,8 @@ fn paint(ui: &Ui, spot: &Spot<'_>, input: &Input<'_>, state: &mut State) {
     if let Some(placing) = input.placing.and_then(|placing| placing.on(panel.picture())) {
         placing::paint(&painter, lens, &placing, input.theme());
     }
-    follow::paint(&painter, spot, share, state);
-    if let Some(layer) = pictures.layer.as_ref().filter(|_| panel.is_tinted() && !pixels::has_numbers(lens)) {
-        motion::corner_wheel(&painter, spot, layer, (input.theme(), &mut state.wheel_corner));
-    }
-    if input.lockstep.is_none() {
-        caption(ui.painter(), shown, lens, input);
-    }
+    pen::paint(&painter, spot, input, state);
+    shown
 }
 
 /// Draws the lines between the pictures of an estimator.

@@ -128,9 +128,13 @@ impl Command {
                 const { &[ctrl_shift(Key::S)] },
             ),
             C::Quit => (Menu::File, Icon::LogOut, "Quit", "Close Motionscope.", const { &[ctrl(Key::Q)] }),
-            C::Undo => {
-                (Menu::Edit, Icon::Undo2, "Undo", "Undo the last change of a parameter.", const { &[ctrl(Key::Z)] })
-            }
+            C::Undo => (
+                Menu::Edit,
+                Icon::Undo2,
+                "Undo",
+                "Undo the last change of a parameter, or of the ink while the pen is on.",
+                const { &[ctrl(Key::Z)] },
+            ),
             C::Redo => (
                 Menu::Edit,
                 Icon::Redo2,
@@ -332,6 +336,55 @@ impl Command {
                 "Predict, then reveal",
                 "Ask about each result before it is shown: click the place, count hands with the number keys, then reveal it with →.",
                 const { &[key(Key::Q)] },
+            ),
+            C::Present => (
+                Menu::View,
+                Icon::Presentation,
+                "Present",
+                "Full screen for the class: stage, one chart, sentence and formula, and nothing else; a clicker steps through it.",
+                const { &[key(Key::F5)] },
+            ),
+            C::PresenterWindow => (
+                Menu::View,
+                Icon::MonitorSpeaker,
+                "Presenter's window",
+                "Open a second window with the notes of the page, the next step and the time, for the presenter's own screen.",
+                const { &[shift(Key::F)] },
+            ),
+            C::Pointer => (
+                Menu::View,
+                Icon::Pointer,
+                "Pointer",
+                "Point with a large dot that is visible from the last row; the explanation stays as it is.",
+                const { &[key(Key::O)] },
+            ),
+            C::Loupe => (
+                Menu::View,
+                Icon::Search,
+                "Magnifying glass",
+                "Show the part of the picture under the pointer three times as large, with its marks and its ink.",
+                const { &[key(Key::Z)] },
+            ),
+            C::Pen => (
+                Menu::View,
+                Icon::Pen,
+                "Pen",
+                "Draw on the pictures. The ink stays with its step, and is saved and exported with it.",
+                const { &[key(Key::W)] },
+            ),
+            C::NextPenColor => (
+                Menu::View,
+                Icon::Palette,
+                "Next colour of the pen",
+                "Draw in the next colour: vermilion, yellow, blue or green.",
+                const { &[key(Key::K)] },
+            ),
+            C::ClearInk => (
+                Menu::View,
+                Icon::Eraser,
+                "Clear ink",
+                "Remove what was drawn on this step.",
+                const { &[shift(Key::W)] },
             ),
             C::ReducedMotion => (Menu::View, Icon::Snail, "Reduced motion", "Show each step without animation.", &[]),
             C::ResetLayout => (

@@ -189,9 +189,10 @@ pub(super) fn hidden(
     let frame = after.frame;
     // The marks of the timeline would tell where the run finds something.
     let is_past = |(event, _): &&(usize, Role)| *event <= before.cursor.event;
-    let landmarks = before.landmarks.iter().filter(is_past).copied().collect();
+    let landmarks: Vec<_> = before.landmarks.iter().filter(is_past).copied().collect();
     Snapshot {
         moment: Moment { scene: Arc::new(scene), pictures, frame, ..before.moment.clone() },
+        landmarks,
         ..before.as_ref().clone()
     }
 }

@@ -1,0 +1,191 @@
+//! The mouse as pointer or pen: what is drawn by hand on the pictures.
+
+use eframe::egui::{
+    Align, Color32, CursorIcon, Event, Label, Layout, Painter, PointerButton, Pos2, RichText, Sense, Stroke, TextStyle,
+    Ui, WidgetInfo, vec2,
+};
+use lucide_icons::Icon;
+
+use super::{Input, Response, Spot, State, bar};
+use crate::paint::{FreehandLine, PenColor, Placement, Theme, freehand, pen_width};
+use crate::ui::app::commands::Command;
+use crate::ui::drawing::{ink, primitives, style};
+use crate::ui::parts::widgets;
+
+/// Distance in points from which the pen has moved.
+const STEP_PT: f32 = 3.0;
+
+/// What the mouse does on the pictures.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Hand {
+    /// It moves the pictures, and what is pointed at is explained.
+    #[default]
+    Explore,
+    /// It points for the class: nothing changes under it until it is clicked.
+    Point,
+    /// It draws in this colour.
+    Draw(PenColor),
+}
+
+/// How the stage is presented to a class.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Presenting<'a> {
+    /// What the mouse does.
+    pub hand: Hand,
+    /// What was drawn by hand on the step.
+    pub freehand: &'a [FreehandLine],
+    /// Whether a change of the ink can be undone.
+    pub can_undo_ink: bool,
+    /// Whether the part under the pointer is magnified.
+    pub has_loupe: bool,
+    /// Whether the pictures stand alone, without the line above them.
+    pub is_bare: bool,
+}
+
+/// What is asked of the pen on the line below the pictures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PenWish {
+    /// Another colour.
+    Color(PenColor),
+    /// Undo the last line.
+    Undo,
+    /// Remove all lines of the step.
+    Clear,
+    /// Lay the pen down.
+    Done,
+}
+
+/// Takes what the mouse draws on a picture; gives whether the pen is down on it.
+pub fn act(
+    ui: &Ui,
+    sensed: &eframe::egui::Response,
+    spot: &Spot<'_>,
+    (input, state): (&Input<'_>, &mut State),
+    response: &mut Response,
+) -> bool {
+    let Hand::Draw(color) = input.presenting.hand else {
+        state.line = None;
+        return false;
+    };
+    let (is_down, is_pressed, from) =
+        ui.input(|i| (i.pointer.primary_down(), i.pointer.primary_pressed(), i.pointer.press_origin()));
+    // On a slow screen a click begins and ends within a frame. A line whose picture has gone gives way to the next one.
+    let begins = is_pressed || is_down && state.line.is_none();
+    if begins && (sensed.is_pointer_button_down_on() || sensed.clicked()) {
+        let from = from.or(sensed.interact_pointer_pos()).filter(|from| spot.lens.pixel_at(*from).is_some());
+        let Some(from) = from else { return false };
+        let (on, points) = (spot.panel.picture(), vec![spot.lens.to_image(from)]);
+        state.line = Some(FreehandLine { step: input.cursor, member: spot.member, on, color, points });
+    }
+    let Some(line) = state.line.as_mut().filter(|line| line.member == spot.member && line.on == spot.panel.picture())
+    else {
+        return false;
+    };
+    for at in path(ui) {
+        let has_moved = |last: &[f32; 2]| spot.lens.to_screen(*last).distance(at) >= STEP_PT;
+        if line.points.last().is_some_and(has_moved) {
+            line.points.push(spot.lens.to_image(at));
+        }
+    }
+    if !is_down {
+        ui.ctx().request_repaint();
+        response.drawn = state.line.take().map(FreehandLine::steadied).map(rounded);
+    }
+    is_down
+}
+
+/// Where the mouse has been with the button down since the last frame: on a slow screen at many places.
+fn path(ui: &Ui) -> Vec<Pos2> {
+    let mut path = Vec::new();
+    ui.input(|input| {
+        for event in &input.events {
+            match event {
+                Event::PointerButton { button: PointerButton::Primary, pressed: true, .. } => path.clear(),
+                Event::PointerButton { button: PointerButton::Primary, pressed: false, .. } => return,
+                Event::PointerMoved(at) => path.push(*at),
+                _ => {}
+            }
+        }
+    });
+    path
+}
+
+/// Points to a hundredth of a pixel, as they are written.
+fn rounded(mut line: FreehandLine) -> FreehandLine {
+    line.points.iter_mut().flatten().for_each(|c| *c = (*c * 100.0).round() / 100.0);
+    line
+}
+
+/// Draws what was drawn by hand on a picture, and what is being drawn.
+pub fn paint(painter: &Painter, spot: &Spot<'_>, input: &Input<'_>, state: &State) {
+    let lines = input.presenting.freehand.iter().chain(&state.line).filter(|line| line.is_on(spot.panel, spot.member));
+    let place = Placement::new(spot.lens.picture_rect().min.into(), spot.lens.scale);
+    let primitives = freehand(lines, input.theme(), place);
+    if !primitives.is_empty() {
+        let painter = painter.with_clip_rect(spot.lens.picture_rect().intersect(spot.lens.pane));
+        painter.extend(primitives::shapes(&painter, &primitives));
+    }
+}
+
+/// The mouse over a picture looks like what it does.
+pub fn cursor(
+    sensed: eframe::egui::Response,
+    (painter, theme): (&Painter, Theme),
+    hand: Hand,
+) -> eframe::egui::Response {
+    match hand {
+        Hand::Explore => {
+            let cursor = if sensed.dragged() { CursorIcon::Grabbing } else { CursorIcon::Crosshair };
+            sensed.on_hover_and_drag_cursor(cursor)
+        }
+        // The dot of the pointer is drawn over everything.
+        Hand::Point => sensed,
+        Hand::Draw(color) => {
+            if let Some(at) = sensed.hover_pos().or(sensed.interact_pointer_pos()) {
+                let (inked, radius) = (theme.ink(color.role()), 0.5 * pen_width(theme));
+                let rim = Stroke::new(inked.halo_width, ink::color(inked.halo));
+                painter.circle(at, radius + 1.0, ink::color(inked.color), rim);
+            }
+            sensed.on_hover_and_drag_cursor(CursorIcon::None)
+        }
+    }
+}
+
+/// The colours of the pen and what else can be done with it, on the line below the pictures.
+pub fn tools(ui: &mut Ui, input: &Input<'_>, color: PenColor, response: &mut Response) {
+    let size = vec2(ui.available_width(), bar::line_height(input.theme()));
+    let mut ask = |is_asked: bool, wish: PenWish| response.pen = is_asked.then_some(wish).or(response.pen);
+    ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
+        for other in PenColor::ALL {
+            ask(swatch(ui, input.theme(), (other, other == color)), PenWish::Color(other));
+        }
+        ui.spacing_mut().interact_size.y = size.y;
+        let mut button = |is_enabled, icon, name: &str, tip: &str| {
+            let button = ui.add_enabled_ui(is_enabled, |ui| widgets::icon_button(ui, icon, name, false)).inner;
+            button.on_hover_text(tip).clicked()
+        };
+        let tip = Command::Undo.with_key("Undo the last change of the ink of this step.");
+        let undone = button(input.presenting.can_undo_ink, Icon::Undo2, "Undo ink", &tip);
+        ask(undone, PenWish::Undo);
+        let tip = Command::ClearInk.with_key("Remove what was drawn on this step.");
+        let cleared = button(!input.presenting.freehand.is_empty(), Icon::Eraser, "Clear ink", &tip);
+        ask(cleared, PenWish::Clear);
+        let done = widgets::icon_button(ui, Icon::Check, "Lay the pen down", false).on_hover_text("Esc");
+        ask(done.clicked(), PenWish::Done);
+        let text = "Draw on the picture; the ink stays with this step.";
+        ui.add(Label::new(RichText::new(text).text_style(TextStyle::Small)).truncate());
+    });
+}
+
+/// A button with a colour of the pen; gives whether it is clicked.
+fn swatch(ui: &mut Ui, theme: Theme, (color, is_chosen): (PenColor, bool)) -> bool {
+    let side = bar::line_height(theme);
+    let (rect, sensed) = ui.allocate_exact_size(vec2(side, side), Sense::click());
+    let name = format!("Pen colour: {}", color.id());
+    sensed.widget_info(|| WidgetInfo::selected(eframe::egui::Role::Button, true, is_chosen, &name));
+    let chrome = theme.chrome();
+    let rim = if is_chosen { Stroke::new(3.0, style::color(chrome.text)) } else { Stroke::new(1.0, Color32::BLACK) };
+    let radius = if is_chosen || sensed.hovered() { 0.38 * side } else { 0.3 * side };
+    ui.painter().circle(rect.center(), radius, style::color(theme.ink(color.role()).color), rim);
+    sensed.on_hover_text(name).clicked()
+}

@@ -1,0 +1,278 @@
+//! Presenting to a class: the pointer, the pen, full screen, and the presenter's window.
+
+use motionscope::paint::{Freehand, PenColor};
+use motionscope_core::scene::Picture;
+
+use super::files::command_line;
+use super::*;
+
+/// A window that shows frame t alone, whole, in the middle of a search.
+fn at_frame_t() -> Window {
+    let mut window = Window::usual();
+    window.command(Command::FocusNever);
+    window.key(Key::Num2);
+    window
+}
+
+/// Where pixel `at` of the only picture lies in the window.
+fn on_screen(window: &Window, at: [f32; 2]) -> Pos2 {
+    let stage = window.harness.get_by_label_contains("Stage: ").rect();
+    let (width, height) = window.shown().pictures.pair[0].size();
+    let size = vec2(width as f32, height as f32);
+    // A picture that fits is 97 % as large as its pane.
+    let scale = 0.97 * (stage.size() / size).min_elem();
+    stage.center() + scale * (vec2(at[0], at[1]) + vec2(0.5, 0.5) - size / 2.0)
+}
+
+fn draw(window: &mut Window, from: [f32; 2], to: [f32; 2]) {
+    let (from, to) = (on_screen(window, from), on_screen(window, to));
+    window.harness.hover_at(from);
+    window.harness.run_steps(1);
+    window.drag(from, to);
+}
+
+/// Saves what the window shows, and returns it.
+fn save(window: &mut Window, what: OutputKind, path: &Path) -> Vec<u8> {
+    let look = window.app().settings().look;
+    let order = Order { what, path: path.to_owned(), scale: 1, look, panes: Selection::default() };
+    window.harness.state_mut().write(order);
+    window.harness.state_mut().wait();
+    fs::read(path).unwrap_or_default()
+}
+
+#[test]
+fn ink_is_drawn_on_the_picture_that_it_lies_on() {
+    let mut window = at_frame_t();
+    window.key(Key::W);
+    draw(&mut window, [60.0, 80.0], [140.0, 120.0]);
+    let ink = window.app().ink();
+    assert_eq!(ink.len(), 1, "a line, and the picture is not moved");
+    let line = &ink[0];
+    assert_eq!(
+        (line.on, line.member, line.color, line.step),
+        (Picture::CURRENT, 0, PenColor::Vermilion, window.cursor())
+    );
+    let ends = [line.points[0], *line.points.last().expect("an end")];
+    for (end, wanted) in ends.into_iter().zip([[60.0, 80.0], [140.0, 120.0]]) {
+        assert!((0..2).all(|i| (end[i] - wanted[i]).abs() < 2.0), "{end:?} for {wanted:?}");
+    }
+    // Zoom and another layout leave it where it lies on the picture.
+    let before = window.app().ink().to_vec();
+    window.key(Key::Plus);
+    window.key(Key::L);
+    assert_eq!(window.app().ink(), before);
+}
+
+#[test]
+fn ink_goes_and_comes_with_its_step() {
+    let mut window = at_frame_t();
+    window.key(Key::W);
+    draw(&mut window, [60.0, 80.0], [140.0, 120.0]);
+    let here = window.cursor();
+    window.key(Key::ArrowRight);
+    assert!(window.app().ink().is_empty() && window.cursor() != here);
+    window.key(Key::ArrowLeft);
+    assert_eq!((window.app().ink().len(), window.cursor()), (1, here));
+}
+
+#[test]
+fn the_pen_has_its_own_undo_its_colours_and_a_way_out() {
+    let mut window = at_frame_t();
+    let block = window.value("block");
+    window.key(Key::W);
+    draw(&mut window, [60.0, 80.0], [140.0, 120.0]);
+    window.key(Key::K);
+    draw(&mut window, [60.0, 120.0], [140.0, 80.0]);
+    let colors = |window: &Window| window.app().ink().iter().map(|line| line.color).collect::<Vec<_>>();
+    assert_eq!(colors(&window), [PenColor::Vermilion, PenColor::Yellow]);
+    window.press(Modifiers::COMMAND, Key::Z);
+    assert_eq!(colors(&window), [PenColor::Vermilion]);
+    window.press(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    assert_eq!(colors(&window).len(), 2);
+    window.press(Modifiers::SHIFT, Key::W);
+    assert!(colors(&window).is_empty());
+    window.click_role(Role::Button, "Undo ink");
+    assert_eq!(colors(&window).len(), 2, "clearing is undone as well");
+    window.click("Pen colour: blue");
+    window.click_at(on_screen(&window, [100.0, 60.0]));
+    let ink = window.app().ink();
+    assert_eq!(ink.last().map(|dot| (dot.color, dot.points.len())), Some((PenColor::Blue, 1)), "a click is a dot");
+    assert_eq!(window.value("block"), block, "no parameter was undone");
+    let cursor = window.cursor();
+    window.key(Key::Escape);
+    draw(&mut window, [60.0, 80.0], [140.0, 120.0]);
+    assert_eq!((window.app().ink().len(), window.cursor()), (3, cursor), "the mouse moves the picture again");
+}
+
+#[test]
+fn ink_is_the_same_by_session_on_the_command_line_and_in_the_window() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    let mut window = at_frame_t();
+    let plain = save(&mut window, OutputKind::Picture, &path("plain.png"));
+    window.key(Key::W);
+    draw(&mut window, [60.0, 80.0], [140.0, 120.0]);
+    let inked = save(&mut window, OutputKind::Picture, &path("window.png"));
+    assert!(!plain.is_empty() && plain != inked, "the ink is in the picture");
+    save(&mut window, OutputKind::Session, &path("kept.motionscope"));
+    let kept = Session::load(&path("kept.motionscope")).expect("a session");
+    assert_eq!(kept.freehand, Freehand { lines: window.app().ink().to_vec() });
+    let [session, picture] = ["kept.motionscope", "line.png"].map(|name| path(name).into_os_string());
+    command_line(&["motionscope".as_ref(), "run".as_ref(), &session, "--overlay".as_ref(), &picture]);
+    assert!(fs::read(path("line.png")).expect("a picture") == inked, "another picture on the command line");
+    let mut again = Window::with(vec2(1440.0, 900.0), Start { open: Some(session) });
+    assert_eq!(again.app().ink(), window.app().ink(), "the session brings it back");
+    assert!(save(&mut again, OutputKind::Picture, &path("again.png")) == inked);
+    for (name, text) in [("a.svg", "#d55e00"), ("a.pdf", "%PDF")] {
+        let bytes = save(&mut window, OutputKind::Picture, &path(name));
+        assert!(String::from_utf8_lossy(&bytes).to_lowercase().contains(&text.to_lowercase()), "{name}");
+    }
+}
+
+#[test]
+fn a_range_of_steps_has_the_ink_of_each() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut window = at_frame_t();
+    let at = window.cursor();
+    let range = Range { from: at, to: Cursor { event: at.event + 1, ..at }, granularity: 2 };
+    let steps = OutputKind::Steps(range, Format::Png);
+    let read = |folder: &Path| [0, 1].map(|i| fs::read(folder.join(format!("step_{i:05}.png"))).expect("a picture"));
+    let [bare, inked] = ["bare", "inked"].map(|name| folder.path().join(name));
+    save(&mut window, steps, &bare);
+    window.key(Key::W);
+    draw(&mut window, [60.0, 80.0], [140.0, 120.0]);
+    save(&mut window, steps, &inked);
+    let (bare, inked) = (read(&bare), read(&inked));
+    assert!(bare[0] != inked[0] && bare[1] == inked[1], "only the step that was drawn on has ink");
+}
+
+#[test]
+fn the_pointer_leaves_the_explanation_as_it_is() {
+    let mut window = at_frame_t();
+    let before = window.sentence();
+    window.key(Key::O);
+    window.harness.hover_at(on_screen(&window, [200.0, 60.0]));
+    window.settle();
+    assert_eq!(window.sentence(), before);
+    let hidden =
+        |window: &Window| window.harness.output().platform_output.cursor_icon == eframe::egui::CursorIcon::None;
+    assert!(hidden(&window), "the dot stands for the arrow");
+    let chart = window.region(Region::Chart).center();
+    window.harness.hover_at(chart);
+    window.settle();
+    assert!(hidden(&window), "over a chart as well");
+    window.key(Key::Escape);
+    window.harness.hover_at(on_screen(&window, [200.0, 60.0]));
+    window.settle();
+    assert!(!hidden(&window));
+}
+
+#[test]
+fn for_the_class_there_is_nothing_but_stage_chart_and_caption() {
+    for size in [vec2(1280.0, 720.0), vec2(1920.0, 1080.0)] {
+        for theme in [Command::ProjectorTheme, Command::DarkTheme, Command::LightTheme] {
+            let mut window = Window::new(size);
+            window.command(theme);
+            let stage = window.region(Region::Pictures).area();
+            window.key(Key::F5);
+            let regions: Vec<_> = window.app().regions().iter().map(|(region, _)| *region).collect();
+            let none = [Region::Header, Region::Transport, Region::Status, Region::Parameters];
+            assert!(none.iter().all(|region| !regions.contains(region)), "{regions:?}");
+            assert!([Region::Stage, Region::Chart, Region::Strip].iter().all(|region| regions.contains(region)));
+            assert_eq!(regions.iter().filter(|region| **region == Region::Chart).count(), 1);
+            let area = |region| window.region(region).area();
+            let share = (area(Region::Stage) + area(Region::Chart)) / (size.x * size.y);
+            assert!(share >= 0.6, "{theme:?} {size}: stage and chart have {share}");
+            let has_grown = area(Region::Pictures) > 1.2 * stage;
+            assert!(theme != Command::ProjectorTheme || has_grown, "{size}: the pictures have not grown");
+            let before = window.cursor();
+            window.key(Key::PageDown);
+            assert!(window.cursor() > before, "the clicker steps");
+            window.key(Key::Escape);
+            assert!(window.has(Region::Header) && window.has(Region::Transport));
+        }
+    }
+}
+
+#[test]
+fn the_magnifying_glass_shows_what_is_under_the_pointer_larger() {
+    let mut window = at_frame_t();
+    let painted = |window: &mut Window| {
+        window.harness.hover_at(on_screen(window, [100.0, 60.0]));
+        window.settle();
+        window.harness.output().shapes.len()
+    };
+    for present in [false, true] {
+        if present {
+            window.key(Key::F5);
+        }
+        let before = painted(&mut window);
+        window.key(Key::Z);
+        assert!(painted(&mut window) > before, "the glass is painted over the picture");
+        window.key(Key::W);
+        draw(&mut window, [60.0, 80.0], [140.0, 120.0]);
+        assert_eq!(window.app().ink().len(), 1 + usize::from(present), "the pen draws under the glass");
+        window.key(Key::Escape);
+        window.key(Key::Escape);
+    }
+    window.key(Key::Escape);
+    assert!(window.has(Region::Header), "pen, glass and full screen are left one by one");
+}
+
+/// A window at a page of a lesson that has notes.
+fn at_page_with_notes() -> Window {
+    let lesson = motionscope::session::lesson::all();
+    let with_notes = |lesson: &&motionscope::session::lesson::Lesson| {
+        lesson.pages.iter().take(3).position(|page| !page.notes.is_empty() && page.session.is_ok())
+    };
+    let found = lesson.iter().find_map(|lesson| Some((lesson, with_notes(&lesson)?)));
+    let (lesson, page) = found.expect("a lesson has notes");
+    let name = format!("lesson:{}/{}", lesson.slug, page + 1);
+    Window::with(vec2(1440.0, 900.0), Start { open: Some(name.into()) })
+}
+
+#[test]
+fn the_presenter_sees_the_notes_and_the_class_does_not() {
+    let mut window = at_page_with_notes();
+    window.click_role(Role::Button, "Notes");
+    assert!(window.harness.query_by_label("Close presenter's window").is_none());
+    window.press(Modifiers::SHIFT, Key::F);
+    let notes = window.harness.query_all_by_label("Notes").count();
+    assert_eq!(notes, 1, "the heading in the presenter's window alone");
+    assert!(window.harness.query_by_label("Close presenter's window").is_some());
+    window.click("Close presenter's window");
+    assert!(window.harness.query_by_label("Close presenter's window").is_none());
+    assert!(window.harness.query_by_role_and_label(Role::Button, "Notes").is_some(), "the class has them again");
+}
+
+#[test]
+fn the_presenter_knows_the_next_step_before_the_class() {
+    let mut window = Window::usual();
+    window.press(Modifiers::SHIFT, Key::F);
+    for _ in 0..3 {
+        window.settle();
+        window.app().wait_for_next();
+        window.settle();
+        let here = window.cursor();
+        let next = window.harness.get_by_label_contains("Next · step").accesskit_node().value().expect("a heading");
+        assert_eq!(window.cursor(), here, "the class stays where it is");
+        window.click_role(Role::Button, "Next step");
+        assert_eq!(next, format!("Next · step {}", window.cursor()));
+        let said = window.shown().step.sentence.plain();
+        assert!(window.harness.query_all_by_label(&said).next().is_some(), "{said}");
+    }
+    window.key(Key::End);
+    assert!(window.harness.query_by_label("The run ends here.").is_some());
+}
+
+#[test]
+fn the_presenters_window_rests_but_for_its_clock() {
+    let mut window = Window::usual();
+    window.press(Modifiers::SHIFT, Key::F);
+    window.settle();
+    window.app().wait_for_next();
+    window.settle();
+    window.harness.run();
+    let rest = window.harness.output().viewport_output.values().map(|viewport| viewport.repaint_delay).min();
+    assert!(rest.is_some_and(|rest| rest > Duration::from_millis(1)), "{rest:?}");
+}
