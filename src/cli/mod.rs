@@ -10,6 +10,7 @@ mod lessons;
 mod list;
 mod look;
 mod outputs;
+mod paper;
 mod report;
 mod run;
 mod task;
