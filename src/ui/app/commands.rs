@@ -213,6 +213,10 @@ commands! {
     ExportSteps,
     /// Save the result so far.
     ExportResult,
+    /// Save all pages of the lesson on paper.
+    SaveHandout,
+    /// Save the step on paper, to be computed by hand.
+    SaveWorksheet,
     /// Find a command by name.
     Palette,
     /// Define the terms of the course.
@@ -453,6 +457,8 @@ impl Command {
             C::Layer(_) => now.has_run && self.layer().is_some_and(|layer| now.available.why_never(layer).is_none()),
             C::Open | C::PastePath | C::Samples | C::NextExample | C::Lessons | C::Quit => true,
             C::CloseLesson => now.in_lesson,
+            C::SaveHandout => now.in_lesson && now.has_run,
+            C::SaveWorksheet => now.has_run,
             C::CopyPage => now.has_run,
             C::NextPage => now.in_lesson && !now.at_last_page,
             C::PreviousPage => now.in_lesson && !now.at_first_page,

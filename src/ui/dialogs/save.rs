@@ -17,6 +17,7 @@ use crate::ui::model::background::Background;
 use crate::ui::model::snapshot::Snapshot;
 use crate::ui::model::writer::{self, Order, OutputKind};
 use crate::ui::parts::widgets;
+use crate::view::handout::{Options, PerSheet};
 use crate::view::look::{CaptionWords, Look};
 use crate::view::panes::{Angles, PANES, Pane, STAGE, Selection};
 use crate::view::rendering::Format;
@@ -41,6 +42,10 @@ pub enum Kind {
     Result,
     /// The session.
     Session,
+    /// All pages of the lesson on paper.
+    Handout,
+    /// The step on paper, to be computed by hand.
+    Worksheet,
 }
 
 impl Kind {
@@ -50,6 +55,8 @@ impl Kind {
             Kind::Steps => "Export several steps",
             Kind::Result => "Export the result so far",
             Kind::Session => "Save the session",
+            Kind::Handout => "Save a handout of the lesson",
+            Kind::Worksheet => "Save a worksheet of this step",
         }
     }
 
@@ -69,6 +76,7 @@ impl Kind {
                 pictures.into_iter().chain(animations).collect()
             }
             Kind::Session => vec![choice("motionscope", "Session")],
+            Kind::Handout | Kind::Worksheet => vec![choice("pdf", "PDF, sheets of paper in A4")],
             Kind::Result => {
                 let files = results::formats(kinds).into_iter().map(|(export, format)| Choice {
                     label: label(format.ending),
@@ -133,6 +141,8 @@ pub struct State {
     to: String,
     granularity: usize,
     timing: Timing,
+    /// Pages on a sheet of paper, and whether answers are filled in.
+    paper: Options,
     /// All files that the clip is read from.
     inputs: Arc<Inputs>,
     /// The target that was looked up, and what was found there.
@@ -176,6 +186,7 @@ impl State {
             to: to.to_string(),
             granularity: Granularities::new(shown.info.granularities).event(),
             timing: Timing::default(),
+            paper: Options::default(),
             inputs: Arc::clone(&shown.subject.inputs),
             found: None,
             subject: Arc::clone(&shown.subject),
@@ -188,6 +199,8 @@ impl State {
             Kind::Result if state.is_folder() => format!("{stem}_{}", state.choices[0].label.to_lowercase()),
             Kind::Result => format!("{stem}_result.{ending}"),
             Kind::Session => format!("{stem}.{ending}"),
+            Kind::Handout => format!("{stem}_handout.{ending}"),
+            Kind::Worksheet => format!("{stem}_{}_worksheet.{ending}", shown.cursor),
         };
         state.path = PathField::new(folder.join(name).display().to_string());
         state
@@ -198,6 +211,10 @@ impl State {
             (_, Some(export)) => export.explained,
             (Kind::Steps, _) if self.choice().animation.is_some() => "One file that plays the steps again and again.",
             (Kind::Steps, _) => "One numbered file for each step, into a folder.",
+            (Kind::Handout, _) => "All pages of the lesson, words beside pictures, on sheets of A4 paper.",
+            (Kind::Worksheet, _) => {
+                "What is given of the step, with boxes in the place of what it computes, on A4 paper."
+            }
             (Kind::Session, _) => "A small text file: clip, estimator, parameters, step and view.",
             _ if self.selection().panes.is_empty() => {
                 "The whole picture of the stage, with the same colours and lines."
@@ -311,6 +328,8 @@ impl State {
             Kind::Picture => OutputKind::Picture,
             Kind::Result => OutputKind::Result(self.export(&path).ok_or("Choose a result to save.")?),
             Kind::Session => OutputKind::Session,
+            Kind::Handout => OutputKind::Handout(self.paper),
+            Kind::Worksheet => OutputKind::Worksheet { answers: self.paper.answers },
             Kind::Steps => {
                 let cursor = |text: &str| text.trim().parse::<Cursor>().map_err(|error| format!("{error}."));
                 let (from, to) = (cursor(&self.from)?, cursor(&self.to)?);
@@ -401,6 +420,9 @@ fn options(ui: &mut Ui, state: &mut State, granularities: Granularities) {
     if state.kind == Kind::Steps {
         range(ui, state, granularities);
     }
+    if matches!(state.kind, Kind::Handout | Kind::Worksheet) {
+        paper(ui, state);
+    }
     if !matches!(state.kind, Kind::Picture | Kind::Steps) {
         return;
     }
@@ -432,6 +454,27 @@ fn options(ui: &mut Ui, state: &mut State, granularities: Granularities) {
                 ui.add_space(8.0);
             }
         }
+    });
+}
+
+/// What stands on sheets of paper.
+fn paper(ui: &mut Ui, state: &mut State) {
+    if state.kind == Kind::Handout {
+        line(ui, "Pages", |ui| {
+            ui.spacing_mut().item_spacing.x = 4.0;
+            for per_sheet in PerSheet::ALL {
+                let (chosen, count) = (state.paper.per_sheet == per_sheet, per_sheet.count());
+                let tip = format!("Pages of the lesson on each sheet: {count}.");
+                if ui.selectable_label(chosen, count.to_string()).on_hover_text(tip).clicked() {
+                    state.paper.per_sheet = per_sheet;
+                }
+            }
+            ui.label(RichText::new("on a sheet").weak());
+        });
+    }
+    line(ui, "With", |ui| {
+        let tip = "Fill in the answers, for the teacher.";
+        ui.checkbox(&mut state.paper.answers, "Answers").on_hover_text(tip);
     });
 }
 

@@ -7,6 +7,7 @@ pub mod history;
 pub mod lesson;
 pub mod loader;
 pub mod nested;
+pub mod paper;
 pub mod player;
 pub mod preview;
 pub mod settings;

@@ -12,6 +12,7 @@ use crate::experiment::pixel::Chosen;
 use crate::media::Progress;
 use crate::media::export::{self, Inputs, Target, Timing};
 use crate::results::Export;
+use crate::view::handout::Options;
 use crate::view::look::Look;
 use crate::view::panes::Selection;
 use crate::view::rendering::{Format, Rendering};
@@ -33,6 +34,13 @@ pub enum OutputKind {
     Result(&'static Export),
     /// Everything that reopens the window as it is.
     Session,
+    /// All pages of the lesson that is open.
+    Handout(Options),
+    /// The step on paper, to be computed by hand, or filled in.
+    Worksheet {
+        /// Whether it is filled in.
+        answers: bool,
+    },
 }
 
 /// What to write, where, and how it looks.
@@ -57,6 +65,7 @@ impl OutputKind {
             Self::Steps(..) => Target::Numbered(path, STEP),
             Self::Result(export) => export.target(path),
             Self::Picture | Self::Animation(..) | Self::Session => Target::File(path),
+            Self::Handout(_) | Self::Worksheet { .. } => Target::File(path),
         }
     }
 }
@@ -118,7 +127,7 @@ pub fn steps(order: &Order, shown: &Snapshot, progress: &dyn Progress) -> Result
     let (range, medium) = match order.what {
         OutputKind::Steps(range, format) => (range, Medium::Pictures(path, format)),
         OutputKind::Animation(range, timing) => (range, Medium::Animation(path, timing)),
-        OutputKind::Picture | OutputKind::Result(_) | OutputKind::Session => return picture(order, shown),
+        _ => return picture(order, shown),
     };
     let pixel = shown.held().map(Chosen::Held);
     let panes = order.panes.clone();
