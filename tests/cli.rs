@@ -127,6 +127,39 @@ fn lessons_are_listed_and_their_pages_saved_as_pictures() {
 }
 
 #[test]
+fn lessons_and_steps_are_saved_on_paper() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let here = folder.path();
+    let own = "# Own\n+++\ntitle = \"One\"\nclip = \"synth:pillar,width=64,height=48\"\nestimator = \"full-search\"\n\
+        step = \"3.2\"\nuntil = \"3.4\"\n+++\nWords with $u$.\n+++\ntitle = \"Two\"\nstep = \"0\"\n+++\nMore.\n";
+    fs::write(here.join("own.md"), own).expect("a file");
+    let is_pdf = |name: &str| fs::read(here.join(name)).is_ok_and(|bytes| bytes.starts_with(b"%PDF-"));
+    for per_sheet in [1, 2, 4] {
+        stdout(here, &format!("export own.md --handout {per_sheet}.pdf --pages-per-sheet {per_sheet} --answers"));
+        assert!(is_pdf(&format!("{per_sheet}.pdf")));
+    }
+    stdout(here, "export own.md#1 --worksheet page.pdf");
+    let step = "run synth:pillar,width=64,height=48 --estimator full-search --step 3.4 --worksheet";
+    stdout(here, &format!("{step} step.pdf"));
+    stdout(here, &format!("{step} answers.pdf --answers"));
+    assert!(is_pdf("page.pdf") && is_pdf("step.pdf") && is_pdf("answers.pdf"));
+    assert_ne!(fs::read(here.join("step.pdf")).expect("a file"), fs::read(here.join("answers.pdf")).expect("a file"));
+    for (line, why) in [
+        ("export own.md --handout a.png", "must end in .pdf"),
+        ("export own.md --handout no/such/a.pdf", "no such folder"),
+        ("export own.md --answers --out pages", "--answers needs"),
+        ("export own.md#2 --worksheet a.pdf", "choose a step"),
+        ("export own.md --worksheet a.pdf --out pages", "leave out --out"),
+        ("export synth:pillar --worksheet a.pdf", "motionscope run CLIP"),
+        ("run synth:pillar --estimator full-search --step 1.1 --answers", "--answers needs"),
+    ] {
+        let told = refusal(here, line);
+        assert!(told.contains(why), "{line}: {told}");
+    }
+    assert!(!here.join("a.pdf").exists() && !here.join("a.png").exists());
+}
+
+#[test]
 fn whatever_is_typed_is_reported_in_one_sentence() {
     let folder = tempfile::tempdir().unwrap();
     let (long, many) = ("x".repeat(5000), "word ".repeat(900));

@@ -24,6 +24,8 @@ mod look;
 mod motion;
 #[path = "window/objects.rs"]
 mod objects;
+#[path = "window/paper.rs"]
+mod paper;
 #[path = "window/parameters.rs"]
 mod parameters;
 #[path = "window/pixels.rs"]

@@ -8,6 +8,7 @@ use motionscope_core::{Cursor, Pace, Threads};
 
 use super::examples;
 use super::look::LookFlags;
+use super::paper::{HandoutArgs, WorksheetArgs};
 use crate::experiment::pixel::Pixel;
 use crate::media::camera::Size;
 use crate::media::export::Timing;
@@ -321,6 +322,8 @@ pub struct RunArgs {
     /// Format of the overlay: png, svg or pdf; by its file extension by default.
     #[arg(long, help_heading = "Picture", value_parser = format, requires = "overlay")]
     pub format: Option<Format>,
+    #[command(flatten)]
+    pub paper: WorksheetArgs,
     #[command(flatten, next_help_heading = "Output")]
     pub results: Asked,
     /// Overwrite input files, or save among the frames of the clip.
@@ -343,7 +346,7 @@ pub struct ExportArgs {
     #[arg(long, help_heading = "Output", value_name = "A..B", value_parser = steps)]
     pub steps: Option<(Cursor, Cursor)>,
     /// Folder for numbered pictures.
-    #[arg(long, help_heading = "Output", value_name = "DIR", required_unless_present = "animation")]
+    #[arg(long, help_heading = "Output", value_name = "DIR", required_unless_present_any = ["animation", "handout", "worksheet"])]
     pub out: Option<PathBuf>,
     /// Save the steps as one animation instead: .gif, .apng, .webp or, by ffmpeg, .mp4.
     #[arg(long, help_heading = "Output", value_name = "FILE", conflicts_with_all = ["out", "format"])]
@@ -366,6 +369,10 @@ pub struct ExportArgs {
     /// Format of the pictures: png, svg or pdf.
     #[arg(long, help_heading = "Output", default_value = "png", value_parser = format)]
     pub format: Format,
+    #[command(flatten)]
+    pub paper: WorksheetArgs,
+    #[command(flatten)]
+    pub handout: HandoutArgs,
 }
 
 // clap shows the error of a value parser as text.

@@ -4,6 +4,7 @@ use motionscope_core::{Error, Info};
 
 use super::args::ExportArgs;
 use super::outputs::{check_folder, refuse_losses};
+use super::paper;
 use super::say;
 use super::task;
 use crate::experiment::Prepared;
@@ -20,6 +21,7 @@ use crate::view::steps::{self, Medium, Range, Steps};
 /// # Errors
 /// One sentence if anything named does not exist, cannot run or cannot be written.
 pub fn export(args: &ExportArgs) -> Result<(), Error> {
+    refuse_mixed(args)?;
     let Some((from, to)) = args.steps else { return pages(args) };
     if let Some(file) = &args.animation {
         // Before anything runs.
@@ -62,16 +64,37 @@ pub fn export(args: &ExportArgs) -> Result<(), Error> {
     say(&format!("{} in {to}{}", written.pictures(), written.without()))
 }
 
+/// Refuses paper together with pictures: a file is asked for, or a folder.
+fn refuse_mixed(args: &ExportArgs) -> Result<(), Error> {
+    let worksheet = args.paper.worksheet.is_some();
+    if worksheet && args.steps.is_some() {
+        return Err(Error::new(
+            "a worksheet is of one step; use motionscope run CLIP --step CURSOR --worksheet FILE.pdf",
+        ));
+    }
+    if worksheet && (args.out.is_some() || args.animation.is_some()) {
+        return Err(Error::new("--worksheet saves one file; leave out --out and --animation"));
+    }
+    let answers = args.paper.answers && !worksheet && args.handout.handout.is_none();
+    if answers { Err(Error::new("--answers needs --handout FILE.pdf or --worksheet FILE.pdf")) } else { Ok(()) }
+}
+
 /// Saves each page of the lesson that `args` name, its words beside its step.
 fn pages(args: &ExportArgs) -> Result<(), Error> {
     let named = args.task.clip.as_deref().and_then(Address::parse);
-    let address = named.ok_or_else(|| Error::new("name the steps with --steps A..B, or a lesson as the clip"))?;
+    let why = match args.paper.worksheet {
+        Some(_) => "name the page of a lesson, or use motionscope run CLIP --step CURSOR --worksheet FILE.pdf",
+        None => "name the steps with --steps A..B, or a lesson as the clip",
+    };
+    let address = named.ok_or_else(|| Error::new(why))?;
     refuse_unused(args)?;
+    let asked = paper::Asked { worksheet: &args.paper, handout: &args.handout, force: args.force };
+    if paper::of_lesson(&asked, &address)? {
+        return Ok(());
+    }
     let folder = args.out.as_deref().ok_or_else(|| Error::new("the pages of a lesson need a folder: add --out DIR"))?;
     let lesson = address.load()?;
-    if let Some((page, why)) = lesson.faults().next() {
-        return Err(Error::new(format!("page {page} of {}: {why}", lesson.title)));
-    }
+    lesson.check()?;
     let count = lesson.pages.len();
     // A page may be named by its number.
     let is_one = args.task.clip.as_ref() == Some(&address.name());

@@ -20,9 +20,7 @@ pub fn listed(name: Option<&OsStr>, as_json: bool) -> Result<String, Error> {
     let unknown = || Error::new(format!("{} is no lesson; name one as lesson:NAME or by its file", name.display()));
     let address = Address::parse(name).ok_or_else(unknown)?;
     let lesson = address.load()?;
-    if let Some((page, why)) = lesson.faults().next() {
-        return Err(Error::new(format!("page {page} of {}: {why}", lesson.title)));
-    }
+    lesson.check()?;
     let pages = || lesson.pages.iter().zip(1..).map(|(page, number)| written(page, number)).collect::<Vec<_>>();
     Ok(if as_json { format!("{:#}", object(&lesson)) } else { format!("{}\n\n{}", title(&lesson), pages().join("\n")) })
 }

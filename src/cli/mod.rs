@@ -11,6 +11,7 @@ mod lessons;
 mod list;
 mod look;
 mod outputs;
+mod paper;
 mod report;
 mod run;
 mod search;

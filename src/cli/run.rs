@@ -33,6 +33,7 @@ use crate::view::rendering::{Format, Rendering};
 /// One sentence if anything named does not exist, cannot run or cannot be written.
 pub fn run(args: &RunArgs) -> Result<(), Error> {
     let outputs = Outputs::new(args)?;
+    args.paper.check()?;
     let session = task::session(&args.task, &args.picture)?;
     let place = Place { args, look: task::look(&session), position: session.position, freehand: session.freehand };
     let prepared = task::prepare(&args.task, session.experiment)?;
@@ -75,6 +76,8 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
         (Some((path, format)), Some(seen)) => Some((path, place.paint(seen, &*experiment.estimator, format)?)),
         _ => None,
     };
+    let worksheet = args.paper.worksheet.as_ref().map(|path| Ok((path, place.worksheet(&prepared)?)));
+    let worksheet = worksheet.transpose()?;
     let explain = |(pixel, Seen { moment, step, motion })| ExplainedPixel::new(pixel, moment.cursor, &step, motion);
     let pixel = args.picture.pixel.zip(seen).map(explain);
     let conclusion = conclusion(&prepared, &output);
@@ -88,6 +91,9 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
         Ok((*export, path.to_path_buf(), made))
     };
     let made = outputs.results.iter().map(encode).collect::<Result<Vec<_>, Error>>()?;
+    if let Some((path, bytes)) = worksheet {
+        export::save_result(path, &bytes)?;
+    }
     if let Some((path, bytes)) = picture {
         export::save_result(path, &bytes)?;
     }
@@ -106,8 +112,9 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
 /// Where `args` want results.
 fn places(args: &RunArgs) -> Vec<outputs::Place<'_>> {
     let overlay = args.overlay.iter().map(|path| ("overlay", Target::File(path)));
+    let worksheet = args.paper.worksheet.iter().map(|path| ("worksheet", Target::File(path)));
     let results = args.results.0.iter().map(|(export, path)| (export.flag, export.target(path)));
-    overlay.chain(results).collect()
+    overlay.chain(worksheet).chain(results).collect()
 }
 
 /// The outputs of a run with their formats.
@@ -219,6 +226,13 @@ struct Seen {
 }
 
 impl Place<'_> {
+    /// Makes the worksheet of the step.
+    fn worksheet(&self, prepared: &Prepared) -> Result<Vec<u8>, Error> {
+        let Self { args, look, position, .. } = self;
+        let cursor = args.step.or(position.cursor).unwrap_or(Cursor::END);
+        args.paper.encode(prepared, (cursor, task::pixel(*position, &args.picture)), *look)
+    }
+
     /// Goes there.
     fn seen(&self, prepared: &Prepared, reverse: &Reverse<'_>) -> Result<Seen, Error> {
         let Self { args, look, position, freehand } = self;

@@ -6,6 +6,7 @@ use motionscope_core::scene::{Mark, Math, Picture, Sentence, Shape};
 use motionscope_core::{Grid, Scene};
 
 use super::charts::explanation::{Density, equation};
+use super::charts::{Type, shortened};
 use super::focus::{self, CloseUp, FocusMode, Site, Work};
 use super::freehand::{FreehandLine, freehand};
 use super::legend::{self, Bar, line_height};
@@ -270,8 +271,10 @@ impl Layout<'_> {
                     Some((names, waits, words)) => {
                         let room = size[0] - if waits { 3.0 * self.sizes.body } else { 0.0 };
                         let fits = |name: &&String| fonts::width(name, Face::Bold, self.sizes.body) <= room;
-                        let name = names.iter().find(fits).unwrap_or(&names[1]);
-                        self.heading((name, waits), words.get(way).or(words.last()), x);
+                        let face = Type { face: Face::Bold, size: self.sizes.body, color: Color::BLACK };
+                        let name = names.iter().find(fits).cloned();
+                        let name = name.unwrap_or_else(|| shortened(&names[1], face, room));
+                        self.heading((&name, waits), words.get(way).or(words.last()), x);
                     }
                     None => self.title(shown, &part.pictures, (x, size[0])),
                 }

@@ -41,7 +41,7 @@ pub use links::{LinkSite, links};
 pub use marks::{ArrowStyle, Lengthen, Look, Placement, Style, ellipse, is_lengthened, region_color, resolve, streaks};
 pub use number::{grouped, labels, number};
 pub use panel::{LevelShown, Panel, Phase, Pictures, Share, Shown, View};
-pub use pdf::export_pdf;
+pub use pdf::{Placed, Sheet, export_pdf, export_sheets};
 pub use png::export_png;
 pub use primitive::Primitive;
 pub use reduced::reduced;

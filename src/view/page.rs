@@ -1,5 +1,6 @@
 //! The page of a lesson as a picture: its words beside the step that they explain.
 
+use motionscope_core::scene::Focus;
 use motionscope_core::{AnyEstimator, Cursor, Error, Move};
 
 use super::look::Look;
@@ -9,6 +10,7 @@ use super::panes::{STAGE, Selection, charts};
 use super::rendering::{Format, Rendering};
 use crate::experiment::Prepared;
 use crate::experiment::pixel::Chosen;
+use crate::media::Progress;
 use crate::paint::charts::prose::{Prose, lay_out};
 use crate::paint::charts::{Canvas, Level, Type};
 use crate::paint::primitive::{Anchor, Point};
@@ -47,24 +49,47 @@ pub struct Stand<'a> {
     pub freehand: Freehand,
 }
 
+impl Stand<'_> {
+    /// Goes to the step and hands over what is seen there, with the pixel that is explained.
+    ///
+    /// # Errors
+    /// If the run cannot start or breaks off, the pixel cannot be explained, or the work was cancelled.
+    pub(super) fn seen<T>(
+        &self,
+        progress: Option<&dyn Progress>,
+        take: impl FnOnce(&mut Viewer<'_>, Option<Focus>) -> Result<T, Error>,
+    ) -> Result<T, Error> {
+        let Self { prepared: Prepared { experiment, clip, .. }, cursor, pixel, look, freehand } = self;
+        let reverse = Reverse::new(&*experiment.estimator, clip, experiment.frame);
+        let mut viewer = Viewer::new(experiment, clip, look, &reverse)?;
+        viewer.freehand.clone_from(freehand);
+        viewer.walk.go(Move::To(*cursor));
+        let is_wanted = || !progress.is_some_and(|progress| progress.cancelled());
+        while is_wanted() && !viewer.walk.work(&mut || is_wanted()) {}
+        if !is_wanted() {
+            return Err(Error::new("saving was cancelled"));
+        }
+        if let Some(failure) = viewer.walk.failure() {
+            return Err(failure.clone());
+        }
+        let focus = pixel.map(|pixel| pixel.here(&*viewer.walk, clip)).transpose()?;
+        take(&mut viewer, focus.flatten())
+    }
+
+    /// The estimator.
+    pub(super) fn estimator(&self) -> &dyn AnyEstimator {
+        &*self.prepared.experiment.estimator
+    }
+}
+
 impl Words<'_> {
     /// Encodes the page: its words beside the pictures and the first chart of its step.
     ///
     /// # Errors
     /// If the run cannot start or breaks off, or the picture would be larger than can be written.
     pub fn encode(&self, stand: &Stand<'_>, format: Format, scale: u32) -> Result<Vec<u8>, Error> {
-        let Stand { prepared: Prepared { experiment, clip, .. }, cursor, pixel, look, freehand } = stand;
-        let estimator: &dyn AnyEstimator = &*experiment.estimator;
-        let reverse = Reverse::new(estimator, clip, experiment.frame);
-        let mut viewer = Viewer::new(experiment, clip, look, &reverse)?;
-        viewer.freehand.clone_from(freehand);
-        viewer.walk.go(Move::To(*cursor));
-        while !viewer.walk.work(&mut || true) {}
-        if let Some(failure) = viewer.walk.failure() {
-            return Err(failure.clone());
-        }
-        let focus = pixel.map(|pixel| pixel.here(&*viewer.walk, clip)).transpose()?;
-        let moment = viewer.moment(focus.flatten())?;
+        let (estimator, look) = (stand.estimator(), &stand.look);
+        let moment = stand.seen(None, |viewer, focus| viewer.moment(focus))?;
         let first = charts(&moment.step, estimator.charts()).into_iter().next();
         let panes = Selection { panes: [Some(&STAGE), first].into_iter().flatten().collect(), ..Selection::default() };
         let rendering = Rendering { moment: &moment, estimator, look, panes: &panes };

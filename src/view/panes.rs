@@ -442,7 +442,8 @@ impl fmt::Display for Named {
     }
 }
 
-fn find<'a, T: ?Sized>(step: &'a Step, of: impl Fn(&'a Readout) -> Option<&'a T>) -> Option<&'a T> {
+/// What the first readout of a kind has.
+pub(super) fn find<'a, T: ?Sized>(step: &'a Step, of: impl Fn(&'a Readout) -> Option<&'a T>) -> Option<&'a T> {
     step.readouts.iter().find_map(of)
 }
 

@@ -173,7 +173,7 @@ impl Rendering<'_> {
 const MOST_SETTINGS: usize = 11;
 
 /// Returns the parameters of an estimator with their values.
-fn settings_text(estimator: &dyn AnyEstimator) -> String {
+pub(super) fn settings_text(estimator: &dyn AnyEstimator) -> String {
     let specs = estimator.specs();
     let all = specs.iter().zip(estimator.values());
     let chosen = all.filter(|(spec, (_, value))| specs.len() <= MOST_SETTINGS || spec.default != *value);

@@ -99,27 +99,47 @@ impl Rendering<'_> {
     /// The panes of the step on one sheet, with the marks that `scale` pixels for each point have room for; where several
     /// steps share a layout, the first of them makes it.
     pub(super) fn sheet(&self, scale: u32, shared: Option<&mut Option<Layout>>) -> Figure {
+        let Self { look, panes, .. } = *self;
+        let style = ChartStyle { theme: look.theme, colors: look.colors, density: scale as f32 };
+        self.with_stage(SIZE[0], scale, |stage| {
+            let (content, caption) = (self.content(), self.caption());
+            let contents = Contents { content, panes: &panes.panes, caption, style, stage };
+            match shared {
+                Some(shared) => {
+                    shared.get_or_insert_with(|| Layout::of(&contents, Reserve::FOR_OTHERS)).figure(&contents)
+                }
+                None => Layout::of(&contents, Reserve::NONE).figure(&contents),
+            }
+        })
+    }
+
+    /// The pictures alone, as large as they have room in `size`.
+    pub(super) fn stage_in(&self, size: [f32; 2], scale: u32) -> Figure {
+        let size = [size[0] - 2.0 * MARGIN - ROUNDED, size[1] - 2.0 * MARGIN];
+        self.with_stage(size[0], scale, |stage| stage.fitting(size).0)
+    }
+
+    /// What panes are drawn from.
+    pub(super) fn content(&self) -> PaneContent<'_> {
         let Self { moment, look, panes, .. } = *self;
         let (info, step) = match moment.tiles.first() {
             Some(tile) => (tile.info, &*tile.step),
             None => (self.estimator.info(), &*moment.step),
         };
         let is_centered = !self.estimator.tests_candidates();
-        let content = PaneContent { info, step, is_centered, level: look.level, angles: panes.angles };
+        PaneContent { info, step, is_centered, level: look.level, angles: panes.angles }
+    }
+
+    /// Hands over the pictures, to be laid out about `width` points wide.
+    fn with_stage<T>(&self, width: f32, scale: u32, take: impl FnOnce(Pictures<'_>) -> T) -> T {
         let figure = |zoom: f32| self.figure(Around { zoom, titles: true, caption: None }, scale);
         let view = self.view();
         let Extent { columns, size: extent } = Extent::of(&self.parts(view), view);
         // What stands around the pictures, as measured where they have about half of the sheet.
-        let zoom = 0.5 * SIZE[0] / extent[0];
+        let zoom = 0.5 * width / extent[0];
         let above = figure(zoom).size[1] - 2.0 * MARGIN - extent[1] * zoom;
         let beside = [8.0 * (columns - 1) as f32, above];
-        let stage = Pictures { extent, beside, figure: &figure };
-        let style = ChartStyle { theme: look.theme, colors: look.colors, density: scale as f32 };
-        let contents = Contents { content, panes: &panes.panes, caption: self.caption(), style, stage };
-        match shared {
-            Some(shared) => shared.get_or_insert_with(|| Layout::of(&contents, Reserve::FOR_OTHERS)).figure(&contents),
-            None => Layout::of(&contents, Reserve::NONE).figure(&contents),
-        }
+        take(Pictures { extent, beside, figure: &figure })
     }
 }
 

@@ -60,7 +60,7 @@ impl Block {
     }
 
     /// Puts `other` below, `gap` points further down.
-    pub(super) fn put_below(&mut self, other: Block, gap: f32) {
+    pub fn put_below(&mut self, other: Block, gap: f32) {
         if other.size[1] <= 0.0 {
             return;
         }

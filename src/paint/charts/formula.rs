@@ -19,6 +19,24 @@ const SMALL: f32 = 0.72;
 /// Below this a formula becomes unreadable; it then runs on rather than shrink.
 const SMALLEST: f32 = 0.7;
 
+/// What stands in the place of a number that is left out: so many of these as a box to write in.
+const BLANK: char = '□';
+/// Least number of letters that a box has room for.
+const LEAST_BLANK: usize = 5;
+/// A box in sizes of the type: width for a letter, heights above and below the baseline.
+const BLANK_LETTER: f32 = 0.75;
+const BLANK_HEIGHTS: [f32; 2] = [1.12, 0.5];
+
+/// A box to write in, as text of a formula, in the place of `number`.
+pub fn blank(number: &str) -> String {
+    BLANK.to_string().repeat(number.chars().count().max(LEAST_BLANK))
+}
+
+/// Whether a number is left out of a formula.
+pub fn has_blank(math: &Math) -> bool {
+    math.plain().contains(BLANK)
+}
+
 /// What a layout needs to know of a font.
 pub trait Measure {
     /// Advance width of `text` at `size_pt`.
@@ -269,7 +287,20 @@ impl Setter<'_> {
         }
     }
 
+    /// A box to write so many letters in.
+    fn blank(letters: usize, size: f32) -> Formula {
+        let ([up, down], gap, line) = (BLANK_HEIGHTS.map(|height| height * size), 0.1 * size, thickness(size));
+        let right = gap + BLANK_LETTER * size * letters as f32;
+        let corners = vec![[gap, -up], [right, -up], [right, down], [gap, down], [gap, -up]];
+        let pieces = vec![Piece::Stroke(corners, line)];
+        let (ascent, descent) = (up + line, down + line);
+        Formula { width: right + gap, ascent, descent, pieces, symbols: Vec::new() }
+    }
+
     fn text(&mut self, text: &str, size_pt: f32, face: Face, role: Option<Role>) -> Formula {
+        if text.starts_with(BLANK) {
+            return Self::blank(text.chars().count(), size_pt);
+        }
         let width = self.measure.width(text, size_pt, face);
         let piece = Piece::Text { at: [0.0; 2], text: text.into(), size_pt, face, role };
         let (ascent, descent) = (ASCENT * size_pt, DESCENT * size_pt);
@@ -684,6 +715,15 @@ mod tests {
         let parts = (0..9).map(|i| Math::text(format!("+ {i:02}")));
         let row: Vec<_> = [Math::text("(")].into_iter().chain(parts).chain([Math::text(")")]).collect();
         assert!(set(&Math::Row(row), 130.0).width <= 130.0);
+    }
+
+    #[test]
+    fn what_is_left_out_is_a_box_with_room_to_write() {
+        let row = |last: String| Math::Row(vec![Math::text("7 − 2 = "), Math::text(last)]);
+        let (number, left_out) = (set(&row("812.50".into()), 1000.0), set(&row(blank("812.50")), 1000.0));
+        assert!(left_out.width > number.width && left_out.ascent > number.ascent);
+        let Some(Piece::Stroke(corners, _)) = left_out.pieces.last() else { panic!("a box") };
+        assert!(corners.first() == corners.last() && corners[1][0] <= left_out.width);
     }
 
     #[test]

@@ -1,4 +1,5 @@
-//! Matrices with the numbers of a step, side by side; what the step has changed is lit.
+//! Matrices with the numbers of a step, side by side; what the step has changed is lit. An entry that is NaN is left out: a box to
+//! write in.
 
 use motionscope_core::scene::Matrix;
 use motionscope_core::{Grid, fixed};
@@ -17,6 +18,8 @@ const COLUMN_LETTERS: f32 = 2.4;
 const COLUMN_GAP_LETTERS: f32 = 1.1;
 /// Height of a row, in letters.
 const ROW_LETTERS: f32 = 1.45;
+/// The same where entries are left out.
+const BLANK_LETTERS: f32 = 2.3;
 /// Height of a line with the name and of what lies below the last one, in letters.
 const NAME_LETTERS: f32 = 1.3;
 const HEAD_LETTERS: f32 = 0.6;
@@ -53,6 +56,12 @@ pub fn draw(matrices: &[Matrix], area: Rect, style: ChartStyle) -> Drawing<Vec<R
     let mut other = larger.flat_map(|larger| exchanged(&given).map(move |order| (larger, order)));
     let (share, order) = other.find(|(larger, order)| fits(*larger, order)).unwrap_or((share, given.clone()));
     draw_at(matrices, (&order, area), style, share)
+}
+
+/// Lays all matrices out as [`draw`] does, in the usual type.
+pub fn draw_in_usual_type(matrices: &[Matrix], area: Rect, style: ChartStyle) -> Drawing<Vec<Rect>> {
+    let given: Vec<usize> = (0..matrices.len()).collect();
+    draw_at(matrices, (&given, area), style, 1.0)
 }
 
 /// The orders in which two of `given` have changed places: a wide one between two narrow ones keeps these from standing beside each
@@ -131,7 +140,24 @@ const GAIN_DECIMALS: usize = 3;
 
 /// The entries of a matrix as text, with the decimals of its quantity; where it has none, all with as many as suit the smallest,
 /// and small ones with a power of ten, so that no entry loses its digits. What is nothing is 0.
-fn entries(matrix: &Matrix) -> Grid<String> {
+pub fn entries(matrix: &Matrix) -> Grid<String> {
+    entries_with(matrix, "")
+}
+
+/// Room for an entry that is left out.
+const LEFT_OUT: &str = "−00000.00";
+
+/// As [`entries`], with `left_out` in the place of entries that are left out.
+fn entries_with(matrix: &Matrix, left_out: &str) -> Grid<String> {
+    let all = written(matrix);
+    Grid::from_fn(all.width(), all.height(), |x, y| match matrix.entries[(x, y)] {
+        value if value.is_nan() => left_out.to_owned(),
+        _ => all[(x, y)].clone(),
+    })
+}
+
+/// The entries as text.
+fn written(matrix: &Matrix) -> Grid<String> {
     let sizes = || matrix.entries.cells().iter().map(|value| value.abs());
     let rounding = ROUNDING * sizes().filter(|size| size.is_finite()).fold(0.0, f64::max);
     if let Some(decimals) = matrix.decimals {
@@ -181,7 +207,7 @@ impl Place {
         let small = text.size;
         let (width, height) = matrix.entries.size();
         let widest = |words: &mut dyn Iterator<Item = String>| words.map(|word| text.width(&word)).fold(0.0, f32::max);
-        let words = entries(matrix);
+        let words = entries_with(matrix, LEFT_OUT);
         let of_column = |x: usize| {
             let entries = (0..height).map(|y| words[(x, y)].clone());
             let column = widest(&mut entries.chain(matrix.columns.get(x).cloned()));
@@ -191,7 +217,8 @@ impl Place {
         let rows = widest(&mut matrix.rows.iter().cloned());
         let columns = if matrix.columns.is_empty() { 0.0 } else { ROW_LETTERS * small };
         let rows = if matrix.rows.is_empty() { 0.0 } else { (rows + small).max(2.2 * small) };
-        let row = ROW_LETTERS * small;
+        let has_blanks = matrix.entries.cells().iter().any(|value| value.is_nan());
+        let row = if has_blanks { BLANK_LETTERS } else { ROW_LETTERS } * small;
         let body = [rows + widths.iter().sum::<f32>(), columns + row * height as f32];
         // A long name must not make a narrow matrix wide: what is beside it would have to be smaller.
         let symbol = letters.symbol().width(matrix.symbol) + 0.5 * small;
@@ -230,6 +257,9 @@ fn one(canvas: &mut Canvas, matrix: &Matrix, place: &Place, min: Point, letters:
         let rect = cell(x, y);
         if matrix.changed.as_ref().is_some_and(|changed| changed[(x, y)]) {
             canvas.fill(rect.grown(-1.0), chrome.selection);
+        }
+        if matrix.entries[(x, y)].is_nan() {
+            canvas.frame(rect.grown(-2.5), 1.0, chrome.text);
         }
         // What is nothing steps back, so that the shape of a matrix can be seen.
         let style = if words[(x, y)] == NOTHING { dim } else { text };

@@ -22,6 +22,7 @@ pub mod regions;
 pub mod relief;
 pub mod series;
 pub mod stack;
+pub mod table;
 pub mod tiles;
 
 pub use axis::Axis;

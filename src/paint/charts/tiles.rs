@@ -235,7 +235,7 @@ fn type_size(tiles: &[Tile], cell: f32) -> f32 {
 }
 
 /// A number as it fits into a cell: to a tenth, or to one where it is large.
-fn brief(v: f32) -> String {
+pub fn brief(v: f32) -> String {
     if v.abs() >= 99.95 || v.fract() == 0.0 { number(v.round()) } else { format!("{v:.1}").replace('-', "−") }
 }
 

@@ -1,4 +1,6 @@
 //! The PDF painter: lines that stay sharp, and words that stay words, in the program's own type.
+//!
+//! A file is one figure, or sheets of paper with figures on them ([`export_sheets`]).
 
 mod fonts;
 mod page;
@@ -12,14 +14,45 @@ use motionscope_core::{Error, Grid};
 use pdf_writer::{Filter, Finish, Name, Pdf, Rect, Ref, TextStr};
 
 use super::Figure;
+use super::primitive::Point;
+use fonts::Fonts;
 use page::Page;
+
+/// A sheet of paper with figures on it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sheet {
+    /// Width and height in points of paper, 72 of which are an inch.
+    pub size: [f32; 2],
+    /// What stands on it, back to front.
+    pub figures: Vec<Placed>,
+}
+
+/// A figure on a [`Sheet`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Placed {
+    /// The figure.
+    pub figure: Figure,
+    /// Where its upper left corner lies, in points of paper.
+    pub at: Point,
+    /// Points of paper for each of its own.
+    pub scale: f32,
+}
 
 /// `figure` as a PDF file of one page, as large as the figure. The same figure gives the same bytes.
 ///
 /// # Errors
 /// If a part of it cannot be packed.
 pub fn export_pdf(figure: &Figure) -> Result<Vec<u8>, Error> {
-    write(figure).map_err(|reason| Error::new(format!("the PDF could not be made: {reason}")))
+    let placed = Placed { figure: figure.clone(), at: [0.0; 2], scale: 1.0 };
+    export_sheets(&figure.description, &[Sheet { size: figure.size, figures: vec![placed] }])
+}
+
+/// `sheets` as a PDF file of a page each, about `subject`. The same sheets give the same bytes.
+///
+/// # Errors
+/// If a part of them cannot be packed.
+pub fn export_sheets(subject: &str, sheets: &[Sheet]) -> Result<Vec<u8>, Error> {
+    write(subject, sheets).map_err(|reason| Error::new(format!("the PDF could not be made: {reason}")))
 }
 
 /// Numbers of the objects of a file, one after the other.
@@ -32,31 +65,51 @@ impl Numbers {
     }
 }
 
-fn write(figure: &Figure) -> Result<Vec<u8>, String> {
-    let page = Page::of(figure);
+fn write(subject: &str, sheets: &[Sheet]) -> Result<Vec<u8>, String> {
     let mut numbers = Numbers(0);
-    let [catalog, pages, page_id, contents, info] = [(); 5].map(|()| numbers.next());
+    let [catalog, pages, info] = [(); 3].map(|()| numbers.next());
     let mut pdf = Pdf::new();
     pdf.catalog(catalog).pages(pages);
-    pdf.pages(pages).kids([page_id]).count(1);
-    let fonts: Vec<(Vec<u8>, Ref)> = page
-        .fonts
+    let mut fonts = Fonts::default();
+    let drawn: Vec<(Page, Ref)> = sheets.iter().map(|sheet| (Page::of(sheet, &mut fonts), numbers.next())).collect();
+    let count = i32::try_from(drawn.len()).map_err(|error| error.to_string())?;
+    pdf.pages(pages).kids(drawn.iter().map(|(_, id)| *id)).count(count);
+    let fonts: Vec<(Vec<u8>, Ref)> = fonts
         .used()
         .map(|font| Ok((font.name(), font.write(&mut pdf, &mut numbers)?)))
         .collect::<Result<_, String>>()?;
+    for ((page, id), sheet) in drawn.into_iter().zip(sheets) {
+        one(&mut pdf, &mut numbers, (page, sheet), Place { id, pages, fonts: &fonts })?;
+    }
+    let mut about = pdf.document_info(info);
+    about.title(TextStr("Motionscope")).subject(TextStr(subject)).creator(TextStr("Motionscope"));
+    about.finish();
+    Ok(pdf.finish())
+}
+
+/// Where a page belongs, and the type that all pages share.
+struct Place<'a> {
+    id: Ref,
+    pages: Ref,
+    fonts: &'a [(Vec<u8>, Ref)],
+}
+
+/// Writes a page with its pictures.
+fn one(pdf: &mut Pdf, numbers: &mut Numbers, (page, sheet): (Page, &Sheet), place: Place<'_>) -> Result<(), String> {
+    let contents = numbers.next();
     let images: Vec<Ref> =
-        page.images.iter().map(|pixels| image(&mut pdf, &mut numbers, pixels)).collect::<Result<_, String>>()?;
+        page.images.iter().map(|pixels| image(pdf, numbers, pixels)).collect::<Result<_, String>>()?;
     let opacities: Vec<(Vec<u8>, Ref)> =
         page.opacities.iter().map(|alpha| (page::opacity(*alpha), numbers.next())).collect();
     for (alpha, (_, id)) in page.opacities.iter().zip(&opacities) {
         let share = f32::from(*alpha) / 255.0;
         pdf.ext_graphics(*id).non_stroking_alpha(share).stroking_alpha(share);
     }
-    let mut sheet = pdf.page(page_id);
-    sheet.parent(pages).media_box(Rect::new(0.0, 0.0, figure.size[0], figure.size[1])).contents(contents);
-    let mut resources = sheet.resources();
+    let mut written = pdf.page(place.id);
+    written.parent(place.pages).media_box(Rect::new(0.0, 0.0, sheet.size[0], sheet.size[1])).contents(contents);
+    let mut resources = written.resources();
     let mut all = resources.fonts();
-    fonts.iter().for_each(|(name, id)| _ = all.pair(Name(name), *id));
+    place.fonts.iter().for_each(|(name, id)| _ = all.pair(Name(name), *id));
     all.finish();
     let mut all = resources.x_objects();
     images.iter().enumerate().for_each(|(i, id)| _ = all.pair(Name(&page::image(i)), *id));
@@ -65,13 +118,10 @@ fn write(figure: &Figure) -> Result<Vec<u8>, String> {
     opacities.iter().for_each(|(name, id)| _ = all.pair(Name(name), *id));
     all.finish();
     resources.finish();
-    sheet.finish();
+    written.finish();
     let packed = packed(&page.content.finish())?;
     pdf.stream(contents, &packed).filter(Filter::FlateDecode);
-    let mut about = pdf.document_info(info);
-    about.title(TextStr("Motionscope")).subject(TextStr(&figure.description)).creator(TextStr("Motionscope"));
-    about.finish();
-    Ok(pdf.finish())
+    Ok(())
 }
 
 /// Packed as every reader can unpack it.

@@ -21,6 +21,7 @@
 
 mod bundled;
 pub mod formula;
+pub mod handout;
 mod read;
 mod words;
 
@@ -76,6 +77,13 @@ pub struct Page {
     pub session: Result<Session, Error>,
 }
 
+impl Page {
+    /// Whether it asks for something that its last step answers.
+    pub fn has_answer(&self) -> bool {
+        self.until.is_some()
+    }
+}
+
 impl Lesson {
     /// Parses a lesson with files relative to `folder`. A page that is wrong keeps its place and says why.
     ///
@@ -106,6 +114,15 @@ impl Lesson {
     pub fn page(&self, index: usize) -> Result<&Page, Error> {
         let lacks = || Error::new(format!("the lesson {} has {} pages", self.title, self.pages.len()));
         self.pages.get(index).ok_or_else(lacks)
+    }
+
+    /// Refuses a lesson of which a page is wrong.
+    ///
+    /// # Errors
+    /// What is wrong with the first of these pages.
+    pub fn check(&self) -> Result<(), Error> {
+        let fault = |(page, why): (usize, &Error)| Error::new(format!("page {page} of {}: {why}", self.title));
+        self.faults().next().map_or(Ok(()), |found| Err(fault(found)))
     }
 
     /// What is wrong with its pages, each with its number from 1.

@@ -164,6 +164,8 @@ impl App {
             C::Quit => self.ctx.send_viewport_cmd(ViewportCommand::Close),
             C::SaveSession => self.save_as(Kind::Session),
             C::SaveClip => self.save_as(Kind::Clip),
+            C::SaveHandout => self.save_as(Kind::Handout),
+            C::SaveWorksheet => self.save_as(Kind::Worksheet),
             C::ExportPicture => self.save_as(Kind::Picture),
             C::ExportSteps => self.save_as(Kind::Steps),
             C::ExportResult => self.save_as(Kind::Result),

@@ -239,6 +239,10 @@ commands! {
     ExportResult,
     /// Save the scores of the class.
     ExportScores,
+    /// Save all pages of the lesson on paper.
+    SaveHandout,
+    /// Save the step on paper, to be computed by hand.
+    SaveWorksheet,
     /// Find a command by name.
     Palette,
     /// Find words in all texts.
@@ -490,6 +494,8 @@ impl Command {
             C::BackToPage => now.has_trail,
             C::Open | C::PastePath | C::Samples | C::Camera | C::NextExample | C::Lessons | C::Quit => true,
             C::CloseLesson => now.in_lesson,
+            C::SaveHandout => now.in_lesson && now.has_run,
+            C::SaveWorksheet => now.has_run,
             C::CopyPage => now.has_run,
             C::NextPage => now.in_lesson && !now.at_last_page,
             C::PreviousPage => now.in_lesson && !now.at_first_page,

@@ -26,6 +26,7 @@ use crate::ui::app::window::{App, Overlay, title};
 use crate::ui::dialogs::open::State;
 use crate::ui::dialogs::save::{self, Kind};
 use crate::ui::model::loader::{Beside, Loading, Opened};
+use crate::ui::model::paper;
 use crate::ui::model::predict::Score;
 use crate::ui::model::settings::LeftAt;
 use crate::ui::model::snapshot::{Hold, Job, Place, Snapshot, surface};
@@ -421,6 +422,9 @@ impl App {
         // Results among the frames would become frames, or could not be told from them.
         let folder = shown.subject.inputs.outside(&folder);
         let seen = save::Seen { look: self.settings.look, angles: self.states.angles(&shown.step) };
+        // A handout is named after its lesson.
+        let lesson = self.lesson.as_ref().filter(|_| kind == Kind::Handout);
+        let name = lesson.map_or(name, |open| open.lesson().slug.clone());
         let state = save::State::new(kind, &folder, &save::stem(&name), shown, seen);
         self.overlay = Overlay::Save(Box::new(state));
     }
@@ -446,6 +450,14 @@ impl App {
             OutputKind::Clip(_) => {
                 self.recorder.saved = self.is_unsaved().then(|| order.path.clone());
                 Box::new(move |order, progress| writer::clip(order, &shown, progress))
+            }
+            OutputKind::Handout(_) => {
+                let Some(lesson) = self.lesson.as_ref().map(|open| open.lesson().clone()) else { return };
+                Box::new(move |order, progress| paper::handout(order, &lesson, progress))
+            }
+            OutputKind::Worksheet { .. } => {
+                let page = self.printed_page(&shown);
+                Box::new(move |order, progress| paper::worksheet(order, &shown, page.as_ref(), progress))
             }
             OutputKind::Session => {
                 let session = self.session(&shown);

@@ -10,6 +10,7 @@ use crate::ui::app::action::Actions;
 use crate::ui::app::commands::Command;
 use crate::ui::app::window::{App, Overlay, Region};
 use crate::ui::model::lesson::{LOOK, OpenLesson};
+use crate::ui::model::paper::OfPage;
 use crate::ui::model::snapshot::Snapshot;
 use crate::ui::model::trail::Left;
 use crate::ui::panes::lesson;
@@ -64,6 +65,16 @@ impl App {
     pub(super) fn back_to_page(&mut self) {
         let Some(Left { address, cursor, .. }) = self.trail.back() else { return };
         self.open_page_at(address, cursor);
+    }
+
+    /// The page of the lesson that is open, if the run that is `shown` is its own.
+    pub(super) fn printed_page(&self, shown: &Snapshot) -> Option<OfPage> {
+        let open = self.lesson.as_ref()?;
+        let page = open.page();
+        let session = page.session.as_ref().ok()?;
+        let is_own = shown.subject.experiment == session.experiment;
+        let title = format!("{} · {}", open.lesson().title, page.title);
+        page.words.as_ref().ok().filter(|_| is_own).map(|prose| OfPage { title, prose: prose.clone() })
     }
 
     /// Closes the lesson; pictures look as they did without its page.

@@ -177,6 +177,8 @@ fn tags(command: Command) -> &'static str {
         C::CopyPage => "lesson markdown write",
         C::SaveSession => "file store keep",
         C::ExportPicture | C::ExportSteps => "export save image screenshot figure png svg pdf slides",
+        C::SaveHandout => "print paper pdf pages contact sheet students",
+        C::SaveWorksheet => "print paper pdf exercise homework blank students",
         C::ExportResult => "export save flow vectors csv table flo kitti mot tracks masks npy",
         C::Fit | C::ActualSize => "zoom whole scale pixel",
         C::ZoomIn | C::ZoomOut => "magnify larger smaller",

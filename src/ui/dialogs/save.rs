@@ -18,6 +18,7 @@ use crate::ui::model::background::Background;
 use crate::ui::model::snapshot::Snapshot;
 use crate::ui::model::writer::{self, ClipFormat, Order, OutputKind};
 use crate::ui::parts::widgets;
+use crate::view::handout::{Options, PerSheet};
 use crate::view::look::{CaptionWords, Look};
 use crate::view::panes::{Angles, PANES, Pane, STAGE, Selection};
 use crate::view::rendering::Format;
@@ -48,6 +49,10 @@ pub enum Kind {
     Scores,
     /// The frames of the clip.
     Clip,
+    /// All pages of the lesson on paper.
+    Handout,
+    /// The step on paper, to be computed by hand.
+    Worksheet,
 }
 
 impl Kind {
@@ -59,6 +64,8 @@ impl Kind {
             Kind::Session => "Save the session",
             Kind::Scores => "Save the scores of the class",
             Kind::Clip => "Save the clip",
+            Kind::Handout => "Save a handout of the lesson",
+            Kind::Worksheet => "Save a worksheet of this step",
         }
     }
 
@@ -87,6 +94,7 @@ impl Kind {
                 let copied = is_copied.then(|| choice(Y4M, "Uncompressed video in one file, the frames as they came"));
                 copied.into_iter().chain([numbered]).collect()
             }
+            Kind::Handout | Kind::Worksheet => vec![choice("pdf", "PDF, sheets of paper in A4")],
             Kind::Result => {
                 let files = results::formats(kinds).into_iter().map(|(export, format)| Choice {
                     label: label(format.ending),
@@ -151,6 +159,8 @@ pub struct State {
     to: String,
     granularity: usize,
     timing: Timing,
+    /// Pages on a sheet of paper, and whether answers are filled in.
+    paper: Options,
     /// All files that the clip is read from.
     inputs: Arc<Inputs>,
     /// The target that was looked up, and what was found there.
@@ -194,6 +204,7 @@ impl State {
             to: to.to_string(),
             granularity: Granularities::new(shown.info.granularities).event(),
             timing: Timing::default(),
+            paper: Options::default(),
             inputs: Arc::clone(&shown.subject.inputs),
             found: None,
             subject: Arc::clone(&shown.subject),
@@ -208,6 +219,8 @@ impl State {
             Kind::Scores => format!("{stem}_scores.{ending}"),
             Kind::Clip if state.is_folder() => stem.to_owned(),
             Kind::Session | Kind::Clip => format!("{stem}.{ending}"),
+            Kind::Handout => format!("{stem}_handout.{ending}"),
+            Kind::Worksheet => format!("{stem}_{}_worksheet.{ending}", shown.cursor),
         };
         state.path = PathField::new(folder.join(name).display().to_string());
         state
@@ -224,6 +237,10 @@ impl State {
             }
             (Kind::Clip, _) => "One file with the frames as they came.",
             (Kind::Session, _) => "A small text file: clip, estimator, parameters, step, view and ink.",
+            (Kind::Handout, _) => "All pages of the lesson, words beside pictures, on sheets of A4 paper.",
+            (Kind::Worksheet, _) => {
+                "What is given of the step, with boxes in the place of what it computes, on A4 paper."
+            }
             _ if self.selection().panes.is_empty() => {
                 "The whole picture of the stage, with the same colours and lines."
             }
@@ -342,6 +359,8 @@ impl State {
             Kind::Scores => OutputKind::Scores,
             Kind::Clip if self.is_folder() => OutputKind::Clip(ClipFormat::Pictures),
             Kind::Clip => OutputKind::Clip(ClipFormat::Copy),
+            Kind::Handout => OutputKind::Handout(self.paper),
+            Kind::Worksheet => OutputKind::Worksheet { answers: self.paper.answers },
             Kind::Steps => {
                 let cursor = |text: &str| text.trim().parse::<Cursor>().map_err(|error| format!("{error}."));
                 let (from, to) = (cursor(&self.from)?, cursor(&self.to)?);
@@ -432,6 +451,9 @@ fn options(ui: &mut Ui, state: &mut State, granularities: Granularities) {
     if state.kind == Kind::Steps {
         range(ui, state, granularities);
     }
+    if matches!(state.kind, Kind::Handout | Kind::Worksheet) {
+        paper(ui, state);
+    }
     if !matches!(state.kind, Kind::Picture | Kind::Steps) {
         return;
     }
@@ -463,6 +485,27 @@ fn options(ui: &mut Ui, state: &mut State, granularities: Granularities) {
                 ui.add_space(8.0);
             }
         }
+    });
+}
+
+/// What stands on sheets of paper.
+fn paper(ui: &mut Ui, state: &mut State) {
+    if state.kind == Kind::Handout {
+        line(ui, "Pages", |ui| {
+            ui.spacing_mut().item_spacing.x = 4.0;
+            for per_sheet in PerSheet::ALL {
+                let (chosen, count) = (state.paper.per_sheet == per_sheet, per_sheet.count());
+                let tip = format!("Pages of the lesson on each sheet: {count}.");
+                if ui.selectable_label(chosen, count.to_string()).on_hover_text(tip).clicked() {
+                    state.paper.per_sheet = per_sheet;
+                }
+            }
+            ui.label(RichText::new("on a sheet").weak());
+        });
+    }
+    line(ui, "With", |ui| {
+        let tip = "Fill in the answers, for the teacher.";
+        ui.checkbox(&mut state.paper.answers, "Answers").on_hover_text(tip);
     });
 }
 

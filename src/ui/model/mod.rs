@@ -8,6 +8,7 @@ pub mod lesson;
 pub mod live;
 pub mod loader;
 pub mod nested;
+pub mod paper;
 pub mod pen;
 pub mod player;
 pub mod practice;

@@ -15,6 +15,7 @@ use crate::media::Progress;
 use crate::media::export::{self, Inputs, Target, Timing};
 use crate::paint::Freehand;
 use crate::results::Export;
+use crate::view::handout::Options;
 use crate::view::look::Look;
 use crate::view::panes::Selection;
 use crate::view::rendering::{Format, Rendering};
@@ -43,6 +44,13 @@ pub enum OutputKind {
     Scores,
     /// The frames of the clip.
     Clip(ClipFormat),
+    /// All pages of the lesson that is open.
+    Handout(Options),
+    /// The step on paper, to be computed by hand, or filled in.
+    Worksheet {
+        /// Whether it is filled in.
+        answers: bool,
+    },
 }
 
 /// How the frames of a clip are written.
@@ -79,6 +87,7 @@ impl OutputKind {
             Self::Picture | Self::Animation(..) | Self::Session | Self::Scores | Self::Clip(ClipFormat::Copy) => {
                 Target::File(path)
             }
+            Self::Handout(_) | Self::Worksheet { .. } => Target::File(path),
         }
     }
 }
@@ -144,13 +153,7 @@ pub fn steps(
     let (range, medium) = match order.what {
         OutputKind::Steps(range, format) => (range, Medium::Pictures(path, format)),
         OutputKind::Animation(range, timing) => (range, Medium::Animation(path, timing)),
-        OutputKind::Picture
-        | OutputKind::Result(_)
-        | OutputKind::Session
-        | OutputKind::Scores
-        | OutputKind::Clip(_) => {
-            return picture(order, shown);
-        }
+        _ => return picture(order, shown),
     };
     let pixel = shown.held().map(Chosen::Held);
     let panes = order.panes.clone();

@@ -600,6 +600,20 @@ impl Command {
                 "Save the questions that the class has answered, with hands, guesses and distances, as CSV.",
                 &[],
             ),
+            C::SaveHandout => (
+                Menu::Export,
+                Icon::BookOpenText,
+                "Handout of the lesson…",
+                "Save all pages of the lesson on sheets of paper as one PDF, with or without answers.",
+                &[],
+            ),
+            C::SaveWorksheet => (
+                Menu::Export,
+                Icon::FilePenLine,
+                "Worksheet of this step…",
+                "Save this step as a PDF to be computed by hand: its results are left out, or filled in.",
+                &[],
+            ),
             C::Palette => (
                 Menu::Help,
                 Icon::Search,

@@ -1,0 +1,250 @@
+//! The handout of a lesson: its pages on sheets of paper, words that can be read in print beside their pictures.
+
+use std::str::FromStr;
+
+use motionscope_core::scene::Sentence;
+use motionscope_core::{Cursor, Error};
+
+use super::moment::Moment;
+use super::page::{Stand, Words};
+use super::panes::{Selection, charts};
+use super::paper::{Around, Paper, THEME, ruled};
+use super::rendering::Rendering;
+use crate::media::Progress;
+use crate::paint::charts::explanation::{self, Block, Density};
+use crate::paint::charts::prose::lay_out;
+use crate::paint::charts::{Canvas, ChartStyle, Level, Type};
+use crate::paint::primitive::{Anchor, Point, Rect};
+use crate::paint::{Face, Figure, Sheet};
+
+/// Points of paper for each point of a picture: its smallest type is 12 points high and becomes 8.
+const SCALE: f32 = 2.0 / 3.0;
+/// Marks are as fine as in other pictures for print.
+const DENSITY: u32 = 2;
+/// Between words and picture, and between two pages on a sheet.
+const GAP: f32 = 14.0;
+/// What is kept free beside a chart, the share of the height that pictures above a chart have at most, the height of a chart as a share of
+/// its width at most, and the least side of a picture, in its own points.
+const INSET: f32 = 16.0;
+const STAGE_SHARE: f32 = 0.55;
+const CHART_SHAPE: f32 = 0.6;
+const LEAST: f32 = 60.0;
+/// The smallest type of words, and the heights that are left below words beside a picture and above one, in points of paper.
+const LEAST_PT: f32 = 8.0;
+const LEAST_LEFT: f32 = 14.0;
+const LEAST_PICTURE: f32 = 90.0;
+/// Lines for an answer, and how far they are apart.
+const ANSWER_LINES: usize = 2;
+const ANSWER_APART: f32 = 18.0;
+
+/// How many pages of a lesson a sheet has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PerSheet {
+    /// The words above a large picture.
+    One,
+    /// The words beside the picture and its chart.
+    #[default]
+    Two,
+    /// The words above a small picture.
+    Four,
+}
+
+impl PerSheet {
+    /// Every number that can be chosen.
+    pub const ALL: [Self; 3] = [Self::One, Self::Two, Self::Four];
+
+    /// The number.
+    pub fn count(self) -> usize {
+        match self {
+            Self::One => 1,
+            Self::Two => 2,
+            Self::Four => 4,
+        }
+    }
+
+    /// Where the pages stand on a sheet with this room.
+    fn slots(self, room: Rect) -> Vec<Rect> {
+        let (columns, rows) = match self {
+            Self::One => (1, 1),
+            Self::Two => (1, 2),
+            Self::Four => (2, 2),
+        };
+        let [width, height] = room.size();
+        let size = [(width, columns), (height, rows)].map(|(side, count)| (side + GAP) / count as f32 - GAP);
+        let slot = |index: usize| {
+            let place = [index % columns, index / columns];
+            Rect::new([0, 1].map(|i| room.min[i] + place[i] as f32 * (size[i] + GAP)), size)
+        };
+        (0..self.count()).map(slot).collect()
+    }
+
+    /// Size of the type of the words, and their share of the width.
+    fn words(self) -> (f32, f32) {
+        match self {
+            Self::One => (11.0, 1.0),
+            Self::Two => (9.0, 0.38),
+            Self::Four => (8.0, 1.0),
+        }
+    }
+}
+
+impl FromStr for PerSheet {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self, Error> {
+        let refused = || Error::new(format!("a sheet has 1, 2 or 4 pages of a lesson, not {text}"));
+        Self::ALL.into_iter().find(|one| one.count().to_string() == text.trim()).ok_or_else(refused)
+    }
+}
+
+/// How a handout is made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Options {
+    /// Pages on a sheet.
+    pub per_sheet: PerSheet,
+    /// Whether pages that ask for something show what follows.
+    pub answers: bool,
+}
+
+/// The handout of a lesson while its pages are added.
+pub struct Handout {
+    options: Options,
+    paper: Paper,
+    slots: Vec<Rect>,
+}
+
+impl Handout {
+    /// The handout of the lesson with this `title`.
+    pub fn new(title: &str, options: Options) -> Self {
+        let beside = if options.answers { "With answers" } else { "Name ____________________  Date ____________" };
+        let around = Around { title: title.into(), beside: beside.into(), foot: format!("Motionscope · {title}") };
+        Self { options, paper: Paper::new(around), slots: Vec::new() }
+    }
+
+    /// Adds a page whose `stand` is in the colours of print. `answer` is the step that it asks for, if it does.
+    ///
+    /// # Errors
+    /// If its run cannot start or breaks off, or the work was cancelled.
+    pub fn add(
+        &mut self,
+        words: &Words<'_>,
+        stand: Stand<'_>,
+        answer: Option<Cursor>,
+        progress: Option<&dyn Progress>,
+    ) -> Result<(), Error> {
+        let is_answered = answer.filter(|_| self.options.answers);
+        let stand = Stand { cursor: is_answered.unwrap_or(stand.cursor), ..stand };
+        let moment = stand.seen(progress, |viewer, focus| viewer.moment(focus))?;
+        if self.slots.is_empty() {
+            let room = self.paper.begin();
+            self.slots = self.options.per_sheet.slots(room);
+            self.slots.reverse();
+        }
+        let Some(slot) = self.slots.pop() else { return Ok(()) };
+        let name = stand.estimator().info().name;
+        let rest = self.write(words, (slot, answer.is_some()), (&moment, name));
+        for (figure, at) in pictures(&moment, &stand, (rest, self.options.per_sheet)) {
+            self.paper.put(figure, at, SCALE);
+        }
+        Ok(())
+    }
+
+    /// Writes the words into `slot`, with room for an answer or with it; gives what is left.
+    fn write(&mut self, words: &Words<'_>, (slot, asks): (Rect, bool), (moment, name): (&Moment, &str)) -> Rect {
+        let (size, share) = self.options.per_sheet.words();
+        let width = share * slot.size()[0];
+        let mut block = title(words, width, size);
+        block.put_below(lay_out(words.prose, width, size, THEME).block, 0.5 * size);
+        // Words above a picture leave room for it.
+        let below = if share < 1.0 { LEAST_LEFT } else { LEAST_PICTURE };
+        let left = [width, slot.size()[1] - block.size[1] - below];
+        match (asks, self.options.answers) {
+            (true, false) => block.put_below(ruled(ANSWER_LINES, width, ANSWER_APART), 0.0),
+            (true, true) => {
+                if let Some(answer) = said("Answer: ", moment, (left, size), true) {
+                    block.put_below(answer, size);
+                }
+            }
+            (false, _) if self.options.per_sheet != PerSheet::Four => {
+                let name = moment.tiles.first().map_or(name, |tile| &tile.names[0]);
+                let words = format!("{name}, step {}: ", moment.cursor);
+                if let Some(told) = said(&words, moment, (left, size), false) {
+                    block.put_below(explanation::rule(width, THEME), 0.8 * size);
+                    block.put_below(told, 0.5 * size);
+                }
+            }
+            (false, _) => {}
+        }
+        let height = block.size[1];
+        self.paper.put_block(block, slot.min, 1.0);
+        let ([x, y], max) = (slot.min, slot.max);
+        let min = if share < 1.0 { [x + width + GAP, y] } else { [x, y + height + 0.5 * GAP] };
+        Rect::between(min, max)
+    }
+
+    /// The sheets.
+    pub fn into_sheets(self) -> Vec<Sheet> {
+        self.paper.into_sheets()
+    }
+
+    /// The sheets as a PDF.
+    ///
+    /// # Errors
+    /// If a part of them cannot be packed.
+    pub fn encode(self) -> Result<Vec<u8>, Error> {
+        self.paper.encode()
+    }
+}
+
+/// The sentence of a step behind `words`, in the largest type in which it has room; its first sentence alone where it must be told.
+fn said(words: &str, moment: &Moment, ([width, height], size): ([f32; 2], f32), must: bool) -> Option<Block> {
+    let step = moment.tiles.first().map_or(&moment.step, |tile| &tile.step);
+    let whole = Sentence([vec![(words.to_owned(), None)], step.sentence.0.clone()].concat());
+    let plain = whole.plain();
+    let first = plain.find(". ").map_or(plain.as_str(), |end| &plain[..=end]);
+    let set = |sentence: &Sentence, size: f32| {
+        explanation::sentence(sentence, (width, Density { words: size, ..Density::close(THEME) }), THEME)
+    };
+    let sizes = || [size, LEAST_PT].into_iter();
+    let brief = Sentence::default().text(first);
+    let all = sizes().map(|size| set(&whole, size)).chain(sizes().filter(|_| must).map(|size| set(&brief, size)));
+    let all: Vec<Block> = all.collect();
+    let fitting = all.iter().position(|block| block.size[1] <= height);
+    fitting.or(if must { all.len().checked_sub(1) } else { None }).map(|index| all[index].clone())
+}
+
+/// The number and the title of a page.
+fn title(words: &Words<'_>, width: f32, size: f32) -> Block {
+    let style = Type { face: Face::Bold, size: 1.25 * size, ..Type::text(THEME) };
+    let mut canvas = Canvas::default();
+    let text = format!("{}  {}", words.number[0], words.title);
+    let rect = canvas.text([0.0, 0.0], (Anchor::Start, Level::Top), &text, style);
+    let lines = vec![(rect, text)];
+    Block { size: [width, rect.size()[1]], primitives: canvas.into_primitives(), lines, ..Block::default() }
+}
+
+/// The pictures of a page as they fit into `room`, and below them its first chart where there is room; each with its place.
+fn pictures(moment: &Moment, stand: &Stand<'_>, (room, per_sheet): (Rect, PerSheet)) -> Vec<(Figure, Point)> {
+    let (estimator, look) = (stand.estimator(), &stand.look);
+    let panes = Selection::default();
+    let rendering = Rendering { moment, estimator, look, panes: &panes };
+    let [width, height] = room.size().map(|side| (side / SCALE).max(LEAST));
+    let chart = charts(&moment.step, estimator.charts()).into_iter().next().filter(|_| per_sheet != PerSheet::Four);
+    let (content, style) =
+        (rendering.content(), ChartStyle { theme: THEME, colors: look.colors, density: DENSITY as f32 });
+    let share = if chart.is_some() { STAGE_SHARE } else { 1.0 };
+    let stage = rendering.stage_in([width, share * height], DENSITY);
+    // In the middle of its column.
+    let left = room.min[0] + SCALE * ((width - stage.size[0]) / 2.0).max(0.0);
+    let taken = stage.size[1];
+    let mut all = vec![(stage, [left, room.min[1]])];
+    let size = [width - 2.0 * INSET, (height - taken).min(width * CHART_SHAPE)];
+    if let Some(pane) = chart.filter(|pane| (pane.room)(content, size, style) >= 1.0) {
+        let area = Rect::new([INSET, 0.0], size);
+        let (layers, description) = ((pane.draw)(content, area, style), pane.title.to_owned());
+        let background = THEME.chrome().panel;
+        let figure = Figure { size: [width, size[1]], background, layers, panels: Vec::new(), description };
+        all.push((figure, [room.min[0], room.min[1] + SCALE * taken]));
+    }
+    all
+}

@@ -1,0 +1,77 @@
+//! The worksheet of a step: what is given is printed, what the step computes is left out and asked for; and the same sheet filled in.
+//!
+//! Which numbers are results follows from the readouts alone, so every estimator has worksheets ([`blanks`]).
+
+mod blanks;
+mod equation;
+mod grids;
+mod numbers;
+mod sheet;
+
+use motionscope_core::{Direction, Error, Move, Step};
+
+use self::blanks::Exercise;
+use self::numbers::Fill;
+use super::moment::Moment;
+use super::page::Stand;
+use crate::media::Progress;
+use crate::paint::charts::prose::Prose;
+use crate::paint::{Sheet, export_sheets};
+
+/// What a worksheet is about.
+#[derive(Clone, Copy)]
+pub struct About<'a> {
+    /// The title of the lesson or of the estimator.
+    pub title: &'a str,
+    /// The words of the page, if it is one of a lesson.
+    pub prose: Option<&'a Prose>,
+    /// Whether it is filled in.
+    pub answers: bool,
+}
+
+impl About<'_> {
+    fn fill(&self) -> Fill {
+        if self.answers { Fill::Answer } else { Fill::Blank }
+    }
+
+    /// The worksheet of the step at `stand` as a PDF.
+    ///
+    /// # Errors
+    /// As [`About::sheets`].
+    pub fn encode(&self, stand: &Stand<'_>, progress: Option<&dyn Progress>) -> Result<Vec<u8>, Error> {
+        export_sheets(self.title, &self.sheets(stand, progress)?)
+    }
+
+    /// The sheets of the worksheet of the step at `stand`.
+    ///
+    /// # Errors
+    /// If the run cannot start or breaks off, the step computes nothing that can be asked for, or the work was cancelled.
+    pub fn sheets(&self, stand: &Stand<'_>, progress: Option<&dyn Progress>) -> Result<Vec<Sheet>, Error> {
+        stand.seen(progress, |viewer, focus| {
+            let moment = viewer.moment(focus)?;
+            let step = asked(&moment).clone();
+            let last = viewer.walk.info().granularities.len() - 1;
+            viewer.walk.go(Move::Granularity(last, Direction::Back));
+            while !viewer.walk.work(&mut || true) {}
+            let before = viewer.walk.step(focus);
+            let exercise = Exercise::of(&step, Some(&before), self.fill());
+            if exercise.is_empty() {
+                let why = format!(
+                    "step {} of {} computes no numbers that can be left out; choose a step with a formula or matrices",
+                    moment.cursor,
+                    stand.estimator().info().id
+                );
+                return Err(Error::new(why));
+            }
+            Ok(sheet::Content { about: *self, stand, moment: &moment, step: &step, exercise: &exercise }.sheets())
+        })
+    }
+}
+
+/// The step that is asked for: of several in lockstep that of the first.
+fn asked(moment: &Moment) -> &Step {
+    moment.tiles.first().map_or(&moment.step, |tile| &tile.step)
+}
+
+#[cfg(test)]
+mod tests;
