@@ -88,16 +88,35 @@ fn estimator_family(id: &str) -> &'static str {
 }
 
 #[test]
-fn examples_have_names_of_their_own_and_say_the_cause_of_a_failure() {
+fn every_estimator_has_examples_of_success_and_failure_with_names_of_their_own() {
     for estimator in estimators() {
         let all: Vec<_> = examples::of(estimator.info().id).collect();
         let mut ids: Vec<_> = all.iter().map(|example| example.id).collect();
         ids.sort_unstable();
         ids.dedup();
         assert_eq!(ids.len(), all.len(), "{}", estimator.info().id);
-        if let Some(first) = all.first() {
-            assert!(!first.is_failure(), "{}: the first example is one where it works", estimator.info().id);
-            assert!(all.iter().any(|example| example.is_failure()), "{}: none fails", estimator.info().id);
-        }
+        let first = all.first().unwrap_or_else(|| panic!("{} has no examples", estimator.info().id));
+        assert!(!first.is_failure(), "{}: the first example is one where it works", estimator.info().id);
+        assert!(all.iter().any(|example| example.is_failure()), "{}: none fails", estimator.info().id);
     }
+}
+
+/// The window finds the example that is open by what it sets.
+#[test]
+fn no_two_examples_of_an_estimator_set_the_same() {
+    for estimator in estimators() {
+        let id = estimator.info().id;
+        let all: Vec<_> = examples::of(id).map(|example| (example.clip, example.settings, example.frame)).collect();
+        let is_repeated = |set: &&_| all.iter().filter(|other| other == set).count() > 1;
+        assert_eq!(all.iter().find(is_repeated), None, "{id}");
+    }
+}
+
+#[test]
+fn examples_have_sentences_of_their_own() {
+    let mut said: Vec<_> = examples::examples().map(|example| example.says).collect();
+    let count = said.len();
+    said.sort_unstable();
+    said.dedup();
+    assert_eq!(said.len(), count, "two examples say the same");
 }

@@ -5,6 +5,36 @@ use super::{Alternative, Cause, Example, Limit};
 /// The searches that test every displacement of the search window.
 const EXHAUSTIVE: &[&str] = &["full-search", "successive-elimination"];
 
+/// The searches that test a part of the search window.
+const FAST: &[&str] = &[
+    "quadrant-search",
+    "log-search",
+    "three-step",
+    "new-three-step",
+    "four-step",
+    "diamond",
+    "hexagon",
+    "adaptive-rood",
+    "predictive",
+    "hierarchical",
+];
+
+/// All searches.
+const ALL: &[&str] = &[
+    "full-search",
+    "successive-elimination",
+    "quadrant-search",
+    "log-search",
+    "three-step",
+    "new-three-step",
+    "four-step",
+    "diamond",
+    "hexagon",
+    "adaptive-rood",
+    "predictive",
+    "hierarchical",
+];
+
 pub(super) const EXAMPLES: &[Example] = &[
     Example {
         id: "works",
@@ -16,6 +46,19 @@ pub(super) const EXAMPLES: &[Example] = &[
         frame: 0,
         says: "One displacement explains every block, and the texture has no second minimum nearby.",
         claim: ("epe_px", Limit::AtMost(0.5)),
+        instead: None,
+    },
+    Example {
+        id: "works",
+        title: "Motion of half a pixel",
+        of: FAST,
+        cause: None,
+        clip: "sub-pixel",
+        settings: &[],
+        frame: 0,
+        says: "The minimum lies beside (0, 0), and the cost falls toward it from all sides, so each search descends to it. The error that \
+               is left is the distance to the nearest whole pixel.",
+        claim: ("epe_px", Limit::AtMost(0.75)),
         instead: None,
     },
     Example {
@@ -57,13 +100,13 @@ pub(super) const EXAMPLES: &[Example] = &[
     Example {
         id: "rotation",
         title: "A picture that turns and grows",
-        of: EXHAUSTIVE,
+        of: ALL,
         cause: Some(Cause::Rotation),
         clip: "spin-zoom",
         settings: &[],
         frame: 0,
         says: "A block is displaced as a whole, but here its pixels move in different directions: no displacement matches all of them.",
-        claim: ("epe_px", Limit::AtLeast(1.2)),
+        claim: ("epe_px", Limit::AtLeast(1.0)),
         instead: Some(Alternative { id: "tv-l1", settings: &[], limit: Limit::AtMost(0.2) }),
     },
     Example {
@@ -78,5 +121,156 @@ pub(super) const EXAMPLES: &[Example] = &[
                is independent of gain and offset.",
         claim: ("epe_px", Limit::AtLeast(0.6)),
         instead: Some(Alternative { id: "full-search", settings: &[("cost", "ncc")], limit: Limit::AtMost(0.4) }),
+    },
+    Example {
+        id: "local-minima",
+        title: "A fine texture",
+        of: &["quadrant-search", "log-search", "three-step", "new-three-step"],
+        cause: Some(Cause::LocalMinima),
+        clip: "translation",
+        settings: &[],
+        frame: 0,
+        says: "Candidates several pixels apart assume that the cost falls steadily toward the global minimum. On a fine texture it does \
+               not, so the first steps choose a wrong direction, and later ones do not return.",
+        claim: ("epe_px", Limit::AtLeast(1.0)),
+        instead: Some(Alternative { id: "full-search", settings: &[], limit: Limit::AtMost(0.45) }),
+    },
+    Example {
+        id: "large-motion",
+        title: "Twelve pixels from the start",
+        of: &["log-search", "four-step", "diamond", "hexagon"],
+        cause: Some(Cause::LargeMotion),
+        clip: "translation,speed=4",
+        settings: &[],
+        frame: 0,
+        says: "The search moves its pattern by small steps from (0, 0) and ends in a local minimum long before the true displacement (12, \
+               −8) px. A pyramid makes it as short as (3, −2) px on the coarsest level.",
+        claim: ("epe_px", Limit::AtLeast(6.0)),
+        instead: Some(Alternative { id: "hierarchical", settings: &[], limit: Limit::AtMost(2.0) }),
+    },
+    Example {
+        id: "large-motion",
+        title: "Large motion between the candidates",
+        of: &["three-step", "new-three-step"],
+        cause: Some(Cause::LargeMotion),
+        clip: "translation,speed=4",
+        settings: &[],
+        frame: 0,
+        says: "Steps of 8 px reach the true displacement (12, −8) px, but in many blocks the texture is finer than that, so the best \
+               candidate of the first step is far from the motion.",
+        claim: ("epe_px", Limit::AtLeast(3.0)),
+        instead: Some(Alternative { id: "hierarchical", settings: &[], limit: Limit::AtMost(2.0) }),
+    },
+    Example {
+        id: "large-motion",
+        title: "Large motion of the first block",
+        of: &["adaptive-rood"],
+        cause: Some(Cause::LargeMotion),
+        clip: "translation,speed=4",
+        settings: &[],
+        frame: 0,
+        says: "A block without a left neighbour has an arm of 2 px, so its search ends in a local minimum, and the next block takes that \
+               vector as its prediction. The predictive search also tests squares around (0, 0).",
+        claim: ("epe_px", Limit::AtLeast(2.5)),
+        instead: Some(Alternative { id: "predictive", settings: &[], limit: Limit::AtMost(2.2) }),
+    },
+    Example {
+        id: "fast-object",
+        title: "A ball smaller than a coarse block",
+        of: &["hierarchical"],
+        cause: Some(Cause::LargeMotion),
+        clip: "fast-ball",
+        settings: &[("search-range", "32")],
+        frame: 0,
+        says: "On the coarsest level a block of 16 px covers 64 px of the picture, mostly the wall at rest, so its vector is (0, 0) and \
+               the refinement cannot reach the ball. Blocks of 8 px contain more of the ball.",
+        claim: ("psnr_db", Limit::AtMost(32.0)),
+        instead: Some(Alternative {
+            id: "hierarchical",
+            settings: &[("search-range", "32"), ("block-size", "8")],
+            limit: Limit::AtLeast(35.0),
+        }),
+    },
+    Example {
+        id: "low-texture",
+        title: "A wall without texture",
+        of: FAST,
+        cause: Some(Cause::LowTexture),
+        clip: "flat-wall",
+        settings: &[],
+        frame: 0,
+        says: "On the plain wall the cost surface is flat but for noise, and a search ends at any of the minima of the noise. A \
+               smoothness term carries the motion of the picture and the switch across the wall.",
+        claim: ("epe_px", Limit::AtLeast(2.0)),
+        instead: Some(Alternative { id: "horn-schunck", settings: &[], limit: Limit::AtMost(0.5) }),
+    },
+    Example {
+        id: "zero-motion",
+        title: "A wall taken as static",
+        of: &["adaptive-rood"],
+        cause: Some(Cause::LowTexture),
+        clip: "flat-wall,noise=0",
+        settings: &[],
+        frame: 0,
+        says: "Without texture the cost at (0, 0) is below the zero-motion threshold, so blocks that move by (2, 1) px are taken as \
+               static. With a threshold of 0 every block is searched.",
+        claim: ("r1.0", Limit::AtLeast(0.7)),
+        instead: Some(Alternative {
+            id: "adaptive-rood",
+            settings: &[("zero-motion-threshold", "0")],
+            limit: Limit::AtMost(0.5),
+        }),
+    },
+    Example {
+        id: "repetition",
+        title: "Minima one period apart",
+        of: &["quadrant-search", "log-search", "three-step", "new-three-step", "hierarchical"],
+        cause: Some(Cause::Repetition),
+        clip: "wallpaper",
+        settings: &[("search-range", "32")],
+        frame: 0,
+        says: "A search that begins with distant candidates meets the minimum one period of 24 px away as soon as the true one. The \
+               median of the neighbouring vectors starts the predictive search at the true one.",
+        claim: ("epe_px", Limit::AtLeast(5.0)),
+        instead: Some(Alternative { id: "predictive", settings: &[("search-range", "32")], limit: Limit::AtMost(0.8) }),
+    },
+    Example {
+        id: "repetition",
+        title: "A pattern that moves by nearly half its period",
+        of: &["four-step", "diamond", "hexagon", "adaptive-rood"],
+        cause: Some(Cause::Repetition),
+        clip: "wallpaper,speed=2",
+        settings: &[("search-range", "32")],
+        frame: 0,
+        says: "Between (0, 0) and the true displacement (10, 4) px the leaves of the pattern make further minima, where the search ends. \
+               The peak of phase correlation comes from the whole picture.",
+        claim: ("epe_px", Limit::AtLeast(7.0)),
+        instead: Some(Alternative { id: "phase-correlation", settings: &[], limit: Limit::AtMost(0.1) }),
+    },
+    Example {
+        id: "light-change",
+        title: "A picture that becomes brighter",
+        of: &["four-step", "diamond", "hexagon", "adaptive-rood", "predictive", "hierarchical"],
+        cause: Some(Cause::LightChange),
+        clip: "translation,offset=10",
+        settings: &[],
+        frame: 0,
+        says: "Each gray level rises by 10, so SAD prefers darker places of the next frame to the true one. ZSAD subtracts the mean of each block before \
+               it compares them.",
+        claim: ("epe_px", Limit::AtLeast(0.9)),
+        instead: Some(Alternative { id: "predictive", settings: &[("cost", "zsad")], limit: Limit::AtMost(0.45) }),
+    },
+    Example {
+        id: "noise",
+        title: "Noise of 40 gray levels",
+        of: ALL,
+        cause: Some(Cause::Noise),
+        clip: "translation,noise=40",
+        settings: &[],
+        frame: 0,
+        says: "The noise in a block changes the cost by more than a pixel of displacement does, so the minimum is displaced at random. \
+               Image alignment sums over the whole picture, where the noise averages out.",
+        claim: ("epe_px", Limit::AtLeast(1.1)),
+        instead: Some(Alternative { id: "image-alignment", settings: &[], limit: Limit::AtMost(0.1) }),
     },
 ];

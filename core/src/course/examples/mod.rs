@@ -45,6 +45,10 @@ pub enum Cause {
     ScaleChange,
     /// The exposure smears what moves.
     MotionBlur,
+    /// The cost has minima beside that of the motion.
+    LocalMinima,
+    /// The object moves too little from frame to frame.
+    SlowMotion,
 }
 
 impl Cause {
@@ -67,6 +71,8 @@ impl Cause {
             Self::InnerEdges => "edges inside the object",
             Self::ScaleChange => "change of scale",
             Self::MotionBlur => "motion blur",
+            Self::LocalMinima => "local minima",
+            Self::SlowMotion => "slow motion",
         }
     }
 }

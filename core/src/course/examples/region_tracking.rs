@@ -208,4 +208,43 @@ pub(super) const EXAMPLES: &[Example] = &[
         claim: ("mean_overlap", Limit::AtMost(0.85)),
         instead: Some(Alternative { id: "rapid", settings: &[("search-range", "4")], limit: Limit::AtLeast(0.97) }),
     },
+    Example {
+        id: "scale-change",
+        title: "A balloon that outgrows its region",
+        of: &["mean-shift", "particle-filter"],
+        cause: Some(Cause::ScaleChange),
+        clip: "balloon,scale-change=3",
+        settings: &[],
+        frame: 0,
+        says: "The region keeps the size of the first frame, so it covers an ever smaller part of the balloon. The inside of the curve of \
+               Chan and Vese grows with it.",
+        claim: ("mean_overlap", Limit::AtMost(0.6)),
+        instead: Some(Alternative { id: "chan-vese", settings: &[], limit: Limit::AtLeast(0.85) }),
+    },
+    Example {
+        id: "large-motion",
+        title: "A sign that leaves its contour",
+        of: &["active-contour", "greedy-contour", "chan-vese"],
+        cause: Some(Cause::LargeMotion),
+        clip: "fast-flight",
+        settings: &[],
+        frame: 0,
+        says: "The contour starts from that of the last frame, 22 px away, where other edges and regions of the wall attract it. Half of \
+               the mean-shift ellipse still covers the sign.",
+        claim: ("mean_overlap", Limit::AtMost(0.2)),
+        instead: Some(Alternative { id: "mean-shift", settings: &[], limit: Limit::AtLeast(0.85) }),
+    },
+    Example {
+        id: "motion-blur",
+        title: "A lantern that swings and blurs",
+        of: &["particle-filter"],
+        cause: Some(Cause::MotionBlur),
+        clip: "blurred-swing",
+        settings: &[],
+        frame: 0,
+        says: "The colours of bars and panes mix while the lantern is fast, so the histograms of all particles differ from that of the \
+               sharp lantern and the weights hardly tell them apart. Mean shift climbs from the last place.",
+        claim: ("mean_overlap", Limit::AtMost(0.35)),
+        instead: Some(Alternative { id: "mean-shift", settings: &[], limit: Limit::AtLeast(0.7) }),
+    },
 ];
