@@ -81,6 +81,7 @@ impl App {
                 }
                 self.walker.go_at(focus, side);
             }
+            Action::Chart(index) => self.choose_chart(index),
             Action::Draw(line) => self.draw(*line),
             Action::Pen(wish) => self.pen(wish),
             Action::Focus(focus) => self.walker.focus(focus),
