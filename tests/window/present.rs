@@ -1,6 +1,7 @@
 //! Presenting to a class: the pointer, the pen, full screen, and the presenter's window.
 
 use motionscope::paint::{Freehand, PenColor};
+use motionscope::view::panes::charts;
 use motionscope_core::scene::Picture;
 
 use super::files::command_line;
@@ -185,6 +186,12 @@ fn for_the_class_there_is_nothing_but_stage_chart_and_caption() {
             assert!(share >= 0.6, "{theme:?} {size}: stage and chart have {share}");
             let has_grown = area(Region::Pictures) > 1.2 * stage;
             assert!(theme != Command::ProjectorTheme || has_grown, "{size}: the pictures have not grown");
+            for (key, chart) in [(Key::Num3, 2), (Key::Num1, 0)] {
+                window.key(key);
+                let shown = window.shown();
+                let all = charts(&shown.step, shown.subject.experiment.estimator.charts());
+                assert_eq!(window.app().settings().charts.seen(&all, 1), [all[chart]], "it is chosen by its number");
+            }
             let before = window.cursor();
             window.key(Key::PageDown);
             assert!(window.cursor() > before, "the clicker steps");

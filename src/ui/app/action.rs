@@ -104,6 +104,8 @@ pub enum Action {
     SeekCandidate([i32; 2]),
     /// Go to the unit at a pixel, or hold that pixel to explain it.
     SeekAt(Focus, Side),
+    /// Show the chart with this index of those of the step.
+    Chart(usize),
     /// Add a line drawn by hand to its step.
     Draw(Box<FreehandLine>),
     /// Change the pen or the ink.

@@ -104,6 +104,7 @@ impl App {
             }
             // What is pointed at would be explained by the step that is held back.
             Action::Focus(_) if self.predict.open().is_some() => {}
+            Action::Chart(index) => self.choose_chart(index),
             Action::Draw(line) => self.draw(*line),
             Action::Pen(wish) => self.pen(wish),
             Action::Focus(focus) => self.walker.focus(focus),

@@ -231,6 +231,10 @@ pub fn take(ctx: &egui::Context, overlaid: bool, now: &Situation, actions: &mut 
             }
             Event::Key { key, physical_key, pressed: true, repeat, modifiers } => {
                 let repeat = held.press(*physical_key, *repeat);
+                if let Some(chart) = chart_of(*key, *modifiers, now) {
+                    actions.ask(Action::Chart(chart));
+                    return false;
+                }
                 let Some(command) = Command::of_key(*key, *modifiers, repeat) else {
                     // A key that would have called a command if it were not held is not the widget's either.
                     return !(repeat && Command::of_key(*key, *modifiers, false).is_some());
@@ -265,6 +269,13 @@ pub fn take(ctx: &egui::Context, overlaid: bool, now: &Situation, actions: &mut 
         // egui has taken the arrow for a wish to move the focus.
         ctx.memory_mut(|memory| memory.move_focus(FocusDirection::None));
     }
+}
+
+/// The chart that a digit shows to the class, counted from 0: there are no views to choose there.
+fn chart_of(key: Key, modifiers: Modifiers, now: &Situation) -> Option<usize> {
+    const DIGITS: [Key; 5] = [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5];
+    let is_meant = now.is_presenting && now.has_charts && modifiers.is_none();
+    DIGITS.iter().position(|digit| *digit == key).filter(|_| is_meant)
 }
 
 /// The clip that dropped `files` are: two pictures in the order of their names, or else the first file.

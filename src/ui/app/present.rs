@@ -104,8 +104,16 @@ impl App {
         self.ctx.send_viewport_cmd(ViewportCommand::Fullscreen(is_on));
         if is_on {
             self.settings.close_drawer();
-            self.toasts.hint("Esc shows the menus again.".to_owned());
+            self.toasts.hint("1 to 5 choose the chart, Esc shows the menus again.".to_owned());
         }
+    }
+
+    /// Shows the chart with this index of those of the step.
+    pub(super) fn choose_chart(&mut self, index: usize) {
+        let all = self.charts();
+        let Some(pane) = all.get(index) else { return };
+        let seen = self.settings.charts.seen(&all, 1);
+        self.settings.charts.choose(0, pane, &seen);
     }
 
     /// Adds a line to the step on which it was drawn.

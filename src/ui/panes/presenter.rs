@@ -26,6 +26,8 @@ const KEYS: [(Command, &str); 8] = [
     (Command::Present, "full screen"),
 ];
 
+/// How much larger sentences and notes are than those of the other window.
+const LARGER: f32 = 1.3;
 /// Width of a key with its words, in letters.
 const KEY_LETTERS: f32 = 9.5;
 
@@ -94,6 +96,10 @@ pub fn show(ui: &mut Ui, input: &Input<'_>, actions: &mut Actions) -> Response {
     let foot = rows as f32 * (ui.spacing().interact_size.y + ui.spacing().item_spacing.y) + 24.0;
     let height = (ui.available_height() - foot).max(80.0);
     ScrollArea::vertical().id_salt("presenter").auto_shrink(false).max_height(height).show(ui, |ui| {
+        // It is read while standing.
+        if let Some(font) = ui.style_mut().text_styles.get_mut(&TextStyle::Body) {
+            font.size = (LARGER * font.size).round();
+        }
         now_and_next(ui, input);
         tally(ui, input.predict, input.theme);
         notes(ui, input.lesson);

@@ -341,7 +341,7 @@ impl Command {
                 Menu::View,
                 Icon::Presentation,
                 "Present",
-                "Full screen for the class: stage, one chart, sentence and formula, and nothing else; a clicker steps through it.",
+                "Full screen for the class: stage, one chart (chosen by the keys 1 to 5), sentence and formula, and nothing else; a clicker steps through it.",
                 const { &[key(Key::F5)] },
             ),
             C::PresenterWindow => (
