@@ -134,9 +134,9 @@ fn examples(all: &[Box<dyn AnyEstimator>]) -> Vec<Entry> {
         Some(Entry {
             kind: Kind::Example,
             title: Searched::new(example.title),
-            also: searched([example.id]),
+            also: searched([format!("{of} {verdict}").as_str()]),
             place: format!("{of}, {verdict}"),
-            texts: searched([example.says, format!("{of} {verdict}.").as_str()]),
+            texts: searched([example.says]),
             target: Target::Example(id, example),
         })
     };

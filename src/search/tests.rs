@@ -35,6 +35,8 @@ fn titles_come_before_text_and_phrases_before_words() {
     assert_eq!((hits[0].kind, hits[0].title.as_str()), (Kind::Term, "Kalman gain"));
     let hits = found("horn schunck");
     assert_eq!(hits[0], (Kind::Estimator, "Horn–Schunck".to_owned()), "{hits:?}");
+    assert_eq!(found("aperture")[0], (Kind::Term, "Aperture problem".to_owned()), "before examples that fail by it");
+    assert!(has("lucas kanade aperture", Kind::Example, "The barber's pole"));
     let ranks: Vec<_> = {
         let query = Query::new("search window");
         let mut ranks: Vec<_> = index().iter().filter_map(|entry| rank(entry, &query)).collect();

@@ -39,7 +39,7 @@ fn a_new_user_steps_through_a_search_there_and_back_with_a_few_keys() {
     assert!(!window.app().is_at_start());
     let name = &window.app().document().clip().expect("a clip").info().name;
     assert!(name.contains(SCENES[1].title.split(':').next().expect("a title")), "{name}");
-    let (before, hint) = (window.cursor(), |window: &Window| window.harness.query_by_label("step").is_some());
+    let (before, hint) = (window.cursor(), |window: &Window| window.harness.query_by_label("forward").is_some());
     assert!(hint(&window), "the hint tells of the keys");
     window.key(Key::ArrowRight);
     window.key(Key::ArrowRight);

@@ -75,7 +75,7 @@ fn hint(ui: &mut Ui, rect: Rect, theme: Theme) -> Rect {
     let size = TextStyle::Small.resolve(ui.style()).size;
     let mut inside = widgets::inside(ui, rect, egui::Layout::right_to_left(egui::Align::Center));
     inside.spacing_mut().item_spacing.x = 0.35 * size;
-    let said = [(Command::Play, "plays"), (Command::IntoBack, "back"), (Command::Into, "step")];
+    let said = [(Command::Play, "plays"), (Command::IntoBack, "back"), (Command::Into, "forward")];
     for (index, (command, word)) in said.into_iter().enumerate() {
         if index > 0 {
             inside.add_space(0.7 * size);
