@@ -325,7 +325,7 @@ mod tests {
     #[test]
     fn factors_are_left_out_where_there_is_no_value() {
         let line = Math::Row(vec![Math::Var("u"), line(" = 0.40 + 0.0003 "), Math::Var("x")]);
-        assert_eq!(answers(&[line.clone()]), ["0.40", "0.0003"]);
+        assert_eq!(answers(std::slice::from_ref(&line)), ["0.40", "0.0003"]);
         assert_eq!(defined(&[line]), ["u"]);
     }
 }
