@@ -148,7 +148,12 @@ impl LiveRun {
         if let Some(error) = walk.failure() {
             return Err(error.clone());
         }
-        self.frame = walk.at_frame() + 1;
+        let at = walk.at_frame();
+        if self.is_through_clip && !(self.frame..=self.frame + 1).contains(&at) {
+            let name = walk.info().name;
+            return Err(Error::new(format!("{name} needs the last frame of a clip first, and a camera has none")));
+        }
+        self.frame = at + 1;
         Ok(&**self.walk.insert(walk))
     }
 }
