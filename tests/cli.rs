@@ -505,6 +505,74 @@ fn without_ffmpeg_an_mp4_says_what_to_do() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
+/// A folder with an ffmpeg in it that is a script of the shell, and the clip that `motionscope` with `line` writes by it.
+#[cfg(unix)]
+fn with_ffmpeg(script: &str, line: &str) -> (tempfile::TempDir, Output) {
+    use std::os::unix::fs::PermissionsExt as _;
+    let folder = tempfile::tempdir().expect("a folder");
+    let (here, programs) = (folder.path().join("here"), folder.path().join("programs"));
+    [&here, &programs].into_iter().for_each(|folder| fs::create_dir(folder).expect("a folder"));
+    let (path, version) = (programs.join("ffmpeg"), "case \"$*\" in *-version*) echo ffmpeg version 4.4; exit;; esac");
+    fs::write(&path, format!("#!/bin/sh\n{version}\n{script}\n")).expect("a file");
+    fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).expect("a file");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_motionscope"));
+    let output = command
+        .current_dir(here)
+        .args(line.split_whitespace())
+        .env("PATH", &programs)
+        .output()
+        .expect("the program starts");
+    (folder, output)
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_clip_is_recorded_from_a_camera() {
+    let frames = "printf 'YUV4MPEG2 W2 H2 F30:1 Cmono\\nFRAME\\nabcdFRAME\\nefghFRAME\\nijkl'";
+    // An old ffmpeg knows the old name of an option alone.
+    let script = format!("case \"$*\" in *-i' '/dev/video9*-vsync*) {frames};; *) exit 1;; esac");
+    let line = "camera --device /dev/video9 --seconds 2 --out hand.y4m";
+    let (folder, output) = with_ffmpeg(&script, line);
+    let said = String::from_utf8(output.stdout).unwrap();
+    assert!(
+        output.status.success() && said.starts_with("hand.y4m: 3 frames of 2×2 px in 0.0 s, from /dev/video9"),
+        "{said}"
+    );
+    assert!(said.contains("ended early: /dev/video9: it sends no more frames; plug it in again"), "{said}");
+    let clip = open(&folder.path().join("here/hand.y4m"), &Open::default()).unwrap();
+    assert_eq!(clip.frame(2).unwrap().luma().cells(), b"ijkl");
+
+    let (folder, output) = with_ffmpeg("echo '/dev/video9: Permission denied' >&2; exit 1", line);
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(!output.status.success() && said.contains("add your user to the group video"), "{said}");
+    assert_eq!(fs::read_dir(folder.path().join("here")).unwrap().count(), 0, "nothing is left");
+}
+
+#[test]
+fn the_test_picture_needs_no_ffmpeg() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |line: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_motionscope"));
+        command.current_dir(folder.path()).args(line.split_whitespace()).env("PATH", "").output().unwrap()
+    };
+    let listed = String::from_utf8(run("camera --list").stdout).unwrap();
+    assert!(listed.contains("Test picture") && listed.contains("install it (ffmpeg.org)"), "{listed}");
+    let output = run("camera --device test --size 64x48 --seconds 0.3 --out t.y4m");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let info = json(folder.path(), "info t.y4m --json");
+    assert!(info["width"] == 64 && info["frames"].as_u64().is_some_and(|frames| frames >= 4), "{info}");
+    for (line, why) in [
+        ("camera --out t.avi", "must end in .y4m"),
+        ("camera --device nope --out u.y4m", "Test picture"),
+        ("camera --size 5 --out u.y4m", "640x480"),
+        ("camera --seconds 0 --out u.y4m", "0.1 to 600 seconds"),
+        ("camera --device test --seconds 0.2 --out no/u.y4m", "no/u.y4m"),
+    ] {
+        let said = refusal(folder.path(), line);
+        assert!(said.contains(why), "{line}: {said}");
+    }
+}
+
 #[test]
 fn a_session_brings_all_that_the_command_line_needs() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,5 +1,7 @@
 //! The window driven headlessly: no display, no graphics card, but real keys, clicks and drags.
 
+#[path = "window/camera.rs"]
+mod camera;
 #[path = "window/every.rs"]
 mod every;
 #[path = "window/files.rs"]

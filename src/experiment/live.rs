@@ -17,6 +17,8 @@ const LONGEST: usize = 900;
 /// Memory of the states to go back to, which nobody does here.
 const CHECKPOINTS_BYTES: u64 = 64 << 20;
 
+/// Frames of which the shortest time counts.
+const TIMED: usize = 3;
 /// How often a measurement asks whether it is still wanted.
 const POLL: Duration = Duration::from_millis(10);
 
@@ -91,12 +93,12 @@ impl LiveRun {
     /// The run of `estimator` on frames of a size, which `next` delivers, until `stop` is set.
     pub fn new(estimator: &dyn AnyEstimator, size: (usize, usize), next: NextFrame, stop: Stop) -> Self {
         let info = ClipInfo {
-            name: "camera".into(),
+            name: "Camera".into(),
             width: size.0,
             height: size.1,
             frames: None,
             fps: None,
-            container: "camera".into(),
+            container: "live".into(),
             codec: "raw".into(),
             warnings: Vec::new(),
         };
@@ -131,13 +133,14 @@ impl LiveRun {
     /// # Errors
     /// If there are no more frames, the estimator cannot run on them, or the run was stopped.
     pub fn advance(&mut self) -> Result<&dyn Walk, Error> {
-        let goes_on = |walk: &Box<dyn Walk>| self.is_through_clip && !walk.at_end() && walk.failure().is_none();
-        let mut walk = match self.walk.take().filter(goes_on) {
+        let is_through_clip = self.is_through_clip;
+        let goes_on = self.walk.take().filter(|walk| is_through_clip && !walk.at_end() && walk.failure().is_none());
+        let mut walk = match goes_on {
             Some(walk) => walk,
             None => self.estimator.walk(&self.clip, self.frame)?,
         };
         // The granularity after that of the whole run is its frames.
-        walk.go(if self.is_through_clip { Move::Granularity(1, Direction::Forward) } else { Move::End });
+        walk.go(if is_through_clip { Move::Granularity(1, Direction::Forward) } else { Move::End });
         while !walk.work(&mut || !self.stop.is_set()) {
             self.stop.check()?;
         }
@@ -145,7 +148,12 @@ impl LiveRun {
         if let Some(error) = walk.failure() {
             return Err(error.clone());
         }
-        self.frame = walk.at_frame() + 1;
+        let at = walk.at_frame();
+        if self.is_through_clip && !(self.frame..=self.frame + 1).contains(&at) {
+            let name = walk.info().name;
+            return Err(Error::new(format!("{name} needs the last frame of a clip first, and a camera has none")));
+        }
+        self.frame = at + 1;
         Ok(&**self.walk.insert(walk))
     }
 }
@@ -166,8 +174,7 @@ pub fn measure(estimator: &dyn AnyEstimator, frames: &[Arc<Frame>], limit: Durat
     let (late, quit, begun) = (stop.clone(), quit.clone(), Instant::now());
     let watch = thread::spawn(move || {
         while is_done.recv_timeout(POLL) == Err(RecvTimeoutError::Timeout) {
-            // The first frame may take longer, because of what is prepared there.
-            late.set(quit.is_set() || begun.elapsed() > 3 * limit);
+            late.set(quit.is_set() || begun.elapsed() > (TIMED as u32 + 1) * limit);
         }
     });
     let mut run = LiveRun::new(estimator, size, next, stop);
@@ -175,11 +182,11 @@ pub fn measure(estimator: &dyn AnyEstimator, frames: &[Arc<Frame>], limit: Durat
         let begun = Instant::now();
         run.advance().map(|_| begun.elapsed())
     };
-    let times = [timed(), timed()];
+    let times: Result<Vec<_>, Error> = (0..=TIMED).map(|_| timed()).collect();
     drop(done);
     watch.join().unwrap_or_default();
-    let [_, Ok(time)] = times else { return None };
-    (time <= limit).then_some(time)
+    // Other programs make a run slower, and nothing makes it faster.
+    times.ok()?.into_iter().skip(1).min().filter(|time| *time <= limit)
 }
 
 #[cfg(test)]
@@ -214,11 +221,14 @@ mod tests {
             let name = estimator.info().id;
             // Some need what a camera does not have, such as a second view.
             let Ok(first) = run.advance().map(|walk| walk.at_frame()) else { continue };
-            let ahead = asked.load(Ordering::Relaxed);
             for t in 1..6 {
+                let before = asked.load(Ordering::Relaxed);
                 let walk = run.advance().unwrap_or_else(|error| panic!("{name}: {error}"));
                 assert_eq!(walk.at_frame(), first + t, "{name}");
-                assert_eq!(asked.load(Ordering::Relaxed), ahead + t, "{name} takes a frame at a time");
+                let taken = asked.load(Ordering::Relaxed);
+                // Some begin with the median of the first frames, which they then go through.
+                assert!((1..=KEPT).contains(&(taken - walk.at_frame())), "{name}: {taken} at {}", walk.at_frame());
+                assert!(taken - before <= 1, "{name} takes {} frames at once", taken - before);
             }
             count += 1;
         }

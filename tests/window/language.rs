@@ -21,7 +21,7 @@ fn prose(text: &str) -> String {
     text.split_whitespace().filter(|word| !is_typed(word)).collect::<Vec<_>>().join(" ")
 }
 
-fn check<'a>(texts: impl IntoIterator<Item = (&'a str, String)>) -> usize {
+pub(super) fn check<'a>(texts: impl IntoIterator<Item = (&'a str, String)>) -> usize {
     let (mut faults, mut count) = (Vec::new(), 0);
     for (place, text) in texts {
         count += 1;
@@ -35,7 +35,7 @@ fn check<'a>(texts: impl IntoIterator<Item = (&'a str, String)>) -> usize {
 }
 
 /// What everything in the window is called, and what it says.
-fn labels(window: &Window) -> Vec<String> {
+pub(super) fn labels(window: &Window) -> Vec<String> {
     let all = window.harness.root().children_recursive();
     let said = |node: &egui_kittest::Node<'_>| {
         let node = node.accesskit_node();
@@ -117,6 +117,7 @@ fn the_window_speaks_as_the_field_does() {
         Command::StartPage,
         Command::SearchText,
         Command::Samples,
+        Command::SaveClip,
         Command::Lessons,
         Command::ExportPicture,
         Command::ExportResult,

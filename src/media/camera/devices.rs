@@ -135,11 +135,11 @@ mod tests {
     use super::*;
 
     fn pairs(devices: &[Device]) -> Vec<(&str, &str)> {
-        let pair = |device| match device {
-            &Device::Camera { ref name, ref address } => (name.as_str(), address.as_str()),
+        let all = devices.iter().map(|device| match device {
+            Device::Camera { name, address } => (name.as_str(), address.as_str()),
             Device::TestPicture => ("", ""),
-        };
-        devices.iter().map(pair).collect()
+        });
+        all.collect()
     }
 
     #[test]

@@ -196,7 +196,7 @@ fn reason(said: &str, Size { width, height }: Size, platform: Platform) -> Strin
     if says(&["no such device", "could not find video device", "no such file", "not found", "video device not found"]) {
         return "it is not there; plug it in and list the cameras again".into();
     }
-    if says(&["size", "not supported", "invalid argument", "could not set video options"]) {
+    if says(&["video size", "not supported", "invalid argument", "could not set video options"]) {
         return format!("it has no frames of {width}×{height} px at {RATE} frames/s; choose another size");
     }
     match said.lines().map(str::trim).find(|line| !line.is_empty()) {

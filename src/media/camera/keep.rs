@@ -9,7 +9,7 @@ use motionscope_core::{Error, Stop};
 
 use super::reading::rate;
 use super::{CameraFeed, Format, Shot};
-use crate::media::{Progress, name_of, temporary};
+use crate::media::{Progress, export, name_of, temporary};
 
 /// A clip that was recorded and is not saved yet; dropping it removes its file.
 #[derive(Debug)]
@@ -98,11 +98,9 @@ pub fn record(
     progress: Option<&dyn Progress>,
 ) -> Result<Recorded, Error> {
     let stop = Stop::default();
-    let cannot =
-        |error: io::Error| Error::new(format!("{} cannot be written ({error}); choose another place", out.display()));
-    let folder = out.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
+    let cannot = |error: io::Error| export::cannot_write(out, &error);
     // Before the camera is switched on.
-    let draft = tempfile::Builder::new().prefix(&temporary::prefix(folder)).tempfile_in(folder).map_err(cannot)?;
+    let draft = export::draft(out).map_err(cannot)?;
     let format = feed.begin(&stop)?;
     let (mut file, mut times) = (BufWriter::new(draft), Vec::<Duration>::new());
     file.write_all(format.head(None).as_bytes()).map_err(cannot)?;

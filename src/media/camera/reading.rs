@@ -108,7 +108,7 @@ impl Camera {
             theirs.news.notify_all();
             changed();
         };
-        let thread = thread::Builder::new().name("camera".into()).spawn(read);
+        let thread = thread::Builder::new().name("camera feed".into()).spawn(read);
         let thread =
             thread.map_err(|error| Error::new(format!("no thread could be started for the camera ({error})")))?;
         Ok(Self { shared, stop, thread: Some(thread) })
@@ -207,7 +207,7 @@ mod tests {
         let indices = |state: State| state.shots.iter().map(|shot| shot.index).collect::<Vec<_>>();
         assert_eq!(indices(state(300, 10)), [6, 7, 8, 9]);
         assert_eq!(indices(state(0, 10)), [8, 9], "a pair is always there");
-        assert_eq!(rate(&state(9000, 5).shots.make_contiguous().to_vec()), Some(10.0));
+        assert_eq!(rate(state(9000, 5).shots.make_contiguous()), Some(10.0));
         assert_eq!(rate(&[]), None);
     }
 

@@ -24,4 +24,5 @@ pub use mark::save_result;
 pub use mot::{mot, rect as mot_rect};
 pub use npy::{npy, npy_of};
 pub use picture::{Pixels, png, png_result};
+pub(super) use save::{cannot_write, draft};
 pub use save::{copy, make_folder, save};

@@ -37,7 +37,7 @@ pub fn save(path: &Path, bytes: &[u8]) -> Result<(), Error> {
 }
 
 /// Why nothing can be written to `path`.
-pub(super) fn cannot_write(path: &Path, error: &io::Error) -> Error {
+pub(in crate::media) fn cannot_write(path: &Path, error: &io::Error) -> Error {
     Error::new(format!("{} cannot be written: {}", path.display(), reason(path, error)))
 }
 
@@ -62,16 +62,21 @@ fn pour(to: &mut impl Write, bytes: &[u8]) -> io::Result<()> {
 /// Writes beside `path`, then renames.
 fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let _at_work = temporary::at_work();
+    let mut file = draft(path)?;
+    pour(&mut file, bytes)?;
+    file.persist(path)?;
+    Ok(())
+}
+
+/// A temporary file beside `path` that can take its place.
+pub(in crate::media) fn draft(path: &Path) -> io::Result<tempfile::NamedTempFile> {
     let prefix = temporary::prefix(&folder(path));
     let mut builder = tempfile::Builder::new();
     builder.prefix(&prefix);
     if let Some(permissions) = permissions(path) {
         builder.permissions(permissions);
     }
-    let mut file = builder.tempfile_in(folder(path))?;
-    pour(&mut file, bytes)?;
-    file.persist(path)?;
-    Ok(())
+    builder.tempfile_in(folder(path))
 }
 
 /// The permissions of the file that is replaced; for a new one those that any program would give it.

@@ -48,7 +48,8 @@ impl App {
     pub(super) fn open_camera(&mut self) {
         self.player.pause();
         let name = format!("camera-{}", self.recorder.count + 1);
-        let state = State::new(Arc::clone(&self.recorder.cameras), name, &self.ctx);
+        let last = self.recorder.last.as_ref().map(|kept| kept.path().to_owned());
+        let state = State::new(Arc::clone(&self.recorder.cameras), name, last, &self.ctx);
         self.overlay = Overlay::Camera(Box::new(state));
     }
 

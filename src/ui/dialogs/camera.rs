@@ -1,5 +1,6 @@
 //! The camera: a live picture, an estimator that runs on it, and what is kept of it as a clip.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -43,12 +44,14 @@ pub struct State {
     refused: Option<Error>,
     /// The name of the next recording.
     name: String,
+    /// The recording before, if there is one.
+    last: Option<PathBuf>,
     stage: stage::State,
 }
 
 impl State {
-    /// The dialog for `cameras`; a recording will be called `name`.
-    pub fn new(cameras: Arc<dyn Cameras>, name: String, ctx: &egui::Context) -> Self {
+    /// The dialog for `cameras`; a recording will be called `name`, and `last` is the one before.
+    pub fn new(cameras: Arc<dyn Cameras>, name: String, last: Option<PathBuf>, ctx: &egui::Context) -> Self {
         let mut state = Self {
             cameras,
             listing: None,
@@ -63,6 +66,7 @@ impl State {
             keeping: None,
             refused: None,
             name,
+            last,
             stage: stage::State::default(),
         };
         state.list(ctx);
@@ -165,7 +169,7 @@ impl State {
 
     /// Has the estimator `id` run on the camera, with the parameters that it has in `document`.
     fn choose(&mut self, id: Option<&'static str>, document: &Document) {
-        self.estimator = id;
+        (self.estimator, self.stage) = (id, stage::State::default());
         let now = document.estimator();
         let chosen = |id| {
             if now.info().id == id { Some(now.boxed_clone()) } else { estimator(id).ok() }
@@ -187,22 +191,21 @@ pub fn show(
     let screen = ctx.content_rect();
     let is_kept = state.tend(ctx, actions);
     let (mut keys, mut is_closed) = (Keys::default(), false);
-    let modal = widgets::modal(ctx, "camera", vec2(72.0 * size, 56.0 * size)).show(ctx, |ui| {
+    let modal = widgets::modal(ctx, "live camera", vec2(72.0 * size, 56.0 * size)).show(ctx, |ui| {
         // Before a button in focus takes them.
         keys = Keys::take(ui);
         ui.set_width((72.0 * size).min(screen.width() - 104.0));
         let tall = (screen.height() - 104.0).min(56.0 * size);
         let bottom = ui.cursor().min.y + tall;
-        is_closed = widgets::title(ui, "Camera");
+        is_closed = title(ui, state);
         choices(ui, state, document);
-        notes(ui, state);
         ui.add_space(4.0);
         let row = ui.spacing().interact_size.y + 12.0;
         let height = (bottom - row - ui.cursor().min.y).max(120.0);
         let (_, rect) = ui.allocate_space(vec2(ui.available_width(), height));
         ui.scope_builder(UiBuilder::new().max_rect(rect), |ui| picture(ui, state, look));
         ui.add_space(4.0);
-        buttons(ui, state, &mut keys);
+        is_closed |= buttons(ui, state, &mut keys, actions);
     });
     if keys.records {
         state.record(ctx);
@@ -232,7 +235,8 @@ impl Keys {
 /// A list under its name.
 fn list<R>(ui: &mut Ui, name: &str, shown: &str, add: impl FnOnce(&mut Ui) -> R) {
     let label = ui.label(RichText::new(name).weak());
-    let combo = ComboBox::from_id_salt(name).selected_text(widgets::elide(shown, 28)).width(0.0);
+    let height = 0.6 * ui.ctx().content_rect().height();
+    let combo = ComboBox::from_id_salt(name).selected_text(widgets::elide(shown, 28)).width(0.0).height(height);
     let combo = combo.show_ui(ui, |ui| {
         // A click on the dialog has put it above the list, and it would stay there.
         ui.ctx().move_to_top(ui.layer_id());
@@ -314,8 +318,22 @@ fn size_text(Size { width, height }: Size) -> String {
     format!("{width}×{height} px")
 }
 
-/// Why there is no camera, and why a recording was not kept.
-fn notes(ui: &mut Ui, state: &State) {
+/// The title with what is to be known beside it; returns whether the way out was clicked.
+fn title(ui: &mut Ui, state: &State) -> bool {
+    ui.horizontal(|ui| {
+        ui.heading("Camera");
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            let is_closed = widgets::icon_button(ui, Icon::X, "Close", false).clicked();
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| note(ui, state));
+            is_closed
+        })
+        .inner
+    })
+    .inner
+}
+
+/// Why there is no camera, or why a recording was not kept.
+fn note(ui: &mut Ui, state: &State) {
     let none = || "No camera is connected. The test picture stands in for one.".to_owned();
     let told = match (&state.refused, &state.trouble) {
         (Some(error), _) | (None, Some(error)) => Some(format!("{}.", capital(&error.to_string()))),
@@ -323,7 +341,8 @@ fn notes(ui: &mut Ui, state: &State) {
     };
     if let Some(told) = told {
         let color = if state.refused.is_some() { ui.visuals().error_fg_color } else { ui.visuals().weak_text_color() };
-        ui.label(RichText::new(told).color(color));
+        ui.add_space(8.0);
+        ui.add(Label::new(RichText::new(told).color(color)).wrap());
     }
 }
 
@@ -385,8 +404,9 @@ fn empty(ui: &mut Ui, state: &mut State, error: Option<&Error>) {
     }
 }
 
-/// What the camera does, and the ways to keep it.
-fn buttons(ui: &mut Ui, state: &State, keys: &mut Keys) {
+/// What the camera does, and the ways to keep it; returns whether the last recording is opened.
+fn buttons(ui: &mut Ui, state: &State, keys: &mut Keys, actions: &mut Actions) -> bool {
+    let mut reopens = false;
     ui.horizontal(|ui| {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let has_frames = state.view().is_some_and(|view| view.seen.is_some()) && state.keeping.is_none();
@@ -403,6 +423,12 @@ fn buttons(ui: &mut Ui, state: &State, keys: &mut Keys) {
             let tip = "Open the seconds that were just seen as a clip, with this estimator.\nSpace";
             let freeze = ui.add_enabled(has_frames && state.recording.is_none(), Button::new(text));
             keys.freezes |= freeze.on_hover_text(tip).clicked();
+            if let Some(last) = &state.last
+                && ui.button("Last recording").on_hover_text("Open the last recording again.").clicked()
+            {
+                actions.ask(Action::Open(last.into()));
+                reopens = true;
+            }
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 if state.keeping.is_some() {
                     ui.spinner();
@@ -411,6 +437,7 @@ fn buttons(ui: &mut Ui, state: &State, keys: &mut Keys) {
             });
         });
     });
+    reopens
 }
 
 /// What the camera and the estimator do, in numbers.

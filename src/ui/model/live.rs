@@ -17,8 +17,8 @@ use crate::view::named::LastNamed;
 
 /// How often a waiting thread asks whether it is still wanted.
 const POLL: Duration = Duration::from_millis(50);
-/// The time for a frame up to which an estimator is offered: 15 frames per second.
-const LIMIT: Duration = Duration::from_millis(66);
+/// The time for a frame up to which an estimator is offered: 10 frames per second.
+const LIMIT: Duration = Duration::from_millis(100);
 /// The time over which rates are measured.
 const MEASURED: Duration = Duration::from_secs(2);
 /// Frames on which estimators are measured.

@@ -1,0 +1,272 @@
+//! The camera: live, frozen, recorded, saved, and when it fails.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
+
+use motionscope::media::camera::{CameraFeed, Cameras, Device, Format, Size, is_unsaved};
+use motionscope_core::{Error, Stop};
+
+use super::*;
+
+/// A camera without a camera: a square that moves over a ramp, a frame each few milliseconds.
+struct Fake {
+    /// Frames until it is unplugged.
+    frames: usize,
+    /// Why it cannot be opened, if it cannot.
+    refused: Option<Error>,
+    /// Why there are no cameras.
+    trouble: Option<Error>,
+    /// Feeds that are open.
+    open: Arc<AtomicUsize>,
+}
+
+impl Default for Fake {
+    fn default() -> Self {
+        Self { frames: usize::MAX, refused: None, trouble: None, open: Arc::default() }
+    }
+}
+
+impl Cameras for Fake {
+    fn list(&self) -> (Vec<Device>, Option<Error>) {
+        let webcam = Device::Camera { name: "HD Webcam".into(), address: "/dev/video0".into() };
+        match &self.trouble {
+            Some(error) => (vec![Device::TestPicture], Some(error.clone())),
+            None => (vec![webcam, Device::TestPicture], None),
+        }
+    }
+
+    fn open(&self, _: &Device, _: Size) -> Result<Box<dyn CameraFeed>, Error> {
+        if let Some(error) = &self.refused {
+            return Err(error.clone());
+        }
+        self.open.fetch_add(1, Ordering::Relaxed);
+        Ok(Box::new(Moving { left: self.frames, at: 0, open: Arc::clone(&self.open) }))
+    }
+}
+
+struct Moving {
+    left: usize,
+    at: usize,
+    open: Arc<AtomicUsize>,
+}
+
+impl Drop for Moving {
+    fn drop(&mut self) {
+        self.open.fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
+impl CameraFeed for Moving {
+    fn begin(&mut self, _: &Stop) -> Result<Format, Error> {
+        Format::parse(b"YUV4MPEG2 W96 H64 F30:1 Ip Cmono")
+    }
+
+    fn next(&mut self, stop: &Stop) -> Result<Option<Vec<u8>>, Error> {
+        thread::sleep(Duration::from_millis(15));
+        stop.check()?;
+        self.left = self.left.checked_sub(1).ok_or_else(|| Error::new("HD Webcam: it is not there; plug it in"))?;
+        self.at += 1;
+        let inside = |x: usize, y: usize| (20..36).contains(&y) && (self.at % 60..self.at % 60 + 16).contains(&x);
+        let level = |i: usize| if inside(i % 96, i / 96) { 200 + (i * 7 % 40) as u8 } else { (i % 96 + i / 96) as u8 };
+        Ok(Some((0..96 * 64).map(level).collect()))
+    }
+}
+
+impl Window {
+    /// Draws until `is` is the case.
+    fn until(&mut self, what: &str, is: impl Fn(&Window) -> bool) {
+        let begun = Instant::now();
+        loop {
+            self.harness.run_steps(1);
+            if is(self) {
+                return;
+            }
+            let said: Vec<_> =
+                self.harness.query_all_by_role(Role::Label).filter_map(|node| node.accesskit_node().value()).collect();
+            assert!(begun.elapsed() < Duration::from_secs(60), "{what}: {said:?}");
+            thread::sleep(Duration::from_millis(5));
+        }
+    }
+
+    fn says(&self, words: &str) -> bool {
+        self.harness.query_all_by_label_contains(words).next().is_some()
+    }
+
+    fn is_live(&self) -> bool {
+        self.app().live().is_some_and(|live| live.seen.is_some())
+    }
+
+    fn press_button(&mut self, label: &str) {
+        let has = |window: &Window| window.harness.query_all_by_label_contains(label).next().is_some();
+        self.until(label, has);
+        self.harness.query_all_by_label_contains(label).next().expect("it is there").click_accesskit();
+        self.harness.run_steps(2);
+    }
+
+    /// Chooses in a list of the dialog.
+    fn choose(&mut self, list: &str, entry: &str) {
+        // A dialog that has just opened may still move under the pointer, and a long list hides its end.
+        self.harness.get_by_role_and_label(Role::ComboBox, list).click_accesskit();
+        self.until(entry, |window| window.harness.query_by_role_and_label(Role::Button, entry).is_some());
+        self.harness.get_by_role_and_label(Role::Button, entry).click_accesskit();
+        self.harness.run_steps(3);
+    }
+}
+
+/// The window with the camera open.
+fn live(fake: Fake) -> (Window, Arc<AtomicUsize>) {
+    let (mut window, open) = (Window::usual(), Arc::clone(&fake.open));
+    window.harness.state_mut().use_cameras(Arc::new(fake));
+    window.harness.state_mut().command(Command::Camera);
+    window.harness.run_steps(2);
+    (window, open)
+}
+
+fn path_of_clip(window: &Window) -> std::path::PathBuf {
+    match window.app().document().source() {
+        Some(Source::File(path)) => path.clone(),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn the_last_seconds_are_frozen_with_the_estimator_that_ran_on_them() {
+    let (mut window, open) = live(Fake::default());
+    window.until("a frame comes", Window::is_live);
+    window.until("the searches are measured", |window| window.app().live().is_some_and(|live| live.offered.len() > 9));
+    window.choose("Estimator", "Diamond search");
+    let has_vectors = |window: &Window| {
+        window.app().live().and_then(|live| live.seen).is_some_and(|seen| !seen.scene.marks.is_empty())
+    };
+    window.until("it runs", has_vectors);
+    window.until("its rate is told", |window| window.says("Diamond search: "));
+    assert!(window.says("dropped"));
+    window.harness.key_press(Key::Space);
+    window.until("the clip is open", |window| {
+        window.app().document().clip().is_some_and(|c| c.info().container == "y4m")
+    });
+    window.settle();
+    assert_eq!(open.load(Ordering::Relaxed), 0, "the camera is off");
+    let document = window.app().document();
+    assert_eq!((document.estimator().info().id, document.clip().expect("a clip").size()), ("diamond", (96, 64)));
+    assert!(document.clip().and_then(|clip| clip.info().frames).is_some_and(|frames| frames > 3));
+    assert!(window.says("not saved yet"));
+    window.key(Key::ArrowRight);
+    assert!(window.cursor().event > 0, "it is stepped through");
+
+    // It is there again after another clip.
+    window.harness.state_mut().open("synth:translation");
+    window.settle();
+    assert!(window.app().document().clip().is_some_and(|clip| clip.info().container == "synthetic"));
+    window.harness.state_mut().command(Command::Camera);
+    window.press_button("Last recording");
+    window.settle();
+    window.key(Key::ArrowRight);
+
+    // Nothing may refer to it before it is saved.
+    let path = path_of_clip(&window);
+    assert!(is_unsaved(&path) && window.app().settings().recent.iter().all(|recent| *recent != path));
+    window.command(Command::SaveSession);
+    assert!(window.app().message().is_some_and(|said| said.contains("Save the clip first (Ctrl+Shift+S)")));
+    let folder = tempfile::tempdir().expect("a folder");
+    let saved = folder.path().join("hand.y4m");
+    let cursor = window.cursor();
+    window.command(Command::SaveClip);
+    files::write_to(&mut window, &saved);
+    window.settle();
+    assert_eq!(fs::read(&saved).expect("the clip"), fs::read(&path).expect("the recording"));
+    assert_eq!((path_of_clip(&window), window.cursor()), (saved, cursor), "it goes on where it was");
+    window.command(Command::SaveSession);
+    let session = folder.path().join("hand.motionscope");
+    files::write_to(&mut window, &session);
+    assert!(Session::load(&session).is_ok(), "{:?}", window.app().message());
+    drop(window);
+    assert!(!path.exists() && path.parent().is_some_and(|folder| !folder.exists()), "nothing is left of the recording");
+}
+
+#[test]
+fn a_recording_takes_its_time_and_opens_with_the_present_estimator() {
+    let (mut window, _) = live(Fake::default());
+    window.until("a frame comes", Window::is_live);
+    window.choose("Duration", "1 s");
+    let begun = Instant::now();
+    window.press_button("Record 1 s");
+    window.until("it says so", |window| window.says("Recording: 0"));
+    window.until("the clip is open", |window| {
+        window.app().document().clip().is_some_and(|c| c.info().container == "y4m")
+    });
+    assert!(begun.elapsed() > Duration::from_secs(1));
+    window.settle();
+    assert_eq!(window.app().document().estimator().info().id, "full-search");
+    let fps = window.app().document().clip().and_then(|clip| clip.info().fps).expect("a rate");
+    assert!((20.0..80.0).contains(&fps), "{fps} frames/s were measured");
+    // As pictures it is a clip as well.
+    let folder = tempfile::tempdir().expect("a folder");
+    window.command(Command::SaveClip);
+    window.click_role(Role::Button, "Numbered PNG");
+    files::write_to(&mut window, &folder.path().join("frames"));
+    window.settle();
+    assert_eq!(path_of_clip(&window), folder.path().join("frames"));
+}
+
+#[test]
+fn a_camera_that_is_unplugged_leaves_what_came() {
+    let (mut window, _) = live(Fake { frames: 12, ..Fake::default() });
+    window.until("it is told", |window| window.says("HD Webcam: it is not there; plug it in."));
+    assert!(window.says("The last seconds can still be frozen."));
+    window.press_button("Freeze the last 3 s");
+    window.until("the clip is open", |window| {
+        window.app().document().clip().is_some_and(|c| c.info().container == "y4m")
+    });
+    window.settle();
+    assert_eq!(window.app().document().clip().and_then(|clip| clip.info().frames), Some(12));
+    assert!(window.says("The camera has ended: HD Webcam: it is not there"));
+}
+
+#[test]
+fn a_camera_that_does_not_open_says_why() {
+    let busy = Error::new("HD Webcam: another program uses it; close that program, then choose the camera again");
+    let (mut window, _) = live(Fake { refused: Some(busy), ..Fake::default() });
+    window.until("it is told", |window| window.says("HD Webcam: another program uses it; close that program"));
+    window.press_button("Try again");
+    window.until("it is told again", |window| window.says("another program uses it"));
+    let missing = Error::new("cameras need ffmpeg, which is not installed; install it (ffmpeg.org)");
+    let (mut window, _) = live(Fake { trouble: Some(missing), ..Fake::default() });
+    window.until("what to install is told", |window| window.says("Cameras need ffmpeg, which is not installed;"));
+}
+
+#[test]
+fn closing_the_dialog_switches_the_camera_off() {
+    let (mut window, open) = live(Fake::default());
+    window.until("a frame comes", Window::is_live);
+    assert_eq!(open.load(Ordering::Relaxed), 1);
+    window.choose("Size", "320×240 px");
+    window.until("it is open again", Window::is_live);
+    assert_eq!(open.load(Ordering::Relaxed), 1, "it is not open twice");
+    // A list that is open closes first.
+    for _ in 0..2 {
+        window.harness.key_press(Key::Escape);
+        window.harness.run_steps(3);
+    }
+    assert!(window.app().live().is_none() && open.load(Ordering::Relaxed) == 0);
+}
+
+#[test]
+fn the_dialog_fits_the_lecture_hall() {
+    for (theme, size) in [(Command::ProjectorTheme, vec2(1280.0, 720.0)), (Command::LightTheme, vec2(800.0, 560.0))] {
+        let mut window = Window::new(size);
+        window.command(theme);
+        window.harness.state_mut().use_cameras(Arc::new(Fake::default()));
+        window.harness.state_mut().command(Command::Camera);
+        window.until("a frame comes", Window::is_live);
+        window.until("it is measured", |window| window.app().live().is_some_and(|live| live.offered.len() > 9));
+        window.choose("Estimator", "Diamond search");
+        window.until("its rate is told", |window| window.says("Diamond search: "));
+        window.lies_inside(size, "camera");
+        language::check(language::labels(&window).into_iter().map(|text| ("camera", text)));
+        let pictures = window.harness.query_all_by_label_contains("Stage: Frame t =").map(|node| node.rect().height());
+        let largest = pictures.fold(0.0, f32::max);
+        assert!(largest > 0.4 * size.y / window.harness.ctx.zoom_factor(), "{largest}");
+    }
+}
