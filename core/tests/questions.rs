@@ -27,7 +27,7 @@ fn by_unit(estimator: &dyn AnyEstimator, clip: &Clip) -> Vec<(Step, &'static Que
         walk.jump(Move::Granularity(unit, Direction::Forward));
         let after = look(&*walk);
         let [shown, next] = [&before, &after].map(|(step, scene)| Shown { step, scene });
-        if let Some((question, answer)) = asked(estimator.questions(), shown, next) {
+        if let Some((question, answer)) = asked(estimator.questions(), shown, next, walk.cursor().unit) {
             all.push((after.0.clone(), question, answer));
         }
         before = after;
@@ -74,15 +74,18 @@ fn the_place_of_an_object_is_that_of_its_region() {
         let field = output.get::<RegionField>().expect("a region");
         let asked = by_unit(&*estimator, &clip);
         let places: Vec<_> = asked.iter().filter(|(_, question, _)| question.id == "where").collect();
-        assert!(places.len() > 3, "{id}: asked {} times", places.len());
+        let mut compared = 0;
         for (step, _, answer) in places {
             let said = step.sentence.plain();
+            // At its end a run sums up instead.
             let Some(frame) = said.strip_prefix("Frame ").map(|_| common::numbers(&said)[0] as usize) else { continue };
+            compared += 1;
             let center = field.frames[frame - field.first].region.center;
             let (_, at) = place(answer);
             let off = (at[0] - center[0]).hypot(at[1] - center[1]);
             assert!(off < 0.01, "{id}, frame {frame}: {at:?} and {center:?}");
         }
+        assert!(compared > 2, "{id}: compared {compared} times");
     }
 }
 

@@ -50,7 +50,7 @@ pub struct Reading {
     pub line: Name,
     /// The words before the number, or empty.
     pub after: &'static str,
-    /// The words behind it.
+    /// The words after the number.
     pub before: &'static str,
     /// The unit, or empty.
     pub unit: &'static str,
@@ -112,7 +112,12 @@ impl Reading {
     /// The number in `sentence`, with its text; `None` if the words around it are missing.
     pub fn number(&self, sentence: &str) -> Option<(f64, String)> {
         let rest = &sentence[sentence.find(self.after)? + self.after.len()..];
-        let shown = rest[..rest.find(self.before)?].split(' ').next_back()?;
+        let mut words = rest[..rest.find(self.before)?].split(' ');
+        let shown = words.next_back()?;
+        // “less than 1” is no number.
+        if !self.after.is_empty() && words.next().is_some() {
+            return None;
+        }
         let digits: String = shown.chars().filter(|c| *c != '\u{202f}').collect();
         let value = digits.replace('\u{2212}', "-").parse().ok()?;
         Some((value, shown.to_owned()))
@@ -165,9 +170,17 @@ impl Question {
     }
 }
 
-/// The first of `questions` that `after` answers, with the answer.
-pub fn asked<'q>(questions: &'q [Question], before: Shown<'_>, after: Shown<'_>) -> Option<(&'q Question, Answer)> {
-    questions.iter().find_map(|question| Some((question, question.answer(before, after)?)))
+/// One of the `questions` that `after` answers, with the answer. Where there are several, they take turns by the number `turn`:
+/// a question that is asked only where another has no answer would give its own away.
+pub fn asked<'q>(
+    questions: &'q [Question],
+    before: Shown<'_>,
+    after: Shown<'_>,
+    turn: usize,
+) -> Option<(&'q Question, Answer)> {
+    let answered = questions.iter().filter_map(|question| Some((question, question.answer(before, after)?)));
+    let mut answered: Vec<_> = answered.collect();
+    if answered.is_empty() { None } else { Some(answered.swap_remove(turn % answered.len())) }
 }
 
 /// The places of the last picture with marks of `role` in `after`, unless `before` shows one of them already.
@@ -260,6 +273,7 @@ mod tests {
         let number = |said: &str| reading.number(said).map(|(value, _)| value);
         assert_eq!(number("The update covers 93 % of the way."), Some(93.0));
         assert_eq!(number("The update covers \u{2212}1\u{202f}234.5 % of it."), Some(-1234.5));
+        assert_eq!(number("The update covers less than 1 % of it."), None);
         assert_eq!(number("The update covers nothing."), None);
         let question = Question::number("share", "Which share?", Reading { after: "", ..reading });
         let shown = Some(Answer::Number { value: 7.0, shown: "7".into() });
@@ -285,5 +299,16 @@ mod tests {
         assert_eq!(answer(&at(Role::Best, 7), &at(Role::Best, 7)), None);
         assert_eq!(answer(&at(Role::Candidate, 7), &at(Role::Best, 7)), None);
         assert_eq!(answer(&at(Role::Best, 2), &Scene::default()), None);
+    }
+
+    #[test]
+    fn questions_with_an_answer_take_turns() {
+        let number = Reading { line: line::TEST, after: "", before: " is", unit: "" };
+        let questions = [QUESTION, Question::number("cost", "Which cost?", number)];
+        let (step, scene) = (step(line::TEST, "12 is below 13"), Scene::default());
+        let shown = Shown { step: &step, scene: &scene };
+        let id = |turn| asked(&questions, shown, shown, turn).map(|(question, _)| question.id);
+        assert_eq!([0, 1, 2].map(id), [Some("lower"), Some("cost"), Some("lower")]);
+        assert_eq!(asked(&[], shown, shown, 3), None);
     }
 }

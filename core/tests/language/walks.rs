@@ -196,6 +196,7 @@ pub struct Seen {
     pub marked: BTreeSet<(Name, Role)>,
     /// The questions that are asked when it is walked event by event.
     pub asked: BTreeSet<&'static str>,
+    turn: usize,
 }
 
 impl Seen {
@@ -224,7 +225,9 @@ impl Seen {
             self.texts.add_scene(&now.1);
             self.marked.extend(now.1.marks.iter().map(|mark| (now.0.line, mark.role)));
             let [shown, next] = [&before, &now].map(|(step, scene)| Shown { step, scene });
-            self.asked.extend(asked(questions, shown, next).map(|(question, _)| question.id));
+            let turn = self.turn;
+            self.turn += 1;
+            self.asked.extend(asked(questions, shown, next, turn).map(|(question, _)| question.id));
             before = now;
             let Cursor { unit, event } = walk.cursor();
             let pixel = [(7 * unit + event) % SIZE.0, (11 * unit + 5 * event) % SIZE.1].map(|c| c as f32);

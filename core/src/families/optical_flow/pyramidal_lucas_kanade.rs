@@ -249,7 +249,7 @@ impl Estimator for PyramidalLucasKanade {
             "Does the next iteration converge?",
             &[
                 Case::says(line::UNTIL_CONVERGED, "converged", "Yes: its increment is shorter than ε"),
-                Case::at(line::UPDATE, "No: another iteration follows"),
+                Case::at(line::UPDATE, "No"),
             ],
         ),
         Question::choice(

@@ -282,7 +282,7 @@ impl Estimator for BlockStereo {
             "valid",
             "Does the next pixel get a disparity?",
             &[
-                Case::at(line::REFINE, "Yes: its minimum is unique and confirmed"),
+                Case::at(line::REFINE, "Yes"),
                 Case::at(line::REJECT_AMBIGUOUS, "No: another minimum is nearly as low"),
                 Case::at(line::REJECT_INCONSISTENT, "No: it fails the left–right check"),
             ],

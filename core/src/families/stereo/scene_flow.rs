@@ -400,7 +400,7 @@ impl Estimator for SceneFlow {
             "own",
             "Does the next pixel have a motion of its own?",
             &[
-                Case::says(line::OWN, "has a motion of its own", "Yes: what remains exceeds the gate"),
+                Case::says(line::OWN, "has a motion of its own", "Yes: the residual exceeds the gate"),
                 Case::says(line::OWN, "consistent", "No: the motion of the cameras explains it"),
             ],
         ),

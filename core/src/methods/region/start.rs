@@ -28,7 +28,7 @@ pub(crate) mod line {
 
 /// The question of all trackers of a region: its place in the next frame.
 pub(crate) const WHERE: Question =
-    Question::place("where", "Where is the object in the next frame?", line::MOVE, Role::Estimate);
+    Question::place("where", "Where does the tracker place the region in the next frame?", line::MOVE, Role::Estimate);
 
 /// The question of trackers with a criterion of loss.
 pub(crate) const LOST: Question = Question::choice(

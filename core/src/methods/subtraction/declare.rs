@@ -56,7 +56,7 @@ pub(super) mod line {
 
 /// The questions of all of them.
 pub(super) const QUESTIONS: &[Question] = &[
-    Question::place("object", "Where is a moving object?", line::UPDATE_MODEL, Role::Result),
+    Question::place("object", "Where is a blob of the foreground?", line::UPDATE_MODEL, Role::Result),
     Question::number(
         "share",
         "Which share of the frame is foreground?",
