@@ -17,7 +17,8 @@ fn main() {
     let id = std::env::args().skip(1).find(|word| !word.starts_with("--")).unwrap_or_else(|| "diamond".into());
     let chosen = estimator(&id).expect("an estimator");
     let camera = Camera::start(Box::new(TestPicture::new(Size::default())), || {}).expect("a thread");
-    let live = Live::new(camera, || {}).expect("a thread");
+    let mut live = Live::new(camera, || {}).expect("a thread");
+    live.measure();
     while !live.view().is_measured {
         thread::sleep(Duration::from_millis(50));
     }

@@ -1,7 +1,8 @@
-//! How long the window takes for a frame over a dense flow: `cargo bench --bench window`.
+//! How long the window takes for a frame over a dense flow, and for a page of a lesson: `cargo bench --bench window`.
 //!
 //! Horn-Schunck at 1920×1080 at its end, colours of the wheel and arrows over frame t: laying everything out and making
-//! triangles of it, which is what a frame costs before the graphics card has it.
+//! triangles of it, which is what a frame costs before the graphics card has it. Pages of two lessons in turn: from the name
+//! of the page to its words, and to its step.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -12,6 +13,19 @@ use egui_kittest::Harness;
 use motionscope::ui::app::App;
 use motionscope::ui::{self, Start};
 
+/// Pages with different clips and estimators.
+const PAGES: [&str; 2] = ["lesson:sequential-search/2", "lesson:horn-schunck/3"];
+
+/// A window that opens this.
+fn opened(start: Start) -> Harness<'static, App> {
+    let build = move |cc: &mut eframe::CreationContext<'static>| {
+        let mut app = App::new(&cc.egui_ctx, None).expect("a thread");
+        ui::begin(&mut app, start);
+        app
+    };
+    Harness::builder().with_size(vec2(1920.0, 1080.0)).build_eframe(build)
+}
+
 /// A window on the end of a run, drawn until it is there.
 fn window() -> Harness<'static, App> {
     let folder = tempfile::tempdir().expect("a folder");
@@ -20,12 +34,7 @@ fn window() -> Harness<'static, App> {
     let lines =
         format!("motionscope = 1\nclip = \"{clip}\"\nestimator = \"horn-schunck\"\n[set]\niterations = \"5\"\n");
     std::fs::write(&path, lines).expect("it is written");
-    let build = move |cc: &mut eframe::CreationContext<'static>| {
-        let mut app = App::new(&cc.egui_ctx, None).expect("a thread");
-        ui::begin(&mut app, Start { open: Some(path.into()) });
-        app
-    };
-    let mut window = Harness::builder().with_size(vec2(1920.0, 1080.0)).build_eframe(build);
+    let mut window = opened(Start { open: Some(path.into()) });
     let begun = Instant::now();
     while begun.elapsed() < Duration::from_secs(120)
         && !window.state().view().shown.as_deref().is_some_and(|s| s.at_end)
@@ -56,5 +65,30 @@ fn frame(c: &mut Criterion) {
     });
 }
 
-criterion_group!(benches, frame);
+fn page(c: &mut Criterion) {
+    let mut window = opened(Start { open: Some(PAGES[1].into()) });
+    let parts = [("the words of a page of a lesson", false), ("the step of a page of a lesson", true)];
+    for (name, is_waited_for) in parts {
+        let mut pages = PAGES.into_iter().cycle();
+        c.bench_function(name, |b| {
+            b.iter_custom(|count| {
+                let open = |page: &str| {
+                    // The step of the page before is not counted.
+                    window.state_mut().wait();
+                    window.run_steps(1);
+                    let begun = Instant::now();
+                    window.state_mut().open(page);
+                    if is_waited_for {
+                        window.state_mut().wait();
+                    }
+                    window.run_steps(1);
+                    begun.elapsed()
+                };
+                pages.by_ref().take(count as usize).map(open).sum::<Duration>()
+            });
+        });
+    }
+}
+
+criterion_group!(benches, frame, page);
 criterion_main!(benches);

@@ -557,6 +557,10 @@ fn the_test_picture_needs_no_ffmpeg() {
     };
     let listed = String::from_utf8(run("camera --list").stdout).unwrap();
     assert!(listed.contains("Test picture") && listed.contains("install it (ffmpeg.org)"), "{listed}");
+    // The test picture is no substitute that is recorded unasked.
+    let refused = run("camera --out u.y4m");
+    let said = String::from_utf8(refused.stderr).unwrap();
+    assert!(!refused.status.success() && said.contains("install it (ffmpeg.org)"), "{said}");
     let output = run("camera --device test --size 64x48 --seconds 0.3 --out t.y4m");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let info = json(folder.path(), "info t.y4m --json");

@@ -50,7 +50,35 @@ const FULL_SEARCH: &str = "motionscope = 1\nclip = \"synth:pillar\"\nestimator =
 const DIAMOND: &str = "motionscope = 1\nclip = \"synth:pillar\"\nestimator = \"diamond\"\nstep = \"164.14\"\n";
 const KALMAN: &str = "motionscope = 1\nclip = \"synth:traffic\"\nestimator = \"kalman-filter\"\nstep = \"9.4\"\n";
 
-const SCENES: [Scene; 6] = [
+/// The end of a block, before the next one.
+const BLOCK_END: &str = "motionscope = 1\nclip = \"synth:pillar\"\nestimator = \"full-search\"\nstep = \"164.0\"\n";
+/// A step of a search on which a teacher has drawn.
+const DRAWN: &str = "motionscope = 1\nclip = \"synth:pillar\"\nestimator = \"diamond\"\nstep = \"164.14\"\n\n[[ink]]\nstep = \"164.14\"\n\
+    picture = \"t+1\"\ncolor = \"yellow\"\npoints = \"50,118 58,112 70,112 80,118 84,130 80,142 68,148 56,146 48,136 47,126 51,117\"\n";
+
+const SCENES: [Scene; 10] = [
+    Scene { name: "start", size: vec2(1280.0, 720.0), theme: Theme::Dark, open: "", commands: &[Command::StartPage] },
+    Scene {
+        name: "lesson",
+        size: vec2(1280.0, 720.0),
+        theme: Theme::Light,
+        open: "lesson:lucas-kanade/2",
+        commands: &[],
+    },
+    Scene {
+        name: "question",
+        size: vec2(1280.0, 720.0),
+        theme: Theme::Projector,
+        open: BLOCK_END,
+        commands: &[Command::Predict, Command::Over],
+    },
+    Scene {
+        name: "present",
+        size: vec2(1280.0, 720.0),
+        theme: Theme::Projector,
+        open: DRAWN,
+        commands: &[Command::Present],
+    },
     Scene { name: "dark", size: vec2(1280.0, 800.0), theme: Theme::Dark, open: FULL_SEARCH, commands: &[] },
     Scene { name: "kalman", size: vec2(1280.0, 720.0), theme: Theme::Light, open: KALMAN, commands: &[] },
     Scene {

@@ -4,13 +4,13 @@ use std::ffi::OsStr;
 use std::path::Path;
 use std::time::Duration;
 
-use motionscope_core::Error;
+use motionscope_core::{Error, Stop};
 
 use super::args::CameraArgs;
 use crate::media::camera::{Cameras, Device, Ffmpeg, Recorded, record};
 use crate::media::name_of;
 
-/// Lists the cameras, or records from one; returns what is said about it.
+/// Lists the cameras, or records from one; returns the text of the outcome.
 ///
 /// # Errors
 /// If there is no such camera, it sends no frames, or the file cannot be written.
@@ -36,18 +36,25 @@ fn listed(cameras: &impl Cameras) -> String {
     }
 }
 
+/// The first camera of `all`: the test picture is recorded only if it is asked for.
+fn first(all: &[Device], error: Option<Error>) -> Result<&Device, Error> {
+    let none = || Error::new("no camera is connected; connect one, or record the test picture with --device test");
+    let camera = all.iter().find(|device| **device != Device::TestPicture);
+    camera.ok_or_else(|| error.unwrap_or_else(none))
+}
+
 fn recorded(cameras: &impl Cameras, args: &CameraArgs, out: &Path) -> Result<String, Error> {
     if out.extension().and_then(OsStr::to_str) != Some("y4m") {
         return Err(Error::new(format!("{}: the name of a recorded clip must end in .y4m", out.display())));
     }
     let (all, error) = cameras.list();
     let device = match &args.device {
-        None => all.first().ok_or_else(|| Error::new("no camera is connected"))?.clone(),
+        None => first(&all, error)?.clone(),
         // The list may leave a device out that ffmpeg can open.
         Some(path) if path.starts_with("/dev/") => Device::Camera { name: path.clone(), address: path.clone() },
         Some(wanted) => Device::find(&all, wanted).map_err(|unknown| error.unwrap_or(unknown))?.clone(),
     };
-    let feed = cameras.open(&device, args.size)?;
+    let feed = cameras.open(&device, args.size, &Stop::default())?;
     let Recorded { frames, size: (width, height), time, ended } =
         record(feed, Duration::from_secs_f32(args.seconds), out, None)?;
     let seconds = time.as_secs_f32();
@@ -57,4 +64,19 @@ fn recorded(cameras: &impl Cameras, args: &CameraArgs, out: &Path) -> Result<Str
         name_of(out),
         device.name()
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_test_picture_is_not_recorded_unasked() {
+        let camera = Device::Camera { name: "Webcam".into(), address: "/dev/video0".into() };
+        assert_eq!(first(&[camera.clone(), Device::TestPicture], None), Ok(&camera));
+        let none = first(&[Device::TestPicture], None).unwrap_err().to_string();
+        assert!(none.contains("no camera is connected") && none.contains("--device test"), "{none}");
+        let why = Error::new("cameras need ffmpeg");
+        assert_eq!(first(&[Device::TestPicture], Some(why.clone())), Err(why));
+    }
 }

@@ -14,15 +14,15 @@ use motionscope_core::{
 const KEPT: usize = 64;
 /// Frames after which a run through the clip begins anew, so that its memory is bounded.
 const LONGEST: usize = 900;
-/// Memory of the states to go back to, which nobody does here.
+/// Memory of the checkpoints, of which a live run needs few: it only goes forward.
 const CHECKPOINTS_BYTES: u64 = 64 << 20;
 
 /// Frames of which the shortest time counts.
 const TIMED: usize = 3;
-/// How often a measurement asks whether it is still wanted.
+/// Time between two checks whether a measurement was cancelled.
 const POLL: Duration = Duration::from_millis(10);
 
-/// What delivers the next frame: it waits for it, and leaves out frames that nobody took in time.
+/// Waits for the next frame and returns it; frames that were not taken in time are dropped.
 pub type NextFrame = Box<dyn Fn(&Stop) -> Result<Arc<Frame>, Error> + Send + Sync>;
 
 /// A clip that grows by a frame whenever a run asks for one.
@@ -55,7 +55,7 @@ impl FrameSource for Growing {
             if index < past.first {
                 return Err(Error::new(format!("frame {index} of the camera is not kept any more")));
             }
-            // Whoever looks into the past does not wait for the future.
+            // Reading an earlier frame does not wait for the next one.
             drop(past);
             let frame = (self.next)(stop)?;
             let mut past = self.kept();

@@ -172,6 +172,9 @@ fn smooth(points: &[Point]) -> Vec<Point> {
 
 /// The parts of a curve between its sharp corners.
 fn pieces(points: &[Point]) -> Vec<&[Point]> {
+    if points.is_empty() {
+        return Vec::new();
+    }
     let cosine = |i: usize| {
         let [a, b, c] = [points[i - 1], points[i], points[i + 1]];
         let (u, v) = ([b[0] - a[0], b[1] - a[1]], [c[0] - b[0], c[1] - b[1]]);
@@ -227,6 +230,7 @@ mod tests {
         let place = Placement::new([0.0, 0.0], 1.0);
         let dot = freehand([&line(&[[3.0, 3.0]])], Theme::Dark, place);
         assert!(dot.iter().all(|primitive| matches!(primitive, Primitive::Disc { .. })) && dot.len() >= 2);
+        assert!(freehand([&line(&[])], Theme::Dark, place).is_empty(), "nothing is no dot");
         let back = freehand([&line(&[[0.0, 0.0], [30.0, 0.0], [0.0, 1.0]])], Theme::Dark, place);
         let width = pen_width(Theme::Dark) + 2.0;
         for primitive in &back {

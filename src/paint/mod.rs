@@ -47,4 +47,4 @@ pub use primitive::Primitive;
 pub use reduced::reduced;
 pub use svg::export_svg;
 pub use theme::{Chrome, Ink, PointShape, Theme, TypeSizes};
-pub use wrap::{brevity, inked, wrap};
+pub use wrap::{UNITS, brevity, inked, wrap};

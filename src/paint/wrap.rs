@@ -64,8 +64,9 @@ fn words(runs: &[Run]) -> Vec<Vec<Run>> {
     words
 }
 
-/// Units that stay with their figure.
-const UNITS: &[&str] = &["%", "px", "ms", "dB", "σ", "px²", "px/frame"];
+/// Units of numbers in texts and formulas; each stays with its figure.
+pub const UNITS: &[&str] =
+    &["%", "°", "px", "px²", "px/frame", "mm", "cm", "m", "ms", "dB", "rad", "σ", "bit", "bits", "frame", "frames"];
 /// Relations that stay with both of their sides.
 const RELATIONS: &[&str] = &["=", "≥", "≤", "<", ">", "±"];
 /// Length of a component of a vector, with its bracket and comma, beyond which a line may break behind it.
@@ -165,6 +166,9 @@ mod tests {
                 assert!(!["%", "=", "px", "1.19"].iter().any(|start| words.starts_with(start)), "{words}");
             }
         }
+        let frames = inked(&Sentence::default().text("deletes a track after 5 frames without a match"), Theme::Dark);
+        let lines = [90.0, 110.0, 130.0, 150.0, 170.0].map(|width| wrap(&frames, 14.0, width)).concat();
+        assert!(lines.iter().all(|line| !plain(line).starts_with("frames")), "a unit of the worksheets as well");
         let narrow = wrap(&runs, 14.0, 1.0);
         assert!(narrow.iter().all(|line| !plain(line).contains(' ')), "where nothing fits, every space is a break");
     }

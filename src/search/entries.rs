@@ -81,13 +81,17 @@ fn pages(lesson: &'static Lesson) -> impl Iterator<Item = Entry> {
     })
 }
 
+/// Whether two declarations are of one parameter that estimators share: others may have its name.
+pub fn is_same_parameter(one: &Spec, other: &Spec) -> bool {
+    one.name == other.name && one.label == other.label && one.doc == other.doc
+}
+
 /// The parameters of all estimators; one that several share is there once.
 fn parameters(all: &[Box<dyn AnyEstimator>]) -> Vec<Entry> {
     let mut entries: Vec<(Entry, &'static Spec, usize)> = Vec::new();
     for estimator in all {
         for spec in estimator.specs() {
-            let same = |other: &Spec| other.name == spec.name && other.label == spec.label && other.doc == spec.doc;
-            match entries.iter_mut().find(|(_, other, _)| same(other)) {
+            match entries.iter_mut().find(|(_, other, _)| is_same_parameter(other, spec)) {
                 Some((.., others)) => *others += 1,
                 None => entries.push((parameter(estimator.info(), spec), spec, 0)),
             }

@@ -13,6 +13,7 @@ use crate::session::example;
 use crate::session::lesson::Address;
 use crate::view::panes::Pane;
 use entries::Entry;
+pub use entries::is_same_parameter;
 use text::{Query, Searched};
 
 /// What a hit is.

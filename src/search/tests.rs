@@ -78,6 +78,22 @@ fn words_are_found_from_their_beginning_and_in_any_number() {
 }
 
 #[test]
+fn names_are_found_without_their_accents() {
+    for (written, typed) in [
+        ("Åström", "astrom"),
+        ("ČECH", "cech"),
+        ("Gonçalves", "goncalves"),
+        ("Íñigo", "inigo"),
+        ("Sørensen", "sorensen"),
+        ("Dvořák", "dvorak"),
+        ("Benoît", "benoit"),
+    ] {
+        assert!(Searched::new(written).is(&Query::new(typed)), "{written}");
+        assert!(Searched::new(typed).is(&Query::new(written)), "{written}, typed as it is written");
+    }
+}
+
+#[test]
 fn a_parameter_that_many_estimators_share_is_found_once() {
     let ranges =
         found("search range").into_iter().filter(|(kind, title)| *kind == Kind::Parameter && title == "Search range");

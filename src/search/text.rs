@@ -45,15 +45,26 @@ fn singular(word: &str) -> &str {
     }
 }
 
-/// The letter as a keyboard types it, small; dashes are spaces.
+/// The letter as a keyboard types it, small, without the accents of European names; dashes are spaces.
 fn folded(letter: char) -> char {
-    match letter {
-        'ä' | 'á' | 'à' | 'â' | 'Ä' => 'a',
-        'é' | 'è' | 'ê' | 'É' => 'e',
-        'ö' | 'ó' | 'ô' | 'Ö' => 'o',
-        'ü' | 'ú' | 'Ü' => 'u',
+    match letter.to_lowercase().next().unwrap_or(letter) {
+        'ä' | 'á' | 'à' | 'â' | 'ã' | 'å' | 'ą' | 'ă' => 'a',
+        'ç' | 'č' | 'ć' => 'c',
+        'ď' | 'đ' => 'd',
+        'é' | 'è' | 'ê' | 'ë' | 'ě' | 'ę' => 'e',
+        'ğ' => 'g',
+        'í' | 'ì' | 'î' | 'ï' => 'i',
+        'ł' => 'l',
+        'ñ' | 'ň' | 'ń' => 'n',
+        'ö' | 'ó' | 'ò' | 'ô' | 'õ' | 'ø' | 'ő' => 'o',
+        'ř' => 'r',
+        'š' | 'ś' | 'ş' => 's',
+        'ť' => 't',
+        'ü' | 'ú' | 'ù' | 'û' | 'ů' | 'ű' => 'u',
+        'ý' | 'ÿ' => 'y',
+        'ž' | 'ź' | 'ż' => 'z',
         '-' | '–' | '—' | '\u{a0}' | '\n' => ' ',
-        other => other.to_lowercase().next().unwrap_or(other),
+        other => other,
     }
 }
 

@@ -8,13 +8,13 @@ use motionscope_core::{Cursor, Error};
 use super::moment::Moment;
 use super::page::{Stand, Words};
 use super::panes::{Selection, charts};
-use super::paper::{Around, Paper, THEME, ruled};
+use super::paper::{Around, Paper, THEME, lines, ruled};
 use super::rendering::Rendering;
 use crate::media::Progress;
 use crate::paint::charts::explanation::{self, Block, Density};
 use crate::paint::charts::prose::lay_out;
-use crate::paint::charts::{Canvas, ChartStyle, Level, Type};
-use crate::paint::primitive::{Anchor, Point, Rect};
+use crate::paint::charts::{ChartStyle, Type};
+use crate::paint::primitive::{Point, Rect};
 use crate::paint::{Face, Figure, Sheet};
 
 /// Points of paper for each point of a picture: its smallest type is 12 points high and becomes 8.
@@ -86,6 +86,12 @@ impl PerSheet {
             Self::Four => (8.0, 1.0),
         }
     }
+
+    /// Height of the words at most, in a slot of this height: a picture below them needs some of it.
+    fn most(self, height: f32) -> f32 {
+        let (_, share) = self.words();
+        if share < 1.0 { height } else { height - (LEAST_PICTURE - LEAST_LEFT) }
+    }
 }
 
 impl FromStr for PerSheet {
@@ -106,6 +112,26 @@ pub struct Options {
     pub answers: bool,
 }
 
+/// What a page leads to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Goal {
+    /// Whether it asks the reader to predict something.
+    pub asks: bool,
+    /// Its last step, if it has several.
+    pub until: Option<Cursor>,
+}
+
+/// What stands below the words of a page.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Below {
+    /// Lines for an answer.
+    Lines,
+    /// The sentence of the last step, which answers.
+    Answer,
+    /// The sentence of the step that is shown.
+    Step,
+}
+
 /// The handout of a lesson while its pages are added.
 pub struct Handout {
     options: Options,
@@ -121,65 +147,58 @@ impl Handout {
         Self { options, paper: Paper::new(around), slots: Vec::new() }
     }
 
-    /// Adds a page whose `stand` is in the colours of print. `answer` is the step that it asks for, if it does.
+    /// Adds a page whose `stand` is in the colours of print. With answers its last step is shown.
     ///
     /// # Errors
-    /// If its run cannot start or breaks off, or the work was cancelled.
+    /// If its run cannot start or breaks off, its words do not fit on a sheet, or the work was cancelled.
     pub fn add(
         &mut self,
         words: &Words<'_>,
         stand: Stand<'_>,
-        answer: Option<Cursor>,
+        goal: Goal,
         progress: Option<&dyn Progress>,
     ) -> Result<(), Error> {
-        let is_answered = answer.filter(|_| self.options.answers);
-        let stand = Stand { cursor: is_answered.unwrap_or(stand.cursor), ..stand };
+        let last = goal.until.filter(|_| self.options.answers);
+        let stand = Stand { cursor: last.unwrap_or(stand.cursor), ..stand };
         let moment = stand.seen(progress, |viewer, focus| viewer.moment(focus))?;
-        if self.slots.is_empty() {
-            let room = self.paper.begin();
-            self.slots = self.options.per_sheet.slots(room);
-            self.slots.reverse();
-        }
-        let Some(slot) = self.slots.pop() else { return Ok(()) };
-        let name = stand.estimator().info().name;
-        let rest = self.write(words, (slot, answer.is_some()), (&moment, name));
-        for (figure, at) in pictures(&moment, &stand, (rest, self.options.per_sheet)) {
+        let below = match (goal.asks, self.options.answers, last) {
+            (true, false, _) => Below::Lines,
+            (true, true, Some(_)) => Below::Answer,
+            _ => Below::Step,
+        };
+        let told = (&moment, stand.estimator().info().name, below);
+        let (block, slot, per_sheet) = self.place(|per_sheet, size| written(words, told, per_sheet, size))?;
+        let ([x, y], height) = (slot.min, block.size[1]);
+        let (_, share) = per_sheet.words();
+        let min = if share < 1.0 { [x + share * slot.size()[0] + GAP, y] } else { [x, y + height + 0.5 * GAP] };
+        let rest = Rect::between(min, slot.max);
+        self.paper.put_block(block, slot.min, 1.0);
+        for (figure, at) in pictures(&moment, &stand, (rest, per_sheet)) {
             self.paper.put(figure, at, SCALE);
         }
         Ok(())
     }
 
-    /// Writes the words into `slot`, with room for an answer or with it; gives what is left.
-    fn write(&mut self, words: &Words<'_>, (slot, asks): (Rect, bool), (moment, name): (&Moment, &str)) -> Rect {
-        let (size, share) = self.options.per_sheet.words();
-        let width = share * slot.size()[0];
-        let mut block = title(words, width, size);
-        block.put_below(lay_out(words.prose, width, size, THEME).block, 0.5 * size);
-        // Words above a picture leave room for it.
-        let below = if share < 1.0 { LEAST_LEFT } else { LEAST_PICTURE };
-        let left = [width, slot.size()[1] - block.size[1] - below];
-        match (asks, self.options.answers) {
-            (true, false) => block.put_below(ruled(ANSWER_LINES, width, ANSWER_APART), 0.0),
-            (true, true) => {
-                if let Some(answer) = said("Answer: ", moment, (left, size), true) {
-                    block.put_below(answer, size);
-                }
+    /// The words as `write` sets them, with their slot: the next one, or a whole sheet where they do not fit into that.
+    fn place(&mut self, write: impl Fn(PerSheet, [f32; 2]) -> Block) -> Result<(Block, Rect, PerSheet), Error> {
+        let chosen = self.options.per_sheet;
+        for per_sheet in [chosen, PerSheet::One] {
+            let mut slots = per_sheet.slots(Paper::room());
+            let size = slots[0].size();
+            let block = write(per_sheet, size);
+            if block.size[1] > per_sheet.most(size[1]) {
+                continue;
             }
-            (false, _) if self.options.per_sheet != PerSheet::Four => {
-                let name = moment.tiles.first().map_or(name, |tile| &tile.names[0]);
-                let words = format!("{name}, step {}: ", moment.cursor);
-                if let Some(told) = said(&words, moment, (left, size), false) {
-                    block.put_below(explanation::rule(width, THEME), 0.8 * size);
-                    block.put_below(told, 0.5 * size);
-                }
+            if self.slots.is_empty() || per_sheet != chosen {
+                self.paper.begin();
+                slots.reverse();
+                self.slots = slots;
             }
-            (false, _) => {}
+            if let Some(slot) = self.slots.pop() {
+                return Ok((block, slot, per_sheet));
+            }
         }
-        let height = block.size[1];
-        self.paper.put_block(block, slot.min, 1.0);
-        let ([x, y], max) = (slot.min, slot.max);
-        let min = if share < 1.0 { [x + width + GAP, y] } else { [x, y + height + 0.5 * GAP] };
-        Rect::between(min, max)
+        Err(Error::new("its words do not fit on a sheet of paper; divide them into two pages"))
     }
 
     /// The sheets.
@@ -194,6 +213,40 @@ impl Handout {
     pub fn encode(self) -> Result<Vec<u8>, Error> {
         self.paper.encode()
     }
+}
+
+/// The words of a page in a slot of this size, with what stands below them.
+fn written(
+    words: &Words<'_>,
+    (moment, name, below): (&Moment, &str, Below),
+    per_sheet: PerSheet,
+    slot: [f32; 2],
+) -> Block {
+    let (size, share) = per_sheet.words();
+    let width = share * slot[0];
+    let mut block = title(words, width, size);
+    block.put_below(lay_out(words.prose, width, size, THEME).block, 0.5 * size);
+    // Words above a picture leave room for it.
+    let kept = if share < 1.0 { LEAST_LEFT } else { LEAST_PICTURE };
+    let left = [width, slot[1] - block.size[1] - kept];
+    match below {
+        Below::Lines => block.put_below(ruled(ANSWER_LINES, width, ANSWER_APART), 0.0),
+        Below::Answer => {
+            if let Some(answer) = said("Answer: ", moment, (left, size), true) {
+                block.put_below(answer, size);
+            }
+        }
+        Below::Step if per_sheet != PerSheet::Four => {
+            let name = moment.tiles.first().map_or(name, |tile| &tile.names[0]);
+            let words = format!("{name}, step {}: ", moment.cursor);
+            if let Some(told) = said(&words, moment, (left, size), false) {
+                block.put_below(explanation::rule(width, THEME), 0.8 * size);
+                block.put_below(told, 0.5 * size);
+            }
+        }
+        Below::Step => {}
+    }
+    block
 }
 
 /// The sentence of a step behind `words`, in the largest type in which it has room; its first sentence alone where it must be told.
@@ -216,11 +269,9 @@ fn said(words: &str, moment: &Moment, ([width, height], size): ([f32; 2], f32), 
 /// The number and the title of a page.
 fn title(words: &Words<'_>, width: f32, size: f32) -> Block {
     let style = Type { face: Face::Bold, size: 1.25 * size, ..Type::text(THEME) };
-    let mut canvas = Canvas::default();
-    let text = format!("{}  {}", words.number[0], words.title);
-    let rect = canvas.text([0.0, 0.0], (Anchor::Start, Level::Top), &text, style);
-    let lines = vec![(rect, text)];
-    Block { size: [width, rect.size()[1]], primitives: canvas.into_primitives(), lines, ..Block::default() }
+    let mut block = lines(&format!("{}  {}", words.number[0], words.title), style, width);
+    block.size[0] = width;
+    block
 }
 
 /// The pictures of a page as they fit into `room`, and below them its first chart where there is room; each with its place.

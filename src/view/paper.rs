@@ -3,9 +3,9 @@
 use motionscope_core::Error;
 
 use crate::paint::charts::explanation::Block;
-use crate::paint::charts::{Canvas, Level, Type};
-use crate::paint::primitive::{Anchor, Point, Rect};
-use crate::paint::{Color, Face, Figure, Layer, Placed, Primitive, Sheet, Theme, export_sheets};
+use crate::paint::charts::{Canvas, Level, Type, shortened};
+use crate::paint::primitive::{Anchor, Point, Rect, Run};
+use crate::paint::{Color, Face, Figure, Layer, Placed, Primitive, Sheet, Theme, export_sheets, wrap};
 
 /// A4 in points.
 const SIZE: [f32; 2] = [595.0, 842.0];
@@ -17,6 +17,8 @@ const SMALL_PT: f32 = 8.0;
 /// Height of the lines above and below.
 const HEAD: f32 = 28.0;
 const FOOT: f32 = 20.0;
+/// Least distance between two texts on a line.
+const APART: f32 = 12.0;
 
 /// The theme of everything that is printed.
 pub const THEME: Theme = Theme::Light;
@@ -44,11 +46,16 @@ impl Paper {
         Self { around, sheets: Vec::new() }
     }
 
+    /// The room on each sheet.
+    pub fn room() -> Rect {
+        let [x, y] = MARGIN;
+        Rect::between([x, y + HEAD], [SIZE[0] - x, SIZE[1] - y - FOOT])
+    }
+
     /// Begins a sheet and returns the room on it.
     pub fn begin(&mut self) -> Rect {
         self.sheets.push(Sheet { size: SIZE, figures: Vec::new() });
-        let [x, y] = MARGIN;
-        Rect::between([x, y + HEAD], [SIZE[0] - x, SIZE[1] - y - FOOT])
+        Self::room()
     }
 
     /// Puts `figure` on the last sheet, without its ground: paper is white.
@@ -94,13 +101,16 @@ impl Around {
         let title = Type { face: Face::Bold, size: TITLE_PT, color: chrome.text };
         let [left, top] = MARGIN;
         let [right, bottom] = [SIZE[0] - left, SIZE[1] - MARGIN[1]];
-        canvas.text([left, top], (Anchor::Start, Level::Top), &self.title, title);
         let beside = Type { size: SMALL_PT + 1.0, ..Type::text(THEME) };
-        canvas.text([right, top + TITLE_PT], (Anchor::End, Level::Bottom), &self.beside, beside);
+        let beside = canvas.text([right, top + TITLE_PT], (Anchor::End, Level::Bottom), &self.beside, beside);
+        let room = beside.min[0] - APART - left;
+        canvas.text([left, top], (Anchor::Start, Level::Top), &shortened(&self.title, title, room), title);
         canvas.across([left, right], top + HEAD - 8.0, chrome.line);
         canvas.across([left, right], bottom - FOOT + 8.0, chrome.line);
-        canvas.text([left, bottom], (Anchor::Start, Level::Bottom), &self.foot, small);
-        canvas.text([right, bottom], (Anchor::End, Level::Bottom), &format!("{number} of {count}"), small);
+        let place = (Anchor::End, Level::Bottom);
+        let number_of = canvas.text([right, bottom], place, &format!("{number} of {count}"), small);
+        let room = number_of.min[0] - APART - left;
+        canvas.text([left, bottom], (Anchor::Start, Level::Bottom), &shortened(&self.foot, small, room), small);
         figure(canvas.into_primitives(), SIZE, format!("{}, sheet {number} of {count}", self.title))
     }
 }
@@ -116,4 +126,61 @@ pub fn ruled(count: usize, width: f32, apart: f32) -> Block {
     let mut canvas = Canvas::default();
     (1..=count).for_each(|line| canvas.across([0.0, width], line as f32 * apart, THEME.chrome().dim));
     Block { size: [width, count as f32 * apart + 1.0], primitives: canvas.into_primitives(), ..Block::default() }
+}
+
+/// Words in lines of at most `width` points; a word that is wider is cut short.
+pub fn lines(words: &str, style: Type, width: f32) -> Block {
+    let mut block = Block::default();
+    for runs in wrap(&[Run::new(words, style.color).face(style.face)], style.size, width) {
+        let line: String = runs.into_iter().map(|run| run.text).collect();
+        // Words together can be measured a hair wider than one by one.
+        let line = shortened(&line, style, width + 0.5);
+        let mut canvas = Canvas::default();
+        let rect = canvas.text([0.0, 0.0], (Anchor::Start, Level::Top), &line, style);
+        let primitives = canvas.into_primitives();
+        block.put_below(Block { size: rect.size(), primitives, lines: vec![(rect, line)], ..Block::default() }, 0.0);
+    }
+    block
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What each line of words covers, and what it says.
+    fn texts(primitives: &[Primitive]) -> Vec<(Rect, String)> {
+        let text = |primitive: &Primitive| match primitive {
+            Primitive::Text(line) => {
+                let words: String = line.runs.iter().map(|run| run.text.as_str()).collect();
+                let [x, y] = line.start();
+                Some((Rect::new([x, y - line.size], [line.width(), line.size]), words))
+            }
+            _ => None,
+        };
+        primitives.iter().filter_map(text).collect()
+    }
+
+    #[test]
+    fn what_stands_around_a_sheet_is_cut_to_its_room() {
+        let long = "A title of many words ".repeat(20);
+        let around = Around { title: long.clone(), beside: "Name ____________________".into(), foot: long };
+        let figure = around.figure([1, 2]);
+        let all: Vec<_> = figure.layers.iter().flat_map(|layer| texts(&layer.primitives)).collect();
+        assert_eq!(all.len(), 4, "{all:?}");
+        assert_eq!(all.iter().filter(|(_, words)| words.ends_with('…')).count(), 2, "{all:?}");
+        for (i, (rect, words)) in all.iter().enumerate() {
+            assert!(rect.min[0] >= MARGIN[0] - 0.1 && rect.max[0] <= SIZE[0] - MARGIN[0] + 0.1, "{words}: {rect:?}");
+            assert!(all[..i].iter().all(|(other, _)| !other.meets(rect)), "{words} covers another text");
+        }
+    }
+
+    #[test]
+    fn words_are_broken_into_lines_of_their_room() {
+        let style = Type { face: Face::Bold, ..Type::text(THEME) };
+        let block = lines("The words of a title that is long, with Donaudampfschifffahrtsgesellschaft", style, 90.0);
+        let all = texts(&block.primitives);
+        assert!(all.len() > 2 && all.iter().all(|(rect, _)| rect.size()[0] <= 91.0), "{all:?}");
+        assert!(all.iter().all(|(rect, _)| rect.max[1] <= block.size[1]), "{all:?}");
+        assert!(all.last().is_some_and(|(_, words)| words.ends_with('…')), "a word without room is cut short");
+    }
 }

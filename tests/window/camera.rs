@@ -36,7 +36,7 @@ impl Cameras for Fake {
         }
     }
 
-    fn open(&self, _: &Device, _: Size) -> Result<Box<dyn CameraFeed>, Error> {
+    fn open(&self, _: &Device, _: Size, _: &Stop) -> Result<Box<dyn CameraFeed>, Error> {
         if let Some(error) = &self.refused {
             return Err(error.clone());
         }
@@ -134,7 +134,6 @@ fn path_of_clip(window: &Window) -> std::path::PathBuf {
 fn the_last_seconds_are_frozen_with_the_estimator_that_ran_on_them() {
     let (mut window, open) = live(Fake::default());
     window.until("a frame comes", Window::is_live);
-    window.until("the searches are measured", |window| window.app().live().is_some_and(|live| live.offered.len() > 9));
     window.choose("Estimator", "Diamond search");
     let has_vectors = |window: &Window| {
         window.app().live().and_then(|live| live.seen).is_some_and(|seen| !seen.scene.marks.is_empty())
@@ -171,12 +170,22 @@ fn the_last_seconds_are_frozen_with_the_estimator_that_ran_on_them() {
     assert!(window.app().message().is_some_and(|said| said.contains("Save the clip first (Ctrl+Shift+S)")));
     let folder = tempfile::tempdir().expect("a folder");
     let saved = folder.path().join("hand.y4m");
+    window.command(Command::FocusNever);
+    window.key(Key::Num2);
+    window.key(Key::W);
+    let middle = window.harness.get_by_label_contains("Stage: ").rect().center();
+    window.harness.hover_at(middle);
+    window.harness.run_steps(1);
+    window.drag(middle, middle + vec2(20.0, 10.0));
+    window.key(Key::W);
+    assert_eq!(window.app().ink().len(), 1);
     let cursor = window.cursor();
     window.command(Command::SaveClip);
     files::write_to(&mut window, &saved);
     window.settle();
     assert_eq!(fs::read(&saved).expect("the clip"), fs::read(&path).expect("the recording"));
     assert_eq!((path_of_clip(&window), window.cursor()), (saved, cursor), "it goes on where it was");
+    assert_eq!(window.app().ink().len(), 1, "the ink stays");
     window.command(Command::SaveSession);
     let session = folder.path().join("hand.motionscope");
     files::write_to(&mut window, &session);
@@ -193,6 +202,12 @@ fn a_recording_takes_its_time_and_opens_with_the_present_estimator() {
     let begun = Instant::now();
     window.press_button("Record 1 s");
     window.until("it says so", |window| window.says("Recording: 0"));
+    for list in ["Camera", "Size", "Duration"] {
+        let node = window.harness.get_by_role_and_label(Role::ComboBox, list);
+        assert!(node.accesskit_node().is_disabled(), "{list} can be changed while it records");
+    }
+    // The key freezes no recording either.
+    window.harness.key_press(Key::Space);
     window.until("the clip is open", |window| {
         window.app().document().clip().is_some_and(|c| c.info().container == "y4m")
     });
@@ -215,6 +230,12 @@ fn a_camera_that_is_unplugged_leaves_what_came() {
     let (mut window, _) = live(Fake { frames: 12, ..Fake::default() });
     window.until("it is told", |window| window.says("HD Webcam: it is not there; plug it in."));
     assert!(window.says("The last seconds can still be frozen."));
+    window.harness.key_press(Key::R);
+    for _ in 0..10 {
+        window.harness.run_steps(1);
+        thread::sleep(Duration::from_millis(20));
+    }
+    assert!(!window.says("record again"), "there is nothing to record any more");
     window.press_button("Freeze the last 3 s");
     window.until("the clip is open", |window| {
         window.app().document().clip().is_some_and(|c| c.info().container == "y4m")
@@ -260,7 +281,6 @@ fn the_dialog_fits_the_lecture_hall() {
         window.harness.state_mut().use_cameras(Arc::new(Fake::default()));
         window.harness.state_mut().command(Command::Camera);
         window.until("a frame comes", Window::is_live);
-        window.until("it is measured", |window| window.app().live().is_some_and(|live| live.offered.len() > 9));
         window.choose("Estimator", "Diamond search");
         window.until("its rate is told", |window| window.says("Diamond search: "));
         window.lies_inside(size, "camera");

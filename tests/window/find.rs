@@ -26,6 +26,14 @@ fn a_word_of_a_lesson_leads_to_its_page_and_back() {
     assert!(window.has(Region::Lesson));
     let place = all[1].split(", ").nth(1).expect("the lesson").to_owned();
     assert!(window.harness.query_all_by_label_contains(&place).next().is_some(), "{place}");
+    let left = (lessons::page(&window), window.sentence());
+    window.command(Command::SearchText);
+    window.harness.get_by_label("Words to find").type_text("misprint");
+    window.settle();
+    window.key(Key::Enter);
+    assert!((lessons::page(&window), window.sentence()) != left, "another page");
+    window.press(Modifiers::ALT, Key::ArrowLeft);
+    assert!((lessons::page(&window), window.sentence()) == left, "back at the page and its step");
     window.command(Command::SearchText);
     window.harness.get_by_label("Words to find").type_text("kalman gain");
     window.settle();
@@ -46,6 +54,32 @@ fn estimators_parameters_and_examples_are_opened() {
     window.key(Key::Enter);
     assert!(!window.app().folded().parameters, "the parameters are shown");
     assert_eq!(window.shown().info.id, "full-search", "an estimator that has it stays");
+}
+
+#[test]
+fn a_parameter_of_the_same_name_with_another_meaning_is_shown_at_its_own_estimator() {
+    let mut window = searched("distance of an edge from its control point");
+    // Full search has a search range, too: that of its displacements.
+    let is_sought = |hit: &String| hit.starts_with("Search range, ");
+    let at = hits(&window).iter().position(is_sought).expect("the parameter");
+    (0..at).for_each(|_| window.key(Key::ArrowDown));
+    window.key(Key::Enter);
+    assert_eq!(window.app().document().estimator().info().id, "rapid");
+    // From the start page an estimator that has it is not replaced either.
+    let mut window = searched("diamond search");
+    window.key(Key::Enter);
+    let id = window.shown().info.id;
+    assert_ne!(id, "full-search");
+    window.command(Command::StartPage);
+    window.command(Command::SearchText);
+    window.harness.get_by_label("Words to find").type_text("search range");
+    window.settle();
+    let is_shared = |hit: &String| hit.starts_with("Search range, ") && hit.contains(" more. ");
+    let at = hits(&window).iter().position(is_shared).expect("the parameter");
+    (0..at).for_each(|_| window.key(Key::ArrowDown));
+    window.key(Key::Enter);
+    assert!(!window.app().is_at_start() && !window.app().folded().parameters);
+    assert_eq!(window.shown().info.id, id);
 }
 
 #[test]

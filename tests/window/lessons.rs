@@ -12,7 +12,7 @@ fn opened(name: &str) -> Window {
 }
 
 /// The number of the page, from 1, and of how many, as the window shows them.
-fn page(window: &Window) -> (usize, usize) {
+pub(super) fn page(window: &Window) -> (usize, usize) {
     let all = window.harness.root().children_recursive();
     let texts = all.filter_map(|node| node.accesskit_node().label().or_else(|| node.accesskit_node().value()));
     let numbers = |text: String| {
@@ -239,6 +239,49 @@ fn play_stops_at_the_last_step_of_a_page_and_plays_it_again() {
     played(&mut window);
     let after = window.cursor();
     assert!((after.unit, after.event) > (beyond.unit, beyond.event), "from there the run is played: {after}");
+}
+
+#[test]
+fn a_page_is_played_level_by_level_up_to_its_last_step() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("levels.md");
+    // The levels have 2, 6 and 24 blocks: the page ends in the middle of the last one.
+    let text = "# Levels\n+++\ntitle = \"One\"\nclip = \"synth:pillar,width=96,height=64\"\nestimator = \"hierarchical\"\n\
+        step = \"1.1\"\nuntil = \"12.1\"\n+++\nOne.\n";
+    fs::write(&path, text).expect("a file");
+    let mut window = opened(&path.display().to_string());
+    (0..20).for_each(|_| window.command(Command::Faster));
+    window.key(Key::Space);
+    let mut seen = Vec::new();
+    for _ in 0..100 {
+        window.harness.state_mut().wait();
+        window.harness.run_steps(2);
+        seen.push((window.cursor().unit, window.cursor().event));
+    }
+    assert_eq!(window.cursor(), Cursor { unit: 11, event: 1 });
+    assert!(seen.iter().any(|at| *at > (0, 1) && *at < (11, 1)), "the ends of levels before it: {seen:?}");
+}
+
+#[test]
+fn what_does_not_open_and_the_page_itself_leave_no_way_back() {
+    let mut window = opened("lesson:sequential-search");
+    let lesson = all().iter().find(|lesson| lesson.slug == "sequential-search").expect("the lesson");
+    let back = format!("Back to {}, page 1", lesson.title);
+    let has_way_back = |window: &Window| window.harness.query_by_label(&back).is_some();
+    // The list begins at the lesson that is open.
+    window.press(Modifiers::COMMAND, Key::L);
+    window.key(Key::Enter);
+    assert_eq!(page(&window), (1, lesson.pages.len()));
+    assert!(!has_way_back(&window), "the page that is open was opened");
+    window.command(Command::Open);
+    window.harness.get_by_label("Path of the clip").set_text_value_accesskit("no/such/clip.mp4");
+    window.settle();
+    window.click_role(Role::Button, "Open");
+    window.key(Key::Escape);
+    assert!(window.has(Region::Lesson) && !has_way_back(&window), "nothing has opened");
+    window.harness.state_mut().open("synth:parallax,width=96,height=64");
+    window.settle();
+    assert!(has_way_back(&window), "another run has opened beside the page");
 }
 
 #[test]

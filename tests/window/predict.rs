@@ -1,6 +1,7 @@
 //! Predict, then reveal: results are held back until they are asked for.
 
 use motionscope::ui::model::predict::Score;
+use motionscope_core::estimators;
 use motionscope_core::scene::{Asked, Question};
 
 use super::*;
@@ -105,6 +106,97 @@ fn a_step_back_takes_the_question_back() {
     assert!(question(&window).is_some(), "it is asked again");
     window.key(Key::Q);
     assert!(!window.app().predict().is_on() && question(&window).is_none());
+}
+
+#[test]
+fn two_steps_at_once_pass_over_no_question() {
+    let mut window = asking("full-search", "27.3", "synth:pillar");
+    let before = window.cursor();
+    for _ in 0..3 {
+        window.harness.key_press(Key::ArrowRight);
+    }
+    window.settle();
+    assert!(question(&window).is_some(), "the step after {before} is asked about");
+    assert_eq!(window.cursor(), before);
+    window.key(Key::Enter);
+    assert_eq!(window.cursor(), Cursor { event: before.event + 1, ..before });
+}
+
+#[test]
+fn what_is_pointed_at_is_not_asked_about() {
+    let mut window = asking("horn-schunck", "2.4", "synth:pillar");
+    window.harness.hover_at(pixels::on_picture(&window, "Frame t", [0.3, 0.3]));
+    window.settle();
+    assert!(window.shown().pointed.is_some(), "a pixel is explained");
+    for _ in 0..6 {
+        window.key(Key::ArrowRight);
+        if let Some(open) = window.app().predict().open() {
+            let asked = open.question.id;
+            window.key(Key::Enter);
+            let told = said(&window);
+            let verdict = window.app().predict().last().and_then(|open| open.verdict()).expect("it is revealed");
+            assert!(asked != "share" || told.contains(&verdict.answer), "{verdict:?}: {told}");
+        }
+    }
+    assert!(window.cursor() > Cursor { unit: 1, event: 4 });
+}
+
+#[test]
+fn the_keys_of_hands_are_those_of_their_place() {
+    let mut window = asking("full-search", "27.3", "synth:pillar");
+    while question(&window).is_none() {
+        window.key(Key::ArrowRight);
+    }
+    // As keyboards send it: with Shift the key has another name.
+    let digit =
+        |key, modifiers, repeat| Event::Key { key, physical_key: Some(Key::Num1), pressed: true, repeat, modifiers };
+    let release = |key| Event::Key {
+        key,
+        physical_key: Some(Key::Num1),
+        pressed: false,
+        repeat: false,
+        modifiers: Modifiers::NONE,
+    };
+    let hands = |window: &Window| window.app().predict().open().map_or(0, |open| open.guesses.hands[0]);
+    for event in [digit(Key::Num1, Modifiers::NONE, false), digit(Key::Num1, Modifiers::NONE, true), release(Key::Num1)]
+    {
+        window.harness.event(event);
+        window.settle();
+    }
+    assert_eq!(hands(&window), 1, "a key that is held counts once");
+    window.harness.event(digit(Key::Exclamationmark, Modifiers::SHIFT, false));
+    window.settle();
+    assert_eq!(hands(&window), 0);
+}
+
+#[test]
+fn answers_stay_inside_the_window() {
+    for (theme, size) in [(Theme::Projector, vec2(1280.0, 720.0)), (Theme::Light, vec2(900.0, 600.0))] {
+        for estimator in estimators() {
+            let Some(choice) = estimator.questions().iter().find(|question| question.choices().len() > 2) else {
+                continue;
+            };
+            let folder = tempfile::tempdir().expect("a folder");
+            let path = folder.path().join("one.motionscope");
+            let (id, theme) = (estimator.info().id, theme.id());
+            let clip = if estimator.needs_pictures() { "synth:pillar" } else { "synth:traffic" };
+            let lines =
+                format!("motionscope = 1\nclip = \"{clip}\"\nestimator = \"{id}\"\n[picture]\ntheme = \"{theme}\"\n");
+            fs::write(&path, lines).expect("it is written");
+            if !["diamond", "blob-tracker", "klt", "harris"].contains(&id) {
+                continue;
+            }
+            let mut window = Window::with(size, Start { open: Some(path.into()) });
+            window.key(Key::Q);
+            let mut presses = 0;
+            while question(&window).is_none_or(|question| question.id != choice.id) && presses < 120 {
+                window.key(Key::ArrowRight);
+                presses += 1;
+            }
+            assert!(question(&window).is_some(), "{id} asks");
+            window.lies_inside(size, &format!("{id}, {theme}"));
+        }
+    }
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! The start page, and the hint for a new user.
 
-use motionscope::session::lesson::all;
+use motionscope::session::lesson::{all, chapters};
 use motionscope_core::synth::SCENES;
 
 use super::*;
@@ -62,16 +62,52 @@ fn escape_leads_to_the_bundled_clip_and_to_what_was_open() {
     let before = window.sentence();
     window.command(Command::StartPage);
     assert!(window.app().is_at_start() && !window.has(Region::Transport));
-    for key in [Key::Space, Key::End, Key::PageDown, Key::X] {
-        window.press(Modifiers::NONE, key);
-        assert!(window.app().is_at_start() || key == Key::Space, "{key:?}");
-        if !window.app().is_at_start() {
-            // Space has opened what has the keyboard; that is another clip.
-            return assert!(window.sentence() != before);
-        }
+    for key in [Key::End, Key::PageDown, Key::X, Key::Q, Key::F5] {
+        window.key(key);
+        assert!(window.app().is_at_start(), "{key:?}");
     }
     window.key(Key::Escape);
     assert!(window.sentence() == before, "nothing was done to the run below the page");
+    assert!(window.has(Region::Header) && !window.has(Region::Question), "nor to how it is shown");
+}
+
+#[test]
+fn space_opens_the_clip_that_has_the_keyboard() {
+    let mut window = fresh(None);
+    window.key(Key::Escape);
+    window.command(Command::StartPage);
+    window.key(Key::Space);
+    assert!(!window.app().is_at_start());
+    let name = &window.app().document().clip().expect("a clip").info().name;
+    assert!(name.contains(SCENES[0].title.split(':').next().expect("a title")), "{name}");
+}
+
+#[test]
+fn steps_that_are_not_taken_are_no_practice() {
+    let mut window = fresh(Some(Memory::default()));
+    window.key(Key::Escape);
+    assert_eq!(window.cursor(), Cursor::default());
+    (0..3).for_each(|_| window.command(Command::IntoBack));
+    window.key(Key::ArrowRight);
+    let has_hint = |window: &Window| window.harness.query_by_label("forward").is_some();
+    assert!(has_hint(&window), "there was no step back");
+    window.key(Key::ArrowLeft);
+    assert!(!has_hint(&window));
+}
+
+#[test]
+fn no_page_of_a_lesson_is_turned_below_the_start_page() {
+    let mut window = Window::with(SIZE, Start { open: Some("lesson:sequential-search".into()) });
+    let (page, before, is_asked) = (lessons::page(&window), window.sentence(), window.has(Region::Question));
+    window.command(Command::StartPage);
+    for command in [Command::NextUnit, Command::Into, Command::Present, Command::Predict] {
+        // As by a button of the presenter's window.
+        window.command(command);
+        assert!(window.app().is_at_start(), "{command:?}");
+    }
+    window.key(Key::Escape);
+    assert_eq!(lessons::page(&window), page);
+    assert!(window.sentence() == before && window.has(Region::Header) && window.has(Region::Question) == is_asked);
 }
 
 #[test]
@@ -137,7 +173,42 @@ fn what_is_missing_says_so_and_what_cannot_be_opened_says_why() {
 }
 
 #[test]
-fn everything_on_the_page_is_reached_in_every_theme_and_size() {
+fn arrows_lead_to_everything_on_the_page() {
+    let mut window = fresh(None);
+    let focused = |window: &Window| {
+        let node = window.harness.root().children_recursive().find(|node| node.is_focused()).expect("the keyboard");
+        node.accesskit_node().id()
+    };
+    window.command(Command::ReducedMotion);
+    window.key(Key::ArrowRight);
+    let mut reached = vec![focused(&window)];
+    let mut tried = 0;
+    while tried < reached.len() {
+        for key in [Key::ArrowUp, Key::ArrowDown, Key::ArrowLeft, Key::ArrowRight] {
+            let from = reached[tried];
+            {
+                let root = window.harness.root();
+                let node = root.children_recursive().find(|node| node.accesskit_node().id() == from);
+                node.expect("it is still there").focus();
+            }
+            window.harness.run();
+            window.key(key);
+            let to = focused(&window);
+            if !reached.contains(&to) {
+                reached.push(to);
+            }
+        }
+        tried += 1;
+    }
+    let buttons = window.harness.query_all_by_role(Role::Button);
+    let all = buttons.chain(window.harness.query_all_by_role(Role::CheckBox));
+    let missed = all.filter(|node| !reached.contains(&node.accesskit_node().id()));
+    let missed: Vec<_> = missed.filter_map(|node| node.accesskit_node().label()).collect();
+    assert!(missed.is_empty() && reached.len() > 20, "{missed:?}");
+}
+
+#[test]
+fn nothing_on_the_page_lies_over_another_in_any_theme_and_size() {
     for size in [vec2(1280.0, 720.0), vec2(1920.0, 1080.0), vec2(720.0, 480.0)] {
         let mut window = Window::begun(size, Start::default(), None);
         for _ in Theme::ALL {
@@ -161,6 +232,7 @@ fn everything_on_the_page_is_reached_in_every_theme_and_size() {
     let mut window = fresh(None);
     window.command(Command::ProjectorTheme);
     window.settle();
-    let last = window.harness.get_by_label(&all()[12].title).rect();
+    let last = chapters().pop().and_then(|(_, lessons)| lessons.last().copied()).expect("a chapter");
+    let last = window.harness.get_by_label(&last.title).rect();
     assert!(last.max.y < 680.0, "all chapters are seen in a lecture hall: {last}");
 }

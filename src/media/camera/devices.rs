@@ -44,7 +44,7 @@ impl Platform {
         }
     }
 
-    /// The cameras in what ffmpeg printed about them.
+    /// The cameras in the text that ffmpeg printed.
     pub fn parse(self, printed: &str) -> Vec<Device> {
         match self {
             Self::Linux => printed.lines().filter_map(v4l2).collect(),

@@ -1,7 +1,7 @@
 //! Cameras through the user's own ffmpeg.
 
 use std::ffi::OsString;
-use std::io::{BufRead, BufReader, Read};
+use std::io::{BufRead, BufReader, ErrorKind, Read};
 use std::path::PathBuf;
 use std::process::Stdio;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -45,21 +45,22 @@ impl Ffmpeg {
         Self { program: program.into(), platform, described: described.into() }
     }
 
-    /// What ffmpeg prints for `arguments`, errors included.
-    fn printed(&self, arguments: &[&str]) -> Result<String, Error> {
+    /// Returns the text that ffmpeg prints for `arguments`, errors included.
+    fn printed(&self, arguments: &[&str], stop: &Stop) -> Result<String, Error> {
         let mut command = program(&self.program);
-        let child = command.args(arguments).stderr(Stdio::piped()).spawn().map_err(|_| absent())?;
+        let child = command.args(arguments).stderr(Stdio::piped()).spawn().map_err(|error| unstarted(&error))?;
         let mut child = Running(child);
         let pipes = [child.0.stdout.take().map(boxed), child.0.stderr.take().map(boxed)];
         let readers = pipes.into_iter().flatten().map(|mut pipe| {
             thread::spawn(move || {
                 let mut bytes = Vec::new();
-                // What cannot be read any more was not printed.
+                // A pipe that breaks has printed nothing.
                 pipe.read_to_end(&mut bytes).map_or_else(|_| String::new(), |_| String::from_utf8_lossy(&bytes).into())
             })
         });
         let (readers, begun): (Vec<_>, _) = (readers.collect(), Instant::now());
         while !readers.iter().all(|reader| reader.is_finished()) {
+            stop.check()?;
             if begun.elapsed() > LISTING {
                 return Err(Error::new(
                     "ffmpeg does not answer; unplug the camera, plug it in again and list it again",
@@ -71,17 +72,18 @@ impl Ffmpeg {
     }
 
     fn cameras(&self) -> Result<Vec<Device>, Error> {
+        let stop = Stop::default();
         // Also where the system describes its cameras, ffmpeg is needed to open them.
-        self.version()?;
+        self.version(&stop)?;
         let known = if self.platform == Platform::Linux { described(&self.described) } else { Vec::new() };
         if !known.is_empty() {
             return Ok(known);
         }
-        Ok(self.platform.parse(&self.printed(self.platform.listing())?))
+        Ok(self.platform.parse(&self.printed(self.platform.listing(), &stop)?))
     }
 
-    fn version(&self) -> Result<String, Error> {
-        let printed = self.printed(&["-version"])?;
+    fn version(&self, stop: &Stop) -> Result<String, Error> {
+        let printed = self.printed(&["-version"], stop)?;
         Ok(printed.strip_prefix("ffmpeg version ").unwrap_or(&printed).to_owned())
     }
 }
@@ -90,9 +92,14 @@ fn boxed(pipe: impl Read + Send + 'static) -> Box<dyn Read + Send> {
     Box::new(pipe)
 }
 
-/// What to do without ffmpeg.
-fn absent() -> Error {
-    Error::new("cameras need ffmpeg, which is not installed; install it (ffmpeg.org) and start Motionscope again")
+/// Why ffmpeg does not start, and what to do.
+fn unstarted(error: &std::io::Error) -> Error {
+    match error.kind() {
+        ErrorKind::NotFound => Error::new(
+            "cameras need ffmpeg, which is not installed; install it (ffmpeg.org) and start Motionscope again",
+        ),
+        _ => Error::new(format!("cameras need ffmpeg, which cannot be started ({error}); install it again")),
+    }
 }
 
 impl Cameras for Ffmpeg {
@@ -105,16 +112,16 @@ impl Cameras for Ffmpeg {
         (all, error)
     }
 
-    fn open(&self, device: &Device, size: Size) -> Result<Box<dyn CameraFeed>, Error> {
+    fn open(&self, device: &Device, size: Size, stop: &Stop) -> Result<Box<dyn CameraFeed>, Error> {
         let Device::Camera { name, address } = device else { return Ok(Box::new(TestPicture::new(size))) };
-        let passthrough = if is_old(&self.version()?) { "-vsync" } else { "-fps_mode" };
+        let passthrough = if is_old(&self.version(stop)?) { "-vsync" } else { "-fps_mode" };
         let Size { width, height } = size;
         let mut command = program(&self.program);
         command.args(["-hide_banner", "-loglevel", "error", "-nostdin", "-fflags", "nobuffer"]);
         command.args(["-f", self.platform.input(), "-framerate", &RATE.to_string()]);
         command.args(["-video_size", &format!("{width}x{height}"), "-i", address, "-map", "0:v:0"]);
         command.args([passthrough, "passthrough", "-pix_fmt", "yuv420p", "-f", "yuv4mpegpipe", "-"]);
-        let mut child = Running(command.stderr(Stdio::piped()).spawn().map_err(|_| absent())?);
+        let mut child = Running(command.stderr(Stdio::piped()).spawn().map_err(|error| unstarted(&error))?);
         let missing = || Error::new("ffmpeg does not answer; start Motionscope again");
         let (pipe, errors) = (child.0.stdout.take().ok_or_else(missing)?, child.0.stderr.take().ok_or_else(missing)?);
         let said = Arc::<Mutex<Vec<String>>>::default();
@@ -143,7 +150,7 @@ struct Pipe {
 }
 
 impl Pipe {
-    /// Why there are no frames: what ffmpeg said, if it has ended, or else `error`.
+    /// Why there are no frames: the message of ffmpeg, if it has ended, or else `error`.
     fn explained(&mut self, error: Option<Error>) -> Error {
         let begun = Instant::now();
         while matches!(self.child.0.try_wait(), Ok(None)) {
@@ -175,7 +182,7 @@ impl CameraFeed for Pipe {
     }
 }
 
-/// Why ffmpeg ended, and what to do, from what it `said`.
+/// Why ffmpeg ended, and what to do, from the messages that it `said`.
 fn reason(said: &str, Size { width, height }: Size, platform: Platform) -> String {
     let lower = said.to_lowercase();
     let says = |words: &[&str]| words.iter().any(|word| lower.contains(word));
@@ -193,8 +200,16 @@ fn reason(said: &str, Size { width, height }: Size, platform: Platform) -> Strin
     if says(&["unknown input format"]) {
         return format!("this ffmpeg was built without {}; install another build of ffmpeg", platform.input());
     }
-    if says(&["no such device", "could not find video device", "no such file", "not found", "video device not found"]) {
+    if says(&["unrecognized option", "option not found"]) {
+        return "this ffmpeg does not know an option that cameras need; install a current ffmpeg".into();
+    }
+    if says(&["no such device", "could not find video device", "no such file", "video device not found"]) {
         return "it is not there; plug it in and list the cameras again".into();
+    }
+    if says(&["framerate", "frame rate"]) {
+        return format!(
+            "it does not send {RATE} frames/s at {width}×{height} px; choose another size, or another camera"
+        );
     }
     if says(&["video size", "not supported", "invalid argument", "could not set video options"]) {
         return format!("it has no frames of {width}×{height} px at {RATE} frames/s; choose another size");
@@ -219,6 +234,10 @@ mod tests {
             ("[video4linux2,v4l2 @ 0x5] ioctl(VIDIOC_DQBUF): No such device", "plug it in"),
             ("/dev/video0: Invalid argument", "640×480 px"),
             ("Unknown input format: 'v4l2'", "without v4l2"),
+            (
+                "Unrecognized option 'fps_mode'.\nError splitting the argument list: Option not found",
+                "a current ffmpeg",
+            ),
             ("Something odd happened.\nmore", "says: Something odd happened"),
             ("", "sends no more frames"),
         ] {
@@ -227,6 +246,8 @@ mod tests {
         }
         let selected = "[avfoundation @ 0x7] Selected video size (640x480) is not supported by the device.";
         assert!(of(selected, Platform::MacOs).contains("choose another size"));
+        let rate = "[avfoundation @ 0x7] Selected framerate (30.000000) is not supported by the device.";
+        assert!(of(rate, Platform::MacOs).contains("does not send 30 frames/s at 640×480 px"));
         let denied = "[avfoundation @ 0x7] Failed to create AV capture input device: not authorized";
         assert!(of(denied, Platform::MacOs).contains("Privacy & Security"));
         let graph =
@@ -239,15 +260,33 @@ mod tests {
         let (all, error) = Ffmpeg::new("no-such-ffmpeg", Platform::Linux, "/nowhere").list();
         assert_eq!(all, [Device::TestPicture]);
         assert!(error.is_some_and(|error| error.to_string().contains("install it (ffmpeg.org)")));
+        let denied = unstarted(&ErrorKind::PermissionDenied.into()).to_string();
+        assert!(denied.contains("cannot be started") && !denied.contains("not installed"), "{denied}");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn opening_is_cancelled_while_ffmpeg_does_not_answer() {
+        let (_folder, cameras) = fake_with("exec sleep 600", "");
+        let (stop, begun) = (Stop::default(), Instant::now());
+        stop.set(true);
+        assert!(cameras.open(&camera(), Size::default(), &stop).is_err());
+        assert!(begun.elapsed() < LISTING / 2, "{:?}", begun.elapsed());
     }
 
     /// An ffmpeg that is a script of the shell, in a folder of its own.
     #[cfg(unix)]
     fn fake(script: &str) -> (tempfile::TempDir, Ffmpeg) {
+        fake_with("echo ffmpeg version 6.0; exit", script)
+    }
+
+    /// The same with another answer to the question for its version.
+    #[cfg(unix)]
+    fn fake_with(version: &str, script: &str) -> (tempfile::TempDir, Ffmpeg) {
         use std::os::unix::fs::PermissionsExt as _;
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("ffmpeg");
-        let version = "case \"$*\" in *-version*) echo ffmpeg version 6.0; exit;; esac";
+        let version = format!("case \"$*\" in *-version*) {version};; esac");
         std::fs::write(&path, format!("#!/bin/sh\n{version}\n{script}\n")).unwrap();
         std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755)).unwrap();
         (folder, Ffmpeg::new(path, Platform::Linux, "/nowhere"))
@@ -269,7 +308,7 @@ mod tests {
         let (_folder, cameras) = fake(script);
         let (all, error) = cameras.list();
         assert_eq!((all.as_slice(), error), (&[camera(), Device::TestPicture][..], None));
-        let (mut feed, stop) = (cameras.open(&all[0], Size::default()).unwrap(), Stop::default());
+        let (mut feed, stop) = (cameras.open(&all[0], Size::default(), &Stop::default()).unwrap(), Stop::default());
         assert_eq!(feed.begin(&stop).unwrap().size(), (2, 1));
         assert_eq!(feed.next(&stop), Ok(Some(b"ab".to_vec())));
         assert_eq!(feed.next(&stop), Ok(Some(b"cd".to_vec())));
@@ -281,7 +320,7 @@ mod tests {
     #[test]
     fn what_ffmpeg_says_is_told() {
         let (_folder, cameras) = fake("echo '/dev/video7: Device or resource busy' >&2; exit 1");
-        let mut feed = cameras.open(&camera(), Size::default()).unwrap();
+        let mut feed = cameras.open(&camera(), Size::default(), &Stop::default()).unwrap();
         let said = feed.begin(&Stop::default()).unwrap_err().to_string();
         assert!(said.starts_with("Webcam: another program uses it"), "{said}");
     }
@@ -291,7 +330,7 @@ mod tests {
     fn the_process_ends_with_its_feed() {
         let script = "echo $$ > \"$0.id\"; printf 'YUV4MPEG2 W2 H1 Cmono\\nFRAME\\nab'; exec sleep 600";
         let (folder, cameras) = fake(script);
-        let feed = cameras.open(&camera(), Size::default()).unwrap();
+        let feed = cameras.open(&camera(), Size::default(), &Stop::default()).unwrap();
         let camera = super::super::Camera::start(feed, || {}).unwrap();
         assert!(camera.wait_for(0, Duration::from_secs(10)).is_some());
         let id = std::fs::read_to_string(folder.path().join("ffmpeg.id")).unwrap();

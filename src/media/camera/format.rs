@@ -1,11 +1,11 @@
-//! What every frame of a feed is like.
+//! The format of the frames of a feed.
 
 use motionscope_core::{Error, Frame};
 
 use crate::media::check_size;
 use crate::media::video::y4m::Header;
 
-/// What every frame of a feed is like: the first line of Y4M video.
+/// The format of all frames of a feed: the first line of Y4M video.
 #[derive(Clone, Debug)]
 pub struct Format {
     line: String,
@@ -19,7 +19,7 @@ impl Format {
     /// If it is none, or claims a size that no picture has.
     pub fn parse(line: &[u8]) -> Result<Self, Error> {
         if !line.starts_with(b"YUV4MPEG2 ") {
-            return Err(Error::new("what comes from the camera is no Y4M video; install a current ffmpeg"));
+            return Err(Error::new("ffmpeg sent no Y4M video; install a current ffmpeg"));
         }
         let header = Header::parse(line)?;
         check_size(header.width, header.height)?;

@@ -1,7 +1,7 @@
 //! Frames of a camera as a clip: Y4M video, the samples as they came.
 
-use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -10,6 +10,11 @@ use motionscope_core::{Error, Stop};
 use super::reading::rate;
 use super::{CameraFeed, Format, Shot};
 use crate::media::{Progress, export, name_of, temporary};
+
+/// Room for the measured rate in the first line of a file.
+const RATE_ROOM: usize = 24;
+/// The shortest recording of which the rate is measured.
+const MEASURED: Duration = Duration::from_millis(100);
 
 /// A clip that was recorded and is not saved yet; dropping it removes its file.
 #[derive(Debug)]
@@ -68,12 +73,34 @@ pub fn keep(format: &Format, shots: &[Shot], name: &str) -> Result<Kept, Error> 
     Ok(Kept { _folder: folder, path, frames: shots.len(), rate })
 }
 
+/// The first line of a file of frames, filled with spaces to `width` bytes with its end.
+fn padded(head: &str, width: usize) -> String {
+    format!("{:<1$}\n", head.trim_end(), width.saturating_sub(1))
+}
+
+/// Writes the measured rate into the first line of `file`, which has `width` bytes.
+fn put_rate(file: &mut (impl Write + Seek), format: &Format, (times, width): (&[Duration], usize)) -> io::Result<()> {
+    let time = length(times);
+    let rate = (times.len() > 2 && time >= MEASURED).then(|| (times.len() - 1) as f64 / time.as_secs_f64());
+    let line = padded(&format.head(rate), width);
+    if line.len() != width {
+        return Ok(());
+    }
+    file.seek(SeekFrom::Start(0))?;
+    file.write_all(line.as_bytes())
+}
+
+/// The time from the first frame to the last.
+fn length(times: &[Duration]) -> Duration {
+    times.first().zip(times.last()).map_or(Duration::ZERO, |(first, last)| last.saturating_sub(*first))
+}
+
 fn put(file: &mut impl Write, samples: &[u8]) -> io::Result<()> {
     file.write_all(b"FRAME\n")?;
     file.write_all(samples)
 }
 
-/// What [`record`] has written.
+/// The outcome of [`record`].
 #[derive(Debug)]
 pub struct Recorded {
     /// Number of frames.
@@ -86,8 +113,8 @@ pub struct Recorded {
     pub ended: Option<Error>,
 }
 
-/// Records `feed` for `time` into the file `out`, which is there only once it is whole. If the camera ends before, what came until
-/// then is kept.
+/// Records `feed` for `time` into the file `out`, which is there only once it is whole. If the camera ends before, the frames so far
+/// are kept.
 ///
 /// # Errors
 /// If the camera sends fewer than two frames, the file cannot be written, or the work was cancelled.
@@ -99,11 +126,15 @@ pub fn record(
 ) -> Result<Recorded, Error> {
     let stop = Stop::default();
     let cannot = |error: io::Error| export::cannot_write(out, &error);
+    // A link keeps pointing where it points.
+    let target = fs::canonicalize(out).unwrap_or_else(|_| out.to_owned());
     // Before the camera is switched on.
-    let draft = export::draft(out).map_err(cannot)?;
+    let draft = export::draft(&target).map_err(cannot)?;
     let format = feed.begin(&stop)?;
     let (mut file, mut times) = (BufWriter::new(draft), Vec::<Duration>::new());
-    file.write_all(format.head(None).as_bytes()).map_err(cannot)?;
+    let head = format.head(None);
+    let width = head.len() + RATE_ROOM;
+    file.write_all(padded(&head, width).as_bytes()).map_err(cannot)?;
     let begun = Instant::now();
     let ended = loop {
         if progress.is_some_and(Progress::cancelled) {
@@ -116,7 +147,7 @@ pub fn record(
         };
         times.push(begun.elapsed());
         put(&mut file, &samples).map_err(cannot)?;
-        let gone = times[times.len() - 1].saturating_sub(times[0]);
+        let gone = length(&times);
         progress.into_iter().for_each(|progress| progress.report(gone.as_secs_f32() / time.as_secs_f32()));
         if gone >= time {
             break None;
@@ -126,11 +157,11 @@ pub fn record(
         let why = ended.unwrap_or_else(|| Error::new("the camera sent fewer than two frames; record longer"));
         return Err(Error::new(format!("{} was not recorded: {why}", name_of(out))));
     }
-    let draft = file.into_inner().map_err(|error| cannot(error.into_error()))?;
+    let mut draft = file.into_inner().map_err(|error| cannot(error.into_error()))?;
+    put_rate(draft.as_file_mut(), &format, (times.as_slice(), width)).map_err(cannot)?;
     let _at_work = temporary::at_work();
-    draft.persist(out).map_err(|error| cannot(error.error))?;
-    let time = times[times.len() - 1].saturating_sub(times[0]);
-    Ok(Recorded { frames: times.len(), size: format.size(), time, ended })
+    draft.persist(&target).map_err(|error| cannot(error.error))?;
+    Ok(Recorded { frames: times.len(), size: format.size(), time: length(&times), ended })
 }
 
 #[cfg(test)]
@@ -171,6 +202,42 @@ mod tests {
             self.0 = self.0.checked_sub(1).ok_or_else(|| Error::new("it was unplugged"))?;
             Ok(Some(vec![7; 2]))
         }
+    }
+
+    #[test]
+    fn the_measured_rate_is_in_the_recording() {
+        /// Frames every 20 ms from a camera that claims 240 frames per second.
+        struct Slow;
+
+        impl CameraFeed for Slow {
+            fn begin(&mut self, _: &Stop) -> Result<Format, Error> {
+                Format::parse(b"YUV4MPEG2 W2 H1 F240:1 Cmono")
+            }
+
+            fn next(&mut self, _: &Stop) -> Result<Option<Vec<u8>>, Error> {
+                std::thread::sleep(Duration::from_millis(20));
+                Ok(Some(vec![7; 2]))
+            }
+        }
+
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().join("a.y4m");
+        let done = record(Box::new(Slow), Duration::from_millis(200), &out, None).unwrap();
+        let clip = open(&out, &Open::default()).unwrap();
+        let measured = (done.frames - 1) as f64 / done.time.as_secs_f64();
+        assert!(clip.info().fps.is_some_and(|fps| (fps - measured).abs() < 0.1), "{:?}, {measured}", clip.info().fps);
+        assert_eq!((clip.info().frames, clip.frame(1).unwrap().luma().cells()), (Some(done.frames), &[7, 7][..]));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_keeps_pointing_where_it_points() {
+        let folder = tempfile::tempdir().unwrap();
+        let [target, link] = ["target.y4m", "link.y4m"].map(|name| folder.path().join(name));
+        fs::write(&target, "old").unwrap();
+        std::os::unix::fs::symlink(&target, &link).unwrap();
+        record(Box::new(Some3(3)), Duration::from_secs(9), &link, None).unwrap();
+        assert!(link.is_symlink() && fs::read(&target).unwrap().starts_with(b"YUV4MPEG2"));
     }
 
     #[test]

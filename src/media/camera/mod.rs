@@ -1,4 +1,4 @@
-//! Cameras: their list, their frames, and what is kept of them as a clip.
+//! Cameras: their list, their frames, and recordings of them as clips.
 //!
 //! A [`CameraFeed`] delivers frames one after the other: the pipe of the user's own ffmpeg, or a moving test picture. A
 //! [`Camera`] reads it on a thread of its own and remembers the last seconds, of which [`keep`] makes a clip.
@@ -28,7 +28,7 @@ pub enum Device {
     Camera {
         /// Its name, as the system calls it.
         name: String,
-        /// What ffmpeg opens it by.
+        /// Its name for ffmpeg.
         address: String,
     },
     /// A moving pattern that needs no camera.
@@ -61,12 +61,17 @@ impl Device {
             return Ok(device);
         }
         let mut alike = all.iter().filter(|device| device.name().to_lowercase().contains(&lower));
+        let list = |why: String, of: Vec<&Device>| {
+            let names: Vec<_> = of.into_iter().map(Device::name).collect();
+            Err(Error::new(format!("{why}; choose one of {}", names.join(", "))))
+        };
         match (alike.next(), alike.next()) {
             (Some(device), None) => Ok(device),
-            _ => {
-                let names: Vec<_> = all.iter().map(Device::name).collect();
-                Err(Error::new(format!("there is no camera {wanted}; choose one of {}", names.join(", "))))
+            (Some(first), Some(second)) => {
+                let found = [first, second].into_iter().chain(alike).collect();
+                list(format!("{wanted} names more than one camera"), found)
             }
+            (None, _) => list(format!("there is no camera {wanted}"), all.iter().collect()),
         }
     }
 }
@@ -112,7 +117,7 @@ impl std::str::FromStr for Size {
 
 /// Frames that come one after the other, in real time.
 pub trait CameraFeed: Send {
-    /// Waits for the first frame, and returns what every frame is like. Called once, before [`CameraFeed::next`].
+    /// Waits for the first frame, and returns the format of all frames. Called once, before [`CameraFeed::next`].
     ///
     /// # Errors
     /// One sentence that says why there are no frames and what to do.
@@ -127,15 +132,15 @@ pub trait CameraFeed: Send {
 
 /// The cameras of a computer.
 pub trait Cameras: Send + Sync {
-    /// Returns the sources of frames; the test picture, which is always there, comes last. With it comes why cameras cannot be
-    /// listed, if they cannot. May take a second.
+    /// Returns the sources of frames, of which the test picture is always the last, and the error that kept cameras from being
+    /// listed, if there was one. May take a second.
     fn list(&self) -> (Vec<Device>, Option<Error>);
 
     /// Opens a source of frames of about this size; its first frames may take a while.
     ///
     /// # Errors
-    /// One sentence that says why it cannot be opened and what to do.
-    fn open(&self, device: &Device, size: Size) -> Result<Box<dyn CameraFeed>, Error>;
+    /// One sentence that says why it cannot be opened and what to do, or that `stop` was set.
+    fn open(&self, device: &Device, size: Size, stop: &Stop) -> Result<Box<dyn CameraFeed>, Error>;
 }
 
 #[cfg(test)]
@@ -154,9 +159,11 @@ mod tests {
             ["hd webcam", "/dev/video2", "USB", "test"].map(found),
             [Some("HD Webcam"), Some("USB Webcam"), Some("USB Webcam"), Some("Test picture")]
         );
-        for wanted in ["webcam", "none"] {
-            let said = Device::find(&all, wanted).unwrap_err().to_string();
-            assert!(said.contains("HD Webcam, USB Webcam, Test picture"), "{said}");
+        for (wanted, why) in [
+            ("webcam", "webcam names more than one camera; choose one of HD Webcam, USB Webcam"),
+            ("none", "there is no camera none; choose one of HD Webcam, USB Webcam, Test picture"),
+        ] {
+            assert_eq!(Device::find(&all, wanted).unwrap_err().to_string(), why);
         }
     }
 

@@ -9,7 +9,7 @@ use motionscope_core::{Error, Frame, Stop};
 
 use super::{CameraFeed, Format};
 
-/// Memory that the remembered frames take at most.
+/// Memory that the remembered frames take at most, and that a recording takes at most.
 const MOST_BYTES: usize = 512 << 20;
 /// The time that is remembered unless another is asked for.
 const REMEMBERED: Duration = Duration::from_secs(5);
@@ -40,12 +40,41 @@ impl Shot {
     }
 }
 
-/// What the thread of a camera has read.
+/// A recording that is being made: its frames stay until it is taken, whatever is remembered beside it.
+#[derive(Debug)]
+struct Recording {
+    time: Duration,
+    shots: Vec<Shot>,
+    is_whole: bool,
+}
+
+impl Recording {
+    /// Adds a frame unless the time is over; a recording of `most` frames is whole as well.
+    fn push(&mut self, shot: &Shot, most: usize) {
+        if self.is_whole {
+            return;
+        }
+        let end = self.shots.first().map(|first| first.at + self.time);
+        if end.is_none_or(|end| shot.at <= end) {
+            self.shots.push(shot.clone());
+        }
+        self.is_whole = end.is_some_and(|end| shot.at >= end) || self.shots.len() >= most;
+    }
+
+    /// The time from its first frame to its last.
+    fn length(&self) -> Duration {
+        let ends = self.shots.first().zip(self.shots.last());
+        ends.map_or(Duration::ZERO, |(first, last)| last.at.saturating_sub(first.at))
+    }
+}
+
+/// The state of the thread of a camera.
 #[derive(Default)]
 struct State {
     format: Option<Format>,
     shots: VecDeque<Shot>,
     remembered: Duration,
+    recording: Option<Recording>,
     count: u64,
     ended: Option<Error>,
 }
@@ -53,7 +82,9 @@ struct State {
 impl State {
     fn push(&mut self, at: Duration, samples: Vec<u8>) {
         let most = (MOST_BYTES / samples.len().max(1)).max(2);
-        self.shots.push_back(Shot { index: self.count, at, samples: samples.into() });
+        let shot = Shot { index: self.count, at, samples: samples.into() };
+        self.recording.iter_mut().for_each(|recording| recording.push(&shot, most));
+        self.shots.push_back(shot);
         self.count += 1;
         let is_old = |shots: &VecDeque<Shot>| shots[0].at + self.remembered < at && shots.len() > 2;
         while is_old(&self.shots) || self.shots.len() > most {
@@ -87,15 +118,15 @@ impl Camera {
     /// # Errors
     /// If the system gives no thread.
     pub fn start(feed: Box<dyn CameraFeed>, changed: impl Fn() + Send + 'static) -> Result<Self, Error> {
-        Self::open(|| Ok(feed), changed)
+        Self::open(|_| Ok(feed), changed)
     }
 
-    /// As [`Camera::start`], with the feed that `open` opens on the same thread.
+    /// As [`Camera::start`], with the feed that `open` opens on the same thread; its stop is set when the camera is dropped.
     ///
     /// # Errors
     /// If the system gives no thread.
     pub fn open(
-        open: impl FnOnce() -> Result<Box<dyn CameraFeed>, Error> + Send + 'static,
+        open: impl FnOnce(&Stop) -> Result<Box<dyn CameraFeed>, Error> + Send + 'static,
         changed: impl Fn() + Send + 'static,
     ) -> Result<Self, Error> {
         let shared = Arc::new(Shared::default());
@@ -103,7 +134,7 @@ impl Camera {
         let stop = Stop::default();
         let (theirs, asked) = (Arc::clone(&shared), stop.clone());
         let read = move || {
-            let ended = open().and_then(|feed| read(feed, &theirs, &asked, &changed)).err();
+            let ended = open(&asked).and_then(|feed| read(feed, &theirs, &asked, &changed)).err();
             theirs.state().ended = Some(ended.unwrap_or_else(|| Error::new("the camera sends no more frames")));
             theirs.news.notify_all();
             changed();
@@ -119,7 +150,7 @@ impl Camera {
         self.shared.state().remembered = time;
     }
 
-    /// What the frames are like, once the first one has come.
+    /// The format of the frames, once the first one has come.
     pub fn format(&self) -> Option<Format> {
         self.shared.state().format.clone()
     }
@@ -143,12 +174,25 @@ impl Camera {
         self.shared.state().shots.back().cloned()
     }
 
-    /// The remembered frames from number `index` on, of at most `time` from the first of them.
-    pub fn from(&self, index: u64, time: Duration) -> Vec<Shot> {
+    /// Begins a recording of `time` with the next frame, in place of one that was not taken.
+    pub fn begin_recording(&self, time: Duration) {
+        self.shared.state().recording = Some(Recording { time, shots: Vec::new(), is_whole: false });
+    }
+
+    /// The length of the recording so far, if one is being made.
+    pub fn recorded(&self) -> Option<Duration> {
+        self.shared.state().recording.as_ref().map(Recording::length)
+    }
+
+    /// Whether there is a recording to which no frame will be added: its time is over, or the feed has ended.
+    pub fn has_recording(&self) -> bool {
         let state = self.shared.state();
-        let first = state.shots.iter().find(|shot| shot.index >= index).map_or(Duration::ZERO, |shot| shot.at);
-        let wanted = state.shots.iter().filter(|shot| shot.index >= index && shot.at <= first + time);
-        wanted.cloned().collect()
+        state.recording.as_ref().is_some_and(|recording| recording.is_whole || state.ended.is_some())
+    }
+
+    /// Ends the recording, and returns its frames; none if none is being made.
+    pub fn take_recording(&self) -> Vec<Shot> {
+        self.shared.state().recording.take().map_or_else(Vec::new, |recording| recording.shots)
     }
 
     /// The remembered frames of the last `time`.
@@ -211,6 +255,30 @@ mod tests {
         assert_eq!(rate(&[]), None);
     }
 
+    #[test]
+    fn a_recording_keeps_its_frames_longer_than_they_are_remembered() {
+        let shots = |recording: &Recording| recording.shots.iter().map(|shot| shot.index).collect::<Vec<_>>();
+        let mut state = state(200, 5);
+        let begun = |time_ms| Some(Recording { time: Duration::from_millis(time_ms), shots: vec![], is_whole: false });
+        state.recording = begun(1000);
+        (5..40).for_each(|t| state.push(Duration::from_millis(100 * t), vec![t as u8; 4]));
+        let recording = state.recording.as_ref().unwrap();
+        assert_eq!((shots(recording), recording.is_whole), ((5..=15).collect(), true));
+        assert_eq!(recording.length(), Duration::from_secs(1));
+        assert_eq!(state.shots.front().map(|shot| shot.index), Some(37));
+
+        let mut dropped = begun(250).unwrap();
+        state.shots.iter().for_each(|shot| dropped.push(shot, usize::MAX));
+        assert_eq!((shots(&dropped), dropped.is_whole), (vec![37, 38, 39], false), "it waits for its last frame");
+        let late = Shot { index: 43, at: Duration::from_millis(4300), samples: Arc::from([0; 4]) };
+        dropped.push(&late, usize::MAX);
+        assert_eq!((shots(&dropped), dropped.is_whole), (vec![37, 38, 39], true), "after dropped frames as well");
+
+        let mut full = begun(60_000).unwrap();
+        state.shots.iter().for_each(|shot| full.push(shot, 2));
+        assert_eq!((shots(&full), full.is_whole), (vec![37, 38], true), "no more than there is memory for");
+    }
+
     /// Three frames, 5 ms from each other, and then an end or an error.
     struct Three(u8, Option<Error>);
 
@@ -235,10 +303,12 @@ mod tests {
             assert!(camera.wait_for(3, Duration::from_secs(10)).is_none(), "it has ended");
             assert!(camera.ended().unwrap().to_string().contains(told));
             assert_eq!(camera.last(Duration::from_secs(5)).len(), 3);
-            assert_eq!(camera.from(1, Duration::ZERO).len(), 1);
-            assert_eq!(camera.from(1, Duration::from_secs(1)).len(), 2);
+            assert!(!camera.has_recording() && camera.recorded().is_none());
+            camera.begin_recording(Duration::from_secs(1));
+            assert!(camera.has_recording() && camera.take_recording().is_empty(), "nothing comes after the end");
+            assert_eq!(camera.recorded(), None);
         }
-        let refused = Camera::open(|| Err(Error::new("it is busy")), || {}).unwrap();
+        let refused = Camera::open(|_| Err(Error::new("it is busy")), || {}).unwrap();
         assert!(refused.wait_for(0, Duration::from_secs(10)).is_none());
         assert_eq!(refused.ended(), Some(Error::new("it is busy")));
     }

@@ -19,13 +19,13 @@ const STALLED: Duration = Duration::from_secs(3);
 /// Frames that wait between the pipe and their reader.
 const WAITING: usize = 4;
 
-/// What is read from the pipe.
+/// A part of the video in the pipe.
 enum Item {
     Format(Format),
     Frame(Vec<u8>),
 }
 
-/// Y4M video from a pipe, read on a thread of its own: nobody who waits for it waits for ever.
+/// Y4M video from a pipe, read on a thread of its own, so that waiting for a frame has an end.
 pub struct Stream {
     items: Receiver<Result<Item, Error>>,
     stalled: Duration,
@@ -59,7 +59,7 @@ impl Stream {
         Self { stalled, ..self }
     }
 
-    /// What comes next; `None` at the end of the pipe.
+    /// Receives the next part; `None` at the end of the pipe.
     fn receive(&self, stop: &Stop, patience: Duration) -> Result<Option<Item>, Error> {
         let begun = Instant::now();
         loop {
@@ -102,7 +102,7 @@ fn read_item(pipe: &mut impl BufRead, format: &mut Option<Format>) -> Result<Opt
         return Ok(Some(Item::Format(format.insert(Format::parse(&line)?).clone())));
     };
     if !line.starts_with(b"FRAME") {
-        return Err(Error::new("what comes from the camera is damaged; open it again"));
+        return Err(Error::new("ffmpeg sent a damaged frame; open the camera again"));
     }
     let mut samples = vec![0; known.frame_bytes()];
     Ok(pipe.read_exact(&mut samples).ok().map(|()| Item::Frame(samples)))
@@ -115,7 +115,7 @@ fn read_line(pipe: &mut impl BufRead) -> Result<Option<Vec<u8>>, Error> {
     match (read, line.pop()) {
         (Ok(_), Some(b'\n')) => Ok(Some(line)),
         (Ok(_), None) | (Err(_), _) => Ok(None),
-        (Ok(_), Some(_)) => Err(Error::new("what comes from the camera is no Y4M video; install a current ffmpeg")),
+        (Ok(_), Some(_)) => Err(Error::new("ffmpeg sent no Y4M video; install a current ffmpeg")),
     }
 }
 

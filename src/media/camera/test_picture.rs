@@ -86,7 +86,7 @@ impl CameraFeed for TestPicture {
 
     fn next(&mut self, stop: &Stop) -> Result<Option<Vec<u8>>, Error> {
         stop.check()?;
-        // As a camera does, it leaves frames out that nobody took in time.
+        // As with a camera, frames that were not taken in time are dropped.
         let now = (self.begun.elapsed().as_secs_f64() * RATE) as u64;
         let index = self.next.max(now);
         let due = Duration::from_secs_f64(index as f64 / RATE);

@@ -1,5 +1,4 @@
-//! Matrices with the numbers of a step, side by side; what the step has changed is lit. An entry that is NaN is left out: a box to
-//! write in.
+//! Matrices with the numbers of a step, side by side; what the step has changed is lit.
 
 use motionscope_core::scene::Matrix;
 use motionscope_core::{Grid, fixed};
@@ -58,10 +57,10 @@ pub fn draw(matrices: &[Matrix], area: Rect, style: ChartStyle) -> Drawing<Vec<R
     draw_at(matrices, (&order, area), style, share)
 }
 
-/// Lays all matrices out as [`draw`] does, in the usual type.
-pub fn draw_in_usual_type(matrices: &[Matrix], area: Rect, style: ChartStyle) -> Drawing<Vec<Rect>> {
+/// Lays all matrices out in the usual type for a worksheet: an entry that is NaN is a box to write in.
+pub fn draw_with_blanks(matrices: &[Matrix], area: Rect, style: ChartStyle) -> Drawing<Vec<Rect>> {
     let given: Vec<usize> = (0..matrices.len()).collect();
-    draw_at(matrices, (&given, area), style, 1.0)
+    drawn(matrices, (&given, area), Letters { theme: style.theme, share: 1.0, has_blanks: true })
 }
 
 /// The orders in which two of `given` have changed places: a wide one between two narrow ones keeps these from standing beside each
@@ -77,7 +76,11 @@ fn exchanged(given: &[usize]) -> impl Iterator<Item = Vec<usize>> {
 
 /// Draws the matrices in an `order`; the places are those of the matrices as given.
 fn draw_at(matrices: &[Matrix], (order, area): (&[usize], Rect), style: ChartStyle, share: f32) -> Drawing<Vec<Rect>> {
-    let letters = Letters { theme: style.theme, share };
+    drawn(matrices, (order, area), Letters { theme: style.theme, share, has_blanks: false })
+}
+
+/// Draws the matrices in an `order` with these letters.
+fn drawn(matrices: &[Matrix], (order, area): (&[usize], Rect), letters: Letters) -> Drawing<Vec<Rect>> {
     let gaps = GAP_LETTERS.map(|gap| gap * letters.text().size);
     let mut canvas = Canvas::default();
     let (mut at, mut below) = (area.min, area.min[1]);
@@ -109,9 +112,16 @@ struct Letters {
     theme: Theme,
     /// Its size as a share of the usual one.
     share: f32,
+    /// Whether an entry that is NaN is a box to write in.
+    has_blanks: bool,
 }
 
 impl Letters {
+    /// Whether an entry is a box.
+    fn is_blank(self, value: f64) -> bool {
+        self.has_blanks && value.is_nan()
+    }
+
     fn scaled(self, of: Type) -> Type {
         Type { size: of.size * self.share, ..of }
     }
@@ -141,23 +151,6 @@ const GAIN_DECIMALS: usize = 3;
 /// The entries of a matrix as text, with the decimals of its quantity; where it has none, all with as many as suit the smallest,
 /// and small ones with a power of ten, so that no entry loses its digits. What is nothing is 0.
 pub fn entries(matrix: &Matrix) -> Grid<String> {
-    entries_with(matrix, "")
-}
-
-/// Room for an entry that is left out.
-const LEFT_OUT: &str = "−00000.00";
-
-/// As [`entries`], with `left_out` in the place of entries that are left out.
-fn entries_with(matrix: &Matrix, left_out: &str) -> Grid<String> {
-    let all = written(matrix);
-    Grid::from_fn(all.width(), all.height(), |x, y| match matrix.entries[(x, y)] {
-        value if value.is_nan() => left_out.to_owned(),
-        _ => all[(x, y)].clone(),
-    })
-}
-
-/// The entries as text.
-fn written(matrix: &Matrix) -> Grid<String> {
     let sizes = || matrix.entries.cells().iter().map(|value| value.abs());
     let rounding = ROUNDING * sizes().filter(|size| size.is_finite()).fold(0.0, f64::max);
     if let Some(decimals) = matrix.decimals {
@@ -176,6 +169,18 @@ fn written(matrix: &Matrix) -> Grid<String> {
         size if size <= rounding => NOTHING.to_owned(),
         size if size < SMALL => with_power(*value),
         _ => fixed(*value, decimals),
+    })
+}
+
+/// Room for an entry that is left out.
+const LEFT_OUT: &str = "−00000.00";
+
+/// As [`entries`], with `left_out` in the place of those that are NaN where there are such.
+fn entries_with(matrix: &Matrix, left_out: Option<&str>) -> Grid<String> {
+    let all = entries(matrix);
+    Grid::from_fn(all.width(), all.height(), |x, y| match left_out {
+        Some(left_out) if matrix.entries[(x, y)].is_nan() => left_out.to_owned(),
+        _ => all[(x, y)].clone(),
     })
 }
 
@@ -207,7 +212,7 @@ impl Place {
         let small = text.size;
         let (width, height) = matrix.entries.size();
         let widest = |words: &mut dyn Iterator<Item = String>| words.map(|word| text.width(&word)).fold(0.0, f32::max);
-        let words = entries_with(matrix, LEFT_OUT);
+        let words = entries_with(matrix, letters.has_blanks.then_some(LEFT_OUT));
         let of_column = |x: usize| {
             let entries = (0..height).map(|y| words[(x, y)].clone());
             let column = widest(&mut entries.chain(matrix.columns.get(x).cloned()));
@@ -217,7 +222,7 @@ impl Place {
         let rows = widest(&mut matrix.rows.iter().cloned());
         let columns = if matrix.columns.is_empty() { 0.0 } else { ROW_LETTERS * small };
         let rows = if matrix.rows.is_empty() { 0.0 } else { (rows + small).max(2.2 * small) };
-        let has_blanks = matrix.entries.cells().iter().any(|value| value.is_nan());
+        let has_blanks = matrix.entries.cells().iter().any(|value| letters.is_blank(*value));
         let row = if has_blanks { BLANK_LETTERS } else { ROW_LETTERS } * small;
         let body = [rows + widths.iter().sum::<f32>(), columns + row * height as f32];
         // A long name must not make a narrow matrix wide: what is beside it would have to be smaller.
@@ -252,13 +257,13 @@ fn one(canvas: &mut Canvas, matrix: &Matrix, place: &Place, min: Point, letters:
         let left = origin[0] + place.widths[..x].iter().sum::<f32>();
         Rect::new([left, origin[1] + y as f32 * place.row], [place.widths[x], place.row])
     };
-    let words = entries(matrix);
+    let words = entries_with(matrix, letters.has_blanks.then_some(""));
     for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
         let rect = cell(x, y);
         if matrix.changed.as_ref().is_some_and(|changed| changed[(x, y)]) {
             canvas.fill(rect.grown(-1.0), chrome.selection);
         }
-        if matrix.entries[(x, y)].is_nan() {
+        if letters.is_blank(matrix.entries[(x, y)]) {
             canvas.frame(rect.grown(-2.5), 1.0, chrome.text);
         }
         // What is nothing steps back, so that the shape of a matrix can be seen.
@@ -286,8 +291,16 @@ fn brackets(canvas: &mut Canvas, Rect { min: [left, top], max: [right, bottom] }
 
 /// The matrix in words, for a screen reader.
 pub fn plain(matrix: &Matrix) -> String {
-    let (width, height) = matrix.entries.size();
-    let words = entries(matrix);
+    told(matrix, &entries(matrix))
+}
+
+/// The matrix of a worksheet in words: an entry that is NaN is a box.
+pub fn plain_with_blanks(matrix: &Matrix) -> String {
+    told(matrix, &entries_with(matrix, Some("□")))
+}
+
+fn told(matrix: &Matrix, words: &Grid<String>) -> String {
+    let (width, height) = words.size();
     let row = |y| (0..width).map(|x| words[(x, y)].clone()).collect::<Vec<_>>().join(", ");
     let rows: Vec<_> = (0..height).map(row).collect();
     format!("{}, {}: {}", matrix.symbol, matrix.name, rows.join("; "))
@@ -351,6 +364,20 @@ mod tests {
         };
         assert_eq!(of([16_664.898_1, 7.0e-5, 0.0, -0.05]), ["16\u{202f}664.90", "0.00", "0", "−0.05"]);
         assert_eq!(of([155.758, f64::INFINITY, 0.304, 2.0]), ["155.76", "∞", "0.30", "2.00"]);
+    }
+
+    #[test]
+    fn what_is_undefined_is_a_box_on_a_worksheet_alone() {
+        let all = [Matrix { entries: Grid::from_fn(2, 1, |x, _| [f64::NAN, 2.5][x]), changed: None, ..matrix() }];
+        let area = Rect::new([0.0; 2], [500.0, 200.0]);
+        let of = |drawing| {
+            let primitives = flat(drawing);
+            let boxes = primitives.iter().filter(|p| matches!(p, Primitive::Polyline { closed: true, .. })).count();
+            (boxes, texts(&primitives).iter().any(|word| word == "undefined"))
+        };
+        assert_eq!(of(draw(&all, area, style())), (0, true));
+        assert_eq!(of(draw_with_blanks(&all, area, style())), (1, false));
+        assert!(plain(&all[0]).ends_with("undefined, 2.50") && plain_with_blanks(&all[0]).ends_with("□, 2.50"));
     }
 
     #[test]

@@ -44,6 +44,9 @@ const LESSON: &str = "lesson:";
 /// The extension of a lesson's file.
 const EXTENSION: &str = "md";
 
+/// What a paragraph that asks for a prediction begins with.
+const QUESTION: &str = "Predict:";
+
 /// The most bytes of a lesson's file: it is read between two frames of the window.
 const MOST_BYTES: u64 = 300_000;
 
@@ -78,9 +81,10 @@ pub struct Page {
 }
 
 impl Page {
-    /// Whether it asks for something that its last step answers.
-    pub fn has_answer(&self) -> bool {
-        self.until.is_some()
+    /// Whether it asks the reader to predict something: by its header, or by a paragraph that begins with `Predict:`.
+    pub fn asks(&self) -> bool {
+        let has_question = |prose: &Prose| prose.plain().lines().any(|line| line.starts_with(QUESTION));
+        self.predicts || self.words.as_ref().is_ok_and(has_question)
     }
 }
 
@@ -121,8 +125,12 @@ impl Lesson {
     /// # Errors
     /// What is wrong with the first of these pages.
     pub fn check(&self) -> Result<(), Error> {
-        let fault = |(page, why): (usize, &Error)| Error::new(format!("page {page} of {}: {why}", self.title));
-        self.faults().next().map_or(Ok(()), |found| Err(fault(found)))
+        self.faults().next().map_or(Ok(()), |(page, why)| Err(self.fault(page, why)))
+    }
+
+    /// What is wrong with the page of this number from 1, with its name.
+    fn fault(&self, page: usize, why: &Error) -> Error {
+        Error::new(format!("page {page} of {}: {why}", self.title))
     }
 
     /// What is wrong with its pages, each with its number from 1.

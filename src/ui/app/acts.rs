@@ -26,10 +26,7 @@ impl App {
     pub(super) fn act(&mut self, action: Action) {
         match action {
             Action::Command(command) => self.command(command),
-            Action::Open(name) => {
-                self.note_page();
-                self.open(name);
-            }
+            Action::Open(name) => self.open(name),
             Action::OpenRightView(name) => self.open_right_view(name),
             Action::Type(Command::Palette, text, is_entered) => {
                 self.overlay = Overlay::Palette(palette::State::asking(text, is_entered));
@@ -38,15 +35,9 @@ impl App {
                 self.overlay = Overlay::Find(find::State::asking(text, is_entered));
             }
             Action::Type(_, text, _) => self.overlay = Overlay::Open(Box::new(open_dialog::State::asking(text))),
-            Action::OpenSample(sample) => {
-                self.note_page();
-                self.open_sample(sample);
-            }
-            Action::OpenExample(id, example) => {
-                self.note_page();
-                self.open_example(id, example);
-            }
-            Action::OpenPage(address) => self.follow_link(address),
+            Action::OpenSample(sample) => self.open_sample(sample),
+            Action::OpenExample(id, example) => self.open_example(id, example),
+            Action::OpenPage(address) => self.open_page(address),
             Action::Show(target) => self.show_found(target),
             Action::ShowAtStart(is_shown) => self.settings.has_start_page = is_shown,
             Action::OpenRecording(kept, estimator, ended) => self.open_recording(kept, estimator, ended),
@@ -103,7 +94,7 @@ impl App {
                 self.walker.go_at(focus, side);
             }
             // What is pointed at would be explained by the step that is held back.
-            Action::Focus(_) if self.predict.open().is_some() => {}
+            Action::Focus(_) if self.predict.is_due() || self.predict.open().is_some() => {}
             Action::Chart(index) => self.choose_chart(index),
             Action::Draw(line) => self.draw(*line),
             Action::Pen(wish) => self.pen(wish),
@@ -125,11 +116,11 @@ impl App {
     /// Executes a command if it is enabled.
     pub fn command(&mut self, command: Command) {
         use Command as C;
-        self.settings.practice.note(command);
-        if self.answers(command) || self.turns_page(command) {
+        let now = self.now();
+        // Below the start page nothing is answered, and no page is turned.
+        if !now.at_start_page && (self.answers(command) || self.turns_page(command)) {
             return;
         }
-        let now = self.now();
         if !command.enabled(&now) {
             // A key that is pressed again says it once.
             let why = command.why_disabled(&now).filter(|why| self.toasts.last() != Some(why));
@@ -232,7 +223,6 @@ impl App {
         }
     }
 
-    /// Plays in the direction `way`, or pauses if it does; from where it cannot go on, it begins at the other end.
     /// Begins to place a parameter on the picture, on which no drawer may lie, or ends it.
     fn place(&mut self, index: Option<usize>) {
         self.states.stage.placing = index;
@@ -242,6 +232,7 @@ impl App {
         }
     }
 
+    /// Plays in the direction `way`, or pauses if it does; from where it cannot go on, it begins at the other end.
     fn toggle_play(&mut self, way: Direction) {
         if self.player.plays(way) {
             return self.player.pause();
@@ -263,6 +254,7 @@ impl App {
 
     fn step(&mut self, command: Command) {
         use Command as C;
+        self.settings.practice.note(command);
         self.player.pause();
         let granularities = self.granularities();
         let (granularity, way) = match command {

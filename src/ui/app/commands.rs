@@ -452,6 +452,8 @@ impl Command {
             C::NextLayer | C::Layer(_) | C::Streaks | C::LockScale if now.has_run && !now.available.has_field() => {
                 Some("This estimator has no dense flow to colour or to follow with streaklines.")
             }
+            C::ExportResult if now.is_asked => Some("The result is held back. Reveal it first (→)."),
+            C::Predict if now.in_lockstep => Some("Questions are about one estimator. Leave the lockstep first."),
             C::Lockstep if now.in_stage => Some("Lockstep compares whole estimators. Leave this stage first."),
             _ => None,
         }
@@ -482,7 +484,9 @@ impl Command {
             C::Stop => now.busy || now.checking || now.playing,
             C::NextFrame => now.has_clip && !now.at_last_frame,
             C::PreviousFrame => now.has_clip && !now.at_first_frame,
-            C::SaveSession | C::SaveClip | C::ExportPicture | C::ExportSteps | C::ExportResult => now.has_run,
+            // The run stands at the step that is held back.
+            C::ExportResult => now.has_run && !now.is_asked,
+            C::SaveSession | C::SaveClip | C::ExportPicture | C::ExportSteps => now.has_run,
             C::SideBySide | C::FrameT | C::FrameNext | C::Difference | C::Blend | C::Blink => now.has_run,
             C::Prediction | C::Residual => now.has_run && now.at_end,
             C::ZoomIn | C::ZoomOut | C::Fit | C::ActualSize => now.has_run,
@@ -506,9 +510,10 @@ impl Command {
             C::EnlargeChart | C::NextChart | C::PreviousChart => now.has_charts,
             C::LargerInterface => now.can_be_larger,
             C::ShowParameters | C::ShowExplanation | C::ShowCharts => true,
-            C::Predict => true,
+            C::Predict => !now.in_lockstep && !now.at_start_page,
             C::ExportScores => now.has_run && now.has_scores,
-            C::Lecture | C::FullScreen | C::Present | C::PresenterWindow | C::Pointer => true,
+            C::Present | C::PresenterWindow | C::Pointer => !now.at_start_page,
+            C::Lecture | C::FullScreen => true,
             C::Pen | C::Loupe => now.has_run,
             C::NextPenColor => now.is_drawing,
             C::ClearInk => now.has_ink,

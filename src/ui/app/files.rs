@@ -22,6 +22,7 @@ use crate::paint::number;
 use crate::session::lesson::Address;
 use crate::session::{Session, VisiblePart, example};
 use crate::ui::app::action::Browse;
+use crate::ui::app::camera::Saving;
 use crate::ui::app::window::{App, Overlay, title};
 use crate::ui::dialogs::open::State;
 use crate::ui::dialogs::save::{self, Kind};
@@ -166,6 +167,7 @@ impl App {
             }
         };
         self.note_place();
+        self.note_page();
         self.start = None;
         let left = self.document.open(clip, source, Given::default());
         self.begin(left);
@@ -247,6 +249,10 @@ impl App {
     fn opened(&mut self, opened: Opened, path: &Path) {
         let Opened { clip, source, given, session, inputs, first_known } = opened;
         self.note_place();
+        // The clip of a page leads away from no page.
+        if self.lesson.as_ref().is_none_or(|open| open.address().name() != path.as_os_str()) {
+            self.note_page();
+        }
         self.start = None;
         // Whoever asked for it in the dialog is done there.
         if matches!(&self.overlay, Overlay::Open(state) if state.is_opening()) {
@@ -269,6 +275,7 @@ impl App {
         self.document.read_from(inputs);
         self.begin(left.filter(|_| session.is_none()));
         let Some(mut session) = session else {
+            self.recording_opened(path);
             self.choose_tracker();
             // Where there are no pictures, what was detected is the first thing to be seen.
             let is_blank = self.document.clip().is_some_and(Clip::is_blank);
@@ -351,7 +358,10 @@ impl App {
     /// Starts a run, if there is one to start: what an example says is not about another one.
     pub(super) fn start(&mut self, job: Option<Job>) {
         self.toasts.describe(None);
-        job.into_iter().for_each(|job| self.walker.start(job));
+        if let Some(job) = job {
+            self.take_ink(&job.subject);
+            self.walker.start(job);
+        }
     }
 
     fn not_opened(&mut self, path: &Path, error: Error) {
@@ -440,7 +450,9 @@ impl App {
         let ctx = self.ctx.clone();
         let changed = move || ctx.request_repaint();
         let inputs = Arc::clone(&shown.subject.inputs);
-        self.recorder.saved = None;
+        self.recorder.saving = None;
+        // Its file is not removed while it is read.
+        let kept = self.recorder.last.clone();
         let work: Work = match order.what {
             OutputKind::Picture => Box::new(move |order, _| writer::picture(order, &shown)),
             OutputKind::Steps(..) | OutputKind::Animation(..) => {
@@ -448,7 +460,7 @@ impl App {
                 Box::new(move |order, progress| writer::steps(order, (&shown, freehand), progress))
             }
             OutputKind::Clip(_) => {
-                self.recorder.saved = self.is_unsaved().then(|| order.path.clone());
+                self.recorder.saving = Saving::of(&shown.subject, &order.path);
                 Box::new(move |order, progress| writer::clip(order, &shown, progress))
             }
             OutputKind::Handout(_) => {
@@ -476,6 +488,7 @@ impl App {
             }
         };
         self.writing = Some(Writing::new(folder, changed, move |progress| {
+            let _kept = kept;
             writer::refuse_losses(&order, &inputs)?;
             work(&order, progress)
         }));

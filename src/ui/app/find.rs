@@ -1,6 +1,8 @@
 //! What the search has found, opened in the window.
 
-use crate::search::Target;
+use motionscope_core::estimator;
+
+use crate::search::{Target, is_same_parameter};
 use crate::ui::app::action::Action;
 use crate::ui::app::window::{App, Overlay, Region};
 use crate::ui::dialogs::terms;
@@ -22,9 +24,10 @@ impl App {
 
     /// Shows a parameter of the present estimator, or of the estimator `id` where the present one does not have it.
     fn show_parameter(&mut self, id: &'static str, name: &str) {
-        let has_it = self.document.estimator().specs().iter().any(|spec| spec.name == name);
-        if !has_it || self.start.is_some() {
+        if !self.has_parameter(id, name) {
             self.act(Action::Choose(id));
+        } else if self.start.is_some() {
+            self.leave_start();
         }
         let info = self.document.estimator().info();
         if self.document.estimator().specs().iter().any(|spec| spec.name == name && spec.advanced) {
@@ -33,6 +36,14 @@ impl App {
         if self.folded().parameters {
             self.settings.toggle(layout::Pane::Parameters);
         }
+    }
+
+    /// Whether the present estimator shares the parameter `name` of the estimator `id`.
+    fn has_parameter(&self, id: &str, name: &str) -> bool {
+        let Ok(of) = estimator(id) else { return false };
+        let mut present = self.document.estimator().specs().iter();
+        let sought = of.specs().iter().find(|spec| spec.name == name);
+        sought.is_some_and(|sought| present.any(|spec| is_same_parameter(spec, sought)))
     }
 
     /// Shows a chart, or says when there is one.

@@ -178,7 +178,8 @@ impl Opening {
     }
 }
 
-/// What a key does while a question is open: numbers count hands, with Shift they take them away, Enter reveals the result.
+/// What a key does while a question is open: numbers count hands, with Shift they take them away, Enter reveals the result. The place
+/// of the key counts: with Shift it has another name.
 fn answer(key: Key, modifiers: Modifiers) -> Option<Action> {
     const DIGITS: [Key; 9] =
         [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6, Key::Num7, Key::Num8, Key::Num9];
@@ -225,8 +226,12 @@ pub fn take(ctx: &egui::Context, overlaid: bool, now: &Situation, actions: &mut 
                 }
                 false
             }
-            Event::Key { key, pressed: true, modifiers, .. } if now.is_asked && answer(*key, *modifiers).is_some() => {
-                answer(*key, *modifiers).into_iter().for_each(|action| actions.ask(action));
+            Event::Key { key, physical_key, pressed: true, repeat, modifiers }
+                if now.is_asked && answer(physical_key.unwrap_or(*key), *modifiers).is_some() =>
+            {
+                let is_held = held.press(*physical_key, *repeat);
+                let asked = answer(physical_key.unwrap_or(*key), *modifiers).filter(|_| !is_held);
+                asked.into_iter().for_each(|action| actions.ask(action));
                 false
             }
             Event::Key { key, physical_key, pressed: true, repeat, modifiers } => {

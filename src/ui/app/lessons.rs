@@ -16,17 +16,19 @@ use crate::ui::model::trail::Left;
 use crate::ui::panes::lesson;
 
 impl App {
-    /// Opens a page of a lesson, with its clip and its step.
+    /// Opens a page of a lesson, with its clip and its step, so that there is a way back to the page that is open.
     pub(super) fn open_page(&mut self, address: Address) {
-        self.open_page_at(address, None);
+        let left = self.left_page().filter(|left| left.address != address);
+        self.open_page_at(address, None, left);
     }
 
-    /// Opens a page at one of its steps, or where it begins.
-    fn open_page_at(&mut self, address: Address, at: Option<Cursor>) {
+    /// Opens a page at one of its steps, or where it begins; once it opens, `left` is on the way back.
+    fn open_page_at(&mut self, address: Address, at: Option<Cursor>, left: Option<Left>) {
         // What a page of the lesson before has set is not how the person looks at pictures.
         let look = self.lesson.as_ref().map_or(self.settings.look, |open| open.without_page(self.settings.look));
         match OpenLesson::new(address, look) {
             Ok(open) => {
+                left.into_iter().for_each(|left| self.trail.leave(left));
                 match open.address().file() {
                     Some(path) => self.settings.remember(path),
                     None => self.settings.remember_page(open.address()),
@@ -45,26 +47,26 @@ impl App {
         }
     }
 
-    /// Opens a page to which a link or a list leads, so that there is a way back to the one that is open.
-    pub(super) fn follow_link(&mut self, address: Address) {
-        self.note_page();
-        self.open_page(address);
+    /// Notes the page that is open, where another run has been opened beside it.
+    pub(super) fn note_page(&mut self) {
+        let left = self.left_page();
+        left.into_iter().for_each(|left| self.trail.leave(left));
     }
 
-    /// Notes the page that is open, which something else is opened beside or in the place of.
-    pub(super) fn note_page(&mut self) {
-        let Some(open) = &self.lesson else { return };
+    /// The page that is open, and its step.
+    fn left_page(&self) -> Option<Left> {
+        let open = self.lesson.as_ref()?;
         let session = open.page().session.as_ref().ok();
         let is_of_page = |shown: &&Snapshot| session.is_some_and(|of| shown.subject.experiment == of.experiment);
         let cursor = self.view.shown.as_deref().filter(is_of_page).map(|shown| shown.cursor);
         let title = format!("{}, page {}", open.lesson().title, open.address().page + 1);
-        self.trail.leave(Left { address: open.address().clone(), cursor, title });
+        Some(Left { address: open.address().clone(), cursor, title })
     }
 
     /// Returns to the page that was left last, at its step.
     pub(super) fn back_to_page(&mut self) {
         let Some(Left { address, cursor, .. }) = self.trail.back() else { return };
-        self.open_page_at(address, cursor);
+        self.open_page_at(address, cursor, None);
     }
 
     /// The page of the lesson that is open, if the run that is `shown` is its own.

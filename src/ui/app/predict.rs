@@ -40,26 +40,36 @@ impl App {
     /// done with.
     pub(super) fn answers(&mut self, command: Command) -> bool {
         use Command as C;
+        let is_forward =
+            matches!(command, C::Into | C::Over | C::Out | C::NextUnit | C::Play | C::NextMark | C::NextAlike);
         if self.predict.open().is_none() {
-            let is_forward = matches!(command, C::Into | C::Over | C::Out | C::NextUnit | C::Play | C::NextMark);
-            if is_forward || command == C::NextAlike {
-                self.predict.expect();
+            // Two steps at once would pass over a question.
+            let is_early = is_forward && self.predict.is_due();
+            if is_forward && !is_early {
+                self.expect_question();
             }
-            return false;
+            return is_early;
         }
-        match command {
-            C::Into | C::Over | C::Out | C::NextUnit | C::Play | C::NextMark | C::NextAlike | C::End => {
-                self.predict.reveal();
-                true
-            }
-            C::Predict | C::NextPage | C::PreviousPage | C::Stop | C::Slower | C::Faster | C::Compare => false,
-            _ if command.info().menu == Menu::Walk => {
-                if let Some(cursor) = self.predict.withdraw() {
-                    self.walker.go(Move::To(cursor));
-                }
-                true
-            }
-            _ => false,
+        let is_back = matches!(
+            command,
+            C::IntoBack | C::OverBack | C::OutBack | C::PreviousUnit | C::PreviousMark | C::PreviousAlike
+        );
+        if is_forward || command == C::End {
+            self.predict.reveal();
+        } else if command.info().menu == Menu::Walk && !matches!(command, C::Predict | C::Stop | C::Slower | C::Faster)
+        {
+            let before = self.predict.withdraw();
+            // Whatever else moves the run goes on from the step before.
+            before.filter(|_| is_back).into_iter().for_each(|cursor| self.walker.go(Move::To(cursor)));
+        }
+        is_forward || is_back || command == C::End
+    }
+
+    /// Notes that the next step may be asked about: that of the run, not that of a pixel that is pointed at.
+    pub(super) fn expect_question(&mut self) {
+        self.predict.expect();
+        if self.predict.is_due() {
+            self.walker.focus(None);
         }
     }
 

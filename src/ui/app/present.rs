@@ -156,11 +156,13 @@ impl App {
         Some(self.presentation.pen.history(&shown.subject, shown.cursor))
     }
 
-    /// Takes over the ink of a session. On a page of a lesson what was drawn since stays.
+    /// Takes over the ink of a session, if it has some. On a page of a lesson what was drawn or cleared since stays.
     pub(super) fn restore_ink(&mut self, subject: &Arc<Prepared>, freehand: Freehand) {
         let pen = &mut self.presentation.pen;
-        if self.lesson.is_none() || pen.freehand(subject).lines.is_empty() {
-            pen.restore(subject, freehand);
+        match self.lesson {
+            _ if freehand.lines.is_empty() => {}
+            Some(_) => pen.complete(subject, freehand),
+            None => pen.restore(subject, freehand),
         }
     }
 
@@ -277,7 +279,7 @@ impl App {
         (!is_last).then(|| open.lesson().pages[open.address().page + 1].title.clone())
     }
 
-    /// Whether the next step is known, for tests: it is waited for.
+    /// Waits for the next step, for tests.
     pub fn wait_for_next(&self) {
         self.presentation.presenter.iter().for_each(|open| open.upcoming.wait());
     }

@@ -137,6 +137,8 @@ pub struct App {
     styled: Option<style::Interface>,
     /// When the run was played on last.
     played: f64,
+    /// The last step of a page that playback may pass with the step that it is taking.
+    approached: Option<Cursor>,
     /// Where everything lay in the last frame.
     regions: Vec<(Region, egui::Rect)>,
     pub(super) ctx: egui::Context,
@@ -182,6 +184,7 @@ impl App {
             side_by_side: SideBySide::default(),
             folder: None,
             played: 0.0,
+            approached: None,
             regions: Vec::new(),
             ctx: ctx.clone(),
         })
@@ -349,6 +352,9 @@ impl App {
         let now = ctx.input(|i| i.time);
         let seconds = now - std::mem::replace(&mut self.played, now);
         let granularities = self.granularities().names().len();
+        if self.returns_to_page() {
+            return;
+        }
         let Some(shown) = self.view.shown.as_deref().filter(|_| self.player.is_playing()) else { return };
         let is_over = match self.player.plays(Direction::Back) {
             true => shown.cursor == Cursor::default(),
@@ -368,22 +374,39 @@ impl App {
         if !self.view.busy
             && let Some(to) = self.player.due((shown.cursor, shown.events), granularities)
         {
-            if self.player.plays(Direction::Forward) {
-                self.predict.expect();
-            }
             // A page of a lesson is played up to its last step.
-            let is_beyond = |end: &Cursor| self.player.plays(Direction::Forward) && order(shown.cursor) < order(*end);
-            let to = match (end.filter(is_beyond), to) {
+            let is_before = |end: &Cursor| self.player.plays(Direction::Forward) && order(shown.cursor) < order(*end);
+            let end = end.filter(is_before);
+            let to = match (end, to) {
                 (Some(end), Move::To(cursor)) if order(cursor) > order(end) => Move::To(end),
-                (Some(end), Move::Granularity(..)) => Move::To(end),
                 (_, to) => to,
             };
-            self.walker.go(to);
+            // Where a level or a warp ends is known once the run stands there.
+            self.approached = end.filter(|_| matches!(to, Move::Granularity(..)));
+            let asks = self.predict.is_on() && self.player.plays(Direction::Forward);
+            if asks {
+                self.expect_question();
+            }
+            // One step at a time, or questions would be passed over.
+            self.walker.go(if asks { Move::Granularity(granularities - 1, Direction::Forward) } else { to });
         }
         // The walker wakes the window when it is done.
         if !self.view.busy {
             ctx.request_repaint_after_secs(self.player.wait_secs() as f32);
         }
+    }
+
+    /// Goes back to the last step of a page where playback has passed it by a level or a warp; returns whether it does.
+    fn returns_to_page(&mut self) -> bool {
+        if self.player.is_playing() && self.view.busy {
+            return false;
+        }
+        let end = self.approached.take().filter(|_| self.player.is_playing());
+        let at = self.view.shown.as_deref().map(|shown| shown.cursor);
+        let Some(end) = end.filter(|end| at.is_some_and(|at| order(at) > order(*end))) else { return false };
+        self.player.pause();
+        self.walker.go(Move::To(end));
+        true
     }
 
     fn panels(&mut self, ui: &mut Ui, gpu: Option<&RenderState>, actions: &mut Actions) {
@@ -626,6 +649,7 @@ impl eframe::App for App {
         }
         self.presenter_window(&ctx, &mut actions);
         self.overlays(&ctx, &mut actions);
+        self.previews.settle(&ctx);
         // Messages lie over no words and no chart: on the stage, above its legend, or else above the transport.
         let content = ctx.content_rect();
         let legend = 1.6 * self.settings.look.theme.sizes().body;

@@ -1,4 +1,4 @@
-//! The camera: a live picture, an estimator that runs on it, and what is kept of it as a clip.
+//! The camera: a live picture, an estimator that runs on it, and recordings of it as clips.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -37,8 +37,6 @@ pub struct State {
     live: Option<Result<Live, Error>>,
     /// The estimator that runs on the camera.
     estimator: Option<&'static str>,
-    /// Number of the first frame of the recording that is being made.
-    recording: Option<u64>,
     keeping: Option<Background<Kept>>,
     /// Why the last recording was not kept.
     refused: Option<Error>,
@@ -62,7 +60,6 @@ impl State {
             seconds: 3,
             live: None,
             estimator: None,
-            recording: None,
             keeping: None,
             refused: None,
             name,
@@ -73,7 +70,7 @@ impl State {
         state
     }
 
-    /// What is known about the live picture, for tests.
+    /// The state of the live picture, for tests.
     pub fn view(&self) -> Option<LiveView> {
         self.live().map(Live::view)
     }
@@ -93,10 +90,10 @@ impl State {
     /// Opens the chosen camera.
     fn open(&mut self, ctx: &egui::Context) {
         // One camera is not opened twice.
-        (self.live, self.recording, self.refused) = (None, None, None);
+        (self.live, self.refused) = (None, None);
         let Some(device) = self.devices.get(self.device).cloned() else { return };
         let (cameras, size) = (Arc::clone(&self.cameras), self.size);
-        let camera = Camera::open(move || cameras.open(&device, size), || {});
+        let camera = Camera::open(move |stop| cameras.open(&device, size, stop), || {});
         let repaint = ctx.clone();
         self.live = Some(camera.and_then(|camera| {
             camera.remember(Duration::from_secs(self.seconds.into()) + MARGIN);
@@ -110,20 +107,50 @@ impl State {
         Duration::from_secs(self.seconds.into())
     }
 
-    /// Takes in what other threads have done.
+    /// The length of the recording so far, if one is being made.
+    fn recorded(&self) -> Option<Duration> {
+        self.live()?.camera().recorded()
+    }
+
+    /// Whether a recording is being made or kept, so that its camera, size and duration stay.
+    fn is_busy(&self) -> bool {
+        self.keeping.is_some() || self.recorded().is_some()
+    }
+
+    fn has_frames(&self) -> bool {
+        self.view().is_some_and(|view| view.seen.is_some())
+    }
+
+    /// Whether a recording can begin, or the present one can end.
+    fn can_record(&self) -> bool {
+        let is_on = self.live().is_some_and(|live| live.camera().ended().is_none());
+        is_on && self.has_frames() && self.keeping.is_none()
+    }
+
+    /// Whether the last seconds can become a clip.
+    fn can_freeze(&self) -> bool {
+        self.has_frames() && !self.is_busy()
+    }
+
+    /// Receives the list of cameras, once it is there.
+    fn receive_list(&mut self, ctx: &egui::Context) {
+        let Some(outcome) = self.listing.as_ref().and_then(Background::take) else { return };
+        let (devices, trouble) = outcome.unwrap_or_else(|error| (vec![Device::TestPicture], Some(error)));
+        (self.devices, self.trouble, self.device, self.listing) = (devices, trouble, 0, None);
+        self.open(ctx);
+    }
+
+    /// Receives the results of other threads; returns whether a recording is opened.
     fn tend(&mut self, ctx: &egui::Context, actions: &mut Actions) -> bool {
-        if let Some(Ok((devices, trouble))) = self.listing.as_ref().and_then(Background::take) {
-            (self.devices, self.trouble, self.device, self.listing) = (devices, trouble, 0, None);
-            self.open(ctx);
-        }
-        let shots =
-            self.recording.and_then(|first| Some((self.live()?.camera().from(first, self.time()), self.live()?)));
-        if let Some((shots, live)) = shots {
-            let newest = live.camera().newest().map_or(Duration::ZERO, |shot| shot.at);
-            let is_whole = shots.first().is_some_and(|first| newest >= first.at + self.time());
-            if is_whole || live.camera().ended().is_some() {
+        self.receive_list(ctx);
+        if let Some(live) = self.live() {
+            // An estimator that has failed can be chosen again.
+            let has_failed = live.has_failed();
+            if live.camera().has_recording() {
+                let shots = live.camera().take_recording();
                 self.keep(shots, ctx);
             }
+            self.estimator = self.estimator.filter(|_| !has_failed);
         }
         match self.keeping.as_ref().and_then(Background::take) {
             Some(Ok(kept)) => {
@@ -139,7 +166,7 @@ impl State {
 
     /// Makes a clip of `shots`.
     fn keep(&mut self, shots: Vec<Shot>, ctx: &egui::Context) {
-        (self.recording, self.refused) = (None, None);
+        self.refused = None;
         let Some(format) = self.live().and_then(|live| live.camera().format()) else { return };
         let (name, ctx) = (self.name.clone(), ctx.clone());
         let work = move |_: &Arc<_>| keep(&format, &shots, &name);
@@ -148,23 +175,24 @@ impl State {
 
     /// Begins a recording, or ends it before its time.
     fn record(&mut self, ctx: &egui::Context) {
-        let Some(live) = self.live().filter(|_| self.keeping.is_none()) else { return };
-        match self.recording {
-            Some(first) => {
-                let shots = live.camera().from(first, self.time());
+        let Some(live) = self.live().filter(|_| self.can_record()) else { return };
+        match live.camera().recorded() {
+            Some(_) => {
+                let shots = live.camera().take_recording();
                 self.keep(shots, ctx);
             }
-            None => self.recording = live.camera().newest().map(|shot| shot.index + 1),
+            None => {
+                live.camera().begin_recording(self.time());
+                self.refused = None;
+            }
         }
     }
 
     /// Makes a clip of the last seconds.
     fn freeze(&mut self, ctx: &egui::Context) {
-        let Some(live) = self.live().filter(|_| self.keeping.is_none()) else { return };
+        let Some(live) = self.live().filter(|_| self.can_freeze()) else { return };
         let shots = live.camera().last(self.time());
-        if !shots.is_empty() {
-            self.keep(shots, ctx);
-        }
+        self.keep(shots, ctx);
     }
 
     /// Has the estimator `id` run on the camera, with the parameters that it has in `document`.
@@ -216,7 +244,7 @@ pub fn show(
     !(modal.should_close() || is_closed || is_kept)
 }
 
-/// What the keys and buttons ask for.
+/// The commands of keys and buttons.
 #[derive(Default)]
 struct Keys {
     records: bool,
@@ -249,9 +277,12 @@ fn list<R>(ui: &mut Ui, name: &str, shown: &str, add: impl FnOnce(&mut Ui) -> R)
 /// The camera, the size and duration of its recordings, and the estimator.
 fn choices(ui: &mut Ui, state: &mut State, document: &Document) {
     let (device, size, seconds, id) = (state.device, state.size, state.seconds, state.estimator);
-    let ctx = ui.ctx().clone();
-    let mut lists_anew = false;
+    let (ctx, is_busy) = (ui.ctx().clone(), state.is_busy());
+    let (mut lists_anew, mut chosen) = (false, id);
     ui.horizontal_wrapped(|ui| {
+        if is_busy {
+            ui.disable();
+        }
         let name = state.devices.get(state.device).map_or("…", Device::name).to_owned();
         list(ui, "Camera", &name, |ui| {
             for (index, device) in state.devices.iter().enumerate() {
@@ -271,12 +302,22 @@ fn choices(ui: &mut Ui, state: &mut State, document: &Document) {
         });
         let view = state.view().unwrap_or_default();
         let name = id.and_then(|id| estimator(id).ok()).map_or("none", |one| one.info().name);
-        let mut chosen = id;
-        list(ui, "Estimator", name, |ui| estimators(ui, &view, &mut chosen));
-        if chosen != id {
-            state.choose(chosen, document);
-        }
+        list(ui, "Estimator", name, |ui| {
+            // Only once the list is seen: it takes a while.
+            if let Some(Ok(live)) = &mut state.live {
+                live.measure();
+            }
+            estimators(ui, &view, &mut chosen);
+        });
     });
+    if is_busy {
+        // A list that was open when the recording began changes nothing.
+        (state.device, state.size, state.seconds) = (device, size, seconds);
+        return;
+    }
+    if chosen != id {
+        state.choose(chosen, document);
+    }
     if lists_anew {
         return state.list(&ctx);
     }
@@ -305,7 +346,7 @@ fn estimators(ui: &mut Ui, view: &LiveView, chosen: &mut Option<&'static str>) {
     if !view.is_measured {
         ui.horizontal(|ui| {
             ui.spinner();
-            ui.label(RichText::new("Measuring which others keep up…").weak());
+            ui.label(RichText::new("Measuring which estimators keep up…").weak());
         });
     }
 }
@@ -318,7 +359,7 @@ fn size_text(Size { width, height }: Size) -> String {
     format!("{width}×{height} px")
 }
 
-/// The title with what is to be known beside it; returns whether the way out was clicked.
+/// The title with a note beside it; returns whether the button that closes the dialog was clicked.
 fn title(ui: &mut Ui, state: &State) -> bool {
     ui.horizontal(|ui| {
         ui.heading("Camera");
@@ -381,7 +422,7 @@ fn picture(ui: &mut Ui, state: &mut State, look: &Look) {
     stage::show_plain(ui, &input, &mut state.stage);
 }
 
-/// What is waited for, or why nothing comes.
+/// The text in place of the picture: the camera is being opened, or why there is none.
 fn empty(ui: &mut Ui, state: &mut State, error: Option<&Error>) {
     let room = ui.available_rect_before_wrap();
     let words = match error {
@@ -404,24 +445,23 @@ fn empty(ui: &mut Ui, state: &mut State, error: Option<&Error>) {
     }
 }
 
-/// What the camera does, and the ways to keep it; returns whether the last recording is opened.
+/// The state of the camera, and the buttons that make recordings; returns whether the last recording is opened.
 fn buttons(ui: &mut Ui, state: &State, keys: &mut Keys, actions: &mut Actions) -> bool {
     let mut reopens = false;
     ui.horizontal(|ui| {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            let has_frames = state.view().is_some_and(|view| view.seen.is_some()) && state.keeping.is_none();
-            let is_live = state.live().is_some_and(|live| live.camera().ended().is_none());
-            let (text, tip) = match state.recording {
-                Some(_) => ("Stop recording".to_owned(), "End the recording now, and open what there is.\nR"),
-                None => (format!("Record {} s", state.seconds), "Record the next seconds, and open them as a clip.\nR"),
+            let is_recording = state.recorded().is_some();
+            let (text, tip) = if is_recording {
+                ("Stop recording".to_owned(), "Stop recording and open the frames so far.\nR")
+            } else {
+                (format!("Record {} s", state.seconds), "Record the next seconds, and open them as a clip.\nR")
             };
-            let fill =
-                if state.recording.is_some() { ui.visuals().error_fg_color } else { ui.visuals().hyperlink_color };
+            let fill = if is_recording { ui.visuals().error_fg_color } else { ui.visuals().hyperlink_color };
             let button = Button::new(RichText::new(text).color(ui.visuals().panel_fill)).fill(fill);
-            keys.records |= ui.add_enabled(has_frames && is_live, button).on_hover_text(tip).clicked();
+            keys.records |= ui.add_enabled(state.can_record(), button).on_hover_text(tip).clicked();
             let text = format!("Freeze the last {} s", state.seconds);
-            let tip = "Open the seconds that were just seen as a clip, with this estimator.\nSpace";
-            let freeze = ui.add_enabled(has_frames && state.recording.is_none(), Button::new(text));
+            let tip = "Open the last seconds as a clip, with this estimator.\nSpace";
+            let freeze = ui.add_enabled(state.can_freeze(), Button::new(text));
             keys.freezes |= freeze.on_hover_text(tip).clicked();
             if let Some(last) = &state.last
                 && ui.button("Last recording").on_hover_text("Open the last recording again.").clicked()
@@ -440,16 +480,14 @@ fn buttons(ui: &mut Ui, state: &State, keys: &mut Keys, actions: &mut Actions) -
     reopens
 }
 
-/// What the camera and the estimator do, in numbers.
+/// The state of the camera and the estimator, in numbers.
 fn told(state: &State) -> String {
     let (Some(live), Some(view)) = (state.live(), state.view()) else { return String::new() };
     if state.keeping.is_some() {
         return "Opening the recording…".into();
     }
-    if let (Some(first), Some(newest)) = (state.recording, live.camera().newest()) {
-        let shots = live.camera().from(first, state.time());
-        let seconds = shots.first().map_or(0.0, |first| newest.at.saturating_sub(first.at).as_secs_f64());
-        return format!("Recording: {seconds:.1} s of {} s", state.seconds);
+    if let Some(recorded) = state.recorded() {
+        return format!("Recording: {:.1} s of {} s", recorded.as_secs_f64(), state.seconds);
     }
     if let Some(error) = live.camera().ended().filter(|_| view.seen.is_some()) {
         return format!("{}. The last seconds can still be frozen.", capital(&error.to_string()));
@@ -460,13 +498,13 @@ fn told(state: &State) -> String {
     let rate = |rate: Option<f64>| rate.map_or_else(String::new, |rate| format!("{rate:.0} frames/s"));
     match state.estimator.and_then(|id| estimator(id).ok()) {
         Some(one) if view.rate.is_some() => format!(
-            "{}: {}, {} dropped; camera: {}",
+            "{}: {}, {} frames dropped; camera: {}",
             one.info().name,
             rate(view.rate),
             view.dropped,
             rate(live.camera().rate())
         ),
-        Some(one) => format!("{} begins…", one.info().name),
+        Some(one) => format!("Starting {}…", one.info().name),
         None => rate(live.camera().rate()),
     }
 }

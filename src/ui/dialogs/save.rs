@@ -238,9 +238,7 @@ impl State {
             (Kind::Clip, _) => "One file with the frames as they came.",
             (Kind::Session, _) => "A small text file: clip, estimator, parameters, step, view and ink.",
             (Kind::Handout, _) => "All pages of the lesson, words beside pictures, on sheets of A4 paper.",
-            (Kind::Worksheet, _) => {
-                "What is given of the step, with boxes in the place of what it computes, on A4 paper."
-            }
+            (Kind::Worksheet, _) => "The given values of the step, with boxes for its results, on A4 paper.",
             _ if self.selection().panes.is_empty() => {
                 "The whole picture of the stage, with the same colours and lines."
             }

@@ -1,7 +1,8 @@
-//! A camera with an estimator running on it, on a thread of its own that leaves frames out rather than lagging behind.
+//! A camera with an estimator running on it, on a thread of its own that drops frames rather than lagging behind.
 
 use std::collections::VecDeque;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
@@ -15,7 +16,7 @@ use crate::view::moment::{Moment, RunView};
 use crate::view::motion::{AvailableLayers, Motion};
 use crate::view::named::LastNamed;
 
-/// How often a waiting thread asks whether it is still wanted.
+/// Time between two checks of a waiting thread whether it was stopped.
 const POLL: Duration = Duration::from_millis(50);
 /// The time for a frame up to which an estimator is offered: 10 frames per second.
 const LIMIT: Duration = Duration::from_millis(100);
@@ -24,34 +25,34 @@ const MEASURED: Duration = Duration::from_secs(2);
 /// Frames on which estimators are measured.
 const SAMPLES: usize = 4;
 
-/// A frame with what the estimator has made of it.
+/// A frame with the result of the estimator.
 pub struct Seen {
     /// The frames.
     pub pictures: Pictures,
     /// The marks.
     pub scene: Arc<Scene>,
-    /// Where the run stands.
+    /// The state of the run.
     pub stands: RunState,
-    /// Which layers tell of motion.
+    /// The layers of motion that there are.
     pub available: AvailableLayers,
     /// The number of the frame in the run.
     pub frame: usize,
 }
 
-/// What is known about a live run.
+/// The state of a live run.
 #[derive(Clone, Default)]
 pub struct LiveView {
     /// The newest frame, if one has come.
     pub seen: Option<Arc<Seen>>,
     /// Frames per second on which the estimator has run.
     pub rate: Option<f64>,
-    /// Frames that came meanwhile and were left out, since the estimator was chosen.
+    /// Frames that were dropped since the estimator was chosen, because it was at work.
     pub dropped: u64,
     /// Why the estimator does not run on these frames, if it does not.
     pub error: Option<Error>,
     /// The estimators that keep up with the camera, with the time that they take for a frame.
     pub offered: Vec<(&'static Info, Duration)>,
-    /// Whether all estimators were measured.
+    /// Whether all estimators were measured, which begins with [`Live::measure`].
     pub is_measured: bool,
 }
 
@@ -66,10 +67,12 @@ struct Mail {
     times: VecDeque<Instant>,
 }
 
-/// What the window and both threads share.
+/// The state that the window and both threads share.
 struct Shared {
     camera: Camera,
     mail: Mutex<Mail>,
+    /// Notified when an estimator is chosen, and at the end.
+    chosen: Condvar,
     quit: Stop,
     changed: Box<dyn Fn() + Send + Sync>,
 }
@@ -77,6 +80,30 @@ struct Shared {
 impl Shared {
     fn mail(&self) -> MutexGuard<'_, Mail> {
         self.mail.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The estimator that is to run, and the stop of its run.
+    fn choice(&self) -> (Option<Box<dyn AnyEstimator>>, Stop) {
+        let mail = self.mail();
+        (mail.estimator.as_ref().map(|estimator| estimator.boxed_clone()), mail.stop.clone())
+    }
+
+    /// Waits until `stop` is set: another estimator is chosen, or the camera is closed.
+    fn wait_for(&self, stop: &Stop) {
+        let waited = self.chosen.wait_while(self.mail(), |_| !stop.is_set());
+        drop(waited.unwrap_or_else(PoisonError::into_inner));
+    }
+
+    /// Reports that the run failed that `stop` ends, and runs no estimator from now on; a run that was stopped has not failed.
+    fn refuse(&self, error: Error, stop: &Stop) {
+        let mut mail = self.mail();
+        // Under the lock, so that an estimator that is chosen at the same time stays.
+        if stop.is_set() {
+            return;
+        }
+        (mail.estimator, mail.view.error) = (None, Some(error));
+        drop(mail);
+        (self.changed)();
     }
 
     /// Shows a frame, and counts it.
@@ -102,19 +129,37 @@ impl Shared {
 pub struct Live {
     shared: Arc<Shared>,
     threads: Vec<JoinHandle<()>>,
+    is_measuring: bool,
 }
 
 impl Live {
-    /// Shows what comes from `camera`. `changed` is called from another thread with each result.
+    /// Shows the frames of `camera`. `changed` is called from another thread with each result.
     ///
     /// # Errors
     /// If the system gives no thread.
     pub fn new(camera: Camera, changed: impl Fn() + Send + Sync + 'static) -> Result<Self, Error> {
-        let shared = Shared { camera, mail: Mutex::default(), quit: Stop::default(), changed: Box::new(changed) };
-        let mut live = Self { shared: Arc::new(shared), threads: Vec::new() };
+        let shared = Shared {
+            camera,
+            mail: Mutex::default(),
+            chosen: Condvar::new(),
+            quit: Stop::default(),
+            changed: Box::new(changed),
+        };
+        let mut live = Self { shared: Arc::new(shared), threads: Vec::new(), is_measuring: false };
         live.spawn("live run", run)?;
-        live.spawn("live speeds", measure_all)?;
         Ok(live)
+    }
+
+    /// Measures which estimators keep up with the camera, unless that has begun.
+    pub fn measure(&mut self) {
+        if std::mem::replace(&mut self.is_measuring, true) {
+            return;
+        }
+        if let Err(error) = self.spawn("live speeds", measure_all) {
+            self.choose(None);
+            let mut mail = self.shared.mail();
+            (mail.view.error, mail.view.is_measured) = (Some(error), true);
+        }
     }
 
     fn spawn(&mut self, name: &str, work: fn(&Arc<Shared>)) -> Result<(), Error> {
@@ -129,7 +174,7 @@ impl Live {
         &self.shared.camera
     }
 
-    /// What is shown and known now.
+    /// The state now.
     pub fn view(&self) -> LiveView {
         self.shared.mail().view.clone()
     }
@@ -142,9 +187,16 @@ impl Live {
         mail.estimator = estimator;
         mail.times.clear();
         (mail.view.rate, mail.view.dropped, mail.view.error) = (None, 0, None);
+        drop(mail);
+        self.shared.chosen.notify_all();
     }
 
-    /// How results are to look.
+    /// Whether the estimator that was chosen has failed, so that none runs.
+    pub fn has_failed(&self) -> bool {
+        self.shared.mail().view.error.is_some()
+    }
+
+    /// Sets the look of the results.
     pub fn look(&self, look: &Look) {
         self.shared.mail().look = live_look(look);
     }
@@ -159,38 +211,42 @@ impl Drop for Live {
     fn drop(&mut self) {
         self.shared.quit.set(true);
         self.shared.mail().stop.set(true);
+        self.shared.chosen.notify_all();
         self.threads.drain(..).for_each(|thread| thread.join().unwrap_or_default());
     }
 }
 
-/// Shows frames, and runs the estimator on them, as long as that is wanted.
+/// Shows frames, and runs the estimator on them, until the camera is closed.
 fn run(shared: &Arc<Shared>) {
-    let Some(format) = format(shared) else { return };
+    let Some(format) = format(shared) else { return (shared.changed)() };
     while !shared.quit.is_set() {
-        let (estimator, stop) = {
-            let mail = shared.mail();
-            (mail.estimator.as_ref().map(|estimator| estimator.boxed_clone()), mail.stop.clone())
-        };
-        let ended = match &estimator {
+        let (estimator, stop) = shared.choice();
+        // The last frame of a camera that has ended is shown without a run.
+        let estimator = estimator.filter(|_| shared.camera.ended().is_none());
+        let name = estimator.as_ref().map_or("the camera", |estimator| estimator.info().name);
+        let outcome = caught(name, || match &estimator {
             Some(estimator) => run_live(shared, &**estimator, (&format, &stop)),
             None => preview(shared, (&format, &stop)),
-        };
-        if let Err(error) = ended
-            && !stop.is_set()
-        {
-            let mut mail = shared.mail();
-            mail.estimator = None;
-            mail.view.error = estimator.map(|_| error);
-            drop(mail);
-            (shared.changed)();
+        });
+        let has_ended = shared.camera.ended().is_some();
+        match outcome {
+            Err(error) if !has_ended => shared.refuse(error, &stop),
+            _ => (shared.changed)(),
         }
-        if shared.camera.ended().is_some() {
-            thread::sleep(POLL);
+        // After an estimator that has failed, frames are shown without one.
+        if has_ended || estimator.is_none() {
+            shared.wait_for(&stop);
         }
     }
 }
 
-/// What frames are like, once the first one has come; `None` if none comes.
+/// Has `work` done for the estimator called `name`; a panic is an error as well.
+fn caught<T>(name: &str, work: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
+    let failed = |_| Err(Error::new(format!("{name} failed; choose another estimator, and please report this error")));
+    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(failed)
+}
+
+/// The format of the frames, once the first one has come; `None` if none comes.
 fn format(shared: &Shared) -> Option<Format> {
     loop {
         if let Some(format) = shared.camera.format() {
@@ -203,7 +259,7 @@ fn format(shared: &Shared) -> Option<Format> {
     }
 }
 
-/// What delivers the newest frame that was not delivered yet, and tells `dropped` how many were left out.
+/// Delivers the newest frame that was not delivered yet, and calls `dropped` with the number of frames before it.
 fn newest_frame(shared: &Arc<Shared>, format: &Format, dropped: impl Fn(u64) + Send + Sync + 'static) -> NextFrame {
     let (shared, format, next) = (Arc::clone(shared), format.clone(), Mutex::new(None::<u64>));
     Box::new(move |stop| {
@@ -246,7 +302,7 @@ fn run_live(shared: &Arc<Shared>, estimator: &dyn AnyEstimator, (format, stop): 
     let (theirs, asked) = (Arc::clone(shared), stop.clone());
     let count = move |dropped: u64| {
         let mut mail = theirs.mail();
-        // What an earlier run missed is none of this one.
+        // Frames that an earlier run dropped do not count.
         if !asked.is_set() {
             mail.view.dropped += dropped;
         }
@@ -261,7 +317,7 @@ fn run_live(shared: &Arc<Shared>, estimator: &dyn AnyEstimator, (format, stop): 
     }
 }
 
-/// What a run shows where it stands.
+/// The results of a run so far.
 fn seen(walk: &dyn Walk, clip: &Clip, look: &Look, shows_frame_alone: bool) -> Result<Seen, Error> {
     let frame = walk.at_frame();
     let current = clip.frame(frame)?;
@@ -277,14 +333,15 @@ fn seen(walk: &dyn Walk, clip: &Clip, look: &Look, shows_frame_alone: bool) -> R
     Ok(Seen { pictures, scene, stands, available, frame })
 }
 
-/// Measures which estimators keep up with the camera, on its first frames.
+/// Measures which estimators keep up with the camera, on some of its frames.
 fn measure_all(shared: &Arc<Shared>) {
-    let Some(frames) = samples(shared) else { return };
+    let frames = samples(shared).unwrap_or_default();
     for estimator in estimators().into_iter().filter(|estimator| estimator.needs_pictures()) {
         if shared.quit.is_set() {
             return;
         }
-        if let Some(time) = measure(&*estimator, &frames, LIMIT, &shared.quit) {
+        let time = caught(estimator.info().name, || Ok(measure(&*estimator, &frames, LIMIT, &shared.quit)));
+        if let Ok(Some(time)) = time {
             shared.mail().view.offered.push((estimator.info(), time));
             (shared.changed)();
         }
@@ -312,11 +369,13 @@ fn samples(shared: &Arc<Shared>) -> Option<Vec<Arc<Frame>>> {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
     use motionscope_core::estimator;
 
     use super::*;
     use crate::experiment::first;
-    use crate::media::camera::{Size, TestPicture};
+    use crate::media::camera::{CameraFeed, Size, TestPicture};
 
     /// Waits until `is` is the case.
     fn until(live: &Live, what: &str, is: impl Fn(&LiveView) -> bool) -> LiveView {
@@ -343,10 +402,78 @@ mod tests {
         until(&live, "the picture is plain again", |view| !runs(view));
     }
 
+    /// A few frames, and then the end.
+    struct Few(u8);
+
+    impl CameraFeed for Few {
+        fn begin(&mut self, _: &Stop) -> Result<Format, Error> {
+            Format::parse(b"YUV4MPEG2 W32 H32 F30:1 Cmono")
+        }
+
+        fn next(&mut self, _: &Stop) -> Result<Option<Vec<u8>>, Error> {
+            self.0 = self.0.checked_sub(1).ok_or_else(|| Error::new("it was unplugged"))?;
+            thread::sleep(Duration::from_millis(5));
+            Ok(Some(vec![self.0; 32 * 32]))
+        }
+    }
+
+    #[test]
+    fn a_camera_that_has_ended_is_at_rest() {
+        let calls = Arc::new(AtomicUsize::new(0));
+        let count = Arc::clone(&calls);
+        let changed = move || {
+            count.fetch_add(1, Ordering::Relaxed);
+        };
+        let camera = Camera::start(Box::new(Few(3)), || {}).unwrap();
+        let live = Live::new(camera, changed).unwrap();
+        let is_at_rest = |live: &Live| {
+            until(live, "the last frame is shown", |view| view.seen.is_some() && live.camera().ended().is_some());
+            thread::sleep(Duration::from_millis(200));
+            let before = calls.load(Ordering::Relaxed);
+            thread::sleep(Duration::from_millis(300));
+            assert_eq!(calls.load(Ordering::Relaxed), before, "nothing changes any more");
+            before
+        };
+        let before = is_at_rest(&live);
+        let view = live.view();
+        assert!(view.error.is_none());
+        let last = view.seen.map(|seen| seen.pictures.pair[0].luma().cells()[0]);
+        assert_eq!(last, Some(0), "the last of the frames");
+        live.choose(Some(estimator(first::BESIDE[2]).unwrap()));
+        let after = is_at_rest(&live);
+        assert!((before + 1..before + 5).contains(&after), "{before} calls, then {after}");
+    }
+
+    #[test]
+    fn an_estimator_that_fails_can_be_chosen_again() {
+        let camera = Camera::start(Box::new(TestPicture::new(Size::new(96, 64))), || {}).unwrap();
+        let live = Live::new(camera, || {}).unwrap();
+        let stop = live.shared.choice().1;
+        live.shared.refuse(Error::new("it needs a second view"), &stop);
+        assert!(live.has_failed());
+        live.choose(Some(estimator(first::BESIDE[2]).unwrap()));
+        assert!(!live.has_failed());
+        // The end of the run before comes too late to take the choice back.
+        live.shared.refuse(Error::new("it was cancelled"), &stop);
+        assert!(!live.has_failed() && live.shared.choice().0.is_some());
+        let runs = |view: &LiveView| view.seen.as_ref().is_some_and(|seen| !seen.scene.marks.is_empty());
+        until(&live, "vectors are found", runs);
+    }
+
+    #[test]
+    fn a_panic_is_an_error() {
+        let failed = caught("Diamond search", || if LIMIT > POLL { panic!("out of bounds") } else { Ok(()) });
+        assert!(failed.unwrap_err().to_string().starts_with("Diamond search failed; choose another estimator"));
+        assert_eq!(caught("Diamond search", || Ok(7)), Ok(7));
+    }
+
     #[test]
     fn estimators_that_keep_up_are_offered_in_their_order() {
         let camera = Camera::start(Box::new(TestPicture::new(Size::new(48, 32))), || {}).unwrap();
-        let live = Live::new(camera, || {}).unwrap();
+        let mut live = Live::new(camera, || {}).unwrap();
+        thread::sleep(Duration::from_millis(300));
+        assert!(live.view().offered.is_empty(), "none is measured unasked");
+        live.measure();
         let view = until(&live, "all are measured", |view| view.is_measured);
         let all: Vec<_> = estimators().iter().map(|one| one.info().id).collect();
         let places: Vec<_> =

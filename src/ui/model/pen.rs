@@ -79,6 +79,15 @@ impl Pen {
         }
     }
 
+    /// Adds ink to the steps that had none before: where it was drawn on or cleared from since, a step stays as it is.
+    pub fn complete(&mut self, subject: &Arc<Prepared>, freehand: Freehand) {
+        let is_new = |line: &FreehandLine| self.step(subject, line.step).is_none();
+        let new: Vec<FreehandLine> = freehand.lines.into_iter().filter(is_new).collect();
+        for line in new {
+            self.change(subject, line.step, |step| step.lines.push(line));
+        }
+    }
+
     /// Adds a line to the step on which it was drawn.
     pub fn draw(&mut self, subject: &Arc<Prepared>, line: FreehandLine) {
         self.change(subject, line.step, |step| step.change(|lines| lines.push(line)));
@@ -171,6 +180,20 @@ mod tests {
         let mut copy = Pen::default();
         copy.restore(&one, all.clone());
         assert_eq!(copy.freehand(&one), all);
+    }
+
+    #[test]
+    fn ink_that_was_cleared_is_not_completed() {
+        let (mut pen, run) = (Pen::default(), run(0));
+        let at = |event| Cursor { unit: 0, event };
+        let page = Freehand { lines: vec![line(3, 1.0), line(3, 2.0)] };
+        pen.complete(&run, page.clone());
+        assert_eq!(pen.freehand(&run), page, "both lines of a step");
+        pen.clear(&run, at(3));
+        pen.complete(&run, page);
+        assert!(pen.lines(&run, at(3)).is_empty(), "what was cleared comes back");
+        pen.complete(&run, Freehand { lines: vec![line(4, 1.0)] });
+        assert_eq!(pen.lines(&run, at(4)), [line(4, 1.0)], "another page of the same run");
     }
 
     #[test]

@@ -8,9 +8,10 @@ mod score;
 
 use std::sync::Arc;
 
-use motionscope_core::scene::{Answer, Asked, Question, Shown, asked};
+use motionscope_core::Cursor;
+use motionscope_core::scene::{Answer, Asked, Focus, Question, Shown, asked};
 
-pub use answers::{Guesses, QUADRANTS, Verdict};
+pub use answers::{DIRECTIONS, Guesses, Verdict};
 pub use score::Score;
 
 use super::snapshot::Snapshot;
@@ -41,6 +42,8 @@ pub struct Predict {
     is_due: bool,
     last: Option<Arc<Snapshot>>,
     open: Option<Open>,
+    /// A step whose question was taken back, and what is shown until the run has left it.
+    leaving: Option<(Arc<Snapshot>, Arc<Snapshot>)>,
     scores: Vec<Score>,
 }
 
@@ -60,6 +63,16 @@ impl Open {
             true => answers::revealed(after, answer, guesses),
             false => answers::hidden((before, after), question, guesses),
         });
+    }
+
+    /// Returns the step that it is about.
+    pub fn cursor(&self) -> Cursor {
+        self.after.cursor
+    }
+
+    /// Returns the unit of the number that is asked for; empty if none is.
+    pub fn unit(&self) -> &'static str {
+        if let Asked::Number(reading) = self.question.asked { reading.unit } else { "" }
     }
 
     /// Returns how the guesses compare with the answer; `None` until it is revealed.
@@ -97,7 +110,8 @@ impl Predict {
     /// Turns the questions on or off as a page of a lesson has it; what a person has turned on stays on.
     pub fn turn_for_page(&mut self, asks: bool) {
         // Where a page begins is no step to ask about.
-        (self.is_due, self.last, self.open) = (false, None, None);
+        self.leave();
+        (self.is_due, self.last) = (false, None);
         if asks != self.is_on && (asks || self.is_of_page) {
             self.turn(asks);
             self.is_of_page = asks;
@@ -109,12 +123,30 @@ impl Predict {
         self.is_due = self.is_on;
     }
 
+    /// Whether a step that may be asked about is on its way.
+    pub fn is_due(&self) -> bool {
+        self.is_due
+    }
+
+    /// Closes a question without its answer, which stays hidden until the run has left its step.
+    fn leave(&mut self) -> Option<Arc<Snapshot>> {
+        let open = self.open.take().filter(|open| !open.is_revealed)?;
+        self.leaving = Some((open.after, open.seen));
+        Some(open.before)
+    }
+
     /// Puts a question between what the walker shows and the window, if there is one; returns whether it was opened now.
     pub fn pass(&mut self, view: &mut View) -> bool {
         let Some(now) = view.shown.clone().filter(|_| self.is_on) else {
             (self.open, self.last) = (None, None);
             return false;
         };
+        if let Some((after, seen)) = self.leaving.take_if(|(after, _)| view.busy && is_same_step(after, &now)) {
+            view.shown = Some(Arc::clone(&seen));
+            self.leaving = Some((after, seen));
+            return false;
+        }
+        self.leaving = None;
         if let Some(open) = &mut self.open {
             if is_same_step(&open.after, &now) {
                 if !Arc::ptr_eq(&open.after, &now) {
@@ -129,7 +161,7 @@ impl Predict {
         }
         let before = self.last.clone().filter(|last| Arc::ptr_eq(&last.subject, &now.subject) && now.tiles.is_empty());
         let Some(before) = before.filter(|_| self.is_due) else {
-            self.last = Some(now);
+            (self.last, self.is_due) = (Some(now), false);
             return false;
         };
         if view.busy {
@@ -154,7 +186,7 @@ impl Predict {
     }
 
     /// Adds a place that was clicked.
-    pub fn point(&mut self, focus: motionscope_core::scene::Focus) -> bool {
+    pub fn point(&mut self, focus: Focus) -> bool {
         self.guess(|guesses| guesses.point(focus))
     }
 
@@ -184,10 +216,10 @@ impl Predict {
     }
 
     /// Closes the question without its answer; returns the step that the run is to go back to.
-    pub fn withdraw(&mut self) -> Option<motionscope_core::Cursor> {
-        let open = self.open.take_if(|open| !open.is_revealed)?;
-        let cursor = open.before.cursor;
-        self.last = Some(open.before);
+    pub fn withdraw(&mut self) -> Option<Cursor> {
+        let before = self.leave()?;
+        let cursor = before.cursor;
+        self.last = Some(before);
         Some(cursor)
     }
 }
@@ -197,11 +229,15 @@ fn is_same_step(a: &Snapshot, b: &Snapshot) -> bool {
     Arc::ptr_eq(&a.subject, &b.subject) && a.cursor == b.cursor
 }
 
-/// Returns the question that the step of `after` answers.
+/// Returns the question that the step of `after` answers; none where a pixel is explained that was pointed at.
 fn question_between(before: &Snapshot, after: &Snapshot) -> Option<(&'static Question, Answer)> {
+    if before.pointed.is_some() || after.pointed.is_some() {
+        return None;
+    }
+    let turn = after.cursor.unit.wrapping_add(after.cursor.event);
     let questions = after.subject.experiment.estimator.questions();
     let [before, after] = [before, after].map(|of| Shown { step: &of.step, scene: &of.scene });
-    asked(questions, before, after)
+    asked(questions, before, after, turn)
 }
 
 /// Whether a question is answered by a click on the picture.

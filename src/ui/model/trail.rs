@@ -23,9 +23,11 @@ pub struct Left {
 pub struct Trail(Vec<Left>);
 
 impl Trail {
-    /// Notes a page that is left; one that is left twice in a row is there once.
-    pub fn leave(&mut self, left: Left) {
-        self.0.retain(|other| other.address != left.address);
+    /// Notes a page that is left, as the last one. A page is there once: what was noted of it before is taken out, and its step is
+    /// kept if it is left from another run this time.
+    pub fn leave(&mut self, mut left: Left) {
+        let before = self.0.iter().position(|other| other.address == left.address).map(|at| self.0.remove(at));
+        left.cursor = left.cursor.or(before.and_then(|before| before.cursor));
         self.0.push(left);
         if self.0.len() > MOST {
             self.0.remove(0);
@@ -58,6 +60,10 @@ mod tests {
         assert_eq!(trail.last(), Some(&left(2)));
         let back: Vec<_> = std::iter::from_fn(|| trail.back()).map(|left| left.address.page).collect();
         assert_eq!(back, [2, 3, 1]);
+        let cursor = Some(Cursor { unit: 3, event: 1 });
+        trail.leave(Left { cursor, ..left(1) });
+        trail.leave(left(1));
+        assert_eq!((trail.back().and_then(|left| left.cursor), trail.last()), (cursor, None));
         (0..100).for_each(|page| trail.leave(left(page)));
         assert_eq!(std::iter::from_fn(|| trail.back()).count(), MOST);
     }

@@ -152,7 +152,7 @@ impl Worker {
     fn run(mut self, shared: &Shared) {
         while let Some(wanted) = next_task(shared) {
             let found = catch_unwind(AssertUnwindSafe(|| self.find(&wanted, shared)));
-            let failed = || Error::new("the next step could not be worked out");
+            let failed = || Error::new("the computation broke off; close the presenter's window and open it again");
             let found = found.unwrap_or_else(|_| {
                 self.run = None;
                 Some(Err(failed()))

@@ -9,7 +9,7 @@ use crate::ui::app::commands::Command;
 use crate::ui::drawing::style;
 use crate::ui::model::document::Document;
 use crate::ui::model::lesson::OpenLesson;
-use crate::ui::model::predict::{Predict, QUADRANTS, asks_for_place};
+use crate::ui::model::predict::{DIRECTIONS, Predict, asks_for_place};
 use crate::ui::model::snapshot::Snapshot;
 use crate::ui::model::upcoming::Next;
 use crate::ui::parts::widgets;
@@ -26,7 +26,7 @@ const KEYS: [(Command, &str); 8] = [
     (Command::Present, "full screen"),
 ];
 
-/// How much larger sentences and notes are than those of the other window.
+/// Size of sentences and notes, in sizes of those of the main window.
 const LARGER: f32 = 1.3;
 /// Width of a key with its words, in letters.
 const KEY_LETTERS: f32 = 9.5;
@@ -60,7 +60,7 @@ pub enum Coming {
     Page(String),
     /// Nothing: the run is at its end.
     End,
-    /// It cannot be worked out.
+    /// It cannot be computed.
     Failed(Error),
 }
 
@@ -71,7 +71,7 @@ impl Coming {
             Self::Step(next) => next.sentence().plain(),
             Self::Page(title) => format!("Next page: {title}"),
             Self::End => "The run ends here.".to_owned(),
-            Self::Failed(why) => format!("Not known: {why}."),
+            Self::Failed(why) => format!("The next step cannot be computed: {why}."),
         }
     }
 }
@@ -81,7 +81,7 @@ impl Coming {
 pub struct Response {
     /// The window is to close.
     pub closes: bool,
-    /// The time is to start anew.
+    /// The clock is to restart.
     pub restarts: bool,
 }
 
@@ -126,8 +126,8 @@ fn head(ui: &mut Ui, input: &Input<'_>, response: &mut Response) {
             response.closes = true;
         }
         let time = RichText::new(clock(input.seconds)).font(FontId::monospace(1.25 * large));
-        let time = ui.add(Button::new(time).frame(false)).on_hover_text("Start the time anew");
-        time.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, "Start the time anew"));
+        let time = ui.add(Button::new(time).frame(false)).on_hover_text("Restart the clock");
+        time.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, "Restart the clock"));
         response.restarts = time.clicked();
         ui.with_layout(Layout::top_down(Align::Min), |ui| {
             ui.add(Label::new(RichText::new(over).font(small).weak()).truncate());
@@ -163,7 +163,7 @@ fn tally(ui: &mut Ui, predict: &Predict, theme: Theme) {
     let Some(open) = predict.last() else { return };
     widgets::heading(ui, "Question");
     ui.label(open.question.text);
-    let answers = if asks_for_place(open.question) { QUADRANTS.to_vec() } else { open.question.choices() };
+    let answers = if asks_for_place(open.question) { DIRECTIONS.to_vec() } else { open.question.choices() };
     let most = open.guesses.hands.iter().copied().max().unwrap_or(0).max(1);
     let size = TextStyle::Body.resolve(ui.style()).size;
     for (key, (answer, hands)) in (1..).zip(answers.iter().zip(&open.guesses.hands)) {

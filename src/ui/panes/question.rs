@@ -2,18 +2,21 @@
 
 use eframe::egui::{self, Align, Button, Layout, RichText, TextEdit, TextStyle, Ui, WidgetInfo, vec2};
 use lucide_icons::Icon;
+use motionscope_core::Cursor;
 
 use crate::paint::Theme;
 use crate::ui::app::action::{Action, Actions};
 use crate::ui::app::commands::Command;
 use crate::ui::drawing::style;
-use crate::ui::model::predict::{Open, Predict, QUADRANTS, asks_for_number, asks_for_place};
+use crate::ui::model::predict::{DIRECTIONS, Open, Predict, asks_for_number, asks_for_place};
 use crate::ui::parts::widgets;
 
 /// What was typed for a number.
 #[derive(Clone, Debug, Default)]
 pub struct State {
     typed: String,
+    /// The question that it was typed for, and its step.
+    of: Option<(&'static str, Cursor)>,
 }
 
 /// Draws the bar into the whole width of `ui`. It is as high without a question as with one, so that the stage stays where it is.
@@ -32,17 +35,34 @@ pub fn show(ui: &mut Ui, predict: &Predict, theme: Theme, state: &mut State, act
             });
         });
     });
-    ui.horizontal(|ui| match (predict.open(), predict.last()) {
+    match (predict.open(), predict.last()) {
         (Some(open), _) => {
-            ways(ui, open, (theme, state), actions);
-            ui.with_layout(Layout::right_to_left(Align::Center), |ui| reveal(ui, theme, actions));
+            state.is_for(open);
+            ui.with_layout(Layout::right_to_left(Align::Min), |ui| {
+                reveal(ui, theme, actions);
+                ui.with_layout(Layout::left_to_right(Align::Min).with_main_wrap(true), |ui| {
+                    ways(ui, open, (theme, state), actions);
+                });
+            });
         }
         (None, Some(answered)) => outcome(ui, answered, theme),
         (None, None) => {
             let dim = style::color(theme.chrome().dim);
-            ui.label(RichText::new("→ asks before it shows the next result. Number keys count hands, a click on the picture is a guess.").color(dim));
+            let text =
+                "→ asks before it shows the next result. Number keys count hands, a click on the picture is a guess.";
+            ui.label(RichText::new(text).color(dim));
         }
-    });
+    }
+}
+
+impl State {
+    /// Forgets what was typed for another question.
+    fn is_for(&mut self, open: &Open) {
+        let of = Some((open.question.id, open.cursor()));
+        if self.of != of {
+            *self = Self { of, typed: String::new() };
+        }
+    }
 }
 
 /// The question, or what is asked for when there is none.
@@ -69,7 +89,7 @@ fn ways(ui: &mut Ui, open: &Open, (theme, state): (Theme, &mut State), actions: 
             guesses => format!("{guesses} guesses."),
         };
         ui.label(clicked);
-        hands(ui, &QUADRANTS, open, (theme, actions));
+        hands(ui, &DIRECTIONS, open, (theme, actions));
     } else if asks_for_number(open.question) {
         number(ui, open, state, actions);
     } else {
@@ -103,14 +123,16 @@ fn number(ui: &mut Ui, open: &Open, state: &mut State, actions: &mut Actions) {
     field.widget_info(|| WidgetInfo::labeled(egui::Role::TextInput, true, "A guess"));
     let is_entered = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
     let parsed = state.typed.trim().replace(',', ".").replace('\u{2212}', "-").parse::<f64>();
-    let is_clicked = ui.add_enabled(parsed.is_ok(), Button::new("Add guess")).clicked();
-    if let Ok(number) = parsed
+    let parsed = parsed.ok().filter(|number| number.is_finite());
+    let is_clicked = ui.add_enabled(parsed.is_some(), Button::new("Add guess")).clicked();
+    if let Some(number) = parsed
         && (is_clicked || is_entered)
     {
         actions.ask(Action::Guess(number));
         state.typed.clear();
     }
-    let typed: Vec<String> = open.guesses.numbers.iter().map(f64::to_string).collect();
+    let text = |number: &f64| format!("{number} {}", open.unit()).trim_end().replace('-', "\u{2212}");
+    let typed: Vec<String> = open.guesses.numbers.iter().map(text).collect();
     ui.label(typed.join("   "));
 }
 

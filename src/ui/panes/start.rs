@@ -23,7 +23,7 @@ use crate::ui::parts::sample_card::{self, Face};
 use crate::ui::parts::widgets;
 
 /// The buttons beside the title.
-const BUTTONS: [Command; 4] = [Command::Open, Command::Samples, Command::Lessons, Command::SearchText];
+const BUTTONS: [Command; 5] = [Command::Open, Command::Samples, Command::Camera, Command::Lessons, Command::SearchText];
 /// Entries of what was open lately.
 const RECENT: usize = 8;
 /// Least width of a card, in sizes of its type, also in a roomy window, and share of its width that its picture has in height.
@@ -36,7 +36,7 @@ const RECENT_LETTERS: f32 = 17.0;
 const TWO_ROWS: f32 = 46.0;
 const ROOMY: f32 = 62.0;
 /// Letters across below which the buttons have no names.
-const NAMED_LETTERS: f32 = 56.0;
+const NAMED_LETTERS: f32 = 60.0;
 /// The widest page, in sizes of its type.
 const WIDEST: f32 = 104.0;
 
@@ -216,12 +216,14 @@ impl Drawn<'_, '_> {
             ui.label(widgets::icon(ui, Icon::ScanEye).size(1.9 * size).color(accent));
             ui.add(Label::new(RichText::new("Motionscope").font(FontId::new(1.5 * size, style::bold()))));
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                if widgets::icon_button(ui, Icon::X, "Close start page", false).on_hover_text("Close\nEsc").clicked() {
+                let close = widgets::icon_button(ui, Icon::X, "Close start page", false).on_hover_text("Close\nEsc");
+                if close.clicked() {
                     self.actions.command(Command::StartPage);
                 }
                 for command in BUTTONS.into_iter().rev() {
                     self.button(ui, command);
                 }
+                self.item(&close);
             });
         });
         ui.label(RichText::new("Walk through any motion estimator, step by step, forwards and backwards.").weak());

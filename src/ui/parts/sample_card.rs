@@ -8,7 +8,7 @@ use motionscope_core::synth::SCENES;
 use super::widgets;
 use crate::paint::Theme;
 use crate::ui::drawing::style;
-use crate::ui::model::previews::{PICTURE_PX, Previews};
+use crate::ui::model::previews::{PICTURE_PX, Previews, Wish};
 
 /// How a card is drawn.
 #[derive(Clone, Copy)]
@@ -39,12 +39,12 @@ pub fn show(ui: &mut Ui, of: usize, previews: &mut Previews, face: Face) -> egui
     ui.painter().rect(rect, 8.0, style::color(fill), Stroke::new(width, style::color(edge)), StrokeKind::Inside);
     if ui.is_rect_visible(rect) {
         let ctx = ui.ctx().clone();
-        let is_chosen = response.hovered() || face.follows_focus && response.has_focus();
-        let texture = match is_chosen && face.plays {
-            true => previews.playing(&ctx, of),
-            false => previews.still(&ctx, of),
+        let wish = match (response.hovered(), face.follows_focus && response.has_focus()) {
+            (true, _) => Some(Wish::Hovered),
+            (false, true) => Some(Wish::Focused),
+            (false, false) => None,
         };
-        if let Some(texture) = texture {
+        if let Some(texture) = previews.picture(&ctx, of, wish.filter(|_| face.plays)) {
             // The middle of the picture, cut to the card's shape.
             let cut = (1.0 - face.picture / rect.width() * PICTURE_PX.0 as f32 / PICTURE_PX.1 as f32) / 2.0;
             let uv = Rect::from_min_max(pos2(0.0, cut.max(0.0)), pos2(1.0, 1.0 - cut.max(0.0)));

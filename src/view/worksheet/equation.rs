@@ -4,16 +4,14 @@ use motionscope_core::Role;
 use motionscope_core::scene::Math;
 
 use super::numbers::{self, Fill, filled_in, is_telling};
+use crate::paint::UNITS;
 
 /// Signs between two sides.
 const SIGNS: &str = "=→≈←";
 /// Signs behind which a value is compared.
 const COMPARED: &str = "≤≥<>";
-/// Words of units, and what joins them.
-const UNITS: [&str; 18] = [
-    "px", "gray", "levels", "level", "of", "m", "mm", "cm", "°", "%", "bits", "bit", "dB", "frame", "frames", "rad",
-    "px/frame", "px²",
-];
+/// Words of units of more than a word.
+const WORDS: [&str; 4] = ["gray", "level", "levels", "of"];
 
 /// Formulas with their results left out or filled in.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -244,7 +242,8 @@ fn value_end(text: &str) -> usize {
     }
     let rest = &text[end..];
     let (unit, _) = rest.split_once(" (").unwrap_or((rest, ""));
-    let of_unit = |word: &str| word.is_empty() || UNITS.contains(&word) || numbers::places(word).len() == 1;
+    let is_word = |word: &str| UNITS.contains(&word) || WORDS.contains(&word);
+    let of_unit = |word: &str| word.is_empty() || is_word(word) || numbers::places(word).len() == 1;
     let is_unit = unit.split([' ', '\u{a0}']).all(|word| of_unit(word.trim_matches([')', ',', '.', ']'])));
     if is_unit { end + unit.len() } else { 0 }
 }
@@ -299,6 +298,9 @@ mod tests {
         assert_eq!(answers(&[line("= |228 − 186| + |210 − 195|"), line("= 9741")]), ["9741"]);
         assert_eq!(answers(&[line("d = 0.25 + 0.50 = 0.75 ≤ 9.21")]), ["0.75"]);
         assert_eq!(answers(&[line("y = (65.44, 127.73) px")]), ["65.44", "127.73"]);
+        for unit in UNITS {
+            assert_eq!(answers(&[line(&format!("v = 12.50 {unit}"))]), ["12.50"], "{unit}");
+        }
         assert_eq!(answers(&[line("= (log 0.01)/(log 0.59), so 7 (at most 2000)")]), ["7"]);
         assert!(answers(&[line("with DT = 0, FT = 1")]).is_empty());
     }

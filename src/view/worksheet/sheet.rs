@@ -12,13 +12,13 @@ use super::numbers::{is_telling, of};
 use crate::paint::charts::explanation::{self, Block, Density, equation};
 use crate::paint::charts::formula::has_blank;
 use crate::paint::charts::prose::{Part, Prose, lay_out};
-use crate::paint::charts::{Canvas, ChartStyle, Level, Type, matrices, plane, regions};
-use crate::paint::primitive::{Anchor, Rect};
+use crate::paint::charts::{ChartStyle, Type, matrices, plane, regions};
+use crate::paint::primitive::Rect;
 use crate::paint::{Face, Figure, FlowLayer, Layer, Sheet};
 use crate::view::moment::Moment;
 use crate::view::page::Stand;
 use crate::view::panes::Selection;
-use crate::view::paper::{Around, Paper, THEME, ruled};
+use crate::view::paper::{Around, Paper, THEME, lines, ruled};
 use crate::view::rendering::{Rendering, settings_text};
 
 /// Points of paper for each point of a block.
@@ -97,7 +97,7 @@ impl Content<'_> {
         let mut number = 0;
         for (task, blocks) in self.tasks(width) {
             number += 1;
-            let mut head = line(&format!("{number}  {task}"), Face::Bold);
+            let mut head = heading(&format!("{number}  {task}"), Face::Bold, width);
             // A heading goes with what is below it.
             let mut rest = blocks.into_iter();
             if let Some(first) = rest.next() {
@@ -123,7 +123,7 @@ impl Content<'_> {
 
     /// What the sheet is about: title, settings, and the words of the page that tell no result.
     fn intro(&self, width: f32) -> Block {
-        let mut block = line(self.about.title, Face::Bold);
+        let mut block = heading(self.about.title, Face::Bold, width);
         let estimator = self.stand.estimator();
         let name = estimator.info().name;
         let settings =
@@ -193,16 +193,16 @@ impl Content<'_> {
 
     /// Each task with what it is about.
     fn tasks(&self, width: f32) -> Vec<(String, Vec<Block>)> {
-        let Exercise { equation: lines, matrices, before, grids, plane, regions, .. } = self.exercise;
+        let Exercise { equation: formulas, matrices, before, grids, plane, regions, .. } = self.exercise;
         let mut tasks = Vec::new();
         if let Some(pixels) = &grids.tiles {
             tasks.push(self.pixels(pixels, width));
         }
-        if !lines.is_empty() {
+        if !formulas.is_empty() {
             let density = Density { math: THEME.sizes().heading, ..Density::close(THEME) };
             let has_blanks = self.exercise.answers.iter().any(|answer| answer.part == super::blanks::Part::Equation);
             let task = if has_blanks { "Complete the formula." } else { "The formula of this step" };
-            tasks.push((task.into(), vec![equation(lines, (width, density), THEME)]));
+            tasks.push((task.into(), vec![equation(formulas, (width, density), THEME)]));
         }
         if let Some(histogram) = &grids.histogram {
             tasks.push(("The histograms of this step".into(), vec![histogram.draw(THEME)]));
@@ -215,7 +215,7 @@ impl Content<'_> {
             if let Some(best) = best {
                 block.put_below(equation(std::slice::from_ref(best), (width, self.density()), THEME), 8.0);
             }
-            tasks.push(("Enter the cost in the table and find the best displacement.".into(), vec![block]));
+            tasks.push(("Enter the missing costs and find the displacement of minimum cost.".into(), vec![block]));
         }
         if let Some((data, names)) = plane {
             let data = plane::Shown { plane: data, whose: "", window: None };
@@ -252,7 +252,7 @@ impl Content<'_> {
         let task = match (has_blanks, has_sums) {
             (true, true) => "Compute the differences of the last row, and the sum of their magnitudes.",
             (true, false) => "Compute the differences of the last row.",
-            (false, _) => "The numbers of the pixels",
+            (false, _) => "Gray levels of the windows",
         };
         (task.into(), rows)
     }
@@ -260,11 +260,12 @@ impl Content<'_> {
     fn matrices(&self, (all, before): (&[Matrix], &[Matrix]), width: f32) -> (String, Vec<Block>) {
         let draw = |title: &str, matrices: &[Matrix]| {
             let area = Rect::new([0.0; 2], [width, 900.0]);
-            let drawing = matrices::draw_in_usual_type(matrices, area, self.style());
+            let drawing = matrices::draw_with_blanks(matrices, area, self.style());
             let size = drawing.place.iter().fold([0.0f32; 2], |size, rect| [0, 1].map(|i| size[i].max(rect.max[i])));
-            let mut block = line(title, Face::Sans);
+            let mut block = heading(title, Face::Sans, width);
             let primitives = drawing.into_layers().into_iter().flat_map(|layer| layer.primitives).collect();
-            let lines = matrices.iter().map(|matrix| (Rect::new([0.0; 2], size), matrices::plain(matrix))).collect();
+            let told = |matrix| (Rect::new([0.0; 2], size), matrices::plain_with_blanks(matrix));
+            let lines = matrices.iter().map(told).collect();
             block.put_below(Block { size, primitives, lines, ..Block::default() }, 4.0);
             block
         };
@@ -282,7 +283,7 @@ impl Content<'_> {
     /// Room to write; or why, and the line of the algorithm.
     fn end(&self, flow: &mut Flow, width: f32) {
         if self.about.answers {
-            let mut why = line("Why", Face::Bold);
+            let mut why = heading("Why", Face::Bold, width);
             why.put_below(explanation::sentence(&self.step.sentence, (width, self.sentence()), THEME), 6.0);
             flow.put(why, GAP);
             let info = self.stand.estimator().info();
@@ -291,10 +292,10 @@ impl Content<'_> {
             flow.put(explanation::pseudocode(info, self.step, (lines, width), THEME), 0.0);
             return;
         }
-        let mut why = line("Why? Explain the result in a sentence.", Face::Bold);
+        let mut why = heading("Why? Explain the result in a sentence.", Face::Bold, width);
         why.put_below(ruled(2, width, APART), 0.0);
         let why_height = why.size[1] + GAP;
-        let mut space = line("Calculation", Face::Bold);
+        let mut space = heading("Calculation", Face::Bold, width);
         flow.keep(why_height + APART * (LINES + 1) as f32);
         // As many as the sheet has room for.
         let count = ((flow.left() - why_height - 2.0 * GAP - space.size[1]) / APART).max(LINES as f32) as usize;
@@ -318,13 +319,9 @@ fn given(scene: &Scene) -> Scene {
     scene
 }
 
-/// A line of words.
-fn line(text: &str, face: Face) -> Block {
-    let style = Type { face, size: THEME.sizes().body, ..Type::text(THEME) };
-    let mut canvas = Canvas::default();
-    let rect = canvas.text([0.0, 0.0], (Anchor::Start, Level::Top), text, style);
-    let lines = vec![(rect, text.to_owned())];
-    Block { size: rect.size(), primitives: canvas.into_primitives(), lines, ..Block::default() }
+/// Words above a part of the sheet.
+fn heading(text: &str, face: Face, width: f32) -> Block {
+    lines(text, Type { face, size: THEME.sizes().body, ..Type::text(THEME) }, width)
 }
 
 /// A paragraph.

@@ -1,9 +1,9 @@
-//! Every estimator has worksheets, and what is left out on them is told nowhere but on the sheet with answers.
+//! Every estimator has worksheets, and what is left out of a formula or a matrix stands in no later part of it.
 
 use motionscope_core::scene::{Math, Matrix, Readout};
 use motionscope_core::{AnyEstimator, Cursor, estimators, examples};
 
-use super::blanks::{Answer, Part};
+use super::blanks::{Answer, Part as Place};
 use super::equation::exercise;
 use super::numbers::{is_telling, of};
 use super::*;
@@ -12,6 +12,8 @@ use crate::experiment::{Experiment, Prepared};
 use crate::media::Open;
 use crate::paint::charts::explanation::equation_of;
 use crate::paint::charts::matrices::entries;
+use crate::paint::charts::prose::{Part, Span};
+use crate::paint::primitive::Line;
 use crate::paint::{Freehand, Placed, Primitive};
 use crate::view::look::Look;
 use crate::view::paper::THEME;
@@ -59,7 +61,7 @@ fn plain(lines: &[Math]) -> Vec<String> {
     lines.iter().map(Math::plain).collect()
 }
 
-fn numbers_in(answers: &[Answer], part: Part) -> Vec<String> {
+fn numbers_in(answers: &[Answer], part: Place) -> Vec<String> {
     answers.iter().filter(|answer| answer.part == part).map(|answer| answer.number.clone()).collect()
 }
 
@@ -78,7 +80,7 @@ fn faults(step: &Step, before: &Step) -> Vec<String> {
         faults.push(format!("the filled formula is not that of the step: {:?}", plain(&solved.equation)));
     }
     // A result stands in no later line of its formula; where it is equal to what is given it stands before its sign.
-    let known = numbers_in(&left_out.answers, Part::Matrices);
+    let known = numbers_in(&left_out.answers, Place::Matrices);
     let equation = exercise(equation_of(step), &known, Fill::Blank);
     for (line, answer) in equation.answers.iter().filter(|(_, answer)| is_telling(answer)) {
         let mut later = equation.lines.iter().skip(line + 1).flat_map(|line| of(&line.plain()));
@@ -117,6 +119,11 @@ fn every_estimator_with_formulas_or_matrices_has_exercises() {
     assert!(all.is_empty(), "{} faults:\n{}", all.len(), all.join("\n"));
 }
 
+/// A part of a page that says `text`.
+fn said(text: String) -> Part {
+    Part::Paragraph(vec![Span { text, ..Span::default() }])
+}
+
 /// The words on sheets with their sizes on paper.
 fn words(sheets: &[Sheet]) -> Vec<(f32, String)> {
     let of_figure = |placed: &Placed| -> Vec<(f32, String)> {
@@ -132,16 +139,41 @@ fn words(sheets: &[Sheet]) -> Vec<(f32, String)> {
     sheets.iter().flat_map(|sheet| &sheet.figures).flat_map(of_figure).collect()
 }
 
+fn text_of(primitive: &Primitive) -> Option<&Line> {
+    if let Primitive::Text(line) = primitive { Some(line) } else { None }
+}
+
+/// The numbers that are left out of the step at `stand`.
+fn telling(stand: &Stand<'_>) -> Vec<String> {
+    let mut walk = stand.prepared.experiment.walk(&stand.prepared.clip).expect("a run");
+    walk.jump(Move::To(stand.cursor));
+    let step = walk.step(None);
+    let last = walk.info().granularities.len() - 1;
+    walk.jump(Move::Granularity(last, Direction::Back));
+    let answers = Exercise::of(&step, Some(&walk.step(None)), Fill::Blank).answers;
+    answers.into_iter().map(|answer| answer.number).filter(|number| is_telling(number)).collect()
+}
+
+/// How often each number stands on a sheet before the explanation at its end.
+fn counts(text: &str, numbers: &[String]) -> Vec<usize> {
+    let tasks = text.split_once("\nWhy").map_or(text, |(tasks, _)| tasks);
+    let all = of(tasks);
+    numbers.iter().map(|number| all.iter().filter(|other| *other == number).count()).collect()
+}
+
 #[test]
-fn answers_stand_on_the_sheet_with_answers_alone() {
+fn answers_are_left_out_and_the_words_of_the_page_do_not_tell_them() {
     for (id, cursor) in [("full-search", "40.60"), ("kalman-filter", "4.4"), ("horn-schunck", "1.3")] {
         let estimator = motionscope_core::estimator(id).expect("an estimator");
         let prepared = sample(&*estimator);
         let cursor: Cursor = cursor.parse().expect("a cursor");
         let look = Look { theme: THEME, ..Look::default() };
         let stand = Stand { prepared: &prepared, cursor, pixel: None, look, freehand: Freehand::default() };
+        let (title, numbers) = ("A title of many words. ".repeat(12), telling(&stand));
+        let number = numbers.first().unwrap_or_else(|| panic!("{id}: nothing is left out"));
+        let prose = Prose(vec![said("Given words.".into()), said(format!("Telling words: {number}."))]);
         let sheets = |answers: bool| {
-            let about = About { title: "A title", prose: None, answers };
+            let about = About { title: &title, prose: Some(&prose), answers };
             about.sheets(&stand, None).unwrap_or_else(|why| panic!("{id}: {why}"))
         };
         let (left_out, solved) = (words(&sheets(false)), words(&sheets(true)));
@@ -149,14 +181,20 @@ fn answers_stand_on_the_sheet_with_answers_alone() {
         let texts = [text(&left_out), text(&solved)];
         assert!(texts[0].contains("Name") && texts[0].contains("Calculation"), "{id}");
         assert!(texts[1].contains("Why") && !texts[1].contains("Name"), "{id}");
-        let [given, all] = texts.map(|text| of(&text));
-        let added: Vec<_> = all.into_iter().filter(|number| !given.contains(number)).collect();
-        assert!(added.iter().any(|number| is_telling(number)), "{id}: {added:?}");
+        assert!(texts[0].contains("Given words") && !texts[0].contains("Telling words"), "{id}: {number} is told");
+        // One that is given as well stands there once more in its place.
+        let [given, all] = texts.map(|text| counts(&text, &numbers));
+        let is_left_out = given.iter().zip(&all).all(|(given, all)| given < all);
+        assert!(is_left_out, "{id}: {numbers:?} stand there {given:?} times, with answers {all:?} times");
         let small = left_out.iter().chain(&solved).find(|(size, words)| *size < 7.9 && words.chars().count() > 3);
         assert_eq!(small, None, "{id}");
         for placed in [sheets(false), sheets(true)].iter().flatten().flat_map(|sheet| &sheet.figures) {
             let end = [0, 1].map(|i| placed.at[i] + placed.figure.size[i] * placed.scale);
             assert!(end[0] <= 596.0 && end[1] <= 843.0, "{id}: {end:?}");
+            for line in placed.figure.layers.iter().flat_map(|layer| &layer.primitives).filter_map(text_of) {
+                let right = placed.at[0] + (line.start()[0] + line.width()) * placed.scale;
+                assert!(right <= 596.0, "{id}: {:?} ends at {right}", line.runs);
+            }
         }
     }
 }

@@ -117,7 +117,7 @@ impl Command {
                 Menu::File,
                 Icon::Save,
                 "Save session…",
-                "Save clip, estimator, parameters, current step and view as a small text file (*.motionscope).",
+                "Save clip, estimator, parameters, current step, view and ink as a small text file (*.motionscope).",
                 const { &[ctrl(Key::S)] },
             ),
             C::SaveClip => (

@@ -8,17 +8,20 @@ use motionscope_core::{Role, Scene, fixed};
 use crate::ui::model::snapshot::Snapshot;
 use crate::view::moment::Moment;
 
-/// The quadrants around what is looked for, in the order of their keys.
-pub const QUADRANTS: [&str; 4] = ["Upper left", "Upper right", "Lower left", "Lower right"];
-/// Most guesses of one question that are kept.
+/// The directions from the reference to a place, in the order of their keys.
+pub const DIRECTIONS: [&str; 5] = ["Upper left", "Upper right", "Lower left", "Lower right", "Same place"];
+/// Distance in px along an axis below which there is no direction along it.
+const ASIDE_PX: f32 = 0.5;
+/// Most guesses of one question that are kept, and most hands for one answer.
 const MOST: usize = 99;
+const MOST_HANDS: usize = 9999;
 /// The objects of guesses are numbered from here on, so that their colours are not those of tracks nearby.
 const FIRST_ID: u32 = 40;
 
 /// The guesses of a class.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Guesses {
-    /// The hands for each answer, or for each quadrant of a place; empty if nobody can be counted.
+    /// The hands for each answer, or for each direction of a place; empty if the answer cannot be given by a show of hands.
     pub hands: Vec<usize>,
     /// The places that were clicked.
     pub places: Vec<Focus>,
@@ -33,8 +36,8 @@ pub struct Guesses {
 pub struct Verdict {
     /// The answer in words: `No`, or `(12.0, 7.5)`.
     pub answer: String,
-    /// The index of the answer that hands were counted for.
-    pub index: Option<usize>,
+    /// The answers that are right, of those that hands are counted for.
+    pub right: Vec<&'static str>,
     /// Right hands, and all hands.
     pub hands: [usize; 2],
     /// Number of guesses that are no hands.
@@ -43,6 +46,8 @@ pub struct Verdict {
     pub nearest: Option<(usize, f64)>,
     /// The unit of the distance.
     pub unit: &'static str,
+    /// Number of its decimals.
+    pub decimals: usize,
 }
 
 impl Guesses {
@@ -50,7 +55,7 @@ impl Guesses {
     pub fn of(question: &Question, answer: &Answer) -> Self {
         let hands = match answer {
             Answer::Choice(_) => question.choices().len(),
-            Answer::Place { from: Some(_), at, .. } if at.len() == 1 => QUADRANTS.len(),
+            Answer::Place { from: Some(_), at, .. } if at.len() == 1 => DIRECTIONS.len(),
             _ => 0,
         };
         let on = if let Answer::Place { on, .. } = answer { Some(*on) } else { None };
@@ -64,7 +69,7 @@ impl Guesses {
 
     pub(super) fn vote(&mut self, index: usize, adds: bool) -> bool {
         let Some(hands) = self.hands.get_mut(index) else { return false };
-        *hands = if adds { (*hands + 1).min(MOST * MOST) } else { hands.saturating_sub(1) };
+        *hands = if adds { (*hands + 1).min(MOST_HANDS) } else { hands.saturating_sub(1) };
         true
     }
 
@@ -87,58 +92,63 @@ impl Guesses {
     /// Returns how the guesses compare with the answer.
     pub fn verdict(&self, question: &Question, answer: &Answer) -> Verdict {
         let all = self.hands.iter().sum();
-        let right = |index: Option<usize>| index.and_then(|index| self.hands.get(index)).copied().unwrap_or(0);
-        let (index, told, nearest, unit) = match answer {
-            Answer::Choice(index) => (Some(*index), question.choices()[*index].to_owned(), None, ""),
+        let choices = question.choices();
+        let (indices, names, told, nearest, (unit, decimals)) = match answer {
+            Answer::Choice(index) => (vec![*index], choices, question.choices()[*index].to_owned(), None, ("", 0)),
             Answer::Place { at, from, .. } => {
-                let index = from.filter(|_| at.len() == 1).map(|from| quadrant(from, at[0]));
+                let directed = from.filter(|_| at.len() == 1).map_or_else(Vec::new, |from| directions(from, at[0]));
                 let told = match &at[..] {
                     [[x, y]] => format!("({}, {})", fixed((*x).into(), 1), fixed((*y).into(), 1)),
                     all => format!("{} places", all.len()),
                 };
-                (index, told, nearest(self.places.iter().map(|guess| distance(guess.at, at))), "px")
+                let off = nearest(self.places.iter().map(|guess| distance(guess.at, at)));
+                (directed, DIRECTIONS.to_vec(), told, off, ("px", 1))
             }
             Answer::Number { value, shown } => {
-                let Asked::Number(reading) = question.asked else { unreachable!("a number was asked for") };
+                let unit = if let Asked::Number(reading) = question.asked { reading.unit } else { "" };
+                let decimals = shown.split_once('.').map_or(0, |(_, decimals)| decimals.len());
                 let off = nearest(self.numbers.iter().map(|guess| (guess - value).abs()));
-                (None, [shown, reading.unit].join(" ").trim_end().to_owned(), off, reading.unit)
+                (Vec::new(), choices, [shown, unit].join(" ").trim_end().to_owned(), off, (unit, decimals))
             }
         };
+        let hands = indices.iter().filter_map(|index| self.hands.get(*index)).sum();
+        let right = indices.iter().filter_map(|index| names.get(*index)).copied().collect();
         let guesses = self.places.len() + self.numbers.len();
-        Verdict { answer: told, index, hands: [right(index), all], guesses, nearest, unit }
+        Verdict { answer: told, right, hands: [hands, all], guesses, nearest, unit, decimals }
     }
 }
 
 impl Verdict {
-    /// Returns it in words: `No: 9 of 13 hands`.
+    /// Returns it in words: `No. 9 of 13 hands.`
     pub fn text(&self) -> String {
         let [right, all] = self.hands;
-        let quadrant = self.index.filter(|_| self.unit == "px").map(|index| QUADRANTS[index].to_lowercase());
         let mut said = self.answer.clone();
         if let Some((guess, off)) = self.nearest {
-            let off = match self.unit {
-                "px" => fixed(off, 1),
-                _ if off.fract() == 0.0 => fixed(off, 0),
-                _ => fixed(off, 2),
-            };
             let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
-            said += &match (off.as_str(), self.guesses) {
-                ("0" | "0.0" | "0.00", 1) => ". The guess is exact".to_owned(),
-                (_, 1) => format!(". The guess is {off}{unit} off"),
-                _ => format!(". Guess {guess} of {} is nearest, {off}{unit} off", self.guesses),
+            let off = if off == 0.0 { "exact".to_owned() } else { format!("{}{unit} off", fixed(off, self.decimals)) };
+            said += &match self.guesses {
+                1 => format!(". The guess is {off}"),
+                all => format!(". Guess {guess} of {all} is nearest, {off}"),
             };
         }
         if all > 0 {
-            let of = quadrant.map_or_else(String::new, |quadrant| format!(" for {quadrant}"));
+            let names: Vec<_> = self.right.iter().map(|name| name.to_lowercase()).collect();
+            let of = if self.unit == "px" { format!(" for {}", names.join(" or ")) } else { String::new() };
             said += &format!(". {right} of {all} {}{of}", if all == 1 { "hand" } else { "hands" });
         }
         said + "."
     }
 }
 
-/// The index in [`QUADRANTS`] of the quadrant around `from` that `at` lies in.
-fn quadrant(from: [f32; 2], at: [f32; 2]) -> usize {
-    usize::from(at[0] >= from[0]) + 2 * usize::from(at[1] >= from[1])
+/// The indices in [`DIRECTIONS`] of the directions from `from` to `at`: along an axis there are two.
+fn directions(from: [f32; 2], at: [f32; 2]) -> Vec<usize> {
+    let [x, y] = [0, 1].map(|i| at[i] - from[i]);
+    if x.abs() <= ASIDE_PX && y.abs() <= ASIDE_PX {
+        return vec![DIRECTIONS.len() - 1];
+    }
+    let is_along = |of: f32, is_after: bool| of.abs() <= ASIDE_PX || (of > 0.0) == is_after;
+    let corners = [(false, false), (true, false), (false, true), (true, true)];
+    (0..corners.len()).filter(|i| is_along(x, corners[*i].0) && is_along(y, corners[*i].1)).collect()
 }
 
 fn distance(guess: [f32; 2], places: &[[f32; 2]]) -> f64 {
@@ -258,12 +268,21 @@ mod tests {
     fn the_nearest_place_wins_and_quadrants_are_voted_for() {
         let answer = Answer::Place { on: Picture::NEXT, at: vec![[10.0, 4.0]], from: Some([8.0, 8.0]) };
         let mut guesses = Guesses::of(&PLACE, &answer);
-        assert_eq!(guesses.hands.len(), 4);
+        assert_eq!(guesses.hands.len(), 5);
         assert!(guesses.point(Focus::on(Picture::NEXT, [20.0, 4.0])) && guesses.point(Focus::current([13.0, 8.0])));
         assert!(guesses.vote(1, true) && guesses.vote(3, true));
         let verdict = guesses.verdict(&PLACE, &answer);
-        assert_eq!((verdict.nearest, verdict.index, verdict.hands), (Some((2, 5.0)), Some(1), [1, 2]));
+        assert_eq!((verdict.nearest, verdict.hands), (Some((2, 5.0)), [1, 2]));
+        assert_eq!(verdict.right, ["Upper right"]);
         assert_eq!(verdict.text(), "(10.0, 4.0). Guess 2 of 2 is nearest, 5.0 px off. 1 of 2 hands for upper right.");
+    }
+
+    #[test]
+    fn what_does_not_move_has_no_quadrant() {
+        assert_eq!(directions([8.0, 8.0], [8.3, 7.8]), [4]);
+        assert_eq!(directions([8.0, 8.0], [12.0, 8.0]), [1, 3], "along an axis both are right");
+        assert_eq!(directions([8.0, 8.0], [8.0, 3.0]), [0, 1]);
+        assert_eq!(directions([8.0, 8.0], [3.0, 12.0]), [2]);
     }
 
     #[test]
@@ -273,6 +292,6 @@ mod tests {
         assert!(!guesses.number(f64::NAN) && guesses.number(14.0) && !guesses.vote(0, true));
         assert_eq!(guesses.verdict(&NUMBER, &answer).text(), "12.5 px. The guess is 1.5 px off.");
         assert!(guesses.number(12.5));
-        assert_eq!(guesses.verdict(&NUMBER, &answer).text(), "12.5 px. Guess 2 of 2 is nearest, 0.0 px off.");
+        assert_eq!(guesses.verdict(&NUMBER, &answer).text(), "12.5 px. Guess 2 of 2 is nearest, exact.");
     }
 }

@@ -41,7 +41,7 @@ impl Score {
         let rows = scores.iter().map(|score| {
             let Self { clip, estimator, frame, step, question, verdict } = score;
             let [right, all] = verdict.hands;
-            let off = verdict.nearest.map_or_else(String::new, |(_, off)| off.to_string());
+            let off = verdict.nearest.map_or_else(String::new, |(_, off)| format!("{:.*}", verdict.decimals, off));
             let [clip, text, answer] = [clip, question.text, &verdict.answer].map(quoted);
             let Verdict { guesses, unit, .. } = verdict;
             format!("{clip},{estimator},{frame},{step},{text},{answer},{right},{all},{guesses},{off},{unit}\n")
@@ -74,11 +74,12 @@ mod tests {
         assert_eq!(line::ALL.len(), 1);
         let verdict = Verdict {
             answer: "(1.0, 2.0)".into(),
-            index: None,
+            right: Vec::new(),
             hands: [1, 2],
             guesses: 3,
             nearest: Some((2, 0.5)),
             unit: "px",
+            decimals: 1,
         };
         let (clip, step) = ("waves".into(), "3.4".into());
         let score = Score { clip, estimator: "diamond", frame: 7, step, question: &QUESTION, verdict };
