@@ -15,7 +15,7 @@ const DATA: [(&str, &str); 4] = [
 ];
 
 /// Words that are names of something else in the file that has them.
-const OTHERWISE: [(&str, &str, &str); 40] = [
+const OTHERWISE: [(&str, &str, &str); 45] = [
     ("src/cli/args.rs", "frame", "a flag"),
     ("src/cli/lessons.rs", "clip", "a key of the JSON"),
     ("src/cli/lessons.rs", "step", "a key of the JSON"),
@@ -36,11 +36,14 @@ const OTHERWISE: [(&str, &str, &str); 40] = [
     ("src/paint/charts/stack.rs", "level", "a level of a pyramid"),
     ("src/paint/layer.rs", "confidence", "a layer of colors"),
     ("src/paint/svg.rs", "fill", "an attribute of the format"),
+    ("src/paint/wrap.rs", "frame", "a unit"),
+    ("src/paint/wrap.rs", "frames", "a unit"),
     ("src/results/disparity.rs", "disparity", "a flag"),
     ("src/results/flow.rs", "flow", "a flag"),
     ("src/results/tracks.rs", "tracks", "a flag"),
     ("src/session/ink.rs", "points", "a key of the session"),
     ("src/session/ink.rs", "step", "a key of the session"),
+    ("src/session/lesson/read.rs", "predict", "a key of the page"),
     ("src/session/read.rs", "clip", "a key of the session"),
     ("src/session/read.rs", "frame", "a key of the session"),
     ("src/session/read.rs", "object", "a key of the session"),
@@ -56,6 +59,8 @@ const OTHERWISE: [(&str, &str, &str); 40] = [
     ("src/ui/panes/granularities.rs", "step", "any granularity"),
     ("src/ui/panes/timeline.rs", "step", "any granularity"),
     ("src/view/panes.rs", "stage", "a pane"),
+    ("src/view/worksheet/equation.rs", "level", "a part of a unit"),
+    ("src/view/worksheet/equation.rs", "levels", "a part of a unit"),
 ];
 
 /// The names that the registry declares.

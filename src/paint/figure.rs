@@ -469,7 +469,17 @@ fn close_ups(parts: &[Part<'_>], options: &FigureOptions) -> Vec<Option<CloseUp>
     let works: Vec<_> = parts.iter().map(|part| Work::of(part.scene, size)).collect();
     let site =
         Site { size, room: [size.0 as f32, size.1 as f32], at_end: options.at_end, before: &[], is_same_unit: false };
-    CloseUp::of(options.focus, &works, site)
+    // A close-up must not cut off what was drawn by hand.
+    let close_ups = CloseUp::of(options.focus, &works, site);
+    let cuts = |close_up: &CloseUp| {
+        let seen = close_up.seen(site.room);
+        options
+            .freehand
+            .iter()
+            .flat_map(|line| &line.points)
+            .any(|point| (0..2).any(|i| point[i] < seen.min[i] || point[i] > seen.max[i]))
+    };
+    if close_ups.iter().flatten().any(cuts) { vec![None; close_ups.len()] } else { close_ups }
 }
 
 /// Where a picture lies of which `pane` shows a close-up; `zoom` points are a pixel of the whole.

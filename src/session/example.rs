@@ -3,7 +3,8 @@
 use std::ffi::OsStr;
 
 use motionscope_core::examples::{self, Example};
-use motionscope_core::{Error, estimator};
+use motionscope_core::params::Kind;
+use motionscope_core::{AnyEstimator, Error, estimator};
 
 use super::Session;
 use crate::experiment::source::Source;
@@ -26,12 +27,26 @@ pub fn description(example: &Example) -> String {
         None => "Works.".to_owned(),
     };
     let instead = example.instead.and_then(|other| {
-        let name = estimator(other.id).ok()?.info().name;
-        let set: Vec<_> = other.settings.iter().map(|(name, value)| format!("{name} {value}")).collect();
+        let estimator = estimator(other.id).ok()?;
+        let name = estimator.info().name;
+        let set: Vec<_> = other.settings.iter().map(|(name, value)| setting(&*estimator, name, value)).collect();
         let set = if set.is_empty() { String::new() } else { format!(" with {}", set.join(", ")) };
         Some(format!(" Works here: {name}{set}."))
     });
     format!("{}. {verdict} {}{}", example.title, example.says, instead.unwrap_or_default())
+}
+
+/// Returns a parameter by its label, with its value as the window shows it.
+fn setting(estimator: &dyn AnyEstimator, name: &str, value: &str) -> String {
+    let spec = estimator.specs().iter().find(|spec| spec.name == name);
+    let label = spec.map_or(name, |spec| &spec.label).to_lowercase();
+    let of = spec.map(|spec| if let Kind::Optional { of, .. } = &spec.kind { &**of } else { &spec.kind });
+    let shown = match of {
+        Some(Kind::Choice(all)) => all.iter().find(|choice| choice.name == value).map(|choice| choice.label),
+        Some(Kind::Switch) => Some(if value == "true" { "on" } else { "off" }),
+        _ => None,
+    };
+    format!("{label} {}", shown.unwrap_or(value))
 }
 
 /// Returns the session of an `example` of the estimator `id`.
@@ -68,6 +83,12 @@ pub(super) fn find(name: &str) -> Result<Session, Error> {
     estimator(id)?;
     let found = examples::of(id).find(|example| example.id == wanted);
     found.ok_or_else(|| unknown(id)).and_then(|example| session(id, example))
+}
+
+/// Returns the example of this whole `name`, as `example:horn-schunck/filling-in`; `None` where it names none.
+pub fn of_name(name: &OsStr) -> Option<&'static Example> {
+    let (id, wanted) = name.to_str()?.strip_prefix(EXAMPLE)?.split_once('/')?;
+    examples::of(id).find(|example| example.id == wanted)
 }
 
 /// The error where an estimator has no such example.

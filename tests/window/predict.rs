@@ -113,7 +113,7 @@ fn two_steps_at_once_pass_over_no_question() {
     let mut window = asking("full-search", "27.3", "synth:pillar");
     let before = window.cursor();
     for _ in 0..3 {
-        window.harness.key_press(Key::ArrowRight);
+        window.harness.state_mut().command(Command::Into);
     }
     window.settle();
     assert!(question(&window).is_some(), "the step after {before} is asked about");

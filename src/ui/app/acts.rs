@@ -128,7 +128,7 @@ impl App {
             return;
         }
         if command.info().menu == Menu::Walk {
-            self.toasts.end_descriptions();
+            self.toasts.end_introductions();
         }
         match command {
             C::Open => self.overlay = Overlay::Open(Box::default()),

@@ -616,6 +616,8 @@ pub struct Situation {
     pub is_tuned: bool,
     /// A question waits for its answer.
     pub is_asked: bool,
+    /// The answer to a question is shown: late hands do nothing.
+    pub is_answered: bool,
     /// Questions were answered.
     pub has_scores: bool,
     /// A lesson is open.

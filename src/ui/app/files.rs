@@ -141,7 +141,9 @@ impl App {
         let ctx = self.ctx.clone();
         let beside = self.document.source().cloned();
         let beside = beside.map(|source| Beside { source, given: self.document.experiment().given.clone() });
-        self.loading = Some(Loading::new(name, beside, move || ctx.request_repaint()));
+        let description = example::of_name(&name).map(example::description);
+        let loading = Loading::new(name, beside, move || ctx.request_repaint());
+        self.loading = Some(Loading { description, ..loading });
     }
 
     /// Opens the right view of the clip on another thread; the clip is opened again with it.
@@ -177,9 +179,6 @@ impl App {
     /// Opens an example of the estimator `id`, and says what it shows once it is open.
     pub fn open_example(&mut self, id: &str, example: &'static Example) {
         self.open(example::name(id, example));
-        if let Some(loading) = &mut self.loading {
-            loading.description = Some(example::description(example));
-        }
     }
 
     /// Opens the example of the estimator after the one that is open, or its first one.

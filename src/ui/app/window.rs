@@ -336,6 +336,7 @@ impl App {
             is_presenting: self.presentation.is_on,
             is_tuned: self.document.is_tuned(Owner::Estimator),
             is_asked: self.predict.open().is_some(),
+            is_answered: self.predict.last().is_some_and(|open| open.verdict().is_some()),
             has_scores: !self.predict.scores().is_empty(),
             in_lesson: self.lesson.is_some(),
             at_first_page: self.lesson.as_ref().is_some_and(|open| open.is_at(Direction::Back)),
@@ -419,6 +420,7 @@ impl App {
             // For the class there is nothing but stage, chart and caption.
             self.progress_line(ui);
             self.question_bar(ui, actions, &mut regions);
+            self.toasts.show_description(ui, bar(12, 6), self.settings.look.theme);
             CentralPanel::no_frame().show(ui, |ui| self.body(ui, gpu, actions, &mut regions));
             self.regions = regions;
             return;

@@ -100,8 +100,8 @@ pub fn show(ui: &mut Ui, input: &Input<'_>, actions: &mut Actions) -> Response {
         if let Some(font) = ui.style_mut().text_styles.get_mut(&TextStyle::Body) {
             font.size = (LARGER * font.size).round();
         }
-        now_and_next(ui, input);
         tally(ui, input.predict, input.theme);
+        now_and_next(ui, input);
         notes(ui, input.lesson);
     });
     ui.separator();
@@ -164,11 +164,20 @@ fn tally(ui: &mut Ui, predict: &Predict, theme: Theme) {
     widgets::heading(ui, "Question");
     ui.label(open.question.text);
     let answers = if asks_for_place(open.question) { DIRECTIONS.to_vec() } else { open.question.choices() };
+    let right = open.verdict().map(|verdict| verdict.right).unwrap_or_default();
     let most = open.guesses.hands.iter().copied().max().unwrap_or(0).max(1);
     let size = TextStyle::Body.resolve(ui.style()).size;
     for (key, (answer, hands)) in (1..).zip(answers.iter().zip(&open.guesses.hands)) {
         ui.horizontal(|ui| {
-            ui.add_sized(vec2(18.0 * size, size), Label::new(format!("{key}  {answer}")).truncate());
+            let column = vec2(18.0 * size, 1.4 * size);
+            let is_right = right.contains(answer);
+            let text = RichText::new(format!("{key}  {answer}"));
+            let text = if is_right { text.strong() } else { text };
+            let left = Layout::left_to_right(Align::Center);
+            ui.allocate_ui_with_layout(column, left, |ui| {
+                ui.set_min_size(column);
+                ui.add(Label::new(text).truncate());
+            });
             let bar = vec2(8.0 * size * *hands as f32 / most as f32, 0.6 * size);
             let (rect, _) = ui.allocate_exact_size(bar, egui::Sense::hover());
             ui.painter().rect_filled(rect, 2.0, style::color(theme.chrome().accent));

@@ -1,5 +1,5 @@
 //! Short messages that come and go: what was written and where, what could not be done. They lie over the window; only the description of
-//! an example has a line of its own, because it stays as long as the first step, whose picture it is about.
+//! an example has a line of its own, because it stays: a failure is seen at the end of a run.
 
 use eframe::egui::{self, Align2, Area, Frame, Id, Order, Panel, RichText, TextStyle, Ui};
 use lucide_icons::Icon;
@@ -34,7 +34,11 @@ impl Toast {
         };
         let row = ui.horizontal(|ui| {
             ui.label(widgets::icon(ui, glyph).color(style::color(ink)));
-            ui.add(egui::Label::new(RichText::new(&self.text)).wrap());
+            let cross = 2.0 * ui.spacing().interact_size.y;
+            ui.vertical(|ui| {
+                ui.set_max_width((ui.available_width() - cross).max(cross));
+                ui.add(egui::Label::new(RichText::new(&self.text)).wrap());
+            });
             widgets::cross(ui, "Close message").clicked()
         });
         row.inner
@@ -86,9 +90,9 @@ impl Toasts {
         self.0.extend(text.map(described));
     }
 
-    /// Removes what only describes or introduces, as the person steps on: it is about the first step, and takes room.
-    pub fn end_descriptions(&mut self) {
-        self.0.retain(|toast| !toast.is_introduction && toast.kind != Kind::Description);
+    /// Removes what only introduces, as the person steps on.
+    pub fn end_introductions(&mut self) {
+        self.0.retain(|toast| !toast.is_introduction);
     }
 
     /// The newest message.

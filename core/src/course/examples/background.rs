@@ -103,8 +103,8 @@ pub(super) const EXAMPLES: &[Example] = &[
         clip: "traffic,speed=0.25,frames=12",
         settings: &[],
         frame: 0,
-        says: "A car covers much of the place where it was before, so only its front and rear differ, and its inside is like the \
-               background learned from it. The flow is the same on the whole car.",
+        says: "A car covers much of the place where it was before, so only its front and rear differ from the background model or \
+               the earlier frames. The flow is the same on the whole car.",
         claim: ("mask_f1", Limit::AtMost(0.62)),
         instead: Some(Alternative { id: "flow-magnitude", settings: &[], limit: Limit::AtLeast(0.68) }),
     },

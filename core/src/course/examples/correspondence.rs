@@ -247,7 +247,7 @@ pub(super) const EXAMPLES: &[Example] = &[
         clip: "translation,speed=4,frames=4",
         settings: &[("search-range", "10")],
         frame: 0,
-        says: "The template moves by 12 px a frame, so it is lost when no window within 10 px resembles it. The default search range of \
+        says: "The template moves by 12 px a frame horizontally, so it is lost when no window within 10 px resembles it. The default search range of \
                24 px contains the match.",
         claim: ("tracked", Limit::AtMost(0.0)),
         instead: Some(Alternative { id: "template-matching", settings: &[], limit: Limit::AtLeast(1.0) }),

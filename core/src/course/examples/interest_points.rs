@@ -36,7 +36,7 @@ pub(super) const EXAMPLES: &[Example] = &[
         clip: "spin-zoom",
         settings: &[],
         frame: 0,
-        says: "An extremum in position and scale turns and grows with its blob, so most keypoints are detected again.",
+        says: "Keypoints of all scales or pyramid levels turn and grow with the picture, so most of them are detected again.",
         claim: ("repeatability", Limit::AtLeast(0.75)),
         instead: None,
     },
@@ -104,7 +104,7 @@ pub(super) const EXAMPLES: &[Example] = &[
         clip: "translation,noise=40",
         settings: &[],
         frame: 0,
-        says: "Even the average over a box keeps enough noise to add extrema that the next frame does not have. A threshold of 600 leaves \
+        says: "Noise adds keypoints that the next frame does not have, since smoothing before detection removes only a part of it. SURF with a threshold of 600 keeps \
                a dozen blobs of high contrast, which are detected again.",
         claim: ("repeatability", Limit::AtMost(0.56)),
         instead: Some(Alternative { id: "surf", settings: &[("threshold", "600")], limit: Limit::AtLeast(0.7) }),

@@ -196,8 +196,8 @@ pub(super) const EXAMPLES: &[Example] = &[
         clip: "spin-zoom,rotation=10,frames=6",
         settings: &[],
         frame: 0,
-        says: "Far from the centre the displacement exceeds 20 px and differs within a window, while the coarse levels still show a \
-               turned picture. Image alignment has the rotation among its parameters.",
+        says: "Far from the centre the displacement exceeds 20 px and changes from pixel to pixel, which neither a window of one displacement nor smooth flow \
+               describes. Image alignment has the rotation among its parameters.",
         claim: ("epe_px", Limit::AtLeast(2.0)),
         instead: Some(Alternative { id: "image-alignment", settings: &[], limit: Limit::AtMost(0.05) }),
     },

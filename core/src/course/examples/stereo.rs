@@ -63,7 +63,7 @@ pub(super) const EXAMPLES: &[Example] = &[
         clip: "drive,noise=20",
         settings: &[],
         frame: 0,
-        says: "Noise in the disparities becomes an error of the depth that grows with its square, and the difference of two depths is what scene flow is. \
+        says: "Noise in the disparities becomes an error that grows with the square of the depth, and the difference of two depths is what scene flow is. \
                The motion of the cameras survives, as it averages hundreds of points.",
         claim: ("scene_flow_median_percent", Limit::AtLeast(3.5)),
         instead: None,

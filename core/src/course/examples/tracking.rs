@@ -11,7 +11,7 @@ pub(super) const EXAMPLES: &[Example] = &[
         clip: "crossing-stars",
         settings: &[],
         frame: 0,
-        says: "Both stars look alike, and their boxes overlap where they meet. The predicted velocities keep them apart.",
+        says: "Both stars look alike, and their boxes overlap where they meet. The predicted velocity leads each track to its own star.",
         claim: ("idf1", Limit::AtLeast(0.95)),
         instead: None,
     },
@@ -147,7 +147,7 @@ pub(super) const EXAMPLES: &[Example] = &[
         clip: "crossing-stars,rotation=10",
         settings: &[],
         frame: 0,
-        says: "A prediction along the tangent leaves the circle by several pixels a frame, so identities are exchanged or lost where the \
+        says: "A prediction along the tangent leaves the circle by several pixels a frame, so a track takes the other star or is lost where the \
                stars are close. With the turn rate in the state the prediction follows the circle.",
         claim: ("idf1", Limit::AtMost(0.7)),
         instead: Some(Alternative {
