@@ -88,7 +88,7 @@ pub struct Shown<'a> {
     pub scene: &'a Scene,
 }
 
-/// Distance in px below which a mark that is shown already gives a place away.
+/// Distance in px below which two marks are at one place, and one that is shown already gives it away.
 const GIVEN_AWAY_PX: f32 = 0.75;
 
 impl Case {
@@ -140,7 +140,7 @@ impl Question {
         Self { id, text, asked: Asked::Number(reading) }
     }
 
-    /// The answers to choose from, in the order of their declaration; empty if a place or a number is asked for.
+    /// The answers to choose from, in the order of their declaration but with a yes first, so that its key is the same everywhere; empty if a place or a number is asked for.
     pub fn choices(&self) -> Vec<&'static str> {
         let Asked::Choice(cases) = self.asked else { return Vec::new() };
         let mut choices = Vec::new();
@@ -149,6 +149,7 @@ impl Question {
                 choices.push(case.answer);
             }
         }
+        choices.sort_by_key(|answer| !answer.starts_with("Yes"));
         choices
     }
 
@@ -186,7 +187,13 @@ pub fn asked<'q>(
 /// The places of the last picture with marks of `role` in `after`, unless `before` shows one of them already.
 fn place(role: Role, before: &Scene, after: &Scene) -> Option<Answer> {
     let on = after.marks.iter().rev().find(|mark| mark.role == role && !middles(&mark.shape).is_empty())?.on;
-    let at: Vec<_> = marked(after, |of| of == role, on).collect();
+    let mut at: Vec<[f32; 2]> = Vec::new();
+    for place in marked(after, |of| of == role, on) {
+        // A point within its ellipse is one place.
+        if !at.iter().any(|known| (known[0] - place[0]).hypot(known[1] - place[1]) < GIVEN_AWAY_PX) {
+            at.push(place);
+        }
+    }
     let gives_away = |of| {
         matches!(of, Role::Best | Role::Candidate | Role::Predicted | Role::Estimate | Role::Measured) || of == role
     };

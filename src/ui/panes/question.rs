@@ -37,31 +37,32 @@ pub fn show(ui: &mut Ui, predict: &Predict, theme: Theme, state: &mut State, act
     });
     match (predict.open(), predict.last()) {
         (Some(open), _) => {
-            state.is_for(open);
+            let is_new = state.is_for(open);
             ui.with_layout(Layout::right_to_left(Align::Min), |ui| {
                 reveal(ui, theme, actions);
                 ui.with_layout(Layout::left_to_right(Align::Min).with_main_wrap(true), |ui| {
-                    ways(ui, open, (theme, state), actions);
+                    ways(ui, open, (theme, state, is_new), actions);
                 });
             });
         }
         (None, Some(answered)) => outcome(ui, answered, theme),
         (None, None) => {
             let dim = style::color(theme.chrome().dim);
-            let text =
-                "→ asks before it shows the next result. Number keys count hands, a click on the picture is a guess.";
+            let text = "→ asks before it shows the next result. Then number keys count hands, and a click on the picture is a guess.";
             ui.label(RichText::new(text).color(dim));
         }
     }
 }
 
 impl State {
-    /// Forgets what was typed for another question.
-    fn is_for(&mut self, open: &Open) {
+    /// Forgets what was typed for another question; returns whether this one is new.
+    fn is_for(&mut self, open: &Open) -> bool {
         let of = Some((open.question.id, open.cursor()));
-        if self.of != of {
+        let is_new = self.of != of;
+        if is_new {
             *self = Self { of, typed: String::new() };
         }
+        is_new
     }
 }
 
@@ -81,17 +82,18 @@ fn tally(ui: &mut Ui, predict: &Predict, theme: Theme) {
 }
 
 /// The ways to answer.
-fn ways(ui: &mut Ui, open: &Open, (theme, state): (Theme, &mut State), actions: &mut Actions) {
+fn ways(ui: &mut Ui, open: &Open, (theme, state, is_new): (Theme, &mut State, bool), actions: &mut Actions) {
     if asks_for_place(open.question) {
         let clicked = match open.guesses.places.len() {
-            0 => "Click the place on the picture.".to_owned(),
+            0 if open.guesses.hands.is_empty() => "Click the place on the picture.".to_owned(),
+            0 => "Click the place. Direction from the reference:".to_owned(),
             1 => "1 guess.".to_owned(),
             guesses => format!("{guesses} guesses."),
         };
         ui.label(clicked);
         hands(ui, &DIRECTIONS, open, (theme, actions));
     } else if asks_for_number(open.question) {
-        number(ui, open, state, actions);
+        number(ui, open, (state, is_new), actions);
     } else {
         hands(ui, &open.question.choices(), open, (theme, actions));
     }
@@ -116,12 +118,19 @@ fn hands(ui: &mut Ui, answers: &[&str], open: &Open, (theme, actions): (Theme, &
     }
 }
 
-/// A field for a number, and those that were typed.
-fn number(ui: &mut Ui, open: &Open, state: &mut State, actions: &mut Actions) {
+/// A field for a number, and those that were typed. Enter adds one; without one it reveals the result.
+fn number(ui: &mut Ui, open: &Open, (state, is_new): (&mut State, bool), actions: &mut Actions) {
     let size = TextStyle::Body.resolve(ui.style()).size;
     let field = ui.add(TextEdit::singleline(&mut state.typed).desired_width(6.0 * size).hint_text("number"));
     field.widget_info(|| WidgetInfo::labeled(egui::Role::TextInput, true, "A guess"));
     let is_entered = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
+    // What is typed is a guess, and not the key of a command.
+    if is_new || is_entered {
+        field.request_focus();
+    }
+    if is_entered && state.typed.trim().is_empty() {
+        actions.ask(Action::Reveal);
+    }
     let parsed = state.typed.trim().replace(',', ".").replace('\u{2212}', "-").parse::<f64>();
     let parsed = parsed.ok().filter(|number| number.is_finite());
     let is_clicked = ui.add_enabled(parsed.is_some(), Button::new("Add guess")).clicked();

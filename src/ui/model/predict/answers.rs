@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use motionscope_core::scene::{Answer, Asked, Focus, Picture, Question, Shape};
+use motionscope_core::scene::{Answer, Asked, Focus, Mark, Picture, Question, Shape};
 use motionscope_core::{Role, Scene, fixed};
 
 use crate::ui::model::snapshot::Snapshot;
@@ -179,13 +179,22 @@ pub(super) fn hidden(
     guesses: &Guesses,
 ) -> Snapshot {
     let is_same_frame = before.frame == after.frame;
-    // Of another frame the old results tell nothing; a place must not be given away by an old one either.
     let is_place = matches!(question.asked, Asked::Place { .. });
+    if is_place && !is_same_frame {
+        // The place in a frame is predicted from the frames before it.
+        let mut scene = before.scene.as_ref().clone();
+        mark(&mut scene, guesses);
+        let moment = Moment { scene: Arc::new(scene), ..before.moment.clone() };
+        return Snapshot { moment, landmarks: landmarks_of(before), ..before.as_ref().clone() };
+    }
+    // Of another frame the old results tell nothing; a place must not be given away by an old one either.
     let gives_away = |role: Role| is_place && matches!(role, Role::Best | Role::Candidate | Role::Rejected);
     let stays = |role: Role| !is_given(question, role) && !gives_away(role);
     let old = before.scene.marks.iter().filter(|_| is_same_frame);
     let old = old.filter(|mark| if mark.shape.is_layer() { !is_place } else { stays(mark.role) });
-    let new = after.scene.marks.iter().filter(|mark| is_given(question, mark.role) && !mark.shape.is_layer());
+    // Marks with an identity are tracks: what becomes of them is asked.
+    let is_new = |mark: &&Mark| is_given(question, mark.role) && mark.of.is_none() && !mark.shape.is_layer();
+    let new = after.scene.marks.iter().filter(is_new);
     let mut scene = Scene { marks: old.chain(new).cloned().collect(), ..after.scene.as_ref().clone() };
     scene.links.clear();
     scene.layers.clear();
@@ -197,14 +206,16 @@ pub(super) fn hidden(
     pictures.pair.clone_from(&after.pictures.pair);
     pictures.names.clone_from(&after.pictures.names);
     let frame = after.frame;
-    // The marks of the timeline would tell where the run finds something.
-    let is_past = |(event, _): &&(usize, Role)| *event <= before.cursor.event;
-    let landmarks: Vec<_> = before.landmarks.iter().filter(is_past).copied().collect();
     Snapshot {
         moment: Moment { scene: Arc::new(scene), pictures, frame, ..before.moment.clone() },
-        landmarks,
+        landmarks: landmarks_of(before),
         ..before.as_ref().clone()
     }
+}
+
+/// The marks of the timeline up to a step: later ones would tell where the run finds something.
+fn landmarks_of(before: &Snapshot) -> Vec<(usize, Role)> {
+    before.landmarks.iter().filter(|(event, _)| *event <= before.cursor.event).copied().collect()
 }
 
 /// What the window shows once a question is answered: the step, with the guesses and their distances.
