@@ -57,12 +57,18 @@ const DRAWN: &str = "motionscope = 1\nclip = \"synth:pillar\"\nestimator = \"dia
     picture = \"t+1\"\ncolor = \"yellow\"\npoints = \"50,118 58,112 70,112 80,118 84,130 80,142 68,148 56,146 48,136 47,126 51,117\"\n";
 
 const SCENES: [Scene; 10] = [
-    Scene { name: "start", size: vec2(1280.0, 720.0), theme: Theme::Dark, open: "", commands: &[Command::StartPage] },
+    Scene {
+        name: "start",
+        size: vec2(1280.0, 720.0),
+        theme: Theme::Projector,
+        open: "",
+        commands: &[Command::StartPage],
+    },
     Scene {
         name: "lesson",
         size: vec2(1280.0, 720.0),
         theme: Theme::Light,
-        open: "lesson:lucas-kanade/2",
+        open: "lesson:sequential-search/3",
         commands: &[],
     },
     Scene {

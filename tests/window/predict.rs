@@ -195,6 +195,8 @@ fn answers_stay_inside_the_window() {
             }
             assert!(question(&window).is_some(), "{id} asks");
             window.lies_inside(size, &format!("{id}, {theme}"));
+            let bar = window.region(Region::Question);
+            assert!(bar.height() < 0.3 * bar.width().min(size.y), "{id}, {theme}: {bar:?}");
         }
     }
 }

@@ -28,6 +28,9 @@ pub fn show(ui: &mut Ui, predict: &Predict, theme: Theme, state: &mut State, act
         let accent = style::color(theme.chrome().accent);
         ui.label(widgets::icon(ui, Icon::CircleQuestionMark).color(accent));
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            if predict.open().is_some() {
+                reveal(ui, theme, actions);
+            }
             tally(ui, predict, theme);
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 let text = RichText::new(title(predict)).size(size).family(style::bold());
@@ -38,12 +41,7 @@ pub fn show(ui: &mut Ui, predict: &Predict, theme: Theme, state: &mut State, act
     match (predict.open(), predict.last()) {
         (Some(open), _) => {
             let is_new = state.is_for(open);
-            ui.with_layout(Layout::right_to_left(Align::Min), |ui| {
-                reveal(ui, theme, actions);
-                ui.with_layout(Layout::left_to_right(Align::Min).with_main_wrap(true), |ui| {
-                    ways(ui, open, (theme, state, is_new), actions);
-                });
-            });
+            ui.horizontal_wrapped(|ui| ways(ui, open, (theme, state, is_new), actions));
         }
         (None, Some(answered)) => outcome(ui, answered, theme),
         (None, None) => {
@@ -86,7 +84,7 @@ fn ways(ui: &mut Ui, open: &Open, (theme, state, is_new): (Theme, &mut State, bo
     if asks_for_place(open.question) {
         let clicked = match open.guesses.places.len() {
             0 if open.guesses.hands.is_empty() => "Click the place on the picture.".to_owned(),
-            0 => "Click the place. Direction from the reference:".to_owned(),
+            0 => "Click the place. Its direction:".to_owned(),
             1 => "1 guess.".to_owned(),
             guesses => format!("{guesses} guesses."),
         };
@@ -128,8 +126,13 @@ fn number(ui: &mut Ui, open: &Open, (state, is_new): (&mut State, bool), actions
     if is_new || is_entered {
         field.request_focus();
     }
-    if is_entered && state.typed.trim().is_empty() {
+    // With nothing typed, keys and clicker step as they do elsewhere.
+    let is_empty = state.typed.trim().is_empty();
+    let pressed = |key| is_empty && ui.input(|input| input.key_pressed(key));
+    if is_empty && is_entered || pressed(egui::Key::ArrowRight) || pressed(egui::Key::PageDown) {
         actions.ask(Action::Reveal);
+    } else if pressed(egui::Key::ArrowLeft) || pressed(egui::Key::PageUp) {
+        actions.command(Command::IntoBack);
     }
     let parsed = state.typed.trim().replace(',', ".").replace('\u{2212}', "-").parse::<f64>();
     let parsed = parsed.ok().filter(|number| number.is_finite());
