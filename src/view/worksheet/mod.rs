@@ -1,6 +1,6 @@
 //! The worksheet of a step: what is given is printed, what the step computes is left out and asked for; and the same sheet filled in.
 //!
-//! Which numbers are results follows from the readouts alone, so every estimator has worksheets ([`blanks`]).
+//! Which numbers are results follows from the readouts alone, so every estimator has worksheets (`blanks.rs`).
 
 mod blanks;
 mod equation;
