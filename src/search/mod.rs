@@ -194,13 +194,13 @@ fn rank(entry: &Entry, query: &Query) -> Option<Rank> {
     })
 }
 
-/// What is told of an entry: the part of its text with the most of the words.
+/// The excerpt of an entry: the part of its text with most of the words.
 fn hit(entry: &Entry, query: &Query) -> Hit {
     let count = |text: &Searched| {
         let words = query.words().filter(|word| text.has(word)).count();
         words + usize::from(text.has(query.phrase()))
     };
-    // What is found by its name is told by its first text, which says what it is; so are equal ones.
+    // A hit by name has its first text as excerpt, which defines it; so have equal hits.
     let is_named = query.words().all(|word| entry.title.has(word));
     let texts = if is_named { &entry.texts[..entry.texts.len().min(1)] } else { &entry.texts };
     let best = texts.iter().rev().max_by_key(|text| count(text));

@@ -1,4 +1,4 @@
-//! A moving pattern in the place of a camera: textured discs before a textured background.
+//! A moving pattern instead of a camera: textured discs before a textured background.
 
 use std::f64::consts::TAU;
 use std::thread;

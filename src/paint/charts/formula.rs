@@ -19,7 +19,7 @@ const SMALL: f32 = 0.72;
 /// Below this a formula becomes unreadable; it then runs on rather than shrink.
 const SMALLEST: f32 = 0.7;
 
-/// What stands in the place of a number that is left out: so many of these as a box to write in.
+/// The character of which a box to write in consists; a box stands for a number that is left out.
 const BLANK: char = '□';
 /// Least number of letters that a box has room for.
 const LEAST_BLANK: usize = 5;
@@ -27,7 +27,7 @@ const LEAST_BLANK: usize = 5;
 const BLANK_LETTER: f32 = 0.75;
 const BLANK_HEIGHTS: [f32; 2] = [1.12, 0.5];
 
-/// A box to write in, as text of a formula, in the place of `number`.
+/// A box to write in instead of `number`, as text of a formula.
 pub fn blank(number: &str) -> String {
     BLANK.to_string().repeat(number.chars().count().max(LEAST_BLANK))
 }

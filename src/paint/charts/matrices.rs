@@ -175,7 +175,7 @@ pub fn entries(matrix: &Matrix) -> Grid<String> {
 /// Room for an entry that is left out.
 const LEFT_OUT: &str = "−00000.00";
 
-/// As [`entries`], with `left_out` in the place of those that are NaN where there are such.
+/// As [`entries`], with `left_out` instead of those that are NaN.
 fn entries_with(matrix: &Matrix, left_out: Option<&str>) -> Grid<String> {
     let all = entries(matrix);
     Grid::from_fn(all.width(), all.height(), |x, y| match left_out {

@@ -54,7 +54,7 @@ impl Page {
 /// What puts shapes on a page.
 struct Painter<'a> {
     page: &'a mut Page,
-    /// The type, as far as it is used.
+    /// The characters of the type that are used.
     fonts: &'a mut Fonts,
 }
 

@@ -55,7 +55,7 @@ impl Default for Recorder {
 }
 
 impl App {
-    /// Takes other cameras in the place of those of ffmpeg, for tests.
+    /// Uses other cameras than those of ffmpeg, for tests.
     pub fn use_cameras(&mut self, cameras: Arc<dyn Cameras>) {
         self.recorder.cameras = cameras;
     }
@@ -120,7 +120,7 @@ impl App {
         ));
     }
 
-    /// Goes on with the file in which the recording was saved, if that recording is still open and no other clip is being opened.
+    /// Opens the file in which the recording was saved, if that recording is still open and no other clip is being opened.
     pub(super) fn clip_saved(&mut self) {
         let Some(Saving { from, to: path }) = self.recorder.saving.take() else { return };
         let is_open = matches!(self.document.source(), Some(Source::File(open)) if *open == from);

@@ -10,7 +10,7 @@ use crate::ui::panes::layout;
 use crate::view::panes::Pane;
 
 impl App {
-    /// Opens what was found.
+    /// Opens a hit.
     pub(super) fn show_found(&mut self, target: Target) {
         match target {
             Target::Term(term) => self.overlay = Overlay::Glossary(terms::State::asking(term.name)),

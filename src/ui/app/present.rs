@@ -31,7 +31,7 @@ const HALO: f32 = 1.25;
 const PROGRESS_PT: f32 = 4.0;
 /// From one second of the clock to the next, and a little more: it is drawn once they are over.
 const TICK: Duration = Duration::from_millis(1050);
-/// Size of the presenter's window at first.
+/// Initial size of the presenter's window.
 const WINDOW: [f32; 2] = [760.0, 640.0];
 
 /// What a run is presented with.

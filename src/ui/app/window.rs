@@ -70,7 +70,7 @@ pub(super) enum Overlay {
 /// A part of the window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Region {
-    /// The start page, in the place of all others.
+    /// The start page, instead of all panes.
     Start,
     /// The line at the top.
     Header,

@@ -13,7 +13,7 @@ use crate::ui::app::action::{Action, Actions};
 use crate::ui::drawing::style;
 use crate::ui::parts::widgets;
 
-/// Hits of a kind that are listed at first.
+/// Number of hits of a kind that are listed initially.
 const MOST: usize = 6;
 
 /// The dialog while it is open.

@@ -203,7 +203,7 @@ impl Settings {
         self.recent.truncate(RECENT);
     }
 
-    /// Puts the page of a bundled lesson at the front of what was open lately, in the place of its other pages.
+    /// Puts the page of a bundled lesson at the front of what was open lately, instead of its other pages.
     pub fn remember_page(&mut self, page: &Address) {
         let is_of_lesson = |path: &PathBuf| {
             Address::parse(path.as_os_str()).is_some_and(|other| other.file().is_none() && other.lesson == page.lesson)

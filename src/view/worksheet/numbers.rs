@@ -7,7 +7,7 @@ use motionscope_core::scene::Math;
 
 use crate::paint::charts::formula::blank;
 
-/// What stands in the place of a number.
+/// The box instead of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fill {
     /// A box to write in.

@@ -9,7 +9,7 @@ use crate::base::{Error, Mapped, Observer, Tally, Threads};
 use crate::data::{Clip, Frame};
 use crate::geometry::Grid;
 use crate::methods::features::{
-    Selection, choose,
+    KEPT, Selection, choose,
     segment::{self, Candidate, SegmentTest},
 };
 use crate::params;
@@ -189,14 +189,7 @@ impl Estimator for Fast {
                 Case::says(line::SUPPRESS, "suppressed", "No: suppressed"),
             ],
         ),
-        Question::choice(
-            "kept",
-            "Is the next local maximum kept?",
-            &[
-                Case::at(line::KEEP, "Yes"),
-                Case::at(line::DROP_NEAR, "No: a stronger one is closer than the minimum distance"),
-            ],
-        ),
+        KEPT,
     ];
     const GUARANTEE: Guarantee = Guarantee::Places;
     const CHARTS: &'static [Chart] = &[Chart::Series, Chart::Tiles];

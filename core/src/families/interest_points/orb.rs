@@ -8,7 +8,7 @@ use crate::base::{Error, Observer, Tally, Threads};
 use crate::data::{Clip, Frame};
 use crate::geometry::{Gray, Grid};
 use crate::methods::features::{
-    Selection,
+    KEPT, Selection,
     brief::{self, BITS, Bits, Moments, Pair},
     choose,
     integral::Integral,
@@ -304,14 +304,7 @@ impl Estimator for Orb {
                 Case::says(line::COMPARE, "so the bit is 0", "0"),
             ],
         ),
-        Question::choice(
-            "kept",
-            "Is the next local maximum kept?",
-            &[
-                Case::at(line::KEEP, "Yes"),
-                Case::at(line::DROP_NEAR, "No: a stronger one is closer than the minimum distance"),
-            ],
-        ),
+        KEPT,
     ];
     // Coarse levels are sampled at other places when the picture moves.
     const GUARANTEE: Guarantee = Guarantee::SubPixelPlaces { off_centi_px: 150 };

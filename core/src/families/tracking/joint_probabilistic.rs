@@ -26,7 +26,7 @@ use crate::methods::{
 };
 use crate::products::{Object, ObjectFrame};
 use crate::run::{Info, Need, Progress, Seen};
-use crate::scene::{Case, Question, Reading, Role, Scene, Step};
+use crate::scene::{Question, Reading, Role, Scene, Step};
 use crate::{params, pseudocode};
 use events::{Joint, Validation};
 
@@ -153,15 +153,7 @@ impl MultiTracker for JointProbabilistic {
         frames: 2,
     };
     const QUESTIONS: &'static [Question] = &[
-        Question::choice(
-            "associated",
-            "What becomes of the next track?",
-            &[
-                Case::at(line::UPDATE_TRACK, "It is updated"),
-                Case::says(line::COAST_OR_END, "is deleted", "It is deleted"),
-                Case::at(line::COAST_OR_END, "It coasts"),
-            ],
-        ),
+        multi_object::tracking::ASSOCIATED,
         Question::number(
             "events",
             "How many feasible joint events are there?",

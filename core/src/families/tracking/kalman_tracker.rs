@@ -22,7 +22,7 @@ use crate::methods::{
 };
 use crate::products::{Object, ObjectFrame, TrackStatus};
 use crate::run::{Info, Need, Progress, Seen};
-use crate::scene::{Case, Question, Reading, Role, Scene, Step};
+use crate::scene::{Question, Reading, Role, Scene, Step};
 use crate::{choices, params, pseudocode};
 
 pub use association::Costs;
@@ -213,15 +213,7 @@ impl MultiTracker for KalmanTracker {
         frames: 2,
     };
     const QUESTIONS: &'static [Question] = &[
-        Question::choice(
-            "associated",
-            "What becomes of the next track?",
-            &[
-                Case::at(line::UPDATE_TRACK, "It is updated"),
-                Case::says(line::COAST_OR_END, "is deleted", "It is deleted"),
-                Case::at(line::COAST_OR_END, "It coasts"),
-            ],
-        ),
+        multi_object::tracking::ASSOCIATED,
         Question::number(
             "gated",
             "How many pairs of a track and a detection does gating leave?",

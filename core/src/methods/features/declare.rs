@@ -7,6 +7,13 @@ pub(super) mod line {
     crate::line_names!(TAKE_DERIVATIVES, RESPOND, EACH_STRONG, SUPPRESS, EACH_PEAK, DROP_NEAR, KEEP);
 }
 
+/// The question of all detectors that select local maxima at a minimum distance.
+pub(crate) const KEPT: Question = Question::choice(
+    "kept",
+    "Is the next local maximum kept?",
+    &[Case::at(line::KEEP, "Yes"), Case::at(line::DROP_NEAR, "No: a stronger one is closer than the minimum distance")],
+);
+
 /// The questions of all of them.
 pub(super) const QUESTIONS: &[Question] = &[
     Question::choice(
@@ -26,14 +33,7 @@ pub(super) const QUESTIONS: &[Question] = &[
             Case::says(line::SUPPRESS, "a local maximum", "Yes"),
         ],
     ),
-    Question::choice(
-        "kept",
-        "Is the next local maximum kept as a corner?",
-        &[
-            Case::at(line::KEEP, "Yes"),
-            Case::at(line::DROP_NEAR, "No: a stronger one is closer than the minimum distance"),
-        ],
-    ),
+    KEPT,
 ];
 
 /// The pseudocode of a corner detector; `response` is the line that defines the response R.

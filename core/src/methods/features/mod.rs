@@ -22,7 +22,7 @@ pub(crate) mod trails;
 
 pub use conclusion::{conclusion, reason_of};
 pub use corners::{Corners, Measure};
-pub(crate) use declare::corner_pseudocode;
+pub(crate) use declare::{KEPT, corner_pseudocode};
 pub use keypoints::draw_keypoints;
 pub use level_trace::{LevelTrace, why};
 pub use select::{Selection, Settings, choose, spread};
