@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use motionscope_core::{self as core, Cursor, Move};
 
-use super::Run;
+use super::run::Run;
 
 /// How often a long move shows how far it has come: at least ten times a second where showing takes at most half of that.
 const SIGHT: Duration = Duration::from_millis(90);
@@ -82,7 +82,7 @@ impl LongMove {
         }
         let done = match self.progress(part) {
             Some((done, of)) => (1..of).contains(&done).then_some(done)?,
-            // Nobody knows how long the run is, nor where it is by now: the first unit tells how fast it goes.
+            // Neither the length of the run nor its position is known: the first unit tells how fast it goes.
             None => 1,
         };
         self.is_long = true;

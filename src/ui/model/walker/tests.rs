@@ -2,12 +2,13 @@
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use motionscope_core::scene::Readout;
-use motionscope_core::{Direction, Frame, FrameSource, Grid, estimator};
+use motionscope_core::scene::{Picture, Readout};
+use motionscope_core::{Clip, Cursor, Flow, Frame, FrameSource, Grid, Stop, estimator};
 
 use super::*;
+use crate::experiment::Experiment;
 use crate::experiment::source::Source;
-use crate::paint::View as PictureView;
+use crate::paint::{FlowLayer, View as PictureView};
 
 fn clip() -> Clip {
     let texture = |x: usize, y: usize| (x * 31 + y * 57 + x * y % 7 * 20) as u8;
@@ -83,7 +84,7 @@ fn a_refused_run_leaves_the_last_picture() {
     assert!(walker.view().refused.is_none());
 }
 
-/// Frames that take for ever, until nobody wants them.
+/// Frames that take for ever, until they are cancelled.
 struct Slow(Arc<AtomicBool>);
 
 impl FrameSource for Slow {
@@ -111,7 +112,7 @@ fn stuck(walker: &Walker) {
 }
 
 #[test]
-fn nobody_waits_for_a_frame_that_is_not_wanted_any_more() {
+fn a_cancelled_frame_is_not_waited_for() {
     let walker = Walker::new(|| {}).unwrap();
     stuck(&walker);
     walker.start(job());

@@ -1,14 +1,18 @@
 //! The steps of the Kalman filter in words, matrices, plots and marks.
 
+mod equation;
+mod marks;
+mod plots;
+
 use super::matrices::matrices;
-use super::sensors::{Observations, SensorReading, Sensors};
+use super::sensors::{Observations, SensorReading};
 use super::{Event, FrameRecord, Gated, KalmanFilter, Loss, State, line, modes};
 use crate::base::words::{self, counted as count, percent};
-use crate::methods::kalman::{Filter, Measurement, MotionModel, chi_square, ellipse};
+use crate::methods::kalman::{Filter, Measurement, MotionModel, chi_square};
 use crate::methods::multi_object::explain::missed_in_a_row;
 use crate::methods::numbers::{px, ratio, squared};
 use crate::run::Seen;
-use crate::scene::{Arrow, Band, Fact, Math, Picture, Readout, Role, Scene, Sentence, Series, Shape, Step};
+use crate::scene::{Fact, Readout, Role, Sentence, Step};
 
 /// The mean innovation in standard deviations above which the filter is biased, and the least number of innovations that tell it.
 const BIAS_SIGMAS: f64 = 2.5;
@@ -462,285 +466,6 @@ impl KalmanFilter {
         }
         facts
     }
-
-    /// The formula of the step, with the numbers along x.
-    fn equation(&self, event: Option<&Event>) -> Option<Readout> {
-        let text = |text: &str| Math::text(text);
-        let lines = match event? {
-            Event::Mixed(before) => modes::mixing_formula(before)?,
-            Event::Drawn(_) => modes::points_formula(),
-            Event::Weighed(update) => modes::weights_formula(&update.0, &update.1)?,
-            Event::Updated(update) if update.1.modes().is_some() => return None,
-            Event::Predicted(both) if both[1].modes().is_some() => modes::prediction_formula(&both[1])?,
-            Event::Predicted(both) => {
-                // A turn is no linear function of the state: the extended filter applies f, and its Jacobian F to P.
-                let transition = match self.motion {
-                    MotionModel::Turn => vec![Math::Var("f"), text("("), Math::Bold("x"), text(")")],
-                    _ => vec![Math::Bold("F"), Math::Bold("x")],
-                };
-                let by_jacobian = Math::Row(vec![
-                    Math::Bold("x"),
-                    text(" ← "),
-                    Math::Row(transition),
-                    text(",  "),
-                    Math::Bold("P"),
-                    text(" ← "),
-                    Math::Bold("F"),
-                    Math::Bold("P"),
-                    Math::power(Math::Bold("F"), text("T")),
-                    text(" + "),
-                    Math::Bold("Q"),
-                ]);
-                let is_unscented = self.motion == MotionModel::Unscented;
-                vec![
-                    if is_unscented { modes::moments_formula() } else { by_jacobian },
-                    prediction_along_x(&both[0], &both[1]),
-                ]
-            }
-            Event::Gated(gated) => {
-                let numbers = gated.expected.update_numbers(gated.measurement())?;
-                let innovation = Math::Row(vec![
-                    Math::Bold("ν"),
-                    text(" = "),
-                    Math::Bold("z"),
-                    text(" − "),
-                    Math::Bold("H"),
-                    Math::Bold("x"),
-                    text(",  "),
-                    Math::Bold("S"),
-                    text(" = "),
-                    Math::Bold("H"),
-                    Math::Bold("P"),
-                    Math::power(Math::Bold("H"), text("T")),
-                    text(" + "),
-                    Math::Bold("R"),
-                ]);
-                vec![
-                    innovation,
-                    Math::Row(vec![
-                        Math::power(Math::Var("d"), text("2")),
-                        text(" = "),
-                        Math::power(Math::Bold("ν"), text("T")),
-                        Math::power(Math::Bold("S"), text("−1")),
-                        Math::Bold("ν"),
-                        text(&format!(
-                            " = {} {} {}",
-                            squared(numbers.squared_distance),
-                            if gated.is_beyond() { ">" } else { "≤" },
-                            squared(gated.limit)
-                        )),
-                    ]),
-                ]
-            }
-            Event::Updated(update) => {
-                let (gated, after) = (&update.0, &update.1);
-                let numbers = gated.expected.update_numbers(gated.measurement())?;
-                let (gain, residual) = (numbers.gain[(0, 0)], numbers.residual[0]);
-                let kept = || {
-                    Math::Row(vec![
-                        text("("),
-                        Math::Bold("I"),
-                        text(" − "),
-                        Math::Bold("K"),
-                        Math::Bold("H"),
-                        text(")"),
-                    ])
-                };
-                let has_others = (1..numbers.residual.len()).any(|i| numbers.gain[(0, i)] * numbers.residual[i] != 0.0);
-                vec![
-                    Math::Row(vec![
-                        Math::Bold("K"),
-                        text(" = "),
-                        Math::Bold("P"),
-                        Math::power(Math::Bold("H"), text("T")),
-                        Math::power(Math::Bold("S"), text("−1")),
-                        text(",  "),
-                        Math::Bold("x"),
-                        text(" ← "),
-                        Math::Bold("x"),
-                        text(" + "),
-                        Math::Bold("K"),
-                        Math::Bold("ν"),
-                    ]),
-                    Math::Row(vec![
-                        Math::Bold("P"),
-                        text(" ← "),
-                        kept(),
-                        Math::Bold("P"),
-                        Math::power(kept(), text("T")),
-                        text(" + "),
-                        Math::Bold("K"),
-                        Math::Bold("R"),
-                        Math::power(Math::Bold("K"), text("T")),
-                    ]),
-                    Math::Row(vec![
-                        Math::Var("x"),
-                        text(" = "),
-                        Math::ink(Role::Predicted, px(gated.expected.place()[0])),
-                        text(&format!(" + {} · ", ratio(gain))),
-                        Math::ink(Role::Measured, px(residual)),
-                        text(if has_others { " + … = " } else { " = " }),
-                        Math::ink(Role::Estimate, px(after.place()[0])),
-                    ]),
-                ]
-            }
-            _ => return None,
-        };
-        Some(Readout::Equation(lines))
-    }
-
-    /// The plots up to the current frame.
-    fn series(&self, seen: &Seen<Self>) -> Vec<Readout> {
-        let state = seen.after.unwrap_or(seen.before);
-        let records = || state.records.iter().enumerate();
-        let x = |i: usize| (state.span.first + i) as f32;
-        let line = |of: &dyn Fn(&FrameRecord) -> Option<f64>| -> Vec<[f32; 2]> {
-            records().filter_map(|(i, record)| Some([x(i), of(record)? as f32])).collect()
-        };
-        // Two-sided: a filter with a covariance far too large lies below the lower end.
-        let band = |dof: usize| Band {
-            name: "95 % band".into(),
-            values: [0.025, 0.975].map(|p| chi_square::quantile(p, dof) as f32),
-            at: None,
-        };
-        let x_max = state.span.first + state.span.frames().map_or(state.records.len(), |frames| frames - 1);
-        let series = |title, y_label, lines: Vec<Line>| Series {
-            title,
-            x_label: "frame",
-            y_label,
-            x_max,
-            lines,
-            decimals: Some(2),
-            present: seen.before.back.map(|_| frame_of(seen.before) as f32),
-            ..Series::default()
-        };
-        if state.records.len() < 2 {
-            return Vec::new();
-        }
-        let sigma = line(&|record| record.filtered.as_ref().map(deviation));
-        let smoothed = line(&|record| record.smoothed.as_ref().map(deviation));
-        let has_estimates = !sigma.is_empty() || !smoothed.is_empty();
-        let mut deviations = vec![("filtered", Role::Estimate, sigma)];
-        if !smoothed.is_empty() {
-            deviations.push(("smoothed", Role::Result, smoothed));
-        }
-        let names = if self.sensors == Sensors::One {
-            ["NIS"; 2]
-        } else {
-            ["NIS of the first sensor", "NIS of the second sensor"]
-        };
-        let mut all = Vec::new();
-        let probabilities = modes::lines(records().map(|(i, record)| (x(i), &**record)));
-        if !probabilities.is_empty() {
-            all.push(Series { decimals: Some(3), ..series("Mode probabilities", "μ", probabilities) });
-        }
-        for (sensor, title) in names.into_iter().enumerate() {
-            // The frame at hand counts from its gate on.
-            let present = seen.events.iter().find_map(|event| match event {
-                Event::Gated(gated) if seen.after.is_none() && gated.reading.sensor == sensor => Some(&**gated),
-                _ => None,
-            });
-            let point_of = |gated: &Gated| [x(state.records.len()), gated.squared_distance as f32];
-            // The line is broken where there is no measurement.
-            let mut all_of =
-                line(&|record| Some(record.of_sensor(sensor).map_or(f64::NAN, |gated| gated.squared_distance)));
-            let mut refused = line(&|record| {
-                let gated = record.of_sensor(sensor).filter(|gated| !gated.is_inside())?;
-                Some(gated.squared_distance)
-            });
-            all_of.extend(present.map(point_of));
-            refused.extend(present.filter(|gated| !gated.is_inside()).map(point_of));
-            let dof = records().find_map(|(_, record)| Some(record.of_sensor(sensor)?.measurement().numbers()));
-            let Some(dof) = dof else { continue };
-            let mut lines = vec![("NIS", Role::Measured, all_of)];
-            if !refused.is_empty() {
-                lines.push(("rejected", Role::Rejected, refused));
-            }
-            let limit = chi_square::quantile(f64::from(self.gate), dof) as f32;
-            let thresholds = vec![(format!("{} gate", percent(self.gate)), limit)];
-            let nis = series(title, "d²", lines);
-            all.push(Series { bands: vec![band(dof)], thresholds, ..nis });
-        }
-        if has_estimates {
-            all.push(series("Position σ", "px", deviations));
-        }
-        let nees = line(&|record| record.filtered?.squared_error(record.truth?));
-        if nees.len() > 1 {
-            let off = |of: fn(&FrameRecord) -> Option<Filter>| {
-                line(&move |record: &FrameRecord| Some(distance(of(record)?.place(), record.truth?)))
-            };
-            let nees = series("NEES", "NEES", vec![("NEES", Role::Error, nees)]);
-            all.push(Series { bands: vec![band(2)], ..nees });
-            let mut errors = vec![("filtered", Role::Estimate, off(|record| record.filtered))];
-            let measured = line(&|record| Some(distance(record.of_sensor(0)?.measurement().place, record.truth?)));
-            errors.push(("measurement", Role::Measured, measured));
-            if state.back.is_some() {
-                errors.push(("smoothed", Role::Result, off(|record| record.smoothed)));
-            }
-            all.push(series("Position error", "px", errors));
-        }
-        all.into_iter().map(Readout::Series).collect()
-    }
-
-    pub(super) fn drawn(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        let (state, now) = (seen.before, self.now(seen));
-        trails(seen, &now, scene);
-        let detections = seen.events.iter().find_map(|event| match event {
-            Event::Observed(observed) => Some(&observed.detections),
-            _ => None,
-        });
-        for found in detections.into_iter().flat_map(|all| all.iter()) {
-            let shape = Shape::Rect { min: found.bounds.min, max: found.bounds.max };
-            scene.mark(Picture::CURRENT, Role::Reference, shape);
-            scene.legend(Role::Reference, "detection");
-        }
-        self.truth(seen, scene);
-        if let Some(predicted) = now.predicted {
-            self.draw_estimate(&predicted, (Role::Predicted, "prediction"), scene);
-        }
-        match seen.events.last() {
-            Some(Event::Gated(gated)) => gate(gated, scene),
-            Some(Event::Mixed(before)) => modes::draw(before, scene),
-            Some(Event::Drawn(before)) => modes::draw_points(before, false, scene),
-            Some(Event::Predicted(both)) => {
-                modes::draw(&both[1], scene);
-                modes::draw_points(&both[0], true, scene);
-            }
-            Some(Event::Updated(update) | Event::Weighed(update)) => modes::draw(&update.1, scene),
-            _ => {}
-        }
-        measured(seen, &now, scene);
-        let is_back = state.back.is_some();
-        if let Some(before) = now.before.filter(|_| is_back) {
-            self.draw_estimate(&before, (Role::Estimate, "filtered estimate"), scene);
-        }
-        if let Some(after) = now.after {
-            let role = if is_back { (Role::Result, "smoothed estimate") } else { (Role::Estimate, "updated estimate") };
-            self.draw_estimate(&after, role, scene);
-        }
-        if scene.legend.is_empty() {
-            scene.legend(Role::Measured, "measurement");
-            scene.legend(Role::Predicted, "prediction");
-            scene.legend(Role::Estimate, "updated estimate");
-        }
-    }
-
-    /// Draws an estimated position with its covariance ellipse.
-    fn draw_estimate(&self, filter: &Filter, (role, meaning): (Role, &'static str), scene: &mut Scene) {
-        let center = filter.place();
-        if let Some(shape) = ellipse(center, filter.place_covariance(), self.confidence.share()) {
-            scene.mark(Picture::CURRENT, role, shape);
-            scene.mark(Picture::CURRENT, role, Shape::Points(vec![point(center)]));
-            scene.legend(role, meaning);
-        }
-    }
-
-    fn truth(&self, seen: &Seen<Self>, scene: &mut Scene) {
-        if let Some(truth) = truth(seen) {
-            scene.mark(Picture::CURRENT, Role::Truth, Shape::Points(vec![point(truth)]));
-            scene.legend(Role::Truth, "true position");
-        }
-    }
 }
 
 /// The accepted measurements of a run: rejected ones are of something else, and say nothing about the filter's covariance.
@@ -843,40 +568,6 @@ fn updated(gated: &Gated, after: &Filter) -> Sentence {
         ))
 }
 
-/// A term of a sum with the sign before it.
-fn term(value: f64) -> String {
-    let sign = if value < 0.0 { "−" } else { "+" };
-    format!(" {sign} {}", px(value.abs()))
-}
-
-/// The predicted x with its numbers: of a linear motion model as the sum that it is.
-fn prediction_along_x(before: &Filter, after: &Filter) -> Math {
-    let text = |text: String| Math::text(text);
-    let [x, u] = [before.place()[0], before.velocity()[0]];
-    let predicted = Math::ink(Role::Predicted, px(after.place()[0]));
-    let sum = || vec![Math::Var("x"), text(" + ".into()), Math::Var("u")];
-    let numbers = format!(" = {}{}", px(x), term(u));
-    Math::Row(match before {
-        Filter::Velocity(..) => {
-            [sum(), vec![text(numbers), text(" = ".into()), predicted, text(" px".into())]].concat()
-        }
-        Filter::Acceleration(_, estimate) => {
-            let a = estimate.state[4];
-            let sign = if a < 0.0 { "−" } else { "+" };
-            let acceleration = Math::indexed(Math::Var("a"), Math::Var("x"));
-            let numbers = format!("{numbers} {sign} ½ · {} = ", px(a.abs()));
-            [sum(), vec![text(" + ½ ".into()), acceleration, text(numbers), predicted, text(" px".into())]].concat()
-        }
-        Filter::Turn(..) | Filter::Interacting(..) => vec![
-            Math::Var("x"),
-            text(format!(" = {}, u = {} px/frame; predicted ", px(x), px(u))),
-            Math::Var("x"),
-            text(" = ".into()),
-            predicted,
-        ],
-    })
-}
-
 /// Whether all measurements are of other objects than the tracked one, or none is; `None` where they differ or it is unknown.
 fn of_another(measurements: &[&Gated]) -> Option<bool> {
     let first = measurements.first()?.reading.is_of_another()?;
@@ -916,16 +607,6 @@ fn is_sideways(gated: &[&Gated]) -> bool {
     beside.abs() > along.abs()
 }
 
-fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
-    (a[0] - b[0]).hypot(a[1] - b[1])
-}
-
-/// The standard deviation of the position, the root of the mean variance of both axes.
-fn deviation(filter: &Filter) -> f64 {
-    let [[xx, _], [_, yy]] = filter.place_covariance();
-    ((xx + yy) / 2.0).sqrt()
-}
-
 /// The true position in the current frame.
 fn truth(seen: &Seen<KalmanFilter>) -> Option<[f64; 2]> {
     let observed = seen.events.iter().find_map(|event| match event {
@@ -936,81 +617,12 @@ fn truth(seen: &Seen<KalmanFilter>) -> Option<[f64; 2]> {
     observed.or_else(|| seen.before.records.get(index)?.truth)
 }
 
-/// Draws the filtered and the smoothed trajectory up to the estimate of the step.
-fn trails(seen: &Seen<KalmanFilter>, now: &StepEstimates, scene: &mut Scene) {
-    let state = seen.before;
-    let index = now.frame - state.span.first;
-    let is_new = matches!(seen.events.last(), Some(Event::Begun(..)));
-    let mut draw = |of: fn(&FrameRecord) -> Option<Filter>, role: Role, meaning: &'static str| {
-        let known = state.records.iter().enumerate().map(|(i, record)| {
-            let of_step = now.after.filter(|_| i == index && role == now.role);
-            (of_step.or_else(|| of(record)), record.begins)
-        });
-        let of_step = now.after.filter(|_| index == state.records.len() && role == now.role);
-        let mut runs: Vec<Vec<[f32; 2]>> = Vec::new();
-        for (filter, begins) in known.chain(of_step.map(|filter| (Some(filter), is_new))) {
-            match filter {
-                Some(filter) => {
-                    if runs.is_empty() || begins {
-                        runs.push(Vec::new());
-                    }
-                    if let Some(run) = runs.last_mut() {
-                        run.push(point(filter.place()));
-                    }
-                }
-                None => runs.push(Vec::new()),
-            }
-        }
-        for points in runs.into_iter().filter(|points| points.len() > 1) {
-            scene.mark(Picture::CURRENT, role, Shape::Path { points, closed: false });
-            scene.legend(role, meaning);
-        }
-    };
-    draw(
-        |record| record.filtered,
-        Role::Estimate,
-        if state.back.is_some() { "filtered estimate" } else { "updated estimate" },
-    );
-    if state.back.is_some() {
-        draw(|record| record.smoothed, Role::Result, "smoothed estimate");
-    }
+fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
-/// Draws the gate: the region of accepted measurements.
-fn gate(gated: &Gated, scene: &mut Scene) {
-    let Some(numbers) = gated.expected.update_numbers(gated.measurement()) else { return };
-    let covariance = [0, 1].map(|i| [0, 1].map(|j| numbers.covariance[(j, i)]));
-    // The share of positions within the gating threshold.
-    let share = chi_square::share(gated.limit, 2);
-    if let Some(shape) = ellipse(gated.expected.place(), covariance, share) {
-        scene.mark(Picture::CURRENT, Role::Window, shape);
-        scene.legend(Role::Window, "gate");
-    }
-}
-
-/// Draws the measurements and the innovation.
-fn measured(seen: &Seen<KalmanFilter>, now: &StepEstimates, scene: &mut Scene) {
-    let looked = seen.events.iter().find_map(|event| match event {
-        Event::Observed(observed) => Some(&observed.measured),
-        _ => None,
-    });
-    let Some(all) = looked.filter(|all| !all.is_empty()) else { return };
-    let is_refused = |reading: &&SensorReading| {
-        now.gated.iter().any(|gated| gated.reading.sensor == reading.sensor && !gated.is_inside())
-    };
-    let (refused, taken): (Vec<&SensorReading>, Vec<&SensorReading>) = all.iter().partition(is_refused);
-    for (role, reading) in [(Role::Measured, taken), (Role::Rejected, refused)] {
-        if !reading.is_empty() {
-            let points = reading.iter().map(|reading| point(reading.measurement.place)).collect();
-            scene.mark(Picture::CURRENT, role, Shape::Points(points));
-            scene.legend(role, if role == Role::Rejected { "rejected measurement" } else { "measurement" });
-        }
-    }
-    // The innovation of the current sensor; a rejected one updates nothing.
-    if let Some(gated) = now.gated.last() {
-        let arrow = Arrow { from: point(gated.expected.place()), to: point(gated.measurement().place) };
-        let role = if gated.is_inside() { Role::Best } else { Role::Rejected };
-        scene.mark(Picture::CURRENT, role, Shape::Arrows(vec![arrow]));
-        scene.legend(Role::Best, "innovation ν");
-    }
+/// The standard deviation of the position, the root of the mean variance of both axes.
+fn deviation(filter: &Filter) -> f64 {
+    let [[xx, _], [_, yy]] = filter.place_covariance();
+    ((xx + yy) / 2.0).sqrt()
 }
