@@ -4,6 +4,9 @@ use motionscope::session::lesson::{Lesson, all};
 
 use super::*;
 
+#[path = "lesson_numbers.rs"]
+mod lesson_numbers;
+
 /// Most key presses of a page; a page takes fewer than that.
 const MOST_STEPS: usize = 60;
 
@@ -130,6 +133,30 @@ fn the_view_of_a_page_goes_with_it() {
     assert_eq!((page(&window).0, window.cursor()), (3, Cursor { unit: 4, event: 1 }), "the others open");
     window.click_role(Role::Link, "lesson:sequential-search");
     assert!(page(&window).1 > 3, "a link leads to another lesson");
+}
+
+#[test]
+fn a_view_chosen_by_hand_goes_with_what_was_open() {
+    let view = |window: &Window| window.app().settings().look.view;
+    let mut window = opened("lesson:sequential-search/1");
+    window.command(Command::Difference);
+    assert_eq!(view(&window), Some(View::Difference));
+    window.key(Key::PageDown);
+    assert_eq!((page(&window).0, view(&window)), (2, Some(View::SideBySide)), "another step of the same run");
+    for (name, own) in [
+        ("example:full-search/large-motion", View::SideBySide),
+        ("synth:spin-zoom,frames=3", View::SideBySide),
+        ("example:kalman-filter/works", View::Current),
+    ] {
+        window.command(Command::Blend);
+        assert_eq!(view(&window), Some(View::Blend));
+        window.harness.state_mut().open(name);
+        window.settle();
+        assert_eq!(view(&window), Some(own), "{name}");
+    }
+    window.command(Command::Blend);
+    window.key(Key::ArrowRight);
+    assert_eq!(view(&window), Some(View::Blend), "it stays from step to step");
 }
 
 /// A window on a lesson of two pages with different clips, at page `number`.

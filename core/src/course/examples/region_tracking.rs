@@ -209,6 +209,32 @@ pub(super) const EXAMPLES: &[Example] = &[
         instead: Some(Alternative { id: "rapid", settings: &[("search-range", "4")], limit: Limit::AtLeast(0.97) }),
     },
     Example {
+        id: "noise",
+        title: "Edges made of noise",
+        of: &["rapid"],
+        cause: Some(Cause::Noise),
+        clip: "turning-box,noise=30",
+        settings: &[],
+        frame: 0,
+        says: "Nearly everywhere along a normal, noise has a gradient of 6 levels per px, so the nearest edge of a control point is \
+               seldom one of the box. At 20 levels per px the edges of the box are left.",
+        claim: ("mean_overlap", Limit::AtMost(0.75)),
+        instead: Some(Alternative { id: "rapid", settings: &[("min-gradient", "20")], limit: Limit::AtLeast(0.95) }),
+    },
+    Example {
+        id: "inner-edges",
+        title: "A checked box before a checked wall",
+        of: &["rapid"],
+        cause: Some(Cause::InnerEdges),
+        clip: "turning-box,repeating-texture=100",
+        settings: &[],
+        frame: 0,
+        says: "The patterns of faces and wall have edges nearer to the control points than those of the model, and the pose slips onto them. The \
+               curve of Chan and Vese separates the box from the wall by its mean gray level.",
+        claim: ("mean_overlap", Limit::AtMost(0.5)),
+        instead: Some(Alternative { id: "chan-vese", settings: &[], limit: Limit::AtLeast(0.9) }),
+    },
+    Example {
         id: "scale-change",
         title: "A balloon that outgrows its region",
         of: &["mean-shift", "particle-filter"],

@@ -12,7 +12,7 @@ pub(super) const EXAMPLES: &[Example] = &[
         settings: &[],
         frame: 0,
         says: "All surfaces have a texture that does not repeat, so each window has one best match. Wrong pixels lie beside the balls, where the right \
-               camera sees other parts of the wall.",
+               camera sees other parts of the wall, and at the left border, where the match lies beside the right view.",
         claim: ("bad3_percent", Limit::AtMost(10.0)),
         instead: None,
     },
@@ -41,6 +41,32 @@ pub(super) const EXAMPLES: &[Example] = &[
                right: a whole surface may take a wrong one.",
         claim: ("bad3_percent", Limit::AtLeast(30.0)),
         instead: None,
+    },
+    Example {
+        id: "large-motion",
+        title: "Balls nearer than the search reaches",
+        of: &["block-stereo", "semi-global-matching"],
+        cause: Some(Cause::LargeMotion),
+        clip: "still-life",
+        settings: &[("disparities", "16")],
+        frame: 0,
+        says: "The nearer a point, the larger its displacement between the views, and 15 px are the largest that 16 disparities contain. The \
+               true matches of the balls and of the table before them are never tested; 64 disparities reach them.",
+        claim: ("bad3_percent", Limit::AtLeast(25.0)),
+        instead: Some(Alternative { id: "semi-global-matching", settings: &[], limit: Limit::AtMost(8.0) }),
+    },
+    Example {
+        id: "noise",
+        title: "Path costs without penalties",
+        of: &["semi-global-matching"],
+        cause: Some(Cause::Noise),
+        clip: "still-life,noise=50",
+        settings: &[("p1", "0"), ("p2", "0")],
+        frame: 0,
+        says: "Without penalties the disparity may change freely from pixel to pixel, so a path adds nothing to the census cost of each, \
+               which the noise scrambles. The default penalties carry the evidence of many pixels along the paths.",
+        claim: ("bad3_percent", Limit::AtLeast(30.0)),
+        instead: Some(Alternative { id: "semi-global-matching", settings: &[], limit: Limit::AtMost(15.0) }),
     },
     Example {
         id: "works",

@@ -99,6 +99,28 @@ impl Pair<'_> {
     pub fn last(&self) -> usize {
         self.pixel.0.min(self.disparities - 1)
     }
+
+    /// Why no match passes the tests: the end of the search, if the true match lies behind it, else the `usual` cause.
+    pub fn cause(&self, usual: &str) -> String {
+        let (last, name) = (self.last(), self.views.second_name());
+        let is_cut = last + 1 < self.disparities;
+        match true_at(self.views, self.pixel) {
+            Some(truth) if truth > last as f32 + 0.5 => {
+                let end = if is_cut {
+                    format!("beside the {name}: its border ends the search at d = {last} px")
+                } else {
+                    format!("beyond the {} disparities searched", self.disparities)
+                };
+                format!("The true match, at d = {}, lies {end}.", disparity_px(truth))
+            }
+            None if is_cut => {
+                format!(
+                    "{usual} Otherwise the match lies beside the {name}, and the search ends at its border, at d = {last} px."
+                )
+            }
+            _ => usual.to_owned(),
+        }
+    }
 }
 
 /// Draws the pixel, its epipolar line, the best match and the true one.
@@ -159,5 +181,37 @@ impl Curve<'_> {
             decimals: Some(0),
             ..Series::default()
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::data::Frame;
+
+    /// Why the pixel in a column has no disparity, of 16 disparities and with the true one, if it is known.
+    fn cause(x: usize, truth: Option<f32>) -> String {
+        let frame = || Arc::new(Frame::gray(Grid::new(40, 8, 90)));
+        let truth = truth.map(|truth| Arc::new(Disparity(Grid::new(40, 8, truth))));
+        let views = Views { left: frame(), right: frame(), is_stereo: true, calibration: None, truth };
+        Pair { views: &views, pixel: (x, 4), reach: 1, disparities: 16 }.cause("Something hides it.")
+    }
+
+    #[test]
+    fn a_match_behind_the_end_of_the_search_is_the_cause() {
+        let beside =
+            "The true match, at d = 9.20 px, lies beside the right view: its border ends the search at d = 5 px.";
+        assert_eq!(cause(5, Some(9.2)), beside);
+        let beyond = "The true match, at d = 20.00 px, lies beyond the 16 disparities searched.";
+        assert_eq!(cause(30, Some(20.0)), beyond);
+        for inside in [cause(5, Some(5.4)), cause(30, Some(9.2)), cause(15, None), cause(30, None)] {
+            assert_eq!(inside, "Something hides it.");
+        }
+        let unknown = "Something hides it. Otherwise the match lies beside the right view, and the search ends at its border, at \
+             d = 5 px.";
+        assert_eq!(cause(5, None), unknown);
+        assert_eq!(cause(5, Some(Disparity::UNKNOWN)), unknown, "a pixel without a truth");
     }
 }

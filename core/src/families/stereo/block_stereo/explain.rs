@@ -72,15 +72,15 @@ impl BlockStereo {
             .ink(Role::Best, format!("{} at d = {best}", words::cost(minimum.cost.into())));
         match (kept.verdict, minimum.rival) {
             (Verdict::Ambiguous, Some((at, cost))) => said.text(format!(
-                ", has a rival: {} at d = {at}, less than {} % higher. Too little texture or one that repeats makes the match ambiguous, so the pixel gets \
-                 no disparity.",
+                ", has a rival: {} at d = {at}, less than {} % higher, so the match is ambiguous and the pixel gets no disparity. {}",
                 words::cost(cost.into()),
-                self.settings.uniqueness
+                self.settings.uniqueness,
+                self.pair(shown).cause("There is too little texture, or one that repeats.")
             )),
             (Verdict::Inconsistent, _) => said.text(format!(
-                ", fails the left–right check: from the matched pixel of the {}, the minimum is at d = {back}. Probably the pixel is half-occluded, \
-                 hidden there by something nearer.",
-                shown.fixed.views.second_name()
+                ", fails the left–right check: from the matched pixel of the {}, the minimum is at d = {back}. {}",
+                shown.fixed.views.second_name(),
+                self.pair(shown).cause("Probably the pixel is half-occluded, hidden there by something nearer.")
             )),
             _ => {
                 let said = said.text(", is unique and confirmed by the left–right check. The disparity is ");

@@ -299,9 +299,10 @@ impl SemiGlobalMatching {
         let said = said.ink(Role::Best, format!("d = {back}"));
         let sentence = match best.abs_diff(back) <= self.settings.max_difference {
             true => said.text(". The left–right check confirms the disparity."),
-            false => said.text(
-                ". The left–right check rejects the disparity: the pixel is half-occluded, hidden from the other view, or mismatched.",
-            ),
+            false => {
+                let usual = "The pixel is half-occluded, hidden from the other view, or mismatched.";
+                said.text(format!(". The left–right check rejects the disparity. {}", self.pair(shown).cause(usual)))
+            }
         };
         let facts = vec![
             Fact::new("From the left view", format!("d = {best}"), Some(Role::Best)),
