@@ -2,11 +2,16 @@
 
 mod common;
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use common::set;
-use motionscope_core::scene::{Answer, Picture, Question, Scene, Shown, asked};
+use motionscope_core::examples::{self, Example};
+use motionscope_core::scene::{Answer, Asked, Picture, Question, Scene, Sentence, Shown, asked};
 use motionscope_core::{
-    AnyEstimator, BlockField, Clip, Direction, Move, Params as _, RegionField, Step, Threads, estimators, synth,
+    AnyEstimator, BlockField, Clip, Cursor, Direction, Move, Params as _, RegionField, Step, Threads, Walk, estimators,
+    synth,
 };
+use rayon::prelude::*;
 
 /// A bundled scene, of the first `frames` frames where it has such a slider.
 fn scene(id: &str, frames: &str) -> Clip {
@@ -21,7 +26,7 @@ fn scene(id: &str, frames: &str) -> Clip {
 fn by_unit(estimator: &dyn AnyEstimator, clip: &Clip) -> Vec<(Step, &'static Question, Answer)> {
     let mut walk = estimator.walk(clip, 0).expect("a walk");
     let unit = walk.info().granularities.len() - 2;
-    let look = |walk: &dyn motionscope_core::Walk| -> (Step, Scene) { (walk.step(None), walk.scene(None)) };
+    let look = |walk: &dyn Walk| -> (Step, Scene) { (walk.step(None), walk.scene(None)) };
     let (mut before, mut all) = (look(&*walk), Vec::new());
     while !walk.at_end() {
         walk.jump(Move::Granularity(unit, Direction::Forward));
@@ -98,4 +103,156 @@ fn every_question_has_a_different_text() {
         texts.dedup();
         assert_eq!(texts.len(), all, "{}", estimator.info().id);
     }
+}
+
+/// Most steps that are walked from one place of a run.
+const STRETCH: usize = 160;
+/// Parts of a run, each of which is walked from its start.
+const PARTS: usize = 8;
+
+/// The answers that steps give to questions with several ones, by the id of the question.
+struct Answers(BTreeMap<&'static str, (&'static Question, BTreeSet<usize>)>);
+
+impl Answers {
+    /// Those of the questions of `estimator`, as long as no step was looked at.
+    fn none(estimator: &dyn AnyEstimator) -> Self {
+        let choices = estimator.questions().iter().filter(|question| !question.choices().is_empty());
+        Self(choices.map(|question| (question.id, (question, BTreeSet::new()))).collect())
+    }
+
+    /// Whether each question got two of them.
+    fn are_various(&self) -> bool {
+        self.0.values().all(|(_, given)| given.len() > 1)
+    }
+
+    /// Walks on by steps of a granularity from where `walk` stands, until there are enough.
+    fn walk_on(&mut self, walk: &mut dyn Walk, granularity: usize) {
+        // Only places are read from the marks.
+        let scene = Scene::default();
+        for _ in 0..STRETCH {
+            if walk.at_end() || self.are_various() {
+                return;
+            }
+            walk.jump(Move::Granularity(granularity, Direction::Forward));
+            let step = walk.step(None);
+            let shown = Shown { step: &step, scene: &scene };
+            let unit = walk.cursor().unit;
+            for (question, given) in self.0.values_mut().filter(|(question, _)| question.is_asked_in(unit)) {
+                if let Some(Answer::Choice(index)) = question.answer(shown, shown) {
+                    given.insert(index);
+                }
+            }
+        }
+    }
+
+    /// The questions that got a single answer, with it, or none.
+    fn alike(&self) -> Vec<String> {
+        let alike = self.0.values().filter(|(_, given)| given.len() < 2);
+        let told = alike.map(|(question, given)| {
+            let answer = given.first().map_or("no answer", |index| question.choices()[*index]);
+            format!("{}: {answer}", question.text)
+        });
+        told.collect()
+    }
+}
+
+/// The run of an example.
+fn walk(id: &str, example: &Example) -> Box<dyn Walk> {
+    let mut parts = example.clip.split(',');
+    let scene = synth::scene(parts.next().expect("a scene")).expect("a scene of the generator");
+    let mut difficulty = scene.difficulty();
+    for part in parts {
+        let (name, value) = part.split_once('=').expect("NAME=VALUE");
+        difficulty.set(name, value).expect("a slider in range");
+    }
+    let clip = scene.clip(&difficulty).expect("a clip");
+    set(id, example.settings).walk(&clip, example.frame).expect("a walk")
+}
+
+/// The answers of an estimator's examples: first from their start by smaller and by larger steps, then from places all over their runs.
+fn answers(estimator: &dyn AnyEstimator) -> Answers {
+    let (id, mut answers) = (estimator.info().id, Answers::none(estimator));
+    let event = estimator.info().granularities.len() - 1;
+    for example in examples::of(id) {
+        if answers.are_various() {
+            break;
+        }
+        let mut walk = walk(id, example);
+        for granularity in (1..=event).rev() {
+            walk.jump(Move::To(Cursor::default()));
+            answers.walk_on(&mut *walk, granularity);
+        }
+    }
+    for example in examples::of(id) {
+        if answers.are_various() {
+            break;
+        }
+        let mut walk = walk(id, example);
+        walk.jump(Move::End);
+        let units = walk.cursor().unit + 1;
+        for unit in (1..PARTS).map(|part| units * part / PARTS).chain([units - 1]) {
+            walk.jump(Move::To(Cursor { unit, event: 0 }));
+            answers.walk_on(&mut *walk, event);
+        }
+    }
+    answers
+}
+
+#[test]
+fn no_question_has_the_same_answer_throughout_the_examples() {
+    let alike = |estimator: Box<dyn AnyEstimator>| {
+        let alike = answers(&*estimator).alike().into_iter();
+        alike.map(|told| format!("{}: {told}", estimator.info().id)).collect::<Vec<_>>()
+    };
+    let alike: Vec<_> = estimators().into_par_iter().with_max_len(1).map(alike).collect();
+    let alike = alike.concat();
+    assert!(alike.is_empty(), "{} are always answered alike:\n{}", alike.len(), alike.join("\n"));
+}
+
+#[test]
+fn the_first_answer_of_a_run_needs_thought() {
+    for (id, question) in [("global-motion", "better"), ("kalman-tracker", "gated"), ("rapid", "lost")] {
+        let example = examples::of(id).next().expect("an example");
+        let mut walk = walk(id, example);
+        let event = walk.info().granularities.len() - 1;
+        let questions = estimator_questions(id);
+        let question = questions.iter().find(|of| of.id == question).expect("it is declared");
+        let plain = Question { unless: "", in_first_unit: true, ..*question };
+        let mut needless = 0;
+        while walk.cursor().unit == 0 {
+            let (step, scene) = (walk.step(None), Scene::default());
+            let shown = Shown { step: &step, scene: &scene };
+            let answers = |question: &Question| question.is_asked_in(0) && question.answer(shown, shown).is_some();
+            assert!(!answers(question), "{id}: {}", step.sentence.plain());
+            needless += usize::from(answers(&plain));
+            walk.jump(Move::Granularity(event, Direction::Forward));
+        }
+        assert!(needless > 0, "{id}: its first unit has no answer that could be asked for");
+    }
+}
+
+#[test]
+fn what_lies_between_two_answers_is_not_asked() {
+    let gain = |gain: &str| format!("Track 1: the update with gain K = {gain} moves the position.");
+    let motion = |v: &str| format!("The stage finds the motion of the background: (1.20, {v}) px at the centre.");
+    for (id, question, said) in [
+        ("kalman-tracker", "gain", ["0.499", "0.500", "0.501"].map(gain)),
+        ("stabilization", "direction", ["−0.01", "0.00", "0.01"].map(motion)),
+        ("mosaic", "direction", ["−0.01", "0.00", "0.01"].map(motion)),
+    ] {
+        let question = estimator_questions(id).iter().find(|of| of.id == question).expect("it is declared");
+        let Asked::Choice(cases) = question.asked else { panic!("{id}: {} has no choices", question.text) };
+        let scene = Scene::default();
+        let answers = said.map(|said| {
+            let step = Step { line: cases[0].line, sentence: Sentence::default().text(said), readouts: Vec::new() };
+            let shown = Shown { step: &step, scene: &scene };
+            question.answer(shown, shown)
+        });
+        assert!(answers[0].is_some() && answers[2].is_some() && answers[0] != answers[2], "{id}: {answers:?}");
+        assert_eq!(answers[1], None, "{id}: neither answer is right");
+    }
+}
+
+fn estimator_questions(id: &str) -> &'static [Question] {
+    set(id, &[]).questions()
 }

@@ -1,5 +1,8 @@
 //! Predict, then reveal: results are held back until they are asked for.
 
+use std::sync::Arc;
+
+use motionscope::session::lesson::all;
 use motionscope::ui::model::predict::Score;
 use motionscope_core::estimators;
 use motionscope_core::scene::{Asked, Question};
@@ -73,6 +76,157 @@ fn number_keys_count_hands_and_the_result_scores_them() {
 }
 
 #[test]
+fn another_class_begins_a_new_tally() {
+    let mut window = asking("full-search", "27.3", "synth:pillar");
+    let answer = |window: &mut Window| {
+        while question(window).is_none() {
+            window.key(Key::ArrowRight);
+        }
+        window.key(Key::Num2);
+        window.key(Key::Enter);
+    };
+    answer(&mut window);
+    answer(&mut window);
+    assert_eq!(window.app().predict().scores().len(), 2);
+    window.command(Command::ClearScores);
+    assert!(window.app().predict().scores().is_empty());
+    answer(&mut window);
+    let scores = window.app().predict().scores();
+    assert_eq!(Score::csv(scores).lines().count(), 2, "the head and the answer of the new class");
+}
+
+#[test]
+fn a_page_that_predicts_asks_before_it_is_turned() {
+    let mut pages = 0;
+    for lesson in all() {
+        for number in (1..=lesson.pages.len()).filter(|number| lesson.pages[number - 1].predicts) {
+            let name = format!("lesson:{}/{number}", lesson.slug);
+            let mut window = Window::with(vec2(1280.0, 720.0), Start { open: Some(name.clone().into()) });
+            let until = lesson.pages[number - 1].until.unwrap_or_else(|| panic!("{name} has no steps to ask about"));
+            let mut presses = 0;
+            while question(&window).is_none() {
+                assert!(window.cursor() < until && presses < 60, "{name}: no question is asked up to {until}");
+                window.key(Key::ArrowRight);
+                presses += 1;
+            }
+            let asked = window.app().predict().open().map(|open| open.cursor());
+            assert!(asked.is_some_and(|asked| asked <= until), "{name}: {asked:?} lies behind the page");
+            pages += 1;
+        }
+    }
+    assert!(pages > 4, "{pages} pages predict");
+}
+
+#[test]
+fn a_page_that_is_left_gives_no_answer() {
+    let mut left = 0;
+    for lesson in all() {
+        let numbers = (1..lesson.pages.len()).filter(|number| lesson.pages[number - 1].predicts);
+        for number in numbers {
+            let name = format!("lesson:{}/{number}", lesson.slug);
+            let mut window = Window::with(vec2(1280.0, 720.0), Start { open: Some(name.clone().into()) });
+            for _ in 0..12 {
+                if question(&window).is_none() {
+                    window.key(Key::ArrowRight);
+                }
+            }
+            let Some(hidden) = window.app().predict().open().map(|open| open.cursor()) else { continue };
+            let next = lesson.pages[number].session.as_ref().ok().and_then(|session| session.position.cursor);
+            assert!(next.is_some_and(|next| next != hidden), "{name}: the next page shows something else");
+            let run = Arc::clone(&window.shown().subject);
+            window.harness.state_mut().command(Command::NextPage);
+            left += 1;
+            for _ in 0..60 {
+                window.step();
+                let shown = window.shown();
+                let is_seen = Arc::ptr_eq(&shown.subject, &run) && shown.cursor == hidden;
+                assert!(!is_seen, "{name}: step {hidden} is shown before the next page");
+            }
+        }
+    }
+    assert!(left > 2, "{left} pages were left");
+}
+
+#[test]
+fn what_lies_ahead_is_hidden_while_results_are_asked_about() {
+    let mut window = asking("full-search", "27.3", "synth:pillar");
+    let rail = |window: &Window| window.harness.get_by_label("Timeline, steps").rect();
+    let end = |window: &Window| {
+        let track = window.harness.get_by_label("Timeline, steps");
+        track.accesskit_node().max_numeric_value().expect("it has an end")
+    };
+    let events = window.shown().events as f64;
+    let (asked, place) = (end(&window), rail(&window));
+    assert!(asked < events, "{asked} of {events}");
+    window.key(Key::ArrowRight);
+    window.key(Key::ArrowRight);
+    assert_eq!(end(&window), asked, "the track is as long whatever is ahead");
+    window.key(Key::Q);
+    assert_eq!((end(&window), rail(&window)), (events, place), "nothing moves");
+}
+
+#[test]
+fn the_track_of_steps_leads_past_no_question() {
+    let mut window = asking("full-search", "27.3", "synth:pillar");
+    let here = window.cursor();
+    let rail = window.harness.get_by_label("Timeline, steps").rect();
+    let at = |share: f32| Pos2::new(rail.min.x + share * rail.width(), rail.center().y);
+    window.click_at(at(0.9));
+    assert_eq!((window.cursor(), question(&window)), (here, None), "a click ahead");
+    window.drag(at(0.5), at(1.0));
+    assert_eq!((window.cursor(), question(&window)), (here, None), "a drag ahead");
+    window.click_at(at(1.0 / 16.0));
+    assert_eq!(window.cursor(), Cursor { event: 1, ..here }, "what was seen is seen again");
+}
+
+#[test]
+fn the_whole_picture_is_seen_while_a_place_on_it_is_asked_for() {
+    let mut window = asking("feature-matching", "1.9", "synth:pillar");
+    window.key(Key::ArrowRight);
+    let asked = question(&window).expect("the nearest descriptor is asked for");
+    assert!(matches!(asked.asked, Asked::Place { .. }), "{asked:?}");
+    let (width, height) = window.shown().pictures.pair[0].size();
+    let whole = [[-0.5, -0.5], [width as f32 - 0.5, height as f32 - 0.5]];
+    assert_eq!(window.shown().scene.work, Some(whole));
+}
+
+#[test]
+fn the_view_goes_back_to_the_whole_picture_even_under_the_pointer() {
+    let mut window = asking("mean-shift", "3", "synth:traffic");
+    let is_close = |window: &Window| window.harness.query_by_label("Map of the whole picture").is_some();
+    window.harness.hover_at(pixels::on_picture(&window, "Frame t", [0.5, 0.5]));
+    window.settle();
+    assert!(is_close(&window), "the region is small");
+    for _ in 0..8 {
+        window.press(Modifiers::SHIFT, Key::ArrowRight);
+        match question(&window).map(|question| question.asked) {
+            Some(Asked::Place { .. }) => break,
+            Some(_) => window.key(Key::Enter),
+            None => {}
+        }
+    }
+    assert!(matches!(question(&window), Some(Question { asked: Asked::Place { .. }, .. })));
+    assert!(!is_close(&window), "the region may lie anywhere in the next frame");
+    window.key(Key::Enter);
+    assert!(is_close(&window));
+}
+
+#[test]
+fn what_stays_the_same_is_asked_about_once() {
+    let mut window = asking("horn-schunck", "1.2", "synth:pillar");
+    let mut asked = Vec::new();
+    for _ in 0..16 {
+        window.key(Key::ArrowRight);
+        if question(&window).is_some() {
+            window.key(Key::Enter);
+            asked.push(window.shown().reference().map(|pixel| pixel.at));
+        }
+    }
+    assert!(window.cursor().unit > 2, "several iterations have passed");
+    assert!(!asked.is_empty() && (1..asked.len()).all(|i| !asked[..i].contains(&asked[i])), "{asked:?}");
+}
+
+#[test]
 fn a_click_is_a_guess_of_the_place() {
     let mut window = asking("full-search", "28.0", "synth:pillar");
     window.press(Modifiers::SHIFT, Key::ArrowRight);
@@ -109,6 +263,31 @@ fn a_step_back_takes_the_question_back() {
 }
 
 #[test]
+fn the_mode_is_turned_off_without_the_answer() {
+    let mut window = asking("full-search", "27.3", "synth:pillar");
+    let before = loop {
+        let before = (window.cursor(), said(&window));
+        window.key(Key::ArrowRight);
+        if question(&window).is_some() {
+            break before;
+        }
+    };
+    let hidden = window.app().predict().open().map(|open| open.cursor()).expect("a question is open");
+    assert_ne!(hidden, before.0);
+    window.harness.key_press(Key::Q);
+    for _ in 0..60 {
+        window.step();
+        assert_ne!(window.cursor(), hidden, "the answer is shown");
+    }
+    window.settle();
+    assert!(!window.app().predict().is_on() && question(&window).is_none());
+    assert_eq!((window.cursor(), said(&window)), before, "the question is taken back");
+    assert!(window.app().predict().scores().is_empty());
+    window.key(Key::ArrowRight);
+    assert_eq!((window.cursor(), question(&window)), (hidden, None), "the run goes on from there");
+}
+
+#[test]
 fn two_steps_at_once_pass_over_no_question() {
     let mut window = asking("full-search", "27.3", "synth:pillar");
     let before = window.cursor();
@@ -139,6 +318,17 @@ fn what_is_pointed_at_is_not_asked_about() {
         }
     }
     assert!(window.cursor() > Cursor { unit: 1, event: 4 });
+}
+
+#[test]
+fn the_next_step_is_asked_about_although_a_pixel_is_pointed_at() {
+    let mut window = asking("horn-schunck", "1.2", "synth:pillar");
+    window.harness.hover_at(pixels::on_picture(&window, "Frame t", [0.3, 0.3]));
+    window.settle();
+    assert!(window.shown().pointed.is_some(), "a pixel is explained");
+    window.key(Key::ArrowRight);
+    assert!(question(&window).is_some(), "the update is asked about");
+    assert!(window.shown().pointed.is_none());
 }
 
 #[test]

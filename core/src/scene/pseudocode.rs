@@ -104,6 +104,7 @@ macro_rules! pseudocode {
             $crate::line_names!($($name),+);
 
             /// All of them, in their order.
+            #[allow(dead_code, reason = "a test may need no more than the names")]
             pub const ALL: &[$crate::scene::Line] =
                 &[$($crate::scene::Line { name: $name, text: $text }),+];
         }

@@ -14,6 +14,12 @@ pub struct Question {
     pub text: &'static str,
     /// What is asked for.
     pub asked: Asked,
+    /// Words of a sentence with which the answer needs no thought; empty if there are none.
+    pub unless: &'static str,
+    /// Whether it is asked in the first unit of a run.
+    pub in_first_unit: bool,
+    /// Whether it is asked only once about each reference.
+    pub once: bool,
 }
 
 /// What a question asks for.
@@ -39,8 +45,10 @@ pub struct Case {
     pub answer: &'static str,
     /// The line of the step.
     pub line: Name,
-    /// Words that the sentence of the step contains; empty if its line decides.
+    /// Words that the sentence of the step contains; empty if they do not matter.
     pub says: &'static str,
+    /// A number of the sentence, and what it exceeds.
+    pub over: Option<(Reading, f64)>,
 }
 
 /// Where a number stands in the sentence of a step.
@@ -88,23 +96,42 @@ pub struct Shown<'a> {
     pub scene: &'a Scene,
 }
 
+impl Shown<'_> {
+    /// The middle of the block, window or pixel that the step is about, if it has one.
+    pub fn reference(self) -> Option<[f32; 2]> {
+        reference(self.scene)
+    }
+}
+
 /// Distance in px below which two marks are at one place, and one that is shown already gives it away.
 const GIVEN_AWAY_PX: f32 = 0.75;
 
 impl Case {
     /// The case of a step at `line`.
     pub const fn at(line: Name, answer: &'static str) -> Self {
-        Self { answer, line, says: "" }
+        Self { answer, line, says: "", over: None }
     }
 
     /// The case of a step at `line` with a sentence that contains `says`.
     pub const fn says(line: Name, says: &'static str, answer: &'static str) -> Self {
-        Self { answer, line, says }
+        Self { answer, line, says, over: None }
+    }
+
+    /// The case of a step whose number at `reading` exceeds `limit`.
+    pub const fn over(reading: Reading, limit: f64, answer: &'static str) -> Self {
+        Self { answer, line: reading.line, says: "", over: Some((reading, limit)) }
     }
 
     /// Whether `step` is this case.
     pub fn holds(&self, step: &Step) -> bool {
-        self.line == step.line && (self.says.is_empty() || step.sentence.plain().contains(self.says))
+        self.line == step.line && self.is_said(&step.sentence.plain())
+    }
+
+    /// Whether `sentence`, of a step at its line, is that of this case.
+    fn is_said(&self, sentence: &str) -> bool {
+        let exceeds =
+            |(reading, limit): (Reading, f64)| reading.number(sentence).is_some_and(|(value, _)| value > limit);
+        sentence.contains(self.says) && self.over.is_none_or(exceeds)
     }
 }
 
@@ -127,17 +154,44 @@ impl Reading {
 impl Question {
     /// A question for the place of a mark of `role` at a step of `line`.
     pub const fn place(id: &'static str, text: &'static str, line: Name, role: Role) -> Self {
-        Self { id, text, asked: Asked::Place { line, role } }
+        Self::new(id, text, Asked::Place { line, role })
     }
 
     /// A question with several answers.
     pub const fn choice(id: &'static str, text: &'static str, cases: &'static [Case]) -> Self {
-        Self { id, text, asked: Asked::Choice(cases) }
+        Self::new(id, text, Asked::Choice(cases))
     }
 
     /// A question for a number.
     pub const fn number(id: &'static str, text: &'static str, reading: Reading) -> Self {
-        Self { id, text, asked: Asked::Number(reading) }
+        Self::new(id, text, Asked::Number(reading))
+    }
+
+    const fn new(id: &'static str, text: &'static str, asked: Asked) -> Self {
+        Self { id, text, asked, unless: "", in_first_unit: true, once: false }
+    }
+
+    /// The same question, but not asked about a step whose sentence contains `says`: there the answer needs no thought.
+    #[must_use]
+    pub const fn unless(self, says: &'static str) -> Self {
+        Self { unless: says, ..self }
+    }
+
+    /// The same question, but not asked in the first unit of a run, in which the answer is always the same.
+    #[must_use]
+    pub const fn after_first_unit(self) -> Self {
+        Self { in_first_unit: false, ..self }
+    }
+
+    /// The same question, but asked only once about each reference: as long as this stays, so does the answer.
+    #[must_use]
+    pub const fn once_per_reference(self) -> Self {
+        Self { once: true, ..self }
+    }
+
+    /// Whether it is asked about a step of the unit `unit` of a run, from 0.
+    pub fn is_asked_in(&self, unit: usize) -> bool {
+        self.in_first_unit || unit > 0
     }
 
     /// The answers to choose from, in the order of their declaration but with a yes first, so that its key is the same everywhere; empty if a place or a number is asked for.
@@ -155,6 +209,9 @@ impl Question {
 
     /// The answer that `after` gives; `None` if it does not answer the question, or if `before` gives the answer away.
     pub fn answer(&self, before: Shown<'_>, after: Shown<'_>) -> Option<Answer> {
+        if !self.unless.is_empty() && after.step.sentence.plain().contains(self.unless) {
+            return None;
+        }
         match &self.asked {
             Asked::Place { line, role } if *line == after.step.line => place(*role, before.scene, after.scene),
             Asked::Place { .. } => None,
@@ -174,12 +231,12 @@ impl Question {
 /// One of the `questions` that `after` answers, with the answer. Where there are several, they take turns by the number `turn`:
 /// a question that is asked only where another has no answer would give its own away.
 pub fn asked<'q>(
-    questions: &'q [Question],
+    questions: impl IntoIterator<Item = &'q Question>,
     before: Shown<'_>,
     after: Shown<'_>,
     turn: usize,
 ) -> Option<(&'q Question, Answer)> {
-    let answered = questions.iter().filter_map(|question| Some((question, question.answer(before, after)?)));
+    let answered = questions.into_iter().filter_map(|question| Some((question, question.answer(before, after)?)));
     let mut answered: Vec<_> = answered.collect();
     if answered.is_empty() { None } else { Some(answered.swap_remove(turn % answered.len())) }
 }
@@ -203,9 +260,13 @@ fn place(role: Role, before: &Scene, after: &Scene) -> Option<Answer> {
     if at.iter().any(is_shown) {
         return None;
     }
-    let mut references = after.marks.iter().filter(|mark| mark.role == Role::Reference);
-    let from = references.find_map(|mark| middles(&mark.shape).first().copied());
-    Some(Answer::Place { on, at, from })
+    Some(Answer::Place { on, at, from: reference(after) })
+}
+
+/// The middle of the first reference in `scene`.
+fn reference(scene: &Scene) -> Option<[f32; 2]> {
+    let mut references = scene.marks.iter().filter(|mark| mark.role == Role::Reference);
+    references.find_map(|mark| middles(&mark.shape).first().copied())
 }
 
 /// The middles of the marks on a picture with a role of which `is_meant` holds.
@@ -266,12 +327,36 @@ mod tests {
 
     #[test]
     fn the_first_case_that_holds_is_the_answer() {
-        assert_eq!(line::ALL.len(), 2);
         assert_eq!(QUESTION.choices(), ["Yes", "No"]);
         assert_eq!(answer(&QUESTION, line::TEST, "12 is below 13"), Some(Answer::Choice(0)));
         assert_eq!(answer(&QUESTION, line::TEST, "14 exceeds 13"), Some(Answer::Choice(1)));
         assert_eq!(answer(&QUESTION, line::KEEP, "whatever"), Some(Answer::Choice(0)));
         assert_eq!(answer(&QUESTION, line::TEST, "the first"), None, "no case");
+    }
+
+    #[test]
+    fn a_number_beyond_a_limit_is_a_case() {
+        const SHARE: Reading = Reading { line: line::TEST, after: "covers ", before: " %", unit: "%" };
+        const HALF: Question = Question::choice(
+            "half",
+            "Is it more than half?",
+            &[Case::over(SHARE, 50.0, "Yes"), Case::says(line::TEST, "covers", "No")],
+        );
+        assert_eq!(answer(&HALF, line::TEST, "The update covers 51 % of it."), Some(Answer::Choice(0)));
+        assert_eq!(answer(&HALF, line::TEST, "The update covers 50 % of it."), Some(Answer::Choice(1)));
+        assert_eq!(answer(&HALF, line::TEST, "The update covers less than 1 % of it."), Some(Answer::Choice(1)));
+        assert_eq!(answer(&HALF, line::KEEP, "The update covers 51 % of it."), None);
+    }
+
+    #[test]
+    fn what_needs_no_thought_is_not_asked() {
+        let question = QUESTION.unless("12 is");
+        assert_eq!(answer(&question, line::TEST, "12 is below 13"), None);
+        assert_eq!(answer(&question, line::TEST, "11 is below 13"), Some(Answer::Choice(0)));
+        assert_eq!([0, 1].map(|unit| QUESTION.is_asked_in(unit)), [true, true]);
+        let later = QUESTION.after_first_unit();
+        assert_eq!([0, 1].map(|unit| later.is_asked_in(unit)), [false, true]);
+        assert!(!QUESTION.once && QUESTION.once_per_reference().once);
     }
 
     #[test]

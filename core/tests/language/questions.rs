@@ -1,7 +1,7 @@
 //! Laws about the questions of every estimator: each is asked, each of its answers is one that a run gives.
 
-use motionscope_core::Info;
-use motionscope_core::scene::{Asked, Question};
+use motionscope_core::scene::{Asked, Case, Question, Reading, Sentence};
+use motionscope_core::{Info, Step, pseudocode};
 
 use crate::rules;
 use crate::walks::{ALL, Seen};
@@ -31,13 +31,11 @@ fn unanswered(info: &Info, question: &Question, seen: &Seen) -> Vec<String> {
     let said = |line| seen.sentences.values().filter(move |(lines, _)| lines.contains(&line)).map(|(_, said)| said);
     match question.asked {
         Asked::Choice(cases) => {
-            let holds = |i: usize, said: &str| said.contains(cases[i].says);
-            let is_first = |i: usize, said: &String| {
-                holds(i, said) && !(0..i).any(|other| cases[other].line == cases[i].line && holds(other, said))
-            };
-            let never = (0..cases.len()).filter(|i| info.line(cases[*i].line).is_some());
-            let never = never.filter(|i| !said(cases[*i].line).any(|said| is_first(*i, said)));
-            never.map(|i| format!("{place}: no step of {} says “{}”", cases[i].line, cases[i].says)).collect()
+            let never = cases.iter().enumerate().filter(|(i, case)| {
+                // A question of several estimators may be about a line that one of them lacks.
+                info.line(case.line).is_some() && !seen.cases.contains(&(question.id, *i))
+            });
+            never.map(|(_, case)| format!("{place}: no step of {} {}", case.line, told(case))).collect()
         }
         Asked::Number(reading) => {
             let is_there = said(reading.line).any(|said| reading.number(said).is_some());
@@ -50,6 +48,14 @@ fn unanswered(info: &Info, question: &Question, seen: &Seen) -> Vec<String> {
             let is_there = seen.marked.contains(&(line, role));
             (!is_there).then(|| format!("{place}: no step of {line} has a mark of {role:?}")).into_iter().collect()
         }
+    }
+}
+
+/// What a step of a case tells.
+fn told(case: &Case) -> String {
+    match case.over {
+        Some((reading, limit)) => format!("has more than {limit} after “{}”", reading.after),
+        None => format!("says “{}”", case.says),
     }
 }
 
@@ -75,4 +81,33 @@ fn every_estimator_asks_and_every_answer_is_given() {
         all.extend(silent.map(|question| format!("{}: {} is never asked", info.id, question.id)));
     }
     assert!(all.is_empty(), "{}", all.join("\n"));
+}
+
+pseudocode! {
+    UPDATE: "update",
+}
+
+#[test]
+fn a_limit_that_no_number_exceeds_is_found() {
+    const SHARE: Reading = Reading { line: line::UPDATE, after: "covers ", before: " %", unit: "%" };
+    const MOST: &[Case] = &[Case::over(SHARE, 50.0, "Yes"), Case::says(line::UPDATE, "covers", "No")];
+    const ALL_OF_IT: &[Case] = &[Case::over(SHARE, 100.0, "Yes"), Case::says(line::UPDATE, "covers", "No")];
+    let info = Info {
+        id: "toy",
+        name: "Toy",
+        family: "Toys",
+        summary: "",
+        source: "",
+        pseudocode: line::ALL,
+        granularities: &[],
+        frames: 1,
+    };
+    let questions = [("most", MOST), ("all", ALL_OF_IT)].map(|(id, cases)| Question::choice(id, "Is it so?", cases));
+    let mut seen = Seen::default();
+    for said in ["It covers 40 % of it.", "It covers 100 % of it."] {
+        let step = Step { line: line::UPDATE, sentence: Sentence::default().text(said), readouts: Vec::new() };
+        seen.decide(&questions, &step);
+    }
+    let found = questions.map(|question| unanswered(&info, &question, &seen));
+    assert_eq!(found, [vec![], vec!["toy: all: no step of update has more than 100 after “covers ”".to_owned()]]);
 }

@@ -5,7 +5,7 @@ use std::sync::{Arc, LazyLock};
 
 use motionscope_core::params::{Kind, Placed, Spec, Spot, Value};
 use motionscope_core::pseudocode::{Line, Name, is_heading};
-use motionscope_core::scene::{Focus, Question, Role, Shown, asked};
+use motionscope_core::scene::{Asked, Focus, Question, Role, Shown, asked};
 use motionscope_core::{
     AnyEstimator, Bounds, Clip, Cursor, Detection, Direction, Frame, Grid, Guarantee, Info, Move, ObjectBox, Params,
     Step, Walk, estimators, synth,
@@ -194,6 +194,8 @@ pub struct Seen {
     pub texts: Texts,
     /// The roles of the marks at the steps of each line.
     pub marked: BTreeSet<(Name, Role)>,
+    /// The cases of questions that steps are: the id of the question and the index of its first case that holds.
+    pub cases: BTreeSet<(&'static str, usize)>,
     /// The questions that are asked when it is walked event by event.
     pub asked: BTreeSet<&'static str>,
     turn: usize,
@@ -210,18 +212,29 @@ impl Seen {
         self.sentences.entry(stripped(&said)).or_insert_with(|| (BTreeSet::new(), said)).0.insert(step.line);
     }
 
+    /// Notes which case of each of the questions a step is.
+    pub fn decide(&mut self, questions: &[Question], step: &Step) {
+        for question in questions {
+            let Asked::Choice(cases) = question.asked else { continue };
+            let first = cases.iter().position(|case| case.holds(step));
+            self.cases.extend(first.map(|case| (question.id, case)));
+        }
+    }
+
     /// Walks through a run, and looks at each step, and at some pixels that can be explained by then.
     fn walk(&mut self, walk: &mut dyn Walk, questions: &'static [Question]) {
         let (info, event) = (walk.info(), walk.info().granularities.len() - 1);
         self.runs += 1;
         let mut before = (walk.step(None), walk.scene(None));
         self.see(info, &before.0);
+        self.decide(questions, &before.0);
         self.texts.add_scene(&before.1);
         while !walk.at_end() {
             walk.jump(Move::Granularity(event, Direction::Forward));
             assert!(walk.failure().is_none(), "{}: {:?}", info.id, walk.failure());
             let now = (walk.step(None), walk.scene(None));
             self.see(info, &now.0);
+            self.decide(questions, &now.0);
             self.texts.add_scene(&now.1);
             self.marked.extend(now.1.marks.iter().map(|mark| (now.0.line, mark.role)));
             let [shown, next] = [&before, &now].map(|(step, scene)| Shown { step, scene });
@@ -233,7 +246,9 @@ impl Seen {
             let pixel = [(7 * unit + event) % SIZE.0, (11 * unit + 5 * event) % SIZE.1].map(|c| c as f32);
             let pixel = Focus::current(pixel);
             if event % 3 == 1 && walk.explained(pixel).is_some_and(|explained| explained.at(walk.cursor())) {
-                self.see(info, &walk.step(Some(pixel)));
+                let step = walk.step(Some(pixel));
+                self.see(info, &step);
+                self.decide(questions, &step);
             }
         }
     }

@@ -162,6 +162,7 @@ impl App {
             C::ExportSteps => self.save_as(Kind::Steps),
             C::ExportResult => self.save_as(Kind::Result),
             C::ExportScores => self.save_as(Kind::Scores),
+            C::ClearScores => self.clear_scores(),
             C::IntoStage => {
                 if let Some(index) = stage::stages(self.document.estimator()).first() {
                     self.enter(*index);
@@ -459,6 +460,11 @@ impl App {
     /// Whether frame t alone shows the estimator.
     pub(super) fn shows_frame_alone(&self) -> bool {
         self.document.estimator().shows_frame_alone()
+    }
+
+    /// The view with which a run begins: frame t for an estimator of single frames, both frames for one of pairs.
+    pub(super) fn own_view(&self) -> View {
+        if self.shows_frame_alone() { View::Current } else { View::default() }
     }
 
     /// Adapts the view after a change between estimators of single frames, which show frame t, and of pairs, which show both.

@@ -239,6 +239,8 @@ commands! {
     ExportResult,
     /// Save the scores of the class.
     ExportScores,
+    /// Forget the scores of the class.
+    ClearScores,
     /// Save all pages of the lesson on paper.
     SaveHandout,
     /// Save the step on paper, to be computed by hand.
@@ -512,6 +514,7 @@ impl Command {
             C::ShowParameters | C::ShowExplanation | C::ShowCharts => true,
             C::Predict => !now.in_lockstep && !now.at_start_page,
             C::ExportScores => now.has_run && now.has_scores,
+            C::ClearScores => now.has_scores,
             C::Present | C::PresenterWindow | C::Pointer => !now.at_start_page,
             C::Lecture | C::FullScreen => true,
             C::Pen | C::Loupe => now.has_run,
@@ -614,6 +617,8 @@ pub struct Situation {
     pub can_redo: bool,
     /// A parameter is not as declared.
     pub is_tuned: bool,
+    /// Results are asked about.
+    pub asks: bool,
     /// A question waits for its answer.
     pub is_asked: bool,
     /// The answer to a question is shown: late hands do nothing.

@@ -13,9 +13,10 @@ use crate::ui::panes::question;
 impl App {
     /// Puts an open question between the run and the window.
     pub(super) fn hold_back(&mut self) {
-        if self.predict.pass(&mut self.view) {
+        if self.predict.pass(&mut self.view, self.loading.is_some()) {
             self.player.pause();
             self.walker.focus(None);
+            self.states.stage.look_anew();
         }
     }
 
@@ -31,9 +32,20 @@ impl App {
         regions.push((Region::Question, asked.response.rect));
     }
 
-    /// Turns the questions on or off.
+    /// Turns the questions on or off. A question that is open is taken back: the run stands on the step that answers it already.
     pub(super) fn toggle_predict(&mut self) {
-        self.predict.turn(!self.predict.is_on());
+        let before = self.predict.turn(!self.predict.is_on());
+        before.into_iter().for_each(|cursor| self.walker.go(Move::To(cursor)));
+        if self.predict.is_on() {
+            // The next step is asked about, not the pixel that is pointed at.
+            self.walker.focus(None);
+        }
+    }
+
+    /// Begins the tally of another class.
+    pub(super) fn clear_scores(&mut self) {
+        self.predict.clear_scores();
+        self.toasts.tell("The scores are cleared; the next answer begins a new tally.");
     }
 
     /// Reveals or takes back the open question instead of `command`, where that moves through the run; returns whether the command is

@@ -16,6 +16,7 @@ pub use score::Score;
 
 use super::snapshot::Snapshot;
 use super::walker::View;
+use crate::experiment::Prepared;
 
 /// A question that is open, or that was just answered.
 #[derive(Clone)]
@@ -44,6 +45,8 @@ pub struct Predict {
     open: Option<Open>,
     /// A step whose question was taken back, and what is shown until the run has left it.
     leaving: Option<(Arc<Snapshot>, Arc<Snapshot>)>,
+    /// A run, and its references about which what is asked once was asked.
+    known: Option<(Arc<Prepared>, Vec<[f32; 2]>)>,
     scores: Vec<Score>,
 }
 
@@ -61,7 +64,7 @@ impl Open {
         let Self { question, answer, guesses, before, after, is_revealed, .. } = self;
         self.seen = Arc::new(match is_revealed {
             true => answers::revealed(after, answer, guesses),
-            false => answers::hidden((before, after), question, guesses),
+            false => answers::hidden((before, after), question, (answer, guesses)),
         });
     }
 
@@ -102,9 +105,17 @@ impl Predict {
         &self.scores
     }
 
-    /// Turns the questions on or off; an open one is revealed without a score.
-    pub fn turn(&mut self, on: bool) {
-        *self = Self { is_on: on, scores: std::mem::take(&mut self.scores), ..Self::default() };
+    /// Begins a new tally, for another class.
+    pub fn clear_scores(&mut self) {
+        self.scores.clear();
+    }
+
+    /// Turns the questions on or off. An open one is closed without its answer; returns the step that the run is to go back to.
+    pub fn turn(&mut self, on: bool) -> Option<Cursor> {
+        let back = self.withdraw();
+        let Self { scores, leaving, .. } = std::mem::take(self);
+        *self = Self { is_on: on, scores, leaving, ..Self::default() };
+        back
     }
 
     /// Turns the questions on or off as a page of a lesson has it; what a person has turned on stays on.
@@ -135,18 +146,16 @@ impl Predict {
         Some(open.before)
     }
 
-    /// Puts a question between what the walker shows and the window, if there is one; returns whether it was opened now.
-    pub fn pass(&mut self, view: &mut View) -> bool {
+    /// Puts a question between what the walker shows and the window, if there is one; returns whether it was opened now. While a
+    /// clip `is_loading`, the run that is shown is about to be left.
+    pub fn pass(&mut self, view: &mut View, is_loading: bool) -> bool {
+        if self.is_left(view, is_loading) {
+            return false;
+        }
         let Some(now) = view.shown.clone().filter(|_| self.is_on) else {
             (self.open, self.last) = (None, None);
             return false;
         };
-        if let Some((after, seen)) = self.leaving.take_if(|(after, _)| view.busy && is_same_step(after, &now)) {
-            view.shown = Some(Arc::clone(&seen));
-            self.leaving = Some((after, seen));
-            return false;
-        }
-        self.leaving = None;
         if let Some(open) = &mut self.open {
             if is_same_step(&open.after, &now) {
                 if !Arc::ptr_eq(&open.after, &now) {
@@ -156,12 +165,14 @@ impl Predict {
                 view.shown = Some(Arc::clone(&open.seen));
                 return false;
             }
-            self.last = Some(Arc::clone(if open.is_revealed { &open.after } else { &open.before }));
+            let left = Arc::clone(if open.is_revealed { &open.after } else { &open.before });
             self.open = None;
+            self.note(left);
         }
         let before = self.last.clone().filter(|last| Arc::ptr_eq(&last.subject, &now.subject) && now.tiles.is_empty());
         let Some(before) = before.filter(|_| self.is_due) else {
-            (self.last, self.is_due) = (Some(now), false);
+            self.is_due = false;
+            self.note(now);
             return false;
         };
         if view.busy {
@@ -171,12 +182,31 @@ impl Predict {
         }
         self.is_due = false;
         let is_forward = (before.cursor.unit, before.cursor.event) < (now.cursor.unit, now.cursor.event);
-        let opened = is_forward.then(|| question_between(&before, &now)).flatten();
+        let opened = is_forward.then(|| self.question_between(&before, &now)).flatten();
         self.last = Some(Arc::clone(&now));
         let Some((question, answer)) = opened else { return false };
         let open = Open::new(question, answer, before, now);
         view.shown = Some(Arc::clone(&open.seen));
         self.open = Some(open);
+        true
+    }
+
+    /// Notes what is shown before the next step: the step itself, also where a pixel of it is pointed at.
+    fn note(&mut self, now: Arc<Snapshot>) {
+        let is_pointed = now.pointed.is_some_and(|pointed| !pointed.is_held);
+        let is_itself = |last: &Arc<Snapshot>| is_same_step(last, &now) && last.pointed.is_none();
+        if !is_pointed || !self.last.as_ref().is_some_and(is_itself) {
+            self.last = Some(now);
+        }
+    }
+
+    /// Shows what was seen before, as long as the run is on its way from a step whose question was taken back; returns whether it is.
+    fn is_left(&mut self, view: &mut View, is_loading: bool) -> bool {
+        let is_on_its_way = view.busy || is_loading;
+        let stands_at = |after: &Snapshot| view.shown.as_deref().is_some_and(|now| is_same_step(after, now));
+        self.leaving = self.leaving.take().filter(|(after, _)| is_on_its_way && stands_at(after));
+        let Some((_, seen)) = &self.leaving else { return false };
+        view.shown = Some(Arc::clone(seen));
         true
     }
 
@@ -213,6 +243,31 @@ impl Predict {
             let verdict = open.guesses.verdict(open.question, &open.answer);
             self.scores.push(Score::new(&open.after, open.question, verdict));
         }
+        if open.question.once {
+            let after = &open.after;
+            let run = self.known.take().filter(|(run, _)| Arc::ptr_eq(run, &after.subject));
+            let (run, mut known) = run.unwrap_or_else(|| (Arc::clone(&after.subject), Vec::new()));
+            known.extend(shown(after).reference());
+            self.known = Some((run, known));
+        }
+    }
+
+    /// Whether what is asked once was asked about the reference of a step already.
+    fn knows(&self, after: &Snapshot) -> bool {
+        let run = self.known.as_ref().filter(|(run, _)| Arc::ptr_eq(run, &after.subject));
+        run.zip(shown(after).reference()).is_some_and(|((_, known), at)| known.contains(&at))
+    }
+
+    /// Returns the question that the step of `after` answers; none where a pixel is explained that was pointed at.
+    fn question_between(&self, before: &Snapshot, after: &Snapshot) -> Option<(&'static Question, Answer)> {
+        if before.pointed.is_some() || after.pointed.is_some() {
+            return None;
+        }
+        let turn = after.cursor.unit.wrapping_add(after.cursor.event);
+        let is_known = self.knows(after);
+        let questions = after.subject.experiment.estimator.questions().iter();
+        let questions = questions.filter(|of| of.is_asked_in(after.cursor.unit) && !(of.once && is_known));
+        asked(questions, shown(before), shown(after), turn)
     }
 
     /// Closes the question without its answer; returns the step that the run is to go back to.
@@ -229,15 +284,9 @@ fn is_same_step(a: &Snapshot, b: &Snapshot) -> bool {
     Arc::ptr_eq(&a.subject, &b.subject) && a.cursor == b.cursor
 }
 
-/// Returns the question that the step of `after` answers; none where a pixel is explained that was pointed at.
-fn question_between(before: &Snapshot, after: &Snapshot) -> Option<(&'static Question, Answer)> {
-    if before.pointed.is_some() || after.pointed.is_some() {
-        return None;
-    }
-    let turn = after.cursor.unit.wrapping_add(after.cursor.event);
-    let questions = after.subject.experiment.estimator.questions();
-    let [before, after] = [before, after].map(|of| Shown { step: &of.step, scene: &of.scene });
-    asked(questions, before, after, turn)
+/// The step of a snapshot with its scene.
+fn shown(of: &Snapshot) -> Shown<'_> {
+    Shown { step: &of.step, scene: &of.scene }
 }
 
 /// Whether a question is answered by a click on the picture.

@@ -61,8 +61,9 @@ pub fn progress(ui: &mut Ui, work: &Work, actions: &mut Actions) {
     }
 }
 
-/// Where the run stands: `block 35 of 1200 · candidate 412 of 1104 · best so far 812 at (−3, 2) · 38 % done · step 35.412`.
-pub fn line(shown: &Snapshot) -> String {
+/// Where the run stands: `block 35 of 1200 · candidate 412 of 1104 · best so far 812 at (−3, 2) · 38 % done · step 35.412`. While
+/// results are `asked` about, it is not told how many steps are left in the unit.
+pub fn line(shown: &Snapshot, asked: bool) -> String {
     let granularities = shown.info.granularities;
     if shown.cursor == Cursor::default() {
         let unit = granularities
@@ -74,18 +75,24 @@ pub fn line(shown: &Snapshot) -> String {
         return format!("not started{of}");
     }
     let mut parts: Vec<String> = place(shown, true).into_iter().map(|(_, words)| words).collect();
+    let total = total((shown.cursor.event, shown.events), asked);
     if let Some(name) = granularities.last() {
-        parts.push(counted(name, shown.cursor.event, Some(shown.events)));
+        parts.push(counted(name, shown.cursor.event, total));
     }
     // What explains the pixel pointed at is not where the run stands.
     parts.extend(if shown.pointed.is_none() { best(shown) } else { None });
-    if let Some(share) = shown.share() {
+    if let Some(share) = shown.share().filter(|_| total.is_some()) {
         parts.push(format!("{} % done", percent(share)));
     }
     parts.extend(shown.pointed.map(explained));
     // As sessions and the command line write it: units and events from 1.
     parts.push(format!("step {}", shown.cursor));
     parts.join("  ·  ")
+}
+
+/// The number of steps of a unit, where it may be told: while results are `asked` about, only at its end.
+pub fn total((seen, all): (usize, usize), asked: bool) -> Option<usize> {
+    (!asked || seen >= all).then_some(all)
 }
 
 /// The parts of the run that it stands in, from the largest on, each with its name: `level 3 (3 is the coarsest)`, `warp 2 of 3`; without
@@ -164,6 +171,12 @@ fn percent(share: f32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn how_many_steps_are_left_is_not_told_while_results_are_asked_about() {
+        assert_eq!([total((2, 5), false), total((2, 5), true), total((5, 5), true)], [Some(5), None, Some(5)]);
+        assert_eq!(counted("step", 2, total((2, 5), true)), "step 2");
+    }
 
     #[test]
     fn only_the_end_is_all() {

@@ -8,11 +8,14 @@ use motionscope_core::{Cursor, FRAME, Granularity, ROW, Role};
 use crate::paint::{Theme, grouped};
 use crate::ui::drawing::style;
 use crate::ui::model::snapshot::Snapshot;
+use crate::ui::panes::status;
 use crate::ui::parts::slider::Scale;
 use crate::view::moment::Fault;
 
 /// Least distance of two ticks in points.
 const TICK_PT: f32 = 9.0;
+/// The smallest length of a track whose end is not told.
+const OPEN_END: usize = 16;
 
 /// One track: how much there is, and how much of it was seen.
 struct Track<'a> {
@@ -20,6 +23,8 @@ struct Track<'a> {
     /// What stands before it: `block`, or `all rows` where these are counted through several iterations.
     label: String,
     count: usize,
+    /// The last number that can be gone to.
+    end: usize,
     /// How much was seen, from 0 to `count`.
     at: f32,
     /// The number that is at hand: of the unit from 1, or of events seen from 0.
@@ -42,8 +47,9 @@ enum Counts {
     Ticks,
 }
 
-/// Draws both tracks into `rect`; gives the cursor that the person drags to.
-pub fn show(ui: &mut Ui, rect: Rect, shown: &Snapshot, theme: Theme) -> Option<Cursor> {
+/// Draws both tracks into `rect`, while results are `asked` about without what lies ahead; gives the cursor that the person
+/// drags to.
+pub fn show(ui: &mut Ui, rect: Rect, (shown, asked): (&Snapshot, bool), theme: Theme) -> Option<Cursor> {
     let (upper, lower) = rect.split_top_bottom_at_fraction(0.5);
     let granularities = shown.info.granularities;
     let name =
@@ -51,7 +57,9 @@ pub fn show(ui: &mut Ui, rect: Rect, shown: &Snapshot, theme: Theme) -> Option<C
     let Cursor { unit, event } = shown.cursor;
     let about = expected(unit, &shown.place);
     let units = shown.units.or(about).unwrap_or(0).max(unit + 1);
-    let inside = if shown.events == 0 { 0.0 } else { event as f32 / shown.events as f32 };
+    // How many events are left would tell what they find.
+    let is_open = status::total((event, shown.events), asked).is_none();
+    let inside = if shown.events == 0 || is_open { 0.0 } else { event as f32 / shown.events as f32 };
     let of = match (shown.units, about) {
         (Some(units), _) => format!(" / {}", grouped(units)),
         (None, Some(_)) => format!(" / ≈ {}", grouped(units)),
@@ -60,6 +68,9 @@ pub fn show(ui: &mut Ui, rect: Rect, shown: &Snapshot, theme: Theme) -> Option<C
     let unit_name = name(2).unwrap_or("unit");
     // Elsewhere a unit is counted within its group.
     let in_group = shown.place.last().and_then(|unit| unit.of);
+    // They are in the order of the units.
+    let ahead = shown.faults.partition_point(|(of, _)| *of < unit + usize::from(!is_open));
+    let faults = if asked { &shown.faults[..ahead] } else { &shown.faults[..] };
     let run = Track {
         name: unit_name,
         label: if in_group.is_some_and(|of| Some(of) != shown.units) {
@@ -71,23 +82,26 @@ pub fn show(ui: &mut Ui, rect: Rect, shown: &Snapshot, theme: Theme) -> Option<C
             unit_name.into()
         },
         count: units,
+        end: units,
         at: unit as f32 + inside,
         number: unit + 1,
         counts: Counts::Stretches,
         counter: format!("{}{of}", grouped(unit + 1)),
         // In the middle of its stretch, so that a click on it goes there.
-        marks: shown.faults.iter().map(|(unit, fault)| (*unit as f32 + 0.5, fault.role())).collect(),
-        faults: &shown.faults,
+        marks: faults.iter().map(|(unit, fault)| (*unit as f32 + 0.5, fault.role())).collect(),
+        faults,
     };
     let events = Track {
         name: name(1).unwrap_or("step"),
         label: name(1).unwrap_or("step").into(),
-        count: shown.events.max(1),
+        count: if is_open { open_end(event) } else { shown.events.max(1) },
+        // What lies ahead is asked about before it is seen.
+        end: if is_open { event } else { shown.events.max(1) },
         at: event as f32,
         number: event,
         counts: Counts::Ticks,
-        counter: format!("{} / {}", grouped(event), grouped(shown.events)),
-        marks: shown.landmarks.iter().map(|(event, role)| (*event as f32, *role)).collect(),
+        counter: if is_open { grouped(event) } else { format!("{} / {}", grouped(event), grouped(shown.events)) },
+        marks: marks_of(shown, asked),
         faults: &[],
     };
     let columns = Columns::of(ui, [&run, &events]);
@@ -96,6 +110,17 @@ pub fn show(ui: &mut Ui, rect: Rect, shown: &Snapshot, theme: Theme) -> Option<C
     let unit_at = |number: usize| Cursor { unit: number.saturating_sub(1), event: usize::MAX };
     let event_at = |number: usize| Cursor { unit, event: number.max(usize::from(unit > 0)) };
     to_unit.map(unit_at).or(to_event.map(event_at)).filter(|to| !stands_at(shown, *to))
+}
+
+/// The marks of the events; while results are asked about, only of those that were seen.
+fn marks_of(shown: &Snapshot, asked: bool) -> Vec<(f32, Role)> {
+    let seen = shown.landmarks.iter().filter(|(at, _)| !asked || *at <= shown.cursor.event);
+    seen.map(|(at, role)| (*at as f32, *role)).collect()
+}
+
+/// The length of a track of which only the number of events seen is told.
+fn open_end(seen: usize) -> usize {
+    (seen + 1).next_power_of_two().max(OPEN_END)
 }
 
 /// About how many units a run has that does not know: as many as there are if each group of them that is left is as large as
@@ -170,7 +195,7 @@ impl Track<'_> {
         let held = response.is_pointer_button_down_on() || response.clicked() || response.drag_stopped();
         let pointed = held.then(|| response.interact_pointer_pos()).flatten().map(number_at);
         let asked = || scale.asked(ui, &response, value).map(|wanted| wanted.round() as usize);
-        pointed.or_else(asked).map(|number| number.clamp(self.least() as usize, self.count))
+        pointed.or_else(asked).map(|number| number.clamp(self.least() as usize, self.end))
     }
 
     /// The smallest number.
@@ -185,7 +210,7 @@ impl Track<'_> {
     fn number_at(&self, value: f32) -> usize {
         match self.counts {
             Counts::Stretches => (value as usize).min(self.count - 1) + 1,
-            Counts::Ticks => value.round() as usize,
+            Counts::Ticks => (value.round() as usize).min(self.end),
         }
     }
 
@@ -277,11 +302,18 @@ mod tests {
         assert_eq!(tick_every(8160, 0.0), 10_000);
     }
 
+    #[test]
+    fn a_track_with_an_open_end_is_as_long_for_any_number_of_events() {
+        assert_eq!([0, 3, 15, 16, 300].map(open_end), [16, 16, 16, 32, 512]);
+        assert!((0..3000).all(|seen| open_end(seen) > seen), "there is always something ahead");
+    }
+
     fn track(count: usize, counts: Counts) -> Track<'static> {
         Track {
             name: "block",
             label: "block".into(),
             count,
+            end: count,
             at: 0.0,
             number: 0,
             counts,
@@ -311,6 +343,12 @@ mod tests {
         let (units, events) = (track(10, Counts::Stretches), track(10, Counts::Ticks));
         assert_eq!([0.0, 0.9, 1.0, 9.9, 10.0].map(|at| units.number_at(at)), [1, 1, 2, 10, 10]);
         assert_eq!([0.0, 0.4, 0.6, 9.4, 10.0].map(|at| events.number_at(at)), [0, 0, 1, 9, 10]);
+    }
+
+    #[test]
+    fn a_place_ahead_on_a_track_with_an_open_end_means_what_was_seen_last() {
+        let events = Track { end: 3, ..track(16, Counts::Ticks) };
+        assert_eq!([0.0, 2.0, 3.0, 3.6, 16.0].map(|at| events.number_at(at)), [0, 2, 3, 3, 3]);
     }
 
     #[test]

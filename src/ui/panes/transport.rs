@@ -59,7 +59,7 @@ pub fn show(ui: &mut Ui, input: &Input, actions: &mut Actions) {
         let rect = if input.has_hint && input.shown.is_some() { hint(ui, rect, input.theme) } else { rect };
         if let (Some(shown), true) = (input.shown, rect.width() > 120.0) {
             let rect = Rect::from_center_size(rect.center(), vec2(rect.width(), rect.height().min(3.6 * size)));
-            if let Some(cursor) = timeline::show(ui, rect, shown, input.theme) {
+            if let Some(cursor) = timeline::show(ui, rect, (shown, input.now.asks), input.theme) {
                 actions.ask(Action::Seek(cursor));
             }
             ui.allocate_rect(rect, Sense::hover());

@@ -110,14 +110,6 @@ impl Estimator for FeatureMatching {
                 Case::says(line::RATIO_TEST, "is below the limit", "Yes: the nearest is much nearer than the second"),
             ],
         ),
-        Question::choice(
-            "mutual",
-            "Does the match pass the cross-check?",
-            &[
-                Case::says(line::CROSS_CHECK, "both choose each other", "Yes"),
-                Case::says(line::CROSS_CHECK, "another keypoint", "No"),
-            ],
-        ),
         Question::place(
             "nearest",
             "Where is the keypoint with the nearest descriptor?",

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::base::{Error, Observer, Threads};
 use crate::data::{Clip, Frame};
-use crate::methods::camera_path::{Blending, Canvas, Chain, Link, MOST_FRAMES, USABLE, path_pseudocode};
+use crate::methods::camera_path::{Blending, Canvas, Chain, DIRECTION, Link, MOST_FRAMES, path_pseudocode};
 use crate::params;
 use crate::products::model::{Matrix3, inverse, normalised, product};
 use crate::products::{Output, PathField, Product, ProductKind, Views};
@@ -120,7 +120,7 @@ impl Estimator for Mosaic {
         granularities: &["clip", "pass", "frame", "step"],
         frames: 2,
     };
-    const QUESTIONS: &'static [Question] = &[USABLE];
+    const QUESTIONS: &'static [Question] = &[DIRECTION];
     const GUARANTEE: Guarantee = Guarantee::Better;
     const CHARTS: &'static [Chart] = &[Chart::Series, Chart::Matrices];
     const PRODUCES: &'static [&'static ProductKind] = &[PathField::KIND];

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::base::{Error, Observer, Threads};
 use crate::data::{Clip, Frame};
-use crate::methods::camera_path::{Chain, Link, USABLE, correction, path_pseudocode};
+use crate::methods::camera_path::{Chain, DIRECTION, Link, correction, path_pseudocode};
 use crate::params;
 use crate::products::model::{IDENTITY, Matrix3, product};
 use crate::products::path::{empty_share, middle};
@@ -99,7 +99,7 @@ impl Estimator for Stabilization {
         granularities: &["clip", "pass", "frame", "step"],
         frames: 2,
     };
-    const QUESTIONS: &'static [Question] = &[USABLE];
+    const QUESTIONS: &'static [Question] = &[DIRECTION];
     const GUARANTEE: Guarantee = Guarantee::Better;
     const CHARTS: &'static [Chart] = &[Chart::Series, Chart::Matrices];
     const PRODUCES: &'static [&'static ProductKind] = &[PathField::KIND];

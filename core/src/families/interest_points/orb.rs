@@ -8,7 +8,7 @@ use crate::base::{Error, Observer, Tally, Threads};
 use crate::data::{Clip, Frame};
 use crate::geometry::{Gray, Grid};
 use crate::methods::features::{
-    KEPT, Selection,
+    Selection,
     brief::{self, BITS, Bits, Moments, Pair},
     choose,
     integral::Integral,
@@ -20,7 +20,7 @@ use crate::products::keypoints::WINDOW_SIGMAS;
 use crate::products::{Descriptor, Feature, Keypoint, Output, PointField, Product, ProductKind, Status};
 use crate::pseudocode;
 use crate::run::{Estimator, Footprint, Granularity, Guarantee, Info, Need, Pointed, Progress, Seen};
-use crate::scene::{Case, Chart, Focus, Question, Role, Scene, Step};
+use crate::scene::{Case, Chart, Focus, Question, Reading, Role, Scene, Step};
 
 params! {
     /// ORB keypoints: FAST corners on a pyramid, ranked by their Harris response, with an orientation and a binary descriptor.
@@ -304,7 +304,11 @@ impl Estimator for Orb {
                 Case::says(line::COMPARE, "so the bit is 0", "0"),
             ],
         ),
-        KEPT,
+        Question::number(
+            "corners",
+            "How many corners does FAST find on the next level?",
+            Reading { line: line::DETECT, after: "gray levels finds ", before: " corner", unit: "corners" },
+        ),
     ];
     // Coarse levels are sampled at other places when the picture moves.
     const GUARANTEE: Guarantee = Guarantee::SubPixelPlaces { off_centi_px: 150 };

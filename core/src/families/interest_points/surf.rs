@@ -8,7 +8,7 @@ use std::sync::Arc;
 use crate::base::{Error, Observer, Tally, Threads};
 use crate::data::{Clip, Frame};
 use crate::methods::features::haar::{self, Blob, SIDE, VALUES};
-use crate::methods::features::{KEPT, Selection, choose, integral::Integral};
+use crate::methods::features::{Selection, choose, integral::Integral};
 use crate::params;
 use crate::products::{Descriptor, Feature, Keypoint, Output, PointField, Product, ProductKind, Status};
 use crate::pseudocode;
@@ -376,8 +376,8 @@ impl Estimator for Surf {
             "longest",
             "Does the next sector have the longest sum so far?",
             &[Case::says(line::SECTOR, "the longest so far", "Yes"), Case::says(line::SECTOR, "shorter than", "No")],
-        ),
-        KEPT,
+        )
+        .unless("Sector from 0"),
     ];
     // Samples of coarse octaves do not move with the picture.
     const GUARANTEE: Guarantee = Guarantee::SubPixelPlaces { off_centi_px: 50 };

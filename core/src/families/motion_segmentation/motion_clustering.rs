@@ -395,7 +395,8 @@ impl Segmenter for MotionClustering {
             "changes",
             "How many pixels change their cluster in the next iteration?",
             Reading { line: line::ASSIGN, after: "", before: " pixels change their cluster", unit: "pixels" },
-        ),
+        )
+        .unless("Iteration 1:"),
         Question::number(
             "segments",
             "How many segments will the frame have?",

@@ -77,7 +77,8 @@ impl Model for Clg {
             Case::says(line::SOLVE, "the data term dominates", "The data term"),
             Case::says(line::SOLVE, "the smoothness term dominates", "The smoothness term"),
         ],
-    )];
+    )
+    .once_per_reference()];
     const GUARANTEE: Guarantee = Guarantee::SubPixel { off_centi_px: 5 };
     const ENERGY_UNIT: &'static str = "gray levels²";
     const OPENING: &'static str = "The data term averages the squared gradient constraints over a Gaussian window of standard \

@@ -47,6 +47,9 @@ pseudocode! {
     EXTRAPOLATE: "        (u, v) ← (u, v) + ω ((u, v)_GS − (u, v)); ω = 1 unless SOR",
 }
 
+/// Where an update says how much of the way to the constraint line it covers.
+const SHARE: Reading = Reading { line: line::UPDATE, after: "the update covers ", before: " % of the way", unit: "%" };
+
 impl Model for HornSchunck {
     const INFO: Info = Info {
         id: "horn-schunck",
@@ -65,16 +68,19 @@ impl Model for HornSchunck {
         Question::number(
             "share",
             "How much of the way from the neighbourhood mean to the constraint line does the update cover?",
-            Reading { line: line::UPDATE, after: "the update covers ", before: " % of the way", unit: "%" },
-        ),
+            SHARE,
+        )
+        .once_per_reference(),
         Question::choice(
             "term",
-            "Does the pixel have a gradient constraint?",
+            "Which term dominates the update of the pixel?",
             &[
-                Case::says(line::UPDATE, "Only the smoothness term counts", "No: only the smoothness term counts"),
-                Case::at(line::UPDATE, "Yes: data term and smoothness term balance"),
+                Case::over(SHARE, 50.0, "The data term"),
+                Case::says(line::UPDATE, "the update covers", "The smoothness term"),
+                Case::says(line::UPDATE, "Only the smoothness term counts", "The smoothness term"),
             ],
-        ),
+        )
+        .once_per_reference(),
     ];
     const GUARANTEE: Guarantee = Guarantee::SubPixel { off_centi_px: 5 };
     const ENERGY_UNIT: &'static str = "gray levels²";

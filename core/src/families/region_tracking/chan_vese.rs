@@ -287,7 +287,8 @@ impl RegionModel for ChanVese {
             "changed",
             "How many pixels change sides in the next iteration?",
             Reading { line: line::EVOLVE, after: "", before: " pixels changed sides", unit: "pixels" },
-        ),
+        )
+        .after_first_unit(),
         LOST,
     ];
     const CHARTS: &'static [Chart] = &[Chart::Tiles, Chart::Series];

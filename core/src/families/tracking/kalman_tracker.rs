@@ -22,7 +22,7 @@ use crate::methods::{
 };
 use crate::products::{Object, ObjectFrame, TrackStatus};
 use crate::run::{Info, Need, Progress, Seen};
-use crate::scene::{Question, Reading, Role, Scene, Step};
+use crate::scene::{Case, Question, Reading, Role, Scene, Step};
 use crate::{choices, params, pseudocode};
 
 pub use association::Costs;
@@ -198,6 +198,9 @@ pseudocode! {
     BEGIN_TRACK: "    start a track, tentative until min-hits frames and min-travel",
 }
 
+/// Where an update says how far it goes along x from the prediction to the detection.
+const GAIN: Reading = Reading { line: line::UPDATE_TRACK, after: "with gain K = ", before: " moves", unit: "" };
+
 impl MultiTracker for KalmanTracker {
     const INFO: Info = Info {
         id: "kalman-tracker",
@@ -213,12 +216,26 @@ impl MultiTracker for KalmanTracker {
         frames: 2,
     };
     const QUESTIONS: &'static [Question] = &[
-        multi_object::tracking::ASSOCIATED,
+        Question::choice(
+            "gain",
+            "Along x, will the updated position of the next track be nearer to its prediction or to its detection?",
+            &[
+                Case::over(GAIN, 0.5, "Nearer to the detection"),
+                Case::says(line::UPDATE_TRACK, "with gain", "Nearer to the prediction"),
+            ],
+        )
+        .unless("K = 0.500 "),
+        Question::choice(
+            "unassigned",
+            "What becomes of the next track without a detection?",
+            &[Case::says(line::COAST_OR_END, "is deleted", "It is deleted"), Case::at(line::COAST_OR_END, "It coasts")],
+        ),
         Question::number(
             "gated",
             "How many pairs of a track and a detection does gating leave?",
             Reading { line: line::COMPUTE_COSTS, after: "Gating leaves ", before: " of", unit: "pairs" },
-        ),
+        )
+        .unless("of 0 pairs"),
     ];
     type Tracks = Vec<Track>;
     type Event = Event;

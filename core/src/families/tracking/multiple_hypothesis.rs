@@ -170,7 +170,8 @@ impl MultiTracker for MultipleHypothesis {
             "gated",
             "How many pairs of a track and a detection does gating leave?",
             Reading { line: line::GATE, after: "Gating leaves ", before: " of", unit: "pairs" },
-        ),
+        )
+        .unless("of 0 pairs"),
     ];
     const CHARTS: &'static [Chart] = &[Chart::Diagram, Chart::Matrices, Chart::Series];
     type Tracks = Vec<Cluster>;

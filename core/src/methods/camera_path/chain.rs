@@ -10,7 +10,7 @@ use crate::products::ModelField;
 use crate::products::model::{IDENTITY, Matrix3, Model, Support, inverse, normalised, product};
 use crate::products::path::{bend, corner_error};
 use crate::run::{GlobalModel, Granularity, Span, Stage, StageView, need};
-use crate::scene::{Case, Question};
+use crate::scene::{Case, Question, Reading};
 
 /// The lines of the pseudocode that chain the motions.
 pub(crate) mod pairs_line {
@@ -30,15 +30,23 @@ macro_rules! path_pseudocode {
 }
 pub(crate) use path_pseudocode;
 
-/// Whether a pair of frames has a usable motion.
-pub(crate) const USABLE: Question = Question::choice(
-    "usable",
-    "Is a motion of the background found in the next pair?",
+/// The question about the motion of a pair, whose y points down.
+pub(crate) const DIRECTION: Question = Question::choice(
+    "direction",
+    "Does the background move up or down in the next pair?",
     &[
-        Case::says(pairs_line::ESTIMATE, "none that is usable", "No: too few matches agree"),
-        Case::at(pairs_line::ESTIMATE, "Yes"),
+        Case::over(
+            Reading { line: pairs_line::ESTIMATE, after: ", ", before: ") px at the centre", unit: "px" },
+            0.0,
+            "Down",
+        ),
+        Case::says(pairs_line::ESTIMATE, "px at the centre", "Up"),
     ],
-);
+)
+.unless(LEVEL);
+
+/// What the sentence says of a motion that is neither up nor down.
+const LEVEL: &str = ", 0.00) px at the centre";
 
 /// The motions so far, of the pairs from the first frame on.
 #[derive(Clone)]

@@ -8,7 +8,7 @@ mod smooth;
 
 pub use canvas::{Blending, Canvas, MOST_FRAMES, outline};
 pub use chain::{Chain, Link, Refused, usable};
-pub(crate) use chain::{USABLE, path_pseudocode};
+pub(crate) use chain::{DIRECTION, path_pseudocode};
 pub use differences::differences;
 pub use explain::{bent_pairs, chain_facts, chain_step, draw_link, matrix, path_series, unknown_pairs, why};
 pub use smooth::correction;

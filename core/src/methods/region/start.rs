@@ -28,7 +28,8 @@ pub(crate) mod line {
 
 /// The question of all trackers of a region: its place in the next frame.
 pub(crate) const WHERE: Question =
-    Question::place("where", "Where does the tracker place the region in the next frame?", line::MOVE, Role::Estimate);
+    Question::place("where", "Where does the tracker place the region in the next frame?", line::MOVE, Role::Estimate)
+        .after_first_unit();
 
 /// The question of trackers with a criterion of loss.
 pub(crate) const LOST: Question = Question::choice(
@@ -38,7 +39,8 @@ pub(crate) const LOST: Question = Question::choice(
         Case::says(line::MOVE, "the object is lost", "Yes: its match is too poor"),
         Case::at(line::MOVE, "No: the region moves"),
     ],
-);
+)
+.after_first_unit();
 
 /// The smallest side of a region in px.
 const LEAST_PX: f32 = 4.0;

@@ -369,7 +369,7 @@ impl Command {
                 Menu::View,
                 Icon::Pen,
                 "Pen",
-                "Draw on the pictures. The ink stays with its step, and is saved and exported with it.",
+                "Draw on the pictures, in full screen also on the chart. The ink stays with its step and is saved with it; pictures are exported with it.",
                 const { &[key(Key::W)] },
             ),
             C::NextPenColor => (
@@ -600,6 +600,7 @@ impl Command {
                 "Save the questions that the class has answered, with hands, guesses and distances, as CSV.",
                 &[],
             ),
+            C::ClearScores => (Menu::Export, Icon::ListX, "Clear scores", "Begin a new tally for the next class.", &[]),
             C::SaveHandout => (
                 Menu::Export,
                 Icon::BookOpenText,

@@ -163,12 +163,14 @@ fn nearest(distances: impl Iterator<Item = f64>) -> Option<(usize, f64)> {
 }
 
 /// What a question takes for granted: what the next step is about, without what it finds.
-fn is_given(question: &Question, role: Role) -> bool {
+fn is_given(question: &Question, Mark { role, shape, .. }: &Mark) -> bool {
     match question.asked {
         Asked::Place { role: asked, .. } => {
-            role != asked && matches!(role, Role::Reference | Role::Window | Role::Measured)
+            *role != asked && matches!(role, Role::Reference | Role::Window | Role::Measured)
         }
-        _ => matches!(role, Role::Reference | Role::Window | Role::Candidate),
+        // The ellipse of a gate shows what lies in it.
+        _ if *role == Role::Window => !matches!(shape, Shape::Ellipse { .. }),
+        _ => matches!(role, Role::Reference | Role::Candidate),
     }
 }
 
@@ -176,24 +178,26 @@ fn is_given(question: &Question, role: Role) -> bool {
 pub(super) fn hidden(
     (before, after): (&Arc<Snapshot>, &Arc<Snapshot>),
     question: &Question,
-    guesses: &Guesses,
+    (answer, guesses): (&Answer, &Guesses),
 ) -> Snapshot {
     let is_same_frame = before.frame == after.frame;
     let is_place = matches!(question.asked, Asked::Place { .. });
+    let size = after.pictures.pair[0].size();
     if is_place && !is_same_frame {
         // The place in a frame is predicted from the frames before it.
         let mut scene = before.scene.as_ref().clone();
+        scene.work = searched(&scene, answer, size).or(scene.work);
         mark(&mut scene, guesses);
         let moment = Moment { scene: Arc::new(scene), ..before.moment.clone() };
         return Snapshot { moment, landmarks: landmarks_of(before), ..before.as_ref().clone() };
     }
     // Of another frame the old results tell nothing; a place must not be given away by an old one either.
     let gives_away = |role: Role| is_place && matches!(role, Role::Best | Role::Candidate | Role::Rejected);
-    let stays = |role: Role| !is_given(question, role) && !gives_away(role);
+    let stays = |mark: &Mark| !is_given(question, mark) && !gives_away(mark.role);
     let old = before.scene.marks.iter().filter(|_| is_same_frame);
-    let old = old.filter(|mark| if mark.shape.is_layer() { !is_place } else { stays(mark.role) });
+    let old = old.filter(|mark| if mark.shape.is_layer() { !is_place } else { stays(mark) });
     // Marks with an identity are tracks: what becomes of them is asked.
-    let is_new = |mark: &&Mark| is_given(question, mark.role) && mark.of.is_none() && !mark.shape.is_layer();
+    let is_new = |mark: &&Mark| is_given(question, mark) && mark.of.is_none() && !mark.shape.is_layer();
     let new = after.scene.marks.iter().filter(is_new);
     let mut scene = Scene { marks: old.chain(new).cloned().collect(), ..after.scene.as_ref().clone() };
     scene.links.clear();
@@ -201,6 +205,7 @@ pub(super) fn hidden(
     scene.legend.retain(|(role, _)| scene.marks.iter().any(|mark| mark.role == *role));
     // Pictures that the step computes, such as a response, are those of the step before.
     scene.pictures.clone_from(&before.scene.pictures);
+    scene.work = searched(&scene, answer, size).or(scene.work);
     mark(&mut scene, guesses);
     let mut pictures = before.pictures.clone();
     pictures.pair.clone_from(&after.pictures.pair);
@@ -211,6 +216,24 @@ pub(super) fn hidden(
         landmarks: landmarks_of(before),
         ..before.as_ref().clone()
     }
+}
+
+/// The part of a picture of `size` px in which a place is looked for, so that it can be clicked: the search window that is shown,
+/// or else all of the picture; `None` if no place is.
+fn searched(scene: &Scene, answer: &Answer, (width, height): (usize, usize)) -> Option<[[f32; 2]; 2]> {
+    let Answer::Place { on, at, .. } = answer else { return None };
+    if !on.is_aligned_with(Picture::CURRENT) {
+        return None;
+    }
+    let windows = scene.marks.iter().filter(|mark| mark.role == Role::Window && mark.on.is_aligned_with(*on));
+    let mut windows = windows.filter_map(|mark| match mark.shape {
+        Shape::Rect { min, max } => Some([min, max]),
+        _ => None,
+    });
+    let has_all =
+        |[min, max]: &[[f32; 2]; 2]| at.iter().all(|place| (0..2).all(|i| (min[i]..=max[i]).contains(&place[i])));
+    let whole = [[-0.5; 2], [width as f32 - 0.5, height as f32 - 0.5]];
+    Some(windows.find(has_all).unwrap_or(whole))
 }
 
 /// The marks of the timeline up to a step: later ones would tell where the run finds something.
@@ -263,7 +286,6 @@ mod tests {
 
     #[test]
     fn hands_are_counted_for_the_answers() {
-        assert_eq!(line::ALL.len(), 1);
         let answer = Answer::Choice(1);
         let mut guesses = Guesses::of(&CHOICE, &answer);
         assert!(guesses.is_empty() && !guesses.vote(2, true) && !guesses.point(Focus::current([1.0, 1.0])));
@@ -286,6 +308,29 @@ mod tests {
         assert_eq!((verdict.nearest, verdict.hands), (Some((2, 5.0)), [1, 2]));
         assert_eq!(verdict.right, ["Upper right"]);
         assert_eq!(verdict.text(), "(10.0, 4.0). Guess 2 of 2 is nearest, 5.0 px off. 1 of 2 hands for upper right.");
+    }
+
+    #[test]
+    fn a_gate_is_not_given() {
+        let mut scene = Scene::default();
+        scene.mark(Picture::CURRENT, Role::Window, Shape::pixels(2, 3, 4, 4));
+        let gate = Shape::Ellipse { center: [4.0, 4.0], radii: [3.0, 2.0], angle_rad: 0.0 };
+        scene.mark(Picture::CURRENT, Role::Window, gate);
+        let given = |question| scene.marks.iter().map(|mark| is_given(question, mark)).collect::<Vec<_>>();
+        assert_eq!((given(&CHOICE), given(&PLACE)), (vec![true, false], vec![true, true]));
+    }
+
+    #[test]
+    fn a_place_is_looked_for_in_its_search_window_or_in_all_of_the_picture() {
+        let place = |at| Answer::Place { on: Picture::NEXT, at, from: None };
+        let mut scene = Scene::default();
+        let whole = Some([[-0.5, -0.5], [63.5, 47.5]]);
+        assert_eq!(searched(&scene, &place(vec![[9.0, 9.0]]), (64, 48)), whole);
+        let (min, max) = ([3.5, 3.5], [19.5, 19.5]);
+        scene.mark(Picture::NEXT, Role::Window, Shape::Rect { min, max });
+        assert_eq!(searched(&scene, &place(vec![[9.0, 9.0]]), (64, 48)), Some([min, max]));
+        assert_eq!(searched(&scene, &place(vec![[9.0, 9.0], [40.0, 9.0]]), (64, 48)), whole, "one lies outside");
+        assert_eq!(searched(&scene, &Answer::Choice(0), (64, 48)), None);
     }
 
     #[test]

@@ -12,12 +12,9 @@ pub(super) const QUESTIONS: &[Question] = &[
     Question::choice(
         "better",
         "Is the next hypothesis the best so far?",
-        &[
-            Case::says(line::COUNT, "the first hypothesis", "Yes"),
-            Case::says(line::COUNT, "Discarded", "No: discarded"),
-            Case::at(line::COUNT, "Yes"),
-        ],
-    ),
+        &[Case::says(line::COUNT, "Discarded", "No: discarded"), Case::at(line::COUNT, "Yes")],
+    )
+    .unless("the first hypothesis"),
     Question::number(
         "inliers",
         "How many matches are inliers of the model fitted to all inliers?",
