@@ -1,5 +1,7 @@
 //! How numbers are written, in the window and in pictures alike.
 
+use std::ops::Range;
+
 use motionscope_core::spaced;
 pub use motionscope_core::{grouped, with_power};
 
@@ -26,6 +28,41 @@ pub fn number(value: f32) -> String {
         _ => 3,
     };
     with_decimals(value, decimals)
+}
+
+/// Exponents of a power of ten.
+const EXPONENT: &str = "⁻⁰¹²³⁴⁵⁶⁷⁸⁹";
+/// A narrow space at which no line is broken, as within a number from 10 000 on.
+pub const THIN: char = '\u{202f}';
+
+/// The places of the numbers in a text, each with its sign and its power of ten.
+pub fn places(text: &str) -> Vec<Range<usize>> {
+    let letters: Vec<(usize, char)> = text.char_indices().collect();
+    let end_of = |index: usize| letters.get(index).map_or(text.len(), |(at, _)| *at);
+    let is_digit = |index: usize| letters.get(index).is_some_and(|(_, c)| c.is_ascii_digit());
+    let is = |index: usize, wanted: &[char]| letters.get(index).is_some_and(|(_, c)| wanted.contains(c));
+    let (mut found, mut index) = (Vec::new(), 0);
+    while index < letters.len() {
+        // A digit of a name, as in P1, is none.
+        let follows_letter = index > 0 && (letters[index - 1].1.is_alphabetic() || letters[index - 1].1 == '_');
+        let has_sign = is(index, &['−']) && is_digit(index + 1);
+        if !(is_digit(index) && !follows_letter || has_sign) {
+            index += 1;
+            continue;
+        }
+        let from = index;
+        index += 1;
+        while is_digit(index) || (is(index, &['.', THIN]) && is_digit(index + 1)) {
+            index += 1;
+        }
+        if is(index, &['·']) && is(index + 1, &['1']) && is(index + 2, &['0']) {
+            let power = (index + 3..).take_while(|at| letters.get(*at).is_some_and(|(_, c)| EXPONENT.contains(*c)));
+            let count = power.count();
+            index += if count > 0 { 3 + count } else { 0 };
+        }
+        found.push(letters[from].0..end_of(index));
+    }
+    found
 }
 
 /// The labels at the ticks of an axis: at each as many decimals as the one that needs most, 0.8, 1.0, 1.2.
@@ -67,6 +104,15 @@ mod tests {
         assert_eq!(labels(&[-0.05, 0.0, 0.05]), ["−0.05", "0.00", "0.05"]);
         assert_eq!(labels(&[0.0, 5000.0, 10_000.0]), ["0", "5000", "10\u{202f}000"]);
         assert_eq!(labels(&[1e-7, 2e-7]), [1e-7, 2e-7].map(number));
+    }
+
+    #[test]
+    fn numbers_in_a_text_are_found_with_their_signs_and_powers() {
+        let of = |text: &str| places(text).into_iter().map(|place| text[place].to_owned()).collect::<Vec<_>>();
+        assert_eq!(of("(−3, 2.50) px, SAD 9741"), ["−3", "2.50", "9741"]);
+        assert_eq!(of("0.4 − 1.9·10⁻⁴ = 16\u{202f}664.90"), ["0.4", "1.9·10⁻⁴", "16\u{202f}664.90"]);
+        assert_eq!(of("P1, L(p, 22) + x_2"), ["22"]);
+        assert_eq!(of("2·10 px"), ["2", "10"]);
     }
 
     #[test]

@@ -2,12 +2,12 @@
 
 use std::str::FromStr;
 
-use motionscope_core::scene::Sentence;
-use motionscope_core::{Cursor, Error};
+use motionscope_core::scene::{Chart, Readout, Sentence};
+use motionscope_core::{Cursor, Error, Step};
 
 use super::moment::Moment;
 use super::page::{Stand, Words};
-use super::panes::{Selection, charts};
+use super::panes::{Pane, Selection, all_series, charts, find};
 use super::paper::{Around, Paper, THEME, lines, ruled};
 use super::rendering::Rendering;
 use crate::media::Progress;
@@ -274,13 +274,30 @@ fn title(words: &Words<'_>, width: f32, size: f32) -> Block {
     block
 }
 
+/// Whether a chart has something to compare: a single value of a plot or of a cost surface is nothing but an empty frame.
+fn shows(pane: &Pane, step: &Step) -> bool {
+    let has_two = |values: &mut dyn Iterator<Item = f32>| values.filter(|value| value.is_finite()).nth(1).is_some();
+    match pane.chart {
+        Some(Chart::Series) => all_series(step)
+            .flat_map(|series| &series.lines)
+            .any(|(.., points)| has_two(&mut points.iter().map(|point| point[1]))),
+        Some(Chart::Surface) => {
+            let surface = find(step, |readout| if let Readout::Surface(all) = readout { Some(all) } else { None });
+            surface.is_some_and(|surface| has_two(&mut surface.values.cells().iter().copied()))
+        }
+        _ => true,
+    }
+}
+
 /// The pictures of a page as they fit into `room`, and below them its first chart where there is room; each with its place.
 fn pictures(moment: &Moment, stand: &Stand<'_>, (room, per_sheet): (Rect, PerSheet)) -> Vec<(Figure, Point)> {
     let (estimator, look) = (stand.estimator(), &stand.look);
     let panes = Selection::default();
     let rendering = Rendering { moment, estimator, look, panes: &panes };
     let [width, height] = room.size().map(|side| (side / SCALE).max(LEAST));
-    let chart = charts(&moment.step, estimator.charts()).into_iter().next().filter(|_| per_sheet != PerSheet::Four);
+    let step = &moment.step;
+    let chart = charts(step, estimator.charts()).into_iter().find(|pane| shows(pane, step));
+    let chart = chart.filter(|_| per_sheet != PerSheet::Four);
     let (content, style) =
         (rendering.content(), ChartStyle { theme: THEME, colors: look.colors, density: DENSITY as f32 });
     let share = if chart.is_some() { STAGE_SHARE } else { 1.0 };
@@ -298,4 +315,38 @@ fn pictures(moment: &Moment, stand: &Stand<'_>, (room, per_sheet): (Rect, PerShe
         all.push((figure, [room.min[0], room.min[1] + SCALE * taken]));
     }
     all
+}
+
+#[cfg(test)]
+mod tests {
+    use motionscope_core::scene::{Series, Surface};
+    use motionscope_core::{Grid, Role};
+
+    use super::super::panes::{MATRICES, SERIES, SURFACE};
+    use super::*;
+
+    motionscope_core::pseudocode! {
+        TEST: "test",
+    }
+
+    fn step(readout: Readout) -> Step {
+        Step { line: line::TEST, sentence: Sentence::default(), readouts: vec![readout] }
+    }
+
+    fn plot(values: &[f32]) -> Step {
+        let points = values.iter().zip(1..).map(|(value, number)| [number as f32, *value]).collect();
+        step(Readout::Series(Series { lines: vec![("inliers", Role::Best, points)], ..Series::default() }))
+    }
+
+    #[test]
+    fn a_chart_of_a_single_value_takes_no_room() {
+        assert!(!shows(&SERIES, &plot(&[0.0])) && !shows(&SERIES, &plot(&[0.0, f32::NAN])));
+        assert!(shows(&SERIES, &plot(&[0.0, 7.0])));
+        let costs = |known: usize| {
+            let values = Grid::from_fn(3, 3, |x, y| if 3 * y + x < known { 9.0 } else { f32::NAN });
+            step(Readout::Surface(Surface::new("SAD", [-1; 2], values, Grid::new(3, 3, None))))
+        };
+        assert!(!shows(&SURFACE, &costs(1)) && shows(&SURFACE, &costs(2)));
+        assert!(shows(&MATRICES, &step(Readout::Matrices(Vec::new()))), "the pane tells whether it has content");
+    }
 }

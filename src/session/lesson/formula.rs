@@ -3,6 +3,7 @@
 use motionscope_core::Error;
 use motionscope_core::scene::Math;
 
+use crate::paint::THIN;
 use crate::paint::charts::prose::{Span, Style};
 
 /// Letters of variables; each is two bytes at most.
@@ -365,9 +366,6 @@ pub fn inline(text: &str) -> Result<Vec<Span>, Error> {
     }
     Ok(spans)
 }
-
-/// A narrow space at which no line is broken.
-const THIN: char = '\u{202f}';
 
 /// Adds `math` to `spans`; nothing where a line cannot show it.
 fn flatten(math: &Math, spans: &mut Vec<Span>) -> Option<()> {

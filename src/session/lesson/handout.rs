@@ -255,7 +255,7 @@ mod tests {
         let mut inked = plain.clone();
         let step = inked.pages[index].until.expect("its last step");
         let points = vec![[20.0, 20.0], [120.0, 90.0]];
-        let line = FreehandLine { step, member: 0, on: Picture::CURRENT, color: PenColor::Vermilion, points };
+        let line = FreehandLine { step, member: 0, on: Picture::CURRENT.into(), color: PenColor::Vermilion, points };
         inked.pages[index].session.as_mut().expect("a page of the course").freehand.lines.push(line);
         let sheet = |lesson: &Lesson, answers: bool| {
             worksheet((lesson, index), answers, &|_| Ok(()), None).unwrap_or_else(|why| panic!("{why}"))

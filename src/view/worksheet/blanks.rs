@@ -2,14 +2,20 @@
 
 use std::collections::BTreeSet;
 
-use motionscope_core::scene::{Fact, Math, Matrix, Plane, Readout, Regions, Surface, Tile};
+use motionscope_core::scene::{Math, Matrix, Plane, Question, Readout, Regions};
 use motionscope_core::{Grid, Role, Step};
 
-use super::equation::{defined, exercise};
-use super::grids::{self, Grids};
-use super::numbers::{self, Fill, filled, is_telling};
+use super::decision::Decision;
+use super::equation::{self, Defined, defined, exercise, values};
+use super::facts::Elsewhere;
+use super::grids::{self, Captioned, Grids, Missing};
+use super::numbers::{self, Fill, is_telling, tells};
+use super::reach::{Printed, is_small};
+use super::windows::{self, Pixels, surface_of};
 use crate::paint::charts::explanation::{equation_of, facts_of};
+use crate::paint::charts::heat_map::cost;
 use crate::paint::charts::matrices::entries;
+use crate::paint::number;
 use crate::view::panes::find;
 
 /// The most entries of a matrix that are left out: more are the same work again.
@@ -17,13 +23,26 @@ const MOST_ENTRIES: usize = 4;
 /// A matrix of at most so many entries is left out as a whole.
 const SMALL_MATRIX: usize = 4;
 
+/// The step that is asked for.
+#[derive(Clone, Copy)]
+pub struct Asked<'a> {
+    /// The step.
+    pub step: &'a Step,
+    /// The unit of the run that it belongs to, from 0.
+    pub unit: usize,
+    /// The steps before it, latest first.
+    pub earlier: &'a [Step],
+    /// The questions of its estimator.
+    pub questions: &'a [Question],
+}
+
 /// The parts of a step with numbers left out or filled in.
 #[derive(Clone, Debug, Default)]
 pub struct Exercise {
     /// Labels with their values.
     pub facts: Vec<Math>,
     /// The formulas.
-    pub equation: Vec<Math>,
+    pub equation: equation::Exercise,
     /// The matrices.
     pub matrices: Vec<Matrix>,
     /// Matrices as they were before the step, where it changes them.
@@ -34,6 +53,10 @@ pub struct Exercise {
     pub plane: Option<(Plane, Vec<String>)>,
     /// The regions of a decision, in the same way.
     pub regions: Option<(Regions, Vec<String>)>,
+    /// What is decided.
+    pub decision: Option<Decision>,
+    /// Whether the line of the algorithm is asked for, since nothing else can be.
+    pub asks_line: bool,
     /// What is left out.
     pub answers: Vec<Answer>,
 }
@@ -63,39 +86,67 @@ pub struct Answer {
 }
 
 impl Exercise {
-    /// The exercise of `step`, which follows `before`.
-    pub fn of(step: &Step, before: Option<&Step>, fill: Fill) -> Self {
-        let mut all = Self::default();
+    /// The exercise of a step: what can be computed by hand, drawn or decided.
+    pub fn of(asked: &Asked<'_>, fill: Fill) -> Self {
+        let Asked { step, unit, earlier, questions } = *asked;
         let lines = equation_of(step);
-        all.add_matrices(step, before, fill);
-        let known = all.numbers();
-        let equation = exercise(lines, &known, fill);
-        all.equation = equation.lines;
-        all.add(Part::Equation, equation.answers.into_iter().map(|(_, number)| number));
-        let known = all.numbers();
-        let tiles: &[Tile] = find(step, |readout| match readout {
-            Readout::Tiles(tiles) => Some(tiles.as_slice()),
-            _ => None,
-        })
-        .unwrap_or_default();
-        let surface: Option<&Surface> = find(step, |readout| match readout {
-            Readout::Surface(surface) => Some(surface),
-            _ => None,
-        });
-        let (tiles, of_tiles) = grids::pixels(tiles, &known, fill);
-        all.add(Part::Tiles, of_tiles);
-        let (surface, of_surface) = surface.map(|surface| grids::costs(surface, &known, fill)).unwrap_or_default();
-        all.add(Part::Surface, of_surface);
+        let mut all = Self { decision: Decision::of(questions, (step, unit)), ..Self::default() };
+        let pixels = windows::pixels(step, earlier, &values(lines), fill);
         let series = find(step, |readout| if let Readout::Series(series) = readout { Some(series) } else { None });
-        all.grids = Grids { tiles, surface, histogram: series.and_then(grids::histogram) };
+        let histogram = series.and_then(grids::histogram);
+        let printed = printed(step, pixels.as_ref(), histogram.as_ref());
+        all.add_matrices(step, earlier.first(), fill);
+        let known = all.numbers();
+        all.equation = exercise(lines, (&known, &printed), fill);
+        all.add(Part::Equation, all.equation.answers.clone().into_iter().map(|(_, number)| number));
+        all.hide_told(matrices_of(step), fill);
+        all.grids = Grids { tiles: pixels, surface: None, histogram };
+        let of_tiles = all.grids.tiles.as_ref().map(|pixels| pixels.answers.clone()).unwrap_or_default();
+        all.add(Part::Tiles, of_tiles);
+        all.add_costs(asked, fill);
         all.add_drawings(step, fill);
-        all.add_facts(facts_of(step), fill);
+        all.add_facts(asked, fill);
+        all.asks_line = all.is_empty() && !(lines.is_empty() && matrices_of(step).is_empty());
         all
     }
 
-    /// Whether there is anything to be computed or drawn.
+    /// How many different numbers are asked for.
+    pub fn count(&self) -> usize {
+        let answers = self.answers.iter().map(|answer| answer.number.as_str());
+        answers.filter(|answer| !numbers::of(answer).is_empty()).collect::<BTreeSet<_>>().len()
+    }
+
+    /// Whether a number with decimals is asked for.
+    pub fn asks_decimals(&self) -> bool {
+        let mut all = self.answers.iter().flat_map(|answer| numbers::of(&answer.number));
+        all.any(|number| number.contains('.'))
+    }
+
+    /// Whether there is nothing to be computed, drawn or decided.
     pub fn is_empty(&self) -> bool {
-        self.answers.is_empty() && self.plane.is_none() && self.regions.is_none()
+        let has_drawings = self.plane.is_some() || self.regions.is_some();
+        self.answers.is_empty() && !has_drawings && self.decision.is_none() && !self.asks_line
+    }
+
+    /// Leaves out costs of the surface that the formulas and the windows lead to.
+    fn add_costs(&mut self, asked: &Asked<'_>, fill: Fill) {
+        let Some(surface) = surface_of(asked.step) else { return };
+        let known = self.numbers();
+        let center = surface.probe.or(surface.best);
+        let is_computed = |at: &[i32; 2]| {
+            let text = cost(surface, *at).map(number);
+            let is_result = text.is_some_and(|text| is_telling(&text) && known.contains(&text));
+            is_result || surface.probe.is_some() && !self.equation.answers.is_empty()
+        };
+        let earlier = self.grids.tiles.iter().flat_map(|pixels| pixels.earlier.iter().copied());
+        let at: Vec<[i32; 2]> = center.filter(is_computed).into_iter().chain(earlier).collect();
+        let is_decided = self.decision.is_some() && surface.probe.is_some();
+        // Costs of another block do not tell what is best of this one.
+        let of_block = asked.earlier.first().filter(|before| windows::is_same_block(before, asked.step));
+        let before = of_block.and_then(surface_of);
+        let (costs, answers) = grids::costs(surface, Missing { at: &at, before, is_decided }, fill);
+        self.grids.surface = costs;
+        self.add(Part::Surface, answers);
     }
 
     /// The numbers that are left out so far.
@@ -110,6 +161,8 @@ impl Exercise {
     fn add_matrices(&mut self, step: &Step, before: Option<&Step>, fill: Fill) {
         let all = matrices_of(step);
         let (results, chosen) = results_of(all, &defined(equation_of(step)));
+        // Where nothing is computed nothing has to be known before.
+        let changed = if results.is_empty() { 0 } else { all.len() };
         let hide =
             |matrix: &Matrix| {
                 let words = entries(matrix);
@@ -137,14 +190,34 @@ impl Exercise {
             )
             .collect();
         let earlier = before.map(matrices_of).unwrap_or_default();
-        let of_before = |index: &usize| {
-            let now = &all[*index];
+        let of_before = |now: &Matrix| {
             let other = earlier.iter().find(|other| other.symbol == now.symbol && other.name == now.name)?;
             let is_other = other.entries.size() == now.entries.size() && other.entries != now.entries;
             is_other.then(|| Matrix { changed: None, ..other.clone() })
         };
-        self.before = results.iter().filter_map(of_before).collect();
+        self.before = all[..changed].iter().filter_map(of_before).collect();
         self.add(Part::Matrices, chosen);
+    }
+
+    /// Leaves out or fills in the results of the formulas among the entries of `whole` matrices that are given.
+    fn hide_told(&mut self, whole: &[Matrix], fill: Fill) {
+        let told: Vec<String> = self.equation.answers.iter().map(|(_, number)| number.clone()).collect();
+        let mut answers = Vec::new();
+        for (matrix, whole) in self.matrices.iter_mut().zip(whole) {
+            let words = entries(whole);
+            let (width, height) = words.size();
+            let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+            for place in places.filter(|place| tells(&words[*place], &told)) {
+                answers.push(words[place].clone());
+                match fill {
+                    Fill::Blank => matrix.entries[place] = f64::NAN,
+                    Fill::Answer => {
+                        matrix.changed.get_or_insert_with(|| Grid::new(width, height, false))[place] = true;
+                    }
+                }
+            }
+        }
+        self.add(Part::Matrices, answers);
     }
 
     fn add_drawings(&mut self, step: &Step, fill: Fill) {
@@ -176,43 +249,39 @@ impl Exercise {
         });
     }
 
-    /// Leaves out the results among labelled numbers, and what is left out elsewhere.
-    fn add_facts(&mut self, facts: &[Fact], fill: Fill) {
-        let known = self.numbers();
-        let is_known = |number: &str| is_telling(number) && known.iter().any(|other| other == number);
-        // Where nothing else is computed, what is best so far is the result.
-        let results: &[Role] = match self.answers.is_empty() {
-            false => &[Role::Result],
-            true => &[Role::Result, Role::Best, Role::Estimate, Role::Candidate],
+    /// Leaves out what is left out elsewhere among labelled numbers, and what would tell it.
+    fn add_facts(&mut self, asked: &Asked<'_>, fill: Fill) {
+        let elsewhere = Elsewhere {
+            numbers: &self.numbers(),
+            before: asked.earlier.first().map(facts_of).unwrap_or_default(),
+            is_decided: self.decision.is_some(),
+            is_test: surface_of(asked.step).is_some_and(|surface| surface.probe.is_some()),
         };
-        let mut answers = Vec::new();
-        for fact in facts {
-            // What is compared with the truth would tell the result.
-            if fill == Fill::Blank && matches!(fact.role, Some(Role::Truth | Role::Error)) {
-                continue;
-            }
-            // A value that is nothing but a result tells it, however few its digits.
-            let is_told = known.contains(&fact.value);
-            let is_result = is_told || fact.role.is_some_and(|role| results.contains(&role));
-            let chosen = |number: &str| is_result || is_known(number);
-            answers.extend(numbers::of(&fact.value).into_iter().filter(|number| chosen(number)));
-            let label = Math::text(format!("{}: ", fact.label));
-            self.facts.push(Math::Row(vec![label, filled(&fact.value, None, fill, &chosen)]));
-        }
+        let (facts, answers) = elsewhere.facts(facts_of(asked.step), fill);
+        self.facts = facts;
         self.add(Part::Facts, answers);
     }
 }
 
-/// The matrices that a step computes, by their indices, and the texts of the entries that are left out: those that no given
-/// matrix has.
-fn results_of(all: &[Matrix], defined: &[String]) -> (Vec<usize>, Vec<String>) {
+/// What is printed of a step, from which its results can be computed.
+fn printed(step: &Step, pixels: Option<&Pixels>, histogram: Option<&Captioned>) -> Printed {
+    let symbols = defined(equation_of(step)).into_iter().map(|defined| defined.name);
+    let rows = histogram.into_iter().flat_map(|histogram| &histogram.table.rows);
+    Printed {
+        names: Printed::names(facts_of(step), matrices_of(step), symbols),
+        terms: rows.flat_map(|name| name.split_whitespace()).map(str::to_owned).collect(),
+        totals: pixels.map(|pixels| pixels.totals.clone()).unwrap_or_default(),
+    }
+}
+
+/// The matrices that the formulas of a step define, by their indices, and the texts of the entries that are left out: those that no
+/// given matrix has. Sums and products of large matrices are no work by hand.
+fn results_of(all: &[Matrix], defined: &[Defined]) -> (Vec<usize>, Vec<String>) {
     let plain = |symbol: &str| symbol.replace(' ', "");
-    let is_defined = |matrix: &&Matrix| defined.iter().any(|symbol| plain(symbol) == plain(matrix.symbol));
-    let has_changed = |matrix: &&Matrix| matrix.changed.as_ref().is_some_and(|grid| grid.cells().contains(&true));
-    let is_result = |matrix: &&Matrix| matches!(matrix.role, Some(Role::Result | Role::Estimate));
-    let of = |is: &dyn Fn(&&Matrix) -> bool| -> Vec<usize> { (0..all.len()).filter(|i| is(&&all[*i])).collect() };
-    let ways = [of(&is_defined), of(&has_changed), of(&is_result)];
-    let results = ways.into_iter().find(|way| !way.is_empty()).unwrap_or_default();
+    let leads_to = |matrix: &Matrix, one: &Defined| one.is_by_hand && plain(&one.name) == plain(matrix.symbol);
+    let is_result =
+        |matrix: &Matrix| is_small(matrix.entries.size()) && defined.iter().any(|one| leads_to(matrix, one));
+    let results: Vec<usize> = (0..all.len()).filter(|index| is_result(&all[*index])).collect();
     let given: BTreeSet<String> = (0..all.len())
         .filter(|index| !results.contains(index))
         .flat_map(|index| entries(&all[index]).cells().to_vec())
@@ -239,4 +308,83 @@ fn results_of(all: &[Matrix], defined: &[String]) -> (Vec<usize>, Vec<String>) {
 fn matrices_of(step: &Step) -> &[Matrix] {
     find(step, |readout| if let Readout::Matrices(all) = readout { Some(all.as_slice()) } else { None })
         .unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use motionscope_core::scene::{Case, Fact, Sentence};
+
+    use super::*;
+
+    motionscope_core::pseudocode! {
+        GATE: "gate the measurement",
+    }
+
+    const CASES: &[Case] = &[Case::says(line::GATE, "accepted", "Yes"), Case::at(line::GATE, "No")];
+    const QUESTION: Question = Question::choice("gate", "Is it inside?", CASES);
+
+    fn matrix(symbol: &'static str, side: usize) -> Matrix {
+        let entries = Grid::from_fn(side, side, |x, y| (10 * y + x) as f64 + 0.25);
+        let (rows, columns) = (Vec::new(), Vec::new());
+        Matrix { symbol, name: "", role: None, entries, rows, columns, changed: None, decimals: Some(2) }
+    }
+
+    fn step(readouts: Vec<Readout>) -> Step {
+        Step { line: line::GATE, sentence: Sentence::default().text("It is accepted."), readouts }
+    }
+
+    fn exercise(step: &Step, questions: &[Question], fill: Fill) -> Exercise {
+        Exercise::of(&Asked { step, unit: 0, earlier: &[], questions }, fill)
+    }
+
+    fn plain(lines: &[Math]) -> String {
+        lines.iter().map(|line| line.plain() + "\n").collect()
+    }
+
+    #[test]
+    fn what_tells_the_decision_is_left_out_with_it() {
+        let facts = vec![
+            Fact::new("NIS", "1.02, gate 9.21", None),
+            Fact::new("Status", "accepted", None),
+            Fact::new("Eigenvalues", "261.98 and 1.22: edge", None),
+            Fact::new("Matches so far", "12", Some(Role::Result)),
+        ];
+        let lines = vec![Math::text("d = 0.52 + 0.50 = 1.02 ≤ 9.21")];
+        let step = step(vec![Readout::Facts(facts), Readout::Equation(lines)]);
+        let left_out = exercise(&step, &[QUESTION], Fill::Blank);
+        assert!(left_out.decision.as_ref().is_some_and(|decision| decision.choices[decision.right] == "Yes"));
+        let shown = plain(&left_out.facts) + &plain(&left_out.equation.lines);
+        for told in ["1.02", "accepted", "edge", "Matches", "≤"] {
+            assert!(!shown.contains(told), "{told} is told: {shown}");
+        }
+        assert!(shown.contains("gate 9.21") && shown.contains("261.98 and 1.22"), "{shown}");
+        let solved = exercise(&step, &[QUESTION], Fill::Answer);
+        let shown = plain(&solved.facts);
+        let told = "NIS: 1.02, gate 9.21\nStatus: accepted\nEigenvalues: 261.98 and 1.22: edge\n";
+        assert!(shown.contains(told), "{shown}");
+        let without = plain(&exercise(&step, &[], Fill::Blank).facts);
+        assert!(without.contains("accepted") && without.contains("edge"), "nothing is decided: {without}");
+    }
+
+    #[test]
+    fn large_matrices_and_sums_are_given() {
+        let define = |by: &str| Math::Row(vec![Math::Bold("S"), Math::text(by), Math::Bold("H")]);
+        let asked = |side: usize, by: &str| {
+            let readouts = vec![Readout::Equation(vec![define(by)]), Readout::Matrices(vec![matrix("S", side)])];
+            let exercise = exercise(&step(readouts), &[], Fill::Blank);
+            (exercise.answers.len(), exercise.asks_line)
+        };
+        assert_eq!(asked(2, " = 2 "), (4, false));
+        assert_eq!(asked(6, " = 2 "), (0, true), "only the line can be asked for");
+        assert_eq!(asked(2, " = Σ "), (0, true), "a sum over pixels");
+        let lines = vec![Math::text("p = 10.00 + 0.25 = 10.25")];
+        let told = step(vec![Readout::Equation(lines), Readout::Matrices(vec![matrix("P", 6)])]);
+        let left_out = exercise(&told, &[], Fill::Blank);
+        assert!(left_out.matrices[0].entries[(0, 1)].is_nan(), "a given matrix does not tell a result");
+        assert_eq!((left_out.count(), left_out.asks_decimals()), (1, true), "it is asked for once");
+        assert_eq!(left_out.matrices[0].entries.cells().iter().filter(|entry| entry.is_nan()).count(), 1);
+        let solved = exercise(&told, &[], Fill::Answer);
+        assert!(solved.matrices[0].changed.as_ref().is_some_and(|changed| changed[(0, 1)]));
+        assert!(exercise(&step(Vec::new()), &[], Fill::Blank).is_empty());
+    }
 }

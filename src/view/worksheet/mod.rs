@@ -1,16 +1,25 @@
 //! The worksheet of a step: what is given is printed, what the step computes is left out and asked for; and the same sheet filled in.
 //!
-//! Which numbers are results follows from the readouts alone, so every estimator has worksheets (`blanks.rs`).
+//! Which numbers are results follows from the readouts alone, so every estimator has worksheets (`blanks.rs`). A number is left out only
+//! where it can be computed by hand from what is printed (`reach.rs`); otherwise the decision of the step is asked for (`decision.rs`).
+//! What would tell either is left out with it (`facts.rs`).
 
 mod blanks;
+mod decision;
 mod equation;
+mod facts;
 mod grids;
 mod numbers;
+mod reach;
+mod settings;
 mod sheet;
+mod vector;
+mod windows;
 
-use motionscope_core::{Direction, Error, Move, Step};
+use motionscope_core::scene::Focus;
+use motionscope_core::{Direction, Error, Move, Step, Walk};
 
-use self::blanks::Exercise;
+use self::blanks::{Asked, Exercise};
 use self::numbers::Fill;
 use super::moment::Moment;
 use super::page::Stand;
@@ -50,14 +59,13 @@ impl About<'_> {
         stand.seen(progress, |viewer, focus| {
             let moment = viewer.moment(focus)?;
             let step = asked(&moment).clone();
-            let last = viewer.walk.info().granularities.len() - 1;
-            viewer.walk.go(Move::Granularity(last, Direction::Back));
-            while !viewer.walk.work(&mut || true) {}
-            let before = viewer.walk.step(focus);
-            let exercise = Exercise::of(&step, Some(&before), self.fill());
+            let earlier = steps_before(&mut *viewer.walk, focus, windows::steps_before(&step));
+            let questions = stand.estimator().questions();
+            let asked = Asked { step: &step, unit: moment.cursor.unit, earlier: &earlier, questions };
+            let exercise = Exercise::of(&asked, self.fill());
             if exercise.is_empty() {
                 let why = format!(
-                    "step {} of {} computes no numbers that can be left out; choose a step with a formula or matrices",
+                    "step {} of {} has nothing to compute or decide on paper; choose a step with a formula or matrices",
                     moment.cursor,
                     stand.estimator().info().id
                 );
@@ -66,6 +74,17 @@ impl About<'_> {
             Ok(sheet::Content { about: *self, stand, moment: &moment, step: &step, exercise: &exercise }.sheets())
         })
     }
+}
+
+/// The steps before the one at which `walk` stands, latest first, at most `count` of them.
+fn steps_before(walk: &mut dyn Walk, focus: Option<Focus>, count: usize) -> Vec<Step> {
+    let last = walk.info().granularities.len() - 1;
+    let before = || {
+        walk.go(Move::Granularity(last, Direction::Back));
+        while !walk.work(&mut || true) {}
+        walk.step(focus)
+    };
+    std::iter::repeat_with(before).take(count).collect()
 }
 
 /// The step that is asked for: of several in lockstep that of the first.

@@ -1,11 +1,10 @@
 //! Numbers in texts and formulas: found, left out, filled in.
 
-use std::ops::Range;
-
 use motionscope_core::Role;
 use motionscope_core::scene::Math;
 
 use crate::paint::charts::formula::blank;
+use crate::paint::{THIN, places};
 
 /// The box instead of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,53 +23,89 @@ impl Fill {
             Fill::Answer => Math::ink(Role::Result, number),
         }
     }
-}
 
-/// Exponents of a power of ten.
-const EXPONENT: &str = "⁻⁰¹²³⁴⁵⁶⁷⁸⁹";
-/// A space within a number from 10 000 on.
-const THIN: char = '\u{202f}';
-
-/// The places of the numbers in a text, each with its sign and its power of ten.
-pub fn places(text: &str) -> Vec<Range<usize>> {
-    let letters: Vec<(usize, char)> = text.char_indices().collect();
-    let end_of = |index: usize| letters.get(index).map_or(text.len(), |(at, _)| *at);
-    let is_digit = |index: usize| letters.get(index).is_some_and(|(_, c)| c.is_ascii_digit());
-    let is = |index: usize, wanted: &[char]| letters.get(index).is_some_and(|(_, c)| wanted.contains(c));
-    let (mut found, mut index) = (Vec::new(), 0);
-    while index < letters.len() {
-        // A digit of a name, as in P1, is none.
-        let follows_letter = index > 0 && (letters[index - 1].1.is_alphabetic() || letters[index - 1].1 == '_');
-        let has_sign = is(index, &['−']) && is_digit(index + 1);
-        if !(is_digit(index) && !follows_letter || has_sign) {
-            index += 1;
-            continue;
+    /// A word or a sign between two values, left out or filled in.
+    pub fn word(self, word: &str) -> Math {
+        let letters = word.chars().count().max(LEAST_WORD);
+        match self {
+            Fill::Blank => Math::text(blank(word).chars().take(letters).collect::<String>()),
+            Fill::Answer => Math::ink(Role::Result, word),
         }
-        let from = index;
-        index += 1;
-        while is_digit(index) || (is(index, &['.', THIN]) && is_digit(index + 1)) {
-            index += 1;
-        }
-        if is(index, &['·']) && is(index + 1, &['1']) && is(index + 2, &['0']) {
-            let power = (index + 3..).take_while(|at| letters.get(*at).is_some_and(|(_, c)| EXPONENT.contains(*c)));
-            let count = power.count();
-            index += if count > 0 { 3 + count } else { 0 };
-        }
-        found.push(letters[from].0..end_of(index));
     }
-    found
 }
+
+/// Least number of letters that the box for a word has room for.
+const LEAST_WORD: usize = 2;
 
 /// The numbers of a text.
 pub fn of(text: &str) -> Vec<String> {
     places(text).into_iter().map(|place| text[place].to_owned()).collect()
 }
 
+/// The numbers of a formula, those of indices and exponents apart.
+pub fn all_numbers(math: &Math) -> Vec<String> {
+    of_formula(math, &|_| true)
+}
+
+/// The numbers in the colour of a role.
+pub fn inked(math: &Math) -> Vec<String> {
+    of_formula(math, &|role| role.is_some())
+}
+
+fn of_formula(math: &Math, takes: &dyn Fn(Option<Role>) -> bool) -> Vec<String> {
+    let each = |inner: &Math| of_formula(inner, takes);
+    match math {
+        Math::Text(text, role) if takes(*role) => of(text),
+        Math::Row(parts) => parts.iter().flat_map(each).collect(),
+        Math::Matrix(rows) => rows.iter().flatten().flat_map(each).collect(),
+        Math::Frac(top, bottom) => [each(top), each(bottom)].concat(),
+        Math::Abs(inner) | Math::Sqrt(inner) | Math::Sub(inner, _) | Math::Sup(inner, _) => each(inner),
+        Math::Text(..) | Math::Var(_) | Math::Bold(_) | Math::Sum(_) | Math::Bar(_) | Math::Hat(_) => Vec::new(),
+    }
+}
+
+/// Whether a formula has a number that was measured or computed.
+pub fn has_measured(math: &Math) -> bool {
+    all_numbers(math).iter().any(|number| number.contains('.') || number.chars().count() > 1)
+}
+
+/// Whether a formula has a symbol.
+pub fn has_unknown(math: &Math) -> bool {
+    match math {
+        Math::Var(_) | Math::Bold(_) | Math::Bar(_) | Math::Hat(_) => true,
+        Math::Text(..) | Math::Sum(_) => false,
+        Math::Row(parts) => parts.iter().any(has_unknown),
+        Math::Matrix(rows) => rows.iter().flatten().any(has_unknown),
+        Math::Frac(top, bottom) => has_unknown(top) || has_unknown(bottom),
+        Math::Sub(inner, _) | Math::Sup(inner, _) | Math::Abs(inner) | Math::Sqrt(inner) => has_unknown(inner),
+    }
+}
+
 /// Whether a number is seldom met by chance: one of three digits or more that is neither 0 nor 1.
 pub fn is_telling(number: &str) -> bool {
     let digits = number.chars().filter(char::is_ascii_digit).count();
-    let value: Option<f64> = number.replace('−', "-").replace(THIN, "").parse().ok();
-    digits >= 3 && value.is_none_or(|value| value != 0.0 && value.abs() != 1.0)
+    digits >= 3 && value_of(number).is_none_or(|(value, _)| value != 0.0 && value.abs() != 1.0)
+}
+
+/// A number with its count of decimals; `None` for one with a power of ten.
+pub fn value_of(number: &str) -> Option<(f64, i32)> {
+    let plain = number.replace('−', "-").replace(THIN, "");
+    let decimals = plain.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+    Some((plain.parse().ok()?, i32::try_from(decimals).ok()?))
+}
+
+/// Whether `shown` tells one of the numbers that are `asked` for: it is the same, or one of both is the other rounded.
+pub fn tells<'a>(shown: &str, asked: impl IntoIterator<Item = &'a String>) -> bool {
+    is_telling(shown) && asked.into_iter().any(|asked| asked == shown || is_rounded(shown, asked))
+}
+
+/// Whether one of two numbers is the other rounded to fewer decimals. A whole number is often met by chance.
+fn is_rounded(a: &str, b: &str) -> bool {
+    let (Some((of_a, decimals_a)), Some((of_b, decimals_b))) = (value_of(a), value_of(b)) else { return false };
+    let (rounded, decimals) = if decimals_a < decimals_b { (a, decimals_a) } else { (b, decimals_b) };
+    // Half a unit of the last digit, and no less by rounding here.
+    let most = 0.5 * 0.1f64.powi(decimals) + 1e-9;
+    decimals_a != decimals_b && decimals > 0 && is_telling(rounded) && (of_a - of_b).abs() <= most
 }
 
 /// A text as a formula in which the numbers that are `chosen` are left out or filled in.
@@ -113,12 +148,20 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_are_found_with_their_signs_and_powers() {
+    fn a_number_of_three_digits_is_telling_unless_it_is_zero_or_one() {
         assert_eq!(of("(−3, 2.50) px, SAD 9741"), ["−3", "2.50", "9741"]);
-        assert_eq!(of("0.4 − 1.9·10⁻⁴ = 16\u{202f}664.90"), ["0.4", "1.9·10⁻⁴", "16\u{202f}664.90"]);
-        assert_eq!(of("P1, L(p, 22) + x_2"), ["22"]);
-        assert_eq!(of("2·10 px"), ["2", "10"]);
-        assert!(is_telling("0.39") && is_telling("812") && !is_telling("16") && !is_telling("0.000"));
+        assert!(["0.39", "812", "16\u{202f}664"].iter().all(|number| is_telling(number)));
+        assert!(["16", "0.000", "−1.00"].iter().all(|number| !is_telling(number)));
+    }
+
+    #[test]
+    fn a_number_tells_the_one_that_it_is_rounded_from_or_to() {
+        let is_told = |shown: &str, asked: &str| tells(shown, [&asked.to_owned()]);
+        assert!(is_told("6.22", "6.22") && is_told("6.22", "6.217") && is_told("6.217", "6.22"));
+        assert!(is_told("6.22", "6.225") && is_told("6.23", "6.225"), "what lies between may be rounded to both");
+        assert!(is_told("−16.5", "−16.52") && !is_told("16.5", "−16.52"));
+        assert!(!is_told("6.22", "6.23") && !is_told("6.21", "6.217"), "another number");
+        assert!(!is_told("158", "158.31") && !is_told("6.2", "6.22"), "seldom enough by chance");
     }
 
     #[test]
@@ -127,5 +170,13 @@ mod tests {
         let left = filled(text, None, Fill::Blank, &|number| number == "812").plain();
         assert!(left.starts_with("SAD □") && left.ends_with("at (−3, 2)") && !left.contains("812"), "{left}");
         assert_eq!(filled(text, None, Fill::Answer, &|_| true).plain(), text);
+    }
+
+    #[test]
+    fn a_sign_has_a_smaller_box_than_a_number() {
+        let [sign, word] = ["≤", "accepted"].map(|word| Fill::Blank.word(word).plain());
+        assert_eq!([&sign, &word].map(|blanks| blanks.chars().count()), [2, 8]);
+        assert!(sign.chars().count() < Fill::Blank.math("9").plain().chars().count());
+        assert_eq!(Fill::Answer.word("≤").plain(), "≤");
     }
 }

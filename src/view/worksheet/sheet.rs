@@ -6,34 +6,42 @@ use motionscope_core::scene::{Math, Matrix, Sentence, Shape};
 use motionscope_core::{Role, Scene, Step};
 
 use super::About;
-use super::blanks::Exercise;
-use super::grids::{Costs, Pixels};
-use super::numbers::{is_telling, of};
-use crate::paint::charts::explanation::{self, Block, Density, equation};
+use super::blanks::{Exercise, Part as Place};
+use super::decision::Decision;
+use super::grids::{Captioned, Costs};
+use super::numbers::{of, tells};
+use super::settings::settings;
+use super::windows::{Pixels, Windows};
+use crate::paint::charts::explanation::{self, Block, Density, Light, equation};
 use crate::paint::charts::formula::has_blank;
 use crate::paint::charts::prose::{Part, Prose, lay_out};
-use crate::paint::charts::{ChartStyle, Type, matrices, plane, regions};
+use crate::paint::charts::{Canvas, ChartStyle, Type, matrices, plane, regions};
 use crate::paint::primitive::Rect;
 use crate::paint::{Face, Figure, FlowLayer, Layer, Sheet};
 use crate::view::moment::Moment;
 use crate::view::page::Stand;
 use crate::view::panes::Selection;
 use crate::view::paper::{Around, Paper, THEME, lines, ruled};
-use crate::view::rendering::{Rendering, settings_text};
+use crate::view::rendering::Rendering;
 
 /// Points of paper for each point of a block.
 const SCALE: f32 = 0.75;
 /// Marks are as fine as in other pictures for print.
 const DENSITY: u32 = 2;
-/// Between two blocks, and between two tables beside each other.
+/// Between two blocks, between the blocks of a task, and between two tables beside each other.
 const GAP: f32 = 16.0;
+const WITHIN: f32 = 8.0;
 const TABLE_GAP: f32 = 12.0;
 /// Size of the picture at most, and of a chart to draw into.
 const PICTURE: [f32; 2] = [410.0, 250.0];
 const CHART: [f32; 2] = [420.0, 300.0];
-/// Lines to write on, and how far they are apart.
+/// Lines to calculate on: at least, for each number that is asked for, at most; and how far they are apart.
 const LINES: usize = 3;
+const LINES_EACH: usize = 2;
+const MOST_LINES: usize = 14;
 const APART: f32 = 27.0;
+/// Why a calculation with the numbers on the sheet may end in another digit than its answer.
+pub(super) const PRECISION: &str = "The program computes with more digits than it prints: the last digit may differ.";
 
 /// Lines of the algorithm before and behind the one at work.
 const AROUND: usize = 3;
@@ -86,6 +94,23 @@ impl Flow {
         self.paper.put_block(block, [self.room.min[0], self.y], SCALE);
         self.y += (height + gap) * SCALE;
     }
+
+    /// Puts the `blocks` of a task. As many of the last ones as one sheet has room for stay on a sheet with what `follows`, of this
+    /// height.
+    fn put_task(&mut self, blocks: Vec<Block>, follows: Option<f32>) {
+        let heights: Vec<f32> = blocks.iter().map(|block| block.size[1] + WITHIN).collect();
+        let left_from = |from: usize| heights[from..].iter().sum::<f32>() + GAP - WITHIN;
+        let whole = Paper::room().size()[1] / SCALE;
+        let fits = |from: &usize| follows.is_some_and(|follows| left_from(*from) + follows <= whole);
+        let first = (0..heights.len()).find(fits);
+        for (index, block) in blocks.into_iter().enumerate() {
+            if first == Some(index) {
+                self.keep(left_from(index) + follows.unwrap_or_default());
+            }
+            self.put(block, WITHIN);
+        }
+        self.y += (GAP - WITHIN) * SCALE;
+    }
 }
 
 impl Content<'_> {
@@ -94,20 +119,17 @@ impl Content<'_> {
         let width = flow.width();
         flow.put(self.intro(width), GAP);
         self.put_picture(&mut flow);
-        let mut number = 0;
-        for (task, blocks) in self.tasks(width) {
-            number += 1;
-            let mut head = heading(&format!("{number}  {task}"), Face::Bold, width);
-            // A heading goes with what is below it.
-            let mut rest = blocks.into_iter();
-            if let Some(first) = rest.next() {
-                head.put_below(first, 8.0);
-            }
-            flow.put(head, 8.0);
-            rest.for_each(|block| flow.put(block, 8.0));
-            flow.y += (GAP - 8.0) * SCALE;
+        if self.exercise.asks_decimals() {
+            flow.put(paragraph(PRECISION, width), GAP);
         }
-        self.end(&mut flow, width);
+        let tasks: Vec<_> = self.tasks(width).into_iter().zip(1..).map(|task| numbered(task, width)).collect();
+        let last = tasks.len();
+        for (blocks, number) in tasks.into_iter().zip(1..) {
+            // No sheet has nothing but lines: the last task goes with them.
+            let has_lines = number == last && !self.about.answers;
+            flow.put_task(blocks, has_lines.then(|| self.room_to_write(0.0, width).size[1]));
+        }
+        self.put_end(&mut flow, width);
         flow.paper.into_sheets()
     }
 
@@ -126,9 +148,10 @@ impl Content<'_> {
         let mut block = heading(self.about.title, Face::Bold, width);
         let estimator = self.stand.estimator();
         let name = estimator.info().name;
-        let settings =
-            format!("{name} on {}, frame {}. {}.", self.moment.clip, self.moment.frame, settings_text(estimator));
-        block.put_below(paragraph(&settings, width), 4.0);
+        let on = format!("{name} on {}, frame {}", self.moment.clip, self.moment.frame);
+        let parts = [on, settings(estimator)];
+        let told: Vec<&str> = parts.iter().map(String::as_str).filter(|part| !part.is_empty()).collect();
+        block.put_below(paragraph(&told.join(" · "), width), 4.0);
         if let Some(prose) = self.about.prose {
             block.put_below(lay_out(&self.untelling(prose), width, THEME.sizes().body, THEME).block, 8.0);
         }
@@ -137,13 +160,12 @@ impl Content<'_> {
 
     /// The parts of a text that have none of the answers.
     fn untelling(&self, prose: &Prose) -> Prose {
-        let tells = |part: &&Part| {
+        let is_given = |part: &&Part| {
             let text = Prose(vec![(*part).clone()]).plain();
-            let numbers = of(&text);
-            let mut answers = self.exercise.answers.iter().map(|answer| &answer.number);
-            !answers.any(|answer| is_telling(answer) && numbers.contains(answer))
+            let answers = || self.exercise.answers.iter().map(|answer| &answer.number);
+            !of(&text).iter().any(|number| tells(number, answers()))
         };
-        Prose(prose.0.iter().filter(tells).cloned().collect())
+        Prose(prose.0.iter().filter(is_given).cloned().collect())
     }
 
     /// The picture, and the labelled numbers beside it.
@@ -183,7 +205,7 @@ impl Content<'_> {
     /// The pictures of the step with the marks that are given.
     fn picture(&self) -> Figure {
         let mut moment = self.moment.clone();
-        moment.scene = Arc::new(given(&moment.scene));
+        moment.scene = Arc::new(given(&moment.scene, self.exercise.decision.is_some()));
         let mut look = self.stand.look;
         look.layer = Some(FlowLayer::None);
         let panes = Selection::default();
@@ -193,76 +215,115 @@ impl Content<'_> {
 
     /// Each task with what it is about.
     fn tasks(&self, width: f32) -> Vec<(String, Vec<Block>)> {
-        let Exercise { equation: formulas, matrices, before, grids, plane, regions, .. } = self.exercise;
+        let Exercise { equation: formulas, matrices, before, grids, decision, .. } = self.exercise;
         let mut tasks = Vec::new();
-        if let Some(pixels) = &grids.tiles {
-            tasks.push(self.pixels(pixels, width));
-        }
-        if !formulas.is_empty() {
+        tasks.extend(grids.tiles.as_ref().map(|pixels| self.pixels(pixels, width)));
+        if !formulas.lines.is_empty() {
             let density = Density { math: THEME.sizes().heading, ..Density::close(THEME) };
-            let has_blanks = self.exercise.answers.iter().any(|answer| answer.part == super::blanks::Part::Equation);
-            let task = if has_blanks { "Complete the formula." } else { "The formula of this step" };
-            tasks.push((task.into(), vec![equation(formulas, (width, density), THEME)]));
+            let task =
+                if self.asks_for(Place::Equation) { "Complete the formula." } else { "The formula of this step" };
+            tasks.push((task.into(), vec![equation(&formulas.lines, (width, density), THEME)]));
         }
         if let Some(histogram) = &grids.histogram {
-            tasks.push(("The histograms of this step".into(), vec![histogram.draw(THEME)]));
+            tasks.push(("The histograms of this step".into(), vec![captioned(histogram, width)]));
         }
         if !matrices.is_empty() {
             tasks.push(self.matrices((matrices, before), width));
         }
-        if let Some(Costs { table, best }) = &grids.surface {
-            let mut block = table.draw(THEME);
+        if let Some(Costs { costs, best, task }) = &grids.surface {
+            let mut block = captioned(costs, width);
             if let Some(best) = best {
                 block.put_below(equation(std::slice::from_ref(best), (width, self.density()), THEME), 8.0);
             }
-            tasks.push(("Enter the missing costs and find the displacement of minimum cost.".into(), vec![block]));
+            tasks.push(((*task).into(), vec![block]));
         }
+        tasks.extend(self.drawings());
+        tasks.extend(decision.as_ref().map(|decision| self.decision(decision, width)));
+        if self.exercise.asks_line {
+            tasks.push(("Which line of the algorithm is this step? Mark it.".into(), vec![self.algorithm(width)]));
+        }
+        tasks
+    }
+
+    /// What is to be drawn.
+    fn drawings(&self) -> Vec<(String, Vec<Block>)> {
+        let Exercise { plane, regions, .. } = self.exercise;
+        let mut tasks = Vec::new();
         if let Some((data, names)) = plane {
             let data = plane::Shown { plane: data, whose: "", window: None };
             let layers = plane::draw(data, Rect::new([0.0; 2], CHART), self.style()).into_layers();
-            tasks.push((format!("Draw into the plane: {}.", names.join(", ")), vec![chart(layers)]));
+            tasks.push((format!("Draw {} into the plane.", points(names)), vec![chart(layers)]));
         }
         if let Some((data, names)) = regions {
             let data = regions::Shown { regions: data, whose: "" };
             let layers = regions::draw(data, Rect::new([0.0; 2], CHART), self.style()).into_layers();
-            tasks.push((format!("Mark in the diagram: {}.", names.join(", ")), vec![chart(layers)]));
+            tasks.push((format!("Mark {} in the diagram.", points(names)), vec![chart(layers)]));
         }
         tasks
+    }
+
+    /// Whether a part of the sheet has numbers to be computed.
+    fn asks_for(&self, part: Place) -> bool {
+        self.exercise.answers.iter().any(|answer| answer.part == part)
+    }
+
+    /// The question that the step answers, with its answers to tick.
+    fn decision(&self, decision: &Decision, width: f32) -> (String, Vec<Block>) {
+        let mut block = Block::default();
+        for (index, words) in decision.choices.iter().enumerate() {
+            let is_ticked = self.about.answers && index == decision.right;
+            block.put_below(choice(words, is_ticked, width), 5.0);
+        }
+        (decision.text.clone(), vec![block])
+    }
+
+    /// The lines of the algorithm; the one at work is lit in the answers.
+    fn algorithm(&self, width: f32) -> Block {
+        let info = self.stand.estimator().info();
+        if self.about.answers {
+            return explanation::pseudocode(info, self.step, (0..info.pseudocode.len(), width), THEME);
+        }
+        let mut block = Block::default();
+        for line in info.pseudocode {
+            block.put_below(explanation::code_line(line.text, Light::Other, width, THEME), 0.0);
+        }
+        block
     }
 
     fn style(&self) -> ChartStyle {
         ChartStyle { theme: THEME, colors: self.stand.look.colors, density: DENSITY as f32 }
     }
 
-    fn pixels(&self, Pixels { tables, rest, has_blanks }: &Pixels, width: f32) -> (String, Vec<Block>) {
-        let mut rows = vec![Block::default()];
-        for table in tables {
-            let block = table.draw(THEME);
-            let row = rows.last().map_or([0.0; 2], |row| row.size);
-            let fits = row[0] == 0.0 || row[0] + TABLE_GAP + block.size[0] <= width;
-            if !fits {
-                rows.push(Block::default());
+    fn pixels(&self, pixels: &Pixels, width: f32) -> (String, Vec<Block>) {
+        let mut rows: Vec<Block> = Vec::new();
+        for Windows { tables, rest } in &pixels.windows {
+            rows.push(Block::default());
+            for block in tables.iter().map(|table| table.draw(THEME)) {
+                let row = rows.last().map_or([0.0; 2], |row| row.size);
+                if row[0] > 0.0 && row[0] + TABLE_GAP + block.size[0] > width {
+                    rows.push(Block::default());
+                }
+                if let Some(row) = rows.last_mut() {
+                    beside(row, block);
+                }
             }
-            if let Some(row) = rows.last_mut() {
-                beside(row, block);
-            }
+            rows.extend(rest.iter().map(|rest| equation(std::slice::from_ref(rest), (width, self.density()), THEME)));
         }
-        rows.extend(rest.iter().map(|rest| equation(std::slice::from_ref(rest), (width, self.density()), THEME)));
-        let has_sums = tables.iter().any(|table| !table.columns.is_empty());
-        let task = match (has_blanks, has_sums) {
-            (true, true) => "Compute the differences of the last row, and the sum of their magnitudes.",
-            (true, false) => "Compute the differences of the last row.",
-            (false, _) => "Gray levels of the windows",
-        };
-        (task.into(), rows)
+        // The words stay with what they are about.
+        if let (Some(part), Some(first)) = (&pixels.part, rows.first_mut()) {
+            let mut block = paragraph(part, width);
+            block.put_below(std::mem::take(first), 8.0);
+            *first = block;
+        }
+        (pixels.task.clone(), rows)
     }
 
     fn matrices(&self, (all, before): (&[Matrix], &[Matrix]), width: f32) -> (String, Vec<Block>) {
-        let draw = |title: &str, matrices: &[Matrix]| {
+        let draw = |title: Option<&str>, matrices: &[Matrix]| {
             let area = Rect::new([0.0; 2], [width, 900.0]);
             let drawing = matrices::draw_with_blanks(matrices, area, self.style());
             let size = drawing.place.iter().fold([0.0f32; 2], |size, rect| [0, 1].map(|i| size[i].max(rect.max[i])));
-            let mut block = heading(title, Face::Sans, width);
+            let mut block = title.map(|title| heading(title, Face::Sans, width)).unwrap_or_default();
             let primitives = drawing.into_layers().into_iter().flat_map(|layer| layer.primitives).collect();
             let told = |matrix| (Rect::new([0.0; 2], size), matrices::plain_with_blanks(matrix));
             let lines = matrices.iter().map(told).collect();
@@ -271,37 +332,51 @@ impl Content<'_> {
         };
         let mut blocks = Vec::new();
         if !before.is_empty() {
-            blocks.push(draw("Before the step", before));
+            blocks.push(draw(Some("Before the step"), before));
         }
-        let title = if before.is_empty() { "In this step" } else { "After the step" };
-        blocks.push(draw(title, all));
-        let has_blanks = self.exercise.answers.iter().any(|answer| answer.part == super::blanks::Part::Matrices);
-        let task = if has_blanks { "Compute the empty entries." } else { "The matrices of this step" };
+        let after = (!before.is_empty()).then_some("After the step");
+        blocks.push(draw(after, all));
+        let task =
+            if self.asks_for(Place::Matrices) { "Compute the empty entries." } else { "The matrices of this step" };
         (task.into(), blocks)
     }
 
     /// Room to write; or why, and the line of the algorithm.
-    fn end(&self, flow: &mut Flow, width: f32) {
+    fn put_end(&self, flow: &mut Flow, width: f32) {
         if self.about.answers {
-            let mut why = heading("Why", Face::Bold, width);
-            why.put_below(explanation::sentence(&self.step.sentence, (width, self.sentence()), THEME), 6.0);
-            flow.put(why, GAP);
+            flow.put(self.explanation(width), 0.0);
+            return;
+        }
+        flow.keep(self.room_to_write(0.0, width).size[1]);
+        flow.put(self.room_to_write(flow.left(), width), 0.0);
+    }
+
+    /// Why the result is what it is, and the line of the algorithm unless a task has it.
+    fn explanation(&self, width: f32) -> Block {
+        let mut block = heading("Why", Face::Bold, width);
+        block.put_below(explanation::sentence(&self.step.sentence, (width, self.sentence()), THEME), 6.0);
+        if !self.exercise.asks_line {
             let info = self.stand.estimator().info();
             let at_work = info.line(self.step.line).unwrap_or_default();
             let lines = at_work.saturating_sub(AROUND)..(at_work + AROUND + 1).min(info.pseudocode.len());
-            flow.put(explanation::pseudocode(info, self.step, (lines, width), THEME), 0.0);
-            return;
+            block.put_below(explanation::pseudocode(info, self.step, (lines, width), THEME), GAP);
         }
+        block
+    }
+
+    /// Room to calculate where numbers are asked for, and to explain, where so much is `left` of a sheet.
+    fn room_to_write(&self, left: f32, width: f32) -> Block {
         let mut why = heading("Why? Explain the result in a sentence.", Face::Bold, width);
         why.put_below(ruled(2, width, APART), 0.0);
-        let why_height = why.size[1] + GAP;
-        let mut space = heading("Calculation", Face::Bold, width);
-        flow.keep(why_height + APART * (LINES + 1) as f32);
-        // As many as the sheet has room for.
-        let count = ((flow.left() - why_height - 2.0 * GAP - space.size[1]) / APART).max(LINES as f32) as usize;
-        space.put_below(ruled(count, width, APART), 0.0);
-        flow.put(space, GAP);
-        flow.put(why, 0.0);
+        let mut block = heading("Calculation", Face::Bold, width);
+        let room = left - block.size[1] - GAP - why.size[1];
+        let count = lines_for(self.exercise.count(), room);
+        if count == 0 {
+            return why;
+        }
+        block.put_below(ruled(count, width, APART), 0.0);
+        block.put_below(why, GAP);
+        block
     }
 
     fn sentence(&self) -> Density {
@@ -309,9 +384,33 @@ impl Content<'_> {
     }
 }
 
-/// The marks of a scene that are no results.
-fn given(scene: &Scene) -> Scene {
-    let is_given = |role: Role| !matches!(role, Role::Result | Role::Best | Role::Estimate | Role::Error | Role::Truth);
+/// The lines to calculate so many numbers on, where so much `room` is left.
+fn lines_for(numbers: usize, room: f32) -> usize {
+    if numbers == 0 {
+        return 0;
+    }
+    let wanted = (LINES_EACH * numbers).clamp(LINES, MOST_LINES);
+    // The last line is as thick as others.
+    (((room - 2.0) / APART).max(0.0) as usize).clamp(LINES, wanted)
+}
+
+/// A task with its number: its heading goes with what is below it.
+fn numbered(((task, blocks), number): ((String, Vec<Block>), usize), width: f32) -> Vec<Block> {
+    let mut head = heading(&format!("{number}  {task}"), Face::Bold, width);
+    let mut rest = blocks.into_iter();
+    if let Some(first) = rest.next() {
+        head.put_below(first, WITHIN);
+    }
+    std::iter::once(head).chain(rest).collect()
+}
+
+/// The marks of a scene that are no results; where it `is_decided`, neither is what was rejected.
+fn given(scene: &Scene, is_decided: bool) -> Scene {
+    let is_given = |role: Role| match role {
+        Role::Result | Role::Best | Role::Estimate | Role::Error | Role::Truth => false,
+        Role::Rejected => !is_decided,
+        _ => true,
+    };
     let mut scene = scene.clone();
     scene.marks.retain(|mark| is_given(mark.role) && !matches!(mark.shape, Shape::Text { .. } | Shape::Heat { .. }));
     scene.links.retain(|link| is_given(link.role));
@@ -340,8 +439,94 @@ fn beside(row: &mut Block, other: Block) {
     row.lines.extend(lines);
 }
 
+/// A table below words of its own.
+fn captioned(of: &Captioned, width: f32) -> Block {
+    let mut block = paragraph(&of.caption, width);
+    block.put_below(of.table.draw(THEME), 0.0);
+    block
+}
+
+/// An answer to choose: a box, filled if it is ticked, and its words.
+fn choice(words: &str, is_ticked: bool, width: f32) -> Block {
+    let text = Type { size: THEME.sizes().body, ..Type::text(THEME) };
+    let style = if is_ticked { text.face(Face::Bold).color(THEME.word(Role::Result)) } else { text };
+    let (indent, side) = (1.8 * text.size, 0.9 * text.size);
+    let square = Rect::new([1.0, 0.15 * text.size], [side; 2]);
+    let mut canvas = Canvas::default();
+    canvas.frame(square, 1.2, text.color);
+    if is_ticked {
+        canvas.fill(square.grown(-0.2 * side), style.color);
+    }
+    let words = lines(words, style, width - indent).moved([indent, 0.0]);
+    let size = [width, words.size[1].max(1.3 * text.size)];
+    let primitives = canvas.into_primitives().into_iter().chain(words.primitives).collect();
+    Block { size, primitives, lines: words.lines, ..Block::default() }
+}
+
+/// Points of a chart by their names.
+fn points(names: &[String]) -> String {
+    let quoted: Vec<String> = names.iter().map(|name| format!("“{name}”")).collect();
+    match quoted.split_last() {
+        Some((last, [])) => format!("the point {last}"),
+        Some((last, others)) => format!("the points {} and {last}", others.join(", ")),
+        None => String::new(),
+    }
+}
+
 /// A chart as a block.
 fn chart(layers: Vec<Layer>) -> Block {
     let primitives = layers.into_iter().flat_map(|layer| layer.primitives).collect();
     Block { size: CHART, primitives, ..Block::default() }
+}
+
+#[cfg(test)]
+mod tests {
+    use motionscope_core::scene::Picture;
+
+    use super::*;
+
+    #[test]
+    fn there_are_lines_to_calculate_on_for_what_is_asked_and_no_more() {
+        let sheet = Paper::room().size()[1] / SCALE;
+        assert_eq!(lines_for(0, sheet), 0, "nothing is computed");
+        assert_eq!([1, 3, 50].map(|numbers| lines_for(numbers, sheet)), [3, 6, MOST_LINES]);
+        assert_eq!(lines_for(50, 0.0), LINES);
+        assert_eq!(lines_for(50, 5.0 * APART + 3.0), 5, "as many as the sheet has room for");
+    }
+
+    #[test]
+    fn a_task_is_kept_with_what_follows_as_far_as_a_sheet_has_room() {
+        let around = Around { title: String::new(), beside: String::new(), foot: String::new() };
+        let count = |heights: &[f32], follows: Option<f32>| {
+            let mut flow = Flow::new(Paper::new(around.clone()));
+            flow.y += 300.0;
+            let block = |height: &f32| Block { size: [10.0, *height], ..Block::default() };
+            flow.put_task(heights.iter().map(block).collect(), follows);
+            flow.paper.into_sheets().len()
+        };
+        assert_eq!(count(&[500.0], None), 1, "the task alone has room");
+        assert_eq!([count(&[100.0], Some(200.0)), count(&[500.0], Some(200.0))], [1, 2]);
+        assert_eq!(count(&[500.0, 10.0], Some(500.0)), 2, "the last block at least");
+    }
+
+    #[test]
+    fn what_was_rejected_is_not_shown_where_that_is_decided() {
+        let mut scene = Scene::default();
+        for role in [Role::Rejected, Role::Window, Role::Result] {
+            scene.mark(Picture::CURRENT, role, Shape::Points(vec![[1.0, 2.0]]));
+        }
+        let roles = |is_decided| {
+            let given = given(&scene, is_decided);
+            given.marks.iter().map(|mark| mark.role).collect::<Vec<_>>()
+        };
+        assert_eq!(roles(false), [Role::Rejected, Role::Window]);
+        assert_eq!(roles(true), [Role::Window]);
+    }
+
+    #[test]
+    fn points_are_called_by_the_names_that_they_have_in_the_chart() {
+        let named = |names: &[&str]| points(&names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>());
+        assert_eq!(named(&["after"]), "the point “after”");
+        assert_eq!(named(&["mean 1", "mean 2", "mean 3"]), "the points “mean 1”, “mean 2” and “mean 3”");
+    }
 }

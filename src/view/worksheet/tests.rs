@@ -1,10 +1,9 @@
 //! Every estimator has worksheets, and what is left out of a formula or a matrix stands in no later part of it.
 
-use motionscope_core::scene::{Math, Matrix, Readout};
+use motionscope_core::scene::{Math, Matrix, Question, Readout};
 use motionscope_core::{AnyEstimator, Cursor, estimators, examples};
 
 use super::blanks::{Answer, Part as Place};
-use super::equation::exercise;
 use super::numbers::{is_telling, of};
 use super::*;
 use crate::experiment::source::Source;
@@ -34,23 +33,26 @@ fn sample(estimator: &dyn AnyEstimator) -> Prepared {
     Prepared::open(experiment, Open::default()).expect("the clip of an example")
 }
 
-fn steps(prepared: &Prepared) -> Vec<Step> {
+/// A step with its unit.
+type InUnit = (Step, usize);
+
+fn steps(prepared: &Prepared) -> Vec<InUnit> {
     let mut walk = prepared.experiment.walk(&prepared.clip).expect("a run");
     let last = walk.info().granularities.len() - 1;
-    let mut steps = vec![walk.step(None)];
+    let mut steps = vec![(walk.step(None), walk.cursor().unit)];
     while steps.len() < STEPS && !walk.at_end() {
         walk.go(Move::Granularity(last, Direction::Forward));
         while !walk.work(&mut || true) {}
-        steps.push(walk.step(None));
+        steps.push((walk.step(None), walk.cursor().unit));
     }
     steps
 }
 
 /// The last step of a run.
-fn last(prepared: &Prepared) -> Step {
+fn last(prepared: &Prepared) -> InUnit {
     let mut walk = prepared.experiment.walk(&prepared.clip).expect("a run");
     walk.jump(Move::End);
-    walk.step(None)
+    (walk.step(None), walk.cursor().unit)
 }
 
 fn has_matrices(step: &Step) -> bool {
@@ -72,21 +74,34 @@ fn left(matrix: &Matrix) -> Vec<String> {
     values.zip(words).filter(|(value, _)| !value.is_nan()).map(|(_, word)| word).collect()
 }
 
-/// What is wrong with the exercise of a step.
-fn faults(step: &Step, before: &Step) -> Vec<String> {
-    let [left_out, solved] = [Fill::Blank, Fill::Answer].map(|fill| Exercise::of(step, Some(before), fill));
+/// The exercise of the last of `steps`.
+fn exercise(steps: &[InUnit], questions: &[Question], fill: Fill) -> Exercise {
+    let ((step, unit), before) = steps.split_last().expect("a step");
+    let earlier = before.iter().rev().take(windows::steps_before(step)).map(|(step, _)| step.clone());
+    let earlier: Vec<Step> = earlier.collect();
+    Exercise::of(&Asked { step, unit: *unit, earlier: &earlier, questions }, fill)
+}
+
+/// What is wrong with the exercise of the last of `steps`.
+fn faults(steps: &[InUnit], questions: &[Question]) -> Vec<String> {
+    let [left_out, solved] = [Fill::Blank, Fill::Answer].map(|fill| exercise(steps, questions, fill));
+    let (step, _) = &steps[steps.len() - 1];
     let mut faults = Vec::new();
-    if plain(&solved.equation) != plain(equation_of(step)) {
-        faults.push(format!("the filled formula is not that of the step: {:?}", plain(&solved.equation)));
+    if plain(&solved.equation.lines) != plain(equation_of(step)) {
+        faults.push(format!("the filled formula is not that of the step: {:?}", plain(&solved.equation.lines)));
     }
     // A result stands in no later line of its formula; where it is equal to what is given it stands before its sign.
     let known = numbers_in(&left_out.answers, Place::Matrices);
-    let equation = exercise(equation_of(step), &known, Fill::Blank);
+    let equation = &left_out.equation;
     for (line, answer) in equation.answers.iter().filter(|(_, answer)| is_telling(answer)) {
         let mut later = equation.lines.iter().skip(line + 1).flat_map(|line| of(&line.plain()));
         if later.any(|number| number == *answer) {
             faults.push(format!("{answer} stands in a later line: {:?}", plain(&equation.lines)));
         }
+    }
+    let is_open = solved.decision.as_ref().is_none_or(|decision| decision.right < decision.choices.len());
+    if !is_open || left_out.decision != solved.decision {
+        faults.push(format!("the decision has no answer: {:?}", solved.decision));
     }
     for number in known {
         if left_out.matrices.iter().any(|matrix| left(matrix).contains(&number)) {
@@ -105,13 +120,15 @@ fn every_estimator_with_formulas_or_matrices_has_exercises() {
     for estimator in estimators() {
         let id = estimator.info().id;
         let steps = steps(&sample(&*estimator));
-        let pairs = || steps.windows(2).map(|pair| (&pair[1], &pair[0]));
-        all.extend(pairs().flat_map(|(step, before)| faults(step, before)).map(|fault| format!("{id}: {fault}")));
+        let questions = estimator.questions();
+        let whole = steps.as_slice();
+        let up_to = || (2..=whole.len()).map(move |end| &whole[..end]);
+        all.extend(up_to().flat_map(|steps| faults(steps, questions)).map(|fault| format!("{id}: {fault}")));
         let asks = |step: &Step| !equation_of(step).is_empty() || has_matrices(step);
-        let has_exercise = pairs().any(|(step, before)| !Exercise::of(step, Some(before), Fill::Blank).is_empty());
-        let asked = steps.iter().any(asks);
+        let has_exercise = up_to().any(|steps| !exercise(steps, questions, Fill::Blank).is_empty());
         // What has no numbers in its first steps has some at the end.
-        if asked && !has_exercise && Exercise::of(&last(&sample(&*estimator)), None, Fill::Blank).is_empty() {
+        let at_end = || exercise(&[last(&sample(&*estimator))], questions, Fill::Blank);
+        if steps.iter().any(|(step, _)| asks(step)) && !has_exercise && at_end().is_empty() {
             all.push(format!("{id}: nothing is left out in {} steps or at the end", steps.len()));
         }
     }
@@ -148,9 +165,10 @@ fn telling(stand: &Stand<'_>) -> Vec<String> {
     let mut walk = stand.prepared.experiment.walk(&stand.prepared.clip).expect("a run");
     walk.jump(Move::To(stand.cursor));
     let step = walk.step(None);
-    let last = walk.info().granularities.len() - 1;
-    walk.jump(Move::Granularity(last, Direction::Back));
-    let answers = Exercise::of(&step, Some(&walk.step(None)), Fill::Blank).answers;
+    let earlier = steps_before(&mut *walk, None, windows::steps_before(&step));
+    let questions = stand.estimator().questions();
+    let asked = Asked { step: &step, unit: stand.cursor.unit, earlier: &earlier, questions };
+    let answers = Exercise::of(&asked, Fill::Blank).answers;
     answers.into_iter().map(|answer| answer.number).filter(|number| is_telling(number)).collect()
 }
 
@@ -213,4 +231,140 @@ fn a_step_without_results_is_refused_with_what_to_do() {
     let about = About { title: "", prose: None, answers: false };
     let refused = about.sheets(&stand, None).expect_err("no results").to_string();
     assert!(refused.contains("choose a step"), "{refused}");
+}
+
+/// The sheets of a step.
+fn sheets(prepared: &Prepared, cursor: &str, answers: bool) -> Vec<Sheet> {
+    let cursor: Cursor = cursor.parse().expect("a cursor");
+    let look = Look { theme: THEME, ..Look::default() };
+    let stand = Stand { prepared, cursor, pixel: None, look, freehand: Freehand::default() };
+    About { title: "", prose: None, answers }.sheets(&stand, None).unwrap_or_else(|why| panic!("{why}"))
+}
+
+/// The text of some sheets.
+fn text_of_sheets(sheets: &[Sheet]) -> String {
+    words(sheets).iter().map(|(_, words)| format!("{words}\n")).collect()
+}
+
+/// The text of the sheets of a step.
+fn text(prepared: &Prepared, cursor: &str, answers: bool) -> String {
+    text_of_sheets(&sheets(prepared, cursor, answers))
+}
+
+/// The first example of the estimator that is called so.
+fn sample_of(id: &str) -> Prepared {
+    sample(&*motionscope_core::estimator(id).expect("an estimator"))
+}
+
+#[test]
+fn numbers_with_decimals_come_with_a_word_on_their_last_digit() {
+    let count = |id: &str, cursor: &str, answers| {
+        let text = text(&sample_of(id), cursor, answers);
+        text.matches(sheet::PRECISION).count()
+    };
+    assert_eq!([false, true].map(|answers| count("kalman-filter", "4.4", answers)), [1, 1]);
+    assert_eq!([false, true].map(|answers| count("full-search", "40.60", answers)), [0, 0], "whole numbers");
+}
+
+#[test]
+fn there_is_room_to_calculate_where_something_is_computed() {
+    let left_out = text(&sample_of("mean-shift"), "2.2", false);
+    assert!(left_out.contains("Does this shift end the iterations?"), "{left_out}");
+    assert!(!left_out.contains("Calculation") && left_out.contains("Why? Explain"), "{left_out}");
+}
+
+#[test]
+fn no_sheet_has_nothing_but_lines() {
+    let all = sheets(&sample_of("kalman-filter"), "4.4", false);
+    assert!(all.len() > 1, "all that has no room on one sheet");
+    let texts: Vec<String> = all.iter().map(|sheet| text_of_sheets(std::slice::from_ref(sheet))).collect();
+    let last = texts.last().expect("a sheet");
+    assert!(last.contains("Calculation") && last.contains("Compute the empty entries"), "{last}");
+}
+
+#[test]
+fn the_algorithm_is_printed_once_with_the_parameters() {
+    let solved = text(&sample_of("horn-schunck"), "1.2", true);
+    assert!(solved.contains("Which line of the algorithm is this step?"), "{solved}");
+    assert_eq!(solved.matches("for each iteration").count(), 1, "{solved}");
+    let solved = text(&sample_of("kalman-filter"), "4.4", true).replace('\n', " ");
+    assert!(solved.contains("backward") && solved.contains("process noise"), "{solved}");
+    assert!(!solved.contains("default parameters"), "{solved}");
+}
+
+#[test]
+fn what_was_decided_stands_in_no_label() {
+    let estimator = motionscope_core::estimator("harris").expect("an estimator");
+    let source = Source::parse("synth:pillar").expect("a scene");
+    let prepared = Prepared::open(Experiment::new(source, estimator), Open::default()).expect("a clip");
+    let mut walk = prepared.experiment.walk(&prepared.clip).expect("a run");
+    walk.jump(Move::End);
+    let cursor = walk.cursor().to_string();
+    let [left_out, solved] = [false, true].map(|answers| text(&prepared, &cursor, answers));
+    assert!(left_out.contains("Is this local maximum kept?"), "{left_out}");
+    assert!(!left_out.contains("Status") && left_out.contains("Threshold"), "{left_out}");
+    assert!(solved.contains("Status"), "{solved}");
+}
+
+#[test]
+fn a_search_is_done_on_paper_with_corners_of_several_candidates() {
+    let estimator = motionscope_core::estimator("full-search").expect("an estimator");
+    let prepared = sample(&*estimator);
+    let [left_out, solved] = [false, true].map(|answers| text(&prepared, "40.60", answers));
+    let part = "The 4×4 pixels in the upper left corner of each 16×16 window are printed.";
+    assert!(left_out.contains(part) && left_out.contains("frame 0 · block size"), "{left_out}");
+    assert!(left_out.matches("|difference|").count() == 3, "the candidate and two before it: {left_out}");
+    assert!(left_out.matches("Sum over the other 240 pixels").count() == 3, "{left_out}");
+    assert!(left_out.contains("u to the right, v down."), "the words of the table are whole: {left_out}");
+    assert!(left_out.contains("Does this candidate lower the minimum of the block?"), "{left_out}");
+    assert!(solved.contains("Why") && solved.contains("lower the minimum"), "{solved}");
+}
+
+#[test]
+fn the_order_of_a_difference_with_a_sign_is_told() {
+    let estimator = motionscope_core::estimator("block-stereo").expect("an estimator");
+    let left_out = text(&sample(&*estimator), "2.30", false);
+    assert!(left_out.contains("Compute the empty differences (best match − window)."), "{left_out}");
+    assert!(left_out.contains("upper left corner of each 9×9 window"), "{left_out}");
+}
+
+#[test]
+fn a_gate_is_decided_by_the_reader() {
+    let estimator = motionscope_core::estimator("kalman-filter").expect("an estimator");
+    let prepared = sample(&*estimator);
+    let [left_out, solved] = [false, true].map(|answers| text(&prepared, "4.3", answers));
+    let before_why = |text: &str| text.split_once("\nWhy").map_or(text, |(tasks, _)| tasks).to_owned();
+    let [tasks, shown] = [left_out, solved].map(|text| before_why(&text));
+    assert!(!tasks.contains('≤') && tasks.contains("9.21") && tasks.contains("inside the gate?"), "{tasks}");
+    assert!(shown.contains('≤'), "{shown}");
+}
+
+#[test]
+fn a_question_whose_answer_is_always_the_same_in_the_first_unit_is_not_asked_there() {
+    let estimator = motionscope_core::estimator("chan-vese").expect("an estimator");
+    let prepared = sample(&*estimator);
+    let stand = |unit| Stand {
+        prepared: &prepared,
+        cursor: Cursor { unit, event: usize::MAX },
+        pixel: None,
+        look: Look { theme: THEME, ..Look::default() },
+        freehand: Freehand::default(),
+    };
+    let about = About { title: "", prose: None, answers: false };
+    let refused = about.sheets(&stand(0), None).expect_err("nothing else is asked for").to_string();
+    assert!(refused.contains("nothing to compute or decide"), "{refused}");
+    let asked = words(&about.sheets(&stand(1), None).expect("a decision"));
+    assert!(asked.iter().any(|(_, words)| words.contains("Does the tracker report")), "{asked:?}");
+}
+
+#[test]
+fn the_response_of_a_corner_detector_begins_with_determinant_and_trace() {
+    let estimator = motionscope_core::estimator("harris").expect("an estimator");
+    let prepared = sample(&*estimator);
+    let cursor: Cursor = "1.3".parse().expect("a cursor");
+    let look = Look { theme: THEME, ..Look::default() };
+    let stand = Stand { prepared: &prepared, cursor, pixel: None, look, freehand: Freehand::default() };
+    assert_eq!(telling(&stand).len(), 4, "determinant, trace, the response in its formula and in its label");
+    let left_out = text(&prepared, "1.3", false);
+    assert!(left_out.contains("What does the structure tensor of this pixel show?"), "{left_out}");
 }

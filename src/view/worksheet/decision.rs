@@ -1,0 +1,72 @@
+//! The decision of a step: the question of the estimator that it answers, with answers to tick.
+
+use motionscope_core::scene::{Answer, Asked, Question, Shown};
+use motionscope_core::{Scene, Step};
+
+/// A question with its answers.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Decision {
+    /// The question.
+    pub text: String,
+    /// The answers to choose from.
+    pub choices: Vec<&'static str>,
+    /// The index of the right one.
+    pub right: usize,
+}
+
+impl Decision {
+    /// The first of the `questions` asked in a `unit` that has answers to choose from and is answered by this `step` of it.
+    pub fn of(questions: &[Question], (step, unit): (&Step, usize)) -> Option<Self> {
+        // A choice depends on the step alone.
+        let scene = Scene::default();
+        let shown = Shown { step, scene: &scene };
+        let is_choice = |question: &&Question| matches!(question.asked, Asked::Choice(_)) && question.is_asked_in(unit);
+        let decided = |question: &Question| match question.answer(shown, shown)? {
+            Answer::Choice(right) => Some(Self { text: of_this(question.text), choices: question.choices(), right }),
+            Answer::Place { .. } | Answer::Number { .. } => None,
+        };
+        questions.iter().filter(is_choice).find_map(decided)
+    }
+}
+
+/// A question about the next step as one about the step on the sheet.
+fn of_this(text: &str) -> String {
+    text.replace("the next ", "this ")
+}
+
+#[cfg(test)]
+mod tests {
+    use motionscope_core::scene::{Case, Reading, Sentence};
+
+    use super::*;
+
+    motionscope_core::pseudocode! {
+        TEST: "test a candidate",
+        KEEP: "keep the best",
+    }
+
+    const CASES: &[Case] = &[Case::says(line::TEST, "exceeds", "No"), Case::at(line::TEST, "Yes: it is lower")];
+    const READING: Reading = Reading { line: line::TEST, after: "cost ", before: " ", unit: "" };
+
+    fn step(line: motionscope_core::scene::Name, said: &str) -> Step {
+        Step { line, sentence: Sentence::default().text(said), readouts: Vec::new() }
+    }
+
+    #[test]
+    fn a_choice_that_the_step_answers_is_asked_about_this_step() {
+        let questions = [
+            Question::number("cost", "Which cost has the next candidate?", READING),
+            Question::choice("lower", "Does the next candidate lower the minimum?", CASES),
+        ];
+        let decision =
+            |questions: &[Question], line, unit| Decision::of(questions, (&step(line, "cost 9 exceeds 8"), unit));
+        let asked = decision(&questions, line::TEST, 0).expect("a decision");
+        assert_eq!(asked.text, "Does this candidate lower the minimum?");
+        assert_eq!((asked.choices[asked.right], asked.choices.len()), ("No", 2));
+        assert_eq!(decision(&questions, line::KEEP, 0), None);
+        assert_eq!(decision(&questions[..1], line::TEST, 0), None, "a number is no choice");
+        let later = questions.map(Question::after_first_unit);
+        assert_eq!(decision(&later, line::TEST, 0), None, "the answer is always the same there");
+        assert!(decision(&later, line::TEST, 1).is_some());
+    }
+}
