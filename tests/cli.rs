@@ -539,6 +539,7 @@ fn a_clip_is_recorded_from_a_camera() {
         "{said}"
     );
     assert!(said.contains("ended early: /dev/video9: it sends no more frames; plug it in again"), "{said}");
+    assert!(said.contains("/dev/video9 sends no frames of 640×480 px."), "{said}");
     let clip = open(&folder.path().join("here/hand.y4m"), &Open::default()).unwrap();
     assert_eq!(clip.frame(2).unwrap().luma().cells(), b"ijkl");
 
@@ -564,7 +565,17 @@ fn the_test_picture_needs_no_ffmpeg() {
     let output = run("camera --device test --size 64x48 --seconds 0.3 --out t.y4m");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let info = json(folder.path(), "info t.y4m --json");
-    assert!(info["width"] == 64 && info["frames"].as_u64().is_some_and(|frames| frames >= 4), "{info}");
+    assert!(info["width"] == 64 && info["frames"].as_u64().is_some_and(|frames| (4..=9).contains(&frames)), "{info}");
+    // A recording is not made again, so it is overwritten only if that is asked for.
+    let first = fs::read(folder.path().join("t.y4m")).unwrap();
+    let line = "camera --device test --size 65x49 --seconds 0.2 --out t.y4m";
+    let said = refusal(folder.path(), line);
+    let words = "--out t.y4m would replace an earlier file; choose another name, or add --force to overwrite";
+    assert!(said.contains(words) && fs::read(folder.path().join("t.y4m")).unwrap() == first, "{said}");
+    let said = stdout(folder.path(), &format!("{line} --force"));
+    assert!(said.contains(" frames of 65×49 px in ") && !said.contains("sends no frames"), "{said}");
+    let info = json(folder.path(), "info t.y4m --json");
+    assert!(info["width"] == 65 && info["height"] == 49, "{info}");
     for (line, why) in [
         ("camera --out t.avi", "must end in .y4m"),
         ("camera --device nope --out u.y4m", "Test picture"),
@@ -1385,6 +1396,8 @@ fn words_are_searched_in_all_texts() {
     let page = hits.iter().find(|hit| hit["kind"] == "page").expect("a page of a lesson");
     let lesson = stdout(here, &format!("lessons {}", page["arguments"].as_str().unwrap()));
     assert!(lesson.contains(page["title"].as_str().unwrap()));
-    assert!(refusal(here, "search xyzzy").contains("nothing has all words of xyzzy"));
+    assert!(refusal(here, "search xyzzy").contains("nothing has all words of xyzzy; try fewer words"));
+    let said = refusal(here, "search kalmann gain");
+    assert!(said.contains("nothing has all words of kalmann gain; did you mean Kalman gain?"), "{said}");
     assert_eq!(stdout(here, "search xyzzy --json").trim(), "[]");
 }

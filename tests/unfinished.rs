@@ -88,6 +88,32 @@ fn what_a_crash_leaves_is_swept_at_the_next_start_and_a_run_at_work_keeps_its_ow
 }
 
 #[test]
+fn an_animation_that_a_crash_cuts_off_is_swept_at_the_next_start() {
+    use std::os::unix::fs::PermissionsExt as _;
+    let (place, programs) = (Place::new(), tempfile::tempdir().expect("a folder"));
+    let ffmpeg = programs.path().join("ffmpeg");
+    // It makes its file, and ends with the program that it works for.
+    let script =
+        "#!/bin/sh\nfor file; do :; done\n: > \"$file\"\nwhile kill -0 $PPID 2> /dev/null; do /bin/sleep 0.05; done\n";
+    fs::write(&ffmpeg, script).expect("a file");
+    fs::set_permissions(&ffmpeg, fs::Permissions::from_mode(0o755)).expect("a file");
+    let mut export = place.command("export synth:pillar --estimator full-search --steps 2.1..2.2 --animation");
+    export.arg(place.data.path().join("steps.mp4"));
+    export.env("TMPDIR", place.out.path()).env("PATH", programs.path());
+    let mut run = export.spawn().expect("it starts");
+    let begun = Instant::now();
+    while !unfinished(place.out.path()).is_some_and(|draft| draft.join("video").exists()) {
+        assert!(begun.elapsed() < Duration::from_secs(60), "nothing is encoded");
+        thread::sleep(Duration::from_millis(5));
+    }
+    send("-KILL", &run);
+    run.wait().unwrap();
+    assert!(unfinished(place.out.path()).is_some(), "a crash leaves something");
+    assert!(place.command("list").status().unwrap().success());
+    assert_eq!(unfinished(place.out.path()), None, "it is swept");
+}
+
+#[test]
 fn a_signal_that_was_turned_off_stays_so() {
     let place = Place::new();
     let program = env!("CARGO_BIN_EXE_motionscope");

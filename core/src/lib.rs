@@ -88,7 +88,7 @@ pub mod objects {
     pub use crate::products::objects::*;
 }
 
-pub use base::words::{capital, fixed, grouped, spaced, with_power};
+pub use base::words::{capital, fixed, grouped, nearest, spaced, with_power};
 pub use base::{Count, Error, Observer, Stop, Tally, Threads};
 pub use course::{compare, detection, estimator, estimators, examples, glossary};
 pub use data::{

@@ -138,6 +138,9 @@ pub struct CameraArgs {
     /// Output file, .y4m; without it the cameras are listed.
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
+    /// Overwrite an earlier file.
+    #[arg(long, requires = "out")]
+    pub force: bool,
 }
 
 #[derive(Group)]

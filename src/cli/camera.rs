@@ -7,7 +7,7 @@ use std::time::Duration;
 use motionscope_core::{Error, Stop};
 
 use super::args::CameraArgs;
-use crate::media::camera::{Cameras, Device, Ffmpeg, Recorded, record};
+use crate::media::camera::{Cameras, Device, Ffmpeg, Recorded, Size, record};
 use crate::media::name_of;
 
 /// Lists the cameras, or records from one; returns the text of the outcome.
@@ -47,6 +47,13 @@ fn recorded(cameras: &impl Cameras, args: &CameraArgs, out: &Path) -> Result<Str
     if out.extension().and_then(OsStr::to_str) != Some("y4m") {
         return Err(Error::new(format!("{}: the name of a recorded clip must end in .y4m", out.display())));
     }
+    // What was recorded cannot be made again.
+    if out.exists() && !args.force {
+        let out = out.display();
+        return Err(Error::new(format!(
+            "--out {out} would replace an earlier file; choose another name, or add --force to overwrite"
+        )));
+    }
     let (all, error) = cameras.list();
     let device = match &args.device {
         None => first(&all, error)?.clone(),
@@ -59,11 +66,14 @@ fn recorded(cameras: &impl Cameras, args: &CameraArgs, out: &Path) -> Result<Str
         record(feed, Duration::from_secs_f32(args.seconds), out, None)?;
     let seconds = time.as_secs_f32();
     let early = ended.map_or_else(String::new, |why| format!("\nThe recording ended early: {why}."));
-    Ok(format!(
-        "{}: {frames} frames of {width}×{height} px in {seconds:.1} s, from {}{early}",
-        name_of(out),
-        device.name()
-    ))
+    let (name, from) = (name_of(out), device.name());
+    let other = if Size::new(width, height) == args.size { String::new() } else { unsent(args.size, from) };
+    Ok(format!("{name}: {frames} frames of {width}×{height} px in {seconds:.1} s, from {from}{other}{early}"))
+}
+
+/// Says that a camera has sent frames of another size than was asked for.
+fn unsent(Size { width, height }: Size, from: &str) -> String {
+    format!("\n{from} sends no frames of {width}×{height} px.")
 }
 
 #[cfg(test)]

@@ -34,6 +34,7 @@ pub fn export(args: &ExportArgs) -> Result<(), Error> {
     }
     let session = task::session(&args.task, &args.picture)?;
     let (look, pixel) = (task::look(&session), task::pixel(session.position, &args.picture));
+    let panes = panes.seeing(task::section(&session));
     let prepared = task::prepare(&args.task, session.experiment)?;
     let info = prepared.experiment.info();
     let granularity = args.every.as_deref().map(|name| granularity(info, name)).transpose()?;

@@ -19,6 +19,7 @@ use super::task;
 use crate::experiment::pixel::{Chosen, Pixel};
 use crate::experiment::{Position, Prepared};
 use crate::media::export::{self, Target};
+use crate::paint::primitive::Rect;
 use crate::paint::{FlowLayer, Freehand, LevelShown};
 use crate::results::{self, Export};
 use crate::view::look::Look;
@@ -35,7 +36,8 @@ pub fn run(args: &RunArgs) -> Result<(), Error> {
     let outputs = Outputs::new(args)?;
     args.paper.check()?;
     let session = task::session(&args.task, &args.picture)?;
-    let place = Place { args, look: task::look(&session), position: session.position, freehand: session.freehand };
+    let (look, section) = (task::look(&session), task::section(&session));
+    let place = Place { args, look, section, position: session.position, freehand: session.freehand };
     let prepared = task::prepare(&args.task, session.experiment)?;
     refuse_losses(&prepared.inputs, &places(args), args.force)?;
     let Prepared { experiment, clip, .. } = &prepared;
@@ -209,6 +211,8 @@ fn check(
 struct Place<'a> {
     args: &'a RunArgs,
     look: Look,
+    /// The part of the pictures that the session shows.
+    section: Option<Rect>,
     /// The position in the session.
     position: Position,
     /// What was drawn by hand in the session.
@@ -235,7 +239,7 @@ impl Place<'_> {
 
     /// Goes there.
     fn seen(&self, prepared: &Prepared, reverse: &Reverse<'_>) -> Result<Seen, Error> {
-        let Self { args, look, position, freehand } = self;
+        let Self { args, look, position, freehand, .. } = self;
         let Prepared { experiment, clip, .. } = prepared;
         let mut viewer = Viewer::new(experiment, clip, look, reverse)?;
         viewer.freehand.clone_from(freehand);
@@ -276,7 +280,7 @@ impl Place<'_> {
         estimator: &dyn AnyEstimator,
         format: Format,
     ) -> Result<Vec<u8>, Error> {
-        let Self { args, look, .. } = self;
+        let Self { args, look, section, .. } = self;
         let asked = asked(args);
         if let Some((layer, why)) = asked.layer.and_then(|layer| Some((layer, moment.available.why_not(layer)?))) {
             return Err(Error::new(format!("there is no layer {} here: {why}; choose another --layer", layer.id())));
@@ -284,7 +288,7 @@ impl Place<'_> {
         if let LevelShown::Number(level) = asked.level {
             check_level(level, moment.levels(), estimator.info().id)?;
         }
-        let panes = Selection::of(&args.sheet.panes);
+        let panes = Selection::of(&args.sheet.panes).seeing(*section);
         panes.check_step(estimator.info(), &moment.step)?;
         Rendering { moment, estimator, look, panes: &panes }.encode(format, args.picture.scale)
     }

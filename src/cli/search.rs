@@ -3,7 +3,7 @@
 use motionscope_core::Error;
 use serde_json::{Value, json};
 
-use crate::search::{Hit, grouped, search};
+use crate::search::{Hit, grouped, search, suggest};
 
 /// Hits of a kind that are printed for a person.
 const MOST: usize = 12;
@@ -18,10 +18,12 @@ pub fn found(query: &str, as_json: bool) -> Result<String, Error> {
         return Ok(format!("{:#}", json!(hits.iter().map(object).collect::<Vec<_>>())));
     }
     if hits.is_empty() {
+        let try_instead = match suggest(query) {
+            Some(meant) => format!("did you mean {}?", Error::short_name(&meant)),
+            None => "try fewer words, or the beginning of a word".to_owned(),
+        };
         let query = Error::short_name(query);
-        return Err(Error::new(format!(
-            "nothing has all words of {query}; try fewer words, or the beginning of a word"
-        )));
+        return Err(Error::new(format!("nothing has all words of {query}; {try_instead}")));
     }
     let group = |(kind, hits): (crate::search::Kind, Vec<&Hit>)| {
         let lines: String = hits.iter().take(MOST).map(|hit| line(hit)).collect();

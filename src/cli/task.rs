@@ -14,6 +14,7 @@ use crate::experiment::source::Source;
 use crate::experiment::{Experiment, Position, Prepared};
 use crate::media::export::{InputKind, Inputs};
 use crate::media::{self, Given, Open};
+use crate::paint::primitive::Rect;
 use crate::paint::{Freehand, View};
 use crate::session::{Named, Session};
 use crate::view::look::{Changes, Look};
@@ -49,6 +50,9 @@ pub fn session(args: &TaskArgs, picture: &PictureArgs) -> Result<Session, Error>
     set_lockstep(args, &**estimator, side_by_side)?;
     *frame = args.frame.unwrap_or(*frame);
     session.look = session.look.then(&picture.look.0);
+    if picture.look.0.has("focus") {
+        session.sight = None;
+    }
     if picture.look.0.has("blend") && look(&session).view != Some(View::Blend) {
         return Err(Error::new("--blend needs --view blend"));
     }
@@ -97,6 +101,11 @@ fn set_lockstep(args: &TaskArgs, leader: &dyn AnyEstimator, side_by_side: &mut S
 /// Returns the view options of `session` for the command line.
 pub fn look(session: &Session) -> Look {
     session.look.over(Look::default())
+}
+
+/// Returns the part of the pictures that `session` shows, if one was chosen by hand; --focus chooses another.
+pub fn section(session: &Session) -> Option<Rect> {
+    session.sight.and_then(|sight| sight.section())
 }
 
 /// Returns the pixel of --pixel, or the one held in the session.

@@ -47,6 +47,12 @@ pub fn prefix(folder: &Path) -> String {
     prefix
 }
 
+/// Makes a temporary folder in `place`; dropping it removes it with everything in it.
+pub fn folder(place: &Path) -> io::Result<tempfile::TempDir> {
+    let _at_work = at_work();
+    tempfile::Builder::new().prefix(&prefix(place)).tempdir_in(place)
+}
+
 /// Keeps signals from ending this run until it is dropped, as long as that does not take long: so a file is written, and several
 /// are moved into place, whole or not at all. Where a signal was faster, it waits for the end.
 pub fn at_work() -> RwLockReadGuard<'static, ()> {
@@ -307,6 +313,16 @@ mod tests {
         drop(alive);
         sweep(notes.path()).unwrap();
         assert_eq!((names(folder.path()), names(notes.path())), (3, 0));
+    }
+
+    #[test]
+    fn a_temporary_folder_says_so_by_its_name() {
+        let place = tempfile::tempdir().unwrap();
+        let made = folder(place.path()).unwrap();
+        assert!(made.path().is_dir() && made.path().starts_with(place.path()) && is_temporary(made.path()));
+        drop(made);
+        assert_eq!(names(place.path()), 0);
+        assert!(folder(&place.path().join("gone")).is_err());
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Search over all text: lessons, glossary, estimators, parameters, charts and examples, for the window and the command line.
 
 mod entries;
+mod spelling;
 mod text;
 
 use std::ops::Range;
@@ -14,6 +15,8 @@ use crate::session::lesson::Address;
 use crate::view::panes::Pane;
 use entries::Entry;
 pub use entries::is_same_parameter;
+pub use spelling::suggest;
+pub use text::TRANSPOSED;
 use text::{Query, Searched};
 
 /// What a hit is.
@@ -125,6 +128,12 @@ pub fn search(query: &str) -> Vec<Hit> {
     // Equal ranks stay in the order of the course.
     found.sort_by_key(|(rank, entry)| (*rank, entry.kind));
     found.into_iter().map(|(_, entry)| hit(entry, &query)).collect()
+}
+
+/// Whether anything has all words of `query`.
+fn finds(query: &str) -> bool {
+    let query = Query::new(query);
+    !query.is_empty() && index().iter().any(|entry| rank(entry, &query).is_some())
 }
 
 /// Returns `hits` by kind, the kind with the best of them first.

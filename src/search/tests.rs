@@ -78,6 +78,56 @@ fn words_are_found_from_their_beginning_and_in_any_number() {
 }
 
 #[test]
+fn a_misspelling_is_answered_with_the_nearest_words() {
+    for (typed, meant) in [
+        ("kalmann gain", "kalman gain"),
+        ("optcal flow", "optical flow"),
+        ("apreture", "aperture"),
+        ("igenvalue", "eigenvalue"),
+        ("lucas-kanadde", "lucas kanade"),
+        ("farnebeck", "farneback"),
+        // The word with which the whole query has hits, and of two equally near ones the more frequent.
+        ("blok matching", "block matching"),
+        ("blok", "block"),
+        // The beginning of a word is completed beside a misspelling.
+        ("exhaustiv serach", "exhaustive search"),
+        ("exhaustiv search windwo", "exhaustive search window"),
+    ] {
+        assert!(search(typed).is_empty(), "{typed}");
+        let suggested = suggest(typed).unwrap_or_default();
+        assert!(Searched::new(&*suggested).is(&Query::new(meant)), "{typed}: {suggested}");
+        assert!(!search(&suggested).is_empty(), "{suggested}");
+    }
+    assert_eq!(suggest("kalmann gain").as_deref(), Some("Kalman gain"), "as it is written most often");
+    for known in ["kalman gain", "eigen", "", "  "] {
+        assert_eq!(suggest(known), None, "{known} is no misspelling");
+    }
+    for unknown in ["xyzzy", "kalman xyzzy", "\u{1d11e}", "(("] {
+        assert_eq!(suggest(unknown), None, "nothing is near {unknown}");
+    }
+}
+
+#[test]
+fn formulas_in_snippets_mark_transposed_matrices() {
+    let snippet = |query: &str, title: &str| {
+        let hits = search(query);
+        let of_title = hits.into_iter().find(|hit| hit.title == title);
+        of_title.map(|hit| hit.excerpt.text).unwrap_or_default()
+    };
+    let innovation = snippet("innovation covariance", "Innovation covariance");
+    assert!(innovation.contains("S = H P Hᵀ + R"), "{innovation}");
+    for query in ["H P H^T", "h p h^t", "H P Hᵀ"] {
+        assert_eq!(snippet(query, "Innovation covariance"), innovation, "{query}, however it is typed");
+    }
+    for entry in index() {
+        let texts = [&entry.title].into_iter().chain(&entry.also).chain(&entry.texts);
+        for text in texts {
+            assert!(!text.original().contains("^T"), "{}", text.original());
+        }
+    }
+}
+
+#[test]
 fn names_are_found_without_their_accents() {
     for (written, typed) in [
         ("Åström", "astrom"),

@@ -6,6 +6,14 @@ use super::Excerpt;
 const BEFORE: usize = 40;
 const MOST: usize = 150;
 
+/// The mark of a transposed matrix in a line of text, which formulas spell `^T`.
+pub const TRANSPOSED: char = 'ᵀ';
+
+/// The text with the mark of transposed matrices instead of its spelling.
+fn transposed(text: &str) -> String {
+    text.replace("^T", "ᵀ")
+}
+
 /// What is sought.
 pub struct Query {
     words: Vec<Vec<char>>,
@@ -15,7 +23,7 @@ pub struct Query {
 impl Query {
     /// Reads the words of `text`.
     pub fn new(text: &str) -> Self {
-        let text: String = text.chars().map(folded).collect();
+        let text: String = transposed(&text.replace("^t", "^T")).chars().map(folded).collect();
         let words: Vec<Vec<char>> = text.split_whitespace().map(|word| singular(word).chars().collect()).collect();
         let phrase = singular(&text.split_whitespace().collect::<Vec<_>>().join(" ")).chars().collect();
         Self { words, phrase }
@@ -59,13 +67,23 @@ fn folded(letter: char) -> char {
         'ö' | 'ó' | 'ò' | 'ô' | 'õ' | 'ø' | 'ő' => 'o',
         'ř' => 'r',
         'š' | 'ś' | 'ş' => 's',
-        'ť' => 't',
+        'ť' | TRANSPOSED => 't',
         'ü' | 'ú' | 'ù' | 'û' | 'ů' | 'ű' => 'u',
         'ý' | 'ÿ' => 'y',
         'ž' | 'ź' | 'ż' => 'z',
         '-' | '–' | '—' | '\u{a0}' | '\n' => ' ',
         other => other,
     }
+}
+
+/// The words of a query as they are typed.
+pub fn tokens(query: &str) -> impl Iterator<Item = &str> {
+    query.split(|letter: char| folded(letter).is_whitespace()).filter(|word| !word.is_empty())
+}
+
+/// Whether a letter belongs to a word, and does not end it.
+pub fn is_of_word(letter: char) -> bool {
+    folded(letter).is_alphanumeric()
 }
 
 /// A text that is searched.
@@ -78,7 +96,8 @@ pub struct Searched {
 impl Searched {
     /// Prepares `original`.
     pub fn new(original: impl Into<String>) -> Self {
-        let original = original.into();
+        let original: String = original.into();
+        let original = transposed(&original);
         let folded = original.chars().map(folded).collect();
         Self { original, folded }
     }

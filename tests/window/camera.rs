@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
+use eframe::egui::{ViewportCommand, ViewportEvent, ViewportId};
 use motionscope::media::camera::{CameraFeed, Cameras, Device, Format, Size, is_unsaved};
 use motionscope_core::{Error, Stop};
 
@@ -19,11 +20,16 @@ struct Fake {
     trouble: Option<Error>,
     /// Feeds that are open.
     open: Arc<AtomicUsize>,
+    /// The most feeds that were open at a time.
+    most: Arc<AtomicUsize>,
+    /// The time that a feed takes to close.
+    closing: Duration,
 }
 
 impl Default for Fake {
     fn default() -> Self {
-        Self { frames: usize::MAX, refused: None, trouble: None, open: Arc::default() }
+        let (open, most) = (Arc::default(), Arc::default());
+        Self { frames: usize::MAX, refused: None, trouble: None, open, most, closing: Duration::ZERO }
     }
 }
 
@@ -40,8 +46,8 @@ impl Cameras for Fake {
         if let Some(error) = &self.refused {
             return Err(error.clone());
         }
-        self.open.fetch_add(1, Ordering::Relaxed);
-        Ok(Box::new(Moving { left: self.frames, at: 0, open: Arc::clone(&self.open) }))
+        self.most.fetch_max(self.open.fetch_add(1, Ordering::Relaxed) + 1, Ordering::Relaxed);
+        Ok(Box::new(Moving { left: self.frames, at: 0, open: Arc::clone(&self.open), closing: self.closing }))
     }
 }
 
@@ -49,10 +55,12 @@ struct Moving {
     left: usize,
     at: usize,
     open: Arc<AtomicUsize>,
+    closing: Duration,
 }
 
 impl Drop for Moving {
     fn drop(&mut self) {
+        thread::sleep(self.closing);
         self.open.fetch_sub(1, Ordering::Relaxed);
     }
 }
@@ -123,6 +131,18 @@ fn live(fake: Fake) -> (Window, Arc<AtomicUsize>) {
     (window, open)
 }
 
+/// Asks the window to close, as its system does; gives whether it stays.
+fn holds_quit(window: &mut Window) -> bool {
+    let viewports = &mut window.harness.input_mut().viewports;
+    viewports.entry(ViewportId::ROOT).or_default().events.push(ViewportEvent::Close);
+    window.harness.run_steps(1);
+    let root = window.harness.output().viewport_output.get(&ViewportId::ROOT);
+    let stays = root.is_some_and(|root| root.commands.contains(&ViewportCommand::CancelClose));
+    // The request is over in the next frame.
+    window.harness.run_steps(1);
+    stays
+}
+
 fn path_of_clip(window: &Window) -> std::path::PathBuf {
     match window.app().document().source() {
         Some(Source::File(path)) => path.clone(),
@@ -168,6 +188,7 @@ fn the_last_seconds_are_frozen_with_the_estimator_that_ran_on_them() {
     assert!(is_unsaved(&path) && window.app().settings().recent.iter().all(|recent| *recent != path));
     window.command(Command::SaveSession);
     assert!(window.app().message().is_some_and(|said| said.contains("Save the clip first (Ctrl+Shift+S)")));
+    assert!(window.says("This recording is not saved yet"));
     let folder = tempfile::tempdir().expect("a folder");
     let saved = folder.path().join("hand.y4m");
     window.command(Command::FocusNever);
@@ -185,6 +206,7 @@ fn the_last_seconds_are_frozen_with_the_estimator_that_ran_on_them() {
     window.settle();
     assert_eq!(fs::read(&saved).expect("the clip"), fs::read(&path).expect("the recording"));
     assert_eq!((path_of_clip(&window), window.cursor()), (saved, cursor), "it goes on where it was");
+    assert!(!window.says("not saved yet"), "that is over");
     assert_eq!(window.app().ink().len(), 1, "the ink stays");
     window.command(Command::SaveSession);
     let session = folder.path().join("hand.motionscope");
@@ -198,10 +220,12 @@ fn the_last_seconds_are_frozen_with_the_estimator_that_ran_on_them() {
 fn a_recording_takes_its_time_and_opens_with_the_present_estimator() {
     let (mut window, _) = live(Fake::default());
     window.until("a frame comes", Window::is_live);
-    window.choose("Duration", "1 s");
+    // Long enough to be seen on a busy computer.
+    window.choose("Duration", "2 s");
+    window.press_button("Countdown of 3 s");
     let begun = Instant::now();
-    window.press_button("Record 1 s");
-    window.until("it says so", |window| window.says("Recording: 0"));
+    window.press_button("Record 2 s");
+    window.until("it says so", |window| window.says("Recording: "));
     for list in ["Camera", "Size", "Duration"] {
         let node = window.harness.get_by_role_and_label(Role::ComboBox, list);
         assert!(node.accesskit_node().is_disabled(), "{list} can be changed while it records");
@@ -211,11 +235,13 @@ fn a_recording_takes_its_time_and_opens_with_the_present_estimator() {
     window.until("the clip is open", |window| {
         window.app().document().clip().is_some_and(|c| c.info().container == "y4m")
     });
-    assert!(begun.elapsed() > Duration::from_secs(1));
+    assert!(begun.elapsed() > Duration::from_secs(2));
     window.settle();
     assert_eq!(window.app().document().estimator().info().id, "full-search");
     let fps = window.app().document().clip().and_then(|clip| clip.info().fps).expect("a rate");
     assert!((20.0..80.0).contains(&fps), "{fps} frames/s were measured");
+    let frames = window.app().document().clip().and_then(|clip| clip.info().frames).expect("a number");
+    assert!((frames as f64) < 2.0 * fps + 0.6, "{frames} frames in 2 s of {fps} frames/s");
     // As pictures it is a clip as well.
     let folder = tempfile::tempdir().expect("a folder");
     window.command(Command::SaveClip);
@@ -223,6 +249,73 @@ fn a_recording_takes_its_time_and_opens_with_the_present_estimator() {
     files::write_to(&mut window, &folder.path().join("frames"));
     window.settle();
     assert_eq!(path_of_clip(&window), folder.path().join("frames"));
+}
+
+#[test]
+fn a_countdown_precedes_a_recording_and_escape_cancels_either() {
+    let (mut window, _) = live(Fake::default());
+    window.until("a frame comes", Window::is_live);
+    window.choose("Duration", "10 s");
+    window.harness.key_press(Key::R);
+    window.until("it counts", |window| window.says("Recording begins in 3 s"));
+    let size = window.harness.get_by_role_and_label(Role::ComboBox, "Size");
+    assert!(size.accesskit_node().is_disabled(), "the size can be changed while it counts");
+    window.harness.key_press(Key::Escape);
+    window.until("it is cancelled", |window| window.says("Record 10 s"));
+    assert!(window.is_live() && !window.says("Recording begins"), "the dialog stays");
+
+    let begun = Instant::now();
+    window.press_button("Record 10 s");
+    window.until("it counts down", |window| window.says("Recording begins in 1 s"));
+    window.until("it records", |window| window.says("Recording: "));
+    assert!(begun.elapsed() >= Duration::from_secs(3), "{:?}", begun.elapsed());
+    window.harness.key_press(Key::Escape);
+    window.until("the recording is given up", |window| window.says("Record 10 s"));
+    assert!(window.is_live() && !window.says("Opening the recording"), "nothing of it is kept");
+
+    assert!(window.app().settings().camera.has_countdown);
+    window.press_button("Countdown of 3 s");
+    assert!(!window.app().settings().camera.has_countdown);
+    window.press_button("Record 10 s");
+    window.until("it records at once", |window| window.says("Recording: "));
+    assert!(!window.says("Recording begins"));
+}
+
+#[test]
+fn the_list_of_estimators_has_room_for_those_that_are_measured_while_it_is_open() {
+    let (mut window, _) = live(Fake::default());
+    window.until("a frame comes", Window::is_live);
+    window.harness.get_by_role_and_label(Role::ComboBox, "Estimator").click_accesskit();
+    let entry = "Diamond search";
+    window.until(entry, |window| window.harness.query_by_role_and_label(Role::Button, entry).is_some());
+    // By the pointer, which reaches only what is in sight.
+    window.harness.get_by_role_and_label(Role::Button, entry).click();
+    window.harness.run_steps(3);
+    assert_eq!(window.app().settings().camera.estimator.as_deref(), Some("diamond"));
+}
+
+#[test]
+fn what_was_chosen_for_the_camera_is_chosen_the_next_time() {
+    let (mut window, open) = live(Fake::default());
+    window.until("a frame comes", Window::is_live);
+    window.choose("Size", "320×240 px");
+    window.until("it is open again", Window::is_live);
+    window.choose("Duration", "5 s");
+    window.choose("Estimator", "Diamond search");
+    window.until("it runs", |window| window.says("Diamond search: "));
+    // A list that is open closes first.
+    for _ in 0..2 {
+        window.harness.key_press(Key::Escape);
+        window.harness.run_steps(3);
+    }
+    window.until("the camera is off", |window| window.app().live().is_none() && open.load(Ordering::Relaxed) == 0);
+    window.harness.state_mut().command(Command::Camera);
+    window.until("it runs again", |window| window.says("Diamond search: "));
+    assert!(window.says("Record 5 s"));
+    assert_eq!(window.app().settings().camera.size, Size::new(320, 240));
+    window.choose("Estimator", "none");
+    window.until("it runs no more", |window| !window.says("Diamond search"));
+    assert_eq!(window.app().settings().camera.estimator, None);
 }
 
 #[test]
@@ -243,6 +336,81 @@ fn a_camera_that_is_unplugged_leaves_what_came() {
     window.settle();
     assert_eq!(window.app().document().clip().and_then(|clip| clip.info().frames), Some(12));
     assert!(window.says("The camera has ended: HD Webcam: it is not there"));
+}
+
+#[test]
+fn a_recording_is_saved_as_compressed_video_too() {
+    let (mut window, _) = live(Fake { frames: 12, ..Fake::default() });
+    window.until("it is told", |window| window.says("The last seconds can still be frozen."));
+    window.press_button("Freeze the last 3 s");
+    window.until("the clip is open", |window| {
+        window.app().document().clip().is_some_and(|c| c.info().container == "y4m")
+    });
+    window.settle();
+    let (folder, recorded) = (tempfile::tempdir().expect("a folder"), path_of_clip(&window));
+    window.command(Command::SaveClip);
+    window.click_role(Role::Button, "MP4");
+    assert!(window.says("H.264 video with loss"));
+    // The ending of pictures is none of a video.
+    fs::write(folder.path().join("hand.png.mp4"), "mine").expect("a file");
+    let typed = folder.path().join("hand.png").display().to_string();
+    window.harness.get_by_label("Output path").set_text_value_accesskit(&typed);
+    window.settle();
+    assert!(window.says("There is a hand.png.mp4 already."));
+    let video = folder.path().join("hand.mp4");
+    files::write_to(&mut window, &video);
+    window.settle();
+    let said = window.app().message().unwrap_or_default().to_owned();
+    assert_eq!(path_of_clip(&window), recorded, "the recording stays open as it came: {said}");
+    if !video.exists() {
+        // Where ffmpeg is missing or encodes no H.264, that is told, and nothing is left.
+        assert!(said.contains("save as numbered PNG") && window.says("not saved yet"), "{said}");
+        return;
+    }
+    let clip = Source::File(video.clone()).open(&Open::default()).expect("a clip");
+    assert_eq!((clip.info().codec.as_str(), clip.info().frames), ("h264", Some(12)), "{said}");
+    assert_eq!(fs::read_dir(folder.path()).expect("the folder").count(), 2, "nothing temporary is left");
+
+    // It is a copy: the recording is not saved without loss.
+    assert!(window.says("12 frames, saved only with loss, as hand.mp4") && !window.says("not saved yet"));
+    window.command(Command::SaveSession);
+    assert!(window.says("This recording is saved only with loss, as hand.mp4"));
+    assert!(holds_quit(&mut window));
+    let asked = window.app().message().unwrap_or_default().to_owned();
+    assert!(asked.contains("saved only with loss, as hand.mp4: quitting deletes its frames as they came"), "{asked}");
+
+    // A message may lie over the dialog.
+    let saved = folder.path().join("hand.y4m");
+    window.command(Command::SaveClip);
+    window.harness.get_by_label("Output path").set_text_value_accesskit(&saved.display().to_string());
+    window.settle();
+    window.harness.get_by_role_and_label(Role::Button, "Save").click_accesskit();
+    window.settle();
+    assert_eq!(fs::read(&saved).expect("the clip"), fs::read(&recorded).expect("the recording"));
+    assert_eq!(path_of_clip(&window), saved);
+    assert!(!holds_quit(&mut window), "nothing is lost any more: {:?}", window.app().message());
+}
+
+#[test]
+fn quitting_asks_as_long_as_a_recording_is_not_saved() {
+    let (mut window, _) = live(Fake { frames: 12, ..Fake::default() });
+    assert!(!holds_quit(&mut window), "nothing was recorded");
+    window.until("it is told", |window| window.says("The last seconds can still be frozen."));
+    window.press_button("Freeze the last 3 s");
+    window.until("the clip is open", |window| {
+        window.app().document().clip().is_some_and(|c| c.info().container == "y4m")
+    });
+    window.settle();
+    assert!(holds_quit(&mut window));
+    let asked = window.app().message().unwrap_or_default().to_owned();
+    assert!(asked.starts_with("The recording camera-1 is not saved") && asked.contains("Ctrl+Shift+S"), "{asked}");
+    assert!(!holds_quit(&mut window), "it is asked once");
+    // It is kept while another clip is open.
+    window.harness.state_mut().open("synth:translation");
+    window.settle();
+    assert!(holds_quit(&mut window));
+    let asked = window.app().message().unwrap_or_default().to_owned();
+    assert!(asked.contains("Last recording in the camera dialog (Ctrl+R)"), "{asked}");
 }
 
 #[test]
@@ -270,7 +438,35 @@ fn closing_the_dialog_switches_the_camera_off() {
         window.harness.key_press(Key::Escape);
         window.harness.run_steps(3);
     }
-    assert!(window.app().live().is_none() && open.load(Ordering::Relaxed) == 0);
+    window.until("the camera is off", |window| window.app().live().is_none() && open.load(Ordering::Relaxed) == 0);
+}
+
+#[test]
+fn a_camera_is_opened_only_when_all_earlier_ones_have_closed() {
+    let fake = Fake { closing: Duration::from_secs(3), ..Fake::default() };
+    let most = Arc::clone(&fake.most);
+    let (mut window, open) = live(fake);
+    window.until("a frame comes", Window::is_live);
+    // The second camera is closed while it waits for the first, with the dialog.
+    window.choose("Size", "320×240 px");
+    for _ in 0..2 {
+        window.harness.key_press(Key::Escape);
+        window.harness.run_steps(3);
+    }
+    window.until("the dialog is closed", |window| window.app().live().is_none());
+    window.harness.state_mut().command(Command::Camera);
+    window.until("the third is open", Window::is_live);
+    assert_eq!((open.load(Ordering::Relaxed), most.load(Ordering::Relaxed)), (1, 1), "one at a time");
+}
+
+#[test]
+fn another_size_than_chosen_is_reported() {
+    let (mut window, _) = live(Fake::default());
+    window.until("the size is there", |window| window.says("96×64 px, asked for 640×480"));
+    window.choose("Size", "320×240 px");
+    window.choose("Estimator", "Diamond search");
+    window.until("it runs", |window| window.says("Diamond search: "));
+    window.until("the size is there", |window| window.says("96×64 px, asked for 320×240"));
 }
 
 #[test]

@@ -104,6 +104,42 @@ fn a_chart_is_shown_or_it_says_when_there_is_one() {
 }
 
 #[test]
+fn a_misspelling_is_answered_with_what_was_probably_meant() {
+    let mut window = searched("kalmann gain");
+    assert_eq!(hits(&window), ["Did you mean Kalman gain?"]);
+    assert!(window.harness.query_by_label("Nothing has all of these words.").is_some());
+    window.key(Key::Enter);
+    assert!(hits(&window)[0].starts_with("Kalman gain, "), "{:?}", hits(&window));
+    window.key(Key::Enter);
+    assert!(window.harness.query_by_label("Find a term").is_some(), "a term opens the glossary");
+    // The word with which there are hits for all words.
+    for (typed, meant) in
+        [("blok matching", "block matching"), ("exhaustiv serach", "exhaustive search"), ("blok", "block")]
+    {
+        let suggested = hits(&searched(typed));
+        let wanted = format!("Did you mean {meant}?");
+        assert!(suggested.len() == 1 && suggested[0].eq_ignore_ascii_case(&wanted), "{typed}: {suggested:?}");
+    }
+    // By a click; what is typed then stands behind the words.
+    let mut window = searched("optcal flow");
+    let suggested = hits(&window);
+    assert!(suggested.len() == 1 && suggested[0].eq_ignore_ascii_case("Did you mean optical flow?"), "{suggested:?}");
+    window.click_role(Role::ListBoxOption, &suggested[0]);
+    let found = hits(&window).len();
+    assert!(found > 1);
+    window.harness.get_by_label("Words to find").type_text("s");
+    window.settle();
+    assert_eq!(hits(&window).len(), found, "the plural finds the same");
+}
+
+#[test]
+fn formulas_around_a_match_mark_transposed_matrices() {
+    let window = searched("innovation covariance");
+    assert!(hits(&window)[0].contains("S = H P Hᵀ + R"), "{:?}", hits(&window)[0]);
+    assert!(hits(&window).iter().all(|hit| !hit.contains("^T")));
+}
+
+#[test]
 fn what_no_command_is_called_is_searched_in_the_texts() {
     let mut window = Window::new(vec2(1280.0, 720.0));
     window.press(Modifiers::COMMAND, Key::K);

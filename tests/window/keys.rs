@@ -50,6 +50,18 @@ fn text_typed_straight_after_the_key_of_the_palette_is_never_lost() {
 }
 
 #[test]
+fn a_command_is_called_by_its_menu_and_its_name() {
+    let mut window = Window::usual();
+    window.press(Modifiers::COMMAND, Key::K);
+    typed(&mut window, "export picture");
+    window.settle();
+    let first = window.harness.query_all_by_role(Role::ListBoxOption).next();
+    assert_eq!(first.and_then(|node| node.accesskit_node().label()).as_deref(), Some("Picture of this step…"));
+    window.key(Key::Enter);
+    assert!(field(&window, "Output path").is_some_and(|path| path.ends_with(".png")));
+}
+
+#[test]
 fn text_typed_straight_after_the_key_of_the_open_dialog_is_never_lost() {
     let mut window = Window::usual();
     window.harness.key_press_modifiers(Modifiers::COMMAND, Key::O);

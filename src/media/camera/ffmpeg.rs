@@ -336,7 +336,7 @@ mod tests {
         let id = std::fs::read_to_string(folder.path().join("ffmpeg.id")).unwrap();
         let process = PathBuf::from("/proc").join(id.trim());
         assert!(process.exists());
-        drop(camera);
+        camera.close(Duration::from_secs(10));
         assert!(!process.exists(), "nothing is left of it");
     }
 }

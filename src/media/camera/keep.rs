@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use motionscope_core::{Error, Stop};
 
-use super::reading::rate;
+use super::reading::{belongs, rate};
 use super::{CameraFeed, Format, Shot};
 use crate::media::{Progress, export, name_of, temporary};
 
@@ -61,7 +61,7 @@ pub fn keep(format: &Format, shots: &[Shot], name: &str) -> Result<Kept, Error> 
         Error::new(format!("the recording cannot be kept in {} ({error}); make room there", place.display()))
     };
     let _at_work = temporary::at_work();
-    let folder = tempfile::Builder::new().prefix(&temporary::prefix(&place)).tempdir_in(&place).map_err(cannot)?;
+    let folder = temporary::folder(&place).map_err(cannot)?;
     let (path, rate) = (folder.path().join(format!("{name}.y4m")), rate(shots));
     let write = || {
         let mut file = BufWriter::new(File::create(&path)?);
@@ -145,13 +145,14 @@ pub fn record(
             Ok(None) => break Some(Error::new("the camera sends no more frames")),
             Err(error) => break Some(error),
         };
-        times.push(begun.elapsed());
-        put(&mut file, &samples).map_err(cannot)?;
-        let gone = length(&times);
-        progress.into_iter().for_each(|progress| progress.report(gone.as_secs_f32() / time.as_secs_f32()));
-        if gone >= time {
+        let at = begun.elapsed();
+        let gone = times.first().map_or(Duration::ZERO, |first| at.saturating_sub(*first));
+        if !belongs(times.len(), gone, time) {
             break None;
         }
+        times.push(at);
+        put(&mut file, &samples).map_err(cannot)?;
+        progress.into_iter().for_each(|progress| progress.report(gone.as_secs_f32() / time.as_secs_f32()));
     };
     if times.len() < 2 {
         let why = ended.unwrap_or_else(|| Error::new("the camera sent fewer than two frames; record longer"));
@@ -227,6 +228,29 @@ mod tests {
         let measured = (done.frames - 1) as f64 / done.time.as_secs_f64();
         assert!(clip.info().fps.is_some_and(|fps| (fps - measured).abs() < 0.1), "{:?}, {measured}", clip.info().fps);
         assert_eq!((clip.info().frames, clip.frame(1).unwrap().luma().cells()), (Some(done.frames), &[7, 7][..]));
+    }
+
+    #[test]
+    fn a_recording_ends_with_the_frame_before_its_time_is_over() {
+        /// Frames every 60 ms.
+        struct Steady;
+
+        impl CameraFeed for Steady {
+            fn begin(&mut self, _: &Stop) -> Result<Format, Error> {
+                Format::parse(b"YUV4MPEG2 W2 H1 F30:1 Cmono")
+            }
+
+            fn next(&mut self, _: &Stop) -> Result<Option<Vec<u8>>, Error> {
+                std::thread::sleep(Duration::from_millis(60));
+                Ok(Some(vec![7; 2]))
+            }
+        }
+
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().join("a.y4m");
+        let done = record(Box::new(Steady), Duration::from_millis(300), &out, None).unwrap();
+        // A loaded computer may sleep longer, never shorter.
+        assert!((2..=5).contains(&done.frames), "{done:?}");
     }
 
     #[cfg(unix)]

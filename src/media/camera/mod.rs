@@ -12,12 +12,13 @@ mod stream;
 mod test_picture;
 
 use motionscope_core::{Error, Stop};
+use serde::{Deserialize, Serialize};
 
 pub use devices::Platform;
 pub use ffmpeg::Ffmpeg;
 pub use format::Format;
 pub use keep::{Kept, Recorded, is_unsaved, keep, record};
-pub use reading::{Camera, Shot};
+pub use reading::{Camera, Closing, Shot};
 pub use stream::Stream;
 pub use test_picture::TestPicture;
 
@@ -77,7 +78,7 @@ impl Device {
 }
 
 /// Width and height of frames in px.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Size {
     /// Width in px.
     pub width: usize,
@@ -136,7 +137,7 @@ pub trait Cameras: Send + Sync {
     /// listed, if there was one. May take a second.
     fn list(&self) -> (Vec<Device>, Option<Error>);
 
-    /// Opens a source of frames of about this size; its first frames may take a while.
+    /// Opens a source of frames of this size, or of the nearest one that it has; its first frames may take a while.
     ///
     /// # Errors
     /// One sentence that says why it cannot be opened and what to do, or that `stop` was set.

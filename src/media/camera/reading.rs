@@ -1,8 +1,8 @@
 //! A camera that is on: its feed on a thread of its own, and the last seconds of it.
 
 use std::collections::VecDeque;
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
-use std::thread::{self, JoinHandle};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, Weak};
+use std::thread;
 use std::time::{Duration, Instant};
 
 use motionscope_core::{Error, Frame, Stop};
@@ -15,6 +15,12 @@ const MOST_BYTES: usize = 512 << 20;
 const REMEMBERED: Duration = Duration::from_secs(5);
 /// The time over which the rate is measured.
 const MEASURED: Duration = Duration::from_secs(2);
+/// How long the end of a feed is waited for when its camera is dropped.
+const GRACE: Duration = Duration::from_millis(250);
+/// How long a camera may take to end, from its closing on, before another is opened all the same.
+const CLOSING: Duration = Duration::from_secs(5);
+/// How often a waiting thread asks whether it should stop.
+const POLL: Duration = Duration::from_millis(20);
 
 /// A frame as it came.
 #[derive(Clone, Debug)]
@@ -40,6 +46,15 @@ impl Shot {
     }
 }
 
+/// Whether frame `number`, counted from 0, that came `gap` after frame 0 belongs to a recording of `time`.
+///
+/// A frame lasts until the next one comes, so its middle must lie inside: 3 s at 30 frames/s are 90 frames, whatever the jitter. The
+/// first two always belong to it, because motion needs a pair.
+pub(super) fn belongs(number: usize, gap: Duration, time: Duration) -> bool {
+    let middle = || gap.as_secs_f64() * (1.0 + 0.5 / number as f64);
+    number < 2 || middle() < time.as_secs_f64()
+}
+
 /// A recording that is being made: its frames stay until it is taken, whatever is remembered beside it.
 #[derive(Debug)]
 struct Recording {
@@ -54,11 +69,12 @@ impl Recording {
         if self.is_whole {
             return;
         }
-        let end = self.shots.first().map(|first| first.at + self.time);
-        if end.is_none_or(|end| shot.at <= end) {
+        let gap = self.shots.first().map_or(Duration::ZERO, |first| shot.at.saturating_sub(first.at));
+        let is_inside = belongs(self.shots.len(), gap, self.time);
+        if is_inside {
             self.shots.push(shot.clone());
         }
-        self.is_whole = end.is_some_and(|end| shot.at >= end) || self.shots.len() >= most;
+        self.is_whole = !is_inside || self.shots.len() >= most;
     }
 
     /// The time from its first frame to its last.
@@ -76,6 +92,8 @@ struct State {
     remembered: Duration,
     recording: Option<Recording>,
     count: u64,
+    /// When its end was asked for, if it was.
+    closed: Option<Instant>,
     ended: Option<Error>,
 }
 
@@ -103,13 +121,55 @@ impl Shared {
     fn state(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
+
+    /// Waits for the end of the feed, but no longer than `longest`.
+    fn wait_for_end(&self, longest: Duration) {
+        let is_on = |state: &mut State| state.ended.is_none();
+        let waited = self.news.wait_timeout_while(self.state(), longest, is_on);
+        drop(waited.unwrap_or_else(PoisonError::into_inner));
+    }
+
+    /// Whether the next camera waits for the end of this one: it has not ended, and it is on or has been closed a short while ago.
+    fn is_awaited(&self) -> bool {
+        let state = self.state();
+        state.ended.is_none() && state.closed.is_none_or(|closed| closed.elapsed() < CLOSING)
+    }
 }
 
 /// A camera that is on; dropping it ends its feed.
 pub struct Camera {
     shared: Arc<Shared>,
     stop: Stop,
-    thread: Option<JoinHandle<()>>,
+}
+
+/// The cameras that were opened one after the other and have not ended, so that none is opened while an earlier one still closes.
+/// Its clones share them.
+#[derive(Clone, Default)]
+pub struct Closing(Arc<Mutex<Vec<Weak<Shared>>>>);
+
+impl Closing {
+    /// Adds `camera`, and returns the earlier ones that have not ended. Their frames are not kept in memory for that.
+    fn add(&self, camera: &Arc<Shared>) -> Vec<Weak<Shared>> {
+        let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        all.retain(|camera| camera.upgrade().is_some_and(|camera| camera.state().ended.is_none()));
+        let earlier = all.clone();
+        all.push(Arc::downgrade(camera));
+        earlier
+    }
+}
+
+/// Waits for the end of all `cameras`, but for none that takes too long.
+///
+/// # Errors
+/// If `stop` is set.
+fn wait_for_all(cameras: &[Weak<Shared>], stop: &Stop) -> Result<(), Error> {
+    for camera in cameras {
+        while let Some(camera) = camera.upgrade().filter(|camera| camera.is_awaited()) {
+            stop.check()?;
+            camera.wait_for_end(POLL);
+        }
+    }
+    stop.check()
 }
 
 impl Camera {
@@ -129,20 +189,40 @@ impl Camera {
         open: impl FnOnce(&Stop) -> Result<Box<dyn CameraFeed>, Error> + Send + 'static,
         changed: impl Fn() + Send + 'static,
     ) -> Result<Self, Error> {
+        Self::open_after(&Closing::default(), open, changed)
+    }
+
+    /// As [`Camera::open`], once the earlier cameras of `closing` have ended: the thread waits for them. This camera is one of them
+    /// from now on.
+    ///
+    /// # Errors
+    /// If the system gives no thread.
+    pub fn open_after(
+        closing: &Closing,
+        open: impl FnOnce(&Stop) -> Result<Box<dyn CameraFeed>, Error> + Send + 'static,
+        changed: impl Fn() + Send + 'static,
+    ) -> Result<Self, Error> {
         let shared = Arc::new(Shared::default());
         shared.state().remembered = REMEMBERED;
         let stop = Stop::default();
-        let (theirs, asked) = (Arc::clone(&shared), stop.clone());
+        let (theirs, asked, earlier) = (Arc::clone(&shared), stop.clone(), closing.add(&shared));
         let read = move || {
-            let ended = open(&asked).and_then(|feed| read(feed, &theirs, &asked, &changed)).err();
+            let feed = wait_for_all(&earlier, &asked).and_then(|()| open(&asked));
+            let ended = feed.and_then(|feed| read(feed, &theirs, &asked, &changed)).err();
             theirs.state().ended = Some(ended.unwrap_or_else(|| Error::new("the camera sends no more frames")));
             theirs.news.notify_all();
             changed();
         };
         let thread = thread::Builder::new().name("camera feed".into()).spawn(read);
-        let thread =
-            thread.map_err(|error| Error::new(format!("no thread could be started for the camera ({error})")))?;
-        Ok(Self { shared, stop, thread: Some(thread) })
+        thread.map_err(|error| Error::new(format!("no thread could be started for the camera ({error})")))?;
+        Ok(Self { shared, stop })
+    }
+
+    /// Ends the feed, and waits for its end, but no longer than `longest`: whatever cannot be interrupted is left behind.
+    pub fn close(&self, longest: Duration) {
+        self.stop.set(true);
+        self.shared.state().closed.get_or_insert_with(Instant::now);
+        self.shared.wait_for_end(longest);
     }
 
     /// Remembers the frames of the last `time`.
@@ -199,7 +279,9 @@ impl Camera {
     pub fn last(&self, time: Duration) -> Vec<Shot> {
         let state = self.shared.state();
         let Some(newest) = state.shots.back().map(|shot| shot.at) else { return Vec::new() };
-        state.shots.iter().filter(|shot| shot.at + time >= newest).cloned().collect()
+        let is_inside = |(number, shot): &(usize, &Shot)| belongs(*number, newest.saturating_sub(shot.at), time);
+        let inside = state.shots.iter().rev().enumerate().take_while(is_inside).count();
+        state.shots.iter().skip(state.shots.len() - inside).cloned().collect()
     }
 
     /// Frames per second that come, of the last two seconds; `None` before there is anything to measure.
@@ -210,9 +292,9 @@ impl Camera {
 
 impl Drop for Camera {
     fn drop(&mut self) {
-        self.stop.set(true);
-        // It looks at the flag every few milliseconds, and takes its process with it.
-        self.thread.take().map(JoinHandle::join);
+        // A feed looks at the flag every few milliseconds, and takes its process with it. One that was closed before had its time.
+        let grace = if self.stop.is_set() { Duration::ZERO } else { GRACE };
+        self.close(grace);
     }
 }
 
@@ -238,6 +320,8 @@ fn read(mut feed: Box<dyn CameraFeed>, shared: &Shared, stop: &Stop, changed: &d
 
 #[cfg(test)]
 mod tests {
+    use std::sync::atomic::{AtomicBool, Ordering};
+
     use super::*;
 
     fn state(remembered_ms: u64, frames: u64) -> State {
@@ -263,11 +347,11 @@ mod tests {
         state.recording = begun(1000);
         (5..40).for_each(|t| state.push(Duration::from_millis(100 * t), vec![t as u8; 4]));
         let recording = state.recording.as_ref().unwrap();
-        assert_eq!((shots(recording), recording.is_whole), ((5..=15).collect(), true));
-        assert_eq!(recording.length(), Duration::from_secs(1));
+        assert_eq!((shots(recording), recording.is_whole), ((5..15).collect(), true), "10 frames/s for 1 s");
+        assert_eq!(recording.length(), Duration::from_millis(900));
         assert_eq!(state.shots.front().map(|shot| shot.index), Some(37));
 
-        let mut dropped = begun(250).unwrap();
+        let mut dropped = begun(300).unwrap();
         state.shots.iter().for_each(|shot| dropped.push(shot, usize::MAX));
         assert_eq!((shots(&dropped), dropped.is_whole), (vec![37, 38, 39], false), "it waits for its last frame");
         let late = Shot { index: 43, at: Duration::from_millis(4300), samples: Arc::from([0; 4]) };
@@ -277,6 +361,119 @@ mod tests {
         let mut full = begun(60_000).unwrap();
         state.shots.iter().for_each(|shot| full.push(shot, 2));
         assert_eq!((shots(&full), full.is_whole), (vec![37, 38], true), "no more than there is memory for");
+    }
+
+    #[test]
+    fn a_recording_has_as_many_frames_as_its_time_at_the_rate() {
+        // Frames of a webcam come up to a third of an interval early or late.
+        let jitter = |t: u64| Duration::from_micros(t * 33_333 + [0, 9_000, 4_000, 11_000, 2_000][t as usize % 5]);
+        for (seconds, wanted) in [(1, 30), (3, 90), (10, 300)] {
+            let time = Duration::from_secs(seconds);
+            let mut state = State { remembered: time + Duration::from_secs(1), ..State::default() };
+            state.recording = Some(Recording { time, shots: vec![], is_whole: false });
+            (0..330).for_each(|t| state.push(jitter(t), vec![t as u8; 4]));
+            let recording = state.recording.take().unwrap();
+            assert_eq!((recording.shots.len(), recording.is_whole), (wanted, true), "{seconds} s");
+            let camera = Camera { shared: Arc::default(), stop: Stop::default() };
+            *camera.shared.state() = state;
+            camera.shared.state().ended = Some(Error::new("it was unplugged"));
+            let last = camera.last(time);
+            assert_eq!((last.len(), last.last().map(|shot| shot.index)), (wanted, Some(329)), "the last {seconds} s");
+        }
+        let slow = [0, 700, 1400].map(Duration::from_millis);
+        let inside = slow.iter().enumerate().filter(|(t, gap)| belongs(*t, **gap, Duration::from_millis(500)));
+        assert_eq!(inside.count(), 2, "motion needs a pair");
+    }
+
+    /// A feed that answers no request to stop for a while.
+    struct Stuck;
+
+    impl CameraFeed for Stuck {
+        fn begin(&mut self, _: &Stop) -> Result<Format, Error> {
+            Format::parse(b"YUV4MPEG2 W2 H1 F30:1 Cmono")
+        }
+
+        fn next(&mut self, _: &Stop) -> Result<Option<Vec<u8>>, Error> {
+            thread::sleep(Duration::from_secs(3));
+            Ok(None)
+        }
+    }
+
+    #[test]
+    fn a_camera_that_does_not_end_is_left_behind() {
+        let closing = Closing::default();
+        let camera = Camera::open_after(&closing, |_| Ok(Box::new(Stuck)), || {}).unwrap();
+        while camera.format().is_none() {
+            thread::sleep(Duration::from_millis(1));
+        }
+        let (shared, begun) = (Arc::clone(&camera.shared), Instant::now());
+        drop(camera);
+        assert!(begun.elapsed() < Duration::from_secs(2), "{:?}", begun.elapsed());
+        let earlier = closing.add(&Arc::default());
+        let cancelled = Stop::default();
+        cancelled.set(true);
+        assert!(wait_for_all(&earlier, &cancelled).is_err() && shared.state().ended.is_none(), "that can be cancelled");
+        wait_for_all(&earlier, &Stop::default()).unwrap();
+        assert!(shared.state().ended.is_some(), "the next camera waits for it");
+        assert!(closing.add(&Arc::default()).is_empty(), "it is over");
+    }
+
+    #[test]
+    fn a_camera_that_never_ends_is_not_waited_for_again() {
+        let closing = Closing::default();
+        let stuck = Arc::<Shared>::default();
+        closing.add(&stuck);
+        stuck.state().closed = Some(Instant::now().checked_sub(CLOSING).unwrap());
+        let earlier = closing.add(&Arc::default());
+        assert_eq!(earlier.len(), 1, "it has not ended");
+        let begun = Instant::now();
+        wait_for_all(&earlier, &Stop::default()).unwrap();
+        assert!(begun.elapsed() < CLOSING, "{:?}", begun.elapsed());
+    }
+
+    /// A feed that ends once it may, whatever its stop says.
+    struct Lingering(Arc<AtomicBool>);
+
+    impl CameraFeed for Lingering {
+        fn begin(&mut self, _: &Stop) -> Result<Format, Error> {
+            Format::parse(b"YUV4MPEG2 W2 H1 F30:1 Cmono")
+        }
+
+        fn next(&mut self, _: &Stop) -> Result<Option<Vec<u8>>, Error> {
+            while !self.0.load(Ordering::Relaxed) {
+                thread::sleep(Duration::from_millis(1));
+            }
+            Ok(None)
+        }
+    }
+
+    #[test]
+    fn a_camera_waits_for_all_earlier_ones() {
+        let (closing, may_end) = (Closing::default(), Arc::<AtomicBool>::default());
+        let opened = Arc::<Mutex<Vec<&str>>>::default();
+        let open = |name: &'static str| {
+            let (opened, may_end) = (Arc::clone(&opened), Arc::clone(&may_end));
+            let feed = move |_: &Stop| -> Result<Box<dyn CameraFeed>, Error> {
+                opened.lock().unwrap().push(name);
+                Ok(Box::new(Lingering(may_end)))
+            };
+            Camera::open_after(&closing, feed, || {}).unwrap()
+        };
+        let first = open("first");
+        while first.format().is_none() {
+            thread::sleep(Duration::from_millis(1));
+        }
+        drop(first);
+        // The second is closed while it waits for the first.
+        let second = open("second");
+        second.close(Duration::from_secs(10));
+        assert!(second.ended().is_some(), "it needs no end of the first");
+        let third = open("third");
+        assert!(third.wait_for(0, Duration::from_millis(100)).is_none());
+        assert_eq!(*opened.lock().unwrap(), ["first"], "none is opened beside it");
+        may_end.store(true, Ordering::Relaxed);
+        assert!(third.wait_for(0, Duration::from_secs(10)).is_none() && third.ended().is_some());
+        assert_eq!(*opened.lock().unwrap(), ["first", "third"]);
     }
 
     /// Three frames, 5 ms from each other, and then an end or an error.

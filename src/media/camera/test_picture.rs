@@ -35,12 +35,12 @@ pub struct TestPicture {
 }
 
 impl TestPicture {
-    /// The pattern in frames of a size, whose sides are made even.
+    /// The pattern in frames of a size.
     pub fn new(size: Size) -> Self {
-        let [width, height] = [size.width, size.height].map(|side| side.max(2).next_multiple_of(2));
+        let [width, height] = [size.width, size.height].map(|side| side.max(2));
         let luma = (0..width * height).map(|i| texture([i % width, i / width], 1, 150));
         let mut background: Vec<u8> = luma.collect();
-        background.resize(width * height * 3 / 2, 128);
+        background.resize(width * height + 2 * width.div_ceil(2) * height.div_ceil(2), 128);
         Self { size: [width, height], background, begun: Instant::now(), next: 0 }
     }
 
@@ -48,7 +48,7 @@ impl TestPicture {
     fn samples(&self, index: u64) -> Vec<u8> {
         let mut samples = self.background.clone();
         let (luma, chroma) = samples.split_at_mut(self.size[0] * self.size[1]);
-        let (u, v) = chroma.split_at_mut(self.size[0] * self.size[1] / 4);
+        let (u, v) = chroma.split_at_mut(chroma.len() / 2);
         for (number, disc) in DISCS.iter().enumerate() {
             self.draw(disc, (index, number as u32 + 2), [&mut *luma, &mut *u, &mut *v]);
         }
@@ -70,7 +70,7 @@ impl TestPicture {
             for dx in -reach..=reach {
                 let Some(x) = usize::try_from(x0 + dx).ok().filter(|x| *x < width) else { continue };
                 luma[y * width + x] = texture([(dx + radius) as usize, (dy + radius) as usize], seed, 90);
-                let at = y / 2 * (width / 2) + x / 2;
+                let at = y / 2 * width.div_ceil(2) + x / 2;
                 [u[at], v[at]] = disc.color;
             }
         }
@@ -122,9 +122,10 @@ mod tests {
 
     #[test]
     fn a_disc_keeps_its_texture_as_it_moves() {
-        let mut pattern = TestPicture::new(Size::new(159, 120));
+        let mut pattern = TestPicture::new(Size::new(159, 121));
         let format = pattern.begin(&Stop::default()).unwrap();
-        assert_eq!(format.size(), (160, 120));
+        assert_eq!(format.size(), (159, 121), "odd sides stay");
+        assert_eq!(pattern.samples(0).len(), format.frame_bytes());
         let [first, later] = [0, 3].map(|index| format.frame(pattern.samples(index)).unwrap());
         let (a, b) = (first.luma(), later.luma());
         assert_eq!(pattern.samples(3), pattern.samples(3), "a frame is the same whenever it is made");

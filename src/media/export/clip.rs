@@ -94,9 +94,8 @@ struct UnfinishedClip {
 
 impl UnfinishedClip {
     fn new(folder: &Path) -> Result<Self, Error> {
-        let _at_work = temporary::at_work();
-        let made = tempfile::Builder::new().prefix(&temporary::prefix(folder)).tempdir_in(folder);
-        Ok(Self { folder: made.map_err(|e| not_made(folder, &e))?, written: WrittenFiles::default() })
+        let made = temporary::folder(folder).map_err(|e| not_made(folder, &e))?;
+        Ok(Self { folder: made, written: WrittenFiles::default() })
     }
 
     fn put(&mut self, name: &str, bytes: &[u8]) -> Result<(), Error> {

@@ -1,6 +1,7 @@
 //! Atomic saving of files.
 
-use std::fs::{self, OpenOptions, Permissions};
+use std::env;
+use std::fs::{self, File, OpenOptions, Permissions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -14,7 +15,44 @@ use crate::media::temporary;
 /// If it cannot be read, and as [`save`].
 pub fn copy(from: &Path, to: &Path) -> Result<(), Error> {
     let unread = |error: io::Error| Error::new(format!("{} cannot be read ({error})", from.display()));
-    save(to, &fs::read(from).map_err(unread)?)
+    let mut source = File::open(from).map_err(unread)?;
+    save_file(to, |file| {
+        let copied = File::create(file).and_then(|mut file| io::copy(&mut source, &mut file));
+        copied.map(drop).map_err(|error| cannot_write(to, &error))
+    })
+}
+
+/// Saves the file that `make` writes under the name that it is given, atomically and without a copy of it in memory.
+///
+/// # Errors
+/// As [`save`], and those of `make`.
+pub(super) fn save_file(path: &Path, make: impl FnOnce(&Path) -> Result<(), Error>) -> Result<(), Error> {
+    let cannot = |error: io::Error| cannot_write(path, &error);
+    // A link keeps pointing where it points.
+    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    let is_stream = path == Path::new("-") || (target.exists() && !target.is_file());
+    let place = if is_stream { env::temp_dir() } else { folder(&target) };
+    let made = temporary::folder(&place).map_err(cannot)?;
+    let file = made.path().join("unfinished");
+    make(&file)?;
+    if is_stream {
+        return stream(&file, path).map_err(cannot);
+    }
+    let _at_work = temporary::at_work();
+    if let Ok(old) = fs::metadata(&target) {
+        fs::set_permissions(&file, old.permissions()).map_err(cannot)?;
+    }
+    fs::rename(&file, &target).map_err(cannot)
+}
+
+/// Writes the bytes of a file to what no file can take the place of: a device, or standard output.
+fn stream(file: &Path, to: &Path) -> io::Result<()> {
+    let mut file = File::open(file)?;
+    let copied = match to == Path::new("-") {
+        true => io::copy(&mut file, &mut io::stdout().lock()),
+        false => OpenOptions::new().write(true).open(to).and_then(|mut to| io::copy(&mut file, &mut to)),
+    };
+    copied.map(drop)
 }
 
 /// Saves `bytes` to `path` atomically; `-` is standard output.
@@ -128,6 +166,34 @@ mod tests {
     }
 
     #[test]
+    fn a_file_takes_its_place_once_it_is_whole() {
+        let folder = tempfile::tempdir().unwrap();
+        let (path, count) = (folder.path().join("a.mp4"), || fs::read_dir(folder.path()).unwrap().count());
+        fs::write(&path, "old").unwrap();
+        let cancelled = save_file(&path, |file| {
+            fs::write(file, "half").unwrap();
+            Err(Error::new("it was cancelled"))
+        });
+        assert!(cancelled.is_err());
+        assert_eq!((fs::read(&path).unwrap(), count()), (b"old".to_vec(), 1));
+        let whole = |file: &Path| {
+            // On the same drive, and removed at the next start if this run is killed now.
+            assert!(temporary::is_temporary(file) && file.starts_with(fs::canonicalize(folder.path()).unwrap()));
+            assert_eq!((fs::read(&path).unwrap(), count()), (b"old".to_vec(), 2));
+            fs::write(file, "new").map_err(|error| cannot_write(file, &error))
+        };
+        save_file(&path, whole).unwrap();
+        assert_eq!((fs::read(&path).unwrap(), count()), (b"new".to_vec(), 1));
+        let other = folder.path().join("b.mp4");
+        copy(&path, &other).unwrap();
+        assert_eq!((fs::read(&other).unwrap(), count()), (b"new".to_vec(), 2));
+        let gone = copy(&folder.path().join("gone.mp4"), &other).unwrap_err().to_string();
+        assert!(gone.contains("gone.mp4 cannot be read"), "{gone}");
+        let nowhere = copy(&path, &folder.path().join("no/c.mp4")).unwrap_err().to_string();
+        assert!(nowhere.contains("there is no folder"), "{nowhere}");
+    }
+
+    #[test]
     fn what_cannot_be_written_is_reported_and_leaves_nothing() {
         let folder = tempfile::tempdir().unwrap();
         let missing = folder.path().join("gone").join("a.flo");
@@ -154,5 +220,10 @@ mod tests {
         assert_eq!(fs::read(&path).unwrap(), b"new");
         assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
         assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o600);
+        copy(&fresh, &link).unwrap();
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o600);
+        copy(&path, &folder.path().join("c.csv")).unwrap();
+        assert_eq!(fs::metadata(folder.path().join("c.csv")).unwrap().permissions().mode(), usual, "as a new file");
     }
 }

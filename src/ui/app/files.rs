@@ -33,11 +33,13 @@ use crate::ui::model::settings::LeftAt;
 use crate::ui::model::snapshot::{Hold, Job, Place, Snapshot, surface};
 use crate::ui::model::writer::{self, Order, OutputKind, Work, Writing};
 use crate::ui::panes::status;
-use crate::ui::stage::Zoom;
+use crate::ui::stage::{Lens, Zoom};
+use crate::view::look::{Changes, Look};
 
 impl App {
-    /// Receives the results of other threads.
+    /// Receives the results of other threads, and a request to quit.
     pub(super) fn receive(&mut self) {
+        self.hold_quit();
         if let Some((outcome, loading)) = self.loaded() {
             match outcome {
                 Ok(opened) => {
@@ -171,8 +173,12 @@ impl App {
         self.note_place();
         self.note_page();
         self.start = None;
+        let is_another = self.document.source().is_some_and(|open| *open != source);
         let left = self.document.open(clip, source, Given::default());
         self.begin(left);
+        if is_another {
+            self.settings.look.view = Some(self.own_view());
+        }
         self.go_on(Cursor::default());
     }
 
@@ -270,9 +276,13 @@ impl App {
         } else if path.exists() && !is_right && !is_unsaved(path) {
             self.settings.remember(path);
         }
+        let is_another = self.document.source().is_some_and(|open| *open != source) && !self.is_saved_recording(path);
         let left = self.document.open(clip, source, given);
         self.document.read_from(inputs);
         self.begin(left.filter(|_| session.is_none()));
+        if is_another {
+            self.settings.look.view = Some(self.own_view());
+        }
         let Some(mut session) = session else {
             self.recording_opened(path);
             self.choose_tracker();
@@ -293,21 +303,24 @@ impl App {
     /// Takes what a session sets, on the clip that is open.
     pub(super) fn take(&mut self, session: Session) {
         let Session { experiment, position, look, sight, freehand } = session;
-        let (was_single, frame) = (self.shows_frame_alone(), experiment.frame);
+        let frame = experiment.frame;
         self.document.restore(experiment);
         self.tell_of_frame(frame);
-        if !look.has("view") {
-            self.suit_view(was_single);
-        }
-        self.settings.look = look.over(self.settings.look);
-        if let Some(VisiblePart { center, zoom }) = sight {
-            self.states.stage.zoom = Zoom::At { center, scale: zoom };
-        }
+        self.look_as(&look, sight);
         let Position { cursor, held } = position;
         let cursor = cursor.or_else(|| self.left_in_run()).unwrap_or_default();
         let job = self.document.job_at(Place { hold: Hold::Set(held), ..Place::at(cursor) });
         job.iter().for_each(|job| self.restore_ink(&job.subject, freehand.clone()));
         self.start(job);
+    }
+
+    /// Looks at the pictures as a session says. A view or a part of them that was chosen for what was open before goes with that.
+    pub(super) fn look_as(&mut self, look: &Changes, sight: Option<VisiblePart>) {
+        self.settings.look = look.over(Look { view: Some(self.own_view()), ..self.settings.look });
+        self.states.stage.follow_again();
+        if let Some(VisiblePart { center, zoom, .. }) = sight {
+            self.states.stage.zoom = Zoom::At { center, scale: zoom };
+        }
     }
 
     /// Begins with the first pair whose true flow is known, and says so.
@@ -458,8 +471,8 @@ impl App {
                 let freehand = self.presentation.pen.freehand(&shown.subject);
                 Box::new(move |order, progress| writer::steps(order, (&shown, freehand), progress))
             }
-            OutputKind::Clip(_) => {
-                self.recorder.saving = Saving::of(&shown.subject, &order.path);
+            OutputKind::Clip(format) => {
+                self.recorder.saving = Saving::of(&shown.subject, &order.path, format);
                 Box::new(move |order, progress| writer::clip(order, &shown, progress))
             }
             OutputKind::Handout(_) => {
@@ -495,10 +508,9 @@ impl App {
 
     pub(super) fn session(&self, shown: &Snapshot) -> Session {
         let stage = &self.states.stage;
-        let sight = match stage.zoom {
-            Zoom::Fit => None,
-            Zoom::At { center, scale } => Some(VisiblePart { center, zoom: scale }),
-        };
+        let chosen = stage.chosen().filter(|_| stage.zoom != Zoom::Fit);
+        let part = |lens: Lens| VisiblePart { center: lens.center.into(), zoom: lens.scale, size: Some(lens.extent()) };
+        let sight = chosen.map(part);
         let whole = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.into());
         let mut experiment = shown.subject.experiment.clone();
         experiment.source = experiment.source.map_path(whole);

@@ -1,20 +1,25 @@
 //! The camera: a live picture, an estimator that runs on it, and recordings of it as clips.
 
+mod bar;
+mod countdown;
+
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
+use countdown::Countdown;
 use eframe::egui::{
-    self, Align, Button, ComboBox, Key, Label, Layout, Modifiers, Rect, RichText, TextStyle, Ui, UiBuilder, vec2,
+    self, Align, ComboBox, Key, Label, Layout, Modifiers, Rect, RichText, TextStyle, Ui, UiBuilder, vec2,
 };
 use lucide_icons::Icon;
 use motionscope_core::{Cursor, Error, Info, capital, estimator};
 
-use crate::media::camera::{Camera, Cameras, Device, Kept, Shot, Size, keep};
+use crate::media::camera::{Camera, Cameras, Closing, Device, Kept, Shot, Size, keep};
 use crate::ui::app::action::{Action, Actions};
 use crate::ui::model::background::Background;
 use crate::ui::model::document::Document;
 use crate::ui::model::live::{Live, LiveView, live_look};
+use crate::ui::model::settings::{CameraChoices, Settings};
 use crate::ui::parts::widgets;
 use crate::ui::stage;
 use crate::view::look::Look;
@@ -32,11 +37,15 @@ pub struct State {
     /// Why there are no cameras among them.
     trouble: Option<Error>,
     device: usize,
-    size: Size,
-    seconds: u32,
+    /// What is remembered of what was chosen here.
+    choices: CameraChoices,
     live: Option<Result<Live, Error>>,
+    /// The cameras that have not ended, of this dialog and of earlier ones: each may take a while to close.
+    closing: Closing,
     /// The estimator that runs on the camera.
     estimator: Option<&'static str>,
+    /// The countdown before a recording.
+    countdown: Option<Countdown>,
     keeping: Option<Background<Kept>>,
     /// Why the last recording was not kept.
     refused: Option<Error>,
@@ -48,18 +57,28 @@ pub struct State {
 }
 
 impl State {
-    /// The dialog for `cameras`; a recording will be called `name`, and `last` is the one before.
-    pub fn new(cameras: Arc<dyn Cameras>, name: String, last: Option<PathBuf>, ctx: &egui::Context) -> Self {
+    /// The dialog for `cameras` with what was chosen before; those in `closing` may not have ended yet. A recording will be called
+    /// `name`, and `last` is the one before.
+    pub fn new(
+        (cameras, closing): (Arc<dyn Cameras>, Closing),
+        (name, last): (String, Option<PathBuf>),
+        choices: CameraChoices,
+        ctx: &egui::Context,
+    ) -> Self {
+        let size = Some(choices.size).filter(|size| Size::USUAL.contains(size)).unwrap_or_default();
+        let seconds = Some(choices.seconds).filter(|seconds| SECONDS.contains(seconds));
+        let seconds = seconds.unwrap_or_else(|| CameraChoices::default().seconds);
         let mut state = Self {
             cameras,
             listing: None,
             devices: Vec::new(),
             trouble: None,
             device: 0,
-            size: Size::default(),
-            seconds: 3,
+            choices: CameraChoices { size, seconds, ..choices },
             live: None,
+            closing,
             estimator: None,
+            countdown: None,
             keeping: None,
             refused: None,
             name,
@@ -79,32 +98,38 @@ impl State {
         self.live.as_ref().and_then(|live| live.as_ref().ok())
     }
 
+    /// Switches the camera off.
+    fn close(&mut self) {
+        (self.live, self.countdown) = (None, None);
+    }
+
     /// Lists the cameras anew.
     fn list(&mut self, ctx: &egui::Context) {
-        self.live = None;
+        self.close();
         let (cameras, ctx) = (Arc::clone(&self.cameras), ctx.clone());
         let work = move |_: &Arc<_>| Ok(cameras.list());
         self.listing = Some(Background::new("list the cameras", move || ctx.request_repaint(), work));
     }
 
-    /// Opens the chosen camera.
-    fn open(&mut self, ctx: &egui::Context) {
-        // One camera is not opened twice.
-        (self.live, self.refused) = (None, None);
+    /// Opens the chosen camera, with the estimator that was chosen last.
+    fn open(&mut self, ctx: &egui::Context, document: &Document) {
+        self.close();
+        self.refused = None;
         let Some(device) = self.devices.get(self.device).cloned() else { return };
-        let (cameras, size) = (Arc::clone(&self.cameras), self.size);
-        let camera = Camera::open(move |stop| cameras.open(&device, size, stop), || {});
-        let repaint = ctx.clone();
+        let (cameras, size) = (Arc::clone(&self.cameras), self.choices.size);
+        let camera = Camera::open_after(&self.closing, move |stop| cameras.open(&device, size, stop), || {});
+        let (repaint, remembered) = (ctx.clone(), self.time() + MARGIN);
         self.live = Some(camera.and_then(|camera| {
-            camera.remember(Duration::from_secs(self.seconds.into()) + MARGIN);
+            camera.remember(remembered);
             Live::new(camera, move || repaint.request_repaint())
         }));
-        self.estimator = None;
+        let chosen = self.choices.estimator.as_deref().and_then(|id| estimator(id).ok());
+        self.choose(chosen.map(|chosen| chosen.info().id), document);
     }
 
     /// The time that is recorded.
     fn time(&self) -> Duration {
-        Duration::from_secs(self.seconds.into())
+        Duration::from_secs(self.choices.seconds.into())
     }
 
     /// The length of the recording so far, if one is being made.
@@ -112,9 +137,14 @@ impl State {
         self.live()?.camera().recorded()
     }
 
-    /// Whether a recording is being made or kept, so that its camera, size and duration stay.
+    /// Whether a recording is about to begin, being made or kept, so that its camera, size and duration stay.
     fn is_busy(&self) -> bool {
-        self.keeping.is_some() || self.recorded().is_some()
+        self.keeping.is_some() || self.can_cancel()
+    }
+
+    /// Whether there is a countdown or a recording to cancel.
+    fn can_cancel(&self) -> bool {
+        self.countdown.is_some() || self.recorded().is_some()
     }
 
     fn has_frames(&self) -> bool {
@@ -133,16 +163,19 @@ impl State {
     }
 
     /// Receives the list of cameras, once it is there.
-    fn receive_list(&mut self, ctx: &egui::Context) {
+    fn receive_list(&mut self, ctx: &egui::Context, document: &Document) {
         let Some(outcome) = self.listing.as_ref().and_then(Background::take) else { return };
         let (devices, trouble) = outcome.unwrap_or_else(|error| (vec![Device::TestPicture], Some(error)));
-        (self.devices, self.trouble, self.device, self.listing) = (devices, trouble, 0, None);
-        self.open(ctx);
+        let chosen = devices.iter().position(|device| Some(device.name()) == self.choices.device.as_deref());
+        self.device = chosen.unwrap_or(0);
+        (self.devices, self.trouble, self.listing) = (devices, trouble, None);
+        self.open(ctx, document);
     }
 
     /// Receives the results of other threads; returns whether a recording is opened.
-    fn tend(&mut self, ctx: &egui::Context, actions: &mut Actions) -> bool {
-        self.receive_list(ctx);
+    fn tend(&mut self, ctx: &egui::Context, document: &Document, actions: &mut Actions) -> bool {
+        self.receive_list(ctx, document);
+        self.count_down(ctx);
         if let Some(live) = self.live() {
             // An estimator that has failed can be chosen again.
             let has_failed = live.has_failed();
@@ -173,18 +206,46 @@ impl State {
         self.keeping = Some(Background::new("keep the recording", move || ctx.request_repaint(), work));
     }
 
-    /// Begins a recording, or ends it before its time.
+    /// Begins the countdown or the recording, or ends either before its time.
     fn record(&mut self, ctx: &egui::Context) {
         let Some(live) = self.live().filter(|_| self.can_record()) else { return };
-        match live.camera().recorded() {
-            Some(_) => {
-                let shots = live.camera().take_recording();
-                self.keep(shots, ctx);
-            }
-            None => {
-                live.camera().begin_recording(self.time());
-                self.refused = None;
-            }
+        if live.camera().recorded().is_some() {
+            let shots = live.camera().take_recording();
+            self.keep(shots, ctx);
+        } else if self.countdown.take().is_some() {
+            // It was cancelled.
+        } else if self.choices.has_countdown {
+            (self.countdown, self.refused) = (Some(Countdown::from(Instant::now())), None);
+        } else {
+            self.begin_recording();
+        }
+    }
+
+    fn begin_recording(&mut self) {
+        if let Some(live) = self.live() {
+            live.camera().begin_recording(self.time());
+        }
+        self.refused = None;
+    }
+
+    /// Begins the recording once the countdown is over; without a camera there is none.
+    fn count_down(&mut self, ctx: &egui::Context) {
+        let Some(countdown) = &self.countdown else { return };
+        countdown.tend(ctx);
+        let is_over = countdown.number(Instant::now()).is_none();
+        if is_over || !self.can_record() {
+            self.countdown = None;
+        }
+        if is_over && self.can_record() {
+            self.begin_recording();
+        }
+    }
+
+    /// Gives up the countdown, or the recording with its frames.
+    fn cancel(&mut self) {
+        self.countdown = None;
+        if let Some(live) = self.live() {
+            drop(live.camera().take_recording());
         }
     }
 
@@ -212,16 +273,16 @@ impl State {
 pub fn show(
     ctx: &egui::Context,
     state: &mut State,
-    (document, look): (&Document, &Look),
+    (document, settings): (&Document, &mut Settings),
     actions: &mut Actions,
 ) -> bool {
     let size = TextStyle::Body.resolve(&ctx.global_style()).size;
     let screen = ctx.content_rect();
-    let is_kept = state.tend(ctx, actions);
+    let is_kept = state.tend(ctx, document, actions);
     let (mut keys, mut is_closed) = (Keys::default(), false);
     let modal = widgets::modal(ctx, "live camera", vec2(72.0 * size, 56.0 * size)).show(ctx, |ui| {
         // Before a button in focus takes them.
-        keys = Keys::take(ui);
+        keys = Keys::take(ui, state);
         ui.set_width((72.0 * size).min(screen.width() - 104.0));
         let tall = (screen.height() - 104.0).min(56.0 * size);
         let bottom = ui.cursor().min.y + tall;
@@ -231,9 +292,12 @@ pub fn show(
         let row = ui.spacing().interact_size.y + 12.0;
         let height = (bottom - row - ui.cursor().min.y).max(120.0);
         let (_, rect) = ui.allocate_space(vec2(ui.available_width(), height));
-        ui.scope_builder(UiBuilder::new().max_rect(rect), |ui| picture(ui, state, look));
+        picture(&mut widgets::inside(ui, rect, Layout::top_down(Align::Min)), state, (document, &settings.look));
+        if let Some(countdown) = &state.countdown {
+            countdown.paint(ui, state.stage.area());
+        }
         ui.add_space(4.0);
-        is_closed |= buttons(ui, state, &mut keys, actions);
+        is_closed |= bar::show(ui, state, &mut keys, actions);
     });
     if keys.records {
         state.record(ctx);
@@ -241,6 +305,10 @@ pub fn show(
     if keys.freezes {
         state.freeze(ctx);
     }
+    if keys.cancels {
+        state.cancel();
+    }
+    settings.camera.clone_from(&state.choices);
     !(modal.should_close() || is_closed || is_kept)
 }
 
@@ -249,13 +317,17 @@ pub fn show(
 struct Keys {
     records: bool,
     freezes: bool,
+    cancels: bool,
 }
 
 impl Keys {
-    fn take(ui: &Ui) -> Self {
+    fn take(ui: &Ui, state: &State) -> Self {
+        let can_cancel = state.can_cancel();
         ui.input_mut(|input| Self {
             records: input.consume_key(Modifiers::NONE, Key::R),
             freezes: input.consume_key(Modifiers::NONE, Key::Space),
+            // Otherwise it closes the dialog.
+            cancels: can_cancel && input.consume_key(Modifiers::NONE, Key::Escape),
         })
     }
 }
@@ -263,8 +335,7 @@ impl Keys {
 /// A list under its name.
 fn list<R>(ui: &mut Ui, name: &str, shown: &str, add: impl FnOnce(&mut Ui) -> R) {
     let label = ui.label(RichText::new(name).weak());
-    let height = 0.6 * ui.ctx().content_rect().height();
-    let combo = ComboBox::from_id_salt(name).selected_text(widgets::elide(shown, 28)).width(0.0).height(height);
+    let combo = ComboBox::from_id_salt(name).selected_text(widgets::elide(shown, 28)).width(0.0).height(longest(ui));
     let combo = combo.show_ui(ui, |ui| {
         // A click on the dialog has put it above the list, and it would stay there.
         ui.ctx().move_to_top(ui.layer_id());
@@ -274,9 +345,14 @@ fn list<R>(ui: &mut Ui, name: &str, shown: &str, add: impl FnOnce(&mut Ui) -> R)
     ui.add_space(8.0);
 }
 
+/// Height of the longest list.
+fn longest(ui: &Ui) -> f32 {
+    0.6 * ui.ctx().content_rect().height()
+}
+
 /// The camera, the size and duration of its recordings, and the estimator.
 fn choices(ui: &mut Ui, state: &mut State, document: &Document) {
-    let (device, size, seconds, id) = (state.device, state.size, state.seconds, state.estimator);
+    let (device, before, id) = (state.device, state.choices.clone(), state.estimator);
     let (ctx, is_busy) = (ui.ctx().clone(), state.is_busy());
     let (mut lists_anew, mut chosen) = (false, id);
     ui.horizontal_wrapped(|ui| {
@@ -290,14 +366,14 @@ fn choices(ui: &mut Ui, state: &mut State, document: &Document) {
             }
             lists_anew = ui.button("List again").clicked();
         });
-        list(ui, "Size", &size_text(size), |ui| {
+        list(ui, "Size", &size_text(before.size), |ui| {
             for size in Size::USUAL {
-                ui.selectable_value(&mut state.size, size, size_text(size));
+                ui.selectable_value(&mut state.choices.size, size, size_text(size));
             }
         });
-        list(ui, "Duration", &format!("{seconds} s"), |ui| {
+        list(ui, "Duration", &format!("{} s", before.seconds), |ui| {
             for seconds in SECONDS {
-                ui.selectable_value(&mut state.seconds, seconds, format!("{seconds} s"));
+                ui.selectable_value(&mut state.choices.seconds, seconds, format!("{seconds} s"));
             }
         });
         let view = state.view().unwrap_or_default();
@@ -312,19 +388,23 @@ fn choices(ui: &mut Ui, state: &mut State, document: &Document) {
     });
     if is_busy {
         // A list that was open when the recording began changes nothing.
-        (state.device, state.size, state.seconds) = (device, size, seconds);
+        (state.device, state.choices) = (device, before);
         return;
     }
     if chosen != id {
+        state.choices.estimator = chosen.map(str::to_owned);
         state.choose(chosen, document);
     }
     if lists_anew {
         return state.list(&ctx);
     }
-    if (device, size) != (state.device, state.size) {
-        state.open(&ctx);
+    if device != state.device {
+        state.choices.device = state.devices.get(state.device).map(|device| device.name().to_owned());
     }
-    if seconds != state.seconds
+    if (device, before.size) != (state.device, state.choices.size) {
+        state.open(&ctx, document);
+    }
+    if before.seconds != state.choices.seconds
         && let Some(live) = state.live()
     {
         live.camera().remember(state.time() + MARGIN);
@@ -333,6 +413,10 @@ fn choices(ui: &mut Ui, state: &mut State, document: &Document) {
 
 /// The estimators that keep up with the camera, by family.
 fn estimators(ui: &mut Ui, view: &LiveView, chosen: &mut Option<&'static str>) {
+    if !view.is_measured {
+        // A list that is open does not grow: it has from the beginning the room for what will be in it.
+        ui.set_min_height(longest(ui));
+    }
     ui.selectable_value(chosen, None, "none");
     let mut family = "";
     for (Info { id, name, family: of, .. }, time) in view.offered.iter().map(|(info, time)| (*info, time)) {
@@ -388,7 +472,7 @@ fn note(ui: &mut Ui, state: &State) {
 }
 
 /// The live picture, or why there is none.
-fn picture(ui: &mut Ui, state: &mut State, look: &Look) {
+fn picture(ui: &mut Ui, state: &mut State, (document, look): (&Document, &Look)) {
     let view = state.view().unwrap_or_default();
     let ended = match &state.live {
         Some(Ok(live)) => live.camera().ended(),
@@ -396,7 +480,7 @@ fn picture(ui: &mut Ui, state: &mut State, look: &Look) {
         None => None,
     };
     let Some(seen) = &view.seen else {
-        return empty(ui, state, ended.as_ref());
+        return empty(ui, state, document, ended.as_ref());
     };
     let look = live_look(look);
     if let Some(live) = state.live() {
@@ -423,7 +507,7 @@ fn picture(ui: &mut Ui, state: &mut State, look: &Look) {
 }
 
 /// The text in place of the picture: the camera is being opened, or why there is none.
-fn empty(ui: &mut Ui, state: &mut State, error: Option<&Error>) {
+fn empty(ui: &mut Ui, state: &mut State, document: &Document, error: Option<&Error>) {
     let room = ui.available_rect_before_wrap();
     let words = match error {
         Some(error) => format!("{}.", capital(&error.to_string())),
@@ -440,71 +524,7 @@ fn empty(ui: &mut Ui, state: &mut State, error: Option<&Error>) {
         ui.add_space(8.0);
         if ui.button((widgets::icon(&ui, Icon::RotateCcw), "Try again")).clicked() {
             let ctx = ui.ctx().clone();
-            state.open(&ctx);
+            state.open(&ctx, document);
         }
-    }
-}
-
-/// The state of the camera, and the buttons that make recordings; returns whether the last recording is opened.
-fn buttons(ui: &mut Ui, state: &State, keys: &mut Keys, actions: &mut Actions) -> bool {
-    let mut reopens = false;
-    ui.horizontal(|ui| {
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            let is_recording = state.recorded().is_some();
-            let (text, tip) = if is_recording {
-                ("Stop recording".to_owned(), "Stop recording and open the frames so far.\nR")
-            } else {
-                (format!("Record {} s", state.seconds), "Record the next seconds, and open them as a clip.\nR")
-            };
-            let fill = if is_recording { ui.visuals().error_fg_color } else { ui.visuals().hyperlink_color };
-            let button = Button::new(RichText::new(text).color(ui.visuals().panel_fill)).fill(fill);
-            keys.records |= ui.add_enabled(state.can_record(), button).on_hover_text(tip).clicked();
-            let text = format!("Freeze the last {} s", state.seconds);
-            let tip = "Open the last seconds as a clip, with this estimator.\nSpace";
-            let freeze = ui.add_enabled(state.can_freeze(), Button::new(text));
-            keys.freezes |= freeze.on_hover_text(tip).clicked();
-            if let Some(last) = &state.last
-                && ui.button("Last recording").on_hover_text("Open the last recording again.").clicked()
-            {
-                actions.ask(Action::Open(last.into()));
-                reopens = true;
-            }
-            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                if state.keeping.is_some() {
-                    ui.spinner();
-                }
-                ui.add(Label::new(RichText::new(told(state)).weak()).truncate());
-            });
-        });
-    });
-    reopens
-}
-
-/// The state of the camera and the estimator, in numbers.
-fn told(state: &State) -> String {
-    let (Some(live), Some(view)) = (state.live(), state.view()) else { return String::new() };
-    if state.keeping.is_some() {
-        return "Opening the recording…".into();
-    }
-    if let Some(recorded) = state.recorded() {
-        return format!("Recording: {:.1} s of {} s", recorded.as_secs_f64(), state.seconds);
-    }
-    if let Some(error) = live.camera().ended().filter(|_| view.seen.is_some()) {
-        return format!("{}. The last seconds can still be frozen.", capital(&error.to_string()));
-    }
-    if let Some(error) = view.error {
-        return format!("{}.", capital(&error.to_string()));
-    }
-    let rate = |rate: Option<f64>| rate.map_or_else(String::new, |rate| format!("{rate:.0} frames/s"));
-    match state.estimator.and_then(|id| estimator(id).ok()) {
-        Some(one) if view.rate.is_some() => format!(
-            "{}: {}, {} frames dropped; camera: {}",
-            one.info().name,
-            rate(view.rate),
-            view.dropped,
-            rate(live.camera().rate())
-        ),
-        Some(one) => format!("Starting {}…", one.info().name),
-        None => rate(live.camera().rate()),
     }
 }

@@ -7,8 +7,10 @@ use eframe::egui::{
 };
 use lucide_icons::Icon;
 
+use super::path::to_end;
 use crate::paint::Theme;
-use crate::search::{Excerpt, Hit, Kind, grouped, search};
+use crate::paint::script::Script;
+use crate::search::{Excerpt, Hit, Kind, TRANSPOSED, grouped, search, suggest};
 use crate::ui::app::action::{Action, Actions};
 use crate::ui::drawing::style;
 use crate::ui::parts::widgets;
@@ -22,6 +24,8 @@ pub struct State {
     query: String,
     /// What was found for which query.
     found: Option<(String, Vec<Hit>)>,
+    /// What was probably meant where nothing was found.
+    meant: Option<String>,
     chosen: usize,
     /// The kinds of which all hits are listed.
     unfolded: Vec<Kind>,
@@ -38,7 +42,9 @@ impl State {
     /// Searches anew where something else was typed.
     fn update(&mut self) {
         if self.found.as_ref().is_none_or(|(query, _)| *query != self.query) {
-            self.found = Some((self.query.clone(), search(&self.query)));
+            let hits = search(&self.query);
+            self.meant = if hits.is_empty() { suggest(&self.query) } else { None };
+            self.found = Some((self.query.clone(), hits));
             (self.chosen, self.unfolded) = (0, Vec::new());
         }
     }
@@ -56,6 +62,8 @@ enum Line<'a> {
     Hit(&'a Hit),
     /// More hits of a kind.
     More(Kind, usize),
+    /// What was probably meant.
+    Meant(&'a str),
 }
 
 impl Line<'_> {
@@ -64,9 +72,9 @@ impl Line<'_> {
     }
 }
 
-/// What is listed, kind by kind.
-fn lines<'a>(hits: &'a [Hit], unfolded: &[Kind]) -> Vec<Line<'a>> {
-    let mut lines = Vec::new();
+/// What is listed: the hits kind by kind, or else what was probably `meant`.
+fn lines<'a>((hits, meant): (&'a [Hit], Option<&'a str>), unfolded: &[Kind]) -> Vec<Line<'a>> {
+    let mut lines: Vec<_> = meant.into_iter().map(Line::Meant).collect();
     for (kind, hits) in grouped(hits) {
         // One more is no shorter than the line that hides it.
         let most = if unfolded.contains(&kind) || hits.len() <= MOST + 1 { hits.len() } else { MOST };
@@ -101,15 +109,15 @@ pub fn show(ctx: &egui::Context, state: &mut State, theme: Theme, actions: &mut 
             ui,
             |ui| {
                 ui.spacing_mut().item_spacing.y = 0.0;
-                let all = lines(state.hits(), &state.unfolded);
+                let all = lines((state.hits(), state.meant.as_deref()), &state.unfolded);
+                if state.hits().is_empty() {
+                    nothing(ui, state);
+                }
                 let count = all.iter().filter(|line| line.can_be_chosen()).count();
                 let chosen =
                     (state.chosen + usize::from(down)).saturating_sub(usize::from(up)).min(count.saturating_sub(1));
                 let entered = enter || state.is_entered;
                 choice = list(ui, &all, theme, &Keys { chosen, is_moved: up || down, entered });
-                if count == 0 {
-                    nothing(ui, &state.query);
-                }
                 (state.chosen, state.is_entered) = (chosen, false);
             },
         );
@@ -119,15 +127,24 @@ pub fn show(ctx: &egui::Context, state: &mut State, theme: Theme, actions: &mut 
                 is_done = true;
             }
             Some(Choice::More(kind)) => state.unfolded.push(kind),
+            Some(Choice::Meant(query)) => {
+                to_end(ui.ctx(), field_id(), &query);
+                state.query = query;
+                ui.ctx().request_repaint();
+            }
             None => {}
         }
     });
     !(modal.should_close() || is_done)
 }
 
+fn field_id() -> egui::Id {
+    egui::Id::unique("words to find")
+}
+
 /// The field for what is sought.
 fn field(ui: &mut Ui, state: &mut State) {
-    let id = egui::Id::unique("words to find");
+    let id = field_id();
     widgets::catch_text(ui.ctx(), id, &mut state.query);
     let field = TextEdit::singleline(&mut state.query)
         .id(id)
@@ -144,13 +161,15 @@ fn field(ui: &mut Ui, state: &mut State) {
 }
 
 /// Why there is nothing in the list.
-fn nothing(ui: &mut Ui, query: &str) {
-    let text = match query.trim().is_empty() {
-        true => "Type one word or several: all of them must occur. The beginning of a word is enough.",
-        false => "Nothing has all of these words. Try fewer words, or the beginning of a word.",
+fn nothing(ui: &mut Ui, state: &State) {
+    let text = match (state.query.trim().is_empty(), &state.meant) {
+        (true, _) => "Type one word or several: all of them must occur. The beginning of a word is enough.",
+        (false, Some(_)) => "Nothing has all of these words.",
+        (false, None) => "Nothing has all of these words. Try fewer words, or the beginning of a word.",
     };
     ui.add_space(8.0);
     ui.label(RichText::new(text).weak());
+    ui.add_space(8.0);
 }
 
 /// What the keys say.
@@ -169,6 +188,8 @@ enum Choice {
     Hit(Hit),
     /// To list the others of its kind.
     More(Kind),
+    /// To search for this instead.
+    Meant(String),
 }
 
 fn list(ui: &mut Ui, lines: &[Line], theme: Theme, keys: &Keys) -> Option<Choice> {
@@ -183,7 +204,14 @@ fn list(ui: &mut Ui, lines: &[Line], theme: Theme, keys: &Keys) -> Option<Choice
         let lit = number == keys.chosen;
         let response = match line {
             Line::Hit(hit) => row(ui, hit, lit, theme),
-            Line::More(kind, count) => more(ui, *kind, *count, lit, theme),
+            Line::More(kind, count) => {
+                let (name, text) = (format!("{count} more: {}", kind.title()), format!("{count} more"));
+                short(ui, (name.as_str(), RichText::new(text).small().weak()), lit, theme)
+            }
+            Line::Meant(query) => {
+                let text = format!("Did you mean {query}?");
+                short(ui, (text.as_str(), RichText::new(&text)), lit, theme)
+            }
             Line::Heading(..) => continue,
         };
         if lit && keys.is_moved {
@@ -193,6 +221,7 @@ fn list(ui: &mut Ui, lines: &[Line], theme: Theme, keys: &Keys) -> Option<Choice
             choice = match line {
                 Line::Hit(hit) => Some(Choice::Hit((*hit).clone())),
                 Line::More(kind, _) => Some(Choice::More(*kind)),
+                Line::Meant(query) => Some(Choice::Meant((*query).to_owned())),
                 Line::Heading(..) => None,
             };
         }
@@ -251,15 +280,14 @@ fn row(ui: &mut Ui, hit: &Hit, lit: bool, theme: Theme) -> egui::Response {
     response
 }
 
-/// The line behind which more hits are.
-fn more(ui: &mut Ui, kind: Kind, count: usize, lit: bool, theme: Theme) -> egui::Response {
+/// A line of words alone, with its name for screen readers.
+fn short(ui: &mut Ui, (name, text): (&str, RichText), lit: bool, theme: Theme) -> egui::Response {
     let height = ui.spacing().interact_size.y;
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::click());
-    let name = format!("{count} more: {}", kind.title());
-    response.widget_info(|| WidgetInfo::selected(egui::Role::ListBoxOption, true, lit, &name));
+    response.widget_info(|| WidgetInfo::selected(egui::Role::ListBoxOption, true, lit, name));
     highlight(ui, rect, lit || response.hovered(), lit, theme);
     let mut ui = widgets::inside(ui, rect.shrink2(vec2(8.0, 0.0)), Layout::left_to_right(Align::Center));
-    ui.add(Label::new(RichText::new(format!("{count} more")).small().weak()).selectable(false));
+    ui.add(Label::new(text).truncate().selectable(false));
     response
 }
 
@@ -280,12 +308,24 @@ fn marked(ui: &Ui, excerpt: &Excerpt, width: f32, theme: Theme) -> LayoutJob {
     let mut job = LayoutJob { wrap: TextWrapping::truncate_at_width(width), ..LayoutJob::default() };
     let mut at = 0;
     for range in &excerpt.marks {
-        job.append(excerpt.text.get(at..range.start).unwrap_or_default(), 0.0, plain.clone());
-        job.append(excerpt.text.get(range.clone()).unwrap_or_default(), 0.0, mark.clone());
+        append(&mut job, excerpt.text.get(at..range.start).unwrap_or_default(), &plain);
+        append(&mut job, excerpt.text.get(range.clone()).unwrap_or_default(), &mark);
         at = range.end;
     }
-    job.append(excerpt.text.get(at..).unwrap_or_default(), 0.0, plain);
+    append(&mut job, excerpt.text.get(at..).unwrap_or_default(), &plain);
     job
+}
+
+/// Appends `text` in one format. No face of the program has the mark of transposed matrices: it is a raised T.
+fn append(job: &mut LayoutJob, text: &str, format: &TextFormat) {
+    for (i, words) in text.split(TRANSPOSED).enumerate() {
+        if i > 0 {
+            let size = Script::Super.share() * format.font_id.size;
+            let font_id = egui::FontId::new(size, format.font_id.family.clone());
+            job.append("T", 0.0, TextFormat { font_id, valign: Align::TOP, ..format.clone() });
+        }
+        job.append(words, 0.0, format.clone());
+    }
 }
 
 #[cfg(test)]
@@ -301,10 +341,31 @@ mod tests {
         assert!(count > MOST + 1);
         let listed =
             |lines: &[Line]| lines.iter().filter(|line| matches!(line, Line::Hit(hit) if hit.kind == kind)).count();
-        let folded = lines(state.hits(), &[]);
+        let folded = lines((state.hits(), None), &[]);
         assert_eq!(listed(&folded), MOST);
         assert!(folded.iter().any(|line| matches!(line, Line::More(of, more) if *of == kind && *more == count - MOST)));
-        assert_eq!(listed(&lines(state.hits(), &[kind])), count);
+        assert_eq!(listed(&lines((state.hits(), None), &[kind])), count);
+    }
+
+    #[test]
+    fn transposed_matrices_have_a_raised_t() {
+        let mut job = LayoutJob::default();
+        let format = TextFormat::simple(egui::FontId::proportional(20.0), egui::Color32::WHITE);
+        append(&mut job, "S = H P Hᵀ + R", &format);
+        assert_eq!(job.text, "S = H P HT + R");
+        let raised: Vec<_> = job.sections.iter().filter(|section| section.format.valign == Align::TOP).collect();
+        assert_eq!(raised.len(), 1);
+        assert!(raised[0].format.font_id.size < 20.0 && raised[0].leading_space == 0.0);
+    }
+
+    #[test]
+    fn a_suggestion_goes_once_anything_is_found() {
+        let mut state = State::asking("gradiant", false);
+        state.update();
+        assert!(state.hits().is_empty() && state.meant.is_some());
+        state.query = state.meant.clone().unwrap_or_default();
+        state.update();
+        assert!(!state.hits().is_empty() && state.meant.is_none());
     }
 
     #[test]

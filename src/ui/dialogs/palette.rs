@@ -1,5 +1,6 @@
 //! The palette: a few letters find any command, estimator, lesson, sample or recent clip.
 
+use std::cmp::Reverse;
 use std::path::PathBuf;
 
 use eframe::egui::{
@@ -138,18 +139,43 @@ fn row(ui: &mut Ui, entry: &Entry, lit: bool, theme: Theme) -> egui::Response {
 
 /// What `query` finds, the best first.
 fn found(query: &str, input: &Input) -> Vec<Entry> {
-    let mut scored: Vec<(i32, Entry)> = entries(input)
-        .into_iter()
-        .filter_map(|entry| {
-            // What it is of is worth less than what it is called, and what it is about less than that.
-            let of = fuzzy::score(query, &format!("{} {}", entry.tip, entry.also)).map(|score| score - 100);
-            let about = fuzzy::mentions(query, &entry.about).then_some(ABOUT);
-            fuzzy::score(query, &entry.text).max(of).max(about).map(|score| (score, entry))
-        })
-        .collect();
-    // Equal scores stay in the order of the menus.
-    scored.sort_by_key(|(score, _)| -score);
-    scored.into_iter().map(|(_, entry)| entry).chain(in_texts(query)).collect()
+    let mut ranked: Vec<(Rank, Entry)> =
+        entries(input).into_iter().filter_map(|entry| Some((rank(query, &entry)?, entry))).collect();
+    // Equal ranks stay in the order of the menus.
+    ranked.sort_by_key(|(rank, _)| Reverse(*rank));
+    ranked.into_iter().map(|(_, entry)| entry).chain(in_texts(query)).collect()
+}
+
+/// Where the words of a query begin words, then the score of their letters; the larger, the better.
+type Rank = (Place, i32);
+
+/// Where every word of a query begins a word, from the worst to the best.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Place {
+    /// Nowhere: its letters are strewn over a name.
+    Strewn,
+    /// In the name together with what it is about.
+    About,
+    /// In the name together with the menu, the family, or the name for scripts.
+    Beside,
+    /// In the name.
+    Name,
+}
+
+/// How well an entry fits; `None` if it does not.
+fn rank(query: &str, entry: &Entry) -> Option<Rank> {
+    let Entry { text, tip, also, about, .. } = entry;
+    // What it is of is worth less than what it is called.
+    let of = fuzzy::score(query, &format!("{tip} {also}")).map(|score| score - 100);
+    let score = fuzzy::score(query, text).max(of);
+    let beside = format!("{text} {tip} {also}");
+    let place = match () {
+        () if fuzzy::mentions(query, text) => Place::Name,
+        () if fuzzy::mentions(query, &beside) => Place::Beside,
+        () if fuzzy::mentions(query, &format!("{beside} {about}")) => Place::About,
+        () => return Some((Place::Strewn, score?)),
+    };
+    Some((place, score.unwrap_or_default()))
 }
 
 /// The search of all texts for `query`, behind everything that is called so.
@@ -161,9 +187,6 @@ fn in_texts(query: &str) -> Option<Entry> {
     let is_asked = !query.trim().is_empty();
     is_asked.then(|| Entry { icon: command.info().icon, text, tip, also: "", about, keys, action })
 }
-
-/// What a word is worth that something is about: more than letters strewn over a name, less than a word of it.
-const ABOUT: i32 = 100;
 
 /// Words that people look for and that no name has.
 fn tags(command: Command) -> &'static str {
@@ -268,6 +291,7 @@ fn entries(input: &Input) -> Vec<Entry> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ui::app::commands::Menu;
 
     /// What a query finds in a window with a run, by name.
     fn names(query: &str) -> Vec<String> {
@@ -298,6 +322,37 @@ mod tests {
     fn names_count_more_than_what_things_are_about() {
         for (query, first) in [("zoom", "Zoom in"), ("diamond", "Estimator: Diamond search"), ("session", "Save")] {
             assert!(names(query)[0].starts_with(first), "{query}: {:?}", &names(query)[..3]);
+        }
+    }
+
+    #[test]
+    fn a_command_is_found_by_its_menu_before_what_only_speaks_of_it() {
+        let first = Command::ExportPicture.info().text;
+        for query in ["export", "export picture", "picture export", "exp pic", "picture of this step"] {
+            assert_eq!(names(query)[0], first, "{query}: {:?}", &names(query)[..3]);
+        }
+        let menu = Command::ALL.iter().filter(|command| command.info().menu == Menu::Export);
+        let of_menu: Vec<_> = menu.map(|command| command.info().text).collect();
+        let found = names("export");
+        let listed = found.iter().take_while(|name| of_menu.contains(&name.as_str())).count();
+        assert!(listed > 3 && found.iter().skip(listed).all(|name| !of_menu.contains(&name.as_str())), "{found:?}");
+        // The pen only says that its ink is exported with pictures.
+        let pen = names("export picture").into_iter().position(|name| name == Command::Pen.info().text);
+        assert!(pen.is_some_and(|at| at > 0));
+    }
+
+    #[test]
+    fn beginnings_of_words_count_more_than_strewn_letters() {
+        for query in ["export picture", "search window", "kalman"] {
+            let now = Situation { has_clip: true, has_run: true, ..Situation::default() };
+            let granularities = Granularities::new(&["run", "block", "candidate"]);
+            let input = Input { now, granularities, recent: &[], theme: Theme::Dark };
+            let all = found(query, &input);
+            let places: Vec<_> = all.iter().filter_map(|entry| rank(query, entry)).map(|(place, _)| place).collect();
+            // The search of all texts comes last, whatever it is called.
+            let listed = &places[..places.len() - 1];
+            assert!(listed.is_sorted_by(|before, after| before >= after), "{query}: {listed:?}");
+            assert!(listed[0] > Place::Strewn, "{query}: {:?}", names(query)[0]);
         }
     }
 }

@@ -243,7 +243,7 @@ impl PathField {
 }
 
 /// Puts the cursor behind the text of the field `id`.
-fn to_end(ctx: &egui::Context, id: Id, text: &str) {
+pub(super) fn to_end(ctx: &egui::Context, id: Id, text: &str) {
     let mut state = egui::text_edit::TextEditState::load(ctx, id).unwrap_or_default();
     let end = CCursorRange::one(CCursor::new(text.chars().count()));
     state.cursor.set_char_range(Some(end));

@@ -31,6 +31,8 @@ const SCALES: [u32; 4] = [1, 2, 4, 8];
 const RATES_HZ: [f32; 6] = [1.0, 2.0, 4.0, 8.0, 15.0, 25.0];
 /// The container of recordings, whose file is copied as it is.
 const Y4M: &str = "y4m";
+/// The ending of compressed video.
+const MP4: &str = "mp4";
 /// Pictures between two steps of an animation that are blended of both.
 const BLENDED: u32 = 4;
 
@@ -92,7 +94,8 @@ impl Kind {
                 let is_copied =
                     subject.clip.info().container == Y4M && matches!(subject.experiment.source, Source::File(_));
                 let copied = is_copied.then(|| choice(Y4M, "Uncompressed video in one file, the frames as they came"));
-                copied.into_iter().chain([numbered]).collect()
+                let video = choice(MP4, "Compressed video, with loss; encoded by the ffmpeg of this computer");
+                copied.into_iter().chain([numbered, video]).collect()
             }
             Kind::Handout | Kind::Worksheet => vec![choice("pdf", "PDF, sheets of paper in A4")],
             Kind::Result => {
@@ -235,12 +238,15 @@ impl State {
             (Kind::Clip, _) if self.is_folder() => {
                 "A folder with a picture for each frame, and with the ground truth if it is known."
             }
+            (Kind::Clip, _) if self.ending() == MP4 => {
+                "H.264 video with loss: gray levels change a little, so results do too. Without ground truth and right view."
+            }
             (Kind::Clip, _) => "One file with the frames as they came.",
             (Kind::Session, _) => "A small text file: clip, estimator, parameters, step, view and ink.",
             (Kind::Handout, _) => "All pages of the lesson, words beside pictures, on sheets of A4 paper.",
             (Kind::Worksheet, _) => "The given values of the step, with boxes for its results, on A4 paper.",
             _ if self.selection().panes.is_empty() => {
-                "The whole picture of the stage, with the same colours and lines."
+                "The visible part of the pictures, with the same colours and lines."
             }
             _ => "The panes that are chosen, arranged on one sheet, the stage largest.",
         }
@@ -265,7 +271,10 @@ impl State {
     fn target(&self) -> Option<PathBuf> {
         let path = PathBuf::from(super::open::parse(&self.path.text)?);
         let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-        let is_known = ending.is_some_and(|ending| self.choices.iter().any(|choice| choice.ending == ending));
+        // Pictures of a clip have no file of their own.
+        let is_file = |choice: &Choice| self.kind != Kind::Clip || choice.ending != "png";
+        let is_known =
+            ending.is_some_and(|ending| self.choices.iter().any(|choice| choice.ending == ending && is_file(choice)));
         if is_known || self.is_folder() {
             return Some(path);
         }
@@ -356,6 +365,8 @@ impl State {
             Kind::Session => OutputKind::Session,
             Kind::Scores => OutputKind::Scores,
             Kind::Clip if self.is_folder() => OutputKind::Clip(ClipFormat::Pictures),
+            // What was typed may have the ending of the other kind of file.
+            Kind::Clip if ends_in(&path, MP4) => OutputKind::Clip(ClipFormat::Video),
             Kind::Clip => OutputKind::Clip(ClipFormat::Copy),
             Kind::Handout => OutputKind::Handout(self.paper),
             Kind::Worksheet => OutputKind::Worksheet { answers: self.paper.answers },
@@ -650,6 +661,11 @@ fn buttons(ui: &mut Ui, state: &mut State, entered: bool, actions: &mut Actions)
     done
 }
 
+/// Whether the name of a file has this ending.
+fn ends_in(path: &Path, ending: &str) -> bool {
+    path.extension().is_some_and(|typed| typed.eq_ignore_ascii_case(ending))
+}
+
 /// Says what would be replaced.
 fn already(is_folder: bool, path: &Path) -> String {
     let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
@@ -676,7 +692,15 @@ pub fn stem(name: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::stem;
+    use std::path::Path;
+
+    use super::{ends_in, stem};
+
+    #[test]
+    fn the_ending_of_a_name_is_read_in_any_case() {
+        assert!(ends_in(Path::new("a.b/hand.MP4"), "mp4") && !ends_in(Path::new("mp4"), "mp4"));
+        assert!(!ends_in(Path::new("hand.mp4.y4m"), "mp4"));
+    }
 
     #[test]
     fn names_of_files_are_plain() {

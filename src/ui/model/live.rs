@@ -12,7 +12,7 @@ use crate::experiment::live::{LiveRun, NextFrame, measure};
 use crate::media::camera::{Camera, Format};
 use crate::paint::{FocusMode, Pictures, View};
 use crate::view::look::{Look, RunState};
-use crate::view::moment::{Moment, RunView};
+use crate::view::moment::{Before, Moment, RunView};
 use crate::view::motion::{AvailableLayers, Motion};
 use crate::view::named::LastNamed;
 
@@ -24,6 +24,8 @@ const LIMIT: Duration = Duration::from_millis(100);
 const MEASURED: Duration = Duration::from_secs(2);
 /// Frames on which estimators are measured.
 const SAMPLES: usize = 4;
+/// How long the window waits for both threads and the camera when it is closed: an estimator may be in the middle of a frame.
+const GRACE: Duration = Duration::from_millis(100);
 
 /// A frame with the result of the estimator.
 pub struct Seen {
@@ -125,7 +127,7 @@ impl Shared {
     }
 }
 
-/// A camera that is shown; dropping it ends the camera and both threads.
+/// A camera that is shown; dropping it ends the camera and both threads, which are left behind if that takes long.
 pub struct Live {
     shared: Arc<Shared>,
     threads: Vec<JoinHandle<()>>,
@@ -209,10 +211,15 @@ pub fn live_look(look: &Look) -> Look {
 
 impl Drop for Live {
     fn drop(&mut self) {
+        let asked = Instant::now();
         self.shared.quit.set(true);
         self.shared.mail().stop.set(true);
         self.shared.chosen.notify_all();
-        self.threads.drain(..).for_each(|thread| thread.join().unwrap_or_default());
+        // The camera is off even while an estimator is still at work on its last frame.
+        self.shared.camera.close(GRACE);
+        while self.threads.iter().any(|thread| !thread.is_finished()) && asked.elapsed() < GRACE {
+            thread::sleep(Duration::from_millis(1));
+        }
     }
 }
 
@@ -326,7 +333,16 @@ fn seen(walk: &dyn Walk, clip: &Clip, look: &Look, shows_frame_alone: bool) -> R
     let pair = Pictures::of([current, following]);
     // Cursors come again with each pair, so no picture of an earlier one may be kept.
     let named = LastNamed::default();
-    let view = RunView { walk, clip, pair: &pair, focus: None, beside: false, end: None, named: &named };
+    let view = RunView {
+        walk,
+        clip,
+        pair: &pair,
+        focus: None,
+        beside: false,
+        end: None,
+        named: &named,
+        before: Before::NotShown,
+    };
     let moment = Moment::of(view, |site| Motion::of(site, look, || Ok(None)))?;
     let stands = moment.stands(shows_frame_alone);
     let Moment { scene, pictures, available, .. } = moment;
@@ -400,6 +416,26 @@ mod tests {
         until(&live, "it is measured", |view| view.rate.is_some());
         live.choose(None);
         until(&live, "the picture is plain again", |view| !runs(view));
+    }
+
+    #[test]
+    fn what_is_still_at_work_is_left_behind() {
+        let camera = Camera::start(Box::new(TestPicture::new(Size::new(96, 64))), || {}).unwrap();
+        let is_at_work = Stop::default();
+        let begun = is_at_work.clone();
+        // As an estimator that works on a frame for long, and that nothing interrupts.
+        let changed = move || {
+            begun.set(true);
+            thread::sleep(Duration::from_secs(3));
+        };
+        let live = Live::new(camera, changed).unwrap();
+        let shared = Arc::clone(&live.shared);
+        until(&live, "it is at work", |_| is_at_work.is_set());
+        let asked = Instant::now();
+        drop(live);
+        assert!(asked.elapsed() < Duration::from_secs(2), "{:?}", asked.elapsed());
+        shared.camera.close(Duration::from_secs(10));
+        assert!(shared.camera.ended().is_some(), "the camera is off");
     }
 
     /// A few frames, and then the end.

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::player::Player;
 use super::practice::Practice;
+use crate::media::camera::Size;
 use crate::paint::View;
 use crate::session::lesson::Address;
 use crate::ui::drawing::style::{Interface, ZOOM};
@@ -40,6 +41,28 @@ pub struct LeftAt {
     pub step: String,
 }
 
+/// What was chosen for the camera.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct CameraChoices {
+    /// The name of the camera, if one was chosen.
+    pub device: Option<String>,
+    /// Width and height of the frames in px.
+    pub size: Size,
+    /// Duration of a recording in seconds.
+    pub seconds: u32,
+    /// The id of the estimator that runs on the camera, if one does.
+    pub estimator: Option<String>,
+    /// Whether a countdown precedes a recording.
+    pub has_countdown: bool,
+}
+
+impl Default for CameraChoices {
+    fn default() -> Self {
+        Self { device: None, size: Size::default(), seconds: 3, estimator: None, has_countdown: true }
+    }
+}
+
 /// What is remembered.
 #[derive(Clone, Serialize, Deserialize)]
 #[serde(default)]
@@ -68,6 +91,8 @@ pub struct Settings {
     pub has_start_page: bool,
     /// What was tried of stepping.
     pub practice: Practice,
+    /// What was chosen for the camera.
+    pub camera: CameraChoices,
     /// How fast to play.
     pub speed: usize,
     /// How the person has shared out the room.
@@ -96,6 +121,7 @@ impl Default for Settings {
             left: Vec::new(),
             has_start_page: true,
             practice: Practice::default(),
+            camera: CameraChoices::default(),
             speed: Player::default().speed,
             shares: Shares::default(),
             charts: Chosen::default(),
@@ -247,10 +273,12 @@ mod tests {
         #[cfg(unix)]
         settings.remember(Path::new(<std::ffi::OsStr as std::os::unix::ffi::OsStrExt>::from_bytes(b"/caf\xE9.mp4")));
         settings.remember(Path::new("/a.mp4"));
+        settings.camera.estimator = Some("diamond".into());
+        settings.camera.has_countdown = false;
         let text = serde_json::to_string(&settings).unwrap();
         let back: Settings = serde_json::from_str(&text).unwrap();
         assert_eq!((settings.zoom(), back.zoom()), (ZOOM.1, 1.0), "the next screen may be another");
-        assert_eq!(back.look, settings.look);
+        assert_eq!((back.look, &back.camera), (settings.look, &settings.camera));
         assert_eq!(back.recent, [PathBuf::from("/a.mp4"), PathBuf::from("/b.mp4")]);
     }
 

@@ -60,6 +60,18 @@ pub enum ClipFormat {
     Copy,
     /// Numbered pictures in a folder, with what is known about the clip.
     Pictures,
+    /// One file of compressed video.
+    Video,
+}
+
+impl ClipFormat {
+    /// Whether the frames keep their gray levels, so that a run on them has the same results.
+    pub fn is_lossless(self) -> bool {
+        match self {
+            Self::Copy | Self::Pictures => true,
+            Self::Video => false,
+        }
+    }
 }
 
 /// What to write, where, and how it looks.
@@ -84,9 +96,8 @@ impl OutputKind {
             Self::Steps(..) => Target::Numbered(path, STEP),
             Self::Result(export) => export.target(path),
             Self::Clip(ClipFormat::Pictures) => Target::Numbered(path, CLIP_FRAME),
-            Self::Picture | Self::Animation(..) | Self::Session | Self::Scores | Self::Clip(ClipFormat::Copy) => {
-                Target::File(path)
-            }
+            Self::Picture | Self::Animation(..) | Self::Session | Self::Scores => Target::File(path),
+            Self::Clip(ClipFormat::Copy | ClipFormat::Video) => Target::File(path),
             Self::Handout(_) | Self::Worksheet { .. } => Target::File(path),
         }
     }
@@ -178,9 +189,23 @@ pub fn clip(order: &Order, shown: &Snapshot, progress: &dyn Progress) -> Result<
     }
     match (order.what, &experiment.source) {
         (OutputKind::Clip(ClipFormat::Copy), Source::File(from)) => export::copy(from, path)?,
+        (OutputKind::Clip(ClipFormat::Video), _) => export::video(clip, path, Some(progress))?,
         _ => export::clip(clip, path, Some(progress))?,
     }
-    Ok(format!("Saved {}.", path.display()))
+    let padded = match order.what {
+        OutputKind::Clip(ClipFormat::Video) => padded(clip.size()),
+        _ => String::new(),
+    };
+    Ok(format!("Saved {}.{padded}", path.display()))
+}
+
+/// Says that a video has sides of another length than its clip, if it has.
+fn padded((width, height): (usize, usize)) -> String {
+    let [even_width, even_height] = [width, height].map(|side| side.next_multiple_of(2));
+    if (even_width, even_height) == (width, height) {
+        return String::new();
+    }
+    format!(" A video has even sides, so it has a black edge: {even_width}×{even_height} px.")
 }
 
 /// Writes a result as soon as it comes, in the format that the ending of `path` asks for; says what was written.
