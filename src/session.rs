@@ -28,12 +28,20 @@
 //! view = "side-by-side"
 //! layer = "error"                  # the flow layer
 //!
+//! [sight]                          # the visible part of the picture, if it was chosen by hand
+//! center = [120.5, 88]             # px of the picture
+//! zoom = 6.5                       # points per px
+//! size = [96, 72]                  # width and height in px, which pictures from the command line show
+//!
 //! [[ink]]                          # a line drawn by hand, seen on its step
 //! step = "35.412"
 //! picture = "t+1"                  # without it: frame t
 //! estimator = 2                    # of those in lockstep; without it: the first
 //! color = "vermilion"              # vermilion, yellow, blue or green
 //! points = "120.5,33 121,35.25"    # px of the picture
+//! # chart = "surface"              # instead of a picture: the chart that it lies on
+//! # size = [412, 300]              # and the size of that in points, as are the points of the line
+//! # view = [-0.5, 0.68, 1.2, 0, 0, 0]  # its viewpoint, section or scroll position, unless it is the first one
 //! ```
 
 pub mod example;
@@ -53,6 +61,7 @@ use crate::experiment::source::Source;
 use crate::experiment::{Experiment, Position};
 use crate::media::{self, Given, export};
 use crate::paint::Freehand;
+use crate::paint::primitive::Rect;
 use crate::view::look::Changes;
 
 /// The version of the format.
@@ -113,11 +122,20 @@ pub struct VisiblePart {
     pub center: [f32; 2],
     /// Points per pixel.
     pub zoom: f32,
+    /// Width and height in px, if they are known: of the stage, which is larger in a larger window.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub size: Option<[f32; 2]>,
 }
 
 impl VisiblePart {
     fn is_sound(&self) -> bool {
-        self.center.iter().all(|c| c.abs() < 1e6) && (1e-3..=1e3).contains(&self.zoom)
+        let has_size = self.size.is_none_or(|size| size.iter().all(|side| (1e-3..=1e9).contains(side)));
+        self.center.iter().all(|c| c.abs() < 1e6) && (1e-3..=1e3).contains(&self.zoom) && has_size
+    }
+
+    /// Returns the part as a rectangle in px of the picture, if its size is known.
+    pub fn section(&self) -> Option<Rect> {
+        self.size.map(|size| Rect::centered(self.center, size))
     }
 }
 

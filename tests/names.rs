@@ -15,7 +15,7 @@ const DATA: [(&str, &str); 4] = [
 ];
 
 /// Words that are names of something else in the file that has them.
-const OTHERWISE: [(&str, &str, &str); 45] = [
+const OTHERWISE: [(&str, &str, &str); 47] = [
     ("src/cli/args.rs", "frame", "a flag"),
     ("src/cli/lessons.rs", "clip", "a key of the JSON"),
     ("src/cli/lessons.rs", "step", "a key of the JSON"),
@@ -41,6 +41,8 @@ const OTHERWISE: [(&str, &str, &str); 45] = [
     ("src/results/disparity.rs", "disparity", "a flag"),
     ("src/results/flow.rs", "flow", "a flag"),
     ("src/results/tracks.rs", "tracks", "a flag"),
+    ("src/session/ink.rs", "size", "a key of the session"),
+    ("src/session/read.rs", "size", "a key of the session"),
     ("src/session/ink.rs", "points", "a key of the session"),
     ("src/session/ink.rs", "step", "a key of the session"),
     ("src/session/lesson/read.rs", "predict", "a key of the page"),

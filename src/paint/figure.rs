@@ -1,13 +1,16 @@
 //! A figure: what one exported picture consists of.
 
+mod framing;
+
 use std::sync::Arc;
 
+use framing::{cut, has_part, is_link_seen, is_seen, magnified, pane_size, pane_sizes};
 use motionscope_core::scene::{Mark, Math, Picture, Sentence, Shape};
 use motionscope_core::{Grid, Scene};
 
 use super::charts::explanation::{Density, equation};
 use super::charts::{Type, shortened};
-use super::focus::{self, CloseUp, FocusMode, Site, Work};
+use super::focus::{self, FocusMode, Work};
 use super::freehand::{FreehandLine, freehand};
 use super::legend::{self, Bar, line_height};
 use super::links::{LinkSite, links};
@@ -45,6 +48,8 @@ pub struct FigureOptions {
     pub scale: u32,
     /// Whether the part at work is magnified.
     pub focus: FocusMode,
+    /// The part of the pictures that is shown instead, in px of frame t, where one was chosen by hand.
+    pub section: Option<Rect>,
     /// Whether the run is at its end, where the whole is shown unless focus is chosen.
     pub at_end: bool,
     /// How the picture under a layer of colours is shown.
@@ -90,10 +95,14 @@ pub struct Extent {
 impl Extent {
     /// The extent of `parts` as `view` shows them: a step may have pictures that are larger than the frames.
     pub fn of(parts: &[Part<'_>], view: View) -> Self {
+        Self::seen(parts, view, None)
+    }
+
+    /// The same where `section` of the pictures was chosen by hand: along one side of its picture a part takes less room.
+    pub fn seen(parts: &[Part<'_>], view: View, section: Option<Rect>) -> Self {
         let panels = |part: &Part<'_>| view.panels(&part.pictures);
-        let sizes = |part: &Part<'_>| panels(part).iter().map(|panel| panel.size(&part.pictures)).collect::<Vec<_>>();
         let in_a_row = parts.first().map_or(1, |part| panels(part).len());
-        let sizes: Vec<(usize, usize)> = parts.iter().flat_map(sizes).collect();
+        let sizes = pane_sizes(parts, panels, section);
         // Four stand in a square.
         let columns = match (parts.len(), in_a_row) {
             (1, 4) => 2,
@@ -102,9 +111,9 @@ impl Extent {
         };
         let columns = columns.max(1);
         let rows = || sizes.chunks(columns);
-        let width = rows().map(|row| row.iter().map(|size| size.0).sum::<usize>()).max().unwrap_or(0);
-        let height = rows().filter_map(|row| row.iter().map(|size| size.1).max()).sum::<usize>();
-        Self { columns, size: [width as f32, height as f32] }
+        let width = rows().map(|row| row.iter().map(|size| size[0]).sum::<f32>()).fold(0.0, f32::max);
+        let height = rows().map(|row| row.iter().map(|size| size[1]).fold(0.0, f32::max)).sum::<f32>();
+        Self { columns, size: [width, height] }
     }
 }
 
@@ -241,30 +250,32 @@ impl Layout<'_> {
         let zoom = self.zoom();
         let panels_of = |part: &Part<'_>| self.options.view.panels(&part.pictures);
         let in_a_row = parts.first().map_or(1, |part| panels_of(part).len());
+        let magnified = magnified(parts, self.options);
         let pictures: Vec<_> = parts
             .iter()
-            .flat_map(|part| panels_of(part).into_iter().map(move |panel| (part, panel)))
-            .map(|(part, panel)| (part, panel, self.pixels(part, panel)))
+            .zip(&magnified)
+            .flat_map(|(part, magnified)| panels_of(part).into_iter().map(move |panel| (part, panel, *magnified)))
+            .map(|(part, panel, magnified)| (part, panel, magnified.filter(|_| has_part(panel))))
+            .map(|(part, panel, magnified)| (part, panel, magnified, self.pixels(part, panel)))
             .collect();
-        let Extent { columns, size: [across, _] } = Extent::of(parts, self.options.view);
+        let Extent { columns, size: [across, _] } = Extent::seen(parts, self.options.view, self.options.section);
         let total = across * zoom + GAP * (columns - 1) as f32;
         self.width = if is_framed { on_grid(total.max(LEAST_WIDTH * self.sizes.body)) } else { total };
         if let Some(caption) = &self.options.caption {
             self.header(caption);
         }
-        let column = pictures.first().map_or(0.0, |(.., (pixels, _))| pixels.width() as f32 * zoom);
+        let column = pictures.first().map_or(0.0, |(part, panel, of, _)| pane_size(part, *panel, *of)[0] * zoom);
         let said = parts.iter().filter_map(|part| part.heading).map(|(.., words)| words);
         let way = brevity(said, |words| fonts::width(&words.plain(), Face::Sans, self.sizes.small) <= column);
-        let close_ups = close_ups(parts, self.options);
-        self.times = close_ups.iter().flatten().map(|close| close.times).fold(1.0, f32::max);
+        self.times = magnified.iter().flatten().map(|of| of.close_up.times).fold(1.0, f32::max);
         let (mut x, mut top, mut bottom) = (self.margin, self.y, self.y);
         let mut sites = Vec::new();
-        for (index, (part, panel, (pixels, gain))) in pictures.into_iter().enumerate() {
+        for (index, (part, panel, magnified, (pixels, gain))) in pictures.into_iter().enumerate() {
             if index > 0 && index % columns == 0 {
                 (x, top) = (self.margin, on_grid(bottom) + GAP);
             }
             self.y = top;
-            let size = [pixels.width() as f32 * zoom, pixels.height() as f32 * zoom];
+            let size = pane_size(part, panel, magnified).map(|side| side * zoom);
             if is_framed {
                 let shown = Shown { panel, share: self.options.share, gain };
                 match part.heading {
@@ -282,17 +293,15 @@ impl Layout<'_> {
             }
             let rect = Rect::new([x, self.y], size);
             let is_first = index % in_a_row.max(1) == 0;
-            let close = close_ups.get(index / in_a_row.max(1)).copied().flatten();
-            let close = close.filter(|_| panel.picture().is_aligned_with(Picture::CURRENT));
-            let placement = match close {
-                Some(close) => magnified(rect, close, zoom),
+            let placement = match magnified {
+                Some(magnified) => magnified.placement(rect, zoom),
                 None => Placement::new(rect.min, zoom),
             };
             let pixels = Arc::new(pixels);
             self.panel((panel, placement), rect, &pixels, part);
             self.freehand((panel, placement), index / in_a_row.max(1), rect);
             sites.push(LinkSite { panel, place: placement, pane: rect });
-            if close.is_some() && is_first {
+            if magnified.is_some() && is_first {
                 self.map((rect, placement), &pixels, Work::of(part.scene, part.pictures.pair[0].size()));
             }
             x += size[0] + GAP;
@@ -428,7 +437,12 @@ impl Layout<'_> {
     fn legend(&mut self, parts: &[Part<'_>], scene: &Scene) {
         let panels: Vec<_> = parts.iter().flat_map(|part| self.options.view.panels(&part.pictures)).collect();
         let marks = scene.marks.iter().filter(|mark| panels.iter().any(|panel| panel.shows(mark.on)));
-        let mut entries = legend::entries(scene, marks.clone(), &self.look, self.zoom() * self.times);
+        // A close-up of the work has all of its marks; a part chosen by hand may have none of them.
+        let is_chosen = self.options.section.is_some();
+        let marks = marks.filter(|mark| !is_chosen || is_seen(mark, &self.panels, &self.look));
+        let links = scene.links.iter().filter(|link| !is_chosen || is_link_seen(link, &self.panels));
+        let told = Scene { legend: scene.legend.clone(), links: links.copied().collect(), ..Scene::default() };
+        let mut entries = legend::entries(&told, marks.clone(), &self.look, self.zoom() * self.times);
         let heat = self.look.heat.filter(|_| has_heat(marks));
         let heat = heat.map(|range| Bar::heat(&self.options.heat, range, self.look.colors));
         // Several have one scale.
@@ -461,44 +475,6 @@ impl Layout<'_> {
         self.words.push(Primitive::Text(Line { at, anchor: Anchor::Start, size, runs, halo: None }));
         self.y += line_height(size);
     }
-}
-
-/// What is magnified of the pictures of each part.
-fn close_ups(parts: &[Part<'_>], options: &FigureOptions) -> Vec<Option<CloseUp>> {
-    let Some(size) = parts.first().map(|part| part.pictures.pair[0].size()) else { return Vec::new() };
-    let works: Vec<_> = parts.iter().map(|part| Work::of(part.scene, size)).collect();
-    let site =
-        Site { size, room: [size.0 as f32, size.1 as f32], at_end: options.at_end, before: &[], is_same_unit: false };
-    // A close-up must not cut off what was drawn by hand.
-    let close_ups = CloseUp::of(options.focus, &works, site);
-    let cuts = |close_up: &CloseUp| {
-        let seen = close_up.seen(site.room);
-        options
-            .freehand
-            .iter()
-            .flat_map(|line| &line.points)
-            .any(|point| (0..2).any(|i| point[i] < seen.min[i] || point[i] > seen.max[i]))
-    };
-    if close_ups.iter().flatten().any(cuts) { vec![None; close_ups.len()] } else { close_ups }
-}
-
-/// Where a picture lies of which `pane` shows a close-up; `zoom` points are a pixel of the whole.
-fn magnified(pane: Rect, CloseUp { center, times }: CloseUp, zoom: f32) -> Placement {
-    let zoom = zoom * times;
-    let origin = [0, 1].map(|i| (pane.min[i] + pane.max[i]) / 2.0 - (center[i] + 0.5) * zoom);
-    Placement { seen: Some(pane), ..Placement::new(origin, zoom) }
-}
-
-/// The pixels that are seen at `place` and no others, where they lie.
-fn cut(pixels: &Grid<[u8; 4]>, place: Placement, seen: Rect) -> Primitive {
-    let last = [pixels.width(), pixels.height()];
-    let from = [0, 1].map(|i| (((seen.min[i] - place.origin[i]) / place.zoom).floor().max(0.0) as usize).min(last[i]));
-    let to = [0, 1].map(|i| (((seen.max[i] - place.origin[i]) / place.zoom).ceil().max(0.0) as usize).min(last[i]));
-    let part = Grid::from_fn(to[0] - from[0].min(to[0]), to[1] - from[1].min(to[1]), |x, y| {
-        pixels[(from[0] + x, from[1] + y)]
-    });
-    let at = |pixel: [usize; 2]| [0, 1].map(|i| place.origin[i] + pixel[i] as f32 * place.zoom);
-    Primitive::Image { pixels: Arc::new(part), rect: Rect::between(at(from), at(to)) }
 }
 
 /// The frame of a map of the whole picture, and that of what is seen of it.

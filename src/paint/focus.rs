@@ -83,6 +83,8 @@ const OBJECT_MOST: f32 = 4.0;
 const SLACK: (f32, f32) = (2.0, 10.0);
 /// Steps of magnification: coarse, so that a little more or less work does not change it.
 const STEPS: [f32; 13] = [1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0, 64.0, 96.0];
+/// Least side in px of a section that is shown.
+const LEAST_SECTION: f32 = 1.0;
 /// More points or arrows in one mark are a result of many places, not the work of one step.
 const FEW: usize = 24;
 
@@ -314,6 +316,22 @@ impl CloseUp {
             Some(before.filter(|old| old.serves(work, &fresh, room)).unwrap_or(fresh))
         };
         works.iter().enumerate().map(close_up).collect()
+    }
+
+    /// The close-up that shows `section` of a picture of `size` px and no more, and width and height of its pane in px of the picture
+    /// unmagnified: along one side as many as the picture has, along the other no more. What lies beyond the picture belongs to no
+    /// section. `None` where it is the whole picture.
+    pub fn of_section(section: Rect, size: (usize, usize)) -> Option<(Self, [f32; 2])> {
+        let picture = [size.0 as f32, size.1 as f32];
+        let inside = |c: f32, i: usize| c.clamp(-0.5, picture[i] - 0.5);
+        let min = [0, 1].map(|i| inside(section.min[i], i));
+        let section = Rect { min, max: [0, 1].map(|i| inside(section.max[i], i)) };
+        let extent = section.size().map(|side| side.max(LEAST_SECTION));
+        let times = (picture[0] / extent[0]).min(picture[1] / extent[1]);
+        let pane = extent.map(|side| (side * times).round());
+        // A hair's breadth less is the rounding of the whole.
+        let is_part = (0..2).any(|i| 1.001 * extent[i] < picture[i]);
+        is_part.then(|| (Self { center: within(section.center(), times, picture, pane), times }, pane))
     }
 
     /// Whether it may stay: the work lies in it, and a `fresh` one would lie little further.
@@ -610,6 +628,28 @@ mod tests {
         let apart = of(FocusMode::Auto, &[search(32, 32), search(240, 160)], &[]);
         let [Some(a), Some(b)] = apart[..] else { panic!("{apart:?}") };
         assert!(a.times == b.times && a.center != b.center);
+    }
+
+    #[test]
+    fn a_section_is_seen_exactly_whatever_its_shape() {
+        let seen = |section: Rect| {
+            let (close, pane) = CloseUp::of_section(section, SIZE).unwrap();
+            assert!(pane.iter().zip(ROOM).all(|(side, most)| (1.0..=most).contains(side)), "{pane:?}");
+            close.seen(pane)
+        };
+        let off = |a: Rect, b: Rect| (0..2).map(move |i| (a.min[i] - b.min[i]).abs().max((a.max[i] - b.max[i]).abs()));
+        let sizes = [[40.0, 80.0], [23.0, 21.0], [26.7, 20.0], [260.0, 33.3], [320.0, 100.0], [100.0, 240.0]];
+        for section in sizes.map(|size| Rect::centered([159.5, 119.5], size)) {
+            let seen = seen(section);
+            assert!(off(seen, section).fold(0.0, f32::max) <= 0.5, "{seen:?} in place of {section:?}");
+        }
+        let corner = seen(Rect::centered([-0.5; 2], [80.0, 60.0]));
+        assert!(off(corner, Rect::new([-0.5; 2], [40.0, 30.0])).fold(0.0, f32::max) < 1e-3, "{corner:?}");
+        for whole in [Rect::centered([160.0, 120.0], [900.0; 2]), Rect::new([-0.5; 2], ROOM)] {
+            assert_eq!(CloseUp::of_section(whole, SIZE), None);
+        }
+        let outside = seen(Rect::centered([1e5; 2], [9.0; 2]));
+        assert!(outside.size()[0].is_finite() && outside.max[0] <= 319.5 + 1e-3, "{outside:?}");
     }
 
     #[test]

@@ -1,11 +1,11 @@
-//! Freehand ink: lines drawn by hand on a picture of a step, in the coordinates of that picture.
+//! Freehand ink: lines drawn by hand on a picture or a chart of a step, in the coordinates of that.
 
 use std::str::FromStr;
 
 use motionscope_core::scene::Picture;
 use motionscope_core::{Cursor, Error, Role};
 
-use super::primitive::{Point, Primitive, Stroke};
+use super::primitive::{Point, Primitive, Rect, Stroke};
 use super::{Panel, Placement, Theme};
 
 /// Width of the pen in points; thicker in the projector theme, as all marks are.
@@ -14,6 +14,8 @@ const WIDTH: f32 = 4.0;
 const PIECE: f32 = 3.0;
 /// Most pieces between two points that were drawn.
 const MOST_PIECES: usize = 32;
+/// Share by which the shape of a chart may differ from that which was drawn on: in another one its parts stand elsewhere.
+const ANOTHER_SHAPE: f32 = 0.1;
 /// Cosine of the turn from which a corner is rounded by a disc: a mitred one would be a spike.
 const SHARP: f32 = 0.5;
 
@@ -73,25 +75,77 @@ impl FromStr for PenColor {
     }
 }
 
-/// A line drawn by hand on a picture of a step.
+/// What was drawn on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Ground {
+    /// A picture.
+    Picture(Picture),
+    /// A chart.
+    Chart {
+        /// The id of its pane.
+        pane: &'static str,
+        /// Its width and height in points when it was drawn on.
+        size: [f32; 2],
+        /// Its viewpoint, section or scroll position when it was drawn on, with zeros behind; `None` for the one that it has at first.
+        view: Option<[f32; Ground::VIEW]>,
+    },
+}
+
+impl Ground {
+    /// The most numbers that the view of a chart has.
+    pub const VIEW: usize = 6;
+}
+
+impl From<Picture> for Ground {
+    fn from(picture: Picture) -> Self {
+        Self::Picture(picture)
+    }
+}
+
+/// A line drawn by hand on a step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FreehandLine {
     /// The step on which it was drawn, and on which it is seen.
     pub step: Cursor,
-    /// Which of several estimators in lockstep has the picture; 0 for a single one.
+    /// Which of several estimators in lockstep has the picture or the chart; 0 for a single one.
     pub member: usize,
-    /// The picture that it lies on.
-    pub on: Picture,
+    /// What it lies on.
+    pub on: Ground,
     /// Its colour.
     pub color: PenColor,
-    /// Its points in px of the picture, at least one.
+    /// Its points in px of the picture, or in points from the upper left corner of the chart; at least one.
     pub points: Vec<[f32; 2]>,
 }
 
 impl FreehandLine {
+    /// The line given up before it was whole: it is on no step, and stays without points until the mouse is let go.
+    #[must_use]
+    pub fn given_up(self) -> Self {
+        Self { step: Cursor::END, points: Vec::new(), ..self }
+    }
+
     /// Whether `panel` of estimator `member` shows it.
     pub fn is_on(&self, panel: Panel, member: usize) -> bool {
-        self.member == member && panel.shows(self.on)
+        self.member == member && self.picture().is_some_and(|picture| panel.shows(picture))
+    }
+
+    /// The picture that it lies on, if it is one.
+    pub fn picture(&self) -> Option<Picture> {
+        if let Ground::Picture(picture) = self.on { Some(picture) } else { None }
+    }
+
+    /// Where it lies on the chart `on` of estimator `member` in `area`; `None` on anything else, and where the chart has another
+    /// shape or is seen from elsewhere than when it was drawn on.
+    fn on_chart(&self, (on, member): (Ground, usize), area: Rect) -> Option<Placement> {
+        let Ground::Chart { pane: own, size, view: seen } = self.on else { return None };
+        let Ground::Chart { pane, view, .. } = on else { return None };
+        let zooms = [0, 1].map(|i| area.size()[i] / size[i]);
+        let is_alike = (zooms[0] / zooms[1] - 1.0).abs() <= ANOTHER_SHAPE;
+        let zoom = zooms[0].min(zooms[1]);
+        // A placement has the middles of pixels at whole numbers; points of a chart are places.
+        let origin = [0, 1].map(|i| area.center()[i] - zoom * (size[i] / 2.0 + 0.5));
+        let is_there = own == pane && seen == view && self.member == member;
+        (is_there && is_alike).then(|| Placement::new(origin, zoom))
     }
 
     /// Returns the line without the tremor of the hand: each point but the ends is averaged with its neighbours.
@@ -125,6 +179,16 @@ pub fn freehand<'a>(
     place: Placement,
 ) -> Vec<Primitive> {
     lines.into_iter().flat_map(|line| inked(line, theme, place)).collect()
+}
+
+/// Returns what is painted of `lines` on the `chart` of one of several estimators in `area`.
+pub fn freehand_on_chart<'a>(
+    lines: impl IntoIterator<Item = &'a FreehandLine>,
+    theme: Theme,
+    (chart, area): ((Ground, usize), Rect),
+) -> Vec<Primitive> {
+    let placed = lines.into_iter().filter_map(|line| Some((line, line.on_chart(chart, area)?)));
+    placed.flat_map(|(line, place)| inked(line, theme, place)).collect()
 }
 
 /// Returns the width of the pen in `theme`, in points.
@@ -192,7 +256,7 @@ mod tests {
     use super::*;
 
     fn line(points: &[[f32; 2]]) -> FreehandLine {
-        let (step, on) = (Cursor::default(), Picture::CURRENT);
+        let (step, on) = (Cursor::default(), Picture::CURRENT.into());
         FreehandLine { step, member: 0, on, color: PenColor::Vermilion, points: points.to_vec() }
     }
 
@@ -211,6 +275,28 @@ mod tests {
             };
             assert!(drawn.points.iter().all(|point| reaches(place.at(*point))), "{place:?}");
         }
+    }
+
+    #[test]
+    fn ink_of_a_chart_lies_where_it_was_drawn_while_the_chart_has_its_shape() {
+        let of = |pane, view| Ground::Chart { pane, size: [200.0, 100.0], view };
+        let dot = FreehandLine { on: of("surface", None), ..line(&[[150.0, 20.0]]) };
+        let center = |chart: (Ground, usize), area: Rect| {
+            let painted = freehand_on_chart([&dot], Theme::Dark, (chart, area));
+            painted.iter().find_map(|primitive| match primitive {
+                Primitive::Disc { center, .. } => Some(*center),
+                _ => None,
+            })
+        };
+        let here = (of("surface", None), 0);
+        assert_eq!(center(here, Rect::new([40.0, 10.0], [200.0, 100.0])), Some([190.0, 30.0]));
+        assert_eq!(center(here, Rect::new([0.0; 2], [400.0, 200.0])), Some([300.0, 40.0]), "twice as large");
+        assert_eq!(center(here, Rect::new([0.0; 2], [200.0, 200.0])), None, "its parts stand elsewhere");
+        let turned = Some([-0.5, 0.68, 1.2, 0.0, 0.0, 0.0]);
+        for other in [(of("plane", None), 0), (of("surface", None), 1), (of("surface", turned), 0)] {
+            assert_eq!(center(other, Rect::new([0.0; 2], [200.0, 100.0])), None, "{other:?}");
+        }
+        assert!(!dot.is_on(Panel::CURRENT, 0) && line(&[[1.0; 2]]).is_on(Panel::CURRENT, 0));
     }
 
     #[test]

@@ -30,6 +30,11 @@ impl Rect {
         Self { min, max }
     }
 
+    /// The rectangle of `size` around `center`.
+    pub fn centered(center: Point, size: [f32; 2]) -> Self {
+        Self { min: [0, 1].map(|i| center[i] - size[i] / 2.0), max: [0, 1].map(|i| center[i] + size[i] / 2.0) }
+    }
+
     /// The same rectangle elsewhere.
     #[must_use]
     pub fn moved(&self, by: Point) -> Self {

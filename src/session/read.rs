@@ -155,7 +155,9 @@ fn look(mut picture: Section<'_>) -> Result<Changes, Error> {
 fn sight(top: &mut Section<'_>) -> Result<Option<VisiblePart>, Error> {
     let Some(entry) = top.take("sight") else { return Ok(None) };
     let mut section = entry.section()?;
-    let sight = VisiblePart { center: section.need("center")?.numbers()?, zoom: section.need("zoom")?.number()? };
+    let (center, zoom) = (section.need("center")?.numbers()?, section.need("zoom")?.number()?);
+    let size = section.take("size").map(|size| size.numbers()).transpose()?;
+    let sight = VisiblePart { center, zoom, size };
     section.end()?;
     Ok(Some(sight).filter(VisiblePart::is_sound))
 }

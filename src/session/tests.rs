@@ -12,20 +12,22 @@ use crate::experiment::pixel::Held;
 use crate::experiment::side_by_side::SideBySide;
 use crate::media::{GivenCalibration, RightView};
 use crate::paint::{
-    Backdrop, ColorMap, FlowLayer, FocusMode, Freehand, FreehandLine, Lengthen, LevelShown, Opacity, PenColor, Phase,
-    Share, Theme, View,
+    Backdrop, ColorMap, FlowLayer, FocusMode, Freehand, FreehandLine, Ground, Lengthen, LevelShown, Opacity, PenColor,
+    Phase, Share, Theme, View,
 };
 use crate::view::look::{CaptionWords, Look};
 
-/// Two lines, one of them on another picture of the second estimator in lockstep.
+/// Four lines, one of them on another picture and two on charts of the second estimator in lockstep.
 fn ink() -> Freehand {
-    let step = Cursor { unit: 35, event: 412 };
-    let dot =
-        FreehandLine { step, member: 0, on: Picture::CURRENT, color: PenColor::default(), points: vec![[120.5, 33.0]] };
+    let (step, color) = (Cursor { unit: 35, event: 412 }, PenColor::default());
+    let dot = FreehandLine { step, member: 0, on: Picture::CURRENT.into(), color, points: vec![[120.5, 33.0]] };
     let points = vec![[-0.25, 3.0], [4.75, 6.01]];
-    Freehand {
-        lines: vec![dot.clone(), FreehandLine { member: 1, on: Picture::NEXT, color: PenColor::Blue, points, ..dot }],
-    }
+    let next = FreehandLine { member: 1, on: Picture::NEXT.into(), color: PenColor::Blue, points, ..dot.clone() };
+    let on = Ground::Chart { pane: "surface", size: [412.5, 300.0], view: None };
+    let chart = FreehandLine { member: 1, on, points: vec![[20.0, 31.25]], ..dot.clone() };
+    let on = Ground::Chart { pane: "surface-3d", size: [410.0, 300.0], view: Some([-0.5, 0.75, 1.5, 0.0, 0.0, 0.0]) };
+    let turned = FreehandLine { on, ..chart.clone() };
+    Freehand { lines: vec![dot, next, chart, turned] }
 }
 
 fn session(source: Source) -> Session {
@@ -42,7 +44,7 @@ fn session(source: Source) -> Session {
         legend: true,
         ..Look::default()
     };
-    let sight = Some(VisiblePart { center: [10.5, 3.0], zoom: 4.0 });
+    let sight = Some(VisiblePart { center: [10.5, 3.0], zoom: 4.0, size: Some([96.3, 72.0]) });
     let held = Some(Held { pixel: "303,202".parse().expect("a pixel"), object: None });
     let position = Position { cursor: Some(Cursor { unit: 35, event: 412 }), held };
     let experiment = Experiment { side_by_side, frame: 12, ..Experiment::new(source, estimator) };
@@ -81,6 +83,14 @@ fn wrong_ink_is_reported_with_its_line_and_its_key() {
         ("estimator = 2\ncolor", "estimator = 4\ncolor", "from 1 to 3"),
         ("estimator = 2\ncolor", "estimator = 0\ncolor", "from 1 to 3"),
         ("picture = \"t+1\"", "picture = \"frame\"", "t+1, t-1"),
+        ("chart = \"surface\"", "chart = \"shape\"", "there is no pane shape"),
+        ("chart = \"surface\"", "chart = \"stage\"", "chart: stage is no chart; the charts are surface, "),
+        ("chart = \"surface\"", "chart = \"explanation\"", "ink.chart: explanation is no chart"),
+        ("chart = \"surface\"", "picture = \"t+1\"\nchart = \"surface\"", "ink.picture: a line lies on a picture or"),
+        ("view = [-0.5, ", "view = [nan, ", "ink.view: the view of a chart has finite numbers"),
+        ("view = [-0.5, ", "view = [", "ink.view: a list of 6 numbers is needed"),
+        ("size = [412.5, 300.0]", "size = [0, 300]", "width and height of a chart"),
+        ("size = [412.5, 300.0]\n", "", "has no key size"),
         ("color = \"blue\"", "colour = \"blue\"", "there is no key colour here"),
     ] {
         assert!(text.contains(right), "{right}: {text}");
@@ -205,6 +215,9 @@ fn a_sight_that_cannot_be_is_left_out() {
     let start = "motionscope = 1\nclip = \"a.mp4\"\nestimator = \"full-search\"\n[sight]\n";
     for (sight, is_kept) in [
         ("center = [1, 2]\nzoom = 4", true),
+        ("center = [1, 2]\nzoom = 4\nsize = [20, 15]", true),
+        ("center = [1, 2]\nzoom = 4\nsize = [0, 15]", false),
+        ("center = [1, 2]\nzoom = 4\nsize = [nan, 15]", false),
         ("center = [nan, 2]\nzoom = 4", false),
         ("center = [1, 2]\nzoom = inf", false),
     ] {
@@ -278,6 +291,7 @@ fn line_and_key_are_reported_in_words() {
         ("[picture]\nlooks = 1", "line 5: there is no key looks here; there are view, level"),
         ("[sight]\ncenter = [1, 2, 3]\nzoom = 1", "line 5, sight.center: a list of 2 numbers is needed, not a list"),
         ("[sight]\ncenter = [1, 2]", "line 4: sight has no key zoom; add it"),
+        ("[sight]\ncenter = [1, 2]\nzoom = 1\nsize = 3", "line 7, sight.size: a list of 2 numbers is needed, not 3"),
         ("beside = 1", "line 4, beside: a list of sections is needed, not 1"),
         ("[[beside]]\nset = {}", "line 4: beside has no key estimator; add it"),
         ("[[beside]]\nestimator = \"diamond\"\nset = { block = 400 }", "line 6, beside.set.block: "),

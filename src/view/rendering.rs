@@ -101,7 +101,7 @@ impl Rendering<'_> {
 
     /// Returns the figure of the step, with the marks that fit at `scale` pixels per point.
     pub(super) fn figure(&self, around: Around, scale: u32) -> Figure {
-        let Self { moment, look, .. } = *self;
+        let Self { moment, look, panes, .. } = *self;
         let Moment { scene, pictures, .. } = moment;
         let heat = moment.step.readouts.iter().find_map(|readout| match readout {
             Readout::Surface(surface) => Some(surface.title.to_string()),
@@ -117,6 +117,7 @@ impl Rendering<'_> {
             titles: around.titles,
             scale,
             focus: look.focus,
+            section: panes.angles.section,
             backdrop: look.backdrop,
             at_end: moment.at_end,
             frame: Some(moment.frame),
@@ -173,7 +174,7 @@ impl Rendering<'_> {
 const MOST_SETTINGS: usize = 11;
 
 /// Returns the parameters of an estimator with their values.
-pub(super) fn settings_text(estimator: &dyn AnyEstimator) -> String {
+fn settings_text(estimator: &dyn AnyEstimator) -> String {
     let specs = estimator.specs();
     let all = specs.iter().zip(estimator.values());
     let chosen = all.filter(|(spec, (_, value))| specs.len() <= MOST_SETTINGS || spec.default != *value);

@@ -250,7 +250,12 @@ fn a_session_reopens_exactly() {
     let mut again = again;
     again.press(Modifiers::COMMAND, Key::S);
     write_to(&mut again, &theirs);
-    let theirs = Session::load(&theirs).expect("a session");
+    let mut theirs = Session::load(&theirs).expect("a session");
+    let [own, other] = [mine.sight, theirs.sight].map(|sight| sight.expect("a part that is seen"));
+    assert_eq!((own.center, own.zoom), (other.center, other.zoom));
+    // The size is that of the stage, which has another shape beside other charts.
+    assert!(own.size.is_some() && other.size.is_some());
+    theirs.sight = mine.sight;
     assert!(theirs == mine, "the session that is saved again is the same");
     assert!(mine.sight.is_some_and(|sight| stage.is_positive() && sight.zoom > 1.0));
     assert_eq!(again.app().settings().look.theme, window.app().settings().look.theme);
@@ -281,6 +286,69 @@ fn a_session_keeps_truth_and_look_and_the_command_line_paints_the_same() {
     write_to(&mut window, &mine);
     paint(&second, 1, &theirs);
     assert!(fs::read(mine).expect("a picture") == fs::read(theirs).expect("a picture"), "the pictures differ");
+}
+
+#[test]
+fn a_part_chosen_by_hand_is_exported_in_the_window_and_from_its_session() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut window = Window::usual();
+    let export = |window: &mut Window, name: &str| {
+        let file = folder.path().join(name);
+        window.command(Command::ExportPicture);
+        window.click_role(Role::Button, "1×");
+        write_to(window, &file);
+        fs::read(file).expect("a picture")
+    };
+    let followed = export(&mut window, "followed.png");
+    window.command(Command::ZoomIn);
+    window.command(Command::ZoomIn);
+    let part = export(&mut window, "part.png");
+    assert!(part != followed, "the close-up of the step stands in place of the part that is seen");
+    let [session, line] = ["part.motionscope", "line.png"].map(|name| folder.path().join(name));
+    window.command(Command::SaveSession);
+    write_to(&mut window, &session);
+    let sight = Session::load(&session).expect("a session").sight.expect("a part");
+    assert!(sight.size.is_some_and(|[width, height]| width < 320.0 && height < 240.0), "{sight:?}");
+    paint(&session, 1, &line);
+    assert!(fs::read(line).expect("a picture") == part, "the pictures differ");
+    window.command(Command::Fit);
+    let whole = export(&mut window, "whole.png");
+    assert!(whole != followed && whole != part, "the whole picture was chosen");
+    window.command(Command::FocusNever);
+    assert!(export(&mut window, "never.png") == whole);
+}
+
+#[test]
+fn a_part_chosen_by_hand_keeps_its_width_and_height_in_the_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [first, second, file] =
+        ["first.motionscope", "second.motionscope", "part.png"].map(|name| folder.path().join(name));
+    let text = "motionscope = 1\nclip = \"synth:pillar\"\nestimator = \"full-search\"\nstep = \"30.200\"\n[picture]\n\
+                view = \"current\"\nlegend = false\n";
+    fs::write(&first, text).expect("the session");
+    let mut window = Window::with(vec2(1440.0, 900.0), Start { open: Some(first.into()) });
+    (0..2).for_each(|_| window.command(Command::ZoomIn));
+    let pane = window.harness.get_by_label_contains("Stage: ").rect().size();
+    window.command(Command::SaveSession);
+    write_to(&mut window, &second);
+    let sight = Session::load(&second).expect("a session").sight.expect("a part");
+    let (width, height) = window.shown().pictures.pair[0].size();
+    let picture = [width as f32, height as f32];
+    // What of the picture lies in its pane on the stage, in px.
+    let seen = [(0, pane.x), (1, pane.y)].map(|(i, side)| {
+        let half = side / sight.zoom / 2.0;
+        (sight.center[i] + half).min(picture[i] - 0.5) - (sight.center[i] - half).max(-0.5)
+    });
+    let is_other_shape = (seen[0] / seen[1] - picture[0] / picture[1]).abs() > 0.05;
+    assert!(is_other_shape && seen[0] < picture[0], "{seen:?} has the shape of the picture");
+    window.command(Command::ExportPicture);
+    window.click_role(Role::Button, "1×");
+    write_to(&mut window, &file);
+    let (width, height) = image::image_dimensions(&file).expect("a picture");
+    let sides = [width as f32, height as f32];
+    let times = (picture[0] / seen[0]).min(picture[1] / seen[1]);
+    let off = [0, 1].map(|i| (sides[i] / times - seen[i]).abs());
+    assert!(off[0].max(off[1]) <= 0.5, "{sides:?} shows other than {seen:?} px, ×{times}");
 }
 
 /// The picture that the command line makes of a session.
@@ -317,6 +385,7 @@ fn a_session_leaves_alone_what_it_does_not_name() {
     let settings = window.app().settings();
     assert_eq!((settings.look.theme, settings.look.colors), (Theme::Light, ColorMap::Turbo));
     assert_eq!(settings.look.arrow_scale, Lengthen::Times(2.0));
+    assert_eq!(settings.look.view, Some(View::SideBySide), "which pictures are seen belongs to what was open before");
     assert_eq!(window.cursor(), Cursor::default(), "it begins at the start");
     assert_eq!(window.shown().subject.experiment.frame, 1);
     let message = window.app().message().unwrap_or_default();

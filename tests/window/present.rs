@@ -1,7 +1,7 @@
 //! Presenting to a class: the pointer, the pen, full screen, and the presenter's window.
 
 use eframe::egui::Shape;
-use motionscope::paint::{Freehand, PenColor};
+use motionscope::paint::{Color, Freehand, Ground, PenColor};
 use motionscope::view::panes::charts;
 use motionscope_core::scene::Picture;
 
@@ -52,7 +52,7 @@ fn ink_is_drawn_on_the_picture_that_it_lies_on() {
     let line = &ink[0];
     assert_eq!(
         (line.on, line.member, line.color, line.step),
-        (Picture::CURRENT, 0, PenColor::Vermilion, window.cursor())
+        (Ground::Picture(Picture::CURRENT), 0, PenColor::Vermilion, window.cursor())
     );
     let ends = [line.points[0], *line.points.last().expect("an end")];
     for (end, wanted) in ends.into_iter().zip([[60.0, 80.0], [140.0, 120.0]]) {
@@ -129,6 +129,41 @@ fn ink_is_the_same_by_session_on_the_command_line_and_in_the_window() {
         let bytes = save(&mut window, OutputKind::Picture, &path(name));
         assert!(String::from_utf8_lossy(&bytes).to_lowercase().contains(&text.to_lowercase()), "{name}");
     }
+}
+
+#[test]
+fn the_chart_of_the_full_screen_is_drawn_on_and_keeps_its_ink() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("chart.motionscope");
+    let mut window = Window::usual();
+    window.key(Key::W);
+    let chart = |window: &Window| window.region(Region::Chart);
+    let across = |window: &mut Window| {
+        let middle = chart(window).center();
+        window.harness.hover_at(middle);
+        window.harness.run_steps(1);
+        window.drag(middle, middle + vec2(40.0, 20.0));
+    };
+    across(&mut window);
+    assert!(window.app().ink().is_empty(), "beside the menus a chart is worked with");
+    window.command(Command::Present);
+    let here = window.cursor();
+    across(&mut window);
+    let ink = window.app().ink().to_vec();
+    assert_eq!((ink.len(), window.cursor()), (1, here), "a line, and no click on the chart");
+    let Ground::Chart { size: [width, height], .. } = ink[0].on else { panic!("{:?}", ink[0].on) };
+    let area = chart(&window);
+    assert!(width <= area.width() && height <= area.height() && width > 0.8 * area.width(), "{area} {width}×{height}");
+    let ends = [ink[0].points[0], *ink[0].points.last().expect("an end")];
+    assert!((ends[1][0] - ends[0][0] - 40.0).abs() < 4.0 && (ends[1][1] - ends[0][1] - 20.0).abs() < 4.0, "{ends:?}");
+    window.key(Key::ArrowRight);
+    assert!(window.app().ink().is_empty(), "another step");
+    window.key(Key::ArrowLeft);
+    assert_eq!(window.app().ink(), ink);
+    save(&mut window, OutputKind::Session, &file);
+    assert_eq!(Session::load(&file).expect("a session").freehand, Freehand { lines: ink });
+    window.press(Modifiers::SHIFT, Key::W);
+    assert!(window.app().ink().is_empty(), "it is cleared with the step");
 }
 
 #[test]
@@ -216,18 +251,152 @@ fn for_the_class_there_is_nothing_but_stage_chart_and_caption() {
     }
 }
 
-/// Width and height of every line that is painted.
-fn painted_lines(window: &Window) -> Vec<Vec2> {
-    fn add(shape: &Shape, all: &mut Vec<Vec2>) {
+/// Everything that is painted.
+fn painted_shapes(window: &Window) -> Vec<&Shape> {
+    fn add<'a>(shape: &'a Shape, all: &mut Vec<&'a Shape>) {
         match shape {
             Shape::Vec(shapes) => shapes.iter().for_each(|shape| add(shape, all)),
-            Shape::Path(path) => all.push(Rect::from_points(&path.points).size()),
-            _ => {}
+            shape => all.push(shape),
         }
     }
     let mut all = Vec::new();
     window.harness.output().shapes.iter().for_each(|clipped| add(&clipped.shape, &mut all));
     all
+}
+
+/// Width and height of every line that is painted.
+fn painted_lines(window: &Window) -> Vec<Vec2> {
+    let size = |shape: &Shape| match shape {
+        Shape::Path(path) => Some(Rect::from_points(&path.points).size()),
+        _ => None,
+    };
+    painted_shapes(window).into_iter().filter_map(size).collect()
+}
+
+/// How many lines are painted that are as large as the one drawn last on a chart.
+fn painted_ink(window: &Window) -> usize {
+    let line = window.app().ink().last().expect("a line");
+    let points: Vec<Pos2> = line.points.iter().map(|point| Pos2::from(*point)).collect();
+    let size = Rect::from_points(&points).size();
+    painted_lines(window).iter().filter(|painted| (**painted - size).abs().max_elem() < 1.0).count()
+}
+
+/// The view of the chart `pane`, on which the last line was drawn.
+fn view_of_ink(window: &Window, wanted: &str) -> Option<[f32; Ground::VIEW]> {
+    match window.app().ink().last().map(|line| line.on) {
+        Some(Ground::Chart { pane, view, .. }) if pane == wanted => view,
+        other => panic!("{other:?} is not on {wanted}"),
+    }
+}
+
+fn drag_on_chart(window: &mut Window, by: Vec2) {
+    let middle = window.region(Region::Chart).center();
+    window.harness.hover_at(middle);
+    window.harness.run_steps(1);
+    window.drag(middle, middle + by);
+}
+
+#[test]
+fn ink_on_a_chart_is_seen_from_where_it_was_drawn_alone() {
+    let mut window = Window::usual();
+    window.command(Command::Present);
+    window.key(Key::Num2);
+    let by = vec2(120.0, 60.0);
+    window.key(Key::W);
+    drag_on_chart(&mut window, by);
+    assert_eq!(view_of_ink(&window, "surface-3d"), None);
+    let drawn = painted_ink(&window);
+    assert!(drawn > 0, "it is painted");
+    window.key(Key::W);
+    drag_on_chart(&mut window, by);
+    assert_eq!((window.app().ink().len(), painted_ink(&window)), (1, 0), "the surface is turned");
+    window.key(Key::W);
+    drag_on_chart(&mut window, by);
+    assert!(view_of_ink(&window, "surface-3d").is_some());
+    assert_eq!((window.app().ink().len(), painted_ink(&window)), (2, drawn), "what was drawn from here alone");
+    window.press(Modifiers::COMMAND, Key::Z);
+    assert_eq!((window.app().ink().len(), painted_ink(&window)), (1, 0));
+    window.key(Key::W);
+    let middle = window.region(Region::Chart).center();
+    window.harness.hover_at(middle);
+    for _ in 0..2 {
+        window.harness.drag_at(middle);
+        window.harness.drop_at(middle);
+    }
+    window.settle();
+    assert_eq!((window.app().ink().len(), painted_ink(&window)), (1, drawn), "a double click turns it back");
+}
+
+#[test]
+fn a_line_on_a_chart_that_is_left_halfway_is_none() {
+    for leave in [Command::Present, Command::Into] {
+        let mut window = Window::usual();
+        window.command(Command::Present);
+        window.key(Key::W);
+        let here = window.cursor();
+        let middle = window.region(Region::Chart).center();
+        window.harness.hover_at(middle);
+        window.harness.drag_at(middle);
+        window.harness.hover_at(middle + vec2(30.0, 20.0));
+        window.settle();
+        window.command(leave);
+        if leave == Command::Present {
+            assert!(window.has(Region::Header), "the menus are there again");
+            window.command(Command::Present);
+        }
+        window.harness.hover_at(middle + vec2(60.0, 20.0));
+        window.harness.drop_at(middle + vec2(60.0, 20.0));
+        window.settle();
+        assert!(window.app().ink().is_empty(), "{leave:?}: half a line");
+        if leave == Command::Into {
+            window.key(Key::ArrowLeft);
+        }
+        assert_eq!((window.cursor(), window.app().ink().len()), (here, 0), "{leave:?}: half a line");
+        drag_on_chart(&mut window, vec2(60.0, 20.0));
+        assert_eq!(window.app().ink().len(), 1, "{leave:?}: the next line is whole");
+    }
+}
+
+#[test]
+fn matrices_below_are_announced_by_a_bright_bar_and_ink_goes_with_those_above() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("one.motionscope");
+    let lines = "motionscope = 1\nclip = \"synth:traffic\"\nestimator = \"kalman-filter\"\nstep = \"3.3\"\n\
+                 [set]\nmotion = \"acceleration\"\n[picture]\ntheme = \"projector\"\n";
+    fs::write(&path, lines).expect("it is written");
+    let mut window = Window::with(vec2(900.0, 600.0), Start { open: Some(path.into()) });
+    window.command(Command::Present);
+    let chart = window.region(Region::Chart);
+    let is_bar = |shape: &&Shape| match shape {
+        Shape::Rect(bar) => {
+            let is_narrow = bar.rect.width() < 10.0 && bar.rect.height() > 0.3 * chart.height();
+            let color = Color(bar.fill.to_array());
+            is_narrow && chart.contains_rect(bar.rect) && color.contrast(Theme::Projector.chrome().panel) > 4.5
+        }
+        _ => false,
+    };
+    assert_eq!(painted_shapes(&window).into_iter().filter(is_bar).count(), 1, "there is more below");
+    window.key(Key::W);
+    drag_on_chart(&mut window, vec2(60.0, 40.0));
+    assert_eq!(view_of_ink(&window, "matrices"), None);
+    let drawn = painted_ink(&window);
+    assert!(drawn > 0, "it is painted");
+    let mut scroll = |by: f32| {
+        window.harness.hover_at(chart.center());
+        window.harness.run_steps(1);
+        window.harness.event(Event::MouseWheel {
+            unit: MouseWheelUnit::Point,
+            source: MouseWheelSource::Unknown,
+            delta: vec2(0.0, by),
+            phase: TouchPhase::Move,
+            modifiers: Modifiers::NONE,
+        });
+        window.harness.run_steps(90);
+        window.settle();
+        painted_ink(&window)
+    };
+    assert_eq!(scroll(-300.0), 0, "what it was drawn on is scrolled away");
+    assert_eq!(scroll(600.0), drawn);
 }
 
 #[test]
@@ -275,6 +444,20 @@ fn the_pen_draws_under_the_magnifying_glass() {
     }
     window.key(Key::Escape);
     assert!(window.has(Region::Header), "pen, glass and full screen are left one by one");
+}
+
+#[test]
+fn the_tip_of_the_full_screen_lies_on_the_stage_alone() {
+    let mut window = Window::with(vec2(1280.0, 720.0), Start { open: Some("lesson:kalman-filter/4".into()) });
+    window.command(Command::ProjectorTheme);
+    let middle = window.harness.get_by_label_contains("Stage: ").rect().center();
+    window.harness.hover_at(middle);
+    window.settle();
+    window.command(Command::Present);
+    let stage = window.region(Region::Stage);
+    let crosses: Vec<Rect> = window.harness.query_all_by_label("Close message").map(|node| node.rect()).collect();
+    assert_eq!(crosses.len(), 1, "what introduces the window goes");
+    assert!(crosses[0].max.x <= stage.max.x && stage.contains(crosses[0].center()), "{:?} on {stage:?}", crosses[0]);
 }
 
 /// A window at a page of a lesson that has notes.

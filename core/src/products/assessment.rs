@@ -54,6 +54,12 @@ impl Measure {
         self.in_column_as(Column { heading, name, per: 1.0, digits })
     }
 
+    /// The same share with a column in percent.
+    #[must_use]
+    pub const fn in_percent(self, heading: &'static str, name: &'static str) -> Self {
+        self.in_column_as(Column { heading, name, per: 0.01, digits: 1 })
+    }
+
     /// The same with a column.
     #[must_use]
     pub const fn in_column_as(self, column: Column) -> Self {

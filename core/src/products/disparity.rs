@@ -48,22 +48,22 @@ const MEASURES: [Measure; 5] = [
         "bad1",
         "Share of the pixels with known truth whose disparity is wrong by more than 1 px; a pixel without an estimate counts as wrong.",
     )
-    .in_column("bad 1", 3)
+    .in_percent("bad 1 %", "bad1_percent")
     .against_truth(),
     Measure::new(
         "bad3_percent",
         "Percentage of the pixels with known truth whose disparity is wrong by more than 3 px; a pixel without an estimate counts as wrong.",
     )
-    .in_column("bad 3 %", 2)
+    .in_column("bad 3 %", 1)
     .against_truth(),
     Measure::new(
         "d1_percent",
         "D1 of the KITTI benchmark: percentage of the pixels with known truth whose disparity is wrong by more than 3 px and by more than \
          5 % of the truth; a pixel without an estimate counts as wrong.",
     )
-    .in_column("D1 %", 2)
+    .in_column("D1 %", 1)
     .against_truth(),
-    Measure::new("disparity_coverage", "Share of the pixels that have a disparity.").in_column("disparity coverage", 3),
+    Measure::new("disparity_coverage", "Share of the pixels that have a disparity.").in_percent("disparity coverage %", "disparity_coverage_percent"),
 ];
 
 /// Compares disparities with the truth; `None` if no pixel is known in both.

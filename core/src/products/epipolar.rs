@@ -63,7 +63,7 @@ const MEASURES: [Measure; 4] = [
     Measure::new("epipolar_inliers", "Number of matches that agree with the epipolar geometry.")
         .in_column("epipolar inliers", 0),
     Measure::new("epipolar_inlier_share", "Share of the matches that agree with the epipolar geometry.")
-        .in_column("epipolar share", 3),
+        .in_percent("epipolar inliers %", "epipolar_inlier_percent"),
     Measure::new("sampson_px", "Root mean square Sampson distance of the inliers in px.").in_column("Sampson px", 3),
     Measure::new("planar_share", "Share of the inliers that a single homography explains."),
 ];

@@ -158,7 +158,8 @@ impl ModelField {
 
 const MEASURES: [Measure; 4] = [
     Measure::new("inliers", "Number of matches that agree with the model.").in_column("inliers", 0),
-    Measure::new("inlier_share", "Share of the matches that agree with the model.").in_column("inlier share", 3),
+    Measure::new("inlier_share", "Share of the matches that agree with the model.")
+        .in_percent("inliers %", "inlier_percent"),
     Measure::new("residual_px", "Root mean square distance of the inliers from their predicted positions in px.")
         .in_column("residual px", 3),
     Measure::new("iterations", "Number of iterations of the estimation.").in_column("iterations", 0),

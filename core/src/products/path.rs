@@ -230,7 +230,7 @@ const MEASURES: [Measure; 6] = [
     Measure::new("jitter_after_px", "The same after stabilisation, by the estimated motions.")
         .in_column("jitter after px", 3),
     Measure::new("empty_share", "Mean share of the stabilised frames that no pixel of the frame covers.")
-        .in_column("empty share", 3),
+        .in_percent("empty %", "empty_percent"),
     Measure::new(
         "motion_error_px",
         "Largest error of the motion of a pair at the corners of the picture, against the true motion of the background, in px.",

@@ -170,7 +170,7 @@ const MEASURES: [Measure; 8] = [
     .against_truth(),
     Measure::new("ego_residual_px", "Root mean square reprojection error of the points that agree with the motion of the cameras, in px.")
         .in_column("reprojection px", 3),
-    Measure::new("scene_flow_coverage", "Share of the pixels that have a scene flow.").in_column("scene flow coverage", 3),
+    Measure::new("scene_flow_coverage", "Share of the pixels that have a scene flow.").in_percent("scene flow coverage %", "scene_flow_coverage_percent"),
 ];
 
 impl Product for SceneFlowField {

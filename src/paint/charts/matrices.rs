@@ -1,6 +1,6 @@
 //! Matrices with the numbers of a step, side by side; what the step has changed is lit.
 
-use motionscope_core::scene::Matrix;
+use motionscope_core::scene::{Math, Matrix};
 use motionscope_core::{Grid, fixed};
 
 use super::super::number::with_power;
@@ -28,33 +28,109 @@ const LEAST_NAME_LETTERS: f32 = 12.0;
 /// Sizes of the type that are tried, as shares of the usual one, until all matrices fit. The largest is little larger than the
 /// usual one, so that the size hardly changes from step to step.
 const TYPE_SHARES: [f32; 11] = [1.2, 1.1, 1.0, 0.95, 0.9, 0.85, 0.8, 0.75, 0.7, 0.65, 0.6];
+/// The last of them.
+const SMALLEST: f32 = TYPE_SHARES[TYPE_SHARES.len() - 1];
+/// The least size in points in which a class reads numbers; the usual type of a desk is smaller anyway.
+const READ_PT: f32 = 14.0;
+/// Room for the bar of an area that is scrolled, in points.
+const BAR_PT: f32 = 14.0;
 /// Those that are tried first in a large area, as that of a chart that takes the place of the stage.
 const LARGE_SHARES: [f32; 3] = [1.8, 1.6, 1.4];
 /// How many times larger the type has to be for the matrices to leave their order.
 const WORTH: f32 = 1.2;
 /// The most matrices that may leave it.
 const MOST_EXCHANGED: usize = 3;
+/// What makes another symbol of the one before it.
+const MARKS: [char; 4] = ['′', '⁻', '⁺', '*'];
 /// Width of a large area, in letters.
 const LARGE_LETTERS: f32 = 40.0;
 
 /// Lays all matrices out from the upper left corner of `area` on, as many beside each other as it is wide, in the largest type
 /// in which they fit; returns where each lies. They may need more room than there is: [`Drawing::place`] tells how much.
 pub fn draw(matrices: &[Matrix], area: Rect, style: ChartStyle) -> Drawing<Vec<Rect>> {
-    let size = area.size();
+    let smallest = || (SMALLEST, (0..matrices.len()).collect::<Vec<usize>>());
+    let (share, order) = fitting(matrices, area.size(), style, SMALLEST).unwrap_or_else(smallest);
+    draw_at(matrices, (&order, area), style, share)
+}
+
+/// As [`draw`], for an area that is scrolled: where only smaller type than can be read from the last row has room for all
+/// matrices, those that the step changes come first and then those that its `formula` names, in type of that size.
+pub fn draw_to_scroll((matrices, formula): (&[Matrix], &[Math]), area: Rect, style: ChartStyle) -> Drawing<Vec<Rect>> {
+    let least = (READ_PT / style.theme.sizes().small).min(1.0);
+    if let Some((share, order)) = fitting(matrices, area.size(), style, least) {
+        return draw_at(matrices, (&order, area), style, share);
+    }
+    let area = Rect { max: [area.max[0] - BAR_PT, area.max[1]], ..area };
+    let width = |matrix: &Matrix, share: f32| {
+        Place::of(matrix, Letters { theme: style.theme, share, has_blanks: false }).size[0]
+    };
+    let is_wide_enough = |share: f32| matrices.iter().all(|matrix| width(matrix, share) <= area.size()[0]);
+    let read = TYPE_SHARES.into_iter().rfind(|share| *share >= least).unwrap_or(1.0);
+    let share = TYPE_SHARES.into_iter().find(|share| *share <= read && is_wide_enough(*share)).unwrap_or(SMALLEST);
+    draw_at(matrices, (&by_weight(matrices, formula), area), style, share)
+}
+
+/// The order in which matrices are read: those that the step changes, then those that its `formula` names, as it names them.
+fn by_weight(matrices: &[Matrix], formula: &[Math]) -> Vec<usize> {
+    let read: Vec<String> = formula.iter().flat_map(symbols).collect();
+    let weight = |index: &usize| {
+        let matrix = &matrices[*index];
+        let is_changed = matrix.changed.as_ref().is_some_and(|changed| changed.cells().contains(&true));
+        let symbol = words(matrix.symbol);
+        let named = read.windows(symbol.len().max(1)).position(|part| part == symbol).unwrap_or(usize::MAX);
+        (!is_changed, if is_changed { 0 } else { named })
+    };
+    let mut order: Vec<usize> = (0..matrices.len()).collect();
+    order.sort_by_key(weight);
+    order
+}
+
+/// The symbols of a formula as they are read; a word in it is one of its own, whatever letters it has.
+fn symbols(math: &Math) -> Vec<String> {
+    match math {
+        Math::Text(text, _) => words(text),
+        Math::Var(name) | Math::Bold(name) => words(name),
+        Math::Row(parts) => parts.iter().flat_map(symbols).collect(),
+        Math::Sub(first, second) | Math::Sup(first, second) | Math::Frac(first, second) => {
+            [symbols(first), symbols(second)].concat()
+        }
+        Math::Sum(inner) | Math::Abs(inner) | Math::Sqrt(inner) | Math::Bar(inner) | Math::Hat(inner) => symbols(inner),
+        Math::Matrix(rows) => rows.iter().flatten().flat_map(symbols).collect(),
+    }
+}
+
+/// The words of a text with their marks, and each other sign by itself.
+fn words(text: &str) -> Vec<String> {
+    let mut words: Vec<String> = Vec::new();
+    let mut goes_on = false;
+    for letter in text.chars() {
+        let is_part = goes_on && (letter.is_alphanumeric() || MARKS.contains(&letter));
+        match words.last_mut() {
+            Some(word) if is_part => word.push(letter),
+            _ if letter.is_whitespace() => {}
+            _ => words.push(letter.to_string()),
+        }
+        goes_on = is_part || letter.is_alphanumeric();
+    }
+    words
+}
+
+/// The largest share of the usual type, `least` or more of it, and an order in which all matrices have room in `size`; `None` where
+/// there are none.
+fn fitting(matrices: &[Matrix], size: [f32; 2], style: ChartStyle, least: f32) -> Option<(f32, Vec<usize>)> {
     let given: Vec<usize> = (0..matrices.len()).collect();
     let fits = |share: f32, order: &[usize]| {
         let needed = extent(&draw_at(matrices, (order, Rect::new([0.0; 2], size)), style, share).place);
         needed[0] <= size[0] && needed[1] <= size[1]
     };
-    let smallest = TYPE_SHARES[TYPE_SHARES.len() - 1];
     let is_large = size[0] > LARGE_LETTERS * style.theme.sizes().body;
-    let shares = || LARGE_SHARES.into_iter().filter(|_| is_large).chain(TYPE_SHARES);
-    let share = shares().find(|share| fits(*share, &given)).unwrap_or(smallest);
+    let shares = || LARGE_SHARES.into_iter().filter(|_| is_large).chain(TYPE_SHARES).filter(|share| *share >= least);
+    let share = shares().find(|share| fits(*share, &given));
     // Each order is laid out in each size, while the window waits.
-    let larger = shares().filter(|larger| given.len() <= MOST_EXCHANGED && *larger >= WORTH * share);
-    let mut other = larger.flat_map(|larger| exchanged(&given).map(move |order| (larger, order)));
-    let (share, order) = other.find(|(larger, order)| fits(*larger, order)).unwrap_or((share, given.clone()));
-    draw_at(matrices, (&order, area), style, share)
+    let is_worth_it = |larger: &f32| given.len() <= MOST_EXCHANGED && *larger >= WORTH * share.unwrap_or(SMALLEST);
+    let mut other = shares().filter(is_worth_it).flat_map(|larger| exchanged(&given).map(move |order| (larger, order)));
+    let found = other.find(|(larger, order)| fits(*larger, order));
+    found.or_else(|| share.map(|share| (share, given.clone())))
 }
 
 /// Lays all matrices out in the usual type for a worksheet: an entry that is NaN is a box to write in.
@@ -418,6 +494,43 @@ mod tests {
         let small = Rect::new([0.0; 2], [width, 0.75 * height]);
         let extent = extent(&draw(&all, small, style()).place);
         assert!(extent[1] <= small.size()[1] && extent[0] <= small.size()[0], "{extent:?} in {small:?}");
+    }
+
+    #[test]
+    fn what_is_scrolled_can_be_read_and_begins_with_what_the_step_is_about() {
+        let named = |symbol: &'static str| Matrix { symbol, changed: Some(Grid::new(2, 2, symbol == "x")), ..matrix() };
+        let all = ["R", "K", "x", "S"].map(named);
+        let formula = [Math::Row(vec![Math::Bold("K"), Math::text(" = "), Math::Bold("S")])];
+        let style = ChartStyle { theme: Theme::Projector, ..style() };
+        let drawing = draw_to_scroll((&all, &formula), Rect::new([0.0; 2], [300.0, 160.0]), style);
+        let mut order = [0, 1, 2, 3];
+        order.sort_by(|a, b| drawing.place[*a].min[1].total_cmp(&drawing.place[*b].min[1]));
+        assert_eq!(order.map(|index| all[index].symbol), ["x", "K", "S", "R"], "each on a line of its own");
+        assert!(drawing.place.iter().all(|place| place.max[0] <= 300.0 - BAR_PT), "{:?}", drawing.place);
+        let sizes = flat(drawing).into_iter().filter_map(|primitive| match primitive {
+            Primitive::Text(line) => Some(line.size),
+            _ => None,
+        });
+        let least = sizes.fold(f32::INFINITY, f32::min);
+        assert!(least >= READ_PT, "{least}");
+        let large = Rect::new([0.0; 2], [900.0, 500.0]);
+        assert_eq!(draw_to_scroll((&all, &formula), large, style).place, draw(&all, large, style).place);
+    }
+
+    #[test]
+    fn letters_inside_a_word_name_no_matrix() {
+        let named = |symbol: &'static str| Matrix { symbol, changed: None, ..matrix() };
+        let all = ["D", "S", "P", "P⁻", "P(θ)", "K"].map(named);
+        let order = |parts: Vec<Math>| -> Vec<&str> {
+            by_weight(&all, &[Math::Row(parts)]).into_iter().map(|index| all[index].symbol).collect()
+        };
+        let words = vec![Math::text("SAD = "), Math::Bold("K"), Math::Bold("S")];
+        assert_eq!(order(words), ["K", "S", "D", "P", "P⁻", "P(θ)"]);
+        let marks = vec![Math::squared(Math::Bold("P⁻")), Math::text(" = 2PSR, "), Math::Bold("S"), Math::Bold("P")];
+        assert_eq!(order(marks), ["P⁻", "S", "P", "D", "P(θ)", "K"]);
+        let ratio = Math::over(Math::text("D"), Math::Bold("K"));
+        let signs = vec![Math::Var("P"), Math::text("("), Math::Var("θ"), Math::text(") = "), ratio];
+        assert_eq!(order(signs), ["P", "P(θ)", "D", "K", "S", "P⁻"]);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use motionscope_core::scene::{Constraint, Plane, Spread};
 use motionscope_core::{Grid, Role, fixed};
 
 use super::super::primitive::{Anchor, Point, Primitive, Rect};
-use super::super::{Color, Face, Theme, labels, legend, marks, number, region_color};
+use super::super::{Color, Face, Ink, Theme, labels, legend, marks, number, region_color};
 use super::axis::Axis;
 use super::canvas::{Canvas, Level, Type, fitting, shortened, solid};
 use super::{ChartStyle, Drawing, titled};
@@ -266,6 +266,28 @@ fn groups(canvas: &mut Canvas, square: &Square, plane: &Plane, theme: Theme) {
     }
 }
 
+/// The colours of the named points. Several of one role are the means of the groups in their order, from group 1 on: each has the
+/// colour of its group, if that has a displacement. A point that is the only one of its role has none of its own.
+fn own_colors(plane: &Plane) -> Vec<Option<Color>> {
+    let points = &plane.points;
+    let color = |index: usize| {
+        let is_peer = |other: &usize| points[*other].1 == points[index].1;
+        let has_peers = (0..points.len()).filter(is_peer).count() > 1;
+        let group = 1 + (0..index).filter(is_peer).count() as u32;
+        let is_there = plane.groups.iter().any(|(own, _)| *own == group);
+        (has_peers && is_there).then(|| Color(region_color(group)).alpha(255))
+    };
+    (0..points.len()).map(color).collect()
+}
+
+/// A named point: in a colour of its own with a rim that sets it off from the dots of its group, or else as its role looks.
+fn point((role, own): (Role, Option<Color>), theme: Theme, at: Point) -> Vec<Primitive> {
+    let Some(color) = own else { return legend::point(role, theme, at) };
+    let mut out = Vec::new();
+    marks::point(&mut out, &Ink { color, halo: theme.chrome().text, ..theme.ink(role) }, at);
+    out
+}
+
 /// The estimates of an iteration, joined in their order.
 fn path(canvas: &mut Canvas, square: &Square, plane: &Plane, theme: Theme) {
     if plane.path.len() < 2 {
@@ -389,11 +411,11 @@ fn names(canvas: &mut Canvas, square: &Square, area: Rect, (plane, style): (&Pla
     let is_below = square.has_names_below;
     let mut at = if is_below { [left, bottom + 3.2 * small] } else { [right + small, top] };
     let is_short = is_below || is_short(plane.points.len(), square.rect.size()[1], small);
-    for (name, role, uv) in &plane.points {
+    for ((name, role, uv), own) in plane.points.iter().zip(own_colors(plane)) {
         if square.displacement(square.at(*uv)).is_some() {
-            canvas.extend(legend::point(*role, theme, square.at(*uv)));
+            canvas.extend(point((*role, own), theme, square.at(*uv)));
         }
-        canvas.extend(legend::point(*role, theme, at.map(|c| c + small / 2.0)));
+        canvas.extend(point((*role, own), theme, at.map(|c| c + small / 2.0)));
         let left = at[0] + 1.8 * small;
         let room = area.max[0] - left;
         let place_at = (Anchor::Start, Level::Middle);
@@ -610,6 +632,44 @@ mod tests {
         assert_eq!(primitives.iter().filter(is_path).count(), 2, "with its dark edge");
         assert!(texts(&primitives).contains(&"gray levels²".to_owned()));
         assert!(summary(&plane).contains("a path of 2 estimates"), "{}", summary(&plane));
+    }
+
+    #[test]
+    fn means_of_clusters_have_the_colours_of_their_groups() {
+        let groups = vec![(1, [-1.0, 0.0]), (1, [-1.2, 0.1]), (2, [-0.9, 0.1]), (2, [1.0, 0.5]), (2, [1.1, 0.4])];
+        let points = vec![
+            ("mean 1", Role::Result, [-1.1, 0.0]),
+            ("mean 2", Role::Result, [1.0, 0.4]),
+            ("inspected pixel", Role::Reference, [1.0, 0.5]),
+        ];
+        let plane = Plane { groups, points, lines: Vec::new(), ..plane() };
+        let [first, second] = [1, 2].map(|group| Some(Color(region_color(group)).alpha(255)));
+        assert_eq!(own_colors(&plane), [first, second, None]);
+        let data = Shown { plane: &plane, whose: "Motion clustering", window: None };
+        let drawing = draw(data, Rect::new([0.0; 2], [640.0, 400.0]), style());
+        let square = drawing.place;
+        let colors = flat(drawing).into_iter().filter_map(|primitive| match primitive {
+            Primitive::Disc { center, color, .. } if center == square.at([-1.1, 0.0]) => Some(color),
+            _ => None,
+        });
+        assert_eq!(colors.last(), first, "above its rim");
+        let seeds = Plane { groups: plane.groups.iter().map(|(_, uv)| (0, *uv)).collect(), ..plane };
+        assert_eq!(own_colors(&seeds), [None; 3], "before the assignment there is no group");
+    }
+
+    #[test]
+    fn each_mean_has_another_colour_however_large_its_group_is() {
+        let few = (0..10).map(|i| (1, [0.01 * i as f32, 0.0]));
+        // A third of the large group is nearer to the mean of the small one.
+        let many = (0..1000).map(|i| (2, [if i % 3 == 0 { 0.2 } else { 0.8 }, 0.001 * i as f32]));
+        let means = vec![("mean 1", Role::Result, [0.045, 0.0]), ("mean 2", Role::Result, [0.6, 0.5])];
+        let both = Plane { groups: few.chain(many).collect(), points: means, ..plane() };
+        let [first, second, third] = [1, 2, 3].map(|group| Some(Color(region_color(group)).alpha(255)));
+        assert_eq!(own_colors(&both), [first, second]);
+        let groups = vec![(1, [0.0; 2]), (3, [2.0, 0.0])];
+        let points = ["mean 1", "mean 2", "mean 3"].map(|name| (name, Role::Result, [0.0; 2])).to_vec();
+        let gap = Plane { groups, points, ..plane() };
+        assert_eq!(own_colors(&gap), [first, None, third], "a group without displacements has no dots");
     }
 
     #[test]

@@ -104,6 +104,8 @@ impl App {
         self.ctx.send_viewport_cmd(ViewportCommand::Fullscreen(is_on));
         if is_on {
             self.settings.close_drawer();
+            // What only introduces the window is nothing for a class.
+            self.toasts.end_introductions();
             self.toasts.hint("1 to 5 choose the chart, Esc shows the menus again.".to_owned());
         }
     }

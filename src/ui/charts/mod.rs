@@ -3,6 +3,7 @@
 pub mod cloud3d;
 pub mod diagram;
 pub mod distribution;
+pub mod handwriting;
 pub mod heat_map;
 pub mod histogram;
 pub mod matrices;

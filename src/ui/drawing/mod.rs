@@ -4,5 +4,6 @@ pub mod arrows;
 pub mod chart;
 pub mod ink;
 pub mod offscreen;
+pub mod pen;
 pub mod primitives;
 pub mod style;

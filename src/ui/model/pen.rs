@@ -163,7 +163,13 @@ mod tests {
 
     fn line(event: usize, x: f32) -> FreehandLine {
         let step = Cursor { unit: 0, event };
-        FreehandLine { step, member: 0, on: Picture::CURRENT, color: PenColor::Vermilion, points: vec![[x, 1.0]] }
+        FreehandLine {
+            step,
+            member: 0,
+            on: Picture::CURRENT.into(),
+            color: PenColor::Vermilion,
+            points: vec![[x, 1.0]],
+        }
     }
 
     #[test]

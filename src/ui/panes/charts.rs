@@ -7,15 +7,23 @@ use motionscope_core::{Cursor, capital};
 use serde::{Deserialize, Serialize};
 
 use super::Panes;
+use super::glossary::{self, Beside};
+use crate::paint::charts::Orbit;
+use crate::paint::charts::cloud::Viewpoint;
+use crate::paint::charts::explanation::equation_of;
+use crate::paint::charts::plane::Window;
+use crate::paint::{FreehandLine, Ground};
 use crate::ui::app::action::{Action, Side};
 use crate::ui::app::commands::Command;
 use crate::ui::charts::heat_map::Clicked;
 use crate::ui::charts::{
-    cloud3d, diagram, distribution, heat_map, histogram, matrices, plane, plots, regions, stack3d, surface3d, tiles,
+    cloud3d, diagram, distribution, handwriting, heat_map, histogram, matrices, plane, plots, regions, stack3d,
+    surface3d, tiles,
 };
 use crate::ui::drawing::chart::Subject;
 use crate::ui::parts::widgets;
-use crate::view::panes::{self, Pane};
+use crate::ui::stage::Hand;
+use crate::view::panes::{self, Angles, Pane};
 
 /// Which charts the person looks at, by their ids.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -77,6 +85,10 @@ impl Panes<'_> {
     pub(super) fn charts(&mut self, ui: &mut Ui, places: &[Rect]) {
         let all = self.of_step.clone();
         let seen = self.charts.seen(&all, places.len());
+        if !self.presented.is_bare || seen.is_empty() {
+            let is_drawing = ui.input(|input| input.pointer.primary_down());
+            self.states.handwriting = self.states.handwriting.take().filter(|_| is_drawing).map(FreehandLine::given_up);
+        }
         for (place, (pane, rect)) in seen.iter().zip(places).enumerate() {
             self.within(
                 ui,
@@ -88,7 +100,9 @@ impl Panes<'_> {
                     if panes.is_stale() {
                         ui.multiply_opacity(0.4);
                     }
+                    let area = ui.available_rect_before_wrap();
                     ui.push_id(pane.id, |ui| panes.chart(ui, pane));
+                    panes.handwriting(ui, area, pane);
                 },
             );
         }
@@ -155,6 +169,25 @@ impl Panes<'_> {
         }
     }
 
+    /// What is drawn by hand on a chart of the full screen, seen while the chart shows the same step from the same viewpoint.
+    fn handwriting(&mut self, ui: &Ui, area: Rect, pane: &'static Pane) {
+        let Some(shown) = self.view.shown.as_deref().filter(|_| self.presented.is_bare) else { return };
+        let color = if let Hand::Draw(color) = self.presented.hand { Some(color) } else { None };
+        let angles = self.states.angles(self.explained(shown).1);
+        let input = handwriting::Input {
+            pane: pane.id,
+            view: view_of(pane, &angles, self.states.matrices.scrolled),
+            member: self.states.explained_of(shown),
+            step: shown.cursor,
+            freehand: self.presented.pen.lines(&shown.subject, shown.cursor),
+            color,
+            theme: self.look.theme,
+        };
+        if let Some(line) = handwriting::show(ui, area, input, &mut self.states.handwriting) {
+            self.actions.ask(Action::Draw(Box::new(line)));
+        }
+    }
+
     fn chart(&mut self, ui: &mut Ui, pane: &'static Pane) {
         let Some(shown) = self.view.shown.as_deref() else { return };
         let (info, step) = self.explained(shown);
@@ -192,7 +225,12 @@ impl Panes<'_> {
                     tiles::show(ui, tiles::Input { tiles, is_centered, subject }, &mut self.states.tiles);
                 }
                 Readout::Matrices(all) if *pane == panes::MATRICES => {
-                    matrices::show(ui, all, subject, &mut self.states.matrices);
+                    let pointed = matrices::show(ui, (all, equation_of(step)), subject, &mut self.states.matrices);
+                    if let Some((index, sensed)) = pointed {
+                        let beside = Beside::new(&shown.scene, info.family, self.look.theme);
+                        glossary::sense_symbol(&sensed, (all[index].symbol, all[index].role), &beside);
+                        self.states.stage.point_out(beside.pointed());
+                    }
                 }
                 Readout::Histogram(counts) if *pane == panes::HISTOGRAM => {
                     // The units of several in lockstep are their own, and not those of this estimator.
@@ -229,6 +267,25 @@ impl Panes<'_> {
     }
 }
 
+/// What the layout of `pane` depends on beside its step and its area, as numbers; `None` if all of it is as at first.
+fn view_of(pane: &Pane, angles: &Angles, scrolled: [f32; 2]) -> Option<[f32; Ground::VIEW]> {
+    let orbit = |Orbit { yaw_rad, pitch_rad, zoom }: Orbit| [yaw_rad, pitch_rad, zoom, 0.0, 0.0, 0.0];
+    let window = |Window { center: [u, v], reach }: Window| [u, v, reach, 0.0, 0.0, 0.0];
+    let numbers = |angles: &Angles, [right, down]: [f32; 2]| match pane {
+        pane if *pane == panes::SURFACE_3D => orbit(angles.surface),
+        pane if *pane == panes::PYRAMID => orbit(angles.pyramid),
+        pane if *pane == panes::PLANE => angles.plane.map_or([0.0; Ground::VIEW], window),
+        pane if *pane == panes::MATRICES => [right, down, 0.0, 0.0, 0.0, 0.0],
+        pane if *pane == panes::CLOUD => {
+            let Viewpoint { yaw_rad, pitch_rad, distance, target: [x, y, z] } = angles.cloud;
+            [yaw_rad, pitch_rad, distance, x, y, z]
+        }
+        _ => [0.0; Ground::VIEW],
+    };
+    let now = numbers(angles, scrolled);
+    (now != numbers(&Angles::default(), [0.0; 2])).then_some(now)
+}
+
 /// A doc as a sentence.
 fn sentence(doc: &str) -> String {
     capital(doc) + "."
@@ -252,6 +309,26 @@ mod tests {
         assert_eq!(chosen.seen(&[&SURFACE], 1), [&SURFACE], "what is chosen is not there");
         assert_eq!(chosen.seen(&[&SERIES, &SURFACE], 2), [&SERIES, &SURFACE]);
         assert!(chosen.seen(&[], 2).is_empty());
+    }
+
+    #[test]
+    fn a_chart_has_a_view_of_its_own_once_it_is_turned_or_scrolled() {
+        let usual = Angles::default();
+        for pane in panes::PANES {
+            assert_eq!(view_of(pane, &usual, [0.0; 2]), None, "{}", pane.id);
+        }
+        let surface = usual.surface.turned([30.0, 0.0]);
+        let cloud = usual.cloud.moved([0.0, 20.0]);
+        let plane = Some(Window { center: [1.0, -0.5], reach: 0.25 });
+        let changed = Angles { surface, cloud, plane, ..usual };
+        let views = |pane: &Pane, scrolled| view_of(pane, &changed, scrolled);
+        for pane in panes::PANES {
+            let is_turned = [panes::SURFACE_3D, panes::CLOUD, panes::PLANE].contains(pane);
+            assert_eq!(views(pane, [0.0; 2]).is_some(), is_turned, "{}", pane.id);
+        }
+        assert_eq!(views(&panes::PLANE, [0.0; 2]), Some([1.0, -0.5, 0.25, 0.0, 0.0, 0.0]));
+        assert_eq!(views(&panes::MATRICES, [0.0, 40.0]), Some([0.0, 40.0, 0.0, 0.0, 0.0, 0.0]));
+        assert_eq!(views(&panes::SURFACE, [0.0, 40.0]), None, "others are not scrolled by that");
     }
 
     #[test]

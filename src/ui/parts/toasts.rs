@@ -13,6 +13,12 @@ const STAY_SECS: f64 = 6.0;
 /// How long a letter takes to be read.
 const LETTER_SECS: f64 = 0.07;
 
+/// Width of a message in sizes of its type, at most and at least.
+const WIDTH_LETTERS: f32 = 32.0;
+const LEAST_LETTERS: f32 = 12.0;
+/// Space around its words and their frame, in points on both sides together.
+const PADDING: f32 = 26.0;
+
 /// One message.
 struct Toast {
     text: String,
@@ -109,8 +115,8 @@ impl Toasts {
         }
     }
 
-    /// Shows all other messages with their lower left `corner` there, the newest at the bottom.
-    pub fn show(&mut self, ctx: &egui::Context, corner: egui::Pos2, theme: Theme) {
+    /// Shows all other messages in so much `width` with their lower left `corner` there, the newest at the bottom.
+    pub fn show(&mut self, ctx: &egui::Context, (corner, width): (egui::Pos2, f32), theme: Theme) {
         let now = ctx.input(|i| i.time);
         for toast in self.0.iter_mut().filter(|toast| toast.kind != Kind::Description) {
             let read = STAY_SECS.max(LETTER_SECS * toast.text.chars().count() as f64);
@@ -130,7 +136,7 @@ impl Toasts {
                 let fill = style::color(chrome.raised);
                 let frame = Frame::popup(ui.style()).fill(fill).inner_margin(12);
                 frame.show(ui, |ui| {
-                    ui.set_max_width(32.0 * size);
+                    ui.set_max_width((WIDTH_LETTERS * size).min(width - PADDING).max(LEAST_LETTERS * size));
                     if toast.show(ui, theme) {
                         read = Some(index);
                     }
