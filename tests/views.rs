@@ -18,6 +18,7 @@ use motionscope::ui::drawing::chart::{Subject, rect_of};
 use motionscope::ui::drawing::primitives::shapes;
 use motionscope::ui::drawing::style;
 use motionscope::ui::panes::explanation;
+use motionscope::ui::panes::glossary::Beside;
 use motionscope::ui::stage::{self, Zoom};
 use motionscope::view::look::{Look, RunState};
 use motionscope::view::motion::AvailableLayers;
@@ -63,6 +64,14 @@ fn harness<'a>(size: Vec2, theme: Theme, show: impl FnMut(&mut Ui) + 'a) -> Harn
 }
 
 impl Fixture {
+    /// Shows the explanation of the step.
+    fn explain(&self, ui: &mut Ui, theme: Theme, state: &mut explanation::State) {
+        let beside = Beside::new(&self.scene, self.walk.info().family, theme);
+        let (info, step) = (self.walk.info(), &self.step);
+        let input = explanation::Input { info, step, before: None, beside: &beside, at_end: false, theme };
+        explanation::show(ui, (input, true), state);
+    }
+
     fn stage(&self) -> stage::Input<'_> {
         stage::Input {
             pictures: &self.pictures,
@@ -119,9 +128,7 @@ fn fresh() -> Subject<'static> {
 fn the_explanation_tells_why_in_words_symbols_and_numbers() {
     let fixture = fixture(MIDDLE);
     let mut state = explanation::State::default();
-    let input =
-        explanation::Input { info: fixture.walk.info(), step: &fixture.step, at_end: false, theme: Theme::Light };
-    let harness = harness(vec2(360.0, 900.0), Theme::Light, move |ui| explanation::show(ui, (input, true), &mut state));
+    let harness = harness(vec2(360.0, 900.0), Theme::Light, |ui| fixture.explain(ui, Theme::Light, &mut state));
     let sentence = fixture.step.sentence.plain();
     assert!(harness.query_by_label(&sentence).is_some(), "{sentence}");
     assert!(harness.query_by_label_contains("Tested: ").is_some());
@@ -143,9 +150,7 @@ fn the_explanation_does_not_jump_from_step_to_step() {
     let mut state = explanation::State::default();
     let mut harness = harness(vec2(320.0, 1200.0), Theme::Dark, |ui| {
         let shown = which.get();
-        let input =
-            explanation::Input { info: shown.walk.info(), step: &shown.step, at_end: false, theme: Theme::Dark };
-        explanation::show(ui, (input, true), &mut state);
+        shown.explain(ui, Theme::Dark, &mut state);
     });
     // Once each kind of step was seen, there is room for all of them.
     let citations = [&short, &long, &short, &long].map(|shown| {
@@ -165,9 +170,7 @@ const SMALL_PANE: Vec2 = vec2(440.0, 490.0);
 fn a_small_pane_shows_words_numbers_symbols_and_the_line_at_work() {
     let fixture = fixture(MIDDLE);
     let mut state = explanation::State::default();
-    let input =
-        explanation::Input { info: fixture.walk.info(), step: &fixture.step, at_end: false, theme: Theme::Projector };
-    let mut harness = harness(SMALL_PANE, Theme::Projector, move |ui| explanation::show(ui, (input, true), &mut state));
+    let mut harness = harness(SMALL_PANE, Theme::Projector, |ui| fixture.explain(ui, Theme::Projector, &mut state));
     harness.run();
     let equation = fixture.step.readouts.iter().find_map(|readout| match readout {
         Readout::Equation(lines) => lines.last().map(|line| line.plain()),
@@ -193,9 +196,7 @@ fn the_explanation_stays_where_it_was_scrolled() {
     let mut state = explanation::State::default();
     let mut harness = harness(SMALL_PANE, Theme::Projector, |ui| {
         let shown = which.get();
-        let input =
-            explanation::Input { info: shown.walk.info(), step: &shown.step, at_end: false, theme: Theme::Projector };
-        explanation::show(ui, (input, true), &mut state);
+        shown.explain(ui, Theme::Projector, &mut state);
     });
     // Once each kind of step was seen, there is room for both.
     for shown in [&second, &first] {
@@ -362,13 +363,7 @@ fn the_explanation_is_painted_wherever_its_pane_lies() {
     let mut harness = harness(vec2(1280.0, 720.0), Theme::Dark, |ui| {
         ui.scope_builder(UiBuilder::new().max_rect(pane), |ui| {
             ui.set_clip_rect(pane);
-            let input = explanation::Input {
-                info: fixture.walk.info(),
-                step: &fixture.step,
-                at_end: false,
-                theme: Theme::Dark,
-            };
-            explanation::show(ui, (input, true), &mut state);
+            fixture.explain(ui, Theme::Dark, &mut state);
         });
     });
     harness.run();
@@ -604,11 +599,7 @@ impl All {
                 );
             });
             part(ui, &mut |ui| {
-                explanation::show(
-                    ui,
-                    (explanation::Input { info: fixture.walk.info(), step: &fixture.step, at_end: false, theme }, true),
-                    &mut self.why,
-                );
+                fixture.explain(ui, theme, &mut self.why);
             });
             for readout in &fixture.step.readouts {
                 part(ui, &mut |ui| match readout {

@@ -870,6 +870,31 @@ fn an_entry_of_the_legend_shows_its_marks_alone_while_it_is_pointed_at() {
 }
 
 #[test]
+fn a_word_in_the_colour_of_a_role_shows_its_marks_alone_while_it_is_pointed_at() {
+    let mut window = Window::usual();
+    window.harness.key_press(Key::ArrowRight);
+    window.settle();
+    let sentence = window.shown().step.sentence.clone();
+    let roles: Vec<_> = sentence.0.iter().filter_map(|(_, role)| *role).collect();
+    assert!(!roles.is_empty(), "{}", sentence.plain());
+    let line = window.harness.query_all_by_label_contains(&sentence.plain()).next().expect("it is shown").rect();
+    let mut found = std::collections::BTreeSet::new();
+    let (width, height) = (line.width() as usize / 24, line.height() as usize / 8);
+    for at in (0..height).flat_map(|y| (0..width).map(move |x| line.min + vec2(24.0 * x as f32, 8.0 * y as f32 + 4.0)))
+    {
+        window.harness.hover_at(at);
+        window.settle();
+        found.extend(window.app().lit());
+    }
+    let is_marked = |role: &&motionscope_core::Role| window.shown().scene.marks.iter().any(|mark| mark.role == **role);
+    let missing = roles.iter().filter(is_marked).find(|role| !found.contains(role));
+    assert_eq!(missing, None, "not found in {}: {found:?}", sentence.plain());
+    window.harness.hover_at(Pos2::new(5.0, 5.0));
+    window.settle();
+    assert_eq!(window.app().lit(), None, "elsewhere all marks are back");
+}
+
+#[test]
 fn what_can_be_done_on_the_stage_is_told_once() {
     let mut window = Window::usual();
     let told = |window: &Window| {

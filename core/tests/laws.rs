@@ -218,15 +218,26 @@ fn seeking_anywhere_equals_walking_there() {
         }
         let extent = estimator.extent(&clip, 0).unwrap();
         assert_eq!(views.len() as u64, extent.events + 1, "one stop for each event, and the start");
+        // What is told of a pixel that is pointed at.
+        let focus = Some(Focus::current([17.0, 13.0]));
+        let mut pointed = Vec::new();
         for view in views.iter().rev() {
             assert!(view.same(&View::of(&*walk)), "walking back: {}", view.cursor);
+            pointed.push(walk.step(focus));
             into(Direction::Back, &mut *walk);
         }
+        pointed.reverse();
         // A fixed order that visits every stop from an unrelated one.
         for i in 0..views.len() {
-            let view = &views[i * 7919 % views.len()];
+            let index = i * 7919 % views.len();
+            let view = &views[index];
             walk.jump(Move::To(view.cursor));
             assert!(view.same(&View::of(&*walk)), "seeking: {}", view.cursor);
+            let before = index.checked_sub(1).filter(|before| views[*before].cursor.unit == view.cursor.unit);
+            let told = |step: Option<&Step>| step.map(|step| format!("{step:?}"));
+            let same = |now: Option<Step>, then: Option<&Step>| told(now.as_ref()) == told(then);
+            assert!(same(walk.step_before(None), before.map(|before| &views[before].step)), "before {}", view.cursor);
+            assert!(same(walk.step_before(focus), before.map(|before| &pointed[before])), "before {}", view.cursor);
         }
     });
 }

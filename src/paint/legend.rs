@@ -98,9 +98,7 @@ impl Sample {
 /// What the legend of `scene` tells about the roles of `marks` and of its links, and how displacements are drawn at `zoom` points per pixel.
 pub fn entries<'a>(scene: &Scene, marks: impl Iterator<Item = &'a Mark> + Clone, look: &Look, zoom: f32) -> Vec<Entry> {
     let entry = |&(role, meaning): &(Role, &'static str)| {
-        let of_mark = marks.clone().filter(|mark| mark.role == role).filter_map(|mark| Sample::of(&mark.shape)).min();
-        let of_link = || scene.links.iter().any(|link| link.role == role).then_some(Sample::Line);
-        let sample = of_mark.or_else(of_link)?;
+        let sample = sample(scene, marks.clone(), role)?;
         if let Some(frames) = look.streak_frames.filter(|_| role == Role::Result && sample == Sample::Arrow) {
             let meaning = format!("where particles would go in {frames} frames of this motion");
             return Some(Entry { role, sample: Sample::Line, meaning });
@@ -121,6 +119,12 @@ pub fn entries<'a>(scene: &Scene, marks: impl Iterator<Item = &'a Mark> + Clone,
         Some(Entry { role, sample, meaning: format!("{meaning}{long}{thinned}") })
     };
     scene.legend.iter().filter_map(entry).collect()
+}
+
+/// What a role looks like among the `marks` and links of `scene`; `None` if it is not there.
+pub fn sample<'a>(scene: &Scene, marks: impl Iterator<Item = &'a Mark>, role: Role) -> Option<Sample> {
+    let of_mark = marks.filter(|mark| mark.role == role).filter_map(|mark| Sample::of(&mark.shape)).min();
+    of_mark.or_else(|| scene.links.iter().any(|link| link.role == role).then_some(Sample::Line))
 }
 
 /// How many times their length displacements are drawn, where that is another.

@@ -35,11 +35,11 @@ pub use figure::{Caption, Extent, Figure, FigureOptions, Layer, Part, focus_fram
 pub use flow_color::flow_color;
 pub use focus::{CloseUp, FocusMode, Work};
 pub use fonts::Face;
-pub use freehand::{Freehand, FreehandLine, PenColor, freehand, pen_width};
+pub use freehand::{Freehand, FreehandLine, Ground, PenColor, freehand, freehand_on_chart, pen_width};
 pub use layer::{Backdrop, FlowLayer, LayerStyle, Opacity, Scalars, Tint, TintKey, dimmed};
 pub use links::{LinkSite, links};
 pub use marks::{ArrowStyle, Lengthen, Look, Placement, Style, ellipse, is_lengthened, region_color, resolve, streaks};
-pub use number::{grouped, labels, number};
+pub use number::{THIN, grouped, labels, number, places};
 pub use panel::{LevelShown, Panel, Phase, Pictures, Share, Shown, View};
 pub use pdf::{Placed, Sheet, export_pdf, export_sheets};
 pub use png::export_png;

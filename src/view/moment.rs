@@ -29,6 +29,8 @@ pub struct Moment {
     pub at_end: bool,
     /// The step; at the end with the assessment of the result.
     pub step: Arc<Step>,
+    /// The step before, if it belongs to the same unit and to the same estimator: numbers that differ from it are lit.
+    pub before: Option<Arc<Step>>,
     /// The marks to draw.
     pub scene: Arc<Scene>,
     /// Frames t and t + 1; at the end also prediction and residual.
@@ -60,6 +62,19 @@ pub struct RunView<'a> {
     pub end: Option<&'a End>,
     /// The pictures of the step shown last.
     pub named: &'a LastNamed,
+    /// The step before.
+    pub before: Before<'a>,
+}
+
+/// The step before the one shown, whose numbers are compared with it.
+#[derive(Clone, Copy)]
+pub enum Before<'a> {
+    /// Nothing is compared: no explanation is shown.
+    NotShown,
+    /// It is to be worked out.
+    Unknown,
+    /// It was shown last.
+    Known(&'a Arc<Step>),
 }
 
 /// The results shown at the end of a run.
@@ -190,6 +205,11 @@ impl Moment {
             cursor: walk.cursor(),
             at_end: walk.at_end(),
             step: Arc::new(explained_step(standing, &motion, missing.as_ref())),
+            before: match standing.before {
+                Before::NotShown => None,
+                Before::Unknown => walk.step_before(focus).map(Arc::new),
+                Before::Known(step) => Some(Arc::clone(step)),
+            },
             scene: Arc::new(scene),
             pictures,
             tiles,
@@ -308,6 +328,7 @@ pub struct Viewer<'a> {
     pairs: LastPair,
     named: LastNamed,
     beside: bool,
+    is_explained: bool,
 }
 
 impl<'a> Viewer<'a> {
@@ -332,7 +353,14 @@ impl<'a> Viewer<'a> {
             pairs: LastPair::default(),
             named: LastNamed::default(),
             beside,
+            is_explained: true,
         })
+    }
+
+    /// The same where an explanation of the steps is shown, or not.
+    #[must_use]
+    pub fn with_explanation(self, is_explained: bool) -> Self {
+        Self { is_explained, ..self }
     }
 
     /// What is shown where the run stands, with the pixel `focus` explained.
@@ -340,11 +368,12 @@ impl<'a> Viewer<'a> {
     /// # Errors
     /// If a frame, a picture that the step names, the truth or the reverse pair that it takes cannot be had.
     pub fn moment(&mut self, focus: Option<Focus>) -> Result<Moment, Error> {
-        let Self { walk, freehand, experiment, clip, look, reverse, pairs, named, beside } = self;
+        let Self { walk, freehand, experiment, clip, look, reverse, pairs, named, beside, is_explained } = self;
         let (walk, clip) = (&**walk, *clip);
         let pair = pairs.of(walk, clip)?;
         let end = End::of(walk, experiment, clip, pair);
-        let standing = RunView { walk, clip, pair, focus, beside: *beside, end: end.as_ref(), named };
+        let before = if *is_explained { Before::Unknown } else { Before::NotShown };
+        let standing = RunView { walk, clip, pair, focus, beside: *beside, end: end.as_ref(), named, before };
         let moment = Moment::of(standing, |site| Motion::of(site, look, || reverse.flow().map(Some)))?;
         let moment = Moment { freehand: freehand.at(moment.cursor).into(), ..moment };
         moment.missing.clone().map_or(Ok(moment), Err)

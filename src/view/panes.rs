@@ -13,7 +13,7 @@ use crate::paint::charts::{
 use crate::paint::primitive::Rect;
 use crate::paint::{Layer, LevelShown};
 
-/// The viewpoints of the 3-D charts, and the section of the displacement plane.
+/// The viewpoints of the 3-D charts, and the sections of the displacement plane and of the pictures.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Angles {
     /// The cost surface.
@@ -24,11 +24,19 @@ pub struct Angles {
     pub cloud: cloud::Viewpoint,
     /// The section of the displacement plane; all of it unless zoomed.
     pub plane: Option<plane::Window>,
+    /// The visible part of the pictures in px of frame t where it was chosen by hand; otherwise the view options decide.
+    pub section: Option<Rect>,
 }
 
 impl Default for Angles {
     fn default() -> Self {
-        Self { surface: Orbit::default(), pyramid: stack::USUAL, cloud: cloud::Viewpoint::default(), plane: None }
+        Self {
+            surface: Orbit::default(),
+            pyramid: stack::USUAL,
+            cloud: cloud::Viewpoint::default(),
+            plane: None,
+            section: None,
+        }
     }
 }
 
@@ -39,6 +47,8 @@ pub struct PaneContent<'a> {
     pub info: &'a Info,
     /// The step.
     pub step: &'a Step,
+    /// The step before, where what has changed is lit.
+    pub before: Option<&'a Step>,
     /// Whether the explained pixel lies at the centre of its tiles.
     pub is_centered: bool,
     /// The pyramid level shown on the stage.
@@ -336,7 +346,7 @@ pub fn charts(step: &Step, order: &[Chart]) -> Vec<&'static Pane> {
 pub struct Selection {
     /// The panes, in the order in which they are arranged.
     pub panes: Vec<&'static Pane>,
-    /// The viewpoints of the 3-D charts.
+    /// The viewpoints of the 3-D charts, and the sections that are seen.
     pub angles: Angles,
 }
 
@@ -352,14 +362,20 @@ impl Selection {
         Self { panes, angles: Angles::default() }
     }
 
+    /// The same panes, with this part of the pictures; without one the view options decide.
+    #[must_use]
+    pub fn seeing(self, section: Option<Rect>) -> Self {
+        Self { angles: Angles { section, ..self.angles }, ..self }
+    }
+
     /// The same panes, with the charts in space turned by a share of a full turn.
     #[must_use]
     pub fn turned(&self, share: f32) -> Self {
         let turned = |yaw_rad: f32| (yaw_rad + share * std::f32::consts::TAU).rem_euclid(std::f32::consts::TAU);
         let orbit = |orbit: Orbit| Orbit { yaw_rad: turned(orbit.yaw_rad), ..orbit };
-        let Angles { surface, pyramid, cloud, plane } = self.angles;
+        let Angles { surface, pyramid, cloud, .. } = self.angles;
         let cloud = cloud::Viewpoint { yaw_rad: turned(cloud.yaw_rad), ..cloud };
-        let angles = Angles { surface: orbit(surface), pyramid: orbit(pyramid), cloud, plane };
+        let angles = Angles { surface: orbit(surface), pyramid: orbit(pyramid), cloud, ..self.angles };
         Self { angles: if share == 0.0 { self.angles } else { angles }, ..self.clone() }
     }
 
@@ -501,7 +517,7 @@ fn whole<'a>(content: PaneContent<'_>, tiles: &'a [motionscope_core::scene::Tile
 }
 
 fn explained(content: PaneContent<'_>) -> explanation::Explained<'_> {
-    explanation::Explained { info: content.info, step: content.step }
+    explanation::Explained { info: content.info, step: content.step, before: content.before }
 }
 
 /// Returns how well a chart of `least` letters of small type across and down fits.

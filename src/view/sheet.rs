@@ -122,19 +122,19 @@ impl Rendering<'_> {
     /// What panes are drawn from.
     pub(super) fn content(&self) -> PaneContent<'_> {
         let Self { moment, look, panes, .. } = *self;
-        let (info, step) = match moment.tiles.first() {
-            Some(tile) => (tile.info, &*tile.step),
-            None => (self.estimator.info(), &*moment.step),
+        let (info, step, before) = match moment.tiles.first() {
+            Some(tile) => (tile.info, &*tile.step, None),
+            None => (self.estimator.info(), &*moment.step, moment.before.as_deref()),
         };
         let is_centered = !self.estimator.tests_candidates();
-        PaneContent { info, step, is_centered, level: look.level, angles: panes.angles }
+        PaneContent { info, step, before, is_centered, level: look.level, angles: panes.angles }
     }
 
     /// Hands over the pictures, to be laid out about `width` points wide.
     fn with_stage<T>(&self, width: f32, scale: u32, take: impl FnOnce(Pictures<'_>) -> T) -> T {
         let figure = |zoom: f32| self.figure(Around { zoom, titles: true, caption: None }, scale);
         let view = self.view();
-        let Extent { columns, size: extent } = Extent::of(&self.parts(view), view);
+        let Extent { columns, size: extent } = Extent::seen(&self.parts(view), view, self.panes.angles.section);
         // What stands around the pictures, as measured where they have about half of the sheet.
         let zoom = 0.5 * width / extent[0];
         let above = figure(zoom).size[1] - 2.0 * MARGIN - extent[1] * zoom;

@@ -7,7 +7,7 @@ use motionscope_core::{Clip, Cursor, Direction, Error, Move, Walk};
 use super::look::Look;
 use super::moment::Viewer;
 use super::motion::{AvailableLayers, Reverse, Site};
-use super::panes::Selection;
+use super::panes::{EXPLANATION, Selection};
 use super::rendering::{Format, Rendering};
 use super::sheet::Layout;
 use super::tile::{self, tiles};
@@ -159,7 +159,8 @@ impl Steps {
         let estimator = &*experiment.estimator;
         self.panes.check(estimator)?;
         let reverse = Reverse::new(estimator, clip, experiment.frame);
-        let mut viewer = Viewer::new(experiment, clip, &self.look, &reverse)?;
+        let is_explained = self.panes.panes.contains(&&EXPLANATION);
+        let mut viewer = Viewer::new(experiment, clip, &self.look, &reverse)?.with_explanation(is_explained);
         viewer.freehand.clone_from(&self.freehand);
         self.begin(&mut *viewer.walk, progress)?;
         self.pixel.map(|pixel| pixel.here(&*viewer.walk, clip)).transpose()?;

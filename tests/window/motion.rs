@@ -213,5 +213,7 @@ fn streaklines_move_where_there_are_some_and_cost_nothing_where_there_are_none()
     window.key(Key::End);
     assert!(window.shown().at_end);
     assert!(window.shown().pictures.streaks.as_ref().is_some_and(|streaks| streaks.is_empty()), "they are wanted");
-    assert_eq!(next_frame(&mut window), Duration::MAX, "nothing is to be drawn");
+    // What is new at the end is lit for less than a second.
+    let rests = (0..100).any(|_| next_frame(&mut window) == Duration::MAX);
+    assert!(rests, "nothing is to be drawn");
 }

@@ -1,5 +1,6 @@
 //! The terms of the course with their definitions, and where they occur in a text.
 
+mod roles;
 mod terms;
 
 use std::collections::HashMap;
@@ -9,6 +10,7 @@ use std::sync::OnceLock;
 
 use crate::base::{Error, words};
 
+pub use roles::role_of;
 pub use terms::GLOSSARY;
 
 /// A term of the field, with the definition that a reader sees on hover.

@@ -230,14 +230,21 @@ impl<E: Estimator> Timeline<E> {
     }
 
     fn seen_so_far(&self, focus: Option<Focus>) -> Seen<'_, E> {
+        self.seen_up_to(self.seen, focus)
+    }
+
+    /// What was seen of the unit at its event number `seen`.
+    fn seen_up_to(&self, seen: usize, focus: Option<Focus>) -> Seen<'_, E> {
+        let (cursor, is_over) =
+            (Cursor { unit: self.unit.index, event: seen }, seen > 0 && seen == self.unit.events.len());
         Seen {
             clip: &self.clip,
             before: &self.unit.before,
-            after: self.unit_is_over().then_some(&self.unit.after),
-            events: &self.unit.events[..self.seen],
+            after: is_over.then_some(&self.unit.after),
+            events: &self.unit.events[..seen],
             // A pixel whose turn has not come is not told.
             focus: focus.filter(|focus| {
-                self.takes(focus.on) && self.explained(*focus).is_none_or(|explained| explained.at(self.cursor()))
+                self.takes(focus.on) && self.explained(*focus).is_none_or(|explained| explained.at(cursor))
             }),
         }
     }
@@ -493,6 +500,12 @@ impl<E: Estimator> Walk for Timeline<E> {
 
     fn step(&self, focus: Option<Focus>) -> Step {
         self.estimator.step(&self.seen_so_far(focus))
+    }
+
+    fn step_before(&self, focus: Option<Focus>) -> Option<Step> {
+        // The start of a later unit is no step of its own: it is the end of the unit before.
+        let before = self.seen.checked_sub(1).filter(|before| *before > 0 || self.unit.index == 0)?;
+        Some(self.estimator.step(&self.seen_up_to(before, focus)))
     }
 
     fn scene(&self, focus: Option<Focus>) -> Scene {

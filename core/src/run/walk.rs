@@ -93,6 +93,10 @@ pub trait Walk: Send {
     }
     /// The explanation at the cursor; `focus` is the pixel pointed at.
     fn step(&self, focus: Option<Focus>) -> Step;
+    /// The explanation one event earlier, if that belongs to the same unit: what has changed since is seen in it.
+    fn step_before(&self, _focus: Option<Focus>) -> Option<Step> {
+        None
+    }
     /// The scene at the cursor.
     fn scene(&self, focus: Option<Focus>) -> Scene;
     /// The products at the cursor, of all finished units.

@@ -475,7 +475,8 @@ pub struct Plane {
     pub reach: f32,
     /// A cost of the displacements shown.
     pub cost: Option<PlaneCost>,
-    /// Displacements of pixels, each with its group, which has a colour of its own; 0 is none.
+    /// Displacements of pixels, each with its group, which has a colour of its own; 0 is none. Several points of one role are the means
+    /// of the groups in their order, from group 1 on.
     pub groups: Vec<(u32, [f32; 2])>,
     /// The constraint lines of the pixels.
     pub lines: Vec<Constraint>,

@@ -4,13 +4,15 @@ use std::ops::Range;
 
 use motionscope_core::glossary::{Term, occurrences};
 use motionscope_core::scene::{Fact, Math, Readout, Sentence};
-use motionscope_core::{Info, Step, pseudocode as code};
+use motionscope_core::{Info, Role, Step, pseudocode as code};
 
 use super::super::legend::SWATCH;
 use super::super::primitive::{Anchor, Point, Primitive, Rect, Run};
 use super::super::{Chrome, Face, Theme, fonts, wrap};
 use super::canvas::{Canvas, Level, Type};
-use super::{ChartStyle, Drawing, formula, tiles};
+use super::changes::{self, Since};
+use super::formula;
+use super::{ChartStyle, Drawing, tiles};
 
 /// Between two parts, in points.
 const GAP: f32 = 8.0;
@@ -18,6 +20,9 @@ const GAP: f32 = 8.0;
 const BOX: f32 = 8.0;
 /// Above and below a line of code.
 const CODE_MARGIN: f32 = 3.0;
+/// Around a number that is lit, and the width of its frame, in points.
+const LIT_MARGIN: f32 = 1.0;
+const LIT_PT: f32 = 1.5;
 /// Fewest lines of code that are shown where there is little room.
 const FEWEST_LINES: usize = 5;
 
@@ -28,6 +33,8 @@ pub struct Explained<'a> {
     pub info: &'a Info,
     /// What the cursor tells.
     pub step: &'a Step,
+    /// What the step before told: numbers that differ from it are lit.
+    pub before: Option<&'a Step>,
 }
 
 /// A part of an explanation, laid out from the origin on.
@@ -43,19 +50,22 @@ pub struct Block {
     pub terms: Vec<(Rect, &'static Term)>,
     /// Where symbols stand in formulas, in plain letters; one with an index comes before its letter.
     pub symbols: Vec<(Rect, String)>,
+    /// Where words and numbers stand in the colour of a role; what is broken over two lines is there twice.
+    pub roles: Vec<(Rect, Role)>,
 }
 
 impl Block {
     /// The same block elsewhere.
     #[must_use]
     pub fn moved(self, by: Point) -> Self {
-        let Self { size, primitives, lines, terms, symbols } = self;
+        let Self { size, primitives, lines, terms, symbols, roles } = self;
         Self {
             size,
             primitives: primitives.into_iter().map(|primitive| primitive.moved(by)).collect(),
             lines: lines.into_iter().map(|(rect, words)| (rect.moved(by), words)).collect(),
             terms: terms.into_iter().map(|(rect, term)| (rect.moved(by), term)).collect(),
             symbols: symbols.into_iter().map(|(rect, name)| (rect.moved(by), name)).collect(),
+            roles: roles.into_iter().map(|(rect, role)| (rect.moved(by), role)).collect(),
         }
     }
 
@@ -65,12 +75,13 @@ impl Block {
             return;
         }
         let down = if self.size[1] > 0.0 { self.size[1] + gap } else { 0.0 };
-        let Block { size, primitives, lines, terms, symbols } = other.moved([0.0, down]);
+        let Block { size, primitives, lines, terms, symbols, roles } = other.moved([0.0, down]);
         self.size = [self.size[0].max(size[0]), down + size[1]];
         self.primitives.extend(primitives);
         self.lines.extend(lines);
         self.terms.extend(terms);
         self.symbols.extend(symbols);
+        self.roles.extend(roles);
     }
 }
 
@@ -195,16 +206,16 @@ fn fitting(data: Explained<'_>, [width, height]: [f32; 2], theme: Theme) -> Bloc
 }
 
 /// Everything, with so many lines of code around the one at work.
-fn description(Explained { info, step }: Explained<'_>, width: f32, theme: Theme, lines: usize) -> Block {
+fn description(Explained { info, step, before }: Explained<'_>, width: f32, theme: Theme, lines: usize) -> Block {
     let density = Density::close(theme);
     let mut whole = sentence(&step.sentence, (width, density), theme);
-    let facts = facts_of(step);
-    let formulas = equation_of(step);
-    if !formulas.is_empty() {
+    let facts = Since { now: facts_of(step), before: before.map_or(&[], facts_of) };
+    let formulas = Since { now: equation_of(step), before: before.map_or(&[], equation_of) };
+    if !formulas.now.is_empty() {
         whole.put_below(rule(width, theme), GAP);
         whole.put_below(equation(formulas, (width, density), theme), GAP);
     }
-    if !facts.is_empty() {
+    if !facts.now.is_empty() {
         whole.put_below(rule(width, theme), GAP);
         whole.put_below(table(facts, (width, density), theme), GAP);
     }
@@ -244,7 +255,14 @@ pub fn sentence(sentence: &Sentence, (width, density): (f32, Density), theme: Th
         Some(role) => Run::new(words, theme.word(role)).underlined(theme.ink(role).color),
     };
     let runs: Vec<_> = sentence.0.iter().map(run).collect();
-    let mut block = words(&runs, width, density).0;
+    let (mut block, all) = words(&runs, width, density);
+    let mut end = 0;
+    for (words, role) in &sentence.0 {
+        let start = end;
+        end += words.len();
+        let places = role.iter().flat_map(|role| rects(&all, &(start..end)).into_iter().map(|rect| (rect, *role)));
+        block.roles.extend(places);
+    }
     block.lines = vec![(Rect::new([0.0; 2], block.size), sentence.plain())];
     block
 }
@@ -270,37 +288,52 @@ pub(super) fn words(runs: &[Run], width: f32, density: Density) -> (Block, Vec<S
     (block, all)
 }
 
-/// Formulas below each other.
-pub fn equation(formulas: &[Math], (width, density): (f32, Density), theme: Theme) -> Block {
+/// Formulas below each other; numbers that differ from those of the formulas before are lit.
+pub fn equation<'a>(formulas: impl Into<Since<'a, Math>>, (width, density): (f32, Density), theme: Theme) -> Block {
     let mut block = Block::default();
-    for math in formulas {
-        let formula = formula::typeset(math, density.math, width);
-        let size = formula.size();
+    let Since { now, before } = formulas.into();
+    let [set, set_before] =
+        [now, before].map(|all| all.iter().map(|math| formula::typeset(math, density.math, width)).collect::<Vec<_>>());
+    let lit = changes::of_formulas(&set, &set_before);
+    for ((math, formula), lit) in now.iter().zip(&set).zip(&lit) {
+        let (size, down) = (formula.size(), [0.0, formula.ascent]);
         let lines = vec![(Rect::new([0.0; 2], size), math.plain())];
-        let symbols = formula.symbols.iter().map(|(rect, name)| (rect.moved([0.0, formula.ascent]), name.clone()));
-        let (symbols, primitives) = (symbols.collect(), formula.primitives([0.0; 2], theme));
-        block.put_below(Block { size, primitives, lines, symbols, ..Block::default() }, 5.0);
+        let symbols = formula.symbols.iter().map(|(rect, name)| (rect.moved(down), name.clone())).collect();
+        let roles = formula.roles().map(|(rect, role)| (rect.moved(down), role)).collect();
+        let mut canvas = Canvas::default();
+        canvas.extend(formula.primitives([0.0; 2], theme));
+        lit.iter().for_each(|rect| light(&mut canvas, rect.moved(down), theme));
+        let primitives = canvas.into_primitives();
+        block.put_below(Block { size, primitives, lines, symbols, roles, ..Block::default() }, 5.0);
     }
     block
 }
 
-/// Labels left, values right.
-pub fn table(facts: &[Fact], (width, density): (f32, Density), theme: Theme) -> Block {
+/// A frame around what has changed: on a filled ground, the colours of roles could hardly be read.
+fn light(canvas: &mut Canvas, rect: Rect, theme: Theme) {
+    canvas.frame(rect.grown(LIT_MARGIN), LIT_PT, theme.chrome().accent);
+}
+
+/// Labels left, values right; those that differ from the fact of the same name before are lit.
+pub fn table<'a>(facts: impl Into<Since<'a, Fact>>, (width, density): (f32, Density), theme: Theme) -> Block {
     let mut block = Block::default();
-    for (i, fact) in facts.iter().enumerate() {
-        block.put_below(row(fact, RowLayout { width, margin: density.row, is_ruled: i > 0 }, theme), 0.0);
+    let facts = facts.into();
+    for (i, (fact, is_lit)) in facts.now.iter().zip(changes::of_facts(facts)).enumerate() {
+        let layout = RowLayout { width, margin: density.row, is_ruled: i > 0, is_lit };
+        block.put_below(row(fact, layout, theme), 0.0);
     }
     block
 }
 
-/// The width of a row of the table, its margin above and below, and whether it stands under a line.
+/// The width of a row of the table, its margin above and below, whether it stands under a line, and whether its value is lit.
 struct RowLayout {
     width: f32,
     margin: f32,
     is_ruled: bool,
+    is_lit: bool,
 }
 
-fn row(fact: &Fact, RowLayout { width, margin, is_ruled }: RowLayout, theme: Theme) -> Block {
+fn row(fact: &Fact, RowLayout { width, margin, is_ruled, is_lit }: RowLayout, theme: Theme) -> Block {
     let Chrome { text, dim, line, .. } = theme.chrome();
     let size = theme.sizes().body;
     let style = Type { face: Face::Sans, size, color: dim };
@@ -325,13 +358,19 @@ fn row(fact: &Fact, RowLayout { width, margin, is_ruled }: RowLayout, theme: The
     for (i, runs) in values.into_iter().enumerate() {
         let words: String = runs.into_iter().map(|run| run.text).collect();
         let y = middle + (first + i) as f32 * height;
+        if is_lit {
+            let value = [style.width(&words) + 2.0 * LIT_MARGIN, height - 2.0];
+            let corner = [width - value[0] + LIT_MARGIN, y - value[1] / 2.0];
+            light(&mut canvas, Rect::new(corner, value).grown(-LIT_MARGIN), theme);
+        }
         canvas.text([width, y], (Anchor::End, place), &words, style.color(text));
     }
     let size = [width, rows as f32 * height + 2.0 * margin];
     let lines = vec![(Rect::new([0.0; 2], size), format!("{}: {}", fact.label, fact.value))];
     let label = [(vec![Run::new(fact.label, dim)], [left, middle - 0.6 * style.size], 1.2 * style.size)];
     let terms = terms(fact.label, &set(fact.label, &label, style.size));
-    Block { size, primitives: canvas.into_primitives(), lines, terms, ..Block::default() }
+    let roles = fact.role.map(|role| (Rect::new([0.0; 2], size), role)).into_iter().collect();
+    Block { size, primitives: canvas.into_primitives(), lines, terms, roles, ..Block::default() }
 }
 
 /// The algorithm's name.
@@ -448,7 +487,7 @@ mod tests {
         let line = &info.pseudocode[3];
         let step = step(line.name);
         let area = Rect::new([10.0, 20.0], [320.0, 2000.0]);
-        let drawing = draw(Explained { info, step: &step }, area, style());
+        let drawing = draw(Explained { info, step: &step, before: None }, area, style());
         let primitives: Vec<_> = drawing.into_layers().into_iter().flat_map(|layer| layer.primitives).collect();
         let said = texts(&primitives).join(" ");
         for words in ["Candidate (−3, 2) costs 812.", "Best so far", "812 at (−3, 2)", "SAD", info.name] {
@@ -472,7 +511,7 @@ mod tests {
         let info = estimator.info();
         let last = &info.pseudocode[info.pseudocode.len() - 1];
         let step = step(last.name);
-        let data = Explained { info, step: &step };
+        let data = Explained { info, step: &step, before: None };
         let [least, whole] = heights(data, 320.0, style());
         assert!(least < whole);
         let drawing = draw(data, Rect::new([0.0; 2], [320.0, least]), style());
@@ -508,6 +547,41 @@ mod tests {
         });
         let (first, second) = broken.expect("some width parts the two words");
         assert!(second.min[1] > first.min[1] && second.min[0] == 0.0, "{first:?} {second:?}");
+    }
+
+    #[test]
+    fn words_and_numbers_in_the_colour_of_a_role_tell_where_they_stand() {
+        let line = estimator("full-search").expect("it is registered").info().pseudocode[0].name;
+        let Step { sentence: words, readouts, .. } = step(line);
+        let density = Density::close(Theme::Dark);
+        let block = sentence(&words, (400.0, density), Theme::Dark);
+        let [(rect, role)] = block.roles[..] else { panic!("{:?}", block.roles) };
+        let from = fonts::width("Candidate ", Face::Sans, density.words);
+        assert!(role == Role::Candidate && (rect.min[0] - from).abs() < 0.1, "{rect:?}");
+        let Readout::Equation(formula) = &readouts[1] else { panic!("a formula") };
+        let block = equation(&formula[..], (400.0, density), Theme::Dark);
+        assert!(matches!(block.roles[..], [(rect, Role::Candidate)] if rect.min[0] > 20.0), "{:?}", block.roles);
+        let block = table(facts_of(&step(line)), (400.0, density), Theme::Dark);
+        assert!(matches!(block.roles[..], [(_, Role::Best)]), "{:?}", block.roles);
+    }
+
+    #[test]
+    fn a_number_that_differs_from_the_step_before_is_lit() {
+        let formula = |value: &str| [Math::text("SAD = "), Math::text(value), Math::text(" < 900")];
+        let row = |value: &str| [Math::Row(formula(value).into())];
+        let facts = |value: &str| [Fact::new("Candidate", value, None), Fact::new("Best so far", "812", None)];
+        let (layout, theme) = ((400.0, Density::close(Theme::Dark)), Theme::Dark);
+        let lit = |block: &Block| {
+            let accent = theme.chrome().accent;
+            let is_lit = |p: &&Primitive| matches!(p, Primitive::Polyline { stroke, .. } if stroke.color == accent);
+            block.primitives.iter().filter(is_lit).count()
+        };
+        let (now, before) = (row("950"), row("812"));
+        assert_eq!(lit(&equation(Since { now: &now, before: &before }, layout, theme)), 1);
+        assert_eq!(lit(&equation(&now, layout, theme)), 0);
+        let (now, before) = (facts("950"), facts("812"));
+        assert_eq!(lit(&table(Since { now: &now, before: &before }, layout, theme)), 1);
+        assert_eq!(lit(&table(&now, layout, theme)), 0);
     }
 
     #[test]

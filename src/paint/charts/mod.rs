@@ -6,6 +6,7 @@
 mod axis;
 mod canvas;
 mod cells;
+pub mod changes;
 pub mod cloud;
 pub mod diagram;
 pub mod distribution;

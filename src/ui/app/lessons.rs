@@ -1,6 +1,7 @@
 //! Lessons in the window: opening, turning pages, and where the page stands.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use eframe::egui::{Rect, Ui};
 use motionscope_core::{Cursor, Direction, Move};
@@ -13,6 +14,7 @@ use crate::ui::model::lesson::{LOOK, OpenLesson};
 use crate::ui::model::paper::OfPage;
 use crate::ui::model::snapshot::Snapshot;
 use crate::ui::model::trail::Left;
+use crate::ui::panes::glossary::Beside;
 use crate::ui::panes::lesson;
 
 impl App {
@@ -82,6 +84,8 @@ impl App {
     /// Closes the lesson; pictures look as they did without its page.
     pub(super) fn close_lesson(&mut self) {
         if let Some(open) = self.lesson.take() {
+            // An open question is taken back without its answer.
+            self.predict.withdraw().into_iter().for_each(|cursor| self.walker.go(Move::To(cursor)));
             self.predict.turn_for_page(false);
             self.settings.look = open.without_page(self.settings.look);
         }
@@ -196,7 +200,7 @@ impl App {
         if !is_of_clip {
             self.load(name);
         } else if session.experiment == *now && session.position.held.is_none() && self.view.refused.is_none() {
-            self.settings.look = session.look.over(self.settings.look);
+            self.look_as(&session.look, session.sight);
             self.loading = None;
             self.walker.release();
             self.walker.go(Move::To(cursor));
@@ -241,9 +245,13 @@ impl App {
         let theme = self.settings.look.theme;
         let [page, rest] = lesson::split(all, theme.sizes().body);
         let back = self.trail.last().map(|left| left.title.as_str());
-        let input = lesson::Input { open, theme, back };
+        let shown = self.view.shown.clone();
+        let scene = shown.as_ref().map(|shown| Arc::clone(&shown.scene)).unwrap_or_default();
+        let beside = Beside::new(&scene, shown.as_ref().map_or("", |shown| shown.info.family), theme);
+        let input = lesson::Input { open, theme, back, beside: &beside };
         self.states.lesson.has_notes_elsewhere = self.presentation.presenter.is_some();
         lesson::show(ui, page, input, &mut self.states.lesson, actions);
+        self.states.stage.point_out(beside.pointed());
         regions.push((Region::Lesson, page));
         rest
     }

@@ -335,6 +335,7 @@ impl App {
             is_pointing: self.presentation.is_pointing,
             is_presenting: self.presentation.is_on,
             is_tuned: self.document.is_tuned(Owner::Estimator),
+            asks: self.predict.is_on(),
             is_asked: self.predict.open().is_some(),
             is_answered: self.predict.last().is_some_and(|open| open.verdict().is_some()),
             has_scores: !self.predict.scores().is_empty(),
@@ -518,7 +519,8 @@ impl App {
                 }
             }
             let nothing = || if self.document.clip().is_some() { "No run" } else { "No clip is open" }.to_owned();
-            let text = self.view.shown.as_deref().map_or_else(nothing, status::line);
+            let text = self.view.shown.as_deref();
+            let text = text.map_or_else(nothing, |shown| status::line(shown, self.predict.is_on()));
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 if ui.available_width() > 70.0 * small.size {
                     let keys = status::keys(self.granularities());
@@ -538,6 +540,7 @@ impl App {
         actions: &mut Actions,
         regions: &mut Vec<(Region, egui::Rect)>,
     ) {
+        self.states.stage.begin_frame();
         let body = self.lesson_beside(ui, actions, regions);
         let all = self.room(body, ui.ctx().content_rect().size()).arrange();
         let of_step = self.charts();
@@ -562,6 +565,7 @@ impl App {
             actions,
         };
         panes.show(ui, &all);
+        self.states.stage.end_frame(ui.ctx());
         let Arrangement { stage, charts, explanation, strip, parameters, .. } = all;
         let single = [(Region::Stage, stage), (Region::Explanation, explanation), (Region::Strip, strip)];
         let single = single.into_iter().chain([(Region::Parameters, parameters)]);
@@ -590,7 +594,7 @@ impl App {
             Overlay::Shortcuts => sheet::shortcuts(ctx, &self.granularities(), theme),
             Overlay::Open(state) => open_dialog::show(ctx, state, &self.settings.recent, actions),
             Overlay::Save(state) => save_dialog::show(ctx, state, self.granularities(), actions),
-            Overlay::Camera(state) => camera::show(ctx, state, (&self.document, &self.settings.look), actions),
+            Overlay::Camera(state) => camera::show(ctx, state, (&self.document, &mut self.settings), actions),
             Overlay::Compare(state) => compare::show(ctx, state, &self.document, theme, actions),
             Overlay::Lessons(state) => lessons::show(ctx, state, theme, actions),
             Overlay::Samples => {
@@ -612,6 +616,18 @@ impl App {
     /// Where a region lies, if it is there.
     fn region(&self, of: Region) -> Option<egui::Rect> {
         self.regions.iter().find(|(region, _)| *region == of).map(|(_, rect)| *rect)
+    }
+
+    /// The lower left corner of messages, and their width. They lie over no words and no chart: on the stage, above its legend, or else
+    /// above the sentence or the transport.
+    fn place_of_messages(&self, content: egui::Rect) -> (egui::Pos2, f32) {
+        let gap = egui::vec2(12.0, -8.0);
+        let legend = 1.6 * self.settings.look.theme.sizes().body;
+        if let Some(stage) = self.region(Region::Stage) {
+            return (stage.left_bottom() - egui::vec2(0.0, legend) + gap, stage.width() - 2.0 * gap.x);
+        }
+        let below = [Region::Strip, Region::Transport].into_iter().find_map(|region| self.region(region));
+        (below.map_or(content.left_bottom(), |below| below.left_top()) + gap, content.width() - 2.0 * gap.x)
     }
 
     /// Says that what is held over the window can be dropped.
@@ -652,13 +668,8 @@ impl eframe::App for App {
         self.presenter_window(&ctx, &mut actions);
         self.overlays(&ctx, &mut actions);
         self.previews.settle(&ctx);
-        // Messages lie over no words and no chart: on the stage, above its legend, or else above the transport.
-        let content = ctx.content_rect();
-        let legend = 1.6 * self.settings.look.theme.sizes().body;
-        let stage = self.region(Region::Stage).map(|stage| stage.left_bottom() - egui::vec2(0.0, legend));
-        let transport = || self.region(Region::Transport).map(|transport| transport.left_top());
-        let corner = stage.or_else(transport).unwrap_or(content.left_bottom()) + egui::vec2(12.0, -8.0);
-        self.toasts.show(&ctx, corner, self.settings.look.theme);
+        let place = self.place_of_messages(ctx.content_rect());
+        self.toasts.show(&ctx, place, self.settings.look.theme);
         self.drop_hint(ui);
         self.show_pointer(&ctx);
         for action in actions.0 {

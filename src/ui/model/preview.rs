@@ -22,6 +22,7 @@ pub fn preview(subject: &Arc<Prepared>, clip: &Clip) -> Result<Snapshot, Error> 
         cursor: Cursor::default(),
         at_end: false,
         step: Arc::new(step(subject, "Computing the first step.")),
+        before: None,
         scene: Arc::new(detected(subject)),
         pictures: moment::pair(clip, experiment.frame)?,
         tiles: Vec::new(),

@@ -3,14 +3,15 @@
 use std::sync::Arc;
 
 use eframe::egui::{self, Painter, Rect, Sense, Shape, Ui, Vec2, vec2};
-use motionscope_core::scene::Math;
+use motionscope_core::scene::{Fact, Math};
 use motionscope_core::{Info, Step};
 
 use crate::paint::Theme;
+use crate::paint::charts::changes::Since;
 use crate::paint::charts::explanation::{self, Block, Density, Light};
 use crate::ui::drawing::chart::{rect_from, unclipped};
 use crate::ui::drawing::{ink, primitives};
-use crate::ui::panes::glossary::{self, Link};
+use crate::ui::panes::glossary::{self, Beside, Link};
 
 /// What is explained.
 #[derive(Clone, Copy)]
@@ -19,10 +20,28 @@ pub struct Input<'a> {
     pub info: &'a Info,
     /// What the cursor tells.
     pub step: &'a Arc<Step>,
+    /// What the step before told, where that is known: numbers that differ from it are lit.
+    pub before: Option<&'a Step>,
+    /// The stage on which what is pointed at is pointed out.
+    pub beside: &'a Beside<'a>,
     /// Whether the run is over: then it is told how good the estimate is as well.
     pub at_end: bool,
     /// The look.
     pub theme: Theme,
+}
+
+impl<'a> Input<'a> {
+    /// The formulas of the step, and those of the step before.
+    fn formulas(&self) -> Since<'a, Math> {
+        let before = self.before.map_or(&[][..], explanation::equation_of);
+        Since { now: explanation::equation_of(self.step), before }
+    }
+
+    /// The numbers of the step, and those of the step before.
+    fn facts(&self) -> Since<'a, Fact> {
+        let before = self.before.map_or(&[][..], explanation::facts_of);
+        Since { now: explanation::facts_of(self.step), before }
+    }
 }
 
 /// Heights of the pane, in sizes of its type, below which things stand closer.
@@ -92,8 +111,8 @@ impl Part {
         Self { size: block.size.into(), shapes: primitives::shapes(&painter, &block.primitives), lines, links }
     }
 
-    /// Shows it, each line with its name; gives where these are.
-    pub(super) fn show(&self, ui: &mut Ui, salt: &str) -> Vec<Rect> {
+    /// Shows it, each line with its name; gives where these are. What is pointed at is pointed out on the stage.
+    pub(super) fn show(&self, ui: &mut Ui, salt: &str, beside: &Beside<'_>) -> Vec<Rect> {
         if self.size.y <= 0.0 {
             return Vec::new();
         }
@@ -110,7 +129,7 @@ impl Part {
             place
         };
         let places = self.lines.iter().enumerate().map(line).collect();
-        glossary::sense(ui, salt, &self.links, by);
+        glossary::sense(ui, salt, (&self.links, rect.with_max_y(rect.min.y + self.size.y)), beside);
         places
     }
 }
@@ -133,7 +152,8 @@ struct Parts {
 }
 
 impl Parts {
-    fn new(painter: &Painter, Input { info, step, theme, .. }: Input<'_>, key: Key) -> Self {
+    fn new(painter: &Painter, input: Input<'_>, key: Key) -> Self {
+        let Input { info, step, theme, .. } = input;
         let (width, density) = (key.width as f32, key.density);
         let part = |block| Part::new(painter, block, info.family);
         let line = |text: &str| explanation::code_line(text.trim_start(), Light::AtWork, width, theme);
@@ -143,8 +163,8 @@ impl Parts {
             step: Arc::clone(step),
             sentence: part(explanation::sentence(&step.sentence, (width, density), theme)),
             rule: part(explanation::rule(width, theme)),
-            equation: part(explanation::equation(explanation::equation_of(step), (width, density), theme)),
-            facts: part(explanation::table(explanation::facts_of(step), (width, density), theme)),
+            equation: part(explanation::equation(input.formulas(), (width, density), theme)),
+            facts: part(explanation::table(input.facts(), (width, density), theme)),
             name: part(explanation::name(info, theme)),
             code: part(explanation::pseudocode(info, step, (0..info.pseudocode.len(), width), theme)),
             citation: part(explanation::citation(info.source, width, theme)),
@@ -198,7 +218,7 @@ impl State {
 
 /// Shows the explanation in the whole of `ui`, with the sentence unless that stands elsewhere.
 pub fn show(ui: &mut Ui, (input, has_sentence): (Input<'_>, bool), state: &mut State) {
-    let Input { info, step, theme, at_end } = input;
+    let Input { info, step, theme, at_end, beside, .. } = input;
     let key = key_of(ui, input, state.key);
     ui.spacing_mut().item_spacing = vec2(8.0, gap(key.density, theme));
     state.keep_for(key);
@@ -207,7 +227,7 @@ pub fn show(ui: &mut Ui, (input, has_sentence): (Input<'_>, bool), state: &mut S
     let from = ui.cursor().min.y;
     // The sentence stays in sight, however far the rest is scrolled.
     if has_sentence {
-        hold(ui, &mut state.sentence, at_end, |ui| _ = parts.sentence.show(ui, "sentence"));
+        hold(ui, &mut state.sentence, at_end, |ui| _ = parts.sentence.show(ui, "sentence", beside));
     }
     // Nor does the line at work: it stands at the bottom where it is scrolled out of sight. Nothing scrolls by itself.
     let (room, below) = (ui.available_height(), parts.pinned_height + ui.spacing().item_spacing.y);
@@ -221,27 +241,27 @@ pub fn show(ui: &mut Ui, (input, has_sentence): (Input<'_>, bool), state: &mut S
         if parts.facts.size.y > 0.0 || parts.equation.size.y > 0.0 {
             // The formula is what is taught: it is seen in a small window as well.
             if has_sentence {
-                parts.rule.show(ui, "first rule");
+                parts.rule.show(ui, "first rule", beside);
             }
-            hold(ui, &mut state.equation, at_end, |ui| places.extend(parts.equation.show(ui, "equation")));
+            hold(ui, &mut state.equation, at_end, |ui| places.extend(parts.equation.show(ui, "equation", beside)));
             formula_end = ui.cursor().min.y - top_of_all;
-            parts.rule.show(ui, "second rule");
-            hold(ui, &mut state.facts, at_end, |ui| places.extend(parts.facts.show(ui, "facts")));
+            parts.rule.show(ui, "second rule", beside);
+            hold(ui, &mut state.facts, at_end, |ui| places.extend(parts.facts.show(ui, "facts", beside)));
         }
-        places.extend(parts.name.show(ui, "name"));
+        places.extend(parts.name.show(ui, "name", beside));
         let top = ui.cursor().min.y;
-        let code = parts.code.show(ui, "code");
+        let code = parts.code.show(ui, "code", beside);
         let at_work = info.line(step.line).and_then(|line| code.get(line).copied());
         // Nothing is seen of the box around them where nothing is seen of the first.
         places.extend(code.first().map(|line| line.with_min_y(top)));
         places.extend(code);
         ui.add_space(8.0);
-        places.extend(parts.citation.show(ui, "citation"));
+        places.extend(parts.citation.show(ui, "citation", beside));
         (at_work, places)
     });
     if state.pinned.is_some() {
         ui.add_space((room - below - height).max(0.0));
-        parts.pinned.show(ui, "pinned");
+        parts.pinned.show(ui, "pinned", beside);
     }
     // Above the formula, the formula, and the line at work that stands below them.
     let needed = (scrolled.inner_rect.min.y - from + formula_end + below + PANE_MARGIN).ceil();
@@ -318,7 +338,7 @@ impl Strip {
 /// Shows why, and the formula with its numbers; where a step has none, its numbers alone. Texts that are longer than what is kept
 /// for them are set smaller, and only what has no room even so asks for more.
 pub fn strip(ui: &mut Ui, (input, room): (Input<'_>, StripRoom), state: &mut Strip) {
-    let Input { step, theme, .. } = input;
+    let Input { step, theme, beside, .. } = input;
     let key = Key { density: Density::strip(theme), ..key_of(ui, input, None) };
     let room = StripRoom { kept: room.kept - STRIP_MARGIN, ..room };
     // Where even the smallest type leaves something out of sight, a bar that is always seen says so; its room is kept.
@@ -355,7 +375,7 @@ pub fn strip(ui: &mut Ui, (input, room): (Input<'_>, StripRoom), state: &mut Str
         for (i, (at, part)) in parts.iter().enumerate() {
             let place = Rect::from_min_size(top + *at, vec2(width, needed));
             let mut inside = ui.new_child(egui::UiBuilder::new().id_salt(i).max_rect(place));
-            part.show(&mut inside, "strip");
+            part.show(&mut inside, "strip", beside);
         }
         ui.allocate_space(vec2(1.0, needed));
     });
@@ -367,15 +387,18 @@ pub fn strip(ui: &mut Ui, (input, room): (Input<'_>, StripRoom), state: &mut Str
 fn strip_parts(painter: &Painter, input: Input<'_>, (width, room): (f32, StripRoom)) -> Vec<Placed<Part>> {
     let usual = Density::strip(input.theme);
     let at = |share: &f32| Density { words: share * usual.words, math: share * usual.math, ..usual };
-    let formula = explanation::equation_of(input.step);
-    let (once, brief) = (in_numbers(formula, 1), in_numbers(formula, 0));
+    let formula = input.formulas();
+    let in_numbers = |kept| [formula.now, formula.before].map(|lines| in_numbers(lines, kept));
+    let ([once, once_before], [brief, brief_before]) = (in_numbers(1), in_numbers(0));
+    let once = Since { now: &once, before: &once_before };
+    let brief = Since { now: &brief, before: &brief_before };
     let large = (input.theme != Theme::Projector).then_some((&LARGE_SHARE, formula));
     let whole = large.into_iter().chain(TYPE_SHARES.iter().map(|share| (share, formula)));
     let first = TYPE_SHARES.iter().filter(|_| brief.len() < once.len() && once.len() < formula.len());
     let shorter = TYPE_SHARES.iter().filter(|_| brief.len() < formula.len()).chain(&SMALL_SHARES);
-    let first = first.map(|share| (share, &once[..]));
+    let first = first.map(|share| (share, once));
     let mut columns = Vec::new();
-    for (share, formula) in whole.chain(first).chain(shorter.map(|share| (share, &brief[..]))) {
+    for (share, formula) in whole.chain(first).chain(shorter.map(|share| (share, brief))) {
         columns = match room.is_column {
             true => strip_rows((input, formula), (width, at(share)), room.kept),
             false => strip_columns((input, formula), (width, at(share)), room.kept),
@@ -389,18 +412,18 @@ fn strip_parts(painter: &Painter, input: Input<'_>, (width, room): (f32, StripRo
 
 /// The sentence, and below it the formula; where there is none, as many of the numbers as `most` has room for.
 fn strip_rows(
-    (input, formula): (Input<'_>, &[Math]),
+    (input, formula): (Input<'_>, Since<'_, Math>),
     (width, density): (f32, Density),
     most: f32,
 ) -> Vec<Placed<Block>> {
     let Input { step, theme, .. } = input;
-    let facts = explanation::facts_of(step);
+    let facts = input.facts();
     let sentence = explanation::sentence(&step.sentence, (width, density), theme);
     let below = vec2(0.0, sentence.size[1] + STRIP_GAP);
     let second = match (formula.is_empty(), facts.is_empty()) {
         (false, _) => explanation::equation(formula, (width, density), theme),
         (true, false) => {
-            let first = |count: usize| explanation::table(&facts[..count], (width, density), theme);
+            let first = |count: usize| explanation::table(facts.first(count), (width, density), theme);
             let fewest = facts.len().min(1);
             let counts = (fewest..=facts.len()).rev();
             counts.map(first).find(|table| below.y + table.size[1] <= most).unwrap_or_else(|| first(fewest))
@@ -457,14 +480,14 @@ fn height(parts: &[Placed<Block>], width: f32) -> f32 {
 
 /// The sentence, and the formula in one column or two: as usual if that is no higher than `most`, or else whichever is lowest.
 fn strip_columns(
-    (input, formula): (Input<'_>, &[Math]),
+    (input, formula): (Input<'_>, Since<'_, Math>),
     (width, density): (f32, Density),
     most: f32,
 ) -> Vec<Placed<Block>> {
     let Input { step, theme, .. } = input;
-    let facts = explanation::facts_of(step);
+    let facts = input.facts();
     let sentence = |width: f32| explanation::sentence(&step.sentence, (width, density), theme);
-    let lines = |lines: &[Math], width: f32| explanation::equation(lines, (width, density), theme);
+    let lines = |lines: Since<'_, Math>, width: f32| explanation::equation(lines, (width, density), theme);
     if formula.is_empty() && facts.is_empty() {
         return vec![(Vec2::ZERO, sentence(width))];
     }
@@ -475,7 +498,7 @@ fn strip_columns(
     if formula.is_empty() {
         // Rather fewer numbers than a smaller sentence.
         let table = |(count, share): (usize, &f32)| {
-            one(*share, &|width| explanation::table(&facts[..count], (width, density), theme))
+            one(*share, &|width| explanation::table(facts.first(count), (width, density), theme))
         };
         let most_facts = facts.len().min(STRIP_FACTS);
         let counts = (1..=most_facts).rev();
@@ -491,7 +514,7 @@ fn strip_columns(
             let (first, second) = formula.split_at(cut);
             vec![(Vec2::ZERO, sentence(left)), (at(0.0), lines(first, column)), (at(1.0), lines(second, column))]
         };
-        let cuts = cuts(formula).into_iter().map(cut_at);
+        let cuts = cuts(formula.now).into_iter().map(cut_at);
         cuts.min_by(|a, b| height(a, width).total_cmp(&height(b, width))).unwrap_or_default()
     };
     let in_one = |share: &f32| one(*share, &|width| lines(formula, width));

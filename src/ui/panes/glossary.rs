@@ -1,50 +1,111 @@
-//! Definitions of terms where the pointer is.
+//! Definitions of terms where the pointer is, and what on the stage they stand for.
 
-use eframe::egui::{Id, Rect, RichText, Sense, Shape, Ui, Vec2};
-use motionscope_core::capital;
-use motionscope_core::glossary::{Chapter, GLOSSARY, Term, chapters_of, find, in_family, occurrences};
+use std::cell::Cell;
+
+use eframe::egui::{Id, PopupAnchor, Rect, Response, RichText, Sense, Shape, Tooltip, Ui, Vec2};
+use motionscope_core::glossary::{Chapter, GLOSSARY, Term, chapters_of, find, in_family, occurrences, role_of};
+use motionscope_core::{Role, Scene, capital};
 
 use crate::paint::charts::explanation::Block;
+use crate::paint::{Theme, legend};
 use crate::ui::drawing::chart::rect_from;
-use crate::ui::drawing::{ink, style};
+use crate::ui::drawing::{ink, primitives, style};
 
 /// So many terms of one text are defined at most: more are not read.
 const MOST: usize = 4;
 /// Width of a tooltip, in sizes of its type.
 const WIDTH: f32 = 20.0;
 
-/// A term where it stands.
+/// A word, a symbol or a number with a meaning, where it stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Link {
     /// Where it stands, from the origin of its part on.
     pub rect: Rect,
-    /// What is defined.
-    pub term: &'static Term,
-    /// Whether it is a word, and so is underlined.
-    pub is_word: bool,
+    /// What it means.
+    pub meaning: Meaning,
 }
 
-/// The terms and symbols of a part of an explanation; `family` is that of the estimator, whose chapters say what a symbol means.
+/// What a word, a symbol or a number means.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Meaning {
+    /// The term that it is: underlined.
+    Word(&'static Term),
+    /// The term that it is the symbol of.
+    Symbol(&'static Term),
+    /// The marks of the role in whose colour it stands.
+    Marks(Role),
+}
+
+/// The stage beside a text: what is pointed at in the text is pointed out on it.
+pub struct Beside<'a> {
+    scene: &'a Scene,
+    family: &'a str,
+    theme: Theme,
+    pointed: Cell<Option<Marked>>,
+}
+
+/// The role of marks, and what the legend says of them.
+pub type Marked = (Role, &'static str);
+
+impl<'a> Beside<'a> {
+    /// The stage that shows `scene`, of an estimator of this family.
+    pub fn new(scene: &'a Scene, family: &'a str, theme: Theme) -> Self {
+        Self { scene, family, theme, pointed: Cell::new(None) }
+    }
+
+    /// The role whose words, symbol or number is pointed at.
+    pub fn pointed(&self) -> Option<Role> {
+        self.pointed.get().map(|(role, _)| role)
+    }
+
+    /// The marks that `meaning` stands for; `None` if no such mark is there.
+    fn marks(&self, meaning: Meaning) -> Option<Marked> {
+        let is_there = |role: Role| {
+            self.scene.marks.iter().any(|mark| mark.role == role)
+                || self.scene.links.iter().any(|link| link.role == role)
+        };
+        let is_meant = |found: &'static Term, term: &'static Term| std::ptr::eq(in_family(found, self.family), term);
+        let is_named = |term, says: &str| occurrences(says).iter().any(|(_, found)| is_meant(found, term));
+        // The shortest is about nothing else: “candidate” rather than “next candidates”.
+        let entry = |is_meant: &dyn Fn(Role, &str) -> bool| {
+            let entries = self.scene.legend.iter().filter(|(role, says)| is_meant(*role, says) && is_there(*role));
+            entries.min_by_key(|(_, says)| says.len()).copied()
+        };
+        match meaning {
+            Meaning::Marks(of) => entry(&|role, _| role == of),
+            Meaning::Word(term) | Meaning::Symbol(term) => {
+                let usual = role_of(term, self.family);
+                entry(&|_, says| is_named(term, says)).or_else(|| entry(&|role, _| Some(role) == usual))
+            }
+        }
+    }
+}
+
+/// The terms, the symbols, and the words in the colours of roles, of a part of an explanation; `family` is that of the estimator,
+/// whose chapters say what a symbol means.
 pub fn links(block: &Block, family: &str) -> Vec<Link> {
-    let words = block.terms.iter().map(|(rect, term)| Link {
-        rect: rect_from(*rect),
-        term: in_family(term, family),
-        is_word: true,
-    });
-    let symbols = block.symbols.iter().filter_map(|(rect, name)| {
-        let term = symbol(name, family)?;
-        Some(Link { rect: rect_from(*rect), term, is_word: false })
-    });
-    words.chain(symbols).collect()
+    let link = |rect: &_, meaning| Link { rect: rect_from(*rect), meaning };
+    let predicted = block.symbols.iter().filter(|(_, name)| without_minus(name).is_some());
+    let predicted = predicted.map(|(rect, _)| link(rect, Meaning::Marks(Role::Predicted)));
+    let marks = block.roles.iter().map(|(rect, role)| link(rect, Meaning::Marks(*role))).chain(predicted);
+    let words = block.terms.iter().map(|(rect, term)| link(rect, Meaning::Word(in_family(term, family))));
+    let symbols = block.symbols.iter();
+    let symbols = symbols.filter_map(|(rect, name)| Some(link(rect, Meaning::Symbol(symbol(name, family)?))));
+    marks.chain(words).chain(symbols).collect()
 }
 
 /// What a symbol of a formula means, or a name in it.
-fn symbol(name: &str, family: &str) -> Option<&'static Term> {
-    let plain = plain(name);
+pub fn symbol(name: &str, family: &str) -> Option<&'static Term> {
+    let plain = plain(without_minus(name).unwrap_or(name));
     let of = |chapter: &Chapter| GLOSSARY.iter().find(|term| term.chapter == *chapter && has_symbol(term, &plain));
     let is_name = name.chars().filter(|c| c.is_alphabetic()).count() > 1;
     let named = || find(name).or_else(|| occurrences(name).first().map(|(_, term)| *term));
     chapters_of(family).iter().find_map(of).or_else(|| if is_name { named() } else { None })
+}
+
+/// The symbol of a prediction, `x⁻` or `x^−`, without its minus sign; `None` for others.
+fn without_minus(name: &str) -> Option<&str> {
+    name.strip_suffix('⁻').or_else(|| name.strip_suffix("^−")).filter(|letter| !letter.is_empty())
 }
 
 /// Whether `term` is written so: a symbol of several parts, as (u, v), is that of each part.
@@ -58,21 +119,91 @@ fn plain(symbol: &str) -> String {
     symbol.replace('\u{16b}', "u\u{304}")
 }
 
-/// Underlines the words among `links` with faint dots and defines what is pointed at; `by` is where their part stands.
-pub fn sense(ui: &Ui, salt: &str, links: &[Link], by: Vec2) {
+/// Underlines the terms among `links` with faint dots, defines what is pointed at, and tells which marks it stands for; `part` is where
+/// their part stands.
+pub fn sense(ui: &Ui, salt: &str, (links, part): (&[Link], Rect), beside: &Beside<'_>) {
+    let by = part.min.to_vec2();
     let color = ui.visuals().weak_text_color();
     for (i, link) in links.iter().enumerate() {
         let rect = link.rect.translate(by);
         if !ui.is_rect_visible(rect) {
             continue;
         }
-        if link.is_word {
+        if let Meaning::Word(_) = link.meaning {
             let ends = [rect.left_bottom(), rect.right_bottom()];
             ui.painter().extend(Shape::dotted_line(&ends, color, 3.0, 0.6));
         }
         let id: Id = ui.scope_id().with(("term", salt, i));
-        ui.interact(rect, id, Sense::hover()).on_hover_ui(|ui| define(ui, link.term));
+        let sensed = ui.interact(rect, id, Sense::hover());
+        if !sensed.hovered() {
+            continue;
+        }
+        // What is lit is told, also of a term within words in the colour of a role.
+        let marks = beside.pointed.get().or_else(|| beside.marks(link.meaning));
+        beside.pointed.set(marks);
+        let term = match link.meaning {
+            Meaning::Word(term) | Meaning::Symbol(term) => Some(term),
+            // The tooltip of a term in these words tells it as well.
+            Meaning::Marks(_) if is_defined(ui, links, by) => continue,
+            Meaning::Marks(_) => None,
+        };
+        if term.is_some() || marks.is_some() {
+            below(&sensed, part).show(|ui| tell(ui, term, marks, beside));
+        }
     }
+}
+
+/// Highest part whose tooltips stand below all of it, in points.
+const LOW_PART: f32 = 180.0;
+
+/// The tooltip of `sensed` below its whole `part`, which is being read; below itself where that is far away.
+fn below(sensed: &Response, part: Rect) -> Tooltip<'static> {
+    let mut tooltip = Tooltip::for_enabled(sensed);
+    if part.height() <= LOW_PART {
+        let over = Rect::from_x_y_ranges(sensed.rect.x_range(), part.y_range());
+        tooltip.popup = tooltip.popup.anchor(PopupAnchor::ParentRect(over));
+    }
+    tooltip
+}
+
+/// The definition of a term, and which marks stand for it.
+fn tell(ui: &mut Ui, term: Option<&Term>, marks: Option<Marked>, beside: &Beside<'_>) {
+    term.into_iter().for_each(|term| define(ui, term));
+    marks.into_iter().for_each(|marks| on_the_stage(ui, marks, beside));
+}
+
+/// Defines the symbol that `sensed` shows, and points out the marks of its `role`.
+pub fn sense_symbol(sensed: &Response, (name, role): (&str, Option<Role>), beside: &Beside<'_>) {
+    if !sensed.hovered() {
+        return;
+    }
+    let term = symbol(name, beside.family);
+    let marks = role.and_then(|role| beside.marks(Meaning::Marks(role)));
+    let marks = marks.or_else(|| beside.marks(Meaning::Symbol(term?)));
+    beside.pointed.set(beside.pointed.get().or(marks));
+    if term.is_some() || marks.is_some() {
+        Tooltip::for_enabled(sensed).show(|ui| tell(ui, term, marks, beside));
+    }
+}
+
+/// Whether the pointer is at a term or a symbol.
+fn is_defined(ui: &Ui, links: &[Link], by: Vec2) -> bool {
+    let at = ui.input(|input| input.pointer.hover_pos());
+    let is_term = |link: &Link| !matches!(link.meaning, Meaning::Marks(_));
+    at.is_some_and(|at| links.iter().any(|link| is_term(link) && link.rect.translate(by).contains(at)))
+}
+
+/// What marks on the stage look like and mean.
+fn on_the_stage(ui: &mut Ui, (role, says): Marked, Beside { scene, theme, .. }: &Beside<'_>) {
+    ui.horizontal(|ui| {
+        if let Some(sample) = legend::sample(scene, scene.marks.iter(), role) {
+            let (rect, _) = ui.allocate_exact_size(legend::SWATCH.into(), Sense::hover());
+            let swatch = primitives::shapes(ui.painter(), &legend::swatch(role, sample, *theme, rect.min.into()));
+            ui.painter().extend(swatch);
+        }
+        ui.add_space(2.0);
+        ui.label(ink::scripted(ui, &format!("On the stage: {says}"), |words| words.small()));
+    });
 }
 
 /// A term with its definition.
@@ -105,11 +236,48 @@ pub fn tooltip(ui: &mut Ui, doc: &str) {
 
 #[cfg(test)]
 mod tests {
-    use motionscope_core::scene::{Math, Sentence};
+    use motionscope_core::scene::{Math, Picture, Sentence, Shape as SceneShape};
 
     use super::*;
     use crate::paint::Theme;
     use crate::paint::charts::explanation::{Density, equation, sentence};
+
+    /// The terms among links, and whether each is a word.
+    fn names(links: &[Link]) -> Vec<(&'static str, bool)> {
+        let name = |link: &Link| match link.meaning {
+            Meaning::Word(term) => (term.name, true),
+            Meaning::Symbol(term) => (term.name, false),
+            Meaning::Marks(role) => panic!("marks of {role:?}"),
+        };
+        links.iter().map(name).collect()
+    }
+
+    #[test]
+    fn what_is_named_in_the_legend_is_found_on_the_stage_where_it_is_marked() {
+        let mut scene = Scene::default();
+        scene.legend(Role::Window, "search window");
+        scene.legend(Role::Best, "minimum so far");
+        scene.legend(Role::Reference, "next candidates");
+        scene.mark(Picture::NEXT, Role::Reference, SceneShape::pixels(2, 2, 4, 4));
+        scene.legend(Role::Truth, "candidate");
+        scene.mark(Picture::NEXT, Role::Truth, SceneShape::pixels(4, 4, 4, 4));
+        scene.mark(Picture::NEXT, Role::Window, SceneShape::pixels(0, 0, 9, 9));
+        let marks = |meaning| Beside::new(&scene, "Block matching", Theme::Dark).marks(meaning).map(|(role, _)| role);
+        let term = |name| find(name).expect("it is in the glossary");
+        assert_eq!(marks(Meaning::Word(term("search window"))), Some(Role::Window));
+        assert_eq!(marks(Meaning::Marks(Role::Window)), Some(Role::Window));
+        assert_eq!(marks(Meaning::Word(term("candidate"))), Some(Role::Truth), "the entry that names nothing else");
+        assert_eq!(marks(Meaning::Marks(Role::Best)), None, "the legend names it, but no mark is there");
+        assert_eq!(marks(Meaning::Symbol(term("Kalman gain"))), None);
+        assert_eq!(marks(Meaning::Word(term("search range"))), Some(Role::Window), "the window is as large as that");
+        scene.legend(Role::Candidate, "particles");
+        scene.mark(Picture::NEXT, Role::Candidate, SceneShape::Points(vec![[1.0, 1.0]]));
+        let particles = |family| {
+            let hypothesis = Meaning::Word(in_family(term("hypothesis"), family));
+            Beside::new(&scene, family, Theme::Dark).marks(hypothesis).map(|(role, _)| role)
+        };
+        assert_eq!(["Region tracking", "Tracking"].map(particles), [Some(Role::Candidate); 2]);
+    }
 
     #[test]
     fn a_symbol_means_what_it_means_in_its_chapter() {
@@ -122,6 +290,7 @@ mod tests {
         assert_eq!(name("λ₁", "Interest points"), Some("eigenvalue"));
         assert_eq!(name("SAD", "Block matching"), Some("sum of absolute differences"));
         assert_eq!((name("K", "Block matching"), name("q", "Tracking")), (None, None));
+        assert_eq!(["P", "P⁻", "P^−"].map(|letters| name(letters, "Tracking")), [Some("covariance matrix"); 3]);
     }
 
     #[test]
@@ -129,16 +298,14 @@ mod tests {
         let density = Density::close(Theme::Dark);
         let words = Sentence::default().text("The Kalman gain weighs the innovation.");
         let found = links(&sentence(&words, (400.0, density), Theme::Dark), "Tracking");
-        let names: Vec<_> = found.iter().map(|link| (link.term.name, link.is_word)).collect();
-        assert_eq!(names, [("Kalman gain", true), ("innovation", true)]);
+        assert_eq!(names(&found), [("Kalman gain", true), ("innovation", true)]);
         let words = Sentence::default().text("Each is a hypothesis.");
         let found = links(&sentence(&words, (400.0, density), Theme::Dark), "Region tracking");
-        assert_eq!(found[0].term.name, "state hypothesis");
+        assert_eq!(names(&found), [("state hypothesis", true)]);
         assert!(found.iter().all(|link| link.rect.width() > 20.0 && link.rect.height() > 8.0));
         let formula = Math::Row(vec![Math::Bold("K"), Math::text(" = "), Math::Bold("P")]);
         let found = links(&equation(&[formula], (400.0, density), Theme::Dark), "Tracking");
-        let names: Vec<_> = found.iter().map(|link| (link.term.name, link.is_word)).collect();
-        assert_eq!(names, [("Kalman gain", false), ("covariance matrix", false)]);
+        assert_eq!(names(&found), [("Kalman gain", false), ("covariance matrix", false)]);
     }
 
     #[test]

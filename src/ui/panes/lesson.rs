@@ -7,6 +7,7 @@ use lucide_icons::Icon;
 use motionscope_core::Direction;
 
 use super::explanation::Part;
+use super::glossary::Beside;
 use crate::paint::Theme;
 use crate::paint::charts::prose::{self, Prose};
 use crate::session::lesson::Address;
@@ -73,11 +74,13 @@ pub struct Input<'a> {
     pub theme: Theme,
     /// The page that a link led away from, if one did.
     pub back: Option<&'a str>,
+    /// The stage on which what is pointed at is pointed out.
+    pub beside: &'a Beside<'a>,
 }
 
 /// Shows the page that is open in `rect`.
 pub fn show(ui: &mut Ui, rect: Rect, input: Input<'_>, state: &mut State, actions: &mut Actions) {
-    let Input { open, theme, back } = input;
+    let Input { open, theme, back, beside } = input;
     let chrome = theme.chrome();
     ui.painter().rect_filled(rect, 0.0, style::color(chrome.panel));
     let line = Stroke::new(1.0, style::color(chrome.line));
@@ -96,7 +99,7 @@ pub fn show(ui: &mut Ui, rect: Rect, input: Input<'_>, state: &mut State, action
     state.page = Some(open.address().clone());
     let scroll = if turned { scroll.vertical_scroll_offset(0.0) } else { scroll };
     scroll.show(&mut ui, |ui| {
-        words(ui, (open, theme), state, actions);
+        words(ui, (open, theme, beside), state, actions);
         if open.has_notes && !state.has_notes_elsewhere && !open.page().notes.is_empty() {
             ui.add_space(12.0);
             widgets::heading(ui, "Notes");
@@ -141,7 +144,12 @@ fn head(ui: &mut Ui, open: &OpenLesson, back: Option<&str>, actions: &mut Action
 }
 
 /// The words of the page, or what is wrong with it.
-fn words(ui: &mut Ui, (open, theme): (&OpenLesson, Theme), state: &mut State, actions: &mut Actions) {
+fn words(
+    ui: &mut Ui,
+    (open, theme, beside): (&OpenLesson, Theme, &Beside<'_>),
+    state: &mut State,
+    actions: &mut Actions,
+) {
     let prose = match open.words() {
         Ok(prose) => prose,
         Err(why) => {
@@ -167,7 +175,7 @@ fn words(ui: &mut Ui, (open, theme): (&OpenLesson, Theme), state: &mut State, ac
     }
     let Some(LaidOut { words, links, .. }) = &state.laid_out else { return };
     let by = ui.cursor().min.to_vec2();
-    words.show(ui, "words of the lesson");
+    words.show(ui, "words of the lesson", beside);
     for (index, (rect, to)) in links.iter().enumerate() {
         let id = ui.scope_id().with(("link", index));
         let link = ui.interact(rect.translate(by), id, Sense::click()).on_hover_cursor(CursorIcon::PointingHand);

@@ -34,6 +34,7 @@ use super::model::pen::Pen;
 use super::model::snapshot::Snapshot;
 use super::model::walker::View;
 use super::parts::widgets;
+use crate::paint::FreehandLine;
 use crate::ui::app::action::{Action, Actions, Side};
 use crate::ui::app::commands::Command;
 use crate::ui::charts::{
@@ -44,6 +45,7 @@ use crate::ui::stage;
 use crate::view::look::Look;
 use crate::view::panes::{Angles, Pane};
 use charts::Chosen;
+use glossary::Beside;
 use layout::{Arrangement, Border, SHARES, Shares};
 
 /// What can be done on the stage, told once.
@@ -109,6 +111,9 @@ pub struct States {
     /// Small pictures with their numbers.
     #[serde(skip)]
     pub tiles: tiles::State,
+    /// The line that is being drawn by hand on a chart.
+    #[serde(skip)]
+    pub handwriting: Option<FreehandLine>,
     /// The page of a lesson.
     #[serde(skip)]
     pub lesson: lesson::State,
@@ -120,11 +125,17 @@ impl States {
         self.explained.min(shown.tiles.len().saturating_sub(1))
     }
 
-    /// From where the things in space are looked at that `step` tells of.
+    /// From where the things in space are looked at that `step` tells of, and what is seen of planes and pictures.
     pub fn angles(&self, step: &Step) -> Angles {
         let plane = step.readouts.iter().find_map(|r| if let Readout::Plane(plane) = r { Some(plane) } else { None });
         let plane = plane.and_then(|plane| self.plane.window(plane));
-        Angles { surface: self.surface3d.orbit, pyramid: self.stack3d.orbit, cloud: self.cloud3d.viewpoint, plane }
+        Angles {
+            surface: self.surface3d.orbit,
+            pyramid: self.stack3d.orbit,
+            cloud: self.cloud3d.viewpoint,
+            plane,
+            section: self.stage.section(),
+        }
     }
 }
 
@@ -413,6 +424,14 @@ impl Panes<'_> {
         Some(stage::Lockstep { tiles, explained, experiment: &shown.subject.experiment })
     }
 
+    /// The explanation in the window, beside the stage that shows `shown`.
+    fn explanation_input<'a>(&self, shown: &'a Snapshot, beside: &'a Beside<'a>) -> explanation::Input<'a> {
+        let (info, step) = self.explained(shown);
+        // One of several estimators has no step before.
+        let before = shown.before.as_deref().filter(|_| Arc::ptr_eq(step, &shown.step));
+        explanation::Input { info, step, before, beside, at_end: shown.at_end, theme: self.look.theme }
+    }
+
     /// The estimator that is explained, and what it tells.
     fn explained<'a>(&self, shown: &'a Snapshot) -> (&'static Info, &'a Arc<Step>) {
         match self.lockstep(shown) {
@@ -519,9 +538,10 @@ impl Panes<'_> {
     fn explanation(&mut self, ui: &mut Ui, has_sentence: bool) {
         match &self.view.shown {
             Some(shown) => {
-                let (info, step) = self.explained(shown);
-                let input = explanation::Input { info, step, at_end: shown.at_end, theme: self.look.theme };
+                let beside = Beside::new(&shown.scene, self.explained(shown).0.family, self.look.theme);
+                let input = self.explanation_input(shown, &beside);
                 explanation::show(ui, (input, has_sentence), &mut self.states.explanation);
+                self.states.stage.point_out(beside.pointed());
             }
             None => empty(ui, &self.before("No step is explained")),
         }
@@ -530,9 +550,10 @@ impl Panes<'_> {
     /// Sentence and formula.
     fn strip(&mut self, ui: &mut Ui, room: explanation::StripRoom) {
         if let Some(shown) = &self.view.shown {
-            let (info, step) = self.explained(shown);
-            let input = explanation::Input { info, step, at_end: shown.at_end, theme: self.look.theme };
+            let beside = Beside::new(&shown.scene, self.explained(shown).0.family, self.look.theme);
+            let input = self.explanation_input(shown, &beside);
             explanation::strip(ui, (input, room), &mut self.states.strip);
+            self.states.stage.point_out(beside.pointed());
         }
     }
 

@@ -182,18 +182,17 @@ pub fn line_height(theme: Theme) -> f32 {
     (theme.sizes().small * 1.7).round()
 }
 
-/// The line below the pictures: the pixel under the pointer in numbers, or what the marks mean.
-pub fn line(ui: &mut Ui, input: &Input<'_>, state: &mut State) {
+/// Shows the line below the pictures, the pixel under the pointer in numbers or what the marks mean; gives the role whose entry of the
+/// legend is pointed at.
+pub fn line(ui: &mut Ui, input: &Input<'_>, state: &mut State) -> Option<Role> {
     let (rect, response) =
         ui.allocate_exact_size(vec2(ui.available_width(), line_height(input.theme())), Sense::hover());
-    // Nothing stays lit when the pointer has gone elsewhere.
-    let before = state.marks.lit.take();
     if let Some(hovered) = state.hovered {
-        repaint_if(ui, before.is_some());
-        return readout(ui, input, hovered, (rect, &response));
+        readout(ui, input, hovered, (rect, &response));
+        return None;
     }
     if !input.look.legend {
-        return repaint_if(ui, before.is_some());
+        return None;
     }
     let look = state.marks.look(input);
     let items = legend_items(input, &look, ui, state);
@@ -206,8 +205,7 @@ pub fn line(ui: &mut Ui, input: &Input<'_>, state: &mut State) {
         ui.painter().hline(place.x_range(), place.max.y - 1.0, line);
     }
     let listed = if shown.hidden > 0 { folded(ui, &items, shown.hidden, rect) } else { None };
-    state.marks.lit = lit.map(|(role, _)| role).or(listed);
-    repaint_if(ui, state.marks.lit != before);
+    lit.map(|(role, _)| role).or(listed)
 }
 
 /// The number of entries that there is no room for: all entries are listed where it is pointed at, and after a click until the
@@ -223,13 +221,6 @@ fn folded(ui: &Ui, items: &Items, hidden: usize, rect: Rect) -> Option<Role> {
             button.on_hover_ui(|ui| _ = items.list(ui));
             None
         }
-    }
-}
-
-/// The marks were painted before the legend below them was pointed at.
-fn repaint_if(ui: &Ui, has_changed: bool) {
-    if has_changed {
-        ui.ctx().request_repaint();
     }
 }
 

@@ -67,6 +67,8 @@ pub struct Follow {
     ways: Vec<Transition>,
     /// Whether the whole picture was chosen by hand.
     is_paused: bool,
+    /// Whether something else of the step is seen than before, so that the view is not held under the pointer.
+    is_anew: bool,
 }
 
 impl Follow {
@@ -78,6 +80,16 @@ impl Follow {
     /// The view follows the work again.
     pub fn resume(&mut self) {
         self.is_paused = false;
+    }
+
+    /// Whether the whole picture was chosen by hand.
+    pub fn is_paused(&self) -> bool {
+        self.is_paused
+    }
+
+    /// The view goes where the scene has it, even under the pointer: something else of the step is seen.
+    pub fn look_anew(&mut self) {
+        self.is_anew = true;
     }
 
     /// Whether a part is shown magnified.
@@ -117,6 +129,11 @@ impl Follow {
 }
 
 impl State {
+    /// Looks at the work of what is seen now, although the step stays.
+    pub fn look_anew(&mut self) {
+        self.follow.look_anew();
+    }
+
     /// Follows the work of each step again.
     pub fn follow_again(&mut self) {
         self.zoom = Zoom::Fit;
@@ -153,7 +170,8 @@ impl State {
         let is_same_pane = |last: &&Followed| (last.pane, last.size) == (pane.size(), size);
         let before = last.as_ref().filter(is_same_pane).map_or(&[][..], |last| &last.close_ups);
         // Under the pointer another pixel is explained: the view must not run after it.
-        let is_held = self.hovered.is_some()
+        let is_held = !std::mem::take(&mut self.follow.is_anew)
+            && self.hovered.is_some()
             && before.len() == scenes.len()
             && last.as_ref().is_some_and(|last| (last.cursor, last.mode) == (input.cursor, mode));
         let close_ups = if input.placing.is_some() {

@@ -2,6 +2,9 @@
 
 use eframe::egui::{Pos2, Rect, Vec2, pos2, vec2};
 
+use super::State;
+use crate::paint::primitive;
+
 /// Largest size of an image pixel on the screen, in points.
 const LARGEST: f32 = 160.0;
 /// Empty margin around a picture that fits, as a fraction of the pane.
@@ -132,6 +135,25 @@ impl Lens {
     fn zoom(&self) -> Zoom {
         Zoom::At { center: self.center.into(), scale: self.scale }
     }
+
+    /// Width and height of what the pane shows, in px of the picture.
+    pub fn extent(&self) -> [f32; 2] {
+        (self.pane.size() / self.scale).into()
+    }
+}
+
+impl State {
+    /// How the pictures are looked at where that was chosen by hand; none while the view follows the work.
+    pub fn chosen(&self) -> Option<Lens> {
+        let is_by_hand = self.zoom != Zoom::Fit || self.follow.is_paused();
+        let Lens { pane, picture, .. } = self.shown.filter(|_| is_by_hand)?;
+        Some(Lens::new(pane, (picture.x as usize, picture.y as usize), self.zoom))
+    }
+
+    /// The part of the pictures that is seen where it was chosen by hand, in px of frame t.
+    pub fn section(&self) -> Option<primitive::Rect> {
+        self.chosen().map(|lens| primitive::Rect::centered(lens.center.into(), lens.extent()))
+    }
 }
 
 #[cfg(test)]
@@ -179,6 +201,18 @@ mod tests {
             let now = lens.to_image(cursor);
             assert!((now[0] - held[0]).abs() < 1e-2 && (now[1] - held[1]).abs() < 1e-2, "{now:?} {held:?}");
         }
+    }
+
+    #[test]
+    fn a_part_is_told_of_where_it_was_chosen_by_hand() {
+        let mut state = State { shown: Some(lens(Zoom::Fit)), ..State::default() };
+        assert_eq!(state.section(), None, "the view follows the work");
+        state.zoom = Zoom::At { center: [100.0, 80.0], scale: 8.0 };
+        assert_eq!(state.section(), Some(primitive::Rect::new([62.5, 55.0], [75.0, 50.0])));
+        state.fit();
+        let section = state.section().unwrap();
+        let picture = primitive::Rect::new([-0.5; 2], [584.0, 388.0]);
+        assert!(picture.corners().iter().all(|corner| section.contains(*corner)), "{section:?}");
     }
 
     #[test]

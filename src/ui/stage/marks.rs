@@ -14,7 +14,7 @@ use crate::ui::drawing::primitives::{Kept, Maker};
 /// The shapes that were shown last, by panel.
 #[derive(Clone, Default)]
 pub struct Marks {
-    /// The role that is pointed at in the legend: its marks are seen alone.
+    /// The role that is pointed at in the legend or in words: its marks are seen alone.
     pub lit: Option<Role>,
     look: Option<(Arc<Scene>, Style, Look)>,
     slots: Vec<Slot>,

@@ -16,6 +16,7 @@ mod pen;
 mod pictures;
 mod pixels;
 mod placing;
+mod pulse;
 
 use std::sync::Arc;
 
@@ -39,6 +40,7 @@ use follow::Follow;
 use glide::Glide;
 use marks::Marks;
 use pictures::Pictures;
+use pulse::Pulse;
 
 /// Between two pictures, in points.
 const GAP: f32 = 4.0;
@@ -104,6 +106,7 @@ pub struct State {
     marks: Marks,
     /// One for each estimator.
     glides: Vec<Glide>,
+    pulses: Vec<Pulse>,
     /// Where the pictures lie.
     area: Option<Rect>,
     hovered: Option<Hovered>,
@@ -118,10 +121,41 @@ pub struct State {
     loupe: Marks,
     /// The line that is being drawn by hand.
     line: Option<FreehandLine>,
+    /// The role whose words are pointed at: as of the last frame, and as of this one so far.
+    words: [Option<Role>; 2],
 }
 
 impl State {
-    /// The role whose marks alone are shown, because its entry of the legend is pointed at.
+    /// Begins a frame: what was pointed at in the last one is pointed out on the stage.
+    pub fn begin_frame(&mut self) {
+        let [seen, found] = &mut self.words;
+        *seen = found.take();
+    }
+
+    /// Points out the marks of a role, whose words are pointed at.
+    pub fn point_out(&mut self, role: Option<Role>) {
+        let [_, found] = &mut self.words;
+        *found = found.or(role);
+    }
+
+    /// Ends a frame, and asks for another one where other marks are to be pointed out.
+    pub fn end_frame(&self, ctx: &egui::Context) {
+        let [seen, found] = self.words;
+        if seen != found {
+            ctx.request_repaint();
+        }
+    }
+
+    /// Lights the marks of the role that is pointed at in the legend, or else in words. They were painted before that was known.
+    fn light(&mut self, ui: &Ui, in_legend: Option<Role>) {
+        let [in_words, _] = self.words;
+        let lit = in_legend.or(in_words);
+        if std::mem::replace(&mut self.marks.lit, lit) != lit {
+            ui.ctx().request_repaint();
+        }
+    }
+
+    /// The role whose marks alone are shown, because its entry of the legend or its words are pointed at.
     pub fn lit(&self) -> Option<Role> {
         self.marks.lit
     }
@@ -226,11 +260,18 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
     let on_level = input.pictures.on_level(input.scene.levels.as_ref(), input.look.level, view(&input));
     let input = Input { pictures: &on_level, ..input };
     pictures_above_line(ui, &input, state, &mut response);
-    match (input.placing, input.presenting.hand) {
-        (Some(_), _) => placing::tools(ui, &input, &mut response),
-        (None, Hand::Draw(color)) => pen::tools(ui, &input, color, &mut response),
+    let in_legend = match (input.placing, input.presenting.hand) {
+        (Some(_), _) => {
+            placing::tools(ui, &input, &mut response);
+            None
+        }
+        (None, Hand::Draw(color)) => {
+            pen::tools(ui, &input, color, &mut response);
+            None
+        }
         (None, _) => bar::line(ui, &input, state),
-    }
+    };
+    state.light(ui, in_legend);
     response
 }
 
@@ -238,7 +279,8 @@ pub fn show(ui: &mut Ui, input: Input<'_>, state: &mut State) -> Response {
 pub fn show_plain(ui: &mut Ui, input: &Input<'_>, state: &mut State) {
     ui.spacing_mut().item_spacing = vec2(8.0, 4.0);
     pictures_above_line(ui, input, state, &mut Response::default());
-    bar::line(ui, input, state);
+    let in_legend = bar::line(ui, input, state);
+    state.light(ui, in_legend);
 }
 
 /// Shows the pictures, with room for a line below them.
@@ -322,9 +364,15 @@ fn panes(ui: &mut Ui, area: Rect, input: &Input<'_>, state: &mut State, response
     ui.painter().rect_filled(area, 0.0, ink::color(input.theme().chrome().background));
     let (mut hovered, mut tips) = (None, Vec::new());
     let spots = spots(ui, area, &panels, input, state);
-    state.glides.resize_with(spots.last().map_or(1, |spot| spot.member + 1), Glide::default);
+    let members = spots.last().map_or(1, |spot| spot.member + 1);
+    state.glides.resize_with(members, Glide::default);
+    state.pulses.resize_with(members, Pulse::default);
     for spot in &spots {
         state.glides[spot.member].follow(spot.scene, input.animate, time);
+        state.pulses[spot.member].follow((input.cursor, spot.scene), input.animate, time);
+    }
+    if state.pulses.iter().any(|pulse| pulse.is_lit(time)) {
+        ui.ctx().request_repaint_after_secs(pulse::FRAME_SECS);
     }
     if state.glides.iter().any(|glide| glide.is_moving(time)) {
         ui.ctx().request_repaint();
@@ -474,6 +522,7 @@ fn paint_picture(ui: &Ui, spot: &Spot<'_>, input: &Input<'_>, state: &mut State)
     let moving = state.glides[member].marks(time);
     // A frame at the edge of the picture stays whole, all else ends with the picture.
     let marks = painter.with_clip_rect(lens.picture_rect().expand(BEYOND).intersect(lens.pane));
+    state.pulses[member].paint(&marks, (panel, lens), input.theme(), time);
     state.marks.paint(&marks, ((member, panel), lens), scene, input, &moving);
     let scene_look = state.marks.look(input);
     pixels::costs(&marks, on_panel(), lens, &scene_look);

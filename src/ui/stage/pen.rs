@@ -1,19 +1,15 @@
 //! The mouse as pointer or pen: what is drawn by hand on the pictures.
 
 use eframe::egui::{
-    Align, Color32, CursorIcon, Event, Label, Layout, Painter, PointerButton, Pos2, RichText, Sense, Stroke, TextStyle,
-    Ui, WidgetInfo, vec2,
+    Align, Color32, CursorIcon, Label, Layout, Painter, RichText, Sense, Stroke, TextStyle, Ui, WidgetInfo, vec2,
 };
 use lucide_icons::Icon;
 
 use super::{Input, Response, Spot, State, bar};
-use crate::paint::{FreehandLine, PenColor, Placement, Theme, freehand, pen_width};
+use crate::paint::{FreehandLine, Ground, PenColor, Placement, Theme, freehand};
 use crate::ui::app::commands::Command;
-use crate::ui::drawing::{ink, primitives, style};
+use crate::ui::drawing::{pen, primitives, style};
 use crate::ui::parts::widgets;
-
-/// Distance in points from which the pen has moved.
-const STEP_PT: f32 = 3.0;
 
 /// What the mouse does on the pictures.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -67,53 +63,23 @@ pub fn act(
         state.line = None;
         return false;
     };
-    let (is_down, is_pressed, from) =
-        ui.input(|i| (i.pointer.primary_down(), i.pointer.primary_pressed(), i.pointer.press_origin()));
-    // On a slow screen a click begins and ends within a frame. A line whose picture has gone gives way to the next one.
-    let begins = is_pressed || is_down && state.line.is_none();
-    if begins && (sensed.is_pointer_button_down_on() || sensed.clicked()) {
-        let from = from.or(sensed.interact_pointer_pos()).filter(|from| spot.lens.pixel_at(*from).is_some());
-        let Some(from) = from else { return false };
-        let (on, points) = (spot.panel.picture(), vec![spot.lens.to_image(from)]);
+    let on = Ground::Picture(spot.panel.picture());
+    if let Some(from) = pen::begun(sensed, state.line.is_some()) {
+        if spot.lens.pixel_at(from).is_none() {
+            return false;
+        }
+        let points = vec![spot.lens.to_image(from)];
         state.line = Some(FreehandLine { step: input.cursor, member: spot.member, on, color, points });
     }
-    let Some(line) = state.line.as_mut().filter(|line| line.member == spot.member && line.on == spot.panel.picture())
-    else {
+    let Some(line) = state.line.as_mut().filter(|line| line.member == spot.member && line.on == on) else {
         return false;
     };
-    for at in path(ui) {
-        let has_moved = |last: &[f32; 2]| spot.lens.to_screen(*last).distance(at) >= STEP_PT;
-        if line.points.last().is_some_and(has_moved) {
-            line.points.push(spot.lens.to_image(at));
-        }
-    }
+    pen::extend(ui, line, |at| spot.lens.to_screen(at), |at| spot.lens.to_image(at));
+    let is_down = ui.input(|i| i.pointer.primary_down());
     if !is_down {
-        ui.ctx().request_repaint();
-        response.drawn = state.line.take().map(FreehandLine::steadied).map(rounded);
+        response.drawn = pen::ended(ui, &mut state.line);
     }
     is_down
-}
-
-/// Where the mouse has been with the button down since the last frame: on a slow screen at many places.
-fn path(ui: &Ui) -> Vec<Pos2> {
-    let mut path = Vec::new();
-    ui.input(|input| {
-        for event in &input.events {
-            match event {
-                Event::PointerButton { button: PointerButton::Primary, pressed: true, .. } => path.clear(),
-                Event::PointerButton { button: PointerButton::Primary, pressed: false, .. } => return,
-                Event::PointerMoved(at) => path.push(*at),
-                _ => {}
-            }
-        }
-    });
-    path
-}
-
-/// Points to a hundredth of a pixel, as they are written.
-fn rounded(mut line: FreehandLine) -> FreehandLine {
-    line.points.iter_mut().flatten().for_each(|c| *c = (*c * 100.0).round() / 100.0);
-    line
 }
 
 /// Draws what was drawn by hand on a picture, and what is being drawn.
@@ -141,11 +107,7 @@ pub fn cursor(
         // The dot of the pointer is drawn over everything.
         Hand::Point => sensed,
         Hand::Draw(color) => {
-            if let Some(at) = sensed.hover_pos().or(sensed.interact_pointer_pos()) {
-                let (inked, radius) = (theme.ink(color.role()), 0.5 * pen_width(theme));
-                let rim = Stroke::new(inked.halo_width, ink::color(inked.halo));
-                painter.circle(at, radius + 1.0, ink::color(inked.color), rim);
-            }
+            pen::dot(&sensed, painter, (theme, color));
             sensed.on_hover_and_drag_cursor(CursorIcon::None)
         }
     }
@@ -172,7 +134,9 @@ pub fn tools(ui: &mut Ui, input: &Input<'_>, color: PenColor, response: &mut Res
         ask(cleared, PenWish::Clear);
         let done = widgets::icon_button(ui, Icon::Check, "Lay the pen down", false).on_hover_text("Esc");
         ask(done.clicked(), PenWish::Done);
-        let text = "Draw on the picture; the ink stays with this step.";
+        // Charts are drawn on where they are presented.
+        let on = if input.presenting.is_bare { "picture or chart" } else { "the picture" };
+        let text = format!("Draw on {on}; the ink stays with this step.");
         ui.add(Label::new(RichText::new(text).text_style(TextStyle::Small)).truncate());
     });
 }

@@ -41,9 +41,14 @@ fn changes(now: &Grid<f64>, before: &Grid<f64>) -> Grid<bool> {
 /// The state and its covariance.
 fn estimate_matrices(filter: &Filter, before: Option<&Filter>, role: Role) -> [Matrix; 2] {
     let rows = owned(filter.names());
-    let state = matrix("x", "state", Some(role), column(&filter.state())).with_decimals(filter.decimals());
+    let [x, p] = if role == Role::Predicted {
+        [("x⁻", "predicted state"), ("P⁻", "predicted covariance")]
+    } else {
+        [("x", "state"), ("P", "state covariance")]
+    };
+    let state = matrix(x.0, x.1, Some(role), column(&filter.state())).with_decimals(filter.decimals());
     let state = Matrix { rows: rows.clone(), ..state };
-    let covariance = matrix("P", "state covariance", Some(role), filter.covariance());
+    let covariance = matrix(p.0, p.1, Some(role), filter.covariance());
     let covariance = Matrix { columns: rows.clone(), rows, ..covariance };
     [
         lit(state, before.map(|before| column(&before.state())).as_ref()),
@@ -60,7 +65,7 @@ fn of_update(numbers: &UpdateNumbers, before: Option<&UpdateNumbers>, names: &[&
         columns: measured.clone(),
         ..matrix(symbol, meaning, None, entries.clone())
     };
-    let innovation = matrix("ν", "innovation", Some(Role::Measured), column(residual)).with_decimals(LENGTH_DECIMALS);
+    let innovation = matrix("ν", "innovation", Some(Role::Best), column(residual)).with_decimals(LENGTH_DECIMALS);
     let gain =
         Matrix { rows: owned(names), columns: measured.clone(), ..matrix("K", "Kalman gain", None, gain.clone()) };
     let observation = Matrix {
