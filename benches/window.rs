@@ -1,7 +1,8 @@
 //! How long the window takes for a frame over a dense flow, and for a page of a lesson: `cargo bench --bench window`.
 //!
 //! Horn-Schunck at 1920×1080 at its end, colours of the wheel and arrows over frame t: laying everything out and making
-//! triangles of it, which is what a frame costs before the graphics card has it. Pages of two lessons in turn: from the name
+//! triangles of it, which is what a frame costs before the graphics card has it, while the picture is zoomed; and while the
+//! pointer moves over all panes at twice as many pixels, with an arrow every 16 px, 8160 in all. Pages of two lessons in turn: from the name
 //! of the page to its words, and to its step.
 
 use std::hint::black_box;
@@ -16,25 +17,28 @@ use motionscope::ui::{self, Start};
 /// Pages with different clips and estimators.
 const PAGES: [&str; 2] = ["lesson:sequential-search/2", "lesson:horn-schunck/3"];
 
-/// A window that opens this.
-fn opened(start: Start) -> Harness<'static, App> {
+/// A window that opens this, with so many pixels to a point.
+fn opened(start: Start, pixels_per_point: f32) -> Harness<'static, App> {
     let build = move |cc: &mut eframe::CreationContext<'static>| {
         let mut app = App::new(&cc.egui_ctx, None).expect("a thread");
         ui::begin(&mut app, start);
         app
     };
-    Harness::builder().with_size(vec2(1920.0, 1080.0)).build_eframe(build)
+    let builder = Harness::builder().with_size(vec2(1920.0, 1080.0));
+    builder.with_pixels_per_point(pixels_per_point).build_eframe(build)
 }
 
-/// A window on the end of a run, drawn until it is there.
-fn window() -> Harness<'static, App> {
+/// A window on the end of a run with this look, drawn until it is there.
+fn window(picture: &str, pixels_per_point: f32) -> Harness<'static, App> {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("dense.motionscope");
     let clip = "synth:pillar,width=1920,height=1080,frames=2";
-    let lines =
-        format!("motionscope = 1\nclip = \"{clip}\"\nestimator = \"horn-schunck\"\n[set]\niterations = \"5\"\n");
+    let lines = format!(
+        "motionscope = 1\nclip = \"{clip}\"\nestimator = \"horn-schunck\"\n[set]\niterations = \"5\"\n\
+         {picture}"
+    );
     std::fs::write(&path, lines).expect("it is written");
-    let mut window = opened(Start { open: Some(path.into()) });
+    let mut window = opened(Start { open: Some(path.into()) }, pixels_per_point);
     let begun = Instant::now();
     while begun.elapsed() < Duration::from_secs(120)
         && !window.state().view().shown.as_deref().is_some_and(|s| s.at_end)
@@ -48,8 +52,25 @@ fn window() -> Harness<'static, App> {
 }
 
 fn frame(c: &mut Criterion) {
-    let mut window = window();
-    assert!(window.state().view().shown.as_deref().is_some_and(|shown| shown.at_end && shown.pictures.layer.is_some()));
+    let is_there = |window: &Harness<'static, App>| {
+        let shown = window.state().view().shown.as_deref();
+        shown.is_some_and(|shown| shown.at_end && shown.pictures.layer.is_some())
+    };
+    let mut pointed = window("[picture]\narrow-spacing = 16\n", 2.0);
+    assert!(is_there(&pointed));
+    let mut x = 0.0;
+    c.bench_function("a frame of the window over 8160 arrows, 1080p at 2×, while the pointer moves", |b| {
+        b.iter(|| {
+            x = (x + 97.0) % 1900.0;
+            pointed.hover_at(Pos2::new(x, 400.0));
+            pointed.step();
+            let shapes = pointed.output().shapes.clone();
+            black_box(pointed.ctx.tessellate(shapes, 2.0).len())
+        });
+    });
+    drop(pointed);
+    let mut window = window("", 1.0);
+    assert!(is_there(&window));
     let mut way = 1.0;
     c.bench_function("a frame of the window over a dense flow, 1080p, while it is zoomed", |b| {
         b.iter(|| {
@@ -66,7 +87,7 @@ fn frame(c: &mut Criterion) {
 }
 
 fn page(c: &mut Criterion) {
-    let mut window = opened(Start { open: Some(PAGES[1].into()) });
+    let mut window = opened(Start { open: Some(PAGES[1].into()) }, 1.0);
     let parts = [("the words of a page of a lesson", false), ("the step of a page of a lesson", true)];
     for (name, is_waited_for) in parts {
         let mut pages = PAGES.into_iter().cycle();
