@@ -311,7 +311,10 @@ pub fn equation<'a>(formulas: impl Into<Since<'a, Math>>, (width, density): (f32
 
 /// A frame around what has changed: on a filled ground, the colours of roles could hardly be read.
 fn light(canvas: &mut Canvas, rect: Rect, theme: Theme) {
-    canvas.frame(rect.grown(LIT_MARGIN), LIT_PT, theme.chrome().accent);
+    let mut frame = rect.grown(LIT_MARGIN);
+    // Nothing above the first line of its part is seen.
+    frame.min[1] = frame.min[1].max(LIT_PT / 2.0);
+    canvas.frame(frame, LIT_PT, theme.chrome().accent);
 }
 
 /// Labels left, values right; those that differ from the fact of the same name before are lit.

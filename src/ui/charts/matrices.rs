@@ -36,7 +36,8 @@ pub fn show(
         ui.spacing_mut().scroll = ScrollStyle { foreground_color: true, ..ScrollStyle::solid() };
     }
     let [_, scrolled] = state.scrolled;
-    let end = end_of_view(&places, scrolled, room.y);
+    let is_at_end = scrolled + room.y >= whole.height() - 1.0;
+    let end = if is_at_end { room.y } else { end_of_view(&places, scrolled, room.y) };
     let scroll = egui::ScrollArea::both().id_salt("matrices").auto_shrink(false);
     let shown = scroll.show(ui, |ui| {
         let (rect, _) = ui.allocate_exact_size(whole.size(), Sense::hover());

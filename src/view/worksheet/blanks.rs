@@ -191,7 +191,12 @@ impl Exercise {
             .collect();
         let earlier = before.map(matrices_of).unwrap_or_default();
         let of_before = |now: &Matrix| {
-            let other = earlier.iter().find(|other| other.symbol == now.symbol && other.name == now.name)?;
+            let is_same = |other: &&Matrix| other.symbol == now.symbol && other.name == now.name;
+            // A prediction has a minus sign, as P⁻ beside P.
+            let bare = |matrix: &Matrix| matrix.symbol.trim_end_matches('⁻');
+            let is_shown = |other: &Matrix| all.iter().any(|shown| shown.symbol == other.symbol);
+            let is_predicted = |other: &&Matrix| bare(other) == bare(now) && !is_shown(other);
+            let other = earlier.iter().find(is_same).or_else(|| earlier.iter().find(is_predicted))?;
             let is_other = other.entries.size() == now.entries.size() && other.entries != now.entries;
             is_other.then(|| Matrix { changed: None, ..other.clone() })
         };

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use motionscope_core::scene::{Math, Matrix, Sentence, Shape};
+use motionscope_core::scene::{Mark, Math, Matrix, Sentence, Shape};
 use motionscope_core::{Role, Scene, Step};
 
 use super::About;
@@ -412,7 +412,11 @@ fn given(scene: &Scene, is_decided: bool) -> Scene {
         _ => true,
     };
     let mut scene = scene.clone();
-    scene.marks.retain(|mark| is_given(mark.role) && !matches!(mark.shape, Shape::Text { .. } | Shape::Heat { .. }));
+    // The ellipse of a gate shows what lies within it.
+    let tells = |mark: &Mark| is_decided && mark.role == Role::Window && matches!(mark.shape, Shape::Ellipse { .. });
+    scene.marks.retain(|mark| {
+        !tells(mark) && is_given(mark.role) && !matches!(mark.shape, Shape::Text { .. } | Shape::Heat { .. })
+    });
     scene.links.retain(|link| is_given(link.role));
     scene.legend.retain(|(role, _)| is_given(*role));
     scene
@@ -521,6 +525,12 @@ mod tests {
         };
         assert_eq!(roles(false), [Role::Rejected, Role::Window]);
         assert_eq!(roles(true), [Role::Window]);
+        scene.mark(
+            Picture::CURRENT,
+            Role::Window,
+            Shape::Ellipse { center: [4.0; 2], radii: [2.0; 2], angle_rad: 0.0 },
+        );
+        assert_eq!([false, true].map(|is_decided| given(&scene, is_decided).marks.len()), [3, 1], "nor is a gate");
     }
 
     #[test]
