@@ -34,7 +34,7 @@ fn window(picture: &str, pixels_per_point: f32) -> Harness<'static, App> {
     let path = folder.path().join("dense.motionscope");
     let clip = "synth:pillar,width=1920,height=1080,frames=2";
     let lines = format!(
-        "motionscope = 1\nclip = \"{clip}\"\nestimator = \"horn-schunck\"\n[set]\niterations = \"5\"\n\
+        "motionscope = 1\nclip = \"{clip}\"\nestimator = \"horn-schunck\"\nstep = \"end\"\n[set]\niterations = \"5\"\n\
          {picture}"
     );
     std::fs::write(&path, lines).expect("it is written");
