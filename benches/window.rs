@@ -17,7 +17,7 @@ use motionscope::ui::{self, Start};
 /// Pages with different clips and estimators.
 const PAGES: [&str; 2] = ["lesson:sequential-search/2", "lesson:horn-schunck/3"];
 
-/// A window that opens this, with so many pixels to a point.
+/// A window that opens this clip, session or page, at a scale of the display.
 fn opened(start: Start, pixels_per_point: f32) -> Harness<'static, App> {
     let build = move |cc: &mut eframe::CreationContext<'static>| {
         let mut app = App::new(&cc.egui_ctx, None).expect("a thread");

@@ -1,26 +1,17 @@
 //! What the examples claim, measured: where an estimator works, where it fails, and what works instead.
 
+mod common;
+
+use common::clip_of;
 use motionscope_core::examples::{self, Cause, Example, Settings};
 use motionscope_core::products::Reference;
-use motionscope_core::{AnyEstimator, Clip, Params, Threads, detection, estimator, estimators, synth};
-
-/// The clip of an example.
-fn clip(example: &Example) -> Clip {
-    let mut parts = example.clip.split(',');
-    let scene = synth::scene(parts.next().expect("a scene")).expect("a scene of the generator");
-    let mut difficulty = scene.difficulty();
-    for part in parts {
-        let (name, value) = part.split_once('=').expect("NAME=VALUE");
-        difficulty.set(name, value).expect("a slider in range");
-    }
-    scene.clip(&difficulty).expect("a clip")
-}
+use motionscope_core::{AnyEstimator, Threads, detection, estimator, estimators};
 
 /// The value of the measure `key` of a run of the estimator `id`.
 fn measured(id: &str, settings: Settings, example: &Example, key: &str) -> f64 {
     let mut estimator = estimator(id).expect("an estimator");
     settings.iter().for_each(|(name, value)| estimator.set(name, value).expect("a parameter in range"));
-    let (clip, threads) = (clip(example), Threads::single());
+    let (clip, threads) = (clip_of(example), Threads::single());
     let output = estimator.run(&clip, example.frame, &threads).expect("a run");
     let reference = Reference { clip: &clip, frame: example.frame };
     let assessment = detection::assess(&*estimator, &output, &reference, &threads).expect("an assessment");

@@ -218,7 +218,7 @@ fn seeking_anywhere_equals_walking_there() {
         }
         let extent = estimator.extent(&clip, 0).unwrap();
         assert_eq!(views.len() as u64, extent.events + 1, "one stop for each event, and the start");
-        // What is told of a pixel that is pointed at.
+        // The explanations of a pixel under the pointer.
         let focus = Some(Focus::current([17.0, 13.0]));
         let mut pointed = Vec::new();
         for view in views.iter().rev() {

@@ -4,7 +4,7 @@ mod common;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use common::set;
+use common::{clip_of, set};
 use motionscope_core::examples::{self, Example};
 use motionscope_core::scene::{Answer, Asked, Picture, Question, Scene, Sentence, Shown, asked};
 use motionscope_core::{
@@ -158,15 +158,7 @@ impl Answers {
 
 /// The run of an example.
 fn walk(id: &str, example: &Example) -> Box<dyn Walk> {
-    let mut parts = example.clip.split(',');
-    let scene = synth::scene(parts.next().expect("a scene")).expect("a scene of the generator");
-    let mut difficulty = scene.difficulty();
-    for part in parts {
-        let (name, value) = part.split_once('=').expect("NAME=VALUE");
-        difficulty.set(name, value).expect("a slider in range");
-    }
-    let clip = scene.clip(&difficulty).expect("a clip");
-    set(id, example.settings).walk(&clip, example.frame).expect("a walk")
+    set(id, example.settings).walk(&clip_of(example), example.frame).expect("a walk")
 }
 
 /// The answers of an estimator's examples: first from their start by smaller and by larger steps, then from places all over their runs.

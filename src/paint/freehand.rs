@@ -86,7 +86,7 @@ pub enum Ground {
         pane: &'static str,
         /// Its width and height in points when it was drawn on.
         size: [f32; 2],
-        /// Its viewpoint, section or scroll position when it was drawn on, with zeros behind; `None` for the one that it has at first.
+        /// Its viewpoint, section or scroll position at the time of drawing, padded with zeros; `None` for the default one.
         view: Option<[f32; Ground::VIEW]>,
     },
 }

@@ -233,7 +233,7 @@ impl<E: Estimator> Timeline<E> {
         self.seen_up_to(self.seen, focus)
     }
 
-    /// What was seen of the unit at its event number `seen`.
+    /// The unit up to its event number `seen`.
     fn seen_up_to(&self, seen: usize, focus: Option<Focus>) -> Seen<'_, E> {
         let (cursor, is_over) =
             (Cursor { unit: self.unit.index, event: seen }, seen > 0 && seen == self.unit.events.len());
@@ -242,7 +242,7 @@ impl<E: Estimator> Timeline<E> {
             before: &self.unit.before,
             after: is_over.then_some(&self.unit.after),
             events: &self.unit.events[..seen],
-            // A pixel whose turn has not come is not told.
+            // A pixel is not explained before its turn.
             focus: focus.filter(|focus| {
                 self.takes(focus.on) && self.explained(*focus).is_none_or(|explained| explained.at(cursor))
             }),

@@ -3,10 +3,12 @@
 
 use std::sync::Arc;
 
+use motionscope_core::examples::Example;
+use motionscope_core::pseudocode::Line;
 use motionscope_core::scene::Focus;
 use motionscope_core::{
-    AnyEstimator, Border, Clip, Cursor, Direction, Error, Flow, Frame, Gray, Grid, Move, ObjectBox, Threads, Truth,
-    Walk, estimator, metrics, scene,
+    AnyEstimator, Border, Clip, Cursor, Direction, Error, Flow, Frame, Gray, Grid, Info, Move, ObjectBox, Params as _,
+    Threads, Truth, Walk, estimator, metrics, scene, synth,
 };
 
 /// A truth that knows objects alone, by frame.
@@ -31,6 +33,23 @@ pub fn set(id: &str, settings: &[(&str, &str)]) -> Box<dyn AnyEstimator> {
     let mut estimator = estimator(id).expect("it is there");
     settings.iter().for_each(|(name, value)| estimator.set(name, value).expect("in range"));
     estimator
+}
+
+/// The clip of an example.
+pub fn clip_of(example: &Example) -> Clip {
+    let mut parts = example.clip.split(',');
+    let scene = synth::scene(parts.next().expect("a scene")).expect("a scene of the generator");
+    let mut difficulty = scene.difficulty();
+    for part in parts {
+        let (name, value) = part.split_once('=').expect("NAME=VALUE");
+        difficulty.set(name, value).expect("a slider in range");
+    }
+    scene.clip(&difficulty).expect("a clip")
+}
+
+/// The declaration of an estimator with this pseudocode, which is not registered.
+pub fn toy(pseudocode: &'static [Line]) -> Info {
+    Info { id: "toy", name: "Toy", family: "Toys", summary: "", source: "", pseudocode, granularities: &[], frames: 1 }
 }
 
 /// Waves in all directions, so long that over a block the difference grows with the distance from the match.

@@ -7,6 +7,7 @@ use motionscope_core::pseudocode::Name;
 use motionscope_core::scene::Sentence;
 use motionscope_core::{Info, Step, pseudocode};
 
+use crate::common::toy;
 use crate::walks::{ALL, Seen};
 
 /// What is wrong with the pseudocode of an estimator, and with the steps that were seen.
@@ -45,16 +46,7 @@ mod elsewhere {
 
 #[test]
 fn what_is_wrong_is_found() {
-    let info = Info {
-        id: "toy",
-        name: "Toy",
-        family: "Toys",
-        summary: "",
-        source: "",
-        pseudocode: line::ALL,
-        granularities: &[],
-        frames: 1,
-    };
+    let info = toy(line::ALL);
     let mut seen = Seen::default();
     let mut see = |line, said: &str| {
         let step = Step { line, sentence: Sentence::default().text(said), readouts: Vec::new() };

@@ -3,6 +3,7 @@
 use motionscope_core::scene::{Asked, Case, Question, Reading, Sentence};
 use motionscope_core::{Info, Step, pseudocode};
 
+use crate::common::toy;
 use crate::rules;
 use crate::walks::{ALL, Seen};
 
@@ -92,16 +93,7 @@ fn a_limit_that_no_number_exceeds_is_found() {
     const SHARE: Reading = Reading { line: line::UPDATE, after: "covers ", before: " %", unit: "%" };
     const MOST: &[Case] = &[Case::over(SHARE, 50.0, "Yes"), Case::says(line::UPDATE, "covers", "No")];
     const ALL_OF_IT: &[Case] = &[Case::over(SHARE, 100.0, "Yes"), Case::says(line::UPDATE, "covers", "No")];
-    let info = Info {
-        id: "toy",
-        name: "Toy",
-        family: "Toys",
-        summary: "",
-        source: "",
-        pseudocode: line::ALL,
-        granularities: &[],
-        frames: 1,
-    };
+    let info = toy(line::ALL);
     let questions = [("most", MOST), ("all", ALL_OF_IT)].map(|(id, cases)| Question::choice(id, "Is it so?", cases));
     let mut seen = Seen::default();
     for said in ["It covers 40 % of it.", "It covers 100 % of it."] {

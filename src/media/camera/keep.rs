@@ -205,25 +205,34 @@ mod tests {
         }
     }
 
-    #[test]
-    fn the_measured_rate_is_in_the_recording() {
-        /// Frames every 20 ms from a camera that claims 240 frames per second.
-        struct Slow;
+    /// A camera with a frame after each pause, which claims another rate.
+    struct Paced {
+        fps: u32,
+        pause: Duration,
+    }
 
-        impl CameraFeed for Slow {
-            fn begin(&mut self, _: &Stop) -> Result<Format, Error> {
-                Format::parse(b"YUV4MPEG2 W2 H1 F240:1 Cmono")
-            }
-
-            fn next(&mut self, _: &Stop) -> Result<Option<Vec<u8>>, Error> {
-                std::thread::sleep(Duration::from_millis(20));
-                Ok(Some(vec![7; 2]))
-            }
+    impl CameraFeed for Paced {
+        fn begin(&mut self, _: &Stop) -> Result<Format, Error> {
+            Format::parse(format!("YUV4MPEG2 W2 H1 F{}:1 Cmono", self.fps).as_bytes())
         }
 
+        fn next(&mut self, _: &Stop) -> Result<Option<Vec<u8>>, Error> {
+            std::thread::sleep(self.pause);
+            Ok(Some(vec![7; 2]))
+        }
+    }
+
+    #[test]
+    fn the_measured_rate_is_in_the_recording() {
         let folder = tempfile::tempdir().unwrap();
         let out = folder.path().join("a.y4m");
-        let done = record(Box::new(Slow), Duration::from_millis(200), &out, None).unwrap();
+        let done = record(
+            Box::new(Paced { fps: 240, pause: Duration::from_millis(20) }),
+            Duration::from_millis(200),
+            &out,
+            None,
+        )
+        .unwrap();
         let clip = open(&out, &Open::default()).unwrap();
         let measured = (done.frames - 1) as f64 / done.time.as_secs_f64();
         assert!(clip.info().fps.is_some_and(|fps| (fps - measured).abs() < 0.1), "{:?}, {measured}", clip.info().fps);
@@ -232,23 +241,15 @@ mod tests {
 
     #[test]
     fn a_recording_ends_with_the_frame_before_its_time_is_over() {
-        /// Frames every 60 ms.
-        struct Steady;
-
-        impl CameraFeed for Steady {
-            fn begin(&mut self, _: &Stop) -> Result<Format, Error> {
-                Format::parse(b"YUV4MPEG2 W2 H1 F30:1 Cmono")
-            }
-
-            fn next(&mut self, _: &Stop) -> Result<Option<Vec<u8>>, Error> {
-                std::thread::sleep(Duration::from_millis(60));
-                Ok(Some(vec![7; 2]))
-            }
-        }
-
         let folder = tempfile::tempdir().unwrap();
         let out = folder.path().join("a.y4m");
-        let done = record(Box::new(Steady), Duration::from_millis(300), &out, None).unwrap();
+        let done = record(
+            Box::new(Paced { fps: 30, pause: Duration::from_millis(60) }),
+            Duration::from_millis(300),
+            &out,
+            None,
+        )
+        .unwrap();
         // A loaded computer may sleep longer, never shorter.
         assert!((2..=5).contains(&done.frames), "{done:?}");
     }

@@ -292,6 +292,8 @@ pub(super) fn words(runs: &[Run], width: f32, density: Density) -> (Block, Vec<S
 pub fn equation<'a>(formulas: impl Into<Since<'a, Math>>, (width, density): (f32, Density), theme: Theme) -> Block {
     let mut block = Block::default();
     let Since { now, before } = formulas.into();
+    // Other formulas are not compared, so nothing is set of them.
+    let before = if before.len() == now.len() { before } else { &[] };
     let [set, set_before] =
         [now, before].map(|all| all.iter().map(|math| formula::typeset(math, density.math, width)).collect::<Vec<_>>());
     let lit = changes::of_formulas(&set, &set_before);

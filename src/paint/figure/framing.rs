@@ -117,7 +117,7 @@ pub(super) fn is_link_seen(link: &Link, panels: &[(Panel, Placement)]) -> bool {
     })
 }
 
-/// What is seen of a picture at `place`, in its px; `None` where it is seen whole.
+/// The visible part of a picture at `place`, in px; `None` if all of it is visible.
 fn part(place: &Placement) -> Option<Rect> {
     let at = |point: Point| [0, 1].map(|i| (point[i] - place.origin[i]) / place.zoom - 0.5);
     place.seen.map(|seen| Rect { min: at(seen.min), max: at(seen.max) })

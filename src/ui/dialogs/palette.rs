@@ -154,7 +154,7 @@ type Rank = (Place, i32);
 enum Place {
     /// Nowhere: its letters are strewn over a name.
     Strewn,
-    /// In the name together with what it is about.
+    /// In the name and the description together.
     About,
     /// In the name together with the menu, the family, or the name for scripts.
     Beside,
@@ -165,7 +165,7 @@ enum Place {
 /// How well an entry fits; `None` if it does not.
 fn rank(query: &str, entry: &Entry) -> Option<Rank> {
     let Entry { text, tip, also, about, .. } = entry;
-    // What it is of is worth less than what it is called.
+    // A match in the description ranks below one in the name.
     let of = fuzzy::score(query, &format!("{tip} {also}")).map(|score| score - 100);
     let score = fuzzy::score(query, text).max(of);
     let beside = format!("{text} {tip} {also}");

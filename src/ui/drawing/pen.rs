@@ -39,7 +39,7 @@ pub fn ended(ui: &Ui, line: &mut Option<FreehandLine>) -> Option<FreehandLine> {
     line.take().map(FreehandLine::steadied).map(rounded)
 }
 
-/// Draws the tip of the pen in the place of the mouse.
+/// Draws the tip of the pen at the pointer.
 pub fn dot(sensed: &Response, painter: &Painter, (theme, color): (Theme, PenColor)) {
     if let Some(at) = sensed.hover_pos().or(sensed.interact_pointer_pos()) {
         let (inked, radius) = (theme.ink(color.role()), 0.5 * pen_width(theme));

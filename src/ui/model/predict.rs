@@ -200,7 +200,7 @@ impl Predict {
         }
     }
 
-    /// Shows what was seen before, as long as the run is on its way from a step whose question was taken back; returns whether it is.
+    /// Keeps the snapshot of before while the run is on its way from a step whose question was taken back; returns whether it is.
     fn is_left(&mut self, view: &mut View, is_loading: bool) -> bool {
         let is_on_its_way = view.busy || is_loading;
         let stands_at = |after: &Snapshot| view.shown.as_deref().is_some_and(|now| is_same_step(after, now));

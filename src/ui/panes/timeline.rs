@@ -14,7 +14,7 @@ use crate::view::moment::Fault;
 
 /// Least distance of two ticks in points.
 const TICK_PT: f32 = 9.0;
-/// The smallest length of a track whose end is not told.
+/// The smallest length of a track with a hidden end.
 const OPEN_END: usize = 16;
 
 /// One track: how much there is, and how much of it was seen.

@@ -121,7 +121,7 @@ pub struct State {
     loupe: Marks,
     /// The line that is being drawn by hand.
     line: Option<FreehandLine>,
-    /// The role whose words are pointed at: as of the last frame, and as of this one so far.
+    /// The role of the words under the pointer: of the last frame, and of the current one.
     words: [Option<Role>; 2],
 }
 

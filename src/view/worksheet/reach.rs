@@ -17,7 +17,7 @@ pub struct Printed {
     pub names: BTreeSet<String>,
     /// Symbols of which a table has all values that a sum runs over.
     pub terms: BTreeSet<String>,
-    /// Sums of windows whose pixels are printed as far as it takes.
+    /// Sums of windows of which enough pixels are printed.
     pub totals: Vec<String>,
 }
 

@@ -384,7 +384,7 @@ impl Content<'_> {
     }
 }
 
-/// The lines to calculate so many numbers on, where so much `room` is left.
+/// The lines for the calculation of this many numbers in the `room` that is left.
 fn lines_for(numbers: usize, room: f32) -> usize {
     if numbers == 0 {
         return 0;

@@ -1233,14 +1233,14 @@ pub static GLOSSARY: &[Term] = &[
         KalmanFilters,
         "innovation",
         &["innovations"],
-        "The difference of the measurement and the predicted measurement, ν = z − H x.",
+        "The difference of the measurement and the predicted measurement, ν = z − H x⁻.",
     )
     .symbol("ν"),
     term(
         KalmanFilters,
         "innovation covariance",
         &[],
-        "The covariance S = H P H^T + R of the innovation: uncertainty of the prediction plus measurement noise.",
+        "The covariance S = H P⁻ H^T + R of the innovation: uncertainty of the prediction plus measurement noise.",
     )
     .symbol("S"),
     term(
@@ -1364,7 +1364,7 @@ pub static GLOSSARY: &[Term] = &[
         KalmanFilters,
         "Kalman gain",
         &["gain matrix"],
-        "The matrix K = P H^T S⁻¹ that weighs the innovation in the update: large when the prediction is less certain \
+        "The matrix K = P⁻ H^T S⁻¹ that weighs the innovation in the update: large when the prediction is less certain \
         than the measurement.",
     )
     .symbol("K"),

@@ -116,7 +116,7 @@ pub(super) fn band_color(theme: Theme) -> Color {
     chrome.panel.mix(theme.word(Role::Window), 0.16)
 }
 
-/// Words beside each other, as far as they have room.
+/// Entries beside each other, shortened at the end of the row.
 fn row(canvas: &mut Canvas, entries: &[Entry], (area, y): (Rect, f32), theme: Theme) {
     let mut x = area.min[0];
     for Entry { words, style, swatch } in entries {

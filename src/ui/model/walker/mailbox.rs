@@ -33,7 +33,7 @@ pub struct View {
     pub stopping: bool,
     /// For how long it has been.
     pub busy_for: Option<Duration>,
-    /// Frames read of those that the frame which is wanted needs.
+    /// Frames read, and frames needed to decode the requested one.
     pub reading: Option<(usize, usize)>,
     /// What is known of a run that has nothing to show yet.
     pub coming: Option<Arc<Snapshot>>,

@@ -1,4 +1,4 @@
-//! A run at work, and what is seen of it.
+//! A run at work, and its snapshots.
 
 use std::cell::{Cell, OnceCell, RefCell};
 use std::convert::Infallible;
@@ -15,7 +15,7 @@ use crate::view::moment::{Before, End, LastPair, Moment, RunView};
 use crate::view::motion::{Motion, Site};
 use crate::view::named::LastNamed;
 
-/// What was seen of motion, and what that depends on.
+/// The motion shown last, and the state on which it depends.
 pub(super) struct SeenMotion {
     cursor: Cursor,
     look: Look,
@@ -37,7 +37,7 @@ pub(super) struct Run {
     pub(super) superseded: Stop,
     /// The flow of the reverse pair, once it was asked for.
     pub(super) backward: Option<Result<Flow, Error>>,
-    /// What was seen of motion last.
+    /// The motion shown last.
     pub(super) motion: RefCell<Option<SeenMotion>>,
     /// What takes long to work out at the end is not shown yet.
     pub(super) is_brief: Cell<bool>,
@@ -54,7 +54,7 @@ impl Run {
         Ok(())
     }
 
-    /// What is to be seen where the run stands; `last` was seen before.
+    /// The snapshot of the run at its cursor; `last` is the one shown before.
     pub(super) fn snapshot(&self, focus: Option<Focus>, look: &Look, last: Option<&Snapshot>) -> Snapshot {
         let is_same_focus = self.focus.replace(focus) == focus;
         let (walk, clip) = (&*self.walk, &self.clip);
@@ -93,7 +93,7 @@ impl Run {
             && last.cursor == Cursor { unit, event: event.wrapping_sub(1) }
     }
 
-    /// What `look` shows of motion; the pixel that is explained makes no difference.
+    /// The motion as `look` shows it, whichever pixel is explained.
     pub(super) fn motion(&self, site: Site<'_>, look: &Look) -> Motion {
         let (cursor, is_checked) = (self.walk.cursor(), self.backward.is_some());
         if let Some(seen) = &*self.motion.borrow()
@@ -103,7 +103,7 @@ impl Run {
             return seen.motion.clone();
         }
         let backward = || Ok(self.backward.as_ref().and_then(|flow| flow.as_ref().ok()));
-        // A truth that cannot be read is told beside the other figures; then there are no colours.
+        // The error of an unreadable truth is listed with the other figures; then there are no colours.
         let none = || Motion::of(site, &Look { layer: Some(FlowLayer::None), ..*look }, backward).unwrap_or_default();
         let mut motion = Motion::of(site, look, backward).unwrap_or_else(|_| none());
         motion.unchecked = self.backward.as_ref().and_then(|flow| flow.as_ref().err().cloned());
@@ -120,7 +120,7 @@ impl Run {
         self.focus.get().filter(explains) != focus.filter(explains)
     }
 
-    /// What the end of the run shows, if that is where it stands.
+    /// The figures of the end, if the run is at its end.
     pub(super) fn end(&self) -> Option<&End> {
         if !self.walk.at_end() || self.is_brief.get() && self.end.get().is_none() {
             return None;

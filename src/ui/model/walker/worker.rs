@@ -1,4 +1,4 @@
-//! The worker: takes what is asked for, works on it until it is done or another thing is wanted more, and shows it.
+//! The worker: serves requests one after the other, gives up a move for a newer request, and shows the run.
 
 use std::cell::{Cell, OnceCell, RefCell};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -288,8 +288,7 @@ impl<'a> Worker<'a> {
         place_of(&*run.walk, held).filter(|at| is_explained(&*run.walk, *at))
     }
 
-    /// Works on a move until it is done or another one is wanted more; gives whether it is done. A long one shows now and
-    /// then how far it has come.
+    /// Works on a move until it is done or replaced by a newer request; returns whether it is done. A long move is shown on its way.
     pub(super) fn travel(&mut self, to: Move) -> bool {
         self.shared.mailbox().view.phase = Phase::Running;
         let Some(mut long_move) = self.run.as_ref().map(|run| LongMove::new(run, to)) else { return false };
@@ -411,7 +410,7 @@ enum Leg {
     There,
     /// Some of the way.
     Part,
-    /// Something else is wanted more.
+    /// To no end: a newer request has replaced the move.
     NotWanted,
 }
 
