@@ -287,7 +287,11 @@ impl Setter<'_> {
             Math::Bold(name) => self.text(name, size, Face::Bold, None),
             Math::Row(parts) => self.row(parts, size),
             Math::Sub(base, index) => self.script(base, index, size, [0.04, 0.22]).named(math),
-            Math::Sup(base, exponent) => self.script(base, exponent, size, [0.06, -0.38]),
+            Math::Sup(base, exponent) => {
+                let set = self.script(base, exponent, size, [0.06, -0.38]);
+                // P with a minus sign is a symbol, P squared is an expression.
+                if matches!(&**exponent, Math::Text(sign, _) if sign == "−") { set.named(math) } else { set }
+            }
             Math::Frac(top, bottom) => self.fraction(top, bottom, size),
             Math::Sum(index) => self.sum(index, size),
             Math::Abs(inner) => self.bars(inner, size),

@@ -124,6 +124,7 @@ fn plain(symbol: &str) -> String {
 pub fn sense(ui: &Ui, salt: &str, (links, part): (&[Link], Rect), beside: &Beside<'_>) {
     let by = part.min.to_vec2();
     let color = ui.visuals().weak_text_color();
+    let mut is_told = false;
     for (i, link) in links.iter().enumerate() {
         let rect = link.rect.translate(by);
         if !ui.is_rect_visible(rect) {
@@ -147,7 +148,9 @@ pub fn sense(ui: &Ui, salt: &str, (links, part): (&[Link], Rect), beside: &Besid
             Meaning::Marks(_) if is_defined(ui, links, by) => continue,
             Meaning::Marks(_) => None,
         };
-        if term.is_some() || marks.is_some() {
+        // The letter of a symbol with an index has no tooltip of its own beside that of the symbol.
+        if !is_told && (term.is_some() || marks.is_some()) {
+            is_told = true;
             below(&sensed, part).show(|ui| tell(ui, term, marks, beside));
         }
     }

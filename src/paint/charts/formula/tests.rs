@@ -193,6 +193,15 @@ fn what_is_left_out_is_a_box_with_room_to_write() {
 }
 
 #[test]
+fn a_letter_with_a_minus_sign_is_a_symbol_of_its_own() {
+    let names = |exponent: &str| {
+        let formula = set(&Math::power(Math::Bold("P"), Math::text(exponent)), 1000.0);
+        formula.symbols.into_iter().map(|(_, name)| name).collect::<Vec<_>>()
+    };
+    assert_eq!((names("−"), names("2")), (vec!["P^−".to_owned(), "P".to_owned()], vec!["P".to_owned()]));
+}
+
+#[test]
 fn symbols_tell_where_they_stand() {
     let formula = set(&Math::Row(vec![Math::indexed(Math::Var("I"), Math::Var("x")), Math::Bold("T")]), 1000.0);
     let names: Vec<_> = formula.symbols.iter().map(|(_, name)| name.as_str()).collect();

@@ -86,7 +86,7 @@ fn update_equation([before, after]: &[Track; 2], measurement: &Measurement) -> O
     }
     let numbers = before.filter.update_numbers(measurement)?;
     let [from, to] = [before, after].map(|track| px(track.filter.place()[0]));
-    let predicted = || Math::power(Math::Bold("x"), Math::text("−"));
+    let predicted = || Math::Bold("x⁻");
     let symbols = vec![
         Math::Bold("x"),
         Math::text(" = "),
