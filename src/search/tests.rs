@@ -115,8 +115,8 @@ fn formulas_in_snippets_mark_transposed_matrices() {
         of_title.map(|hit| hit.excerpt.text).unwrap_or_default()
     };
     let innovation = snippet("innovation covariance", "Innovation covariance");
-    assert!(innovation.contains("S = H P Hᵀ + R"), "{innovation}");
-    for query in ["H P H^T", "h p h^t", "H P Hᵀ"] {
+    assert!(innovation.contains("S = H P⁻ Hᵀ + R"), "{innovation}");
+    for query in ["H^T + R", "h^t + r", "Hᵀ + R"] {
         assert_eq!(snippet(query, "Innovation covariance"), innovation, "{query}, however it is typed");
     }
     for entry in index() {

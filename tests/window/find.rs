@@ -135,7 +135,7 @@ fn a_misspelling_is_answered_with_what_was_probably_meant() {
 #[test]
 fn formulas_around_a_match_mark_transposed_matrices() {
     let window = searched("innovation covariance");
-    assert!(hits(&window)[0].contains("S = H P Hᵀ + R"), "{:?}", hits(&window)[0]);
+    assert!(hits(&window)[0].contains("S = H P⁻ Hᵀ + R"), "{:?}", hits(&window)[0]);
     assert!(hits(&window).iter().all(|hit| !hit.contains("^T")));
 }
 
