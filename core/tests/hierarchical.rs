@@ -4,8 +4,8 @@ mod common;
 
 use std::collections::BTreeSet;
 
-use common::halved;
-use motionscope_core::scene::Focus;
+use common::{halved, numbers, set};
+use motionscope_core::scene::{Focus, Readout};
 use motionscope_core::{
     BlockField, BlockGrid, Border, Clip, Cursor, Direction, Frame, Gray, Grid, Move, Threads, estimator, synth,
 };
@@ -248,4 +248,37 @@ fn the_finest_level_compares_its_vectors_with_the_truth() {
     let (coarse, fine) = (end_of(0), end_of(181));
     assert!(!coarse.contains("True motion"), "{coarse}");
     assert!(fine.ends_with("True motion: (0, 0) px; endpoint error 0.00 px."), "{fine}");
+}
+
+#[test]
+fn chart_and_sentence_name_the_same_missed_minimum() {
+    let clip = synth::make("fast-ball", &synth::scene("fast-ball").expect("sound").difficulty()).expect("sound");
+    let with_range = |id| set(id, &[("range", "32")]);
+    let full = with_range("full-search").run(&clip, 3, &Threads::single()).expect("a run");
+    let full = &full.get::<BlockField>().expect("blocks").vectors;
+    let mut walk = with_range("hierarchical").walk(&clip, 3).expect("a walk");
+    let first = walk.units().expect("counted") - full.len();
+    let mut missed_count = 0;
+    // Blocks on the ball, and beside it.
+    for block in (120..132).chain(140..150) {
+        walk.jump(Move::To(Cursor { unit: first + block, event: usize::MAX }));
+        let step = walk.step(None);
+        let surface = step.readouts.iter().find_map(|readout| match readout {
+            Readout::Surface(surface) => Some(surface),
+            _ => None,
+        });
+        let surface = surface.expect("a cost surface");
+        let (found, _) = surface.optimum().expect("tested candidates");
+        let global = full[block].expect("searched");
+        let missed =
+            (global.cost < f64::from(found)).then_some((global.displacement.map(|c| c as i32), global.cost as f32));
+        assert_eq!(surface.missed(), missed, "block {}", block + 1);
+        if let Some(([u, v], cost)) = missed {
+            missed_count += 1;
+            let named = numbers(&step.sentence.plain());
+            let named = named.windows(3).any(|part| part == [f64::from(cost), f64::from(u), f64::from(v)]);
+            assert!(named, "block {}: {:?} in {}", block + 1, missed, step.sentence.plain());
+        }
+    }
+    assert!(missed_count >= 3, "{missed_count} blocks with a missed minimum");
 }

@@ -429,12 +429,15 @@ impl Surface {
         Some(self.cut([low, high], margin))
     }
 
-    /// The part with all tested displacements and a margin of `margin` px; the whole surface before the first test.
+    /// The part with all tested displacements, and the minimum that the search missed, with a margin of `margin` px; the whole
+    /// surface before the first test.
     #[must_use]
     pub fn around_tested(&self, margin: usize) -> Self {
         let (width, height) = self.values.size();
         let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-        let mut tested = places.filter(|place| self.events[*place].is_some()).peekable();
+        let missed = self.missed().map(|(at, _)| [0, 1].map(|i| (at[i] - self.origin[i]) as usize));
+        let is_shown = |&(x, y): &(usize, usize)| self.events[(x, y)].is_some() || missed == Some([x, y]);
+        let mut tested = places.filter(is_shown).peekable();
         let Some(&(x, y)) = tested.peek() else { return self.clone() };
         let around = |ends: [[usize; 2]; 2], (x, y): (usize, usize)| {
             [[ends[0][0].min(x), ends[0][1].min(y)], [ends[1][0].max(x), ends[1][1].max(y)]]
@@ -620,8 +623,15 @@ mod tests {
         let part = whole.around_tested(2);
         assert_eq!((part.origin, part.values.size()), ([-8, -14], (5, 7)));
         assert_eq!((part.range(), part.events[(2, 3)]), (whole.range(), Some(15)));
-        let nothing = Surface { events: Grid::new(33, 33, None), ..whole };
+        let nothing = Surface { events: Grid::new(33, 33, None), ..whole.clone() };
         assert_eq!(nothing.around_tested(2).values.size(), (33, 33));
+        // The minimum of the whole window belongs to the part, although a strip around the tests holds a lower cost as well.
+        let mut untested = Grid::new(33, 33, 100.0);
+        untested[(11, 5)] = 3.0;
+        untested[(30, 20)] = 1.0;
+        let missed = Surface { untested: Some(untested), ..whole };
+        assert_eq!(missed.missed(), Some(([14, 4], 1.0)));
+        assert_eq!(missed.around_tested(2).missed(), missed.missed());
     }
 
     #[test]

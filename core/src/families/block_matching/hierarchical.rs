@@ -297,7 +297,7 @@ impl Hierarchical {
         let counted = Counted { first_unit: before.first_unit(before.level), level: Some(before.level) };
         // The blocks of coarser levels are not those of the clip.
         let truth = before.truth.as_deref().filter(|_| before.level == 0).map(|truth| (truth, before.frame));
-        Probe { counted, truth, ..probe }
+        Probe { counted, truth, is_refinement: !before.is_coarsest(), ..probe }
     }
 }
 

@@ -183,13 +183,8 @@ impl Probe<'_> {
         let surface = self.full_search();
         // What was found at a sub-pixel position lies beside the minimum of its whole pixels.
         let whole = surface.cost(found.displacement).unwrap_or(found.cost);
-        if self.counted.level.is_none() && surface.least.cost < whole && found.fraction == [0.0; 2] {
-            return format!(
-                "Full search finds {} at {}: the global minimum is missed.{}",
-                self.settings.show(surface.least.cost),
-                vector(surface.least.vector()),
-                sentence_of(&self.difference_per_pixel(found).0)
-            );
+        if surface.least.cost < whole && found.fraction == [0.0; 2] {
+            return self.miss(found, surface.least);
         }
         let ties = surface.ties(found.displacement);
         if !ties.is_empty() && ties.len() + 1 == self.window.count() {
@@ -214,7 +209,7 @@ impl Probe<'_> {
                      it.",
                     at.join(", ")
                 ),
-                false => ambiguity("The cost is the same at", at),
+                false => self.ambiguity(found, "The cost is the same at", at),
             };
         }
         if self.rate.distortion(found) == 0.0 {
@@ -230,22 +225,15 @@ impl Probe<'_> {
         let competing_minima = surface.competing_minima(found.displacement, whole + margin);
         if !competing_minima.is_empty() {
             let other = |other: &Match| format!("{} at {}", self.settings.number(other.cost), vector(other.vector()));
-            let same = match self.counted.level.is_none() && surface.least.cost >= whole {
+            let same = match surface.least.cost >= whole {
                 true => "It is the global minimum, but nearly the same cost is reached at other minima:",
-                false if competing_minima.iter().any(|other| other.cost < whole) => {
-                    "The search window has other minima, which cost less or nearly the same:"
-                }
-                false => "Nearly the same cost:",
+                // Only between pixels.
+                false => "The search window has other minima, which cost less or nearly the same:",
             };
-            return ambiguity(same, competing_minima.iter().map(other).collect());
+            return self.ambiguity(found, same, competing_minima.iter().map(other).collect());
         }
-        let range = self.settings.matching.search_range as u32;
-        // Where the truth is known, it says whether the range is the cause.
-        let may_be_short = self.truth_of_block().is_none();
-        if may_be_short && found.displacement.iter().any(|c| c.unsigned_abs() == range) {
-            return format!(
-                "It lies at the limit of the search range of ±{range} px: a larger range may lower the cost."
-            );
+        if let Some(limit) = self.at_limit(found) {
+            return limit;
         }
         let (mean, levels) = self.difference_per_pixel(found);
         if levels.is_some_and(|levels| levels >= POOR_MATCH) {
@@ -259,6 +247,56 @@ impl Probe<'_> {
             true => format!("It may be a local minimum, since candidates were left out.{}", sentence_of(&mean)),
             false => format!("It is the global minimum of the search window.{}", sentence_of(&mean)),
         }
+    }
+
+    /// A lower cost was left out: where it is, and why it was not tested.
+    fn miss(&self, found: Match, least: Match) -> String {
+        let mean = sentence_of(&self.difference_per_pixel(found).0);
+        let (cost, at) = (self.settings.show(least.cost), vector(least.vector()));
+        if !self.is_refinement {
+            return format!("Full search finds {cost} at {at}: the global minimum is missed.{mean}");
+        }
+        // A lower cost elsewhere is no error of the coarser level where the match is the true motion.
+        let cause = match self.true_error(found) {
+            Some((_, off)) if off < CLOSE_PX => "",
+            _ if self.is_explained(found) => "",
+            _ => {
+                " The coarser level led elsewhere, and an error of a coarser level stays. Smaller blocks or fewer levels avoid it."
+            }
+        };
+        format!(
+            "The global minimum, {cost} at {at}, was not tested: refinement stays near the motion vectors of the coarser \
+             level.{cause}{mean}"
+        )
+    }
+
+    /// The match lies at the limit of the search range. Where the truth is known, it says whether the range is the cause.
+    fn at_limit(&self, found: Match) -> Option<String> {
+        let range = self.settings.matching.search_range as u32;
+        let is_at_limit = found.displacement.iter().any(|c| c.unsigned_abs() == range);
+        let may_be_lower = self.rate.distortion(found) > 0.0 && self.truth_of_block().is_none();
+        (is_at_limit && may_be_lower).then(|| {
+            format!("It lies at the limit of the search range of ±{range} px: a larger range may lower the cost.")
+        })
+    }
+
+    /// Displacements that cost as much, or nearly, as the match; what precedes them is `same`.
+    ///
+    /// Where the truth names another cause of the error, or the match may be cut off by the range, texture is not the only one.
+    fn ambiguity(&self, found: Match, same: &str, at: Vec<String>) -> String {
+        let more = match at.len().saturating_sub(LISTED) {
+            0 => String::new(),
+            more => format!(" and {} more", grouped(more)),
+        };
+        let listed = at[..at.len().min(LISTED)].join(", ");
+        if self.is_explained(found) {
+            return format!("{same} {listed}{more}.");
+        }
+        let limit = self.at_limit(found).map(|limit| format!(" {limit}")).unwrap_or_default();
+        format!(
+            "{same} {listed}{more}: repeating texture, an edge or a flat area makes the match ambiguous. A larger block may \
+             resolve it.{limit}"
+        )
     }
 
     /// The mean difference per pixel in words and in gray levels, for the costs that have one.
@@ -376,18 +414,6 @@ impl Probe<'_> {
 
 /// The most displacements beside the match that a displacement between pixels explains.
 const BESIDE: usize = 3;
-
-/// Displacements that cost as much, or nearly, as the match; what precedes them is `same`.
-fn ambiguity(same: &str, at: Vec<String>) -> String {
-    let more = match at.len().saturating_sub(LISTED) {
-        0 => String::new(),
-        more => format!(" and {} more", grouped(more)),
-    };
-    let listed = at[..at.len().min(LISTED)].join(", ");
-    format!(
-        "{same} {listed}{more}: repeating texture, an edge or a flat area makes the match ambiguous. A larger block may resolve it."
-    )
-}
 
 /// `940 of 1089 candidates, 86.3 %`.
 pub(crate) fn counted_share(part: usize, all: usize) -> String {

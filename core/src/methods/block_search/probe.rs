@@ -22,6 +22,8 @@ pub(crate) struct Probe<'a> {
     pub window: Window,
     /// The matches of earlier blocks.
     pub found: &'a [Match],
+    /// Whether the candidates surround motion vectors of a coarser level.
+    pub is_refinement: bool,
     /// The ground truth and frame t, where the blocks are those of the clip.
     pub truth: Option<(&'a dyn Truth, usize)>,
     /// The candidates skipped for each of them; empty for a search that skips none.
@@ -52,6 +54,7 @@ impl<'a> Probe<'a> {
             counted: Counted::default(),
             window,
             found,
+            is_refinement: false,
             truth: None,
             skipped: &[],
             events,
